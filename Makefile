@@ -1,0 +1,49 @@
+# Everything starts from here; each target sets up what it needs by itself.
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+# two arithmetic threads at most: the products are small, and results must not depend on the machine
+export OPENBLAS_NUM_THREADS ?= 1
+
+.PHONY: demo test lint bench docs evidence reconstruct format clean
+
+demo: $(VENV)/.installed
+	$(BIN)/chromanoise demo
+
+test: $(VENV)/.dev
+	$(BIN)/python -m pytest -n 2
+
+evidence: $(VENV)/.dev
+	$(BIN)/python -m pytest -m evidence
+
+lint: $(VENV)/.dev
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+
+bench: $(VENV)/.dev
+	$(BIN)/python benchmarks/closed_form_against_sampling.py
+
+docs: $(VENV)/.dev
+	$(BIN)/python tools/check_docs.py
+
+reconstruct: $(VENV)/.dev
+	$(BIN)/python tools/reconstruct_onyx.py
+
+format: $(VENV)/.dev
+	$(BIN)/ruff format .
+	$(BIN)/ruff check --fix .
+
+clean:
+	rm -rf $(VENV) out
+
+$(VENV)/.installed: pyproject.toml
+	$(PYTHON) -c 'import sys; sys.exit(0 if sys.version_info >= (3, 11) else "chromanoise needs Python 3.11 or newer; set PYTHON=python3.12, for example")'
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e .
+	touch $@
+
+$(VENV)/.dev: $(VENV)/.installed
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e ".[dev]"
+	touch $@

@@ -1,0 +1,114 @@
+"""Questions asked of arrays at the public border; the only wording of complaints."""
+
+from collections.abc import Callable, Sequence
+from difflib import get_close_matches
+from typing import Any
+
+import numpy as np
+
+Array = np.ndarray[Any, np.dtype[Any]]
+
+
+class InputError(ValueError):
+    """Something that came in from outside cannot be used; one sentence says what and where."""
+
+
+def finite(name: str, unit: str, values: Any) -> Array:
+    """``values`` as float64, refused if an entry is NaN or infinite."""
+    return _demand(name, unit, values, "finite", np.isfinite)
+
+
+def non_negative(name: str, unit: str, values: Any) -> Array:
+    """``values`` as float64, refused if an entry is NaN, infinite or negative."""
+    return _demand(name, unit, values, "finite and >= 0", lambda v: np.isfinite(v) & (v >= 0))
+
+
+def fraction(name: str, unit: str, values: Any) -> Array:
+    """``values`` as float64, refused outside 0 .. 1."""
+    return _demand(
+        name,
+        unit,
+        values,
+        "between 0 and 1 (percent? divide by 100)",
+        lambda v: (v >= 0) & (v <= 1),
+    )
+
+
+def positive(name: str, unit: str, value: float) -> float:
+    """A finite number > 0."""
+    number = float(value)
+    if not (np.isfinite(number) and number > 0):
+        raise InputError(f"{name} must be finite and > 0 [{unit}], but is {number:g}")
+    return number
+
+
+def not_negative(name: str, unit: str, value: float) -> float:
+    """A finite number >= 0."""
+    number = float(value)
+    if not (np.isfinite(number) and number >= 0):
+        raise InputError(f"{name} must be finite and >= 0 [{unit}], but is {number:g}")
+    return number
+
+
+def increasing(name: str, unit: str, values: Any) -> Array:
+    """At least two finite values, each larger than the one before."""
+    array = finite(name, unit, values)
+    if array.ndim != 1 or array.size < 2:
+        raise InputError(f"{name} must hold at least 2 values in a row [{unit}], got {array.shape}")
+    falls = np.flatnonzero(np.diff(array) <= 0)
+    if falls.size:
+        i = int(falls[0])
+        raise InputError(
+            f"{name} must increase [{unit}], but {array[i + 1]:g} follows {array[i]:g} "
+            f"at index {i + 1}; sort the rows and drop repeated ones"
+        )
+    return array
+
+
+def same_length(what: str, **lengths: int) -> None:
+    """Refuse parts that do not count the same ``what``."""
+    if len(set(lengths.values())) > 1:
+        told = ", ".join(f"{name} has {count}" for name, count in lengths.items())
+        raise InputError(f"the number of {what} differs: {told}")
+
+
+def distinct(name: str, values: Sequence[str]) -> tuple[str, ...]:
+    """Names that are not empty and not repeated."""
+    names = tuple(values)
+    for i, value in enumerate(names):
+        if not value:
+            raise InputError(f"{name} must not be empty, but entry {i} is")
+        if value in names[:i]:
+            raise InputError(f"{name} must differ, but {value!r} stands twice (entry {i})")
+    return names
+
+
+def one_of(name: str, value: str, choices: Sequence[str]) -> str:
+    """``value`` if it is a choice; otherwise the nearest choices are told."""
+    if value in choices:
+        return value
+    near = get_close_matches(value.lower(), [c.lower() for c in choices], n=3, cutoff=0.4)
+    meant = [c for c in choices if c.lower() in near]
+    hint = f"did you mean {' or '.join(meant)}?" if meant else f"known: {', '.join(choices)}"
+    raise InputError(f"unknown {name} {value!r}; {hint}")
+
+
+def frozen(array: Array) -> Array:
+    """A read-only view, so that a noun cannot be changed from outside."""
+    view = array.view()
+    view.flags.writeable = False
+    return view
+
+
+def _demand(
+    name: str, unit: str, values: Any, demand: str, holds: Callable[[Array], Array]
+) -> Array:
+    array = np.asarray(values, dtype=np.float64)
+    bad = ~holds(array)
+    if bad.any():
+        index = tuple(int(i) for i in np.argwhere(bad)[0])
+        raise InputError(
+            f"{name} must be {demand} [{unit}], but {int(bad.sum())} of {array.size} entries "
+            f"are not; the first is {array[index]:g} at index {index}"
+        )
+    return array

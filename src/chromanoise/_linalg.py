@@ -1,0 +1,27 @@
+"""The small linear algebra of sensor space: products that broadcast over pixels, ranks, angles."""
+
+import numpy as np
+from jaxtyping import Float
+
+Array = np.ndarray
+
+RANK_TOLERANCE = 1e-10
+"""Singular values of unit-norm columns below this share of the largest count as zero."""
+
+
+def congruence(a: Float[Array, "q p"], s: Float[Array, "*px p p"]) -> Float[Array, "*px q q"]:
+    """A S A^T, symmetric to the last bit."""
+    product = a @ s @ a.T
+    return 0.5 * (product + np.swapaxes(product, -1, -2))
+
+
+def unit_columns(f: Float[Array, "n p"]) -> tuple[Float[Array, "n p"], Float[Array, " p"]]:
+    """Columns of length 1, and the lengths; a zero column stays zero."""
+    norms = np.linalg.norm(f, axis=0)
+    return f / np.where(norms > 0, norms, 1.0), norms
+
+
+def angle_deg(a: Float[Array, " n"], b: Float[Array, " n"]) -> float:
+    """Angle between two vectors, accurate near 0 and 180 degrees (Kahan). [deg]"""
+    u, v = a / np.linalg.norm(a), b / np.linalg.norm(b)
+    return float(np.degrees(2 * np.arctan2(np.linalg.norm(u - v), np.linalg.norm(u + v))))

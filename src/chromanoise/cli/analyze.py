@@ -1,0 +1,38 @@
+"""``chromanoise analyze``."""
+
+from typing import Any
+
+import click
+
+from chromanoise.cli import tables
+from chromanoise.cli.options import sensor_and_light, the_exposure, the_illuminant, the_sensor
+from chromanoise.cli.output import write_json
+from chromanoise.scene import flat_field
+from chromanoise.study import analyses_as_json, analyzed
+
+
+@click.command()
+@click.argument("sensors", nargs=-1, required=True, metavar="SENSOR...")
+@sensor_and_light
+@click.option("--json", "json_target", metavar="FILE|-", help="Write JSON; - for standard output.")
+def analyze(sensors: tuple[str, ...], json_target: str | None, **options: Any) -> None:
+    """Noise of each SENSOR in raw, spectral and color coordinates, for a perfect white.
+
+    SENSOR is a catalogue name (onyx-rgbw, onyx-rgb-ircut, onyx-rgb, onyx-rgbw-ircut,
+    model-rgb-ircut, model-mono) or a CSV file with the header wavelength_nm,R,G,... and the
+    absolute QE of each channel.
+    """
+    beyond = options["beyond"]
+    illuminant = the_illuminant(options["illuminant"], beyond=beyond)
+    scene = flat_field(illuminant, level_lux=options["lux"])
+    exposure_rule = {key: options[key] for key in ("time_ms", "saturate", "f_number")}
+    pixel = {key: options[key] for key in ("pitch_um", "full_well_e", "read_noise_e")}
+    analyses = []
+    for name in sensors:
+        sensor = the_sensor(name, beyond=beyond, **pixel)
+        exposure = the_exposure(scene, sensor, **exposure_rule)
+        analyses.append(analyzed(scene, sensor, exposure, options["metric"]))
+    if json_target:
+        write_json(analyses_as_json(analyses), json_target)
+    if json_target != "-":
+        tables.print_analyses(analyses)

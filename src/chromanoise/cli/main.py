@@ -1,0 +1,78 @@
+"""The command ``chromanoise`` and the one place where complaints become exit codes."""
+
+import sys
+from difflib import get_close_matches
+from importlib import import_module
+
+import click
+
+from chromanoise import __version__
+from chromanoise._check import InputError
+
+_COMMANDS = {
+    "analyze": "Noise of sensors in raw, spectral and color coordinates, side by side.",
+    "simulate": "Render a hyperspectral cube through sensors to noisy color pictures.",
+    "reproduce": "The paper's Tables 2-5 beside ours, and its ten figures.",
+    "demo": "Everything of the paper on one page: out/demo/index.html.",
+}
+
+
+class _Commands(click.Group):
+    """Subcommands that are imported when they are called, so that help is quick."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        return list(_COMMANDS)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        if cmd_name not in _COMMANDS:
+            return None
+        module = import_module(f"chromanoise.cli.{cmd_name}")
+        command = getattr(module, cmd_name)
+        assert isinstance(command, click.Command)
+        return command
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        if args and args[0] not in _COMMANDS and not args[0].startswith("-"):
+            near = get_close_matches(args[0], _COMMANDS, n=2, cutoff=0.5)
+            hint = (
+                f"did you mean {' or '.join(near)}?" if near else f"known: {', '.join(_COMMANDS)}"
+            )
+            raise click.UsageError(f"unknown command {args[0]!r}; {hint}")
+        return super().resolve_command(ctx, args)
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        with formatter.section("Commands"):
+            formatter.write_dl(list(_COMMANDS.items()))
+
+
+@click.command(cls=_Commands, context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(__version__, prog_name="chromanoise")
+def commands() -> None:
+    """From photons to color, with the noise."""
+
+
+def main(arguments: list[str] | None = None) -> None:
+    """Run the command line; bad input ends with one sentence and exit code 2."""
+    try:
+        result = commands.main(args=arguments, prog_name="chromanoise", standalone_mode=False)
+    except click.ClickException as error:
+        _leave(error.format_message())
+    except InputError as error:
+        _leave(str(error))
+    except BrokenPipeError:
+        sys.stderr.close()  # the reader of our output went away: nothing is left to say
+        sys.exit(1)
+    except OSError as error:
+        named = f"{error.filename}: " if error.filename else ""
+        _leave(f"{named}{error.strerror or error}")
+    except (click.Abort, KeyboardInterrupt):
+        click.echo("chromanoise: stopped", err=True)
+        sys.exit(130)
+    sys.exit(result if isinstance(result, int) else 0)
+
+
+def _leave(sentence: str) -> None:
+    click.echo(f"chromanoise: {' '.join(sentence.split())}", err=True)
+    sys.exit(2)

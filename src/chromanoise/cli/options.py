@@ -1,0 +1,132 @@
+"""Options that several commands share, and the nouns they stand for."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, TypeVar
+
+import click
+
+from chromanoise._check import InputError, positive
+from chromanoise.exposure import Exposure, saturating_exposure
+from chromanoise.scene import Scene
+from chromanoise.sensor import PAPER_PIXEL, SENSOR_NAMES, Sensor, read_sensor_csv, sensor_named
+from chromanoise.spectra import (
+    DEFAULT_GRID,
+    METRICS,
+    Beyond,
+    Illuminant,
+    illuminant_from,
+    illuminant_named,
+    read_spectra_csv,
+)
+
+Command = TypeVar("Command", bound=Callable[..., Any])
+
+_SHARED = (
+    click.option(
+        "--illuminant",
+        default="E",
+        show_default=True,
+        help="E, A, G173 (daylight to 1050 nm), D65 and other CIE names, 3200K, LED660, "
+        "or a CSV file (wavelength_nm,power).",
+    ),
+    click.option("--lux", type=float, default=10.0, show_default=True, help="Illuminance [lx]."),
+    click.option("--time-ms", type=float, help="Integration time [ms], the same for all sensors."),
+    click.option(
+        "--saturate",
+        type=float,
+        help="Solve each sensor's time instead: share of full well that its most sensitive "
+        "channel reaches on a perfect white. [default: 0.99]",
+    ),
+    click.option("--f-number", type=float, default=1.8, show_default=True, help="Aperture f/#."),
+    click.option(
+        "--metric",
+        type=click.Choice(METRICS),
+        default="quanta",
+        show_default=True,
+        help="In which unit a spectrum is a vector.",
+    ),
+    click.option(
+        "--beyond",
+        type=click.Choice(["refuse", "zero", "hold"]),
+        default="refuse",
+        show_default=True,
+        help="What a curve is where its file ends short of 400-1050 nm.",
+    ),
+    click.option("--pitch-um", type=float, help="Pixel pitch [um] instead of the sensor's own."),
+    click.option("--full-well-e", type=float, help="Full well [e-] instead of the sensor's own."),
+    click.option("--read-noise-e", type=float, help="Read noise [e-] instead of the sensor's own."),
+)
+
+
+def sensor_and_light(command: Command) -> Command:
+    """Add the options that say which light, which exposure, which pixel."""
+    for option in reversed(_SHARED):
+        command = option(command)
+    return command
+
+
+def the_sensor(
+    name: str,
+    *,
+    beyond: Beyond,
+    pitch_um: float | None,
+    full_well_e: float | None,
+    read_noise_e: float | None,
+) -> Sensor:
+    """A catalogue sensor or a CSV file, with the pixel that the options ask for."""
+    changes = {
+        "pitch_um": pitch_um,
+        "full_well_e": full_well_e,
+        "read_noise_e": read_noise_e,
+    }
+    given = {key: value for key, value in changes.items() if value is not None}
+    if _is_file(name):
+        sensor = read_sensor_csv(Path(name), DEFAULT_GRID, PAPER_PIXEL, beyond=beyond)
+        missing = [key for key in changes if key not in given]
+        if missing:
+            note = f"the paper's pixel stands in for {', '.join(missing)} of {sensor.name}"
+            sensor = replace(sensor, notes=(*sensor.notes, note))
+    elif name in SENSOR_NAMES:
+        sensor = sensor_named(name, DEFAULT_GRID)
+    else:
+        _refuse_unknown(name)
+    return replace(sensor, pixel=replace(sensor.pixel, **given))
+
+
+def the_illuminant(name: str, *, beyond: Beyond) -> Illuminant:
+    """An illuminant by name or from a CSV file."""
+    if not _is_file(name):
+        return illuminant_named(name, DEFAULT_GRID, beyond=beyond)
+    curve = read_spectra_csv(name, quantity="power", unit="relative")
+    return illuminant_from(curve, DEFAULT_GRID, name=Path(name).stem, beyond=beyond)
+
+
+def the_exposure(
+    scene: Scene,
+    sensor: Sensor,
+    *,
+    time_ms: float | None,
+    saturate: float | None,
+    f_number: float,
+) -> Exposure:
+    """The time that is given, or the one that fills the well to the share that is asked for."""
+    if time_ms is not None and saturate is not None:
+        raise InputError("--time-ms and --saturate exclude each other; give one of them")
+    positive("f_number", "1", f_number)
+    if time_ms is not None:
+        return Exposure(time_s=1e-3 * positive("time_ms", "ms", time_ms), f_number=f_number)
+    share = 0.99 if saturate is None else saturate
+    return saturating_exposure(scene, sensor, f_number=f_number, share=share)
+
+
+def _is_file(name: str) -> bool:
+    return name.lower().endswith((".csv", ".txt")) or "/" in name or Path(name).is_file()
+
+
+def _refuse_unknown(name: str) -> None:
+    try:
+        sensor_named(name, DEFAULT_GRID)
+    except InputError as error:
+        raise InputError(f"{error}; or name a CSV file (wavelength_nm,R,G,...)") from None

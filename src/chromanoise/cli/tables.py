@@ -1,0 +1,164 @@
+"""Results as tables on a terminal."""
+
+from collections.abc import Iterable
+
+import numpy as np
+from rich.console import Console
+from rich.table import Table
+
+from chromanoise.study import (
+    Analysis,
+    Cell,
+    Reproduction,
+    color_snr_db,
+    contravariant_snr_db,
+    diagnosis,
+    raw_snr_db,
+    set_aside_reasons,
+    table_5_finding,
+    verdict,
+)
+from chromanoise.study.paper import PRINTED_TIMES_MS
+
+_TITLES = {
+    2: "Table 2: raw SNR",
+    3: "Table 3: SNR of luminance Y",
+    4: "Table 4: SNR of contravariant coordinates",
+    5: "Table 5: one green channel",
+}
+
+
+def print_reproduction(result: Reproduction) -> None:
+    """Tables 2-5 with ours beside the printed numbers, and what they say."""
+    console = _console()
+    for number, title in _TITLES.items():
+        _print_paper_table(console, title, [c for c in result.cells if c.table == number])
+    times = ", ".join(
+        f"{name} {1e3 * result.study.times_s[name]:.2f} ms (printed {printed:g})"
+        for name, printed in PRINTED_TIMES_MS.items()
+    )
+    clipped = "clipped between 0 and full well" if result.clipped else "unclipped, as the paper's"
+    note = result.study.columns["RGBW_n 12 ms"].sensor.notes[0]
+    for line in (
+        f"Times solved for 99 % of full well: {times}.",
+        f"Metric {result.study.metric}; {result.draws} draws, seed {result.seed}, {clipped}.",
+        f"All sensors here: {note}.",
+        verdict(result.study),
+        f"Table 5: {table_5_finding(result.study)}",
+        *(f"Set aside, {reason}" for reason in set_aside_reasons(result.study)),
+    ):
+        console.print(line, soft_wrap=True)
+        console.print()
+
+
+def print_analyses(analyses: Iterable[Analysis]) -> None:
+    """Several sensors, side by side: channels first, then color, then what to know."""
+    console = _console()
+    channels = Table(title="Channels (eq. 1-3, 7)", title_justify="left")
+    for head in ("sensor", "channel", "electrons", "raw SNR dB", "contravariant SNR dB", "VIF"):
+        channels.add_column(head, justify="left" if head in ("sensor", "channel") else "right")
+    for head in ("to x deg", "to y deg", "to z deg"):
+        channels.add_column(head, justify="right")
+    color = Table(title="Spectrum and color (eq. 4-6)", title_justify="left")
+    for head in (
+        "sensor",
+        "time ms",
+        "spectral SNR dB",
+        "X dB",
+        "Y dB",
+        "Z dB",
+        "bound dB",
+        "price dB",
+        "condition",
+        "Delta E*ab",
+    ):
+        color.add_column(head, justify="left" if head == "sensor" else "right")
+    notes: list[str] = []
+    for analysis in analyses:
+        _add_channels(channels, analysis)
+        _add_color(color, analysis)
+        notes += [f"{analysis.sensor.name}: {note}" for note in diagnosis(analysis)]
+        notes.append(_angles(analysis))
+    console.print(channels)
+    console.print(color)
+    for note in filter(None, notes):
+        console.print(note, soft_wrap=True)
+
+
+def _add_channels(table: Table, analysis: Analysis) -> None:
+    raw, contravariant = raw_snr_db(analysis), contravariant_snr_db(analysis)
+    for i, name in enumerate(analysis.sensor.names):
+        full = bool(analysis.saturated[i])
+        table.add_row(
+            analysis.sensor.name if i == 0 else "",
+            name,
+            f"{analysis.raw.mean[i]:.1f}",
+            "saturated" if full else _number(raw[name]),
+            _number(contravariant[name]),
+            f"{analysis.vif[i]:.2f}",
+            *(f"{angle:.1f}" for angle in analysis.to_axes_deg[i]),
+        )
+
+
+def _add_color(table: Table, analysis: Analysis) -> None:
+    snr = color_snr_db(analysis)
+    lost = bool(analysis.saturated.any())
+    table.add_row(
+        analysis.sensor.name,
+        f"{1e3 * analysis.exposure.time_s:.4g}",
+        "saturated" if lost else _number(analysis.spectral_snr_db),
+        *(_number(snr[axis]) for axis in analysis.color.names),
+        *("-" if lost else _number(v) for v in (analysis.bound_db, analysis.price_db)),
+        f"{analysis.matrix.frame.condition:.3g}",
+        f"{analysis.color_error.mean():.1f}",
+    )
+
+
+def _angles(analysis: Analysis) -> str:
+    names = analysis.sensor.names
+    pairs = [
+        f"{a}-{b} {analysis.between_deg[i, k]:.1f}"
+        for i, a in enumerate(names)
+        for k, b in enumerate(names)
+        if k > i
+    ]
+    return (
+        f"{analysis.sensor.name}: angles between channels [deg]: {', '.join(pairs)}"
+        if pairs
+        else ""
+    )
+
+
+def _print_paper_table(console: Console, title: str, cells: list[Cell]) -> None:
+    columns = list(dict.fromkeys(cell.column for cell in cells))
+    table = Table(title=f"{title}  (printed | closed form | Monte Carlo)", title_justify="left")
+    table.add_column("")
+    for column in columns:
+        table.add_column(column, justify="right")
+    for row in dict.fromkeys(cell.row for cell in cells):
+        by_column = {cell.column: cell for cell in cells if cell.row == row}
+        table.add_row(row, *(_cell(by_column.get(column)) for column in columns))
+    console.print(table)
+
+
+def _cell(cell: Cell | None) -> str:
+    if cell is None:
+        return ""
+    printed = "-" if cell.paper is None else f"{cell.paper:g}"
+    text = f"{printed} | {_number(cell.closed_form)}"
+    if cell.monte_carlo is not None:
+        text += f" | {cell.monte_carlo:.2f} ± {cell.monte_carlo_se:.2f}"
+    if cell.clipped_share > 0:
+        text += f" ({100 * cell.clipped_share:.1f} % clipped)"
+    return f"{text} {cell.unit}"
+
+
+def _number(value: float | None) -> str:
+    return "-" if value is None or not np.isfinite(value) else f"{value:.2f}"
+
+
+def _console() -> Console:
+    console = Console(highlight=False, markup=False)
+    if not console.is_terminal:
+        console = Console(highlight=False, markup=False, width=140)
+    return console

@@ -1,0 +1,89 @@
+"""Color conversion matrices: the kernel CCM of eq. 6."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+from chromanoise import _check
+from chromanoise.exposure import Exposure, measurement_vectors
+from chromanoise.geometry import Frame, dual_frame
+from chromanoise.noise import Measurement, through
+from chromanoise.sensor import Sensor
+from chromanoise.spectra import Metric, color_axes
+
+Array = np.ndarray
+XYZ = ("X", "Y", "Z")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ColorMatrix:
+    """A matrix from raw electrons to color, and how it was made.
+
+    Attributes
+    ----------
+    matrix
+        One row per color coordinate, one column per channel. [lx/e-]
+    channels
+        Names of the columns.
+    coordinates
+        Names of the rows.
+    made_by
+        Method and equation.
+    metric
+        In which light is a vector.
+    frame
+        The sensor's frame: its rank and condition tell how far the matrix can be trusted.
+    """
+
+    matrix: Float[Array, "c p"]
+    channels: tuple[str, ...]
+    coordinates: tuple[str, ...]
+    made_by: str
+    metric: Metric
+    frame: Frame
+
+    def __post_init__(self) -> None:
+        checked = _check.finite(f"{self.made_by} matrix", "lx/e-", self.matrix)
+        object.__setattr__(self, "matrix", _check.frozen(checked))
+
+
+def kernel_matrix(sensor: Sensor, exposure: Exposure, metric: Metric = "quanta") -> ColorMatrix:
+    """The kernel color matrix, H^T F (F^T F)^-1: the color of the spectrum that the sensor saw.
+
+    Parameters
+    ----------
+    sensor
+        p channels; where one is a mix of others the pseudo-inverse is taken.
+    exposure
+        Enters through F, so that electrons become lux.
+    metric
+        In which light is a vector; the matrix depends on it.
+
+    Notes
+    -----
+    Clouet, Vaillant & Alleysson (CIC27, 2019), eq. 6.
+    """
+    basis = measurement_vectors(sensor, exposure, metric)  # F
+    frame = dual_frame(basis, names=sensor.names, metric=metric)
+    axes = color_axes(sensor.grid, metric)  # H
+    return ColorMatrix(
+        matrix=axes.T @ frame.dual,
+        channels=sensor.names,
+        coordinates=XYZ,
+        made_by="kernel (eq. 6)",
+        metric=metric,
+        frame=frame,
+    )
+
+
+def colored(raw: Measurement, matrix: ColorMatrix) -> Measurement:
+    """Color and its covariance C D C^T (eq. 5 with eq. 4). [lx]"""
+    return through(
+        raw,
+        matrix.matrix,
+        names=matrix.coordinates,
+        kind="".join(matrix.coordinates),
+        unit="lx",
+        metric=matrix.metric,
+    )

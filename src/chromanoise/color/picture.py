@@ -1,0 +1,73 @@
+"""From linear XYZ to the pixels of a picture."""
+
+import numpy as np
+from jaxtyping import Float
+
+from chromanoise import _check
+
+Array = np.ndarray
+
+D65_WHITE = np.array([0.95047, 1.0, 1.08883])
+"""XYZ of the sRGB white (IEC 61966-2-1)."""
+
+XYZ_TO_LINEAR_SRGB = np.array(
+    [
+        [3.2406, -1.5372, -0.4986],
+        [-0.9689, 1.8758, 0.0415],
+        [0.0557, -0.2040, 1.0570],
+    ]
+)
+"""IEC 61966-2-1:1999, as printed."""
+
+BRADFORD = np.array(
+    [
+        [0.8951, 0.2664, -0.1614],
+        [-0.7502, 1.7135, 0.0367],
+        [0.0389, -0.0685, 1.0296],
+    ]
+)
+"""Cone response of the Bradford transform (Lam 1985; ICC.1:2022, annex E)."""
+
+
+def adapted_to_d65(xyz: Float[Array, "*px 3"], white: Float[Array, " 3"]) -> Float[Array, "*px 3"]:
+    """XYZ as it would look if ``white`` were D65: von Kries scaling in Bradford's cone space.
+
+    Parameters
+    ----------
+    xyz
+        Linear, Y = 1 for the white.
+    white
+        XYZ of a perfect white in the picture's light.
+
+    Examples
+    --------
+    >>> adapted_to_d65(np.array([1.0, 1.0, 1.0]), np.ones(3)).round(5)
+    array([0.95047, 1.     , 1.08883])
+    """
+    cones = BRADFORD @ white
+    if not (cones > 0).all():
+        raise _check.InputError(
+            f"the white of this picture, XYZ = {white.round(4).tolist()}, is no color that an eye "
+            "could adapt to: the sensor and its matrix do not see this light"
+        )
+    gain = (BRADFORD @ D65_WHITE) / cones
+    return xyz @ (np.linalg.inv(BRADFORD) @ np.diag(gain) @ BRADFORD).T
+
+
+def srgb_from_xyz(xyz: Float[Array, "*px 3"]) -> Float[Array, "*px 3"]:
+    """Encoded sRGB, 0 .. 1, colors out of gamut held at its border (IEC 61966-2-1).
+
+    Parameters
+    ----------
+    xyz
+        Relative to D65, Y = 1 for white.
+
+    Examples
+    --------
+    >>> srgb_from_xyz(D65_WHITE * np.array([[1.0], [0.18], [0.0]])).round(3)
+    array([[1.   , 1.   , 1.   ],
+           [0.461, 0.461, 0.461],
+           [0.   , 0.   , 0.   ]])
+    """
+    linear = np.clip(xyz @ XYZ_TO_LINEAR_SRGB.T, 0.0, 1.0)
+    return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)

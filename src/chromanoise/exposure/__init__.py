@@ -1,0 +1,21 @@
+"""Light meets sensor: expected electrons (eq. 1-2), and the time that fills the well."""
+
+from chromanoise.exposure.cubes import band_weights
+from chromanoise.exposure.electrons import (
+    Exposure,
+    exposure_factor,
+    expected_electrons,
+    measurement_vectors,
+    saturating_exposure,
+    time_to_saturation,
+)
+
+__all__ = [
+    "Exposure",
+    "band_weights",
+    "expected_electrons",
+    "exposure_factor",
+    "measurement_vectors",
+    "saturating_exposure",
+    "time_to_saturation",
+]

@@ -1,0 +1,36 @@
+"""Results to matplotlib Axes: the ten figures of the paper, drawn from computed data."""
+
+from chromanoise.figures.flow import draw_flow
+from chromanoise.figures.geometry import (
+    draw_color_projection,
+    draw_color_uncertainty,
+    draw_contravariant,
+    draw_light_above_plane,
+    draw_measurement,
+    draw_uncertainty,
+)
+from chromanoise.figures.mosaics import draw_mosaic
+from chromanoise.figures.observers import draw_observer
+from chromanoise.figures.paper import CAPTIONS, paper_figures
+from chromanoise.figures.pictures import draw_picture
+from chromanoise.figures.sensitivities import draw_sensitivities
+from chromanoise.figures.style import chromanoise_style
+from chromanoise.figures.writing import write_figures
+
+__all__ = [
+    "CAPTIONS",
+    "chromanoise_style",
+    "draw_color_projection",
+    "draw_color_uncertainty",
+    "draw_contravariant",
+    "draw_flow",
+    "draw_light_above_plane",
+    "draw_measurement",
+    "draw_mosaic",
+    "draw_observer",
+    "draw_picture",
+    "draw_sensitivities",
+    "draw_uncertainty",
+    "paper_figures",
+    "write_figures",
+]

@@ -1,0 +1,119 @@
+"""One look for all figures: colors that color-blind eyes tell apart, dashes, letters."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import matplotlib.style
+from matplotlib.axes import Axes
+
+INK, QUIET, FAINT = "#222222", "#666666", "#E6E6E6"
+"""Text and light; secondary text and helping lines; areas."""
+
+CHANNEL_COLORS = {
+    "R": "#D55E00",
+    "G": "#009E73",
+    "B": "#0072B2",
+    "W": "#000000",
+    "IR": "#CC79A7",
+}
+
+SENSOR_DASHES: dict[str, Any] = {
+    "onyx-rgbw": "solid",
+    "onyx-rgb-ircut": (0, (6, 2)),
+    "onyx-rgb": (0, (2, 1.2)),
+    "onyx-rgbw-ircut": (0, (6, 2, 1.5, 2)),
+}
+_OTHER_DASHES = (0, (10, 2))
+
+NIR_FROM_NM = 700.0
+"""Where the eye practically ends."""
+
+_RC = {
+    "font.family": "sans-serif",
+    "font.sans-serif": ["DejaVu Sans", "Verdana", "Arial", "sans-serif"],
+    "font.size": 9.0,
+    "axes.titlesize": 10.0,
+    "axes.titleweight": "bold",
+    "axes.titlelocation": "left",
+    "axes.titlepad": 8.0,
+    "axes.labelsize": 9.0,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.edgecolor": QUIET,
+    "axes.labelcolor": INK,
+    "text.color": INK,
+    "xtick.color": QUIET,
+    "ytick.color": QUIET,
+    "xtick.labelcolor": INK,
+    "ytick.labelcolor": INK,
+    "xtick.labelsize": 8.0,
+    "ytick.labelsize": 8.0,
+    "lines.linewidth": 1.6,
+    "lines.dash_capstyle": "butt",
+    "lines.scale_dashes": True,
+    "mathtext.fontset": "dejavusans",
+    # text stays text in SVG and PDF, and the same figure gives the same bytes
+    "svg.fonttype": "none",
+    "svg.hashsalt": "chromanoise",
+    "pdf.fonttype": 42,
+}
+
+
+@contextmanager
+def chromanoise_style() -> Iterator[None]:
+    """Matplotlib's own defaults plus this look, whatever the user's settings; undone after."""
+    with matplotlib.style.context(["default", _RC]):
+        yield
+
+
+def channel_color(name: str) -> str:
+    """The color of a channel by its name; ink for one that the palette does not know."""
+    return CHANNEL_COLORS.get(name, INK)
+
+
+def sensor_dashes(name: str) -> Any:
+    """The dash pattern of a sensor by its name, so that no curve is told by color alone."""
+    return SENSOR_DASHES.get(name, _OTHER_DASHES)
+
+
+def sensor_label(sensor_name: str, notes: tuple[str, ...]) -> str:
+    """The sensor's name, and "reconstruction" or "model" where its notes say so."""
+    for origin in ("reconstruction", "model"):
+        if any(origin in note for note in notes):
+            return f"{sensor_name} ({origin})"
+    return sensor_name
+
+
+def write_heading(ax: Axes, title: str, facts: str = "") -> None:
+    """A bold title, and under it one quiet line of facts."""
+    lines = facts.count("\n") + 1 if facts else 0
+    ax.set_title(title, pad=8.0 + 12.0 * lines)
+    if facts:
+        ax.annotate(
+            facts,
+            xy=(0, 1),
+            xycoords="axes fraction",
+            xytext=(0, 6),
+            textcoords="offset points",
+            ha="left",
+            va="bottom",
+            color=QUIET,
+            fontsize=8,
+            annotation_clip=False,
+        )
+
+
+def shade_nir(ax: Axes, last_nm: float) -> None:
+    """A quiet area over the wavelengths that carry no color."""
+    ax.axvspan(NIR_FROM_NM, last_nm, color=FAINT, alpha=0.6, linewidth=0, zorder=0)
+    ax.text(
+        last_nm - 5,
+        0.97,
+        "near infrared",
+        transform=ax.get_xaxis_transform(),
+        ha="right",
+        va="top",
+        color=QUIET,
+        fontsize=8,
+    )

@@ -1,0 +1,28 @@
+"""Sensor space: dual basis, contravariant coordinates (eq. 3-4), angles, VIF, ellipses."""
+
+from chromanoise.geometry.angles import (
+    NearestMix,
+    angles_between_deg,
+    angles_to_axes_deg,
+    nearest_mix,
+    variance_inflation,
+)
+from chromanoise.geometry.contravariant import contravariant, spectral_snr
+from chromanoise.geometry.ellipse import PlaneView, ellipse_outline, plane_view
+from chromanoise.geometry.frame import Frame, dual_frame, reconstructed_light
+
+__all__ = [
+    "Frame",
+    "NearestMix",
+    "PlaneView",
+    "angles_between_deg",
+    "angles_to_axes_deg",
+    "contravariant",
+    "dual_frame",
+    "ellipse_outline",
+    "nearest_mix",
+    "plane_view",
+    "reconstructed_light",
+    "spectral_snr",
+    "variance_inflation",
+]

@@ -1,0 +1,99 @@
+"""How far the channels stand apart: angles, variance inflation, and who is nearly a mix of whom."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from chromanoise._linalg import angle_deg, unit_columns
+from chromanoise.geometry.frame import Frame
+
+Array = np.ndarray
+
+
+def variance_inflation(frame: Frame) -> Float[Array, " p"]:
+    """VIF_i = |f_i|^2 (G^-1)_ii = 1 / sin^2 phi_i; inf for a channel that is a mix of others.
+
+    phi_i is the angle between channel i and the span of the others. 1 for orthogonal channels.
+
+    Examples
+    --------
+    >>> from chromanoise.geometry import dual_frame
+    >>> at_30_deg = np.array([[1.0, np.cos(np.pi / 6)], [0.0, np.sin(np.pi / 6)]])
+    >>> variance_inflation(dual_frame(at_30_deg, names=("a", "b"), metric="quanta")).round(9)
+    array([4., 4.])
+    """
+    lengths_squared = (frame.basis**2).sum(axis=0)
+    inflation = lengths_squared * np.diagonal(frame.inverse_gram)
+    if frame.rank == frame.basis.shape[1]:
+        return inflation
+    return np.where(_in_span_of_others(frame), np.inf, inflation)
+
+
+def angles_between_deg(frame: Frame) -> Float[Array, "p p"]:
+    """Angle of every pair of channels. [deg]"""
+    columns = frame.basis.T
+    return np.array([[angle_deg(a, b) for b in columns] for a in columns])
+
+
+def angles_to_axes_deg(frame: Frame, axes: Float[Array, "n c"]) -> Float[Array, "p c"]:
+    """Angle of every channel to every color axis, e.g. the columns of H: Table 5's theta. [deg]"""
+    return np.array([[angle_deg(a, b) for b in axes.T] for a in frame.basis.T])
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NearestMix:
+    """The channel that is most nearly a mix of the others, and that mix.
+
+    Attributes
+    ----------
+    channel
+        Its name.
+    weights
+        How much of each other channel approximates it best.
+    angle_deg
+        Between the channel and the span of the others; 0 for an exact mix.
+    explained
+        cos^2 of that angle: the share of the channel that the mix reproduces.
+    """
+
+    channel: str
+    weights: dict[str, float]
+    angle_deg: float
+    explained: float
+
+
+def nearest_mix(frame: Frame) -> NearestMix | None:
+    """Which channel is most nearly a mix of the others; ``None`` for a single channel."""
+    if len(frame.names) < 2:
+        return None
+    return min((_mix(frame, i) for i in range(len(frame.names))), key=lambda mix: mix.angle_deg)
+
+
+def _mix(frame: Frame, i: int) -> NearestMix:
+    target = frame.basis[:, i]
+    others = np.delete(frame.basis, i, axis=1)
+    names = [name for k, name in enumerate(frame.names) if k != i]
+    directions, lengths = unit_columns(others)
+    weights = np.linalg.lstsq(directions, target, rcond=None)[0] / lengths
+    # sine from the residual and cosine from the fit: accurate at both ends
+    fit = others @ weights
+    angle = float(np.degrees(np.arctan2(np.linalg.norm(target - fit), np.linalg.norm(fit))))
+    return NearestMix(
+        channel=frame.names[i],
+        weights=dict(zip(names, (float(w) for w in weights), strict=True)),
+        angle_deg=angle,
+        explained=float(np.cos(np.radians(angle)) ** 2),
+    )
+
+
+def _in_span_of_others(frame: Frame) -> Bool[Array, " p"]:
+    """True where leaving the channel out does not lower the rank."""
+    directions, _ = unit_columns(frame.basis)
+    p = directions.shape[1]
+    return np.array(
+        [
+            np.linalg.matrix_rank(np.delete(directions, i, axis=1), tol=1e-9) == frame.rank
+            for i in range(p)
+        ]
+    )

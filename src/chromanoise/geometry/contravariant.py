@@ -1,0 +1,39 @@
+"""Eq. 3: from covariant to contravariant coordinates, with the noise."""
+
+import numpy as np
+from jaxtyping import Float
+
+from chromanoise.geometry.frame import Frame
+from chromanoise.noise import Measurement, through
+
+Array = np.ndarray
+
+
+def contravariant(raw: Measurement, frame: Frame) -> Measurement:
+    """Contravariant coordinates G^-1 M with covariance G^-1 D G^-1.
+
+    Notes
+    -----
+    Clouet, Vaillant & Alleysson (CIC27, 2019), eq. 3. Their SNR depends on the metric and falls
+    to -inf where a mean coordinate crosses zero; it does not depend on gain.
+    """
+    return through(
+        raw,
+        frame.inverse_gram,
+        names=raw.names,
+        kind="contravariant",
+        unit="units of light per e-",
+        metric=frame.metric,
+    )
+
+
+def spectral_snr(raw: Measurement, frame: Frame) -> Float[Array, "*px"]:
+    """Amplitude SNR of the rebuilt spectrum: |L^| / sqrt(E |L^ - E L^|^2).
+
+    With mu and D the mean and covariance of the raw channels, its square is
+    mu^T G^-1 mu / tr(G^-1 D).
+    """
+    g = frame.inverse_gram
+    signal = np.einsum("...i,ij,...j->...", raw.mean, g, raw.mean)
+    noise = np.einsum("ij,...ji->...", g, raw.covariance)
+    return np.sqrt(signal / noise)

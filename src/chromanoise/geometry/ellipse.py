@@ -1,0 +1,60 @@
+"""The true plane of two channels, and ellipses of uncertainty in it: Figures 3, 4, 6, 9 and 10."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+Array = np.ndarray
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class PlaneView:
+    """Orthonormal coordinates in the plane that two channels span, lengths and angles kept.
+
+    Attributes
+    ----------
+    axes
+        Two orthonormal columns; the first along the first channel.
+    vectors
+        The two channels in the plane, one per column.
+    """
+
+    axes: Float[Array, "n 2"]
+    vectors: Float[Array, "2 2"]
+
+    def seen(self, light: Float[Array, "*px n"]) -> Float[Array, "*px 2"]:
+        """Orthogonal projection of any spectra into the plane."""
+        return light @ self.axes
+
+
+def plane_view(first: Float[Array, " n"], second: Float[Array, " n"]) -> PlaneView:
+    """The plane of two independent channels, the first drawn to the right, the second upward."""
+    right = first / np.linalg.norm(first)
+    rest = second - (second @ right) * right
+    rest -= (rest @ right) * right  # once more, so that the axes are orthogonal to rounding
+    axes = np.stack([right, rest / np.linalg.norm(rest)], axis=1)
+    return PlaneView(axes=axes, vectors=axes.T @ np.stack([first, second], axis=1))
+
+
+def ellipse_outline(
+    center: Float[Array, " 2"],
+    covariance: Float[Array, "2 2"],
+    *,
+    sigmas: float,
+    points: int = 181,
+) -> Float[Array, "points 2"]:
+    """The closed curve at ``sigmas`` standard deviations (Mahalanobis) around ``center``.
+
+    Examples
+    --------
+    >>> ellipse_outline(np.zeros(2), np.diag([4.0, 1.0]), sigmas=1.0, points=5).round(6) + 0.0
+    array([[ 2.,  0.],
+           [ 0.,  1.],
+           [-2.,  0.],
+           [ 0., -1.],
+           [ 2.,  0.]])
+    """
+    turn = np.linspace(0, 2 * np.pi, points)
+    circle = np.stack([np.cos(turn), np.sin(turn)], axis=1)
+    return center + sigmas * circle @ np.linalg.cholesky(covariance).T

@@ -1,0 +1,99 @@
+"""The basis of sensor space and its dual."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+from chromanoise import _check
+from chromanoise._linalg import RANK_TOLERANCE, unit_columns
+from chromanoise.spectra import Metric
+
+Array = np.ndarray
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Frame:
+    """``p`` measurement vectors, their dual basis, and how well they stand.
+
+    Attributes
+    ----------
+    basis
+        F of eq. 3: one column f_i per channel. [e- per unit of light]
+    dual
+        F G^-1, with f^i . f_j = delta_ij: the columns that rebuild light from electrons (eq. 4).
+    inverse_gram
+        G^-1 = (F^T F)^-1; the pseudo-inverse where the rank is short.
+    names
+        One per channel.
+    metric
+        In which light is a vector.
+    rank
+        Number of independent channels; less than p means the sensor is singular.
+    condition
+        Largest over smallest singular value of the channels scaled to length 1, so that no
+        choice of gain hides or feigns a near-singular sensor; inf where the rank is short.
+    """
+
+    basis: Float[Array, "n p"]
+    dual: Float[Array, "n p"]
+    inverse_gram: Float[Array, "p p"]
+    names: tuple[str, ...]
+    metric: Metric
+    rank: int
+    condition: float
+
+
+def dual_frame(basis: Float[Array, "n p"], *, names: tuple[str, ...], metric: Metric) -> Frame:
+    """The dual basis by singular values of the unit-length channels.
+
+    A channel that is a mix of others is an answer, not an error: ``rank`` falls short of p and
+    the pseudo-inverse stands in for G^-1.
+
+    Parameters
+    ----------
+    basis
+        F, one column per channel.
+    names, metric
+        Of the channels.
+
+    Raises
+    ------
+    InputError
+        If a channel sees no light at all.
+
+    Examples
+    --------
+    >>> f = np.array([[1.0, 1.0], [0.0, 1.0]])
+    >>> frame = dual_frame(f, names=("a", "b"), metric="quanta")
+    >>> frame.dual.T @ f
+    array([[1., 0.],
+           [0., 1.]])
+    """
+    directions, lengths = unit_columns(basis)
+    for name, length in zip(names, lengths, strict=True):
+        if not length > 0:
+            raise _check.InputError(
+                f"channel {name} is zero at every wavelength, so it spans nothing; leave it out"
+            )
+    u, singular, vt = np.linalg.svd(directions, full_matrices=False)
+    kept = singular > RANK_TOLERANCE * singular[0]
+    inverse = np.where(kept, 1.0 / np.where(kept, singular, 1.0), 0.0)
+    dual = (u * inverse) @ vt / lengths
+    whitened = vt.T * inverse / lengths[:, None]
+    rank = int(kept.sum())
+    full = rank == basis.shape[1]
+    return Frame(
+        basis=basis,
+        dual=dual,
+        inverse_gram=whitened @ whitened.T,
+        names=names,
+        metric=metric,
+        rank=rank,
+        condition=float(singular[0] / singular[-1]) if full else float("inf"),
+    )
+
+
+def reconstructed_light(frame: Frame, mean_e: Float[Array, "*px p"]) -> Float[Array, "*px n"]:
+    """The spectrum that the sensor has seen, L^ = F G^-1 M (eq. 4)."""
+    return mean_e @ frame.dual.T

@@ -1,0 +1,35 @@
+"""How far a sensor's color is from the eye's."""
+
+import numpy as np
+from jaxtyping import Float
+
+from chromanoise.color import ColorMatrix
+from chromanoise.exposure import Exposure, expected_electrons
+from chromanoise.scene import Scene, light
+from chromanoise.sensor import Sensor
+from chromanoise.spectra import Illuminant, color_axes, colorchecker
+
+Array = np.ndarray
+
+
+def chart_color_error(
+    sensor: Sensor, matrix: ColorMatrix, exposure: Exposure, illuminant: Illuminant
+) -> Float[Array, "24"]:
+    """CIE 1976 color difference of each ColorChecker patch, without noise. [Delta E*ab]
+
+    Each side is white-balanced on its own perfect white: X, Y and Z are divided by those of a
+    reflectance of 1, as a camera does before anyone looks.
+
+    Notes
+    -----
+    CIE 015:2018, eq. 8.3-8.6 and 8.21, by colour-science.
+    """
+    import colour  # its import costs a second
+
+    chart = np.vstack([np.ones(sensor.grid.n), colorchecker(sensor.grid).values.T])
+    scene = Scene(illuminant=illuminant, level_lux=1.0, reflectance=chart)
+    truth = light(scene, "energy") @ color_axes(sensor.grid, "energy")
+    seen = expected_electrons(scene, sensor, exposure) @ matrix.matrix.T
+    neutral = np.array([1 / 3, 1 / 3])  # chromaticity of XYZ = (1, 1, 1)
+    lab = [colour.XYZ_to_Lab(xyz[1:] / xyz[0], neutral) for xyz in (truth, seen)]
+    return np.asarray(colour.difference.delta_E_CIE1976(*lab))

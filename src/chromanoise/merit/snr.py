@@ -1,0 +1,54 @@
+"""Signal-to-noise ratios, what no linear readout can exceed, and what color costs."""
+
+import numpy as np
+from jaxtyping import Float
+
+from chromanoise.noise import Measurement
+from chromanoise.units import decibel
+
+Array = np.ndarray
+
+
+def snr_db(measurement: Measurement) -> dict[str, Float[Array, "*px"]]:
+    """20 log10(|mean| / standard deviation), one per coordinate (eq. 7). [dB]
+
+    -inf where the mean is zero, inf where something shows no noise at all.
+
+    Examples
+    --------
+    >>> raw = Measurement(mean=np.array([10_000.0]), covariance=np.array([[10_100.0]]),
+    ...                   names=("W",), kind="raw", unit="e-")
+    >>> round(float(snr_db(raw)["W"]), 4)
+    39.9568
+    """
+    signal, noise = np.abs(measurement.mean), np.sqrt(measurement.variance)
+    with np.errstate(divide="ignore"):
+        ratio = np.where(signal > 0, signal / np.where(signal > 0, noise, 1.0), 0.0)
+    return {name: decibel(ratio[..., i]) for i, name in enumerate(measurement.names)}
+
+
+def bound_db(raw: Measurement) -> Float[Array, "*px"]:
+    """The best SNR of any linear readout, mu^T D^-1 mu = sum of SNR_i^2. [dB]
+
+    Reached by weights ~ D^-1 mu (Cauchy-Schwarz in noise-whitened space).
+
+    Examples
+    --------
+    >>> two = Measurement(mean=np.array([3.0, 4.0]), covariance=np.eye(2),
+    ...                   names=("a", "b"), kind="raw", unit="e-")
+    >>> round(float(bound_db(two)), 4)       # 20 log10(5)
+    13.9794
+    """
+    silent = (raw.variance == 0) & (raw.mean == 0)  # neither signal nor noise: adds nothing
+    covariance = raw.covariance + silent[..., None] * np.eye(len(raw.names))
+    whitened = np.linalg.solve(covariance, raw.mean[..., None])[..., 0]
+    return decibel(np.sqrt((raw.mean * whitened).sum(axis=-1)))
+
+
+def price_db(raw: Measurement, color: Measurement) -> Float[Array, "*px"]:
+    """How far the luminance of ``color`` stays below the bound of ``raw``: >= 0. [dB]
+
+    SNR_Y = bound * cos(psi), psi the angle between the matrix's luminance row and the best
+    readout in noise-whitened space.
+    """
+    return bound_db(raw) - snr_db(color)["Y"]

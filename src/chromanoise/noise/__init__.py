@@ -1,0 +1,18 @@
+"""How sure the electrons are: sources, covariance (eq. 7), propagation, Monte Carlo."""
+
+from chromanoise.noise.measurement import Measurement, through
+from chromanoise.noise.montecarlo import Estimate, monte_carlo
+from chromanoise.noise.raw import raw_covariance, saturated, with_noise
+from chromanoise.noise.sampling import clipped_at_well, sample_electrons
+
+__all__ = [
+    "Estimate",
+    "Measurement",
+    "clipped_at_well",
+    "monte_carlo",
+    "raw_covariance",
+    "sample_electrons",
+    "saturated",
+    "through",
+    "with_noise",
+]

@@ -1,0 +1,96 @@
+"""A measurement: a mean and its covariance in named coordinates, and how it moves through a matrix."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+from chromanoise import _check
+from chromanoise._linalg import congruence
+from chromanoise.spectra import Metric
+
+Array = np.ndarray
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Measurement:
+    """Mean and covariance of ``p`` coordinates, for one point or a whole picture.
+
+    Attributes
+    ----------
+    mean
+        Expected value per coordinate, in ``unit``.
+    covariance
+        In ``unit`` squared.
+    names
+        One per coordinate, e.g. ("R", "G", "B") or ("X", "Y", "Z").
+    kind
+        What the coordinates are: "raw", "contravariant", "XYZ"; every SNR is named after it.
+    unit
+        Of the mean.
+    metric
+        In which light is a vector, where that matters; ``None`` for raw electrons.
+    """
+
+    mean: Float[Array, "*px p"]
+    covariance: Float[Array, "*px p p"]
+    names: tuple[str, ...]
+    kind: str
+    unit: str
+    metric: Metric | None = None
+
+    def __post_init__(self) -> None:
+        mean = _check.finite(f"{self.kind} mean", self.unit, self.mean)
+        covariance = _check.finite(f"{self.kind} covariance", f"{self.unit}^2", self.covariance)
+        if covariance.shape != (*mean.shape, mean.shape[-1]):
+            raise _check.InputError(
+                f"{self.kind} covariance must be {(*mean.shape, mean.shape[-1])} to go with a mean "
+                f"of {mean.shape}, got {covariance.shape}"
+            )
+        _check.same_length("coordinates", names=len(self.names), mean=mean.shape[-1])
+        object.__setattr__(self, "mean", _check.frozen(mean))
+        object.__setattr__(self, "covariance", _check.frozen(covariance))
+
+    @property
+    def variance(self) -> Float[Array, "*px p"]:
+        """The diagonal of the covariance."""
+        return np.diagonal(self.covariance, axis1=-2, axis2=-1)
+
+
+def through(
+    measurement: Measurement,
+    matrix: Float[Array, "q p"],
+    *,
+    names: tuple[str, ...],
+    kind: str,
+    unit: str,
+    metric: Metric | None = None,
+) -> Measurement:
+    """The measurement in the coordinates ``matrix @ old``: C mu, and C S C^T in closed form.
+
+    Parameters
+    ----------
+    measurement
+        Mean mu and covariance S.
+    matrix
+        C; one row per new coordinate.
+    names, kind, unit, metric
+        Of the new coordinates.
+
+    Examples
+    --------
+    >>> raw = Measurement(mean=np.array([3.0, 1.0]), covariance=np.diag([4.0, 9.0]),
+    ...                   names=("a", "b"), kind="raw", unit="e-")
+    >>> sum_and_difference = np.array([[1.0, 1.0], [1.0, -1.0]])
+    >>> through(raw, sum_and_difference, names=("s", "d"), kind="mixed", unit="e-").covariance
+    array([[13., -5.],
+           [-5., 13.]])
+    """
+    return Measurement(
+        mean=measurement.mean @ matrix.T,
+        covariance=congruence(matrix, measurement.covariance),
+        names=names,
+        kind=kind,
+        unit=unit,
+        metric=metric,
+    )

@@ -1,0 +1,34 @@
+"""Noisy acquisitions, drawn: Poisson electrons plus Gaussian readout."""
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from chromanoise.sensor import Pixel
+
+Array = np.ndarray
+
+
+def sample_electrons(
+    mean_e: Float[Array, "*px p"], pixel: Pixel, rng: np.random.Generator
+) -> Float[Array, "*px p"]:
+    """One noisy acquisition of every entry, unclipped: it may go below 0 and above full well. [e-]
+
+    Parameters
+    ----------
+    mean_e
+        Expected electrons, >= 0. [e-]
+    pixel
+        Its read noise is added.
+    rng
+        A stream of `chromanoise.rng`.
+    """
+    shot = rng.poisson(mean_e).astype(np.float64)
+    return shot + pixel.read_noise_e * rng.standard_normal(shot.shape)
+
+
+def clipped_at_well(
+    electrons: Float[Array, "*px p"], pixel: Pixel
+) -> tuple[Float[Array, "*px p"], Bool[Array, "*px p"]]:
+    """Electrons held between black and full well, and which ones had to be."""
+    held = np.clip(electrons, 0.0, pixel.full_well_e)
+    return held, held != electrons

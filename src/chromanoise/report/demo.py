@@ -1,0 +1,86 @@
+"""The page that ``chromanoise demo`` leaves: the paper's tables, verdict, pictures and figures."""
+
+import base64
+from collections.abc import Mapping
+from importlib import resources
+
+import jinja2
+
+from chromanoise import __version__
+from chromanoise.imaging import Picture, png_bytes
+from chromanoise.study import (
+    Cell,
+    Reproduction,
+    set_aside_reasons,
+    table_5_finding,
+    verdict,
+)
+from chromanoise.study.paper import PRINTED_TIMES_MS
+
+_TITLES = {
+    2: "Table 2: raw SNR",
+    3: "Table 3: SNR of luminance Y",
+    4: "Table 4: SNR of contravariant coordinates",
+    5: "Table 5: one green channel",
+}
+
+
+def demo_page(
+    result: Reproduction,
+    pictures: tuple[Picture, Picture],
+    figures: Mapping[str, str],
+    captions: Mapping[str, str],
+) -> str:
+    """The page as HTML that needs no other file and no network.
+
+    Parameters
+    ----------
+    result
+        The tables and the study behind them.
+    pictures
+        The same scene through both sensors.
+    figures, captions
+        SVG text and one sentence per figure, by the figure's name.
+    """
+    template = resources.files("chromanoise.report").joinpath("demo.html.j2").read_text("utf-8")
+    environment = jinja2.Environment(
+        autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True
+    )
+    environment.filters["db"] = _number
+    return environment.from_string(template).render(
+        version=__version__,
+        result=result,
+        verdict=verdict(result.study),
+        table_5=table_5_finding(result.study),
+        set_aside=set_aside_reasons(result.study),
+        note=result.study.columns["RGBW_n 12 ms"].sensor.notes[0],
+        times=[
+            (name, printed, 1e3 * result.study.times_s[name])
+            for name, printed in PRINTED_TIMES_MS.items()
+        ],
+        tables=[_table(number, title, result.cells) for number, title in _TITLES.items()],
+        pictures=[(picture, _data_uri(png_bytes(picture.srgb))) for picture in pictures],
+        figures=[
+            (name, _data_uri(svg.encode(), "image/svg+xml"), captions[name])
+            for name, svg in figures.items()
+        ],
+    )
+
+
+def _table(number: int, title: str, cells: tuple[Cell, ...]) -> dict[str, object]:
+    mine = [cell for cell in cells if cell.table == number]
+    columns = list(dict.fromkeys(cell.column for cell in mine))
+    by_place = {(cell.row, cell.column): cell for cell in mine}
+    rows = [
+        (row, [by_place.get((row, column)) for column in columns])
+        for row in dict.fromkeys(cell.row for cell in mine)
+    ]
+    return {"title": title, "columns": columns, "rows": rows}
+
+
+def _data_uri(content: bytes, kind: str = "image/png") -> str:
+    return f"data:{kind};base64,{base64.b64encode(content).decode('ascii')}"
+
+
+def _number(value: float | None) -> str:
+    return "-" if value is None else f"{value:.2f}"

@@ -1,0 +1,18 @@
+"""Light leaving the world: patches under a lamp, hyperspectral cubes."""
+
+from chromanoise.scene.builtin import BUILTIN_CUBES, builtin_cube, checker_cube
+from chromanoise.scene.cube import Cube, flat_cube
+from chromanoise.scene.readers import read_cube
+from chromanoise.scene.scene import Scene, flat_field, light
+
+__all__ = [
+    "BUILTIN_CUBES",
+    "Cube",
+    "Scene",
+    "builtin_cube",
+    "checker_cube",
+    "flat_cube",
+    "flat_field",
+    "light",
+    "read_cube",
+]

@@ -1,0 +1,45 @@
+"""Cubes that need no file."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from chromanoise import _check
+from chromanoise.scene.cube import Cube
+from chromanoise.spectra import DEFAULT_GRID, colorchecker
+
+PATCH_PX, GAP_PX = 64, 12
+_GAP_REFLECTANCE = 0.04
+
+
+def checker_cube() -> Cube:
+    """A ColorChecker whose reflectances reach 1050 nm: 4 x 6 patches on a dark card."""
+    chart = colorchecker(DEFAULT_GRID)
+    pitch = PATCH_PX + GAP_PX
+    shape = (4 * pitch + GAP_PX, 6 * pitch + GAP_PX, DEFAULT_GRID.n)
+    stored = np.full(shape, _GAP_REFLECTANCE, dtype=np.float32)
+    for k, patch in enumerate(chart.values.T):
+        top, left = GAP_PX + (k // 6) * pitch, GAP_PX + (k % 6) * pitch
+        stored[top : top + PATCH_PX, left : left + PATCH_PX] = patch
+    return Cube(
+        wavelength_nm=DEFAULT_GRID.wavelength_nm,
+        stored=stored,
+        source="builtin:checker",
+        notes=chart.notes,
+    )
+
+
+_MAKERS: dict[str, Callable[[], Cube]] = {"checker": checker_cube}
+BUILTIN_CUBES = tuple(f"builtin:{name}" for name in _MAKERS)
+
+
+def builtin_cube(name: str) -> Cube:
+    """The cube called ``builtin:...``.
+
+    Raises
+    ------
+    InputError
+        If there is none of that name.
+    """
+    _check.one_of("scene", name, BUILTIN_CUBES)
+    return _MAKERS[name.removeprefix("builtin:")]()

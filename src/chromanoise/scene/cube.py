@@ -1,0 +1,84 @@
+"""A hyperspectral picture of reflectances, in memory or on disk."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float, Shaped
+
+from chromanoise import _check
+
+Array = np.ndarray
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Cube:
+    """``h`` x ``w`` pixels with ``m`` bands.
+
+    Attributes
+    ----------
+    wavelength_nm
+        Centers of the bands, increasing. [nm]
+    stored
+        The numbers as they are stored, any real type; may be a memory map.
+    scale
+        Reflectance = stored * scale.
+    source
+        File or maker; used in messages and results.
+    notes
+        What was assumed in reading it.
+    """
+
+    wavelength_nm: Float[Array, " m"]
+    stored: Shaped[Array, "h w m"]
+    source: str
+    scale: float = 1.0
+    notes: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        wavelength = _check.increasing(f"wavelength_nm of {self.source}", "nm", self.wavelength_nm)
+        if self.stored.ndim != 3 or 0 in self.stored.shape:
+            raise _check.InputError(
+                f"{self.source} must be (rows, columns, bands) and not empty, "
+                f"got {self.stored.shape}"
+            )
+        if self.stored.shape[2] != wavelength.size:
+            raise _check.InputError(
+                f"{self.source} has {self.stored.shape[2]} bands but {wavelength.size} wavelengths"
+            )
+        _check.positive(f"scale of {self.source}", "reflectance per stored unit", self.scale)
+        object.__setattr__(self, "wavelength_nm", _check.frozen(wavelength))
+
+
+BRIGHTEST = 2.0
+"""Largest reflectance that is believed; more is radiance, counts or percent."""
+
+
+def reflectance_rows(cube: Cube, start: int, stop: int) -> Float[Array, "rows w m"]:
+    """Reflectances of the rows ``start`` to ``stop``, as float64.
+
+    Raises
+    ------
+    InputError
+        If a value is NaN, negative, or brighter than any thing can be; the first is told.
+    """
+    rho = np.asarray(cube.stored[start:stop], dtype=np.float64) * cube.scale
+    bad = ~((rho >= 0) & (rho <= BRIGHTEST))
+    if bad.any():
+        row, column, band = (int(i) for i in np.argwhere(bad)[0])
+        raise _check.InputError(
+            f"{cube.source}: reflectance must be 0 .. {BRIGHTEST:g}, but "
+            f"{int(bad.sum())} of {bad.size} values in rows {start}-{stop - 1} are not; the first "
+            f"is {rho[row, column, band]:g} at row {start + row}, column {column}, "
+            f"{cube.wavelength_nm[band]:g} nm; radiance or counts must be turned into reflectance "
+            "first (divide by a white reference), or scaled with --scale"
+        )
+    return rho
+
+
+def flat_cube(
+    wavelength_nm: Float[Array, " m"], reflectance: float, *, height: int, width: int
+) -> Cube:
+    """A cube of equal pixels, for tests and noise measurements."""
+    wavelength = np.asarray(wavelength_nm, dtype=np.float64)
+    stored = np.broadcast_to(np.float64(reflectance), (height, width, wavelength.size))
+    return Cube(wavelength_nm=wavelength, stored=stored, source="a flat cube")

@@ -1,0 +1,77 @@
+"""Arrays in NumPy's own files; nothing is ever unpickled."""
+
+import math
+import zipfile
+from pathlib import Path
+from typing import IO
+
+import numpy as np
+from jaxtyping import Shaped
+
+from chromanoise import _check
+
+Array = np.ndarray
+Declared = tuple[tuple[int, ...], np.dtype]
+
+_HEADER_READERS = {  # the third, (3, 0), only serves structures
+    (1, 0): np.lib.format.read_array_header_1_0,
+    (2, 0): np.lib.format.read_array_header_2_0,
+}
+
+
+def npz_arrays(path: Path) -> dict[str, Declared]:
+    """Shape and type of every array in a ``.npz``, numbers unread.
+
+    Raises
+    ------
+    InputError
+        If an array's header does not fit the bytes that follow it.
+    """
+    arrays = {}
+    with zipfile.ZipFile(path) as archive:
+        for info in archive.infolist():
+            if info.filename.endswith(".npy"):
+                name = info.filename.removesuffix(".npy")
+                with archive.open(info) as stream:
+                    arrays[name] = _declared(stream, info.file_size, f"{path}: array {name!r}")
+    return arrays
+
+
+def npz_array(path: Path, name: str) -> Shaped[Array, "..."]:
+    """The numbers of one array of a ``.npz``."""
+    with zipfile.ZipFile(path) as archive, archive.open(f"{name}.npy") as stream:
+        return np.lib.format.read_array(stream, allow_pickle=False)
+
+
+def npy_array(path: Path) -> Shaped[Array, "..."]:
+    """The array of a ``.npy``, as a memory map.
+
+    Raises
+    ------
+    InputError
+        If its header does not fit the bytes that follow it.
+    """
+    with path.open("rb") as stream:
+        _, dtype = _declared(stream, path.stat().st_size, str(path))
+    if dtype.hasobject:
+        raise _check.InputError(
+            f"{path}: is of type object, not real numbers; save it as a plain array"
+        )
+    return np.lib.format.open_memmap(path, mode="r")
+
+
+def _declared(stream: IO[bytes], size: int, source: str) -> Declared:
+    """Shape and type that the header at the start of ``stream`` tells; objects without shape."""
+    version = np.lib.format.read_magic(stream)
+    if version not in _HEADER_READERS:
+        return (), np.dtype("O")
+    shape, _, dtype = _HEADER_READERS[version](stream)
+    if dtype.hasobject:
+        return (), np.dtype("O")
+    told = stream.tell() + math.prod(shape) * dtype.itemsize
+    if size != told:
+        raise _check.InputError(
+            f"{source} holds {size} bytes, but its header describes {told}; it is truncated or "
+            "damaged, save it again"
+        )
+    return shape, dtype

@@ -1,0 +1,26 @@
+"""What a camera is: channels on silicon, the pixel under them, the mosaic over them."""
+
+from chromanoise.sensor.catalogue import PAPER_PIXEL, SENSOR_NAMES, sensor_named
+from chromanoise.sensor.filters import ir_cut, resin_filter, silicon_qe
+from chromanoise.sensor.mosaic import Mosaic, bayer, rgbw_2x2, rgbw_sparse_4x4
+from chromanoise.sensor.pixel import Pixel
+from chromanoise.sensor.readers import read_sensor_csv
+from chromanoise.sensor.sensor import Sensor, behind_filter, with_channels
+
+__all__ = [
+    "PAPER_PIXEL",
+    "SENSOR_NAMES",
+    "Mosaic",
+    "Pixel",
+    "Sensor",
+    "bayer",
+    "behind_filter",
+    "ir_cut",
+    "read_sensor_csv",
+    "resin_filter",
+    "rgbw_2x2",
+    "rgbw_sparse_4x4",
+    "sensor_named",
+    "silicon_qe",
+    "with_channels",
+]

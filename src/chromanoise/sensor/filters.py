@@ -1,0 +1,119 @@
+"""Models of what stands between light and electrons: silicon, resin, IR-cut.
+
+They are models: shapes with the right physics and few parameters, for sensors that exist only
+as an idea. A real sensor comes with its curves.
+"""
+
+import numpy as np
+from jaxtyping import Float
+
+from chromanoise import _check
+from chromanoise.spectra import Grid
+from chromanoise.spectra.tables import packaged_table
+
+Array = np.ndarray
+
+_CM_PER_UM = 1e-4
+
+
+def silicon_qe(
+    grid: Grid, *, depth_um: float, dead_layer_um: float = 0.05, reflectance: float = 0.1
+) -> Float[Array, " n"]:
+    """Electrons per photon of a silicon photodiode (Beer-Lambert). [e-/photon]
+
+    (1 - R) exp(-alpha dead) (1 - exp(-alpha depth)): what is not reflected, not lost in the
+    dead layer at the surface, and absorbed before the collection depth ends.
+
+    Parameters
+    ----------
+    grid
+        Within 400-1050 nm, where the absorption of silicon is tabulated.
+    depth_um
+        Collection depth. [um]
+    dead_layer_um
+        Surface layer whose carriers are lost. [um]
+    reflectance
+        Share of the light that never enters.
+
+    Notes
+    -----
+    Absorption at 300 K: Green & Keevers, Prog. Photovolt. 3 (1995) 189-192; interpolated in
+    its logarithm, which is what is smooth.
+    """
+    depth = _check.positive("depth_um", "um", depth_um)
+    dead = _check.not_negative("dead_layer_um", "um", dead_layer_um)
+    entering = 1.0 - float(_check.fraction("reflectance", "1", reflectance))
+    table = packaged_table("silicon_absorption")
+    wavelength = grid.wavelength_nm
+    known = table.wavelength_nm
+    if wavelength[0] < known[0] or wavelength[-1] > known[-1]:
+        raise _check.InputError(
+            f"the absorption of silicon is tabulated on {known[0]:g}-{known[-1]:g} nm, "
+            f"but the grid is {grid}"
+        )
+    per_cm = np.exp(np.interp(wavelength, known, np.log(table.values[:, 0])))
+    per_um = per_cm * _CM_PER_UM
+    return entering * np.exp(-per_um * dead) * -np.expm1(-per_um * depth)
+
+
+def resin_filter(
+    grid: Grid,
+    *,
+    low_nm: float,
+    high_nm: float,
+    leak_nm: float,
+    edge_nm: float = 12.0,
+    peak: float = 0.9,
+    leak: float = 0.95,
+    floor: float = 0.02,
+) -> Float[Array, " n"]:
+    """Transmittance of a dyed or pigmented resin: one passband, and open again in the NIR.
+
+    Parameters
+    ----------
+    low_nm, high_nm
+        Where the passband rises and falls through half its height. [nm]
+    leak_nm
+        Where the resin turns transparent again. [nm]
+    edge_nm
+        Width of the edges (logistic scale). [nm]
+    peak, leak, floor
+        Transmittance in the passband, in the NIR, and where the resin blocks.
+
+    Examples
+    --------
+    >>> green = resin_filter(Grid.uniform(400, 1050, 50), low_nm=490, high_nm=590, leak_nm=780)
+    >>> green[[0, 3, 5, 10]].round(2)       # 400, 550, 650 and 900 nm
+    array([0.02, 0.86, 0.03, 0.95])
+    """
+    for name, value in (("peak", peak), ("leak", leak), ("floor", floor)):
+        _check.fraction(f"{name} of a resin filter", "1", value)
+    scale = _check.positive("edge_nm", "nm", edge_nm)
+    if not low_nm < high_nm <= leak_nm:
+        raise _check.InputError(
+            f"a resin filter needs low < high <= leak [nm], but they are "
+            f"{low_nm:g}, {high_nm:g}, {leak_nm:g}"
+        )
+    wavelength = grid.wavelength_nm
+    passband = _rise(wavelength, low_nm, scale) * _rise(-wavelength, -high_nm, scale)
+    open_again = _rise(wavelength, leak_nm, 2 * scale)
+    return floor + (peak - floor) * passband * (1 - open_again) + (leak - floor) * open_again
+
+
+def ir_cut(grid: Grid, *, edge_nm: float = 655.0, width_nm: float = 8.0) -> Float[Array, " n"]:
+    """Transmittance of an infrared cut: one logistic edge, open below, closed above.
+
+    Parameters
+    ----------
+    edge_nm
+        Where half the light passes. [nm]
+    width_nm
+        Logistic scale: 88 % passes two widths below the edge, 12 % two above. [nm]
+    """
+    scale = _check.positive("width_nm", "nm", width_nm)
+    return _rise(-grid.wavelength_nm, -_check.positive("edge_nm", "nm", edge_nm), scale)
+
+
+def _rise(at: Float[Array, " n"], middle: float, scale: float) -> Float[Array, " n"]:
+    """The logistic edge 1 / (1 + exp(-(at - middle) / scale)), written so that it cannot overflow."""
+    return 0.5 * (1.0 + np.tanh(0.5 * (at - middle) / scale))

@@ -1,0 +1,34 @@
+"""The pixel under the filters."""
+
+from dataclasses import dataclass
+
+from chromanoise import _check
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Pixel:
+    """One pixel design, the same for all channels.
+
+    Attributes
+    ----------
+    pitch_um
+        Side of the square pixel: the paper's a_pix. [um]
+    full_well_e
+        Electrons at saturation. [e-]
+    read_noise_e
+        Standard deviation of the readout, >= 0. [e-]
+
+    Raises
+    ------
+    InputError
+        If a number is not finite, or pitch or full well are not positive.
+    """
+
+    pitch_um: float
+    full_well_e: float
+    read_noise_e: float
+
+    def __post_init__(self) -> None:
+        _check.positive("pitch_um", "um", self.pitch_um)
+        _check.positive("full_well_e", "e-", self.full_well_e)
+        _check.not_negative("read_noise_e", "e-", self.read_noise_e)

@@ -1,0 +1,103 @@
+"""The sensor: p spectral channels that share one pixel design."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from jaxtyping import Float
+
+from chromanoise import _check
+from chromanoise.sensor.mosaic import Mosaic
+from chromanoise.sensor.pixel import Pixel
+from chromanoise.spectra import Grid
+
+Array = np.ndarray
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Sensor:
+    """``p`` spectral channels sharing one pixel design.
+
+    Attributes
+    ----------
+    name
+        How the sensor is called in results.
+    grid
+        The wavelengths of ``qe``.
+    qe
+        Electrons per photon, filter and IR-cut included: the paper's QE = QE_ph T_f.
+        [e-/photon]
+    names
+        One per channel.
+    pixel
+        Pitch, full well, read noise.
+    mosaic
+        Which channel sits over which pixel, where that is known.
+    notes
+        What a reader of a result must know, e.g. that curves are a reconstruction.
+
+    Raises
+    ------
+    InputError
+        If a QE lies outside 0 .. 1, or the shapes do not belong together.
+    """
+
+    name: str
+    grid: Grid
+    qe: Float[Array, "n p"]
+    names: tuple[str, ...]
+    pixel: Pixel
+    mosaic: Mosaic | None = None
+    notes: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        qe = _check.fraction(f"QE of sensor {self.name}", "e-/photon", self.qe)
+        if qe.ndim != 2 or qe.shape[1] == 0:
+            raise _check.InputError(
+                f"QE of sensor {self.name} must be (wavelengths, channels), got {qe.shape}"
+            )
+        _check.same_length("wavelengths", grid=self.grid.n, qe=qe.shape[0])
+        _check.same_length("channels", names=len(self.names), qe=qe.shape[1])
+        names = _check.distinct(f"channel names of {self.name}", self.names)
+        for name in self.mosaic.names if self.mosaic else ():
+            _check.one_of(f"mosaic channel of {self.name}", name, names)
+        object.__setattr__(self, "qe", _check.frozen(qe))
+        object.__setattr__(self, "names", names)
+
+
+def behind_filter(
+    sensor: Sensor, transmittance: Float[Array, " n"], *, name: str, note: str = ""
+) -> Sensor:
+    """The same sensor behind one more filter, e.g. an IR-cut.
+
+    Parameters
+    ----------
+    sensor
+        Any sensor.
+    transmittance
+        0 .. 1 on the sensor's grid.
+    name
+        How the new sensor is called.
+    note
+        Added to its notes.
+    """
+    checked = _check.fraction(f"transmittance before {sensor.name}", "1", transmittance)
+    _check.same_length("wavelengths", sensor=sensor.grid.n, transmittance=checked.size)
+    notes = (*sensor.notes, note) if note else sensor.notes
+    return replace(sensor, name=name, qe=sensor.qe * checked[:, None], notes=notes)
+
+
+def with_channels(
+    sensor: Sensor, names: Sequence[str], *, name: str, mosaic: Mosaic | None = None
+) -> Sensor:
+    """The sensor that has only the channels ``names``, in that order.
+
+    Raises
+    ------
+    InputError
+        If the sensor has no such channel.
+    """
+    for wanted in names:
+        _check.one_of(f"channel of {sensor.name}", wanted, sensor.names)
+    columns = [sensor.names.index(wanted) for wanted in names]
+    return replace(sensor, name=name, names=tuple(names), qe=sensor.qe[:, columns], mosaic=mosaic)

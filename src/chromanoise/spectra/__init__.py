@@ -1,0 +1,47 @@
+"""One wavelength grid; curves, illuminants, observers, reflectances, and the metric they live in."""
+
+from chromanoise.spectra.curves import Beyond, Spectra, interpolation_matrix, on_grid
+from chromanoise.spectra.grid import DEFAULT_GRID, Grid
+from chromanoise.spectra.illuminants import (
+    ILLUMINANT_NAMES,
+    Illuminant,
+    astm_g173,
+    black_body,
+    cie_a,
+    cie_illuminant,
+    equal_energy,
+    illuminant_from,
+    illuminant_named,
+    led,
+    photon_irradiance,
+)
+from chromanoise.spectra.metric import METRICS, Metric
+from chromanoise.spectra.observers import cie_1931, color_axes
+from chromanoise.spectra.readers import read_spectra_csv
+from chromanoise.spectra.reflectances import colorchecker
+
+__all__ = [
+    "DEFAULT_GRID",
+    "ILLUMINANT_NAMES",
+    "METRICS",
+    "Beyond",
+    "Grid",
+    "Illuminant",
+    "Metric",
+    "Spectra",
+    "astm_g173",
+    "black_body",
+    "cie_1931",
+    "cie_a",
+    "cie_illuminant",
+    "color_axes",
+    "colorchecker",
+    "equal_energy",
+    "illuminant_from",
+    "illuminant_named",
+    "interpolation_matrix",
+    "led",
+    "on_grid",
+    "photon_irradiance",
+    "read_spectra_csv",
+]

@@ -1,0 +1,154 @@
+"""Curves over wavelength as they were measured, and how they come onto the grid."""
+
+from dataclasses import dataclass
+from typing import Literal, get_args
+
+import numpy as np
+from jaxtyping import Float
+
+from chromanoise import _check
+from chromanoise.spectra.grid import Grid
+
+Array = np.ndarray
+Beyond = Literal["refuse", "zero", "hold"]
+"""What a curve is taken to be where it was not measured."""
+
+_SLACK_NM = 1e-6  # wavelengths read from text may miss the grid's end by rounding
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Spectra:
+    """``k`` curves sampled at ``m`` increasing wavelengths, equidistant or not.
+
+    Attributes
+    ----------
+    wavelength_nm
+        Where the curves are known. [nm]
+    values
+        One column per curve, in ``unit``.
+    names
+        One per curve.
+    quantity
+        What the curves are, e.g. "QE" or "reflectance"; used in messages.
+    unit
+        The unit of ``values``, "1" for a ratio.
+    source
+        Where the numbers come from.
+    notes
+        What was done to them since, e.g. how they were continued beyond their ends.
+    """
+
+    wavelength_nm: Float[Array, " m"]
+    values: Float[Array, "m k"]
+    names: tuple[str, ...]
+    quantity: str
+    unit: str
+    source: str
+    notes: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        where = f"{self.quantity} of {self.source}"
+        wavelength = _check.increasing(f"wavelength_nm of {where}", "nm", self.wavelength_nm)
+        values = _check.finite(where, self.unit, self.values)
+        if values.ndim != 2:
+            raise _check.InputError(f"{where} must be (wavelengths, curves), got {values.shape}")
+        _check.same_length("wavelengths", wavelength_nm=wavelength.size, values=values.shape[0])
+        _check.same_length("curves", names=len(self.names), values=values.shape[1])
+        object.__setattr__(self, "wavelength_nm", _check.frozen(wavelength))
+        object.__setattr__(self, "values", _check.frozen(values))
+        object.__setattr__(self, "names", _check.distinct(f"names of {where}", self.names))
+
+
+def interpolation_matrix(
+    wavelength_nm: Float[Array, " m"], grid: Grid, *, beyond: Beyond, what: str
+) -> tuple[Float[Array, "n m"], tuple[str, ...]]:
+    """The linear interpolation from ``m`` known wavelengths to the grid, and notes on its ends.
+
+    Parameters
+    ----------
+    wavelength_nm
+        Where the curve is known, increasing. [nm]
+    grid
+        Where it is wanted.
+    beyond
+        ``refuse``, or take the curve as ``zero`` or ``hold`` its last value outside.
+    what
+        Name of the curve in a complaint.
+
+    Returns
+    -------
+    matrix
+        ``matrix @ values`` lies on the grid; no weight is negative, so no curve overshoots.
+    notes
+        One sentence if a continuation was used, else nothing.
+
+    Raises
+    ------
+    InputError
+        If the curve ends short of the grid and ``beyond`` is ``refuse``, or if they do not meet.
+
+    Examples
+    --------
+    >>> matrix, notes = interpolation_matrix(
+    ...     np.array([400.0, 410.0]), Grid.uniform(400, 410, 5), beyond="refuse", what="a line")
+    >>> matrix @ np.array([1.0, 3.0])
+    array([1., 2., 3.])
+    """
+    _check.one_of("continuation", beyond, get_args(Beyond))
+    known = np.asarray(wavelength_nm, dtype=np.float64)
+    wanted = grid.wavelength_nm
+    if known[0] > wanted[-1] or known[-1] < wanted[0]:
+        raise _check.InputError(
+            f"{what} is given on {known[0]:g}-{known[-1]:g} nm, which does not meet the grid "
+            f"{grid}; are its wavelengths in nm?"
+        )
+    short = (wanted < known[0] - _SLACK_NM) | (wanted > known[-1] + _SLACK_NM)
+    notes: tuple[str, ...] = ()
+    if short.any():
+        if beyond == "refuse":
+            raise _check.InputError(
+                f"{what} is given on {known[0]:g}-{known[-1]:g} nm only, but the grid {grid} asks "
+                f"for it at {wanted[short][0]:g} nm; choose beyond=zero or beyond=hold, "
+                "or a measurement that reaches further"
+            )
+        notes = (f"{what}: {beyond} beyond {known[0]:g}-{known[-1]:g} nm",)
+    at = np.clip(wanted, known[0], known[-1])
+    right = np.clip(np.searchsorted(known, at, side="left"), 1, known.size - 1)
+    share = (at - known[right - 1]) / (known[right] - known[right - 1])
+    matrix = np.zeros((wanted.size, known.size))
+    rows = np.arange(wanted.size)
+    matrix[rows, right - 1] = 1.0 - share
+    matrix[rows, right] += share
+    if beyond == "zero":
+        matrix[short] = 0.0
+    return matrix, notes
+
+
+def on_grid(spectra: Spectra, grid: Grid, *, beyond: Beyond = "refuse") -> Spectra:
+    """The same curves on ``grid``, by linear interpolation between their neighbours.
+
+    Parameters
+    ----------
+    spectra
+        Curves, as measured.
+    grid
+        Where they are wanted.
+    beyond
+        What to do where they end short of the grid; the choice is told in ``notes``.
+
+    Raises
+    ------
+    InputError
+        As `interpolation_matrix`.
+    """
+    what = f"{spectra.quantity} of {spectra.source}"
+    matrix, notes = interpolation_matrix(spectra.wavelength_nm, grid, beyond=beyond, what=what)
+    return Spectra(
+        wavelength_nm=grid.wavelength_nm,
+        values=matrix @ spectra.values,
+        names=spectra.names,
+        quantity=spectra.quantity,
+        unit=spectra.unit,
+        source=spectra.source,
+        notes=spectra.notes + notes,
+    )

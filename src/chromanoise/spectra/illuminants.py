@@ -1,0 +1,233 @@
+"""Light sources, normalized to one lux so that a level in lux says how much light there is."""
+
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+from jaxtyping import Float
+
+from chromanoise import _check
+from chromanoise.spectra.curves import Beyond, Spectra, on_grid
+from chromanoise.spectra.grid import Grid
+from chromanoise.spectra.observers import cie_1931_table
+from chromanoise.spectra.tables import packaged_table
+from chromanoise.units import (
+    BOLTZMANN_J_PER_K,
+    LIGHT_M_PER_S,
+    LUMEN_PER_WATT,
+    PLANCK_J_S,
+    UM2_PER_M2,
+    photons_per_joule,
+)
+
+Array = np.ndarray
+Power = Callable[[Float[Array, " m"]], Float[Array, " m"]]
+
+_DARKEST_LM_PER_W = 1e-3  # a source below this gives no light that lux could measure
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Illuminant:
+    """A light source at one lux.
+
+    Attributes
+    ----------
+    name
+        How it is called in results.
+    grid
+        Its wavelengths.
+    irradiance
+        Spectral irradiance at 1 lx. [W m-2 nm-1 lx-1]
+    notes
+        What was assumed, e.g. beyond the end of its measurement.
+    """
+
+    name: str
+    grid: Grid
+    irradiance: Float[Array, " n"]
+    notes: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        name = f"irradiance of illuminant {self.name}"
+        checked = _check.non_negative(name, "W m-2 nm-1 lx-1", self.irradiance)
+        _check.same_length("wavelengths", grid=self.grid.n, irradiance=checked.size)
+        object.__setattr__(self, "irradiance", _check.frozen(checked))
+
+
+def photon_irradiance(illuminant: Illuminant) -> Float[Array, " n"]:
+    """The i(lambda) of eq. 1: photon irradiance at one lux. [photons s-1 um-2 nm-1 lx-1]
+
+    Examples
+    --------
+    >>> visible = photon_irradiance(equal_energy(Grid.uniform(400, 700, 1)))
+    >>> round(float(visible.sum()))          # photons per lux, second and um2
+    11419
+    """
+    per_joule = photons_per_joule(illuminant.grid.wavelength_nm)
+    return illuminant.irradiance * per_joule / UM2_PER_M2
+
+
+def equal_energy(grid: Grid) -> Illuminant:
+    """CIE illuminant E, the same power at every wavelength of the grid.
+
+    The paper extends it to 1050 nm.
+    """
+    return _from_formula("E", np.ones_like, grid)
+
+
+def cie_a(grid: Grid) -> Illuminant:
+    """CIE standard illuminant A by its defining equation (CIE 015:2018, eq. 4.1)."""
+    return _from_formula("A", partial(_planck, temperature_k=2848.0, c2_m_k=1.435e-2), grid)
+
+
+def black_body(grid: Grid, temperature_k: float) -> Illuminant:
+    """A Planckian radiator at ``temperature_k`` [K]."""
+    kelvin = _check.positive("temperature_k", "K", temperature_k)
+    c2_m_k = PLANCK_J_S * LIGHT_M_PER_S / BOLTZMANN_J_PER_K
+    return _from_formula(
+        f"{kelvin:g} K black body", partial(_planck, temperature_k=kelvin, c2_m_k=c2_m_k), grid
+    )
+
+
+def led(grid: Grid, peak_nm: float, width_nm: float = 20.0) -> Illuminant:
+    """One light-emitting diode: Ohno's two-term model around ``peak_nm``.
+
+    Parameters
+    ----------
+    peak_nm, width_nm
+        Peak wavelength and full width at half maximum. [nm]
+
+    Raises
+    ------
+    InputError
+        If the diode gives no light that lux can measure (e.g. 850 nm).
+
+    Notes
+    -----
+    Ohno, "Spectral design considerations for white LED color rendering", Opt. Eng. 44 (2005),
+    111302, eq. 1.
+    """
+    peak = _check.positive("peak_nm", "nm", peak_nm)
+    width = _check.positive("width_nm", "nm", width_nm)
+
+    def power(wavelength_nm: Float[Array, " m"]) -> Float[Array, " m"]:
+        bell = np.exp(-(((wavelength_nm - peak) / width) ** 2))
+        return (bell + 2 * bell**5) / 3
+
+    return _from_formula(f"{peak:g} nm LED", power, grid)
+
+
+def astm_g173(grid: Grid, *, beyond: Beyond = "refuse") -> Illuminant:
+    """Daylight that reaches the near infrared: ASTM G173-03 global tilt, 5 nm means."""
+    return illuminant_from(packaged_table("astm_g173_global"), grid, name="G173", beyond=beyond)
+
+
+def cie_illuminant(name: str, grid: Grid, *, beyond: Beyond = "refuse") -> Illuminant:
+    """A tabulated CIE illuminant (D65, D50, FL2, LED-B3 ...) as carried by colour-science.
+
+    Most end at 780 nm: on a grid that goes further, ``beyond`` must say what follows.
+    """
+    import colour  # its import costs a second
+
+    _check.one_of("illuminant", name, list(colour.SDS_ILLUMINANTS))
+    table = colour.SDS_ILLUMINANTS[name]
+    curve = Spectra(
+        wavelength_nm=np.asarray(table.wavelengths, dtype=np.float64),
+        values=np.asarray(table.values, dtype=np.float64)[:, None],
+        names=(name,),
+        quantity="relative power",
+        unit="1",
+        source=f"CIE illuminant {name}",
+    )
+    return illuminant_from(curve, grid, name=name, beyond=beyond)
+
+
+def illuminant_from(
+    spectrum: Spectra, grid: Grid, *, name: str, beyond: Beyond = "refuse"
+) -> Illuminant:
+    """An illuminant from one curve of relative *power* (not photons) over wavelength.
+
+    Raises
+    ------
+    InputError
+        If there is not exactly one curve, if it is negative somewhere, ends short of the grid,
+        or gives no visible light.
+    """
+    if len(spectrum.names) != 1:
+        raise _check.InputError(
+            f"illuminant {name} must be one curve, but {spectrum.source} holds "
+            f"{len(spectrum.names)}: {', '.join(spectrum.names)}"
+        )
+    _check.non_negative(f"{spectrum.quantity} of {spectrum.source}", spectrum.unit, spectrum.values)
+    known, power = spectrum.wavelength_nm, spectrum.values[:, 0]
+    resampled = on_grid(spectrum, grid, beyond=beyond)
+    lux = _lumen_per_watt_nm(lambda at: np.interp(at, known, power, left=0.0, right=0.0), name)
+    return Illuminant(
+        name=name, grid=grid, irradiance=resampled.values[:, 0] / lux, notes=resampled.notes
+    )
+
+
+ILLUMINANT_NAMES = ("E", "A", "G173", "D65", "D50", "FL2", "LED-B3", "3200K", "LED660")
+"""Examples of what `illuminant_named` understands."""
+
+
+def illuminant_named(name: str, grid: Grid, *, beyond: Beyond = "refuse") -> Illuminant:
+    """The illuminant a person means by ``name``.
+
+    E, A, G173 (daylight to 1050 nm), any CIE illuminant of colour-science (D65, FL2, LED-B3),
+    ``<T>K`` for a black body, ``LED<peak>`` or ``LED<peak>/<width>`` for a diode.
+
+    Raises
+    ------
+    InputError
+        If nothing is called that; the nearest names are told.
+    """
+    formulas = {"E": equal_energy, "A": cie_a}
+    if name in formulas:
+        return formulas[name](grid)
+    if name == "G173":
+        return astm_g173(grid, beyond=beyond)
+    if match := re.fullmatch(r"([\d.]+)\s*K", name):
+        return black_body(grid, _number(match[1], name))
+    if match := re.fullmatch(r"LED([\d.]+)(?:/([\d.]+))?", name):
+        return led(grid, _number(match[1], name), _number(match[2] or "20", name))
+    return cie_illuminant(name, grid, beyond=beyond)
+
+
+def _number(text: str, name: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        raise _check.InputError(f"illuminant {name!r}: {text!r} is not a number") from None
+
+
+def _planck(
+    wavelength_nm: Float[Array, " m"], *, temperature_k: float, c2_m_k: float
+) -> Float[Array, " m"]:
+    """Planck's law relative to its value at 560 nm."""
+
+    def log_power(metre: Float[Array, " m"]) -> Float[Array, " m"]:
+        x = c2_m_k / (metre * temperature_k)
+        return -5 * np.log(metre) - x - np.log(-np.expm1(-x))
+
+    return np.exp(log_power(wavelength_nm * 1e-9) - log_power(np.array([560e-9])))
+
+
+def _from_formula(name: str, power: Power, grid: Grid) -> Illuminant:
+    lux = _lumen_per_watt_nm(power, name)
+    return Illuminant(name=name, grid=grid, irradiance=power(grid.wavelength_nm) / lux)
+
+
+def _lumen_per_watt_nm(power: Power, name: str) -> float:
+    """Lux of the curve ``power`` [W m-2 nm-1]: K_m sum y-bar power, 360-830 nm @1 (CIE 015)."""
+    observer = cie_1931_table()
+    curve = power(observer.wavelength_nm)
+    lux = LUMEN_PER_WATT * float(observer.values[:, 1] @ curve)
+    if not lux > _DARKEST_LM_PER_W * max(float(curve.sum()), np.finfo(float).tiny):
+        raise _check.InputError(
+            f"illuminant {name} gives no visible light between 360 and 830 nm, "
+            "so no level in lux can describe it"
+        )
+    return lux

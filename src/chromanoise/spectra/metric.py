@@ -1,0 +1,42 @@
+"""In which unit a spectrum is a vector: radiant power or photons.
+
+Eq. 5 applies color-matching functions, which are made for radiant power, to the spectrum of
+eq. 4. Two consistent choices exist, and they give different dual bases, kernels and
+contravariant coordinates, so every result carries which one it used:
+
+========== ============================ ==================== =======================
+metric     light L                      sensor f             color axes H
+========== ============================ ==================== =======================
+``energy`` [W m-2 nm-1]                 k QE lambda / (h c)  K_m CMF
+``quanta`` [photons s-1 um-2 nm-1]      k QE                 K_m CMF h c / lambda
+========== ============================ ==================== =======================
+
+F^T L is the same number of electrons, and H^T L the same lux, in both.
+"""
+
+from typing import Literal, get_args
+
+import numpy as np
+from jaxtyping import Float
+
+from chromanoise import _check
+from chromanoise.spectra.grid import Grid
+from chromanoise.units import UM2_PER_M2, photons_per_joule
+
+Array = np.ndarray
+Metric = Literal["quanta", "energy"]
+METRICS: tuple[Metric, ...] = get_args(Metric)
+
+
+def photons_per_unit(grid: Grid, metric: Metric) -> Float[Array, " n"]:
+    """Photons s-1 um-2 nm-1 in one unit of light of the metric, at each wavelength.
+
+    Examples
+    --------
+    >>> photons_per_unit(Grid.uniform(500, 510, 10), "quanta")
+    array([1., 1.])
+    """
+    _check.one_of("metric", metric, METRICS)
+    if metric == "quanta":
+        return np.ones(grid.n)
+    return photons_per_joule(grid.wavelength_nm) / UM2_PER_M2

@@ -1,0 +1,113 @@
+"""Spectra from text: ``wavelength_nm`` and one column per curve."""
+
+import csv
+import io
+import math
+from pathlib import Path
+
+import numpy as np
+
+from chromanoise import _check
+from chromanoise.spectra.curves import Spectra
+
+_LARGEST_BYTES = 64 * 2**20
+
+
+def read_spectra_csv(path: Path | str, *, quantity: str, unit: str) -> Spectra:
+    """The curves of a CSV file whose first row is ``wavelength_nm,name,name,...``.
+
+    Parameters
+    ----------
+    path
+        The file, UTF-8. Lines that start with ``#`` are comments.
+    quantity, unit
+        What its columns are; used in messages.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read or a cell is not a number; file, line and column are told.
+    """
+    path = Path(path)
+    try:
+        if path.stat().st_size > _LARGEST_BYTES:
+            raise _check.InputError(
+                f"{path}: {path.stat().st_size / 2**20:.0f} MiB is too large for a table of spectra"
+            )
+        text = path.read_text(encoding="utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise _check.InputError(
+            f"{path}: not a UTF-8 text file (byte {error.start} is not text)"
+        ) from None
+    except OSError as error:
+        raise _check.InputError(f"{path}: cannot be read ({error.strerror})") from None
+    return spectra_from_text(text, source=str(path), quantity=quantity, unit=unit)
+
+
+def spectra_from_text(text: str, *, source: str, quantity: str, unit: str) -> Spectra:
+    """The curves of CSV text; ``source`` names it in messages and results.
+
+    Examples
+    --------
+    >>> spectra_from_text("wavelength_nm,G\\n500,.4\\n510,.5", source="a line",
+    ...                   quantity="QE", unit="e-/photon").values.ravel()
+    array([0.4, 0.5])
+    """
+    lines = [(i, line) for i, line in enumerate(text.splitlines(), 1) if line.strip()]
+    lines = [(i, line) for i, line in lines if not line.lstrip().startswith("#")]
+    if len(lines) < 3:
+        raise _check.InputError(
+            f"{source}: needs a header wavelength_nm,name,... and at least 2 rows, "
+            f"but has {len(lines)} lines"
+        )
+    header = _cells(lines[0][1])
+    if header[0].lower() != "wavelength_nm" or len(header) < 2:
+        raise _check.InputError(
+            f"{source}: line {lines[0][0]} must be the header wavelength_nm,name,..., "
+            f"but starts with {header[0]!r}"
+        )
+    rows = [_numbers(line, i, header, source) for i, line in lines[1:]]
+    _refuse_unsorted([row[0] for row in rows], [i for i, _ in lines[1:]], source)
+    table = np.array(rows, dtype=np.float64)
+    return Spectra(
+        wavelength_nm=table[:, 0],
+        values=table[:, 1:],
+        names=tuple(header[1:]),
+        quantity=quantity,
+        unit=unit,
+        source=source,
+    )
+
+
+def _cells(line: str) -> list[str]:
+    return [cell.strip() for cell in next(csv.reader(io.StringIO(line)))]
+
+
+def _numbers(line: str, number: int, header: list[str], source: str) -> list[float]:
+    cells = _cells(line)
+    if len(cells) != len(header):
+        raise _check.InputError(
+            f"{source}: line {number} has {len(cells)} cells, but the header names {len(header)}"
+        )
+    values = []
+    for name, cell in zip(header, cells, strict=True):
+        try:
+            value = float(cell)
+        except ValueError:
+            value = math.nan
+        if not math.isfinite(value):
+            raise _check.InputError(
+                f"{source}: line {number}, column {name}: {cell!r} is not a finite number"
+            )
+        values.append(value)
+    return values
+
+
+def _refuse_unsorted(wavelengths: list[float], numbers: list[int], source: str) -> None:
+    for i in range(1, len(wavelengths)):
+        if wavelengths[i] <= wavelengths[i - 1]:
+            raise _check.InputError(
+                f"{source}: line {numbers[i]}: wavelength_nm must increase, but "
+                f"{wavelengths[i]:g} nm follows {wavelengths[i - 1]:g} nm; "
+                "sort the rows and drop repeated ones"
+            )

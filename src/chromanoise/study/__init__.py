@@ -1,0 +1,33 @@
+"""One reproducible run: the analysis of sensors, and the paper's own study."""
+
+from chromanoise.study.analysis import (
+    Analysis,
+    analyzed,
+    color_snr_db,
+    contravariant_snr_db,
+    diagnosis,
+    raw_snr_db,
+)
+from chromanoise.study.export import analyses_as_json, reproduction_as_json
+from chromanoise.study.findings import set_aside_reasons, table_5_finding, verdict
+from chromanoise.study.paper import PaperStudy, paper_study
+from chromanoise.study.reproduction import Cell, Reproduction, reproduced
+
+__all__ = [
+    "Analysis",
+    "Cell",
+    "PaperStudy",
+    "Reproduction",
+    "analyses_as_json",
+    "analyzed",
+    "color_snr_db",
+    "contravariant_snr_db",
+    "diagnosis",
+    "paper_study",
+    "raw_snr_db",
+    "reproduced",
+    "reproduction_as_json",
+    "set_aside_reasons",
+    "table_5_finding",
+    "verdict",
+]

@@ -1,0 +1,186 @@
+"""Everything about one sensor in front of one flat patch, in closed form."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from chromanoise._check import InputError
+from chromanoise.color import ColorMatrix, colored, kernel_matrix
+from chromanoise.exposure import Exposure, expected_electrons
+from chromanoise.geometry import (
+    NearestMix,
+    angles_between_deg,
+    angles_to_axes_deg,
+    contravariant,
+    nearest_mix,
+    spectral_snr,
+    variance_inflation,
+)
+from chromanoise.merit import bound_db, chart_color_error, price_db, snr_db
+from chromanoise.noise import Measurement, saturated, with_noise
+from chromanoise.scene import Scene
+from chromanoise.sensor import Sensor
+from chromanoise.spectra import Metric, color_axes
+from chromanoise.units import decibel
+
+Array = np.ndarray
+
+_NEAR_MIX_DEG = 10.0  # a channel closer than this to the span of the others is worth a sentence
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Analysis:
+    """One sensor, one exposure, every stage.
+
+    Attributes
+    ----------
+    scene, sensor, exposure
+        What was looked at, with what, and how.
+    raw, contravariant, color
+        The measurement at each stage, with its covariance.
+    matrix
+        The color matrix; carries the metric and the frame.
+    saturated
+        One per channel. Where one is true, no SNR that uses it is defined.
+    vif
+        Variance inflation per channel; inf for a mix of others.
+    between_deg, to_axes_deg
+        Angles between channels, and to the color axes x, y, z. [deg]
+    mix
+        The channel that is most nearly a mix of the others.
+    spectral_snr_db
+        SNR of the rebuilt spectrum (eq. 4). [dB]
+    bound_db, price_db
+        Best SNR of any linear readout, and how far Y stays below it. [dB]
+    color_error
+        CIE 1976 difference per ColorChecker patch, without noise. [Delta E*ab]
+    """
+
+    scene: Scene
+    sensor: Sensor
+    exposure: Exposure
+    raw: Measurement
+    contravariant: Measurement
+    color: Measurement
+    matrix: ColorMatrix
+    saturated: Bool[Array, " p"]
+    vif: Float[Array, " p"]
+    between_deg: Float[Array, "p p"]
+    to_axes_deg: Float[Array, "p 3"]
+    mix: NearestMix | None
+    spectral_snr_db: float
+    bound_db: float
+    price_db: float
+    color_error: Float[Array, "24"]
+
+
+def analyzed(
+    scene: Scene, sensor: Sensor, exposure: Exposure, metric: Metric = "quanta"
+) -> Analysis:
+    """Take one flat patch through every stage: eq. 1 to 7.
+
+    Parameters
+    ----------
+    scene
+        A single point (`flat_field`).
+    sensor, exposure
+        What looks at it, and how.
+    metric
+        In which light is a vector.
+
+    Raises
+    ------
+    InputError
+        If the scene is more than one point or on another grid than the sensor.
+    """
+    if scene.reflectance.ndim != 1:
+        raise InputError(f"analyzed takes one point, got a scene of {scene.reflectance.shape}")
+    raw = with_noise(expected_electrons(scene, sensor, exposure), sensor)
+    matrix = kernel_matrix(sensor, exposure, metric)
+    color = colored(raw, matrix)
+    frame = matrix.frame
+    return Analysis(
+        scene=scene,
+        sensor=sensor,
+        exposure=exposure,
+        raw=raw,
+        contravariant=contravariant(raw, frame),
+        color=color,
+        matrix=matrix,
+        saturated=saturated(raw.mean, sensor.pixel),
+        vif=variance_inflation(frame),
+        between_deg=angles_between_deg(frame),
+        to_axes_deg=angles_to_axes_deg(frame, color_axes(sensor.grid, metric)),
+        mix=nearest_mix(frame),
+        spectral_snr_db=float(decibel(spectral_snr(raw, frame))),
+        bound_db=float(bound_db(raw)),
+        price_db=float(price_db(raw, color)),
+        color_error=chart_color_error(sensor, matrix, exposure, scene.illuminant),
+    )
+
+
+def raw_snr_db(analysis: Analysis) -> dict[str, float | None]:
+    """Raw SNR per channel; ``None`` where the channel is saturated or sees nothing. [dB]"""
+    hidden = dict(zip(analysis.sensor.names, analysis.saturated, strict=True))
+    return _told(snr_db(analysis.raw), hidden)
+
+
+def contravariant_snr_db(analysis: Analysis) -> dict[str, float | None]:
+    """Contravariant SNR per channel; ``None`` where it is not defined. [dB]
+
+    Every coordinate mixes all channels, so one saturated channel hides them all; a channel that
+    is a mix of others has no coordinate of its own.
+    """
+    lost = bool(analysis.saturated.any())
+    hidden = {
+        name: lost or not np.isfinite(vif)
+        for name, vif in zip(analysis.sensor.names, analysis.vif, strict=True)
+    }
+    return _told(snr_db(analysis.contravariant), hidden)
+
+
+def color_snr_db(analysis: Analysis) -> dict[str, float | None]:
+    """SNR of X, Y and Z; ``None`` while a channel is saturated. [dB]"""
+    lost = bool(analysis.saturated.any())
+    return _told(snr_db(analysis.color), dict.fromkeys(analysis.color.names, lost))
+
+
+def diagnosis(analysis: Analysis) -> tuple[str, ...]:
+    """What a reader of these numbers must know, in sentences."""
+    sensor, frame = analysis.sensor, analysis.matrix.frame
+    told = [*sensor.notes, *analysis.scene.illuminant.notes]
+    for name, mean, full in zip(sensor.names, analysis.raw.mean, analysis.saturated, strict=True):
+        if full:
+            told.append(
+                f"channel {name} is saturated: {mean:.0f} e- expected, full well is "
+                f"{sensor.pixel.full_well_e:.0f} e-; shorten the time or close the aperture"
+            )
+        if mean == 0:
+            told.append(f"channel {name} sees none of this light")
+    mix = analysis.mix
+    if frame.rank < len(sensor.names) and mix:
+        told.append(
+            f"the sensor is singular: only {frame.rank} of {len(sensor.names)} channels are "
+            f"independent ({_mix_sentence(mix)}), so the coordinates of that mix are not defined "
+            "and the matrix uses the pseudo-inverse"
+        )
+    elif mix and mix.angle_deg < _NEAR_MIX_DEG:
+        worst = float(analysis.vif[sensor.names.index(mix.channel)])
+        told.append(
+            f"nearly singular (condition {frame.condition:.0f}): {_mix_sentence(mix)}, which "
+            f"multiplies the variance of its coordinate by {worst:.0f}"
+        )
+    return tuple(told)
+
+
+def _mix_sentence(mix: NearestMix) -> str:
+    parts = " ".join(f"{weight:+.2f} {name}" for name, weight in mix.weights.items())
+    return f"{mix.channel} is {mix.angle_deg:.2g} deg from {parts.removeprefix('+')}"
+
+
+def _told(ratios: dict[str, Float[Array, ""]], hidden: dict[str, bool]) -> dict[str, float | None]:
+    return {
+        name: None if hidden[name] or not np.isfinite(value) else float(value)
+        for name, value in ratios.items()
+    }

@@ -1,0 +1,101 @@
+"""Results as plain data, ready for ``json.dumps``: what is not defined is ``None``."""
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import asdict
+from typing import Any
+
+from chromanoise import __version__
+from chromanoise.sensor.catalogue import RECONSTRUCTION
+from chromanoise.study.analysis import (
+    Analysis,
+    color_snr_db,
+    contravariant_snr_db,
+    diagnosis,
+    raw_snr_db,
+)
+from chromanoise.study.findings import set_aside_reasons, table_5_finding, verdict
+from chromanoise.study.paper import PRINTED_TIMES_MS
+from chromanoise.study.reproduction import Reproduction
+
+
+def analyses_as_json(analyses: Sequence[Analysis]) -> dict[str, Any]:
+    """Several sensors, side by side."""
+    return {
+        "version": __version__,
+        "metric": analyses[0].matrix.metric,
+        "illuminant": analyses[0].scene.illuminant.name,
+        "level_lux": analyses[0].scene.level_lux,
+        "sensors": [_analysis(analysis) for analysis in analyses],
+    }
+
+
+def reproduction_as_json(result: Reproduction) -> dict[str, Any]:
+    """The paper's tables with ours beside them, and what they say."""
+    times_s = result.study.times_s
+    return {
+        "version": __version__,
+        "seed": result.seed,
+        "draws": result.draws,
+        "clipped": result.clipped,
+        "metric": result.study.metric,
+        "tables": [asdict(cell) for cell in result.cells],
+        "times_ms": {name: 1e3 * times_s[name] for name in PRINTED_TIMES_MS},
+        "verdict": verdict(result.study),
+        "table_5": table_5_finding(result.study),
+        "set_aside": list(set_aside_reasons(result.study)),
+        "note": RECONSTRUCTION,
+    }
+
+
+def _analysis(analysis: Analysis) -> dict[str, Any]:
+    sensor, axes = analysis.sensor, analysis.color.names
+    usable = not bool(analysis.saturated.any())
+    return {
+        "name": sensor.name,
+        "time_ms": 1e3 * analysis.exposure.time_s,
+        "f_number": analysis.exposure.f_number,
+        "channels": _channels(analysis),
+        "spectral_snr_db": _finite(analysis.spectral_snr_db) if usable else None,
+        "color": {
+            "snr_db": color_snr_db(analysis),
+            "mean_lux": _named(axes, analysis.color.mean),
+            "covariance_lux2": analysis.color.covariance.tolist(),
+        },
+        "bound_db": _finite(analysis.bound_db) if usable else None,
+        "price_db": _finite(analysis.price_db) if usable else None,
+        "condition": _finite(analysis.matrix.frame.condition),
+        "rank": analysis.matrix.frame.rank,
+        "nearest_mix": asdict(analysis.mix) if analysis.mix else None,
+        "matrix": analysis.matrix.matrix.tolist(),
+        "matrix_made_by": analysis.matrix.made_by,
+        "matrix_unit": "lx/e-",
+        "color_error_mean": float(analysis.color_error.mean()),
+        "notes": list(diagnosis(analysis)),
+    }
+
+
+def _channels(analysis: Analysis) -> list[dict[str, Any]]:
+    names = analysis.sensor.names
+    raw, contravariant = raw_snr_db(analysis), contravariant_snr_db(analysis)
+    return [
+        {
+            "name": name,
+            "mean_e": float(analysis.raw.mean[i]),
+            "snr_db": raw[name],
+            "contravariant_snr_db": contravariant[name],
+            "vif": _finite(float(analysis.vif[i])),
+            "saturated": bool(analysis.saturated[i]),
+            "angle_deg": _named(names, analysis.between_deg[i]),
+            "angle_to_axis_deg": _named(("x", "y", "z"), analysis.to_axes_deg[i]),
+        }
+        for i, name in enumerate(names)
+    ]
+
+
+def _named(names: Iterable[str], values: Iterable[float]) -> dict[str, float]:
+    return {name: float(value) for name, value in zip(names, values, strict=True)}
+
+
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None

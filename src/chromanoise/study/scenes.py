@@ -1,0 +1,27 @@
+"""The paper's Figure 8: one scene through both sensors at the same exposure."""
+
+from chromanoise.imaging import Picture, rendered
+from chromanoise.scene import checker_cube
+from chromanoise.study import paper
+from chromanoise.study.paper import PaperStudy
+
+
+def paper_pictures(study: PaperStudy, *, seed: int = 0) -> tuple[Picture, Picture]:
+    """The ColorChecker through RGB with IR-cut and RGBW_n, both at RGBW_n's time.
+
+    The paper renders a scene of its own database, which is not published; the chart stands in.
+    """
+    cube = checker_cube()
+    first, second = (
+        rendered(
+            cube,
+            analysis.sensor,
+            analysis.exposure,
+            study.scene.illuminant,
+            level_lux=study.scene.level_lux,
+            metric=study.metric,
+            seed=seed,
+        )
+        for analysis in (study.columns[paper.RGB_12], study.columns[paper.RGBW_12])
+    )
+    return first, second
