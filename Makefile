@@ -2,7 +2,7 @@
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
-# two arithmetic threads at most: the products are small, and results must not depend on the machine
+# one arithmetic thread: the products are small, and results must not depend on the machine
 export OPENBLAS_NUM_THREADS ?= 1
 
 .PHONY: demo test lint bench docs evidence reconstruct format clean
@@ -26,7 +26,8 @@ bench: $(VENV)/.dev
 	$(BIN)/python benchmarks/closed_form_against_sampling.py
 
 docs: $(VENV)/.dev
-	$(BIN)/python tools/check_docs.py
+	$(BIN)/python tools/make_docs.py
+	$(BIN)/python -m pytest tests/shells/test_docs.py
 
 reconstruct: $(VENV)/.dev
 	$(BIN)/python tools/reconstruct_onyx.py

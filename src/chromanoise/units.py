@@ -41,7 +41,7 @@ def decibel(ratio: Float[Array, "*any"]) -> Float[Array, "*any"]:
     array([  0.,  20., -inf])
     """
     with np.errstate(divide="ignore"):
-        return 20.0 * np.log10(ratio)
+        return np.asarray(20.0 * np.log10(ratio))
 
 
 def from_decibel(level_db: Float[Array, "*any"]) -> Float[Array, "*any"]:
@@ -52,4 +52,4 @@ def from_decibel(level_db: Float[Array, "*any"]) -> Float[Array, "*any"]:
     >>> from_decibel(np.array([20.0]))
     array([10.])
     """
-    return np.power(10.0, np.asarray(level_db) / 20.0)
+    return np.asarray(np.power(10.0, np.asarray(level_db) / 20.0))

@@ -4,6 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float
+from scipy.optimize import least_squares
+
+from chromanoise.rng import stream
+from chromanoise.study import paper
+from chromanoise.units import from_decibel
 from onyx_reconstruction.curves import (
     FILTER_COUNT,
     SPLINE_COUNT,
@@ -23,11 +28,6 @@ from onyx_reconstruction.predictions import (
     snrs_db,
 )
 from onyx_reconstruction.priors import PRIOR, prior_residuals
-from scipy.optimize import least_squares
-
-from chromanoise.rng import stream
-from chromanoise.study import paper
-from chromanoise.units import from_decibel
 
 Array = np.ndarray
 
@@ -46,7 +46,7 @@ _SPREAD_CUT_NM = np.array([2.8, 1.4])
 _LOWER = np.concatenate([np.full(SPLINE_COUNT, -12.0), [630.0, 5.0]])
 _UPPER = np.concatenate([np.full(SPLINE_COUNT, 8.0), [710.0, 40.0]])
 _MOST_EVALUATIONS = 150
-_TOLERANCE = 1e-7
+_TOLERANCE, _POLISHED_TOLERANCE = 1e-7, 1e-11  # of the cost and of the step, relative
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -83,7 +83,10 @@ def start(number: int) -> Float[Array, " k"]:
 
 
 def fitted(
-    first: Float[Array, " k"], *, most_evaluations: int = _MOST_EVALUATIONS
+    first: Float[Array, " k"],
+    *,
+    tolerance: float = _TOLERANCE,
+    most_evaluations: int = _MOST_EVALUATIONS,
 ) -> Fit:
     """The optimum near ``first``."""
     result = least_squares(
@@ -92,10 +95,15 @@ def fitted(
         bounds=(_LOWER, _UPPER),
         x_scale="jac",
         max_nfev=most_evaluations,
-        ftol=_TOLERANCE,
-        xtol=_TOLERANCE,
+        ftol=tolerance,
+        xtol=tolerance,
     )
     return Fit(parameters=result.x, cost=float(result.cost), evaluations=int(result.nfev))
+
+
+def polished(fit: Fit) -> Fit:
+    """The same optimum so sharply that another start or machine ends within 1e-5 of its curves."""
+    return fitted(fit.parameters, tolerance=_POLISHED_TOLERANCE)
 
 
 def residuals(parameters: Float[Array, " k"]) -> Float[Array, " m"]:

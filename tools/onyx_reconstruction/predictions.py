@@ -9,7 +9,6 @@ from functools import cache
 
 import numpy as np
 from jaxtyping import Float
-from onyx_reconstruction.curves import GRID, RGB, Curves, ir_cut, rgbw_qe
 
 from chromanoise.color import colored, kernel_matrix
 from chromanoise.exposure import Exposure, expected_electrons, saturating_exposure
@@ -20,6 +19,7 @@ from chromanoise.scene import Scene, flat_field
 from chromanoise.sensor import PAPER_PIXEL, Sensor, behind_filter, with_channels
 from chromanoise.spectra import Metric, color_axes, equal_energy
 from chromanoise.study import paper
+from onyx_reconstruction.curves import GRID, RGB, Curves, ir_cut, rgbw_qe
 
 Array = np.ndarray
 METRIC: Metric = "quanta"

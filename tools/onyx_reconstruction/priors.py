@@ -10,8 +10,9 @@ A residual of 1 is the misfit that costs as much as one unit of misfit to a figu
 
 import numpy as np
 from jaxtyping import Float
-from onyx_reconstruction.curves import GRID, RGB, WAVELENGTH_NM, Curves, logit, rgbw_qe
 from scipy.interpolate import PchipInterpolator
+
+from onyx_reconstruction.curves import GRID, RGB, WAVELENGTH_NM, Curves, logit, rgbw_qe
 
 Array = np.ndarray
 
@@ -113,8 +114,6 @@ def _white_residuals(w: Float[Array, " n"]) -> list[Float[Array, " m"]]:
     ]
 
 
-def _wrong_slope(
-    curve: Float[Array, "n *k"], signs: Float[Array, "n-1 *k"]
-) -> Float[Array, " m"]:
+def _wrong_slope(curve: Float[Array, "n *k"], signs: Float[Array, "n-1 *k"]) -> Float[Array, " m"]:
     """How far first differences go against ``signs``: a hinge, free of cost on the right side."""
     return np.maximum(-signs * np.diff(curve, axis=0), 0.0).ravel() / _SIGMA_SLOPE

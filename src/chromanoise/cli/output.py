@@ -35,7 +35,7 @@ def whole_folder(folder: Path) -> Iterator[Path]:
         for path in sorted(p for p in scratch.rglob("*") if p.is_file()):
             target = folder / path.relative_to(scratch)
             target.parent.mkdir(parents=True, exist_ok=True)
-            os.replace(path, target)
+            path.replace(target)
     finally:
         shutil.rmtree(scratch, ignore_errors=True)
 
@@ -54,8 +54,8 @@ def write_json(data: dict[str, Any], target: str) -> None:
     try:
         with os.fdopen(handle, "w", encoding="utf-8") as stream:
             stream.write(text)
-        os.chmod(scratch, 0o644)
-        os.replace(scratch, path)
+        Path(scratch).chmod(0o644)  # mkstemp keeps others out; a result is for everyone
+        Path(scratch).replace(path)
     except BaseException:
         Path(scratch).unlink(missing_ok=True)
         raise

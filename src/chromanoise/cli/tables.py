@@ -9,10 +9,12 @@ from rich.table import Table
 from chromanoise.study import (
     Analysis,
     Cell,
+    PaperTable,
     Reproduction,
     color_snr_db,
     contravariant_snr_db,
     diagnosis,
+    paper_tables,
     raw_snr_db,
     set_aside_reasons,
     table_5_finding,
@@ -20,19 +22,12 @@ from chromanoise.study import (
 )
 from chromanoise.study.paper import PRINTED_TIMES_MS
 
-_TITLES = {
-    2: "Table 2: raw SNR",
-    3: "Table 3: SNR of luminance Y",
-    4: "Table 4: SNR of contravariant coordinates",
-    5: "Table 5: one green channel",
-}
-
 
 def print_reproduction(result: Reproduction) -> None:
     """Tables 2-5 with ours beside the printed numbers, and what they say."""
     console = _console()
-    for number, title in _TITLES.items():
-        _print_paper_table(console, title, [c for c in result.cells if c.table == number])
+    for table in paper_tables(result):
+        console.print(_paper_table(table))
     times = ", ".join(
         f"{name} {1e3 * result.study.times_s[name]:.2f} ms (printed {printed:g})"
         for name, printed in PRINTED_TIMES_MS.items()
@@ -129,16 +124,15 @@ def _angles(analysis: Analysis) -> str:
     )
 
 
-def _print_paper_table(console: Console, title: str, cells: list[Cell]) -> None:
-    columns = list(dict.fromkeys(cell.column for cell in cells))
-    table = Table(title=f"{title}  (printed | closed form | Monte Carlo)", title_justify="left")
+def _paper_table(laid_out: PaperTable) -> Table:
+    title = f"{laid_out.title}  (printed | closed form | Monte Carlo)"
+    table = Table(title=title, title_justify="left")
     table.add_column("")
-    for column in columns:
+    for column in laid_out.columns:
         table.add_column(column, justify="right")
-    for row in dict.fromkeys(cell.row for cell in cells):
-        by_column = {cell.column: cell for cell in cells if cell.row == row}
-        table.add_row(row, *(_cell(by_column.get(column)) for column in columns))
-    console.print(table)
+    for row, cells in laid_out.rows:
+        table.add_row(row, *(_cell(cell) for cell in cells))
+    return table
 
 
 def _cell(cell: Cell | None) -> str:

@@ -3,8 +3,8 @@
 from chromanoise.exposure.cubes import band_weights
 from chromanoise.exposure.electrons import (
     Exposure,
-    exposure_factor,
     expected_electrons,
+    exposure_factor,
     measurement_vectors,
     saturating_exposure,
     time_to_saturation,

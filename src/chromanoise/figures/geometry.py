@@ -4,11 +4,21 @@ Every panel is to scale: lengths and angles are those of the n-dimensional vecto
 f are in another unit than the light and share one factor of their own.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 from jaxtyping import Float
 from matplotlib.axes import Axes
 
-from chromanoise.figures.style import INK, QUIET, channel_color, sensor_label, write_heading
+from chromanoise.figures.style import (
+    INK,
+    QUIET,
+    as_index,
+    channel_color,
+    paled,
+    sensor_label,
+    write_heading,
+)
 from chromanoise.figures.vectors import (
     draw_angle,
     draw_area,
@@ -18,8 +28,10 @@ from chromanoise.figures.vectors import (
     draw_drop,
     draw_point,
     fit_view,
+    open_side,
     write_at,
 )
+from chromanoise.study import raw_snr_db
 from chromanoise.study.views import ChannelPlane, MagnifiedNoise
 
 Array = np.ndarray
@@ -27,6 +39,7 @@ Array = np.ndarray
 _ORIGIN = np.zeros(2)
 _AXIS_DASHES = (0, (7, 2, 1.5, 2))  # of a color axis: no channel and no sensor has it
 _NO_NOISE = "to scale, without noise"
+_HAT = r"$\hat{\mathbf{L}}$"
 
 
 def draw_light_above_plane(plane: ChannelPlane, ax: Axes) -> Axes:
@@ -34,31 +47,34 @@ def draw_light_above_plane(plane: ChannelPlane, ax: Axes) -> Axes:
     tilt = np.radians(plane.light_tilt_deg)
     tip = plane.light_length * np.array([np.cos(tilt), np.sin(tilt)])
     foot = tip * [1.0, 0.0]
-    draw_axis(ax, np.array([1.25 * foot[0], 0.0]), QUIET)
-    write_at(ax, foot / 2, "plane of\n" + " and ".join(plane.channels), (0, -1), QUIET, points=16)
+    draw_axis(ax, 1.3 * foot, QUIET)
+    write_at(ax, 0.5 * foot, "plane of\n" + " and ".join(plane.channels), (0, -1), QUIET)
     draw_drop(ax, tip, foot)
     draw_arrow(ax, _ORIGIN, tip, INK)
     draw_arrow(ax, _ORIGIN, foot, INK)
-    draw_angle(ax, foot, tip, f"{plane.light_tilt_deg:.1f}°")
+    draw_angle(
+        ax, foot, tip, f"{plane.light_tilt_deg:.1f}°", radius=0.5 * float(np.linalg.norm(foot))
+    )
     write_at(ax, tip, r"$\mathbf{L}$", tip, INK)
-    write_at(ax, foot, r"$\hat{\mathbf{L}}$", (1, 1), INK)
-    write_heading(ax, "Seen edge-on", _NO_NOISE)
-    fit_view(ax, [_ORIGIN, tip, foot * 1.25], margin=0.16)
+    write_at(ax, foot, _HAT, (1, 1), INK)
+    write_heading(ax, "Seen edge-on", f"L and its projection\n{_NO_NOISE}")
+    fit_view(ax, [_ORIGIN, tip, 1.3 * foot], margin=0.12)
     return ax
 
 
 def draw_measurement(plane: ChannelPlane, ax: Axes) -> Axes:
     """Figure 3: raw electrons as orthogonal projections of the light on the channels."""
     _draw_channels(plane, ax)
+    _draw_channel_angle(plane, ax)
     _draw_light(plane, ax)
-    draw_angle(ax, *plane.arrows, f"{plane.angle_deg:.1f}°")
     sides = _outward(plane)
     for i, name in enumerate(plane.channels):
+        color = channel_color(name)
         draw_drop(ax, plane.measured.mean, plane.feet[i])
-        draw_point(ax, plane.feet[i], channel_color(name))
-        electrons = f"$M_{{{name}}}$ = {plane.two.raw.mean[i]:.0f} e$^-$"
-        write_at(ax, plane.feet[i], electrons, sides[i], channel_color(name), points=14)
-    write_heading(ax, f"Covariant coordinates: {_source(plane)}", _facts(plane, _NO_NOISE))
+        draw_point(ax, plane.feet[i], color)
+        electrons = f"$M_{{{as_index(name)}}}$ = {plane.two.raw.mean[i]:.0f} e$^-$"
+        write_at(ax, plane.feet[i], electrons, sides[i], color, points=10)
+    write_heading(ax, _source(plane), f"{_angle(plane)}\n{_time(plane)} · {_NO_NOISE}")
     fit_view(ax, [_ORIGIN, plane.measured.mean, *_tips(plane)])
     return ax
 
@@ -66,35 +82,33 @@ def draw_measurement(plane: ChannelPlane, ax: Axes) -> Axes:
 def draw_contravariant(plane: ChannelPlane, ax: Axes) -> Axes:
     """Figure 4: contravariant coordinates, whose parallelogram closes at the measured light."""
     _draw_channels(plane, ax)
-    draw_angle(ax, *plane.arrows, f"{plane.angle_deg:.1f}°")
+    _draw_channel_angle(plane, ax)
     sides = _outward(plane)
     for i, name in enumerate(plane.channels):
         part, color = plane.parts[i], channel_color(name)
         draw_drop(ax, plane.measured.mean, part, square=False)
-        draw_arrow(ax, _ORIGIN, part, color, wide=True)
-        label = rf"$M^{{{name}}}\,\mathbf{{f}}_{{{name}}}$"
-        write_at(ax, part, label, sides[i], color, points=14)
+        draw_arrow(ax, _ORIGIN, part, paled(color), width=3.2, under=True)
+        index = as_index(name)
+        label = rf"$M^{{{index}}}\,\mathbf{{f}}_{{{index}}}$"
+        write_at(ax, part, label, sides[i], color, points=10)
     _draw_light(plane, ax)
-    write_heading(ax, f"Contravariant coordinates: {_source(plane)}", _facts(plane, _NO_NOISE))
+    write_heading(ax, _source(plane), f"{_angle(plane)}\n{_time(plane)} · {_NO_NOISE}")
     fit_view(ax, [_ORIGIN, plane.measured.mean, *_tips(plane), *plane.parts])
     return ax
 
 
 def draw_color_projection(plane: ChannelPlane, ax: Axes) -> Axes:
     """Figure 6: a color coordinate as the orthogonal projection of L^ on a color axis."""
-    _draw_channels(plane, ax)
+    _draw_channels(plane, ax, beside=[plane.axis.direction])
     _draw_color_axis(plane, ax)
     draw_drop(ax, plane.measured.mean, plane.axis.foot)
     _draw_light(plane, ax)
     draw_point(ax, plane.axis.foot, INK)
-    letter = plane.axis.name.upper()
-    value = rf"$\hat{{{letter}}}$ = {plane.axis.color:.2f} lx"
+    value = rf"$\hat{{{plane.axis.name.upper()}}}$ = {plane.axis.color:.2f} lx"
     away = plane.axis.foot - plane.measured.mean
-    write_at(ax, plane.axis.foot, value, away, INK, points=16)
-    write_heading(
-        ax, f"Projection on {plane.axis.name}: {_source(plane)}",
-        _facts(plane, _NO_NOISE) + "\n" + _tilt(plane),
-    )
+    write_at(ax, plane.axis.foot, value, away, INK, points=10)
+    facts = f"{_angle(plane)} · {_tilt(plane)}\n{_time(plane)} · {_NO_NOISE}"
+    write_heading(ax, _source(plane), facts)
     fit_view(ax, [_ORIGIN, plane.measured.mean, *_tips(plane), _axis_tip(plane)])
     return ax
 
@@ -104,19 +118,23 @@ def draw_uncertainty(
 ) -> Axes:
     """Figure 9: the zone of the measured light that the noise of two channels leaves open."""
     _draw_channels(plane, ax)
+    _draw_channel_angle(plane, ax)
     _draw_noise(noise, ax)
-    sides = _outward(plane)
+    draw_area(ax, noise.locus)
+    sides, directions = _outward(plane), _unit(plane.arrows)
     for i, name in enumerate(plane.channels):
-        color = channel_color(name)
-        for end, corner in zip(noise.feet_bars[i], _locus_sides(noise, i), strict=True):
+        color, bar = channel_color(name), noise.feet_bars[i]
+        for end, corner in zip(bar, _locus_sides(noise, i), strict=True):
             draw_drop(ax, corner, end, square=False)
-        draw_bar(ax, noise.feet_bars[i], color)
-        write_at(ax, plane.feet[i], f"$M_{{{name}}}$", sides[i], color, points=14)
-    _draw_light(plane, ax, arrow_only=True)
-    draw_angle(ax, *plane.arrows, f"{plane.angle_deg:.1f}°")
-    snr = _decibels(r"SNR of $\hat{\mathbf{L}}$", _spectral_snr_db(plane))
+        draw_bar(ax, bar, color)
+        # the locus begins where the bar does: a label before it lies clear of the noise
+        write_at(ax, bar[0], f"$M_{{{as_index(name)}}}$", sides[i] - directions[i], color, points=9)
+    _draw_noisy_light(plane, ax, beside=[])
     write_heading(
-        ax, f"{title}{_source(plane)}", f"{_facts(plane, _magnified(noise))} · {snr}"
+        ax,
+        title + _source(plane),
+        f"{_angle(plane)} · {_time(plane)} · {_raw_snr(plane)}\n"
+        f"{_magnified(noise)} · {_decibels('spectral SNR', _spectral_snr_db(plane))}",
     )
     fit_view(ax, [_ORIGIN, *_tips(plane), *noise.outline, *noise.locus])
     return ax
@@ -126,20 +144,142 @@ def draw_color_uncertainty(
     plane: ChannelPlane, noise: MagnifiedNoise, ax: Axes, *, title: str = ""
 ) -> Axes:
     """Figure 10: the uncertainty of the measured light, projected on a color axis."""
-    _draw_channels(plane, ax)
+    beside = [plane.axis.direction]
+    _draw_channels(plane, ax, beside=beside)
     _draw_color_axis(plane, ax)
     _draw_noise(noise, ax)
-    for end in noise.axis_bar:
-        draw_drop(ax, _touching(noise.outline, end), end, square=False)
+    for touch, end in zip(noise.axis_touch, noise.axis_bar, strict=True):
+        draw_drop(ax, touch, end, square=False)
     draw_bar(ax, noise.axis_bar, INK)
-    _draw_light(plane, ax, arrow_only=True)
+    _draw_noisy_light(plane, ax, beside=beside)
     letter = plane.axis.name.upper()
     away = plane.axis.foot - plane.measured.mean
-    write_at(ax, plane.axis.foot, rf"$\hat{{{letter}}}$", away, INK, points=16)
+    write_at(ax, plane.axis.foot, rf"$\hat{{{letter}}}$", away, INK, points=10)
     snr = _decibels(f"SNR$_{letter}$ of these two channels", plane.axis.color_snr_db)
     write_heading(
-        ax, f"{title}{_source(plane)}",
-        f"{_facts(plane, _magnified(noise))}\n{_tilt(plane)} · {snr}",
+        ax,
+        title + _source(plane),
+        f"{_angle(plane)} · {_time(plane)} · {_tilt(plane)}\n{_magnified(noise)} · {snr}",
     )
     fit_view(ax, [_ORIGIN, *_tips(plane), _axis_tip(plane), *noise.outline, *noise.axis_bar])
     return ax
+
+
+def _draw_channels(
+    plane: ChannelPlane, ax: Axes, *, beside: Sequence[Float[Array, " 2"]] = ()
+) -> None:
+    """Both channel axes with their letters, and the vectors f on them."""
+    tips, arrows = _tips(plane), plane.arrows
+    for i, name in enumerate(plane.channels):
+        color = channel_color(name)
+        draw_axis(ax, tips[i], color)
+        write_at(ax, tips[i], name, tips[i], color, points=4, bold=True)
+        draw_arrow(ax, _ORIGIN, arrows[i], color)
+        side = open_side(arrows[i], [arrows[1 - i], plane.measured.mean, *beside])
+        write_at(ax, arrows[i], rf"$\mathbf{{f}}_{{{as_index(name)}}}$", side, color, points=5)
+
+
+def _draw_channel_angle(plane: ChannelPlane, ax: Axes) -> None:
+    radius = 0.6 * float(np.linalg.norm(plane.arrows, axis=1).min())
+    first, second = plane.arrows
+    text = f"{plane.angle_deg:.1f}°"
+    draw_angle(ax, first, second, text, radius=radius, avoid=plane.measured.mean)
+
+
+def _draw_light(plane: ChannelPlane, ax: Axes) -> None:
+    mean = plane.measured.mean
+    draw_arrow(ax, _ORIGIN, mean, INK)
+    write_at(ax, mean, _HAT, mean, INK)
+
+
+def _draw_noisy_light(
+    plane: ChannelPlane, ax: Axes, *, beside: Sequence[Float[Array, " 2"]]
+) -> None:
+    """The measured light, thin and labeled along its shaft: at its tip lies the noise."""
+    mean = plane.measured.mean
+    draw_arrow(ax, _ORIGIN, mean, INK, width=1.0)
+    side = open_side(mean, [*plane.arrows, *beside])
+    write_at(ax, 0.6 * mean, _HAT, side, INK, points=5)
+
+
+def _draw_color_axis(plane: ChannelPlane, ax: Axes) -> None:
+    tip = _axis_tip(plane)
+    draw_axis(ax, tip, INK, dashes=_AXIS_DASHES)
+    write_at(ax, tip, plane.axis.name, tip, INK, points=4, bold=True)
+
+
+def _draw_noise(noise: MagnifiedNoise, ax: Axes) -> None:
+    """The sampled acquisitions as small dots, and the closed form as a line on top."""
+    ax.plot(*noise.cloud.T, ".", color=QUIET, markersize=2.2, markeredgewidth=0, zorder=4)
+    ax.plot(*noise.outline.T, color=INK, linewidth=1.2, zorder=6)
+
+
+def _tips(plane: ChannelPlane) -> Float[Array, "2 2"]:
+    """Ends of the channel axes, beyond everything that lies on them."""
+    on_axes = np.stack([plane.feet, plane.parts, plane.arrows])
+    return 1.18 * np.linalg.norm(on_axes, axis=2).max(axis=0)[:, None] * _unit(plane.arrows)
+
+
+def _axis_tip(plane: ChannelPlane) -> Float[Array, " 2"]:
+    return 1.2 * float(np.linalg.norm(plane.measured.mean)) * plane.axis.direction
+
+
+def _unit(vectors: Float[Array, "k 2"]) -> Float[Array, "k 2"]:
+    return vectors / np.linalg.norm(vectors, axis=1, keepdims=True)
+
+
+def _outward(plane: ChannelPlane) -> Float[Array, "2 2"]:
+    """For each channel, the direction across its axis that leads away from the other channel."""
+    first, second = _unit(plane.arrows)
+    return _unit(np.stack([(first @ second) * first - second, (first @ second) * second - first]))
+
+
+def _source(plane: ChannelPlane) -> str:
+    """Which channels of which sensor."""
+    label = sensor_label(plane.sensor_name, plane.two.sensor.notes)
+    return f"{' and '.join(plane.channels)} of {label}"
+
+
+def _angle(plane: ChannelPlane) -> str:
+    first, second = plane.channels
+    return f"{first}–{second} angle {plane.angle_deg:.1f}°"
+
+
+def _time(plane: ChannelPlane) -> str:
+    return f"{1e3 * plane.two.exposure.time_s:.1f} ms"
+
+
+def _magnified(noise: MagnifiedNoise) -> str:
+    return f"noise magnified ×{noise.magnification:g}, ellipse at {noise.sigmas:g}σ"
+
+
+def _tilt(plane: ChannelPlane) -> str:
+    axis = plane.axis
+    return (
+        f"{axis.name} is {axis.tilt_deg:.1f}° out of the plane "
+        f"({100 * axis.share:.0f} % of |{axis.name}|² in it)"
+    )
+
+
+def _raw_snr(plane: ChannelPlane) -> str:
+    told = (_decibels(name, value) for name, value in raw_snr_db(plane.two).items())
+    return "raw SNR " + ", ".join(told)
+
+
+def _decibels(what: str, value: float | None) -> str:
+    return f"{what} undefined (saturated)" if value is None else f"{what} {value:.1f} dB"
+
+
+def _spectral_snr_db(plane: ChannelPlane) -> float | None:
+    return None if plane.two.saturated.any() else plane.two.spectral_snr_db
+
+
+def _locus_sides(noise: MagnifiedNoise, i: int) -> Float[Array, "2 2"]:
+    """The far corner of the locus on each border of channel ``i``'s interval, low border first."""
+    low, high = ((1, 2), (0, 3)) if i == 0 else ((2, 3), (0, 1))
+    borders = zip(noise.feet_bars[i], (low, high), strict=True)
+    return np.stack([_farthest(noise.locus[list(corners)], end) for end, corners in borders])
+
+
+def _farthest(points: Float[Array, "k 2"], start: Float[Array, " 2"]) -> Float[Array, " 2"]:
+    return points[int(np.linalg.norm(points - start, axis=1).argmax())]

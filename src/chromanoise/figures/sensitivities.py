@@ -1,13 +1,25 @@
 """Figure 7: the quantum efficiency of every channel."""
 
+from typing import Any
+
 import numpy as np
 from jaxtyping import Float
 from matplotlib.axes import Axes
 
-from chromanoise.figures.style import channel_color, sensor_dashes, sensor_label, shade_nir
+from chromanoise.figures.style import (
+    NIR_FROM_NM,
+    channel_color,
+    sensor_dashes,
+    sensor_label,
+    shade_nir,
+)
 from chromanoise.sensor import Sensor
 
 Array = np.ndarray
+
+_HALF_WIDTH_NM = 12.0
+_GAP, _HEIGHT = 0.02, 0.075  # of the scale: under the letter, and of the letter
+_CENTERED: dict[str, Any] = {"ha": "center", "va": "center_baseline"}
 
 
 def draw_sensitivities(sensor: Sensor, ax: Axes, *, top: float | None = None) -> Axes:
@@ -33,33 +45,47 @@ def draw_sensitivities(sensor: Sensor, ax: Axes, *, top: float | None = None) ->
         title=sensor_label(sensor.name, sensor.notes),
     )
     for i, name in enumerate(sensor.names):
-        _letter(ax, wavelength_nm, sensor.qe, i, name)
+        at, height = _letter_place(wavelength_nm, sensor.qe, i, ax.get_ylim()[1])
+        color = channel_color(name)
+        ax.text(at, height, name, color=color, fontweight="bold", fontsize=11, **_CENTERED)
     return ax
 
 
-def _letter(
-    ax: Axes, wavelength_nm: Float[Array, " n"], qe: Float[Array, "n p"], i: int, name: str
-) -> None:
-    """The channel's letter where its curve stands farthest from every other: no legend needed."""
-    at = _clearest(qe, i)
-    ax.annotate(
-        name,
-        (wavelength_nm[at], qe[at, i]),
-        xytext=(0, 5),
-        textcoords="offset points",
-        ha="center",
-        va="bottom",
-        color=channel_color(name),
-        fontweight="bold",
-        fontsize=11,
+def _letter_place(
+    wavelength_nm: Float[Array, " n"], qe: Float[Array, "n p"], i: int, top: float
+) -> tuple[float, float]:
+    """Where the letter of channel ``i`` stands: at a high, flat part of it, clear of all curves."""
+    inner = (wavelength_nm > wavelength_nm[0] + _HALF_WIDTH_NM) & (
+        wavelength_nm < wavelength_nm[-1] - _HALF_WIDTH_NM
     )
+    places = [
+        _rated_place(wavelength_nm, qe, i, at, side, top)
+        for at in wavelength_nm[inner]
+        for side in (1, -1)
+    ]
+    _, at, height = max(places)
+    return at, height
 
 
-def _clearest(qe: Float[Array, "n p"], i: int) -> int:
-    """Index at which channel ``i`` is high and has most room above it."""
-    others = np.delete(qe, i, axis=1)
-    room = np.where(others > qe[:, i : i + 1], others - qe[:, i : i + 1], np.inf)
-    above = np.minimum(room.min(axis=1, initial=np.inf), 0.25 * qe.max())
-    inner = slice(len(qe) // 40, -len(qe) // 40)
-    score = qe[:, i] * above
-    return int(np.argmax(score[inner])) + len(qe) // 40
+def _rated_place(
+    wavelength_nm: Float[Array, " n"],
+    qe: Float[Array, "n p"],
+    i: int,
+    at: float,
+    side: int,
+    top: float,
+) -> tuple[float, float, float]:
+    """A place above (side 1) or below (-1) the curve, and before it how good it is."""
+    near = qe[np.abs(wavelength_nm - at) <= _HALF_WIDTH_NM]
+    own, others = near[:, i], np.delete(near, i, axis=1)
+    edge = own.max() if side > 0 else own.min()
+    height = edge + side * (_GAP + _HEIGHT / 2) * top
+    reach = (_HEIGHT / 2 + _GAP / 2) * top
+    low, high = height - reach, height + reach
+    hit = ((others.max(axis=0) > low) & (others.min(axis=0) < high)).any()
+    outside = low < 0 or high > top
+    rating = own.mean() - 3 * np.ptp(own)
+    rating += 0.1 * top * (side > 0)  # above is where one looks for a name
+    rating -= 0.5 * top * (at > NIR_FROM_NM)  # a channel is named after its visible band
+    rating -= 10 * top * (hit or outside)
+    return float(rating), float(at), float(height)

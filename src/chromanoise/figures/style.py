@@ -1,11 +1,13 @@
 """One look for all figures: colors that color-blind eyes tell apart, dashes, letters."""
 
+import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
 import matplotlib.style
 from matplotlib.axes import Axes
+from matplotlib.colors import to_rgb
 
 INK, QUIET, FAINT = "#222222", "#666666", "#E6E6E6"
 """Text and light; secondary text and helping lines; areas."""
@@ -70,6 +72,18 @@ def chromanoise_style() -> Iterator[None]:
 def channel_color(name: str) -> str:
     """The color of a channel by its name; ink for one that the palette does not know."""
     return CHANNEL_COLORS.get(name, INK)
+
+
+def paled(color: str) -> tuple[float, ...]:
+    """A color halfway to white: a second arrow on the same axis, without transparency."""
+    return tuple(0.5 + 0.5 * part for part in to_rgb(color))
+
+
+def as_index(name: str) -> str:
+    """A channel's name as the index of a letter in a formula, whatever characters it has."""
+    plain = re.sub(r"[\\^~]", "", name)
+    escaped = re.sub(r"([_$%#&{}])", r"\\\1", plain)
+    return rf"\mathrm{{{escaped}}}"
 
 
 def sensor_dashes(name: str) -> Any:

@@ -36,4 +36,4 @@ def spectral_snr(raw: Measurement, frame: Frame) -> Float[Array, "*px"]:
     g = frame.inverse_gram
     signal = np.einsum("...i,ij,...j->...", raw.mean, g, raw.mean)
     noise = np.einsum("ij,...ji->...", g, raw.covariance)
-    return np.sqrt(signal / noise)
+    return np.asarray(np.sqrt(signal / noise))

@@ -66,7 +66,7 @@ def dual_frame(basis: Float[Array, "n p"], *, names: tuple[str, ...], metric: Me
     --------
     >>> f = np.array([[1.0, 1.0], [0.0, 1.0]])
     >>> frame = dual_frame(f, names=("a", "b"), metric="quanta")
-    >>> frame.dual.T @ f
+    >>> (frame.dual.T @ f).round(12) + 0.0
     array([[1., 0.],
            [0., 1.]])
     """

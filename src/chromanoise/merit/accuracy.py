@@ -3,6 +3,7 @@
 import numpy as np
 from jaxtyping import Float
 
+from chromanoise._colour import colour_science
 from chromanoise.color import ColorMatrix
 from chromanoise.exposure import Exposure, expected_electrons
 from chromanoise.scene import Scene, light
@@ -24,7 +25,7 @@ def chart_color_error(
     -----
     CIE 015:2018, eq. 8.3-8.6 and 8.21, by colour-science.
     """
-    import colour  # its import costs a second
+    colour = colour_science()
 
     chart = np.vstack([np.ones(sensor.grid.n), colorchecker(sensor.grid).values.T])
     scene = Scene(illuminant=illuminant, level_lux=1.0, reflectance=chart)

@@ -24,7 +24,7 @@ def snr_db(measurement: Measurement) -> dict[str, Float[Array, "*px"]]:
     signal, noise = np.abs(measurement.mean), np.sqrt(measurement.variance)
     with np.errstate(divide="ignore"):
         ratio = np.where(signal > 0, signal / np.where(signal > 0, noise, 1.0), 0.0)
-    return {name: decibel(ratio[..., i]) for i, name in enumerate(measurement.names)}
+    return {name: decibel(np.asarray(ratio[..., i])) for i, name in enumerate(measurement.names)}
 
 
 def bound_db(raw: Measurement) -> Float[Array, "*px"]:
@@ -42,7 +42,7 @@ def bound_db(raw: Measurement) -> Float[Array, "*px"]:
     silent = (raw.variance == 0) & (raw.mean == 0)  # neither signal nor noise: adds nothing
     covariance = raw.covariance + silent[..., None] * np.eye(len(raw.names))
     whitened = np.linalg.solve(covariance, raw.mean[..., None])[..., 0]
-    return decibel(np.sqrt((raw.mean * whitened).sum(axis=-1)))
+    return decibel(np.asarray(np.sqrt((raw.mean * whitened).sum(axis=-1))))
 
 
 def price_db(raw: Measurement, color: Measurement) -> Float[Array, "*px"]:
@@ -51,4 +51,4 @@ def price_db(raw: Measurement, color: Measurement) -> Float[Array, "*px"]:
     SNR_Y = bound * cos(psi), psi the angle between the matrix's luminance row and the best
     readout in noise-whitened space.
     """
-    return bound_db(raw) - snr_db(color)["Y"]
+    return np.asarray(bound_db(raw) - snr_db(color)["Y"])

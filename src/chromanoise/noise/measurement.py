@@ -1,4 +1,4 @@
-"""A measurement: a mean and its covariance in named coordinates, and how it moves through a matrix."""
+"""A measurement: mean and covariance in named coordinates, and its way through a matrix."""
 
 from dataclasses import dataclass
 

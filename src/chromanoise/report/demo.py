@@ -9,20 +9,13 @@ import jinja2
 from chromanoise import __version__
 from chromanoise.imaging import Picture, png_bytes
 from chromanoise.study import (
-    Cell,
     Reproduction,
+    paper_tables,
     set_aside_reasons,
     table_5_finding,
     verdict,
 )
 from chromanoise.study.paper import PRINTED_TIMES_MS
-
-_TITLES = {
-    2: "Table 2: raw SNR",
-    3: "Table 3: SNR of luminance Y",
-    4: "Table 4: SNR of contravariant coordinates",
-    5: "Table 5: one green channel",
-}
 
 
 def demo_page(
@@ -58,24 +51,13 @@ def demo_page(
             (name, printed, 1e3 * result.study.times_s[name])
             for name, printed in PRINTED_TIMES_MS.items()
         ],
-        tables=[_table(number, title, result.cells) for number, title in _TITLES.items()],
+        tables=paper_tables(result),
         pictures=[(picture, _data_uri(png_bytes(picture.srgb))) for picture in pictures],
         figures=[
             (name, _data_uri(svg.encode(), "image/svg+xml"), captions[name])
             for name, svg in figures.items()
         ],
     )
-
-
-def _table(number: int, title: str, cells: tuple[Cell, ...]) -> dict[str, object]:
-    mine = [cell for cell in cells if cell.table == number]
-    columns = list(dict.fromkeys(cell.column for cell in mine))
-    by_place = {(cell.row, cell.column): cell for cell in mine}
-    rows = [
-        (row, [by_place.get((row, column)) for column in columns])
-        for row in dict.fromkeys(cell.row for cell in mine)
-    ]
-    return {"title": title, "columns": columns, "rows": rows}
 
 
 def _data_uri(content: bytes, kind: str = "image/png") -> str:

@@ -41,7 +41,10 @@ _NM_PER = {
     **dict.fromkeys(("micrometer", "micrometers", "micrometre", "micrometres"), 1000.0),
 }
 _NAMED_WAVELENGTH = re.compile(
-    rf"(?<![\w.])(\d+\.?\d*|\.\d+)\s*({'|'.join(sorted(_NM_PER, key=len, reverse=True))})\b", re.I
+    r"(?<![\w.])(\d{1,6}\.?\d{0,9}|\.\d{1,9})\s{0,4}("
+    + "|".join(sorted(_NM_PER, key=len, reverse=True))
+    + r")\b",
+    re.I,
 )
 
 

@@ -1,6 +1,17 @@
-"""Arrays in MATLAB files of version 5 (``save -v7`` and before)."""
+"""Arrays of real numbers in MATLAB files of version 5 (``save -v7`` and before).
 
+The format is that of MathWorks, "MAT-File Format" (level 5). It is read here because SciPy's
+reader (1.17) ends the whole process on some damaged files instead of raising an error
+(scipy/scipy, pull request 25349).
+"""
+
+import math
+import struct
+import zlib
+from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
+from typing import BinaryIO
 
 import numpy as np
 from jaxtyping import Shaped
@@ -10,11 +21,40 @@ from chromanoise import _check
 Array = np.ndarray
 
 _HDF5 = b"\x89HDF\r\n\x1a\n"
-_DTYPES = {
-    "double": "f8", "single": "f4", "logical": "?", "char": "U1",
-    "int8": "i1", "int16": "i2", "int32": "i4", "int64": "i8",
-    "uint8": "u1", "uint16": "u2", "uint32": "u4", "uint64": "u8",
+_START_BYTES = 128
+_OPENING_BYTES = 8192  # enough for every part before the numbers
+_MATRIX, _COMPRESSED = 14, 15
+_FLAGS, _DIMENSIONS, _NAMES = 6, (5, 6), (1, 16)  # 6 and 16: written by other programs
+_OPAQUE = 17
+_MOST_AXES = 64
+_COMPLEX_BIT, _LOGICAL_BIT = 0x800, 0x200
+_CLASSES = {
+    4: "U", 6: "f8", 7: "f4", 8: "i1", 9: "u1", 10: "i2", 11: "u2", 12: "i4", 13: "u4",
+    14: "i8", 15: "u8",
 }  # fmt: skip
+_PACKED_AS = {
+    1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 9: "f8", 12: "i8", 13: "u8",
+}  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Element:
+    """The bytes of one variable in the file, its tag excluded."""
+
+    start: int
+    size: int
+    compressed: bool
+    order: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Opening:
+    """What a variable says before its numbers, which begin ``length`` bytes after its tag."""
+
+    name: str
+    shape: tuple[int, ...]
+    dtype: np.dtype
+    length: int
 
 
 def mat_arrays(path: Path) -> dict[str, tuple[tuple[int, ...], np.dtype]]:
@@ -23,41 +63,138 @@ def mat_arrays(path: Path) -> dict[str, tuple[tuple[int, ...], np.dtype]]:
     Raises
     ------
     InputError
-        If the file is of another MATLAB version.
+        If the file is of another MATLAB version, or damaged.
     """
-    from scipy.io import whosmat
-
-    _refuse_other_versions(path)
-    return {
-        name: (tuple(int(n) for n in shape), np.dtype(_DTYPES.get(kind, "O")))
-        for name, shape, kind in whosmat(str(path), appendmat=False)
-    }
+    arrays: dict[str, tuple[tuple[int, ...], np.dtype]] = {}
+    for _, opening in _variables(path):
+        if opening.name in arrays:
+            raise _damage(path, f"the array {opening.name!r} stands twice")
+        if opening.name:  # MATLAB's own workspaces have none
+            arrays[opening.name] = opening.shape, opening.dtype
+    return arrays
 
 
 def mat_array(path: Path, name: str) -> Shaped[Array, "..."]:
-    """The numbers of one variable, in MATLAB's type."""
-    from scipy.io import loadmat
+    """The numbers of one variable, in the type in which MATLAB packed them.
 
-    read = loadmat(str(path), appendmat=False, variable_names=[name], mat_dtype=True)
-    array = read.get(name)
-    if not isinstance(array, np.ndarray):
-        raise _check.InputError(f"{path}: the array {name!r} cannot be read; the file is damaged")
-    return array
+    Raises
+    ------
+    InputError
+        If they do not fit the shape that the file tells.
+    """
+    element, opening = next((e, o) for e, o in _variables(path) if o.name == name)
+    body = _body(path, element)
+    kind, start, count = _part(body, opening.length, element.order)
+    dtype = np.dtype(element.order + _PACKED_AS[kind]) if kind in _PACKED_AS else np.dtype("O")
+    told = math.prod(opening.shape) * dtype.itemsize
+    if dtype.hasobject or count != told or not 0 <= len(body) - start - count < 8:
+        raise _damage(path, f"the numbers of array {name!r} do not fit its shape")
+    numbers = np.frombuffer(body, dtype=dtype, count=math.prod(opening.shape), offset=start)
+    return numbers.reshape(opening.shape, order="F")
 
 
-def _refuse_other_versions(path: Path) -> None:
-    from scipy.io.matlab import matfile_version
+def _damage(path: Path, what: str) -> _check.InputError:
+    return _check.InputError(f"{path}: damaged or cut short: {what}; save it again")
 
+
+def _variables(path: Path) -> Iterator[tuple[_Element, _Opening]]:
+    size = path.stat().st_size
     with path.open("rb") as file:
-        start = file.read(520)
-    hdf5 = start.startswith(_HDF5) or start[512:] == _HDF5
-    major = 2 if hdf5 else matfile_version(str(path), appendmat=False)[0]
-    if major == 2:
+        order = _byte_order(path, file.read(520))
+        at = _START_BYTES
+        while at < size:
+            file.seek(at)
+            kind, count = struct.unpack(order + "II", file.read(8).ljust(8, b"\0"))
+            if kind not in (_MATRIX, _COMPRESSED) or at + 8 + count > size:
+                raise _damage(path, f"byte {at} begins no array within the file's {size} bytes")
+            compressed = kind == _COMPRESSED
+            element = _Element(start=at + 8, size=count, compressed=compressed, order=order)
+            yield element, _opening(path, _first_bytes(path, file, element), order)
+            at += 8 + count
+
+
+def _byte_order(path: Path, start: bytes) -> str:
+    order = {b"IM": "<", b"MI": ">"}.get(start[126:128], "")
+    version = struct.unpack(order + "H", start[124:126])[0] if order else 0
+    if start.startswith(_HDF5) or start[512:] == _HDF5 or version == 0x200:
         raise _check.InputError(
             f"{path}: MATLAB 7.3 files (HDF5) are not read here; save it with -v7, or convert it "
             "to .npz or ENVI"
         )
-    if major != 1:
+    if version != 0x100:
         raise _check.InputError(
             f"{path}: not a MATLAB file of version 5; save it with -v7, or convert it to .npz"
         )
+    return order
+
+
+def _first_bytes(path: Path, file: BinaryIO, element: _Element) -> bytes:
+    file.seek(element.start)
+    if not element.compressed:
+        return file.read(min(element.size, _OPENING_BYTES))
+    inflated = zlib.decompressobj().decompress(file.read(element.size), 8 + _OPENING_BYTES)
+    return _without_tag(path, inflated, element.order)[0]
+
+
+def _without_tag(path: Path, inflated: bytes, order: str) -> tuple[bytes, int]:
+    """What follows the tag of an inflated array, and how long the tag says it is."""
+    kind, count = struct.unpack(order + "II", inflated[:8].ljust(8, b"\0"))
+    if kind != _MATRIX:
+        raise _damage(path, "what is compressed is no array")
+    return inflated[8:], count
+
+
+def _opening(path: Path, body: bytes, order: str) -> _Opening:
+    """Flags, dimensions and name; things without dimensions count as objects."""
+    kind, start, count = _part(body, 0, order)
+    if kind != _FLAGS or count != 8:
+        raise _damage(path, "an array lacks its flags")
+    flags = struct.unpack_from(order + "I", body, start)[0]
+    at, shape = 16, ()
+    if flags & 0xFF != _OPAQUE:
+        kind, start, count = _part(body, at, order)
+        if kind not in _DIMENSIONS or count % 4 or count > 4 * _MOST_AXES:
+            raise _damage(path, "an array lacks its dimensions")
+        shape = struct.unpack_from(f"{order}{count // 4}i", body, start)
+        at = _after(start, count)
+    kind, start, count = _part(body, at, order)
+    if kind not in _NAMES or start + count > len(body):
+        raise _damage(path, "an array lacks its name")
+    name = body[start : start + count].decode("latin-1")
+    return _Opening(name=name, shape=shape, dtype=_dtype(flags), length=_after(start, count))
+
+
+def _part(body: bytes, at: int, order: str) -> tuple[int, int, int]:
+    """Kind, first byte and byte count of the part whose tag is at ``at``; short ones have 4."""
+    first = struct.unpack_from(order + "I", body, at)[0]
+    if first >> 16:
+        return first & 0xFFFF, at + 4, first >> 16
+    return first, at + 8, struct.unpack_from(order + "I", body, at + 4)[0]
+
+
+def _after(start: int, count: int) -> int:
+    """Where the next tag is: at the next multiple of 8."""
+    return -(-(start + count) // 8) * 8
+
+
+def _dtype(flags: int) -> np.dtype:
+    if flags & _LOGICAL_BIT:
+        return np.dtype("?")
+    if flags & _COMPLEX_BIT:
+        return np.dtype("c16")
+    return np.dtype(_CLASSES.get(flags & 0xFF, "O"))
+
+
+def _body(path: Path, element: _Element) -> bytes:
+    """All bytes of a variable; compressed ones have their checksum looked at."""
+    with path.open("rb") as file:
+        file.seek(element.start)
+        raw = file.read(element.size)
+    if not element.compressed:
+        return raw
+    inflater = zlib.decompressobj()
+    _, size = _without_tag(path, inflater.copy().decompress(raw, 8), element.order)
+    body, _ = _without_tag(path, inflater.decompress(raw, 8 + size + 1), element.order)
+    if len(body) != size or not inflater.eof:
+        raise _damage(path, "a compressed array does not end where it should")
+    return body

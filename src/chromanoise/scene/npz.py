@@ -1,5 +1,6 @@
 """Arrays in NumPy's own files; nothing is ever unpickled."""
 
+import io
 import math
 import zipfile
 from pathlib import Path
@@ -44,23 +45,23 @@ def npz_array(path: Path, name: str) -> Shaped[Array, "..."]:
 
 
 def npy_array(path: Path) -> Shaped[Array, "..."]:
-    """The array of a ``.npy``, as a memory map.
+    """The array of real numbers in a ``.npy``, as a memory map.
 
     Raises
     ------
     InputError
-        If its header does not fit the bytes that follow it.
+        If it is of another type, or its header does not fit the bytes that follow it.
     """
     with path.open("rb") as stream:
         _, dtype = _declared(stream, path.stat().st_size, str(path))
-    if dtype.hasobject:
+    if dtype.kind not in "fiu":
         raise _check.InputError(
-            f"{path}: is of type object, not real numbers; save it as a plain array"
+            f"{path}: is of type {dtype.name}, not real numbers; save it as a plain array"
         )
     return np.lib.format.open_memmap(path, mode="r")
 
 
-def _declared(stream: IO[bytes], size: int, source: str) -> Declared:
+def _declared(stream: IO[bytes] | io.BufferedIOBase, size: int, source: str) -> Declared:
     """Shape and type that the header at the start of ``stream`` tells; objects without shape."""
     version = np.lib.format.read_magic(stream)
     if version not in _HEADER_READERS:

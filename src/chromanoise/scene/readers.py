@@ -32,6 +32,7 @@ _Notes = tuple[str, ...]
 
 _SHORTEST_NM, _LONGEST_NM = 100.0, 20000.0
 _MOST_INFLATED = 1032  # times: what deflate can make of one byte
+_MOST_LISTED = 20
 _MEMORY_BYTES = 8 * 2**30  # where the machine does not tell
 _IN_PLACE = "store it as ENVI or .npy, which are read in place"
 _RADIANCE = re.compile(r"radiance|(?<![a-z])rdn(?![a-z])", re.I)
@@ -96,7 +97,6 @@ def read_cube(
     path = Path(path)
     _refuse_no_file(path)
     found = _found(path, key, shape)
-    _refuse_not_numbers(path, found.pixels)
     factor, scale_notes = _scale(path, found, scale)
     wavelength, wavelength_notes = _wavelengths(path, found, wavelengths)
     pixels, wavelength, order_notes = _rising(path, found.pixels, wavelength)
@@ -123,6 +123,10 @@ def _refuse_no_file(path: Path) -> None:
         raise _check.InputError(f"{path}: is not a regular file")
     if size == 0:
         raise _check.InputError(f"{path}: the file is empty; copy or save it again")
+    try:
+        path.open("rb").close()
+    except OSError as error:
+        raise _check.InputError(f"{path}: cannot be read ({_reason(error)})") from None
 
 
 def _found(path: Path, key: str | None, shape: tuple[int, int] | None) -> _Found:
@@ -242,7 +246,8 @@ def _chosen(path: Path, key: str | None, arrays: _Arrays) -> str:
     name = "reflectance" if key is None else key
     if name in arrays:
         return name
-    told = ", ".join(f"{n} {_by(s)} {_kind(t)}" for n, (s, t) in list(arrays.items())[:20])
+    listed = list(arrays.items())[:_MOST_LISTED]
+    told = ", ".join(f"{_printable(n)} {_by(s)} {_kind(t)}" for n, (s, t) in listed)
     raise _check.InputError(
         f"{path}: has no array {name!r}; it holds {told or 'no arrays'}"
         + ("; name the cube with --key" if arrays else "")
@@ -250,15 +255,21 @@ def _chosen(path: Path, key: str | None, arrays: _Arrays) -> str:
 
 
 def _loaded(path: Path, name: str, arrays: _Arrays, form: _Format) -> Array:
-    _refuse_impossible(path, name, *arrays[name])
+    shape, dtype = arrays[name]
+    _refuse_impossible(path, name, shape, dtype)
     with _door(path, form.kind):
         array = form.array(path, name)
-    if array.shape != arrays[name][0]:
+    _refuse_not_numbers(path, name, array.dtype)
+    if array.shape != shape:
         raise _check.InputError(
-            f"{path}: array {name!r} says that it is {_by(arrays[name][0])}, but is "
-            f"{_by(array.shape)}; it is damaged, save it again"
+            f"{path}: array {name!r} says that it is {_by(shape)}, but is {_by(array.shape)}; "
+            "it is damaged, save it again"
         )
-    return array
+    return array.astype(dtype, copy=False)
+
+
+def _printable(name: str) -> str:
+    return "".join(c if c.isprintable() else "?" for c in name[:40])
 
 
 def _by(shape: tuple[int, ...]) -> str:
@@ -271,11 +282,7 @@ def _kind(dtype: np.dtype) -> str:
 
 def _refuse_impossible(path: Path, name: str, shape: tuple[int, ...], dtype: np.dtype) -> None:
     """Refuse, before it is read, what is no number, or larger than its file or the memory."""
-    if dtype.kind not in "fiu":
-        raise _check.InputError(
-            f"{path}: array {name!r} is of type {_kind(dtype)}, not real numbers; save it as a "
-            "plain array of real numbers, or name another with --key"
-        )
+    _refuse_not_numbers(path, name, dtype)
     count = math.prod(shape)
     if min(shape, default=1) < 1 or count > path.stat().st_size * _MOST_INFLATED:
         raise _check.InputError(
@@ -284,9 +291,24 @@ def _refuse_impossible(path: Path, name: str, shape: tuple[int, ...], dtype: np.
         )
     if count * dtype.itemsize > _memory_bytes():
         raise _check.InputError(
-            f"{path}: array {name!r} needs {count * dtype.itemsize / 2**30:.1f} GiB of memory, but "
-            f"this machine has {_memory_bytes() / 2**30:.1f}; {_IN_PLACE}"
+            f"{path}: array {name!r} needs {_bytes(count * dtype.itemsize)} of memory, but this "
+            f"machine has {_bytes(_memory_bytes())}; {_IN_PLACE}"
         )
+
+
+def _refuse_not_numbers(path: Path, name: str, dtype: np.dtype) -> None:
+    if dtype.kind not in "fiu":
+        raise _check.InputError(
+            f"{path}: array {name!r} is of type {_kind(dtype)}, not real numbers; save it as a "
+            "plain array of real numbers, or name another with --key"
+        )
+
+
+def _bytes(count: int) -> str:
+    for power, unit in ((3, "GiB"), (2, "MiB"), (1, "KiB")):
+        if count >= 1024**power:
+            return f"{count / 1024**power:.1f} {unit}"
+    return f"{count} bytes"
 
 
 def _memory_bytes() -> int:
@@ -349,14 +371,6 @@ def _refuse_other_shape(
 
 
 # what the numbers are
-
-
-def _refuse_not_numbers(path: Path, pixels: Shaped[Array, "h w m"]) -> None:
-    if pixels.dtype.kind not in "fiu":
-        raise _check.InputError(
-            f"{path}: the cube is of type {_kind(pixels.dtype)}, but reflectances are real; save "
-            "it as real numbers"
-        )
 
 
 def _scale(path: Path, found: _Found, scale: float | None) -> tuple[float, _Notes]:

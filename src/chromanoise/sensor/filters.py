@@ -84,7 +84,7 @@ def resin_filter(
     --------
     >>> green = resin_filter(Grid.uniform(400, 1050, 50), low_nm=490, high_nm=590, leak_nm=780)
     >>> green[[0, 3, 5, 10]].round(2)       # 400, 550, 650 and 900 nm
-    array([0.02, 0.86, 0.03, 0.95])
+    array([0.02, 0.86, 0.03, 0.94])
     """
     for name, value in (("peak", peak), ("leak", leak), ("floor", floor)):
         _check.fraction(f"{name} of a resin filter", "1", value)
@@ -115,5 +115,5 @@ def ir_cut(grid: Grid, *, edge_nm: float = 655.0, width_nm: float = 8.0) -> Floa
 
 
 def _rise(at: Float[Array, " n"], middle: float, scale: float) -> Float[Array, " n"]:
-    """The logistic edge 1 / (1 + exp(-(at - middle) / scale)), written so that it cannot overflow."""
+    """The logistic edge 1 / (1 + exp(-(at - middle) / scale)), in a form that cannot overflow."""
     return 0.5 * (1.0 + np.tanh(0.5 * (at - middle) / scale))

@@ -1,4 +1,4 @@
-"""One wavelength grid; curves, illuminants, observers, reflectances, and the metric they live in."""
+"""One wavelength grid; curves, illuminants, observers, reflectances, and their metric."""
 
 from chromanoise.spectra.curves import Beyond, Spectra, interpolation_matrix, on_grid
 from chromanoise.spectra.grid import DEFAULT_GRID, Grid

@@ -9,6 +9,7 @@ import numpy as np
 from jaxtyping import Float
 
 from chromanoise import _check
+from chromanoise._colour import colour_science
 from chromanoise.spectra.curves import Beyond, Spectra, on_grid
 from chromanoise.spectra.grid import Grid
 from chromanoise.spectra.observers import cie_1931_table
@@ -129,7 +130,7 @@ def cie_illuminant(name: str, grid: Grid, *, beyond: Beyond = "refuse") -> Illum
 
     Most end at 780 nm: on a grid that goes further, ``beyond`` must say what follows.
     """
-    import colour  # its import costs a second
+    colour = colour_science()
 
     _check.one_of("illuminant", name, list(colour.SDS_ILLUMINANTS))
     table = colour.SDS_ILLUMINANTS[name]

@@ -5,6 +5,7 @@ from functools import cache
 import numpy as np
 from jaxtyping import Float
 
+from chromanoise._colour import colour_science
 from chromanoise.spectra.curves import Spectra, on_grid
 from chromanoise.spectra.grid import Grid
 from chromanoise.spectra.metric import Metric, photons_per_unit
@@ -21,7 +22,7 @@ def cie_1931_table() -> Spectra:
     -----
     CIE 018:2019, https://doi.org/10.25039/CIE.DS.xvudnb9b, as carried by colour-science.
     """
-    import colour  # its import costs a second
+    colour = colour_science()
 
     table = colour.MSDS_CMFS["CIE 1931 2 Degree Standard Observer"]
     return Spectra(
@@ -34,6 +35,7 @@ def cie_1931_table() -> Spectra:
     )
 
 
+@cache
 def cie_1931(grid: Grid) -> Spectra:
     """The CIE 1931 observer on ``grid``; outside 360-830 nm it is zero, as the CIE defines it.
 

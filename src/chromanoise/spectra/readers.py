@@ -45,11 +45,11 @@ def read_spectra_csv(path: Path | str, *, quantity: str, unit: str) -> Spectra:
 
 
 def spectra_from_text(text: str, *, source: str, quantity: str, unit: str) -> Spectra:
-    """The curves of CSV text; ``source`` names it in messages and results.
+    r"""The curves of CSV text; ``source`` names it in messages and results.
 
     Examples
     --------
-    >>> spectra_from_text("wavelength_nm,G\\n500,.4\\n510,.5", source="a line",
+    >>> spectra_from_text("wavelength_nm,G\n500,.4\n510,.5", source="a line",
     ...                   quantity="QE", unit="e-/photon").values.ravel()
     array([0.4, 0.5])
     """

@@ -11,12 +11,19 @@ from chromanoise.study.analysis import (
 from chromanoise.study.export import analyses_as_json, reproduction_as_json
 from chromanoise.study.findings import set_aside_reasons, table_5_finding, verdict
 from chromanoise.study.paper import PaperStudy, paper_study
-from chromanoise.study.reproduction import Cell, Reproduction, reproduced
+from chromanoise.study.reproduction import (
+    Cell,
+    PaperTable,
+    Reproduction,
+    paper_tables,
+    reproduced,
+)
 
 __all__ = [
     "Analysis",
     "Cell",
     "PaperStudy",
+    "PaperTable",
     "Reproduction",
     "analyses_as_json",
     "analyzed",
@@ -24,6 +31,7 @@ __all__ = [
     "contravariant_snr_db",
     "diagnosis",
     "paper_study",
+    "paper_tables",
     "raw_snr_db",
     "reproduced",
     "reproduction_as_json",

@@ -1,5 +1,6 @@
 """Everything about one sensor in front of one flat patch, in closed form."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -122,7 +123,7 @@ def analyzed(
 
 def raw_snr_db(analysis: Analysis) -> dict[str, float | None]:
     """Raw SNR per channel; ``None`` where the channel is saturated or sees nothing. [dB]"""
-    hidden = dict(zip(analysis.sensor.names, analysis.saturated, strict=True))
+    hidden = dict(zip(analysis.sensor.names, analysis.saturated.tolist(), strict=True))
     return _told(snr_db(analysis.raw), hidden)
 
 
@@ -134,7 +135,7 @@ def contravariant_snr_db(analysis: Analysis) -> dict[str, float | None]:
     """
     lost = bool(analysis.saturated.any())
     hidden = {
-        name: lost or not np.isfinite(vif)
+        name: lost or not math.isfinite(vif)
         for name, vif in zip(analysis.sensor.names, analysis.vif, strict=True)
     }
     return _told(snr_db(analysis.contravariant), hidden)

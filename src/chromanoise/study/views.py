@@ -28,7 +28,10 @@ SIGMAS = 2.0
 
 _STREAM = 3469  # a name that no other stream of a study begins with
 _PARALLEL_DEG = 1e-6
+_ARROW_SHARE = 0.3  # of |L^|: short enough that everything else on the axes lies beyond it
 _AXIS_NAMES = ("x", "y", "z")
+_ENDS = np.array([[-1.0], [1.0]])
+_CORNERS = np.array([[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]])
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -82,8 +85,8 @@ class ChannelPlane:
     angle_deg
         Between the two channels. [deg]
     arrows
-        f_1 and f_2 times one common factor, so that the longer is half as long as L^: they are
-        in another unit than the light.
+        f_1 and f_2 times one common factor, for they are in another unit than the light: the
+        longer comes out at three tenths of L^.
     measured
         L^ and its covariance in closed form.
     light_length, light_tilt_deg
@@ -141,6 +144,8 @@ class MagnifiedNoise:
         Ends of the interval on each channel's axis, around its foot.
     axis_bar
         Ends of the interval on the color axis, around its foot.
+    axis_touch
+        Points of the outline whose projections are these ends.
     """
 
     magnification: float
@@ -150,6 +155,7 @@ class MagnifiedNoise:
     locus: Float[Array, "4 2"]
     feet_bars: Float[Array, "2 2 2"]
     axis_bar: Float[Array, "2 2"]
+    axis_touch: Float[Array, "2 2"]
 
 
 def channel_plane(
@@ -201,7 +207,7 @@ def channel_plane(
         two=two,
         view=view,
         angle_deg=float(two.between_deg[0, 1]),
-        arrows=0.5 * np.linalg.norm(measured.mean) / lengths.max() * view.vectors.T,
+        arrows=_ARROW_SHARE * np.linalg.norm(measured.mean) / lengths.max() * view.vectors.T,
         measured=measured,
         light_length=float(np.linalg.norm(whole_light)),
         light_tilt_deg=_tilt_deg(whole_light, view),
@@ -219,41 +225,39 @@ def fitting_magnification(*planes: ChannelPlane, span: float = 0.25) -> float:
     Parameters
     ----------
     planes
-        The one whose ellipse is largest, compared with L^, decides.
+        The geometric mean of their ellipses, each compared with its L^, decides.
     span
-        What its long diameter should be, as a share of |L^|.
+        What the long diameter should be, as a share of |L^|.
     """
-    diameter = max(
+    diameters = [
         2
         * SIGMAS
         * np.sqrt(np.linalg.eigvalsh(plane.measured.covariance)[-1])
         / np.linalg.norm(plane.measured.mean)
         for plane in planes
-    )
-    return _rounded(span / float(diameter))
+    ]
+    return _rounded(span / float(np.exp(np.mean(np.log(diameters)))))
 
 
 def magnified_noise(plane: ChannelPlane, magnification: float) -> MagnifiedNoise:
     """The noise of ``plane``, drawn larger: its cloud, ellipse, locus and intervals."""
-    center = plane.measured.mean
+    center, covariance = plane.measured.mean, plane.measured.covariance
     reach = magnification * SIGMAS
-    sides = reach * np.sqrt(plane.two.raw.variance)[:, None] * plane.duals
-    corners = np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]])
-    lengths_squared = (plane.view.vectors**2).sum(axis=0)
-    half_feet = reach * (np.sqrt(plane.two.raw.variance) / lengths_squared * plane.view.vectors).T
-    color_sd = np.sqrt(plane.two.color.variance[_AXIS_NAMES.index(plane.axis.name)])
-    half_axis = reach * color_sd / plane.axis.length * plane.axis.direction
-    ends = np.array([-1.0, 1.0])[:, None]
+    raw_sd = np.sqrt(plane.two.raw.variance)
+    vectors = plane.view.vectors.T
+    sides = reach * raw_sd[:, None] * plane.duals
+    half_feet = reach * (raw_sd / (vectors**2).sum(axis=1))[:, None] * vectors
+    toward = plane.axis.direction
+    axis_sd = float(np.sqrt(toward @ covariance @ toward))
     return MagnifiedNoise(
         magnification=magnification,
         sigmas=SIGMAS,
         cloud=center + magnification * (plane.cloud - center),
-        outline=ellipse_outline(
-            center, magnification**2 * plane.measured.covariance, sigmas=SIGMAS
-        ),
-        locus=center + corners @ sides,
-        feet_bars=plane.feet[:, None, :] + ends * half_feet[:, None, :],
-        axis_bar=plane.axis.foot + ends * half_axis,
+        outline=ellipse_outline(center, magnification**2 * covariance, sigmas=SIGMAS),
+        locus=center + _CORNERS @ sides,
+        feet_bars=plane.feet[:, None, :] + _ENDS * half_feet[:, None, :],
+        axis_bar=plane.axis.foot + _ENDS * (reach * axis_sd * toward),
+        axis_touch=center + _ENDS * (reach / axis_sd * covariance @ toward),
     )
 
 

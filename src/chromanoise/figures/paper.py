@@ -1,0 +1,291 @@
+"""The ten figures of the paper, from a study of it."""
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+from jaxtyping import Float
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
+
+from chromanoise.figures.flow import draw_flow
+from chromanoise.figures.geometry import (
+    draw_color_projection,
+    draw_color_uncertainty,
+    draw_contravariant,
+    draw_light_above_plane,
+    draw_measurement,
+    draw_uncertainty,
+)
+from chromanoise.figures.mosaics import draw_mosaic
+from chromanoise.figures.observers import draw_observer
+from chromanoise.figures.pictures import draw_picture
+from chromanoise.figures.sensitivities import draw_sensitivities
+from chromanoise.figures.style import chromanoise_style, sensor_label
+from chromanoise.sensor import bayer, rgbw_sparse_4x4
+from chromanoise.spectra import cie_1931
+from chromanoise.study.paper import RGB_12, RGB_59, RGBW_12, PaperStudy
+from chromanoise.study.views import (
+    ChannelPlane,
+    channel_plane,
+    fitting_magnification,
+    magnified_noise,
+    narrowest_pair,
+    widest_pair,
+)
+
+Array = np.ndarray
+
+CAPTIONS = {
+    "figure-01-mosaics": (
+        "Mosaics of a classical RGB sensor (Bayer) and of a sparse RGBW sensor for low light, "
+        "drawn from the library's mosaics; the outlined block tiles the sensor."
+    ),
+    "figure-02-flow": (
+        "The way from scene to color with the computed numbers of each stage, for both sensors "
+        "at the same exposure: the RGBW sensor is ahead in raw and behind in color."
+    ),
+    "figure-03-measurement": (
+        "Measurement of the light by two channels, drawn to scale from computed data: the light L "
+        "stands above their plane (left), and its orthogonal projections on their axes are the "
+        "raw electrons (right); the arrows f share one factor, as they are in another unit."
+    ),
+    "figure-04-contravariant": (
+        "Contravariant coordinates of the same light, drawn to scale from computed data: the "
+        "multiples of the two channels that add up to the measured light."
+    ),
+    "figure-05-observer": (
+        "The color-matching functions that are the color axes, drawn from the CIE's table: they "
+        "are zero in most of the range in which silicon answers."
+    ),
+    "figure-06-projection": (
+        "Projection of the measured light on the color axis y, itself projected into the plane "
+        "of the two channels, drawn to scale from computed data."
+    ),
+    "figure-07-sensitivities": (
+        "Quantum efficiencies of both sensors, drawn from the library's reconstruction of the "
+        "paper's curves, which is consistent with its printed figures but not a measurement."
+    ),
+    "figure-08-pictures": (
+        "The same scene, computed with noise for the RGB sensor with IR-cut (left) and for the "
+        "RGBW sensor without (right)."
+    ),
+    "figure-09-correlation": (
+        "Uncertainty of the measured light (closed form as line, samples as dots) between the "
+        "intervals of two channels (grey), drawn from computed data for the widest pair of the "
+        "one sensor and the narrowest pair of the other, each sensor at its own saturation."
+    ),
+    "figure-10-color-axis": (
+        "Uncertainty of Y^ as the projection of the same uncertainty on the color axis y, drawn "
+        "from computed data for two channels far from y and two channels near it, each sensor at "
+        "its own saturation."
+    ),
+}
+"""One sentence for each figure, by its key."""
+
+_PAIR = ("R", "G")  # of the RGB sensor, in Figures 3, 4 and 6
+_PAIR_FAR_FROM_Y = ("G", "W")  # of the RGBW sensor, in Figure 10
+_PAIR_NEAR_Y = ("G", "R")  # of the RGB sensor, in Figure 10
+
+_WIDTH_IN, _SIDE_IN = 6.4, 0.15
+_HEADING_IN = 0.68  # room for a title and two lines of facts
+_TITLE_IN = 0.32
+_TALLEST_IN = 3.3
+
+
+def paper_figures(
+    study: PaperStudy,
+    pictures: tuple[Float[Array, "h w 3"], Float[Array, "h w 3"]] | None = None,
+    *,
+    seed: int = 0,
+) -> dict[str, Figure]:
+    """The figures of the paper, drawn from computed data.
+
+    Parameters
+    ----------
+    study
+        `chromanoise.study.paper_study`.
+    pictures
+        Encoded sRGB, 0 .. 1, of the RGB sensor and of the RGBW sensor; without them there is no
+        Figure 8.
+    seed
+        Of the sampled acquisitions.
+
+    Returns
+    -------
+    figures
+        By the keys of `CAPTIONS`, in the paper's order.
+    """
+    with chromanoise_style():
+        plane = channel_plane(study.columns[RGB_59], _PAIR, seed=seed)
+        figures = {
+            "figure-01-mosaics": _mosaics(),
+            "figure-02-flow": _flow(study),
+            "figure-03-measurement": _measurement(plane),
+            "figure-04-contravariant": _contravariant(plane),
+            "figure-05-observer": _observer(study),
+            "figure-06-projection": _projection(plane),
+            "figure-07-sensitivities": _sensitivities(study),
+        }
+        if pictures is not None:
+            figures["figure-08-pictures"] = _pictures(study, pictures)
+        figures["figure-09-correlation"] = _correlation(study, seed)
+        figures["figure-10-color-axis"] = _color_axis(study, seed)
+    return figures
+
+
+def _mosaics() -> Figure:
+    figure = Figure()
+    left, right = figure.subplots(1, 2)
+    draw_mosaic(bayer(), left, title="RGB with IR-cut (Bayer)")
+    draw_mosaic(rgbw_sparse_4x4(), right, title="RGBW without IR-cut (sparse)")
+    _side_by_side(figure, [left, right], height_in=3.0, heading_in=_TITLE_IN)
+    return figure
+
+
+def _flow(study: PaperStudy) -> Figure:
+    figure = _framed(8.8, 5.1)
+    top, bottom = figure.subplots(2, 1)
+    draw_flow(study.columns[RGBW_12], top)
+    draw_flow(study.columns[RGB_12], bottom)
+    return figure
+
+
+def _measurement(plane: ChannelPlane) -> Figure:
+    figure = Figure()
+    edge_on, above = figure.subplots(1, 2)
+    draw_light_above_plane(plane, edge_on)
+    draw_measurement(plane, above)
+    _side_by_side(figure, [edge_on, above], height_in=_TALLEST_IN, heading_in=_HEADING_IN)
+    return figure
+
+
+def _contravariant(plane: ChannelPlane) -> Figure:
+    figure = Figure()
+    _stack(figure, [draw_contravariant(plane, figure.add_subplot())])
+    return figure
+
+
+def _observer(study: PaperStudy) -> Figure:
+    figure = _framed(6.4, 3.5)
+    draw_observer(cie_1931(study.scene.illuminant.grid), figure.add_subplot())
+    return figure
+
+
+def _projection(plane: ChannelPlane) -> Figure:
+    figure = Figure()
+    _stack(figure, [draw_color_projection(plane, figure.add_subplot())])
+    return figure
+
+
+def _sensitivities(study: PaperStudy) -> Figure:
+    figure = _framed(6.4, 5.6)
+    top, bottom = figure.subplots(2, 1, sharex=True)
+    sensors = [study.columns[column].sensor for column in (RGBW_12, RGB_12)]
+    highest = 1.15 * max(float(sensor.qe.max()) for sensor in sensors)
+    draw_sensitivities(sensors[0], top, top=highest)
+    draw_sensitivities(sensors[1], bottom, top=highest)
+    top.set_xlabel("")
+    return figure
+
+
+def _pictures(
+    study: PaperStudy, pictures: tuple[Float[Array, "h w 3"], Float[Array, "h w 3"]]
+) -> Figure:
+    figure = Figure()
+    panels = figure.subplots(1, 2)
+    for picture, column, ax in zip(pictures, (RGB_12, RGBW_12), panels, strict=True):
+        sensor = study.columns[column].sensor
+        draw_picture(picture, ax, title=sensor_label(sensor.name, sensor.notes))
+    height, width = pictures[0].shape[:2]
+    _side_by_side(figure, panels, height_in=4.0 * height / width, heading_in=_TITLE_IN)
+    return figure
+
+
+def _correlation(study: PaperStudy, seed: int) -> Figure:
+    rgb, rgbw = study.columns[RGB_59], study.columns[RGBW_12]
+    planes = [
+        channel_plane(rgb, widest_pair(rgb), seed=seed),
+        channel_plane(rgbw, narrowest_pair(rgbw), seed=seed),
+    ]
+    titles = ("Weakly correlated: ", "Highly correlated: ")
+    figure = Figure()
+    panels = [
+        draw_uncertainty(plane, magnified_noise(plane, times), ax, title=title)
+        for plane, times, ax, title in _panels(figure, planes, titles)
+    ]
+    _stack(figure, panels)
+    return figure
+
+
+def _color_axis(study: PaperStudy, seed: int) -> Figure:
+    planes = [
+        channel_plane(study.columns[RGBW_12], _PAIR_FAR_FROM_Y, seed=seed),
+        channel_plane(study.columns[RGB_59], _PAIR_NEAR_Y, seed=seed),
+    ]
+    titles = ("Far from y: ", "Near y: ")
+    figure = Figure()
+    panels = [
+        draw_color_uncertainty(plane, magnified_noise(plane, times), ax, title=title)
+        for plane, times, ax, title in _panels(figure, planes, titles)
+    ]
+    _stack(figure, panels)
+    return figure
+
+
+def _panels(
+    figure: Figure, planes: Sequence[ChannelPlane], titles: Sequence[str]
+) -> Iterator[tuple[ChannelPlane, float, Axes, str]]:
+    """Each plane with the magnification that all share, its Axes and its title."""
+    times = fitting_magnification(*planes)
+    for i, (plane, title) in enumerate(zip(planes, titles, strict=True), start=1):
+        yield plane, times, figure.add_subplot(len(planes), 1, i), title
+
+
+def _framed(width_in: float, height_in: float) -> Figure:
+    """A figure that makes room for the labels of its axes."""
+    room_in = _SIDE_IN / 2
+    engine = ConstrainedLayoutEngine(w_pad=room_in, h_pad=room_in)
+    return Figure(figsize=(width_in, height_in), layout=engine)
+
+
+def _side_by_side(
+    figure: Figure, panels: Sequence[Axes], *, height_in: float, heading_in: float
+) -> None:
+    """One panel beside the other, equally tall: the figure grows as wide as they need."""
+    spans = [_span(ax) for ax in panels]
+    widths = [height_in * width / height for width, height in spans]
+    total_in = max(sum(widths) + _SIDE_IN * (len(panels) + 1), _WIDTH_IN)
+    tall_in = height_in + heading_in + _SIDE_IN
+    figure.set_size_inches(total_in, tall_in)
+    left = _SIDE_IN
+    for ax, width in zip(panels, widths, strict=True):
+        ax.set_position(
+            (left / total_in, _SIDE_IN / tall_in, width / total_in, height_in / tall_in)
+        )
+        left += width + _SIDE_IN
+
+
+def _stack(figure: Figure, panels: Sequence[Axes]) -> None:
+    """One panel over the other in one scale: the figure grows as tall as they need."""
+    left = min(ax.get_xlim()[0] for ax in panels)
+    right = max(ax.get_xlim()[1] for ax in panels)
+    inside_in = _WIDTH_IN - 2 * _SIDE_IN
+    tallest = max(_span(ax)[1] for ax in panels)
+    inch = min(inside_in / (right - left), _TALLEST_IN / tallest)
+    slack = (inside_in / inch - (right - left)) / 2
+    heights = [inch * _span(ax)[1] for ax in panels]
+    total = sum(heights) + (_HEADING_IN + _SIDE_IN) * len(panels)
+    figure.set_size_inches(_WIDTH_IN, total)
+    top = total
+    for ax, height in zip(panels, heights, strict=True):
+        top -= _HEADING_IN + height
+        ax.set_xlim(left - slack, right + slack)
+        ax.set_position((_SIDE_IN / _WIDTH_IN, top / total, inside_in / _WIDTH_IN, height / total))
+        top -= _SIDE_IN
+
+
+def _span(ax: Axes) -> tuple[float, float]:
+    """Width and height of what is shown, in data units."""
+    (left, right), (bottom, top) = ax.get_xlim(), ax.get_ylim()
+    return abs(right - left), abs(top - bottom)

@@ -1,0 +1,62 @@
+"""Figures to files: PNG to look at, SVG to edit, PDF to print."""
+
+import os
+from collections.abc import Mapping
+from io import BytesIO
+from pathlib import Path
+from typing import Any
+
+from matplotlib.figure import Figure
+
+from chromanoise.figures.style import chromanoise_style
+
+_DPI = 150
+_FORMATS: dict[str, dict[str, Any]] = {  # without a date, so that equal figures are equal files
+    "png": {"dpi": _DPI},
+    "svg": {"metadata": {"Date": None}},
+    "pdf": {"metadata": {"CreationDate": None}},
+}
+
+
+def write_figures(figures: Mapping[str, Figure], folder: Path | str) -> tuple[Path, ...]:
+    """Each figure as PNG, SVG and PDF, named by its key; each file appears whole or not at all.
+
+    Parameters
+    ----------
+    figures
+        E.g. of `paper_figures`.
+    folder
+        Made if it does not exist.
+
+    Returns
+    -------
+    paths
+        What was written, in the order of the figures.
+    """
+    folder = Path(folder)
+    folder.mkdir(parents=True, exist_ok=True)
+    written = []
+    for name, figure in figures.items():
+        for ending in _FORMATS:
+            path = folder / f"{name}.{ending}"
+            _write_whole(path, rendered(figure, ending))
+            written.append(path)
+    return tuple(written)
+
+
+def rendered(figure: Figure, ending: str) -> bytes:
+    """The bytes of one file: ``png``, ``svg`` or ``pdf``; equal figures give equal bytes."""
+    buffer = BytesIO()
+    with chromanoise_style():
+        figure.savefig(buffer, format=ending, **_FORMATS[ending])
+    return buffer.getvalue()
+
+
+def _write_whole(path: Path, content: bytes) -> None:
+    """Write beside the goal and move into place, so that nobody ever reads half a file."""
+    part = path.with_name(f".{path.name}.{os.getpid()}.part")
+    try:
+        part.write_bytes(content)
+        part.replace(path)
+    finally:
+        part.unlink(missing_ok=True)

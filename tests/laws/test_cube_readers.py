@@ -1,0 +1,874 @@
+"""Cubes from files: what was written is what is read, and what is wrong is said in one sentence."""
+
+import contextlib
+import io
+import struct
+import subprocess
+import sys
+import time
+import warnings
+import zipfile
+from itertools import product
+from pathlib import Path
+
+import numpy as np
+import pytest
+import scipy.io
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from chromanoise._check import InputError
+from chromanoise.scene import Cube, read_cube
+
+REAL = Path(__file__).resolve().parents[2].parent / "shared" / "data" / "cubes"
+NM = (400.0, 450.0, 500.0, 600.0, 700.0)
+STRUCT_LETTER = {1: "B", 2: "h", 3: "i", 4: "f", 5: "d", 12: "H", 13: "I", 14: "q", 15: "Q"}
+LAYOUTS = list(product(("bsq", "bil", "bip"), STRUCT_LETTER, (0, 1), (0, 7)))
+
+
+def numbers(rows=3, columns=4, bands=5):
+    """Whole numbers 1 .. 127, which every data type can hold."""
+    return np.random.default_rng(5).integers(1, 128, size=(rows, columns, bands))
+
+
+def in_file_order(cube, interleave):
+    """The values one by one, as the ENVI manual tells: the last letter's axis runs fastest."""
+    rows, columns, bands = (range(n) for n in cube.shape)
+    if interleave == "bsq":
+        return [cube[r, c, b] for b in bands for r in rows for c in columns]
+    if interleave == "bil":
+        return [cube[r, c, b] for r in rows for b in bands for c in columns]
+    return [cube[r, c, b] for r in rows for c in columns for b in bands]
+
+
+def write_envi(folder, cube=None, *, name="cube", drop=(), extra=b"", newline="\n", **changed):
+    """An ENVI pair written by hand; keys with _ for a blank replace or join the usual ones."""
+    cube = numbers() if cube is None else cube
+    keys = {
+        "samples": cube.shape[1],
+        "lines": cube.shape[0],
+        "bands": cube.shape[2],
+        "header offset": 0,
+        "data type": 4,
+        "interleave": "bsq",
+        "byte order": 0,
+        "wavelength units": "Nanometers",
+        "wavelength": "{" + ", ".join(str(w) for w in NM) + "}",
+    }
+    keys |= {key.replace("_", " "): value for key, value in changed.items()}
+    letter = STRUCT_LETTER.get(keys["data type"], "f")
+    order = "<>"[keys["byte order"] == 1]
+    values = in_file_order(cube, str(keys["interleave"]).lower())
+    data = b"\xaa" * keys["header offset"] + struct.pack(f"{order}{len(values)}{letter}", *values)
+    text = newline.join(["ENVI", *(f"{k} = {v}" for k, v in keys.items() if k not in drop), ""])
+    (folder / f"{name}.img").write_bytes(data)
+    (folder / f"{name}.hdr").write_bytes(text.encode("latin-1") + extra)
+    return folder / f"{name}.hdr"
+
+
+def assert_holds(cube, expected):
+    assert isinstance(cube, Cube)
+    np.testing.assert_array_equal(np.asarray(cube.stored), expected)
+
+
+# ENVI: what was written is what is read
+
+
+@pytest.mark.parametrize(("interleave", "data_type", "byte_order", "offset"), LAYOUTS)
+def test_every_envi_layout_gives_back_what_was_written(
+    tmp_path, interleave, data_type, byte_order, offset
+):
+    path = write_envi(
+        tmp_path,
+        interleave=interleave,
+        data_type=data_type,
+        byte_order=byte_order,
+        header_offset=offset,
+    )
+    cube = read_cube(path, scale=0.01)
+    assert_holds(cube, numbers())
+    assert cube.wavelength_nm.tolist() == list(NM)
+    assert cube.scale == 0.01
+
+
+@pytest.mark.parametrize("interleave", ["BSQ", "Bil", "bip"])
+def test_an_envi_cube_stays_on_disk_whatever_its_interleave(tmp_path, interleave):
+    cube = read_cube(write_envi(tmp_path, interleave=interleave))
+    assert isinstance(cube.stored, np.memmap)
+    assert not cube.stored.flags.owndata
+    assert not cube.stored.flags.writeable
+    assert_holds(cube, numbers())
+
+
+def test_header_and_data_name_the_same_cube(tmp_path):
+    header = write_envi(tmp_path)
+    from_data = read_cube(header.with_suffix(".img"))
+    assert_holds(from_data, read_cube(header).stored)
+    assert from_data.source.endswith("cube.img")
+
+
+@pytest.mark.parametrize(
+    ("header", "data"),
+    [
+        ("a.hdr", "a"),
+        ("a.img.hdr", "a.img"),
+        ("a.HDR", "a.RAW"),
+        *[("a.b.hdr", f"a.b.{e}") for e in ("img", "raw", "dat", "bin", "bsq", "bil", "bip")],
+    ],
+)
+def test_header_and_data_are_paired_by_name(tmp_path, header, data):
+    written = write_envi(tmp_path, name="temporary")
+    written.with_suffix(".img").rename(tmp_path / data)
+    written.rename(tmp_path / header)
+    for name in (header, data):
+        assert_holds(read_cube(tmp_path / name), numbers())
+
+
+def test_the_header_that_bears_the_whole_name_of_the_data_goes_first(tmp_path):
+    right = write_envi(tmp_path)
+    right.rename(tmp_path / "cube.img.hdr")
+    right.write_text("ENVI\nbands = 1\n")
+    assert_holds(read_cube(tmp_path / "cube.img"), numbers())
+
+
+def test_comments_unknown_keys_windows_lines_and_latin_1_do_not_matter(tmp_path):
+    extra = (
+        b"; a comment with { and = in it\r\n"
+        b"sensor = { spread\r\n over \xb5 lines,\r\n; with a comment }\r\n and more }\r\n"
+        b"no equals sign here\r\n= no key\r\nmap info = {UTM, 1}\r\n"
+    )
+    path = write_envi(tmp_path, newline="\r\n", extra=extra)
+    assert_holds(read_cube(path), numbers())
+
+
+def test_keys_are_known_in_any_case_and_spacing(tmp_path):
+    path = write_envi(tmp_path, drop=("samples", "data type"), extra=b"SAMPLES=4\nData  Type =4\n")
+    assert_holds(read_cube(path), numbers())
+
+
+def test_the_wavelength_list_may_run_over_lines(tmp_path):
+    path = write_envi(tmp_path, wavelength="{\n 400,\n450,500 ,\n\n600,700,\n}")
+    assert read_cube(path).wavelength_nm.tolist() == list(NM)
+
+
+@pytest.mark.parametrize("unit", ["um", "Micrometers", "microns", "\u00b5m"])
+def test_micrometers_become_nanometers(tmp_path, unit):
+    path = write_envi(tmp_path, wavelength="{.4,.45,.5,.6,.7}", wavelength_units=unit)
+    np.testing.assert_allclose(read_cube(path).wavelength_nm, NM, rtol=1e-15)
+
+
+def test_small_wavelengths_without_a_unit_are_micrometers_and_it_is_noted(tmp_path):
+    path = write_envi(tmp_path, wavelength="{.4,.45,.5,.6,.7}", drop=("wavelength units",))
+    cube = read_cube(path)
+    np.testing.assert_allclose(cube.wavelength_nm, NM, rtol=1e-15)
+    assert any("taken as micrometers" in note for note in cube.notes)
+
+
+@pytest.mark.parametrize("unit", ["Unknown", "Index", None])
+def test_large_wavelengths_without_a_unit_are_nanometers_and_it_is_noted(tmp_path, unit):
+    drop = ("wavelength units",) if unit is None else ()
+    cube = read_cube(write_envi(tmp_path, wavelength_units=unit, drop=drop))
+    assert cube.wavelength_nm.tolist() == list(NM)
+    assert any("taken as nm" in note for note in cube.notes)
+
+
+@pytest.mark.parametrize("unit", ["Nanometers", "nm", "Micrometers"])
+def test_band_names_that_are_wavelengths_stand_in_for_them_and_it_is_noted(tmp_path, unit):
+    per_nm = 0.001 if unit == "Micrometers" else 1.0
+    names = "{" + ",\n".join(f"Band {i}: {w * per_nm:.3f} {unit}" for i, w in enumerate(NM)) + "}"
+    cube = read_cube(write_envi(tmp_path, drop=("wavelength",), band_names=names))
+    np.testing.assert_allclose(cube.wavelength_nm, NM, rtol=1e-15)
+    assert any("band names" in note for note in cube.notes)
+
+
+def test_falling_wavelengths_turn_the_bands_about_without_a_copy_and_it_is_noted(tmp_path):
+    path = write_envi(tmp_path, wavelength="{700,600,500,450,400}")
+    cube = read_cube(path)
+    assert_holds(cube, numbers()[:, :, ::-1])
+    assert cube.wavelength_nm.tolist() == list(NM)
+    assert isinstance(cube.stored, np.memmap)
+    assert any("turned about" in note for note in cube.notes)
+
+
+@pytest.mark.parametrize("key", ["byte order", "header offset"])
+def test_a_missing_byte_order_or_offset_is_0_and_it_is_noted(tmp_path, key):
+    cube = read_cube(write_envi(tmp_path, drop=(key,)))
+    assert_holds(cube, numbers())
+    assert any(f"lacks {key!r}" in note for note in cube.notes)
+
+
+def test_what_the_header_asks_and_is_not_done_is_noted(tmp_path):
+    cube = read_cube(write_envi(tmp_path, bbl="{1,1,1,1,0}", data_ignore_value="-9999"))
+    assert "in the header but not applied: bbl, data ignore value" in cube.notes
+
+
+# scale
+
+
+@pytest.mark.parametrize("data_type", [2, 4])
+def test_the_reflectance_scale_factor_divides(tmp_path, data_type):
+    path = write_envi(tmp_path, data_type=data_type, reflectance_scale_factor="10000")
+    assert read_cube(path).scale == 1e-4
+
+
+def test_the_callers_scale_wins_over_the_header(tmp_path):
+    for factor in ("10000", "zero"):
+        path = write_envi(tmp_path, data_type=2, reflectance_scale_factor=factor)
+        cube = read_cube(path, scale=0.5)
+        assert cube.scale == 0.5
+        assert any("--scale" in note for note in cube.notes)
+
+
+def test_real_numbers_without_a_scale_are_reflectance(tmp_path):
+    assert read_cube(write_envi(tmp_path)).scale == 1.0
+
+
+@pytest.mark.parametrize("data_type", [1, 2, 3, 12, 13, 14, 15])
+def test_integers_without_a_scale_are_refused(tmp_path, data_type):
+    with pytest.raises(InputError, match=r"stores integers .*--scale .*1e-4"):
+        read_cube(write_envi(tmp_path, data_type=data_type))
+
+
+RADIANCE = [
+    {"name": "ang2016_2rdn_img"},
+    {"name": "Radiance_of_a_field"},
+    {"description": "{flight/ang2016_rdn_v1n2/x}"},
+    {"description": "{spectral radiance}"},
+    {"units": "uW cm-2 nm-1 sr-1"},
+    {"data_units": "W/m^2/um/sr"},
+    {"data_units": "Watts"},
+    {"data_units": "Wm-2"},
+    {"data_units": "radiance"},
+]
+
+
+@pytest.mark.parametrize("words", RADIANCE)
+def test_radiance_is_refused_unless_the_caller_says_a_scale(tmp_path, words):
+    path = write_envi(tmp_path, **words)
+    with pytest.raises(InputError, match=r"says? radiance .*white reference .*--scale"):
+        read_cube(path)
+    cube = read_cube(path, scale=0.01)
+    assert cube.scale == 0.01
+    assert any("radiance" in note and "--scale says" in note for note in cube.notes)
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        {"name": "garden"},
+        {"name": "hardness"},
+        {"description": "{radiance turned into reflectance}"},
+        {"data_units": "percent of White"},
+    ],
+)
+def test_reflectance_is_not_taken_for_radiance(tmp_path, words):
+    assert_holds(read_cube(write_envi(tmp_path, **words)), numbers())
+
+
+@pytest.mark.parametrize("scale", [0.0, -1.0, float("nan"), float("inf")])
+def test_an_impossible_scale_is_refused(tmp_path, scale):
+    with pytest.raises(InputError, match=r"--scale .*must be finite and > 0"):
+        read_cube(write_envi(tmp_path), scale=scale)
+
+
+# --wavelengths
+
+
+def test_the_callers_wavelengths_are_evenly_spaced_and_win_over_the_file(tmp_path):
+    cube = read_cube(write_envi(tmp_path), wavelengths=(400, 800))
+    assert cube.wavelength_nm.tolist() == [400, 500, 600, 700, 800]
+    assert any("those in the file are not used" in note for note in cube.notes)
+
+
+def test_the_callers_wavelengths_cure_a_bad_list(tmp_path):
+    path = write_envi(tmp_path, wavelength="{a, b}")
+    assert read_cube(path, wavelengths=(400, 800)).wavelength_nm[1] == 500
+
+
+def test_the_callers_wavelengths_may_fall(tmp_path):
+    cube = read_cube(write_envi(tmp_path), wavelengths=(800, 400))
+    assert cube.wavelength_nm[0] == 400
+    assert_holds(cube, numbers()[:, :, ::-1])
+
+
+@pytest.mark.parametrize("ends", [(500, 500), (0.4, 0.8), (400, float("nan")), (400, 1e300)])
+def test_impossible_wavelengths_of_the_caller_are_refused(tmp_path, ends):
+    with pytest.raises(InputError, match="--wavelengths FIRST:LAST must be two different numbers"):
+        read_cube(write_envi(tmp_path), wavelengths=ends)
+
+
+# ENVI: what is wrong is said
+
+ENVI_FAULTS = [
+    *[({"drop": (k,)}, f"lacks the required key '{k}'") for k in
+      ("samples", "lines", "bands", "data type", "interleave")],
+    ({"data_type": 6}, "complex numbers"),
+    ({"data_type": 9}, "complex numbers"),
+    ({"data_type": 7}, "'data type' 7 is not known"),
+    ({"interleave": "bis"}, "'interleave' must be bsq, bil or bip, but is 'bis'"),
+    ({"byte_order": 2}, "'byte order' must be 0"),
+    ({"drop": ("header offset",), "extra": b"header offset = -4"}, "whole number >= 0.*'-4'"),
+    ({"samples": 0}, "'samples' must be at least 1"),
+    ({"lines": -3}, "'lines' must be a whole number >= 0, but is '-3'"),
+    ({"bands": "5.5"}, "'bands' must be a whole number >= 0, but is '5.5'"),
+    ({"lines": 4}, r"truncated: it holds 240 bytes, but .* describes 320 bytes"),
+    ({"samples": 10**17, "lines": 10**17}, "truncated"),
+    ({"lines": 2}, r"longer than its header says: it holds 240 bytes, but .* 160 bytes"),
+    ({"drop": ("header offset",), "header_offset": 8}, "longer than its header says"),
+    ({"file_compression": 1}, "compressed"),
+    ({"extra": b"bands = 6"}, "'bands' stands twice, as '5' and '6'"),
+    ({"extra": b"fwhm = {1, 2\n"}, "line 11: the brace opened here is never closed"),
+    ({"drop": ("wavelength",)}, r"does not tell the wavelengths of its 5 bands.*--wavelengths"),
+    ({"wavelength": "{}"}, "does not tell the wavelengths"),
+    ({"wavelength": "{ , }"}, "'wavelength' is empty"),
+    ({"drop": ("wavelength",), "band_names": "{400 nm, red, 500 nm, 600 nm, 700 nm}"},
+     "does not tell the wavelengths"),
+    ({"wavelength": "{400, 450, 500}"}, r"has 5 bands but 3 wavelengths.*--wavelengths"),
+    ({"wavelength": "{400, 450, x, 600, 700}"}, "entry 2 of 'wavelength' is 'x'"),
+    ({"wavelength": "{400, nan, 500, 600, 700}"}, "entry 1 of 'wavelength' is 'nan'"),
+    ({"wavelength": "{400, 450, 450, 600, 700}"}, "450 nm follows 450 nm at band 2"),
+    ({"wavelength": "{400, 500, 450, 600, 700}"}, "450 nm follows 500 nm at band 2"),
+    ({"wavelength": "{700, 600, 650, 450, 400}"}, "650 nm follows 600 nm at band 2"),
+    ({"wavelength": "{.4, .45, .5, .6, .7}"}, r"must be 100 .. 20000 nm.*first is 0.4 nm at"),
+    ({"wavelength": "{1, 2, 3, 4, 5}", "wavelength_units": "Index"}, "cannot be turned into nm"),
+    ({"wavelength_units": "Wavenumber"}, "'wavelength units' 'wavenumber'.*say nm or um"),
+    ({"wavelength": "{1, 2, 3, 4, 500}", "wavelength_units": "Unknown"}, "cannot be turned into"),
+    ({"wavelength": "{1e308, 2, 3, 4, 5}", "wavelength_units": "um"}, "must be 100 .. 20000 nm"),
+    ({"reflectance_scale_factor": "0"}, "'reflectance scale factor' must be > 0"),
+    ({"reflectance_scale_factor": "ten"}, "reflectance scale factor is 'ten', not a finite"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("changed", "sentence"), ENVI_FAULTS)
+def test_a_fault_of_an_envi_header_is_said_in_one_sentence(tmp_path, changed, sentence):
+    path = write_envi(tmp_path, **changed)
+    with pytest.raises(InputError, match=sentence) as caught:
+        read_cube(path)
+    assert str(tmp_path) in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_cube_of_one_band_is_refused(tmp_path):
+    path = write_envi(tmp_path, numbers(bands=1), wavelength="{500}")
+    with pytest.raises(InputError, match="has 1 band, but a cube needs at least 2"):
+        read_cube(path)
+
+
+def test_text_that_is_no_envi_header_is_refused(tmp_path):
+    path = write_envi(tmp_path)
+    path.write_text("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n")
+    with pytest.raises(InputError, match=r"not an ENVI header.*'#\?RADIANCE'"):
+        read_cube(path)
+
+
+def test_a_header_of_many_mebibytes_is_refused(tmp_path):
+    path = write_envi(tmp_path, extra=b"; " + b"x" * 17 * 2**20)
+    with pytest.raises(InputError, match="17 MiB is too large for an ENVI header"):
+        read_cube(path)
+
+
+def test_a_hostile_band_name_does_not_stop_the_reader(tmp_path):
+    path = write_envi(tmp_path, drop=("wavelength",), band_names="{" + "9" * 100_000 + "}")
+    start = time.perf_counter()
+    with pytest.raises(InputError, match="does not tell the wavelengths"):
+        read_cube(path)
+    assert time.perf_counter() - start < 5  # seconds; a careless pattern takes minutes
+
+
+def test_an_array_name_that_is_no_text_is_told_on_one_line(tmp_path):
+    path = write_npz(tmp_path / "a.npz", **{"a\nb": np.ones((2, 2, 2))})
+    with pytest.raises(InputError, match=r"it holds a\?b 2x2x2 float64"):
+        read_cube(path)
+
+
+def test_a_header_without_data_is_refused(tmp_path):
+    path = write_envi(tmp_path)
+    path.with_suffix(".img").unlink()
+    with pytest.raises(InputError, match="the data of this ENVI header is missing"):
+        read_cube(path)
+
+
+def test_a_header_beside_two_data_files_is_refused_and_naming_the_data_is_the_cure(tmp_path):
+    path = write_envi(tmp_path)
+    (tmp_path / "cube.raw").write_bytes(b"other")
+    with pytest.raises(InputError, match=r"2 files could be the data .*cube.img, cube.raw"):
+        read_cube(path)
+    assert_holds(read_cube(tmp_path / "cube.img"), numbers())
+
+
+def test_an_option_that_does_not_fit_an_envi_file_is_not_passed_over(tmp_path):
+    path = write_envi(tmp_path)
+    with pytest.raises(InputError, match="holds 3x4 pixels, but --shape says 4x3"):
+        read_cube(path, shape=(4, 3))
+    cube = read_cube(path, shape=(3, 4), key="V")
+    assert any("--key V not used" in note for note in cube.notes)
+
+
+# files that are no cube
+
+
+def test_what_is_no_file_is_refused(tmp_path):
+    with pytest.raises(InputError, match=r"cannot be read .*No such file"):
+        read_cube(tmp_path / "nowhere.hdr")
+    with pytest.raises(InputError, match="is a directory"):
+        read_cube(tmp_path)
+    with pytest.raises(InputError, match=r"cannot be read .*null byte"):
+        read_cube("a\0b.mat")
+    with pytest.raises(InputError, match="is not a regular file"):
+        read_cube("/dev/null")
+
+
+@pytest.mark.parametrize("name", ["cube.hdr", "cube.mat", "cube.npz", "cube.npy"])
+def test_a_file_that_may_not_be_opened_is_refused(tmp_path, monkeypatch, name):
+    def locked(*_args, **_options):
+        raise PermissionError(13, "Permission denied")
+
+    (tmp_path / name).write_bytes(b"x")
+    monkeypatch.setattr(Path, "open", locked)
+    with pytest.raises(InputError, match=r"cannot be read \(Permission denied\)"):
+        read_cube(tmp_path / name)
+
+
+@pytest.mark.parametrize("name", ["a.hdr", "a.mat", "a.npz", "a.npy", "a.img", "a.xyz"])
+def test_an_empty_file_is_refused(tmp_path, name):
+    (tmp_path / name).write_bytes(b"")
+    with pytest.raises(InputError, match="the file is empty"):
+        read_cube(tmp_path / name)
+
+
+def test_an_ending_that_is_not_read_is_refused_and_the_others_are_named(tmp_path):
+    (tmp_path / "a.tif").write_bytes(b"II*\0")
+    with pytest.raises(InputError, match=r"not read from .tif files; read are ENVI .* .mat, .npz"):
+        read_cube(tmp_path / "a.tif")
+
+
+@pytest.mark.parametrize("name", ["a.img", "a"])
+def test_envi_data_without_a_header_is_refused(tmp_path, name):
+    (tmp_path / name).write_bytes(b"\0" * 8)
+    with pytest.raises(InputError, match=r"no ENVI header .*a.hdr.* stands beside it"):
+        read_cube(tmp_path / name)
+
+
+@pytest.mark.parametrize("name", ["a.mat", "a.npz", "a.npy"])
+@pytest.mark.parametrize("content", [b"\0", b"nonsense" * 100, b"PK\x03\x04", b"\x93NUMPY\x01\x00"])
+def test_nonsense_is_refused(tmp_path, name, content):
+    (tmp_path / name).write_bytes(content)
+    with pytest.raises(InputError, match=r"damaged or cut short|not a MATLAB file"):
+        read_cube(tmp_path / name)
+
+
+# MATLAB and NumPy
+
+
+def write_mat(path, compressed=True, **arrays):
+    scipy.io.savemat(path, arrays, do_compression=compressed)
+    return path
+
+
+def write_npz(path, compressed=True, **arrays):
+    (np.savez_compressed if compressed else np.savez)(path, **arrays)
+    return path
+
+
+WRITERS = [(write_mat, "cube.mat"), (write_npz, "cube.npz")]
+both = pytest.mark.parametrize(("write", "name"), WRITERS)
+
+
+@both
+@pytest.mark.parametrize("compressed", [True, False])
+@pytest.mark.parametrize("dtype", ["f8", "f4"])
+def test_named_arrays_give_back_what_was_written(tmp_path, write, name, compressed, dtype):
+    reflectance = (numbers() / 128).astype(dtype)
+    path = write(tmp_path / name, compressed, wavelength_nm=np.array(NM), reflectance=reflectance)
+    cube = read_cube(path)
+    assert_holds(cube, reflectance)
+    assert cube.stored.dtype == dtype
+    assert cube.wavelength_nm.tolist() == list(NM)
+    assert (cube.scale, cube.notes) == (1.0, ())
+
+
+@both
+def test_key_names_another_array(tmp_path, write, name):
+    path = write(tmp_path / name, V=numbers() / 128, wavelength_nm=np.array([NM]).T)
+    assert_holds(read_cube(path, key="V"), numbers() / 128)
+
+
+@both
+def test_falling_wavelengths_turn_named_arrays_about(tmp_path, write, name):
+    path = write(tmp_path / name, wavelength_nm=np.array(NM)[::-1], reflectance=numbers() / 128)
+    assert_holds(read_cube(path), numbers()[:, :, ::-1] / 128)
+
+
+@both
+def test_named_integers_need_a_scale(tmp_path, write, name):
+    path = write(tmp_path / name, wavelength_nm=np.array(NM), reflectance=numbers().astype("u2"))
+    with pytest.raises(InputError, match=r"stores integers \(uint16\)"):
+        read_cube(path)
+    assert read_cube(path, scale=1e-4).scale == 1e-4
+
+
+@pytest.mark.parametrize("order", ["<", ">"])
+def test_whole_numbers_that_matlab_packs_as_bytes_are_still_real_numbers(tmp_path, order):
+    body = numbers().transpose(2, 1, 0).astype("u1").tobytes()  # MATLAB's order: rows run fastest
+    name = struct.pack(order + "II", 1, 11) + b"reflectance" + bytes(5)
+    dims = struct.pack(order + "II3i4x", 5, 12, *numbers().shape)
+    flags = struct.pack(order + "IIII", 6, 8, 6, 0)  # class double
+    data = struct.pack(order + "II", 2, len(body)) + body + bytes(-len(body) % 8)  # stored as uint8
+    matrix = flags + dims + name + data
+    version = struct.pack(order + "HH", 0x100, 0x4D49)  # the letters MI, in this byte order
+    matrix = struct.pack(order + "II", 14, len(matrix)) + matrix
+    (tmp_path / "a.mat").write_bytes(b"MATLAB 5.0 MAT-file".ljust(124) + version + matrix)
+    cube = read_cube(tmp_path / "a.mat", wavelengths=(400, 800))
+    assert_holds(cube, numbers())
+    assert cube.stored.dtype == np.float64
+
+
+@pytest.mark.parametrize("dtype", ["i1", "u1", "i2", "u2", "i4", "u4", "i8", "u8", "f4", "f8"])
+@pytest.mark.parametrize("compressed", [True, False])
+@pytest.mark.parametrize("shape", [(1, 2, 2), (3, 4, 5)])
+def test_matlab_arrays_are_what_scipy_wrote(tmp_path, dtype, compressed, shape):
+    expected = np.arange(np.prod(shape), dtype=dtype).reshape(shape)
+    cell = np.array([1, "c"], dtype=object)
+    path = write_mat(tmp_path / "a.mat", compressed, before={"a": 1}, V=expected, after=cell)
+    cube = read_cube(path, key="V", wavelengths=(400, 800), scale=1)
+    assert_holds(cube, expected)
+    assert cube.stored.dtype == dtype
+
+
+DATA_TYPE_AT = 128 + 8 + 16 + 24 + 8  # after the file's start, and tag, flags, dimensions, name
+
+
+@pytest.mark.parametrize("code", [0, 8, 10, 14, 19, 20, 255, 65535])
+def test_a_data_type_that_matlab_has_not_does_not_end_the_process(tmp_path, code):
+    path = write_mat(tmp_path / "a.mat", compressed=False, V=np.ones((2, 2, 3)))
+    content = bytearray(path.read_bytes())
+    assert struct.unpack_from("<II", content, DATA_TYPE_AT) == (9, 96)
+    struct.pack_into("<I", content, DATA_TYPE_AT, code)
+    path.write_bytes(content)
+    with pytest.raises(InputError, match="numbers of array 'V' do not fit its shape"):
+        read_cube(path, key="V", wavelengths=(400, 800))
+
+
+def test_a_flipped_bit_in_a_compressed_matlab_array_never_changes_the_picture(tmp_path):
+    path = write_mat(tmp_path / "a.mat", V=numbers() / 128)
+    content = path.read_bytes()
+    noticed = 0
+    for byte in range(len(content) - 200, len(content)):
+        flipped = bytearray(content)
+        flipped[byte] ^= 4
+        path.write_bytes(flipped)
+        try:
+            cube = read_cube(path, key="V", wavelengths=(400, 800))
+        except InputError:
+            noticed += 1
+        else:
+            assert_holds(cube, numbers() / 128)  # some bits only fill up the last byte
+    assert noticed > 190
+
+
+@pytest.mark.parametrize("bands_first", [True, False])
+def test_matlab_pixels_run_down_the_columns(tmp_path, bands_first):
+    expected = numbers() / 128
+    spectra = np.array([expected[r, c] for c in range(4) for r in range(3)])
+    path = write_mat(tmp_path / "a.mat", V=spectra.T if bands_first else spectra)
+    cube = read_cube(path, key="V", shape=(3, 4), wavelengths=(400, 800))
+    assert_holds(cube, expected)
+    assert any("column by column" in note for note in cube.notes)
+
+
+@pytest.mark.parametrize("bands_first", [True, False])
+def test_numpy_pixels_run_along_the_rows(tmp_path, bands_first):
+    expected = numbers() / 128
+    spectra = np.array([expected[r, c] for r in range(3) for c in range(4)])
+    path = write_npz(tmp_path / "a.npz", V=spectra.T if bands_first else spectra)
+    cube = read_cube(path, key="V", shape=(3, 4), wavelengths=(400, 800))
+    assert_holds(cube, expected)
+    assert any("row by row" in note for note in cube.notes)
+
+
+@pytest.mark.parametrize("order", ["C", "F"])
+def test_npy_stays_on_disk(tmp_path, order):
+    np.save(tmp_path / "a.npy", np.array(numbers() / 128, order=order))
+    cube = read_cube(tmp_path / "a.npy", wavelengths=(400, 800), key="x")
+    assert isinstance(cube.stored, np.memmap)
+    assert_holds(cube, numbers() / 128)
+    assert any("--key x not used" in note for note in cube.notes)
+
+
+NAMED_FAULTS = [
+    ({"V": np.ones((2, 2, 3))}, {}, r"has no array 'reflectance'; it holds V 2x2x3 float64; .*key"),
+    ({"V": np.ones((2, 2, 3))}, {"key": "W"}, r"has no array 'W'; it holds V 2x2x3"),
+    ({"V": np.ones((2, 2, 3))}, {"key": "V"}, r"does not tell the wavelengths of its 3 bands"),
+    ({"V": np.ones((6, 3))}, {"key": "V"}, r"'V' is 6x3, pixels in one axis.*--shape ROWSxCOLUMNS"),
+    ({"V": np.ones((6, 3))}, {"key": "V", "shape": (2, 4)}, r"--shape 2x4 is 8 pixels.*neither"),
+    ({"V": np.ones((6, 3))}, {"key": "V", "shape": (-2, -3)}, r"neither axis"),
+    ({"V": np.ones((6, 6))}, {"key": "V", "shape": (2, 3)}, r"fits both axes"),
+    ({"V": np.ones((2, 2, 3))}, {"key": "V", "shape": (1, 4)}, "holds 2x2 pixels, but --shape"),
+    ({"V": np.ones((2, 2, 2, 3))}, {"key": "V"}, r"must have axes \(rows, columns, bands\)"),
+    ({"V": np.ones((2, 2, 3)) * 1j}, {"key": "V"}, r"complex128"),
+    ({"V": np.ones((2, 2, 3)) > 0}, {"key": "V"}, r"of type bool, not real numbers"),
+    ({"V": np.ones((2, 2, 0))}, {"key": "V"}, r"2x2x0.*cannot hold"),
+    ({"reflectance": np.ones((2, 2, 3)), "wavelength_nm": np.arange(400.0, 404)}, {},
+     "has 3 bands but 4 wavelengths"),
+    ({"reflectance": np.ones((2, 2, 2)), "wavelength_nm": np.array([0.4, 0.5])}, {},
+     "must be 100 .. 20000 nm"),
+    ({"reflectance": np.ones((2, 2, 2)), "wavelength_nm": np.array([400, np.nan])}, {},
+     "first is nan nm at band 1"),
+    ({"reflectance": np.ones((2, 2, 2)), "wavelength_nm": np.array([400, 400])}, {},
+     "400 nm follows 400 nm at band 1"),
+    ({"reflectance": np.ones((2, 2, 2)), "wavelength_nm": np.array([400, 500j])}, {},
+     "complex128"),
+    ({"reflectance": np.ones((2, 2, 2)), "wavelength_nm": np.array(["a", "b"])}, {},
+     "array 'wavelength_nm' is of type str"),
+]  # fmt: skip
+
+
+@both
+@pytest.mark.parametrize(("arrays", "options", "sentence"), NAMED_FAULTS)
+def test_a_fault_of_named_arrays_is_said_in_one_sentence(
+    tmp_path, write, name, arrays, options, sentence
+):
+    path = write(tmp_path / name, **arrays)
+    with pytest.raises(InputError, match=sentence) as caught:
+        read_cube(path, **options)
+    assert name in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+@both
+def test_radiance_is_known_by_the_file_name_too(tmp_path, write, name):
+    path = write(tmp_path / f"radiance_{name}", V=np.ones((2, 2, 3)))
+    with pytest.raises(InputError, match="the file name says radiance"):
+        read_cube(path, key="V")
+
+
+class Bomb:
+    """Unpickling this is seen."""
+
+    def __reduce__(self):
+        return (pytest.fail, ("something was unpickled",))
+
+
+def test_objects_are_never_unpickled(tmp_path):
+    bombs = np.array([Bomb()] * 8, dtype=object).reshape(2, 2, 2)
+    np.savez(tmp_path / "a.npz", reflectance=bombs, wavelength_nm=np.array([400, 500]))
+    np.save(tmp_path / "a.npy", bombs)
+    for name in ("a.npz", "a.npy"):
+        with pytest.raises(InputError, match="of type object, not real numbers"):
+            read_cube(tmp_path / name)
+
+
+@pytest.mark.parametrize(
+    "thing", [{"field": 1.0}, np.array([1.0, "a"], dtype=object), scipy.sparse.eye_array(3), "word"]
+)
+def test_matlab_cells_structs_words_and_sparse_arrays_are_refused(tmp_path, thing):
+    path = write_mat(tmp_path / "a.mat", V=thing)
+    with pytest.raises(InputError, match="not real numbers"):
+        read_cube(path, key="V")
+
+
+def test_structured_numpy_arrays_are_refused(tmp_path):
+    for names in ("ab", "a\u03bb"):
+        with warnings.catch_warnings(action="ignore"):  # of NumPy's format 3.0
+            np.savez(tmp_path / "a.npz", V=np.zeros((2, 2, 2), dtype=[(n, "f4") for n in names]))
+        with pytest.raises(InputError, match="not real numbers"):
+            read_cube(tmp_path / "a.npz", key="V")
+
+
+def test_matlab_7_3_is_refused_with_its_cure(tmp_path):
+    h5py = pytest.importorskip("h5py", reason="h5py writes the file for this test")
+    with h5py.File(tmp_path / "plain.mat", "w") as file:
+        file["reflectance"] = np.ones((2, 2, 2))
+    with h5py.File(tmp_path / "block.mat", "w", userblock_size=512) as file:
+        file["reflectance"] = np.ones((2, 2, 2))
+    for name in ("plain.mat", "block.mat"):
+        with pytest.raises(InputError, match=r"MATLAB 7.3 .*-v7"):
+            read_cube(tmp_path / name)
+
+
+def test_matlab_4_is_refused_with_its_cure(tmp_path):
+    scipy.io.savemat(tmp_path / "a.mat", {"V": np.ones((4, 3))}, format="4")
+    with pytest.raises(InputError, match=r"not a MATLAB file of version 5; save it with -v7"):
+        read_cube(tmp_path / "a.mat", key="V")
+
+
+@pytest.mark.parametrize("cut", [1, 60])
+def test_a_npy_that_is_cut_or_lengthened_is_refused(tmp_path, cut):
+    whole = io.BytesIO()
+    np.save(whole, np.ones((2, 2, 3)))
+    for content in (whole.getvalue()[:-cut], whole.getvalue() + bytes(cut)):
+        (tmp_path / "a.npy").write_bytes(content)
+        with pytest.raises(InputError, match=r"holds \d+ bytes, but its header describes 224"):
+            read_cube(tmp_path / "a.npy", wavelengths=(400, 800))
+
+
+@both
+def test_a_cut_file_of_named_arrays_is_refused(tmp_path, write, name):
+    path = write(tmp_path / name, reflectance=numbers() / 128, wavelength_nm=np.array(NM))
+    whole = path.read_bytes()
+    for length in (len(whole) // 2, len(whole) - 30):
+        path.write_bytes(whole[:length])
+        with pytest.raises(InputError, match="damaged or cut short"):
+            read_cube(path)
+
+
+def test_a_small_npz_that_claims_a_huge_array_is_refused_before_it_is_read(tmp_path):
+    header = b"{'descr': '<f8', 'fortran_order': False, 'shape': (100000, 100000, 1000)}"
+    content = b"\x93NUMPY\x01\x00" + struct.pack("<H", 118) + header.ljust(117) + b"\n"
+    with zipfile.ZipFile(tmp_path / "a.npz", "w") as archive:
+        archive.writestr("reflectance.npy", content)
+    with pytest.raises(InputError, match="holds 128 bytes, but its header describes 8"):
+        read_cube(tmp_path / "a.npz")
+
+
+def test_an_array_larger_than_the_memory_is_refused_before_it_is_read(tmp_path, monkeypatch):
+    paths = [write(tmp_path / name, reflectance=np.ones((8, 8, 8))) for write, name in WRITERS]
+    monkeypatch.setattr("os.sysconf", lambda _: 10)  # pages, and bytes per page
+    for path in paths:
+        with pytest.raises(InputError, match=r"needs 4.0 KiB of memory, .* has 100 bytes.*ENVI"):
+            read_cube(path)
+
+
+def test_memory_that_runs_out_is_said(tmp_path, monkeypatch):
+    def starved(*_args, **_options):
+        raise MemoryError
+
+    path = write_npz(tmp_path / "a.npz", reflectance=np.ones((2, 2, 2)))
+    monkeypatch.setattr(np.lib.format, "read_array", starved)
+    with pytest.raises(InputError, match="too large for this machine's memory"):
+        read_cube(path)
+
+
+def test_importing_the_scene_does_not_import_scipy():
+    told = "import sys, chromanoise.scene; print('scipy' in sys.modules)"
+    out = subprocess.run([sys.executable, "-c", told], capture_output=True, text=True, check=True)
+    assert out.stdout.strip() == "False"
+
+
+# whatever the bytes, a cube or one sentence
+
+TOKENS = [
+    b"-1", b"0", b"{", b"}", b"=", b"\n", b"\r", b";", b",", b"nan", b"inf", b"1e400", b"\xff",
+    b"\0", b"99999999999999999999", b"ENVI", b"radiance", b"bsq", b"um", b"\x85", b"9" * 5000,
+]  # fmt: skip
+edits = st.lists(
+    st.tuples(
+        st.sampled_from(["replace", "insert", "delete", "cut"]),
+        st.floats(0, 1, exclude_max=True),
+        st.sampled_from(TOKENS) | st.binary(min_size=1, max_size=8),
+    ),
+    min_size=1,
+    max_size=6,
+)
+
+
+def edited(content, changes):
+    for what, where, token in changes:
+        i = int(where * len(content))
+        if what == "cut":
+            content = content[: max(i, 1)]
+        else:
+            skipped = 0 if what == "insert" else len(token)
+            content = content[:i] + (b"" if what == "delete" else token) + content[i + skipped :]
+    return content or b"\0"
+
+
+def assert_cube_or_sentence(path, **options):
+    with contextlib.suppress(InputError):
+        cube = read_cube(path, **options)
+        assert cube.stored.shape[2] == cube.wavelength_nm.size
+        assert np.asarray(cube.stored).size
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    return tmp_path_factory.mktemp("fuzz")
+
+
+@given(changes=edits)
+@settings(max_examples=200, deadline=None)
+def test_an_altered_header_gives_a_cube_or_one_sentence(folder, changes):
+    path = write_envi(
+        folder,
+        drop=("wavelength units",),
+        band_names="{400 nm, 450 nm, 500 nm, 600 nm, 700 nm}",
+        reflectance_scale_factor="128",
+        description="{a cube}",
+    )
+    path.write_bytes(edited(path.read_bytes(), changes))
+    assert_cube_or_sentence(path)
+
+
+@pytest.mark.parametrize(
+    ("write", "name", "compressed"),
+    [(w, n, c) for w, n in WRITERS for c in (True, False)],
+)
+@given(changes=edits)
+@settings(max_examples=200, deadline=None)
+def test_an_altered_file_of_named_arrays_gives_a_cube_or_one_sentence(
+    folder, write, name, compressed, changes
+):
+    path = write(folder / name, compressed, reflectance=numbers() / 128, wavelength_nm=np.array(NM))
+    path.write_bytes(edited(path.read_bytes(), changes))
+    assert_cube_or_sentence(path)
+
+
+@given(changes=edits)
+@settings(max_examples=200, deadline=None)
+def test_an_altered_npy_gives_a_cube_or_one_sentence(folder, changes):
+    np.save(folder / "a.npy", numbers() / 128)
+    (folder / "a.npy").write_bytes(edited((folder / "a.npy").read_bytes(), changes))
+    assert_cube_or_sentence(folder / "a.npy", wavelengths=(400, 800))
+
+
+# files from the field
+
+
+def real(name):
+    if not (REAL / name).is_file():
+        pytest.skip(f"{REAL / name} is absent (not shipped: local checks only)")
+    return REAL / name
+
+
+def test_samson_is_a_matlab_matrix_of_95_by_95_pixels():
+    path = real("samson_dataset.mat")
+    with pytest.raises(InputError, match=r"holds A 3x9025 .*Y 156x9025"):
+        read_cube(path)
+    cube = read_cube(path, key="Y", shape=(95, 95), wavelengths=(401, 889))
+    assert cube.stored.shape == (95, 95, 156)
+    matrix = scipy.io.loadmat(path)["Y"]
+    np.testing.assert_array_equal(cube.stored[7, 20], matrix[:, 20 * 95 + 7])
+
+
+@pytest.mark.parametrize(
+    ("name", "shape", "ends"),
+    [
+        ("ang20160910t185702_2rdn_img", (25, 30, 425), [376.44, 2500.12]),
+        ("ang20170323t202244_rdn_7000-7010", (10, 10, 425), [376.86, 2500.54]),
+    ],
+)
+def test_aviris_radiance_is_refused_and_read_with_a_scale(name, shape, ends):
+    for path in (real(name), real(f"{name}.hdr")):
+        with pytest.raises(InputError, match="says radiance"):
+            read_cube(path)
+        cube = read_cube(path, scale=0.05)
+        assert cube.stored.shape == shape
+        assert cube.wavelength_nm[[0, -1]].tolist() == ends
+
+
+def test_the_wheat_needs_wavelengths():
+    for path in (real("wheat_grain.hdr"), real("wheat_grain.img")):
+        with pytest.raises(InputError, match="--wavelengths FIRST:LAST"):
+            read_cube(path)
+        cube = read_cube(path, wavelengths=(400, 902.2))
+        assert (cube.stored.shape, cube.stored.dtype) == ((200, 200, 10), np.float64)
+        assert 0 <= cube.stored.min() < cube.stored.max() <= 1
+
+
+def test_the_corn_needs_a_scale_and_says_what_its_header_lacks():
+    for path in (real("corn-kernel-hyperspectral.hdr"), real("corn-kernel-hyperspectral.raw")):
+        with pytest.raises(InputError, match=r"stores integers \(uint16\).*--scale"):
+            read_cube(path)
+        cube = read_cube(path, scale=1e-4)
+        assert (cube.stored.shape, cube.stored.dtype) == ((31, 43, 580), np.uint16)
+        assert sum("lacks" in note for note in cube.notes) == 2

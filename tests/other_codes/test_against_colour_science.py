@@ -1,0 +1,141 @@
+"""colour-science 0.4 as the other code: encodings, adaptation, lamps, charts, XYZ."""
+
+import colour
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from chromanoise.color import adapted_to_d65, srgb_from_xyz
+from chromanoise.scene import Scene, light
+from chromanoise.spectra import (
+    DEFAULT_GRID,
+    Grid,
+    black_body,
+    cie_1931,
+    cie_a,
+    cie_illuminant,
+    color_axes,
+    colorchecker,
+    illuminant_named,
+)
+
+D65 = colour.CCS_ILLUMINANTS["CIE 1931 2 Degree Standard Observer"]["D65"]
+D65_WHITE = np.array([0.95047, 1.0, 1.08883])
+OBSERVER = colour.MSDS_CMFS["CIE 1931 2 Degree Standard Observer"]
+CIE = Grid.uniform(360, 830, 1)
+CIE_SHAPE = colour.SpectralShape(360, 830, 1)
+
+tristimulus = st.lists(st.floats(0.0, 1.2), min_size=3, max_size=3).map(np.array)
+
+
+def xyz_of(reflectance, lamp, grid):
+    """X, Y, Z of reflectances (one per row), Y = 1 for white."""
+    axes = color_axes(grid, "energy")
+    scene = Scene(illuminant=lamp, level_lux=1.0, reflectance=np.vstack([np.ones(grid.n), reflectance]))
+    xyz = light(scene, "energy") @ axes
+    return xyz[1:] / xyz[0, 1]
+
+
+@given(tristimulus)
+def test_srgb_is_encoded_as_colour_science_does(xyz):
+    theirs = colour.XYZ_to_sRGB(xyz, illuminant=D65, chromatic_adaptation_transform=None)
+    # the matrix of IEC 61966-2-1 is printed to 4 digits
+    assert srgb_from_xyz(xyz) == pytest.approx(np.clip(theirs, 0, 1), abs=2e-4)
+
+
+@pytest.mark.parametrize(
+    ("linear", "encoded"), [(0.0, 0.0), (0.0031308, 0.04045), (0.18, 0.46136), (1.0, 1.0)]
+)
+def test_the_gray_axis_of_srgb_follows_iec_61966(linear, encoded):
+    assert srgb_from_xyz(linear * D65_WHITE) == pytest.approx(np.full(3, encoded), abs=3e-4)
+
+
+@pytest.mark.parametrize(
+    ("primary", "rgb"),
+    [
+        ([0.4124, 0.2126, 0.0193], [1, 0, 0]),
+        ([0.3576, 0.7152, 0.1192], [0, 1, 0]),
+        ([0.1805, 0.0722, 0.9505], [0, 0, 1]),
+    ],
+)
+def test_the_primaries_of_srgb_are_those_of_iec_61966(primary, rgb):
+    assert srgb_from_xyz(np.array(primary)) == pytest.approx(rgb, abs=2e-3)
+
+
+@given(tristimulus, st.sampled_from(["A", "D50", "FL2", "FL11", "D75"]))
+def test_bradford_adaptation_is_that_of_colour_science(xyz, lamp):
+    xy = colour.CCS_ILLUMINANTS["CIE 1931 2 Degree Standard Observer"][lamp]
+    white = colour.xy_to_XYZ(xy)
+    theirs = colour.adaptation.chromatic_adaptation_VonKries(
+        xyz, white, D65_WHITE, transform="Bradford"
+    )
+    assert adapted_to_d65(xyz, white) == pytest.approx(theirs, abs=1e-9)
+
+
+@pytest.mark.parametrize("temperature_k", [1500.0, 2856.0, 6500.0, 15_000.0])
+def test_a_black_body_is_that_of_colour_science(temperature_k):
+    grid = Grid.uniform(400, 1050, 10)
+    theirs = colour.sd_blackbody(temperature_k, colour.SpectralShape(400, 1050, 10)).values
+    ours = black_body(grid, temperature_k).irradiance
+    # c2 = 1.4388e-2 m K there (rounded), 1.438776877e-2 here
+    assert ours / ours.sum() == pytest.approx(theirs / theirs.sum(), rel=5e-4)
+
+
+def test_illuminant_a_is_the_table_of_colour_science():
+    theirs = colour.SDS_ILLUMINANTS["A"].copy().align(colour.SpectralShape(400, 780, 5)).values
+    ours = cie_a(Grid.uniform(400, 780, 5)).irradiance
+    assert ours / ours[32] == pytest.approx(theirs / theirs[32], rel=2e-5)
+
+
+@pytest.mark.parametrize("name", ["D65", "FL11", "LED-B3"])
+def test_a_tabulated_lamp_keeps_its_shape(name):
+    grid = Grid.uniform(400, 780, 5)
+    theirs = colour.SDS_ILLUMINANTS[name][grid.wavelength_nm]
+    ours = cie_illuminant(name, grid).irradiance
+    assert ours / ours.sum() == pytest.approx(theirs / theirs.sum(), rel=1e-9)
+
+
+def test_the_observer_is_the_table_of_colour_science():
+    assert cie_1931(CIE).values == pytest.approx(OBSERVER.values, abs=1e-12)
+
+
+@pytest.mark.parametrize("lamp", ["A", "D65"])
+def test_xyz_of_measured_reflectances_are_those_of_colour_science(lamp):
+    chart = colour.SDS_COLOURCHECKERS["BabelColor Average"]
+    illuminant = colour.SDS_ILLUMINANTS[lamp].copy()
+    illuminant = illuminant.interpolate(
+        colour.SpectralShape(int(illuminant.shape.start), int(illuminant.shape.end), 1),
+        interpolator=colour.LinearInterpolator,
+    ).align(CIE_SHAPE, extrapolator_kwargs={"method": "Constant", "left": 0, "right": 0})
+    ours_lamp = illuminant_named(lamp, CIE, beyond="zero")
+    for patch in ("dark skin", "green", "white 9.5 (.05 D)"):
+        sd = chart[patch].copy().align(CIE_SHAPE)
+        theirs = colour.sd_to_XYZ(sd, OBSERVER, illuminant, method="Integration") / 100
+        ours = xyz_of(sd.values, ours_lamp, CIE)[0]
+        assert ours == pytest.approx(theirs, abs=5e-5)
+
+
+def test_the_packaged_chart_is_a_colorchecker_within_a_color_difference_of_3():
+    # SOURCES.toml: mean CIE 1976 difference to the BabelColor average under D65 is 2.7
+    grid = Grid.uniform(400, 700, 10)
+    lamp = cie_illuminant("D65", grid)
+    ours = colorchecker(grid)
+    babel = colour.SDS_COLOURCHECKERS["BabelColor Average"]
+    theirs = np.array([sd[grid.wavelength_nm] for sd in babel.values()])
+    lab = [
+        colour.XYZ_to_Lab(xyz_of(reflectance, lamp, grid), D65)
+        for reflectance in (ours.values.T, theirs)
+    ]
+    difference = colour.difference.delta_E_CIE1976(*lab)
+    assert difference.mean() == pytest.approx(2.7, abs=0.3)
+    assert difference.max() < 8  # each patch is nearer to its own than a neighbour's mistake
+    every_pair = np.linalg.norm(lab[0][:, None] - lab[1][None], axis=-1)
+    chromatic = slice(0, 18)  # reading order: no two patches are exchanged
+    assert list(every_pair.argmin(axis=1)[chromatic]) == list(range(18))
+
+
+def test_the_packaged_chart_names_its_patches_in_the_order_of_colour_science():
+    babel = list(colour.SDS_COLOURCHECKERS["BabelColor Average"])
+    for ours, theirs in zip(colorchecker(DEFAULT_GRID).names[:18], babel, strict=False):
+        assert ours.split()[-1] == theirs.split()[-1]

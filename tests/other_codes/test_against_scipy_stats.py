@@ -1,0 +1,100 @@
+"""scipy.stats as the other code: the distribution that is sampled is Poisson plus normal."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy import stats
+from strategies import pixel_with, raw_of
+
+from chromanoise.geometry import ellipse_outline
+from chromanoise.merit import bound_db
+from chromanoise.noise import monte_carlo, sample_electrons
+from chromanoise.rng import stream
+
+DRAWS = 20_000
+
+
+def drawn(mean_e, noise_e, seed):
+    return sample_electrons(np.full(DRAWS, mean_e), pixel_with(noise_e), stream(seed))
+
+
+@settings(max_examples=15)
+@given(st.floats(0.1, 400.0), st.floats(0.5, 20.0), st.integers(0, 2**32))
+def test_samples_follow_a_poisson_plus_a_normal(mean_e, noise_e, seed):
+    counts = np.arange(int(stats.poisson.ppf(1e-12, mean_e)), int(stats.poisson.isf(1e-12, mean_e)))
+    weights = stats.poisson.pmf(counts, mean_e)
+
+    def cdf(x):
+        return stats.norm.cdf((np.asarray(x)[:, None] - counts) / noise_e) @ weights
+
+    sample = drawn(mean_e, noise_e, seed)[:2000]
+    assert stats.kstest(sample, cdf).pvalue > 1e-6
+
+
+@pytest.mark.parametrize(("mean_e", "noise_e"), [(4.0, 0.0), (4.0, 2.0), (100.0, 5.0)])
+def test_moments_of_the_samples_are_those_of_poisson_plus_normal(mean_e, noise_e):
+    # cumulants add: mean m, variance m + s^2, third m, fourth m
+    sample = drawn(mean_e, noise_e, seed=21)
+    variance = mean_e + noise_e**2
+    k1, k2, k3, k4 = (stats.kstat(sample, n) for n in (1, 2, 3, 4))
+    assert abs(k1 - mean_e) < 5 * np.sqrt(variance / DRAWS)
+    assert abs(k2 - variance) < 5 * np.sqrt((mean_e + 2 * variance**2) / DRAWS)
+    # spread of k3 and k4 of nearly normal samples: sqrt(6), sqrt(24) sigma^n / sqrt(N); the
+    # skewness of 1/2 (mean 4) widens them by less than 2
+    assert abs(k3 - mean_e) < 5 * 2 * np.sqrt(6 * variance**3 / DRAWS)
+    assert abs(k4 - mean_e) < 5 * 2 * np.sqrt(24 * variance**4 / DRAWS)
+
+
+def test_photons_without_read_noise_are_whole_and_poisson():
+    sample = drawn(3.0, 0.0, seed=22)
+    assert (sample == np.round(sample)).all()
+    seen = np.bincount(sample.astype(int), minlength=12)[:12]
+    expected = stats.poisson.pmf(np.arange(12), 3.0) * DRAWS
+    seen, expected = np.append(seen[:11], DRAWS - seen[:11].sum()), expected
+    expected[-1] = DRAWS - expected[:11].sum()
+    assert stats.chisquare(seen, expected).pvalue > 1e-6
+
+
+def test_read_noise_alone_is_normal():
+    sample = drawn(0.0, 7.0, seed=23)
+    assert stats.kstest(sample / 7.0, "norm").pvalue > 1e-6
+
+
+@pytest.mark.parametrize("mean_e", [9_500.0, 9_900.0, 10_050.0])
+def test_the_clipped_share_is_the_tail_above_full_well(mean_e):
+    # skewness moves the tail of the normal by < 5e-4 here; exact: Poisson smoothed by the noise
+    counts = np.arange(9_000, 11_000)
+    weights = stats.poisson.pmf(counts, mean_e)
+    exact = stats.norm.sf((10_000.0 - counts) / 10.0) @ weights
+    held = monte_carlo(np.array([mean_e]), pixel_with(), np.eye(1), draws=DRAWS, seed=24, clip=True)
+    error = np.sqrt(exact * (1 - exact) / DRAWS)
+    assert abs(held.clipped_share[0] - exact) < 5 * error
+
+
+def test_a_two_sigma_ellipse_holds_86_5_percent_of_a_normal_cloud():
+    # chi-square with 2 degrees of freedom: 1 - exp(-2) = 0.8647
+    covariance = np.array([[4.0, 1.5], [1.5, 1.0]])
+    cloud = stats.multivariate_normal([1.0, -2.0], covariance, seed=7).rvs(DRAWS)
+    outline = ellipse_outline(np.array([1.0, -2.0]), covariance, sigmas=2.0, points=361)
+    # winding by angle: a point is inside where the outline is farther out in its direction
+    def polar(points):
+        away = points - np.array([1.0, -2.0])
+        return np.arctan2(away[:, 1], away[:, 0]), np.hypot(away[:, 0], away[:, 1])
+
+    angle, radius = polar(outline)
+    order = np.argsort(angle)
+    at, far = polar(cloud)
+    inside = far < np.interp(at, angle[order], radius[order], period=2 * np.pi)
+    assert inside.mean() == pytest.approx(0.8647, abs=5 * np.sqrt(0.8647 * 0.1353 / DRAWS))
+
+
+def test_the_bound_is_the_mahalanobis_distance_of_the_signal_from_darkness():
+    from scipy.spatial.distance import mahalanobis
+
+    mean = np.array([100.0, 40.0, 250.0])
+    covariance = np.array([[110.0, 5.0, -3.0], [5.0, 60.0, 8.0], [-3.0, 8.0, 300.0]])
+    distance = mahalanobis(mean, np.zeros(3), np.linalg.inv(covariance))
+    assert 10 ** (float(bound_db(raw_of(mean, covariance))) / 20) == pytest.approx(
+        distance, rel=1e-9
+    )

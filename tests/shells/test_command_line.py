@@ -1,0 +1,279 @@
+"""The commands: what they write is what the library says, and bad input is one sentence."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+import tifffile
+from PIL import Image
+
+from chromanoise.cli import main
+from chromanoise.exposure import Exposure, expected_electrons
+from chromanoise.scene import flat_field
+from chromanoise.sensor import sensor_named
+from chromanoise.spectra import DEFAULT_GRID, equal_energy
+from chromanoise.study import analyzed
+
+
+@pytest.fixture
+def run(capsys):
+    """Run the command line; give back (exit code, standard output, standard error)."""
+
+    def call(*arguments):
+        with pytest.raises(SystemExit) as stop:
+            main([str(argument) for argument in arguments])
+        told = capsys.readouterr()
+        return stop.value.code, told.out, told.err
+
+    return call
+
+
+@pytest.fixture
+def curve_file(tmp_path):
+    """Write a two-channel QE table; keyword arguments replace single cells."""
+
+    def write(name="mine.csv", start=400, stop=1050, replace=None):
+        rows = ["wavelength_nm,R,G"]
+        for wavelength in range(start, stop + 1, 10):
+            red = 0.5 if wavelength > 580 else 0.05
+            green = 0.4 if 490 < wavelength < 590 else 0.1
+            rows.append(f"{wavelength},{red},{green}")
+        text = "\n".join(rows)
+        for old, new in (replace or {}).items():
+            assert old in text
+            text = text.replace(old, new)
+        path = tmp_path / name
+        path.write_text(text)
+        return path
+
+    return write
+
+
+def refused(outcome, *parts):
+    code, out, err = outcome
+    assert code == 2
+    assert out == ""
+    assert err.startswith("chromanoise: ")
+    assert err.count("\n") == 1
+    assert "Traceback" not in err
+    for part in parts:
+        assert part in err
+
+
+def test_json_of_analyze_has_the_digits_of_the_library(run):
+    code, out, _ = run("analyze", "onyx-rgbw", "--time-ms", 12, "--json", "-")
+    told = json.loads(out)["sensors"][0]
+    scene = flat_field(equal_energy(DEFAULT_GRID), level_lux=10.0)
+    sensor = sensor_named("onyx-rgbw", DEFAULT_GRID)
+    ours = analyzed(scene, sensor, Exposure(time_s=0.012))
+    assert code == 0
+    assert [c["mean_e"] for c in told["channels"]] == ours.raw.mean.tolist()
+    assert told["matrix"] == ours.matrix.matrix.tolist()
+    assert told["bound_db"] == ours.bound_db
+    assert told["price_db"] == pytest.approx(ours.bound_db - told["color"]["snr_db"]["Y"])
+
+
+def test_json_of_analyze_holds_what_it_promises(run):
+    _, out, _ = run("analyze", "onyx-rgbw", "onyx-rgb-ircut", "--json", "-")
+    for sensor in json.loads(out)["sensors"]:
+        assert {"name", "channels", "color", "bound_db", "price_db", "condition", "matrix"} <= set(
+            sensor
+        )
+        assert set(sensor["color"]["snr_db"]) == {"X", "Y", "Z"}
+        for channel in sensor["channels"]:
+            assert {
+                "name",
+                "mean_e",
+                "snr_db",
+                "contravariant_snr_db",
+                "vif",
+                "saturated",
+            } <= set(channel)
+
+
+def test_default_time_brings_the_most_sensitive_channel_to_99_percent_of_full_well(run):
+    _, out, _ = run("analyze", "onyx-rgb-ircut", "--json", "-")
+    means = [c["mean_e"] for c in json.loads(out)["sensors"][0]["channels"]]
+    assert max(means) == pytest.approx(9900, rel=1e-12)
+
+
+def test_a_saturated_channel_says_so_and_has_no_snr(run):
+    code, out, _ = run("analyze", "onyx-rgbw", "--lux", 1000, "--time-ms", 12, "--json", "-")
+    sensor = json.loads(out)["sensors"][0]
+    assert code == 0
+    for channel in sensor["channels"]:
+        assert channel["saturated"] is True
+        assert channel["snr_db"] is None
+    assert sensor["color"]["snr_db"]["Y"] is None
+    assert any("saturated" in note for note in sensor["notes"])
+    _, out, _ = run("analyze", "onyx-rgbw", "--lux", 1000, "--time-ms", 12)
+    assert "saturated" in out
+
+
+def test_a_sensor_file_gives_its_own_channels_and_the_pixel_that_is_asked_for(run, curve_file):
+    path = curve_file()
+    _, small, _ = run("analyze", path, "--time-ms", 1, "--pitch-um", 5, "--json", "-")
+    _, large, _ = run("analyze", path, "--time-ms", 1, "--pitch-um", 10, "--json", "-")
+    electrons = [
+        np.array([c["mean_e"] for c in json.loads(text)["sensors"][0]["channels"]])
+        for text in (small, large)
+    ]
+    np.testing.assert_allclose(electrons[1] / electrons[0], 4.0, rtol=1e-12)
+    assert any("stands in" in note for note in json.loads(small)["sensors"][0]["notes"])
+
+
+def test_a_channel_that_repeats_another_is_an_answer_with_a_diagnosis(run, tmp_path):
+    rows = [
+        f"{w},{0.3 if w < 600 else 0.1},{0.3 if w < 600 else 0.1}" for w in range(400, 1051, 50)
+    ]
+    path = tmp_path / "twins.csv"
+    path.write_text("wavelength_nm,A,B\n" + "\n".join(rows))
+    code, out, _ = run("analyze", path, "--json", "-")
+    sensor = json.loads(out)["sensors"][0]
+    assert code == 0
+    assert sensor["rank"] == 1
+    assert sensor["condition"] is None
+    assert [c["vif"] for c in sensor["channels"]] == [None, None]
+    assert [c["contravariant_snr_db"] for c in sensor["channels"]] == [None, None]
+    assert any("singular" in note for note in sensor["notes"])
+
+
+def test_reproduce_writes_the_same_json_for_the_same_seed(run, tmp_path):
+    files = [tmp_path / "a.json", tmp_path / "b.json"]
+    for path in files:
+        assert run("reproduce", "--draws", 500, "--seed", 3, "--json", path)[0] == 0
+    assert files[0].read_bytes() == files[1].read_bytes()
+    told = json.loads(files[0].read_text())
+    assert {"version", "seed", "metric", "tables", "times_ms"} <= set(told)
+    assert {cell["table"] for cell in told["tables"]} == {2, 3, 4, 5}
+
+
+def test_simulate_writes_picture_tiff_and_summary_that_belong_together(run, tmp_path):
+    code, out, _ = run(
+        "simulate", "builtin:checker", "--sensor", "onyx-rgb-ircut", "-o", tmp_path / "o"
+    )
+    assert code == 0
+    assert "onyx-rgb-ircut.png" in out
+    xyz = tifffile.imread(tmp_path / "o" / "onyx-rgb-ircut.xyz.tiff")
+    with Image.open(tmp_path / "o" / "onyx-rgb-ircut.png") as picture:
+        assert picture.size == (xyz.shape[1], xyz.shape[0])
+    assert xyz.dtype == np.float32
+    assert xyz.shape[2] == 3
+    summary = json.loads((tmp_path / "o" / "summary.json").read_text())
+    assert summary["pictures"][0]["sensor"] == "onyx-rgb-ircut"
+    assert any("reconstruction" in note for note in summary["pictures"][0]["notes"])
+
+
+def test_the_same_seed_gives_the_same_files_and_another_seed_does_not(run, tmp_path):
+    for folder, seed in (("a", 1), ("b", 1), ("c", 2)):
+        run(
+            "simulate", "builtin:checker", "--sensor", "onyx-rgbw", "--seed", seed,
+            "-o", tmp_path / folder,
+        )  # fmt: skip
+    names = sorted(path.name for path in (tmp_path / "a").iterdir())
+    assert names == ["onyx-rgbw.png", "onyx-rgbw.xyz.tiff", "summary.json"]
+    for name in names[:2]:
+        first, second, other = ((tmp_path / f / name).read_bytes() for f in "abc")
+        assert first == second
+        assert first != other
+
+
+def test_unknown_names_tell_the_nearest_ones(run):
+    refused(run("analyze", "onyx-rbgw"), "onyx-rbgw", "onyx-rgbw")
+    refused(run("analyse", "onyx-rgbw"), "analyze")
+    refused(run("analyze", "onyx-rgbw", "--illuminant", "D66"), "D66", "D65")
+    refused(run("simulate", "builtin:chequer", "--sensor", "onyx-rgbw"), "builtin:checker")
+
+
+@pytest.mark.parametrize(
+    ("option", "value", "named"),
+    [
+        ("--lux", 0, "lux"),
+        ("--lux", -3, "lux"),
+        ("--lux", "nan", "lux"),
+        ("--time-ms", 0, "time"),
+        ("--time-ms", -1, "time"),
+        ("--f-number", 0, "f_number"),
+        ("--f-number", "inf", "f_number"),
+        ("--saturate", 0, "full well"),
+        ("--saturate", 99, "full well"),
+        ("--pitch-um", 0, "pitch_um"),
+        ("--full-well-e", -5, "full_well_e"),
+        ("--read-noise-e", -1, "read_noise_e"),
+    ],
+)
+def test_impossible_settings_are_refused_by_name_and_value(run, option, value, named):
+    refused(run("analyze", "onyx-rgbw", option, value), named, str(value))
+
+
+def test_time_and_saturation_exclude_each_other(run):
+    refused(run("analyze", "onyx-rgbw", "--time-ms", 1, "--saturate", 0.5), "exclude")
+
+
+def test_a_qe_above_one_names_file_column_wavelength_and_value(run, curve_file):
+    path = curve_file(replace={"500,0.05,0.4": "500,0.05,40"})
+    refused(run("analyze", path), path.name, "column G", "500 nm", "40", "percent")
+
+
+def test_a_negative_qe_names_file_column_wavelength_and_value(run, curve_file):
+    path = curve_file(replace={"450,0.05,0.1": "450,-0.05,0.1"})
+    refused(run("analyze", path), path.name, "column R", "450 nm", "-0.05")
+
+
+def test_a_nan_names_line_and_column(run, curve_file):
+    path = curve_file(replace={"420,0.05,0.1": "420,nan,0.1"})
+    refused(run("analyze", path), path.name, "line 4", "column R", "nan")
+
+
+def test_a_curve_that_ends_short_is_refused_until_told_what_follows(run, curve_file):
+    path = curve_file(stop=700)
+    refused(run("analyze", path), path.name, "400-700 nm", "705 nm", "beyond")
+    code, out, _ = run("analyze", path, "--beyond", "zero", "--json", "-")
+    assert code == 0
+    assert any("zero beyond 400-700 nm" in n for n in json.loads(out)["sensors"][0]["notes"])
+
+
+def test_disjoint_wavelengths_are_refused(run, tmp_path):
+    path = tmp_path / "um.csv"
+    path.write_text("wavelength_nm,R\n0.4,0.1\n0.7,0.5\n1.05,0.1\n")
+    refused(run("analyze", path, "--beyond", "zero"), "um.csv", "0.4-1.05 nm", "in nm?")
+
+
+def test_missing_and_binary_files_are_refused(run, tmp_path):
+    refused(run("analyze", tmp_path / "nowhere.csv"), "nowhere.csv", "No such file")
+    (tmp_path / "binary.csv").write_bytes(bytes(range(256)))
+    refused(run("analyze", tmp_path / "binary.csv"), "binary.csv", "UTF-8")
+
+
+def test_nothing_is_left_behind_when_a_run_is_refused(run, tmp_path):
+    cube = tmp_path / "cube.npz"
+    rho = np.full((4, 4, 14), 0.5)
+    rho[2, 1, 3] = np.nan
+    np.savez(cube, wavelength_nm=np.linspace(400, 1050, 14), reflectance=rho)
+    before = set(tmp_path.iterdir())
+    outcome = run("simulate", cube, "--sensor", "onyx-rgbw", "-o", tmp_path / "out")
+    refused(outcome, "cube.npz", "nan", "row 2", "column 1", "550 nm")
+    assert set(tmp_path.iterdir()) == before
+
+
+def test_an_output_folder_that_is_a_file_is_refused(run, tmp_path):
+    taken = tmp_path / "taken"
+    taken.write_text("mine")
+    refused(
+        run("simulate", "builtin:checker", "--sensor", "onyx-rgbw", "-o", taken), "existing file"
+    )
+    assert taken.read_text() == "mine"
+
+
+def test_demo_writes_one_page_that_needs_nothing_from_elsewhere(run, tmp_path):
+    code, out, _ = run("demo", "--out", tmp_path / "demo")
+    assert code == 0
+    assert "dB worse in luminance" in out
+    page = (tmp_path / "demo" / "index.html").read_text(encoding="utf-8")
+    assert "dB worse in luminance" in page
+    assert "reconstruction" in page
+    outside = [part for part in ('src="http', 'href="http', "url(http", "@import") if part in page]
+    assert outside == []
+    names = {path.stem for path in Path(tmp_path / "demo").glob("figure-*.svg")}
+    assert len(names) == 10

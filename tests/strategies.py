@@ -1,0 +1,71 @@
+"""Sensors, lights and mixes for hypothesis, and the few nouns that many tests build."""
+
+import numpy as np
+from hypothesis import strategies as st
+
+from chromanoise.exposure import Exposure
+from chromanoise.noise import Measurement
+from chromanoise.sensor import Pixel, Sensor
+from chromanoise.spectra import Grid
+
+GRID = Grid.uniform(400, 700, 10)
+PIXEL = Pixel(pitch_um=10.0, full_well_e=10_000.0, read_noise_e=10.0)
+EXPOSURE = Exposure(time_s=0.01, f_number=1.8)
+CHANNELS = ("a", "b", "c", "d")
+
+
+def bell_qe(centers_nm, widths_nm, peaks):
+    """One bell-shaped column per center, on GRID."""
+    at = GRID.wavelength_nm[:, None]
+    return np.array(peaks) * np.exp(-0.5 * ((at - np.array(centers_nm)) / np.array(widths_nm)) ** 2)
+
+
+def sensor_of(qe, *, grid=GRID, pixel=PIXEL, name="toy", names=None, **more):
+    return Sensor(
+        name=name, grid=grid, qe=qe, names=names or CHANNELS[: qe.shape[1]], pixel=pixel, **more
+    )
+
+
+def white_channel(qe=0.5, *, grid=GRID, pixel=PIXEL):
+    """One channel that answers alike everywhere."""
+    return sensor_of(np.full((grid.n, 1), qe), grid=grid, pixel=pixel, names=("W",))
+
+
+def raw_of(mean, covariance, names=None):
+    mean = np.asarray(mean, dtype=float)
+    names = names or tuple(f"c{i}" for i in range(mean.shape[-1]))
+    return Measurement(
+        mean=mean, covariance=np.asarray(covariance, dtype=float), names=names, kind="raw", unit="e-"
+    )
+
+
+def pixel_with(read_noise_e=10.0, full_well_e=10_000.0):
+    return Pixel(pitch_um=10.0, full_well_e=full_well_e, read_noise_e=read_noise_e)
+
+
+@st.composite
+def sensors(draw, min_channels=1, max_channels=4):
+    """Bells at least 40 nm apart: overlapping, never a mix of each other."""
+    p = draw(st.integers(min_channels, max_channels))
+    gaps = [draw(st.floats(40.0, 75.0)) for _ in range(p)]
+    widths = [draw(st.floats(15.0, 45.0)) for _ in range(p)]
+    peaks = [draw(st.floats(0.1, 0.95)) for _ in range(p)]
+    read_noise = draw(st.floats(0.0, 50.0))
+    return sensor_of(
+        bell_qe(380.0 + np.cumsum(gaps), widths, peaks), pixel=pixel_with(read_noise)
+    )
+
+
+def reflectances(n=GRID.n):
+    """Any matte thing, black included."""
+    return st.lists(st.floats(0.0, 1.0), min_size=n, max_size=n).map(np.array)
+
+
+@st.composite
+def mixes(draw, p):
+    """An invertible p x p matrix, negative entries and exchanged rows included."""
+    entries = st.floats(-1.0, 1.0)
+    strong = np.array([[draw(entries) for _ in range(p)] for _ in range(p)]) / p
+    order = draw(st.permutations(range(p)))
+    scales = np.array([draw(st.floats(0.2, 5.0)) for _ in range(p)])
+    return scales[:, None] * (strong + 2.0 * np.eye(p))[list(order)]

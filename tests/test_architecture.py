@@ -1,0 +1,44 @@
+"""The house as DESIGN says: folders in the order of the light, nothing heavy at the door."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+PACKAGE = Path(__file__).parents[1] / "src" / "chromanoise"
+
+
+def imported_by(statement: str) -> set[str]:
+    script = f"import sys\n{statement}\nprint('\\n'.join(sys.modules))"
+    done = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, check=True
+    )
+    return set(done.stdout.split())
+
+
+def test_importing_the_package_imports_nothing_heavy():
+    heavy = {"numpy", "scipy", "colour", "matplotlib", "rich", "click", "jinja2"}
+    assert not heavy & imported_by("import chromanoise")
+
+
+def test_help_does_not_pay_for_the_color_library_nor_for_drawing():
+    heavy = {"colour", "matplotlib", "scipy", "rich", "chromanoise.spectra"}
+    assert not heavy & imported_by("import chromanoise.cli")
+
+
+def test_the_stages_before_the_shells_do_not_import_the_color_library_until_it_is_used():
+    assert "colour" not in imported_by("import chromanoise.study, chromanoise.imaging")
+
+
+def test_every_folder_is_named_in_the_map_of_the_package():
+    import chromanoise
+
+    folders = {p.parent.name for p in PACKAGE.glob("*/__init__.py")}
+    named = {folder for folder in folders if f"``{folder}``" in (chromanoise.__doc__ or "")}
+    assert named == folders
+
+
+@pytest.mark.parametrize("path", sorted(PACKAGE.rglob("*.py")), ids=lambda p: p.stem)
+def test_no_file_tells_two_stories(path):
+    assert len(path.read_text(encoding="utf-8").splitlines()) <= 400
