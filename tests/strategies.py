@@ -35,7 +35,11 @@ def raw_of(mean, covariance, names=None):
     mean = np.asarray(mean, dtype=float)
     names = names or tuple(f"c{i}" for i in range(mean.shape[-1]))
     return Measurement(
-        mean=mean, covariance=np.asarray(covariance, dtype=float), names=names, kind="raw", unit="e-"
+        mean=mean,
+        covariance=np.asarray(covariance, dtype=float),
+        names=names,
+        kind="raw",
+        unit="e-",
     )
 
 
@@ -51,9 +55,7 @@ def sensors(draw, min_channels=1, max_channels=4):
     widths = [draw(st.floats(15.0, 45.0)) for _ in range(p)]
     peaks = [draw(st.floats(0.1, 0.95)) for _ in range(p)]
     read_noise = draw(st.floats(0.0, 50.0))
-    return sensor_of(
-        bell_qe(380.0 + np.cumsum(gaps), widths, peaks), pixel=pixel_with(read_noise)
-    )
+    return sensor_of(bell_qe(380.0 + np.cumsum(gaps), widths, peaks), pixel=pixel_with(read_noise))
 
 
 def reflectances(n=GRID.n):

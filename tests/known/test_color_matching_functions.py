@@ -34,4 +34,4 @@ def test_a_lumen_at_555_nm_costs_a_683rd_of_a_watt_and_4_1e15_photons():
     lux_per_watt = color_axes(CIE, "energy")[at, 1]
     lux_per_photon = color_axes(CIE, "quanta")[at, 1]  # of photons s-1 um-2 nm-1
     assert lux_per_watt == pytest.approx(683.002, rel=1e-6)
-    assert lux_per_photon / 1e12 == pytest.approx(683.002 * 3.5792e-19 , rel=2e-5)
+    assert lux_per_photon / 1e12 == pytest.approx(683.002 * 3.5792e-19, rel=2e-5)

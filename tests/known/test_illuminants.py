@@ -18,6 +18,7 @@ from chromanoise.spectra import (
     color_axes,
     equal_energy,
     illuminant_named,
+    led,
 )
 from chromanoise.spectra.tables import packaged_table
 
@@ -83,6 +84,16 @@ def test_every_illuminant_gives_one_lux(name):
     drawn = illuminant_named(name, CIE, beyond="zero")
     y_bar = cie_1931(CIE).values[:, 1]
     assert 683.002 * (y_bar * drawn.irradiance).sum() == pytest.approx(1.0, rel=1e-9)
+
+
+def test_a_diode_by_ohnos_model_is_0_92_of_its_width_at_half_maximum():
+    # (g + 2 g^5) / 3 = 1/2 at g = 0.8087, where |l - peak| = 0.4608 widths
+    # (Ohno, Opt. Eng. 44 (2005) 111302, eq. 1)
+    grid = Grid.uniform(450, 550, 0.1)
+    power = led(grid, 500.0, 20.0).irradiance
+    above = grid.wavelength_nm[power >= power.max() / 2]
+    assert above[-1] - above[0] == pytest.approx(2 * 0.4608 * 20, abs=0.11)
+    assert above.mean() == pytest.approx(500.0, abs=0.05)
 
 
 def sun():

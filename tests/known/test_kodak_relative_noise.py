@@ -9,9 +9,9 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from strategies import raw_of
 
 from chromanoise.noise import through
+from strategies import raw_of
 
 REC_709 = np.array([[0.2126, 0.7152, 0.0722]])
 BRIGHTEST = 1.0390

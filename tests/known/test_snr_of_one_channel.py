@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
-from strategies import pixel_with, raw_of
 
 from chromanoise.merit import bound_db, snr_db
 from chromanoise.noise import monte_carlo, raw_covariance
+from strategies import pixel_with, raw_of
 
 
 def raw(mean_e, read_noise_e=10.0):

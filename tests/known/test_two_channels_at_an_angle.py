@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from strategies import raw_of
 
 from chromanoise.geometry import (
     angles_between_deg,
@@ -13,6 +12,7 @@ from chromanoise.geometry import (
     variance_inflation,
 )
 from chromanoise.merit import snr_db
+from strategies import raw_of
 
 RAW_DB = 40.0
 

@@ -5,9 +5,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
-from strategies import raw_of
 
 from chromanoise.noise import raw_covariance, through
+from strategies import raw_of
 
 entries = st.floats(-10.0, 10.0)
 electrons = st.floats(0.0, 1e5)

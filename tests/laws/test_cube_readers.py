@@ -133,12 +133,19 @@ def test_the_header_that_bears_the_whole_name_of_the_data_goes_first(tmp_path):
 
 def test_comments_unknown_keys_windows_lines_and_latin_1_do_not_matter(tmp_path):
     extra = (
-        b"; a comment with { and = in it\r\n"
+        b"; bands = {a comment\r\n"
         b"sensor = { spread\r\n over \xb5 lines,\r\n; with a comment }\r\n and more }\r\n"
         b"no equals sign here\r\n= no key\r\nmap info = {UTM, 1}\r\n"
     )
-    path = write_envi(tmp_path, newline="\r\n", extra=extra)
+    listed = "{400,\r\n; 425, left out }\r\n450, 500, 600, 700}"
+    path = write_envi(tmp_path, newline="\r\n", extra=extra, wavelength=listed)
     assert_holds(read_cube(path), numbers())
+    assert read_cube(path).wavelength_nm.tolist() == list(NM)
+
+
+@pytest.mark.parametrize("newline", ["\n", "\r\n", "\r"])
+def test_lines_may_end_as_on_any_machine(tmp_path, newline):
+    assert_holds(read_cube(write_envi(tmp_path, newline=newline)), numbers())
 
 
 def test_keys_are_known_in_any_case_and_spacing(tmp_path):
@@ -310,6 +317,7 @@ ENVI_FAULTS = [
     ({"drop": ("header offset",), "extra": b"header offset = -4"}, "whole number >= 0.*'-4'"),
     ({"samples": 0}, "'samples' must be at least 1"),
     ({"lines": -3}, "'lines' must be a whole number >= 0, but is '-3'"),
+    ({"bands": "9" * 5000}, "'bands' must be a whole number >= 0, but is '9{40}'"),
     ({"bands": "5.5"}, "'bands' must be a whole number >= 0, but is '5.5'"),
     ({"lines": 4}, r"truncated: it holds 240 bytes, but .* describes 320 bytes"),
     ({"samples": 10**17, "lines": 10**17}, "truncated"),
@@ -508,12 +516,15 @@ def test_named_integers_need_a_scale(tmp_path, write, name):
 
 
 @pytest.mark.parametrize("order", ["<", ">"])
-def test_whole_numbers_that_matlab_packs_as_bytes_are_still_real_numbers(tmp_path, order):
-    body = numbers().transpose(2, 1, 0).astype("u1").tobytes()  # MATLAB's order: rows run fastest
+@pytest.mark.parametrize(("code", "packed"), [(2, "u1"), (3, "i2"), (9, "f8")])
+def test_whole_numbers_that_matlab_packs_small_are_still_real_numbers(
+    tmp_path, order, code, packed
+):
+    body = numbers().transpose(2, 1, 0).astype(order + packed).tobytes()  # rows run fastest
     name = struct.pack(order + "II", 1, 11) + b"reflectance" + bytes(5)
     dims = struct.pack(order + "II3i4x", 5, 12, *numbers().shape)
     flags = struct.pack(order + "IIII", 6, 8, 6, 0)  # class double
-    data = struct.pack(order + "II", 2, len(body)) + body + bytes(-len(body) % 8)  # stored as uint8
+    data = struct.pack(order + "II", code, len(body)) + body + bytes(-len(body) % 8)
     matrix = flags + dims + name + data
     version = struct.pack(order + "HH", 0x100, 0x4D49)  # the letters MI, in this byte order
     matrix = struct.pack(order + "II", 14, len(matrix)) + matrix
@@ -546,6 +557,39 @@ def test_a_data_type_that_matlab_has_not_does_not_end_the_process(tmp_path, code
     struct.pack_into("<I", content, DATA_TYPE_AT, code)
     path.write_bytes(content)
     with pytest.raises(InputError, match="numbers of array 'V' do not fit its shape"):
+        read_cube(path, key="V", wavelengths=(400, 800))
+
+
+def test_a_matlab_shape_that_does_not_fit_the_numbers_is_refused(tmp_path):
+    path = write_mat(tmp_path / "a.mat", compressed=False, V=np.ones((2, 2, 3)))
+    for rows in (1, 3, -2, 2**31 - 1):
+        content = bytearray(path.read_bytes())
+        struct.pack_into("<i", content, 128 + 8 + 16 + 8, rows)
+        path.write_bytes(content)
+        with pytest.raises(InputError, match="do not fit its shape|cannot hold"):
+            read_cube(path, key="V", wavelengths=(400, 800))
+
+
+def test_a_compressed_matlab_array_without_its_checksum_is_refused(tmp_path):
+    path = write_mat(tmp_path / "a.mat", V=np.ones((2, 2, 3)))
+    content = bytearray(path.read_bytes()[:-4])
+    struct.pack_into("<I", content, 128 + 4, len(content) - 128 - 8)
+    path.write_bytes(content)
+    with pytest.raises(InputError, match="does not end where it should"):
+        read_cube(path, key="V", wavelengths=(400, 800))
+
+
+def test_a_matlab_array_that_stands_twice_is_refused(tmp_path):
+    path = write_mat(tmp_path / "a.mat", V=np.ones((2, 2, 3)))
+    path.write_bytes(path.read_bytes() + path.read_bytes()[128:])
+    with pytest.raises(InputError, match="'V' stands twice"):
+        read_cube(path, key="V", wavelengths=(400, 800))
+
+
+def test_a_matlab_array_that_reaches_beyond_the_file_is_refused(tmp_path):
+    path = write_mat(tmp_path / "a.mat", compressed=False, V=np.ones((2, 2, 3)), x=1.0)
+    path.write_bytes(path.read_bytes()[:-8])
+    with pytest.raises(InputError, match="byte 288 begins no array within the file's 344 bytes"):
         read_cube(path, key="V", wavelengths=(400, 800))
 
 
@@ -681,7 +725,9 @@ def test_matlab_7_3_is_refused_with_its_cure(tmp_path):
         file["reflectance"] = np.ones((2, 2, 2))
     with h5py.File(tmp_path / "block.mat", "w", userblock_size=512) as file:
         file["reflectance"] = np.ones((2, 2, 2))
-    for name in ("plain.mat", "block.mat"):
+    start = b"MATLAB 7.3 MAT-file".ljust(124) + b"\x00\x02IM"
+    (tmp_path / "cut.mat").write_bytes(start + bytes(100))
+    for name in ("plain.mat", "block.mat", "cut.mat"):
         with pytest.raises(InputError, match=r"MATLAB 7.3 .*-v7"):
             read_cube(tmp_path / name)
 

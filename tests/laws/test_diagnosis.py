@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from strategies import bell_qe, sensor_of, white_channel
 
 from chromanoise.exposure import Exposure, saturating_exposure
 from chromanoise.scene import flat_field
@@ -14,6 +13,7 @@ from chromanoise.study import (
     diagnosis,
     raw_snr_db,
 )
+from strategies import bell_qe, sensor_of, white_channel
 
 GRID = Grid.uniform(400, 700, 10)
 SCENE = flat_field(equal_energy(GRID), level_lux=10.0)

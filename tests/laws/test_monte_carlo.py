@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from strategies import EXPOSURE, GRID, bell_qe, pixel_with, raw_of, sensor_of
 
 from chromanoise.color import colored, kernel_matrix
 from chromanoise.exposure import expected_electrons
@@ -19,6 +18,7 @@ from chromanoise.noise import (
 from chromanoise.rng import stream
 from chromanoise.scene import flat_field
 from chromanoise.spectra import equal_energy
+from strategies import EXPOSURE, GRID, bell_qe, pixel_with, raw_of, sensor_of
 
 means = st.lists(st.floats(1.0, 5e4), min_size=3, max_size=3).map(np.array)
 seeds = st.integers(0, 2**32)

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from strategies import GRID, bell_qe, pixel_with, sensor_of
 
 import chromanoise.imaging.render as render_module
 from chromanoise.color import adapted_to_d65, colored, kernel_matrix, srgb_from_xyz
@@ -14,6 +13,7 @@ from chromanoise.merit import snr_db
 from chromanoise.noise import with_noise
 from chromanoise.scene import BUILTIN_CUBES, Cube, builtin_cube, flat_cube, flat_field
 from chromanoise.spectra import cie_a
+from strategies import GRID, bell_qe, pixel_with, sensor_of
 
 LAMP = cie_a(GRID)
 RGB = bell_qe([450, 540, 610], [30, 45, 40], [0.6, 0.7, 0.6])

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from strategies import EXPOSURE, GRID, bell_qe, mixes, raw_of, reflectances, sensor_of, sensors
 
 from chromanoise.color import colored, kernel_matrix
 from chromanoise.exposure import expected_electrons, measurement_vectors
@@ -21,6 +20,7 @@ from chromanoise.merit import snr_db
 from chromanoise.noise import through, with_noise
 from chromanoise.scene import Scene, light
 from chromanoise.spectra import METRICS, color_axes, equal_energy
+from strategies import EXPOSURE, GRID, bell_qe, mixes, raw_of, reflectances, sensor_of, sensors
 
 metrics = st.sampled_from(METRICS)
 

@@ -5,7 +5,6 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
-from strategies import GRID, bell_qe, pixel_with, raw_of, sensor_of, sensors
 
 from chromanoise.color import colored, kernel_matrix
 from chromanoise.exposure import Exposure, expected_electrons
@@ -13,6 +12,7 @@ from chromanoise.merit import bound_db, price_db, snr_db
 from chromanoise.noise import raw_covariance, through, with_noise
 from chromanoise.scene import flat_field
 from chromanoise.spectra import METRICS, equal_energy
+from strategies import GRID, bell_qe, pixel_with, raw_of, sensor_of, sensors
 
 metrics = st.sampled_from(METRICS)
 electrons = st.floats(1.0, 1e6)

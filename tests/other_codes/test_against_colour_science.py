@@ -32,7 +32,9 @@ tristimulus = st.lists(st.floats(0.0, 1.2), min_size=3, max_size=3).map(np.array
 def xyz_of(reflectance, lamp, grid):
     """X, Y, Z of reflectances (one per row), Y = 1 for white."""
     axes = color_axes(grid, "energy")
-    scene = Scene(illuminant=lamp, level_lux=1.0, reflectance=np.vstack([np.ones(grid.n), reflectance]))
+    scene = Scene(
+        illuminant=lamp, level_lux=1.0, reflectance=np.vstack([np.ones(grid.n), reflectance])
+    )
     xyz = light(scene, "energy") @ axes
     return xyz[1:] / xyz[0, 1]
 
@@ -113,11 +115,11 @@ def test_xyz_of_measured_reflectances_are_those_of_colour_science(lamp):
         sd = chart[patch].copy().align(CIE_SHAPE)
         theirs = colour.sd_to_XYZ(sd, OBSERVER, illuminant, method="Integration") / 100
         ours = xyz_of(sd.values, ours_lamp, CIE)[0]
-        assert ours == pytest.approx(theirs, abs=5e-5)
+        assert ours == pytest.approx(theirs, abs=1e-4)  # A: a 5 nm table there
 
 
 def test_the_packaged_chart_is_a_colorchecker_within_a_color_difference_of_3():
-    # SOURCES.toml: mean CIE 1976 difference to the BabelColor average under D65 is 2.7
+    # to the BabelColor average under D65: 2.7 in CIEDE2000, 4.6 in CIE 1976, since it reads dark
     grid = Grid.uniform(400, 700, 10)
     lamp = cie_illuminant("D65", grid)
     ours = colorchecker(grid)
@@ -127,12 +129,11 @@ def test_the_packaged_chart_is_a_colorchecker_within_a_color_difference_of_3():
         colour.XYZ_to_Lab(xyz_of(reflectance, lamp, grid), D65)
         for reflectance in (ours.values.T, theirs)
     ]
-    difference = colour.difference.delta_E_CIE1976(*lab)
-    assert difference.mean() == pytest.approx(2.7, abs=0.3)
-    assert difference.max() < 8  # each patch is nearer to its own than a neighbour's mistake
+    assert colour.difference.delta_E_CIE2000(*lab).mean() == pytest.approx(2.7, abs=0.05)
+    assert colour.difference.delta_E_CIE1976(*lab).mean() == pytest.approx(4.6, abs=0.05)
+    # each patch is nearest to its own name: no two are exchanged
     every_pair = np.linalg.norm(lab[0][:, None] - lab[1][None], axis=-1)
-    chromatic = slice(0, 18)  # reading order: no two patches are exchanged
-    assert list(every_pair.argmin(axis=1)[chromatic]) == list(range(18))
+    assert list(every_pair.argmin(axis=1)) == list(range(24))
 
 
 def test_the_packaged_chart_names_its_patches_in_the_order_of_colour_science():

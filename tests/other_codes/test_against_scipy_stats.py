@@ -5,12 +5,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import stats
-from strategies import pixel_with, raw_of
 
 from chromanoise.geometry import ellipse_outline
 from chromanoise.merit import bound_db
 from chromanoise.noise import monte_carlo, sample_electrons
 from chromanoise.rng import stream
+from strategies import pixel_with, raw_of
 
 DRAWS = 20_000
 
@@ -77,6 +77,7 @@ def test_a_two_sigma_ellipse_holds_86_5_percent_of_a_normal_cloud():
     covariance = np.array([[4.0, 1.5], [1.5, 1.0]])
     cloud = stats.multivariate_normal([1.0, -2.0], covariance, seed=7).rvs(DRAWS)
     outline = ellipse_outline(np.array([1.0, -2.0]), covariance, sigmas=2.0, points=361)
+
     # winding by angle: a point is inside where the outline is farther out in its direction
     def polar(points):
         away = points - np.array([1.0, -2.0])

@@ -29,7 +29,8 @@ def demo(out: Path) -> None:
     result = reproduced(paper_study())
     tables.print_reproduction(result)
     pictures = paper_pictures(result.study)
-    figures = paper_figures(result.study, pictures)
+    first, second = (picture.srgb / 255.0 for picture in pictures)
+    figures = paper_figures(result.study, (first, second))
     with whole_folder(out) as folder:
         write_figures(figures, folder)
         for picture in pictures:

@@ -39,8 +39,8 @@ def reproduce(
         from chromanoise.figures import paper_figures, write_figures
         from chromanoise.study.scenes import paper_pictures
 
-        pictures = paper_pictures(result.study, seed=seed)
+        first, second = (p.srgb / 255.0 for p in paper_pictures(result.study, seed=seed))
         with whole_folder(out) as folder:
             write_json(reproduction_as_json(result), str(folder / "tables.json"))
-            write_figures(paper_figures(result.study, pictures), folder)
+            write_figures(paper_figures(result.study, (first, second)), folder)
         click.echo(f"figures 1-10 and tables.json are in {out}")

@@ -11,6 +11,7 @@ from chromanoise.study import (
     Cell,
     PaperTable,
     Reproduction,
+    as_printed,
     color_snr_db,
     contravariant_snr_db,
     diagnosis,
@@ -138,8 +139,7 @@ def _paper_table(laid_out: PaperTable) -> Table:
 def _cell(cell: Cell | None) -> str:
     if cell is None:
         return ""
-    printed = "-" if cell.paper is None else f"{cell.paper:g}"
-    text = f"{printed} | {_number(cell.closed_form)}"
+    text = f"{as_printed(cell.paper)} | {_number(cell.closed_form)}"
     if cell.monte_carlo is not None:
         text += f" | {cell.monte_carlo:.2f} ± {cell.monte_carlo_se:.2f}"
     if cell.clipped_share > 0:

@@ -11,7 +11,7 @@ from chromanoise.color import adapted_to_d65, kernel_matrix, srgb_from_xyz
 from chromanoise.exposure import Exposure, band_weights, expected_electrons
 from chromanoise.noise import clipped_at_well, sample_electrons
 from chromanoise.rng import stream
-from chromanoise.scene import Cube, flat_field
+from chromanoise.scene import Cube, bands_within, flat_field
 from chromanoise.scene.cube import reflectance_rows
 from chromanoise.sensor import Sensor
 from chromanoise.spectra import Beyond, Illuminant, Metric
@@ -98,6 +98,7 @@ def rendered(
     """
     if seed < 0:
         raise _check.InputError(f"seed must be an integer >= 0, but is {seed}")
+    cube = bands_within(cube, sensor.grid)
     weights, notes = band_weights(cube, illuminant, level_lux, sensor, exposure, beyond=beyond)
     matrix = kernel_matrix(sensor, exposure, metric).matrix
     white_lux = matrix @ expected_electrons(

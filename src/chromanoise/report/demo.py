@@ -10,6 +10,7 @@ from chromanoise import __version__
 from chromanoise.imaging import Picture, png_bytes
 from chromanoise.study import (
     Reproduction,
+    as_printed,
     paper_tables,
     set_aside_reasons,
     table_5_finding,
@@ -40,6 +41,7 @@ def demo_page(
         autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )
     environment.filters["db"] = _number
+    environment.filters["printed"] = as_printed
     return environment.from_string(template).render(
         version=__version__,
         result=result,

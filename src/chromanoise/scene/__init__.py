@@ -1,7 +1,7 @@
 """Light leaving the world: patches under a lamp, hyperspectral cubes."""
 
 from chromanoise.scene.builtin import BUILTIN_CUBES, builtin_cube, checker_cube
-from chromanoise.scene.cube import Cube, flat_cube
+from chromanoise.scene.cube import Cube, bands_within, flat_cube
 from chromanoise.scene.readers import read_cube
 from chromanoise.scene.scene import Scene, flat_field, light
 
@@ -9,6 +9,7 @@ __all__ = [
     "BUILTIN_CUBES",
     "Cube",
     "Scene",
+    "bands_within",
     "builtin_cube",
     "checker_cube",
     "flat_cube",

@@ -1,11 +1,12 @@
 """A hyperspectral picture of reflectances, in memory or on disk."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Float, Shaped
 
 from chromanoise import _check
+from chromanoise.spectra import Grid
 
 Array = np.ndarray
 
@@ -73,6 +74,18 @@ def reflectance_rows(cube: Cube, start: int, stop: int) -> Float[Array, "rows w 
             "first (divide by a white reference), or scaled with --scale"
         )
     return rho
+
+
+def bands_within(cube: Cube, grid: Grid) -> Cube:
+    """The cube without the bands that the grid never asks for; a neighbor on each side stays."""
+    first = int(np.searchsorted(cube.wavelength_nm, grid.start_nm, side="right")) - 1
+    last = int(np.searchsorted(cube.wavelength_nm, grid.stop_nm, side="left"))
+    keep = slice(max(first, 0), last + 1)
+    if cube.wavelength_nm[keep].size < 2:
+        return cube  # the curves do not meet: let the resampling say so
+    return replace(
+        cube, wavelength_nm=cube.wavelength_nm[keep], stored=cube.stored[:, :, keep]
+    )
 
 
 def flat_cube(

@@ -259,7 +259,6 @@ def _loaded(path: Path, name: str, arrays: _Arrays, form: _Format) -> Array:
     _refuse_impossible(path, name, shape, dtype)
     with _door(path, form.kind):
         array = form.array(path, name)
-    _refuse_not_numbers(path, name, array.dtype)
     if array.shape != shape:
         raise _check.InputError(
             f"{path}: array {name!r} says that it is {_by(shape)}, but is {_by(array.shape)}; "

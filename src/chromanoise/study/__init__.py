@@ -15,6 +15,7 @@ from chromanoise.study.reproduction import (
     Cell,
     PaperTable,
     Reproduction,
+    as_printed,
     paper_tables,
     reproduced,
 )
@@ -27,6 +28,7 @@ __all__ = [
     "Reproduction",
     "analyses_as_json",
     "analyzed",
+    "as_printed",
     "color_snr_db",
     "contravariant_snr_db",
     "diagnosis",

@@ -78,6 +78,17 @@ class PaperTable:
     rows: tuple[tuple[str, tuple[Cell | None, ...]], ...]
 
 
+def as_printed(value: float | None) -> str:
+    """A number of the paper with the digits that the paper gives it.
+
+    Examples
+    --------
+    >>> as_printed(25.0), as_printed(39.95), as_printed(None)
+    ('25.0', '39.95', '-')
+    """
+    return "-" if value is None else f"{value:.2f}".removesuffix("0")
+
+
 _TITLES = {
     2: "Table 2: raw SNR",
     3: "Table 3: SNR of luminance Y",

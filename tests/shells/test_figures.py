@@ -1,0 +1,241 @@
+"""The ten figures: what they hold, what they say, and that their files are whole and repeatable."""
+
+import re
+from dataclasses import replace
+from io import BytesIO
+from itertools import combinations
+
+import matplotlib
+import numpy as np
+import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.text import Text
+from PIL import Image
+
+from chromanoise.figures import (
+    CAPTIONS,
+    chromanoise_style,
+    draw_color_projection,
+    draw_contravariant,
+    draw_measurement,
+    draw_mosaic,
+    draw_sensitivities,
+    draw_uncertainty,
+    paper_figures,
+    write_figures,
+)
+from chromanoise.figures.style import channel_color, sensor_dashes, sensor_label
+from chromanoise.figures.writing import rendered
+from chromanoise.sensor import bayer, sensor_named
+from chromanoise.spectra import DEFAULT_GRID
+from chromanoise.study import analyzed, color_snr_db, paper_study
+from chromanoise.study.paper import RGB_12, RGB_59, RGBW_12
+from chromanoise.study.views import channel_plane, magnified_noise
+
+STILL = ("figure-03-measurement", "figure-04-contravariant", "figure-06-projection")
+NOISY = ("figure-09-correlation", "figure-10-color-axis")
+PICTURE = np.linspace(0, 1, 40 * 60 * 3).reshape(40, 60, 3)
+
+
+@pytest.fixture(scope="module")
+def study():
+    return paper_study()
+
+
+@pytest.fixture(scope="module")
+def figures(study):
+    return paper_figures(study, (PICTURE, PICTURE))
+
+
+@pytest.fixture(scope="module")
+def svgs(figures):
+    return {name: rendered(figure, "svg") for name, figure in figures.items()}
+
+
+def texts_of(parent):
+    """Everything that is written and not empty."""
+    return [t for t in parent.findobj(Text) if t.get_visible() and t.get_text().strip()]
+
+
+def written_in(parent):
+    return "\n".join(text.get_text() for text in texts_of(parent))
+
+
+def test_there_are_ten_figures_each_with_a_caption_of_one_sentence(figures):
+    numbers = [int(name.split("-")[1]) for name in figures]
+    assert numbers == list(range(1, 11))
+    assert list(CAPTIONS) == list(figures)
+    for caption in CAPTIONS.values():
+        assert caption.endswith(".")
+        assert ". " not in caption
+
+
+def test_without_pictures_there_is_no_figure_8(study):
+    assert set(CAPTIONS) - set(paper_figures(study)) == {"figure-08-pictures"}
+
+
+@pytest.mark.parametrize("name", [*STILL, *NOISY])
+def test_geometry_is_drawn_to_scale_and_says_what_it_is(figures, name):
+    for ax in figures[name].axes:
+        assert ax.get_aspect() == 1
+        said = written_in(ax)
+        assert re.search(r"\d+\.\d°", said)
+        assert ("without noise" if name in STILL else "noise magnified ×") in said
+    assert "reconstruction" in written_in(figures[name])
+
+
+@pytest.mark.parametrize("name", NOISY)
+def test_both_panels_share_one_magnification_and_one_scale(figures, name):
+    top, bottom = figures[name].axes
+    assert len(set(re.findall(r"magnified ×(\d+)", written_in(figures[name])))) == 1
+    # inches of paper per unit of light, along both coordinates
+    inches = [
+        ax.get_position().size
+        * figures[name].get_size_inches()
+        / np.ptp([ax.get_xlim(), ax.get_ylim()], axis=1)
+        for ax in (top, bottom)
+    ]
+    np.testing.assert_allclose(np.ravel(inches), inches[0][0], rtol=1e-9)
+
+
+def labels_of(ax):
+    """What was written on purpose: all but the numbers at the ticks."""
+    framed = [ax.xaxis.label, ax.yaxis.label] if ax.axison else []
+    return [t for t in (ax._left_title, *ax.texts, *framed) if t.get_text()]
+
+
+def drawn(figure):
+    with chromanoise_style():
+        renderer = FigureCanvasAgg(figure).get_renderer()
+        figure.draw(renderer)
+    return renderer
+
+
+@pytest.mark.parametrize("name", CAPTIONS)
+def test_no_two_labels_overlap_and_none_leaves_the_figure(figures, name):
+    figure = figures[name]
+    renderer = drawn(figure)
+    labels = [label for ax in figure.axes for label in labels_of(ax)]
+    boxes = [(t.get_text(), t.get_window_extent(renderer)) for t in labels]
+    for text, box in boxes:
+        assert box.x0 >= 0, text
+        assert box.y0 >= 0, text
+        assert box.x1 <= figure.bbox.x1, text
+        assert box.y1 <= figure.bbox.y1, text
+    for (one, a), (two, b) in combinations(boxes, 2):
+        assert not a.overlaps(b), (one, two)
+
+
+@pytest.mark.parametrize("name", ["figure-05-observer", "figure-07-sensitivities"])
+def test_no_curve_runs_through_a_letter(figures, name):
+    renderer = drawn(figures[name])
+    for ax in figures[name].axes:
+        curves = [ax.transData.transform_path(line.get_path()) for line in ax.lines]
+        for text in ax.texts:
+            box = text.get_window_extent(renderer)
+            assert not any(c.intersects_bbox(box, filled=False) for c in curves), text.get_text()
+
+
+@pytest.mark.parametrize(("panel", "column"), [(0, RGBW_12), (1, RGB_12)])
+def test_every_curve_has_its_letter_its_color_and_its_sensors_dashes(figures, study, panel, column):
+    ax = figures["figure-07-sensitivities"].axes[panel]
+    sensor = study.columns[column].sensor
+    assert f"{sensor.name} (reconstruction)" == ax.get_title(loc="left")
+    assert {t.get_text() for t in ax.texts} == {*sensor.names, "near infrared"}
+    assert [line.get_color() for line in ax.lines] == [channel_color(n) for n in sensor.names]
+    for line, qe in zip(ax.lines, sensor.qe.T, strict=True):
+        np.testing.assert_array_equal(line.get_ydata(), qe)
+
+
+def test_the_two_sensors_differ_in_dashes():
+    figure = Figure()
+    lines = [
+        draw_sensitivities(sensor_named(name, DEFAULT_GRID), figure.add_subplot()).lines[-1]
+        for name in ("onyx-rgbw", "onyx-rgb-ircut")
+    ]
+    assert not lines[0].is_dashed()
+    assert lines[1].is_dashed()
+    assert sensor_dashes("onyx-rgbw") != sensor_dashes("someone's own")
+
+
+def test_the_flow_shows_the_luminance_snr_of_both_sensors(figures, study):
+    for ax, column in zip(figures["figure-02-flow"].axes, (RGBW_12, RGB_12), strict=True):
+        assert f"{color_snr_db(study.columns[column])['Y']:.1f} dB" in written_in(ax)
+
+
+def test_a_mosaic_repeats_its_block():
+    ax = draw_mosaic(bayer(), Figure().add_subplot(), cells=4)
+    assert [t.get_text() for t in ax.texts] == list("RGRGGBGBRGRGGBGB")
+
+
+def test_a_measured_sensor_is_not_called_a_reconstruction():
+    assert sensor_label("mine", ("QE read from mine.csv",)) == "mine"
+
+
+def test_saturated_channels_have_no_snr_to_show(study):
+    bright = study.columns[RGB_59]
+    exposure = type(bright.exposure)(time_s=1.0)
+    plane = channel_plane(analyzed(bright.scene, bright.sensor, exposure), ("R", "G"))
+    ax = draw_uncertainty(plane, magnified_noise(plane, 5), Figure().add_subplot())
+    assert "spectral SNR undefined (saturated)" in written_in(ax)
+
+
+def test_channel_names_with_signs_of_a_formula_are_written_as_they_are(study):
+    bright = study.columns[RGB_59]
+    sensor = replace(bright.sensor, names=("a_1", "50%", "c{^}$"), mosaic=None)
+    analysis = analyzed(bright.scene, sensor, bright.exposure)
+    for names in (("a_1", "50%"), ("50%", "c{^}$")):
+        plane = channel_plane(analysis, names)
+        for draw in (draw_measurement, draw_contravariant, draw_color_projection):
+            figure = Figure()
+            draw(plane, figure.add_subplot())
+            rendered(figure, "svg")
+
+
+@pytest.mark.parametrize("name", CAPTIONS)
+def test_svg_keeps_text_as_text_and_has_no_date(svgs, name):
+    svg = svgs[name].decode()
+    assert svg.count("<text") >= 2
+    assert "reconstruction" in svg or name in ("figure-01-mosaics", "figure-05-observer")
+    assert "dc:date" not in svg
+
+
+def test_two_runs_give_the_same_bytes(study, svgs):
+    again = paper_figures(study, (PICTURE, PICTURE))
+    for name, figure in again.items():
+        assert rendered(figure, "svg") == svgs[name], name
+    name = "figure-04-contravariant"
+    for ending in ("png", "pdf"):
+        first, second = (rendered(again[name], ending) for _ in range(2))
+        assert first == second
+
+
+def test_drawing_leaves_the_users_settings_alone_and_ignores_them(study, svgs):
+    with matplotlib.rc_context({"font.size": 20, "axes.facecolor": "red"}):
+        before = dict(matplotlib.rcParams)
+        figure = paper_figures(study)["figure-04-contravariant"]
+        assert rendered(figure, "svg") == svgs["figure-04-contravariant"]
+        assert dict(matplotlib.rcParams) == before
+
+
+def test_png_opens_at_150_dots_per_inch(figures):
+    for figure in figures.values():
+        image = Image.open(BytesIO(rendered(figure, "png")))
+        np.testing.assert_allclose(image.size, 150 * figure.get_size_inches(), atol=1)
+
+
+def test_each_figure_is_written_as_png_svg_and_pdf_and_nothing_else(figures, tmp_path):
+    name = "figure-04-contravariant"
+    paths = write_figures({name: figures[name]}, tmp_path / "new" / "folder")
+    assert [path.name for path in paths] == [f"{name}.{ending}" for ending in ("png", "svg", "pdf")]
+    assert sorted(paths) == sorted((tmp_path / "new" / "folder").iterdir())
+    assert [path.read_bytes()[:5] for path in paths] == [b"\x89PNG\r", b"<?xml", b"%PDF-"]
+
+
+def test_a_write_that_fails_leaves_nothing_half_done(figures, tmp_path):
+    name = "figure-04-contravariant"
+    (tmp_path / f"{name}.png").mkdir()  # a folder stands where the file should go
+    with pytest.raises(OSError, match=name):
+        write_figures({name: figures[name]}, tmp_path)
+    assert [path.name for path in tmp_path.iterdir()] == [f"{name}.png"]
