@@ -18,26 +18,10 @@ sys.path.insert(0, str(Path(__file__).parent))  # for `from strategies import ..
 # An int may stand for a float (PEP 484).
 checked = beartype(conf=BeartypeConf(is_pep484_tower=True))
 sys.modules["shape_checker"] = sys.modules[__name__]
-
-# Left out: units, merit.snr, geometry.contravariant and study, where one point gives a np.float64
-# although the signature says array.
+stages = "spectra scene sensor exposure noise geometry color merit imaging study figures".split()
+# all but `units`: study.reproduction hands its decibel() a np.float64, the signature says array
 install_import_hook(
-    [
-        "chromanoise._check",
-        "chromanoise._linalg",
-        "chromanoise.rng",
-        "chromanoise.spectra",
-        "chromanoise.scene",
-        "chromanoise.sensor",
-        "chromanoise.exposure",
-        "chromanoise.noise",
-        "chromanoise.geometry.angles",
-        "chromanoise.geometry.ellipse",
-        "chromanoise.geometry.frame",
-        "chromanoise.color",
-        "chromanoise.merit.accuracy",
-        "chromanoise.imaging",
-    ],
+    [f"chromanoise.{name}" for name in ("_check", "_linalg", "rng", *stages)],
     "shape_checker.checked",
 )
 

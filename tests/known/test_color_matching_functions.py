@@ -3,7 +3,12 @@
 import numpy as np
 import pytest
 
-from chromanoise.geometry import angles_between_deg, dual_frame, variance_inflation
+from chromanoise.geometry import (
+    angles_between_deg,
+    angles_to_axes_deg,
+    dual_frame,
+    variance_inflation,
+)
 from chromanoise.spectra import Grid, color_axes
 
 CIE = Grid.uniform(360, 830, 1)
@@ -22,6 +27,15 @@ def test_angles_between_x_y_and_z(metric, xy, xz, yz):
     assert [angles[0, 1], angles[0, 2], angles[1, 2]] == pytest.approx([xy, xz, yz], abs=6e-4)
     assert angles == pytest.approx(angles.T, abs=1e-12)
     assert np.diagonal(angles) == pytest.approx(np.zeros(3), abs=1e-12)
+
+
+def test_angles_to_the_axes_are_told_channel_by_row_and_axis_by_column():
+    # y alone as a channel: its angles to x, y and z are the printed ones
+    h = color_axes(CIE, "energy")
+    y_alone = dual_frame(h[:, [1]], names=("y",), metric="energy")
+    assert angles_to_axes_deg(y_alone, h) == pytest.approx(
+        np.array([[40.520, 0.0, 85.314]]), abs=6e-4
+    )
 
 
 def test_variance_inflation_of_x_y_and_z():

@@ -566,7 +566,7 @@ def test_a_matlab_shape_that_does_not_fit_the_numbers_is_refused(tmp_path):
         content = bytearray(path.read_bytes())
         struct.pack_into("<i", content, 128 + 8 + 16 + 8, rows)
         path.write_bytes(content)
-        with pytest.raises(InputError, match="do not fit its shape|cannot hold"):
+        with pytest.raises(InputError, match=r"do not fit its shape|cannot hold"):
             read_cube(path, key="V", wavelengths=(400, 800))
 
 

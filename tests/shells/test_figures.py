@@ -212,7 +212,7 @@ def test_two_runs_give_the_same_bytes(study, svgs):
 
 
 def test_drawing_leaves_the_users_settings_alone_and_ignores_them(study, svgs):
-    with matplotlib.rc_context({"font.size": 20, "axes.facecolor": "red"}):
+    with matplotlib.rc_context({"font.size": 20, "figure.facecolor": "red"}):
         before = dict(matplotlib.rcParams)
         figure = paper_figures(study)["figure-04-contravariant"]
         assert rendered(figure, "svg") == svgs["figure-04-contravariant"]
@@ -239,3 +239,13 @@ def test_a_write_that_fails_leaves_nothing_half_done(figures, tmp_path):
     with pytest.raises(OSError, match=name):
         write_figures({name: figures[name]}, tmp_path)
     assert [path.name for path in tmp_path.iterdir()] == [f"{name}.png"]
+
+
+def test_who_reads_a_figure_while_it_is_replaced_reads_the_old_one_whole(figures, tmp_path):
+    name = "figure-04-contravariant"
+    old = tmp_path / f"{name}.png"
+    old.write_bytes(b"the old figure")
+    with old.open("rb") as reader:
+        write_figures({name: figures[name]}, tmp_path)
+        assert reader.read() == b"the old figure"
+    assert old.read_bytes().startswith(b"\x89PNG")

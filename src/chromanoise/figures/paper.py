@@ -193,7 +193,7 @@ def _pictures(
     study: PaperStudy, pictures: tuple[Float[Array, "h w 3"], Float[Array, "h w 3"]]
 ) -> Figure:
     figure = Figure()
-    panels = figure.subplots(1, 2)
+    panels = list(figure.subplots(1, 2))
     for picture, column, ax in zip(pictures, (RGB_12, RGBW_12), panels, strict=True):
         sensor = study.columns[column].sensor
         draw_picture(picture, ax, title=sensor_label(sensor.name, sensor.notes))

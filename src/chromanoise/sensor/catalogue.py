@@ -12,7 +12,7 @@ from jaxtyping import Float
 
 from chromanoise import _check
 from chromanoise.sensor.filters import ir_cut, resin_filter, silicon_qe
-from chromanoise.sensor.mosaic import bayer, rgbw_2x2
+from chromanoise.sensor.mosaic import bayer, rgbw_sparse_4x4
 from chromanoise.sensor.pixel import Pixel
 from chromanoise.sensor.sensor import Sensor, behind_filter, with_channels
 from chromanoise.spectra import Grid, on_grid
@@ -37,7 +37,7 @@ def onyx_rgbw(grid: Grid) -> Sensor:
         qe=curves.values,
         names=curves.names,
         pixel=PAPER_PIXEL,
-        mosaic=rgbw_2x2(),
+        mosaic=rgbw_sparse_4x4(),
         notes=(RECONSTRUCTION,),
     )
 
