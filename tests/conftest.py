@@ -18,7 +18,19 @@ sys.path.insert(0, str(Path(__file__).parent))  # for `from strategies import ..
 # An int may stand for a float (PEP 484).
 checked = beartype(conf=BeartypeConf(is_pep484_tower=True))
 sys.modules["shape_checker"] = sys.modules[__name__]
-stages = "spectra scene sensor exposure noise geometry color merit imaging study figures".split()
+stages = [
+    "spectra",
+    "scene",
+    "sensor",
+    "exposure",
+    "noise",
+    "geometry",
+    "color",
+    "merit",
+    "imaging",
+    "study",
+    "figures",
+]
 # all but `units`: study.reproduction hands its decibel() a np.float64, the signature says array
 install_import_hook(
     [f"chromanoise.{name}" for name in ("_check", "_linalg", "rng", *stages)],

@@ -6,6 +6,7 @@ import jaxtyping
 import numpy as np
 import pytest
 
+import chromanoise.imaging.render as render_module
 from chromanoise._check import InputError
 from chromanoise.exposure import Exposure, expected_electrons, time_to_saturation
 from chromanoise.geometry import dual_frame
@@ -288,8 +289,8 @@ REFUSED = {
     ),
     # Measurement and noise
     "negative electrons": (
-        lambda: raw_covariance(np.array([5.0, -3.0]), read_noise_e=1.0),
-        ["mean_e", "[e-]", "1 of 2", "-3", "(1,)"],
+        lambda: raw_covariance(np.array([5.0, -3.0, -8.0]), read_noise_e=1.0),
+        ["mean_e", "[e-]", "2 of 3", "-3", "(1,)"],
     ),
     "electrons of NaN": (
         lambda: raw_covariance(np.array([NAN]), read_noise_e=1.0),
@@ -383,6 +384,12 @@ def test_nouns_refuse_what_cannot_be_and_say_where(made, told):
         made()
     for part in told:
         assert part in str(refusal.value)
+
+
+def test_a_bad_pixel_is_told_by_its_row_in_the_whole_cube(monkeypatch):
+    monkeypatch.setattr(render_module, "_BLOCK_VALUES", 1)  # one row at a time
+    with pytest.raises(InputError, match=r"-0\.5 at row 2, column 1, 450 nm"):
+        picture_of(cube_with(-0.5))
 
 
 # Here the checked shapes of the test run would complain first; a user's run has only ours.

@@ -83,9 +83,7 @@ def bands_within(cube: Cube, grid: Grid) -> Cube:
     keep = slice(max(first, 0), last + 1)
     if cube.wavelength_nm[keep].size < 2:
         return cube  # the curves do not meet: let the resampling say so
-    return replace(
-        cube, wavelength_nm=cube.wavelength_nm[keep], stored=cube.stored[:, :, keep]
-    )
+    return replace(cube, wavelength_nm=cube.wavelength_nm[keep], stored=cube.stored[:, :, keep])
 
 
 def flat_cube(
