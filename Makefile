@@ -2,7 +2,7 @@
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
-# one arithmetic thread: the products are small, and results must not depend on the machine
+# one arithmetic thread: the products are small, and sums must not depend on the number of cores
 export OPENBLAS_NUM_THREADS ?= 1
 
 .PHONY: demo test lint bench docs evidence reconstruct format clean

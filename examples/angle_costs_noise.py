@@ -1,4 +1,4 @@
-"""Two channels at an angle: what unmixing costs, beside the formula (1 - cos t) / sqrt(1 + cos^2 t)."""
+"""Two channels at an angle: what unmixing costs, beside (1 - cos t) / sqrt(1 + cos^2 t)."""
 
 import numpy as np
 

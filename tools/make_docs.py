@@ -6,7 +6,7 @@ import numpy as np
 
 from chromanoise.imaging import write_png
 from chromanoise.study import paper_study
-from chromanoise.study.scenes import paper_pictures
+from chromanoise.study.pictures import paper_pictures
 
 PICTURES = Path(__file__).parent.parent / "docs" / "pictures"
 GAP_PX = 16

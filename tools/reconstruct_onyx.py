@@ -36,6 +36,9 @@ from pathlib import Path
 import click
 import numpy as np
 from jaxtyping import Float
+
+from chromanoise._files import whole_folder
+from chromanoise.spectra import tables
 from onyx_reconstruction.curves import RGB, WAVELENGTH_NM, Curves, curves_of, ir_cut, rgbw_qe
 from onyx_reconstruction.fit import STARTS, Fit, fitted, misfits_db, polished, start
 from onyx_reconstruction.predictions import (
@@ -46,9 +49,6 @@ from onyx_reconstruction.predictions import (
     predicted,
     snrs_db,
 )
-
-from chromanoise.cli.output import whole_folder
-from chromanoise.spectra import tables
 
 Array = np.ndarray
 PACKAGE_FOLDER = Path(tables.__file__).parent

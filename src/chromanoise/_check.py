@@ -93,11 +93,24 @@ def one_of(name: str, value: str, choices: Sequence[str]) -> str:
     raise InputError(f"unknown {name} {value!r}; {hint}")
 
 
+def same_names(what: str, **names: tuple[str, ...]) -> None:
+    """Refuse channels that are not the same in the same order: their numbers would be swapped."""
+    if len(set(names.values())) > 1:
+        told = ", ".join(f"{whose} has {', '.join(own)}" for whose, own in names.items())
+        raise InputError(f"{what}: channels must be the same in the same order, but {told}")
+
+
 def frozen(array: Array) -> Array:
-    """A read-only view, so that a noun cannot be changed from outside."""
-    view = array.view()
-    view.flags.writeable = False
-    return view
+    """A read-only copy, so that a noun cannot be changed from outside."""
+    kept = np.array(array)
+    kept.flags.writeable = False
+    return kept
+
+
+def freeze(noun: object, *fields: str) -> None:
+    """Replace array fields of a frozen dataclass by read-only copies."""
+    for field in fields:
+        object.__setattr__(noun, field, frozen(getattr(noun, field)))
 
 
 def _demand(

@@ -1,11 +1,13 @@
 """Random streams that depend on what is drawn, never on when or by whom.
 
-Each stream is named by integers (frame, channel, row ...). Two names never share a number, and
-the same name gives the same numbers for any order of work: tiles, chunks and workers may come
-as they like.
+Each stream is named by integers (frame, channel, row ...). Streams of different names are
+independent for all practice, and the same name gives the same numbers for any order of work:
+tiles, chunks and workers may come as they like.
 """
 
 import numpy as np
+
+from chromanoise._check import InputError
 
 
 def stream(seed: int, *name: int) -> np.random.Generator:
@@ -18,6 +20,11 @@ def stream(seed: int, *name: int) -> np.random.Generator:
     name
         Integers >= 0 that tell this stream from every other, e.g. (sensor, row).
 
+    Raises
+    ------
+    InputError
+        If the seed is not an integer >= 0.
+
     Notes
     -----
     Salmon, Moraes, Dror & Shaw, "Parallel random numbers: as easy as 1, 2, 3", SC11 (2011).
@@ -27,4 +34,6 @@ def stream(seed: int, *name: int) -> np.random.Generator:
     >>> bool(stream(7, 0, 3).integers(100) == stream(7, 0, 3).integers(100))
     True
     """
-    return np.random.Generator(np.random.Philox(np.random.SeedSequence(seed, spawn_key=name)))
+    if seed != int(seed) or seed < 0:
+        raise InputError(f"seed must be an integer >= 0, but is {seed}")
+    return np.random.Generator(np.random.Philox(np.random.SeedSequence(int(seed), spawn_key=name)))

@@ -1,4 +1,4 @@
-"""Angles between the axes of color: the eye's own noise geometry (PHYSICS.md 3)."""
+"""Angles between the axes of color: the eye's own noise geometry (docs/numbers.md)."""
 
 import numpy as np
 import pytest

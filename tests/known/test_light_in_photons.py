@@ -12,7 +12,6 @@ from chromanoise.spectra import (
     cie_1931,
     equal_energy,
     illuminant_from,
-    led,
     photon_irradiance,
 )
 from strategies import GRID, white_channel
@@ -22,7 +21,7 @@ TWELVE_MS = Exposure(time_s=0.012, f_number=1.8)
 
 
 def test_one_lux_of_equal_energy_is_1_37017e_minus_5_watt_per_m2_and_nm():
-    # 1 / (683.002 * 106.857): the area of y-bar, CIE 018:2019 (PHYSICS.md 1.1)
+    # 1 / (683.002 * 106.857): the area of y-bar, CIE 018:2019 (docs/numbers.md)
     assert equal_energy(ONE_NM).irradiance == pytest.approx(
         np.full(ONE_NM.n, 1.37017e-5), abs=5e-11
     )
@@ -35,7 +34,7 @@ def test_the_area_under_y_bar_is_106_857():
 
 
 def test_one_lux_at_555_nm_is_4091_photons_per_second_and_square_micron():
-    # lambda / (h c) / 683.002 lm/W = 4090.7 photons / (lux s um2); PHYSICS.md 1.1
+    # lambda / (h c) / 683.002 lm/W = 4090.7 photons / (lux s um2); docs/numbers.md
     line = Spectra(
         wavelength_nm=np.array([554.0, 555.0, 556.0]),
         values=np.array([[0.0], [1.0], [0.0]]),
@@ -47,12 +46,11 @@ def test_one_lux_at_555_nm_is_4091_photons_per_second_and_square_micron():
     grid = Grid.uniform(550, 560, 1)
     drawn = illuminant_from(line, grid, name="555 nm", beyond="zero")
     assert photon_irradiance(drawn).sum() == pytest.approx(4090.7, abs=0.06)
-    assert photon_irradiance(led(grid, 555.0, 0.05)).sum() == pytest.approx(4090.7, abs=0.06)
 
 
 @pytest.mark.parametrize(("stop_nm", "photons"), [(700, 11_419), (1050, 32_555)])
 def test_photons_of_equal_energy_per_lux_second_and_square_micron(stop_nm, photons):
-    # plain 1 nm sum, PHYSICS.md 1.1
+    # plain 1 nm sum, docs/numbers.md
     total = photon_irradiance(equal_energy(Grid.uniform(400, stop_nm, 1))).sum()
     assert total == pytest.approx(photons, abs=0.5)
 

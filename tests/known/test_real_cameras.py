@@ -16,7 +16,7 @@ def camera(name):
 
 
 def test_variance_inflation_of_the_sigma_merrill_is_that_of_stacked_silicon():
-    # PHYSICS.md 3; three layers of one silicon, no filters: strongly correlated
+    # docs/numbers.md; three layers of one silicon, no filters: strongly correlated
     seen = variance_inflation(camera("Sigma SDMerill (NPL)"))
     assert seen == pytest.approx([8.44, 28.2, 11.6], abs=0.05)
 

@@ -35,7 +35,7 @@ def test_equal_channels_bound_the_readout_by_the_square_root_of_their_number():
 
 
 def test_5000_draws_know_an_snr_to_0_087_db():
-    # (20 / ln 10) / sqrt(2 N): the paper's own error bar (PHYSICS.md 1.4)
+    # (20 / ln 10) / sqrt(2 N): the paper's own error bar (docs/numbers.md)
     drawn = monte_carlo(np.array([1e6]), pixel_with(), np.eye(1), draws=5000, seed=1)
     # beside it stands the error of the mean, 1e-3 of it, and of the kurtosis, 2 %
     assert drawn.snr_se_db[0] == pytest.approx(0.0869, rel=0.06)

@@ -32,7 +32,7 @@ def shot_limited():
     ("angle_deg", "loss_db"), [(90, 0.0), (60, -6.9897), (30, -19.8899), (10, -39.3119)]
 )
 def test_contravariant_snr_falls_with_the_angle_between_the_channels(angle_deg, loss_db):
-    # (1 - cos t) / sqrt(1 + cos^2 t), PHYSICS.md 1.3
+    # (1 - cos t) / sqrt(1 + cos^2 t), docs/numbers.md
     seen = snr_db(contravariant(shot_limited(), pair(angle_deg)))
     for name in ("a", "b"):
         assert float(seen[name]) - RAW_DB == pytest.approx(loss_db, abs=5e-5)
@@ -68,7 +68,7 @@ def test_the_angle_comes_back_whatever_the_gains(angle_deg):
 
 
 def test_cos_squared_of_50_7_and_18_1_degrees_are_40_1_and_90_3_percent():
-    # the share of |y|^2 within reach of Table 5's green channels (PHYSICS.md 2)
+    # the share of |y|^2 within reach of Table 5's green channels (docs/numbers.md)
     for angle_deg, share in ((50.7, 0.401), (18.1, 0.903)):
         mix = nearest_mix(pair(angle_deg))
         assert mix is not None

@@ -147,7 +147,7 @@ def test_clipping_holds_between_black_and_full_well_and_tells_where(electrons):
 
 
 def test_clipping_at_black_lifts_the_mean_of_no_light_by_0_39894_of_the_read_noise():
-    # E max(Z, 0) = 1 / sqrt(2 pi) (PHYSICS.md 3, low light)
+    # E max(Z, 0) = 1 / sqrt(2 pi) (docs/numbers.md)
     drawn = monte_carlo(
         np.array([0.0]), pixel_with(10.0), np.eye(1), draws=40_000, seed=6, clip=True
     )

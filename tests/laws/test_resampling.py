@@ -124,7 +124,6 @@ def test_a_tabulated_lamp_is_not_carried_into_the_infrared_in_silence():
     assert any("hold" in note for note in held.notes)
 
 
-@pytest.mark.xfail(reason="the lux of a held lamp are counted as if it were dark beyond its table")
 def test_a_held_lamp_still_gives_its_illuminance():
     # flat from 500 to 600 nm and held on both sides: equal energy
     lamp = illuminant_from(curve([500.0, 600.0], [1.0, 1.0]), DEFAULT_GRID, name="L", beyond="hold")

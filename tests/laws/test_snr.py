@@ -111,7 +111,7 @@ def test_the_price_of_color_is_never_negative(sensor, metric, time_s):
 
 @given(sensors(max_channels=1), metrics, st.floats(1e-4, 1.0))
 def test_one_channel_keeps_its_snr_in_luminance_whatever_its_angle(sensor, metric, time_s):
-    # PHYSICS.md 2: Y^ = const x M, so Table 5's loss is no effect of the angle
+    # docs/numbers.md: Y^ = const x M, so Table 5's loss is no effect of the angle
     exposure = Exposure(time_s=time_s)
     scene = flat_field(equal_energy(GRID), level_lux=10.0)
     raw = with_noise(expected_electrons(scene, sensor, exposure), sensor)

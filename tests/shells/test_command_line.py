@@ -9,7 +9,7 @@ import tifffile
 from PIL import Image
 
 from chromanoise.cli import main
-from chromanoise.exposure import Exposure, expected_electrons
+from chromanoise.exposure import Exposure
 from chromanoise.scene import flat_field
 from chromanoise.sensor import sensor_named
 from chromanoise.spectra import DEFAULT_GRID, equal_energy

@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.text import Text
 from PIL import Image
 
+from chromanoise._check import InputError
 from chromanoise.figures import (
     CAPTIONS,
     chromanoise_style,
@@ -26,16 +27,16 @@ from chromanoise.figures import (
     write_figures,
 )
 from chromanoise.figures.style import channel_color, sensor_dashes, sensor_label
-from chromanoise.figures.writing import rendered
+from chromanoise.figures.writing import figure_bytes
 from chromanoise.sensor import bayer, sensor_named
 from chromanoise.spectra import DEFAULT_GRID
-from chromanoise.study import analyzed, color_snr_db, paper_study
+from chromanoise.study import analyzed, color_snr_db, paper_planes, paper_study
 from chromanoise.study.paper import RGB_12, RGB_59, RGBW_12
 from chromanoise.study.views import channel_plane, magnified_noise
 
 STILL = ("figure-03-measurement", "figure-04-contravariant", "figure-06-projection")
 NOISY = ("figure-09-correlation", "figure-10-color-axis")
-PICTURE = np.linspace(0, 1, 40 * 60 * 3).reshape(40, 60, 3)
+PICTURE = np.linspace(0, 255, 40 * 60 * 3).astype(np.uint8).reshape(40, 60, 3)
 
 
 @pytest.fixture(scope="module")
@@ -45,12 +46,12 @@ def study():
 
 @pytest.fixture(scope="module")
 def figures(study):
-    return paper_figures(study, (PICTURE, PICTURE))
+    return paper_figures(study, paper_planes(study), (PICTURE, PICTURE))
 
 
 @pytest.fixture(scope="module")
 def svgs(figures):
-    return {name: rendered(figure, "svg") for name, figure in figures.items()}
+    return {name: figure_bytes(figure, "svg") for name, figure in figures.items()}
 
 
 def texts_of(parent):
@@ -72,7 +73,7 @@ def test_there_are_ten_figures_each_with_a_caption_of_one_sentence(figures):
 
 
 def test_without_pictures_there_is_no_figure_8(study):
-    assert set(CAPTIONS) - set(paper_figures(study)) == {"figure-08-pictures"}
+    assert set(CAPTIONS) - set(paper_figures(study, paper_planes(study))) == {"figure-08-pictures"}
 
 
 @pytest.mark.parametrize("name", [*STILL, *NOISY])
@@ -170,7 +171,7 @@ def test_a_mosaic_repeats_its_block():
 
 
 def test_a_measured_sensor_is_not_called_a_reconstruction():
-    assert sensor_label("mine", ("QE read from mine.csv",)) == "mine"
+    assert sensor_label("my-model", "given") == "my-model"
 
 
 def test_saturated_channels_have_no_snr_to_show(study):
@@ -190,7 +191,7 @@ def test_channel_names_with_signs_of_a_formula_are_written_as_they_are(study):
         for draw in (draw_measurement, draw_contravariant, draw_color_projection):
             figure = Figure()
             draw(plane, figure.add_subplot())
-            rendered(figure, "svg")
+            figure_bytes(figure, "svg")
 
 
 @pytest.mark.parametrize("name", CAPTIONS)
@@ -202,26 +203,26 @@ def test_svg_keeps_text_as_text_and_has_no_date(svgs, name):
 
 
 def test_two_runs_give_the_same_bytes(study, svgs):
-    again = paper_figures(study, (PICTURE, PICTURE))
+    again = paper_figures(study, paper_planes(study), (PICTURE, PICTURE))
     for name, figure in again.items():
-        assert rendered(figure, "svg") == svgs[name], name
+        assert figure_bytes(figure, "svg") == svgs[name], name
     name = "figure-04-contravariant"
     for ending in ("png", "pdf"):
-        first, second = (rendered(again[name], ending) for _ in range(2))
+        first, second = (figure_bytes(again[name], ending) for _ in range(2))
         assert first == second
 
 
 def test_drawing_leaves_the_users_settings_alone_and_ignores_them(study, svgs):
     with matplotlib.rc_context({"font.size": 20, "figure.facecolor": "red"}):
         before = dict(matplotlib.rcParams)
-        figure = paper_figures(study)["figure-04-contravariant"]
-        assert rendered(figure, "svg") == svgs["figure-04-contravariant"]
+        figure = paper_figures(study, paper_planes(study))["figure-04-contravariant"]
+        assert figure_bytes(figure, "svg") == svgs["figure-04-contravariant"]
         assert dict(matplotlib.rcParams) == before
 
 
 def test_png_opens_at_150_dots_per_inch(figures):
     for figure in figures.values():
-        image = Image.open(BytesIO(rendered(figure, "png")))
+        image = Image.open(BytesIO(figure_bytes(figure, "png")))
         np.testing.assert_allclose(image.size, 150 * figure.get_size_inches(), atol=1)
 
 
@@ -236,7 +237,7 @@ def test_each_figure_is_written_as_png_svg_and_pdf_and_nothing_else(figures, tmp
 def test_a_write_that_fails_leaves_nothing_half_done(figures, tmp_path):
     name = "figure-04-contravariant"
     (tmp_path / f"{name}.png").mkdir()  # a folder stands where the file should go
-    with pytest.raises(OSError, match=name):
+    with pytest.raises(InputError, match=name):
         write_figures({name: figures[name]}, tmp_path)
     assert [path.name for path in tmp_path.iterdir()] == [f"{name}.png"]
 

@@ -5,7 +5,15 @@ from typing import Any
 import click
 
 from chromanoise.cli import tables
-from chromanoise.cli.options import sensor_and_light, the_exposure, the_illuminant, the_sensor
+from chromanoise.cli.options import (
+    EXPOSURE,
+    PIXEL,
+    only,
+    sensor_and_light,
+    the_exposure,
+    the_illuminant,
+    the_sensor,
+)
 from chromanoise.cli.output import write_json
 from chromanoise.scene import flat_field
 from chromanoise.study import analyses_as_json, analyzed
@@ -23,10 +31,9 @@ def analyze(sensors: tuple[str, ...], json_target: str | None, **options: Any) -
     absolute QE of each channel.
     """
     beyond = options["beyond"]
-    illuminant = the_illuminant(options["illuminant"], beyond=beyond)
+    illuminant = the_illuminant(options["illuminant"], beyond=options["illuminant_beyond"])
     scene = flat_field(illuminant, level_lux=options["lux"])
-    exposure_rule = {key: options[key] for key in ("time_ms", "saturate", "f_number")}
-    pixel = {key: options[key] for key in ("pitch_um", "full_well_e", "read_noise_e")}
+    exposure_rule, pixel = only(options, EXPOSURE), only(options, PIXEL)
     analyses = []
     for name in sensors:
         sensor = the_sensor(name, beyond=beyond, **pixel)

@@ -4,13 +4,14 @@ from pathlib import Path
 
 import click
 
+from chromanoise._files import whole_folder
 from chromanoise.cli import tables
-from chromanoise.cli.output import whole_folder, write_json
+from chromanoise.cli.output import write_json
 from chromanoise.figures import CAPTIONS, paper_figures, write_figures
 from chromanoise.imaging import write_png
 from chromanoise.report import demo_page
-from chromanoise.study import paper_study, reproduced, reproduction_as_json
-from chromanoise.study.scenes import paper_pictures
+from chromanoise.study import paper_planes, paper_study, reproduced, reproduction_as_json
+from chromanoise.study.pictures import paper_pictures
 
 
 @click.command()
@@ -29,8 +30,8 @@ def demo(out: Path) -> None:
     result = reproduced(paper_study())
     tables.print_reproduction(result)
     pictures = paper_pictures(result.study)
-    first, second = (picture.srgb / 255.0 for picture in pictures)
-    figures = paper_figures(result.study, (first, second))
+    first, second = (picture.srgb for picture in pictures)
+    figures = paper_figures(result.study, paper_planes(result.study), (first, second))
     with whole_folder(out) as folder:
         write_figures(figures, folder)
         for picture in pictures:

@@ -54,6 +54,19 @@ _SHARED = (
         show_default=True,
         help="What a curve is where its file ends short of 400-1050 nm.",
     ),
+    click.option(
+        "--illuminant-beyond",
+        type=click.Choice(["refuse", "zero", "hold"]),
+        default="refuse",
+        show_default=True,
+        help="The same for the illuminant: CIE tables end at 780 nm.",
+    ),
+    click.option(
+        "--magnification",
+        type=float,
+        help="Take the camera equation 1/(1 + 4 f#^2 (1 + |m|)^2) instead of the paper's distant "
+        "scene, 1/(4 f#^2).",
+    ),
     click.option("--pitch-um", type=float, help="Pixel pitch [um] instead of the sensor's own."),
     click.option("--full-well-e", type=float, help="Full well [e-] instead of the sensor's own."),
     click.option("--read-noise-e", type=float, help="Read noise [e-] instead of the sensor's own."),
@@ -65,6 +78,15 @@ def sensor_and_light(command: Command) -> Command:
     for option in reversed(_SHARED):
         command = option(command)
     return command
+
+
+EXPOSURE = ("time_ms", "saturate", "f_number", "magnification")
+PIXEL = ("pitch_um", "full_well_e", "read_noise_e")
+
+
+def only(options: dict[str, Any], names: tuple[str, ...]) -> dict[str, Any]:
+    """The options of these names."""
+    return {name: options[name] for name in names}
 
 
 def the_sensor(
@@ -90,6 +112,8 @@ def the_sensor(
             sensor = replace(sensor, notes=(*sensor.notes, note))
     elif name in SENSOR_NAMES:
         sensor = sensor_named(name, DEFAULT_GRID)
+    elif Path(name).is_file():
+        sensor = read_sensor_csv(Path(name), DEFAULT_GRID, PAPER_PIXEL, beyond=beyond)
     else:
         _refuse_unknown(name)
     return replace(sensor, pixel=replace(sensor.pixel, **given))
@@ -110,19 +134,24 @@ def the_exposure(
     time_ms: float | None,
     saturate: float | None,
     f_number: float,
+    magnification: float | None,
 ) -> Exposure:
     """The time that is given, or the one that fills the well to the share that is asked for."""
     if time_ms is not None and saturate is not None:
         raise InputError("--time-ms and --saturate exclude each other; give one of them")
     positive("f_number", "1", f_number)
     if time_ms is not None:
-        return Exposure(time_s=1e-3 * positive("time_ms", "ms", time_ms), f_number=f_number)
+        time_s = 1e-3 * positive("time_ms", "ms", time_ms)
+        return Exposure(time_s=time_s, f_number=f_number, magnification=magnification)
     share = 0.99 if saturate is None else saturate
-    return saturating_exposure(scene, sensor, f_number=f_number, share=share)
+    return saturating_exposure(
+        scene, sensor, f_number=f_number, share=share, magnification=magnification
+    )
 
 
 def _is_file(name: str) -> bool:
-    return name.lower().endswith((".csv", ".txt")) or "/" in name or Path(name).is_file()
+    """A file is named by its ending or its folder, so that no file hides a name of ours."""
+    return name.lower().endswith((".csv", ".txt")) or name.startswith((".", "/", "~"))
 
 
 def _refuse_unknown(name: str) -> None:

@@ -4,10 +4,11 @@ from pathlib import Path
 
 import click
 
+from chromanoise._files import whole_folder
 from chromanoise.cli import tables
-from chromanoise.cli.output import whole_folder, write_json
+from chromanoise.cli.output import write_json
 from chromanoise.spectra import METRICS, Metric
-from chromanoise.study import paper_study, reproduced, reproduction_as_json
+from chromanoise.study import paper_planes, paper_study, reproduced, reproduction_as_json
 
 
 @click.command()
@@ -37,10 +38,11 @@ def reproduce(
         tables.print_reproduction(result)
     if out:
         from chromanoise.figures import paper_figures, write_figures
-        from chromanoise.study.scenes import paper_pictures
+        from chromanoise.study.pictures import paper_pictures
 
-        first, second = (p.srgb / 255.0 for p in paper_pictures(result.study, seed=seed))
+        first, second = (p.srgb for p in paper_pictures(result.study, seed=seed))
+        planes = paper_planes(result.study, seed=seed)
         with whole_folder(out) as folder:
             write_json(reproduction_as_json(result), str(folder / "tables.json"))
-            write_figures(paper_figures(result.study, (first, second)), folder)
+            write_figures(paper_figures(result.study, planes, (first, second)), folder)
         click.echo(f"figures 1-10 and tables.json are in {out}")

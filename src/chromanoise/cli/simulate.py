@@ -7,8 +7,17 @@ import click
 
 from chromanoise import __version__
 from chromanoise._check import InputError, distinct
-from chromanoise.cli.options import sensor_and_light, the_exposure, the_illuminant, the_sensor
-from chromanoise.cli.output import whole_folder, write_json
+from chromanoise._files import whole_folder
+from chromanoise.cli.options import (
+    EXPOSURE,
+    PIXEL,
+    only,
+    sensor_and_light,
+    the_exposure,
+    the_illuminant,
+    the_sensor,
+)
+from chromanoise.cli.output import write_json
 from chromanoise.imaging import Picture, picture_summary, rendered, write_png, write_xyz_tiff
 from chromanoise.scene import Cube, builtin_cube, flat_field, read_cube
 
@@ -41,10 +50,9 @@ def simulate(
     """
     source = _the_cube(cube, options)
     beyond, metric, level_lux = options["beyond"], options["metric"], options["lux"]
-    illuminant = the_illuminant(options["illuminant"], beyond=beyond)
+    illuminant = the_illuminant(options["illuminant"], beyond=options["illuminant_beyond"])
     white = flat_field(illuminant, level_lux=level_lux)
-    exposure_rule = {key: options[key] for key in ("time_ms", "saturate", "f_number")}
-    pixel = {key: options[key] for key in ("pitch_um", "full_well_e", "read_noise_e")}
+    exposure_rule, pixel = only(options, EXPOSURE), only(options, PIXEL)
     cameras = [the_sensor(name, beyond=beyond, **pixel) for name in sensors]
     distinct("names of --sensor", [camera.name for camera in cameras])
     pictures = [

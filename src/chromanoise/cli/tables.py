@@ -6,6 +6,7 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
+from chromanoise.sensor.catalogue import RECONSTRUCTION
 from chromanoise.study import (
     Analysis,
     Cell,
@@ -15,13 +16,14 @@ from chromanoise.study import (
     color_snr_db,
     contravariant_snr_db,
     diagnosis,
+    mean_color_error,
     paper_tables,
     raw_snr_db,
     set_aside_reasons,
     table_5_finding,
     verdict,
 )
-from chromanoise.study.paper import PRINTED_TIMES_MS
+from chromanoise.study.paper import PRINTED_TIMES_MS, WELL_SHARE
 
 
 def print_reproduction(result: Reproduction) -> None:
@@ -34,11 +36,10 @@ def print_reproduction(result: Reproduction) -> None:
         for name, printed in PRINTED_TIMES_MS.items()
     )
     clipped = "clipped between 0 and full well" if result.clipped else "unclipped, as the paper's"
-    note = result.study.columns["RGBW_n 12 ms"].sensor.notes[0]
     for line in (
-        f"Times solved for 99 % of full well: {times}.",
+        f"Times solved for {100 * WELL_SHARE:g} % of full well: {times}.",
         f"Metric {result.study.metric}; {result.draws} draws, seed {result.seed}, {clipped}.",
-        f"All sensors here: {note}.",
+        f"All sensors here: {RECONSTRUCTION}.",
         verdict(result.study),
         f"Table 5: {table_5_finding(result.study)}",
         *(f"Set aside, {reason}" for reason in set_aside_reasons(result.study)),
@@ -106,7 +107,7 @@ def _add_color(table: Table, analysis: Analysis) -> None:
         *(_number(snr[axis]) for axis in analysis.color.names),
         *("-" if lost else _number(v) for v in (analysis.bound_db, analysis.price_db)),
         f"{analysis.matrix.frame.condition:.3g}",
-        f"{analysis.color_error.mean():.1f}",
+        _number(mean_color_error(analysis), digits=1),
     )
 
 
@@ -147,8 +148,8 @@ def _cell(cell: Cell | None) -> str:
     return f"{text} {cell.unit}"
 
 
-def _number(value: float | None) -> str:
-    return "-" if value is None or not np.isfinite(value) else f"{value:.2f}"
+def _number(value: float | None, digits: int = 2) -> str:
+    return "-" if value is None or not np.isfinite(value) else f"{value:.{digits}f}"
 
 
 def _console() -> Console:

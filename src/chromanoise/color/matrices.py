@@ -45,6 +45,11 @@ class ColorMatrix:
 
     def __post_init__(self) -> None:
         checked = _check.finite(f"{self.made_by} matrix", "lx/e-", self.matrix)
+        if checked.shape != (len(self.coordinates), len(self.channels)):
+            raise _check.InputError(
+                f"{self.made_by} matrix must be {(len(self.coordinates), len(self.channels))}, "
+                f"one row per coordinate and one column per channel, got {checked.shape}"
+            )
         object.__setattr__(self, "matrix", _check.frozen(checked))
 
 
@@ -59,6 +64,11 @@ def kernel_matrix(sensor: Sensor, exposure: Exposure, metric: Metric = "quanta")
         Enters through F, so that electrons become lux.
     metric
         In which light is a vector; the matrix depends on it.
+
+    Raises
+    ------
+    InputError
+        If a channel is zero at every wavelength.
 
     Notes
     -----
@@ -78,7 +88,14 @@ def kernel_matrix(sensor: Sensor, exposure: Exposure, metric: Metric = "quanta")
 
 
 def colored(raw: Measurement, matrix: ColorMatrix) -> Measurement:
-    """Color and its covariance C D C^T (eq. 5 with eq. 4). [lx]"""
+    """Color and its covariance C D C^T (eq. 5 with eq. 4). [lx]
+
+    Raises
+    ------
+    InputError
+        If the channels of ``raw`` are not those of ``matrix``, in the same order.
+    """
+    _check.same_names("color", raw=raw.names, matrix=matrix.channels)
     return through(
         raw,
         matrix.matrix,

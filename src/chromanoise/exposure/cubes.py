@@ -3,27 +3,32 @@
 import numpy as np
 from jaxtyping import Float
 
-from chromanoise.exposure.electrons import Exposure, measurement_vectors
+from chromanoise.exposure.electrons import Exposure, measurement_vectors, refuse_other_grid
 from chromanoise.scene import Cube, Scene, light
 from chromanoise.sensor import Sensor
-from chromanoise.spectra import Beyond, Illuminant, interpolation_matrix
+from chromanoise.spectra import Beyond, interpolation_matrix
 
 Array = np.ndarray
 
 
 def band_weights(
-    cube: Cube,
-    illuminant: Illuminant,
-    level_lux: float,
-    sensor: Sensor,
-    exposure: Exposure,
-    *,
-    beyond: Beyond = "refuse",
+    cube: Cube, white: Scene, sensor: Sensor, exposure: Exposure, *, beyond: Beyond = "refuse"
 ) -> tuple[Float[Array, "m p"], tuple[str, ...]]:
     """Electrons per unit of reflectance in each band: ``rho @ weights`` are the electrons. [e-]
 
     Interpolating a cube onto the grid is linear, so it is done once for the weights and never
     for the pixels.
+
+    Parameters
+    ----------
+    cube
+        Only its wavelengths are asked.
+    white
+        A perfect white (`flat_field`) in the light that falls on the cube.
+    sensor, exposure
+        What looks at it, and how.
+    beyond
+        What the reflectances are where the cube ends short of the grid.
 
     Returns
     -------
@@ -35,12 +40,13 @@ def band_weights(
     Raises
     ------
     InputError
-        If the cube ends short of the grid and ``beyond`` is ``refuse``.
+        If the cube ends short of the grid and ``beyond`` is ``refuse``, or scene and sensor are
+        on different grids.
     """
+    refuse_other_grid(white, sensor)
     onto_grid, notes = interpolation_matrix(
         cube.wavelength_nm, sensor.grid, beyond=beyond, what=f"reflectance of {cube.source}"
     )
-    white = Scene(illuminant=illuminant, level_lux=level_lux, reflectance=np.ones(sensor.grid.n))
     per_wavelength = light(white, "quanta")[:, None] * measurement_vectors(
         sensor, exposure, "quanta"
     )

@@ -85,12 +85,17 @@ def expected_electrons(scene: Scene, sensor: Sensor, exposure: Exposure) -> Floa
     -----
     Clouet, Vaillant & Alleysson (CIC27, 2019), eq. 1-2. The integral is the paper's plain sum.
     """
-    _refuse_other_grid(scene, sensor)
+    refuse_other_grid(scene, sensor)
     return light(scene, "quanta") @ measurement_vectors(sensor, exposure, "quanta")
 
 
 def time_to_saturation(
-    scene: Scene, sensor: Sensor, *, f_number: float = 1.8, share: float = 0.99
+    scene: Scene,
+    sensor: Sensor,
+    *,
+    f_number: float = 1.8,
+    share: float = 0.99,
+    magnification: float | None = None,
 ) -> float:
     """The time that brings the most sensitive channel to ``share`` of full well. [s]
 
@@ -98,6 +103,8 @@ def time_to_saturation(
     ----------
     scene
         The brightest of its points decides.
+    f_number, magnification
+        As `Exposure`.
     share
         Of full well; the paper takes 0.99.
 
@@ -111,21 +118,31 @@ def time_to_saturation(
         raise _check.InputError(
             f"share of full well must be at most 1, but is {share:g} (percent? divide by 100)"
         )
-    per_second = expected_electrons(scene, sensor, Exposure(time_s=1.0, f_number=f_number))
+    per_second = expected_electrons(
+        scene, sensor, Exposure(time_s=1.0, f_number=f_number, magnification=magnification)
+    )
     if not per_second.max() > 0:
         raise _check.InputError(f"no channel of {sensor.name} sees any light of this scene")
     return float(share * sensor.pixel.full_well_e / per_second.max())
 
 
 def saturating_exposure(
-    scene: Scene, sensor: Sensor, *, f_number: float = 1.8, share: float = 0.99
+    scene: Scene,
+    sensor: Sensor,
+    *,
+    f_number: float = 1.8,
+    share: float = 0.99,
+    magnification: float | None = None,
 ) -> Exposure:
     """The exposure of `time_to_saturation`."""
-    time_s = time_to_saturation(scene, sensor, f_number=f_number, share=share)
-    return Exposure(time_s=time_s, f_number=f_number)
+    time_s = time_to_saturation(
+        scene, sensor, f_number=f_number, share=share, magnification=magnification
+    )
+    return Exposure(time_s=time_s, f_number=f_number, magnification=magnification)
 
 
-def _refuse_other_grid(scene: Scene, sensor: Sensor) -> None:
+def refuse_other_grid(scene: Scene, sensor: Sensor) -> None:
+    """Scene and sensor must sample light at the same wavelengths."""
     if scene.illuminant.grid != sensor.grid:
         raise _check.InputError(
             f"scene and sensor must share one grid, but the illuminant {scene.illuminant.name} is "

@@ -42,7 +42,7 @@ def draw_flow(analysis: Analysis, ax: Axes, *, rows: int = 4) -> Axes:
         _write_column(ax, column, analysis.sensor.names, told(analysis), channel_color)
     _write_column(ax, 4, analysis.color.names, _color(analysis), lambda _: INK)
     exposure = analysis.exposure
-    label = sensor_label(analysis.sensor.name, analysis.sensor.notes)
+    label = sensor_label(analysis.sensor.name, analysis.sensor.origin)
     ax.set_title(f"{label} at {1e3 * exposure.time_s:.1f} ms, f/{exposure.f_number:g}")
     last = (len(_STAGES) - 1) * _PITCH + _BOX
     ax.set(xlim=(-0.02, last + 0.02), ylim=(_BOX_HEIGHT + (rows + 1.4) * _ROW, -0.03))

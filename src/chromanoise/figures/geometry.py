@@ -236,7 +236,7 @@ def _outward(plane: ChannelPlane) -> Float[Array, "2 2"]:
 
 def _source(plane: ChannelPlane) -> str:
     """Which channels of which sensor."""
-    label = sensor_label(plane.sensor_name, plane.two.sensor.notes)
+    label = sensor_label(plane.sensor_name, plane.two.sensor.origin)
     return f"{' and '.join(plane.channels)} of {label}"
 
 

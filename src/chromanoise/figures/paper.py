@@ -1,9 +1,9 @@
 """The ten figures of the paper, from a study of it."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import UInt8
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
@@ -24,15 +24,9 @@ from chromanoise.figures.sensitivities import draw_sensitivities
 from chromanoise.figures.style import chromanoise_style, sensor_label
 from chromanoise.sensor import bayer, rgbw_sparse_4x4
 from chromanoise.spectra import cie_1931
-from chromanoise.study.paper import RGB_12, RGB_59, RGBW_12, PaperStudy
-from chromanoise.study.views import (
-    ChannelPlane,
-    channel_plane,
-    fitting_magnification,
-    magnified_noise,
-    narrowest_pair,
-    widest_pair,
-)
+from chromanoise.study.paper import RGB_12, RGBW_12, PaperStudy
+from chromanoise.study.planes import PaperPlanes
+from chromanoise.study.views import ChannelPlane
 
 Array = np.ndarray
 
@@ -83,10 +77,6 @@ CAPTIONS = {
 }
 """One sentence for each figure, by its key."""
 
-_PAIR = ("R", "G")  # of the RGB sensor, in Figures 3, 4 and 6
-_PAIR_FAR_FROM_Y = ("G", "W")  # of the RGBW sensor, in Figure 10
-_PAIR_NEAR_Y = ("G", "R")  # of the RGB sensor, in Figure 10
-
 _WIDTH_IN, _SIDE_IN = 6.4, 0.15
 _HEADING_IN = 0.68  # room for a title and two lines of facts
 _TITLE_IN = 0.32
@@ -95,9 +85,8 @@ _TALLEST_IN = 3.3
 
 def paper_figures(
     study: PaperStudy,
-    pictures: tuple[Float[Array, "h w 3"], Float[Array, "h w 3"]] | None = None,
-    *,
-    seed: int = 0,
+    planes: PaperPlanes,
+    pictures: tuple[UInt8[Array, "h w 3"], UInt8[Array, "h w 3"]] | None = None,
 ) -> dict[str, Figure]:
     """The figures of the paper, drawn from computed data.
 
@@ -105,11 +94,10 @@ def paper_figures(
     ----------
     study
         `chromanoise.study.paper_study`.
+    planes
+        `chromanoise.study.paper_planes`.
     pictures
-        Encoded sRGB, 0 .. 1, of the RGB sensor and of the RGBW sensor; without them there is no
-        Figure 8.
-    seed
-        Of the sampled acquisitions.
+        8-bit sRGB of the RGB sensor and of the RGBW sensor; without them there is no Figure 8.
 
     Returns
     -------
@@ -117,7 +105,7 @@ def paper_figures(
         By the keys of `CAPTIONS`, in the paper's order.
     """
     with chromanoise_style():
-        plane = channel_plane(study.columns[RGB_59], _PAIR, seed=seed)
+        plane = planes.measurement
         figures = {
             "figure-01-mosaics": _mosaics(),
             "figure-02-flow": _flow(study),
@@ -129,8 +117,8 @@ def paper_figures(
         }
         if pictures is not None:
             figures["figure-08-pictures"] = _pictures(study, pictures)
-        figures["figure-09-correlation"] = _correlation(study, seed)
-        figures["figure-10-color-axis"] = _color_axis(study, seed)
+        figures["figure-09-correlation"] = _correlation(planes)
+        figures["figure-10-color-axis"] = _color_axis(planes)
     return figures
 
 
@@ -190,56 +178,38 @@ def _sensitivities(study: PaperStudy) -> Figure:
 
 
 def _pictures(
-    study: PaperStudy, pictures: tuple[Float[Array, "h w 3"], Float[Array, "h w 3"]]
+    study: PaperStudy, pictures: tuple[UInt8[Array, "h w 3"], UInt8[Array, "h w 3"]]
 ) -> Figure:
     figure = Figure()
     panels = list(figure.subplots(1, 2))
     for picture, column, ax in zip(pictures, (RGB_12, RGBW_12), panels, strict=True):
         sensor = study.columns[column].sensor
-        draw_picture(picture, ax, title=sensor_label(sensor.name, sensor.notes))
+        draw_picture(picture, ax, title=sensor_label(sensor.name, sensor.origin))
     height, width = pictures[0].shape[:2]
     _side_by_side(figure, panels, height_in=4.0 * height / width, heading_in=_TITLE_IN)
     return figure
 
 
-def _correlation(study: PaperStudy, seed: int) -> Figure:
-    rgb, rgbw = study.columns[RGB_59], study.columns[RGBW_12]
-    planes = [
-        channel_plane(rgb, widest_pair(rgb), seed=seed),
-        channel_plane(rgbw, narrowest_pair(rgbw), seed=seed),
-    ]
+def _correlation(planes: PaperPlanes) -> Figure:
+    figure = Figure()
     titles = ("Weakly correlated: ", "Highly correlated: ")
-    figure = Figure()
     panels = [
-        draw_uncertainty(plane, magnified_noise(plane, times), ax, title=title)
-        for plane, times, ax, title in _panels(figure, planes, titles)
+        draw_uncertainty(plane, noise, figure.add_subplot(2, 1, i), title=title)
+        for i, ((plane, noise), title) in enumerate(zip(planes.correlation, titles, strict=True), 1)
     ]
     _stack(figure, panels)
     return figure
 
 
-def _color_axis(study: PaperStudy, seed: int) -> Figure:
-    planes = [
-        channel_plane(study.columns[RGBW_12], _PAIR_FAR_FROM_Y, seed=seed),
-        channel_plane(study.columns[RGB_59], _PAIR_NEAR_Y, seed=seed),
-    ]
+def _color_axis(planes: PaperPlanes) -> Figure:
+    figure = Figure()
     titles = ("Far from y: ", "Near y: ")
-    figure = Figure()
     panels = [
-        draw_color_uncertainty(plane, magnified_noise(plane, times), ax, title=title)
-        for plane, times, ax, title in _panels(figure, planes, titles)
+        draw_color_uncertainty(plane, noise, figure.add_subplot(2, 1, i), title=title)
+        for i, ((plane, noise), title) in enumerate(zip(planes.color_axis, titles, strict=True), 1)
     ]
     _stack(figure, panels)
     return figure
-
-
-def _panels(
-    figure: Figure, planes: Sequence[ChannelPlane], titles: Sequence[str]
-) -> Iterator[tuple[ChannelPlane, float, Axes, str]]:
-    """Each plane with the magnification that all share, its Axes and its title."""
-    times = fitting_magnification(*planes)
-    for i, (plane, title) in enumerate(zip(planes, titles, strict=True), start=1):
-        yield plane, times, figure.add_subplot(len(planes), 1, i), title
 
 
 def _framed(width_in: float, height_in: float) -> Figure:

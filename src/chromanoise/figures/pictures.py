@@ -1,21 +1,21 @@
 """Figure 8: what a noisy color picture looks like."""
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import UInt8
 from matplotlib.axes import Axes
 
 Array = np.ndarray
 
 
-def draw_picture(srgb: Float[Array, "h w 3"], ax: Axes, *, title: str = "") -> Axes:
+def draw_picture(srgb: UInt8[Array, "h w 3"], ax: Axes, *, title: str = "") -> Axes:
     """A picture, pixel for pixel: no smoothing, which would take away the noise that it shows.
 
     Parameters
     ----------
     srgb
-        Encoded sRGB, 0 .. 1.
+        Encoded sRGB, 8 bits.
     """
-    ax.imshow(srgb, interpolation="none", vmin=0, vmax=1)
+    ax.imshow(srgb, interpolation="none")
     ax.set_title(title)
     ax.set_axis_off()
     return ax

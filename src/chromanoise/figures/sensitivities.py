@@ -42,7 +42,7 @@ def draw_sensitivities(sensor: Sensor, ax: Axes, *, top: float | None = None) ->
         ylim=(0, top or 1.15 * sensor.qe.max()),
         xlabel="wavelength [nm]",
         ylabel="quantum efficiency [e$^-$/photon]",
-        title=sensor_label(sensor.name, sensor.notes),
+        title=sensor_label(sensor.name, sensor.origin),
     )
     for i, name in enumerate(sensor.names):
         at, height = _letter_place(wavelength_nm, sensor.qe, i, ax.get_ylim()[1])

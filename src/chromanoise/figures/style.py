@@ -91,12 +91,9 @@ def sensor_dashes(name: str) -> Any:
     return SENSOR_DASHES.get(name, _OTHER_DASHES)
 
 
-def sensor_label(sensor_name: str, notes: tuple[str, ...]) -> str:
-    """The sensor's name, and "reconstruction" or "model" where its notes say so."""
-    for origin in ("reconstruction", "model"):
-        if any(origin in note for note in notes):
-            return f"{sensor_name} ({origin})"
-    return sensor_name
+def sensor_label(sensor_name: str, origin: str) -> str:
+    """The sensor's name, and whether its curves are a reconstruction or a model."""
+    return f"{sensor_name} ({origin})" if origin in ("reconstruction", "model") else sensor_name
 
 
 def write_heading(ax: Axes, title: str, facts: str = "") -> None:

@@ -1,6 +1,5 @@
 """Figures to files: PNG to look at, SVG to edit, PDF to print."""
 
-import os
 from collections.abc import Mapping
 from io import BytesIO
 from pathlib import Path
@@ -8,6 +7,7 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
+from chromanoise._files import write_whole
 from chromanoise.figures.style import chromanoise_style
 
 _DPI = 150
@@ -39,24 +39,14 @@ def write_figures(figures: Mapping[str, Figure], folder: Path | str) -> tuple[Pa
     for name, figure in figures.items():
         for ending in _FORMATS:
             path = folder / f"{name}.{ending}"
-            _write_whole(path, rendered(figure, ending))
+            write_whole(path, figure_bytes(figure, ending))
             written.append(path)
     return tuple(written)
 
 
-def rendered(figure: Figure, ending: str) -> bytes:
+def figure_bytes(figure: Figure, ending: str) -> bytes:
     """The bytes of one file: ``png``, ``svg`` or ``pdf``; equal figures give equal bytes."""
     buffer = BytesIO()
     with chromanoise_style():
         figure.savefig(buffer, format=ending, **_FORMATS[ending])
     return buffer.getvalue()
-
-
-def _write_whole(path: Path, content: bytes) -> None:
-    """Write beside the goal and move into place, so that nobody ever reads half a file."""
-    part = path.with_name(f".{path.name}.{os.getpid()}.part")
-    try:
-        part.write_bytes(content)
-        part.replace(path)
-    finally:
-        part.unlink(missing_ok=True)

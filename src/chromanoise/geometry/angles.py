@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float
 
-from chromanoise._linalg import angle_deg, unit_columns
+from chromanoise._linalg import RANK_TOLERANCE, angle_deg, unit_columns
 from chromanoise.geometry.frame import Frame
 
 Array = np.ndarray
@@ -91,9 +91,10 @@ def _in_span_of_others(frame: Frame) -> Bool[Array, " p"]:
     """True where leaving the channel out does not lower the rank."""
     directions, _ = unit_columns(frame.basis)
     p = directions.shape[1]
+    smallest = RANK_TOLERANCE * np.linalg.norm(directions, 2)  # what the frame itself calls zero
     return np.array(
         [
-            np.linalg.matrix_rank(np.delete(directions, i, axis=1), tol=1e-9) == frame.rank
+            np.linalg.matrix_rank(np.delete(directions, i, axis=1), tol=smallest) == frame.rank
             for i in range(p)
         ]
     )

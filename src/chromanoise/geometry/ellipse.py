@@ -5,6 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
+from chromanoise import _check
+
 Array = np.ndarray
 
 
@@ -22,6 +24,9 @@ class PlaneView:
 
     axes: Float[Array, "n 2"]
     vectors: Float[Array, "2 2"]
+
+    def __post_init__(self) -> None:
+        _check.freeze(self, "axes", "vectors")
 
     def seen(self, light: Float[Array, "*px n"]) -> Float[Array, "*px 2"]:
         """Orthogonal projection of any spectra into the plane."""

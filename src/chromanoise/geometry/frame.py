@@ -22,8 +22,9 @@ class Frame:
         F of eq. 3: one column f_i per channel. [e- per unit of light]
     dual
         F G^-1, with f^i . f_j = delta_ij: the columns that rebuild light from electrons (eq. 4).
+        [unit of light per e-]
     inverse_gram
-        G^-1 = (F^T F)^-1; the pseudo-inverse where the rank is short.
+        G^-1 = (F^T F)^-1; the pseudo-inverse where the rank is short. [(unit of light)^2 per e-^2]
     names
         One per channel.
     metric
@@ -42,6 +43,10 @@ class Frame:
     metric: Metric
     rank: int
     condition: float
+
+    def __post_init__(self) -> None:
+        _check.same_length("channels", names=len(self.names), basis=self.basis.shape[1])
+        _check.freeze(self, "basis", "dual", "inverse_gram")
 
 
 def dual_frame(basis: Float[Array, "n p"], *, names: tuple[str, ...], metric: Metric) -> Frame:

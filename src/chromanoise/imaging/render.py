@@ -59,6 +59,11 @@ class Picture:
     clipped: bool
     notes: tuple[str, ...]
 
+    def __post_init__(self) -> None:
+        for pixels in (self.xyz, self.srgb):  # too large to copy
+            pixels.flags.writeable = False
+        _check.freeze(self, "white", "mean_e", "above_full_well")
+
 
 def rendered(
     cube: Cube,
@@ -96,22 +101,16 @@ def rendered(
     InputError
         If the cube holds what is no reflectance, ends short of the grid, or the seed is negative.
     """
-    if seed < 0:
-        raise _check.InputError(f"seed must be an integer >= 0, but is {seed}")
     cube = bands_within(cube, sensor.grid)
-    weights, notes = band_weights(cube, illuminant, level_lux, sensor, exposure, beyond=beyond)
+    perfect_white = flat_field(illuminant, level_lux=level_lux)
+    weights, notes = band_weights(cube, perfect_white, sensor, exposure, beyond=beyond)
     matrix = kernel_matrix(sensor, exposure, metric).matrix
-    white_lux = matrix @ expected_electrons(
-        flat_field(illuminant, level_lux=level_lux), sensor, exposure
-    )
-    if not white_lux[1] > 0:
-        raise _check.InputError(
-            f"{sensor.name} sees no luminance in a white under {illuminant.name}, "
-            "so no picture can be scaled to it"
-        )
-    to_xyz = matrix / white_lux[1]
+    white_lux = matrix @ expected_electrons(perfect_white, sensor, exposure)
+    _refuse_no_luminance(white_lux, sensor, illuminant)
+    to_xyz, white = matrix / white_lux[1], white_lux / white_lux[1]
     height, width, _ = cube.stored.shape
     xyz = np.empty((height, width, 3), dtype=np.float32)
+    srgb = np.empty((height, width, 3), dtype=np.uint8)
     mean_e = np.zeros(len(sensor.names))
     above = np.zeros(len(sensor.names))
     for start, stop in _row_blocks(cube):
@@ -122,7 +121,7 @@ def rendered(
         if clip:
             electrons, _ = clipped_at_well(electrons, sensor.pixel)
         xyz[start:stop] = electrons @ to_xyz.T
-    white = white_lux / white_lux[1]
+        srgb[start:stop] = _eight_bit(xyz[start:stop], white)
     return Picture(
         sensor=sensor,
         exposure=exposure,
@@ -131,13 +130,23 @@ def rendered(
         metric=metric,
         seed=seed,
         xyz=xyz,
-        srgb=_eight_bit(xyz, white),
+        srgb=srgb,
         white=white,
         mean_e=mean_e / (height * width),
         above_full_well=above / (height * width),
         clipped=clip,
         notes=(*sensor.notes, *illuminant.notes, *cube.notes, *notes),
     )
+
+
+def _refuse_no_luminance(
+    white_lux: Float[Array, " 3"], sensor: Sensor, illuminant: Illuminant
+) -> None:
+    if not white_lux[1] > 0:
+        raise _check.InputError(
+            f"{sensor.name} sees no luminance in a white under {illuminant.name}, "
+            "so no picture can be scaled to it"
+        )
 
 
 def _noisy_rows(

@@ -15,11 +15,18 @@ Array = np.ndarray
 
 def chart_color_error(
     sensor: Sensor, matrix: ColorMatrix, exposure: Exposure, illuminant: Illuminant
-) -> Float[Array, "24"]:
+) -> Float[Array, "24"] | None:
     """CIE 1976 color difference of each ColorChecker patch, without noise. [Delta E*ab]
+
+    ``None`` where the sensor's own white is no color (X, Y or Z not above 0).
 
     Each side is white-balanced on its own perfect white: X, Y and Z are divided by those of a
     reflectance of 1, as a camera does before anyone looks.
+
+    Raises
+    ------
+    InputError
+        If the sensor's grid leaves 400-1050 nm, where the chart is measured.
 
     Notes
     -----
@@ -31,6 +38,8 @@ def chart_color_error(
     scene = Scene(illuminant=illuminant, level_lux=1.0, reflectance=chart)
     truth = light(scene, "energy") @ color_axes(sensor.grid, "energy")
     seen = expected_electrons(scene, sensor, exposure) @ matrix.matrix.T
+    if not (seen[0] > 0).all():
+        return None
     neutral = np.array([1 / 3, 1 / 3])  # chromaticity of XYZ = (1, 1, 1)
     lab = [colour.XYZ_to_Lab(xyz[1:] / xyz[0], neutral) for xyz in (truth, seen)]
     return np.asarray(colour.difference.delta_E_CIE1976(*lab))

@@ -48,6 +48,8 @@ class Measurement:
                 f"of {mean.shape}, got {covariance.shape}"
             )
         _check.same_length("coordinates", names=len(self.names), mean=mean.shape[-1])
+        diagonal = np.diagonal(covariance, axis1=-2, axis2=-1)
+        _check.non_negative(f"{self.kind} variance", f"{self.unit}^2", diagonal)
         object.__setattr__(self, "mean", _check.frozen(mean))
         object.__setattr__(self, "covariance", _check.frozen(covariance))
 
@@ -77,6 +79,11 @@ def through(
     names, kind, unit, metric
         Of the new coordinates.
 
+    Raises
+    ------
+    InputError
+        If the matrix has not one column per old coordinate and one row per new one.
+
     Examples
     --------
     >>> raw = Measurement(mean=np.array([3.0, 1.0]), covariance=np.diag([4.0, 9.0]),
@@ -86,6 +93,9 @@ def through(
     array([[13., -5.],
            [-5., 13.]])
     """
+    _check.same_length(
+        "old coordinates", measurement=len(measurement.names), matrix=matrix.shape[1]
+    )
     return Measurement(
         mean=measurement.mean @ matrix.T,
         covariance=congruence(matrix, measurement.covariance),

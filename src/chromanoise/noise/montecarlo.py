@@ -30,6 +30,8 @@ class Estimate:
         20 log10(|mean| / sd) and its standard error. [dB]
     clipped_share
         Share of the draws of each raw channel that clipped; zeros where nothing is clipped.
+    any_clipped_share
+        Share of the acquisitions in which any channel clipped.
     draws
         Number of acquisitions.
     """
@@ -40,7 +42,11 @@ class Estimate:
     snr_db: Float[Array, " q"]
     snr_se_db: Float[Array, " q"]
     clipped_share: Float[Array, " p"]
+    any_clipped_share: float
     draws: int
+
+    def __post_init__(self) -> None:
+        _check.freeze(self, "mean", "sd", "mean_se", "snr_db", "snr_se_db", "clipped_share")
 
 
 def monte_carlo(
@@ -73,8 +79,11 @@ def monte_carlo(
     Raises
     ------
     InputError
-        If there are fewer than 2 draws.
+        If there are fewer than 2 draws, a mean is negative or not finite, or the matrix has not
+        one column per channel.
     """
+    mean_e = _check.non_negative("mean_e", "e-", mean_e)
+    _check.same_length("channels", mean_e=mean_e.size, matrix=matrix.shape[1])
     if draws < 2:
         raise _check.InputError(
             f"draws must be at least 2 for a standard deviation, but is {draws}"
@@ -82,6 +91,7 @@ def monte_carlo(
     expected = matrix @ mean_e
     sums = np.zeros((4, matrix.shape[0]))  # of powers of the deviation from what is expected
     clipped = np.zeros(mean_e.shape)
+    any_clipped = 0
     for chunk, start in enumerate(range(0, draws, _CHUNK)):
         count = min(_CHUNK, draws - start)
         rng = stream(seed, *name, chunk)
@@ -89,15 +99,17 @@ def monte_carlo(
         if clip:
             raw, hit = clipped_at_well(raw, pixel)
             clipped += hit.sum(axis=0)
+            any_clipped += int(hit.any(axis=1).sum())
         deviation = raw @ matrix.T - expected
         sums += [(deviation**power).sum(axis=0) for power in (1, 2, 3, 4)]
-    return _estimate(expected, sums, clipped / draws, draws)
+    return _estimate(expected, sums, clipped / draws, any_clipped / draws, draws)
 
 
 def _estimate(
     expected: Float[Array, " q"],
     sums: Float[Array, "4 q"],
     clipped_share: Float[Array, " p"],
+    any_clipped_share: float,
     draws: int,
 ) -> Estimate:
     shift, square, cube, fourth = sums / draws
@@ -106,11 +118,16 @@ def _estimate(
     m4 = fourth - 4 * shift * cube + 6 * shift**2 * square - 3 * shift**4
     sd = np.sqrt(variance * draws / (draws - 1))
     mean = expected + shift
-    with np.errstate(divide="ignore", invalid="ignore"):
-        snr_db = 20 * np.log10(np.abs(mean) / sd)
-        # delta method for log(mean / sd): both are sample moments and may covary (skewness)
-        relative = variance / mean**2 + (m4 / variance**2 - 1) / 4 - m3 / (mean * variance)
-        snr_se_db = 20 / math.log(10) * np.sqrt(np.maximum(relative, 0.0) / draws)
+    spread = variance > 0  # without any, an SNR is inf (or -inf in the dark) and its error unknown
+    seen = mean != 0
+    v, m = np.where(spread, variance, 1.0), np.where(seen, mean, 1.0)
+    with np.errstate(divide="ignore"):
+        ratio = np.where(seen, np.abs(mean) / np.where(seen, sd, 1.0), 0.0)
+        snr_db = 20 * np.log10(ratio)
+    # delta method for log(mean / sd): both are sample moments and may covary (skewness)
+    relative = v / m**2 + (m4 / v**2 - 1) / 4 - m3 / (m * v)
+    snr_se_db = 20 / math.log(10) * np.sqrt(np.maximum(relative, 0.0) / draws)
+    snr_se_db = np.where(spread & seen, snr_se_db, np.inf)
     return Estimate(
         mean=mean,
         sd=sd,
@@ -118,5 +135,6 @@ def _estimate(
         snr_db=snr_db,
         snr_se_db=snr_se_db,
         clipped_share=clipped_share,
+        any_clipped_share=any_clipped_share,
         draws=draws,
     )

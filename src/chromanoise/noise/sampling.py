@@ -3,9 +3,12 @@
 import numpy as np
 from jaxtyping import Bool, Float
 
+from chromanoise import _check
 from chromanoise.sensor import Pixel
 
 Array = np.ndarray
+
+_MOST_E = 1e15  # beyond it electrons are no longer told apart in double precision
 
 
 def sample_electrons(
@@ -21,7 +24,18 @@ def sample_electrons(
         Its read noise is added.
     rng
         A stream of `chromanoise.rng`.
+
+    Raises
+    ------
+    InputError
+        If a mean is negative, not finite, or more than can be counted.
     """
+    mean_e = _check.non_negative("mean_e", "e-", mean_e)
+    if mean_e.size and mean_e.max() > _MOST_E:
+        raise _check.InputError(
+            f"mean_e must be at most {_MOST_E:g} [e-] to be counted, but reaches {mean_e.max():g}; "
+            "take less light or a shorter time"
+        )
     shot = rng.poisson(mean_e).astype(np.float64)
     return shot + pixel.read_noise_e * rng.standard_normal(shot.shape)
 

@@ -8,6 +8,7 @@ import jinja2
 
 from chromanoise import __version__
 from chromanoise.imaging import Picture, png_bytes
+from chromanoise.sensor.catalogue import RECONSTRUCTION
 from chromanoise.study import (
     Reproduction,
     as_printed,
@@ -16,7 +17,7 @@ from chromanoise.study import (
     table_5_finding,
     verdict,
 )
-from chromanoise.study.paper import PRINTED_TIMES_MS
+from chromanoise.study.paper import PRINTED_TIMES_MS, WELL_SHARE
 
 
 def demo_page(
@@ -48,7 +49,8 @@ def demo_page(
         verdict=verdict(result.study),
         table_5=table_5_finding(result.study),
         set_aside=set_aside_reasons(result.study),
-        note=result.study.columns["RGBW_n 12 ms"].sensor.notes[0],
+        note=RECONSTRUCTION,
+        well_percent=100 * WELL_SHARE,
         times=[
             (name, printed, 1e3 * result.study.times_s[name])
             for name, printed in PRINTED_TIMES_MS.items()

@@ -30,6 +30,8 @@ _LAYOUT = (
 _NOT_APPLIED = (
     "bbl",
     "data ignore value",
+)
+_GAINS = (
     "data gain values",
     "data offset values",
     "data reflectance gain values",
@@ -284,7 +286,20 @@ def _layout_notes(header: EnviHeader) -> tuple[str, ...]:
 
 
 def envi_scale(header: EnviHeader) -> float | None:
-    """Reflectance per stored unit, from ``reflectance scale factor``; None if not told."""
+    """Reflectance per stored unit, from ``reflectance scale factor``; None if not told.
+
+    Raises
+    ------
+    InputError
+        If the header asks for a gain or offset per band instead, which is not applied.
+    """
+    gains = [key for key in _GAINS if key in header.fields]
+    if gains:
+        raise _check.InputError(
+            f"{header.source}: {gains[0]!r} asks for a gain or offset per band, which is not "
+            "applied here; apply it and save the cube again, or say --scale (reflectance per "
+            "stored unit)"
+        )
     if "reflectance scale factor" not in header.fields:
         return None
     factor = _number(header, "reflectance scale factor", header.word("reflectance scale factor"))

@@ -57,6 +57,7 @@ def read_cube(
     Examples
     --------
     >>> import tempfile
+    >>> import numpy as np
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     np.save(f"{folder}/cube.npy", np.full((1, 2, 3), 0.18))
     ...     cube = read_cube(f"{folder}/cube.npy", wavelengths=(400, 600))

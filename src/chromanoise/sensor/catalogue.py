@@ -38,6 +38,7 @@ def onyx_rgbw(grid: Grid) -> Sensor:
         names=curves.names,
         pixel=PAPER_PIXEL,
         mosaic=rgbw_sparse_4x4(),
+        origin="reconstruction",
         notes=(RECONSTRUCTION,),
     )
 
@@ -71,6 +72,7 @@ def model_rgb_ircut(grid: Grid) -> Sensor:
         names=("R", "G", "B"),
         pixel=PAPER_PIXEL,
         mosaic=bayer(),
+        origin="model",
         notes=("curves are a model of silicon, resins and an IR-cut, not a device",),
     )
 
@@ -83,6 +85,7 @@ def model_mono(grid: Grid) -> Sensor:
         qe=_columns(silicon_qe(grid, depth_um=4.0)),
         names=("W",),
         pixel=PAPER_PIXEL,
+        origin="model",
         notes=("the curve is a model of silicon, not a device",),
     )
 

@@ -33,18 +33,6 @@ class Mosaic:
         return tuple(dict.fromkeys(name for row in self.pattern for name in row))
 
 
-def share(mosaic: Mosaic, name: str) -> float:
-    """Share of the pixels that carry channel ``name``.
-
-    Examples
-    --------
-    >>> share(bayer(), "G")
-    0.5
-    """
-    cells = [cell for row in mosaic.pattern for cell in row]
-    return cells.count(name) / len(cells)
-
-
 def bayer() -> Mosaic:
     """2 x 2, half of it green (Bayer, US 3,971,065)."""
     return _mosaic("RG", "GB")

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Literal, get_args
 
 import numpy as np
 from jaxtyping import Float
@@ -12,6 +13,7 @@ from chromanoise.sensor.pixel import Pixel
 from chromanoise.spectra import Grid
 
 Array = np.ndarray
+Origin = Literal["given", "measured", "model", "reconstruction"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -33,8 +35,11 @@ class Sensor:
         Pitch, full well, read noise.
     mosaic
         Which channel sits over which pixel, where that is known.
+    origin
+        What the curves are: ``given`` by the user, ``measured``, a ``model``, a
+        ``reconstruction``; told wherever the sensor appears.
     notes
-        What a reader of a result must know, e.g. that curves are a reconstruction.
+        What a reader of a result must know.
 
     Raises
     ------
@@ -48,6 +53,7 @@ class Sensor:
     names: tuple[str, ...]
     pixel: Pixel
     mosaic: Mosaic | None = None
+    origin: Origin = "given"
     notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
@@ -56,6 +62,7 @@ class Sensor:
             raise _check.InputError(
                 f"QE of sensor {self.name} must be (wavelengths, channels), got {qe.shape}"
             )
+        _check.one_of("origin of curves", self.origin, get_args(Origin))
         _check.same_length("wavelengths", grid=self.grid.n, qe=qe.shape[0])
         _check.same_length("channels", names=len(self.names), qe=qe.shape[1])
         names = _check.distinct(f"channel names of {self.name}", self.names)

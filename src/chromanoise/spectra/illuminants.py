@@ -98,12 +98,13 @@ def led(grid: Grid, peak_nm: float, width_nm: float = 20.0) -> Illuminant:
     Parameters
     ----------
     peak_nm, width_nm
-        Peak wavelength and full width at half maximum. [nm]
+        Peak wavelength and the width of Ohno's model, whose full width at half maximum is 0.92
+        of it. [nm]
 
     Raises
     ------
     InputError
-        If the diode gives no light that lux can measure (e.g. 850 nm).
+        If the diode is too narrow for the grid, or gives no light that lux can measure (850 nm).
 
     Notes
     -----
@@ -112,12 +113,17 @@ def led(grid: Grid, peak_nm: float, width_nm: float = 20.0) -> Illuminant:
     """
     peak = _check.positive("peak_nm", "nm", peak_nm)
     width = _check.positive("width_nm", "nm", width_nm)
+    if width < 2 * grid.step_nm:
+        raise _check.InputError(
+            f"an LED {width:g} nm wide falls between the {grid.step_nm:g} nm steps of the grid; "
+            f"take a width of at least {2 * grid.step_nm:g} nm, or a finer grid"
+        )
 
     def power(wavelength_nm: Float[Array, " m"]) -> Float[Array, " m"]:
         bell = np.exp(-(((wavelength_nm - peak) / width) ** 2))
         return (bell + 2 * bell**5) / 3
 
-    return _from_formula(f"{peak:g} nm LED", power, grid)
+    return _from_formula(f"{peak:g} nm LED, {width:g} nm wide", power, grid)
 
 
 def astm_g173(grid: Grid, *, beyond: Beyond = "refuse") -> Illuminant:
@@ -164,10 +170,12 @@ def illuminant_from(
     _check.non_negative(f"{spectrum.quantity} of {spectrum.source}", spectrum.unit, spectrum.values)
     known, power = spectrum.wavelength_nm, spectrum.values[:, 0]
     resampled = on_grid(spectrum, grid, beyond=beyond)
-    lux = _lumen_per_watt_nm(lambda at: np.interp(at, known, power, left=0.0, right=0.0), name)
-    return Illuminant(
-        name=name, grid=grid, irradiance=resampled.values[:, 0] / lux, notes=resampled.notes
-    )
+    at_grid = resampled.values[:, 0]
+    if np.median(np.diff(known)) < grid.step_nm:
+        at_grid = _cell_means(known, power, grid, otherwise=at_grid)
+    ends = {} if beyond == "hold" else {"left": 0.0, "right": 0.0}
+    lux = _lux_of(lambda at: np.interp(at, known, power, **ends), name)
+    return Illuminant(name=name, grid=grid, irradiance=at_grid / lux, notes=resampled.notes)
 
 
 ILLUMINANT_NAMES = ("E", "A", "G173", "D65", "D50", "FL2", "LED-B3", "3200K", "LED660")
@@ -197,6 +205,29 @@ def illuminant_named(name: str, grid: Grid, *, beyond: Beyond = "refuse") -> Ill
     return cie_illuminant(name, grid, beyond=beyond)
 
 
+def _cell_means(
+    known: Float[Array, " m"],
+    power: Float[Array, " m"],
+    grid: Grid,
+    *,
+    otherwise: Float[Array, " n"],
+) -> Float[Array, " n"]:
+    """Means over the cells of the grid, so that no spectral line falls between two samples.
+
+    A cell that the table does not reach keeps ``otherwise``.
+    """
+    half = grid.step_nm / 2
+    left = np.clip(grid.wavelength_nm - half, known[0], known[-1])
+    right = np.clip(grid.wavelength_nm + half, known[0], known[-1])
+    at = np.union1d(known, np.concatenate([left, right]))
+    value = np.interp(at, known, power)
+    area = np.concatenate([[0.0], np.cumsum((value[1:] + value[:-1]) / 2 * np.diff(at))])
+    width = right - left
+    whole = width > half / 2
+    mean = (np.interp(right, at, area) - np.interp(left, at, area)) / np.where(whole, width, 1.0)
+    return np.where(whole, mean, otherwise)
+
+
 def _number(text: str, name: str) -> float:
     try:
         return float(text)
@@ -211,17 +242,18 @@ def _planck(
 
     def log_power(metre: Float[Array, " m"]) -> Float[Array, " m"]:
         x = c2_m_k / (metre * temperature_k)
-        return -5 * np.log(metre) - x - np.log(-np.expm1(-x))
+        return np.asarray(-5 * np.log(metre) - x - np.log(-np.expm1(-x)))
 
-    return np.exp(log_power(wavelength_nm * 1e-9) - log_power(np.array([560e-9])))
+    relative = log_power(wavelength_nm * 1e-9) - log_power(np.array([560e-9]))
+    return np.exp(np.minimum(relative, 600.0))  # a cold body's NIR would overflow
 
 
 def _from_formula(name: str, power: Power, grid: Grid) -> Illuminant:
-    lux = _lumen_per_watt_nm(power, name)
+    lux = _lux_of(power, name)
     return Illuminant(name=name, grid=grid, irradiance=power(grid.wavelength_nm) / lux)
 
 
-def _lumen_per_watt_nm(power: Power, name: str) -> float:
+def _lux_of(power: Power, name: str) -> float:
     """Lux of the curve ``power`` [W m-2 nm-1]: K_m sum y-bar power, 360-830 nm @1 (CIE 015)."""
     observer = cie_1931_table()
     curve = power(observer.wavelength_nm)

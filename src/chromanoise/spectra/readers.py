@@ -60,7 +60,7 @@ def spectra_from_text(text: str, *, source: str, quantity: str, unit: str) -> Sp
             f"{source}: needs a header wavelength_nm,name,... and at least 2 rows, "
             f"but has {len(lines)} lines"
         )
-    header = _cells(lines[0][1])
+    header = _cells(lines[0][1], lines[0][0], source)
     if header[0].lower() != "wavelength_nm" or len(header) < 2:
         raise _check.InputError(
             f"{source}: line {lines[0][0]} must be the header wavelength_nm,name,..., "
@@ -79,12 +79,15 @@ def spectra_from_text(text: str, *, source: str, quantity: str, unit: str) -> Sp
     )
 
 
-def _cells(line: str) -> list[str]:
-    return [cell.strip() for cell in next(csv.reader(io.StringIO(line)))]
+def _cells(line: str, number: int, source: str) -> list[str]:
+    try:
+        return [cell.strip() for cell in next(csv.reader(io.StringIO(line)))]
+    except csv.Error as error:
+        raise _check.InputError(f"{source}: line {number} is no row of a CSV ({error})") from None
 
 
 def _numbers(line: str, number: int, header: list[str], source: str) -> list[float]:
-    cells = _cells(line)
+    cells = _cells(line, number, source)
     if len(cells) != len(header):
         raise _check.InputError(
             f"{source}: line {number} has {len(cells)} cells, but the header names {len(header)}"

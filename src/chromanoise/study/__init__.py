@@ -6,23 +6,20 @@ from chromanoise.study.analysis import (
     color_snr_db,
     contravariant_snr_db,
     diagnosis,
+    mean_color_error,
     raw_snr_db,
 )
 from chromanoise.study.export import analyses_as_json, reproduction_as_json
 from chromanoise.study.findings import set_aside_reasons, table_5_finding, verdict
+from chromanoise.study.layout import PaperTable, as_printed, paper_tables
 from chromanoise.study.paper import PaperStudy, paper_study
-from chromanoise.study.reproduction import (
-    Cell,
-    PaperTable,
-    Reproduction,
-    as_printed,
-    paper_tables,
-    reproduced,
-)
+from chromanoise.study.planes import PaperPlanes, paper_planes
+from chromanoise.study.reproduction import Cell, Reproduction, reproduced
 
 __all__ = [
     "Analysis",
     "Cell",
+    "PaperPlanes",
     "PaperStudy",
     "PaperTable",
     "Reproduction",
@@ -32,6 +29,8 @@ __all__ = [
     "color_snr_db",
     "contravariant_snr_db",
     "diagnosis",
+    "mean_color_error",
+    "paper_planes",
     "paper_study",
     "paper_tables",
     "raw_snr_db",

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float
 
-from chromanoise._check import InputError
+from chromanoise import _check
 from chromanoise.color import ColorMatrix, colored, kernel_matrix
 from chromanoise.exposure import Exposure, expected_electrons
 from chromanoise.geometry import (
@@ -54,8 +54,6 @@ class Analysis:
         SNR of the rebuilt spectrum (eq. 4). [dB]
     bound_db, price_db
         Best SNR of any linear readout, and how far Y stays below it. [dB]
-    color_error
-        CIE 1976 difference per ColorChecker patch, without noise. [Delta E*ab]
     """
 
     scene: Scene
@@ -73,7 +71,9 @@ class Analysis:
     spectral_snr_db: float
     bound_db: float
     price_db: float
-    color_error: Float[Array, "24"]
+
+    def __post_init__(self) -> None:
+        _check.freeze(self, "saturated", "vif", "between_deg", "to_axes_deg")
 
 
 def analyzed(
@@ -96,7 +96,9 @@ def analyzed(
         If the scene is more than one point or on another grid than the sensor.
     """
     if scene.reflectance.ndim != 1:
-        raise InputError(f"analyzed takes one point, got a scene of {scene.reflectance.shape}")
+        raise _check.InputError(
+            f"analyzed takes one point, got a scene of {scene.reflectance.shape}"
+        )
     raw = with_noise(expected_electrons(scene, sensor, exposure), sensor)
     matrix = kernel_matrix(sensor, exposure, metric)
     color = colored(raw, matrix)
@@ -117,8 +119,21 @@ def analyzed(
         spectral_snr_db=float(decibel(spectral_snr(raw, frame))),
         bound_db=float(bound_db(raw)),
         price_db=float(price_db(raw, color)),
-        color_error=chart_color_error(sensor, matrix, exposure, scene.illuminant),
     )
+
+
+def mean_color_error(analysis: Analysis) -> float | None:
+    """Mean CIE 1976 difference over the ColorChecker, without noise; ``None`` for a lost white."""
+    error = chart_color_error(
+        analysis.sensor, analysis.matrix, analysis.exposure, analysis.scene.illuminant
+    )
+    return None if error is None else float(error.mean())
+
+
+def mix_sentence(mix: NearestMix) -> str:
+    """How near the channel is to which mix."""
+    parts = " ".join(f"{weight:+.2f} {name}" for name, weight in mix.weights.items())
+    return f"{mix.channel} is {mix.angle_deg:.2g} deg from {parts.removeprefix('+')}"
 
 
 def raw_snr_db(analysis: Analysis) -> dict[str, float | None]:
@@ -162,22 +177,17 @@ def diagnosis(analysis: Analysis) -> tuple[str, ...]:
     mix = analysis.mix
     if frame.rank < len(sensor.names) and mix:
         told.append(
-            f"the sensor is singular: only {frame.rank} of {len(sensor.names)} channels are "
-            f"independent ({_mix_sentence(mix)}), so the coordinates of that mix are not defined "
-            "and the matrix uses the pseudo-inverse"
+            f"singular: only {frame.rank} of {len(sensor.names)} channels are independent "
+            f"({mix_sentence(mix)}), so the coordinates of that mix are not defined and the kernel "
+            "matrix takes the pseudo-inverse"
         )
     elif mix and mix.angle_deg < _NEAR_MIX_DEG:
         worst = float(analysis.vif[sensor.names.index(mix.channel)])
         told.append(
-            f"nearly singular (condition {frame.condition:.0f}): {_mix_sentence(mix)}, which "
+            f"nearly singular (condition {frame.condition:.0f}): {mix_sentence(mix)}, which "
             f"multiplies the variance of its coordinate by {worst:.0f}"
         )
     return tuple(told)
-
-
-def _mix_sentence(mix: NearestMix) -> str:
-    parts = " ".join(f"{weight:+.2f} {name}" for name, weight in mix.weights.items())
-    return f"{mix.channel} is {mix.angle_deg:.2g} deg from {parts.removeprefix('+')}"
 
 
 def _told(ratios: dict[str, Float[Array, ""]], hidden: dict[str, bool]) -> dict[str, float | None]:

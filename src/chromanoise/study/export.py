@@ -12,6 +12,7 @@ from chromanoise.study.analysis import (
     color_snr_db,
     contravariant_snr_db,
     diagnosis,
+    mean_color_error,
     raw_snr_db,
 )
 from chromanoise.study.findings import set_aside_reasons, table_5_finding, verdict
@@ -70,7 +71,7 @@ def _analysis(analysis: Analysis) -> dict[str, Any]:
         "matrix": analysis.matrix.matrix.tolist(),
         "matrix_made_by": analysis.matrix.made_by,
         "matrix_unit": "lx/e-",
-        "color_error_mean": float(analysis.color_error.mean()),
+        "color_error_mean": mean_color_error(analysis),
         "notes": list(diagnosis(analysis)),
     }
 

@@ -5,7 +5,13 @@ import numpy as np
 from chromanoise.exposure import expected_electrons
 from chromanoise.scene import Scene
 from chromanoise.study import paper
-from chromanoise.study.analysis import Analysis, color_snr_db, raw_snr_db
+from chromanoise.study.analysis import (
+    Analysis,
+    color_snr_db,
+    mean_color_error,
+    mix_sentence,
+    raw_snr_db,
+)
 from chromanoise.study.paper import PaperStudy
 
 _NIR_FROM_NM = 700.0
@@ -45,47 +51,56 @@ def nir_share(analysis: Analysis) -> float:
 def table_5_finding(study: PaperStudy) -> str:
     """Why Table 5's loss is not an effect of the angle, and what the angle does govern."""
     bare, cut = study.greens[paper.G_N], study.greens[paper.G]
+    columns = (paper.G_N, paper.G)
+    snr_y = [paper.PRINTED_GREEN_SNR_Y_DB[c] for c in columns]
+    full = [paper.PRINTED_FULL_WELL_SNR_DB[c] for c in columns]
+    raw_g = [paper.PRINTED_RAW_SNR_DB["G"][c] for c in (paper.RGBW_12, paper.RGB_59)]
+    error_db = 20 / np.log(10) / np.sqrt(2 * paper.DRAWS)
     reach = [100 * np.cos(np.radians(g.to_axes_deg[0, 1])) ** 2 for g in (bare, cut)]
     return (
         "With one channel Y^ is a constant times the raw signal, so SNR_y equals SNR_raw at any "
         f"angle: {_db(raw_snr_db(bare)['G']):.1f} dB for G_n at "
         f"{1e3 * bare.exposure.time_s:.0f} ms and {_db(raw_snr_db(cut)['G']):.1f} dB for G at "
-        f"{1e3 * cut.exposure.time_s:.0f} ms. The printed 36.9 and 39.7 dB are Table 2's raw G at "
-        "12 and 59 ms (36.8 and 39.8) within the Monte Carlo error of 0.09 dB; the printed "
-        "39.95 dB is the SNR of a full well, which neither channel reaches. What the angle "
+        f"{1e3 * cut.exposure.time_s:.0f} ms. The printed {snr_y[0]:g} and {snr_y[1]:g} dB are "
+        f"Table 2's raw G at 12 and 59 ms ({raw_g[0]:g} and {raw_g[1]:g}) within the Monte Carlo "
+        f"error of {error_db:.2f} dB; the printed {full[0]:g} dB is the SNR of a full well, which "
+        "neither channel reaches. What the angle "
         f"governs is bias: cos^2 theta is the share of |y|^2 that the channel can reach, "
         f"{reach[0]:.1f} % and {reach[1]:.1f} %."
     )
 
 
-def set_aside_reason(analysis: Analysis, kept: Analysis) -> str:
-    """Why the paper leaves a sensor out, beside the sensor of the same channels that it keeps."""
-    frame, mix = analysis.matrix.frame, analysis.mix
-    nearness = ""
-    if mix:
-        parts = " ".join(f"{weight:+.2f} {name}" for name, weight in mix.weights.items())
-        nearness = (
-            f"{mix.channel} is {mix.angle_deg:.1f} deg from {parts.removeprefix('+')} "
-            f"({100 * mix.explained:.1f} % of it), "
-        )
-    return (
-        f"{analysis.sensor.name}: {nearness}VIF up to {analysis.vif.max():.0f}, condition "
-        f"{frame.condition:.1f}, mean color error {analysis.color_error.mean():.1f} Delta E*ab; "
-        f"{kept.sensor.name} has VIF up to {kept.vif.max():.1f}, condition "
-        f"{kept.matrix.frame.condition:.1f}, color error {kept.color_error.mean():.1f}."
-    )
-
-
 def set_aside_reasons(study: PaperStudy) -> tuple[str, ...]:
-    """One sentence for each of the two sensors that the paper leaves out."""
-    kept = study.columns
+    """Why the paper leaves out its two other sensors, one sentence each.
+
+    Each stands beside the sensor with the same channels that the paper keeps.
+    """
+    rgb, rgbw = study.set_aside["onyx-rgb"], study.set_aside["onyx-rgbw-ircut"]
+    kept_rgb, kept_rgbw = study.columns[paper.RGB_59], study.columns[paper.RGBW_12]
     return (
-        set_aside_reason(study.set_aside["onyx-rgb"], kept[paper.RGB_59])
-        + " Without white and without IR-cut the NIR turns into false color.",
-        set_aside_reason(study.set_aside["onyx-rgbw-ircut"], kept[paper.RGBW_12])
-        + " Behind the IR-cut white says little that R, G and B do not: the kernel's "
-        "correlation matrix is close to singular.",
+        f"{_standing(rgb)} Without white and without IR-cut the NIR turns into false color: "
+        f"mean error {_error(rgb)} Delta E*ab, against {_error(kept_rgb)} with the IR-cut and "
+        f"{_error(kept_rgbw)} with white.",
+        f"{_standing(rgbw)} Behind the IR-cut white says little that R, G and B do not, so the "
+        "correlation matrix of the kernel is close to singular (the reconstruction was asked for "
+        f"this): {kept_rgbw.sensor.name} has VIF up to {kept_rgbw.vif.max():.1f}, condition "
+        f"{kept_rgbw.matrix.frame.condition:.1f}. Its color error, {_error(rgbw)} against "
+        f"{_error(kept_rgbw)}, is no reason against it; its noise is.",
     )
+
+
+def _standing(analysis: Analysis) -> str:
+    mix = analysis.mix
+    near = f"{mix_sentence(mix)} ({100 * mix.explained:.1f} % of it), " if mix else ""
+    return (
+        f"{analysis.sensor.name}: {near}VIF up to {analysis.vif.max():.1f}, condition "
+        f"{analysis.matrix.frame.condition:.1f}."
+    )
+
+
+def _error(analysis: Analysis) -> str:
+    error = mean_color_error(analysis)
+    return "undefined" if error is None else f"{error:.1f}"
 
 
 def _db(value: float | None) -> float:

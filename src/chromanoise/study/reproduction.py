@@ -5,7 +5,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from chromanoise._check import InputError
 from chromanoise.noise import Estimate, monte_carlo
 from chromanoise.study import paper
 from chromanoise.study.analysis import (
@@ -33,7 +32,8 @@ class Cell:
     closed_form, monte_carlo, monte_carlo_se
         Ours; ``None`` where a quantity has no noise to sample.
     clipped_share
-        Share of the acquisitions in which a channel of this sensor clipped; 0 unclipped.
+        Share of the acquisitions in which this raw channel, or for other coordinates any channel,
+        was held at black or full well; 0 where nothing is clipped.
     """
 
     table: int
@@ -69,50 +69,6 @@ class Reproduction:
     clipped: bool
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class PaperTable:
-    """One of the paper's tables, laid out: for each row a cell per column, or ``None``."""
-
-    title: str
-    columns: tuple[str, ...]
-    rows: tuple[tuple[str, tuple[Cell | None, ...]], ...]
-
-
-def as_printed(value: float | None) -> str:
-    """A number of the paper with the digits that the paper gives it.
-
-    Examples
-    --------
-    >>> as_printed(25.0), as_printed(39.95), as_printed(None)
-    ('25.0', '39.95', '-')
-    """
-    return "-" if value is None else f"{value:.2f}".removesuffix("0")
-
-
-_TITLES = {
-    2: "Table 2: raw SNR",
-    3: "Table 3: SNR of luminance Y",
-    4: "Table 4: SNR of contravariant coordinates",
-    5: "Table 5: one green channel",
-}
-
-
-def paper_tables(result: Reproduction) -> tuple[PaperTable, ...]:
-    """The cells of a reproduction in the layout of the paper."""
-    return tuple(_laid_out(number, title, result.cells) for number, title in _TITLES.items())
-
-
-def _laid_out(number: int, title: str, cells: tuple[Cell, ...]) -> PaperTable:
-    by_place = {(cell.row, cell.column): cell for cell in cells if cell.table == number}
-    columns = tuple(dict.fromkeys(column for _, column in by_place))
-    rows = dict.fromkeys(row for row, _ in by_place)
-    return PaperTable(
-        title=title,
-        columns=columns,
-        rows=tuple((row, tuple(by_place.get((row, c)) for c in columns)) for row in rows),
-    )
-
-
 def reproduced(
     study: PaperStudy, *, draws: int = paper.DRAWS, seed: int = 0, clip: bool = False
 ) -> Reproduction:
@@ -134,8 +90,6 @@ def reproduced(
     InputError
         If the seed is negative or there are fewer than 2 draws.
     """
-    if seed < 0:
-        raise InputError(f"seed must be an integer >= 0, but is {seed}")
     analyses = {**study.columns, **study.greens}
     witnesses = {
         column: _witness(analysis, draws=draws, seed=seed, number=number, clip=clip)
@@ -215,8 +169,10 @@ def _snr_cell(
     line: _Line, column: str, printed: float, analysis: Analysis, witness: _Witness
 ) -> Cell:
     i = witness.coordinates.index((line.quantity, line.coordinate))
-    clipped = witness.estimate.clipped_share
-    own = analysis.sensor.names.index(line.coordinate) if line.quantity == "raw SNR" else None
+    estimate = witness.estimate
+    clipped = estimate.any_clipped_share
+    if line.quantity == "raw SNR":
+        clipped = float(estimate.clipped_share[analysis.sensor.names.index(line.coordinate)])
     return Cell(
         table=line.table,
         row=line.row,
@@ -225,9 +181,9 @@ def _snr_cell(
         unit="dB",
         paper=printed,
         closed_form=_SNR_OF[line.quantity](analysis)[line.coordinate],
-        monte_carlo=float(witness.estimate.snr_db[i]),
-        monte_carlo_se=float(witness.estimate.snr_se_db[i]),
-        clipped_share=float(clipped.max() if own is None else clipped[own]),
+        monte_carlo=float(estimate.snr_db[i]),
+        monte_carlo_se=float(estimate.snr_se_db[i]),
+        clipped_share=clipped,
     )
 
 
@@ -252,5 +208,5 @@ def _noiseless_cells(study: PaperStudy) -> Iterator[Cell]:
             quantity="raw SNR of a full well",
             unit="dB",
             paper=paper.PRINTED_FULL_WELL_SNR_DB[column],
-            closed_form=float(decibel(full)),
+            closed_form=float(decibel(np.asarray(full))),
         )

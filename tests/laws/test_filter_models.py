@@ -1,0 +1,66 @@
+"""Models of silicon, resins and IR-cut behave as the materials do."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from chromanoise._check import InputError
+from chromanoise.sensor import ir_cut, resin_filter, sensor_named, silicon_qe
+from chromanoise.spectra import DEFAULT_GRID, Grid
+
+FINE = Grid.uniform(400, 1050, 1)
+
+
+@given(st.floats(0.5, 20.0), st.floats(1.01, 10.0))
+def test_deeper_silicon_collects_more_at_every_wavelength(depth_um, factor):
+    shallow = silicon_qe(DEFAULT_GRID, depth_um=depth_um)
+    deep = silicon_qe(DEFAULT_GRID, depth_um=factor * depth_um)
+    assert (deep >= shallow).all()
+    assert deep[-1] > shallow[-1]  # at 1050 nm silicon is nearly transparent
+
+
+def test_thin_silicon_absorbs_in_proportion_to_its_depth_where_it_is_transparent():
+    one, two = (silicon_qe(DEFAULT_GRID, depth_um=d)[-1] for d in (1.0, 2.0))
+    assert two / one == pytest.approx(2.0, rel=2e-3)  # 16.3/cm: 0.2 % in 1 um
+
+
+def test_a_known_depth_gives_the_absorbed_share_of_beer_and_lambert():
+    # 850 nm: 535/cm (Green & Keevers 1995); 10 um hold 1 - exp(-0.535) = 0.4143
+    at_850 = int(np.searchsorted(DEFAULT_GRID.wavelength_nm, 850))
+    qe = silicon_qe(DEFAULT_GRID, depth_um=10.0, dead_layer_um=0.0, reflectance=0.0)
+    assert qe[at_850] == pytest.approx(0.4143, abs=5e-5)
+
+
+def test_silicon_is_not_continued_beyond_its_table():
+    with pytest.raises(InputError, match="400-1050 nm"):
+        silicon_qe(Grid.uniform(350, 700, 5), depth_um=4.0)
+
+
+def test_half_the_light_passes_an_ir_cut_at_its_edge_and_none_far_beyond():
+    cut = ir_cut(FINE, edge_nm=650.0, width_nm=8.0)
+    assert cut[250] == pytest.approx(0.5)
+    assert cut[0] == pytest.approx(1.0, abs=1e-12)
+    assert cut[-1] == pytest.approx(0.0, abs=1e-12)
+    assert (np.diff(cut) <= 0).all()
+
+
+@given(st.floats(420, 560), st.floats(40, 150), st.floats(20, 200))
+def test_a_resin_passes_its_band_blocks_beside_it_and_leaks_the_infrared(low, width, gap):
+    high = low + width
+    leak = min(high + gap + 120, 950)
+    curve = resin_filter(
+        FINE, low_nm=low, high_nm=high, leak_nm=leak, edge_nm=4.0, peak=0.9, leak=0.95, floor=0.02
+    )
+    at = FINE.wavelength_nm
+    assert ((curve >= 0) & (curve <= 1)).all()
+    assert curve[np.abs(at - (low + high) / 2).argmin()] == pytest.approx(0.9, abs=0.02)
+    assert curve[np.abs(at - (high + leak) / 2).argmin()] < 0.1
+    assert curve[-1] > 0.9
+
+
+def test_no_catalogue_sensor_exceeds_one_electron_per_photon():
+    for name in ("model-rgb-ircut", "model-mono", "onyx-rgbw"):
+        qe = sensor_named(name, DEFAULT_GRID).qe
+        assert qe.max() <= 1
+        assert qe.min() >= 0
