@@ -1,4 +1,4 @@
-"""The house as docs/design.md says: folders in the order of the light, nothing heavy at the door."""
+"""The house of docs/design.md: folders in the order of the light, nothing heavy at the door."""
 
 import subprocess
 import sys

@@ -37,6 +37,7 @@ import click
 import numpy as np
 from jaxtyping import Float
 
+from chromanoise._check import Array
 from chromanoise._files import whole_folder
 from chromanoise.spectra import tables
 from onyx_reconstruction.curves import RGB, WAVELENGTH_NM, Curves, curves_of, ir_cut, rgbw_qe
@@ -50,7 +51,6 @@ from onyx_reconstruction.predictions import (
     snrs_db,
 )
 
-Array = np.ndarray
 PACKAGE_FOLDER = Path(tables.__file__).parent
 
 

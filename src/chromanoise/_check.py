@@ -6,7 +6,8 @@ from typing import Any
 
 import numpy as np
 
-Array = np.ndarray[Any, np.dtype[Any]]
+Array = np.ndarray
+"""The array that shapes are told of: Float[Array, "n p"]."""
 
 
 class InputError(ValueError):

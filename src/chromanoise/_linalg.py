@@ -3,7 +3,7 @@
 import numpy as np
 from jaxtyping import Float
 
-Array = np.ndarray
+from chromanoise._check import Array
 
 RANK_TOLERANCE = 1e-10
 """Singular values of unit-norm columns below this share of the largest count as zero."""

@@ -3,6 +3,8 @@
 import numpy as np
 from jaxtyping import Float
 
+from chromanoise._check import Array
+
 PLANCK_J_S = 6.62607015e-34
 """Planck constant, exact (SI 2019)."""
 LIGHT_M_PER_S = 299_792_458.0
@@ -12,8 +14,6 @@ BOLTZMANN_J_PER_K = 1.380649e-23
 LUMEN_PER_WATT = 683.002
 """Maximum luminous efficacy at the peak of y-bar (CIE 018:2019: 683 lm/W at 540 THz in air)."""
 UM2_PER_M2 = 1e12
-
-Array = np.ndarray
 
 
 def photons_per_joule(wavelength_nm: Float[Array, " n"]) -> Float[Array, " n"]:

@@ -1,8 +1,8 @@
 """Relative noise of RGB, RPB and CMY filters after color correction.
 
 Adams & Pillman, "Digital camera image processing pipeline", in Lukac (ed.), Computational
-Photography (CRC, 2010); decimal points restored as in docs/numbers.md. US 5,609,978 bounds the noise
-gain Psi by 6.5.
+Photography (CRC, 2010); decimal points restored as in docs/numbers.md. US 5,609,978
+bounds the noise gain Psi by 6.5.
 """
 
 from dataclasses import dataclass

@@ -13,9 +13,8 @@ import numpy as np
 from jaxtyping import Float
 from scipy.interpolate import BSpline
 
+from chromanoise._check import Array
 from chromanoise.spectra import DEFAULT_GRID
-
-Array = np.ndarray
 
 GRID = DEFAULT_GRID
 WAVELENGTH_NM = GRID.wavelength_nm

@@ -6,6 +6,7 @@ import numpy as np
 from jaxtyping import Float
 from scipy.optimize import least_squares
 
+from chromanoise._check import Array
 from chromanoise.rng import stream
 from chromanoise.study import paper
 from chromanoise.units import from_decibel
@@ -28,8 +29,6 @@ from onyx_reconstruction.predictions import (
     snrs_db,
 )
 from onyx_reconstruction.priors import PRIOR, prior_residuals
-
-Array = np.ndarray
 
 # The misfit that counts as one unit. The angles are printed to 0.1 deg and the times to 1 ms,
 # but two numbers among so many need little room to be met.

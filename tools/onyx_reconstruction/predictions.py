@@ -10,6 +10,7 @@ from functools import cache
 import numpy as np
 from jaxtyping import Float
 
+from chromanoise._check import Array
 from chromanoise.color import colored, kernel_matrix
 from chromanoise.exposure import Exposure, expected_electrons, saturating_exposure
 from chromanoise.geometry import Frame, angles_to_axes_deg, contravariant
@@ -21,7 +22,6 @@ from chromanoise.spectra import Metric, color_axes, equal_energy
 from chromanoise.study import paper
 from onyx_reconstruction.curves import GRID, RGB, Curves, ir_cut, rgbw_qe
 
-Array = np.ndarray
 METRIC: Metric = "quanta"
 
 

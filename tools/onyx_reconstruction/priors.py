@@ -12,9 +12,8 @@ import numpy as np
 from jaxtyping import Float
 from scipy.interpolate import PchipInterpolator
 
+from chromanoise._check import Array
 from onyx_reconstruction.curves import GRID, RGB, WAVELENGTH_NM, Curves, logit, rgbw_qe
-
-Array = np.ndarray
 
 # fmt: off
 _W_POINTS = {

@@ -2,17 +2,16 @@
 
 from dataclasses import dataclass
 
-import numpy as np
 from jaxtyping import Float
 
 from chromanoise import _check
+from chromanoise._check import Array
 from chromanoise.exposure import Exposure, measurement_vectors
 from chromanoise.geometry import Frame, dual_frame
 from chromanoise.noise import Measurement, through
 from chromanoise.sensor import Sensor
 from chromanoise.spectra import Metric, color_axes
 
-Array = np.ndarray
 XYZ = ("X", "Y", "Z")
 
 

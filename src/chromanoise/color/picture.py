@@ -4,8 +4,7 @@ import numpy as np
 from jaxtyping import Float
 
 from chromanoise import _check
-
-Array = np.ndarray
+from chromanoise._check import Array
 
 D65_WHITE = np.array([0.95047, 1.0, 1.08883])
 """XYZ of the sRGB white (IEC 61966-2-1)."""

@@ -1,14 +1,12 @@
 """Eq. 2 for a cube: resampling, illuminant, exposure and QE folded into one weight per band."""
 
-import numpy as np
 from jaxtyping import Float
 
+from chromanoise._check import Array
 from chromanoise.exposure.electrons import Exposure, measurement_vectors, refuse_other_grid
 from chromanoise.scene import Cube, Scene, light
 from chromanoise.sensor import Sensor
 from chromanoise.spectra import Beyond, interpolation_matrix
-
-Array = np.ndarray
 
 
 def band_weights(

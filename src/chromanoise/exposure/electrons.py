@@ -2,16 +2,14 @@
 
 from dataclasses import dataclass
 
-import numpy as np
 from jaxtyping import Float
 
 from chromanoise import _check
+from chromanoise._check import Array
 from chromanoise.scene import Scene, light
 from chromanoise.sensor import Pixel, Sensor
 from chromanoise.spectra import Metric
 from chromanoise.spectra.metric import photons_per_unit
-
-Array = np.ndarray
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -10,6 +10,7 @@ import numpy as np
 from jaxtyping import Float
 from matplotlib.axes import Axes
 
+from chromanoise._check import Array
 from chromanoise.figures.style import (
     INK,
     QUIET,
@@ -33,8 +34,6 @@ from chromanoise.figures.vectors import (
 )
 from chromanoise.study import raw_snr_db
 from chromanoise.study.views import ChannelPlane, MagnifiedNoise
-
-Array = np.ndarray
 
 _ORIGIN = np.zeros(2)
 _AXIS_DASHES = (0, (7, 2, 1.5, 2))  # of a color axis: no channel and no sensor has it

@@ -2,12 +2,12 @@
 
 from collections.abc import Sequence
 
-import numpy as np
 from jaxtyping import UInt8
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
+from chromanoise._check import Array
 from chromanoise.figures.flow import draw_flow
 from chromanoise.figures.geometry import (
     draw_color_projection,
@@ -27,8 +27,6 @@ from chromanoise.spectra import cie_1931
 from chromanoise.study.paper import RGB_12, RGBW_12, PaperStudy
 from chromanoise.study.planes import PaperPlanes
 from chromanoise.study.views import ChannelPlane
-
-Array = np.ndarray
 
 CAPTIONS = {
     "figure-01-mosaics": (

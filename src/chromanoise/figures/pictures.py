@@ -1,10 +1,9 @@
 """Figure 8: what a noisy color picture looks like."""
 
-import numpy as np
 from jaxtyping import UInt8
 from matplotlib.axes import Axes
 
-Array = np.ndarray
+from chromanoise._check import Array
 
 
 def draw_picture(srgb: UInt8[Array, "h w 3"], ax: Axes, *, title: str = "") -> Axes:

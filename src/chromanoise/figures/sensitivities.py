@@ -6,6 +6,7 @@ import numpy as np
 from jaxtyping import Float
 from matplotlib.axes import Axes
 
+from chromanoise._check import Array
 from chromanoise.figures.style import (
     NIR_FROM_NM,
     channel_color,
@@ -14,8 +15,6 @@ from chromanoise.figures.style import (
     shade_nir,
 )
 from chromanoise.sensor import Sensor
-
-Array = np.ndarray
 
 _HALF_WIDTH_NM = 12.0
 _GAP, _HEIGHT = 0.02, 0.075  # of the scale: under the letter, and of the letter

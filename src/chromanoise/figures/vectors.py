@@ -8,9 +8,9 @@ from jaxtyping import Float
 from matplotlib.axes import Axes
 from matplotlib.patches import Arc, Polygon
 
+from chromanoise._check import Array
 from chromanoise.figures.style import FAINT, QUIET
 
-Array = np.ndarray
 Dashes = str | tuple[float, tuple[float, ...]]
 
 _LABEL_PT = 9.0

@@ -5,10 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float
 
+from chromanoise._check import Array
 from chromanoise._linalg import RANK_TOLERANCE, angle_deg, unit_columns
 from chromanoise.geometry.frame import Frame
-
-Array = np.ndarray
 
 
 def variance_inflation(frame: Frame) -> Float[Array, " p"]:

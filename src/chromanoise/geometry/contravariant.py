@@ -4,10 +4,9 @@ import numpy as np
 from jaxtyping import Float
 
 from chromanoise import _check
+from chromanoise._check import Array
 from chromanoise.geometry.frame import Frame
 from chromanoise.noise import Measurement, through
-
-Array = np.ndarray
 
 
 def contravariant(raw: Measurement, frame: Frame) -> Measurement:

@@ -6,10 +6,9 @@ import numpy as np
 from jaxtyping import Float
 
 from chromanoise import _check
+from chromanoise._check import Array
 from chromanoise._linalg import RANK_TOLERANCE, unit_columns
 from chromanoise.spectra import Metric
-
-Array = np.ndarray
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Float, UInt8
 
 from chromanoise import _check
+from chromanoise._check import Array
 from chromanoise.color import adapted_to_d65, kernel_matrix, srgb_from_xyz
 from chromanoise.exposure import Exposure, band_weights, expected_electrons
 from chromanoise.noise import clipped_at_well, sample_electrons
@@ -15,8 +16,6 @@ from chromanoise.scene import Cube, bands_within, flat_field
 from chromanoise.scene.cube import reflectance_rows
 from chromanoise.sensor import Sensor
 from chromanoise.spectra import Beyond, Illuminant, Metric
-
-Array = np.ndarray
 
 _BLOCK_VALUES = 4_000_000  # reflectances held as float64 at a time: 32 MB
 

@@ -7,9 +7,8 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float, UInt8
 
+from chromanoise._check import Array
 from chromanoise.imaging.render import Picture
-
-Array = np.ndarray
 
 
 def png_bytes(srgb: UInt8[Array, "h w 3"]) -> bytes:

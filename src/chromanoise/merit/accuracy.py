@@ -3,14 +3,13 @@
 import numpy as np
 from jaxtyping import Float
 
+from chromanoise._check import Array
 from chromanoise._colour import colour_science
 from chromanoise.color import ColorMatrix
 from chromanoise.exposure import Exposure, expected_electrons
 from chromanoise.scene import Scene, light
 from chromanoise.sensor import Sensor
 from chromanoise.spectra import Illuminant, color_axes, colorchecker
-
-Array = np.ndarray
 
 
 def chart_color_error(

@@ -3,10 +3,9 @@
 import numpy as np
 from jaxtyping import Float
 
+from chromanoise._check import Array
 from chromanoise.noise import Measurement
 from chromanoise.units import decibel
-
-Array = np.ndarray
 
 
 def snr_db(measurement: Measurement) -> dict[str, Float[Array, "*px"]]:

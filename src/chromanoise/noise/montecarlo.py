@@ -7,11 +7,10 @@ import numpy as np
 from jaxtyping import Float
 
 from chromanoise import _check
+from chromanoise._check import Array
 from chromanoise.noise.sampling import clipped_at_well, sample_electrons
 from chromanoise.rng import stream
 from chromanoise.sensor import Pixel
-
-Array = np.ndarray
 
 _CHUNK = 65_536  # acquisitions per stream: memory stays bounded, and the chunk names its draws
 

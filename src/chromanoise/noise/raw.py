@@ -4,10 +4,9 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from chromanoise import _check
+from chromanoise._check import Array
 from chromanoise.noise.measurement import Measurement
 from chromanoise.sensor import Pixel, Sensor
-
-Array = np.ndarray
 
 
 def raw_covariance(

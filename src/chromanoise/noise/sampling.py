@@ -4,9 +4,8 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from chromanoise import _check
+from chromanoise._check import Array
 from chromanoise.sensor import Pixel
-
-Array = np.ndarray
 
 _MOST_E = 1e15  # beyond it electrons are no longer told apart in double precision
 

@@ -9,12 +9,11 @@ from pathlib import Path
 import numpy as np
 
 from chromanoise import _check
+from chromanoise._check import Array
 from chromanoise.scene.found import IN_PLACE, Found, Notes, by, reading
 from chromanoise.scene.mat import mat_array, mat_arrays
 from chromanoise.scene.npz import npz_array, npz_arrays
 from chromanoise.scene.picture import picture
-
-Array = np.ndarray
 
 _MOST_INFLATED = 1032  # times: what deflate can make of one byte
 _MOST_LISTED = 20

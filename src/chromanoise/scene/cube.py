@@ -6,9 +6,8 @@ import numpy as np
 from jaxtyping import Float, Shaped
 
 from chromanoise import _check
+from chromanoise._check import Array
 from chromanoise.spectra import Grid
-
-Array = np.ndarray
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

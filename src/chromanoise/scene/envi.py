@@ -10,8 +10,7 @@ import numpy as np
 from jaxtyping import Float, Shaped
 
 from chromanoise import _check
-
-Array = np.ndarray
+from chromanoise._check import Array
 
 DATA_SUFFIXES = (".img", ".raw", ".dat", ".bin", ".bsq", ".bil", ".bip")
 _LARGEST_HEADER_BYTES = 16 * 2**20

@@ -6,12 +6,11 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
 from jaxtyping import Shaped
 
 from chromanoise import _check
+from chromanoise._check import Array
 
-Array = np.ndarray
 Notes = tuple[str, ...]
 
 IN_PLACE = "store it as ENVI or .npy, which are read in place"

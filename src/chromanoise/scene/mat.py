@@ -17,8 +17,7 @@ import numpy as np
 from jaxtyping import Shaped
 
 from chromanoise import _check
-
-Array = np.ndarray
+from chromanoise._check import Array
 
 _HDF5 = b"\x89HDF\r\n\x1a\n"
 _START_BYTES = 128

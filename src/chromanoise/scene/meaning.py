@@ -7,9 +7,8 @@ import numpy as np
 from jaxtyping import Float, Shaped
 
 from chromanoise import _check
+from chromanoise._check import Array
 from chromanoise.scene.found import Found, Notes
-
-Array = np.ndarray
 
 _SHORTEST_NM, _LONGEST_NM = 100.0, 20000.0
 _RADIANCE = re.compile(r"radiance|(?<![a-z])rdn(?![a-z])", re.I)

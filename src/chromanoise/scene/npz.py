@@ -10,8 +10,8 @@ import numpy as np
 from jaxtyping import Shaped
 
 from chromanoise import _check
+from chromanoise._check import Array
 
-Array = np.ndarray
 Declared = tuple[tuple[int, ...], np.dtype]
 
 _HEADER_READERS = {  # the third, (3, 0), only serves structures

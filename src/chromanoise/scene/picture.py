@@ -3,13 +3,11 @@
 import math
 from pathlib import Path
 
-import numpy as np
 from jaxtyping import Shaped
 
 from chromanoise import _check
+from chromanoise._check import Array
 from chromanoise.scene.found import Notes, by, refuse_other_shape
-
-Array = np.ndarray
 
 
 def picture(

@@ -6,10 +6,9 @@ import numpy as np
 from jaxtyping import Float
 
 from chromanoise import _check
+from chromanoise._check import Array
 from chromanoise.spectra import Illuminant, Metric, photon_irradiance
 from chromanoise.spectra.metric import photons_per_unit
-
-Array = np.ndarray
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

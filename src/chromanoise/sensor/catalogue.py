@@ -11,14 +11,13 @@ import numpy as np
 from jaxtyping import Float
 
 from chromanoise import _check
+from chromanoise._check import Array
 from chromanoise.sensor.filters import ir_cut, resin_filter, silicon_qe
 from chromanoise.sensor.mosaic import bayer, rgbw_sparse_4x4
 from chromanoise.sensor.pixel import Pixel
 from chromanoise.sensor.sensor import Sensor, behind_filter, with_channels
 from chromanoise.spectra import Grid, on_grid
 from chromanoise.spectra.tables import packaged_table
-
-Array = np.ndarray
 
 PAPER_PIXEL = Pixel(pitch_um=10.0, full_well_e=10_000.0, read_noise_e=10.0)
 """Table 1 of the paper."""

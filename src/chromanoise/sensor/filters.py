@@ -8,10 +8,9 @@ import numpy as np
 from jaxtyping import Float
 
 from chromanoise import _check
+from chromanoise._check import Array
 from chromanoise.spectra import Grid
 from chromanoise.spectra.tables import packaged_table
-
-Array = np.ndarray
 
 _CM_PER_UM = 1e-4
 

@@ -4,15 +4,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Literal, get_args
 
-import numpy as np
 from jaxtyping import Float
 
 from chromanoise import _check
+from chromanoise._check import Array
 from chromanoise.sensor.mosaic import Mosaic
 from chromanoise.sensor.pixel import Pixel
 from chromanoise.spectra import Grid
 
-Array = np.ndarray
 Origin = Literal["given", "measured", "model", "reconstruction"]
 
 

@@ -7,9 +7,9 @@ import numpy as np
 from jaxtyping import Float
 
 from chromanoise import _check
+from chromanoise._check import Array
 from chromanoise.spectra.grid import Grid
 
-Array = np.ndarray
 Beyond = Literal["refuse", "zero", "hold"]
 """What a curve is taken to be where it was not measured."""
 

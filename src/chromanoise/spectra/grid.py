@@ -6,8 +6,7 @@ import numpy as np
 from jaxtyping import Float
 
 from chromanoise import _check
-
-Array = np.ndarray
+from chromanoise._check import Array
 
 
 @dataclass(frozen=True, slots=True)

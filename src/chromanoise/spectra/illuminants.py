@@ -9,6 +9,7 @@ import numpy as np
 from jaxtyping import Float
 
 from chromanoise import _check
+from chromanoise._check import Array
 from chromanoise._colour import colour_science
 from chromanoise.spectra.curves import Beyond, Spectra, on_grid
 from chromanoise.spectra.grid import Grid
@@ -23,7 +24,6 @@ from chromanoise.units import (
     photons_per_joule,
 )
 
-Array = np.ndarray
 Power = Callable[[Float[Array, " m"]], Float[Array, " m"]]
 
 _DARKEST_LM_PER_W = 1e-3  # a source below this gives no light that lux could measure

@@ -20,10 +20,10 @@ import numpy as np
 from jaxtyping import Float
 
 from chromanoise import _check
+from chromanoise._check import Array
 from chromanoise.spectra.grid import Grid
 from chromanoise.units import UM2_PER_M2, photons_per_joule
 
-Array = np.ndarray
 Metric = Literal["quanta", "energy"]
 METRICS: tuple[Metric, ...] = get_args(Metric)
 

@@ -5,13 +5,12 @@ from functools import cache
 import numpy as np
 from jaxtyping import Float
 
+from chromanoise._check import Array
 from chromanoise._colour import colour_science
 from chromanoise.spectra.curves import Spectra, on_grid
 from chromanoise.spectra.grid import Grid
 from chromanoise.spectra.metric import Metric, photons_per_unit
 from chromanoise.units import LUMEN_PER_WATT, UM2_PER_M2, photons_per_joule
-
-Array = np.ndarray
 
 
 @cache

@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from chromanoise import _check
+from chromanoise._check import Array
 from chromanoise.color import ColorMatrix, colored, kernel_matrix
 from chromanoise.exposure import Exposure, expected_electrons
 from chromanoise.geometry import (
@@ -24,8 +25,6 @@ from chromanoise.scene import Scene
 from chromanoise.sensor import Sensor
 from chromanoise.spectra import Metric, color_axes
 from chromanoise.units import decibel
-
-Array = np.ndarray
 
 _NEAR_MIX_DEG = 10.0  # a channel closer than this to the span of the others is worth a sentence
 

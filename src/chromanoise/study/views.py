@@ -10,7 +10,7 @@ from itertools import combinations
 import numpy as np
 from jaxtyping import Float
 
-from chromanoise._check import InputError, one_of
+from chromanoise._check import Array, InputError, one_of
 from chromanoise.geometry import PlaneView, ellipse_outline, plane_view
 from chromanoise.noise import Measurement, sample_electrons, through
 from chromanoise.rng import stream
@@ -18,8 +18,6 @@ from chromanoise.scene import light
 from chromanoise.sensor import with_channels
 from chromanoise.spectra import color_axes
 from chromanoise.study.analysis import Analysis, analyzed, color_snr_db
-
-Array = np.ndarray
 
 DRAWS = 400
 """Acquisitions that are sampled for a cloud."""
