@@ -51,6 +51,14 @@ def not_negative(name: str, unit: str, value: float) -> float:
     return number
 
 
+def within(name: str, unit: str, value: float, low: float, high: float) -> float:
+    """A finite number from ``low`` to ``high``: beyond, double precision would run out."""
+    number = float(value)
+    if not low <= number <= high:
+        raise InputError(f"{name} must be {low:g} to {high:g} [{unit}], but is {number:g}")
+    return number
+
+
 def increasing(name: str, unit: str, values: Any) -> Array:
     """At least two finite values, each larger than the one before."""
     array = finite(name, unit, values)
@@ -123,6 +131,6 @@ def _demand(
         index = tuple(int(i) for i in np.argwhere(bad)[0])
         raise InputError(
             f"{name} must be {demand} [{unit}], but {int(bad.sum())} of {array.size} entries "
-            f"are not; the first is {array[index]:g} at index {index}"
+            f"are not; the first is {array[index]:g} at index {index} (from 0)"
         )
     return array

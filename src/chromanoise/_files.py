@@ -19,37 +19,64 @@ def whole_folder(folder: Path) -> Iterator[Path]:
     Raises
     ------
     InputError
-        If ``folder`` is a file.
+        If ``folder`` is a file, cannot be written, or holds a folder where a file should go.
+    """
+    missing = _first_missing(folder)
+    refuse_unwritable(folder)
+    try:
+        folder.parent.mkdir(parents=True, exist_ok=True)
+        scratch = Path(tempfile.mkdtemp(prefix=f".{folder.name}-", dir=folder.parent))
+    except OSError as error:
+        raise InputError(f"{folder}: cannot be written ({error.strerror})") from None
+    try:
+        yield scratch
+        _move_all(scratch, folder)
+        missing = None
+    finally:
+        shutil.rmtree(scratch, ignore_errors=True)
+        if missing is not None:
+            shutil.rmtree(missing, ignore_errors=True)
+
+
+def refuse_unwritable(folder: Path) -> None:
+    """Say before a long computation that its results could not be kept.
+
+    Raises
+    ------
+    InputError
+        If ``folder`` is a file, or it or the folder that would hold it may not be written.
     """
     if folder.exists() and not folder.is_dir():
         raise InputError(f"{folder}: the output folder is an existing file; name another")
-    made = _first_missing(folder)
-    folder.parent.mkdir(parents=True, exist_ok=True)
-    scratch = Path(tempfile.mkdtemp(prefix=f".{folder.name}-", dir=folder.parent))
-    try:
-        yield scratch
-        folder.mkdir(exist_ok=True)
-        made = None
-        for path in sorted(p for p in scratch.rglob("*") if p.is_file()):
-            target = folder / path.relative_to(scratch)
-            target.parent.mkdir(parents=True, exist_ok=True)
-            path.replace(target)
-    finally:
-        shutil.rmtree(scratch, ignore_errors=True)
-        if made is not None:
-            shutil.rmtree(made, ignore_errors=True)
+    there = next(p for p in (folder, *folder.absolute().parents) if p.exists())
+    if not there.is_dir():
+        raise InputError(f"{folder}: cannot be made, for {there} is a file; name another folder")
+    if not os.access(there, os.W_OK | os.X_OK):
+        raise InputError(f"{folder}: cannot be written (no permission in {there})")
 
 
 def write_whole(path: Path, content: bytes) -> None:
     """Write beside the goal and move into place, so that nobody ever reads half a file.
 
+    A link is followed; what is no regular file (a pipe, a device) is written into.
+
     Raises
     ------
     InputError
-        If ``path`` is a folder.
+        If ``path`` is a folder or cannot be written.
     """
     if path.is_dir():
         raise InputError(f"{path}: is a folder; name a file")
+    try:
+        if path.exists() and not path.is_file():
+            path.write_bytes(content)
+            return
+        _replaced(Path(os.path.realpath(path)), content)
+    except OSError as error:
+        raise InputError(f"{path}: cannot be written ({error.strerror})") from None
+
+
+def _replaced(path: Path, content: bytes) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
     handle, name = tempfile.mkstemp(prefix=f".{path.name}-", dir=path.parent)
     scratch = Path(name)
@@ -60,6 +87,18 @@ def write_whole(path: Path, content: bytes) -> None:
         scratch.replace(path)
     finally:
         scratch.unlink(missing_ok=True)
+
+
+def _move_all(scratch: Path, folder: Path) -> None:
+    moves = [
+        (p, folder / p.relative_to(scratch)) for p in sorted(scratch.rglob("*")) if p.is_file()
+    ]
+    for _, target in moves:
+        if target.is_dir():
+            raise InputError(f"{target}: is a folder where a file must go; move it away")
+    for path, target in moves:
+        target.parent.mkdir(parents=True, exist_ok=True)
+        path.replace(target)
 
 
 def _first_missing(folder: Path) -> Path | None:

@@ -314,11 +314,11 @@ ENVI_FAULTS = [
     ({"data_type": 7}, "'data type' 7 is not known"),
     ({"interleave": "bis"}, "'interleave' must be bsq, bil or bip, but is 'bis'"),
     ({"byte_order": 2}, "'byte order' must be 0"),
-    ({"drop": ("header offset",), "extra": b"header offset = -4"}, "whole number >= 0.*'-4'"),
+    ({"drop": ("header offset",), "extra": b"header offset = -4"}, "whole number from 0.*'-4'"),
     ({"samples": 0}, "'samples' must be at least 1"),
-    ({"lines": -3}, "'lines' must be a whole number >= 0, but is '-3'"),
-    ({"bands": "9" * 5000}, "'bands' must be a whole number >= 0, but is '9{40}'"),
-    ({"bands": "5.5"}, "'bands' must be a whole number >= 0, but is '5.5'"),
+    ({"lines": -3}, "'lines' must be a whole number from 0 to .*, but is '-3'"),
+    ({"bands": "9" * 5000}, "'bands' must be a whole number from 0 to .*, but is '9{40}'"),
+    ({"bands": "5.5"}, "'bands' must be a whole number from 0 to .*, but is '5.5'"),
     ({"lines": 4}, r"truncated: it holds 240 bytes, but .* describes 320 bytes"),
     ({"samples": 10**17, "lines": 10**17}, "truncated"),
     ({"lines": 2}, r"longer than its header says: it holds 240 bytes, but .* 160 bytes"),
@@ -566,7 +566,7 @@ def test_a_matlab_shape_that_does_not_fit_the_numbers_is_refused(tmp_path):
         content = bytearray(path.read_bytes())
         struct.pack_into("<i", content, 128 + 8 + 16 + 8, rows)
         path.write_bytes(content)
-        with pytest.raises(InputError, match=r"do not fit its shape|cannot hold"):
+        with pytest.raises(InputError, match=r"do not fit its shape|cannot hold|is empty"):
             read_cube(path, key="V", wavelengths=(400, 800))
 
 
@@ -651,7 +651,7 @@ NAMED_FAULTS = [
     ({"V": np.ones((2, 2, 2, 3))}, {"key": "V"}, r"must have axes \(rows, columns, bands\)"),
     ({"V": np.ones((2, 2, 3)) * 1j}, {"key": "V"}, r"complex128"),
     ({"V": np.ones((2, 2, 3)) > 0}, {"key": "V"}, r"of type bool, not real numbers"),
-    ({"V": np.ones((2, 2, 0))}, {"key": "V"}, r"2x2x0.*cannot hold"),
+    ({"V": np.ones((2, 2, 0))}, {"key": "V"}, r"empty .2x2x0"),
     ({"reflectance": np.ones((2, 2, 3)), "wavelength_nm": np.arange(400.0, 404)}, {},
      "has 3 bands but 4 wavelengths"),
     ({"reflectance": np.ones((2, 2, 2)), "wavelength_nm": np.array([0.4, 0.5])}, {},

@@ -177,7 +177,7 @@ REFUSED = {
     ),
     "lamp of negative curve": (
         lambda: illuminant_from(power(1.0, -2.0, 1.0), GRID, name="L"),
-        ["power of a meter", "[W/nm]", "-2", "(1, 0)"],
+        ["a meter: power", "[W/nm]", "-2", "550 nm"],
     ),
     "lamp of two curves": (
         lambda: illuminant_from(
@@ -388,7 +388,7 @@ def test_nouns_refuse_what_cannot_be_and_say_where(made, told):
 
 def test_a_bad_pixel_is_told_by_its_row_in_the_whole_cube(monkeypatch):
     monkeypatch.setattr(render_module, "_BLOCK_VALUES", 1)  # one row at a time
-    with pytest.raises(InputError, match=r"-0\.5 at row 2, column 1, 450 nm"):
+    with pytest.raises(InputError, match=r"-0\.5 at row 2, column 1 \(from 0\), 450 nm"):
         picture_of(cube_with(-0.5))
 
 

@@ -189,18 +189,18 @@ def test_unknown_names_tell_the_nearest_ones(run):
 @pytest.mark.parametrize(
     ("option", "value", "named"),
     [
-        ("--lux", 0, "lux"),
-        ("--lux", -3, "lux"),
-        ("--lux", "nan", "lux"),
-        ("--time-ms", 0, "time"),
-        ("--time-ms", -1, "time"),
-        ("--f-number", 0, "f_number"),
-        ("--f-number", "inf", "f_number"),
+        ("--lux", 0, "--lux"),
+        ("--lux", -3, "--lux"),
+        ("--lux", "nan", "--lux"),
+        ("--time-ms", 0, "--time-ms"),
+        ("--time-ms", -1, "--time-ms"),
+        ("--f-number", 0, "--f-number"),
+        ("--f-number", "inf", "--f-number"),
         ("--saturate", 0, "full well"),
         ("--saturate", 99, "full well"),
-        ("--pitch-um", 0, "pitch_um"),
-        ("--full-well-e", -5, "full_well_e"),
-        ("--read-noise-e", -1, "read_noise_e"),
+        ("--pitch-um", 0, "--pitch-um"),
+        ("--full-well-e", -5, "--full-well-e"),
+        ("--read-noise-e", -1, "--read-noise-e"),
     ],
 )
 def test_impossible_settings_are_refused_by_name_and_value(run, option, value, named):
@@ -277,3 +277,139 @@ def test_demo_writes_one_page_that_needs_nothing_from_elsewhere(run, tmp_path):
     assert outside == []
     names = {path.stem for path in Path(tmp_path / "demo").glob("figure-*.svg")}
     assert len(names) == 10
+
+
+def test_a_sensor_that_sees_only_infrared_is_an_answer_with_a_diagnosis(run, tmp_path):
+    path = tmp_path / "nir.csv"
+    rows = [f"{w},{0.3 if w > 850 else 0}" for w in range(400, 1051, 10)]
+    path.write_text("wavelength_nm,IR\n" + "\n".join(rows))
+    code, out, _ = run("analyze", path, "--json", "-")
+    sensor = json.loads(out)["sensors"][0]
+    assert code == 0
+    assert sensor["color_error_mean"] is None
+    assert sensor["color"]["snr_db"]["Y"] is None
+    assert sensor["price_db"] is None
+    assert any("cannot make Y" in note for note in sensor["notes"])
+    assert run("analyze", path)[0] == 0
+
+
+def test_a_negative_luminance_has_no_snr_and_says_so(run):
+    code, out, _ = run(
+        "analyze", "onyx-rgbw", "--illuminant", "LED660", "--time-ms", 2, "--json", "-"
+    )
+    sensor = json.loads(out)["sensors"][0]
+    assert code == 0
+    assert sensor["color"]["mean_lux"]["Y"] < 0
+    assert sensor["color"]["snr_db"]["Y"] is None
+    assert any("Y of a perfect white comes out at -" in note for note in sensor["notes"])
+
+
+@pytest.mark.parametrize("offset_nm", [0.0, 1.0, 2.5])
+def test_a_narrow_band_counts_by_its_area_wherever_it_stands(run, tmp_path, offset_nm):
+    at = np.arange(400, 1050.05, 0.1)
+    band = 0.5 * np.exp(-(((at - 550 - offset_nm) / 0.7) ** 2))
+    path = tmp_path / "line.csv"
+    path.write_text(
+        "wavelength_nm,L\n" + "\n".join(f"{w:.1f},{v:.6f}" for w, v in zip(at, band, strict=True))
+    )
+    _, out, _ = run("analyze", path, "--time-ms", 12, "--json", "-")
+    electrons = json.loads(out)["sensors"][0]["channels"][0]["mean_e"]
+    # area 0.5 * 0.7 * sqrt(pi) nm of photons at 10 lx, 12 ms, f/1.8, 10 um
+    photons = 1.37017e-5 * (550 + offset_nm) * 1e-9 / 1.98644586e-25 * 1e-12
+    expected = 10 * 0.012 * 100 / (4 * 1.8**2) * photons * 0.5 * 0.7 * np.sqrt(np.pi)
+    assert electrons == pytest.approx(expected, rel=5e-3)
+
+
+def test_json_on_standard_output_stays_json_when_figures_are_written_too(run, tmp_path):
+    code, out, err = run("reproduce", "--draws", 10, "--json", "-", "--out", tmp_path / "figures")
+    assert code == 0
+    assert json.loads(out)["draws"] == 10
+    assert "figures 1-10" in err
+
+
+def test_json_follows_a_link_and_leaves_it_a_link(run, tmp_path):
+    target, link = tmp_path / "target.json", tmp_path / "link.json"
+    target.write_text("old")
+    link.symlink_to(target)
+    assert run("analyze", "model-mono", "--json", link)[0] == 0
+    assert link.is_symlink()
+    assert json.loads(target.read_text())["sensors"]
+
+
+def test_json_to_a_device_goes_into_the_device(run):
+    if not Path("/dev/full").is_char_device():
+        pytest.skip("this system has no /dev/full")
+    refused(run("analyze", "model-mono", "--json", "/dev/full"), "/dev/full", "No space left")
+    assert Path("/dev/full").is_char_device()
+
+
+def test_a_folder_in_the_place_of_a_file_leaves_no_half_of_the_outputs(run, tmp_path):
+    out = tmp_path / "out"
+    (out / "summary.json").mkdir(parents=True)
+    outcome = run("simulate", "builtin:checker", "--sensor", "model-mono", "-o", out)
+    refused(outcome, "summary.json", "is a folder")
+    assert [p.name for p in out.iterdir()] == ["summary.json"]
+    assert list(tmp_path.iterdir()) == [out]
+
+
+def test_an_output_that_cannot_be_kept_is_refused_before_anything_is_written(run, tmp_path):
+    (tmp_path / "file").write_text("mine")
+    told = tmp_path / "tables.json"
+    refused(run("reproduce", "--json", told, "--out", tmp_path / "file" / "deep"), "is a file")
+    assert not told.exists()
+
+
+@pytest.mark.parametrize(
+    ("option", "value"),
+    [
+        ("--lux", 1e-300),
+        ("--lux", 1e300),
+        ("--time-ms", 1e300),
+        ("--time-ms", 1e-320),
+        ("--f-number", 1e200),
+        ("--pitch-um", 1e200),
+        ("--read-noise-e", 1e200),
+    ],
+)
+def test_numbers_that_would_overflow_are_refused(run, option, value):
+    refused(run("analyze", "onyx-rgbw", option, value))
+
+
+@pytest.mark.parametrize("lux", [1e-6, 1e-3, 1e6, 1e9])
+def test_extreme_light_is_an_answer(run, lux):
+    code, out, _ = run("analyze", "onyx-rgbw", "--lux", lux, "--time-ms", 12, "--json", "-")
+    assert code == 0
+    assert json.loads(out)["level_lux"] == lux
+
+
+def test_a_cure_for_files_is_refused_for_a_scene_that_needs_none(run):
+    refused(run("simulate", "builtin:checker", "--sensor", "model-mono", "--scale", 3), "--scale")
+
+
+def test_a_file_named_like_an_illuminant_does_not_hide_it(run, tmp_path, monkeypatch):
+    (tmp_path / "E").write_text("nonsense")
+    monkeypatch.chdir(tmp_path)
+    assert run("analyze", "model-mono")[0] == 0
+
+
+def test_a_diode_with_its_width_can_be_named(run):
+    assert run("analyze", "model-mono", "--illuminant", "LED550/30")[0] == 0
+    refused(run("analyze", "model-mono", "--illuminant", "LED850"), "no visible light")
+    refused(run("analyze", "model-mono", "--illuminant", "LED550/2"), "falls between")
+
+
+def test_an_illuminant_that_ends_short_has_its_own_answer(run):
+    refused(run("analyze", "model-mono", "--illuminant", "D65"), "300-780 nm", "illuminant-beyond")
+    code, out, _ = run(
+        "analyze", "model-mono", "--illuminant", "D65", "--illuminant-beyond", "zero", "--json", "-"
+    )
+    assert code == 0
+    assert any("zero beyond 300-780 nm" in n for n in json.loads(out)["sensors"][0]["notes"])
+
+
+def test_the_camera_equation_is_a_third_of_a_decibel_darker(run):
+    electrons = []
+    for more in ((), ("--magnification", 0)):
+        _, out, _ = run("analyze", "model-mono", "--time-ms", 5, *more, "--json", "-")
+        electrons.append(json.loads(out)["sensors"][0]["channels"][0]["mean_e"])
+    assert electrons[1] / electrons[0] == pytest.approx(12.96 / 13.96, rel=1e-12)

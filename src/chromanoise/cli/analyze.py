@@ -13,9 +13,9 @@ from chromanoise.cli.options import (
     the_exposure,
     the_illuminant,
     the_sensor,
+    the_white,
 )
 from chromanoise.cli.output import write_json
-from chromanoise.scene import flat_field
 from chromanoise.study import analyses_as_json, analyzed
 
 
@@ -32,7 +32,7 @@ def analyze(sensors: tuple[str, ...], json_target: str | None, **options: Any) -
     """
     beyond = options["beyond"]
     illuminant = the_illuminant(options["illuminant"], beyond=options["illuminant_beyond"])
-    scene = flat_field(illuminant, level_lux=options["lux"])
+    scene = the_white(illuminant, options["lux"])
     exposure_rule, pixel = only(options, EXPOSURE), only(options, PIXEL)
     analyses = []
     for name in sensors:

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from chromanoise._files import whole_folder
+from chromanoise._files import refuse_unwritable, whole_folder
 from chromanoise.cli import tables
 from chromanoise.cli.output import write_json
 from chromanoise.figures import CAPTIONS, paper_figures, write_figures
@@ -27,6 +27,7 @@ def demo(out: Path) -> None:
 
     The sensors are a reconstruction consistent with the paper's printed figures.
     """
+    refuse_unwritable(out)
     result = reproduced(paper_study())
     tables.print_reproduction(result)
     pictures = paper_pictures(result.study)

@@ -1,6 +1,8 @@
 """The command ``chromanoise`` and the one place where complaints become exit codes."""
 
+import signal
 import sys
+import threading
 from difflib import get_close_matches
 from importlib import import_module
 
@@ -53,8 +55,10 @@ def commands() -> None:
     """From photons to color, with the noise."""
 
 
-def main(arguments: list[str] | None = None) -> None:
+def run(arguments: list[str] | None = None) -> None:
     """Run the command line; bad input ends with one sentence and exit code 2."""
+    if threading.current_thread() is threading.main_thread():
+        signal.signal(signal.SIGTERM, _stop)
     try:
         result = commands.main(args=arguments, prog_name="chromanoise", standalone_mode=False)
     except click.ClickException as error:
@@ -65,12 +69,18 @@ def main(arguments: list[str] | None = None) -> None:
         sys.stderr.close()  # the reader of our output went away: nothing is left to say
         sys.exit(1)
     except OSError as error:
-        named = f"{error.filename}: " if error.filename else ""
-        _leave(f"{named}{error.strerror or error}")
+        _leave(f"{error.filename or 'standard output'}: {error.strerror or error}")
+    except MemoryError:
+        _leave("this machine has not enough memory for that; take a smaller cube or fewer bands")
     except (click.Abort, KeyboardInterrupt):
         click.echo("chromanoise: stopped", err=True)
         sys.exit(130)
     sys.exit(result if isinstance(result, int) else 0)
+
+
+def _stop(*_: object) -> None:
+    """End like Ctrl-C does, so that scratch files are cleared away."""
+    raise KeyboardInterrupt
 
 
 def _leave(sentence: str) -> None:

@@ -7,9 +7,9 @@ from typing import Any, TypeVar
 
 import click
 
-from chromanoise._check import InputError, positive
+from chromanoise._check import InputError, not_negative, positive, within
 from chromanoise.exposure import Exposure, saturating_exposure
-from chromanoise.scene import Scene
+from chromanoise.scene import Scene, flat_field
 from chromanoise.sensor import PAPER_PIXEL, SENSOR_NAMES, Sensor, read_sensor_csv, sensor_named
 from chromanoise.spectra import (
     DEFAULT_GRID,
@@ -104,6 +104,9 @@ def the_sensor(
         "read_noise_e": read_noise_e,
     }
     given = {key: value for key, value in changes.items() if value is not None}
+    for key, value in given.items():
+        check = not_negative if key == "read_noise_e" else positive
+        check(f"--{key.replace('_', '-')}", key.rpartition("_")[2].replace("e", "e-"), value)
     if _is_file(name):
         sensor = read_sensor_csv(Path(name), DEFAULT_GRID, PAPER_PIXEL, beyond=beyond)
         missing = [key for key in changes if key not in given]
@@ -127,6 +130,12 @@ def the_illuminant(name: str, *, beyond: Beyond) -> Illuminant:
     return illuminant_from(curve, DEFAULT_GRID, name=Path(name).stem, beyond=beyond)
 
 
+def the_white(illuminant: Illuminant, lux: float) -> Scene:
+    """A perfect white in that light."""
+    level_lux = within("--lux", "lx", positive("--lux", "lx", lux), 1e-15, 1e15)
+    return flat_field(illuminant, level_lux=level_lux)
+
+
 def the_exposure(
     scene: Scene,
     sensor: Sensor,
@@ -139,11 +148,11 @@ def the_exposure(
     """The time that is given, or the one that fills the well to the share that is asked for."""
     if time_ms is not None and saturate is not None:
         raise InputError("--time-ms and --saturate exclude each other; give one of them")
-    positive("f_number", "1", f_number)
+    within("--f-number", "1", positive("--f-number", "1", f_number), 1e-2, 1e6)
     if time_ms is not None:
-        time_s = 1e-3 * positive("time_ms", "ms", time_ms)
+        time_s = 1e-3 * within("--time-ms", "ms", positive("--time-ms", "ms", time_ms), 1e-12, 1e15)
         return Exposure(time_s=time_s, f_number=f_number, magnification=magnification)
-    share = 0.99 if saturate is None else saturate
+    share = 0.99 if saturate is None else within("--saturate", "of full well", saturate, 1e-9, 1.0)
     return saturating_exposure(
         scene, sensor, f_number=f_number, share=share, magnification=magnification
     )

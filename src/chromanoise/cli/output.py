@@ -6,11 +6,14 @@ from typing import Any
 
 import click
 
+from chromanoise._check import InputError
 from chromanoise._files import write_whole
 
 
 def write_json(data: dict[str, Any], target: str) -> None:
     """JSON to a file, whole or not at all, or to standard output where ``target`` is ``-``."""
+    if not target:
+        raise InputError("--json needs the name of a file, or - for standard output")
     text = json.dumps(data, indent=2, allow_nan=False, ensure_ascii=False) + "\n"
     if target == "-":
         click.echo(text, nl=False)

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from chromanoise._files import whole_folder
+from chromanoise._files import refuse_unwritable, whole_folder
 from chromanoise.cli import tables
 from chromanoise.cli.output import write_json
 from chromanoise.spectra import METRICS, Metric
@@ -31,6 +31,8 @@ def reproduce(
 
     The sensors are a reconstruction consistent with the paper's printed figures.
     """
+    if out:
+        refuse_unwritable(out)
     result = reproduced(paper_study(metric), draws=draws, seed=seed, clip=clip)
     if json_target:
         write_json(reproduction_as_json(result), json_target)
@@ -45,4 +47,4 @@ def reproduce(
         with whole_folder(out) as folder:
             write_json(reproduction_as_json(result), str(folder / "tables.json"))
             write_figures(paper_figures(result.study, planes, (first, second)), folder)
-        click.echo(f"figures 1-10 and tables.json are in {out}")
+        click.echo(f"figures 1-10 and tables.json are in {out}", err=json_target == "-")

@@ -7,7 +7,7 @@ import click
 
 from chromanoise import __version__
 from chromanoise._check import InputError, distinct
-from chromanoise._files import whole_folder
+from chromanoise._files import refuse_unwritable, whole_folder
 from chromanoise.cli.options import (
     EXPOSURE,
     PIXEL,
@@ -16,10 +16,11 @@ from chromanoise.cli.options import (
     the_exposure,
     the_illuminant,
     the_sensor,
+    the_white,
 )
 from chromanoise.cli.output import write_json
 from chromanoise.imaging import Picture, picture_summary, rendered, write_png, write_xyz_tiff
-from chromanoise.scene import Cube, builtin_cube, flat_field, read_cube
+from chromanoise.scene import Cube, builtin_cube, read_cube
 
 
 @click.command()
@@ -48,10 +49,11 @@ def simulate(
     CUBE is a hyperspectral reflectance cube: ENVI (.hdr or its data file), MAT v5, NPZ or NPY,
     or builtin:checker.
     """
+    refuse_unwritable(out)
     source = _the_cube(cube, options)
     beyond, metric, level_lux = options["beyond"], options["metric"], options["lux"]
     illuminant = the_illuminant(options["illuminant"], beyond=options["illuminant_beyond"])
-    white = flat_field(illuminant, level_lux=level_lux)
+    white = the_white(illuminant, level_lux)
     exposure_rule, pixel = only(options, EXPOSURE), only(options, PIXEL)
     cameras = [the_sensor(name, beyond=beyond, **pixel) for name in sensors]
     distinct("names of --sensor", [camera.name for camera in cameras])
@@ -83,8 +85,14 @@ def simulate(
         _tell(picture, out)
 
 
+_CURES = ("key", "shape", "wavelengths", "scale")
+
+
 def _the_cube(name: str, options: dict[str, Any]) -> Cube:
     if name.startswith("builtin:"):
+        cures = [f"--{key}" for key in _CURES if options[key] is not None]
+        if cures:
+            raise InputError(f"{name} says all of itself; leave {' and '.join(cures)} away")
         return builtin_cube(name)
     return read_cube(
         name,
@@ -111,12 +119,13 @@ def _pair(option: str, text: str | None, separator: str, kind: Any) -> Any:
 def _tell(picture: Picture, out: Path) -> None:
     sensor = picture.sensor
     click.echo(
-        f"{out / sensor.name}.png: {picture.exposure.time_s * 1e3:.4g} ms, mean "
+        f"{out}/{sensor.name}.png: {picture.exposure.time_s * 1e3:.4g} ms, mean "
         + ", ".join(f"{n} {e:.0f} e-" for n, e in zip(sensor.names, picture.mean_e, strict=True))
     )
     for name, share in zip(sensor.names, picture.above_full_well, strict=True):
         if share > 0:
             what = "held there" if picture.clipped else "not clipped; --clip holds them there"
-            click.echo(f"  {100 * share:.2g} % of {name} lies above full well ({what})", err=True)
+            told = f"{100 * share:.1f} % of {name} lies above full well ({what})"
+            click.echo(f"{sensor.name}: {told}", err=True)
     for note in picture.notes:
-        click.echo(f"  note: {note}", err=True)
+        click.echo(f"{sensor.name}: {note}", err=True)

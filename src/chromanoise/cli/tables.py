@@ -13,10 +13,12 @@ from chromanoise.study import (
     PaperTable,
     Reproduction,
     as_printed,
+    color_price_db,
     color_snr_db,
     contravariant_snr_db,
     diagnosis,
     mean_color_error,
+    metric_remark,
     paper_tables,
     raw_snr_db,
     set_aside_reasons,
@@ -38,7 +40,8 @@ def print_reproduction(result: Reproduction) -> None:
     clipped = "clipped between 0 and full well" if result.clipped else "unclipped, as the paper's"
     for line in (
         f"Times solved for {100 * WELL_SHARE:g} % of full well: {times}.",
-        f"Metric {result.study.metric}; {result.draws} draws, seed {result.seed}, {clipped}.",
+        metric_remark(result.study),
+        f"{result.draws} draws, seed {result.seed}, {clipped}.",
         f"All sensors here: {RECONSTRUCTION}.",
         verdict(result.study),
         f"Table 5: {table_5_finding(result.study)}",
@@ -105,7 +108,8 @@ def _add_color(table: Table, analysis: Analysis) -> None:
         f"{1e3 * analysis.exposure.time_s:.4g}",
         "saturated" if lost else _number(analysis.spectral_snr_db),
         *(_number(snr[axis]) for axis in analysis.color.names),
-        *("-" if lost else _number(v) for v in (analysis.bound_db, analysis.price_db)),
+        "-" if lost else _number(analysis.bound_db),
+        _number(color_price_db(analysis)),
         f"{analysis.matrix.frame.condition:.3g}",
         _number(mean_color_error(analysis), digits=1),
     )
@@ -143,9 +147,8 @@ def _cell(cell: Cell | None) -> str:
     text = f"{as_printed(cell.paper)} | {_number(cell.closed_form)}"
     if cell.monte_carlo is not None:
         text += f" | {cell.monte_carlo:.2f} ± {cell.monte_carlo_se:.2f}"
-    if cell.clipped_share > 0:
-        text += f" ({100 * cell.clipped_share:.1f} % clipped)"
-    return f"{text} {cell.unit}"
+    text += f" {cell.unit}"
+    return f"{text}, {100 * cell.clipped_share:.1f} % clipped" if cell.clipped_share > 0 else text
 
 
 def _number(value: float | None, digits: int = 2) -> str:

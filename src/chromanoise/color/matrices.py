@@ -73,6 +73,12 @@ def kernel_matrix(sensor: Sensor, exposure: Exposure, metric: Metric = "quanta")
     -----
     Clouet, Vaillant & Alleysson (CIC27, 2019), eq. 6.
     """
+    for name, seen in zip(sensor.names, sensor.qe.max(axis=0), strict=True):
+        if not seen:
+            raise _check.InputError(
+                f"channel {name} of sensor {sensor.name} has a QE of 0 at every wavelength of the "
+                f"grid {sensor.grid}, so it measures nothing; leave it out"
+            )
     basis = measurement_vectors(sensor, exposure, metric)  # F
     frame = dual_frame(basis, names=sensor.names, metric=metric)
     axes = color_axes(sensor.grid, metric)  # H

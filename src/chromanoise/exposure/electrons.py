@@ -34,9 +34,11 @@ class Exposure:
 
     def __post_init__(self) -> None:
         _check.positive("time_s", "s", self.time_s)
+        _check.within("time_s", "s", self.time_s, 1e-15, 1e12)
         _check.positive("f_number", "1", self.f_number)
+        _check.within("f_number", "1", self.f_number, 1e-2, 1e6)
         if self.magnification is not None:
-            _check.finite("magnification", "1", self.magnification)
+            _check.within("magnification", "1", self.magnification, -1e6, 1e6)
 
 
 def exposure_factor(exposure: Exposure, pixel: Pixel, step_nm: float) -> float:

@@ -69,8 +69,8 @@ CAPTIONS = {
     ),
     "figure-10-color-axis": (
         "Uncertainty of Y^ as the projection of the same uncertainty on the color axis y, drawn "
-        "from computed data for two channels far from y and two channels near it, each sensor at "
-        "its own saturation."
+        "from computed data for green and red of RGBW, far from y, and of RGB behind the IR-cut, "
+        "near it, each sensor at its own saturation."
     ),
 }
 """One sentence for each figure, by its key."""

@@ -143,8 +143,9 @@ def _refuse_no_luminance(
 ) -> None:
     if not white_lux[1] > 0:
         raise _check.InputError(
-            f"{sensor.name} sees no luminance in a white under {illuminant.name}, "
-            "so no picture can be scaled to it"
+            f"{sensor.name}: its kernel matrix gives a perfect white under {illuminant.name} a "
+            f"luminance of {white_lux[1]:.3g} lx, so no picture can be scaled to it; take another "
+            "light or sensor"
         )
 
 

@@ -58,10 +58,15 @@ def demo_page(
         tables=paper_tables(result),
         pictures=[(picture, _data_uri(png_bytes(picture.srgb))) for picture in pictures],
         figures=[
-            (name, _data_uri(svg.encode(), "image/svg+xml"), captions[name])
+            (name, _data_uri(svg.encode(), "image/svg+xml"), f"{_numbered(name)} {captions[name]}")
             for name, svg in figures.items()
         ],
     )
+
+
+def _numbered(name: str) -> str:
+    """Figure 3. of figure-03-measurement."""
+    return f"Figure {int(name.split('-')[1])}."
 
 
 def _data_uri(content: bytes, kind: str = "image/png") -> str:

@@ -93,7 +93,9 @@ def _refuse_impossible(path: Path, name: str, shape: tuple[int, ...], dtype: np.
     """Refuse, before it is read, what is no number, or larger than its file or the memory."""
     _refuse_not_numbers(path, name, dtype)
     count = math.prod(shape)
-    if min(shape, default=1) < 1 or count > path.stat().st_size * _MOST_INFLATED:
+    if min(shape, default=1) < 1:
+        raise _check.InputError(f"{path}: array {name!r} is empty ({by(shape)}); save it again")
+    if count > path.stat().st_size * _MOST_INFLATED:
         raise _check.InputError(
             f"{path}: array {name!r} says that it is {by(shape)}, which a file of "
             f"{path.stat().st_size} bytes cannot hold; it is damaged, save it again"

@@ -61,18 +61,29 @@ def reflectance_rows(cube: Cube, start: int, stop: int) -> Float[Array, "rows w 
     InputError
         If a value is NaN, negative, or brighter than any thing can be; the first is told.
     """
-    rho = np.asarray(cube.stored[start:stop], dtype=np.float64) * cube.scale
+    with np.errstate(invalid="ignore", over="ignore"):  # what overflows is refused below
+        rho = np.asarray(cube.stored[start:stop], dtype=np.float64) * cube.scale
     bad = ~((rho >= 0) & (rho <= BRIGHTEST))
     if bad.any():
         row, column, band = (int(i) for i in np.argwhere(bad)[0])
         raise _check.InputError(
             f"{cube.source}: reflectance must be 0 .. {BRIGHTEST:g}, but "
             f"{int(bad.sum())} of {bad.size} values in rows {start}-{stop - 1} are not; the first "
-            f"is {rho[row, column, band]:g} at row {start + row}, column {column}, "
-            f"{cube.wavelength_nm[band]:g} nm; radiance or counts must be turned into reflectance "
-            "first (divide by a white reference), or scaled with --scale"
+            f"is {rho[row, column, band]:g} at row {start + row}, column {column} (from 0), "
+            f"{cube.wavelength_nm[band]:g} nm; {_cure(rho[row, column, band], cube)}"
         )
     return rho
+
+
+def _cure(value: float, cube: Cube) -> str:
+    if np.isnan(value) or value < 0:
+        ignored = any("data ignore value" in note for note in cube.notes)
+        told = " (its header names a data ignore value, which is not applied)" if ignored else ""
+        return f"set pixels without a value to 0 and noise below 0 to 0, or cut them off{told}"
+    return (
+        "radiance or counts must be turned into reflectance first (divide by a white reference), "
+        "or scaled with --scale"
+    )
 
 
 def bands_within(cube: Cube, grid: Grid) -> Cube:

@@ -71,7 +71,8 @@ class EnviHeader:
         text = self.word(key)
         if not re.fullmatch(r"\+?[0-9]{1,18}", text):
             raise _check.InputError(
-                f"{self.source}: {key!r} must be a whole number >= 0, but is {text[:40]!r}"
+                f"{self.source}: {key!r} must be a whole number from 0 to 10^18, "
+                f"but is {text[:40]!r}"
             )
         return int(text)
 

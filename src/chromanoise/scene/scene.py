@@ -32,6 +32,7 @@ class Scene:
 
     def __post_init__(self) -> None:
         _check.positive("level_lux", "lx", self.level_lux)
+        _check.within("level_lux", "lx", self.level_lux, 1e-15, 1e15)
         rho = _check.non_negative("reflectance of the scene", "1", self.reflectance)
         _check.same_length(
             "wavelengths", illuminant=self.illuminant.grid.n, reflectance=rho.shape[-1]

@@ -21,7 +21,8 @@ class Pixel:
     Raises
     ------
     InputError
-        If a number is not finite, or pitch or full well are not positive.
+        If a number is not finite, negative or beyond what any pixel could be, or pitch or full
+        well are 0.
     """
 
     pitch_um: float
@@ -30,5 +31,8 @@ class Pixel:
 
     def __post_init__(self) -> None:
         _check.positive("pitch_um", "um", self.pitch_um)
+        _check.within("pitch_um", "um", self.pitch_um, 1e-3, 1e6)
         _check.positive("full_well_e", "e-", self.full_well_e)
+        _check.within("full_well_e", "e-", self.full_well_e, 1e-3, 1e15)
         _check.not_negative("read_noise_e", "e-", self.read_noise_e)
+        _check.within("read_noise_e", "e-", self.read_noise_e, 0.0, 1e12)

@@ -4,10 +4,18 @@ from pathlib import Path
 
 import numpy as np
 
-from chromanoise import _check
 from chromanoise.sensor.pixel import Pixel
 from chromanoise.sensor.sensor import Sensor
-from chromanoise.spectra import Beyond, Grid, on_grid, read_spectra_csv
+from chromanoise.spectra import (
+    Beyond,
+    Grid,
+    Spectra,
+    means_on_grid,
+    read_spectra_csv,
+    refuse_outside,
+)
+
+_WIDE_GAP_NM = 30.0
 
 
 def read_sensor_csv(
@@ -33,28 +41,22 @@ def read_sensor_csv(
     """
     path = Path(path)
     curves = read_spectra_csv(path, quantity="QE", unit="e-/photon")
-    _refuse_impossible_qe(path, curves.wavelength_nm, curves.values, curves.names)
-    resampled = on_grid(curves, grid, beyond=beyond)
+    percent = "; divide percent by 100" if curves.values.max() > 1 else "; set it to 0"
+    refuse_outside(curves, high=1.0, cure=percent)
+    resampled = means_on_grid(curves, grid, beyond=beyond)
     return Sensor(
         name=path.stem,
         grid=grid,
         qe=resampled.values,
         names=resampled.names,
         pixel=pixel,
-        notes=(f"QE read from {path.name}", *resampled.notes),
+        notes=(f"QE read from {path.name}", *resampled.notes, *_gaps(curves)),
     )
 
 
-def _refuse_impossible_qe(
-    path: Path, wavelength_nm: np.ndarray, qe: np.ndarray, names: tuple[str, ...]
-) -> None:
-    bad = (qe < 0) | (qe > 1)
-    if not bad.any():
-        return
-    row, column = (int(i) for i in np.argwhere(bad)[0])
-    cure = "; divide percent by 100" if qe.max() > 1 else "; set noise below the floor to 0"
-    raise _check.InputError(
-        f"{path}: QE must be 0 .. 1 [e-/photon], but {int(bad.sum())} of {qe.size} values are not; "
-        f"the first is {qe[row, column]:g} in column {names[column]} at "
-        f"{wavelength_nm[row]:g} nm{cure}"
-    )
+def _gaps(curves: Spectra) -> tuple[str, ...]:
+    """A note where neighbors stand so far apart that straight lines between them are a guess."""
+    widest = float(np.diff(curves.wavelength_nm).max())
+    if widest <= _WIDE_GAP_NM:
+        return ()
+    return (f"QE of {curves.source}: straight lines over gaps of up to {widest:g} nm",)

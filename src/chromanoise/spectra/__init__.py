@@ -1,6 +1,13 @@
 """One wavelength grid; curves, illuminants, observers, reflectances, and their metric."""
 
-from chromanoise.spectra.curves import Beyond, Spectra, interpolation_matrix, on_grid
+from chromanoise.spectra.curves import (
+    Beyond,
+    Spectra,
+    interpolation_matrix,
+    means_on_grid,
+    on_grid,
+    refuse_outside,
+)
 from chromanoise.spectra.grid import DEFAULT_GRID, Grid
 from chromanoise.spectra.illuminants import (
     ILLUMINANT_NAMES,
@@ -41,7 +48,9 @@ __all__ = [
     "illuminant_named",
     "interpolation_matrix",
     "led",
+    "means_on_grid",
     "on_grid",
     "photon_irradiance",
     "read_spectra_csv",
+    "refuse_outside",
 ]

@@ -1,6 +1,6 @@
 """Curves over wavelength as they were measured, and how they come onto the grid."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal, get_args
 
 import numpy as np
@@ -108,8 +108,8 @@ def interpolation_matrix(
         if beyond == "refuse":
             raise _check.InputError(
                 f"{what} is given on {known[0]:g}-{known[-1]:g} nm only, but the grid {grid} asks "
-                f"for it at {wanted[short][0]:g} nm; choose beyond=zero or beyond=hold, "
-                "or a measurement that reaches further"
+                f"for it at {wanted[short][0]:g} nm; say what follows, zero or hold (--beyond, for "
+                "an illuminant --illuminant-beyond), or take a measurement that reaches further"
             )
         notes = (f"{what}: {beyond} beyond {known[0]:g}-{known[-1]:g} nm",)
     at = np.clip(wanted, known[0], known[-1])
@@ -122,6 +122,52 @@ def interpolation_matrix(
     if beyond == "zero":
         matrix[short] = 0.0
     return matrix, notes
+
+
+def means_on_grid(spectra: Spectra, grid: Grid, *, beyond: Beyond = "refuse") -> Spectra:
+    """As `on_grid`, but a table finer than the grid gives its means over the cells of the grid.
+
+    So no spectral line and no narrow band falls between two samples. A cell reaches half a step
+    to each side, less where the table ends, and straight lines keep their values.
+    """
+    sampled = on_grid(spectra, grid, beyond=beyond)
+    known, at = spectra.wavelength_nm, grid.wavelength_nm
+    if np.median(np.diff(known)) >= grid.step_nm:
+        return sampled
+    half = np.clip(np.minimum(at - known[0], known[-1] - at), 0.0, grid.step_nm / 2)
+    wide = half > 1e-3 * grid.step_nm
+    edges = np.concatenate([at - half, at + half])
+    nodes = np.union1d(known, np.clip(edges, known[0], known[-1]))
+    values = np.empty_like(sampled.values)
+    for k, curve in enumerate(spectra.values.T):
+        value = np.interp(nodes, known, curve)
+        area = np.concatenate([[0.0], np.cumsum((value[1:] + value[:-1]) / 2 * np.diff(nodes))])
+        within = np.interp(at + half, nodes, area) - np.interp(at - half, nodes, area)
+        values[:, k] = np.where(wide, within / np.where(wide, 2 * half, 1.0), sampled.values[:, k])
+    return replace(sampled, values=values)
+
+
+def refuse_outside(
+    spectra: Spectra, *, low: float = 0.0, high: float = np.inf, cure: str = ""
+) -> None:
+    """Refuse curves with a value outside ``low`` to ``high``; the first is told with its place.
+
+    Raises
+    ------
+    InputError
+        Names source, curve, wavelength and value, and ``cure``.
+    """
+    bad = (spectra.values < low) | (spectra.values > high)
+    if not bad.any():
+        return
+    row, column = (int(i) for i in np.argwhere(bad)[0])
+    demand = f"{low:g} .. {high:g}" if np.isfinite(high) else f">= {low:g}"
+    raise _check.InputError(
+        f"{spectra.source}: {spectra.quantity} must be {demand} [{spectra.unit}], but "
+        f"{int(bad.sum())} of {bad.size} values are not; the first is "
+        f"{spectra.values[row, column]:g} in column {spectra.names[column]} at "
+        f"{spectra.wavelength_nm[row]:g} nm{cure}"
+    )
 
 
 def on_grid(spectra: Spectra, grid: Grid, *, beyond: Beyond = "refuse") -> Spectra:

@@ -11,7 +11,7 @@ from jaxtyping import Float
 from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._colour import colour_science
-from chromanoise.spectra.curves import Beyond, Spectra, on_grid
+from chromanoise.spectra.curves import Beyond, Spectra, means_on_grid, refuse_outside
 from chromanoise.spectra.grid import Grid
 from chromanoise.spectra.observers import cie_1931_table
 from chromanoise.spectra.tables import packaged_table
@@ -167,15 +167,14 @@ def illuminant_from(
             f"illuminant {name} must be one curve, but {spectrum.source} holds "
             f"{len(spectrum.names)}: {', '.join(spectrum.names)}"
         )
-    _check.non_negative(f"{spectrum.quantity} of {spectrum.source}", spectrum.unit, spectrum.values)
+    refuse_outside(spectrum)
     known, power = spectrum.wavelength_nm, spectrum.values[:, 0]
-    resampled = on_grid(spectrum, grid, beyond=beyond)
-    at_grid = resampled.values[:, 0]
-    if np.median(np.diff(known)) < grid.step_nm:
-        at_grid = _cell_means(known, power, grid, otherwise=at_grid)
+    resampled = means_on_grid(spectrum, grid, beyond=beyond)
     ends = {} if beyond == "hold" else {"left": 0.0, "right": 0.0}
     lux = _lux_of(lambda at: np.interp(at, known, power, **ends), name)
-    return Illuminant(name=name, grid=grid, irradiance=at_grid / lux, notes=resampled.notes)
+    return Illuminant(
+        name=name, grid=grid, irradiance=resampled.values[:, 0] / lux, notes=resampled.notes
+    )
 
 
 ILLUMINANT_NAMES = ("E", "A", "G173", "D65", "D50", "FL2", "LED-B3", "3200K", "LED660")
@@ -203,29 +202,6 @@ def illuminant_named(name: str, grid: Grid, *, beyond: Beyond = "refuse") -> Ill
     if match := re.fullmatch(r"LED([\d.]+)(?:/([\d.]+))?", name):
         return led(grid, _number(match[1], name), _number(match[2] or "20", name))
     return cie_illuminant(name, grid, beyond=beyond)
-
-
-def _cell_means(
-    known: Float[Array, " m"],
-    power: Float[Array, " m"],
-    grid: Grid,
-    *,
-    otherwise: Float[Array, " n"],
-) -> Float[Array, " n"]:
-    """Means over the cells of the grid, so that no spectral line falls between two samples.
-
-    A cell that the table does not reach keeps ``otherwise``.
-    """
-    half = grid.step_nm / 2
-    left = np.clip(grid.wavelength_nm - half, known[0], known[-1])
-    right = np.clip(grid.wavelength_nm + half, known[0], known[-1])
-    at = np.union1d(known, np.concatenate([left, right]))
-    value = np.interp(at, known, power)
-    area = np.concatenate([[0.0], np.cumsum((value[1:] + value[:-1]) / 2 * np.diff(at))])
-    width = right - left
-    whole = width > half / 2
-    mean = (np.interp(right, at, area) - np.interp(left, at, area)) / np.where(whole, width, 1.0)
-    return np.where(whole, mean, otherwise)
 
 
 def _number(text: str, name: str) -> float:

@@ -37,7 +37,7 @@ def read_spectra_csv(path: Path | str, *, quantity: str, unit: str) -> Spectra:
         text = path.read_text(encoding="utf-8-sig")
     except UnicodeDecodeError as error:
         raise _check.InputError(
-            f"{path}: not a UTF-8 text file (byte {error.start} is not text)"
+            f"{path}: not a UTF-8 text file (byte {error.start} is not text); save it as CSV UTF-8"
         ) from None
     except OSError as error:
         raise _check.InputError(f"{path}: cannot be read ({error.strerror})") from None
@@ -64,7 +64,7 @@ def spectra_from_text(text: str, *, source: str, quantity: str, unit: str) -> Sp
     if header[0].lower() != "wavelength_nm" or len(header) < 2:
         raise _check.InputError(
             f"{source}: line {lines[0][0]} must be the header wavelength_nm,name,..., "
-            f"but starts with {header[0]!r}"
+            f"but starts with {header[0][:60]!r}; separate cells with commas"
         )
     rows = [_numbers(line, i, header, source) for i, line in lines[1:]]
     _refuse_unsorted([row[0] for row in rows], [i for i, _ in lines[1:]], source)
@@ -81,7 +81,7 @@ def spectra_from_text(text: str, *, source: str, quantity: str, unit: str) -> Sp
 
 def _cells(line: str, number: int, source: str) -> list[str]:
     try:
-        return [cell.strip() for cell in next(csv.reader(io.StringIO(line)))]
+        return [cell.strip() for cell in next(csv.reader(io.StringIO(line), strict=True))]
     except csv.Error as error:
         raise _check.InputError(f"{source}: line {number} is no row of a CSV ({error})") from None
 
@@ -90,17 +90,19 @@ def _numbers(line: str, number: int, header: list[str], source: str) -> list[flo
     cells = _cells(line, number, source)
     if len(cells) != len(header):
         raise _check.InputError(
-            f"{source}: line {number} has {len(cells)} cells, but the header names {len(header)}"
+            f"{source}: line {number} has {len(cells)} cells, but the header names {len(header)}; "
+            "give each row one cell per column, with a decimal point"
         )
     values = []
     for name, cell in zip(header, cells, strict=True):
         try:
-            value = float(cell)
+            value = math.nan if "_" in cell else float(cell)
         except ValueError:
             value = math.nan
         if not math.isfinite(value):
             raise _check.InputError(
-                f"{source}: line {number}, column {name}: {cell!r} is not a finite number"
+                f"{source}: line {number}, column {name}: {cell[:40]!r} is not a finite number; "
+                "mend it or leave the row out"
             )
         values.append(value)
     return values

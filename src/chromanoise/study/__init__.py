@@ -3,6 +3,7 @@
 from chromanoise.study.analysis import (
     Analysis,
     analyzed,
+    color_price_db,
     color_snr_db,
     contravariant_snr_db,
     diagnosis,
@@ -10,7 +11,7 @@ from chromanoise.study.analysis import (
     raw_snr_db,
 )
 from chromanoise.study.export import analyses_as_json, reproduction_as_json
-from chromanoise.study.findings import set_aside_reasons, table_5_finding, verdict
+from chromanoise.study.findings import metric_remark, set_aside_reasons, table_5_finding, verdict
 from chromanoise.study.layout import PaperTable, as_printed, paper_tables
 from chromanoise.study.paper import PaperStudy, paper_study
 from chromanoise.study.planes import PaperPlanes, paper_planes
@@ -26,10 +27,12 @@ __all__ = [
     "analyses_as_json",
     "analyzed",
     "as_printed",
+    "color_price_db",
     "color_snr_db",
     "contravariant_snr_db",
     "diagnosis",
     "mean_color_error",
+    "metric_remark",
     "paper_planes",
     "paper_study",
     "paper_tables",

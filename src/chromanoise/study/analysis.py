@@ -156,9 +156,21 @@ def contravariant_snr_db(analysis: Analysis) -> dict[str, float | None]:
 
 
 def color_snr_db(analysis: Analysis) -> dict[str, float | None]:
-    """SNR of X, Y and Z; ``None`` while a channel is saturated. [dB]"""
+    """SNR of X, Y and Z; ``None`` while a channel is saturated, or below 0. [dB]
+
+    A negative color is no signal: the matrix, which does not know this light, made it.
+    """
     lost = bool(analysis.saturated.any())
-    return _told(snr_db(analysis.color), dict.fromkeys(analysis.color.names, lost))
+    hidden = {
+        name: lost or not mean > 0
+        for name, mean in zip(analysis.color.names, analysis.color.mean.tolist(), strict=True)
+    }
+    return _told(snr_db(analysis.color), hidden)
+
+
+def color_price_db(analysis: Analysis) -> float | None:
+    """How far Y stays below the bound; ``None`` where Y has no SNR. [dB]"""
+    return None if color_snr_db(analysis)["Y"] is None else analysis.price_db
 
 
 def diagnosis(analysis: Analysis) -> tuple[str, ...]:
@@ -173,6 +185,12 @@ def diagnosis(analysis: Analysis) -> tuple[str, ...]:
             )
         if mean == 0:
             told.append(f"channel {name} sees none of this light")
+    for name, mean in zip(analysis.color.names, analysis.color.mean, strict=True):
+        if mean <= 0:
+            told.append(
+                f"{name} of a perfect white comes out at {mean:.3g} lx: the matrix cannot make "
+                f"{name} of this light from these channels, so it has no SNR"
+            )
     mix = analysis.mix
     if frame.rank < len(sensor.names) and mix:
         told.append(

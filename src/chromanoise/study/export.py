@@ -9,6 +9,7 @@ from chromanoise import __version__
 from chromanoise.sensor.catalogue import RECONSTRUCTION
 from chromanoise.study.analysis import (
     Analysis,
+    color_price_db,
     color_snr_db,
     contravariant_snr_db,
     diagnosis,
@@ -64,7 +65,7 @@ def _analysis(analysis: Analysis) -> dict[str, Any]:
             "covariance_lux2": analysis.color.covariance.tolist(),
         },
         "bound_db": _finite(analysis.bound_db) if usable else None,
-        "price_db": _finite(analysis.price_db) if usable else None,
+        "price_db": color_price_db(analysis),
         "condition": _finite(analysis.matrix.frame.condition),
         "rank": analysis.matrix.frame.rank,
         "nearest_mix": asdict(analysis.mix) if analysis.mix else None,

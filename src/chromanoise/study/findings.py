@@ -35,6 +35,16 @@ def verdict(study: PaperStudy) -> str:
     )
 
 
+def metric_remark(study: PaperStudy) -> str:
+    """What to think of printed beside ours in this metric."""
+    if study.metric == "quanta":
+        return "Metric quanta, in which the reconstruction was fitted."
+    return (
+        f"Metric {study.metric}: the reconstruction was fitted in quanta, so only here, and not "
+        "with the printed figures, do Tables 4 and 5 show what the other metric does."
+    )
+
+
 def nir_share(analysis: Analysis) -> float:
     """Share of all expected electrons that light beyond 700 nm makes."""
     scene = analysis.scene

@@ -14,7 +14,7 @@ from chromanoise.study.views import (
 )
 
 _PAIR = ("R", "G")  # of the RGB sensor, in Figures 3, 4 and 6
-_PAIR_FAR_FROM_Y = ("G", "W")  # of the RGBW sensor, in Figure 10
+_PAIR_FAR_FROM_Y = ("G", "R")  # of the RGBW sensor, in Figure 10
 _PAIR_NEAR_Y = ("G", "R")  # of the RGB sensor, in Figure 10
 
 NoisyPlane = tuple[ChannelPlane, MagnifiedNoise]
