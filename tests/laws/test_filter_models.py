@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from chromanoise._check import InputError
-from chromanoise.sensor import ir_cut, resin_filter, sensor_named, silicon_qe
+from chromanoise.sensor import SENSOR_NAMES, ir_cut, resin_filter, sensor_named, silicon_qe
 from chromanoise.spectra import DEFAULT_GRID, Grid
 
 FINE = Grid.uniform(400, 1050, 1)
@@ -60,7 +60,36 @@ def test_a_resin_passes_its_band_blocks_beside_it_and_leaks_the_infrared(low, wi
 
 
 def test_no_catalogue_sensor_exceeds_one_electron_per_photon():
-    for name in ("model-rgb-ircut", "model-mono", "onyx-rgbw"):
+    for name in SENSOR_NAMES:
         qe = sensor_named(name, DEFAULT_GRID).qe
         assert qe.max() <= 1
         assert qe.min() >= 0
+
+
+def test_every_mosaic_shows_every_channel_of_its_sensor():
+    for name in SENSOR_NAMES:
+        sensor = sensor_named(name, DEFAULT_GRID)
+        assert sensor.name == name
+        if sensor.mosaic is not None:
+            assert set(sensor.mosaic.names) == set(sensor.names)
+
+
+def test_stacked_layers_together_collect_what_one_deep_diode_does():
+    layers = sensor_named("model-three-layer", DEFAULT_GRID).qe.sum(axis=1)
+    one = silicon_qe(DEFAULT_GRID, depth_um=4.0, dead_layer_um=0.0) * ir_cut(DEFAULT_GRID)
+    np.testing.assert_allclose(layers, one, rtol=1e-12)
+
+
+def test_deeper_layers_see_longer_waves():
+    sensor = sensor_named("model-three-layer", DEFAULT_GRID)
+    at = DEFAULT_GRID.wavelength_nm
+    means = [np.average(at, weights=column) for column in sensor.qe.T]
+    assert sensor.names == ("B", "G", "R")
+    assert means == sorted(means)
+
+
+def test_opening_a_filter_set_or_its_ir_cut_never_loses_electrons():
+    narrow, wide = (sensor_named(n, DEFAULT_GRID).qe for n in ("model-rgb-ircut", "model-rgb"))
+    assert (wide >= narrow).all()
+    rgb, ryb = (sensor_named(n, DEFAULT_GRID) for n in ("model-rgb-ircut", "model-ryb-ircut"))
+    assert ryb.qe[:, 1].sum() > rgb.qe[:, 1].sum()

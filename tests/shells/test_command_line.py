@@ -413,3 +413,24 @@ def test_the_camera_equation_is_a_third_of_a_decibel_darker(run):
         _, out, _ = run("analyze", "model-mono", "--time-ms", 5, *more, "--json", "-")
         electrons.append(json.loads(out)["sensors"][0]["channels"][0]["mean_e"])
     assert electrons[1] / electrons[0] == pytest.approx(12.96 / 13.96, rel=1e-12)
+
+
+def test_the_budget_of_each_color_adds_up_to_its_snr(run):
+    _, out, _ = run("analyze", "onyx-rgbw", "--budget", "--json", "-")
+    sensor = json.loads(out)["sensors"][0]
+    for budget in sensor["budget"]:
+        lost = sum(cost["loss_db"] for cost in budget["costs"])
+        assert budget["photons_db"] - lost == pytest.approx(budget["snr_db"], abs=1e-9)
+        assert budget["snr_db"] == pytest.approx(
+            sensor["color"]["snr_db"][budget["coordinate"]], abs=1e-9
+        )
+    code, out, _ = run("analyze", "onyx-rgbw", "--budget")
+    assert code == 0
+    assert "correlation" in out
+
+
+def test_a_saturated_sensor_has_no_budget_and_says_so(run):
+    arguments = ("analyze", "onyx-rgbw", "--budget", "--lux", 1e5, "--time-ms", 12)
+    _, out, _ = run(*arguments, "--json", "-")
+    assert json.loads(out)["sensors"][0]["budget"] == [None, None, None]
+    assert "there is no budget" in run(*arguments)[1]

@@ -16,19 +16,22 @@ from chromanoise.cli.options import (
     the_white,
 )
 from chromanoise.cli.output import write_json
-from chromanoise.study import analyses_as_json, analyzed
+from chromanoise.study import analyses_as_json, analyzed, budgets_as_json, color_budgets
 
 
 @click.command()
 @click.argument("sensors", nargs=-1, required=True, metavar="SENSOR...")
 @sensor_and_light
+@click.option("--budget", is_flag=True, help="Where the SNR of X, Y and Z goes, in dB per cause.")
 @click.option("--json", "json_target", metavar="FILE|-", help="Write JSON; - for standard output.")
-def analyze(sensors: tuple[str, ...], json_target: str | None, **options: Any) -> None:
+def analyze(
+    sensors: tuple[str, ...], budget: bool, json_target: str | None, **options: Any
+) -> None:
     """Noise of each SENSOR in raw, spectral and color coordinates, for a perfect white.
 
-    SENSOR is a catalogue name (onyx-rgbw, onyx-rgb-ircut, onyx-rgb, onyx-rgbw-ircut,
-    model-rgb-ircut, model-mono) or a CSV file with the header wavelength_nm,R,G,... and the
-    absolute QE of each channel.
+    SENSOR is a name of the catalogue (onyx-rgbw, onyx-rgb-ircut, onyx-rgb, onyx-rgbw-ircut, and
+    models of other filter sets: model-rgb-ircut, model-cmy-ircut, model-rgbir ...) or a CSV file
+    with the header wavelength_nm,R,G,... and the absolute QE of each channel.
     """
     beyond = options["beyond"]
     illuminant = the_illuminant(options["illuminant"], beyond=options["illuminant_beyond"])
@@ -39,7 +42,13 @@ def analyze(sensors: tuple[str, ...], json_target: str | None, **options: Any) -
         sensor = the_sensor(name, beyond=beyond, **pixel)
         exposure = the_exposure(scene, sensor, **exposure_rule)
         analyses.append(analyzed(scene, sensor, exposure, options["metric"]))
+    budgets = [color_budgets(analysis) for analysis in analyses] if budget else []
     if json_target:
-        write_json(analyses_as_json(analyses), json_target)
+        told = analyses_as_json(analyses)
+        for sensor_told, own in zip(told["sensors"], budgets, strict=False):
+            sensor_told["budget"] = budgets_as_json(own)
+        write_json(told, json_target)
     if json_target != "-":
         tables.print_analyses(analyses)
+        for analysis, own in zip(analyses, budgets, strict=False):
+            tables.print_budgets(analysis, own)

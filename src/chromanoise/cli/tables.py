@@ -1,11 +1,12 @@
 """Results as tables on a terminal."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 from rich.console import Console
 from rich.table import Table
 
+from chromanoise.merit import Budget
 from chromanoise.sensor.catalogue import RECONSTRUCTION
 from chromanoise.study import (
     Analysis,
@@ -25,7 +26,10 @@ from chromanoise.study import (
     table_5_finding,
     verdict,
 )
+from chromanoise.study.comparison import Crossover, Curve, crossover_sentence
 from chromanoise.study.paper import PRINTED_TIMES_MS, WELL_SHARE
+
+_ROWS = 11  # light levels that are printed of a sweep
 
 
 def print_reproduction(result: Reproduction) -> None:
@@ -83,6 +87,47 @@ def print_analyses(analyses: Iterable[Analysis]) -> None:
     console.print(color)
     for note in filter(None, notes):
         console.print(note, soft_wrap=True)
+
+
+def print_comparison(curves: Sequence[Curve], crossed: Sequence[Crossover]) -> None:
+    """SNR of luminance and color error over the light level, then the crossovers in words."""
+    console = _console()
+    levels = curves[0].level_lux
+    shown = np.unique(np.linspace(0, levels.size - 1, _ROWS).round().astype(int))
+    table = Table(
+        title="Y SNR dB | Delta E*ab, white and chart without clipping", title_justify="left"
+    )
+    table.add_column("lux", justify="right")
+    for curve in curves:
+        table.add_column(
+            f"{curve.sensor}, {curve.matrix}, {1e3 * curve.time_s:.4g} ms", justify="right"
+        )
+    for i in shown:
+        cells = (f"{_number(c.snr_y_db[i])} | {_number(c.color_error[i], 1)}" for c in curves)
+        table.add_row(f"{levels[i]:.3g}", *cells)
+    console.print(table)
+    for crossover in crossed:
+        console.print(crossover_sentence(crossover), soft_wrap=True)
+
+
+def print_budgets(analysis: Analysis, budgets: Sequence[Budget | None]) -> None:
+    """From all photons down to each color coordinate: dB per cause, and what each cause is."""
+    told = [budget for budget in budgets if budget]
+    console = _console()
+    if not told:
+        console.print(f"{analysis.sensor.name}: no color has an SNR, so there is no budget")
+        return
+    table = Table(title=f"Budget of {analysis.sensor.name} [dB]", title_justify="left")
+    table.add_column("")
+    for budget in told:
+        table.add_column(budget.coordinate, justify="right")
+    table.add_column("reading", justify="left")
+    table.add_row("all photons", *(f"{budget.photons_db:.2f}" for budget in told))
+    for i, cost in enumerate(told[0].costs):
+        losses = (f"{round(-budget.costs[i].loss_db, 2) + 0.0:+.2f}" for budget in told)
+        table.add_row(cost.cause, *losses, told[min(1, len(told) - 1)].costs[i].reading)
+    table.add_row("SNR", *(f"{budget.snr_db:.2f}" for budget in told))
+    console.print(table)
 
 
 def _add_channels(table: Table, analysis: Analysis) -> None:

@@ -1,9 +1,9 @@
 """What a camera is: channels on silicon, the pixel under them, the mosaic over them."""
 
-from chromanoise.sensor.catalogue import PAPER_PIXEL, SENSOR_NAMES, sensor_named
+from chromanoise.sensor.catalogue import SENSOR_NAMES, sensor_named
 from chromanoise.sensor.filters import ir_cut, resin_filter, silicon_qe
 from chromanoise.sensor.mosaic import Mosaic, bayer, rgbw_2x2, rgbw_sparse_4x4
-from chromanoise.sensor.pixel import Pixel
+from chromanoise.sensor.pixel import PAPER_PIXEL, Pixel
 from chromanoise.sensor.readers import read_sensor_csv
 from chromanoise.sensor.sensor import Sensor, behind_filter, with_channels
 

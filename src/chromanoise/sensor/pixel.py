@@ -36,3 +36,7 @@ class Pixel:
         _check.within("full_well_e", "e-", self.full_well_e, 1e-3, 1e15)
         _check.not_negative("read_noise_e", "e-", self.read_noise_e)
         _check.within("read_noise_e", "e-", self.read_noise_e, 0.0, 1e12)
+
+
+PAPER_PIXEL = Pixel(pitch_um=10.0, full_well_e=10_000.0, read_noise_e=10.0)
+"""Table 1 of Clouet, Vaillant & Alleysson (CIC27, 2019)."""

@@ -3,6 +3,7 @@
 from chromanoise.study.analysis import (
     Analysis,
     analyzed,
+    color_budgets,
     color_price_db,
     color_snr_db,
     contravariant_snr_db,
@@ -10,7 +11,7 @@ from chromanoise.study.analysis import (
     mean_color_error,
     raw_snr_db,
 )
-from chromanoise.study.export import analyses_as_json, reproduction_as_json
+from chromanoise.study.export import analyses_as_json, budgets_as_json, reproduction_as_json
 from chromanoise.study.findings import metric_remark, set_aside_reasons, table_5_finding, verdict
 from chromanoise.study.layout import PaperTable, as_printed, paper_tables
 from chromanoise.study.paper import PaperStudy, paper_study
@@ -27,6 +28,8 @@ __all__ = [
     "analyses_as_json",
     "analyzed",
     "as_printed",
+    "budgets_as_json",
+    "color_budgets",
     "color_price_db",
     "color_snr_db",
     "contravariant_snr_db",

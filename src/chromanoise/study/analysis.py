@@ -19,7 +19,14 @@ from chromanoise.geometry import (
     spectral_snr,
     variance_inflation,
 )
-from chromanoise.merit import bound_db, chart_color_error, price_db, snr_db
+from chromanoise.merit import (
+    Budget,
+    bound_db,
+    chart_color_error,
+    color_budget,
+    price_db,
+    snr_db,
+)
 from chromanoise.noise import Measurement, saturated, with_noise
 from chromanoise.scene import Scene
 from chromanoise.sensor import Sensor
@@ -127,6 +134,18 @@ def mean_color_error(analysis: Analysis) -> float | None:
         analysis.sensor, analysis.matrix, analysis.exposure, analysis.scene.illuminant
     )
     return None if error is None else float(error.mean())
+
+
+def color_budgets(analysis: Analysis) -> tuple[Budget | None, ...]:
+    """Where the SNR of X, Y and Z went; ``None`` while a channel is saturated or without SNR."""
+    if analysis.saturated.any():
+        return (None,) * len(analysis.color.names)
+    return tuple(
+        color_budget(
+            analysis.scene, analysis.sensor, analysis.exposure, analysis.matrix, coordinate
+        )
+        for coordinate in analysis.color.names
+    )
 
 
 def mix_sentence(mix: NearestMix) -> str:

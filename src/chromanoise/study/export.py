@@ -6,6 +6,7 @@ from dataclasses import asdict
 from typing import Any
 
 from chromanoise import __version__
+from chromanoise.merit import Budget
 from chromanoise.sensor.catalogue import RECONSTRUCTION
 from chromanoise.study.analysis import (
     Analysis,
@@ -48,6 +49,11 @@ def reproduction_as_json(result: Reproduction) -> dict[str, Any]:
         "set_aside": list(set_aside_reasons(result.study)),
         "note": RECONSTRUCTION,
     }
+
+
+def budgets_as_json(budgets: Sequence[Budget | None]) -> list[dict[str, Any] | None]:
+    """Budgets, ``None`` where a coordinate has no SNR."""
+    return [asdict(budget) if budget else None for budget in budgets]
 
 
 def _analysis(analysis: Analysis) -> dict[str, Any]:

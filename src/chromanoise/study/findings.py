@@ -3,6 +3,7 @@
 import numpy as np
 
 from chromanoise.exposure import expected_electrons
+from chromanoise.merit.budget import INFRARED_FROM_NM
 from chromanoise.scene import Scene
 from chromanoise.study import paper
 from chromanoise.study.analysis import (
@@ -13,8 +14,6 @@ from chromanoise.study.analysis import (
     raw_snr_db,
 )
 from chromanoise.study.paper import PaperStudy
-
-_NIR_FROM_NM = 700.0
 
 
 def verdict(study: PaperStudy) -> str:
@@ -28,7 +27,7 @@ def verdict(study: PaperStudy) -> str:
         f"At {bare.scene.level_lux:g} lx and {1e3 * bare.exposure.time_s:.1f} ms the RGBW sensor "
         f"without IR-cut is {raw_gain:.1f} dB better in raw (mean of {', '.join(shared)}) and "
         f"{loss:.1f} dB worse in luminance, because {100 * nir_share(bare):.0f} % of its electrons "
-        f"come from beyond {_NIR_FROM_NM:g} nm and carry no color, and because unmixing its "
+        f"come from beyond {INFRARED_FROM_NM:g} nm and carry no color, and because unmixing its "
         f"correlated channels multiplies their noise variance by up to {bare.vif.max():.1f} "
         f"({worst}; {cut.vif.max():.1f} behind the IR-cut): it pays {bare.price_db:.1f} dB for "
         f"color where the RGB sensor pays {cut.price_db:.1f} dB."
@@ -48,7 +47,7 @@ def metric_remark(study: PaperStudy) -> str:
 def nir_share(analysis: Analysis) -> float:
     """Share of all expected electrons that light beyond 700 nm makes."""
     scene = analysis.scene
-    far = scene.illuminant.grid.wavelength_nm > _NIR_FROM_NM
+    far = scene.illuminant.grid.wavelength_nm > INFRARED_FROM_NM
     only_nir = Scene(
         illuminant=scene.illuminant,
         level_lux=scene.level_lux,
