@@ -434,3 +434,36 @@ def test_a_saturated_sensor_has_no_budget_and_says_so(run):
     _, out, _ = run(*arguments, "--json", "-")
     assert json.loads(out)["sensors"][0]["budget"] == [None, None, None]
     assert "there is no budget" in run(*arguments)[1]
+
+
+def test_compare_tells_curves_and_crossovers_with_the_digits_of_analyze(run):
+    arguments = ("compare", "onyx-rgbw", "onyx-rgb-ircut", "--time-ms", 5, "--points", 3)
+    code, out, _ = run(*arguments, "--sweep", "lux=0.1:10", "--json", "-")
+    told = json.loads(out)
+    assert code == 0
+    assert told["level_lux"] == pytest.approx([0.1, 1.0, 10.0])
+    _, analyzed_out, _ = run("analyze", "onyx-rgbw", "--time-ms", 5, "--lux", 10, "--json", "-")
+    direct = json.loads(analyzed_out)["sensors"][0]
+    assert told["curves"][0]["snr_y_db"][-1] == pytest.approx(
+        direct["color"]["snr_db"]["Y"], abs=1e-9
+    )
+    assert told["curves"][0]["color_error"][0] == pytest.approx(direct["color_error_mean"])
+    assert "at every level" in told["crossovers"][0]["sentence"]
+    code, out, _ = run(*arguments)
+    assert code == 0
+    assert "luminance SNR" in out
+
+
+@pytest.mark.parametrize(
+    ("option", "value", "named"),
+    [
+        ("--sweep", "lux=1", "lux=FIRST:LAST"),
+        ("--sweep", "lux=10:1", "must rise"),
+        ("--sweep", "lux=0:1", "first level"),
+        ("--sweep", "time=1:2", "'time'"),
+        ("--points", 1, "--points"),
+        ("--matrix", "kernl", "kernel"),
+    ],
+)
+def test_compare_refuses_what_it_cannot_sweep(run, option, value, named):
+    refused(run("compare", "model-mono", option, value), named)

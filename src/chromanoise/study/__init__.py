@@ -11,6 +11,16 @@ from chromanoise.study.analysis import (
     mean_color_error,
     raw_snr_db,
 )
+from chromanoise.study.comparison import (
+    Contestant,
+    Crossover,
+    Curve,
+    compared,
+    comparison_as_json,
+    crossover_sentence,
+    crossovers,
+    luminance_snr_db,
+)
 from chromanoise.study.export import analyses_as_json, budgets_as_json, reproduction_as_json
 from chromanoise.study.findings import metric_remark, set_aside_reasons, table_5_finding, verdict
 from chromanoise.study.layout import PaperTable, as_printed, paper_tables
@@ -21,6 +31,9 @@ from chromanoise.study.reproduction import Cell, Reproduction, reproduced
 __all__ = [
     "Analysis",
     "Cell",
+    "Contestant",
+    "Crossover",
+    "Curve",
     "PaperPlanes",
     "PaperStudy",
     "PaperTable",
@@ -32,8 +45,13 @@ __all__ = [
     "color_budgets",
     "color_price_db",
     "color_snr_db",
+    "compared",
+    "comparison_as_json",
     "contravariant_snr_db",
+    "crossover_sentence",
+    "crossovers",
     "diagnosis",
+    "luminance_snr_db",
     "mean_color_error",
     "metric_remark",
     "paper_planes",
