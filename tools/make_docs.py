@@ -3,21 +3,60 @@
 from pathlib import Path
 
 import numpy as np
+from matplotlib.figure import Figure
 
+from chromanoise.cli.makers import matrix_makers
+from chromanoise.figures import chromanoise_style, draw_comparison
 from chromanoise.imaging import write_png
-from chromanoise.study import paper_study
+from chromanoise.spectra import DEFAULT_GRID, equal_energy
+from chromanoise.study import (
+    Contestant,
+    PaperStudy,
+    compared,
+    crossover_sentence,
+    crossovers,
+    paper_study,
+)
+from chromanoise.study.paper import RGB_12, RGBW_12
 from chromanoise.study.pictures import paper_pictures
 
 PICTURES = Path(__file__).parent.parent / "docs" / "pictures"
 GAP_PX = 16
+LEVELS_LUX = np.geomspace(0.01, 30, 71)
 
 
 def main() -> None:
-    """Write ``docs/pictures/two-sensors.png``: RGB behind an IR-cut, RGBW without."""
-    rgb, rgbw = paper_pictures(paper_study())
-    gap = np.full((rgb.srgb.shape[0], GAP_PX, 3), 255, dtype=np.uint8)
+    """Write ``two-sensors.png`` and ``crossover.png`` under ``docs/pictures``."""
     PICTURES.mkdir(parents=True, exist_ok=True)
+    study = paper_study()
+    write_two_sensors(study)
+    write_crossover(study)
+
+
+def write_two_sensors(study: PaperStudy) -> None:
+    """RGB behind an IR-cut beside RGBW without, at the same light and time."""
+    rgb, rgbw = paper_pictures(study)
+    gap = np.full((rgb.srgb.shape[0], GAP_PX, 3), 255, dtype=np.uint8)
     write_png(PICTURES / "two-sensors.png", np.hstack([rgb.srgb, gap, rgbw.srgb]))
+
+
+def write_crossover(study: PaperStudy) -> None:
+    """Both sensors over the light level, with the kernel and with LMMSE."""
+    contestants = [
+        Contestant(sensor=study.columns[name].sensor, exposure=study.columns[name].exposure)
+        for name in (RGBW_12, RGB_12)
+    ]
+    lamp = equal_energy(DEFAULT_GRID)
+    makers = matrix_makers(["kernel", "lmmse"], lamp, "quanta")
+    curves = compared(contestants, makers, lamp, LEVELS_LUX)
+    crossed = crossovers(contestants, makers, lamp, curves)
+    with chromanoise_style():
+        figure = Figure(figsize=(7.5, 6.5), layout="constrained")
+        above, below = figure.subplots(2, 1, sharex=True, height_ratios=(3, 2))
+        draw_comparison(curves, crossed, (above, below))
+        figure.savefig(PICTURES / "crossover.png", dpi=110)
+    for crossover in crossed:
+        print(crossover_sentence(crossover))
 
 
 if __name__ == "__main__":

@@ -15,6 +15,7 @@ _COMMANDS = {
     "analyze": "Noise of sensors in raw, spectral and color coordinates, side by side.",
     "simulate": "Render a hyperspectral cube through sensors to noisy color pictures.",
     "compare": "Sensors over the light level: luminance SNR, color error, crossovers.",
+    "matrix": "A sensor's color matrix: color error, noise, condition; to CSV, JSON, CLF, profile.",
     "reproduce": "The paper's Tables 2-5 beside ours, and its ten figures.",
     "demo": "Everything of the paper on one page: out/demo/index.html.",
 }

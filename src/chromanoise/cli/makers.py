@@ -1,27 +1,63 @@
 """Names of color matrices to functions: the one place where a word chooses a method."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 
 from chromanoise import _check
-from chromanoise.color import ColorMatrix, kernel_matrix
+from chromanoise.color import (
+    ColorMatrix,
+    Training,
+    chart_training,
+    kernel_matrix,
+    least_squares,
+    lmmse,
+    nir_diverse,
+    white_preserving,
+)
 from chromanoise.exposure import Exposure
 from chromanoise.sensor import Sensor
 from chromanoise.spectra import Illuminant, Metric
-from chromanoise.study.comparison import MatrixMaker
+from chromanoise.study import MatrixMaker
 
-MATRIX_NAMES = ("kernel",)
+_TRAINED: Mapping[str, Callable[..., ColorMatrix]] = {
+    "least-squares": least_squares,
+    "white-preserving": white_preserving,
+    "lmmse": lmmse,
+}
+MATRIX_NAMES = ("kernel", *_TRAINED)
 
 
 def matrix_makers(
     names: Sequence[str], illuminant: Illuminant, metric: Metric
 ) -> Mapping[str, MatrixMaker]:
-    """The matrix methods that a person names, made for this light."""
+    """The matrix methods that a person names, made for this light.
+
+    What is trained is trained on the ColorChecker with near-infrared metamers.
+    """
     wanted = [name.strip() for name in names]
     for name in wanted:
         _check.one_of("matrix", name, MATRIX_NAMES)
+    training = nir_diverse(chart_training(illuminant))
+    return {name: _maker(name, training, metric) for name in wanted}
 
-    def kernel(sensor: Sensor, exposure: Exposure, level_lux: float) -> ColorMatrix:
-        return kernel_matrix(sensor, exposure, metric)
 
-    makers: dict[str, MatrixMaker] = {"kernel": kernel}
-    return {name: makers[name] for name in wanted}
+def _maker(name: str, training: Training, metric: Metric) -> MatrixMaker:
+    if name == "kernel":
+        return partial(_kernel, metric=metric)
+    return partial(_trained, method=_TRAINED[name], training=training, metric=metric)
+
+
+def _kernel(sensor: Sensor, exposure: Exposure, level_lux: float, *, metric: Metric) -> ColorMatrix:
+    return kernel_matrix(sensor, exposure, metric)
+
+
+def _trained(
+    sensor: Sensor,
+    exposure: Exposure,
+    level_lux: float,
+    *,
+    method: Callable[..., ColorMatrix],
+    training: Training,
+    metric: Metric,
+) -> ColorMatrix:
+    return method(sensor, exposure, training, level_lux=level_lux, metric=metric)

@@ -6,7 +6,8 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from chromanoise.merit import Budget
+from chromanoise.color import ColorMatrix
+from chromanoise.merit import Budget, MatrixReport
 from chromanoise.sensor.catalogue import RECONSTRUCTION
 from chromanoise.study import (
     Analysis,
@@ -94,20 +95,43 @@ def print_comparison(curves: Sequence[Curve], crossed: Sequence[Crossover]) -> N
     console = _console()
     levels = curves[0].level_lux
     shown = np.unique(np.linspace(0, levels.size - 1, _ROWS).round().astype(int))
-    table = Table(
-        title="Y SNR dB | Delta E*ab, white and chart without clipping", title_justify="left"
-    )
+    title = "SNR of Y of a white in dB | mean Delta E*ab of the chart without noise"
+    table = Table(title=title, title_justify="left")
     table.add_column("lux", justify="right")
     for curve in curves:
-        table.add_column(
-            f"{curve.sensor}, {curve.matrix}, {1e3 * curve.time_s:.4g} ms", justify="right"
-        )
+        head = f"{curve.sensor}\n{curve.matrix}\n{1e3 * curve.time_s:.4g} ms"
+        table.add_column(head, justify="right")
     for i in shown:
         cells = (f"{_number(c.snr_y_db[i])} | {_number(c.color_error[i], 1)}" for c in curves)
         table.add_row(f"{levels[i]:.3g}", *cells)
     console.print(table)
     for crossover in crossed:
         console.print(crossover_sentence(crossover), soft_wrap=True)
+
+
+def print_matrix(matrix: ColorMatrix, report: MatrixReport, sensor_name: str) -> None:
+    """The matrix in lx/e-, then what it is worth: color error and noise, never one alone."""
+    console = _console()
+    table = Table(title=f"{report.made_by} of {sensor_name} [lx/e-]", title_justify="left")
+    table.add_column("")
+    for channel in matrix.channels:
+        table.add_column(channel, justify="right")
+    for name, row in zip(matrix.coordinates, matrix.matrix, strict=True):
+        table.add_row(name, *(f"{value:.6g}" for value in row))
+    console.print(table)
+    snr = report.snr_db or dict.fromkeys(matrix.coordinates, None)
+    nir = report.nir_color or {}
+    for line in (
+        f"color error without noise: mean {_number(report.color_error_mean)}, "
+        f"max {_number(report.color_error_max)} Delta E*ab over the ColorChecker",
+        "SNR of a perfect white: "
+        + ("saturated" if report.snr_db is None else "")
+        + ", ".join(f"{n} {_number(v)} dB" for n, v in snr.items() if v is not None),
+        f"condition {_number(report.condition)}, Kodak's Psi {_number(report.psi)}",
+        "near infrared of the white over its visible: "
+        + ", ".join(f"{n} {100 * v:+.1f} %" for n, v in nir.items()),
+    ):
+        console.print(line, soft_wrap=True)
 
 
 def print_budgets(analysis: Analysis, budgets: Sequence[Budget | None]) -> None:

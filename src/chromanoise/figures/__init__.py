@@ -1,5 +1,6 @@
 """Results to matplotlib Axes: the ten figures of the paper, drawn from computed data."""
 
+from chromanoise.figures.comparison import draw_comparison
 from chromanoise.figures.flow import draw_flow
 from chromanoise.figures.geometry import (
     draw_color_projection,
@@ -22,6 +23,7 @@ __all__ = [
     "chromanoise_style",
     "draw_color_projection",
     "draw_color_uncertainty",
+    "draw_comparison",
     "draw_contravariant",
     "draw_flow",
     "draw_light_above_plane",

@@ -1,16 +1,80 @@
-"""What a measurement is worth: SNR at every stage, its bound and price, color error."""
+"""What a measurement is worth: SNR, bound, price, budget; color error; filters, speed, bits."""
 
 from chromanoise.merit.accuracy import chart_color_error
 from chromanoise.merit.budget import Budget, Cost, color_budget, shapley_values
+from chromanoise.merit.filters import (
+    best_readout,
+    figure_of_merit,
+    filter_quality,
+    perceptual_weight,
+    principal_angles_deg,
+    readout_error,
+    second_moment,
+    vora_value,
+)
+from chromanoise.merit.matrix_report import MatrixReport, effective_filters, matrix_report
+from chromanoise.merit.smi import Metamerism, metamerism, sensor_metamerism
 from chromanoise.merit.snr import bound_db, price_db, snr_db
+from chromanoise.merit.speed import (
+    ISO_12232_2019,
+    NoiseSpeedModel,
+    illuminance_for_snr,
+    light_for_snr,
+    noise_speed,
+)
+from chromanoise.merit.tonal import (
+    color_sensitivity_bits,
+    information_bits,
+    tonal_levels,
+    tonal_range_bits,
+)
+from chromanoise.merit.visual_noise import (
+    ISO_15739_2017,
+    VisualNoise,
+    VisualNoiseModel,
+    contrast_sensitivity,
+    visual_noise_from_spectrum,
+    visual_noise_of_picture,
+    visual_noise_of_white,
+)
 
 __all__ = [
+    "ISO_12232_2019",
+    "ISO_15739_2017",
     "Budget",
     "Cost",
+    "MatrixReport",
+    "Metamerism",
+    "NoiseSpeedModel",
+    "VisualNoise",
+    "VisualNoiseModel",
+    "best_readout",
     "bound_db",
     "chart_color_error",
     "color_budget",
+    "color_sensitivity_bits",
+    "contrast_sensitivity",
+    "effective_filters",
+    "figure_of_merit",
+    "filter_quality",
+    "illuminance_for_snr",
+    "information_bits",
+    "light_for_snr",
+    "matrix_report",
+    "metamerism",
+    "noise_speed",
+    "perceptual_weight",
     "price_db",
+    "principal_angles_deg",
+    "readout_error",
+    "second_moment",
+    "sensor_metamerism",
     "shapley_values",
     "snr_db",
+    "tonal_levels",
+    "tonal_range_bits",
+    "visual_noise_from_spectrum",
+    "visual_noise_of_picture",
+    "visual_noise_of_white",
+    "vora_value",
 ]

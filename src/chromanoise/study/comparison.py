@@ -64,6 +64,9 @@ class Crossover:
         Names.
     level_lux
         The levels at which the sign of their difference changes; empty if it never does. [lx]
+    color_error
+        Of first and second at each of these levels: SNR is never told alone; NaN where it is not
+        defined. [Delta E*ab]
     better_in_the_dark
         Who leads at the lowest common level.
     from_lux, to_lux
@@ -74,6 +77,7 @@ class Crossover:
     second: str
     matrix: str
     level_lux: tuple[float, ...]
+    color_error: tuple[tuple[float, float], ...]
     better_in_the_dark: str
     from_lux: float
     to_lux: float
@@ -135,8 +139,10 @@ def crossovers(
         mine = [curve for curve in curves if curve.matrix == name]
         for i, first in enumerate(contestants):
             for k in range(i + 1, len(contestants)):
-                lead = _lead(first, contestants[k], maker, illuminant)
-                found.append(_crossover(mine[i], mine[k], lead))
+                second = contestants[k]
+                lead = _lead(first, second, maker, illuminant)
+                errors = _errors(first, second, maker, illuminant)
+                found.append(_crossover(mine[i], mine[k], lead, errors))
     return tuple(found)
 
 
@@ -154,6 +160,15 @@ def luminance_snr_db(
     return float(snr_db(color)["Y"]) if color.mean[1] > 0 else float("nan")
 
 
+def color_error(
+    contestant: Contestant, maker: MatrixMaker, illuminant: Illuminant, level_lux: float
+) -> float:
+    """Mean over the ColorChecker, without noise; NaN where the white is no color. [Delta E*ab]"""
+    sensor, exposure = contestant.sensor, contestant.exposure
+    error = chart_color_error(sensor, maker(sensor, exposure, level_lux), exposure, illuminant)
+    return float("nan") if error is None else float(error.mean())
+
+
 def _curve(
     contestant: Contestant,
     name: str,
@@ -161,16 +176,14 @@ def _curve(
     illuminant: Illuminant,
     levels: Float[Array, " k"],
 ) -> Curve:
-    sensor, exposure = contestant.sensor, contestant.exposure
     snr, errors = [], []
     for level in levels.tolist():
         snr.append(luminance_snr_db(contestant, maker, illuminant, level))
-        error = chart_color_error(sensor, maker(sensor, exposure, level), exposure, illuminant)
-        errors.append(float("nan") if error is None else float(error.mean()))
+        errors.append(color_error(contestant, maker, illuminant, level))
     return Curve(
-        sensor=sensor.name,
+        sensor=contestant.sensor.name,
         matrix=name,
-        time_s=exposure.time_s,
+        time_s=contestant.exposure.time_s,
         level_lux=levels,
         snr_y_db=np.array(snr),
         color_error=np.array(errors),
@@ -190,7 +203,26 @@ def _lead(
     return lead
 
 
-def _crossover(first: Curve, second: Curve, lead: Callable[[float], float]) -> Crossover:
+def _errors(
+    first: Contestant, second: Contestant, maker: MatrixMaker, illuminant: Illuminant
+) -> Callable[[float], tuple[float, float]]:
+    """The color errors of both at a level. [Delta E*ab]"""
+
+    def errors(level: float) -> tuple[float, float]:
+        return (
+            color_error(first, maker, illuminant, level),
+            color_error(second, maker, illuminant, level),
+        )
+
+    return errors
+
+
+def _crossover(
+    first: Curve,
+    second: Curve,
+    lead: Callable[[float], float],
+    errors: Callable[[float], tuple[float, float]],
+) -> Crossover:
     difference = first.snr_y_db - second.snr_y_db
     known = np.flatnonzero(np.isfinite(difference))
     if not known.size:
@@ -206,11 +238,13 @@ def _crossover(first: Curve, second: Curve, lead: Callable[[float], float]) -> C
         if np.sign(difference[a]) * np.sign(difference[b]) < 0
     ]
     leader = first if difference[known[0]] > 0 else second
+    levels = tuple(float(np.exp(_root(lead, low, high))) for low, high in changes)
     return Crossover(
         first=first.sensor,
         second=second.sensor,
         matrix=first.matrix,
-        level_lux=tuple(float(np.exp(_root(lead, low, high))) for low, high in changes),
+        level_lux=levels,
+        color_error=tuple(errors(level) for level in levels),
         better_in_the_dark=leader.sensor,
         from_lux=float(first.level_lux[known[0]]),
         to_lux=float(first.level_lux[known[-1]]),
@@ -244,8 +278,13 @@ def comparison_as_json(curves: Sequence[Curve], crossed: Sequence[Crossover]) ->
             }
             for curve in curves
         ],
-        "crossovers": [asdict(c) | {"sentence": crossover_sentence(c)} for c in crossed],
+        "crossovers": [_crossover_as_json(c) for c in crossed],
     }
+
+
+def _crossover_as_json(crossover: Crossover) -> dict[str, Any]:
+    errors = [_defined(np.array(pair)) for pair in crossover.color_error]
+    return asdict(crossover) | {"color_error": errors, "sentence": crossover_sentence(crossover)}
 
 
 def _defined(values: Float[Array, " k"]) -> list[float | None]:
@@ -263,7 +302,10 @@ def crossover_sentence(crossover: Crossover) -> str:
             f"luminance SNR than {other} at every level from {range_told}."
         )
     levels = " and ".join(f"{level:.3g}" for level in crossover.level_lux)
+    colors = "; ".join(f"{a:.1f} and {b:.1f}" for a, b in crossover.color_error)
+    changes = "and back" if len(crossover.level_lux) % 2 == 0 else f"{other} above"
     return (
         f"With the {crossover.matrix} matrix {crossover.better_in_the_dark} has the better "
-        f"luminance SNR below {levels} lx, {other} above (within {range_told})."
+        f"luminance SNR below {levels} lx, {changes} (within {range_told}), where the mean color "
+        f"errors of {first} and {second} are {colors} Delta E*ab."
     )

@@ -1,0 +1,317 @@
+"""Color matrices fitted to a training set; one signature, from least squares to LMMSE.
+
+Every method is called as ``method(sensor, exposure, training, level_lux=..., metric=...)``, with
+its own strength where it has one, and returns a `ColorMatrix` in lx/e-. All but `kernel`
+minimise E|C M - XYZ|^2 over the set plus a penalty, so they do not depend on the metric; it is
+that of the frame which they carry.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from jaxtyping import Float
+
+from chromanoise import _check
+from chromanoise._check import Array
+from chromanoise._colour import colour_science
+from chromanoise._linalg import RANK_TOLERANCE
+from chromanoise.color.matrices import ColorMatrix, kernel_matrix
+from chromanoise.color.training import (
+    Training,
+    TrainingResponse,
+    training_response,
+    white_scale,
+)
+from chromanoise.exposure import Exposure
+from chromanoise.sensor import Sensor
+from chromanoise.spectra import Metric
+from chromanoise.units import decibel
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ParetoCurve:
+    """Color error against noise, one matrix per weight of the noise.
+
+    Attributes
+    ----------
+    weight
+        0 is least squares, 1 LMMSE.
+    matrix
+        One per weight. [lx/e-]
+    color_error_rms
+        Of X, Y and Z together over the training set, without noise. [lx]
+    noise_rms
+        Standard deviation of X, Y and Z together, averaged over the set. [lx]
+    delta_e
+        Mean CIE 1976 color difference over the set, each side balanced on its own white; ``None``
+        where the sensor's white is no color.
+    snr_y_db
+        Luminance SNR of a perfect white. [dB]
+    """
+
+    weight: Float[Array, " q"]
+    matrix: Float[Array, "q 3 p"]
+    color_error_rms: Float[Array, " q"]
+    noise_rms: Float[Array, " q"]
+    delta_e: tuple[float | None, ...]
+    snr_y_db: Float[Array, " q"]
+
+    def __post_init__(self) -> None:
+        _check.same_length("weights", weight=self.weight.size, matrix=len(self.matrix))
+        _check.same_length("weights", weight=self.weight.size, delta_e=len(self.delta_e))
+        _check.freeze(self, "weight", "matrix", "color_error_rms", "noise_rms", "snr_y_db")
+
+
+def kernel(
+    sensor: Sensor,
+    exposure: Exposure,
+    training: Training,
+    *,
+    level_lux: float,
+    metric: Metric = "quanta",
+) -> ColorMatrix:
+    """The kernel matrix of eq. 6, which asks neither the training set nor the light level."""
+    return kernel_matrix(sensor, exposure, metric)
+
+
+def least_squares(
+    sensor: Sensor,
+    exposure: Exposure,
+    training: Training,
+    *,
+    level_lux: float,
+    metric: Metric = "quanta",
+) -> ColorMatrix:
+    """The matrix of least color error over the training set, noise not asked: E|C M - XYZ|^2.
+
+    Where channels are a mix of others, the one with the smallest gains on the white.
+
+    Raises
+    ------
+    InputError
+        If set and sensor are not on one grid, or a channel is zero at every wavelength.
+    """
+    seen = training_response(training, sensor, exposure, level_lux=level_lux)
+    made_by = f"least squares ({training.source})"
+    return _made(sensor, exposure, metric, _penalized(seen, np.zeros_like(seen.noise_e2)), made_by)
+
+
+def white_preserving(
+    sensor: Sensor,
+    exposure: Exposure,
+    training: Training,
+    *,
+    level_lux: float,
+    metric: Metric = "quanta",
+) -> ColorMatrix:
+    """Least squares among the matrices that are exact on the perfect white.
+
+    Raises
+    ------
+    InputError
+        As `least_squares`, and if no channel sees the lamp.
+
+    Notes
+    -----
+    Finlayson & Drew, "White-point preserving color correction" (CIC5, 1997). Solved in the null
+    space of the constraint, which gives the same matrix as its Lagrange (KKT) system.
+    """
+    seen = training_response(training, sensor, exposure, level_lux=level_lux)
+    _check.positive(
+        f"white of {sensor.name} in {training.illuminant.name}", "e-", seen.white_e.max()
+    )
+    root = np.sqrt(seen.share)[:, None]
+    relative = seen.electrons / white_scale(seen)  # the white is a row of ones
+    ones = (seen.white_e > 0).astype(np.float64)
+    direction = ones / np.linalg.norm(ones)
+    free = np.linalg.svd(direction[None])[2][1:].T  # spans what the white does not see
+    fixed = np.outer(seen.white_xyz, ones / ones.sum())
+    rest, *_ = np.linalg.lstsq(
+        root * (relative @ free), root * (seen.xyz - relative @ fixed.T), rcond=RANK_TOLERANCE
+    )
+    matrix = (fixed + (free @ rest).T) / white_scale(seen)
+    return _made(sensor, exposure, metric, matrix, f"white-preserving ({training.source})")
+
+
+def lmmse(
+    sensor: Sensor,
+    exposure: Exposure,
+    training: Training,
+    *,
+    level_lux: float,
+    metric: Metric = "quanta",
+) -> ColorMatrix:
+    """The matrix of least expected error, color and noise together: one per light level.
+
+    Parameters
+    ----------
+    training
+        The prior: K = E[L L^T] over the set.
+    level_lux
+        Illuminance on the set; D = diag(E[M]) + s_rn^2 there. [lx]
+
+    Raises
+    ------
+    InputError
+        As `least_squares`.
+
+    Notes
+    -----
+    C = H^T K F (F^T K F + D)^-1, the Wiener filter (Shimano, "Recovery of spectral reflectances
+    of objects being imaged without prior knowledge", IEEE Trans. Image Process. 15 (2006), 1848).
+    """
+    seen = training_response(training, sensor, exposure, level_lux=level_lux)
+    made_by = f"LMMSE at {level_lux:g} lx ({training.source})"
+    return _made(sensor, exposure, metric, _penalized(seen, seen.noise_e2), made_by)
+
+
+def ridge(
+    sensor: Sensor,
+    exposure: Exposure,
+    training: Training,
+    *,
+    level_lux: float,
+    metric: Metric = "quanta",
+    strength: float,
+) -> ColorMatrix:
+    """Least squares with a penalty on the gains, alike for all channels.
+
+    Parameters
+    ----------
+    strength
+        Of the penalty, per mean square of the electrons: s tr(E[M M^T])/p |C|^2; 0 is least
+        squares. [1]
+
+    Raises
+    ------
+    InputError
+        As `least_squares`, and if the strength is negative.
+    """
+    share = _check.not_negative("strength of ridge", "1", strength)
+    seen = training_response(training, sensor, exposure, level_lux=level_lux)
+    square = float((seen.share @ seen.electrons**2).mean())
+    made_by = f"ridge {strength:g} ({training.source})"
+    penalty = np.full_like(seen.noise_e2, share * square)
+    return _made(sensor, exposure, metric, _penalized(seen, penalty), made_by)
+
+
+def noise_regularized(
+    sensor: Sensor,
+    exposure: Exposure,
+    training: Training,
+    *,
+    level_lux: float,
+    metric: Metric = "quanta",
+    weight: float,
+) -> ColorMatrix:
+    """Least color error squared plus ``weight`` times the noise variance, both in XYZ.
+
+    Parameters
+    ----------
+    weight
+        Of tr(C D C^T), D the noise averaged over the set: 0 is least squares, 1 LMMSE. [1]
+
+    Raises
+    ------
+    InputError
+        As `least_squares`, and if the weight is negative.
+
+    Notes
+    -----
+    Vora & Herley, "Trade-offs between color saturation and noise sensitivity in image sensors"
+    (ICIP 1998), with shot noise in D.
+    """
+    _check.not_negative("weight of the noise", "1", weight)
+    seen = training_response(training, sensor, exposure, level_lux=level_lux)
+    made_by = f"noise weighted {weight:g} at {level_lux:g} lx ({training.source})"
+    return _made(sensor, exposure, metric, _penalized(seen, weight * seen.noise_e2), made_by)
+
+
+def pareto(
+    sensor: Sensor,
+    exposure: Exposure,
+    training: Training,
+    weights: Float[Array, " q"],
+    *,
+    level_lux: float,
+) -> ParetoCurve:
+    """The whole curve of color error against noise, by one singular value decomposition.
+
+    Parameters
+    ----------
+    weights
+        Of the noise, as `noise_regularized`. [1, (q,)]
+
+    Raises
+    ------
+    InputError
+        If a weight is negative, set and sensor are not on one grid, or no channel sees the lamp.
+
+    Notes
+    -----
+    In noise-whitened channels A = U s V^T, and C(w) = B^T U diag(s / (s^2 + w)) V^T D^-1/2.
+    """
+    weight = _check.non_negative("weights of the noise", "1", weights)
+    seen = training_response(training, sensor, exposure, level_lux=level_lux)
+    _refuse_unseen(sensor, training, seen)
+    matrices = _along(seen, weight)
+    error = seen.electrons @ np.swapaxes(matrices, -1, -2) - seen.xyz
+    luminance = matrices[:, 1]
+    white_variance = luminance**2 @ (seen.white_e + sensor.pixel.read_noise_e**2)
+    return ParetoCurve(
+        weight=weight,
+        matrix=matrices,
+        color_error_rms=np.sqrt(np.einsum("k,qkc->q", seen.share, error**2)),
+        noise_rms=np.sqrt((matrices**2 @ seen.noise_e2).sum(axis=-1)),
+        delta_e=tuple(_mean_delta_e(seen, matrix) for matrix in matrices),
+        snr_y_db=decibel(np.abs(luminance @ seen.white_e) / np.sqrt(white_variance)),
+    )
+
+
+def _made(
+    sensor: Sensor, exposure: Exposure, metric: Metric, matrix: Float[Array, "3 p"], made_by: str
+) -> ColorMatrix:
+    return replace(kernel_matrix(sensor, exposure, metric), matrix=matrix, made_by=made_by)
+
+
+def _refuse_unseen(sensor: Sensor, training: Training, seen: TrainingResponse) -> None:
+    if not seen.white_e.max() > 0:
+        raise _check.InputError(
+            f"no channel of {sensor.name} sees any light of {training.illuminant.name}, so there "
+            "is no white to hold; take another lamp"
+        )
+
+
+def _penalized(seen: TrainingResponse, penalty_e2: Float[Array, " p"]) -> Float[Array, "3 p"]:
+    """C of least E|C M - XYZ|^2 + sum_i penalty_i |C e_i|^2.
+
+    As stacked equations, because the normal equations would square the condition.
+    """
+    scale, root = white_scale(seen), np.sqrt(seen.share)[:, None]
+    left = np.vstack([root * seen.electrons, np.diag(np.sqrt(penalty_e2))]) / scale
+    right = np.vstack([root * seen.xyz, np.zeros((scale.size, 3))])
+    solution, *_ = np.linalg.lstsq(left, right, rcond=RANK_TOLERANCE)
+    return np.asarray(solution.T / scale)
+
+
+def _along(seen: TrainingResponse, weight: Float[Array, " q"]) -> Float[Array, "q 3 p"]:
+    """The matrices of least E|C M - XYZ|^2 + w tr(C D C^T)."""
+    noisy = seen.noise_e2 > 0  # a channel without noise has no signal either
+    whitening = np.where(noisy, 1.0 / np.sqrt(np.where(noisy, seen.noise_e2, 1.0)), 0.0)
+    root = np.sqrt(seen.share)[:, None]
+    u, s, vt = np.linalg.svd(root * seen.electrons * whitening, full_matrices=False)
+    kept = s > RANK_TOLERANCE * s[0]
+    gain = np.where(kept, s, 0.0) / np.where(kept, s**2 + weight[:, None], 1.0)
+    cross = (root * seen.xyz).T @ u
+    return np.asarray((cross * gain[:, None, :]) @ vt * whitening)
+
+
+def _mean_delta_e(seen: TrainingResponse, matrix: Float[Array, "3 p"]) -> float | None:
+    colour = colour_science()
+    white = matrix @ seen.white_e
+    if not ((white > 0).all() and (seen.white_xyz > 0).all()):
+        return None
+    neutral = np.array([1 / 3, 1 / 3])  # chromaticity of XYZ = (1, 1, 1)
+    relative = (seen.xyz / seen.white_xyz, seen.electrons @ matrix.T / white)
+    lab = [colour.XYZ_to_Lab(xyz, neutral) for xyz in relative]
+    return float(seen.share @ colour.difference.delta_E_CIE1976(*lab))

@@ -1,0 +1,298 @@
+"""Reflectances to learn a color matrix from, and what sensor and eye see of them."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+from jaxtyping import Float
+
+from chromanoise import _check
+from chromanoise._check import Array
+from chromanoise.exposure import Exposure, expected_electrons
+from chromanoise.scene import Scene, flat_field, light
+from chromanoise.sensor import Sensor
+from chromanoise.spectra import Illuminant, Metric, color_axes, colorchecker
+
+NIR_EDGE_NM = 700.0
+"""Where the visible ends for a training set: y-bar is 0.004 there."""
+
+_KEPT_VARIANCE = 1e-12  # of the largest component of a smoothness prior; less is rounding
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Training:
+    """``k`` reflectances under one lamp, from which a color matrix is fitted.
+
+    Attributes
+    ----------
+    illuminant
+        The lamp, at one lux; its grid is that of the reflectances.
+    reflectance
+        One row per reflectance, >= 0. [1]
+    names
+        One per reflectance.
+    source
+        Where the reflectances come from.
+    weights
+        How much each one counts, >= 0, in any unit; ``None`` counts all alike.
+    notes
+        What was done to them since.
+
+    Raises
+    ------
+    InputError
+        If there is no reflectance, one is negative, or the shapes do not belong together.
+    """
+
+    illuminant: Illuminant
+    reflectance: Float[Array, "k n"]
+    names: tuple[str, ...]
+    source: str
+    weights: Float[Array, " k"] | None = None
+    notes: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        where = f"reflectance of {self.source}"
+        rho = _check.non_negative(where, "1", self.reflectance)
+        if rho.ndim != 2 or rho.shape[0] == 0:
+            raise _check.InputError(f"{where} must be (reflectances, wavelengths), got {rho.shape}")
+        _check.same_length(
+            "wavelengths", illuminant=self.illuminant.grid.n, reflectance=rho.shape[1]
+        )
+        _check.same_length("reflectances", names=len(self.names), reflectance=rho.shape[0])
+        object.__setattr__(self, "names", _check.distinct(f"names of {self.source}", self.names))
+        object.__setattr__(self, "reflectance", _check.frozen(rho))
+        if self.weights is None:
+            return
+        weights = _check.non_negative(f"weights of {self.source}", "1", self.weights)
+        _check.same_length("reflectances", names=len(self.names), weights=weights.size)
+        _check.positive(f"sum of the weights of {self.source}", "1", float(weights.sum()))
+        object.__setattr__(self, "weights", _check.frozen(weights))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class TrainingResponse:
+    """What the sensor and the eye see of a training set.
+
+    Attributes
+    ----------
+    share
+        How much each reflectance counts; sums to 1.
+    electrons
+        Expected electrons, without noise. [e-]
+    xyz
+        Of the eye. [lx]
+    white_e, white_xyz
+        The same for a perfect white. [e-], [lx]
+    noise_e2
+        Noise variance per channel, averaged over the set. [e-^2]
+    """
+
+    share: Float[Array, " k"]
+    electrons: Float[Array, "k p"]
+    xyz: Float[Array, "k 3"]
+    white_e: Float[Array, " p"]
+    white_xyz: Float[Array, " 3"]
+    noise_e2: Float[Array, " p"]
+
+    def __post_init__(self) -> None:
+        _check.same_length("reflectances", electrons=len(self.electrons), xyz=len(self.xyz))
+        _check.same_length("channels", white=self.white_e.size, electrons=self.electrons.shape[1])
+        _check.freeze(self, "share", "electrons", "xyz", "white_e", "white_xyz", "noise_e2")
+
+
+def chart_training(illuminant: Illuminant) -> Training:
+    """The 24 patches of a ColorChecker, measured from 400 to 1050 nm.
+
+    Raises
+    ------
+    InputError
+        If the illuminant's grid leaves 400-1050 nm.
+    """
+    chart = colorchecker(illuminant.grid)
+    return Training(
+        illuminant=illuminant,
+        reflectance=chart.values.T,
+        names=chart.names,
+        source="ColorChecker",
+        notes=chart.notes,
+    )
+
+
+def smooth_training(
+    illuminant: Illuminant, *, mean: float = 0.5, sd: float = 0.1, width_nm: float = 50.0
+) -> Training:
+    """Reflectances whose mean and covariance are exactly those of a smoothness prior.
+
+    Around a grey of ``mean``, K_ij = sd^2 exp(-(l_i - l_j)^2 / (2 width^2)). The set is not
+    drawn: the principal components of K are added with the signs of a Hadamard matrix, whose
+    columns are orthogonal and sum to zero, so that no draw stands between prior and matrix.
+
+    Parameters
+    ----------
+    illuminant
+        The lamp; its grid is that of the prior.
+    mean, sd
+        Mean grey and standard deviation at every wavelength. [1]
+    width_nm
+        Distance over which reflectances stay alike. [nm]
+
+    Raises
+    ------
+    InputError
+        If a reflectance leaves 0 .. 1.
+
+    Notes
+    -----
+    Components below 1e-12 of the largest are left out.
+
+    Examples
+    --------
+    >>> from chromanoise.spectra import Grid, equal_energy
+    >>> prior = smooth_training(equal_energy(Grid.uniform(500, 600, 50)), sd=0.1, width_nm=50)
+    >>> np.cov(prior.reflectance.T, bias=True).round(6)      # 0.01, 0.01 e^-1/2, 0.01 e^-2
+    array([[0.01    , 0.006065, 0.001353],
+           [0.006065, 0.01    , 0.006065],
+           [0.001353, 0.006065, 0.01    ]])
+    """
+    at = illuminant.grid.wavelength_nm
+    width = _check.positive("width_nm of the smoothness prior", "nm", width_nm)
+    spread = _check.not_negative("sd of the smoothness prior", "1", sd)
+    variance, directions = np.linalg.eigh(np.exp(-0.5 * ((at[:, None] - at) / width) ** 2))
+    kept = variance > _KEPT_VARIANCE * variance[-1]
+    components = (directions[:, kept] * np.sqrt(variance[kept])).T
+    signs = _balanced_signs(len(components))
+    reflectance = mean + spread * signs @ components
+    outside = max(-float(reflectance.min()), float(reflectance.max()) - 1.0)
+    if outside > 0:
+        raise _check.InputError(
+            f"the smoothness prior of mean {mean:g} and sd {sd:g} leaves 0 .. 1 by {outside:.3g}; "
+            "take a smaller sd, or a mean nearer to 0.5"
+        )
+    return Training(
+        illuminant=illuminant,
+        reflectance=reflectance,
+        names=tuple(f"smooth {i}" for i in range(len(reflectance))),
+        source=f"smoothness prior, mean {mean:g}, sd {sd:g}, {width_nm:g} nm",
+    )
+
+
+def nir_diverse(
+    training: Training,
+    *,
+    levels: Sequence[float] = (0.0, 0.5, 1.0),
+    edge_nm: float = NIR_EDGE_NM,
+) -> Training:
+    """Each reflectance, and the same again with other near infrareds: metamers for the eye.
+
+    Beyond ``edge_nm`` a straight line from each of ``levels`` to each of ``levels`` takes the
+    place of what was measured, so a matrix fitted to the set learns that light there has no color.
+
+    Parameters
+    ----------
+    training
+        Any set whose grid reaches beyond ``edge_nm``.
+    levels
+        Reflectances at the edge and at the end of the grid. [1]
+    edge_nm
+        Where the visible ends. [nm]
+
+    Raises
+    ------
+    InputError
+        If fewer than two wavelengths lie beyond the edge.
+    """
+    at = training.illuminant.grid.wavelength_nm
+    beyond = at > edge_nm
+    if beyond.sum() < 2:
+        raise _check.InputError(
+            f"near-infrared metamers need wavelengths beyond {edge_nm:g} nm, but the grid is "
+            f"{training.illuminant.grid}; take one that reaches to 1050 nm"
+        )
+    ramp = (at[beyond] - at[beyond][0]) / (at[beyond][-1] - at[beyond][0])
+    lines = [(a, b) for a, b in product(levels, levels)]
+    variants = np.repeat(training.reflectance[None], 1 + len(lines), axis=0)
+    for variant, (a, b) in zip(variants[1:], lines, strict=True):
+        variant[:, beyond] = a + (b - a) * ramp
+    tags = ["", *(f", NIR {a:g} to {b:g}" for a, b in lines)]
+    weights = training.weights
+    return Training(
+        illuminant=training.illuminant,
+        reflectance=variants.reshape(-1, at.size),
+        names=tuple(name + tag for tag in tags for name in training.names),
+        source=f"{training.source}, NIR-diverse",
+        weights=None if weights is None else np.tile(weights, len(tags)),
+        notes=(*training.notes, f"each also with {len(lines)} lines beyond {edge_nm:g} nm"),
+    )
+
+
+def shares(training: Training) -> Float[Array, " k"]:
+    """How much each reflectance counts, summing to 1."""
+    k = len(training.names)
+    weights = np.ones(k) if training.weights is None else training.weights
+    return np.asarray(weights / weights.sum())
+
+
+def light_second_moment(
+    training: Training, *, level_lux: float, metric: Metric = "quanta"
+) -> Float[Array, "n n"]:
+    """K = E[L L^T] of the light that the set sends, about zero and not about its mean.
+
+    Parameters
+    ----------
+    training
+        The prior.
+    level_lux
+        Illuminance on it. [lx]
+    metric
+        In which light is a vector. [(unit of light)^2]
+    """
+    rows = light(_scene(training, level_lux), metric)
+    return np.asarray(rows.T @ (shares(training)[:, None] * rows))
+
+
+def training_response(
+    training: Training, sensor: Sensor, exposure: Exposure, *, level_lux: float
+) -> TrainingResponse:
+    """Electrons, colors and mean noise of a training set; unclipped, as the paper.
+
+    Shot noise is linear in light, so its variance averaged over the set is the mean of the
+    electrons: D = diag(E[M]) + s_rn^2.
+
+    Raises
+    ------
+    InputError
+        If the set and the sensor are not on one grid.
+    """
+    scene, grid = _scene(training, level_lux), training.illuminant.grid
+    white = flat_field(training.illuminant, level_lux=level_lux)
+    electrons, share = expected_electrons(scene, sensor, exposure), shares(training)
+    axes = color_axes(grid, "energy")
+    return TrainingResponse(
+        share=share,
+        electrons=electrons,
+        xyz=light(scene, "energy") @ axes,
+        white_e=expected_electrons(white, sensor, exposure),
+        white_xyz=light(white, "energy") @ axes,
+        noise_e2=share @ electrons + sensor.pixel.read_noise_e**2,
+    )
+
+
+def white_scale(seen: TrainingResponse) -> Float[Array, " p"]:
+    """The electrons of the white, and 1 for a channel that does not see the lamp. [e-]"""
+    return np.where(seen.white_e > 0, seen.white_e, 1.0)
+
+
+def _scene(training: Training, level_lux: float) -> Scene:
+    return Scene(
+        illuminant=training.illuminant, level_lux=level_lux, reflectance=training.reflectance
+    )
+
+
+def _balanced_signs(columns: int) -> Float[Array, "k r"]:
+    """+1 and -1 in orthogonal columns that sum to zero (Sylvester's construction)."""
+    signs = np.ones((1, 1))
+    while len(signs) <= columns:
+        signs = np.kron(np.array([[1.0, 1.0], [1.0, -1.0]]), signs)
+    return signs[:, 1 : columns + 1]

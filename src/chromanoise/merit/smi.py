@@ -1,0 +1,176 @@
+"""Sensitivity metamerism index: how far the best color matrix still is from the eye (ISO 17321)."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+from chromanoise import _check
+from chromanoise._check import Array
+from chromanoise._colour import colour_science
+from chromanoise.sensor import Sensor
+from chromanoise.spectra import cie_1931
+from chromanoise.spectra.metric import photons_per_unit
+
+PENALTY = 5.5
+"""What a mean Delta E*ab of 1 costs: SMI = 100 - 5.5 mean Delta E*ab."""
+
+_CUBE_ROOT_FROM = (6.0 / 29.0) ** 3  # below it CIELAB goes straight
+_FAINTEST = 1e-9  # Delta E*ab under which its direction, the slope of a length, is taken as 0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Metamerism:
+    """The index and what it is made of.
+
+    Attributes
+    ----------
+    index
+        SMI, 100 for an exact colorimeter. [1]
+    color_error
+        Of each patch under the best matrix. [Delta E*ab]
+    matrix
+        From channels balanced on white to X, Y, Z of white = 1.
+    """
+
+    index: float
+    color_error: Float[Array, " m"]
+    matrix: Float[Array, "3 p"]
+
+    def __post_init__(self) -> None:
+        _check.same_length("rows", matrix=self.matrix.shape[0], XYZ=3)
+        _check.freeze(self, "color_error", "matrix")
+
+
+def metamerism(
+    filters: Float[Array, "n p"],
+    eye: Float[Array, "n 3"],
+    illuminant: Float[Array, " n"],
+    reflectance: Float[Array, "m n"],
+) -> Metamerism:
+    """SMI over any patches: the matrix that minimizes the mean Delta E*ab, and what it leaves.
+
+    Parameters
+    ----------
+    filters
+        One column per channel, per unit of radiant power; each is balanced on white.
+    eye
+        Color-matching functions, per unit of radiant power.
+    illuminant
+        Radiant power; its level cancels.
+    reflectance
+        One row per patch.
+
+    Raises
+    ------
+    InputError
+        If the shapes do not belong together, an entry is not finite, or a channel sees no light.
+
+    Notes
+    -----
+    ISO 17321-1:2012, annex D: SMI = 100 - 5.5 mean Delta E*ab (CIE 1976). The matrix has 3 p free
+    entries: white is not held. Found by quasi-Newton steps from least squares on XYZ.
+
+    Examples
+    --------
+    A sensor that mixes the eye's own axes is a colorimeter.
+
+    >>> eye = np.eye(3)
+    >>> patches = np.array([[0.2, 0.3, 0.4], [0.5, 0.1, 0.2], [0.1, 0.6, 0.3]])
+    >>> mixed = eye @ np.array([[1.0, 0.2, 0.0], [0.1, 1.0, 0.1], [0.0, 0.2, 1.0]])
+    >>> round(metamerism(mixed, eye, np.ones(3), patches).index, 6)
+    100.0
+    """
+    raw = _white_balanced("filters", filters, illuminant, reflectance)
+    wanted = _lab(_white_balanced("eye", eye, illuminant, reflectance))
+    start = np.linalg.lstsq(raw, _white_balanced("eye", eye, illuminant, reflectance), rcond=None)
+    matrix = _descended(raw, wanted, np.asarray(start[0].T))
+    error = np.linalg.norm(_lab(raw @ matrix.T) - wanted, axis=-1)
+    return Metamerism(index=float(100.0 - PENALTY * error.mean()), color_error=error, matrix=matrix)
+
+
+def sensor_metamerism(sensor: Sensor) -> Metamerism:
+    """SMI of a sensor by the standard's own light and patches: D55, 18 colors of the chart.
+
+    Beyond 380-780 nm, where neither is defined, the sensor is taken to see nothing.
+
+    Raises
+    ------
+    InputError
+        If the sensor's grid does not meet 380-780 nm, or a channel sees no light there.
+
+    Notes
+    -----
+    ISO 17321-1:2012, annex D. Patches as carried by colour-science under that name (identical to
+    those of Ohta, 1997), D55 of CIE 015, observer CIE 1931; all between samples by straight lines.
+    """
+    colour = colour_science()
+
+    lamp = colour.SDS_ILLUMINANTS["D55"]
+    chart = list(colour.SDS_COLOURCHECKERS["ISO 17321-1"].values())[:18]
+    at = sensor.grid.wavelength_nm
+    inside = (at >= chart[0].wavelengths[0]) & (at <= chart[0].wavelengths[-1])
+    if not inside.any():
+        raise _check.InputError(
+            f"the grid {sensor.grid} of {sensor.name} must meet 380-780 nm, where the patches of "
+            "ISO 17321-1 are defined; give curves that reach into the visible"
+        )
+    per_watt = sensor.qe * photons_per_unit(sensor.grid, "energy")[:, None]
+    return metamerism(
+        per_watt[inside],
+        cie_1931(sensor.grid).values[inside],
+        np.interp(at[inside], lamp.wavelengths, lamp.values),
+        np.array([np.interp(at[inside], sd.wavelengths, sd.values) for sd in chart]),
+    )
+
+
+def _white_balanced(name: str, axes: Array, illuminant: Array, reflectance: Array) -> Array:
+    """Answers to the patches over the answer to white, one row per patch."""
+    curves = _check.finite(name, "1", axes)
+    lamp = _check.non_negative("illuminant", "1", illuminant)
+    rho = _check.non_negative("reflectance", "1", reflectance)
+    _check.same_length(
+        "wavelengths", **{name: len(curves)}, illuminant=lamp.size, reflectance=rho.shape[1]
+    )
+    white = lamp @ curves
+    if not (white > 0).all():
+        raise _check.InputError(
+            f"{name} must answer > 0 to white, but column {int(white.argmin())} (from 0) gives "
+            f"{white.min():g}; leave that channel out"
+        )
+    return (rho * lamp) @ curves / white
+
+
+def _descended(raw: Array, wanted: Array, start: Array) -> Array:
+    """The matrix of least mean Delta E*ab near ``start``."""
+    from scipy.optimize import minimize
+
+    def mean_error(entries: Array) -> tuple[float, Array]:
+        xyz = raw @ entries.reshape(start.shape).T
+        missed = _lab(xyz) - wanted
+        length = np.linalg.norm(missed, axis=-1)
+        far = length > _FAINTEST
+        direction = missed / np.where(far, length, 1.0)[:, None] * far[:, None]
+        uphill = np.einsum("ml,lx,mx,mp->xp", direction, _LAB_FROM_F, _slope(xyz), raw)
+        return float(length.mean()), uphill.ravel() / len(raw)
+
+    entries = start.ravel()
+    for _ in range(4):  # a fresh curvature each time: the mean of lengths has kinks
+        entries = minimize(mean_error, entries, jac=True, method="BFGS", options={"gtol": 1e-9}).x
+    return np.asarray(entries.reshape(start.shape))
+
+
+_LAB_FROM_F = np.array([[0.0, 116.0, 0.0], [500.0, -500.0, 0.0], [0.0, 200.0, -200.0]])
+
+
+def _lab(xyz: Array) -> Array:
+    """CIELAB of XYZ relative to white (CIE 015:2018, eq. 8.3-8.8)."""
+    straight = xyz / (3.0 * (6.0 / 29.0) ** 2) + 4.0 / 29.0
+    f = np.where(xyz > _CUBE_ROOT_FROM, np.cbrt(xyz), straight)
+    return f @ _LAB_FROM_F.T - np.array([16.0, 0.0, 0.0])
+
+
+def _slope(xyz: Array) -> Array:
+    """df/dX of the f in `_lab`."""
+    bright = np.cbrt(np.maximum(xyz, _CUBE_ROOT_FROM))
+    return 1.0 / (3.0 * bright**2)

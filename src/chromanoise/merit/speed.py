@@ -1,0 +1,233 @@
+"""How little light is enough: SNR10 in lux, and the noise-based speed of ISO 12232."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+from chromanoise import _check
+from chromanoise._check import Array
+from chromanoise.color import ColorMatrix
+from chromanoise.exposure import Exposure, expected_electrons
+from chromanoise.noise import saturated
+from chromanoise.scene import flat_field
+from chromanoise.sensor import Sensor
+from chromanoise.spectra import Illuminant
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NoiseSpeedModel:
+    """How an edition of ISO 12232 weighs luminance and color noise.
+
+    Attributes
+    ----------
+    edition
+        Named in results.
+    luminance_weights
+        Y = w_R R + w_G G + w_B B of linear output RGB.
+    red_weight, blue_weight
+        Of the variances of R - Y and B - Y.
+    constant
+        S = constant / H. [lx s]
+    """
+
+    edition: str
+    luminance_weights: tuple[float, float, float]
+    red_weight: float
+    blue_weight: float
+    constant: float = 10.0
+
+    def __post_init__(self) -> None:
+        weights = _check.non_negative("luminance_weights", "1", self.luminance_weights)
+        if abs(weights.sum() - 1.0) > 1e-3:
+            raise _check.InputError(
+                f"luminance_weights must add up to 1, but give {weights.sum():g}; divide by that"
+            )
+        _check.not_negative("red_weight", "1", self.red_weight)
+        _check.not_negative("blue_weight", "1", self.blue_weight)
+        _check.positive("constant", "lx s", self.constant)
+
+
+ISO_12232_2019 = NoiseSpeedModel(
+    edition="ISO 12232:2019",
+    luminance_weights=(0.2125, 0.7154, 0.0721),
+    red_weight=0.279,
+    blue_weight=0.088,
+)
+"""Noise sigma_D^2 = sigma_Y^2 + 0.279 sigma_(R-Y)^2 + 0.088 sigma_(B-Y)^2, Rec. 709 luminance.
+
+Constants as the literature gives them, not compared with the text of the standard.
+"""
+
+
+def light_for_snr(
+    signal_e: Float[Array, "*px p"],
+    row: Float[Array, " p"],
+    *,
+    snr: float,
+    read_noise_e: float,
+) -> Float[Array, "*px"]:
+    """How many times the light of ``signal_e`` a matrix row needs for an SNR; inf if never. [1]
+
+    Parameters
+    ----------
+    signal_e
+        Electrons per channel for one unit of light, e.g. one lux; unclipped. [e-]
+    row
+        Of the color matrix. [color per e-]
+    snr
+        Amplitude ratio, not dB: 10 for SNR10. [1]
+    read_noise_e
+        Standard deviation of the readout. [e-]
+
+    Raises
+    ------
+    InputError
+        If electrons are negative, ``snr`` is not above 0 or lengths differ.
+
+    Notes
+    -----
+    Mean and variance of the row are E (y.s) and E sum y_i^2 s_i + s_rn^2 sum y_i^2 (eq. 7), so
+    E^2 (y.s)^2 - q^2 E sum y_i^2 s_i - q^2 s_rn^2 sum y_i^2 = 0. Both lower coefficients are
+    <= 0: one root is positive, and nothing cancels in it.
+
+    Examples
+    --------
+    One channel, one electron per lux, no read noise: SNR 10 takes 100 electrons.
+
+    >>> float(light_for_snr(np.array([1.0]), np.array([1.0]), snr=10, read_noise_e=0.0))
+    100.0
+    """
+    per_light = _check.non_negative("signal_e", "e-", signal_e)
+    weights = _check.finite("row of the matrix", "1/e-", row)
+    _check.same_length("channels", signal_e=per_light.shape[-1], row=weights.size)
+    return _light(per_light, weights, weights**2, snr=snr, read_noise_e=read_noise_e)
+
+
+def illuminance_for_snr(
+    sensor: Sensor,
+    illuminant: Illuminant,
+    exposure: Exposure,
+    matrix: ColorMatrix,
+    *,
+    snr: float = 10.0,
+    coordinate: str = "Y",
+    reflectance: float = 0.18,
+) -> float | None:
+    """Illuminance on a gray scene at which a color coordinate reaches ``snr``: SNRx. [lx]
+
+    ``None`` where no light is enough: a channel is saturated before, or the coordinate sees
+    nothing.
+
+    Parameters
+    ----------
+    sensor, illuminant, exposure
+        What looks, under which lamp, how long and through which aperture.
+    matrix
+        Raw to color, white balance included, the same at each light level; a matrix that adapts
+        to the light needs an outer loop.
+    snr
+        Amplitude ratio, not dB; the industry takes 10, and 1 gives the noise-equivalent light.
+    coordinate
+        A row of ``matrix``; "Y" gives YSNR10.
+    reflectance
+        Of the gray card.
+
+    Raises
+    ------
+    InputError
+        If ``snr`` or ``reflectance`` is not above 0, or sensor, lamp and matrix do not belong
+        together.
+
+    Notes
+    -----
+    SNR10: Alakarhu, "Image sensors and image quality in mobile phones", Proc. International Image
+    Sensor Workshop (2007): 18 % gray, after white balance and color matrix. Noise of eq. 7.
+    """
+    _check.same_names("illuminance_for_snr", sensor=sensor.names, matrix=matrix.channels)
+    _check.one_of("coordinate", coordinate, matrix.coordinates)
+    rho = _check.positive("reflectance", "1", reflectance)
+    scene = flat_field(illuminant, level_lux=1.0, reflectance=rho)
+    per_lux = expected_electrons(scene, sensor, exposure)
+    row = matrix.matrix[matrix.coordinates.index(coordinate)]
+    level = light_for_snr(per_lux, row, snr=snr, read_noise_e=sensor.pixel.read_noise_e)
+    return _unless_saturated(float(level), per_lux, sensor)
+
+
+def noise_speed(
+    sensor: Sensor,
+    illuminant: Illuminant,
+    rgb_matrix: Float[Array, "3 p"],
+    *,
+    snr: float = 10.0,
+    model: NoiseSpeedModel = ISO_12232_2019,
+) -> float | None:
+    """ISO 12232 noise-based speed, S = 10 lx s / H, with H where gray reaches ``snr``. [1]
+
+    ``None`` where no exposure is enough, as `illuminance_for_snr`.
+
+    Parameters
+    ----------
+    sensor
+        Its pixel sets electrons per lx s on the focal plane and the read noise.
+    illuminant
+        The standard takes daylight (D55) or studio tungsten.
+    rgb_matrix
+        Raw to linear RGB of Rec. 709; each row is balanced on the gray here, so that only its
+        proportions count. Rows of ones for a monochrome sensor.
+    snr
+        10 for the "first acceptable" picture (S_noise10), 40 for the "first excellent" (S_noise40).
+    model
+        Edition and weights.
+
+    Raises
+    ------
+    InputError
+        If ``snr`` is not above 0, or a row of ``rgb_matrix`` does not give gray a positive value.
+
+    Notes
+    -----
+    ISO 12232:2019, 6.3, formulae (4) and (5). The standard divides by the incremental gain of the
+    picture's encoding; on gray R = G = B share its slope, so that linear signals give the same.
+    The single pixel is judged, without demosaicing.
+    """
+    per_lxs = _electrons_per_lux_second(sensor, illuminant)
+    _check.same_length("channels", sensor=per_lxs.size, rgb_matrix=rgb_matrix.shape[1])
+    gray = _check.finite("rgb_matrix", "1/e-", rgb_matrix) @ per_lxs
+    if not (gray > 0).all():
+        raise _check.InputError(
+            f"rgb_matrix must give gray a value > 0 in R, G and B, but {'RGB'[int(gray.argmin())]} "
+            f"is {gray.min():g}; check the order of rows and channels ({', '.join(sensor.names)})"
+        )
+    red, green, blue = rgb_matrix / gray[:, None]
+    y = np.asarray(model.luminance_weights) @ np.array([red, green, blue])
+    noise = y**2 + model.red_weight * (red - y) ** 2 + model.blue_weight * (blue - y) ** 2
+    level = _light(per_lxs, y, noise, snr=snr, read_noise_e=sensor.pixel.read_noise_e)
+    exposure_lxs = _unless_saturated(float(level), per_lxs, sensor)
+    return None if exposure_lxs is None else model.constant / exposure_lxs
+
+
+def _light(
+    per_light: Array, signal: Array, noise: Array, *, snr: float, read_noise_e: float
+) -> Array:
+    """The positive root of E^2 a^2 - q^2 b E - q^2 c = 0; ``noise`` weighs the variances."""
+    q = _check.positive("snr", "1", snr)
+    floor = _check.not_negative("read_noise_e", "e-", read_noise_e) ** 2 * noise.sum()
+    gain = (per_light @ signal) ** 2
+    shot = q**2 * (per_light @ noise)
+    reached = shot + np.sqrt(shot**2 + 4.0 * gain * q**2 * floor)
+    visible = gain > 0
+    return np.asarray(np.where(visible, reached / np.where(visible, 2.0 * gain, 1.0), np.inf))
+
+
+def _unless_saturated(level: float, per_light: Array, sensor: Sensor) -> float | None:
+    if not np.isfinite(level) or saturated(level * per_light, sensor.pixel).any():
+        return None
+    return level
+
+
+def _electrons_per_lux_second(sensor: Sensor, illuminant: Illuminant) -> Array:
+    """Electrons per channel for 1 lx s of the lamp on the focal plane. [e-]"""
+    scene = flat_field(illuminant, level_lux=1.0, reflectance=1.0)
+    # at f/0.5 a white scene lights the focal plane as itself: 4 f#^2 = 1
+    return expected_electrons(scene, sensor, Exposure(time_s=1.0, f_number=0.5))

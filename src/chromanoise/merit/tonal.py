@@ -1,0 +1,171 @@
+"""How much a pixel tells: distinguishable levels and colors, and information in bits."""
+
+import numpy as np
+from jaxtyping import Float
+
+from chromanoise import _check
+from chromanoise._check import Array
+
+
+def tonal_levels(
+    top_e: Float[Array, "*px"], *, read_noise_e: float, step_e: float = 0.0
+) -> Float[Array, "*px"]:
+    """How many levels from black to ``top_e`` differ by their noise: int dM / sigma(M). [1]
+
+    Parameters
+    ----------
+    top_e
+        The brightest signal, full well or what white reaches. [e-]
+    read_noise_e
+        Standard deviation of the readout. [e-]
+    step_e
+        One digital number: levels are at least so far apart. 0 for none. [e-]
+
+    Raises
+    ------
+    InputError
+        If a number is negative or not finite.
+
+    Notes
+    -----
+    DxOMark's tonal range: int dM / max(step, sigma(M)), sigma^2 = M + s^2 (eq. 7), which without
+    a step is 2 (sqrt(N + s^2) - s). Per pixel; DxOMark's "print" values are those of a picture
+    scaled to 8 megapixels.
+
+    Examples
+    --------
+    >>> round(float(tonal_levels(np.array(10_000.0), read_noise_e=10.0)), 4)
+    180.9975
+    """
+    top = _check.non_negative("top_e", "e-", top_e)
+    floor = _check.not_negative("read_noise_e", "e-", read_noise_e) ** 2
+    step = _check.not_negative("step_e", "e-", step_e)
+    bend = np.clip(step**2 - floor, 0.0, top)  # below it the step is wider than the noise
+    sigmas = np.sqrt(top + floor) + np.sqrt(bend + floor)
+    above = 2.0 * (top - bend) / np.where(sigmas > 0, sigmas, 1.0)
+    return np.asarray(above + (bend / step if step > 0 else 0.0))
+
+
+def tonal_range_bits(
+    top_e: Float[Array, "*px"], *, read_noise_e: float, step_e: float = 0.0
+) -> Float[Array, "*px"]:
+    """The tonal range, log2 of `tonal_levels`. [bit]
+
+    Raises
+    ------
+    InputError
+        As `tonal_levels`, and if ``top_e`` is 0.
+
+    Examples
+    --------
+    >>> round(float(tonal_range_bits(np.array(10_000.0), read_noise_e=10.0)), 4)
+    7.4998
+    """
+    levels = tonal_levels(top_e, read_noise_e=read_noise_e, step_e=step_e)
+    if not (levels > 0).all():
+        raise _check.InputError(
+            "top_e must be > 0 [e-] to have a tonal range, but is 0 somewhere; leave that "
+            "channel out"
+        )
+    return np.asarray(np.log2(levels))
+
+
+def color_sensitivity_bits(
+    top_e: Float[Array, "*px p"], *, read_noise_e: float, step_e: float = 0.0
+) -> Float[Array, "*px"]:
+    """How many colors differ by their noise, log2 int dM / sqrt(det covariance). [bit]
+
+    The integral runs over the box of raw values, 0 .. ``top_e`` per channel, and since the raw
+    channels are independent it is the sum of their tonal ranges. An invertible color matrix
+    stretches box and covariance alike and changes nothing: this number knows nothing of how well
+    a sensor tells colors apart.
+
+    Parameters
+    ----------
+    top_e
+        The brightest signal of each channel. [e-]
+    read_noise_e, step_e
+        As `tonal_levels`.
+
+    Raises
+    ------
+    InputError
+        As `tonal_range_bits`.
+
+    Notes
+    -----
+    DxOMark's color sensitivity (color depth), per pixel and with every channel in each pixel.
+
+    Examples
+    --------
+    >>> float(color_sensitivity_bits(np.array([64.0, 64.0, 64.0]), read_noise_e=0.0))
+    12.0
+    """
+    bits = tonal_range_bits(top_e, read_noise_e=read_noise_e, step_e=step_e)
+    return np.asarray(bits.sum(axis=-1))
+
+
+def information_bits(
+    basis: Float[Array, "n p"],
+    *,
+    light_covariance: Float[Array, "n n"],
+    noise_covariance: Float[Array, "*px p p"],
+) -> Float[Array, "*px"]:
+    """What one pixel tells of the light, 1/2 log2 det(1 + D^-1 F^T K F). [bit]
+
+    Parameters
+    ----------
+    basis
+        F, one column per channel. [e- per unit of light]
+    light_covariance
+        K, of the lights that may come. [(unit of light)^2]
+    noise_covariance
+        D, of the channels, positive definite. [e-^2]
+
+    Raises
+    ------
+    InputError
+        If the shapes do not belong together, K has a negative eigenvalue, or D none above 0 in
+        some direction: without noise the information is not finite.
+
+    Notes
+    -----
+    Shannon, Bell Syst. Tech. J. 27, 623 (1948): the mutual information of Gaussian light and its
+    noisy electrons; of all lights with this covariance the Gaussian tells most. With shot noise,
+    D belongs to a mean light.
+
+    Examples
+    --------
+    One channel with a signal variance 15 times its noise: 1/2 log2(16).
+
+    >>> one = np.eye(1)
+    >>> float(information_bits(one, light_covariance=15 * one, noise_covariance=one))
+    2.0
+    """
+    f = _check.finite("basis", "e- per unit of light", basis)
+    prior = _check.finite("light_covariance", "(unit of light)^2", light_covariance)
+    noise = _check.finite("noise_covariance", "e-^2", noise_covariance)
+    _check.same_length("wavelengths", basis=f.shape[0], light_covariance=prior.shape[0])
+    _check.same_length("channels", basis=f.shape[1], noise_covariance=noise.shape[-1])
+    value, vector = np.linalg.eigh(0.5 * (prior + prior.T))
+    if value[0] < -1e-9 * np.abs(value).max():
+        raise _check.InputError(
+            f"light_covariance must have no negative eigenvalue, but one is {value[0]:g}; no "
+            "covariance has"
+        )
+    signal = f.T @ (vector * np.sqrt(np.maximum(value, 0.0)))
+    whitened = np.linalg.solve(
+        _lower(noise), np.broadcast_to(signal, (*noise.shape[:-1], f.shape[0]))
+    )
+    singular = np.linalg.svd(whitened, compute_uv=False)
+    return np.asarray(0.5 * np.log2(1.0 + singular**2).sum(axis=-1))
+
+
+def _lower(noise: Array) -> Array:
+    try:
+        return np.linalg.cholesky(0.5 * (noise + np.swapaxes(noise, -1, -2)))
+    except np.linalg.LinAlgError:
+        raise _check.InputError(
+            "noise_covariance must be positive definite [e-^2], but has an eigenvalue <= 0: a mix "
+            "of channels without noise would tell infinitely much; add read noise"
+        ) from None

@@ -1,0 +1,166 @@
+"""A color matrix as text that other programs read: CSV, JSON, CLF, camera-profile JSON.
+
+CLF and the camera profile hold the white-normalized matrix: from raw over the raw of a perfect
+white to XYZ with Y = 1 for that white, as a raw converter meets it after white balance.
+"""
+
+import csv
+import io
+import json
+from dataclasses import dataclass
+from typing import Any
+from xml.sax.saxutils import escape, quoteattr
+
+import numpy as np
+from jaxtyping import Float
+
+from chromanoise import __version__, _check
+from chromanoise._check import Array
+from chromanoise.color import ColorMatrix
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class MadeMatrix:
+    """A matrix, and what a reader of its file must know.
+
+    Attributes
+    ----------
+    sensor, illuminant
+        Names.
+    level_lux, time_s
+        The exposure for which it was made. [lx], [s]
+    matrix
+        From raw electrons to XYZ. [lx/e-]
+    white_e
+        Expected electrons of a perfect white. [e-]
+    white_lux
+        Its Y. [lx]
+    notes
+        E.g. that curves are a reconstruction.
+    """
+
+    sensor: str
+    illuminant: str
+    level_lux: float
+    time_s: float
+    matrix: ColorMatrix
+    white_e: Float[Array, " p"]
+    white_lux: float
+    notes: tuple[str, ...]
+
+    def __post_init__(self) -> None:
+        _check.same_length("channels", matrix=len(self.matrix.channels), white=self.white_e.size)
+        _check.positive("white_lux", "lx", self.white_lux)
+        _check.freeze(self, "white_e")
+
+
+def balanced(made: MadeMatrix) -> Float[Array, "c p"]:
+    """From raw over the raw of the white to XYZ over the Y of the white."""
+    return np.asarray(made.matrix.matrix * made.white_e / made.white_lux)
+
+
+def matrix_csv(made: MadeMatrix) -> str:
+    """One row per color coordinate, in lx/e-; what it is stands in comments."""
+    text = io.StringIO()
+    for name, value in _facts(made).items():
+        text.write(f"# {name}: {value}\n")
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(["lx/e-", *made.matrix.channels])
+    for name, row in zip(made.matrix.coordinates, made.matrix.matrix.tolist(), strict=True):
+        writer.writerow([name, *map(repr, row)])
+    return text.getvalue()
+
+
+def matrix_json(made: MadeMatrix) -> str:
+    """Everything: the matrix in lx/e- and white-normalized, its channels and how it was made."""
+    told: dict[str, Any] = {
+        **_facts(made),
+        "channels": list(made.matrix.channels),
+        "coordinates": list(made.matrix.coordinates),
+        "matrix_lux_per_e": made.matrix.matrix.tolist(),
+        "white_e": made.white_e.tolist(),
+        "balanced": balanced(made).tolist(),
+    }
+    return json.dumps(told, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def matrix_clf(made: MadeMatrix) -> str:
+    """Common LUT Format 3 (Academy S-2014-006): one 3 x 3 matrix, read by OpenColorIO.
+
+    Raises
+    ------
+    InputError
+        If the sensor has not three channels.
+    """
+    _refuse_not_three(made, "CLF")
+    rows = "\n".join("    " + " ".join(f"{v:.10g}" for v in row) for row in balanced(made).tolist())
+    identity = f"chromanoise-{made.sensor}-{made.matrix.made_by.split()[0]}"
+    described = "\n".join(
+        f"  <Description>{escape(f'{name}: {value}')}</Description>"
+        for name, value in _facts(made).items()
+    )
+    return (
+        '<?xml version="1.0" encoding="UTF-8"?>\n'
+        f'<ProcessList xmlns="urn:AMPAS:CLF:v3.0" compCLFversion="3.0" id={quoteattr(identity)}>\n'
+        f"{described}\n"
+        f"  <InputDescriptor>{escape(made.sensor)}, raw over white</InputDescriptor>\n"
+        "  <OutputDescriptor>CIE XYZ, Y = 1 for white</OutputDescriptor>\n"
+        '  <Matrix inBitDepth="32f" outBitDepth="32f">\n'
+        '   <Array dim="3 3">\n'
+        f"{rows}\n"
+        "   </Array>\n"
+        "  </Matrix>\n"
+        "</ProcessList>\n"
+    )
+
+
+def matrix_profile_json(made: MadeMatrix) -> str:
+    """The matrix under the names of a DNG camera profile, whose ColorMatrix goes the other way.
+
+    ``ColorMatrix1`` takes XYZ to camera native (raw over the largest raw of the white),
+    ``AsShotNeutral`` is the white in it, ``CameraToXYZ`` takes white-balanced raw to XYZ.
+
+    Raises
+    ------
+    InputError
+        If the sensor has not three channels, or the matrix has no inverse.
+
+    Notes
+    -----
+    Adobe, Digital Negative Specification 1.7 (2023), chapter 6.
+    """
+    _refuse_not_three(made, "a camera profile")
+    to_xyz, neutral = balanced(made), made.white_e / made.white_e.max()
+    if np.linalg.matrix_rank(to_xyz) < 3:
+        raise _check.InputError(
+            f"the {made.matrix.made_by} matrix of {made.sensor} has no inverse, which a camera "
+            "profile asks for; export it as CSV or JSON"
+        )
+    told: dict[str, Any] = {
+        "header": {"schema": "chromanoise camera profile", **_facts(made)},
+        "ColorMatrix1": (neutral[:, None] * np.linalg.inv(to_xyz)).tolist(),
+        "AsShotNeutral": neutral.tolist(),
+        "CameraToXYZ": to_xyz.tolist(),
+    }
+    return json.dumps(told, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def _facts(made: MadeMatrix) -> dict[str, Any]:
+    return {
+        "version": __version__,
+        "sensor": made.sensor,
+        "made_by": made.matrix.made_by,
+        "metric": made.matrix.metric,
+        "illuminant": made.illuminant,
+        "level_lux": made.level_lux,
+        "time_ms": 1e3 * made.time_s,
+        "notes": "; ".join(made.notes),
+    }
+
+
+def _refuse_not_three(made: MadeMatrix, what: str) -> None:
+    if len(made.matrix.channels) != 3:
+        raise _check.InputError(
+            f"{what} holds a 3 x 3 matrix, but {made.sensor} has {len(made.matrix.channels)} "
+            f"channels ({', '.join(made.matrix.channels)}); export it as CSV or JSON"
+        )

@@ -1,0 +1,210 @@
+"""Laws of values that are held between bounds and rounded, for any light and any noise."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from chromanoise._check import InputError
+from chromanoise.noise import with_noise
+from chromanoise.noise.exact import Readout, measured, read_moments
+from chromanoise.noise.expectation import expectation
+from strategies import pixel_with, white_channel
+
+means = st.lists(st.floats(0.0, 3000.0), min_size=1, max_size=5).map(np.array)
+noises = st.one_of(st.just(0.0), st.floats(0.05, 30.0))
+steps = st.one_of(st.just(0.0), st.floats(0.1, 50.0))
+
+
+@st.composite
+def readouts(draw, steps=steps):
+    black = draw(st.one_of(st.just(float("-inf")), st.floats(-50.0, 500.0)))
+    above = max(black, 0.0)
+    full = draw(st.one_of(st.just(float("inf")), st.floats(above + 1.0, above + 2000.0)))
+    return Readout(black_e=black, full_well_e=full, step_e=draw(steps))
+
+
+@given(means, noises)
+def test_a_readout_without_bounds_and_steps_keeps_mean_and_variance(mean, noise):
+    read = read_moments(mean, read_noise_e=noise, readout=Readout())
+    assert (read.mean == mean).all()
+    assert read.variance == pytest.approx(mean + noise**2, rel=1e-15)
+    assert not read.bias.any()
+    assert not read.black_share.any()
+    assert not read.full_share.any()
+
+
+@given(means, noises)
+def test_bounds_that_can_just_be_reached_keep_mean_and_variance(mean, noise):
+    # 8 sd away the sums are taken, and what they cut off is below 1e-13
+    far = 8 * np.sqrt(mean.max() + noise**2) + 40
+    readout = Readout(black_e=-8 * noise - 1e-3, full_well_e=mean.max() + far)
+    read = read_moments(mean, read_noise_e=noise, readout=readout)
+    assert read.mean == pytest.approx(mean, rel=1e-11, abs=1e-12)
+    assert read.variance == pytest.approx(mean + noise**2, rel=1e-11, abs=1e-11)
+
+
+@given(means, noises, readouts())
+def test_values_stay_between_the_bounds_and_scatter_no_more_than_these_allow(mean, noise, readout):
+    # Popoviciu: a variance is at most a quarter of the squared range
+    read = read_moments(mean, read_noise_e=noise, readout=readout)
+    slack = 1e-9 * (1 + np.abs(read.mean))
+    assert (read.mean >= readout.black_e - slack).all()
+    assert (read.mean <= readout.full_well_e + slack).all()
+    assert (read.variance >= 0).all()
+    assert (read.variance <= (readout.full_well_e - readout.black_e) ** 2 / 4 * (1 + 1e-9)).all()
+    assert (read.black_share + read.full_share <= 1 + 1e-9).all()
+
+
+@given(means, noises, readouts())
+def test_more_light_never_lowers_the_mean_and_never_leaves_full_well(mean, noise, readout):
+    read = read_moments(np.sort(mean), read_noise_e=noise, readout=readout)
+    slack = 1e-10 * (1 + np.abs(read.mean).max())
+    assert (np.diff(read.mean) >= -slack).all()
+    assert (np.diff(read.full_share) >= -1e-12).all()
+    assert (np.diff(read.black_share) <= 1e-12).all()
+
+
+@given(means, noises, readouts(st.just(0.0)), st.floats(0.0, 100.0))
+def test_holding_values_never_raises_their_variance(mean, noise, readout, tighter):
+    # clipping brings no two values farther apart, and variance is half the mean squared distance
+    black = max(readout.black_e, -100.0) + tighter / 2
+    narrow = Readout(black_e=black, full_well_e=max(readout.full_well_e - tighter, black + 0.5))
+    free, held, narrower = (
+        read_moments(mean, read_noise_e=noise, readout=r).variance
+        for r in (Readout(), readout, narrow)
+    )
+    assert (held <= free * (1 + 1e-11) + 1e-12).all()
+    if narrow.full_well_e <= readout.full_well_e:
+        assert (narrower <= held * (1 + 1e-11) + 1e-12).all()
+
+
+@given(means, noises, readouts(st.floats(0.01, 50.0)))
+def test_rounding_moves_the_mean_by_at_most_half_a_step(mean, noise, readout):
+    smooth = Readout(black_e=readout.black_e, full_well_e=readout.full_well_e)
+    coded, free = (read_moments(mean, read_noise_e=noise, readout=r) for r in (readout, smooth))
+    assert (np.abs(coded.mean - free.mean) <= readout.step_e / 2 * (1 + 1e-9) + 1e-9).all()
+    # and the standard deviation too: Minkowski for two values that differ by half a step
+    sd_apart = np.abs(np.sqrt(coded.variance) - np.sqrt(free.variance))
+    assert (sd_apart <= readout.step_e / 2 * (1 + 1e-9) + 1e-6).all()
+
+
+def test_a_step_that_vanishes_leaves_the_held_moments():
+    mean = np.array([0.0, 2.0, 50.0, 98.0])
+    smooth = Readout(black_e=0.0, full_well_e=100.0)
+    free = read_moments(mean, read_noise_e=3.0, readout=smooth)
+    apart = []
+    for step in (1.0, 0.1, 0.01):
+        readout = Readout(black_e=0.0, full_well_e=100.0, step_e=step)
+        coded = read_moments(mean, read_noise_e=3.0, readout=readout)
+        apart.append(np.abs(coded.variance - free.variance).max())
+        assert coded.mean == pytest.approx(free.mean, abs=step**2)
+    assert apart[2] < apart[1] / 50 < apart[0] / 2500
+
+
+@given(noises, st.floats(10.0, 5000.0))
+def test_a_saturated_channel_stops_scattering(noise, full):
+    mean = full * np.array([1.0, 2.0, 10.0, 1e3, 1e12]) + 400.0 * np.arange(5)
+    read = read_moments(mean, read_noise_e=noise, readout=Readout(full_well_e=full))
+    assert (np.diff(read.variance) <= 0).all()
+    assert read.variance[-1] == 0.0
+    assert read.mean[-1] == full
+    assert read.full_share[-1] == 1.0
+
+
+@given(means, noises, st.floats(0.0, 1000.0))
+def test_black_only_raises_values_and_full_well_only_lowers_them(mean, noise, bound):
+    raised = read_moments(mean, read_noise_e=noise, readout=Readout(black_e=bound))
+    lowered = read_moments(mean, read_noise_e=noise, readout=Readout(full_well_e=bound))
+    assert (raised.bias >= -1e-9).all()
+    assert (lowered.bias <= 1e-9).all()
+    # x = max(x, b) + min(x, b) - b
+    assert raised.mean + lowered.mean == pytest.approx(mean + bound, abs=1e-9)
+    assert raised.black_share + lowered.full_share == pytest.approx(1.0, abs=1e-9) or noise == 0
+
+
+@given(means, noises, readouts())
+def test_a_channel_does_not_depend_on_its_neighbors(mean, noise, readout):
+    together = read_moments(np.stack([mean, mean[::-1]]), read_noise_e=noise, readout=readout)
+    assert together.mean.shape == (2, mean.size)
+    assert (together.mean[0] == together.mean[1, ::-1]).all()
+    alone = read_moments(mean[:1], read_noise_e=noise, readout=readout)
+    assert together.mean[0, :1] == pytest.approx(alone.mean, rel=1e-12, abs=1e-12)
+    assert together.variance[0, :1] == pytest.approx(alone.variance, rel=1e-10, abs=1e-10)
+
+
+@given(means, noises, st.floats(-5.0, 5.0), st.floats(-100.0, 100.0))
+def test_a_straight_line_scales_the_mean_and_the_variance(mean, noise, slope, offset):
+    seen = expectation(lambda x: slope * x + offset, mean, read_noise_e=noise)
+    assert seen.mean == pytest.approx(slope * mean + offset, rel=1e-11, abs=1e-9)
+    assert seen.variance == pytest.approx(slope**2 * (mean + noise**2), rel=1e-10, abs=1e-9)
+
+
+@given(means, noises, readouts(st.just(0.0)))
+def test_clipping_as_a_function_is_the_held_readout(mean, noise, readout):
+    bounds = (readout.black_e, readout.full_well_e)
+    kinks = tuple(bound for bound in bounds if np.isfinite(bound))
+    seen = expectation(lambda x: np.clip(x, *bounds), mean, read_noise_e=noise, kinks_e=kinks)
+    held = read_moments(mean, read_noise_e=noise, readout=readout)
+    assert seen.mean == pytest.approx(held.mean, rel=1e-11, abs=1e-10)
+    assert seen.variance == pytest.approx(held.variance, rel=1e-9, abs=1e-8)
+
+
+@given(st.floats(0.0, 20_000.0))
+def test_what_is_measured_without_bounds_is_eq_7(mean):
+    sensor = white_channel(pixel=pixel_with(7.0))
+    read, free = (
+        measured(np.array([[mean]]), sensor, Readout()),
+        with_noise(np.array([[mean]]), sensor),
+    )
+    assert (read.mean == free.mean).all()
+    assert read.covariance == pytest.approx(free.covariance, rel=1e-15)
+    assert (read.kind, read.unit, read.names) == (free.kind, free.unit, free.names)
+
+
+def test_a_measurement_in_the_dark_carries_the_held_variance_on_its_diagonal():
+    # half-normal of sd 10: variance 100 (1/2 - 1/(2 pi)) = 34.0845
+    read = measured(np.zeros((2, 1)), white_channel(pixel=pixel_with(10.0)), Readout(black_e=0.0))
+    assert read.covariance.shape == (2, 1, 1)
+    assert read.covariance[:, 0, 0] == pytest.approx(34.0845, abs=5e-5)
+
+
+@pytest.mark.parametrize(
+    "bounds",
+    [
+        {"black_e": 5.0, "full_well_e": 5.0},
+        {"black_e": float("nan")},
+        {"full_well_e": float("-inf")},
+        {"black_e": float("inf")},
+        {"step_e": -1.0},
+        {"step_e": float("inf")},
+    ],
+)
+def test_a_readout_without_room_for_values_is_refused(bounds):
+    with pytest.raises(InputError):
+        Readout(**bounds)
+
+
+@pytest.mark.parametrize(
+    ("mean", "readout", "told"),
+    [
+        (-1.0, Readout(), "mean_e must be finite and >= 0"),
+        (1e11, Readout(full_well_e=1e11), "at most 1e\\+10"),
+        (3.0, Readout(black_e=0.0, step_e=1e-6), "step_e must be at least"),
+    ],
+)
+def test_what_cannot_be_summed_is_refused(mean, readout, told):
+    with pytest.raises(InputError, match=told):
+        read_moments(np.array([mean]), read_noise_e=2.0, readout=readout)
+
+
+@pytest.mark.parametrize(
+    ("function", "told"),
+    [
+        (lambda x: np.where(x < 0, np.nan, x), "must be finite, but at -"),
+        (lambda x: x[:1], "one number per value"),
+    ],
+)
+def test_a_function_that_leaves_a_value_open_is_refused(function, told):
+    with pytest.raises(InputError, match=told):
+        expectation(function, np.array([1.0]), read_noise_e=2.0)
