@@ -152,14 +152,11 @@ def test_whole_electrons_rounded_to_pairs_lose_their_odd_ones():
 
 
 def test_a_code_six_sigma_away_is_taken_with_its_own_small_probability():
-    # 1 - Phi(6.5) = 4.016001e-11: Abramowitz & Stegun 26.2.12 to five terms,
-    # phi(x)/x (1 - 1/x^2 + 3/x^4 - ...)
-    x2 = 6.5**-2
-    tail = math.exp(-(6.5**2) / 2) / math.sqrt(2 * math.pi) / 6.5
-    series = tail * (1 - x2 + 3 * x2**2 - 15 * x2**3 + 105 * x2**4 - 945 * x2**5)
+    # 1 - Phi(6.5) = erfc(6.5 / sqrt 2) / 2, by the C library
+    tail = math.erfc(6.5 / math.sqrt(2)) / 2
     readout = Readout(black_e=-6.0, full_well_e=6.0, step_e=1.0)
     read = read_moments(np.array([0.0]), read_noise_e=1.0, readout=readout)
-    assert read.full_share[0] == pytest.approx(series, rel=1e-3, abs=0)
+    assert read.full_share[0] == pytest.approx(tail, rel=1e-12, abs=0)
     assert read.full_share[0] == pytest.approx(read.black_share[0], rel=1e-12, abs=0)
 
 

@@ -467,3 +467,26 @@ def test_compare_tells_curves_and_crossovers_with_the_digits_of_analyze(run):
 )
 def test_compare_refuses_what_it_cannot_sweep(run, option, value, named):
     refused(run("compare", "model-mono", option, value), named)
+
+
+def test_grey_noise_in_lab_is_told_with_first_order_beside_it(run):
+    _, out, _ = run("analyze", "onyx-rgb-ircut", "--space", "lab", "--json", "-")
+    grey = json.loads(out)["sensors"][0]["grey_noise"]
+    assert grey["space"] == "CIELAB"
+    assert grey["mean"]["L*"] == pytest.approx(49.5, abs=0.2)  # 18 % grey: 116 * .18^(1/3) - 16
+    assert grey["sd"]["L*"] == pytest.approx(grey["sd_first_order"]["L*"], rel=0.05)
+    assert grey["first_order_holds"] is True
+    code, out, _ = run("analyze", "onyx-rgb-ircut", "onyx-rgbw", "--space", "lab")
+    assert code == 0
+    assert "18 % grey" in out
+
+
+def test_where_the_first_order_fails_it_says_so(run):
+    _, out, _ = run("analyze", "onyx-rgbw", "--space", "lab", "--lux", 0.3, "--time-ms", 12)
+    assert "off by more than 5 %" in out
+
+
+def test_a_saturated_sensor_has_no_grey_noise(run):
+    arguments = ("analyze", "onyx-rgbw", "--space", "luv", "--lux", 1e5, "--time-ms", 12)
+    assert json.loads(run(*arguments, "--json", "-")[1])["sensors"][0]["grey_noise"] is None
+    assert run(*arguments)[0] == 0

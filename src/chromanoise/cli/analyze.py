@@ -16,16 +16,33 @@ from chromanoise.cli.options import (
     the_white,
 )
 from chromanoise.cli.output import write_json
-from chromanoise.study import analyses_as_json, analyzed, budgets_as_json, color_budgets
+from chromanoise.color import SPACES
+from chromanoise.study import (
+    analyses_as_json,
+    analyzed,
+    budgets_as_json,
+    color_budgets,
+    grey_noise,
+    grey_noise_as_json,
+)
 
 
 @click.command()
 @click.argument("sensors", nargs=-1, required=True, metavar="SENSOR...")
 @sensor_and_light
 @click.option("--budget", is_flag=True, help="Where the SNR of X, Y and Z goes, in dB per cause.")
+@click.option(
+    "--space",
+    type=click.Choice(list(SPACES)),
+    help="Noise of an 18 % grey as the eye sees it, in this space.",
+)
 @click.option("--json", "json_target", metavar="FILE|-", help="Write JSON; - for standard output.")
 def analyze(
-    sensors: tuple[str, ...], budget: bool, json_target: str | None, **options: Any
+    sensors: tuple[str, ...],
+    budget: bool,
+    space: str | None,
+    json_target: str | None,
+    **options: Any,
 ) -> None:
     """Noise of each SENSOR in raw, spectral and color coordinates, for a perfect white.
 
@@ -42,13 +59,18 @@ def analyze(
         sensor = the_sensor(name, beyond=beyond, **pixel)
         exposure = the_exposure(scene, sensor, **exposure_rule)
         analyses.append(analyzed(scene, sensor, exposure, options["metric"]))
+    greys = [grey_noise(analysis, SPACES[space]) for analysis in analyses] if space else []
     budgets = [color_budgets(analysis) for analysis in analyses] if budget else []
     if json_target:
         told = analyses_as_json(analyses)
         for sensor_told, own in zip(told["sensors"], budgets, strict=False):
             sensor_told["budget"] = budgets_as_json(own)
+        for sensor_told, grey in zip(told["sensors"], greys, strict=False):
+            sensor_told["grey_noise"] = grey_noise_as_json(grey)
         write_json(told, json_target)
     if json_target != "-":
         tables.print_analyses(analyses)
         for analysis, own in zip(analyses, budgets, strict=False):
             tables.print_budgets(analysis, own)
+        if greys:
+            tables.print_grey_noise(analyses, greys)

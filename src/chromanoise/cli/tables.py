@@ -6,7 +6,7 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from chromanoise.color import ColorMatrix
+from chromanoise.color import ColorMatrix, PerceivedNoise
 from chromanoise.merit import Budget, MatrixReport
 from chromanoise.sensor.catalogue import RECONSTRUCTION
 from chromanoise.study import (
@@ -107,6 +107,32 @@ def print_comparison(curves: Sequence[Curve], crossed: Sequence[Crossover]) -> N
     console.print(table)
     for crossover in crossed:
         console.print(crossover_sentence(crossover), soft_wrap=True)
+
+
+def print_grey_noise(analyses: Sequence[Analysis], noises: Sequence[PerceivedNoise | None]) -> None:
+    """Noise of an 18 % grey in a color space, by cubature; first order told where it fails."""
+    console = _console()
+    known = [noise for noise in noises if noise]
+    space = known[0].space if known else "color"
+    table = Table(title=f"Noise of an 18 % grey in {space}", title_justify="left")
+    table.add_column("sensor")
+    names = known[0].first_order.names if known else ()
+    for head in (*(f"sd {name}" for name in names), "sd C*", "mean Delta E", "bias", "first order"):
+        table.add_column(head, justify="right")
+    for analysis, noise in zip(analyses, noises, strict=True):
+        if noise is None:
+            table.add_row(analysis.sensor.name, "saturated, or no color")
+            continue
+        sd = np.sqrt(noise.second_route.variance)
+        table.add_row(
+            analysis.sensor.name,
+            *(_number(float(value)) for value in sd),
+            _number(float(noise.chroma_sd)),
+            _number(float(noise.delta_e)),
+            ", ".join(f"{value:+.2f}" for value in noise.bias),
+            "holds" if noise.first_order_holds else "off by more than 5 %",
+        )
+    console.print(table)
 
 
 def print_matrix(matrix: ColorMatrix, report: MatrixReport, sensor_name: str) -> None:

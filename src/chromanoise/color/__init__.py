@@ -1,5 +1,6 @@
 """From electrons to color: matrices (eq. 6), XYZ with covariance (eq. 5), spaces, sRGB."""
 
+from chromanoise.color.cubature import Cubature, gaussian_cubature, gaussian_expectation
 from chromanoise.color.fitted import (
     ParetoCurve,
     least_squares,
@@ -11,27 +12,89 @@ from chromanoise.color.fitted import (
 )
 from chromanoise.color.matrices import ColorMatrix, colored, kernel_matrix
 from chromanoise.color.noise_gain import bounded_psi, noise_gain, white_normalized
+from chromanoise.color.perceived import (
+    FIRST_ORDER_TOLERANCE,
+    PerceivedNoise,
+    first_order_error,
+    mean_ciede2000,
+    perceived_noise,
+    through_space,
+    through_space_sampled,
+)
 from chromanoise.color.picture import adapted_to_d65, srgb_from_xyz
-from chromanoise.color.training import Training, chart_training, nir_diverse, smooth_training
+from chromanoise.color.root_polynomial import (
+    RootPolynomial,
+    root_jacobian,
+    root_polynomial,
+    root_polynomial_color,
+)
+from chromanoise.color.spaces import (
+    LAB,
+    LINEAR_SRGB,
+    LUV,
+    SPACES,
+    SRGB,
+    Space,
+    cielab,
+    cieluv,
+    encoded_srgb,
+    linear_srgb,
+)
+from chromanoise.color.training import (
+    Training,
+    TrainingResponse,
+    chart_training,
+    light_second_moment,
+    nir_diverse,
+    smooth_training,
+    training_response,
+)
 
 __all__ = [
+    "FIRST_ORDER_TOLERANCE",
+    "LAB",
+    "LINEAR_SRGB",
+    "LUV",
+    "SPACES",
+    "SRGB",
     "ColorMatrix",
+    "Cubature",
     "ParetoCurve",
+    "PerceivedNoise",
+    "RootPolynomial",
+    "Space",
     "Training",
+    "TrainingResponse",
     "adapted_to_d65",
     "bounded_psi",
     "chart_training",
+    "cielab",
+    "cieluv",
     "colored",
+    "encoded_srgb",
+    "first_order_error",
+    "gaussian_cubature",
+    "gaussian_expectation",
     "kernel_matrix",
     "least_squares",
+    "light_second_moment",
+    "linear_srgb",
     "lmmse",
+    "mean_ciede2000",
     "nir_diverse",
     "noise_gain",
     "noise_regularized",
     "pareto",
+    "perceived_noise",
     "ridge",
+    "root_jacobian",
+    "root_polynomial",
+    "root_polynomial_color",
     "smooth_training",
     "srgb_from_xyz",
+    "through_space",
+    "through_space_sampled",
+    "training_response",
     "white_normalized",
     "white_preserving",
 ]

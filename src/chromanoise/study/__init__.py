@@ -26,6 +26,7 @@ from chromanoise.study.export import analyses_as_json, budgets_as_json, reproduc
 from chromanoise.study.findings import metric_remark, set_aside_reasons, table_5_finding, verdict
 from chromanoise.study.layout import PaperTable, as_printed, paper_tables
 from chromanoise.study.paper import PaperStudy, paper_study
+from chromanoise.study.perceived import grey_noise, grey_noise_as_json
 from chromanoise.study.planes import PaperPlanes, paper_planes
 from chromanoise.study.reproduction import Cell, Reproduction, reproduced
 
@@ -53,6 +54,8 @@ __all__ = [
     "crossover_sentence",
     "crossovers",
     "diagnosis",
+    "grey_noise",
+    "grey_noise_as_json",
     "luminance_snr_db",
     "mean_color_error",
     "metric_remark",

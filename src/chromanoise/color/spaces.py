@@ -1,0 +1,272 @@
+"""Spaces that pictures and eyes use, each with its Jacobian, so that noise can follow color.
+
+Every map is exact for the colors that light can have, and goes on beyond them without clipping:
+noise takes X, Y and Z below zero and above white, and a clip would hide it. How each goes on is
+said where it is defined. Noise has no say here; see `chromanoise.color.perceived`.
+
+All maps ask only for the ratio of a color to its white: ``xyz`` and ``white`` may share any unit.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+from chromanoise import _check
+from chromanoise._check import Array
+from chromanoise.color.picture import XYZ_TO_LINEAR_SRGB, adapted_to_d65
+
+_DELTA = 6 / 29  # CIE 015:2018, eq. 8.7: below its cube the cube root becomes a line
+_SRGB_TOE = 0.0031308  # IEC 61966-2-1, on the linear side
+_UV = np.array([1.0, 15.0, 3.0])  # CIE 015:2018, eq. 8.25: X + 15 Y + 3 Z
+_LAB = np.array([[0.0, 116.0, 0.0], [500.0, -500.0, 0.0], [0.0, 200.0, -200.0]])
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Space:
+    """A color space as a map from XYZ, and how the map bends.
+
+    Attributes
+    ----------
+    name
+        As the standard calls it, e.g. "CIELAB".
+    coordinates
+        Their names, e.g. ("L*", "a*", "b*").
+    from_xyz
+        (xyz [*px 3], white [3]) -> coordinates [*px 3]; ``xyz`` relative to a ``white`` of Y = 1.
+    jacobian
+        (xyz [*px 3], white [3]) -> d coordinate_i / d xyz_j. [*px 3 3]
+    """
+
+    name: str
+    coordinates: tuple[str, str, str]
+    from_xyz: Callable[[Array, Array], Array]
+    jacobian: Callable[[Array, Array], Array]
+
+    def __post_init__(self) -> None:
+        _check.distinct("coordinates of a color space", (self.name, *self.coordinates))
+
+
+def linear_srgb(xyz: Float[Array, "*px 3"], white: Float[Array, " 3"]) -> Float[Array, "*px 3"]:
+    """Linear sRGB: Rec. 709 primaries, white-balanced by Bradford, 1 for the white; unclipped.
+
+    Parameters
+    ----------
+    xyz
+        In the unit of ``white``.
+    white
+        XYZ of a perfect white in the same light.
+
+    Raises
+    ------
+    InputError
+        If the white is no color that an eye could adapt to.
+
+    Notes
+    -----
+    IEC 61966-2-1:1999, with its printed matrix.
+
+    Examples
+    --------
+    >>> linear_srgb(np.array([0.5, 0.5, 0.5]), np.ones(3)).round(3)
+    array([0.5, 0.5, 0.5])
+    """
+    return adapted_to_d65(xyz, _white(white)) @ XYZ_TO_LINEAR_SRGB.T
+
+
+def encoded_srgb(xyz: Float[Array, "*px 3"], white: Float[Array, " 3"]) -> Float[Array, "*px 3"]:
+    """Encoded sRGB, 0 .. 1 for what a display can show; beyond, its line and power law go on.
+
+    Parameters
+    ----------
+    xyz, white
+        As `linear_srgb`.
+
+    Raises
+    ------
+    InputError
+        If the white is no color that an eye could adapt to.
+
+    Notes
+    -----
+    IEC 61966-2-1:1999. Below 0 the line 12.92 c goes on, above 1 the power law; its two pieces
+    miss each other by 2e-8 at 0.0031308, as in the standard.
+
+    Examples
+    --------
+    >>> encoded_srgb(np.array([[0.18, 0.18, 0.18], [-0.01, -0.01, -0.01]]), np.ones(3)).round(3)
+    array([[ 0.461,  0.461,  0.461],
+           [-0.129, -0.129, -0.129]])
+    """
+    linear = linear_srgb(xyz, white)
+    power = np.maximum(linear, _SRGB_TOE) ** (1 / 2.4)
+    return np.where(linear <= _SRGB_TOE, 12.92 * linear, 1.055 * power - 0.055)
+
+
+def cielab(xyz: Float[Array, "*px 3"], white: Float[Array, " 3"]) -> Float[Array, "*px 3"]:
+    """CIE 1976 L*, a*, b*; the linear toe goes on below zero, the cube root above white.
+
+    Parameters
+    ----------
+    xyz
+        In the unit of ``white``.
+    white
+        XYZ of a perfect white in the same light.
+
+    Raises
+    ------
+    InputError
+        If X, Y or Z of the white is not above 0.
+
+    Notes
+    -----
+    CIE 015:2018, eq. 8.3-8.8.
+
+    Examples
+    --------
+    >>> cielab(np.array([0.125, 0.125, 0.125]), np.ones(3))       # 116 / 2 - 16
+    array([42.,  0.,  0.])
+    """
+    x, y, z = np.moveaxis(_cube_root(xyz / _white(white)), -1, 0)
+    return np.stack([116 * y - 16, 500 * (x - y), 200 * (y - z)], axis=-1)
+
+
+def cieluv(xyz: Float[Array, "*px 3"], white: Float[Array, " 3"]) -> Float[Array, "*px 3"]:
+    """CIE 1976 L*, u*, v*; the linear toe goes on below zero, the chromaticity is kept finite.
+
+    Parameters
+    ----------
+    xyz, white
+        As `cielab`.
+
+    Raises
+    ------
+    InputError
+        If X, Y or Z of the white is not above 0.
+
+    Notes
+    -----
+    CIE 015:2018, eq. 8.25-8.30, with 1/d of u' = 4X/d and v' = 9Y/d, d = X + 15 Y + 3 Z, replaced
+    by d / max(d^2, a^2/4), where a takes the absolute values of X, Y, Z in d. Nothing changes while
+    d^2 >= a^2/4, so for no color that light can have. Beyond, where noise makes d cross zero, the
+    pole of 1/d (which would leave u* and v* without a variance) becomes a line through zero. At
+    black u* = v* = 0, and so is their slope.
+
+    Examples
+    --------
+    >>> cieluv(np.array([0.125, 0.125, 0.125]), np.ones(3)) + 0.0
+    array([42.,  0.,  0.])
+    """
+    seen, neutral = _chromaticity(xyz), _chromaticity(_white(white))
+    lightness = 116 * _cube_root(xyz[..., 1:2] / white[1]) - 16
+    seen = np.where((xyz == 0).all(axis=-1, keepdims=True), neutral, seen)
+    return np.concatenate([lightness, 13 * lightness * (seen - neutral)], axis=-1)
+
+
+def _linear_srgb_jacobian(
+    xyz: Float[Array, "*px 3"], white: Float[Array, " 3"]
+) -> Float[Array, "*px 3 3"]:
+    matrix = linear_srgb(np.eye(3), white).T  # linear: its columns are the images of the axes
+    return np.broadcast_to(matrix, (*xyz.shape, 3))
+
+
+def _encoded_srgb_jacobian(
+    xyz: Float[Array, "*px 3"], white: Float[Array, " 3"]
+) -> Float[Array, "*px 3 3"]:
+    linear = linear_srgb(xyz, white)
+    power = np.maximum(linear, _SRGB_TOE) ** (1 / 2.4 - 1)
+    slope = np.where(linear <= _SRGB_TOE, 12.92, 1.055 / 2.4 * power)
+    return slope[..., None] * _linear_srgb_jacobian(xyz, white)
+
+
+def _cielab_jacobian(
+    xyz: Float[Array, "*px 3"], white: Float[Array, " 3"]
+) -> Float[Array, "*px 3 3"]:
+    slope = _cube_root_slope(xyz / _white(white)) / white
+    return _LAB * slope[..., None, :]
+
+
+def _cieluv_jacobian(
+    xyz: Float[Array, "*px 3"], white: Float[Array, " 3"]
+) -> Float[Array, "*px 3 3"]:
+    black = (xyz == 0).all(axis=-1, keepdims=True)  # chromaticity has no slope there
+    neutral = _chromaticity(_white(white))
+    y = xyz[..., 1:2] / white[1]
+    lightness = (116 * _cube_root(y) - 16)[..., None]
+    rising = 116 * _cube_root_slope(y) * np.array([0.0, 1.0, 0.0]) / white[1]
+    away = np.where(black, 0.0, _chromaticity(xyz) - neutral)
+    turning = np.where(black[..., None], 0.0, _chromaticity_slope(xyz))
+    uv = 13 * (away[..., None] * rising[..., None, :] + lightness * turning)
+    return np.concatenate([rising[..., None, :], uv], axis=-2)
+
+
+def _cube_root(t: Array) -> Array:
+    """The f of CIELAB."""
+    return np.where(t > _DELTA**3, np.cbrt(t), t / (3 * _DELTA**2) + 4 / 29)
+
+
+def _cube_root_slope(t: Array) -> Array:
+    return 1 / (3 * np.cbrt(np.maximum(t, _DELTA**3)) ** 2)  # held below the toe: a line
+
+
+def _chromaticity(xyz: Float[Array, "*px 3"]) -> Float[Array, "*px 2"]:
+    """u', v' with the pole of 1/d bent into a line; zeros at black."""
+    d, half = (xyz @ _UV)[..., None], (np.abs(xyz) @ _UV)[..., None] / 2
+    size = np.where(half > 0, np.maximum(np.abs(d), half), 1.0)
+    return np.array([4.0, 9.0]) * (xyz[..., :2] / size) * (d / size)
+
+
+def _chromaticity_slope(xyz: Float[Array, "*px 3"]) -> Float[Array, "*px 2 3"]:
+    d, half = (xyz @ _UV)[..., None], (np.abs(xyz) @ _UV)[..., None] / 2
+    regular = np.abs(d) >= half
+    size = np.where(half > 0, np.where(regular, np.abs(d), half), 1.0)
+    reciprocal = d / size**2
+    bent = _UV / size**2 - d * _UV * np.sign(xyz) / size**3
+    slope = np.where(regular, -_UV / size**2, bent)  # of the reciprocal
+    own = np.eye(2, 3) * reciprocal[..., None]
+    return np.array([4.0, 9.0])[:, None] * (own + xyz[..., :2, None] * slope[..., None, :])
+
+
+def _white(white: Float[Array, " 3"]) -> Float[Array, " 3"]:
+    checked = _check.finite("white XYZ", "that of the color", white)
+    if not (checked > 0).all():
+        raise _check.InputError(
+            f"X, Y and Z of the white must be > 0, but are {checked.round(4).tolist()}; "
+            "take the color of a perfect white in the light of the scene"
+        )
+    return checked
+
+
+LINEAR_SRGB = Space(
+    name="linear sRGB",
+    coordinates=("R", "G", "B"),
+    from_xyz=linear_srgb,
+    jacobian=_linear_srgb_jacobian,
+)
+SRGB = Space(
+    name="sRGB",
+    coordinates=("R'", "G'", "B'"),
+    from_xyz=encoded_srgb,
+    jacobian=_encoded_srgb_jacobian,
+)
+LAB = Space(
+    name="CIELAB",
+    coordinates=("L*", "a*", "b*"),
+    from_xyz=cielab,
+    jacobian=_cielab_jacobian,
+)
+LUV = Space(
+    name="CIELUV",
+    coordinates=("L*", "u*", "v*"),
+    from_xyz=cieluv,
+    jacobian=_cieluv_jacobian,
+)
+
+SPACES: dict[str, Space] = {
+    "linear-srgb": LINEAR_SRGB,
+    "srgb": SRGB,
+    "lab": LAB,
+    "luv": LUV,
+}
+"""By the name that a command line takes."""

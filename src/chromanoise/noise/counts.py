@@ -1,0 +1,133 @@
+"""Sums over the Poisson distribution: moments given the count -> moments over all counts.
+
+A count has probability exp(peak(n) - deviance(n, M)), where the peak is the probability of n at
+its own mean and the deviance n log(n / M) + M - n: both stay accurate to rounding for a million
+electrons, where exp(n log M - M - log n!) has lost seven digits. C. Loader, "Fast and accurate
+computation of binomial probabilities" (2000).
+"""
+
+import math
+from collections.abc import Callable, Iterator
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from chromanoise import _check
+from chromanoise._check import Array
+
+_LOG_TAIL = -math.log(1e-18)  # each tail that is left out holds less than 1e-18
+_MOST_E = 1e10  # beyond it one sum takes more than two million counts
+_ENTRIES = 2**18  # of the table means x counts that is held at once
+
+
+def count_window(
+    mean_e: Float[Array, "*px p"],
+) -> tuple[Float[Array, "*px p"], Float[Array, "*px p"]]:
+    """Counts between which Poisson numbers of these means fall, but for 1e-18 on either side. [e-]
+
+    Notes
+    -----
+    Chernoff and Bernstein: P(N <= M - t) <= exp(-t^2 / (2 M)) and
+    P(N >= M + t) <= exp(-t^2 / (2 (M + t / 3))); Boucheron, Lugosi & Massart, *Concentration
+    Inequalities* (2013), sections 2.2 and 2.8.
+    """
+    spread = 2 * _LOG_TAIL * mean_e
+    skew = _LOG_TAIL / 3
+    lowest = np.floor(np.maximum(mean_e - np.sqrt(spread), 0.0))
+    return lowest, np.ceil(mean_e + skew + np.sqrt(skew**2 + spread))
+
+
+def over_counts(
+    mean_e: Float[Array, "*px p"],
+    given_count: Callable[[Float[Array, " m"]], Float[Array, "k m"]],
+) -> Float[Array, "k *px p"]:
+    """Mean, variance and further averages over Poisson counts of what is known for each count.
+
+    Parameters
+    ----------
+    mean_e
+        Of the Poisson distributions, >= 0. Equal ones are worked out once. [e-]
+    given_count
+        For each of m counts: the mean, the variance, and any further quantities to average.
+
+    Raises
+    ------
+    InputError
+        If there is no mean, or one is too large for a sum over single electrons.
+
+    Notes
+    -----
+    Law of total variance, var = E var(. | n) + var E(. | n): sums of squares only, so that
+    nothing cancels when a variance is far below the square of the mean.
+
+    Examples
+    --------
+    Electrons that lose nothing on the way are still Poisson: mean 3, variance 3.
+
+    >>> moments = over_counts(np.array([3.0]), lambda n: np.stack([n, np.zeros_like(n)]))
+    >>> moments.round(12)
+    array([[3.],
+           [3.]])
+    """
+    if mean_e.size == 0:
+        raise _check.InputError(f"mean_e holds no channel to sum over, its shape is {mean_e.shape}")
+    if mean_e.max() > _MOST_E:
+        raise _check.InputError(
+            f"mean_e must be at most {_MOST_E:g} [e-] for an exact sum over electrons, but "
+            f"reaches {mean_e.max():g}; take wider bounds and no step, or less light"
+        )
+    means, back = np.unique(mean_e, return_inverse=True)
+    parts = [_summed(means[rows], given_count) for rows in _runs(means)]
+    return np.concatenate(parts, axis=1)[:, back.reshape(mean_e.shape)]
+
+
+def _runs(means: Float[Array, " u"]) -> Iterator[slice]:
+    """Neighbors whose windows overlap and fit one table, so that they share their counts."""
+    lowest, highest = count_window(means)
+    gaps = 1 + np.flatnonzero(lowest[1:] > highest[:-1] + 1)
+    for start, stop in zip([0, *gaps.tolist()], [*gaps.tolist(), means.size], strict=True):
+        rows = max(1, int(_ENTRIES // (highest[stop - 1] - lowest[stop - 1] + 1)))
+        for first in range(start, stop, rows):
+            yield slice(first, min(first + rows, stop))
+
+
+def _summed(
+    means: Float[Array, " u"],
+    given_count: Callable[[Float[Array, " m"]], Float[Array, "k m"]],
+) -> Float[Array, "k u"]:
+    lowest, highest = count_window(means)
+    width = int((highest - lowest).max()) + 1
+    lattice = np.arange(lowest[0], lowest[-1] + width)
+    at = (lowest - lowest[0]).astype(np.int64)[:, None] + np.arange(width)
+    weights = _weights(means, lattice, at)
+    given = given_count(lattice)
+    mean = (weights * given[0][at]).sum(axis=1)
+    between = (weights * (given[0][at] - mean[:, None]) ** 2).sum(axis=1)
+    averages = [(weights * row[at]).sum(axis=1) for row in given[1:]]
+    return np.stack([mean, averages[0] + between, *averages[1:]])
+
+
+def _weights(
+    means: Float[Array, " u"], lattice: Float[Array, " m"], at: Int[Array, "u w"]
+) -> Float[Array, "u w"]:
+    """Poisson probabilities of the counts ``lattice[at]``, one row per mean."""
+    count, mean = lattice[at], means[:, None]
+    some = np.maximum(count, 1.0)
+    excess = (mean - some) / some
+    with np.errstate(divide="ignore"):  # log 0 = -inf: no light makes no count but 0
+        far = np.log(mean / some)
+    near = np.log1p(np.maximum(excess, -0.5))
+    deviance = some * (excess - np.where(np.abs(excess) < 0.5, near, far))
+    weights = np.exp(_log_peak(lattice)[at] - np.where(count == 0, mean, deviance))
+    return weights / weights.sum(axis=1, keepdims=True)
+
+
+def _log_peak(count: Float[Array, " m"]) -> Float[Array, " m"]:
+    """Logarithm of the Poisson probability of n at mean n, n^n e^-n / n!."""
+    from scipy.special import gammaln, xlogy
+
+    few = np.minimum(count, 32.0)
+    many = np.maximum(count, 32.0)
+    series = 1 / (12 * many) - 1 / (360 * many**3) + 1 / (1260 * many**5) - 1 / (1680 * many**7)
+    stirling = -0.5 * np.log(2 * np.pi * many) - series
+    return np.where(count < 32, xlogy(few, few) - few - gammaln(few + 1), stirling)

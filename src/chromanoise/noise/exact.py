@@ -1,0 +1,193 @@
+"""Exact mean and variance of what a readout gives: held at black and full well, and rounded."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+from chromanoise import _check
+from chromanoise._check import Array
+from chromanoise.noise.counts import count_window, over_counts
+from chromanoise.noise.gaussian import FARTHEST, coded_moments, held_moments
+from chromanoise.noise.measurement import Measurement
+from chromanoise.sensor import Sensor
+
+_WIDE = 1.5  # read noise per step from which rounding adds step^2 / 12: exp(-2 pi^2 1.5^2) = 5e-20
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Readout:
+    """Which values a channel can take when it is read.
+
+    Attributes
+    ----------
+    black_e
+        No value lies below; -inf for a readout that keeps negative values. [e-]
+    full_well_e
+        No value lies above; inf for one that never saturates. [e-]
+    step_e
+        Values are rounded to the nearest multiple, then held at the bounds; 0 for none. [e-]
+
+    Raises
+    ------
+    InputError
+        If black does not lie below full well, or the step is negative or not finite.
+    """
+
+    black_e: float = float("-inf")
+    full_well_e: float = float("inf")
+    step_e: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not self.black_e < self.full_well_e:
+            raise _check.InputError(
+                f"black_e must lie below full_well_e [e-], but {self.black_e:g} does not lie "
+                f"below {self.full_well_e:g}"
+            )
+        _check.not_negative("step_e", "e-", self.step_e)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Moments:
+    """What the values read from ``p`` channels are on average, and how far they scatter.
+
+    Attributes
+    ----------
+    mean
+        Of the values read. [e-]
+    variance
+        Of the values read; near a bound it falls because values are held, not because the light
+        is known better. [e-^2]
+    bias
+        Mean minus expected electrons. [e-]
+    black_share, full_share
+        Probability that a value had to be raised to black, or lowered to full well.
+    """
+
+    mean: Float[Array, "*px p"]
+    variance: Float[Array, "*px p"]
+    bias: Float[Array, "*px p"]
+    black_share: Float[Array, "*px p"]
+    full_share: Float[Array, "*px p"]
+
+    def __post_init__(self) -> None:
+        _check.finite("Moments.mean", "e-", self.mean)
+        _check.non_negative("Moments.variance", "e-^2", self.variance)
+        _check.finite("Moments.bias", "e-", self.bias)
+        _check.fraction("Moments.black_share", "1", self.black_share)
+        _check.fraction("Moments.full_share", "1", self.full_share)
+        _check.freeze(self, "mean", "variance", "bias", "black_share", "full_share")
+
+
+def read_moments(
+    mean_e: Float[Array, "*px p"], *, read_noise_e: float, readout: Readout
+) -> Moments:
+    """Exact moments of held(rounded(Poisson(M) + s Z)), each channel for itself.
+
+    Parameters
+    ----------
+    mean_e
+        Expected electrons M, >= 0. [e-]
+    read_noise_e
+        Standard deviation s of the readout, >= 0. [e-]
+    readout
+        Bounds and step.
+
+    Raises
+    ------
+    InputError
+        If a mean is negative or not finite, if one beyond 1e10 lies close to a bound or is
+        rounded coarsely, or if the step is less than 2e-5 of the read noise.
+
+    Notes
+    -----
+    A sum over counts of the censored normal's moments; what is left out holds less than 1e-17.
+    Where neither bound can be reached with that probability, nothing is summed: the moments are
+    M and M + s^2, and step^2 / 12 more where s is at least 1.5 steps (Widrow & Kollar,
+    *Quantization Noise* (2008), section 4). A bound that is always reached leaves variance 0.
+
+    Examples
+    --------
+    Full well one standard deviation, sqrt(9900 + 10^2), above the mean: 15.9 % are held there.
+
+    >>> held = read_moments(np.array([9900.0, 100.0]), read_noise_e=10.0,
+    ...                     readout=Readout(full_well_e=10_000.0))
+    >>> held.full_share.round(3)
+    array([0.159, 0.   ])
+    >>> held.mean.round(1), held.variance.round(1)
+    (array([9891.6,  100. ]), array([7494.2,  200. ]))
+    """
+    mean = _check.non_negative("mean_e", "e-", mean_e)
+    noise = _check.not_negative("read_noise_e", "e-", read_noise_e)
+    lowest, highest = _reach(mean, noise, readout)
+    always_black, always_full = highest < readout.black_e, lowest > readout.full_well_e
+    summed = ~always_black & ~always_full
+    if readout.step_e == 0 or noise >= _WIDE * readout.step_e:
+        summed &= (lowest < readout.black_e) | (highest > readout.full_well_e)
+    free = np.zeros_like(mean)
+    rows = np.stack([mean, mean + noise**2 + readout.step_e**2 / 12, free, free])
+    rows[:, always_black] = np.array([[readout.black_e], [0.0], [1.0], [0.0]])
+    rows[:, always_full] = np.array([[readout.full_well_e], [0.0], [0.0], [1.0]])
+    if summed.any():
+        rows[:, summed] = _summed(mean[summed], noise, readout)
+    return Moments(
+        mean=rows[0],
+        variance=rows[1],
+        bias=rows[0] - mean,
+        black_share=np.minimum(rows[2], 1.0),  # weights that sum to 1 + 1e-16
+        full_share=np.minimum(rows[3], 1.0),
+    )
+
+
+def _reach(
+    mean: Float[Array, "*px p"], noise: float, readout: Readout
+) -> tuple[Float[Array, "*px p"], Float[Array, "*px p"]]:
+    """Between which values the rounded ones fall, but for 1e-17. [e-]"""
+    lowest, highest = count_window(mean)
+    margin = FARTHEST * noise + readout.step_e
+    return lowest - margin, highest + margin
+
+
+def _summed(mean: Float[Array, " m"], noise: float, readout: Readout) -> Float[Array, "4 m"]:
+    black, full = float(readout.black_e), float(readout.full_well_e)
+
+    def given_count(count: Float[Array, " m"]) -> Float[Array, "4 m"]:
+        if readout.step_e == 0:
+            return held_moments(count, read_noise_e=noise, black_e=black, full_well_e=full)
+        return coded_moments(
+            count, read_noise_e=noise, black_e=black, full_well_e=full, step_e=readout.step_e
+        )
+
+    return over_counts(mean, given_count)
+
+
+def measured(mean_e: Float[Array, "*px p"], sensor: Sensor, readout: Readout) -> Measurement:
+    """The raw measurement as it is read: exact mean and variance, in place of `with_noise`.
+
+    Parameters
+    ----------
+    mean_e
+        Expected electrons, >= 0. [e-]
+    sensor
+        Its channels' names and its read noise; the bounds are those of the readout.
+    readout
+        E.g. ``Readout(black_e=0.0, full_well_e=sensor.pixel.full_well_e)``.
+
+    Raises
+    ------
+    InputError
+        As `read_moments`.
+
+    Notes
+    -----
+    Channels stay independent, so the covariance is diagonal. A ratio of this mean and this
+    standard deviation is no SNR near a bound: ask `read_moments` for the shares that are held.
+    """
+    moments = read_moments(mean_e, read_noise_e=sensor.pixel.read_noise_e, readout=readout)
+    return Measurement(
+        mean=moments.mean,
+        covariance=moments.variance[..., None] * np.eye(moments.mean.shape[-1]),
+        names=sensor.names,
+        kind="raw",
+        unit="e-",
+    )
