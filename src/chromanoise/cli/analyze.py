@@ -4,6 +4,7 @@ from typing import Any
 
 import click
 
+from chromanoise._check import InputError
 from chromanoise.cli import tables
 from chromanoise.cli.options import (
     EXPOSURE,
@@ -17,6 +18,7 @@ from chromanoise.cli.options import (
 )
 from chromanoise.cli.output import write_json
 from chromanoise.color import SPACES
+from chromanoise.noise import Readout
 from chromanoise.study import (
     analyses_as_json,
     analyzed,
@@ -30,6 +32,11 @@ from chromanoise.study import (
 @click.command()
 @click.argument("sensors", nargs=-1, required=True, metavar="SENSOR...")
 @sensor_and_light
+@click.option(
+    "--clip",
+    is_flag=True,
+    help="Exact moments of electrons held between 0 and full well, instead of eq. 7.",
+)
 @click.option("--budget", is_flag=True, help="Where the SNR of X, Y and Z goes, in dB per cause.")
 @click.option(
     "--space",
@@ -39,6 +46,7 @@ from chromanoise.study import (
 @click.option("--json", "json_target", metavar="FILE|-", help="Write JSON; - for standard output.")
 def analyze(
     sensors: tuple[str, ...],
+    clip: bool,
     budget: bool,
     space: str | None,
     json_target: str | None,
@@ -50,6 +58,8 @@ def analyze(
     models of other filter sets: model-rgb-ircut, model-cmy-ircut, model-rgbir ...) or a CSV file
     with the header wavelength_nm,R,G,... and the absolute QE of each channel.
     """
+    if clip and (budget or space):
+        raise InputError("--clip does not go with --budget or --space, which follow eq. 7")
     beyond = options["beyond"]
     illuminant = the_illuminant(options["illuminant"], beyond=options["illuminant_beyond"])
     scene = the_white(illuminant, options["lux"])
@@ -58,7 +68,8 @@ def analyze(
     for name in sensors:
         sensor = the_sensor(name, beyond=beyond, **pixel)
         exposure = the_exposure(scene, sensor, **exposure_rule)
-        analyses.append(analyzed(scene, sensor, exposure, options["metric"]))
+        held = Readout(black_e=0.0, full_well_e=sensor.pixel.full_well_e) if clip else None
+        analyses.append(analyzed(scene, sensor, exposure, options["metric"], readout=held))
     greys = [grey_noise(analysis, SPACES[space]) for analysis in analyses] if space else []
     budgets = [color_budgets(analysis) for analysis in analyses] if budget else []
     if json_target:

@@ -1,5 +1,7 @@
 """How sure the electrons are: sources, covariance (eq. 7), propagation, Monte Carlo."""
 
+from chromanoise.noise.exact import Moments, Readout, measured, read_moments
+from chromanoise.noise.expectation import Expectation, expectation
 from chromanoise.noise.measurement import Measurement, through
 from chromanoise.noise.montecarlo import Estimate, monte_carlo
 from chromanoise.noise.raw import raw_covariance, saturated, with_noise
@@ -7,10 +9,16 @@ from chromanoise.noise.sampling import clipped_at_well, sample_electrons
 
 __all__ = [
     "Estimate",
+    "Expectation",
     "Measurement",
+    "Moments",
+    "Readout",
     "clipped_at_well",
+    "expectation",
+    "measured",
     "monte_carlo",
     "raw_covariance",
+    "read_moments",
     "sample_electrons",
     "saturated",
     "through",

@@ -23,8 +23,8 @@ class Estimate:
     ----------
     mean, sd
         Sample mean and standard deviation per coordinate.
-    mean_se
-        Standard error of the mean.
+    mean_se, sd_se
+        Their standard errors.
     snr_db, snr_se_db
         20 log10(|mean| / sd) and its standard error. [dB]
     clipped_share
@@ -38,6 +38,7 @@ class Estimate:
     mean: Float[Array, " q"]
     sd: Float[Array, " q"]
     mean_se: Float[Array, " q"]
+    sd_se: Float[Array, " q"]
     snr_db: Float[Array, " q"]
     snr_se_db: Float[Array, " q"]
     clipped_share: Float[Array, " p"]
@@ -45,7 +46,9 @@ class Estimate:
     draws: int
 
     def __post_init__(self) -> None:
-        _check.freeze(self, "mean", "sd", "mean_se", "snr_db", "snr_se_db", "clipped_share")
+        _check.freeze(
+            self, "mean", "sd", "mean_se", "sd_se", "snr_db", "snr_se_db", "clipped_share"
+        )
 
 
 def monte_carlo(
@@ -131,6 +134,7 @@ def _estimate(
         mean=mean,
         sd=sd,
         mean_se=sd / math.sqrt(draws),
+        sd_se=sd * np.sqrt(np.maximum(m4 / v**2 - 1, 0.0) / (4 * draws)),
         snr_db=snr_db,
         snr_se_db=snr_se_db,
         clipped_share=clipped_share,

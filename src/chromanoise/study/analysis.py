@@ -27,12 +27,20 @@ from chromanoise.merit import (
     price_db,
     snr_db,
 )
-from chromanoise.noise import Measurement, saturated, with_noise
+from chromanoise.noise import (
+    Measurement,
+    Readout,
+    measured,
+    read_moments,
+    saturated,
+    with_noise,
+)
 from chromanoise.scene import Scene
 from chromanoise.sensor import Sensor
 from chromanoise.spectra import Metric, color_axes
 from chromanoise.units import decibel
 
+_WORTH_TELLING = 1e-3  # share of held readouts
 _NEAR_MIX_DEG = 10.0  # a channel closer than this to the span of the others is worth a sentence
 
 
@@ -50,6 +58,8 @@ class Analysis:
         The color matrix; carries the metric and the frame.
     saturated
         One per channel. Where one is true, no SNR that uses it is defined.
+    full_share
+        Share of the readouts of each channel that are held at full well; 0 where nothing is.
     vif
         Variance inflation per channel; inf for a mix of others.
     between_deg, to_axes_deg
@@ -70,6 +80,7 @@ class Analysis:
     color: Measurement
     matrix: ColorMatrix
     saturated: Bool[Array, " p"]
+    full_share: Float[Array, " p"]
     vif: Float[Array, " p"]
     between_deg: Float[Array, "p p"]
     to_axes_deg: Float[Array, "p 3"]
@@ -79,11 +90,16 @@ class Analysis:
     price_db: float
 
     def __post_init__(self) -> None:
-        _check.freeze(self, "saturated", "vif", "between_deg", "to_axes_deg")
+        _check.freeze(self, "saturated", "full_share", "vif", "between_deg", "to_axes_deg")
 
 
 def analyzed(
-    scene: Scene, sensor: Sensor, exposure: Exposure, metric: Metric = "quanta"
+    scene: Scene,
+    sensor: Sensor,
+    exposure: Exposure,
+    metric: Metric = "quanta",
+    *,
+    readout: Readout | None = None,
 ) -> Analysis:
     """Take one flat patch through every stage: eq. 1 to 7.
 
@@ -95,6 +111,8 @@ def analyzed(
         What looks at it, and how.
     metric
         In which light is a vector.
+    readout
+        Take the exact moments of what it clips and rounds; ``None`` for eq. 7, unclipped.
 
     Raises
     ------
@@ -105,7 +123,8 @@ def analyzed(
         raise _check.InputError(
             f"analyzed takes one point, got a scene of {scene.reflectance.shape}"
         )
-    raw = with_noise(expected_electrons(scene, sensor, exposure), sensor)
+    electrons = expected_electrons(scene, sensor, exposure)
+    raw = with_noise(electrons, sensor) if readout is None else measured(electrons, sensor, readout)
     matrix = kernel_matrix(sensor, exposure, metric)
     color = colored(raw, matrix)
     frame = matrix.frame
@@ -117,7 +136,8 @@ def analyzed(
         contravariant=contravariant(raw, frame),
         color=color,
         matrix=matrix,
-        saturated=saturated(raw.mean, sensor.pixel),
+        saturated=saturated(electrons, sensor.pixel),
+        full_share=_full_share(electrons, sensor, readout),
         vif=variance_inflation(frame),
         between_deg=angles_between_deg(frame),
         to_axes_deg=angles_to_axes_deg(frame, color_axes(sensor.grid, metric)),
@@ -134,6 +154,15 @@ def mean_color_error(analysis: Analysis) -> float | None:
         analysis.sensor, analysis.matrix, analysis.exposure, analysis.scene.illuminant
     )
     return None if error is None else float(error.mean())
+
+
+def _full_share(
+    electrons: Float[Array, " p"], sensor: Sensor, readout: Readout | None
+) -> Float[Array, " p"]:
+    if readout is None:
+        return np.zeros(electrons.shape)
+    read_noise_e = sensor.pixel.read_noise_e
+    return read_moments(electrons, read_noise_e=read_noise_e, readout=readout).full_share
 
 
 def color_budgets(analysis: Analysis) -> tuple[Budget | None, ...]:
@@ -196,11 +225,18 @@ def diagnosis(analysis: Analysis) -> tuple[str, ...]:
     """What a reader of these numbers must know, in sentences."""
     sensor, frame = analysis.sensor, analysis.matrix.frame
     told = [*sensor.notes, *analysis.scene.illuminant.notes]
-    for name, mean, full in zip(sensor.names, analysis.raw.mean, analysis.saturated, strict=True):
+    for name, mean, full, share in zip(
+        sensor.names, analysis.raw.mean, analysis.saturated, analysis.full_share, strict=True
+    ):
         if full:
             told.append(
                 f"channel {name} is saturated: {mean:.0f} e- expected, full well is "
                 f"{sensor.pixel.full_well_e:.0f} e-; shorten the time or close the aperture"
+            )
+        if not full and share > _WORTH_TELLING:
+            told.append(
+                f"{100 * share:.1f} % of {name} is held at full well: clipping hides noise, so its "
+                "SNR and those of the colors are flattered"
             )
         if mean == 0:
             told.append(f"channel {name} sees none of this light")

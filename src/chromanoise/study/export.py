@@ -94,6 +94,7 @@ def _channels(analysis: Analysis) -> list[dict[str, Any]]:
             "contravariant_snr_db": contravariant[name],
             "vif": _finite(float(analysis.vif[i])),
             "saturated": bool(analysis.saturated[i]),
+            "full_share": float(analysis.full_share[i]),
             "angle_deg": _named(names, analysis.between_deg[i]),
             "angle_to_axis_deg": _named(("x", "y", "z"), analysis.to_axes_deg[i]),
         }
