@@ -12,12 +12,13 @@ from chromanoise.sensor.catalogue import RECONSTRUCTION
 from chromanoise.study import (
     Reproduction,
     as_printed,
+    luminance_budget,
     paper_tables,
     set_aside_reasons,
     table_5_finding,
     verdict,
 )
-from chromanoise.study.paper import PRINTED_TIMES_MS, WELL_SHARE
+from chromanoise.study.paper import PRINTED_TIMES_MS, RGB_12, RGBW_12, WELL_SHARE
 
 
 def demo_page(
@@ -56,6 +57,9 @@ def demo_page(
             for name, printed in PRINTED_TIMES_MS.items()
         ],
         tables=paper_tables(result),
+        budgets=[
+            (column, luminance_budget(result.study.columns[column])) for column in (RGBW_12, RGB_12)
+        ],
         pictures=[(picture, _data_uri(png_bytes(picture.srgb))) for picture in pictures],
         figures=[
             (name, _data_uri(svg.encode(), "image/svg+xml"), f"{_numbered(name)} {captions[name]}")

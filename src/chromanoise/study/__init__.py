@@ -23,7 +23,13 @@ from chromanoise.study.comparison import (
     luminance_snr_db,
 )
 from chromanoise.study.export import analyses_as_json, budgets_as_json, reproduction_as_json
-from chromanoise.study.findings import metric_remark, set_aside_reasons, table_5_finding, verdict
+from chromanoise.study.findings import (
+    luminance_budget,
+    metric_remark,
+    set_aside_reasons,
+    table_5_finding,
+    verdict,
+)
 from chromanoise.study.layout import PaperTable, as_printed, paper_tables
 from chromanoise.study.paper import PaperStudy, paper_study
 from chromanoise.study.perceived import grey_noise, grey_noise_as_json
@@ -56,6 +62,7 @@ __all__ = [
     "diagnosis",
     "grey_noise",
     "grey_noise_as_json",
+    "luminance_budget",
     "luminance_snr_db",
     "mean_color_error",
     "metric_remark",

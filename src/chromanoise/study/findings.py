@@ -3,7 +3,8 @@
 import numpy as np
 
 from chromanoise.exposure import expected_electrons
-from chromanoise.merit.budget import INFRARED_FROM_NM
+from chromanoise.merit import Budget, color_budget
+from chromanoise.merit.budget import CORRELATION, INFRARED, INFRARED_FROM_NM
 from chromanoise.scene import Scene
 from chromanoise.study import paper
 from chromanoise.study.analysis import (
@@ -22,16 +23,28 @@ def verdict(study: PaperStudy) -> str:
     shared = cut.sensor.names
     raw_gain = np.mean([_db(raw_snr_db(bare)[c]) - _db(raw_snr_db(cut)[c]) for c in shared])
     loss = _db(color_snr_db(cut)["Y"]) - _db(color_snr_db(bare)["Y"])
-    worst = bare.sensor.names[int(np.argmax(bare.vif))]
+    before, after = luminance_budget(cut), luminance_budget(bare)
     return (
         f"At {bare.scene.level_lux:g} lx and {1e3 * bare.exposure.time_s:.1f} ms the RGBW sensor "
         f"without IR-cut is {raw_gain:.1f} dB better in raw (mean of {', '.join(shared)}) and "
-        f"{loss:.1f} dB worse in luminance, because {100 * nir_share(bare):.0f} % of its electrons "
-        f"come from beyond {INFRARED_FROM_NM:g} nm and carry no color, and because unmixing its "
-        f"correlated channels multiplies their noise variance by up to {bare.vif.max():.1f} "
-        f"({worst}; {cut.vif.max():.1f} behind the IR-cut): it pays {bare.price_db:.1f} dB for "
-        f"color where the RGB sensor pays {cut.price_db:.1f} dB."
+        f"{loss:.1f} dB worse in luminance, because unmixing its correlated channels costs "
+        f"{_cost(after, CORRELATION):.1f} dB ({_cost(before, CORRELATION):.1f} dB behind the "
+        f"IR-cut) and the {100 * nir_share(bare):.0f} % of its electrons that come from beyond "
+        f"{INFRARED_FROM_NM:g} nm and carry no color cost {_cost(after, INFRARED):.1f} dB "
+        f"({_cost(before, INFRARED):.1f} dB): of what its raw channels hold together it loses "
+        f"{bare.price_db:.1f} dB to color, the RGB sensor {cut.price_db:.1f} dB."
     )
+
+
+def luminance_budget(analysis: Analysis) -> Budget:
+    """From all photons down to SNR_Y, cause by cause."""
+    budget = color_budget(analysis.scene, analysis.sensor, analysis.exposure, analysis.matrix)
+    assert budget is not None  # the paper's white is seen by all of its sensors
+    return budget
+
+
+def _cost(budget: Budget, cause: str) -> float:
+    return next(cost.loss_db for cost in budget.costs if cost.cause == cause)
 
 
 def metric_remark(study: PaperStudy) -> str:
