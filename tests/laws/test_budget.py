@@ -11,7 +11,12 @@ from hypothesis import strategies as st
 from chromanoise._check import InputError
 from chromanoise.color import kernel_matrix
 from chromanoise.exposure import Exposure
-from chromanoise.merit.budget import CAUSES, color_budget, shapley_values
+from chromanoise.merit.budget import (
+    CAUSES,
+    color_budget,
+    contravariant_budget,
+    shapley_values,
+)
 from chromanoise.scene import flat_field
 from chromanoise.sensor import Pixel, Sensor, sensor_named, with_channels
 from chromanoise.spectra import DEFAULT_GRID, equal_energy
@@ -164,3 +169,29 @@ def test_a_full_precedence_is_a_plain_chain(worths):
 def test_a_circle_of_precedence_is_refused():
     with pytest.raises(InputError, match="no order"):
         shapley_values(lambda _: 0.0, "ab", [("a", "b"), ("b", "a")])
+
+
+def test_contravariant_budgets_add_up_to_the_contravariant_snr():
+    """For two channels at 60 degrees unmixing takes 6.9897 dB: (1 - cos t) / sqrt(1 + cos^2 t)."""
+    first, second = box(400, 600), box(500, 700)  # equal norms, half of each shared
+    lamp = flat_field(equal_energy(DEFAULT_GRID), level_lux=10.0)
+    equal = 1.0 / AT  # the same photons at each wavelength, so that both see the same signal
+    scene = type(lamp)(illuminant=lamp.illuminant, level_lux=10.0, reflectance=equal / equal.max())
+    silent = Pixel(pitch_um=10.0, full_well_e=1e6, read_noise_e=0.0)
+    sensor = sensor_of(first, second, pixel=silent)
+    frame = kernel_matrix(sensor, EXPOSURE).frame
+    for name in sensor.names:
+        budget = contravariant_budget(scene, sensor, EXPOSURE, frame, name)
+        assert cost(budget, "correlation") == pytest.approx(6.9897, abs=1e-4)
+        assert cost(budget, "weights") == pytest.approx(10 * np.log10(2), abs=1e-9)
+        lost = sum(c.loss_db for c in budget.costs)
+        assert budget.photons_db - lost == pytest.approx(budget.snr_db, abs=1e-9)
+        assert cost(budget, "rest") == 0
+
+
+def test_a_copy_of_a_channel_has_no_contravariant_budget():
+    sensor = sensor_of(box(400, 500), box(500, 600), box(500, 600))
+    frame = kernel_matrix(sensor, EXPOSURE).frame
+    told = [contravariant_budget(WHITE, sensor, EXPOSURE, frame, n) for n in sensor.names]
+    assert told[0] is not None
+    assert told[1:] == [None, None]

@@ -15,6 +15,7 @@ from chromanoise.color.fitted import (
     kernel,
     least_squares,
     lmmse,
+    lmmse_over_light,
     noise_regularized,
     pareto,
     ridge,
@@ -399,3 +400,14 @@ def test_a_matrix_that_gives_no_color_is_reported_without_one():
 def test_what_cannot_be_fitted_is_refused_with_a_reason(call, told):
     with pytest.raises(InputError, match=told):
         call()
+
+
+def test_lmmse_over_many_levels_is_lmmse_at_each_of_them():
+    sensor = sensor_named("onyx-rgbw", DEFAULT_GRID)
+    lamp = equal_energy(DEFAULT_GRID)
+    training, exposure = nir_diverse(chart_training(lamp)), Exposure(time_s=0.0119)
+    levels = np.array([0.01, 0.3, 10.0, 1e4])
+    together = lmmse_over_light(sensor, exposure, training, levels)
+    for level, matrix in zip(levels, together, strict=True):
+        alone = lmmse(sensor, exposure, training, level_lux=float(level)).matrix
+        np.testing.assert_allclose(matrix, alone, rtol=1e-7, atol=1e-12 * np.abs(alone).max())

@@ -24,6 +24,7 @@ from chromanoise.study import (
     analyzed,
     budgets_as_json,
     color_budgets,
+    contravariant_budgets,
     grey_noise,
     grey_noise_as_json,
 )
@@ -71,17 +72,23 @@ def analyze(
         held = Readout(black_e=0.0, full_well_e=sensor.pixel.full_well_e) if clip else None
         analyses.append(analyzed(scene, sensor, exposure, options["metric"], readout=held))
     greys = [grey_noise(analysis, SPACES[space]) for analysis in analyses] if space else []
-    budgets = [color_budgets(analysis) for analysis in analyses] if budget else []
+    shown = analyses if budget else []
+    budgets = [color_budgets(a) for a in shown]
+    spectral = [contravariant_budgets(a) for a in shown]
     if json_target:
         told = analyses_as_json(analyses)
         for sensor_told, own in zip(told["sensors"], budgets, strict=False):
             sensor_told["budget"] = budgets_as_json(own)
+        for sensor_told, own in zip(told["sensors"], spectral, strict=False):
+            sensor_told["contravariant_budget"] = budgets_as_json(own)
         for sensor_told, grey in zip(told["sensors"], greys, strict=False):
             sensor_told["grey_noise"] = grey_noise_as_json(grey)
         write_json(told, json_target)
     if json_target != "-":
         tables.print_analyses(analyses)
         for analysis, own in zip(analyses, budgets, strict=False):
+            tables.print_budgets(analysis, own)
+        for analysis, own in zip(analyses, spectral, strict=False):
             tables.print_budgets(analysis, own)
         if greys:
             tables.print_grey_noise(analyses, greys)

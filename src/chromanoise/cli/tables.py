@@ -165,7 +165,7 @@ def print_budgets(analysis: Analysis, budgets: Sequence[Budget | None]) -> None:
     told = [budget for budget in budgets if budget]
     console = _console()
     if not told:
-        console.print(f"{analysis.sensor.name}: no color has an SNR, so there is no budget")
+        console.print(f"{analysis.sensor.name}: no coordinate has an SNR, so there is no budget")
         return
     table = Table(title=f"Budget of {analysis.sensor.name} [dB]", title_justify="left")
     table.add_column("")

@@ -165,6 +165,39 @@ def lmmse(
     return _made(sensor, exposure, metric, _penalized(seen, seen.noise_e2), made_by)
 
 
+def lmmse_over_light(
+    sensor: Sensor, exposure: Exposure, training: Training, level_lux: Float[Array, " k"]
+) -> Float[Array, "k 3 p"]:
+    """The LMMSE matrices of many light levels at once, as `lmmse` makes them one by one. [lx/e-]
+
+    Light only scales the training set, so it is reduced to p equations once.
+
+    Parameters
+    ----------
+    level_lux
+        Illuminances on the set, > 0. [lx]
+
+    Raises
+    ------
+    InputError
+        As `least_squares`, or if a level is not positive.
+    """
+    levels = _check.non_negative("level_lux", "lx", level_lux)
+    _check.positive("smallest level_lux", "lx", float(levels.min()))
+    seen = training_response(training, sensor, exposure, level_lux=1.0)
+    scale, root = white_scale(seen), np.sqrt(seen.share)[:, None]
+    q, r = np.linalg.qr(root * seen.electrons / scale)
+    light = levels[:, None, None]
+    mean_e2 = levels[:, None] * (seen.share @ seen.electrons)  # shot noise of the mean
+    noise = np.sqrt(mean_e2 + sensor.pixel.read_noise_e**2) / scale
+    left = np.concatenate([light * r, noise[..., None] * np.eye(scale.size)], axis=1)
+    right = np.concatenate(
+        [light * (q.T @ (root * seen.xyz)), np.zeros((levels.size, scale.size, 3))], axis=1
+    )
+    solution = np.linalg.pinv(left, rcond=RANK_TOLERANCE) @ right
+    return np.asarray(np.swapaxes(solution, -1, -2) / scale)
+
+
 def ridge(
     sensor: Sensor,
     exposure: Exposure,

@@ -1,7 +1,13 @@
 """What a measurement is worth: SNR, bound, price, budget; color error; filters, speed, bits."""
 
 from chromanoise.merit.accuracy import chart_color_error
-from chromanoise.merit.budget import Budget, Cost, color_budget, shapley_values
+from chromanoise.merit.budget import (
+    Budget,
+    Cost,
+    color_budget,
+    contravariant_budget,
+    shapley_values,
+)
 from chromanoise.merit.filters import (
     best_readout,
     figure_of_merit,
@@ -54,6 +60,7 @@ __all__ = [
     "color_budget",
     "color_sensitivity_bits",
     "contrast_sensitivity",
+    "contravariant_budget",
     "effective_filters",
     "figure_of_merit",
     "filter_quality",

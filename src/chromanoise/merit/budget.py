@@ -29,14 +29,14 @@ from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise.color import ColorMatrix
 from chromanoise.exposure import Exposure, expected_electrons, exposure_factor
-from chromanoise.geometry import variance_inflation
+from chromanoise.geometry import Frame, variance_inflation
 from chromanoise.scene import Scene, light
 from chromanoise.sensor import Sensor
 from chromanoise.spectra import color_axes
 from chromanoise.units import decibel
 
 FILTERS, READ_NOISE, WEIGHTS = "filters", "read noise", "weights"
-CORRELATION, INFRARED = "correlation", "infrared"
+CORRELATION, INFRARED, REST = "correlation", "infrared", "rest"
 CAUSES = (FILTERS, READ_NOISE, WEIGHTS, CORRELATION, INFRARED)
 _PRECEDENCE = (*((FILTERS, later) for later in CAUSES[1:]), (WEIGHTS, CORRELATION))
 INFRARED_FROM_NM = 700.0
@@ -71,7 +71,7 @@ class Budget:
     Attributes
     ----------
     coordinate
-        X, Y or Z.
+        X, Y or Z, or M^R for the contravariant coordinate of channel R.
     photons_db
         SNR of counting every photon that hits the p pixels: sqrt(p N). [dB]
     costs
@@ -161,25 +161,71 @@ def color_budget(
     """
     _check.one_of("coordinate", coordinate, matrix.coordinates)
     _check.same_names("budget", sensor=sensor.names, matrix=matrix.channels)
-    chain = _chain(scene, sensor, exposure, matrix, coordinate)
-    everything = frozenset(CAUSES)
-    end = chain.row @ chain.all_e
-    if not (
-        end > 0 and chain.row @ chain.visible_e > 0 and (chain.single_row @ chain.visible_e) > 0
-    ):
+    i = matrix.coordinates.index(coordinate)
+    basis = matrix.frame.basis
+    axis = color_axes(sensor.grid, matrix.metric)[:, i]
+    single_row = axis @ basis / (basis**2).sum(axis=0)
+    chain = _chain(scene, sensor, exposure, matrix.matrix[i], single_row)
+    usable = (chain.row @ chain.all_e, chain.row @ chain.visible_e, single_row @ chain.visible_e)
+    if not min(usable) > 0:
         return None
-    shares = shapley_values(lambda on: _snr_db(chain, on), CAUSES, _PRECEDENCE)
-    snr_db = float(decibel(np.asarray(end / np.sqrt(chain.row**2 @ chain.variance(True)))))
-    rest = _snr_db(chain, everything) - snr_db
-    readings = _readings(chain, sensor, matrix)
-    costs = [Cost(cause=c, loss_db=-shares[c], reading=readings[c]) for c in CAUSES]
-    costs.append(Cost(cause="rest", loss_db=rest, reading=_rest_reading(rest, coordinate)))
-    bound = frozenset({FILTERS, READ_NOISE})
+    readings = _readings(chain, sensor, matrix.frame)
+    rest = _snr_db(chain, frozenset(CAUSES)) - _snr_db(chain, frozenset(CAUSES) - {INFRARED})
+    readings[REST] = _rest_reading(rest, coordinate)
+    return _budget(chain, coordinate, CAUSES, readings)
+
+
+def contravariant_budget(
+    scene: Scene, sensor: Sensor, exposure: Exposure, frame: Frame, channel: str
+) -> Budget | None:
+    """The budget of one contravariant coordinate, or ``None`` where it is not defined.
+
+    Here the infrared is signal like any other light, and "weights" is the step from the best
+    readout of all channels to the one channel alone.
+
+    Parameters
+    ----------
+    scene
+        A single point (`flat_field`).
+    sensor, exposure
+        What looks at it, and how.
+    frame
+        Of that sensor and exposure.
+    channel
+        Whose coordinate.
+
+    Raises
+    ------
+    InputError
+        If there is no such channel, or the frame is of other channels.
+    """
+    _check.one_of("channel", channel, sensor.names)
+    _check.same_names("budget", sensor=sensor.names, frame=frame.names)
+    i = sensor.names.index(channel)
+    alone = np.eye(len(sensor.names))[i]
+    chain = _chain(scene, sensor, exposure, frame.inverse_gram[i], alone)
+    defined = np.isfinite(variance_inflation(frame)[i]) and chain.row @ chain.all_e != 0
+    if not (defined and chain.all_e[i] > 0):
+        return None
+    readings = _readings(chain, sensor, frame)
+    readings[WEIGHTS] = f"{channel} alone, of all {len(sensor.names)} channels"
+    readings[REST] = "nothing is left"
+    return _budget(chain, f"M^{channel}", CAUSES[:-1], readings)
+
+
+def _budget(
+    chain: "_Chain", coordinate: str, causes: tuple[str, ...], readings: dict[str, str]
+) -> Budget:
+    allowed = [(first, second) for first, second in _PRECEDENCE if {first, second} <= set(causes)]
+    shares = shapley_values(lambda on: _snr_db(chain, on), causes, allowed)
+    snr_db = _snr_db(chain, frozenset(causes) - {INFRARED})  # all light counts in the end
+    rest = _snr_db(chain, frozenset(causes)) - snr_db
+    costs = [Cost(cause=c, loss_db=-shares[c], reading=readings[c]) for c in causes]
     return Budget(
         coordinate=coordinate,
         photons_db=_snr_db(chain, frozenset()),
-        costs=tuple(costs),
-        bound_db=_snr_db(chain, bound),
+        costs=(*costs, Cost(cause=REST, loss_db=rest, reading=readings[REST])),
+        bound_db=_snr_db(chain, frozenset({FILTERS, READ_NOISE})),
         snr_db=snr_db,
     )
 
@@ -200,25 +246,25 @@ class _Chain:
 
 
 def _chain(
-    scene: Scene, sensor: Sensor, exposure: Exposure, matrix: ColorMatrix, coordinate: str
+    scene: Scene,
+    sensor: Sensor,
+    exposure: Exposure,
+    row: Float[Array, " p"],
+    single_row: Float[Array, " p"],
 ) -> _Chain:
-    grid = sensor.grid
-    i = matrix.coordinates.index(coordinate)
-    visible = grid.wavelength_nm <= INFRARED_FROM_NM
+    visible = sensor.grid.wavelength_nm <= INFRARED_FROM_NM
     seen = Scene(
         illuminant=scene.illuminant,
         level_lux=scene.level_lux,
         reflectance=scene.reflectance * visible,
     )
-    k = exposure_factor(exposure, sensor.pixel, grid.step_nm)
-    basis = matrix.frame.basis
-    axis = color_axes(grid, matrix.metric)[:, i]
+    k = exposure_factor(exposure, sensor.pixel, sensor.grid.step_nm)
     return _Chain(
         photons=k * float(light(scene, "quanta").sum()),
         all_e=expected_electrons(scene, sensor, exposure),
         visible_e=expected_electrons(seen, sensor, exposure),
-        row=matrix.matrix[i],
-        single_row=axis @ basis / (basis**2).sum(axis=0),
+        row=row,
+        single_row=single_row,
         read_variance=sensor.pixel.read_noise_e**2,
     )
 
@@ -232,13 +278,14 @@ def _snr_db(chain: _Chain, on: Switches) -> float:
     row = chain.all_e / np.where(variance > 0, variance, 1.0)
     if WEIGHTS in on:
         row = chain.row if CORRELATION in on else chain.single_row
-    return float(decibel(np.asarray(row @ signal / np.sqrt(row**2 @ variance))))
+    return float(decibel(np.asarray(abs(row @ signal) / np.sqrt(row**2 @ variance))))
 
 
-def _readings(chain: _Chain, sensor: Sensor, matrix: ColorMatrix) -> dict[str, str]:
-    vif = variance_inflation(matrix.frame)
+def _readings(chain: _Chain, sensor: Sensor, frame: Frame) -> dict[str, str]:
+    vif = variance_inflation(frame)
     worst = int(np.argmax(vif))
-    whitened = np.sqrt(chain.variance(True))
+    variance = chain.variance(True)
+    whitened = np.sqrt(np.where(variance > 0, variance, 1.0))  # a silent channel weighs nothing
     best, own = chain.all_e / whitened, chain.single_row * whitened
     psi = np.degrees(np.arccos(np.clip(best @ own / np.sqrt((best @ best) * (own @ own)), -1, 1)))
     electrons = chain.all_e.sum() / (chain.photons * chain.all_e.size)
@@ -249,7 +296,7 @@ def _readings(chain: _Chain, sensor: Sensor, matrix: ColorMatrix) -> dict[str, s
         READ_NOISE: f"{100 * read:.1f} % of the mean noise variance is readout",
         WEIGHTS: f"the color's weights stand {psi:.0f} deg from the best readout, noise whitened",
         CORRELATION: f"unmixing multiplies the variance of {sensor.names[worst]} by "
-        f"{vif[worst]:.1f}, condition {matrix.frame.condition:.1f}",
+        f"{vif[worst]:.1f}, condition {frame.condition:.1f}",
         INFRARED: f"{100 * infrared:.0f} % of the electrons come from beyond "
         f"{INFRARED_FROM_NM:.0f} nm",
     }

@@ -24,6 +24,7 @@ from chromanoise.merit import (
     bound_db,
     chart_color_error,
     color_budget,
+    contravariant_budget,
     price_db,
     snr_db,
 )
@@ -174,6 +175,18 @@ def color_budgets(analysis: Analysis) -> tuple[Budget | None, ...]:
             analysis.scene, analysis.sensor, analysis.exposure, analysis.matrix, coordinate
         )
         for coordinate in analysis.color.names
+    )
+
+
+def contravariant_budgets(analysis: Analysis) -> tuple[Budget | None, ...]:
+    """Where the SNR of each contravariant coordinate went; ``None`` where it has none."""
+    names = analysis.sensor.names
+    if analysis.saturated.any():
+        return (None,) * len(names)
+    frame = analysis.matrix.frame
+    return tuple(
+        contravariant_budget(analysis.scene, analysis.sensor, analysis.exposure, frame, name)
+        for name in names
     )
 
 
