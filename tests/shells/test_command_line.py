@@ -505,3 +505,13 @@ def test_clipping_flatters_white_and_luminance_and_says_so(run):
     assert luminance[1] - luminance[0] == pytest.approx(0.43, abs=0.02)
     assert any("flattered" in note for note in told[1]["notes"])
     refused(run("analyze", "onyx-rgbw", "--clip", "--budget"), "--clip")
+
+
+def test_a_readout_held_whole_at_full_well_is_saturated_and_nothing_more(run):
+    arguments = ("analyze", "onyx-rgbw", "--clip", "--time-ms", 100)
+    code, out, _ = run(*arguments, "--json", "-")
+    sensor = json.loads(out)["sensors"][0]
+    assert code == 0
+    assert sensor["bound_db"] is None
+    assert all(c["saturated"] and c["full_share"] == 1 for c in sensor["channels"])
+    assert run(*arguments)[0] == 0

@@ -29,6 +29,8 @@ def snr_db(measurement: Measurement) -> dict[str, Float[Array, "*px"]]:
 def bound_db(raw: Measurement) -> Float[Array, "*px"]:
     """The best SNR of any linear readout, mu^T D^-1 mu = sum of SNR_i^2. [dB]
 
+    inf where a channel shows signal without any noise, as a channel held at full well does.
+
     Reached by weights ~ D^-1 mu (Cauchy-Schwarz in noise-whitened space).
 
     Examples
@@ -38,10 +40,12 @@ def bound_db(raw: Measurement) -> Float[Array, "*px"]:
     >>> round(float(bound_db(two)), 4)       # 20 log10(5)
     13.9794
     """
-    silent = (raw.variance == 0) & (raw.mean == 0)  # neither signal nor noise: adds nothing
+    silent = raw.variance == 0  # neither signal nor noise adds nothing; signal alone is endless
     covariance = raw.covariance + silent[..., None] * np.eye(len(raw.names))
     whitened = np.linalg.solve(covariance, raw.mean[..., None])[..., 0]
-    return decibel(np.asarray(np.sqrt((raw.mean * whitened).sum(axis=-1))))
+    endless = (silent & (raw.mean != 0)).any(axis=-1)
+    bound = np.sqrt((raw.mean * whitened).sum(axis=-1))
+    return decibel(np.asarray(np.where(endless, np.inf, bound)))
 
 
 def price_db(raw: Measurement, color: Measurement) -> Float[Array, "*px"]:
@@ -50,4 +54,6 @@ def price_db(raw: Measurement, color: Measurement) -> Float[Array, "*px"]:
     SNR_Y = bound * cos(psi), psi the angle between the matrix's luminance row and the best
     readout in noise-whitened space.
     """
-    return np.asarray(bound_db(raw) - snr_db(color)["Y"])
+    bound, own = bound_db(raw), snr_db(color)["Y"]
+    endless = np.isposinf(bound) & np.isposinf(own)  # without any noise nothing is paid
+    return np.asarray(np.where(endless, 0.0, bound - np.where(endless, 0.0, own)))

@@ -228,8 +228,8 @@ def _crossover(
     if not known.size:
         raise _check.InputError(
             f"{first.sensor} and {second.sensor} have no light level of the sweep at which both "
-            f"have an SNR of luminance with the {first.matrix} matrix; shorten the time or sweep "
-            "darker levels"
+            f"have an SNR of luminance with the {first.matrix} matrix: they are saturated (shorten "
+            "the time, sweep darker levels) or the matrix cannot make Y of this light"
         )
     logs = np.log(first.level_lux)
     changes = [
