@@ -243,7 +243,7 @@ def diagnosis(analysis: Analysis) -> tuple[str, ...]:
     ):
         if full:
             told.append(
-                f"channel {name} is saturated: {mean:.0f} e- expected, full well is "
+                f"channel {name} is saturated: it reaches {mean:.0f} e-, full well is "
                 f"{sensor.pixel.full_well_e:.0f} e-; shorten the time or close the aperture"
             )
         if not full and share > _WORTH_TELLING:
@@ -254,7 +254,7 @@ def diagnosis(analysis: Analysis) -> tuple[str, ...]:
         if mean == 0:
             told.append(f"channel {name} sees none of this light")
     for name, mean in zip(analysis.color.names, analysis.color.mean, strict=True):
-        if mean <= 0:
+        if mean <= 0 and not analysis.saturated.any():
             told.append(
                 f"{name} of a perfect white comes out at {mean:.3g} lx: the matrix cannot make "
                 f"{name} of this light from these channels, so it has no SNR"
