@@ -10,7 +10,6 @@ from statistics import median
 import numpy as np
 
 from chromanoise.color import (
-    ColorMatrix,
     chart_training,
     colored,
     kernel_matrix,
@@ -19,7 +18,7 @@ from chromanoise.color import (
 )
 from chromanoise.exposure import Exposure, expected_electrons
 from chromanoise.merit import snr_db
-from chromanoise.noise import Measurement, monte_carlo, raw_covariance, with_noise
+from chromanoise.noise import monte_carlo, with_noise
 from chromanoise.scene import Scene
 from chromanoise.sensor import SENSOR_NAMES, Sensor, sensor_named
 from chromanoise.spectra import DEFAULT_GRID, colorchecker, equal_energy
@@ -60,20 +59,8 @@ def chart_snr(sensors: list[Sensor]) -> list[np.ndarray]:
     return snr
 
 
-def color_snr(mean_e: np.ndarray, matrix: ColorMatrix, sensor: Sensor) -> dict[str, np.ndarray]:
-    """What the sampling below estimates, in closed form."""
-    raw = Measurement(
-        mean=mean_e,
-        covariance=raw_covariance(mean_e, read_noise_e=sensor.pixel.read_noise_e),
-        names=sensor.names,
-        kind="raw",
-        unit="e-",
-    )
-    return snr_db(colored(raw, matrix))
-
-
 column = paper_study().columns[RGBW_12]
-closed = seconds(lambda: color_snr(column.raw.mean, column.matrix, column.sensor))
+closed = seconds(lambda: snr_db(colored(with_noise(column.raw.mean, column.sensor), column.matrix)))
 sampled = seconds(
     lambda: monte_carlo(
         column.raw.mean, column.sensor.pixel, column.matrix.matrix, draws=DRAWS, seed=0

@@ -8,13 +8,11 @@ from chromanoise._check import InputError
 from chromanoise.cli import tables
 from chromanoise.cli.options import (
     EXPOSURE,
-    PIXEL,
     only,
     sensor_and_light,
     the_exposure,
-    the_illuminant,
-    the_sensor,
-    the_white,
+    the_light,
+    the_sensors,
 )
 from chromanoise.cli.output import write_json
 from chromanoise.color import SPACES
@@ -61,34 +59,24 @@ def analyze(
     """
     if clip and (budget or space):
         raise InputError("--clip does not go with --budget or --space, which follow eq. 7")
-    beyond = options["beyond"]
-    illuminant = the_illuminant(options["illuminant"], beyond=options["illuminant_beyond"])
-    scene = the_white(illuminant, options["lux"])
-    exposure_rule, pixel = only(options, EXPOSURE), only(options, PIXEL)
+    _, white = the_light(options)
     analyses = []
-    for name in sensors:
-        sensor = the_sensor(name, beyond=beyond, **pixel)
-        exposure = the_exposure(scene, sensor, **exposure_rule)
+    for sensor in the_sensors(sensors, options):
+        exposure = the_exposure(white, sensor, **only(options, EXPOSURE))
         held = Readout(black_e=0.0, full_well_e=sensor.pixel.full_well_e) if clip else None
-        analyses.append(analyzed(scene, sensor, exposure, options["metric"], readout=held))
-    greys = [grey_noise(analysis, SPACES[space]) for analysis in analyses] if space else []
-    shown = analyses if budget else []
-    budgets = [color_budgets(a) for a in shown]
-    spectral = [contravariant_budgets(a) for a in shown]
+        analyses.append(analyzed(white, sensor, exposure, options["metric"], readout=held))
     if json_target:
         told = analyses_as_json(analyses)
-        for sensor_told, own in zip(told["sensors"], budgets, strict=False):
-            sensor_told["budget"] = budgets_as_json(own)
-        for sensor_told, own in zip(told["sensors"], spectral, strict=False):
-            sensor_told["contravariant_budget"] = budgets_as_json(own)
-        for sensor_told, grey in zip(told["sensors"], greys, strict=False):
-            sensor_told["grey_noise"] = grey_noise_as_json(grey)
+        for sensor_told, analysis in zip(told["sensors"], analyses, strict=True):
+            if budget:
+                sensor_told |= budgets_as_json(analysis)
+            if space:
+                sensor_told["grey_noise"] = grey_noise_as_json(grey_noise(analysis, SPACES[space]))
         write_json(told, json_target)
     if json_target != "-":
         tables.print_analyses(analyses)
-        for analysis, own in zip(analyses, budgets, strict=False):
-            tables.print_budgets(analysis, own)
-        for analysis, own in zip(analyses, spectral, strict=False):
-            tables.print_budgets(analysis, own)
-        if greys:
-            tables.print_grey_noise(analyses, greys)
+        for analysis in analyses if budget else []:
+            tables.print_budgets(analysis, color_budgets(analysis))
+            tables.print_budgets(analysis, contravariant_budgets(analysis))
+        if space:
+            tables.print_grey_noise(analyses, [grey_noise(a, SPACES[space]) for a in analyses])

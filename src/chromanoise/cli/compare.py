@@ -10,13 +10,11 @@ from chromanoise.cli import tables
 from chromanoise.cli.makers import matrix_makers
 from chromanoise.cli.options import (
     EXPOSURE,
-    PIXEL,
     only,
     sensor_and_light,
     the_exposure,
-    the_illuminant,
-    the_sensor,
-    the_white,
+    the_light,
+    the_sensors,
 )
 from chromanoise.cli.output import write_json
 from chromanoise.exposure import Exposure, saturating_exposure
@@ -59,10 +57,8 @@ def compare(
     99 % of full well at --lux (equal exposure). With --saturate each has its own (equal
     saturation).
     """
-    illuminant = the_illuminant(options["illuminant"], beyond=options["illuminant_beyond"])
-    white = the_white(illuminant, options["lux"])
-    pixel = only(options, PIXEL)
-    cameras = [the_sensor(name, beyond=options["beyond"], **pixel) for name in sensors]
+    illuminant, white = the_light(options)
+    cameras = the_sensors(sensors, options)
     distinct("names of sensors", [camera.name for camera in cameras])
     exposures = _exposures(white, cameras, only(options, EXPOSURE))
     contestants = [

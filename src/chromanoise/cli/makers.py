@@ -8,7 +8,7 @@ from chromanoise.color import (
     ColorMatrix,
     Training,
     chart_training,
-    kernel_matrix,
+    kernel,
     least_squares,
     lmmse,
     nir_diverse,
@@ -19,12 +19,13 @@ from chromanoise.sensor import Sensor
 from chromanoise.spectra import Illuminant, Metric
 from chromanoise.study import MatrixMaker
 
-_TRAINED: Mapping[str, Callable[..., ColorMatrix]] = {
+_METHODS: Mapping[str, Callable[..., ColorMatrix]] = {
+    "kernel": kernel,
     "least-squares": least_squares,
     "white-preserving": white_preserving,
     "lmmse": lmmse,
 }
-MATRIX_NAMES = ("kernel", *_TRAINED)
+MATRIX_NAMES = tuple(_METHODS)
 
 
 def matrix_makers(
@@ -38,20 +39,13 @@ def matrix_makers(
     for name in wanted:
         _check.one_of("matrix", name, MATRIX_NAMES)
     training = nir_diverse(chart_training(illuminant))
-    return {name: _maker(name, training, metric) for name in wanted}
+    return {
+        name: partial(_made, method=_METHODS[name], training=training, metric=metric)
+        for name in wanted
+    }
 
 
-def _maker(name: str, training: Training, metric: Metric) -> MatrixMaker:
-    if name == "kernel":
-        return partial(_kernel, metric=metric)
-    return partial(_trained, method=_TRAINED[name], training=training, metric=metric)
-
-
-def _kernel(sensor: Sensor, exposure: Exposure, level_lux: float, *, metric: Metric) -> ColorMatrix:
-    return kernel_matrix(sensor, exposure, metric)
-
-
-def _trained(
+def _made(
     sensor: Sensor,
     exposure: Exposure,
     level_lux: float,

@@ -12,13 +12,11 @@ from chromanoise.cli import tables
 from chromanoise.cli.makers import MATRIX_NAMES, matrix_makers
 from chromanoise.cli.options import (
     EXPOSURE,
-    PIXEL,
     only,
     sensor_and_light,
     the_exposure,
-    the_illuminant,
-    the_sensor,
-    the_white,
+    the_light,
+    the_sensors,
 )
 from chromanoise.exposure import expected_electrons
 from chromanoise.merit import matrix_report
@@ -57,9 +55,8 @@ def matrix(sensor: str, method: str, export: Path | None, **options: Any) -> Non
     """The color matrix of SENSOR, with its color error, noise, condition and noise gain."""
     if export:
         writer = _writer(export)
-    illuminant = the_illuminant(options["illuminant"], beyond=options["illuminant_beyond"])
-    white = the_white(illuminant, options["lux"])
-    camera = the_sensor(sensor, beyond=options["beyond"], **only(options, PIXEL))
+    illuminant, white = the_light(options)
+    (camera,) = the_sensors((sensor,), options)
     exposure = the_exposure(white, camera, **only(options, EXPOSURE))
     maker = matrix_makers([method], illuminant, options["metric"])[method]
     made = maker(camera, exposure, white.level_lux)

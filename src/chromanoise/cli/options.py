@@ -130,6 +130,17 @@ def the_illuminant(name: str, *, beyond: Beyond) -> Illuminant:
     return illuminant_from(curve, DEFAULT_GRID, name=Path(name).stem, beyond=beyond)
 
 
+def the_light(options: dict[str, Any]) -> tuple[Illuminant, Scene]:
+    """The illuminant that the options ask for, and a perfect white in it."""
+    illuminant = the_illuminant(options["illuminant"], beyond=options["illuminant_beyond"])
+    return illuminant, the_white(illuminant, options["lux"])
+
+
+def the_sensors(names: tuple[str, ...], options: dict[str, Any]) -> list[Sensor]:
+    """Sensors by name or from files, with the pixel that the options ask for."""
+    return [the_sensor(name, beyond=options["beyond"], **only(options, PIXEL)) for name in names]
+
+
 def the_white(illuminant: Illuminant, lux: float) -> Scene:
     """A perfect white in that light."""
     level_lux = within("--lux", "lx", positive("--lux", "lx", lux), 1e-15, 1e15)

@@ -10,13 +10,11 @@ from chromanoise._check import InputError, distinct
 from chromanoise._files import refuse_unwritable, whole_folder
 from chromanoise.cli.options import (
     EXPOSURE,
-    PIXEL,
     only,
     sensor_and_light,
     the_exposure,
-    the_illuminant,
-    the_sensor,
-    the_white,
+    the_light,
+    the_sensors,
 )
 from chromanoise.cli.output import write_json
 from chromanoise.imaging import Picture, picture_summary, rendered, write_png, write_xyz_tiff
@@ -51,22 +49,19 @@ def simulate(
     """
     refuse_unwritable(out)
     source = _the_cube(cube, options)
-    beyond, metric, level_lux = options["beyond"], options["metric"], options["lux"]
-    illuminant = the_illuminant(options["illuminant"], beyond=options["illuminant_beyond"])
-    white = the_white(illuminant, level_lux)
-    exposure_rule, pixel = only(options, EXPOSURE), only(options, PIXEL)
-    cameras = [the_sensor(name, beyond=beyond, **pixel) for name in sensors]
+    illuminant, white = the_light(options)
+    cameras = the_sensors(sensors, options)
     distinct("names of --sensor", [camera.name for camera in cameras])
     pictures = [
         rendered(
             source,
             camera,
-            the_exposure(white, camera, **exposure_rule),
+            the_exposure(white, camera, **only(options, EXPOSURE)),
             illuminant,
-            level_lux=level_lux,
-            metric=metric,
+            level_lux=white.level_lux,
+            metric=options["metric"],
             seed=seed,
-            beyond=beyond,
+            beyond=options["beyond"],
             clip=clip,
         )
         for camera in cameras

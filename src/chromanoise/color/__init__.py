@@ -3,6 +3,7 @@
 from chromanoise.color.cubature import Cubature, gaussian_cubature, gaussian_expectation
 from chromanoise.color.fitted import (
     ParetoCurve,
+    kernel,
     least_squares,
     lmmse,
     lmmse_over_light,
@@ -76,6 +77,7 @@ __all__ = [
     "first_order_error",
     "gaussian_cubature",
     "gaussian_expectation",
+    "kernel",
     "kernel_matrix",
     "least_squares",
     "light_second_moment",

@@ -12,10 +12,7 @@ from chromanoise._check import Array
 from chromanoise.exposure import Exposure, expected_electrons
 from chromanoise.scene import Scene, flat_field, light
 from chromanoise.sensor import Sensor
-from chromanoise.spectra import Illuminant, Metric, color_axes, colorchecker
-
-NIR_EDGE_NM = 700.0
-"""Where the visible ends for a training set: y-bar is 0.004 there."""
+from chromanoise.spectra import INFRARED_FROM_NM, Illuminant, Metric, color_axes, colorchecker
 
 _KEPT_VARIANCE = 1e-12  # of the largest component of a smoothness prior; less is rounding
 
@@ -182,7 +179,7 @@ def nir_diverse(
     training: Training,
     *,
     levels: Sequence[float] = (0.0, 0.5, 1.0),
-    edge_nm: float = NIR_EDGE_NM,
+    edge_nm: float = INFRARED_FROM_NM,
 ) -> Training:
     """Each reflectance, and the same again with other near infrareds: metamers for the eye.
 

@@ -8,13 +8,13 @@ from matplotlib.axes import Axes
 
 from chromanoise._check import Array
 from chromanoise.figures.style import (
-    NIR_FROM_NM,
     channel_color,
     sensor_dashes,
     sensor_label,
     shade_nir,
 )
 from chromanoise.sensor import Sensor
+from chromanoise.spectra import INFRARED_FROM_NM
 
 _HALF_WIDTH_NM = 12.0
 _GAP, _HEIGHT = 0.02, 0.075  # of the scale: under the letter, and of the letter
@@ -85,6 +85,6 @@ def _rated_place(
     outside = low < 0 or high > top
     rating = own.mean() - 3 * np.ptp(own)
     rating += 0.1 * top * (side > 0)  # above is where one looks for a name
-    rating -= 0.5 * top * (at > NIR_FROM_NM)  # a channel is named after its visible band
+    rating -= 0.5 * top * (at > INFRARED_FROM_NM)  # a channel is named after its visible band
     rating -= 10 * top * (hit or outside)
     return float(rating), float(at), float(height)

@@ -9,6 +9,8 @@ import matplotlib.style
 from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
 
+from chromanoise.spectra import INFRARED_FROM_NM
+
 INK, QUIET, FAINT = "#222222", "#666666", "#E6E6E6"
 """Text and light; secondary text and helping lines; areas."""
 
@@ -27,9 +29,6 @@ SENSOR_DASHES: dict[str, Any] = {
     "onyx-rgbw-ircut": (0, (6, 2, 1.5, 2)),
 }
 _OTHER_DASHES = (0, (10, 2))
-
-NIR_FROM_NM = 700.0
-"""Where the eye practically ends."""
 
 _RC = {
     "font.family": "sans-serif",
@@ -117,7 +116,7 @@ def write_heading(ax: Axes, title: str, facts: str = "") -> None:
 
 def shade_nir(ax: Axes, last_nm: float) -> None:
     """A quiet area over the wavelengths that carry no color."""
-    ax.axvspan(NIR_FROM_NM, last_nm, color=FAINT, alpha=0.6, linewidth=0, zorder=0)
+    ax.axvspan(INFRARED_FROM_NM, last_nm, color=FAINT, alpha=0.6, linewidth=0, zorder=0)
     ax.text(
         last_nm - 5,
         0.97,

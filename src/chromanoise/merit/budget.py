@@ -32,15 +32,13 @@ from chromanoise.exposure import Exposure, expected_electrons, exposure_factor
 from chromanoise.geometry import Frame, variance_inflation
 from chromanoise.scene import Scene, light
 from chromanoise.sensor import Sensor
-from chromanoise.spectra import color_axes
+from chromanoise.spectra import INFRARED_FROM_NM, color_axes
 from chromanoise.units import decibel
 
 FILTERS, READ_NOISE, WEIGHTS = "filters", "read noise", "weights"
 CORRELATION, INFRARED, REST = "correlation", "infrared", "rest"
 CAUSES = (FILTERS, READ_NOISE, WEIGHTS, CORRELATION, INFRARED)
 _PRECEDENCE = (*((FILTERS, later) for later in CAUSES[1:]), (WEIGHTS, CORRELATION))
-INFRARED_FROM_NM = 700.0
-"""Beyond it light counts as infrared: y-bar is below 0.5 % of its peak."""
 
 Switches = frozenset[str]
 

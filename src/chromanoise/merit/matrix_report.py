@@ -10,14 +10,13 @@ from chromanoise._check import Array
 from chromanoise._linalg import RANK_TOLERANCE
 from chromanoise.color import ColorMatrix, colored
 from chromanoise.color.noise_gain import noise_gain, white_normalized
-from chromanoise.color.training import NIR_EDGE_NM
 from chromanoise.exposure import Exposure, expected_electrons, measurement_vectors
 from chromanoise.merit.accuracy import chart_color_error
 from chromanoise.merit.snr import snr_db
 from chromanoise.noise import saturated, with_noise
 from chromanoise.scene import flat_field, light
 from chromanoise.sensor import Sensor
-from chromanoise.spectra import Illuminant, color_axes
+from chromanoise.spectra import INFRARED_FROM_NM, Illuminant, color_axes
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -109,7 +108,7 @@ def matrix_report(
     decibels = snr_db(colored(with_noise(white_e, sensor), matrix))
     filters = effective_filters(matrix, sensor, exposure)
     answers = filters * light(white, matrix.metric)[:, None]
-    beyond = sensor.grid.wavelength_nm > NIR_EDGE_NM
+    beyond = sensor.grid.wavelength_nm > INFRARED_FROM_NM
     full = bool(saturated(white_e, sensor.pixel).any())
     return MatrixReport(
         made_by=matrix.made_by,

@@ -23,13 +23,14 @@ from chromanoise.spectra.illuminants import (
     photon_irradiance,
 )
 from chromanoise.spectra.metric import METRICS, Metric
-from chromanoise.spectra.observers import cie_1931, color_axes
+from chromanoise.spectra.observers import INFRARED_FROM_NM, cie_1931, color_axes
 from chromanoise.spectra.readers import read_spectra_csv
 from chromanoise.spectra.reflectances import colorchecker
 
 __all__ = [
     "DEFAULT_GRID",
     "ILLUMINANT_NAMES",
+    "INFRARED_FROM_NM",
     "METRICS",
     "Beyond",
     "Grid",

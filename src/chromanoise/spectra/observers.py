@@ -12,6 +12,9 @@ from chromanoise.spectra.grid import Grid
 from chromanoise.spectra.metric import Metric, photons_per_unit
 from chromanoise.units import LUMEN_PER_WATT, UM2_PER_M2, photons_per_joule
 
+INFRARED_FROM_NM = 700.0
+"""Beyond it light counts as infrared: y-bar is below 0.5 % of its peak."""
+
 
 @cache
 def cie_1931_table() -> Spectra:

@@ -6,12 +6,13 @@ from dataclasses import asdict
 from typing import Any
 
 from chromanoise import __version__
-from chromanoise.merit import Budget
 from chromanoise.sensor.catalogue import RECONSTRUCTION
 from chromanoise.study.analysis import (
     Analysis,
+    color_budgets,
     color_price_db,
     color_snr_db,
+    contravariant_budgets,
     contravariant_snr_db,
     diagnosis,
     mean_color_error,
@@ -51,9 +52,13 @@ def reproduction_as_json(result: Reproduction) -> dict[str, Any]:
     }
 
 
-def budgets_as_json(budgets: Sequence[Budget | None]) -> list[dict[str, Any] | None]:
-    """Budgets, ``None`` where a coordinate has no SNR."""
-    return [asdict(budget) if budget else None for budget in budgets]
+def budgets_as_json(analysis: Analysis) -> dict[str, Any]:
+    """Budgets of color and of contravariant coordinates; ``None`` where one has no SNR."""
+    budgets = {
+        "budget": color_budgets(analysis),
+        "contravariant_budget": contravariant_budgets(analysis),
+    }
+    return {name: [asdict(b) if b else None for b in own] for name, own in budgets.items()}
 
 
 def _analysis(analysis: Analysis) -> dict[str, Any]:

@@ -4,8 +4,9 @@ import numpy as np
 
 from chromanoise.exposure import expected_electrons
 from chromanoise.merit import Budget, color_budget
-from chromanoise.merit.budget import CORRELATION, INFRARED, INFRARED_FROM_NM
+from chromanoise.merit.budget import CORRELATION, INFRARED
 from chromanoise.scene import Scene
+from chromanoise.spectra import INFRARED_FROM_NM
 from chromanoise.study import paper
 from chromanoise.study.analysis import (
     Analysis,

@@ -5,7 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from chromanoise.noise import Estimate, monte_carlo
+from chromanoise.merit import snr_db
+from chromanoise.noise import Estimate, monte_carlo, with_noise
 from chromanoise.study import paper
 from chromanoise.study.analysis import (
     Analysis,
@@ -14,7 +15,6 @@ from chromanoise.study.analysis import (
     raw_snr_db,
 )
 from chromanoise.study.paper import PaperStudy
-from chromanoise.units import decibel
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -190,8 +190,8 @@ def _snr_cell(
 def _noiseless_cells(study: PaperStudy) -> Iterator[Cell]:
     """Table 5's angle, and the full-well SNR that its line SNR_raw really is."""
     for column, analysis in study.greens.items():
-        pixel = analysis.sensor.pixel
-        full = pixel.full_well_e / np.sqrt(pixel.full_well_e + pixel.read_noise_e**2)
+        sensor = analysis.sensor
+        full_well = with_noise(np.full(len(sensor.names), sensor.pixel.full_well_e), sensor)
         yield Cell(
             table=5,
             row="theta(y,g)",
@@ -208,5 +208,5 @@ def _noiseless_cells(study: PaperStudy) -> Iterator[Cell]:
             quantity="raw SNR of a full well",
             unit="dB",
             paper=paper.PRINTED_FULL_WELL_SNR_DB[column],
-            closed_form=float(decibel(np.asarray(full))),
+            closed_form=float(snr_db(full_well)["G"]),
         )
