@@ -5,16 +5,16 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
-from chromanoise.cli.makers import matrix_makers
 from chromanoise.figures import chromanoise_style, draw_comparison
 from chromanoise.imaging import write_png
 from chromanoise.spectra import DEFAULT_GRID, equal_energy
 from chromanoise.study import (
-    Contestant,
     PaperStudy,
+    Situation,
     compared,
     crossover_sentence,
     crossovers,
+    matrix_makers,
     paper_study,
 )
 from chromanoise.study.paper import RGB_12, RGBW_12
@@ -42,14 +42,19 @@ def write_two_sensors(study: PaperStudy) -> None:
 
 def write_crossover(study: PaperStudy) -> None:
     """Both sensors over the light level, with the kernel and with LMMSE."""
+    lamp = equal_energy(DEFAULT_GRID)
     contestants = [
-        Contestant(sensor=study.columns[name].sensor, exposure=study.columns[name].exposure)
+        Situation(
+            sensor=study.columns[name].sensor,
+            exposure=study.columns[name].exposure,
+            illuminant=lamp,
+            level_lux=10.0,
+        )
         for name in (RGBW_12, RGB_12)
     ]
-    lamp = equal_energy(DEFAULT_GRID)
-    makers = matrix_makers(["kernel", "lmmse"], lamp, "quanta")
-    curves = compared(contestants, makers, lamp, LEVELS_LUX)
-    crossed = crossovers(contestants, makers, lamp, curves)
+    makers = matrix_makers(["kernel", "lmmse"], "quanta")
+    curves = compared(contestants, makers, LEVELS_LUX)
+    crossed = crossovers(contestants, makers, curves)
     with chromanoise_style():
         figure = Figure(figsize=(7.5, 6.5), layout="constrained")
         above, below = figure.subplots(2, 1, sharex=True, height_ratios=(3, 2))

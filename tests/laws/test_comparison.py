@@ -9,13 +9,18 @@ from chromanoise.exposure import Exposure, expected_electrons
 from chromanoise.scene import flat_field
 from chromanoise.sensor import Pixel, Sensor, sensor_named
 from chromanoise.spectra import DEFAULT_GRID, equal_energy
-from chromanoise.study.comparison import (
-    Contestant,
+from chromanoise.study import (
+    QUANTITIES,
+    SWEEPS,
+    Situation,
+    band_sentence,
     compared,
     comparison_as_json,
+    crossover_bands,
     crossover_sentence,
     crossovers,
-    luminance_snr_db,
+    matrix_makers,
+    swept_values,
 )
 
 LAMP = equal_energy(DEFAULT_GRID)
@@ -23,8 +28,12 @@ EXPOSURE = Exposure(time_s=0.01)
 LEVELS = np.geomspace(1e-3, 1e2, 26)
 
 
-def kernel(sensor, exposure, level_lux):
-    return kernel_matrix(sensor, exposure, "quanta")
+def kernel(situation):
+    return kernel_matrix(situation.sensor, situation.exposure, "quanta")
+
+
+def used(sensor, exposure=EXPOSURE, level_lux=1.0):
+    return Situation(sensor=sensor, exposure=exposure, illuminant=LAMP, level_lux=level_lux)
 
 
 def one_channel(name, qe, read_noise_e, full_well_e=1e9):
@@ -36,13 +45,13 @@ def one_channel(name, qe, read_noise_e, full_well_e=1e9):
         names=("W",),
         pixel=pixel,
     )
-    return Contestant(sensor=sensor, exposure=EXPOSURE)
+    return used(sensor)
 
 
-def compare(*contestants, levels=LEVELS):
+def compare(*contestants, levels=LEVELS, **asked):
     makers = {"kernel": kernel}
-    curves = compared(contestants, makers, LAMP, levels)
-    return curves, crossovers(contestants, makers, LAMP, curves)
+    curves = compared(contestants, makers, levels, **asked)
+    return curves, crossovers(contestants, makers, curves)
 
 
 def electrons_per_lux(contestant):
@@ -56,8 +65,8 @@ def test_a_sensitive_noisy_pixel_overtakes_a_dull_silent_one_where_their_snr_is_
     a, b = electrons_per_lux(noisy), electrons_per_lux(silent)
     expected = (b**2 * 20**2 - a**2 * 2**2) / (a * b * (a - b))
     _, (crossed,) = compare(noisy, silent)
-    assert crossed.level_lux == pytest.approx((expected,), rel=1e-8)
-    assert crossed.better_in_the_dark == "silent"
+    assert crossed.at == pytest.approx((expected,), rel=1e-8)
+    assert crossed.better_first == "silent"
     sentence = crossover_sentence(crossed)
     assert f"below {expected:.3g} lx" in sentence
     assert sentence.startswith("With the kernel matrix silent")
@@ -67,37 +76,37 @@ def test_the_order_in_which_sensors_are_named_changes_no_crossover():
     pair = one_channel("noisy", 0.8, 20.0), one_channel("silent", 0.4, 2.0)
     _, (forth,) = compare(*pair)
     _, (back,) = compare(*pair[::-1])
-    assert forth.level_lux == pytest.approx(back.level_lux, rel=1e-8)
-    assert forth.better_in_the_dark == back.better_in_the_dark
+    assert forth.at == pytest.approx(back.at, rel=1e-8)
+    assert forth.better_first == back.better_first
 
 
 def test_a_better_pixel_in_everything_is_never_crossed():
     _, (crossed,) = compare(one_channel("good", 0.8, 2.0), one_channel("poor", 0.4, 20.0))
-    assert crossed.level_lux == ()
-    assert crossed.better_in_the_dark == "good"
-    assert "at every level" in crossover_sentence(crossed)
+    assert crossed.at == ()
+    assert crossed.better_first == "good"
+    assert "at every illuminance" in crossover_sentence(crossed)
 
 
 def test_levels_at_which_a_channel_is_saturated_have_no_snr():
     small = one_channel("small", 0.5, 2.0, full_well_e=1000.0)
     (curve,), _ = compare(small, levels=np.array([1e-3, 1e3]))
-    assert np.isfinite(curve.snr_y_db[0])
-    assert np.isnan(curve.snr_y_db[1])
-    told = comparison_as_json([curve], [])["curves"][0]["snr_y_db"]
+    assert np.isfinite(curve.value[0])
+    assert np.isnan(curve.value[1])
+    told = comparison_as_json([curve], [])["curves"][0]["value"]
     assert told[1] is None
 
 
 def test_sensors_without_a_common_level_are_refused():
     small = one_channel("small", 0.5, 2.0, full_well_e=1.0)
-    with pytest.raises(InputError, match="no light level"):
+    with pytest.raises(InputError, match="no illuminance"):
         compare(small, one_channel("large", 0.5, 2.0), levels=np.array([100.0, 1000.0]))
 
 
 def test_each_pair_and_matrix_is_compared_once():
     three = [one_channel(n, q, 2.0) for n, q in (("a", 0.2), ("b", 0.3), ("c", 0.4))]
     makers = {"kernel": kernel, "again": kernel}
-    curves = compared(three, makers, LAMP, LEVELS)
-    pairs = [(c.first, c.second, c.matrix) for c in crossovers(three, makers, LAMP, curves)]
+    curves = compared(three, makers, LEVELS)
+    pairs = [(c.first, c.second, c.matrix) for c in crossovers(three, makers, curves)]
     assert len(curves) == 6
     assert pairs == [(a, b, m) for m in makers for a, b in (("a", "b"), ("a", "c"), ("b", "c"))]
 
@@ -105,12 +114,118 @@ def test_each_pair_and_matrix_is_compared_once():
 def test_with_the_kernel_the_papers_sensor_without_ir_cut_never_wins_in_luminance():
     """Kernel: unmixing costs the same decibels at any level where shot noise rules."""
     contestants = [
-        Contestant(sensor=sensor_named(n, DEFAULT_GRID), exposure=Exposure(time_s=0.0119))
+        used(sensor_named(n, DEFAULT_GRID), Exposure(time_s=0.0119))
         for n in ("onyx-rgbw", "onyx-rgb-ircut")
     ]
     curves, (crossed,) = compare(*contestants, levels=np.geomspace(0.01, 10, 13))
-    assert crossed.level_lux == ()
-    assert crossed.better_in_the_dark == "onyx-rgb-ircut"
+    assert crossed.at == ()
+    assert crossed.better_first == "onyx-rgb-ircut"
     # Table 3 of the paper at 10 lx: 26.1 and 32.4 dB
-    assert [c.snr_y_db[-1] for c in curves] == pytest.approx([26.1, 32.4], abs=0.3)
-    assert luminance_snr_db(contestants[0], kernel, LAMP, 10.0) == pytest.approx(26.1, abs=0.3)
+    assert [c.value[-1] for c in curves] == pytest.approx([26.1, 32.4], abs=0.3)
+
+
+ONYX = used(sensor_named("onyx-rgbw", DEFAULT_GRID), Exposure(time_s=0.0119), level_lux=10.0)
+
+
+def swept(name, first, last, *, quantity="snr-y", points=5):
+    sweep = SWEEPS[name]
+    values = swept_values(sweep, first, last, points)
+    (curve,) = compared([ONYX], {"k": kernel}, values, sweep=sweep, quantity=QUANTITIES[quantity])
+    return curve
+
+
+def test_twice_the_time_is_twice_the_light():
+    """Table 3 anchors the value; eq. 2 has time and illuminance as one factor."""
+    over_time, over_light = swept("time-ms", 1.19, 11.9), swept("lux", 1.0, 10.0)
+    assert over_time.value == pytest.approx(over_light.value, abs=1e-9)
+    assert over_time.value[-1] == pytest.approx(26.1, abs=0.3)
+
+
+def test_where_read_noise_rules_ten_times_of_it_cost_20_db():
+    assert np.diff(swept("read-noise-e", 1e6, 1e8, points=3).value) == pytest.approx(-20, abs=1e-3)
+
+
+def test_an_ir_cut_beyond_the_grid_changes_nothing():
+    assert swept("ircut-nm", 1500, 2000).value == pytest.approx(26.0, abs=0.1)
+    bound = swept("ircut-nm", 600, 1500, quantity="bound").value
+    assert (np.diff(bound) > 0).all()  # a cut takes electrons
+
+
+def test_a_redder_black_body_makes_more_electrons_per_lux():
+    """Infrared carries no lux: 2000 K has more of it per lux than 6000 K."""
+    bound = swept("kelvin", 2000, 6000, quantity="bound").value
+    assert np.isnan(bound[0])  # saturated
+    dim = used(ONYX.sensor, ONYX.exposure, level_lux=0.1)
+    sweep = SWEEPS["kelvin"]
+    (curve,) = compared(
+        [dim],
+        {"k": kernel},
+        np.array([2000.0, 6000.0]),
+        sweep=sweep,
+        quantity=QUANTITIES["bound"],
+    )
+    assert curve.value[0] > curve.value[1] + 6
+
+
+def test_price_is_bound_minus_snr_of_y():
+    bound, snr, price = (
+        swept("lux", 1.0, 10.0, quantity=name).value for name in ("bound", "snr-y", "price")
+    )
+    assert price == pytest.approx(bound - snr, abs=1e-9)
+    assert price[-1] == pytest.approx(17.9, abs=0.3)  # from the paper's Tables 2 and 3
+
+
+def test_where_less_is_better_the_lower_curve_leads():
+    pair = [one_channel("noisy", 0.4, 20.0), one_channel("quiet", 0.8, 2.0)]
+    makers = {"kernel": kernel}
+    price = QUANTITIES["price"]
+    curves = compared(pair, makers, LEVELS, quantity=price)
+    assert curves[0].value == pytest.approx(0.0, abs=1e-9)  # one channel pays no price
+    error = QUANTITIES["color-error"]
+    sensors = [
+        used(sensor_named(n, DEFAULT_GRID), Exposure(time_s=0.001))
+        for n in ("onyx-rgbw", "onyx-rgb-ircut")
+    ]
+    curves = compared(sensors, makers, LEVELS[:3], quantity=error)
+    (crossed,) = crossovers(sensors, makers, curves)
+    assert curves[0].value[0] > curves[1].value[0]
+    assert crossed.better_first == "onyx-rgb-ircut"
+
+
+def test_three_segments_are_told_in_their_order():
+    sensors = [
+        used(sensor_named(n, DEFAULT_GRID), Exposure(time_s=0.0119), level_lux=10.0)
+        for n in ("onyx-rgbw", "onyx-rgb")
+    ]
+    sweep, makers = SWEEPS["ircut-nm"], matrix_makers(["lmmse"], "quanta")
+    curves = compared(sensors, makers, swept_values(sweep, 600, 1000, 21), sweep=sweep)
+    (crossed,) = crossovers(sensors, makers, curves)
+    low, high = crossed.at
+    sentence = crossover_sentence(crossed)
+    assert f"below {low:.4g} nm" in sentence
+    assert f"onyx-rgb from {low:.4g} to {high:.4g}, onyx-rgbw above" in sentence
+
+
+def test_the_band_over_priors_spans_the_crossovers_of_each():
+    sensors = [
+        used(sensor_named(n, DEFAULT_GRID), Exposure(time_s=0.01194))
+        for n in ("onyx-rgbw", "onyx-rgb-ircut")
+    ]
+    levels = np.geomspace(0.05, 5, 9)
+    (band,) = crossover_bands(sensors, ["kernel", "lmmse"], levels, priors=["chart-nir", "chart"])
+    alone = []
+    for prior in ("chart-nir", "chart"):
+        makers = matrix_makers(["lmmse"], "quanta", prior=prior)
+        (crossed,) = crossovers(sensors, makers, compared(sensors, makers, levels))
+        alone += crossed.at
+    assert band.span == (min(alone), max(alone))
+    assert f"between {min(alone):.3g} and {max(alone):.3g} lx" in band_sentence(band)
+
+
+@pytest.mark.parametrize(
+    ("name", "named"),
+    [("ridge", "ridge=<strength>"), ("kernel=1", "kernel"), ("ridge=x", "not a number")],
+)
+def test_a_matrix_without_its_parameter_is_refused(name, named):
+    with pytest.raises(InputError, match=named):
+        matrix_makers([name], "quanta")

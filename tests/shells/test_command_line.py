@@ -441,27 +441,26 @@ def test_compare_tells_curves_and_crossovers_with_the_digits_of_analyze(run):
     code, out, _ = run(*arguments, "--sweep", "lux=0.1:10", "--json", "-")
     told = json.loads(out)
     assert code == 0
-    assert told["level_lux"] == pytest.approx([0.1, 1.0, 10.0])
+    assert told["sweep"]["values"] == pytest.approx([0.1, 1.0, 10.0])
     _, analyzed_out, _ = run("analyze", "onyx-rgbw", "--time-ms", 5, "--lux", 10, "--json", "-")
     direct = json.loads(analyzed_out)["sensors"][0]
-    assert told["curves"][0]["snr_y_db"][-1] == pytest.approx(
-        direct["color"]["snr_db"]["Y"], abs=1e-9
-    )
+    assert told["curves"][0]["value"][-1] == pytest.approx(direct["color"]["snr_db"]["Y"], abs=1e-9)
     assert told["curves"][0]["color_error"][0] == pytest.approx(direct["color_error_mean"])
-    assert "at every level" in told["crossovers"][0]["sentence"]
+    assert "at every illuminance" in told["crossovers"][0]["sentence"]
     code, out, _ = run(*arguments)
     assert code == 0
-    assert "luminance SNR" in out
+    assert "SNR of Y" in out
 
 
 @pytest.mark.parametrize(
     ("option", "value", "named"),
     [
-        ("--sweep", "lux=1", "lux=FIRST:LAST"),
+        ("--sweep", "lux=1", "NAME=FIRST:LAST"),
         ("--sweep", "lux=10:1", "must rise"),
-        ("--sweep", "lux=0:1", "first level"),
-        ("--sweep", "time=1:2", "'time'"),
-        ("--points", 1, "--points"),
+        ("--sweep", "lux=0:1", "sweep of lux must be"),
+        ("--sweep", "time=1:2", "did you mean time-ms"),
+        ("--sweep", "kelvin=10:1000", "1000 to 50000 [K]"),
+        ("--points", 1, "2 to 100000"),
         ("--matrix", "kernl", "kernel"),
     ],
 )

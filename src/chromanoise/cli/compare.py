@@ -1,39 +1,73 @@
 """``chromanoise compare``."""
 
+from collections.abc import Callable
 from typing import Any
 
 import click
-import numpy as np
 
-from chromanoise._check import InputError, distinct, positive
+from chromanoise._check import InputError, distinct, one_of
 from chromanoise.cli import tables
-from chromanoise.cli.makers import matrix_makers
 from chromanoise.cli.options import (
     EXPOSURE,
+    LENS,
     only,
     sensor_and_light,
     the_exposure,
+    the_lens,
     the_light,
     the_sensors,
 )
 from chromanoise.cli.output import write_json
-from chromanoise.exposure import Exposure, saturating_exposure
-from chromanoise.scene import Scene
-from chromanoise.sensor import Sensor
-from chromanoise.study.comparison import Contestant, compared, comparison_as_json, crossovers
+from chromanoise.exposure import Exposure, equal_exposure, equal_light, equal_saturation
+from chromanoise.study import (
+    DEFAULT_PRIOR,
+    PRIORS,
+    QUANTITIES,
+    SWEEPS,
+    Situation,
+    Sweep,
+    bands_as_json,
+    compared,
+    comparison_as_json,
+    crossover_bands,
+    crossovers,
+    matrix_makers,
+    swept_values,
+)
+
+_RULES: dict[str, Callable[..., list[Exposure]]] = {
+    "exposure": equal_exposure,
+    "saturation": equal_saturation,
+    "light": equal_light,
+}
 
 
 @click.command()
 @click.argument("sensors", nargs=-1, required=True, metavar="SENSOR...")
 @sensor_and_light
 @click.option(
+    "--equal",
+    type=click.Choice(list(_RULES)),
+    default="exposure",
+    show_default=True,
+    help="On which terms: one time for all; each filled alike; the same photons for each set of "
+    "channels (a 4-channel set spreads over 4 pixels).",
+)
+@click.option(
     "--sweep",
     default="lux=0.01:1000",
     show_default=True,
-    metavar="lux=FIRST:LAST",
-    help="Light levels, evenly in their logarithm.",
+    metavar="NAME=FIRST:LAST",
+    help=f"What varies: {', '.join(f'{s.name} [{s.unit}]' for s in SWEEPS.values())}.",
 )
-@click.option("--points", type=int, default=61, show_default=True, help="Levels of the sweep.")
+@click.option("--points", type=int, default=61, show_default=True, help="Values of the sweep.")
+@click.option(
+    "--quantity",
+    type=click.Choice(list(QUANTITIES)),
+    default="snr-y",
+    show_default=True,
+    help="What is compared.",
+)
 @click.option(
     "--matrix",
     "matrices",
@@ -42,58 +76,75 @@ from chromanoise.study.comparison import Contestant, compared, comparison_as_jso
     metavar="NAME[,NAME...]",
     help="Color matrices: kernel and others of `chromanoise matrix`.",
 )
+@click.option(
+    "--prior",
+    type=click.Choice([*PRIORS, "all"]),
+    default=DEFAULT_PRIOR,
+    show_default=True,
+    help="What trained matrices are trained on; all gives the band of crossovers over them.",
+)
 @click.option("--json", "json_target", metavar="FILE|-", help="Write JSON; - for standard output.")
 def compare(
     sensors: tuple[str, ...],
+    equal: str,
     sweep: str,
     points: int,
+    quantity: str,
     matrices: str,
+    prior: str,
     json_target: str | None,
     **options: Any,
 ) -> None:
-    """Compare SENSORs over the light level: luminance SNR, color error, crossovers.
+    """Compare SENSORs while one thing varies: SNR, color error, crossovers.
 
-    Without --time-ms or --saturate all sensors share the time at which the first of them reaches
-    99 % of full well at --lux (equal exposure). With --saturate each has its own (equal
-    saturation).
+    The times are solved once, at --lux and before the sweep, so that the brightest channel of a
+    perfect white fills --saturate (99 %) of full well; --time-ms sets one for all.
     """
     illuminant, white = the_light(options)
     cameras = the_sensors(sensors, options)
     distinct("names of sensors", [camera.name for camera in cameras])
-    exposures = _exposures(white, cameras, only(options, EXPOSURE))
     contestants = [
-        Contestant(sensor=sensor, exposure=exposure)
-        for sensor, exposure in zip(cameras, exposures, strict=True)
+        Situation(
+            sensor=sensor, exposure=exposure, illuminant=illuminant, level_lux=white.level_lux
+        )
+        for sensor, exposure in zip(
+            cameras, _exposures(white, cameras, equal, options), strict=True
+        )
     ]
-    makers = matrix_makers(matrices.split(","), illuminant, options["metric"])
-    curves = compared(contestants, makers, illuminant, _levels(sweep, points))
-    crossed = crossovers(contestants, makers, illuminant, curves)
+    varied, values = _swept(sweep, points)
+    names, asked = matrices.split(","), QUANTITIES[quantity]
+    metric, one_prior = options["metric"], DEFAULT_PRIOR if prior == "all" else prior
+    makers = matrix_makers(names, metric, prior=one_prior)
+    curves = compared(contestants, makers, values, sweep=varied, quantity=asked)
+    crossed = crossovers(contestants, makers, curves)
+    bands = (
+        crossover_bands(contestants, names, values, metric=metric, sweep=varied, quantity=asked)
+        if prior == "all"
+        else ()
+    )
     if json_target:
-        write_json(comparison_as_json(curves, crossed), json_target)
+        told = comparison_as_json(curves, crossed)
+        told |= {"equal": equal, "prior": one_prior, "bands": bands_as_json(bands)}
+        write_json(told, json_target)
     if json_target != "-":
-        tables.print_comparison(curves, crossed)
+        tables.print_comparison(curves, crossed, bands)
 
 
-def _exposures(white: Scene, cameras: list[Sensor], rule: dict[str, Any]) -> list[Exposure]:
-    if rule["time_ms"] is not None or rule["saturate"] is not None:
-        return [the_exposure(white, camera, **rule) for camera in cameras]
-    lens = {key: rule[key] for key in ("f_number", "magnification")}
-    own = [saturating_exposure(white, camera, **lens) for camera in cameras]
-    return [min(own, key=lambda exposure: exposure.time_s)] * len(cameras)
+def _exposures(white: Any, cameras: list[Any], equal: str, options: dict[str, Any]) -> Any:
+    if options["time_ms"] is None:
+        return _RULES[equal](white, cameras, **the_lens(**only(options, LENS)))
+    if equal != "exposure":
+        raise InputError(f"--time-ms gives all sensors one time, so it excludes --equal {equal}")
+    return [the_exposure(white, camera, **only(options, EXPOSURE)) for camera in cameras]
 
 
-def _levels(sweep: str, points: int) -> Any:
-    name, _, span = sweep.partition("=")
-    parts = span.split(":")
+def _swept(text: str, points: int) -> tuple[Sweep, Any]:
+    name, _, span = text.partition("=")
     try:
-        first, last = (float(part) for part in parts)
+        first, last = (float(part) for part in span.split(":"))
     except ValueError:
-        raise InputError(f"--sweep takes lux=FIRST:LAST, but is {sweep!r}") from None
-    if name != "lux":
-        raise InputError(f"--sweep knows lux, but asks for {name!r}")
-    positive("--sweep's first level", "lx", first)
-    if not last > first:
-        raise InputError(f"--sweep must rise, but goes from {first:g} to {last:g} lx")
-    if not 2 <= points <= 100_000:
-        raise InputError(f"--points must be 2 to 100000, but is {points}")
-    return np.geomspace(first, last, points)
+        raise InputError(
+            f"--sweep takes NAME=FIRST:LAST, e.g. lux=0.01:1000, but is {text!r}"
+        ) from None
+    varied = SWEEPS[one_of("sweep", name, tuple(SWEEPS))]
+    return varied, swept_values(varied, first, last, points)

@@ -9,7 +9,6 @@ import click
 from chromanoise._check import InputError
 from chromanoise._files import write_whole
 from chromanoise.cli import tables
-from chromanoise.cli.makers import MATRIX_NAMES, matrix_makers
 from chromanoise.cli.options import (
     EXPOSURE,
     only,
@@ -20,6 +19,7 @@ from chromanoise.cli.options import (
 )
 from chromanoise.exposure import expected_electrons
 from chromanoise.merit import matrix_report
+from chromanoise.study import DEFAULT_PRIOR, PRIORS, Situation, known_matrices, matrix_makers
 from chromanoise.study.matrix_files import (
     MadeMatrix,
     matrix_clf,
@@ -41,25 +41,35 @@ _WRITERS: dict[str, Callable[[MadeMatrix], str]] = {
 @sensor_and_light
 @click.option(
     "--method",
-    type=click.Choice(MATRIX_NAMES),
     default="kernel",
     show_default=True,
-    help="How the matrix is made; lmmse gives one per light level.",
+    metavar="NAME[=VALUE]",
+    help=f"How the matrix is made: {known_matrices()}; lmmse gives one per light level.",
+)
+@click.option(
+    "--prior",
+    type=click.Choice(list(PRIORS)),
+    default=DEFAULT_PRIOR,
+    show_default=True,
+    help="What a trained matrix is trained on.",
 )
 @click.option(
     "--export",
     type=click.Path(path_type=Path),
     help="Write it to FILE.csv, .json, .clf (OpenColorIO) or .dcp.json (camera-profile names).",
 )
-def matrix(sensor: str, method: str, export: Path | None, **options: Any) -> None:
+def matrix(sensor: str, method: str, prior: str, export: Path | None, **options: Any) -> None:
     """The color matrix of SENSOR, with its color error, noise, condition and noise gain."""
     if export:
         writer = _writer(export)
     illuminant, white = the_light(options)
     (camera,) = the_sensors((sensor,), options)
     exposure = the_exposure(white, camera, **only(options, EXPOSURE))
-    maker = matrix_makers([method], illuminant, options["metric"])[method]
-    made = maker(camera, exposure, white.level_lux)
+    situation = Situation(
+        sensor=camera, exposure=exposure, illuminant=illuminant, level_lux=white.level_lux
+    )
+    (maker,) = matrix_makers([method], options["metric"], prior=prior).values()
+    made = maker(situation)
     report = matrix_report(made, camera, exposure, illuminant, level_lux=white.level_lux)
     if export:
         white_e = expected_electrons(white, camera, exposure)

@@ -80,7 +80,8 @@ def sensor_and_light(command: Command) -> Command:
     return command
 
 
-EXPOSURE = ("time_ms", "saturate", "f_number", "magnification")
+LENS = ("saturate", "f_number", "magnification")
+EXPOSURE = ("time_ms", *LENS)
 PIXEL = ("pitch_um", "full_well_e", "read_noise_e")
 
 
@@ -159,14 +160,20 @@ def the_exposure(
     """The time that is given, or the one that fills the well to the share that is asked for."""
     if time_ms is not None and saturate is not None:
         raise InputError("--time-ms and --saturate exclude each other; give one of them")
+    lens = the_lens(f_number=f_number, magnification=magnification, saturate=saturate)
+    if time_ms is None:
+        return saturating_exposure(scene, sensor, **lens)
+    time_s = 1e-3 * within("--time-ms", "ms", positive("--time-ms", "ms", time_ms), 1e-12, 1e15)
+    return Exposure(time_s=time_s, f_number=f_number, magnification=magnification)
+
+
+def the_lens(
+    *, f_number: float, magnification: float | None, saturate: float | None
+) -> dict[str, Any]:
+    """Aperture and share of full well, as the rules of `chromanoise.exposure` take them."""
     within("--f-number", "1", positive("--f-number", "1", f_number), 1e-2, 1e6)
-    if time_ms is not None:
-        time_s = 1e-3 * within("--time-ms", "ms", positive("--time-ms", "ms", time_ms), 1e-12, 1e15)
-        return Exposure(time_s=time_s, f_number=f_number, magnification=magnification)
     share = 0.99 if saturate is None else within("--saturate", "of full well", saturate, 1e-9, 1.0)
-    return saturating_exposure(
-        scene, sensor, f_number=f_number, share=share, magnification=magnification
-    )
+    return {"f_number": f_number, "share": share, "magnification": magnification}
 
 
 def _is_file(name: str) -> bool:

@@ -27,6 +27,7 @@ from chromanoise.study import (
     table_5_finding,
     verdict,
 )
+from chromanoise.study.bands import CrossoverBand, band_sentence
 from chromanoise.study.comparison import Crossover, Curve, crossover_sentence
 from chromanoise.study.paper import PRINTED_TIMES_MS, WELL_SHARE
 
@@ -90,23 +91,28 @@ def print_analyses(analyses: Iterable[Analysis]) -> None:
         console.print(note, soft_wrap=True)
 
 
-def print_comparison(curves: Sequence[Curve], crossed: Sequence[Crossover]) -> None:
-    """SNR of luminance and color error over the light level, then the crossovers in words."""
+def print_comparison(
+    curves: Sequence[Curve], crossed: Sequence[Crossover], bands: Sequence[CrossoverBand]
+) -> None:
+    """The quantity and the color error over the sweep, then crossovers and bands in words."""
     console = _console()
-    levels = curves[0].level_lux
-    shown = np.unique(np.linspace(0, levels.size - 1, _ROWS).round().astype(int))
-    title = "SNR of Y of a white in dB | mean Delta E*ab of the chart without noise"
+    sweep, quantity, at = curves[0].sweep, curves[0].quantity, curves[0].at
+    shown = np.unique(np.linspace(0, at.size - 1, _ROWS).round().astype(int))
+    title = (
+        f"{quantity.what} of a white [{quantity.unit}] | mean color error of the chart without "
+        "noise [Delta E*ab]"
+    )
     table = Table(title=title, title_justify="left")
-    table.add_column("lux", justify="right")
+    table.add_column(f"{sweep.name}\n{sweep.unit}", justify="right")
     for curve in curves:
         head = f"{curve.sensor}\n{curve.matrix}\n{1e3 * curve.time_s:.4g} ms"
         table.add_column(head, justify="right")
     for i in shown:
-        cells = (f"{_number(c.snr_y_db[i])} | {_number(c.color_error[i], 1)}" for c in curves)
-        table.add_row(f"{levels[i]:.3g}", *cells)
+        cells = (f"{_number(c.value[i])} | {_number(c.color_error[i], 1)}" for c in curves)
+        table.add_row(f"{at[i]:.4g}", *cells)
     console.print(table)
-    for crossover in crossed:
-        console.print(crossover_sentence(crossover), soft_wrap=True)
+    for sentence in (*map(crossover_sentence, crossed), *map(band_sentence, bands)):
+        console.print(sentence, soft_wrap=True)
 
 
 def print_grey_noise(analyses: Sequence[Analysis], noises: Sequence[PerceivedNoise | None]) -> None:

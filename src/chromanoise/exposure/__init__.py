@@ -9,10 +9,14 @@ from chromanoise.exposure.electrons import (
     saturating_exposure,
     time_to_saturation,
 )
+from chromanoise.exposure.rules import equal_exposure, equal_light, equal_saturation
 
 __all__ = [
     "Exposure",
     "band_weights",
+    "equal_exposure",
+    "equal_light",
+    "equal_saturation",
     "expected_electrons",
     "exposure_factor",
     "measurement_vectors",

@@ -1,4 +1,4 @@
-"""Sensors over the light level: luminance SNR above, color error below, never one alone."""
+"""Sensors over a sweep: the quantity above, color error below, never one alone."""
 
 from collections.abc import Sequence
 
@@ -14,7 +14,7 @@ _SHADES = (INK, "#0072B2", "#D55E00", "#009E73")
 def draw_comparison(
     curves: Sequence[Curve], crossed: Sequence[Crossover], axes: tuple[Axes, Axes]
 ) -> tuple[Axes, Axes]:
-    """SNR of Y on the first axes and mean color error on the second, against illuminance.
+    """The quantity on the first axes and mean color error on the second, over the sweep.
 
     One color per matrix, one dash pattern per sensor; circles mark the crossovers.
     """
@@ -24,28 +24,30 @@ def draw_comparison(
         color = _SHADES[matrices.index(curve.matrix) % len(_SHADES)]
         dashes = sensor_dashes(curve.sensor)
         label = f"{curve.sensor}, {curve.matrix}"
-        above.plot(curve.level_lux, curve.snr_y_db, color=color, linestyle=dashes, label=label)
-        below.plot(curve.level_lux, curve.color_error, color=color, linestyle=dashes)
+        above.plot(curve.at, curve.value, color=color, linestyle=dashes, label=label)
+        below.plot(curve.at, curve.color_error, color=color, linestyle=dashes)
     for crossover in crossed:
         curve = next(
             c for c in curves if (c.sensor, c.matrix) == (crossover.first, crossover.matrix)
         )
-        for level in crossover.level_lux:
-            height = np.interp(np.log(level), np.log(curve.level_lux), curve.snr_y_db)
-            above.plot(level, height, "o", color=INK, markerfacecolor="none", markersize=8)
+        for value in crossover.at:
+            height = np.interp(value, curve.at, curve.value)
+            above.plot(value, height, "o", color=INK, markerfacecolor="none", markersize=8)
             above.annotate(
-                f"{level:.2g} lx",
-                (level, height),
+                f"{value:.2g} {crossover.sweep.unit}",
+                (value, height),
                 xytext=(-2, 10),
                 textcoords="offset points",
                 color=QUIET,
             )
+    sweep, quantity = curves[0].sweep, curves[0].quantity
     for ax in axes:
-        ax.set_xscale("log")
+        if sweep.logarithmic:
+            ax.set_xscale("log")
         ax.grid(visible=True, alpha=0.25)
-    above.set_ylabel("SNR of Y [dB]")
+    above.set_ylabel(f"{quantity.what} [{quantity.unit}]")
     below.set_ylabel("mean color error [ΔE*ab]")
     below.set_ylim(bottom=0)
-    below.set_xlabel("illuminance [lx]")
+    below.set_xlabel(f"{sweep.what} [{sweep.unit}]")
     above.legend(loc="lower right", fontsize=8)
     return axes

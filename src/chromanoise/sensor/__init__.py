@@ -5,7 +5,7 @@ from chromanoise.sensor.filters import ir_cut, resin_filter, silicon_qe
 from chromanoise.sensor.mosaic import Mosaic, bayer, rgbw_2x2, rgbw_sparse_4x4
 from chromanoise.sensor.pixel import PAPER_PIXEL, Pixel
 from chromanoise.sensor.readers import read_sensor_csv
-from chromanoise.sensor.sensor import Sensor, behind_filter, with_channels
+from chromanoise.sensor.sensor import Sensor, behind_filter, pixels_of, with_channels
 
 __all__ = [
     "PAPER_PIXEL",
@@ -16,6 +16,7 @@ __all__ = [
     "bayer",
     "behind_filter",
     "ir_cut",
+    "pixels_of",
     "read_sensor_csv",
     "resin_filter",
     "rgbw_2x2",

@@ -74,6 +74,7 @@ def three_layer(grid: Grid) -> Sensor:
         qe=layers * ir_cut(grid)[:, None],
         names=("B", "G", "R"),
         pixel=PAPER_PIXEL,
+        stacked=True,
         origin="model",
         notes=("curves are a model of stacked silicon and an IR-cut, not a device",),
     )

@@ -34,6 +34,8 @@ class Sensor:
         Pitch, full well, read noise.
     mosaic
         Which channel sits over which pixel, where that is known.
+    stacked
+        Whether the channels lie one above the other and share the light of one pixel.
     origin
         What the curves are: ``given`` by the user, ``measured``, a ``model``, a
         ``reconstruction``; told wherever the sensor appears.
@@ -52,6 +54,7 @@ class Sensor:
     names: tuple[str, ...]
     pixel: Pixel
     mosaic: Mosaic | None = None
+    stacked: bool = False
     origin: Origin = "given"
     notes: tuple[str, ...] = ()
 
@@ -67,8 +70,18 @@ class Sensor:
         names = _check.distinct(f"channel names of {self.name}", self.names)
         for name in self.mosaic.names if self.mosaic else ():
             _check.one_of(f"mosaic channel of {self.name}", name, names)
+        if self.stacked and float(qe.sum(axis=1).max()) > 1 + 1e-9:
+            raise _check.InputError(
+                f"the stacked channels of {self.name} give {qe.sum(axis=1).max():.3g} electrons "
+                "for a photon of one wavelength; together they can give one at most"
+            )
         object.__setattr__(self, "qe", _check.frozen(qe))
         object.__setattr__(self, "names", names)
+
+
+def pixels_of(sensor: Sensor) -> int:
+    """How many pixels one set of the channels takes: p, or 1 where they are stacked."""
+    return 1 if sensor.stacked else len(sensor.names)
 
 
 def behind_filter(

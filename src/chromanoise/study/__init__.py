@@ -12,16 +12,19 @@ from chromanoise.study.analysis import (
     mean_color_error,
     raw_snr_db,
 )
+from chromanoise.study.bands import (
+    CrossoverBand,
+    band_sentence,
+    bands_as_json,
+    crossover_bands,
+)
 from chromanoise.study.comparison import (
-    Contestant,
     Crossover,
     Curve,
-    MatrixMaker,
     compared,
     comparison_as_json,
     crossover_sentence,
     crossovers,
-    luminance_snr_db,
 )
 from chromanoise.study.export import analyses_as_json, budgets_as_json, reproduction_as_json
 from chromanoise.study.findings import (
@@ -32,25 +35,42 @@ from chromanoise.study.findings import (
     verdict,
 )
 from chromanoise.study.layout import PaperTable, as_printed, paper_tables
+from chromanoise.study.makers import METHODS, Method, known_matrices, matrix_makers
 from chromanoise.study.paper import PaperStudy, paper_study
 from chromanoise.study.perceived import grey_noise, grey_noise_as_json
 from chromanoise.study.planes import PaperPlanes, paper_planes
+from chromanoise.study.priors import DEFAULT_PRIOR, PRIORS, Prior
+from chromanoise.study.quantities import QUANTITIES, Quantity
 from chromanoise.study.reproduction import Cell, Reproduction, reproduced
+from chromanoise.study.situation import MatrixMaker, Situation
+from chromanoise.study.sweeps import SWEEPS, Sweep, swept_values
 
 __all__ = [
+    "DEFAULT_PRIOR",
+    "METHODS",
+    "PRIORS",
+    "QUANTITIES",
+    "SWEEPS",
     "Analysis",
     "Cell",
-    "Contestant",
     "Crossover",
+    "CrossoverBand",
     "Curve",
     "MatrixMaker",
+    "Method",
     "PaperPlanes",
     "PaperStudy",
     "PaperTable",
+    "Prior",
+    "Quantity",
     "Reproduction",
+    "Situation",
+    "Sweep",
     "analyses_as_json",
     "analyzed",
     "as_printed",
+    "band_sentence",
+    "bands_as_json",
     "budgets_as_json",
     "color_budgets",
     "color_price_db",
@@ -59,13 +79,15 @@ __all__ = [
     "comparison_as_json",
     "contravariant_budgets",
     "contravariant_snr_db",
+    "crossover_bands",
     "crossover_sentence",
     "crossovers",
     "diagnosis",
     "grey_noise",
     "grey_noise_as_json",
+    "known_matrices",
     "luminance_budget",
-    "luminance_snr_db",
+    "matrix_makers",
     "mean_color_error",
     "metric_remark",
     "paper_planes",
@@ -75,6 +97,7 @@ __all__ = [
     "reproduced",
     "reproduction_as_json",
     "set_aside_reasons",
+    "swept_values",
     "table_5_finding",
     "verdict",
 ]

@@ -1,8 +1,8 @@
-"""Sensors against each other over the light level: curves, crossovers and the verdict."""
+"""Sensors against each other while one thing varies: curves, crossovers and the verdict."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass
-from itertools import pairwise
+from dataclasses import dataclass
+from itertools import combinations, pairwise
 from typing import Any
 
 import numpy as np
@@ -10,35 +10,30 @@ from jaxtyping import Float
 
 from chromanoise import __version__, _check
 from chromanoise._check import Array
-from chromanoise.color import ColorMatrix, colored
-from chromanoise.exposure import Exposure, expected_electrons
-from chromanoise.merit import chart_color_error, snr_db
-from chromanoise.noise import saturated, with_noise
-from chromanoise.scene import flat_field
-from chromanoise.sensor import Sensor
-from chromanoise.spectra import Illuminant
+from chromanoise.study.quantities import SNR_Y, Quantity, color_error
+from chromanoise.study.situation import MatrixMaker, Situation
+from chromanoise.study.sweeps import SWEEPS, Sweep
 
-MatrixMaker = Callable[[Sensor, Exposure, float], ColorMatrix]
-"""A color matrix for a sensor, an exposure and a light level [lx]."""
-
-_CROSSING_TOLERANCE = 1e-9  # of the logarithm of the level
+_CROSSING_TOLERANCE = 1e-9  # of the logarithm of the value, or of the span of a linear sweep
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Curve:
-    """One sensor with one matrix over the light level.
+    """One sensor with one matrix over the sweep.
 
     Attributes
     ----------
     sensor, matrix
         Names.
     time_s
-        Integration time. [s]
-    level_lux
-        Where it was computed. [lx]
-    snr_y_db
-        SNR of luminance of a perfect white; NaN where a channel is saturated or Y is no signal.
-        [dB]
+        Integration time before the sweep. [s]
+    sweep, quantity
+        What varies, and what was asked.
+    at
+        Where it was computed. [unit of the sweep]
+    value
+        NaN where it is not defined: a channel is saturated, a color is no signal. [unit of the
+        quantity]
     color_error
         Mean over the ColorChecker, without noise; NaN where it is not defined. [Delta E*ab]
     """
@@ -46,245 +41,246 @@ class Curve:
     sensor: str
     matrix: str
     time_s: float
-    level_lux: Float[Array, " k"]
-    snr_y_db: Float[Array, " k"]
+    sweep: Sweep
+    quantity: Quantity
+    at: Float[Array, " k"]
+    value: Float[Array, " k"]
     color_error: Float[Array, " k"]
 
     def __post_init__(self) -> None:
-        _check.freeze(self, "level_lux", "snr_y_db", "color_error")
+        _check.freeze(self, "at", "value", "color_error")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Crossover:
-    """Where two sensors with the same matrix have the same SNR of luminance.
+    """Where two sensors with the same matrix change places.
 
     Attributes
     ----------
     first, second, matrix
         Names.
-    level_lux
-        The levels at which the sign of their difference changes; empty if it never does. [lx]
+    sweep, quantity
+        What varies, and what was asked.
+    at
+        Where the sign of their difference changes; empty if it never does. [unit of the sweep]
     color_error
-        Of first and second at each of these levels: SNR is never told alone; NaN where it is not
+        Of first and second at each of these: SNR is never told alone; NaN where it is not
         defined. [Delta E*ab]
-    better_in_the_dark
-        Who leads at the lowest common level.
-    from_lux, to_lux
-        The range in which both have an SNR. [lx]
+    better_first
+        Who leads at the lowest common value of the sweep.
+    first_at, last_at
+        The range in which both have a value. [unit of the sweep]
     """
 
     first: str
     second: str
     matrix: str
-    level_lux: tuple[float, ...]
+    sweep: Sweep
+    quantity: Quantity
+    at: tuple[float, ...]
     color_error: tuple[tuple[float, float], ...]
-    better_in_the_dark: str
-    from_lux: float
-    to_lux: float
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Contestant:
-    """A sensor as it is used: with its exposure."""
-
-    sensor: Sensor
-    exposure: Exposure
+    better_first: str
+    first_at: float
+    last_at: float
 
 
 def compared(
-    contestants: Sequence[Contestant],
+    contestants: Sequence[Situation],
     makers: Mapping[str, MatrixMaker],
-    illuminant: Illuminant,
-    level_lux: Float[Array, " k"],
+    at: Float[Array, " k"],
+    *,
+    sweep: Sweep = SWEEPS["lux"],
+    quantity: Quantity = SNR_Y,
 ) -> tuple[Curve, ...]:
-    """Every sensor with every matrix over the light levels.
+    """Every sensor with every matrix over the sweep.
 
     Parameters
     ----------
     contestants
-        Sensors with their exposures.
+        Sensors with their exposures and their light; each keeps all that the sweep does not vary.
     makers
-        Matrix methods by name; each may depend on the level.
-    illuminant
-        The light.
-    level_lux
-        Increasing. [lx]
+        Matrix methods by name; each is asked anew at every value.
+    at
+        Increasing. [unit of the sweep]
+    sweep
+        What varies: one of `SWEEPS`, or your own.
+    quantity
+        What is asked: one of `QUANTITIES`, or your own.
 
     Raises
     ------
     InputError
-        If the levels do not increase or are not positive.
+        If the values do not increase or leave what makes sense.
     """
-    levels = _check.increasing("level_lux", "lx", level_lux)
-    _check.positive("lowest level_lux", "lx", float(levels[0]))
+    values = _check.increasing(f"values of {sweep.name}", sweep.unit, at)
+    for end in (values[0], values[-1]):
+        _check.within(f"sweep of {sweep.name}", sweep.unit, end, sweep.lowest, sweep.highest)
     return tuple(
-        _curve(contestant, name, maker, illuminant, levels)
+        _curve(contestant, name, maker, values, sweep, quantity)
         for contestant in contestants
         for name, maker in makers.items()
     )
 
 
 def crossovers(
-    contestants: Sequence[Contestant],
-    makers: Mapping[str, MatrixMaker],
-    illuminant: Illuminant,
-    curves: Sequence[Curve],
+    contestants: Sequence[Situation], makers: Mapping[str, MatrixMaker], curves: Sequence[Curve]
 ) -> tuple[Crossover, ...]:
-    """For each pair of sensors and each matrix, the levels at which their order changes.
+    """For each pair of sensors and each matrix, where their order changes.
 
     Signs are read off the curves; each change is then refined by bisection on the closed form.
+
+    Parameters
+    ----------
+    contestants, makers
+        As they were compared.
+    curves
+        Of `compared`.
+
+    Raises
+    ------
+    InputError
+        If a pair has no value of the sweep at which both have the quantity.
     """
     found = []
     for name, maker in makers.items():
         mine = [curve for curve in curves if curve.matrix == name]
-        for i, first in enumerate(contestants):
-            for k in range(i + 1, len(contestants)):
-                second = contestants[k]
-                lead = _lead(first, second, maker, illuminant)
-                errors = _errors(first, second, maker, illuminant)
-                found.append(_crossover(mine[i], mine[k], lead, errors))
+        found += [
+            _crossover(a, b, maker, curve_a, curve_b)
+            for (a, curve_a), (b, curve_b) in combinations(zip(contestants, mine, strict=True), 2)
+        ]
     return tuple(found)
 
 
-def luminance_snr_db(
-    contestant: Contestant, maker: MatrixMaker, illuminant: Illuminant, level_lux: float
-) -> float:
-    """SNR of Y of a perfect white; NaN where a channel is saturated or Y is no signal. [dB]"""
-    sensor, exposure = contestant.sensor, contestant.exposure
-    scene = flat_field(illuminant, level_lux=level_lux)
-    electrons = expected_electrons(scene, sensor, exposure)
-    if saturated(electrons, sensor.pixel).any():
-        return float("nan")
-    matrix = maker(sensor, exposure, level_lux)
-    color = colored(with_noise(electrons, sensor), matrix)
-    return float(snr_db(color)["Y"]) if color.mean[1] > 0 else float("nan")
-
-
-def color_error(
-    contestant: Contestant, maker: MatrixMaker, illuminant: Illuminant, level_lux: float
-) -> float:
-    """Mean over the ColorChecker, without noise; NaN where the white is no color. [Delta E*ab]"""
-    sensor, exposure = contestant.sensor, contestant.exposure
-    error = chart_color_error(sensor, maker(sensor, exposure, level_lux), exposure, illuminant)
-    return float("nan") if error is None else float(error.mean())
-
-
 def _curve(
-    contestant: Contestant,
+    contestant: Situation,
     name: str,
     maker: MatrixMaker,
-    illuminant: Illuminant,
-    levels: Float[Array, " k"],
+    values: Float[Array, " k"],
+    sweep: Sweep,
+    quantity: Quantity,
 ) -> Curve:
-    snr, errors = [], []
-    for level in levels.tolist():
-        snr.append(luminance_snr_db(contestant, maker, illuminant, level))
-        errors.append(color_error(contestant, maker, illuminant, level))
+    asked, errors = [], []
+    for value in values.tolist():
+        situation = sweep.at(contestant, value)
+        matrix = maker(situation)
+        asked.append(quantity.of(situation, matrix))
+        errors.append(color_error(situation, matrix))
     return Curve(
         sensor=contestant.sensor.name,
         matrix=name,
         time_s=contestant.exposure.time_s,
-        level_lux=levels,
-        snr_y_db=np.array(snr),
+        sweep=sweep,
+        quantity=quantity,
+        at=values,
+        value=np.array(asked),
         color_error=np.array(errors),
     )
 
 
-def _lead(
-    first: Contestant, second: Contestant, maker: MatrixMaker, illuminant: Illuminant
-) -> Callable[[float], float]:
-    """How far the first leads the second at a level whose logarithm is given. [dB]"""
-
-    def lead(log_level: float) -> float:
-        level = float(np.exp(log_level))
-        ours, theirs = (luminance_snr_db(c, maker, illuminant, level) for c in (first, second))
-        return ours - theirs
-
-    return lead
-
-
-def _errors(
-    first: Contestant, second: Contestant, maker: MatrixMaker, illuminant: Illuminant
-) -> Callable[[float], tuple[float, float]]:
-    """The color errors of both at a level. [Delta E*ab]"""
-
-    def errors(level: float) -> tuple[float, float]:
-        return (
-            color_error(first, maker, illuminant, level),
-            color_error(second, maker, illuminant, level),
-        )
-
-    return errors
+def _asked(
+    contestant: Situation,
+    maker: MatrixMaker,
+    sweep: Sweep,
+    of: Callable[[Situation, Any], float],
+    value: float,
+) -> float:
+    situation = sweep.at(contestant, value)
+    return of(situation, maker(situation))
 
 
 def _crossover(
-    first: Curve,
-    second: Curve,
-    lead: Callable[[float], float],
-    errors: Callable[[float], tuple[float, float]],
+    a: Situation, b: Situation, maker: MatrixMaker, first: Curve, second: Curve
 ) -> Crossover:
-    difference = first.snr_y_db - second.snr_y_db
-    known = np.flatnonzero(np.isfinite(difference))
+    sweep, quantity = first.sweep, first.quantity
+    sign = 1.0 if quantity.more_is_better else -1.0
+    lead = sign * (first.value - second.value)
+    known = np.flatnonzero(np.isfinite(lead))
     if not known.size:
-        raise _check.InputError(
-            f"{first.sensor} and {second.sensor} have no light level of the sweep at which both "
-            f"have an SNR of luminance with the {first.matrix} matrix: they are saturated (shorten "
-            "the time, sweep darker levels) or the matrix cannot make Y of this light"
-        )
-    logs = np.log(first.level_lux)
+        _refuse_nothing_common(first, second)
+
+    def lead_at(value: float) -> float:
+        ours, theirs = (_asked(c, maker, sweep, quantity.of, value) for c in (a, b))
+        return sign * (ours - theirs)
+
     changes = [
-        (logs[a], logs[b])
-        for a, b in pairwise(known)
-        if np.sign(difference[a]) * np.sign(difference[b]) < 0
+        (float(first.at[i]), float(first.at[k]))
+        for i, k in pairwise(known[lead[known] != 0])  # a tie at a sample has no side
+        if lead[i] * lead[k] < 0 and np.isfinite(lead[i : k + 1]).all()
     ]
-    leader = first if difference[known[0]] > 0 else second
-    levels = tuple(float(np.exp(_root(lead, low, high))) for low, high in changes)
+    at = tuple(_root(lead_at, low, high, sweep.logarithmic) for low, high in changes)
+    errors = (tuple(_asked(c, maker, sweep, color_error, value) for c in (a, b)) for value in at)
     return Crossover(
         first=first.sensor,
         second=second.sensor,
         matrix=first.matrix,
-        level_lux=levels,
-        color_error=tuple(errors(level) for level in levels),
-        better_in_the_dark=leader.sensor,
-        from_lux=float(first.level_lux[known[0]]),
-        to_lux=float(first.level_lux[known[-1]]),
+        sweep=sweep,
+        quantity=quantity,
+        at=at,
+        color_error=tuple((ours, theirs) for ours, theirs in errors),
+        better_first=(first if lead[known[0]] > 0 else second).sensor,
+        first_at=float(first.at[known[0]]),
+        last_at=float(first.at[known[-1]]),
     )
 
 
-def _root(function: Callable[[float], float], low: float, high: float) -> float:
+def _refuse_nothing_common(first: Curve, second: Curve) -> None:
+    raise _check.InputError(
+        f"{first.sensor} and {second.sensor} have no {first.sweep.what} of the sweep at which both "
+        f"have a {first.quantity.what} with the {first.matrix} matrix: they are saturated (shorten "
+        "the time, sweep less light) or the matrix cannot make that color of this light"
+    )
+
+
+def _root(function: Callable[[float], float], low: float, high: float, logarithmic: bool) -> float:
     """Bisection: the sign differs at ``low`` and ``high``."""
-    at_low = function(low)
-    while high - low > _CROSSING_TOLERANCE:
+    there, back = (np.log, np.exp) if logarithmic else (float, float)
+    low, high = float(there(low)), float(there(high))
+    tolerance = _CROSSING_TOLERANCE * (1.0 if logarithmic else high - low)
+    at_low = function(float(back(low)))
+    while high - low > tolerance:
         middle = 0.5 * (low + high)
-        if np.sign(function(middle)) == np.sign(at_low):
+        if np.sign(function(float(back(middle)))) == np.sign(at_low):
             low = middle
         else:
             high = middle
-    return 0.5 * (low + high)
+    return float(back(0.5 * (low + high)))
 
 
 def comparison_as_json(curves: Sequence[Curve], crossed: Sequence[Crossover]) -> dict[str, Any]:
     """Curves and crossovers as plain data; what is not defined is ``None``."""
+    sweep, quantity = curves[0].sweep, curves[0].quantity
     return {
         "version": __version__,
-        "level_lux": curves[0].level_lux.tolist(),
+        "sweep": {
+            "name": sweep.name,
+            "what": sweep.what,
+            "unit": sweep.unit,
+            "values": curves[0].at.tolist(),
+        },
+        "quantity": {"name": quantity.name, "what": quantity.what, "unit": quantity.unit},
         "curves": [
             {
                 "sensor": curve.sensor,
                 "matrix": curve.matrix,
                 "time_ms": 1e3 * curve.time_s,
-                "snr_y_db": _defined(curve.snr_y_db),
+                "value": _defined(curve.value),
                 "color_error": _defined(curve.color_error),
             }
             for curve in curves
         ],
-        "crossovers": [_crossover_as_json(c) for c in crossed],
+        "crossovers": [crossover_as_json(c) for c in crossed],
     }
 
 
-def _crossover_as_json(crossover: Crossover) -> dict[str, Any]:
+def crossover_as_json(crossover: Crossover) -> dict[str, Any]:
+    """One crossover as plain data, with its sentence."""
+    told = {
+        key: getattr(crossover, key)
+        for key in ("first", "second", "matrix", "better_first", "first_at", "last_at")
+    }
     errors = [_defined(np.array(pair)) for pair in crossover.color_error]
-    return asdict(crossover) | {"color_error": errors, "sentence": crossover_sentence(crossover)}
+    sentence = crossover_sentence(crossover)
+    return told | {"at": list(crossover.at), "color_error": errors, "sentence": sentence}
 
 
 def _defined(values: Float[Array, " k"]) -> list[float | None]:
@@ -293,19 +289,22 @@ def _defined(values: Float[Array, " k"]) -> list[float | None]:
 
 def crossover_sentence(crossover: Crossover) -> str:
     """Who wins where, in words."""
-    first, second = crossover.first, crossover.second
-    range_told = f"{crossover.from_lux:.3g} to {crossover.to_lux:.3g} lx"
-    other = second if crossover.better_in_the_dark == first else first
-    if not crossover.level_lux:
-        return (
-            f"With the {crossover.matrix} matrix {crossover.better_in_the_dark} has the better "
-            f"luminance SNR than {other} at every level from {range_told}."
-        )
-    levels = " and ".join(f"{level:.3g}" for level in crossover.level_lux)
+    first, second, unit = crossover.first, crossover.second, crossover.sweep.unit
+    span = f"{crossover.first_at:.4g} to {crossover.last_at:.4g} {unit}"
+    other = second if crossover.better_first == first else first
+    leads = (
+        f"With the {crossover.matrix} matrix {crossover.better_first} has the better "
+        f"{crossover.quantity.what}"
+    )
+    if not crossover.at:
+        return f"{leads} than {other} at every {crossover.sweep.what} from {span}."
+    told = [f"{value:.3g}" if value < 100 else f"{value:.4g}" for value in crossover.at]
+    between = [f"from {low} to {high}" for low, high in pairwise(told)]
+    leaders = (other, crossover.better_first) * len(told)
+    rest = (f"{who} {where}" for who, where in zip(leaders, (*between, "above"), strict=False))
     colors = "; ".join(f"{a:.1f} and {b:.1f}" for a, b in crossover.color_error)
-    changes = "and back" if len(crossover.level_lux) % 2 == 0 else f"{other} above"
     return (
-        f"With the {crossover.matrix} matrix {crossover.better_in_the_dark} has the better "
-        f"luminance SNR below {levels} lx, {changes} (within {range_told}), where the mean color "
-        f"errors of {first} and {second} are {colors} Delta E*ab."
+        f"{leads} below {told[0]} {unit} of {crossover.sweep.what}, {', '.join(rest)} (within "
+        f"{span}); where they change places the mean color errors of {first} and {second} are "
+        f"{colors} Delta E*ab."
     )

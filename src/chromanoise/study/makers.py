@@ -1,0 +1,126 @@
+"""Names of color matrices to functions: the one place where a word chooses a method."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import lru_cache, partial
+from typing import Any
+
+from chromanoise import _check
+from chromanoise.color import (
+    ColorMatrix,
+    Training,
+    bounded_psi,
+    kernel,
+    least_squares,
+    lmmse,
+    noise_regularized,
+    ridge,
+    white_preserving,
+)
+from chromanoise.spectra import Illuminant, Metric
+from chromanoise.study.priors import DEFAULT_PRIOR, PRIORS
+from chromanoise.study.situation import MatrixMaker, Situation
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Method:
+    """How a matrix is made.
+
+    Attributes
+    ----------
+    make
+        One of the functions of `chromanoise.color` with the common signature.
+    parameter
+        Its own parameter, if it has one.
+    trained
+        Whether it looks at the prior.
+    """
+
+    make: Callable[..., ColorMatrix]
+    parameter: str | None = None
+    trained: bool = True
+
+
+METHODS: Mapping[str, Method] = {
+    "kernel": Method(make=kernel, trained=False),
+    "least-squares": Method(make=least_squares),
+    "white-preserving": Method(make=white_preserving),
+    "lmmse": Method(make=lmmse),
+    "ridge": Method(make=ridge, parameter="strength"),
+    "noise-regularized": Method(make=noise_regularized, parameter="weight"),
+    "bounded-psi": Method(make=bounded_psi, parameter="limit"),
+}
+
+
+def matrix_makers(
+    names: Sequence[str], metric: Metric, *, prior: str = DEFAULT_PRIOR
+) -> Mapping[str, MatrixMaker]:
+    """The matrix methods that a person names.
+
+    Parameters
+    ----------
+    names
+        Of `METHODS`; a method with a parameter as ``name=value``, e.g. ``ridge=0.01``.
+    metric
+        In which light is a vector.
+    prior
+        Of `PRIORS`: what trained matrices are trained on.
+
+    Raises
+    ------
+    InputError
+        If nothing is called that, or a parameter is missing, no number or one too many.
+    """
+    _check.one_of("prior", prior, tuple(PRIORS))
+    wanted = _check.distinct("names of matrices", [name.strip() for name in names])
+    return {name: _maker(name, metric, prior) for name in wanted}
+
+
+def known_matrices() -> str:
+    """The names of the methods, with what they ask for."""
+    return ", ".join(
+        f"{name}=<{method.parameter}>" if method.parameter else name
+        for name, method in METHODS.items()
+    )
+
+
+def _maker(name: str, metric: Metric, prior: str) -> MatrixMaker:
+    word, given, text = name.partition("=")
+    _check.one_of("matrix", word, tuple(METHODS))
+    method = METHODS[word]
+    if bool(given) != (method.parameter is not None):
+        wanted = f"{word}=<{method.parameter}>" if method.parameter else word
+        raise _check.InputError(f"a {word} matrix is asked for as {wanted}, but is {name!r}")
+    parameters = {method.parameter: _number(text, name)} if method.parameter else {}
+    return partial(_made, method=method, prior=prior, metric=metric, parameters=parameters)
+
+
+def _number(text: str, name: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        raise _check.InputError(f"matrix {name!r}: {text!r} is not a number") from None
+
+
+def _made(
+    situation: Situation,
+    *,
+    method: Method,
+    prior: str,
+    metric: Metric,
+    parameters: dict[str, Any],
+) -> ColorMatrix:
+    return method.make(
+        situation.sensor,
+        situation.exposure,
+        _training(prior, situation.illuminant),
+        level_lux=situation.level_lux,
+        metric=metric,
+        **parameters,
+    )
+
+
+@lru_cache(maxsize=16)
+def _training(prior: str, illuminant: Illuminant) -> Training:
+    """One per lamp: a sweep asks for the same one at every value."""
+    return PRIORS[prior](illuminant)

@@ -1,0 +1,133 @@
+"""What can be asked of a situation with a color matrix, as one number."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+
+from chromanoise.color import LAB, ColorMatrix, colored, perceived_noise
+from chromanoise.exposure import expected_electrons
+from chromanoise.merit import bound_db, chart_color_error, snr_db
+from chromanoise.noise import saturated, with_noise
+from chromanoise.scene import flat_field
+from chromanoise.study.perceived import GREY
+from chromanoise.study.situation import Situation, white_scene
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Quantity:
+    """One number of a situation.
+
+    Attributes
+    ----------
+    name
+        As a person asks for it.
+    what
+        In words, unit not included.
+    unit
+        Of the number.
+    more_is_better
+        What winning means.
+    of
+        The number; NaN where it is not defined: a channel is saturated, a color is no signal.
+    """
+
+    name: str
+    what: str
+    unit: str
+    more_is_better: bool
+    of: Callable[[Situation, ColorMatrix], float]
+
+
+def color_snr(situation: Situation, matrix: ColorMatrix, *, coordinate: str) -> float:
+    """SNR of X, Y or Z of a perfect white; NaN where it has none. [dB]"""
+    electrons = _white_electrons(situation)
+    if electrons is None:
+        return float("nan")
+    color = colored(with_noise(electrons, situation.sensor), matrix)
+    i = matrix.coordinates.index(coordinate)
+    return float(snr_db(color)[coordinate]) if color.mean[i] > 0 else float("nan")
+
+
+def raw_bound(situation: Situation, matrix: ColorMatrix) -> float:
+    """SNR of the best linear readout of a perfect white, whatever the matrix. [dB]"""
+    electrons = _white_electrons(situation)
+    if electrons is None:
+        return float("nan")
+    return float(bound_db(with_noise(electrons, situation.sensor)))
+
+
+def price(situation: Situation, matrix: ColorMatrix) -> float:
+    """How far SNR of Y stays below the best linear readout. [dB]"""
+    return raw_bound(situation, matrix) - color_snr(situation, matrix, coordinate="Y")
+
+
+def color_error(situation: Situation, matrix: ColorMatrix) -> float:
+    """Mean over the ColorChecker, without noise; NaN where the white is no color. [Delta E*ab]"""
+    error = chart_color_error(situation.sensor, matrix, situation.exposure, situation.illuminant)
+    return float("nan") if error is None else float(error.mean())
+
+
+def grey_delta_e(situation: Situation, matrix: ColorMatrix) -> float:
+    """Mean color difference that noise makes on an 18 % grey. [Delta E*ab]"""
+    electrons = _white_electrons(situation)
+    if electrons is None:
+        return float("nan")
+    white = matrix.matrix @ electrons
+    if not (white > 0).all():
+        return float("nan")
+    grey = flat_field(situation.illuminant, level_lux=situation.level_lux, reflectance=GREY)
+    raw = with_noise(
+        expected_electrons(grey, situation.sensor, situation.exposure), situation.sensor
+    )
+    return float(perceived_noise(colored(raw, matrix), white, space=LAB).delta_e)
+
+
+def _white_electrons(situation: Situation) -> np.ndarray | None:
+    """Of a perfect white; ``None`` where a channel is saturated. [e-]"""
+    electrons = expected_electrons(white_scene(situation), situation.sensor, situation.exposure)
+    return None if saturated(electrons, situation.sensor.pixel).any() else electrons
+
+
+def _snr(name: str, coordinate: str) -> Quantity:
+    return Quantity(
+        name=name,
+        what=f"SNR of {coordinate}",
+        unit="dB",
+        more_is_better=True,
+        of=partial(color_snr, coordinate=coordinate),
+    )
+
+
+QUANTITIES: Mapping[str, Quantity] = {
+    quantity.name: quantity
+    for quantity in (
+        _snr("snr-y", "Y"),
+        _snr("snr-x", "X"),
+        _snr("snr-z", "Z"),
+        Quantity(
+            name="bound",
+            what="SNR of the best linear readout",
+            unit="dB",
+            more_is_better=True,
+            of=raw_bound,
+        ),
+        Quantity(name="price", what="price of color", unit="dB", more_is_better=False, of=price),
+        Quantity(
+            name="delta-e",
+            what="mean color difference by noise on an 18 % grey",
+            unit="Delta E*ab",
+            more_is_better=False,
+            of=grey_delta_e,
+        ),
+        Quantity(
+            name="color-error",
+            what="mean color error of the chart without noise",
+            unit="Delta E*ab",
+            more_is_better=False,
+            of=color_error,
+        ),
+    )
+}
+SNR_Y = QUANTITIES["snr-y"]
