@@ -514,3 +514,42 @@ def test_a_readout_held_whole_at_full_well_is_saturated_and_nothing_more(run):
     assert sensor["bound_db"] is None
     assert all(c["saturated"] and c["full_share"] == 1 for c in sensor["channels"])
     assert run(*arguments)[0] == 0
+
+
+def test_analyze_takes_another_matrix_and_tells_every_patch_of_the_chart(run):
+    arguments = ("analyze", "onyx-rgbw", "--lux", 1, "--time-ms", 12)
+    told = []
+    for more in ((), ("--matrix", "lmmse"), ("--matrix", "lmmse", "--prior", "chart")):
+        _, out, _ = run(*arguments, *more, "--chart", "--json", "-")
+        told.append(json.loads(out)["sensors"][0])
+    assert ["LMMSE" in sensor["matrix_made_by"] for sensor in told] == [False, True, True]
+    assert len({sensor["color"]["snr_db"]["Y"] for sensor in told}) == 3
+    assert [len(sensor["chart"]) for sensor in told] == [24, 24, 24]
+    errors = [patch["color_error"] for patch in told[0]["chart"]]
+    assert sum(errors) / 24 == pytest.approx(told[0]["color_error_mean"])
+    code, out, _ = run(*arguments, "--chart")
+    assert code == 0
+    assert "neutral 6.5" in out
+
+
+def test_compare_tells_the_band_over_priors(run):
+    arguments = ("compare", "onyx-rgbw", "onyx-rgb-ircut", "--matrix", "lmmse", "--points", 9)
+    code, out, _ = run(*arguments, "--sweep", "lux=0.05:5", "--prior", "all", "--json", "-")
+    told = json.loads(out)
+    assert code == 0
+    (band,) = told["bands"]
+    assert len(band["by_prior"]) == 5
+    assert band["span"][0] <= told["crossovers"][0]["at"][0] <= band["span"][1]
+    assert "5 priors" in run(*arguments, "--sweep", "lux=0.05:5", "--prior", "all")[1]
+
+
+def test_compare_on_equal_terms_gives_each_its_time(run):
+    sensors = ("model-rgb-ircut", "model-rgbw-ircut", "model-three-layer")
+    times = {}
+    for equal in ("exposure", "saturation", "light"):
+        _, out, _ = run("compare", *sensors, "--equal", equal, "--points", 2, "--json", "-")
+        times[equal] = [curve["time_ms"] for curve in json.loads(out)["curves"]]
+    assert len(set(times["exposure"])) == 1
+    assert min(times["saturation"]) == pytest.approx(times["exposure"][0])
+    assert times["light"][2] == pytest.approx(3 * times["light"][0])
+    refused(run("compare", *sensors, "--equal", "light", "--time-ms", 5), "--equal light")

@@ -18,13 +18,20 @@ from chromanoise.cli.output import write_json
 from chromanoise.color import SPACES
 from chromanoise.noise import Readout
 from chromanoise.study import (
+    DEFAULT_PRIOR,
+    PRIORS,
+    Situation,
     analyses_as_json,
     analyzed,
     budgets_as_json,
+    chart_as_json,
+    chart_noise,
     color_budgets,
     contravariant_budgets,
     grey_noise,
     grey_noise_as_json,
+    known_matrices,
+    matrix_makers,
 )
 
 
@@ -36,6 +43,22 @@ from chromanoise.study import (
     is_flag=True,
     help="Exact moments of electrons held between 0 and full well, instead of eq. 7.",
 )
+@click.option(
+    "--matrix",
+    "method",
+    default="kernel",
+    show_default=True,
+    metavar="NAME[=VALUE]",
+    help=f"Color matrix: {known_matrices()}.",
+)
+@click.option(
+    "--prior",
+    type=click.Choice(list(PRIORS)),
+    default=DEFAULT_PRIOR,
+    show_default=True,
+    help="What a trained matrix is trained on.",
+)
+@click.option("--chart", is_flag=True, help="Color error and noise of each ColorChecker patch.")
 @click.option("--budget", is_flag=True, help="Where the SNR of X, Y and Z goes, in dB per cause.")
 @click.option(
     "--space",
@@ -46,6 +69,9 @@ from chromanoise.study import (
 def analyze(
     sensors: tuple[str, ...],
     clip: bool,
+    method: str,
+    prior: str,
+    chart: bool,
     budget: bool,
     space: str | None,
     json_target: str | None,
@@ -57,26 +83,37 @@ def analyze(
     models of other filter sets: model-rgb-ircut, model-cmy-ircut, model-rgbir ...) or a CSV file
     with the header wavelength_nm,R,G,... and the absolute QE of each channel.
     """
-    if clip and (budget or space):
-        raise InputError("--clip does not go with --budget or --space, which follow eq. 7")
-    _, white = the_light(options)
-    analyses = []
+    if clip and (budget or chart):
+        raise InputError("--clip does not go with --budget or --chart, which follow eq. 7")
+    illuminant, white = the_light(options)
+    (maker,) = matrix_makers([method], options["metric"], prior=prior).values()
+    analyses, grey_noises = [], []
     for sensor in the_sensors(sensors, options):
         exposure = the_exposure(white, sensor, **only(options, EXPOSURE))
         held = Readout(black_e=0.0, full_well_e=sensor.pixel.full_well_e) if clip else None
-        analyses.append(analyzed(white, sensor, exposure, options["metric"], readout=held))
+        situation = Situation(
+            sensor=sensor, exposure=exposure, illuminant=illuminant, level_lux=white.level_lux
+        )
+        matrix = maker(situation)
+        analyses.append(analyzed(white, sensor, exposure, readout=held, matrix=matrix))
+        if space:
+            grey_noises.append(grey_noise(analyses[-1], SPACES[space], readout=held))
     if json_target:
         told = analyses_as_json(analyses)
-        for sensor_told, analysis in zip(told["sensors"], analyses, strict=True):
+        for i, (sensor_told, analysis) in enumerate(zip(told["sensors"], analyses, strict=True)):
             if budget:
                 sensor_told |= budgets_as_json(analysis)
             if space:
-                sensor_told["grey_noise"] = grey_noise_as_json(grey_noise(analysis, SPACES[space]))
+                sensor_told["grey_noise"] = grey_noise_as_json(grey_noises[i])
+            if chart:
+                sensor_told["chart"] = chart_as_json(chart_noise(analysis))
         write_json(told, json_target)
     if json_target != "-":
         tables.print_analyses(analyses)
         for analysis in analyses if budget else []:
             tables.print_budgets(analysis, color_budgets(analysis))
             tables.print_budgets(analysis, contravariant_budgets(analysis))
+        for analysis in analyses if chart else []:
+            tables.print_chart(analysis, chart_noise(analysis))
         if space:
-            tables.print_grey_noise(analyses, [grey_noise(a, SPACES[space]) for a in analyses])
+            tables.print_grey_noise(analyses, grey_noises)

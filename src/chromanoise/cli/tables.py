@@ -6,12 +6,14 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from chromanoise.color import ColorMatrix, PerceivedNoise
+from chromanoise.color import ColorMatrix
 from chromanoise.merit import Budget, MatrixReport
 from chromanoise.sensor.catalogue import RECONSTRUCTION
 from chromanoise.study import (
     Analysis,
     Cell,
+    ChartNoise,
+    GreyNoise,
     PaperTable,
     Reproduction,
     as_printed,
@@ -115,30 +117,65 @@ def print_comparison(
         console.print(sentence, soft_wrap=True)
 
 
-def print_grey_noise(analyses: Sequence[Analysis], noises: Sequence[PerceivedNoise | None]) -> None:
-    """Noise of an 18 % grey in a color space, by cubature; first order told where it fails."""
+def print_grey_noise(analyses: Sequence[Analysis], noises: Sequence[GreyNoise | None]) -> None:
+    """Noise of an 18 % grey in a color space, from the electrons; where simpler routes fail."""
     console = _console()
     known = [noise for noise in noises if noise]
-    space = known[0].space if known else "color"
+    space = known[0].exact.space if known else "color"
     table = Table(title=f"Noise of an 18 % grey in {space}", title_justify="left")
     table.add_column("sensor")
-    names = known[0].first_order.names if known else ()
-    for head in (*(f"sd {name}" for name in names), "sd C*", "mean Delta E", "bias", "first order"):
+    names = known[0].exact.noisy.names if known else ()
+    routes = ("first order", "normal law")
+    for head in (*(f"sd {name}" for name in names), "sd C*", "mean Delta E", "bias", *routes):
         table.add_column(head, justify="right")
     for analysis, noise in zip(analyses, noises, strict=True):
         if noise is None:
             table.add_row(analysis.sensor.name, "saturated, or no color")
             continue
-        sd = np.sqrt(noise.second_route.variance)
+        exact = noise.exact
+        sd = np.sqrt(exact.noisy.variance)
         table.add_row(
             analysis.sensor.name,
             *(_number(float(value)) for value in sd),
-            _number(float(noise.chroma_sd)),
-            _number(float(noise.delta_e)),
-            ", ".join(f"{value:+.2f}" for value in noise.bias),
-            "holds" if noise.first_order_holds else "off by more than 5 %",
+            _number(None if exact.chroma_sd is None else float(exact.chroma_sd)),
+            _number(None if exact.delta_e is None else float(exact.delta_e)),
+            ", ".join(f"{value:+.2f}" for value in exact.bias),
+            *(
+                "holds" if holds else "off by more than 5 %"
+                for holds in (noise.first_order_holds, noise.normal_holds)
+            ),
         )
     console.print(table)
+
+
+def print_chart(analysis: Analysis, chart: ChartNoise | None) -> None:
+    """Color error and noise of every patch."""
+    console = _console()
+    name = analysis.sensor.name
+    if chart is None:
+        console.print(f"{name} has no chart: a channel is saturated, or its white is no color.")
+        return
+    title = f"ColorChecker seen by {name} with the {analysis.matrix.made_by} matrix"
+    table = Table(title=title, title_justify="left")
+    heads = ("error Delta E*ab", "CIEDE2000", "Y dB", "sd L*", "sd a*", "sd b*", "noise Delta E*ab")
+    for head in ("patch", *heads):
+        table.add_column(head, justify="left" if head == "patch" else "right")
+    sd = np.sqrt(chart.noise.second_route.variance)
+    for i, patch in enumerate(chart.names):
+        numbers = (chart.color_error[i], chart.ciede2000[i], chart.snr_y_db[i], *sd[i])
+        told = (_number(float(value), 1) for value in (*numbers, chart.noise.delta_e[i]))
+        table.add_row(patch, *told, end_section=i == len(chart.names) - 1)
+    means = (chart.color_error.mean(), chart.ciede2000.mean())
+    noise = (_number(float(value), 1) for value in (*sd.mean(axis=0), chart.noise.delta_e.mean()))
+    table.add_row("mean", *(_number(float(m), 1) for m in means), "", *noise)
+    console.print(table)
+    failing = int((~chart.noise.first_order_holds).sum())
+    if failing:
+        console.print(
+            f"{name}: the first order is off by more than 5 % on {failing} patches; the "
+            "figures above are by cubature.",
+            soft_wrap=True,
+        )
 
 
 def print_matrix(matrix: ColorMatrix, report: MatrixReport, sensor_name: str) -> None:

@@ -1,6 +1,6 @@
 """What a measurement is worth: SNR, bound, price, budget; color error; filters, speed, bits."""
 
-from chromanoise.merit.accuracy import chart_color_error
+from chromanoise.merit.accuracy import chart_ciede2000, chart_color_error, chart_lab
 from chromanoise.merit.budget import (
     Budget,
     Cost,
@@ -56,7 +56,9 @@ __all__ = [
     "VisualNoiseModel",
     "best_readout",
     "bound_db",
+    "chart_ciede2000",
     "chart_color_error",
+    "chart_lab",
     "color_budget",
     "color_sensitivity_bits",
     "contrast_sensitivity",

@@ -1,5 +1,7 @@
 """How far a sensor's color is from the eye's."""
 
+from typing import Any
+
 import numpy as np
 from jaxtyping import Float
 
@@ -31,8 +33,32 @@ def chart_color_error(
     -----
     CIE 015:2018, eq. 8.3-8.6 and 8.21, by colour-science.
     """
-    colour = colour_science()
+    lab = chart_lab(sensor, matrix, exposure, illuminant)
+    return None if lab is None else np.asarray(_differences().delta_E_CIE1976(*lab))
 
+
+def chart_ciede2000(
+    sensor: Sensor, matrix: ColorMatrix, exposure: Exposure, illuminant: Illuminant
+) -> Float[Array, "24"] | None:
+    """CIEDE2000 color difference of each ColorChecker patch, without noise; as the other. [1]
+
+    Parameters, errors and ``None`` as `chart_color_error`.
+
+    Notes
+    -----
+    CIE 142-2001 (ISO/CIE 11664-6), by colour-science.
+    """
+    lab = chart_lab(sensor, matrix, exposure, illuminant)
+    return None if lab is None else np.asarray(_differences().delta_E_CIE2000(*lab))
+
+
+def chart_lab(
+    sensor: Sensor, matrix: ColorMatrix, exposure: Exposure, illuminant: Illuminant
+) -> tuple[Float[Array, "24 3"], Float[Array, "24 3"]] | None:
+    """L*, a*, b* of each ColorChecker patch as the eye and as the sensor sees it, without noise.
+
+    Parameters, errors and ``None`` as `chart_color_error`.
+    """
     chart = np.vstack([np.ones(sensor.grid.n), colorchecker(sensor.grid).values.T])
     scene = Scene(illuminant=illuminant, level_lux=1.0, reflectance=chart)
     truth = light(scene, "energy") @ color_axes(sensor.grid, "energy")
@@ -40,5 +66,11 @@ def chart_color_error(
     if not (seen[0] > 0).all():
         return None
     neutral = np.array([1 / 3, 1 / 3])  # chromaticity of XYZ = (1, 1, 1)
-    lab = [colour.XYZ_to_Lab(xyz[1:] / xyz[0], neutral) for xyz in (truth, seen)]
-    return np.asarray(colour.difference.delta_E_CIE1976(*lab))
+    to_lab = colour_science().XYZ_to_Lab
+    return np.asarray(to_lab(truth[1:] / truth[0], neutral)), np.asarray(
+        to_lab(seen[1:] / seen[0], neutral)
+    )
+
+
+def _differences() -> Any:
+    return colour_science().difference

@@ -56,7 +56,7 @@ class Analysis:
     raw, contravariant, color
         The measurement at each stage, with its covariance.
     matrix
-        The color matrix; carries the metric and the frame.
+        The color matrix, the kernel unless another was given; carries the metric and the frame.
     saturated
         One per channel. Where one is true, no SNR that uses it is defined.
     full_share
@@ -101,6 +101,7 @@ def analyzed(
     metric: Metric = "quanta",
     *,
     readout: Readout | None = None,
+    matrix: ColorMatrix | None = None,
 ) -> Analysis:
     """Take one flat patch through every stage: eq. 1 to 7.
 
@@ -114,11 +115,14 @@ def analyzed(
         In which light is a vector.
     readout
         Take the exact moments of what it clips and rounds; ``None`` for eq. 7, unclipped.
+    matrix
+        To color; ``None`` for the kernel (eq. 6) in ``metric``.
 
     Raises
     ------
     InputError
-        If the scene is more than one point or on another grid than the sensor.
+        If the scene is more than one point or on another grid than the sensor, or the matrix is
+        for other channels.
     """
     if scene.reflectance.ndim != 1:
         raise _check.InputError(
@@ -126,7 +130,7 @@ def analyzed(
         )
     electrons = expected_electrons(scene, sensor, exposure)
     raw = with_noise(electrons, sensor) if readout is None else measured(electrons, sensor, readout)
-    matrix = kernel_matrix(sensor, exposure, metric)
+    matrix = kernel_matrix(sensor, exposure, metric) if matrix is None else matrix
     color = colored(raw, matrix)
     frame = matrix.frame
     return Analysis(
@@ -141,7 +145,7 @@ def analyzed(
         full_share=_full_share(electrons, sensor, readout),
         vif=variance_inflation(frame),
         between_deg=angles_between_deg(frame),
-        to_axes_deg=angles_to_axes_deg(frame, color_axes(sensor.grid, metric)),
+        to_axes_deg=angles_to_axes_deg(frame, color_axes(sensor.grid, matrix.metric)),
         mix=nearest_mix(frame),
         spectral_snr_db=float(decibel(spectral_snr(raw, frame))),
         bound_db=float(bound_db(raw)),
