@@ -1,0 +1,57 @@
+"""From electrons to codes: gain, black level, number of bits."""
+
+from dataclasses import dataclass
+
+from chromanoise import _check
+from chromanoise.sensor.pixel import Pixel
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Adc:
+    """A linear converter: code = black level + electrons / gain, rounded and held to its range.
+
+    Attributes
+    ----------
+    bits
+        8 to 16.
+    gain_e_per_dn
+        Electrons per code: the conversion gain K of a data sheet, inverted. [e-/DN]
+    black_level_dn
+        Code of no electrons; noise below it survives down to code 0. [DN]
+
+    Raises
+    ------
+    InputError
+        If bits, gain or black level are out of range.
+    """
+
+    bits: int
+    gain_e_per_dn: float
+    black_level_dn: int = 0
+
+    def __post_init__(self) -> None:
+        if self.bits not in range(8, 17):
+            raise _check.InputError(f"an ADC has 8 to 16 bits, but {self.bits} are asked for")
+        _check.positive("gain_e_per_dn", "e-/DN", self.gain_e_per_dn)
+        _check.within("black_level_dn", "DN", self.black_level_dn, 0, self.top_code - 1)
+
+    @property
+    def top_code(self) -> int:
+        """The largest code, 2^bits - 1; brighter stays there and never wraps."""
+        return 2**self.bits - 1
+
+
+def adc_to_full_well(pixel: Pixel, *, bits: int = 12, black_level_dn: int = 0) -> Adc:
+    """The converter whose top code is the pixel's full well.
+
+    Examples
+    --------
+    >>> adc_to_full_well(Pixel(pitch_um=10, full_well_e=4095, read_noise_e=0)).gain_e_per_dn
+    1.0
+    """
+    range_dn = 2**bits - 1 - black_level_dn
+    if bits in range(8, 17) and range_dn < 1:
+        raise _check.InputError(
+            f"black_level_dn must lie below the top code {2**bits - 1}, but is {black_level_dn}"
+        )
+    return Adc(bits=bits, gain_e_per_dn=pixel.full_well_e / range_dn, black_level_dn=black_level_dn)

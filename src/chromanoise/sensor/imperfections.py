@@ -1,0 +1,47 @@
+"""What real pixels add to shot and read noise; all of it is zero unless asked for, as in the paper.
+
+EMVA 1288 names: DSNU and PRNU differ from pixel to pixel and stay from frame to frame; row noise is
+new in every row and frame; dark current adds electrons with their own shot noise.
+"""
+
+from dataclasses import dataclass, fields
+
+from chromanoise import _check
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Imperfections:
+    """Of one pixel design.
+
+    Attributes
+    ----------
+    dark_current_e_per_s
+        Electrons that come without light. [e-/s]
+    dsnu_e
+        Standard deviation of the dark signal over the pixels. [e-]
+    prnu
+        Standard deviation of the sensitivity over the pixels, e.g. 0.01. [1]
+    row_noise_e
+        Standard deviation of what a whole row shares. [e-]
+
+    Raises
+    ------
+    InputError
+        If one is negative or not finite, or PRNU is 0.2 or more.
+    """
+
+    dark_current_e_per_s: float = 0.0
+    dsnu_e: float = 0.0
+    prnu: float = 0.0
+    row_noise_e: float = 0.0
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            _check.not_negative(
+                field.name, field.name.rpartition("_")[2], getattr(self, field.name)
+            )
+        _check.within("prnu (percent? divide by 100)", "1", self.prnu, 0.0, 0.2)
+
+
+NONE = Imperfections()
+"""The paper's pixel."""
