@@ -33,7 +33,8 @@ from chromanoise.study.bands import CrossoverBand, band_sentence
 from chromanoise.study.comparison import Crossover, Curve, crossover_sentence
 from chromanoise.study.paper import PRINTED_TIMES_MS, WELL_SHARE
 
-_ROWS = 11  # light levels that are printed of a sweep
+_SHOWN = 6  # values that are printed of a sweep
+_SENSORS_TOLD = 3  # of which every pair gets its sentence
 
 
 def print_reproduction(result: Reproduction) -> None:
@@ -96,25 +97,36 @@ def print_analyses(analyses: Iterable[Analysis]) -> None:
 def print_comparison(
     curves: Sequence[Curve], crossed: Sequence[Crossover], bands: Sequence[CrossoverBand]
 ) -> None:
-    """The quantity and the color error over the sweep, then crossovers and bands in words."""
+    """The quantity and the color error over the sweep, then crossovers and bands in words.
+
+    Of more than three sensors, the words tell only how the first one stands to each other.
+    """
     console = _console()
     sweep, quantity, at = curves[0].sweep, curves[0].quantity, curves[0].at
-    shown = np.unique(np.linspace(0, at.size - 1, _ROWS).round().astype(int))
     title = (
         f"{quantity.what} of a white [{quantity.unit}] | mean color error of the chart without "
-        "noise [Delta E*ab]"
+        f"noise [Delta E*ab], over {sweep.what} [{sweep.unit}]"
     )
     table = Table(title=title, title_justify="left")
-    table.add_column(f"{sweep.name}\n{sweep.unit}", justify="right")
-    for curve in curves:
-        head = f"{curve.sensor}\n{curve.matrix}\n{1e3 * curve.time_s:.4g} ms"
+    for head in ("sensor", "matrix"):
+        table.add_column(head, no_wrap=True)
+    shown = np.unique(np.linspace(0, at.size - 1, _SHOWN).round().astype(int))
+    for head in ("time ms", *(f"{at[i]:.4g}" for i in shown)):
         table.add_column(head, justify="right")
-    for i in shown:
-        cells = (f"{_number(c.value[i])} | {_number(c.color_error[i], 1)}" for c in curves)
-        table.add_row(f"{at[i]:.4g}", *cells)
+    for curve in curves:
+        cells = (f"{_number(curve.value[i])} | {_number(curve.color_error[i], 1)}" for i in shown)
+        table.add_row(curve.sensor, curve.matrix, f"{1e3 * curve.time_s:.4g}", *cells)
     console.print(table)
-    for sentence in (*map(crossover_sentence, crossed), *map(band_sentence, bands)):
+    if not all(np.isfinite(curve.value).all() for curve in curves):
+        console.print("-: a channel is saturated there, or the color is no signal.")
+    many = len({curve.sensor for curve in curves}) > _SENSORS_TOLD
+    first = curves[0].sensor
+    told = [crossover_sentence(c) for c in crossed if not many or c.first == first]
+    told += [band_sentence(b) for b in bands if not many or b.first == first]
+    for sentence in told:
         console.print(sentence, soft_wrap=True)
+    if many:
+        console.print(f"The other pairs, without {first}, stand in what --json writes.")
 
 
 def print_grey_noise(analyses: Sequence[Analysis], noises: Sequence[GreyNoise | None]) -> None:
