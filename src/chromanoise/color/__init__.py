@@ -1,6 +1,7 @@
 """From electrons to color: matrices (eq. 6), XYZ with covariance (eq. 5), spaces, sRGB."""
 
 from chromanoise.color.cubature import Cubature, gaussian_cubature, gaussian_expectation
+from chromanoise.color.exact import UNBOUNDED, ExactNoise, exact_noise
 from chromanoise.color.fitted import (
     ParetoCurve,
     kernel,
@@ -20,15 +21,19 @@ from chromanoise.color.perceived import (
     first_order_error,
     mean_ciede2000,
     perceived_noise,
+    sd_error,
     through_space,
     through_space_sampled,
 )
 from chromanoise.color.picture import adapted_to_d65, srgb_from_xyz
 from chromanoise.color.root_polynomial import (
     RootPolynomial,
+    root_first_order_error,
     root_jacobian,
     root_polynomial,
+    root_polynomial_bias,
     root_polynomial_color,
+    root_polynomial_color_exact,
 )
 from chromanoise.color.spaces import (
     LAB,
@@ -59,8 +64,10 @@ __all__ = [
     "LUV",
     "SPACES",
     "SRGB",
+    "UNBOUNDED",
     "ColorMatrix",
     "Cubature",
+    "ExactNoise",
     "ParetoCurve",
     "PerceivedNoise",
     "RootPolynomial",
@@ -74,6 +81,7 @@ __all__ = [
     "cieluv",
     "colored",
     "encoded_srgb",
+    "exact_noise",
     "first_order_error",
     "gaussian_cubature",
     "gaussian_expectation",
@@ -91,9 +99,13 @@ __all__ = [
     "pareto",
     "perceived_noise",
     "ridge",
+    "root_first_order_error",
     "root_jacobian",
     "root_polynomial",
+    "root_polynomial_bias",
     "root_polynomial_color",
+    "root_polynomial_color_exact",
+    "sd_error",
     "smooth_training",
     "srgb_from_xyz",
     "through_space",

@@ -2,7 +2,8 @@
 
 Two routes stand side by side. The first order, J S J^T, is quick, and right while noise is small
 against the bend of the space. The second averages over the whole Gaussian of X, Y, Z by a fixed
-cubature and stays right in the dark; it also knows the bias, which the first order cannot.
+cubature; it also knows the bias, which the first order cannot. It is right as long as the noise is
+normal: for few electrons, or held at a bound, see `chromanoise.color.exact`.
 """
 
 from dataclasses import dataclass
@@ -161,9 +162,33 @@ def first_order_error(
     InputError
         As `through_space`.
     """
-    return _sd_error(
+    return sd_error(
         through_space(xyz, space, white), through_space_sampled(xyz, space, white, rule=rule)
     )
+
+
+def sd_error(first: Measurement, second: Measurement) -> Float[Array, "*px q"]:
+    """How far one route misses each standard deviation of another: their ratio, minus 1.
+
+    Parameters
+    ----------
+    first, second
+        The same coordinates; the second is trusted.
+
+    Examples
+    --------
+    >>> rough, right = (Measurement(mean=np.zeros(1), covariance=np.array([[v]]), names=("L*",),
+    ...                             kind="CIELAB", unit="1") for v in (4.0, 16.0))
+    >>> sd_error(rough, right)
+    array([-0.5])
+    """
+    one, two = np.sqrt(first.variance), np.sqrt(second.variance)
+    size = 1 + np.abs(first.mean).max(axis=-1, keepdims=True)
+    largest = np.maximum(one, two).max(axis=-1, keepdims=True)
+    nothing = np.maximum(1e-9 * largest, 1e-13 * size)  # still, but for rounding
+    one, two = np.where(one > nothing, one, 0.0), np.where(two > nothing, two, 0.0)
+    ratio = np.where(two > 0, one / np.where(two > 0, two, 1.0), np.where(one > 0, np.inf, 1.0))
+    return ratio - 1
 
 
 def perceived_noise(
@@ -203,7 +228,7 @@ def perceived_noise(
         rule or gaussian_cubature(),
     )
     second = _in(space, found[..., :3], covariance[..., :3, :3])
-    error = _sd_error(first, second)
+    error = sd_error(first, second)
     return PerceivedNoise(
         space=space.name,
         first_order=first,
@@ -275,16 +300,6 @@ def _chroma_sd(first: Measurement) -> Float[Array, "*px"]:
     worst = np.linalg.eigvalsh(covariance)[..., -1]
     colored = chroma > 1e-9  # below, a hue is rounding
     return np.asarray(np.sqrt(np.maximum(np.where(colored, along, worst), 0.0)))
-
-
-def _sd_error(first: Measurement, second: Measurement) -> Float[Array, "*px 3"]:
-    one, two = np.sqrt(first.variance), np.sqrt(second.variance)
-    size = 1 + np.abs(first.mean).max(axis=-1, keepdims=True)
-    largest = np.maximum(one, two).max(axis=-1, keepdims=True)
-    nothing = np.maximum(1e-9 * largest, 1e-13 * size)  # still, but for rounding
-    one, two = np.where(one > nothing, one, 0.0), np.where(two > nothing, two, 0.0)
-    ratio = np.where(two > 0, one / np.where(two > 0, two, 1.0), np.where(one > 0, np.inf, 1.0))
-    return ratio - 1
 
 
 def _xyz(measurement: Measurement) -> Measurement:

@@ -25,6 +25,7 @@ from chromanoise.merit.speed import (
     ISO_12232_2019,
     NoiseSpeedModel,
     illuminance_for_snr,
+    illuminance_for_snr_adapted,
     light_for_snr,
     noise_speed,
 )
@@ -67,6 +68,7 @@ __all__ = [
     "figure_of_merit",
     "filter_quality",
     "illuminance_for_snr",
+    "illuminance_for_snr_adapted",
     "information_bits",
     "light_for_snr",
     "matrix_report",

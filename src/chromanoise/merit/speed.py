@@ -1,5 +1,6 @@
 """How little light is enough: SNR10 in lux, and the noise-based speed of ISO 12232."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -124,8 +125,8 @@ def illuminance_for_snr(
     sensor, illuminant, exposure
         What looks, under which lamp, how long and through which aperture.
     matrix
-        Raw to color, white balance included, the same at each light level; a matrix that adapts
-        to the light needs an outer loop.
+        Raw to color, white balance included, the same at each light level; for one that adapts
+        to the light, as LMMSE does, take `illuminance_for_snr_adapted`.
     snr
         Amplitude ratio, not dB; the industry takes 10, and 1 gives the noise-equivalent light.
     coordinate
@@ -144,14 +145,82 @@ def illuminance_for_snr(
     SNR10: Alakarhu, "Image sensors and image quality in mobile phones", Proc. International Image
     Sensor Workshop (2007): 18 % gray, after white balance and color matrix. Noise of eq. 7.
     """
-    _check.same_names("illuminance_for_snr", sensor=sensor.names, matrix=matrix.channels)
-    _check.one_of("coordinate", coordinate, matrix.coordinates)
-    rho = _check.positive("reflectance", "1", reflectance)
-    scene = flat_field(illuminant, level_lux=1.0, reflectance=rho)
-    per_lux = expected_electrons(scene, sensor, exposure)
-    row = matrix.matrix[matrix.coordinates.index(coordinate)]
-    level = light_for_snr(per_lux, row, snr=snr, read_noise_e=sensor.pixel.read_noise_e)
-    return _unless_saturated(float(level), per_lux, sensor)
+    per_lux = _gray_electrons_per_lux(sensor, illuminant, exposure, reflectance)
+    level = _level_of_row(per_lux, sensor, matrix, coordinate, snr)
+    return _unless_saturated(level, per_lux, sensor)
+
+
+def illuminance_for_snr_adapted(
+    sensor: Sensor,
+    illuminant: Illuminant,
+    exposure: Exposure,
+    matrix_at: Callable[[float], ColorMatrix],
+    *,
+    snr: float = 10.0,
+    coordinate: str = "Y",
+    reflectance: float = 0.18,
+    steps_per_decade: int = 16,
+) -> float | None:
+    """SNRx of a matrix that adapts to the light: from where on ``snr`` is kept. [lx]
+
+    A matrix that changes may win SNR and lose it again. What comes back is the lowest illuminance
+    from which ``snr`` is reached at every brighter level too, up to where a channel saturates;
+    ``None`` where the brightest of them does not reach it. For one matrix at all levels this is
+    `illuminance_for_snr`.
+
+    Parameters
+    ----------
+    sensor, illuminant, exposure
+        As `illuminance_for_snr`.
+    matrix_at
+        The matrix for an illuminance on the scene in lux, e.g.
+        ``lambda lux: lmmse(sensor, exposure, training, level_lux=lux)``.
+    snr, coordinate, reflectance
+        As `illuminance_for_snr`.
+    steps_per_decade
+        How densely levels are looked at, from saturation downwards; a dip that falls between two
+        of them is not seen.
+
+    Raises
+    ------
+    InputError
+        As `illuminance_for_snr`, or if ``steps_per_decade`` is below 1.
+
+    Notes
+    -----
+    A level is enough where the matrix made for it needs no more light than that (`light_for_snr`).
+    The search ends where photons would, without any readout: SNR^2 <= E sum s_i. Bisection, to
+    1e-13; what comes back is on the side that reaches ``snr``.
+
+    Examples
+    --------
+    Whatever the matrix of a single channel without readout, SNR 10 takes 100 electrons.
+
+    >>> from chromanoise.color import kernel_matrix
+    >>> from chromanoise.sensor import Pixel
+    >>> from chromanoise.spectra import Grid, equal_energy
+    >>> grid = Grid.uniform(400, 700, 10)
+    >>> mono = Sensor(name="mono", grid=grid, qe=np.full((grid.n, 1), 0.5), names=("W",),
+    ...               pixel=Pixel(pitch_um=3.0, full_well_e=10_000.0, read_noise_e=0.0))
+    >>> at = Exposure(time_s=0.01)
+    >>> lux = illuminance_for_snr_adapted(mono, equal_energy(grid), at,
+    ...                                   lambda lux: kernel_matrix(mono, at))
+    >>> gray = flat_field(equal_energy(grid), level_lux=lux, reflectance=0.18)
+    >>> expected_electrons(gray, mono, at).round(9)
+    array([100.])
+    """
+    per_lux = _gray_electrons_per_lux(sensor, illuminant, exposure, reflectance)
+    if steps_per_decade < 1:
+        raise _check.InputError(f"steps_per_decade must be at least 1, but is {steps_per_decade}")
+
+    def enough(lux: float) -> bool:
+        return _level_of_row(per_lux, sensor, matrix_at(lux), coordinate, snr) <= lux
+
+    if not per_lux.max() > 0:
+        return None
+    brightest = sensor.pixel.full_well_e / float(per_lux.max())
+    hopeless = 0.5 * _check.positive("snr", "1", snr) ** 2 / float(per_lux.sum())
+    return _lowest_kept(enough, hopeless, brightest, step=10.0 ** (1.0 / steps_per_decade))
 
 
 def noise_speed(
@@ -218,6 +287,43 @@ def _light(
     reached = shot + np.sqrt(shot**2 + 4.0 * gain * q**2 * floor)
     visible = gain > 0
     return np.asarray(np.where(visible, reached / np.where(visible, 2.0 * gain, 1.0), np.inf))
+
+
+def _gray_electrons_per_lux(
+    sensor: Sensor, illuminant: Illuminant, exposure: Exposure, reflectance: float
+) -> Array:
+    rho = _check.positive("reflectance", "1", reflectance)
+    scene = flat_field(illuminant, level_lux=1.0, reflectance=rho)
+    return expected_electrons(scene, sensor, exposure)
+
+
+def _level_of_row(
+    per_lux: Array, sensor: Sensor, matrix: ColorMatrix, coordinate: str, snr: float
+) -> float:
+    """Illuminance that a row of one matrix takes, saturation not asked. [lx]"""
+    _check.same_names("illuminance_for_snr", sensor=sensor.names, matrix=matrix.channels)
+    _check.one_of("coordinate", coordinate, matrix.coordinates)
+    row = matrix.matrix[matrix.coordinates.index(coordinate)]
+    return float(light_for_snr(per_lux, row, snr=snr, read_noise_e=sensor.pixel.read_noise_e))
+
+
+def _lowest_kept(
+    enough: Callable[[float], bool], hopeless: float, brightest: float, *, step: float
+) -> float | None:
+    """The lowest level from which all are enough: down from the brightest, then bisection."""
+    low, high = brightest, brightest
+    while enough(low):
+        low, high = low / step, low
+        if low < hopeless:  # nothing there can be enough
+            break
+    if low == brightest:
+        return None
+    while high / low > 1.0 + 1e-13:
+        middle = float(np.sqrt(low * high))
+        if not low < middle < high:
+            break
+        low, high = (low, middle) if enough(middle) else (middle, high)
+    return high
 
 
 def _unless_saturated(level: float, per_light: Array, sensor: Sensor) -> float | None:

@@ -37,6 +37,20 @@ def count_window(
     return lowest, np.ceil(mean_e + skew + np.sqrt(skew**2 + spread))
 
 
+def count_law(mean_e: float) -> tuple[Float[Array, " m"], Float[Array, " m"]]:
+    """Counts of `count_window` for one mean, and the Poisson probability of each.
+
+    Examples
+    --------
+    >>> counts, shares = count_law(1.0)                           # 1/e for 0 and for 1
+    >>> shares[:2].round(5)
+    array([0.36788, 0.36788])
+    """
+    lowest, highest = count_window(np.array([mean_e]))
+    counts = np.arange(lowest[0], highest[0] + 1)
+    return counts, _weights(np.array([mean_e]), counts, np.arange(counts.size)[None])[0]
+
+
 def over_counts(
     mean_e: Float[Array, "*px p"],
     given_count: Callable[[Float[Array, " m"]], Float[Array, "k m"]],

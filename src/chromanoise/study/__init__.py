@@ -18,6 +18,7 @@ from chromanoise.study.bands import (
     bands_as_json,
     crossover_bands,
 )
+from chromanoise.study.chart import ChartNoise, chart_as_json, chart_noise
 from chromanoise.study.comparison import (
     Crossover,
     Curve,
@@ -37,7 +38,7 @@ from chromanoise.study.findings import (
 from chromanoise.study.layout import PaperTable, as_printed, paper_tables
 from chromanoise.study.makers import METHODS, Method, known_matrices, matrix_makers
 from chromanoise.study.paper import PaperStudy, paper_study
-from chromanoise.study.perceived import grey_noise, grey_noise_as_json
+from chromanoise.study.perceived import GreyNoise, grey_noise, grey_noise_as_json
 from chromanoise.study.planes import PaperPlanes, paper_planes
 from chromanoise.study.priors import DEFAULT_PRIOR, PRIORS, Prior
 from chromanoise.study.quantities import QUANTITIES, Quantity
@@ -53,9 +54,11 @@ __all__ = [
     "SWEEPS",
     "Analysis",
     "Cell",
+    "ChartNoise",
     "Crossover",
     "CrossoverBand",
     "Curve",
+    "GreyNoise",
     "MatrixMaker",
     "Method",
     "PaperPlanes",
@@ -72,6 +75,8 @@ __all__ = [
     "band_sentence",
     "bands_as_json",
     "budgets_as_json",
+    "chart_as_json",
+    "chart_noise",
     "color_budgets",
     "color_price_db",
     "color_snr_db",

@@ -1,0 +1,141 @@
+"""The exact law of a readout, told as the map that makes it out of a standard normal variable.
+
+Whatever is done to the readout afterwards that keeps its order (rounding, holding at a bound) is
+done to the map, so a point mass at black or full well needs no care of its own.
+"""
+
+from functools import lru_cache
+
+import numpy as np
+from jaxtyping import Float
+
+from chromanoise import _check
+from chromanoise._check import Array
+from chromanoise.noise.counts import count_law
+from chromanoise.noise.exact import Readout
+from chromanoise.noise.gaussian import FARTHEST
+
+_MANY_E = 300.0  # standard deviation from which four cumulants tell the law to 1e-7 of it
+_SMOOTH_E = 1.0  # read noise that blurs single electrons: a ripple of exp(-2 pi^2) = 3e-9 is left
+_PER_SD = 64  # steps of the table: bent by the skewness of few electrons it errs by 1e-5
+_PER_READ_NOISE = 32  # where single electrons show
+
+
+def electrons_of_normal(
+    normal: Float[Array, "*n"], mean_e: float, *, read_noise_e: float
+) -> Float[Array, "*n"]:
+    """What is read, Poisson(M) + s Z, as the rising function of one standard normal variable. [e-]
+
+    Parameters
+    ----------
+    normal
+        Values of the standard normal variable: Phi of one is the share of readouts below.
+    mean_e
+        Expected electrons M, >= 0. [e-]
+    read_noise_e
+        Standard deviation s of the readout, >= 0. [e-]
+
+    Raises
+    ------
+    InputError
+        If mean or read noise is negative or not finite.
+
+    Notes
+    -----
+    F^-1(Phi(z)), by a table of the distribution function, which is a sum over all counts but for
+    1e-18; from 300 e- of standard deviation on by the Cornish-Fisher expansion of the cumulants
+    M + s^2, M and M (Abramowitz & Stegun, 26.2.49).
+
+    Examples
+    --------
+    No electron, or one? 1/e = 0.368 of Poisson(1) is 0, up to the normal quantile -0.338.
+
+    >>> electrons_of_normal(np.array([-0.35, -0.33]), 1.0, read_noise_e=0.0)
+    array([0., 1.])
+    """
+    mean = _check.not_negative("mean_e", "e-", mean_e)
+    noise = _check.not_negative("read_noise_e", "e-", read_noise_e)
+    z = np.asarray(normal, dtype=np.float64)
+    if mean + noise**2 >= _MANY_E**2:
+        return _cornish_fisher(z, mean, noise)
+    if noise == 0:
+        counts, shares = count_law(mean)
+        edges = _normal_scores(np.cumsum(shares), np.append(np.cumsum(shares[:0:-1])[::-1], 0.0))
+        at = np.searchsorted(edges, z)
+        return counts[np.minimum(at, counts.size - 1)]
+    scores, electrons = _table(mean, noise)
+    return np.interp(z, scores, electrons)
+
+
+def read_values(electrons: Float[Array, "*n"], readout: Readout) -> Float[Array, "*n"]:
+    """Electrons as they are read: rounded to the nearest step, then held at the bounds. [e-]
+
+    Parameters
+    ----------
+    electrons
+        Poisson electrons and read noise. [e-]
+    readout
+        Bounds and step.
+
+    Examples
+    --------
+    >>> read_values(np.array([-3.0, 4.9, 99.0]), Readout(black_e=0.0, full_well_e=10.0, step_e=2.0))
+    array([ 0.,  4., 10.])
+    """
+    step = readout.step_e
+    coded = step * np.floor(electrons / step + 0.5) if step else electrons
+    return np.clip(coded, readout.black_e, readout.full_well_e)
+
+
+def _cornish_fisher(z: Float[Array, "*n"], mean: float, noise: float) -> Float[Array, "*n"]:
+    sd = np.sqrt(mean + noise**2)
+    skew, excess = mean / sd**3, mean / sd**4
+    bent = skew / 6 * (z**2 - 1) + excess / 24 * (z**3 - 3 * z) - skew**2 / 36 * (2 * z**3 - 5 * z)
+    return np.asarray(mean + sd * (z + bent))
+
+
+@lru_cache(maxsize=32)  # a sensor's channels, while spaces and matrices change
+def _table(mean: float, noise: float) -> tuple[Float[Array, " t"], Float[Array, " t"]]:
+    """Standard normal quantiles, rising, and what is read there. [1, e-]"""
+    electrons = _places(mean, noise)
+    below, above = _shares_beside(electrons, mean, noise)
+    return _check.frozen(_normal_scores(below, above)), _check.frozen(electrons)
+
+
+def _places(mean: float, noise: float) -> Float[Array, " t"]:
+    """Where the distribution function is tabled: close enough to be straight between. [e-]"""
+    counts, _ = count_law(mean)
+    reach = FARTHEST * noise
+    if 2 * reach < 1:  # single electrons stand apart
+        steps = np.linspace(-reach, reach, int(2 * FARTHEST * _PER_READ_NOISE))
+        return (counts[:, None] + steps).ravel()
+    blurred = noise >= _SMOOTH_E
+    step = np.sqrt(mean + noise**2) / _PER_SD if blurred else noise / _PER_READ_NOISE
+    return np.arange(counts[0] - reach, counts[-1] + reach + step, step)
+
+
+def _shares_beside(
+    electrons: Float[Array, " t"], mean: float, noise: float
+) -> tuple[Float[Array, " t"], Float[Array, " t"]]:
+    """Share of the readouts below and above each value; counts far from it need no Gaussian."""
+    from scipy.special import ndtr
+
+    counts, shares = count_law(mean)
+    near = min(counts.size, int(2 * FARTHEST * noise) + 2)
+    first = np.ceil(electrons - FARTHEST * noise - counts[0]).astype(np.int64)
+    first = np.clip(first, 0, counts.size - near)
+    at = first[:, None] + np.arange(near)
+    away = (electrons[:, None] - counts[at]) / noise
+    upto = np.concatenate([[0.0], np.cumsum(shares)])
+    onward = np.concatenate([np.cumsum(shares[::-1])[::-1], [0.0]])
+    below = upto[first] + (shares[at] * ndtr(away)).sum(axis=1)
+    above = onward[first + near] + (shares[at] * ndtr(-away)).sum(axis=1)
+    return below, above
+
+
+def _normal_scores(below: Float[Array, " t"], above: Float[Array, " t"]) -> Float[Array, " t"]:
+    """Standard normal quantiles, each from the smaller tail: 1 - 1e-20 cannot be told from 1."""
+    from scipy.special import ndtri
+
+    tail = np.clip(np.minimum(below, above), 1e-300, 0.5)
+    return np.where(below < above, ndtri(tail), -ndtri(tail))
