@@ -5,12 +5,12 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
+from chromanoise.exposure import Situation
 from chromanoise.figures import chromanoise_style, draw_comparison
 from chromanoise.imaging import write_png
 from chromanoise.spectra import DEFAULT_GRID, equal_energy
 from chromanoise.study import (
     PaperStudy,
-    Situation,
     compared,
     crossover_sentence,
     crossovers,

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 
 from chromanoise.color import kernel_matrix
-from chromanoise.exposure import Exposure
+from chromanoise.exposure import Exposure, Situation
 from chromanoise.noise import sample_electrons
 from chromanoise.rng import stream
 from chromanoise.scene import Scene, flat_field
 from chromanoise.sensor import sensor_named
 from chromanoise.spectra import DEFAULT_GRID, colorchecker, equal_energy
-from chromanoise.study import Situation, analyzed, chart_as_json, chart_noise, matrix_makers
+from chromanoise.study import analyzed, chart_as_json, chart_noise, matrix_makers
 
 LAMP = equal_energy(DEFAULT_GRID)
 DRAWS = 20_000

@@ -5,14 +5,13 @@ import pytest
 
 from chromanoise._check import InputError
 from chromanoise.color import kernel_matrix
-from chromanoise.exposure import Exposure, expected_electrons
+from chromanoise.exposure import Exposure, Situation, expected_electrons
 from chromanoise.scene import flat_field
 from chromanoise.sensor import Pixel, Sensor, sensor_named
 from chromanoise.spectra import DEFAULT_GRID, equal_energy
 from chromanoise.study import (
     QUANTITIES,
     SWEEPS,
-    Situation,
     band_sentence,
     compared,
     comparison_as_json,

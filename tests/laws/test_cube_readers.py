@@ -445,9 +445,9 @@ def test_an_empty_file_is_refused(tmp_path, name):
 
 
 def test_an_ending_that_is_not_read_is_refused_and_the_others_are_named(tmp_path):
-    (tmp_path / "a.tif").write_bytes(b"II*\0")
-    with pytest.raises(InputError, match=r"not read from .tif files; read are ENVI .* .mat, .npz"):
-        read_cube(tmp_path / "a.tif")
+    (tmp_path / "a.gif").write_bytes(b"GIF89a")
+    with pytest.raises(InputError, match=r"not read from .gif files; read are ENVI .* .mat, .npz"):
+        read_cube(tmp_path / "a.gif")
 
 
 @pytest.mark.parametrize("name", ["a.img", "a"])
@@ -719,17 +719,12 @@ def test_structured_numpy_arrays_are_refused(tmp_path):
             read_cube(tmp_path / "a.npz", key="V")
 
 
-def test_matlab_7_3_is_refused_with_its_cure(tmp_path):
-    h5py = pytest.importorskip("h5py", reason="h5py writes the file for this test")
-    with h5py.File(tmp_path / "plain.mat", "w") as file:
-        file["reflectance"] = np.ones((2, 2, 2))
-    with h5py.File(tmp_path / "block.mat", "w", userblock_size=512) as file:
-        file["reflectance"] = np.ones((2, 2, 2))
+def test_a_matlab_7_3_file_that_is_cut_is_refused(tmp_path):
+    pytest.importorskip("h5py", reason="it reads MATLAB 7.3")
     start = b"MATLAB 7.3 MAT-file".ljust(124) + b"\x00\x02IM"
     (tmp_path / "cut.mat").write_bytes(start + bytes(100))
-    for name in ("plain.mat", "block.mat", "cut.mat"):
-        with pytest.raises(InputError, match=r"MATLAB 7.3 .*-v7"):
-            read_cube(tmp_path / name)
+    with pytest.raises(InputError, match=r"not a readable MATLAB 7\.3 file"):
+        read_cube(tmp_path / "cut.mat")
 
 
 def test_matlab_4_is_refused_with_its_cure(tmp_path):

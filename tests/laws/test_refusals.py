@@ -6,9 +6,8 @@ import jaxtyping
 import numpy as np
 import pytest
 
-import chromanoise.imaging.render as render_module
 from chromanoise._check import InputError
-from chromanoise.exposure import Exposure, expected_electrons, time_to_saturation
+from chromanoise.exposure import Exposure, Situation, expected_electrons, time_to_saturation
 from chromanoise.geometry import dual_frame
 from chromanoise.imaging import rendered
 from chromanoise.noise import Measurement, monte_carlo, raw_covariance
@@ -75,7 +74,16 @@ def cube_with(value):
 
 
 def picture_of(cube, **more):
-    return rendered(cube, white_channel(), EXPOSURE, LAMP, level_lux=10.0, **more)
+    return rendered(cube, used(), **more)
+
+
+def used(illuminant=None, level_lux=10.0):
+    return Situation(
+        sensor=white_channel(),
+        exposure=EXPOSURE,
+        illuminant=illuminant or LAMP,
+        level_lux=level_lux,
+    )
 
 
 def measurement(mean=(1.0, 2.0), covariance=((1.0, 0.0), (0.0, 1.0)), names=("a", "b")):
@@ -353,16 +361,13 @@ REFUSED = {
         ["seed", "-1"],
     ),
     "picture in the dark": (
-        lambda: rendered(cube_with(0.5), white_channel(), EXPOSURE, LAMP, level_lux=-4.0),
+        lambda: rendered(cube_with(0.5), used(level_lux=-4.0)),
         ["level_lux", "[lx]", "-4"],
     ),
     "picture by another lamp": (
         lambda: rendered(
             cube_with(0.5),
-            white_channel(),
-            EXPOSURE,
-            equal_energy(Grid.uniform(450, 750, 10)),  # as many wavelengths, but others
-            level_lux=1.0,
+            used(equal_energy(Grid.uniform(450, 750, 10))),  # as many wavelengths, but others
         ),
         ["grid", "450-750 nm @10", "400-700 nm @10"],
     ),
@@ -386,10 +391,9 @@ def test_nouns_refuse_what_cannot_be_and_say_where(made, told):
         assert part in str(refusal.value)
 
 
-def test_a_bad_pixel_is_told_by_its_row_in_the_whole_cube(monkeypatch):
-    monkeypatch.setattr(render_module, "_BLOCK_VALUES", 1)  # one row at a time
+def test_a_bad_pixel_is_told_by_its_row_in_the_whole_cube():
     with pytest.raises(InputError, match=r"-0\.5 at row 2, column 1 \(from 0\), 450 nm"):
-        picture_of(cube_with(-0.5))
+        picture_of(cube_with(-0.5), tile_rows=1)
 
 
 # Here the checked shapes of the test run would complain first; a user's run has only ours.

@@ -16,11 +16,11 @@ from chromanoise.cli.options import (
 )
 from chromanoise.cli.output import write_json
 from chromanoise.color import SPACES
+from chromanoise.exposure import Situation
 from chromanoise.noise import Readout
 from chromanoise.study import (
     DEFAULT_PRIOR,
     PRIORS,
-    Situation,
     analyses_as_json,
     analyzed,
     budgets_as_json,
@@ -59,7 +59,7 @@ from chromanoise.study import (
     help="What a trained matrix is trained on.",
 )
 @click.option("--chart", is_flag=True, help="Color error and noise of each ColorChecker patch.")
-@click.option("--budget", is_flag=True, help="Where the SNR of X, Y and Z goes, in dB per cause.")
+@click.option("--budget", is_flag=True, help="Where the SNR goes, in dB per cause.")
 @click.option(
     "--space",
     type=click.Choice(list(SPACES)),
@@ -113,6 +113,7 @@ def analyze(
         for analysis in analyses if budget else []:
             tables.print_budgets(analysis, color_budgets(analysis))
             tables.print_budgets(analysis, contravariant_budgets(analysis))
+            tables.print_lab_budgets(analysis)
         for analysis in analyses if chart else []:
             tables.print_chart(analysis, chart_noise(analysis))
         if space:

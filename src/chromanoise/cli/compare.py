@@ -18,13 +18,12 @@ from chromanoise.cli.options import (
     the_sensors,
 )
 from chromanoise.cli.output import write_json
-from chromanoise.exposure import Exposure, equal_exposure, equal_light, equal_saturation
+from chromanoise.exposure import Exposure, Situation, equal_exposure, equal_light, equal_saturation
 from chromanoise.study import (
     DEFAULT_PRIOR,
     PRIORS,
     QUANTITIES,
     SWEEPS,
-    Situation,
     Sweep,
     bands_as_json,
     compared,

@@ -17,9 +17,9 @@ from chromanoise.cli.options import (
     the_light,
     the_sensors,
 )
-from chromanoise.exposure import expected_electrons
+from chromanoise.exposure import Situation, expected_electrons
 from chromanoise.merit import matrix_report
-from chromanoise.study import DEFAULT_PRIOR, PRIORS, Situation, known_matrices, matrix_makers
+from chromanoise.study import DEFAULT_PRIOR, PRIORS, known_matrices, matrix_makers
 from chromanoise.study.matrix_files import (
     MadeMatrix,
     matrix_clf,

@@ -17,6 +17,7 @@ from chromanoise.cli.options import (
     the_sensors,
 )
 from chromanoise.cli.output import write_json
+from chromanoise.exposure import Situation
 from chromanoise.imaging import Picture, picture_summary, rendered, write_png, write_xyz_tiff
 from chromanoise.scene import Cube, builtin_cube, read_cube
 
@@ -55,11 +56,12 @@ def simulate(
     pictures = [
         rendered(
             source,
-            camera,
-            the_exposure(white, camera, **only(options, EXPOSURE)),
-            illuminant,
-            level_lux=white.level_lux,
-            metric=options["metric"],
+            Situation(
+                sensor=camera,
+                exposure=the_exposure(white, camera, **only(options, EXPOSURE)),
+                illuminant=illuminant,
+                level_lux=white.level_lux,
+            ),
             seed=seed,
             beyond=options["beyond"],
             clip=clip,

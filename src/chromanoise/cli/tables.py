@@ -21,8 +21,10 @@ from chromanoise.study import (
     color_snr_db,
     contravariant_snr_db,
     diagnosis,
+    lab_budgets,
     mean_color_error,
     metric_remark,
+    missing_lab_budgets,
     paper_tables,
     raw_snr_db,
     set_aside_reasons,
@@ -32,6 +34,7 @@ from chromanoise.study import (
 from chromanoise.study.bands import CrossoverBand, band_sentence
 from chromanoise.study.comparison import Crossover, Curve, crossover_sentence
 from chromanoise.study.paper import PRINTED_TIMES_MS, WELL_SHARE
+from chromanoise.study.perceived import GREY
 
 _SHOWN = 6  # values that are printed of a sweep
 _SENSORS_TOLD = 3  # of which every pair gets its sentence
@@ -218,21 +221,39 @@ def print_matrix(matrix: ColorMatrix, report: MatrixReport, sensor_name: str) ->
 def print_budgets(analysis: Analysis, budgets: Sequence[Budget | None]) -> None:
     """From all photons down to each color coordinate: dB per cause, and what each cause is."""
     told = [budget for budget in budgets if budget]
-    console = _console()
     if not told:
-        console.print(f"{analysis.sensor.name}: no coordinate has an SNR, so there is no budget")
+        _console().print(f"{analysis.sensor.name}: no coordinate has an SNR, so there is no budget")
         return
-    table = Table(title=f"Budget of {analysis.sensor.name} [dB]", title_justify="left")
+    _console().print(_budget_table(told, f"Budget of {analysis.sensor.name} [dB]"))
+
+
+def print_lab_budgets(analysis: Analysis) -> None:
+    """The same for one unit of L*, a* and b* of a gray; a sentence where one has no budget."""
+    console = _console()
+    budgets = lab_budgets(analysis)
+    told = [budget for budget in budgets if budget]
+    if told:
+        of = f"one unit on a gray of {100 * GREY:.0f} %, {analysis.sensor.name}"
+        console.print(_budget_table(told, f"Budget of {of} [dB]"))
+    missing = missing_lab_budgets(analysis, budgets)
+    if missing:
+        console.print(missing, soft_wrap=True)
+
+
+def _budget_table(told: Sequence[Budget], title: str) -> Table:
+    """One column per coordinate, one row per cause; the reading is that of the second."""
+    table = Table(title=title, title_justify="left")
     table.add_column("")
     for budget in told:
         table.add_column(budget.coordinate, justify="right")
-    table.add_column("reading", justify="left")
+    read = min(1, len(told) - 1)
+    table.add_column(f"reading of {told[read].coordinate}", justify="left")
     table.add_row("all photons", *(f"{budget.photons_db:.2f}" for budget in told))
     for i, cost in enumerate(told[0].costs):
         losses = (f"{round(-budget.costs[i].loss_db, 2) + 0.0:+.2f}" for budget in told)
-        table.add_row(cost.cause, *losses, told[min(1, len(told) - 1)].costs[i].reading)
+        table.add_row(cost.cause, *losses, told[read].costs[i].reading)
     table.add_row("SNR", *(f"{budget.snr_db:.2f}" for budget in told))
-    console.print(table)
+    return table
 
 
 def _add_channels(table: Table, analysis: Analysis) -> None:

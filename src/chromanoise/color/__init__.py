@@ -25,7 +25,7 @@ from chromanoise.color.perceived import (
     through_space,
     through_space_sampled,
 )
-from chromanoise.color.picture import adapted_to_d65, srgb_from_xyz
+from chromanoise.color.picture import adapted_to_d65, srgb_from_linear, srgb_from_xyz
 from chromanoise.color.root_polynomial import (
     RootPolynomial,
     root_first_order_error,
@@ -107,6 +107,7 @@ __all__ = [
     "root_polynomial_color_exact",
     "sd_error",
     "smooth_training",
+    "srgb_from_linear",
     "srgb_from_xyz",
     "through_space",
     "through_space_sampled",

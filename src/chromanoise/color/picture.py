@@ -68,5 +68,9 @@ def srgb_from_xyz(xyz: Float[Array, "*px 3"]) -> Float[Array, "*px 3"]:
            [0.461, 0.461, 0.461],
            [0.   , 0.   , 0.   ]])
     """
-    linear = np.clip(xyz @ XYZ_TO_LINEAR_SRGB.T, 0.0, 1.0)
+    return srgb_from_linear(np.clip(xyz @ XYZ_TO_LINEAR_SRGB.T, 0.0, 1.0))
+
+
+def srgb_from_linear(linear: Float[Array, "*px"]) -> Float[Array, "*px"]:
+    """Encoded sRGB of linear values 0 .. 1 (IEC 61966-2-1)."""
     return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)

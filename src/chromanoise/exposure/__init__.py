@@ -10,9 +10,11 @@ from chromanoise.exposure.electrons import (
     time_to_saturation,
 )
 from chromanoise.exposure.rules import equal_exposure, equal_light, equal_saturation
+from chromanoise.exposure.situation import Situation, white_scene
 
 __all__ = [
     "Exposure",
+    "Situation",
     "band_weights",
     "equal_exposure",
     "equal_light",
@@ -22,4 +24,5 @@ __all__ = [
     "measurement_vectors",
     "saturating_exposure",
     "time_to_saturation",
+    "white_scene",
 ]

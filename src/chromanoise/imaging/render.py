@@ -1,23 +1,31 @@
-"""A cube through a sensor to a noisy color picture, a few rows at a time."""
+"""A cube through a sensor: to a noisy color picture, or to the raw codes of a mosaic."""
 
-import zlib
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float, UInt8
+from jaxtyping import Float, Float32, UInt8, UInt16
 
 from chromanoise import _check
 from chromanoise._check import Array
-from chromanoise.color import adapted_to_d65, kernel_matrix, srgb_from_xyz
-from chromanoise.exposure import Exposure, band_weights, expected_electrons
-from chromanoise.noise import clipped_at_well, sample_electrons
-from chromanoise.rng import stream
-from chromanoise.scene import Cube, bands_within, flat_field
-from chromanoise.scene.cube import reflectance_rows
-from chromanoise.sensor import Sensor
+from chromanoise.color import ColorMatrix, kernel_matrix
+from chromanoise.exposure import Exposure, Situation, expected_electrons, white_scene
+from chromanoise.imaging.blocks import Scratch, over_blocks, row_blocks, thread_count
+from chromanoise.imaging.plans import (
+    color_block,
+    color_plan,
+    draw_of,
+    electron_block,
+    light_of,
+    raw_block,
+    raw_plan,
+)
+from chromanoise.scene import Cube, bands_within
+from chromanoise.sensor import Adc, Imperfections, Mosaic, Sensor, adc_to_full_well
 from chromanoise.spectra import Beyond, Illuminant, Metric
 
-_BLOCK_VALUES = 4_000_000  # reflectances held as float64 at a time: 32 MB
+Progress = Callable[[int], None]
+"""Is told how many more rows are done."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -26,7 +34,7 @@ class Picture:
 
     Attributes
     ----------
-    sensor, exposure, illuminant, level_lux, metric, seed
+    situation, matrix, seed, frame
         How it was made.
     xyz
         Linear XYZ with noise; Y = 1 for a perfect white seen by the same sensor.
@@ -44,13 +52,11 @@ class Picture:
         What was assumed on the way.
     """
 
-    sensor: Sensor
-    exposure: Exposure
-    illuminant: Illuminant
-    level_lux: float
-    metric: Metric
+    situation: Situation
+    matrix: ColorMatrix
     seed: int
-    xyz: Float[Array, "h w 3"]
+    frame: int
+    xyz: Float32[Array, "h w 3"]
     srgb: UInt8[Array, "h w 3"]
     white: Float[Array, " 3"]
     mean_e: Float[Array, " p"]
@@ -63,111 +69,277 @@ class Picture:
             pixels.flags.writeable = False
         _check.freeze(self, "white", "mean_e", "above_full_well")
 
+    @property
+    def sensor(self) -> Sensor:
+        """Of the situation."""
+        return self.situation.sensor
+
+    @property
+    def exposure(self) -> Exposure:
+        """Of the situation."""
+        return self.situation.exposure
+
+    @property
+    def illuminant(self) -> Illuminant:
+        """Of the situation."""
+        return self.situation.illuminant
+
+    @property
+    def level_lux(self) -> float:
+        """Of the situation. [lx]"""
+        return self.situation.level_lux
+
+    @property
+    def metric(self) -> Metric:
+        """Of the matrix."""
+        return self.matrix.metric
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class RawPicture:
+    """What the converter gives: one code per pixel, of the channel that lies over it.
+
+    Attributes
+    ----------
+    situation, seed, frame
+        How it was made.
+    mosaic, adc
+        Which channel lies where, and what a code means.
+    codes
+        0 to the top code. [DN]
+    mean_e
+        Mean expected electrons per channel, over its own pixels. [e-]
+    above_full_well
+        Share of the noisy values per channel that exceed full well.
+    notes
+        What was assumed on the way.
+    """
+
+    situation: Situation
+    seed: int
+    frame: int
+    mosaic: Mosaic
+    adc: Adc
+    codes: UInt16[Array, "h w"]
+    mean_e: Float[Array, " p"]
+    above_full_well: Float[Array, " p"]
+    notes: tuple[str, ...]
+
+    def __post_init__(self) -> None:
+        self.codes.flags.writeable = False
+        _check.freeze(self, "mean_e", "above_full_well")
+
 
 def rendered(
     cube: Cube,
-    sensor: Sensor,
-    exposure: Exposure,
-    illuminant: Illuminant,
+    situation: Situation,
     *,
-    level_lux: float,
-    metric: Metric = "quanta",
+    matrix: ColorMatrix | None = None,
     seed: int = 0,
-    beyond: Beyond = "refuse",
+    frame: int = 0,
+    imperfections: Imperfections | None = None,
+    noisy: bool = True,
     clip: bool = False,
+    beyond: Beyond = "refuse",
+    threads: int | None = None,
+    tile_rows: int | None = None,
+    progress: Progress | None = None,
 ) -> Picture:
-    """The noisy color picture of ``cube``: every channel at every pixel, then the kernel matrix.
+    """The noisy color picture of ``cube``: every channel at every pixel, then the color matrix.
 
     Parameters
     ----------
     cube
-        Reflectances; its rows are read once, a few at a time.
-    sensor, exposure, illuminant
-        What looks at it, how, and in which light; sensor and illuminant share one grid.
-    level_lux
-        Illuminance on the scene. [lx]
-    metric
-        Of the kernel matrix.
-    seed
-        The same seed gives the same picture.
-    beyond
-        What the reflectances are where the cube ends short of the grid.
+        Reflectances; each number is read once.
+    situation
+        Sensor, exposure and light.
+    matrix
+        From electrons to XYZ; the kernel (eq. 6, quanta) if ``None``.
+    seed, frame
+        Whole numbers to 2^32 - 1: the same give the same picture, whatever threads and tiles.
+    imperfections
+        Of real pixels; none by default, as in the paper.
+    noisy
+        False for the picture of the expected electrons.
     clip
         Hold electrons between 0 and full well, as a real sensor does. The paper does not.
+    beyond
+        What the reflectances are where the cube ends short of the grid.
+    threads
+        Working at once; as many as there are cores by default.
+    tile_rows
+        Rows that are held at a time.
+    progress
+        Is told how many more rows are done.
 
     Raises
     ------
     InputError
-        If the cube holds what is no reflectance, ends short of the grid, or the seed is negative.
+        If the cube holds what is no reflectance, ends short of the grid, a number is out of range,
+        or the matrix has no luminance for this light.
     """
-    cube = bands_within(cube, sensor.grid)
-    perfect_white = flat_field(illuminant, level_lux=level_lux)
-    weights, notes = band_weights(cube, perfect_white, sensor, exposure, beyond=beyond)
-    matrix = kernel_matrix(sensor, exposure, metric).matrix
-    white_lux = matrix @ expected_electrons(perfect_white, sensor, exposure)
-    _refuse_no_luminance(white_lux, sensor, illuminant)
-    to_xyz, white = matrix / white_lux[1], white_lux / white_lux[1]
-    height, width, _ = cube.stored.shape
+    cube = bands_within(cube, situation.sensor.grid)
+    light = light_of(cube, situation, beyond=beyond)
+    draw = draw_of(situation, seed=seed, frame=frame, imperfections=imperfections, noisy=noisy)
+    matrix = matrix or kernel_matrix(situation.sensor, situation.exposure)
+    white_lux = _white_lux(matrix, situation)
+    to_xyz, white = matrix.matrix / white_lux[1], white_lux / white_lux[1]
+    plan = color_plan(light, draw, situation, to_xyz, white, clip=clip)
+    height, width, _ = light.source.shape
     xyz = np.empty((height, width, 3), dtype=np.float32)
     srgb = np.empty((height, width, 3), dtype=np.uint8)
-    mean_e = np.zeros(len(sensor.names))
-    above = np.zeros(len(sensor.names))
-    for start, stop in _row_blocks(cube):
-        expected = reflectance_rows(cube, start, stop) @ weights
-        electrons = _noisy_rows(expected, sensor, seed, start)
-        mean_e += expected.sum(axis=(0, 1))
-        above += (electrons > sensor.pixel.full_well_e).sum(axis=(0, 1))
-        if clip:
-            electrons, _ = clipped_at_well(electrons, sensor.pixel)
-        xyz[start:stop] = electrons @ to_xyz.T
-        srgb[start:stop] = _eight_bit(xyz[start:stop], white)
+    counts = np.empty((height, 2, light.channels))
+    scratch = Scratch()
+
+    def work(start: int, stop: int) -> None:
+        rows = slice(start, stop)
+        counts[rows] = color_block(plan, start, stop, scratch, xyz[rows], srgb[rows]).counts
+
+    blocks = row_blocks(light.source, rows=tile_rows)
+    over_blocks(work, blocks, threads=thread_count(threads), progress=progress)
+    mean_e, above = counts.sum(axis=0) / (height * width)
     return Picture(
-        sensor=sensor,
-        exposure=exposure,
-        illuminant=illuminant,
-        level_lux=level_lux,
-        metric=metric,
+        situation=situation,
+        matrix=matrix,
         seed=seed,
+        frame=frame,
         xyz=xyz,
         srgb=srgb,
         white=white,
-        mean_e=mean_e / (height * width),
-        above_full_well=above / (height * width),
+        mean_e=mean_e,
+        above_full_well=above,
         clipped=clip,
-        notes=(*sensor.notes, *illuminant.notes, *cube.notes, *notes),
+        notes=_notes(situation, light.cube, light.notes),
     )
 
 
-def _refuse_no_luminance(
-    white_lux: Float[Array, " 3"], sensor: Sensor, illuminant: Illuminant
-) -> None:
-    if not white_lux[1] > 0:
+def acquired(
+    cube: Cube,
+    situation: Situation,
+    *,
+    mosaic: Mosaic | None = None,
+    adc: Adc | None = None,
+    seed: int = 0,
+    frame: int = 0,
+    imperfections: Imperfections | None = None,
+    noisy: bool = True,
+    beyond: Beyond = "refuse",
+    threads: int | None = None,
+    tile_rows: int | None = None,
+    progress: Progress | None = None,
+) -> RawPicture:
+    """The raw codes of ``cube`` behind a mosaic: only the channel over each pixel is computed.
+
+    Parameters
+    ----------
+    mosaic
+        The sensor's own if ``None``.
+    adc
+        12 bits, top code at full well, black level 0 if ``None``.
+    cube, situation, seed, frame, imperfections, noisy, beyond, threads, tile_rows, progress
+        As `rendered`. Each pixel has the noise that its channel has there.
+
+    Raises
+    ------
+    InputError
+        As `rendered`, or if there is no mosaic or it names a channel that the sensor lacks.
+    """
+    sensor = situation.sensor
+    mosaic = _mosaic_of(situation, mosaic)
+    adc = adc or adc_to_full_well(sensor.pixel)
+    cube = bands_within(cube, sensor.grid)
+    light = light_of(cube, situation, beyond=beyond)
+    draw = draw_of(situation, seed=seed, frame=frame, imperfections=imperfections, noisy=noisy)
+    plan = raw_plan(light, draw, situation, mosaic, adc)
+    height, width, _ = light.source.shape
+    codes = np.empty((height, width), dtype=np.uint16)
+    counts = np.empty((height, 2, light.channels))
+    scratch = Scratch()
+
+    def work(start: int, stop: int) -> None:
+        rows = slice(start, stop)
+        counts[rows] = raw_block(plan, start, stop, scratch, codes[rows]).counts
+
+    blocks = row_blocks(light.source, rows=tile_rows)
+    over_blocks(work, blocks, threads=thread_count(threads), progress=progress)
+    own = _pixels_of_channels(plan.tile, height, width, light.channels)
+    mean_e, above = counts.sum(axis=0) / np.maximum(own, 1)
+    return RawPicture(
+        situation=situation,
+        seed=seed,
+        frame=frame,
+        mosaic=mosaic,
+        adc=adc,
+        codes=codes,
+        mean_e=mean_e,
+        above_full_well=above,
+        notes=_notes(situation, light.cube, light.notes),
+    )
+
+
+def electrons_of_cube(
+    cube: Cube,
+    situation: Situation,
+    *,
+    beyond: Beyond = "refuse",
+    threads: int | None = None,
+    tile_rows: int | None = None,
+    progress: Progress | None = None,
+) -> Float32[Array, "h w p"]:
+    """Expected electrons of every channel at every pixel (eq. 2), without noise. [e-]
+
+    Parameters, errors as `rendered`.
+    """
+    cube = bands_within(cube, situation.sensor.grid)
+    light = light_of(cube, situation, beyond=beyond)
+    height, width, _ = light.source.shape
+    electrons = np.empty((height, width, light.channels), dtype=np.float32)
+    scratch = Scratch()
+
+    def work(start: int, stop: int) -> None:
+        electron_block(light, start, stop, scratch, electrons[start:stop])
+
+    blocks = row_blocks(light.source, rows=tile_rows)
+    over_blocks(work, blocks, threads=thread_count(threads), progress=progress)
+    return electrons
+
+
+def _mosaic_of(situation: Situation, mosaic: Mosaic | None) -> Mosaic:
+    sensor = situation.sensor
+    mosaic = mosaic or sensor.mosaic
+    if mosaic is None:
         raise _check.InputError(
-            f"{sensor.name}: its kernel matrix gives a perfect white under {illuminant.name} a "
-            f"luminance of {white_lux[1]:.3g} lx, so no picture can be scaled to it; take another "
-            "light or sensor"
+            f"{sensor.name} has no mosaic; name the channels over its pixels, one of "
+            f"{', '.join(sensor.names)} for each"
         )
+    for name in mosaic.names:
+        _check.one_of(f"mosaic channel of {sensor.name}", name, sensor.names)
+    return mosaic
 
 
-def _noisy_rows(
-    expected: Float[Array, "rows w p"], sensor: Sensor, seed: int, start: int
-) -> Float[Array, "rows w p"]:
-    """Each row has its own stream, so that no choice of blocks changes the picture."""
-    who = zlib.crc32(sensor.name.encode())
-    return np.stack(
-        [
-            sample_electrons(row, sensor.pixel, stream(seed, who, start + i))
-            for i, row in enumerate(expected)
-        ]
-    )
+def _white_lux(matrix: ColorMatrix, situation: Situation) -> Float[Array, " 3"]:
+    sensor, lamp = situation.sensor, situation.illuminant
+    _check.same_names("picture", sensor=sensor.names, matrix=matrix.channels)
+    white = matrix.matrix @ expected_electrons(white_scene(situation), sensor, situation.exposure)
+    if not white[1] > 0:
+        raise _check.InputError(
+            f"{sensor.name}: its {matrix.made_by} matrix gives a perfect white under {lamp.name} a "
+            f"luminance of {white[1]:.3g} lx, so no picture can be scaled to it; take another "
+            "light, sensor or matrix"
+        )
+    return white
 
 
-def _row_blocks(cube: Cube) -> list[tuple[int, int]]:
-    height, width, bands = cube.stored.shape
-    rows = max(1, _BLOCK_VALUES // (width * bands))
-    return [(start, min(start + rows, height)) for start in range(0, height, rows)]
+def _pixels_of_channels(tile: Array, height: int, width: int, channels: int) -> Float[Array, " p"]:
+    """How many pixels of the picture each channel has."""
+    rows, columns = tile.shape
+    whole = np.tile(tile, (-(-height // rows), 1))[:height]
+    counts = np.zeros(channels)
+    for column in range(columns):
+        pixels = len(range(column, width, columns))
+        counts += pixels * np.bincount(whole[:, column], minlength=channels)
+    return counts
 
 
-def _eight_bit(xyz: Float[Array, "h w 3"], white: Float[Array, " 3"]) -> UInt8[Array, "h w 3"]:
-    srgb = srgb_from_xyz(adapted_to_d65(xyz.astype(np.float64), white))
-    return np.round(255 * srgb).astype(np.uint8)
+def _notes(situation: Situation, cube: Cube, light: tuple[str, ...]) -> tuple[str, ...]:
+    return (*situation.sensor.notes, *situation.illuminant.notes, *cube.notes, *light)

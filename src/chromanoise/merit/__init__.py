@@ -18,6 +18,7 @@ from chromanoise.merit.filters import (
     second_moment,
     vora_value,
 )
+from chromanoise.merit.lab_budget import faintest_change, lab_budget
 from chromanoise.merit.matrix_report import MatrixReport, effective_filters, matrix_report
 from chromanoise.merit.smi import Metamerism, metamerism, sensor_metamerism
 from chromanoise.merit.snr import bound_db, price_db, snr_db
@@ -65,11 +66,13 @@ __all__ = [
     "contrast_sensitivity",
     "contravariant_budget",
     "effective_filters",
+    "faintest_change",
     "figure_of_merit",
     "filter_quality",
     "illuminance_for_snr",
     "illuminance_for_snr_adapted",
     "information_bits",
+    "lab_budget",
     "light_for_snr",
     "matrix_report",
     "metamerism",

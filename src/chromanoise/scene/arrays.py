@@ -10,7 +10,8 @@ import numpy as np
 
 from chromanoise import _check
 from chromanoise._check import Array
-from chromanoise.scene.found import IN_PLACE, Found, Notes, by, reading
+from chromanoise.scene.faults import IN_PLACE, reading
+from chromanoise.scene.found import Found, Notes, by
 from chromanoise.scene.mat import mat_array, mat_arrays
 from chromanoise.scene.npz import npz_array, npz_arrays
 from chromanoise.scene.picture import picture
@@ -61,7 +62,7 @@ def _chosen(path: Path, key: str | None, arrays: _Arrays) -> str:
     if name in arrays:
         return name
     listed = list(arrays.items())[:_MOST_LISTED]
-    told = ", ".join(f"{_printable(n)} {by(s)} {_kind(t)}" for n, (s, t) in listed)
+    told = ", ".join(f"{printable(n)} {by(s)} {_kind(t)}" for n, (s, t) in listed)
     raise _check.InputError(
         f"{path}: has no array {name!r}; it holds {told or 'no arrays'}"
         + ("; name the cube with --key" if arrays else "")
@@ -70,7 +71,7 @@ def _chosen(path: Path, key: str | None, arrays: _Arrays) -> str:
 
 def _loaded(path: Path, name: str, arrays: _Arrays, form: _Format) -> Array:
     shape, dtype = arrays[name]
-    _refuse_impossible(path, name, shape, dtype)
+    refuse_impossible(path, name, shape, dtype)
     with reading(path, form.kind):
         array = form.array(path, name)
     if array.shape != shape:
@@ -81,7 +82,8 @@ def _loaded(path: Path, name: str, arrays: _Arrays, form: _Format) -> Array:
     return array.astype(dtype, copy=False)
 
 
-def _printable(name: str) -> str:
+def printable(name: str) -> str:
+    """A name from a file, short and fit to be shown."""
     return "".join(c if c.isprintable() else "?" for c in name[:40])
 
 
@@ -89,25 +91,34 @@ def _kind(dtype: np.dtype) -> str:
     return "object" if dtype.hasobject else dtype.name
 
 
-def _refuse_impossible(path: Path, name: str, shape: tuple[int, ...], dtype: np.dtype) -> None:
+def refuse_impossible(
+    path: Path, name: str, shape: tuple[int, ...], dtype: np.dtype, *, size: int | None = None
+) -> None:
     """Refuse, before it is read, what is no number, or larger than its file or the memory."""
-    _refuse_not_numbers(path, name, dtype)
+    refuse_not_numbers(path, name, dtype)
     count = math.prod(shape)
+    size = path.stat().st_size if size is None else size
     if min(shape, default=1) < 1:
         raise _check.InputError(f"{path}: array {name!r} is empty ({by(shape)}); save it again")
-    if count > path.stat().st_size * _MOST_INFLATED:
+    if count > size * _MOST_INFLATED:
         raise _check.InputError(
             f"{path}: array {name!r} says that it is {by(shape)}, which a file of "
-            f"{path.stat().st_size} bytes cannot hold; it is damaged, save it again"
+            f"{size} bytes cannot hold; it is damaged, save it again"
         )
-    if count * dtype.itemsize > _memory_bytes():
+    refuse_large(path, name, count * dtype.itemsize)
+
+
+def refuse_large(path: Path, name: str, size: int) -> None:
+    """Refuse an array of more bytes than the machine has memory."""
+    if size > memory_bytes():
         raise _check.InputError(
-            f"{path}: array {name!r} needs {_bytes(count * dtype.itemsize)} of memory, but this "
-            f"machine has {_bytes(_memory_bytes())}; {IN_PLACE}"
+            f"{path}: array {name!r} needs {_bytes(size)} of memory, but this "
+            f"machine has {_bytes(memory_bytes())}; {IN_PLACE}"
         )
 
 
-def _refuse_not_numbers(path: Path, name: str, dtype: np.dtype) -> None:
+def refuse_not_numbers(path: Path, name: str, dtype: np.dtype) -> None:
+    """Refuse words, objects, complex numbers and truth values."""
     if dtype.kind not in "fiu":
         raise _check.InputError(
             f"{path}: array {name!r} is of type {_kind(dtype)}, not real numbers; save it as a "
@@ -122,7 +133,8 @@ def _bytes(count: int) -> str:
     return f"{count} bytes"
 
 
-def _memory_bytes() -> int:
+def memory_bytes() -> int:
+    """Memory of this machine. [bytes]"""
     try:
         return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
     except (AttributeError, ValueError, OSError):

@@ -7,6 +7,7 @@ from jaxtyping import Float, Shaped
 
 from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise.scene.rows import RowSource, row_source, with_bands
 from chromanoise.spectra import Grid
 
 
@@ -19,7 +20,8 @@ class Cube:
     wavelength_nm
         Centers of the bands, increasing. [nm]
     stored
-        The numbers as they are stored, any real type; may be a memory map.
+        The numbers as they are stored, any real type: an array, which may be a memory map, or a
+        source of rows (`RowSource`).
     scale
         Reflectance = stored * scale.
     source
@@ -29,14 +31,14 @@ class Cube:
     """
 
     wavelength_nm: Float[Array, " m"]
-    stored: Shaped[Array, "h w m"]
+    stored: Shaped[Array, "h w m"] | RowSource
     source: str
     scale: float = 1.0
     notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         wavelength = _check.increasing(f"wavelength_nm of {self.source}", "nm", self.wavelength_nm)
-        if self.stored.ndim != 3 or 0 in self.stored.shape:
+        if len(self.stored.shape) != 3 or 0 in self.stored.shape:
             raise _check.InputError(
                 f"{self.source} must be (rows, columns, bands) and not empty, "
                 f"got {self.stored.shape}"
@@ -62,7 +64,8 @@ def reflectance_rows(cube: Cube, start: int, stop: int) -> Float[Array, "rows w 
         If a value is NaN, negative, or brighter than any thing can be; the first is told.
     """
     with np.errstate(invalid="ignore", over="ignore"):  # what overflows is refused below
-        rho = np.asarray(cube.stored[start:stop], dtype=np.float64) * cube.scale
+        stored = row_source(cube.stored).rows(start, stop)
+        rho = np.asarray(stored, dtype=np.float64) * cube.scale
     bad = ~((rho >= 0) & (rho <= BRIGHTEST))
     if bad.any():
         row, column, band = (int(i) for i in np.argwhere(bad)[0])
@@ -93,7 +96,9 @@ def bands_within(cube: Cube, grid: Grid) -> Cube:
     keep = slice(max(first, 0), last + 1)
     if cube.wavelength_nm[keep].size < 2:
         return cube  # the curves do not meet: let the resampling say so
-    return replace(cube, wavelength_nm=cube.wavelength_nm[keep], stored=cube.stored[:, :, keep])
+    return replace(
+        cube, wavelength_nm=cube.wavelength_nm[keep], stored=with_bands(cube.stored, keep)
+    )
 
 
 def flat_cube(

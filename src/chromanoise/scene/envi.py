@@ -36,14 +36,14 @@ _GAINS = (
     "data reflectance gain values",
     "data reflectance offset values",
 )
-_NM_PER = {
+NM_PER = {
     **dict.fromkeys(("nm", "nanometer", "nanometers", "nanometre", "nanometres"), 1.0),
     **dict.fromkeys(("um", "\u00b5m", "\u03bcm", "micron", "microns"), 1000.0),
     **dict.fromkeys(("micrometer", "micrometers", "micrometre", "micrometres"), 1000.0),
 }
-_NAMED_WAVELENGTH = re.compile(
+NAMED_WAVELENGTH = re.compile(
     r"(?<![\w.])(\d{1,6}\.?\d{0,9}|\.\d{1,9})\s{0,4}("
-    + "|".join(sorted(_NM_PER, key=len, reverse=True))
+    + "|".join(sorted(NM_PER, key=len, reverse=True))
     + r")\b",
     re.I,
 )
@@ -329,7 +329,7 @@ def envi_wavelengths(header: EnviHeader) -> tuple[Float[Array, " m"], tuple[str,
         return named, ("wavelengths taken from the header's 'band names'",)
     values = _listed_wavelengths(header)
     unit = header.fields.get("wavelength units", "").strip().lower()
-    nm_per, notes = (_NM_PER[unit], ()) if unit in _NM_PER else _guessed_unit(header, values, unit)
+    nm_per, notes = (NM_PER[unit], ()) if unit in NM_PER else _guessed_unit(header, values, unit)
     return np.array([value * nm_per for value in values]), notes
 
 
@@ -362,10 +362,10 @@ def _guessed_unit(
 def _named_wavelengths(header: EnviHeader) -> Float[Array, " m"] | None:
     """Wavelengths out of names such as ``376.44 Nanometers``, if every name has one. [nm]"""
     names = [name for name in header.fields.get("band names", "").split(",") if name.strip()]
-    found = [_NAMED_WAVELENGTH.search(name) for name in names]
+    found = [NAMED_WAVELENGTH.search(name) for name in names]
     if not found or None in found:
         return None
-    return np.array([float(m[1]) * _NM_PER[m[2].lower()] for m in found if m is not None])
+    return np.array([float(m[1]) * NM_PER[m[2].lower()] for m in found if m is not None])
 
 
 def _number(header: EnviHeader, what: str, text: str) -> float:

@@ -19,7 +19,6 @@ from jaxtyping import Shaped
 from chromanoise import _check
 from chromanoise._check import Array
 
-_HDF5 = b"\x89HDF\r\n\x1a\n"
 _START_BYTES = 128
 _OPENING_BYTES = 8192  # enough for every part before the numbers
 _MATRIX, _COMPRESSED = 14, 15
@@ -99,7 +98,7 @@ def _damage(path: Path, what: str) -> _check.InputError:
 def _variables(path: Path) -> Iterator[tuple[_Element, _Opening]]:
     size = path.stat().st_size
     with path.open("rb") as file:
-        order = _byte_order(path, file.read(520))
+        order = _byte_order(path, file.read(_START_BYTES))
         at = _START_BYTES
         while at < size:
             file.seek(at)
@@ -115,11 +114,6 @@ def _variables(path: Path) -> Iterator[tuple[_Element, _Opening]]:
 def _byte_order(path: Path, start: bytes) -> str:
     order = {b"IM": "<", b"MI": ">"}.get(start[126:128], "")
     version = struct.unpack(order + "H", start[124:126])[0] if order else 0
-    if start.startswith(_HDF5) or start[512:] == _HDF5 or version == 0x200:
-        raise _check.InputError(
-            f"{path}: MATLAB 7.3 files (HDF5) are not read here; save it with -v7, or convert it "
-            "to .npz or ENVI"
-        )
     if version != 0x100:
         raise _check.InputError(
             f"{path}: not a MATLAB file of version 5; save it with -v7, or convert it to .npz"

@@ -9,6 +9,7 @@ from jaxtyping import Float, Shaped
 from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise.scene.found import Found, Notes
+from chromanoise.scene.rows import RowSource, with_bands
 
 _SHORTEST_NM, _LONGEST_NM = 100.0, 20000.0
 _RADIANCE = re.compile(r"radiance|(?<![a-z])rdn(?![a-z])", re.I)
@@ -16,7 +17,7 @@ _REFLECTANCE = re.compile(r"reflectance|(?<![a-z])rfl(?![a-z])", re.I)
 _WATT = re.compile(r"(?i:radiance|watt)|(?<![A-Za-z])[mun\u00b5\u03bc]?W(?:c?m|[^A-Za-z]|$)")
 
 
-def scale_and_notes(path: Path, found: Found, scale: float | None) -> tuple[float, Notes]:
+def scale_and_notes(path: Path | str, found: Found, scale: float | None) -> tuple[float, Notes]:
     """Reflectance per stored unit: the caller's word, else the file's, else 1 for real numbers."""
     radiance = _radiance_words(path, found)
     if scale is not None:
@@ -39,9 +40,12 @@ def scale_and_notes(path: Path, found: Found, scale: float | None) -> tuple[floa
     return 1.0, ()
 
 
-def _radiance_words(path: Path, found: Found) -> str:
+def _radiance_words(path: Path | str, found: Found) -> str:
     """Where the file says that it is radiance; empty if nowhere."""
-    for where, text in (("file name", path.name), ("header's description", found.description)):
+    for where, text in (
+        ("file name", Path(path).name),
+        ("header's description", found.description),
+    ):
         word = _RADIANCE.search(text)
         if word and not _REFLECTANCE.search(text):
             return f"the {where} says radiance ({word[0]!r})"
@@ -51,7 +55,7 @@ def _radiance_words(path: Path, found: Found) -> str:
 
 
 def wavelengths_and_notes(
-    path: Path, found: Found, ends: tuple[float, float] | None
+    path: Path | str, found: Found, ends: tuple[float, float] | None
 ) -> tuple[Float[Array, " m"], Notes]:
     """Centers of the bands [nm]: the caller's word, else the file's."""
     bands = found.pixels.shape[2]
@@ -88,18 +92,19 @@ def _spread(ends: tuple[float, float], bands: int) -> tuple[Float[Array, " m"], 
 
 
 def rising(
-    path: Path, pixels: Shaped[Array, "h w m"], wavelength: Float[Array, " m"]
-) -> tuple[Shaped[Array, "h w m"], Float[Array, " m"], Notes]:
+    path: Path | str, pixels: Shaped[Array, "h w m"] | RowSource, wavelength: Float[Array, " m"]
+) -> tuple[Shaped[Array, "h w m"] | RowSource, Float[Array, " m"], Notes]:
     """Bands in the order of rising wavelength; a falling order is turned about, no other."""
     _refuse_not_light(path, wavelength)
     if wavelength[-1] >= wavelength[0]:
         _refuse_disorder(path, wavelength, np.diff(wavelength) <= 0)
         return pixels, wavelength, ()
     _refuse_disorder(path, wavelength, np.diff(wavelength) >= 0)
-    return pixels[:, :, ::-1], wavelength[::-1], ("wavelengths fall: the bands are turned about",)
+    turned = with_bands(pixels, slice(None, None, -1))
+    return turned, wavelength[::-1], ("wavelengths fall: the bands are turned about",)
 
 
-def _refuse_not_light(path: Path, wavelength: Float[Array, " m"]) -> None:
+def _refuse_not_light(path: Path | str, wavelength: Float[Array, " m"]) -> None:
     bad = ~((wavelength >= _SHORTEST_NM) & (wavelength <= _LONGEST_NM))
     if bad.any():
         i = int(np.argmax(bad))
@@ -111,7 +116,7 @@ def _refuse_not_light(path: Path, wavelength: Float[Array, " m"]) -> None:
 
 
 def _refuse_disorder(
-    path: Path, wavelength: Float[Array, " m"], wrong: Shaped[Array, " m-1"]
+    path: Path | str, wavelength: Float[Array, " m"], wrong: Shaped[Array, " m-1"]
 ) -> None:
     if wrong.any():
         i = int(np.argmax(wrong))

@@ -1,5 +1,6 @@
-"""Hyperspectral cubes from files: ENVI, MATLAB and NumPy."""
+"""Hyperspectral cubes from files, by the endings of their names."""
 
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -15,10 +16,18 @@ from chromanoise.scene.envi import (
     has_envi_wavelengths,
     read_envi_header,
 )
-from chromanoise.scene.found import Found, reading, reason, refuse_other_shape, unused_key
+from chromanoise.scene.faults import reading, reason
+from chromanoise.scene.found import Found, refuse_other_shape, unused_key
+from chromanoise.scene.hdf5 import ENDINGS as HDF5_ENDINGS
+from chromanoise.scene.hdf5 import hdf5_store, is_hdf5
+from chromanoise.scene.labeled import labeled_cube
 from chromanoise.scene.meaning import rising, scale_and_notes, wavelengths_and_notes
 from chromanoise.scene.npz import npy_array
 from chromanoise.scene.picture import picture
+from chromanoise.scene.png_folder import is_png_folder, png_folder_cube
+from chromanoise.scene.tiff import ENDINGS as TIFF_ENDINGS
+from chromanoise.scene.tiff import tiff_cube
+from chromanoise.scene.zarr_store import is_zarr, zarr_store
 
 
 def read_cube(
@@ -29,17 +38,18 @@ def read_cube(
     wavelengths: tuple[float, float] | None = None,
     scale: float | None = None,
 ) -> Cube:
-    """The cube of reflectances in an ENVI, MATLAB (.mat, not 7.3), .npz or .npy file.
+    """The cube of reflectances in a file or folder.
 
-    ENVI and .npy files stay on disk, as memory maps. Bands come in the order of rising
-    wavelength; whatever was assumed stands in the notes.
+    Read are ENVI, MATLAB, .npz, .npy, HDF5, NetCDF-4, Zarr, TIFF of one page per band, and a folder
+    of one PNG per band. ENVI, .npy, HDF5, Zarr and TIFF without compression stay on disk. Bands
+    come in the order of rising wavelength; whatever was assumed stands in the notes.
 
     Parameters
     ----------
     path
         The file; of an ENVI pair either one.
     key
-        Name of the array in a .mat or .npz; ``reflectance`` if not given.
+        Name of the array in a .mat, .npz, HDF5, NetCDF or Zarr; ``reflectance`` if not given.
     shape
         Rows and columns of an array that stores pixels in one axis. [pixels]
     wavelengths
@@ -85,7 +95,7 @@ def _refuse_no_file(path: Path) -> None:
     except (OSError, ValueError) as error:
         raise _check.InputError(f"{path}: cannot be read ({reason(error)})") from None
     if path.is_dir():
-        raise _check.InputError(f"{path}: is a directory; name the cube's file in it")
+        return
     if not path.is_file():
         raise _check.InputError(f"{path}: is not a regular file")
     if size == 0:
@@ -99,14 +109,51 @@ def _refuse_no_file(path: Path) -> None:
 def _found(path: Path, key: str | None, shape: tuple[int, int] | None) -> Found:
     """What stands in ``path``, by its ending; anything else must have an ENVI header beside it."""
     ending = path.suffix.lower()
+    if path.is_dir():
+        return _folder(path, key, shape)
+    if ending == ".mat" and is_hdf5(path):
+        return labeled_cube(hdf5_store(path, matlab=True), key, shape)
+    if ending in HDF5_ENDINGS:
+        return _hdf5(path, key, shape)
     if ending in NAMED:
         return named_arrays(path, key, shape, NAMED[ending])
+    if ending in TIFF_ENDINGS and _header_of(path) is None:
+        return _only_one(tiff_cube(path, shape), key)
     if ending != ".npy":
         return _envi(path, key, shape)
     with reading(path, "NumPy"):
         array = npy_array(path)
     pixels, notes = picture(path, "the array", array, shape, by_columns=False)
-    return Found(pixels=pixels, notes=(*unused_key(key), *notes))
+    return _only_one(Found(pixels=pixels, notes=notes), key)
+
+
+def _header_of(path: Path) -> Path | None:
+    """An ENVI header that bears the name of the file, if there is one."""
+    pair = envi_pair(path)
+    return None if pair is None else pair[0]
+
+
+def _only_one(found: Found, key: str | None) -> Found:
+    return replace(found, notes=(*unused_key(key), *found.notes))
+
+
+def _folder(path: Path, key: str | None, shape: tuple[int, int] | None) -> Found:
+    if is_zarr(path):
+        return labeled_cube(zarr_store(path), key, shape)
+    if is_png_folder(path):
+        return _only_one(png_folder_cube(path, shape), key)
+    raise _check.InputError(
+        f"{path}: is a directory, and neither a Zarr store nor a folder of one PNG per band; name "
+        "the cube's file in it"
+    )
+
+
+def _hdf5(path: Path, key: str | None, shape: tuple[int, int] | None) -> Found:
+    if not is_hdf5(path):
+        raise _check.InputError(
+            f"{path}: is no HDF5 file, as NetCDF-4 is; convert it (nccopy -k nc4), or save it again"
+        )
+    return labeled_cube(hdf5_store(path), key, shape)
 
 
 def _envi(path: Path, key: str | None, shape: tuple[int, int] | None) -> Found:
@@ -137,5 +184,5 @@ def _unknown(path: Path) -> str:
         )
     return (
         f"{path}: cubes are not read from {path.suffix} files; read are ENVI (.hdr and its data), "
-        ".mat, .npz and .npy"
+        ".mat, .npz, .npy, .h5, .nc, .zarr, .tif and folders of PNGs"
     )

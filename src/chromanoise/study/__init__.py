@@ -35,15 +35,15 @@ from chromanoise.study.findings import (
     table_5_finding,
     verdict,
 )
+from chromanoise.study.grey_budget import lab_budgets, missing_lab_budgets
 from chromanoise.study.layout import PaperTable, as_printed, paper_tables
-from chromanoise.study.makers import METHODS, Method, known_matrices, matrix_makers
+from chromanoise.study.makers import METHODS, MatrixMaker, Method, known_matrices, matrix_makers
 from chromanoise.study.paper import PaperStudy, paper_study
 from chromanoise.study.perceived import GreyNoise, grey_noise, grey_noise_as_json
 from chromanoise.study.planes import PaperPlanes, paper_planes
 from chromanoise.study.priors import DEFAULT_PRIOR, PRIORS, Prior
 from chromanoise.study.quantities import QUANTITIES, Quantity
 from chromanoise.study.reproduction import Cell, Reproduction, reproduced
-from chromanoise.study.situation import MatrixMaker, Situation
 from chromanoise.study.sweeps import SWEEPS, Sweep, swept_values
 
 __all__ = [
@@ -67,7 +67,6 @@ __all__ = [
     "Prior",
     "Quantity",
     "Reproduction",
-    "Situation",
     "Sweep",
     "analyses_as_json",
     "analyzed",
@@ -91,10 +90,12 @@ __all__ = [
     "grey_noise",
     "grey_noise_as_json",
     "known_matrices",
+    "lab_budgets",
     "luminance_budget",
     "matrix_makers",
     "mean_color_error",
     "metric_remark",
+    "missing_lab_budgets",
     "paper_planes",
     "paper_study",
     "paper_tables",

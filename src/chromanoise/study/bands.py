@@ -7,6 +7,7 @@ from typing import Any
 from jaxtyping import Float
 
 from chromanoise._check import Array
+from chromanoise.exposure import Situation
 from chromanoise.spectra import Metric
 from chromanoise.study.comparison import (
     Crossover,
@@ -17,7 +18,6 @@ from chromanoise.study.comparison import (
 from chromanoise.study.makers import METHODS, matrix_makers
 from chromanoise.study.priors import PRIORS
 from chromanoise.study.quantities import SNR_Y, Quantity
-from chromanoise.study.situation import Situation
 from chromanoise.study.sweeps import SWEEPS, Sweep
 
 

@@ -10,8 +10,9 @@ from jaxtyping import Float
 
 from chromanoise import __version__, _check
 from chromanoise._check import Array
+from chromanoise.exposure import Situation
+from chromanoise.study.makers import MatrixMaker
 from chromanoise.study.quantities import SNR_Y, Quantity, color_error
-from chromanoise.study.situation import MatrixMaker, Situation
 from chromanoise.study.sweeps import SWEEPS, Sweep
 
 _CROSSING_TOLERANCE = 1e-9  # of the logarithm of the value, or of the span of a linear sweep

@@ -19,6 +19,7 @@ from chromanoise.study.analysis import (
     raw_snr_db,
 )
 from chromanoise.study.findings import set_aside_reasons, table_5_finding, verdict
+from chromanoise.study.grey_budget import lab_budgets
 from chromanoise.study.paper import PRINTED_TIMES_MS
 from chromanoise.study.reproduction import Reproduction
 
@@ -53,10 +54,11 @@ def reproduction_as_json(result: Reproduction) -> dict[str, Any]:
 
 
 def budgets_as_json(analysis: Analysis) -> dict[str, Any]:
-    """Budgets of color and of contravariant coordinates; ``None`` where one has no SNR."""
+    """Budgets of color, contravariant coordinates and a gray's L*, a*, b*; ``None`` for none."""
     budgets = {
         "budget": color_budgets(analysis),
         "contravariant_budget": contravariant_budgets(analysis),
+        "lab_budget": lab_budgets(analysis),
     }
     return {name: [asdict(b) if b else None for b in own] for name, own in budgets.items()}
 

@@ -17,9 +17,12 @@ from chromanoise.color import (
     ridge,
     white_preserving,
 )
+from chromanoise.exposure import Situation
 from chromanoise.spectra import Illuminant, Metric
 from chromanoise.study.priors import DEFAULT_PRIOR, PRIORS
-from chromanoise.study.situation import MatrixMaker, Situation
+
+MatrixMaker = Callable[[Situation], ColorMatrix]
+"""A color matrix for a situation: some adapt to the light level."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -1,5 +1,6 @@
 """The paper's Figure 8: one scene through both sensors at the same exposure."""
 
+from chromanoise.exposure import Situation
 from chromanoise.imaging import Picture, rendered
 from chromanoise.scene import checker_cube
 from chromanoise.study import paper
@@ -15,11 +16,13 @@ def paper_pictures(study: PaperStudy, *, seed: int = 0) -> tuple[Picture, Pictur
     first, second = (
         rendered(
             cube,
-            analysis.sensor,
-            analysis.exposure,
-            study.scene.illuminant,
-            level_lux=study.scene.level_lux,
-            metric=study.metric,
+            Situation(
+                sensor=analysis.sensor,
+                exposure=analysis.exposure,
+                illuminant=study.scene.illuminant,
+                level_lux=study.scene.level_lux,
+            ),
+            matrix=analysis.matrix,
             seed=seed,
         )
         for analysis in (study.columns[paper.RGB_12], study.columns[paper.RGBW_12])

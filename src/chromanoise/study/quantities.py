@@ -7,12 +7,11 @@ from functools import partial
 import numpy as np
 
 from chromanoise.color import LAB, ColorMatrix, colored, perceived_noise
-from chromanoise.exposure import expected_electrons
+from chromanoise.exposure import Situation, expected_electrons, white_scene
 from chromanoise.merit import bound_db, chart_color_error, snr_db
 from chromanoise.noise import saturated, with_noise
 from chromanoise.scene import flat_field
 from chromanoise.study.perceived import GREY
-from chromanoise.study.situation import Situation, white_scene
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

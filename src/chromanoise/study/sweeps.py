@@ -11,9 +11,9 @@ from jaxtyping import Float
 
 from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise.exposure import Situation
 from chromanoise.sensor import ir_cut
 from chromanoise.spectra import black_body
-from chromanoise.study.situation import Situation
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

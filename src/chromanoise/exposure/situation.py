@@ -1,11 +1,9 @@
-"""A sensor in use: what a quantity is asked of, and what a sweep changes."""
+"""A sensor in use: with its exposure, in its light."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 from chromanoise import _check
-from chromanoise.color import ColorMatrix
-from chromanoise.exposure import Exposure
+from chromanoise.exposure.electrons import Exposure
 from chromanoise.scene import Scene, flat_field
 from chromanoise.sensor import Sensor
 from chromanoise.spectra import Illuminant
@@ -30,10 +28,6 @@ class Situation:
 
     def __post_init__(self) -> None:
         _check.positive("level_lux", "lx", self.level_lux)
-
-
-MatrixMaker = Callable[[Situation], ColorMatrix]
-"""A color matrix for a situation: some adapt to the light level."""
 
 
 def white_scene(situation: Situation) -> Scene:

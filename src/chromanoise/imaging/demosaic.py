@@ -1,0 +1,348 @@
+"""Every channel at every pixel: linear demosaicing of any periodic mosaic.
+
+A linear method is a table of filters, one for each place of the tile and each channel, so that its
+noise has a closed form (`demosaic_noise`). Here: what such a table is, what it makes of a raw
+picture, and the two tables that need no model of pictures.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from chromanoise import _check
+from chromanoise._check import Array
+from chromanoise.sensor import Mosaic
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class FilterBank:
+    """A linear demosaicing method for one mosaic.
+
+    Attributes
+    ----------
+    mosaic
+        Which channel sits over which pixel; its tile starts at row 0, column 0 of the picture.
+    names
+        The ``p`` channels, in the order of the result.
+    kernels
+        Weights of the k x k pixels around a pixel, per row and column of the tile and channel.
+        [1]
+    made_by
+        The method, named in results.
+
+    Raises
+    ------
+    InputError
+        If the kernels do not belong to the mosaic and the names, or have no middle.
+    """
+
+    mosaic: Mosaic
+    names: tuple[str, ...]
+    kernels: Float[Array, "ty tx p k k"]
+    made_by: str
+
+    def __post_init__(self) -> None:
+        kernels = _check.finite(f"kernels of {self.made_by}", "1", self.kernels)
+        tile = channel_tile(self.mosaic, self.names)
+        side = kernels.shape[-1]
+        if kernels.shape != (*tile.shape, len(self.names), side, side) or side % 2 == 0:
+            raise _check.InputError(
+                f"kernels of {self.made_by} must be {(*tile.shape, len(self.names))} filters of "
+                f"k x k with an odd k, got {kernels.shape}"
+            )
+        object.__setattr__(self, "kernels", _check.frozen(kernels))
+
+    @property
+    def radius(self) -> int:
+        """Pixels that a filter reaches on each side."""
+        return self.kernels.shape[-1] // 2
+
+
+def channel_tile(mosaic: Mosaic, names: Sequence[str]) -> Int[Array, "ty tx"]:
+    """Which of ``names`` sits at each place of the tile, as its index.
+
+    Parameters
+    ----------
+    mosaic
+        The periodic array.
+    names
+        Channels in the order of the result; each of them occurs in the mosaic.
+
+    Raises
+    ------
+    InputError
+        If a channel of one is missing in the other.
+
+    Examples
+    --------
+    >>> channel_tile(Mosaic((("R", "G"), ("G", "B"))), ("R", "G", "B"))
+    array([[0, 1],
+           [1, 2]])
+    """
+    wanted = _check.distinct("channel names", names)
+    for name in mosaic.names:
+        _check.one_of("mosaic channel", name, wanted)
+    for name in wanted:
+        if name not in mosaic.names:
+            raise _check.InputError(
+                f"channel {name!r} sits over no pixel of the mosaic ({', '.join(mosaic.names)}), "
+                "so it cannot be interpolated; leave it out"
+            )
+    return np.array([[wanted.index(name) for name in row] for row in mosaic.pattern])
+
+
+def channels_around(tile: Int[Array, "ty tx"], radius: int) -> Int[Array, "ty tx k k"]:
+    """The channel of each pixel of a window of ``2 radius + 1`` around each place of the tile.
+
+    Examples
+    --------
+    >>> channels_around(np.array([[0, 1]]), 1)[0, 0]
+    array([[1, 0, 1],
+           [1, 0, 1],
+           [1, 0, 1]])
+    """
+    offsets = np.arange(-radius, radius + 1)
+    rows = (np.arange(tile.shape[0])[:, None] + offsets) % tile.shape[0]
+    columns = (np.arange(tile.shape[1])[:, None] + offsets) % tile.shape[1]
+    return tile[rows[:, None, :, None], columns[None, :, None, :]]
+
+
+def channel_period(tile: Int[Array, "ty tx"], channel: int) -> tuple[int, int]:
+    """Rows and columns after which the places of one channel repeat: the tile's or a part of it.
+
+    Examples
+    --------
+    White of a sparse array repeats with 2 x 2, though the tile has 4 x 4.
+
+    >>> from chromanoise.sensor import rgbw_sparse_4x4
+    >>> channel_period(channel_tile(rgbw_sparse_4x4(), ("R", "G", "B", "W")), 3)
+    (2, 2)
+    """
+    here = tile == channel
+    shifts = [
+        next(s for s in range(1, n + 1) if n % s == 0 and (np.roll(here, s, axis) == here).all())
+        for axis, n in enumerate(here.shape)
+    ]
+    return shifts[0], shifts[1]
+
+
+def bilinear_filters(mosaic: Mosaic, names: Sequence[str] | None = None) -> FilterBank:
+    """Interpolation of each channel by itself, with weights that fall linearly with distance.
+
+    Parameters
+    ----------
+    mosaic
+        The periodic array.
+    names
+        Channels in the order of the result; by default that of first appearance in the mosaic.
+
+    Raises
+    ------
+    InputError
+        If ``names`` are not those of the mosaic.
+
+    Notes
+    -----
+    Where a channel repeats after s rows and t columns, the weights of its pixels are
+    (1 - |dy|/s) (1 - |dx|/t) over their sum. The window of |dy| < s, |dx| < t always holds the
+    channel: it meets each of its places in the period. Over one such place the weights sum to 1
+    and have no first moment (bilinear interpolation of a grid), so constants and ramps come out
+    exactly whatever the number of places. A pixel keeps the channel that it measures. For a Bayer
+    array these are the classical filters.
+
+    Examples
+    --------
+    Green at a red pixel is the mean of its four neighbours.
+
+    >>> from chromanoise.sensor import bayer
+    >>> bilinear_filters(bayer(), ("R", "G", "B")).kernels[0, 0, 1] * 4
+    array([[0., 1., 0.],
+           [1., 0., 1.],
+           [0., 1., 0.]])
+    """
+    wanted = tuple(names or mosaic.names)
+    tile = channel_tile(mosaic, wanted)
+    radius = max(tile.shape) - 1
+    around = channels_around(tile, radius)
+    kernels = [_tent(around == c, channel_period(tile, c)) for c in range(len(wanted))]
+    return bank_of("bilinear", mosaic, wanted, np.stack(kernels, axis=2))
+
+
+def malvar_filters(mosaic: Mosaic, names: Sequence[str] | None = None) -> FilterBank:
+    """The gradient-corrected filters of Malvar, He & Cutler for a Bayer array, as published.
+
+    Parameters
+    ----------
+    mosaic
+        2 x 2, one channel on a diagonal and two others beside it, in any of the four positions.
+    names
+        As `bilinear_filters`.
+
+    Raises
+    ------
+    InputError
+        If the mosaic is no Bayer array.
+
+    Notes
+    -----
+    Malvar, He & Cutler, "High-quality linear interpolation for demosaicing of Bayer-patterned
+    color images", ICASSP (2004), figure 2; gains 1/2, 5/8 and 3/4.
+
+    Examples
+    --------
+    Red at a blue pixel: 6, 2 and -3/2 eighths.
+
+    >>> from chromanoise.sensor import bayer
+    >>> malvar_filters(bayer(), ("R", "G", "B")).kernels[1, 1, 0] * 8
+    array([[ 0. ,  0. , -1.5,  0. ,  0. ],
+           [ 0. ,  2. ,  0. ,  2. ,  0. ],
+           [-1.5,  0. ,  6. ,  0. , -1.5],
+           [ 0. ,  2. ,  0. ,  2. ,  0. ],
+           [ 0. ,  0. , -1.5,  0. ,  0. ]])
+    """
+    wanted = tuple(names or mosaic.names)
+    if not is_bayer(mosaic):
+        raise _check.InputError(
+            "Malvar's filters are for a Bayer array (2 x 2, one channel on a diagonal, two others "
+            f"beside it), but the mosaic is {'/'.join(' '.join(row) for row in mosaic.pattern)}; "
+            "use gradient_corrected_filters"
+        )
+    tile = channel_tile(mosaic, wanted)
+    around = channels_around(tile, 1)
+    kernels = np.zeros((2, 2, 3, 5, 5))
+    for a, b, c in np.ndindex(2, 2, 3):
+        kernels[a, b, c] = _malvar(around[a, b] == c)
+    return bank_of("Malvar-He-Cutler", mosaic, wanted, kernels)
+
+
+def is_bayer(mosaic: Mosaic) -> bool:
+    """Whether one of three channels stands on a diagonal of a 2 x 2 tile, and two beside it."""
+    if [len(row) for row in mosaic.pattern] != [2, 2] or len(mosaic.names) != 3:
+        return False
+    (a, b), (c, d) = mosaic.pattern
+    return a == d or b == c
+
+
+def demosaicked(raw_e: Float[Array, "h w"], bank: FilterBank) -> Float[Array, "h w p"]:
+    """All channels of a raw picture, in plain float64: what the compiled way is held against.
+
+    Parameters
+    ----------
+    raw_e
+        One number per pixel. [e-]
+    bank
+        The method.
+
+    Raises
+    ------
+    InputError
+        If the picture is smaller than one tile of the mosaic, or holds NaN or infinity.
+
+    Notes
+    -----
+    Beyond the border lies the mirror image, moved to the nearest pixel of the same channel; where
+    the period is 2 that is the mirror image without the border pixel repeated.
+
+    Examples
+    --------
+    >>> from chromanoise.sensor import bayer
+    >>> raw = np.array([[10.0, 20.0], [20.0, 30.0]])  # a flat field of R 10, G 20, B 30
+    >>> demosaicked(raw, bilinear_filters(bayer()))[1, 0]
+    array([10., 20., 30.])
+    """
+    raw = _check.finite("raw_e", "e-", raw_e)
+    padded = raw[border_pixels(raw.shape, bank)]
+    windows = np.lib.stride_tricks.sliding_window_view(padded, bank.kernels.shape[-2:])
+    ty, tx, p = bank.kernels.shape[:3]
+    out = np.empty((*raw.shape, p))
+    for a, b in np.ndindex(ty, tx):
+        filters = bank.kernels[a, b]
+        np.einsum("hwij,cij->hwc", windows[a::ty, b::tx], filters, out=out[a::ty, b::tx])
+    return out
+
+
+def border_pixels(shape: tuple[int, int], bank: FilterBank) -> tuple[Array, Array]:
+    """Rows and columns of a picture that, taken together, surround it by ``bank.radius`` pixels.
+
+    Indexing the picture with the pair (an open mesh, as `numpy.ix_`) makes the padded picture.
+
+    Raises
+    ------
+    InputError
+        If the picture is smaller than one tile of the mosaic.
+
+    Examples
+    --------
+    >>> from chromanoise.sensor import bayer
+    >>> border_pixels((3, 4), bilinear_filters(bayer()))[1]
+    array([[1, 0, 1, 2, 3, 2]])
+    """
+    period = bank.kernels.shape[:2]
+    if shape[0] < period[0] or shape[1] < period[1]:
+        raise _check.InputError(
+            f"a picture of {shape[0]} x {shape[1]} does not hold one tile of the mosaic "
+            f"({period[0]} x {period[1]}), so some channel is nowhere measured; take the raw "
+            "mosaic, or a larger picture"
+        )
+    rows, columns = (_mirrored(n, t, bank.radius) for n, t in zip(shape, period, strict=True))
+    return rows[:, None], columns[None, :]
+
+
+def bank_of(made_by: str, mosaic: Mosaic, names: tuple[str, ...], kernels: Array) -> FilterBank:
+    """A filter bank without the empty margin that its kernels may have.
+
+    Examples
+    --------
+    >>> kernels = np.zeros((1, 1, 1, 5, 5))
+    >>> kernels[..., 2, 2] = 1.0
+    >>> bank_of("as it is", Mosaic((("W",),)), ("W",), kernels).radius
+    0
+    """
+    used = np.argwhere((kernels != 0).any(axis=(0, 1, 2))) - kernels.shape[-1] // 2
+    reach = int(np.abs(used).max(initial=0))
+    inner = slice(kernels.shape[-1] // 2 - reach, kernels.shape[-1] // 2 + reach + 1)
+    return FilterBank(
+        mosaic=mosaic, names=names, kernels=kernels[..., inner, inner], made_by=made_by
+    )
+
+
+def _mirrored(count: int, period: int, radius: int) -> Int[Array, " padded"]:
+    """In-picture stand-ins of -radius .. count + radius - 1, each of the phase of its own place."""
+    places = np.arange(-radius, count + radius)
+    for i in np.flatnonzero((places < 0) | (places >= count)):
+        mirror = -places[i] if places[i] < 0 else 2 * (count - 1) - places[i]
+        alike = np.arange(places[i] % period, count, period)
+        places[i] = alike[np.abs(alike - mirror).argmin()]
+    return places
+
+
+def _tent(here: Array, period: tuple[int, int]) -> Float[Array, "ty tx k k"]:
+    """Weights of the pixels of one channel (``here``) that fall linearly to 0 at its period."""
+    radius = here.shape[-1] // 2
+    away = np.abs(np.arange(-radius, radius + 1))
+    rows, columns = (np.maximum(1.0 - away / s, 0.0) for s in period)
+    weights = here * (rows[:, None] * columns)
+    own = here[..., radius, radius]
+    weights[own] = 0.0
+    weights[own, radius, radius] = 1.0
+    return weights / weights.sum(axis=(-2, -1), keepdims=True)
+
+
+def _malvar(here: Array) -> Float[Array, "5 5"]:
+    """The published filter for a channel, told by where it sits among the 3 x 3 pixels around."""
+    kernel = np.zeros((5, 5))
+    if here[1, 1]:
+        kernel[2, 2] = 8.0
+    elif here[1, 0] and here[0, 1]:  # green at red or blue
+        kernel[2] = kernel[:, 2] = (-1.0, 2.0, 4.0, 2.0, -1.0)
+    elif here[0, 0]:  # red at blue, blue at red
+        kernel[2] = kernel[:, 2] = (-1.5, 0.0, 6.0, 0.0, -1.5)
+        kernel[1, 1] = kernel[1, 3] = kernel[3, 1] = kernel[3, 3] = 2.0
+    else:  # red or blue at green, written for neighbours to the left and right
+        kernel[:, 2] = (0.5, 0.0, 5.0, 0.0, 0.5)
+        kernel[2] = (-1.0, 4.0, 5.0, 4.0, -1.0)
+        kernel[1, 1] = kernel[1, 3] = kernel[3, 1] = kernel[3, 3] = -1.0
+        kernel = kernel if here[1, 0] else kernel.T
+    return kernel / 8.0

@@ -1,0 +1,124 @@
+"""The noise of a demosaicked picture in closed form, for raw pixels that are independent.
+
+A filter bank takes each raw pixel to its neighbours in a known way, so the covariance of the
+channels follows at each place of the tile, and the noise power spectrum over the whole picture.
+"""
+
+import numpy as np
+from jaxtyping import Float
+
+from chromanoise import _check
+from chromanoise._check import Array
+from chromanoise.imaging.demosaic import FilterBank, channel_tile, channels_around
+
+
+def demosaicked_covariance(
+    bank: FilterBank, variance_e2: Float[Array, " p"]
+) -> Float[Array, "ty tx p p"]:
+    """Covariance of the channels of one pixel, at each place of the tile. [e-^2]
+
+    Parameters
+    ----------
+    bank
+        The method.
+    variance_e2
+        Of a raw pixel of each channel, independent of all others; eq. 7 for a flat field. [e-^2]
+
+    Raises
+    ------
+    InputError
+        If a variance is negative or not finite, or there is not one per channel.
+
+    Notes
+    -----
+    Sum over the pixels of the window of the product of two filters and the variance of the pixel.
+    The mean over the places is the covariance of a pixel picked at random.
+
+    Examples
+    --------
+    Green at a red pixel is a mean of four; red itself is as it was measured.
+
+    >>> from chromanoise.imaging.demosaic import bilinear_filters
+    >>> from chromanoise.sensor import bayer
+    >>> bank = bilinear_filters(bayer(), ("R", "G", "B"))
+    >>> demosaicked_covariance(bank, np.array([100.0, 200.0, 50.0]))[0, 0]
+    array([[100. ,   0. ,   0. ],
+           [  0. ,  50. ,   0. ],
+           [  0. ,   0. ,  12.5]])
+    """
+    variance = _per_channel(bank, variance_e2)
+    around = channels_around(channel_tile(bank.mosaic, bank.names), bank.radius)
+    return np.asarray(
+        np.einsum(
+            "abcij,abdij,abij->abcd", bank.kernels, bank.kernels, variance[around], optimize=True
+        )
+    )
+
+
+def noise_power_spectrum(
+    bank: FilterBank, variance_e2: Float[Array, " p"], shape: tuple[int, int]
+) -> Float[Array, "h w p p"]:
+    """Noise power and co-spectra of the channels, averaged over the places of the tile. [e-^2]
+
+    Parameters
+    ----------
+    bank, variance_e2
+        As `demosaicked_covariance`.
+    shape
+        Rows and columns of the Fourier plane, each at least the side of a filter.
+
+    Raises
+    ------
+    InputError
+        If a variance is negative or not finite, or the plane is too small to hold the spectrum.
+
+    Notes
+    -----
+    A raw pixel at place q of the tile answers with the transfer functions H_qc(f), which need no
+    approximation; the mean spectrum is sum over q of v_q Re(H_qc H_qd*) / (number of places), with
+    frequencies as `np.fft.fftfreq`. Its mean over the plane is the mean covariance, the scale that
+    `merit.visual_noise_from_spectrum` takes; through a color matrix C it is C S C^T. The quadrature
+    part is odd in frequency, and nothing that looks alike from left and right can see it. What the
+    tile makes of itself at its own frequencies (correlation between frequencies) is averaged out.
+
+    Examples
+    --------
+    Without interpolation the noise stays white.
+
+    >>> from chromanoise.imaging.demosaic import bilinear_filters
+    >>> from chromanoise.sensor import Mosaic
+    >>> alone = bilinear_filters(Mosaic((("W",),)))
+    >>> noise_power_spectrum(alone, np.array([9.0]), (1, 3)).ravel()
+    array([9., 9., 9.])
+    """
+    variance, side = _per_channel(bank, variance_e2), 2 * bank.radius + 1
+    if min(shape) < side:
+        raise _check.InputError(
+            f"a Fourier plane of {shape[0]} x {shape[1]} is too small for filters of "
+            f"{side} x {side}, so noise would wrap onto itself; ask for {side} x {side} at least"
+        )
+    tile = channel_tile(bank.mosaic, bank.names)
+    offsets = np.arange(-bank.radius, bank.radius + 1)
+    waves = [np.exp(-2j * np.pi * np.outer(np.fft.fftfreq(n), offsets)) for n in shape]
+    spectrum = np.zeros((*shape, len(bank.names), len(bank.names)))
+    for place in np.ndindex(*tile.shape):
+        transfer = np.einsum("hi,cij,wj->hwc", waves[0], _answers(bank, place), waves[1])
+        power = np.einsum("hwc,hwd->hwcd", transfer, transfer.conj()).real
+        spectrum += variance[tile[place]] / tile.size * power
+    return spectrum
+
+
+def _answers(bank: FilterBank, place: tuple[int, int]) -> Float[Array, "p k k"]:
+    """What a raw pixel of 1 at a place of the tile adds to each channel of the pixels around it."""
+    (ty, tx), radius = bank.kernels.shape[:2], bank.radius
+    out = np.empty(bank.kernels.shape[2:])
+    for i, j in np.ndindex(*out.shape[1:]):
+        there = (place[0] + i - radius) % ty, (place[1] + j - radius) % tx
+        out[:, i, j] = bank.kernels[there][:, 2 * radius - i, 2 * radius - j]
+    return out
+
+
+def _per_channel(bank: FilterBank, variance_e2: Array) -> Float[Array, " p"]:
+    variance = _check.non_negative("variance_e2", "e-^2", variance_e2)
+    _check.same_length("channels", variance=variance.size, names=len(bank.names))
+    return variance

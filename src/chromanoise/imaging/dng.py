@@ -1,0 +1,334 @@
+"""Raw pictures as DNG, the format that raw developers open.
+
+What is written is a plain TIFF whose tags tell the mosaic, the range of the codes, the way from XYZ
+to the camera and the noise. LibRaw, by way of rawpy, is taken as the measure of what can be read:
+it knows mosaics that repeat in 2 columns and 1, 2 or 4 rows, or in 6 x 6 of red, green and blue. Of
+any other it opens the file, takes wrong colors for right and says nothing, so these are refused.
+
+Adobe, Digital Negative (DNG) Specification, 1.4.0.0 (2012); tag numbers are those of its chapter 4.
+"""
+
+from contextlib import AbstractContextManager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float, UInt16
+
+from chromanoise import _check
+from chromanoise._check import Array, InputError
+from chromanoise.color import ColorMatrix
+from chromanoise.exposure import Situation, expected_electrons, white_scene
+from chromanoise.imaging.row_files import PutRows, tiff_rows
+from chromanoise.sensor import Adc, Mosaic
+
+_COLOR_CODES = {"R": 0, "G": 1, "B": 2, "C": 3, "M": 4, "Y": 5, "W": 6}  # tag 50710
+_LIGHT_SOURCES = {"A": 17, "D55": 20, "D65": 21, "D75": 22, "D50": 23}  # Exif LightSource
+_UNKNOWN_LIGHT = 0
+_READABLE_REPEATS = ((2, 2), (4, 2), (6, 6))  # rows, columns
+_SIDES = (22, 64_000)  # LibRaw opens nothing smaller or larger
+_LARGEST_BYTES = 2**32 - 2**20  # offsets are 32 bits; the tags take their part
+_PARTS = 1_000_000  # denominator of all fractions
+_BYTE, _ASCII, _SHORT, _LONG, _RATIONAL, _SIGNED_RATIONAL, _DOUBLE = 1, 2, 3, 4, 5, 10, 12
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class RawProfile:
+    """What a raw developer must know of a camera and its light.
+
+    Attributes
+    ----------
+    sensor_name
+        How the camera is called.
+    channels
+        3 or 4 of R, G, B, C, M, Y, W: all that the mosaic has, in the order of the arrays here.
+    mosaic
+        Which channel sits over which pixel.
+    adc
+        Black level and top code.
+    color_matrix
+        From XYZ (Y = 1 for a perfect white) to the channels, in any unit common to them.
+    as_shot_neutral
+        What a gray gives, the largest 1.
+    noise_profile
+        S and O of each channel, variance = S x + O, with x = 0 at black and 1 at the top code.
+    illuminant
+        The light that ``color_matrix`` was made for.
+
+    Raises
+    ------
+    InputError
+        If a DNG cannot say it, or LibRaw would misread it.
+    """
+
+    sensor_name: str
+    channels: tuple[str, ...]
+    mosaic: Mosaic
+    adc: Adc
+    color_matrix: Float[Array, "p 3"]
+    as_shot_neutral: Float[Array, " p"]
+    noise_profile: Float[Array, "p 2"]
+    illuminant: str
+
+    def __post_init__(self) -> None:
+        _refuse_untold_channels(self.sensor_name, self.channels, self.mosaic)
+        p = len(self.channels)
+        for name, wanted in (
+            ("color_matrix", (p, 3)),
+            ("as_shot_neutral", (p,)),
+            ("noise_profile", (p, 2)),
+        ):
+            own = _check.finite(f"{name} of {self.sensor_name}", "1", getattr(self, name))
+            if own.shape != wanted:
+                raise InputError(f"{name} of {self.sensor_name} must be {wanted}, got {own.shape}")
+        _refuse_untold_numbers(self)
+        _check.freeze(self, "color_matrix", "as_shot_neutral", "noise_profile")
+
+
+def raw_profile(
+    situation: Situation, matrix: ColorMatrix, *, mosaic: Mosaic, adc: Adc
+) -> RawProfile:
+    """What a raw developer must know of a sensor in its light, as its color is made here.
+
+    Parameters
+    ----------
+    situation
+        A sensor of channels R, G, B and perhaps one more, in the light of the picture; one whose
+        name has no number in Exif is told as unknown.
+    matrix
+        From electrons to XYZ, made for that light.
+    mosaic, adc
+        Those that made the codes.
+
+    Raises
+    ------
+    InputError
+        If a perfect white gives no electrons, or `RawProfile` refuses what it is given.
+    """
+    sensor, lamp = situation.sensor, situation.illuminant
+    _check.same_names("DNG", sensor=sensor.names, matrix=matrix.channels)
+    white = expected_electrons(white_scene(situation), sensor, situation.exposure)
+    if not white.max() > 0:
+        raise InputError(f"{sensor.name}: a perfect white under {lamp.name} gives no electrons")
+    noise = noise_profile(adc, read_noise_e=sensor.pixel.read_noise_e)
+    return RawProfile(
+        sensor_name=sensor.name,
+        channels=sensor.names,
+        mosaic=mosaic,
+        adc=adc,
+        color_matrix=camera_matrix(matrix.matrix, white),
+        as_shot_neutral=white / white.max(),
+        noise_profile=np.tile(noise, (len(sensor.names), 1)),
+        illuminant=lamp.name,
+    )
+
+
+def camera_matrix(to_xyz: Float[Array, "3 p"], white: Float[Array, " p"]) -> Float[Array, "p 3"]:
+    """The matrix from XYZ to the channels that a reader inverts to find ``to_xyz``.
+
+    Parameters
+    ----------
+    to_xyz
+        From the channels to XYZ, of rank 3.
+    white
+        The channels of a perfect white; the result is scaled to its largest, and to Y = 1.
+
+    Raises
+    ------
+    InputError
+        If ``to_xyz`` has a rank below 3 or gives the white no luminance.
+
+    Notes
+    -----
+    DNG 1.4, chapter 6, takes the (pseudo-)inverse of ColorMatrix1, and the pseudo-inverse of a
+    pseudo-inverse is the matrix itself. LibRaw first scales each row to the white, which with a
+    fourth channel leads to another inverse: its grays are right, its colors are not those of
+    ``to_xyz``. No ColorMatrix1 could make both right.
+
+    Examples
+    --------
+    >>> camera_matrix(np.diag([0.5, 1.0, 0.25]), np.array([2.0, 1.0, 4.0])).round(3)
+    array([[0.5 , 0.  , 0.  ],
+           [0.  , 0.25, 0.  ],
+           [0.  , 0.  , 1.  ]])
+    """
+    if np.linalg.matrix_rank(to_xyz) < 3:
+        raise InputError(
+            "a matrix to XYZ of a rank below 3 has no inverse, which a DNG needs; take a sensor "
+            "with three channels that differ"
+        )
+    luminance = to_xyz[1] @ white
+    if not luminance > 0:
+        raise InputError(f"the white of a DNG needs a luminance above 0, but has {luminance:g}")
+    return np.linalg.pinv(to_xyz) * (luminance / white.max())
+
+
+def noise_profile(adc: Adc, *, read_noise_e: float) -> Float[Array, " 2"]:
+    """S and O of the noise of a code, variance = S x + O, x = 0 at black and 1 at the top code.
+
+    Parameters
+    ----------
+    adc
+        Gain, black level and top code.
+    read_noise_e
+        Standard deviation of all noise that comes without light. [e-]
+
+    Raises
+    ------
+    InputError
+        If the read noise is negative or not finite.
+
+    Notes
+    -----
+    DNG 1.4, tag 51041. Shot noise of y codes above black has the variance y / K (codes squared),
+    readout (sigma / K)^2 and rounding 1 / 12, with K electrons per code (EMVA 1288, release 4.0,
+    the linear camera model); y = R x, with R codes from black to the top.
+
+    Examples
+    --------
+    >>> noise_profile(Adc(bits=8, gain_e_per_dn=2.0, black_level_dn=55), read_noise_e=40.0).round(4)
+    array([0.0025, 0.01  ])
+    """
+    read = _check.not_negative("read_noise_e", "e-", read_noise_e) / adc.gain_e_per_dn
+    range_dn = adc.top_code - adc.black_level_dn
+    return np.array([1 / (adc.gain_e_per_dn * range_dn), (read**2 + 1 / 12) / range_dn**2])
+
+
+def dng_rows(
+    path: Path, *, height: int, width: int, profile: RawProfile
+) -> AbstractContextManager[PutRows]:
+    """An uncompressed 16-bit DNG to be filled with rows of codes [rows width], uint16.
+
+    Parameters
+    ----------
+    path
+        A file that may be replaced.
+    height, width
+        [pixels] 22 to 64,000 each, which is what LibRaw opens.
+    profile
+        What a raw developer must know.
+
+    Raises
+    ------
+    InputError
+        If the size is beyond what can be read, the file cannot be written, or rows do not fit or
+        are missing at the end.
+    """
+    if not all(_SIDES[0] <= side <= _SIDES[1] for side in (height, width)):
+        raise InputError(
+            f"{path}: readers of DNG open pictures of {_SIDES[0]} to {_SIDES[1]} pixels a side, "
+            f"but this one has {height} x {width}; write the mosaic as TIFF"
+        )
+    if 2 * height * width > _LARGEST_BYTES:
+        raise InputError(
+            f"{path}: a DNG ends at 4 GiB, but {height} x {width} pixels take "
+            f"{2 * height * width / 2**30:.1f}; write the mosaic as TIFF"
+        )
+    return tiff_rows(
+        path,
+        shape=(height, width),
+        dtype="uint16",
+        photometric="cfa",
+        description=f"raw of {profile.sensor_name}",
+        extratags=_tags(profile),
+    )
+
+
+def write_dng(path: Path, codes: UInt16[Array, "h w"], profile: RawProfile) -> None:
+    """Codes under a mosaic as DNG; see `dng_rows` for a picture that comes in parts."""
+    with dng_rows(path, height=codes.shape[0], width=codes.shape[1], profile=profile) as put:
+        put(0, codes)
+
+
+def _tags(profile: RawProfile) -> tuple[tuple[Any, ...], ...]:
+    """(number, type, count, value, written once) of every tag beyond those of a TIFF."""
+    order = sorted(range(len(profile.channels)), key=lambda i: _COLOR_CODES[profile.channels[i]])
+    planes = bytes(_COLOR_CODES[profile.channels[i]] for i in order)
+    pattern = _readable_pattern(profile.sensor_name, profile.mosaic)
+    name = profile.sensor_name.encode("ascii", "replace").decode()
+    light = _LIGHT_SOURCES.get(profile.illuminant, _UNKNOWN_LIGHT)
+    matrix = _fractions(profile.color_matrix[order])
+    neutral = _fractions(profile.as_shot_neutral[order])
+    noise = tuple(float(v) for v in profile.noise_profile[order].ravel())
+    return tuple(
+        (number, kind, count, value, True)
+        for number, kind, count, value in (
+            (271, _ASCII, 0, "chromanoise"),  # Make
+            (272, _ASCII, 0, name),  # Model
+            (274, _SHORT, 1, 1),  # Orientation: as stored
+            (33421, _SHORT, 2, pattern.shape),  # CFARepeatPatternDim
+            (33422, _BYTE, pattern.size, pattern.tobytes()),  # CFAPattern
+            (50706, _BYTE, 4, bytes([1, 4, 0, 0])),  # DNGVersion
+            (50707, _BYTE, 4, bytes([1, 1, 0, 0])),  # DNGBackwardVersion: all that is needed
+            (50708, _ASCII, 0, f"chromanoise {name}"),  # UniqueCameraModel
+            (50710, _BYTE, len(planes), planes),  # CFAPlaneColor
+            (50711, _SHORT, 1, 1),  # CFALayout: rectangular
+            (50713, _SHORT, 2, (1, 1)),  # BlackLevelRepeatDim
+            (50714, _LONG, 1, profile.adc.black_level_dn),  # BlackLevel
+            (50717, _LONG, 1, profile.adc.top_code),  # WhiteLevel
+            (50721, _SIGNED_RATIONAL, len(matrix) // 2, matrix),  # ColorMatrix1
+            (50728, _RATIONAL, len(neutral) // 2, neutral),  # AsShotNeutral
+            (50778, _SHORT, 1, light),  # CalibrationIlluminant1
+            (51041, _DOUBLE, len(noise), noise),  # NoiseProfile
+        )
+    )
+
+
+def _fractions(values: Array) -> tuple[int, ...]:
+    """Numerator, denominator, numerator, .."""
+    return tuple(part for v in values.ravel() for part in (round(float(v) * _PARTS), _PARTS))
+
+
+def _readable_pattern(sensor_name: str, mosaic: Mosaic) -> Array:
+    """Color codes of the mosaic in the first block that LibRaw knows and that repeats like it."""
+    own = np.array([[_COLOR_CODES[name] for name in row] for row in mosaic.pattern], np.uint8)
+    for rows, columns in _READABLE_REPEATS:
+        if rows == 6 and set(mosaic.names) != {"R", "G", "B"}:
+            continue
+        again = (rows * own.shape[0], columns * own.shape[1])  # both repeat in it
+        tiled = np.tile(own, (rows, columns))
+        block = tiled[:rows, :columns]
+        if (tiled == np.tile(block, (again[0] // rows, again[1] // columns))).all():
+            return block.copy()
+    raise InputError(
+        f"{sensor_name}: readers of DNG know mosaics that repeat in 2 columns and 1, 2 or 4 rows, "
+        f"or in 6 x 6 of R, G, B, but this one repeats in {own.shape[0]} rows and "
+        f"{own.shape[1]} columns; write the mosaic as TIFF"
+    )
+
+
+def _refuse_untold_channels(sensor_name: str, channels: tuple[str, ...], mosaic: Mosaic) -> None:
+    _check.distinct(f"channels of {sensor_name}", channels)
+    unknown = [name for name in channels if name not in _COLOR_CODES]
+    if unknown:
+        raise InputError(
+            f"{sensor_name}: a DNG knows channels named {', '.join(_COLOR_CODES)}, but not "
+            f"{', '.join(unknown)}; write the mosaic as TIFF"
+        )
+    if set(channels) != set(mosaic.names) or not 3 <= len(channels) <= 4:
+        raise InputError(
+            f"{sensor_name}: a DNG needs 3 or 4 channels, all of them in the mosaic, but the "
+            f"sensor has {', '.join(channels)} and the mosaic {', '.join(mosaic.names)}; write "
+            "the mosaic as TIFF"
+        )
+    _readable_pattern(sensor_name, mosaic)
+
+
+def _refuse_untold_numbers(profile: RawProfile) -> None:
+    """What would not survive as a fraction of 32-bit integers, or is no noise."""
+    name = profile.sensor_name
+    if not (np.abs(profile.color_matrix) < 2**31 / _PARTS).all():
+        raise InputError(
+            f"{name}: a DNG holds matrix entries below {2**31 // _PARTS}, but the largest is "
+            f"{np.abs(profile.color_matrix).max():g}; the channels are nearly the same, or their "
+            "unit is not that of a white of 1"
+        )
+    neutral = profile.as_shot_neutral
+    if not ((neutral >= 1 / _PARTS) & (neutral <= 1)).all():
+        raise InputError(
+            f"{name}: as_shot_neutral must lie between {1 / _PARTS:g} and 1, but is "
+            f"{neutral.tolist()}; divide what a gray gives by its largest channel"
+        )
+    if not (profile.noise_profile > 0).all():
+        raise InputError(f"{name}: S and O of a noise profile must be > 0, as rounding alone is")

@@ -1,0 +1,111 @@
+"""Linear light as OpenEXR, float32 or half, nothing clipped.
+
+The library `OpenEXR` of the Academy Software Foundation writes it (extra ``exr``); it takes a
+picture as a whole.
+"""
+
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float
+
+from chromanoise import _check
+from chromanoise._check import Array
+from chromanoise.color import linear_srgb
+
+REC709 = (0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290)
+"""x, y of red, green, blue and white of sRGB (ITU-R BT.709-6, table 1)."""
+CIE_XYZ = (1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1 / 3, 1 / 3)
+"""The axes X, Y, Z as primaries: R, G, B of such a file are X, Y, Z."""
+
+_LARGEST_HALF = 65504.0  # IEEE 754 binary16
+
+
+def write_linear_exr(
+    path: Path, xyz: Float[Array, "h w 3"], white: Float[Array, " 3"], *, half: bool = False
+) -> None:
+    """Linear sRGB (Rec. 709 primaries), white-balanced, 1 for a perfect white; noise below 0 stays.
+
+    Parameters
+    ----------
+    path
+        A file that may be replaced.
+    xyz
+        Linear, Y = 1 for the white.
+    white
+        XYZ of a perfect white in the picture's light.
+    half
+        16-bit floats: half the size, a relative error of up to 2^-11.
+
+    Raises
+    ------
+    InputError
+        If OpenEXR is not installed, a value is not finite or too large for half, the white is no
+        color that an eye could adapt to, or the file cannot be written.
+    """
+    color = linear_srgb(xyz.astype(np.float64), white)
+    _write_rgb(path, color, half, {"chromaticities": REC709})
+
+
+def write_xyz_exr(
+    path: Path, xyz: Float[Array, "h w 3"], white: Float[Array, " 3"], *, half: bool = False
+) -> None:
+    """XYZ as it is, in the channels R, G, B of a file whose primaries are X, Y and Z.
+
+    The chromaticity of ``white`` is kept as ``adoptedNeutral``, so that a reader can balance it.
+
+    Parameters
+    ----------
+    path, xyz, white, half
+        As `write_linear_exr`; nothing is adapted.
+
+    Raises
+    ------
+    InputError
+        As `write_linear_exr`.
+    """
+    sees = _check.finite("white XYZ", "that of the picture", white)
+    if not sees.sum() > 0:
+        raise _check.InputError(
+            f"{path}: the white of the picture must have X + Y + Z > 0, but is {sees.tolist()}"
+        )
+    neutral = tuple(float(v) for v in sees[:2] / sees.sum())
+    _write_rgb(path, xyz, half, {"chromaticities": CIE_XYZ, "adoptedNeutral": neutral})
+
+
+def _write_rgb(
+    path: Path, color: Float[Array, "h w 3"], half: bool, attributes: dict[str, Any]
+) -> None:
+    library = _openexr()
+    if not color.size:
+        raise _check.InputError(f"{path}: a picture needs at least one pixel, but is {color.shape}")
+    if not np.isfinite(color).all():
+        _check.finite(f"{path}: color", "1", color)
+    if half and (largest := float(np.abs(color).max())) > _LARGEST_HALF:
+        raise _check.InputError(
+            f"{path}: half floats end at {_LARGEST_HALF:g}, but the picture has values up to "
+            f"{largest:g}; write float32"
+        )
+    kept = np.ascontiguousarray(color, dtype=np.float16 if half else np.float32)
+    header = {
+        "compression": library.ZIP_COMPRESSION,
+        "type": library.scanlineimage,
+        "software": "chromanoise",
+        **attributes,
+    }
+    try:
+        with library.File(header, {"RGB": kept}) as file:
+            file.write(str(path))
+    except (RuntimeError, OSError) as error:
+        raise _check.InputError(f"{path}: cannot be written ({error})") from None
+
+
+def _openexr() -> Any:
+    try:
+        return import_module("OpenEXR")
+    except ImportError:
+        raise _check.InputError(
+            "EXR files need the package OpenEXR; pip install 'chromanoise[exr]', or write TIFF"
+        ) from None

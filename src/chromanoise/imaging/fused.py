@@ -1,0 +1,361 @@
+# mypy: disable-error-code="no-untyped-def,no-untyped-call,misc"
+"""From a block of rows of the cube to codes or color, in one pass that stays in the first cache.
+
+A row is taken in tiles of `TILE` pixels for the expected electrons (`means`), and these in runs of
+`RUN` for noise (`noise_blocks`) and codes or color. Functions without annotations are compiled,
+serial and free of the interpreter's lock; what threads share is only read.
+
+``flat`` is the block as it lies in memory, its first pixel first; ``lay`` says how: bands, and how
+many numbers it is from row to row, from pixel to pixel and from band to band. Where the step from
+pixel to pixel is 1, the pixels of a band lie together; otherwise the bands of a pixel do.
+"""
+
+import math
+from typing import no_type_check
+
+import numpy as np
+from numba import njit
+
+from chromanoise.imaging.means import TILE, means_of_mosaic, means_of_pixels, means_of_planes
+from chromanoise.imaging.noise_blocks import noise_of_block
+from chromanoise.imaging.philox import LIGHT, PIXEL_GAIN, PIXEL_OFFSET, ROW, words_at
+from chromanoise.imaging.variates import normal_quantile
+
+RUN = 256
+"""Pixels of a run; with four channels 1024 lanes of noise."""
+ENCODED = 16384
+"""Entries of the table of sRGB codes."""
+
+_F = np.float32
+_ZERO, _ONE, _HALF = _F(0.0), _F(1.0), _F(0.5)
+_SHOT = np.uint32
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+@no_type_check
+def _all_means(flat, start, lay, n, weights, sums, out, seen):
+    """All channels of a tile: out (n, p rounded up to 4)."""
+    bands, _, pixel_pitch, band_pitch = lay
+    if pixel_pitch != 1:
+        means_of_pixels(flat, start, pixel_pitch, n, bands, weights, out, seen)
+        return
+    means_of_planes(flat, start, band_pitch, n, bands, weights, sums, seen)
+    for i in range(n):
+        for c in range(weights.shape[0]):
+            out[i, c] = sums[c * TILE + i]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+@no_type_check
+def _mosaic_means(flat, start, lay, n, weights, channel, sums, out, seen):
+    """The channel over each pixel of a tile: channel (period,) starts at its first pixel."""
+    bands, _, pixel_pitch, band_pitch = lay
+    if pixel_pitch != 1:
+        means_of_mosaic(flat, start, pixel_pitch, n, bands, weights, channel, out, seen)
+        return
+    means_of_planes(flat, start, band_pitch, n, bands, weights, sums, seen)
+    for i in range(n):
+        out[i] = sums[channel[i % channel.size] * TILE + i]
+
+
+@njit(cache=True, nogil=True, inline="always")
+@no_type_check
+def _start_of(row, first, lay):
+    """Where a pixel's first band lies in the flat array."""
+    return row * lay[1] + first * lay[2]
+
+
+@njit(cache=True, nogil=True, inline="always")
+@no_type_check
+def _normal(pixel, purpose, frame, seed):
+    """A standard normal variate (f4) that belongs to a pixel, or a row, and a purpose."""
+    word = words_at(np.uint64(pixel), np.uint64(purpose), np.uint64(frame), np.uint64(0), seed)[0]
+    return normal_quantile(np.uint32(word))
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+@no_type_check
+def _imperfect_means(mean, pixel, n, p, prnu, dark_e, seed):
+    """Sensitivity that differs from pixel to pixel, then the dark electrons."""
+    for i in range(n):
+        gain = _ONE
+        if prnu > _ZERO:
+            gain = max(_ONE + prnu * _normal(pixel + i, PIXEL_GAIN, 0, seed), _ZERO)
+        for c in range(p):
+            mean[c * n + i] = mean[c * n + i] * gain + dark_e
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+@no_type_check
+def _imperfect_readout(electrons, pixel, n, p, dsnu_e, row_e, seed):
+    """The dark signal that differs from pixel to pixel, and what the row shares."""
+    for i in range(n):
+        offset = row_e
+        if dsnu_e > _ZERO:
+            offset = offset + dsnu_e * _normal(pixel + i, PIXEL_OFFSET, 0, seed)
+        for c in range(p):
+            electrons[c * n + i] = electrons[c * n + i] + offset
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+@no_type_check
+def _words_of_pair(pixel, n, pair, frame, seed, shot, read, odd_shot, odd_read):
+    """Words of two channels of ``n`` pixels."""
+    purpose = np.uint64(LIGHT)
+    for i in range(shot.size):
+        w0, w1, w2, w3 = words_at(np.uint64(pixel + i), purpose, frame, np.uint64(pair), seed)
+        shot[i] = w0
+        read[i] = w1
+        odd_shot[i] = w2
+        odd_read[i] = w3
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+@no_type_check
+def _words_of_all(pixel, n, p, frame, seed, shot, read, spare):
+    """Words of every channel of ``n`` pixels, one channel after the other."""
+    for c in range(0, p, 2):
+        even, odd = slice(c * n, (c + 1) * n), slice((c + 1) * n, (c + 2) * n)
+        if c + 1 < p:
+            _words_of_pair(
+                pixel, n, c // 2, frame, seed, shot[even], read[even], shot[odd], read[odd]
+            )
+        else:
+            _words_of_pair(
+                pixel, n, c // 2, frame, seed, shot[even], read[even], spare[0, :n], spare[1, :n]
+            )
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+@no_type_check
+def _words_of_mosaic(pixel, n, channel, frame, seed, shot, read, spare):
+    """Words of the one channel of each pixel: those that it has when all are rendered."""
+    purpose, period = np.uint64(LIGHT), channel.size
+    pairs = spare[2]
+    for i in range(n):
+        pairs[i] = np.uint32(channel[i % period])
+    for i in range(n):
+        c = pairs[i]
+        w0, w1, w2, w3 = words_at(np.uint64(pixel + i), purpose, frame, np.uint64(c >> 1), seed)
+        odd = (c & 1) == 1
+        shot[i] = w2 if odd else w0
+        read[i] = w3 if odd else w1
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+@no_type_check
+def electron_rows(flat, lay, rows, columns, weights, channels, out, seen):
+    """Expected electrons of all channels: out (rows, columns, p). Nothing but eq. 2."""
+    padded = weights.shape[0]
+    mean = np.empty((TILE, padded), np.float32)
+    sums = np.empty((padded + 2) * TILE, np.float32)
+    for row in range(rows):
+        for first in range(0, columns, TILE):
+            n = min(TILE, columns - first)
+            _all_means(flat, _start_of(row, first, lay), lay, n, weights, sums, mean, seen)
+            for i in range(n):
+                for c in range(channels):
+                    out[row, first + i, c] = mean[i, c]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+@no_type_check
+def raw_rows(
+    flat, lay, rows, columns, weights, tile, first_row, noise, frame, seed, adc, codes, counts, seen
+):
+    """Codes of the mosaic: codes (rows, columns) uint16.
+
+    tile (tile rows, tile columns) int64 of channels; noise: read noise, PRNU, dark electrons,
+    DSNU, row noise, whether there is any; adc: electrons at full well, codes per electron, black
+    level, top code; counts (rows, 2, p) float64: expected electrons, and pixels beyond full well.
+    """
+    row_noise_e = noise[4]
+    mean = np.empty(TILE, np.float32)
+    sums = np.empty((weights.shape[0] + 2) * TILE, np.float32)
+    electrons = np.empty(RUN, np.float32)
+    shot, read = np.empty(RUN, np.uint32), np.empty(RUN, np.uint32)
+    lanes, spare = np.empty(RUN + 1, np.int64), np.empty((3, RUN), np.uint32)
+    channel = np.empty(tile.shape[1], np.int64)
+    for row in range(rows):
+        at_row = first_row + row
+        row_e = _ZERO
+        if row_noise_e > _ZERO:
+            row_e = row_noise_e * _normal(at_row, ROW, frame, seed)
+        for first in range(0, columns, TILE):
+            n = min(TILE, columns - first)
+            for k in range(channel.size):
+                channel[k] = tile[at_row % tile.shape[0], (first + k) % channel.size]
+            start = _start_of(row, first, lay)
+            _mosaic_means(flat, start, lay, n, weights, channel, sums, mean, seen)
+            for k in range(channel.size):
+                total = 0.0
+                for i in range(k, n, channel.size):
+                    total += mean[i]
+                counts[row, 0, channel[k]] += total
+            for run in range(0, n, RUN):
+                m = min(RUN, n - run)
+                for k in range(channel.size):
+                    channel[k] = tile[at_row % tile.shape[0], (first + run + k) % channel.size]
+                pixel = at_row * columns + first + run
+                _words_of_mosaic(pixel, m, channel, np.uint64(frame), seed, shot, read, spare)
+                _acquire(
+                    mean[run : run + m],
+                    shot,
+                    read,
+                    lanes,
+                    pixel,
+                    m,
+                    1,
+                    noise,
+                    row_e,
+                    seed,
+                    electrons,
+                )
+                _codes(electrons, m, channel, adc, counts[row], codes[row, first + run :])
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+@no_type_check
+def _acquire(mean, shot, read, lanes, pixel, n, p, noise, row_e, seed, electrons):
+    """One noisy acquisition of ``n`` pixels: electrons (n * p,) from mean (n * p,)."""
+    read_noise_e, prnu, dark_e, dsnu_e, _, noisy = noise
+    if prnu > _ZERO or dark_e > _ZERO:
+        _imperfect_means(mean, pixel, n, p, prnu, dark_e, seed)
+    if noisy:
+        noise_of_block(mean, shot, read, n * p, read_noise_e, lanes, electrons)
+    else:
+        for j in range(n * p):
+            electrons[j] = mean[j]
+    if dsnu_e > _ZERO or row_e != _ZERO:
+        _imperfect_readout(electrons, pixel, n, p, dsnu_e, row_e, seed)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+@no_type_check
+def _codes(electrons, n, channel, adc, counts, codes):
+    """Held at full well, converted, rounded, and held to the range of the converter."""
+    full_well_e, dn_per_e, black_dn, top_dn = adc
+    for i in range(n):
+        held = min(electrons[i], full_well_e)
+        code = _F(math.floor(held * dn_per_e + black_dn + _HALF))
+        code = code if code > _ZERO else _ZERO  # NaN too
+        codes[i] = np.uint16(np.int32(code if code < top_dn else top_dn))
+    for i in range(n):
+        if electrons[i] > full_well_e:
+            counts[1, channel[i % channel.size]] += 1.0
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+@no_type_check
+def color_rows(
+    flat,
+    lay,
+    rows,
+    columns,
+    weights,
+    channels,
+    first_row,
+    noise,
+    frame,
+    seed,
+    well,
+    matrices,
+    table,
+    xyz,
+    srgb,
+    counts,
+    seen,
+):
+    """Every channel at every pixel, then color: xyz (rows, columns, 3) f4, srgb the same uint8.
+
+    noise, counts as `raw_rows`; well: electrons at full well, whether they are held between 0 and
+    it; matrices (6, p): to XYZ and to linear sRGB; table: `ENCODED` codes of sRGB.
+    """
+    row_noise_e, p = noise[4], channels
+    colors, entry = np.empty(RUN, np.float32), np.empty(RUN, np.int32)
+    means = np.empty((TILE, weights.shape[0]), np.float32)
+    sums = np.empty((weights.shape[0] + 2) * TILE, np.float32)
+    mean, electrons = np.empty(RUN * p, np.float32), np.empty(RUN * p, np.float32)
+    shot, read = np.empty(RUN * p, np.uint32), np.empty(RUN * p, np.uint32)
+    lanes, spare = np.empty(RUN * p + 1, np.int64), np.empty((3, RUN), np.uint32)
+    for row in range(rows):
+        at_row = first_row + row
+        row_e = _ZERO
+        if row_noise_e > _ZERO:
+            row_e = row_noise_e * _normal(at_row, ROW, frame, seed)
+        for first in range(0, columns, TILE):
+            n = min(TILE, columns - first)
+            _all_means(flat, _start_of(row, first, lay), lay, n, weights, sums, means, seen)
+            for run in range(0, n, RUN):
+                m = min(RUN, n - run)
+                for c in range(p):
+                    total = 0.0
+                    for i in range(m):
+                        mean[c * m + i] = means[run + i, c]
+                        total += means[run + i, c]
+                    counts[row, 0, c] += total
+                pixel = at_row * columns + first + run
+                if noise[5]:
+                    _words_of_all(pixel, m, p, np.uint64(frame), seed, shot, read, spare)
+                _acquire(mean, shot, read, lanes, pixel, m, p, noise, row_e, seed, electrons)
+                _at_well(electrons, m, p, well, counts[row])
+                at = first + run
+                _colors(
+                    electrons, m, p, matrices, table, colors, entry, xyz[row, at:], srgb[row, at:]
+                )
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+@no_type_check
+def _at_well(electrons, n, p, well, counts):
+    """Count what lies above full well, and hold it between 0 and full well if asked."""
+    full_well_e, held = well
+    for c in range(p):
+        above = 0
+        for e in electrons[c * n : (c + 1) * n]:
+            above += 1 if e > full_well_e else 0
+        counts[1, c] += above
+    if held:
+        for j in range(n * p):
+            electrons[j] = min(max(electrons[j], _ZERO), full_well_e)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+@no_type_check
+def _colors(electrons, n, p, matrices, table, colors, entry, xyz, srgb):
+    """Eq. 5 for a run, channel after channel; sRGB codes are looked up."""
+    for k in range(6):
+        _weighted(electrons[:n], matrices[k, 0], colors[:n])
+        for c in range(1, p):
+            _add_weighted(electrons[c * n : (c + 1) * n], matrices[k, c], colors[:n])
+        if k < 3:
+            for i in range(n):
+                xyz[i, k] = colors[i]
+        else:
+            _entries(colors[:n], entry[:n])
+            for i in range(n):
+                srgb[i, k - 3] = table[entry[i]]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+@no_type_check
+def _weighted(values, weight, out):
+    for i in range(values.size):
+        out[i] = values[i] * weight
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+@no_type_check
+def _add_weighted(values, weight, out):
+    for i in range(values.size):
+        out[i] += values[i] * weight
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+@no_type_check
+def _entries(screen, entry):
+    """Where in the table of codes a linear value stands; held to 0 .. 1."""
+    for i in range(screen.size):
+        within = screen[i] if screen[i] > _ZERO else _ZERO  # NaN too
+        within = within if within < _ONE else _ONE
+        entry[i] = np.int32(within * _F(ENCODED - 1) + _HALF)

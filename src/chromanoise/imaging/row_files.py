@@ -1,0 +1,146 @@
+"""Pictures written a few rows at a time: the file has its full size before the first row is put."""
+
+import errno
+import os
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from threading import Lock
+from typing import Any, BinaryIO
+
+import numpy as np
+
+from chromanoise._check import Array, InputError
+
+PutRows = Callable[[int, Array], None]
+"""(index of the first row, rows): called from any thread, in any order, once for each row."""
+
+
+@contextmanager
+def tiff_rows(
+    path: Path,
+    *,
+    shape: tuple[int, ...],
+    dtype: str,
+    photometric: int | str,
+    description: str,
+    extratags: tuple[tuple[Any, ...], ...] = (),
+) -> Iterator[PutRows]:
+    """A little-endian uncompressed TIFF of one strip, filled by the function that is yielded.
+
+    Only the rows in hand are held in memory. Space is claimed before the first row, so that a full
+    disk is told before a long computation. On an error the file is left as it is: write into the
+    scratch of `chromanoise._files.whole_folder`, which leaves nothing behind.
+
+    Parameters
+    ----------
+    path
+        A file that may be replaced.
+    shape
+        (rows, columns) or (rows, columns, samples).
+    dtype
+        Of numpy; rows of another type are refused, not converted.
+    photometric, description, extratags
+        As `tifffile.imwrite` takes them; a description may hold any letter (UTF-8).
+
+    Raises
+    ------
+    InputError
+        If the picture is empty, the file cannot be written, rows do not fit, or one is missing
+        at the end.
+    """
+    if not all(size >= 1 for size in shape):
+        raise InputError(f"{path}: a picture needs at least one pixel, but is {shape}")
+    missing = np.ones(shape[0], dtype=bool)
+    lock = Lock()
+    with _told(path):
+        file, offset = _empty_tiff(
+            path,
+            shape=shape,
+            dtype=dtype,
+            photometric=photometric,
+            description=description.encode(),
+            extratags=extratags,
+            planarconfig="contig" if len(shape) == 3 else None,
+        )
+    row_bytes = int(np.prod(shape[1:])) * np.dtype(dtype).itemsize
+
+    def put(start: int, rows: Array) -> None:
+        _refuse_unfit(path, start, rows, shape, dtype)
+        little = np.ascontiguousarray(rows, dtype=np.dtype(dtype).newbyteorder("<"))
+        with lock, _told(path):
+            file.seek(offset + start * row_bytes)
+            file.write(little.data)
+            missing[start : start + rows.shape[0]] = False
+
+    try:
+        yield put
+        if missing.any():
+            raise InputError(
+                f"{path}: {int(missing.sum())} of {shape[0]} rows were never written; the first "
+                f"is row {int(missing.argmax())} (from 0)"
+            )
+    except BaseException:
+        _closed_quietly(file)  # what went wrong first is what is told
+        raise
+    with _told(path):
+        file.close()
+
+
+def _empty_tiff(path: Path, **how: Any) -> tuple[BinaryIO, int]:
+    """The file with its tags and all of its space, and where the pixels start."""
+    import tifffile
+
+    place = tifffile.imwrite(
+        path, byteorder="<", metadata=None, software="chromanoise", returnoffset=True, **how
+    )
+    assert place is not None  # one uncompressed strip
+    offset, size = place
+    file = path.open("r+b")
+    try:
+        _claim(file, offset + size)
+    except BaseException:
+        file.close()
+        raise
+    return file, offset
+
+
+def _claim(file: BinaryIO, size: int) -> None:
+    """Ask for the space now where the system can; where it cannot, a full disk is told later."""
+    if not hasattr(os, "posix_fallocate"):
+        return
+    try:
+        os.posix_fallocate(file.fileno(), 0, size)
+    except OSError as error:
+        if error.errno not in (errno.EOPNOTSUPP, errno.EINVAL, errno.ENOSYS):
+            raise
+
+
+def _closed_quietly(file: BinaryIO) -> None:
+    try:
+        file.close()
+    except OSError:
+        return
+
+
+@contextmanager
+def _told(path: Path) -> Iterator[None]:
+    """Failures of the disk as one sentence."""
+    try:
+        yield
+    except OSError as error:
+        raise InputError(f"{path}: cannot be written ({error.strerror})") from None
+
+
+def _refuse_unfit(path: Path, start: int, rows: Array, shape: tuple[int, ...], dtype: str) -> None:
+    if rows.dtype.newbyteorder("=") != np.dtype(dtype):
+        raise InputError(f"{path}: rows must be {dtype}, but are {rows.dtype}; convert them first")
+    if rows.shape[1:] != shape[1:]:
+        raise InputError(
+            f"{path}: a row must be {shape[1:]}, but rows from {start} on are {rows.shape[1:]}"
+        )
+    if not 0 <= start <= start + rows.shape[0] <= shape[0]:
+        raise InputError(
+            f"{path}: has rows 0 to {shape[0] - 1}, but rows {start} to "
+            f"{start + rows.shape[0] - 1} are put"
+        )

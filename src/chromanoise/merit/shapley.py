@@ -1,0 +1,57 @@
+"""Shares of a whole that depend on no order: Shapley values, with precedence where there is one."""
+
+from collections.abc import Callable, Sequence
+from itertools import permutations
+
+from chromanoise import _check
+
+Switches = frozenset[str]
+
+
+def shapley_values(
+    value: Callable[[Switches], float],
+    players: Sequence[str],
+    precedence: Sequence[tuple[str, str]] = (),
+) -> dict[str, float]:
+    """Each player's mean contribution to ``value`` over all allowed orders of arrival.
+
+    Parameters
+    ----------
+    value
+        Of any set of players.
+    players
+        Distinct names.
+    precedence
+        Pairs (first, second): orders in which the second comes earlier do not count.
+
+    Raises
+    ------
+    InputError
+        If no order obeys the precedence.
+
+    Notes
+    -----
+    Shapley, "A value for n-person games", Contributions to the Theory of Games II (1953); with
+    precedence Faigle & Kern, Int. J. Game Theory 21 (1992) 249-266.
+
+    Examples
+    --------
+    >>> worth = {frozenset(): 0.0, frozenset("a"): 1.0, frozenset("b"): 2.0, frozenset("ab"): 5.0}
+    >>> shapley_values(worth.__getitem__, "ab")
+    {'a': 2.0, 'b': 3.0}
+    >>> shapley_values(worth.__getitem__, "ab", precedence=[("a", "b")])
+    {'a': 1.0, 'b': 4.0}
+    """
+    orders = [
+        order
+        for order in permutations(players)
+        if all(order.index(first) < order.index(second) for first, second in precedence)
+    ]
+    if not orders:
+        raise _check.InputError(f"no order of {', '.join(players)} obeys the precedence")
+    shares = dict.fromkeys(players, 0.0)
+    for order in orders:
+        for place, name in enumerate(order):
+            before = frozenset(order[:place])
+            shares[name] += (value(before | {name}) - value(before)) / len(orders)
+    return shares

@@ -1,0 +1,278 @@
+"""Rows of numbers that lie in a file as they are.
+
+A memory map would do the same in fewer lines, but its pages count as memory of the process, and
+bands that lie far apart come page by page. So whole pieces are read into a buffer, which the caller
+may use again: new memory costs more than the reading.
+"""
+
+import math
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import BinaryIO
+
+import numpy as np
+from jaxtyping import Shaped, UInt8
+
+from chromanoise import _check
+from chromanoise._check import Array
+from chromanoise.scene.faults import reason
+
+_MOST_UNUSED = 4  # times the bytes wanted: beyond, what is between is not kept
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class FileRows:
+    """Numbers that lie in a file as they are, in any order of the axes.
+
+    Attributes
+    ----------
+    path
+        The file.
+    offset
+        Where row 0, column 0, band 0 begins. [bytes]
+    stored
+        Type of the numbers in the file, byte order included.
+    shape
+        Rows, columns, bands.
+    strides
+        From one to the next of each; may be negative. [bytes]
+    """
+
+    path: Path
+    offset: int
+    stored: np.dtype
+    shape: tuple[int, int, int]
+    strides: tuple[int, int, int]
+
+    def __post_init__(self) -> None:
+        size = self.stored.itemsize
+        if any(stride % size for stride in self.strides) or self.stored.kind not in "fiu":
+            raise _check.InputError(
+                f"{self.path}: {self.stored} numbers at strides of {self.strides} bytes are not "
+                "read in place; save it as ENVI or .npy"
+            )
+        if _span(self.shape, self.strides, size)[0] + self.offset < 0:
+            raise _check.InputError(f"{self.path}: its first number would lie before the file")
+
+    @property
+    def dtype(self) -> np.dtype:
+        """Of what ``rows`` gives; in the byte order of this machine."""
+        return self.stored.newbyteorder("=")
+
+    @property
+    def chunk_rows(self) -> int:
+        """Rows that are stored, and so decoded, together."""
+        return 1
+
+    def rows(
+        self, start: int, stop: int, *, into: UInt8[Array, " bytes"] | None = None
+    ) -> Shaped[Array, "rows w m"]:
+        """The rows ``start`` to ``stop``, with the strides in which they are stored."""
+        refuse_other_rows(str(self.path), self.shape, start, stop)
+        shape = (stop - start, *self.shape[1:])
+        plan = _plan(shape, self.strides, self.stored.itemsize)
+        buffer = _memory(into, plan.bytes)
+        at = self.offset + start * self.strides[0] + plan.low
+        with _opened(self.path) as file:
+            if plan.scattered:
+                return _gathered(self, file, at, shape, plan)
+            for k in range(plan.pieces):
+                part = memoryview(buffer.data)[k * plan.length : (k + 1) * plan.length]
+                _read_into(file, at + k * plan.step, part, self.path)
+        numbers = _native(buffer.view(self.stored))
+        return np.ndarray(shape, self.dtype, numbers, -plan.low, plan.strides)
+
+    def scratch_bytes(self, rows: int) -> int:
+        """How large ``into`` must be for so many rows; 0 if it is not used. [bytes]"""
+        shape = (min(rows, self.shape[0]), *self.shape[1:])
+        return _plan(shape, self.strides, self.stored.itemsize).bytes
+
+    def with_bands(self, keep: slice) -> "FileRows":
+        """The same with some of the bands; nothing is read."""
+        bands = range(self.shape[2])[keep]
+        return replace(
+            self,
+            offset=self.offset + bands.start * self.strides[2],
+            shape=(*self.shape[:2], len(bands)),
+            strides=(*self.strides[:2], bands.step * self.strides[2]),
+        )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class PlaneRows:
+    """One source per band: pages of a file, or files.
+
+    Attributes
+    ----------
+    planes
+        Alike; each lies row by row and without gaps, as they then do in memory.
+    """
+
+    planes: tuple[FileRows, ...]
+
+    def __post_init__(self) -> None:
+        first = self.planes[0]
+        size = first.stored.itemsize
+        packed = (first.shape[1] * size, size)
+        for plane in self.planes:
+            alike = (plane.shape, plane.stored) == (first.shape, first.stored)
+            if not alike or plane.shape[2] != 1 or plane.strides[:2] != packed:
+                raise _check.InputError(f"{plane.path}: planes must be alike and without gaps")
+
+    @property
+    def shape(self) -> tuple[int, int, int]:
+        """Rows, columns, bands."""
+        return (*self.planes[0].shape[:2], len(self.planes))
+
+    @property
+    def dtype(self) -> np.dtype:
+        """Of what ``rows`` gives; in the byte order of this machine."""
+        return self.planes[0].dtype
+
+    @property
+    def chunk_rows(self) -> int:
+        """Rows that are stored, and so decoded, together."""
+        return 1
+
+    def rows(
+        self, start: int, stop: int, *, into: UInt8[Array, " bytes"] | None = None
+    ) -> Shaped[Array, "rows w m"]:
+        """The rows ``start`` to ``stop``, with the strides in which they are stored."""
+        refuse_other_rows(str(self.planes[0].path), self.shape, start, stop)
+        shape = (len(self.planes), stop - start, self.shape[1])
+        length = shape[1] * shape[2] * self.dtype.itemsize
+        buffer = _memory(into, shape[0] * length)
+        for k, plane in enumerate(self.planes):
+            plane.rows(start, stop, into=buffer[k * length : (k + 1) * length])
+        planes = buffer.view(self.dtype).reshape(shape)
+        return planes.transpose(1, 2, 0)
+
+    def scratch_bytes(self, rows: int) -> int:
+        """How large ``into`` must be for so many rows; 0 if it is not used. [bytes]"""
+        return rows * self.shape[1] * self.shape[2] * self.dtype.itemsize
+
+    def with_bands(self, keep: slice) -> "PlaneRows":
+        """The same with some of the bands; nothing is read."""
+        return replace(self, planes=self.planes[keep])
+
+
+def refuse_other_rows(source: str, shape: tuple[int, int, int], start: int, stop: int) -> None:
+    """Refuse rows that are none, or beyond the picture."""
+    if not 0 <= start < stop <= shape[0]:
+        raise _check.InputError(
+            f"{source}: rows must be START < STOP within 0 .. {shape[0]}, but {start} to {stop} "
+            "were asked for"
+        )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Plan:
+    """Which bytes of a file hold a block: ``pieces`` of ``length`` bytes, ``step`` bytes apart.
+
+    ``low`` is from the first number of a piece to its first byte, negative where strides are;
+    ``strides`` are those in a buffer of all pieces; ``scattered`` pieces hold mostly other rows.
+    """
+
+    outer: int = 0
+    pieces: int = 1
+    step: int = 0
+    length: int
+    low: int
+    strides: tuple[int, int, int]
+    scattered: bool = False
+
+    @property
+    def bytes(self) -> int:
+        return 0 if self.scattered else self.pieces * self.length
+
+
+def _plan(shape: tuple[int, int, int], strides: tuple[int, int, int], size: int) -> _Plan:
+    """One piece if the rows lie apart from each other; else one per band, or per column."""
+    low, high = _span(shape, strides, size)
+    if high - low == math.prod(shape) * size or _apart(shape, strides, size):
+        return _Plan(length=high - low, low=low, strides=strides)
+    outer = 1 if abs(strides[1]) > abs(strides[2]) else 2
+    inner = 3 - outer
+    low, high = _span((shape[0], shape[inner]), (strides[0], strides[inner]), size)
+    length = high - low
+    packed = list(strides)
+    packed[outer] = length
+    return _Plan(
+        outer=outer,
+        pieces=shape[outer],
+        step=strides[outer],
+        length=length,
+        low=low,
+        strides=(packed[0], packed[1], packed[2]),
+        scattered=length > _MOST_UNUSED * shape[0] * shape[inner] * size,
+    )
+
+
+def _apart(shape: tuple[int, int, int], strides: tuple[int, int, int], size: int) -> bool:
+    """Whether every row ends before the next begins."""
+    low, high = _span(shape[1:], strides[1:], size)
+    return abs(strides[0]) >= high - low
+
+
+def _span(shape: Sequence[int], strides: Sequence[int], size: int) -> tuple[int, int]:
+    """First byte, and byte after the last, of all numbers, counted from the first number."""
+    ends = [(n - 1) * stride for n, stride in zip(shape, strides, strict=True)]
+    return sum(min(end, 0) for end in ends), sum(max(end, 0) for end in ends) + size
+
+
+def _memory(into: Array | None, size: int) -> UInt8[Array, " bytes"]:
+    if into is not None and into.nbytes >= size:
+        return into[:size]
+    return np.empty(size, dtype=np.uint8)
+
+
+def _opened(path: Path) -> BinaryIO:
+    try:
+        return path.open("rb", buffering=0)
+    except OSError as error:
+        raise _check.InputError(f"{path}: cannot be read ({reason(error)})") from None
+
+
+def _read_into(file: BinaryIO, at: int, part: memoryview, path: Path) -> None:
+    """Fill ``part``; the system may give less than asked for, at most 2 GiB at a time."""
+    try:
+        while part:
+            count = _read_some(file, at, part)
+            if not count:
+                raise _check.InputError(
+                    f"{path}: ended {len(part)} bytes too early; it was cut short while it was "
+                    "being read, copy it again"
+                )
+            at, part = at + count, part[count:]
+    except OSError as error:
+        raise _check.InputError(f"{path}: cannot be read ({reason(error)})") from None
+
+
+def _read_some(file: BinaryIO, at: int, part: memoryview) -> int:
+    if hasattr(os, "preadv"):  # half the calls of the other way; bands are many small pieces
+        return os.preadv(file.fileno(), [part], at)
+    file.seek(at)
+    return int(file.readinto(part))  # type: ignore[attr-defined]
+
+
+def _native(numbers: Shaped[Array, " n"]) -> Shaped[Array, " n"]:
+    if numbers.dtype.isnative:
+        return numbers
+    return numbers.byteswap(inplace=True).view(numbers.dtype.newbyteorder("="))
+
+
+def _gathered(
+    source: FileRows, file: BinaryIO, at: int, shape: tuple[int, int, int], plan: _Plan
+) -> Shaped[Array, "rows w m"]:
+    """A copy, plane by plane, where rows run fastest and so a plane is read for a few of them."""
+    result = np.empty(shape, dtype=source.dtype)
+    buffer = np.empty(plan.length, dtype=np.uint8)
+    inner = 3 - plan.outer
+    flat, strides = (shape[0], shape[inner]), (source.strides[0], source.strides[inner])
+    for k in range(plan.pieces):
+        _read_into(file, at + k * plan.step, memoryview(buffer.data), source.path)
+        plane = np.ndarray(flat, source.stored, buffer, -plan.low, strides)
+        np.moveaxis(result, plan.outer, 0)[k] = plane
+    return result

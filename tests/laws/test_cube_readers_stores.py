@@ -1,0 +1,668 @@
+"""Cubes from HDF5, NetCDF, Zarr, TIFF, folders of PNGs and xarray."""
+
+import contextlib
+import json
+import pickle
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from chromanoise._check import InputError
+from chromanoise.scene import cube_from_xarray, picture_to_xarray, read_cube, row_source
+from chromanoise.scene.file_rows import FileRows, PlaneRows
+
+h5py = pytest.importorskip("h5py", reason="comes with chromanoise[cubes]")
+xarray = pytest.importorskip("xarray", reason="comes with chromanoise[cubes]")
+zarr = pytest.importorskip("zarr", reason="comes with chromanoise[cubes]")
+Image = pytest.importorskip("PIL.Image")
+tifffile = pytest.importorskip("tifffile")
+
+NM = (400.0, 450.0, 500.0, 600.0, 700.0)
+
+
+def numbers(rows=3, columns=4, bands=5, dtype=np.float64):
+    """Whole numbers 1 .. 127, which every type can hold."""
+    return np.random.default_rng(5).integers(1, 128, size=(rows, columns, bands)).astype(dtype)
+
+
+def rows_of(cube):
+    """All rows, two at a time, as an engine asks for them; by a source that has traveled."""
+    source = pickle.loads(pickle.dumps(row_source(cube.stored)))
+    height = source.shape[0]
+    blocks = [source.rows(a, min(a + 2, height)) for a in range(0, height, 2)]
+    return np.concatenate(blocks)
+
+
+def assert_holds(cube, expected, wavelengths=NM):
+    np.testing.assert_array_equal(rows_of(cube), expected)
+    np.testing.assert_allclose(cube.wavelength_nm, wavelengths, rtol=1e-12)
+
+
+def noted(cube, words):
+    return any(words in note for note in cube.notes)
+
+
+def refused(path, match, **options):
+    with pytest.raises(InputError, match=match) as caught:
+        rows_of(read_cube(path, **options))
+    assert "\n" not in str(caught.value)
+
+
+# MATLAB 7.3
+
+
+def write_mat73(path, cube, name="reflectance", matlab_class="double", wavelengths=NM, **options):
+    """As MATLAB does it: a block of 512 bytes before, axes reversed, the class as an attribute."""
+    with h5py.File(path, "w", userblock_size=512) as file:
+        file.create_dataset(name, data=cube.T, **options).attrs["MATLAB_class"] = np.bytes_(
+            matlab_class
+        )
+        if wavelengths is not None:
+            file["wavelength_nm"] = np.array(wavelengths)[:, None]
+            file["wavelength_nm"].attrs["MATLAB_class"] = np.bytes_("double")
+    with path.open("r+b") as file:
+        file.write(b"MATLAB 7.3 MAT-file".ljust(124) + b"\x00\x02IM")
+    return path
+
+
+@pytest.mark.parametrize("options", [{}, {"chunks": (2, 3, 2), "compression": "gzip"}])
+def test_matlab_7_3_has_its_axes_turned_about(tmp_path, options):
+    cube = read_cube(write_mat73(tmp_path / "a.mat", numbers(), **options))
+    assert_holds(cube, numbers())
+    assert isinstance(cube.stored, FileRows) == (not options)
+
+
+def test_matlab_7_3_pixels_run_along_the_columns(tmp_path):
+    spectra = np.array([numbers()[r, c] for c in range(4) for r in range(3)])
+    path = write_mat73(tmp_path / "a.mat", spectra, wavelengths=None)
+    cube = read_cube(path, shape=(3, 4), wavelengths=(400, 800))
+    assert_holds(cube, numbers(), np.linspace(400, 800, 5))
+    assert noted(cube, "column by column")
+
+
+@pytest.mark.parametrize("kind", ["logical", "cell", "char", "struct"])
+def test_what_is_no_number_in_matlab_7_3_is_refused(tmp_path, kind):
+    path = write_mat73(tmp_path / "a.mat", numbers(), matlab_class=kind)
+    refused(path, "not real numbers")
+
+
+def test_empty_and_complex_arrays_of_matlab_7_3_are_refused(tmp_path):
+    path = write_mat73(tmp_path / "a.mat", np.zeros((2, 1)))
+    with h5py.File(path, "r+") as file:
+        file["reflectance"].attrs["MATLAB_empty"] = np.uint8(1)
+    refused(path, "is empty")
+    both = np.ones((2, 2, 2), dtype=[("real", "f8"), ("imag", "f8")])
+    refused(write_mat73(tmp_path / "b.mat", both), "not real numbers")
+
+
+def test_a_cut_matlab_7_3_file_is_refused(tmp_path):
+    path = write_mat73(tmp_path / "a.mat", numbers())
+    path.write_bytes(path.read_bytes()[:700])
+    refused(path, "not a readable MATLAB 7.3 file")
+
+
+# HDF5 and NetCDF
+
+
+def write_redfish(path, cube, wavelengths=NM, dtype=np.uint16, **options):
+    with h5py.File(path, "w") as file:
+        file.create_dataset("Hymage", data=cube.astype(dtype), **options)
+        file["Wavelength"] = np.array(wavelengths)
+    return path
+
+
+@pytest.mark.parametrize("axis", [0, 1, 2])
+@pytest.mark.parametrize("options", [{}, {"chunks": True, "compression": "gzip"}])
+def test_redfish_finds_its_bands_by_the_wavelengths_and_counts_65536(tmp_path, axis, options):
+    stored = np.moveaxis(numbers(), 2, axis)
+    cube = read_cube(write_redfish(tmp_path / "a.h5", stored, **options))
+    assert_holds(cube, numbers())
+    assert cube.scale * 65536 == 1
+    assert noted(cube, f"axis {axis} of 'Hymage' taken as bands")
+
+
+def test_a_cube_whose_axes_cannot_be_told_apart_is_refused(tmp_path):
+    refused(write_redfish(tmp_path / "a.h5", numbers(5, 4, 5)), "fit 2 of its axes")
+
+
+def test_redfish_of_other_types_does_not_say_what_it_means(tmp_path):
+    refused(write_redfish(tmp_path / "a.h5", numbers(), dtype=np.int32), "stores integers .int32.")
+
+
+@pytest.mark.parametrize(
+    ("stored", "unit", "note"),
+    [
+        (np.array(NM), "nm", None),
+        (np.array(NM) / 1000, "um", None),
+        (np.array(NM) / 1000, "Micrometers", None),
+        (np.array(NM), None, "taken as nm"),
+        (np.array(NM) / 1000, None, "taken as micrometers"),
+    ],
+)
+def test_wavelengths_are_in_the_unit_told_or_a_noted_guess(tmp_path, stored, unit, note):
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        file["deep/cube"] = numbers()
+        file["deep/wavelengths"] = stored
+        if unit:
+            file["deep/wavelengths"].attrs["units"] = unit
+    cube = read_cube(tmp_path / "a.h5")
+    assert_holds(cube, numbers())
+    assert noted(cube, "the only array with three axes")
+    assert note is None or noted(cube, note)
+
+
+def test_wavelengths_may_stand_in_an_attribute(tmp_path):
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        file["reflectance"] = numbers()
+        file["reflectance"].attrs["wavelength"] = NM
+        file["reflectance"].attrs["wavelength_units"] = "nm"
+    assert_holds(read_cube(tmp_path / "a.h5"), numbers())
+
+
+def labeled(order=("wavelength", "y", "x"), dtype=np.float64, **attributes):
+    axes = {"y": 0, "x": 1, "wavelength": 2}
+    array = xarray.DataArray(
+        numbers(dtype=dtype).transpose([axes[a] for a in order]), dims=order, attrs=attributes
+    )
+    return array.assign_coords(wavelength=("wavelength", list(NM), {"units": "nm"}))
+
+
+@pytest.mark.parametrize("order", [("wavelength", "y", "x"), ("y", "wavelength", "x")])
+@pytest.mark.parametrize("ending", ["nc", "zarr2", "zarr3"])
+def test_netcdf_and_zarr_tell_their_axes_by_name(tmp_path, order, ending):
+    pytest.importorskip("h5netcdf", reason="xarray writes the file by it")
+    data = labeled(order).to_dataset(name="rho")
+    path = tmp_path / "a.nc"
+    if ending == "nc":
+        data.to_netcdf(path, engine="h5netcdf")
+    else:
+        path = tmp_path / "a.zarr"
+        data.to_zarr(path, zarr_format=int(ending[-1]), consolidated=False)
+    assert_holds(read_cube(path, key="rho"), numbers())
+    assert_holds(read_cube(path), numbers())
+
+
+def test_scale_and_percent_are_those_of_the_file(tmp_path):
+    pytest.importorskip("h5netcdf", reason="xarray writes the file by it")
+    path = tmp_path / "a.nc"
+    for attributes, scale in (
+        ({"scale_factor": 0.25}, 0.25),
+        ({"units": "%"}, 0.01),
+        ({"units": "percent", "scale_factor": 0.5}, 0.005),
+    ):
+        data = labeled(dtype=np.int16).to_dataset(name="rho")
+        data.to_netcdf(path, engine="h5netcdf")
+        with h5py.File(path, "r+") as file:
+            file["rho"].attrs.update(attributes)
+        assert read_cube(path).scale == scale
+
+
+@pytest.mark.parametrize(
+    ("attributes", "match"),
+    [
+        ({"units": "W m-2 sr-1 um-1"}, "say radiance"),
+        ({"long_name": "at-sensor radiance"}, "says radiance"),
+        ({"add_offset": 3.0}, "'add_offset' asks for an offset"),
+        ({"scale_factor": -1.0}, "must be finite and > 0, but is -1"),
+        ({"scale_factor": np.nan}, "must be finite and > 0, but is nan"),
+        ({"scale_factor": "one"}, "'scale_factor' is no number"),
+    ],
+)
+def test_attributes_that_forbid_the_cube_are_told(tmp_path, attributes, match):
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        file["reflectance"] = numbers()
+        file["wavelength_nm"] = NM
+        file["reflectance"].attrs.update(attributes)
+    refused(tmp_path / "a.h5", match)
+
+
+def test_a_fill_value_is_noted_and_its_nan_refused_with_that_note(tmp_path):
+    from chromanoise.scene.cube import reflectance_rows
+
+    cube = numbers() / 128
+    cube[1, 1, 1] = np.nan
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        file["reflectance"] = cube
+        file["wavelength_nm"] = NM
+        file["reflectance"].attrs["_FillValue"] = np.nan
+    found = read_cube(tmp_path / "a.h5")
+    with pytest.raises(InputError, match=r"nan at row 1, column 1.*ignore value, which is not"):
+        reflectance_rows(found, 0, 3)
+
+
+def test_nothing_outside_an_hdf5_file_is_read(tmp_path):
+    secret = write_redfish(tmp_path / "secret.h5", numbers())
+    numbers().tofile(tmp_path / "raw")
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        file["link"] = h5py.ExternalLink(str(secret), "/Hymage")
+        file["round"] = h5py.SoftLink("/")
+        file["wavelength_nm"] = NM
+        file.create_dataset(
+            "raw", (3, 4, 5), "f8", external=[(str(tmp_path / "raw"), 0, 3 * 4 * 5 * 8)]
+        )
+        layout = h5py.VirtualLayout((3, 4, 5), "u2")
+        layout[...] = h5py.VirtualSource(str(secret), "Hymage", (3, 4, 5))
+        file.create_virtual_dataset("virtual", layout)
+    refused(tmp_path / "a.h5", "has no array 'link'; it holds", key="link")
+    refused(tmp_path / "a.h5", "lie in other files", key="raw")
+    refused(tmp_path / "a.h5", "lie in other files", key="virtual")
+
+
+def test_numbers_that_were_never_written_are_not_taken_for_zeros(tmp_path):
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        made = file.create_dataset("reflectance", (8, 8, 5), "f4", chunks=(4, 4, 5))
+        made[:4] = 1
+        file.create_dataset("nothing", (8, 8, 5), "f4")
+        file["wavelength_nm"] = NM
+    refused(tmp_path / "a.h5", "2 of its 4 chunks were never written")
+    refused(tmp_path / "a.h5", "its numbers were never written", key="nothing")
+
+
+def test_old_netcdf_is_refused_with_its_cure(tmp_path):
+    (tmp_path / "a.nc").write_bytes(b"CDF\x01" + bytes(100))
+    refused(tmp_path / "a.nc", "is no HDF5 file, as NetCDF-4 is; convert it .nccopy")
+
+
+@pytest.mark.parametrize("name", ["x", "reflectance"])
+def test_objects_words_and_references_are_refused(tmp_path, name):
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        file["words"] = ["a", "b"]
+        file.create_dataset("ref", (2, 2, 2), h5py.ref_dtype)
+        file.create_dataset("truth", data=np.ones((2, 2, 2), bool))
+        file["complex"] = np.ones((2, 2, 2)) * 1j
+        file["no/shape"] = h5py.Empty("f4")
+        file["scalar"] = 3.0
+    for key in ("words", "ref", "truth", "complex"):
+        refused(tmp_path / "a.h5", "not real numbers", key=key)
+    refused(tmp_path / "a.h5", "must have axes", key="scalar")
+    refused(tmp_path / "a.h5", "has no array", key=name)
+
+
+# without the packages
+
+
+@pytest.mark.parametrize("name", ["h5py", "zarr", "xarray"])
+def test_an_absent_package_is_told_with_what_installs_it(tmp_path, name, monkeypatch):
+    monkeypatch.setitem(sys.modules, name, None)
+    match = rf"needs the package {name}.*chromanoise\[cubes\]"
+    if name == "h5py":
+        (tmp_path / "a.h5").write_bytes(b"\x89HDF\r\n\x1a\n")
+        refused(tmp_path / "a.h5", match)
+    elif name == "zarr":
+        (tmp_path / "a.zarr").mkdir()
+        (tmp_path / "a.zarr" / ".zgroup").write_text("{}")
+        refused(tmp_path / "a.zarr", match)
+    else:
+        with pytest.raises(InputError, match=match):
+            picture_to_xarray(Seen())
+
+
+def test_importing_the_scene_imports_no_library_of_files():
+    told = "import sys, chromanoise.scene; print(sorted(sys.modules))"
+    out = subprocess.run([sys.executable, "-c", told], capture_output=True, text=True, check=True)
+    for name in ("h5py", "zarr", "xarray", "tifffile", "PIL"):
+        assert f"'{name}'" not in out.stdout
+
+
+# Zarr
+
+
+def write_zarr(path, cube=None, version=3, **options):
+    cube = numbers() if cube is None else cube
+    group = zarr.create_group(path, zarr_format=version, overwrite=True)
+    group.create_array("reflectance", data=cube, **({"chunks": (2, 4, 5)} | options))
+    group.create_array("wavelength_nm", data=np.array(NM), chunks=(5,))
+    return path
+
+
+@pytest.mark.parametrize("version", [2, 3])
+@pytest.mark.parametrize("dtype", ["<f4", ">u2", "u1"])
+def test_zarr_gives_back_what_was_written(tmp_path, version, dtype):
+    path = write_zarr(tmp_path / "a.zarr", numbers(dtype=dtype), version)
+    cube = read_cube(path, scale=1.0)
+    assert_holds(cube, numbers())
+    assert row_source(cube.stored).chunk_rows == 2
+    assert row_source(cube.stored).dtype.isnative
+
+
+def test_shards_are_read_too(tmp_path):
+    path = write_zarr(tmp_path / "a.zarr", chunks=(1, 2, 5), shards=(2, 4, 5))
+    assert row_source(read_cube(path).stored).chunk_rows == 2
+    assert_holds(read_cube(path), numbers())
+
+
+def test_chunks_that_are_absent_are_told_and_none_at_all_is_refused(tmp_path):
+    path = write_zarr(tmp_path / "a.zarr")
+    shutil.rmtree(path / "reflectance" / "c" / "1")
+    cube = read_cube(path)
+    assert noted(cube, "1 of 2 chunks are absent and read as 0")
+    np.testing.assert_array_equal(rows_of(cube)[:2], numbers()[:2])
+    shutil.rmtree(path / "reflectance" / "c")
+    refused(path, "has no chunks")
+
+
+def test_a_zarr_folder_with_a_link_is_refused(tmp_path):
+    path = write_zarr(tmp_path / "a.zarr")
+    chunk = path / "reflectance" / "c" / "0" / "0" / "0"
+    chunk.rename(tmp_path / "elsewhere")
+    chunk.symlink_to(tmp_path / "elsewhere")
+    refused(path, "is a link, which a Zarr folder may not hold")
+
+
+@pytest.mark.parametrize("key", ["../secret.zarr/reflectance", "/../../etc", "a/../../b", ".", ""])
+def test_no_key_leads_out_of_a_zarr_folder(tmp_path, key):
+    write_zarr(tmp_path / "secret.zarr")
+    refused(write_zarr(tmp_path / "a.zarr"), "has no array", key=key)
+
+
+def test_nothing_in_a_zarr_folder_is_unpickled(tmp_path):
+    path = write_zarr(tmp_path / "a.zarr", version=2)
+    header = path / "reflectance" / ".zarray"
+    told = json.loads(header.read_text())
+    for change in ({"filters": [{"id": "pickle"}]}, {"compressor": {"id": "pickle"}}):
+        header.write_text(json.dumps(told | change))
+        refused(path, "packed with 'pickle', which is not trusted")
+    header.write_text(json.dumps(told | {"dtype": "|O", "filters": [{"id": "pickle"}]}))
+    refused(path, "not trusted")
+    path = write_zarr(tmp_path / "b.zarr")
+    header = path / "reflectance" / "zarr.json"
+    told = json.loads(header.read_text())
+    told["codecs"] = [{"name": "numcodecs.pickle", "configuration": {}}]
+    header.write_text(json.dumps(told))
+    refused(path, "not trusted")
+
+
+def test_a_zarr_array_without_a_group_is_a_cube(tmp_path):
+    zarr.create_array(tmp_path / "a.zarr", data=numbers(), chunks=(2, 2, 2))
+    cube = read_cube(tmp_path / "a.zarr", wavelengths=(400, 800))
+    assert_holds(cube, numbers(), np.linspace(400, 800, 5))
+
+
+# TIFF
+
+
+@pytest.mark.parametrize("dtype", ["<f4", ">u2", "u1"])
+@pytest.mark.parametrize("big", [False, True])
+def test_pages_of_a_tiff_are_bands_and_stay_on_disk(tmp_path, dtype, big):
+    stored = numbers(dtype=dtype).transpose(2, 0, 1)
+    order = ">" if dtype[0] == ">" else "<"
+    with tifffile.TiffWriter(tmp_path / "a.tif", byteorder=order, bigtiff=big) as file:
+        for plane in stored:
+            file.write(plane, photometric="minisblack", contiguous=False)
+    cube = read_cube(tmp_path / "a.tif", wavelengths=(400, 800), scale=0.01)
+    assert isinstance(cube.stored, PlaneRows)
+    assert_holds(cube, numbers(), np.linspace(400, 800, 5))
+
+
+@pytest.mark.parametrize("planar", ["contig", "separate"])
+def test_samples_of_one_page_are_bands(tmp_path, planar):
+    cube = numbers(dtype="f4")
+    stored = cube if planar == "contig" else cube.transpose(2, 0, 1)
+    tifffile.imwrite(
+        tmp_path / "a.tif", stored, photometric="minisblack", planarconfig=planar, metadata=None
+    )
+    found = read_cube(tmp_path / "a.tif", wavelengths=(400, 800))
+    assert isinstance(found.stored, FileRows)
+    assert_holds(found, cube, np.linspace(400, 800, 5))
+
+
+def test_a_stack_that_tifffile_writes_at_once_is_read(tmp_path):
+    tifffile.imwrite(
+        tmp_path / "a.tif",
+        numbers(dtype="f4").transpose(2, 0, 1),
+        photometric="minisblack",
+        metadata={"wavelength": list(NM)},
+    )
+    assert_holds(read_cube(tmp_path / "a.tif"), numbers())
+
+
+def test_compressed_pages_are_decoded(tmp_path):
+    with tifffile.TiffWriter(tmp_path / "a.tif") as file:
+        for plane in numbers(dtype="f4").transpose(2, 0, 1):
+            file.write(plane, photometric="minisblack", compression="zlib", contiguous=False)
+    cube = read_cube(tmp_path / "a.tif", wavelengths=(400, 800))
+    assert_holds(cube, numbers(), np.linspace(400, 800, 5))
+
+
+@pytest.mark.parametrize(
+    "text", ["wavelength = {400, 450, 500, 600, 700}", '{"wavelength_nm": [400,450,500,600,700]}']
+)
+def test_a_description_lists_the_wavelengths(tmp_path, text):
+    with tifffile.TiffWriter(tmp_path / "a.tif") as file:
+        for k, plane in enumerate(numbers(dtype="f4").transpose(2, 0, 1)):
+            told = text if k == 0 else None
+            file.write(plane, photometric="minisblack", description=told, metadata=None)
+    assert_holds(read_cube(tmp_path / "a.tif"), numbers())
+
+
+def test_each_page_may_tell_its_wavelength(tmp_path):
+    with tifffile.TiffWriter(tmp_path / "a.tif") as file:
+        for nm, plane in zip(NM, numbers(dtype="f4").transpose(2, 0, 1), strict=True):
+            text = f"band at {nm:g} nm"
+            file.write(plane, photometric="minisblack", description=text, metadata=None)
+    assert_holds(read_cube(tmp_path / "a.tif"), numbers())
+
+
+def test_pages_of_other_sizes_are_refused(tmp_path):
+    with tifffile.TiffWriter(tmp_path / "a.tif") as file:
+        for rows in (3, 4):
+            file.write(np.ones((rows, 4), "f4"), photometric="minisblack")
+    refused(tmp_path / "a.tif", "pages must be alike, but page 1", wavelengths=(400, 800))
+
+
+def test_a_cut_tiff_is_refused(tmp_path):
+    path = tmp_path / "a.tif"
+    with tifffile.TiffWriter(path) as file:
+        for plane in np.ones((5, 30, 40), "f4"):
+            file.write(plane, photometric="minisblack", contiguous=False)
+    whole = path.read_bytes()
+    for length in (len(whole) - 10, len(whole) // 2, 20):
+        path.write_bytes(whole[:length])
+        refused(path, "cut short", wavelengths=(400, 800))
+
+
+# folders of PNGs
+
+
+def write_pngs(folder, cube, name="thing_ms_{:02d}.png", first=1, step=1):
+    folder.mkdir(exist_ok=True)
+    for k in range(cube.shape[2]):
+        Image.fromarray(cube[:, :, k]).save(folder / name.format(first + k * step))
+    return folder
+
+
+def test_a_folder_named_as_cave_is_31_bands_from_400_to_700_nm(tmp_path):
+    cube = numbers(3, 4, 31, np.uint16) * 300
+    folder = write_pngs(tmp_path / "thing_ms", cube)
+    (folder / "thing_RGB.bmp").write_bytes(b"BM")
+    refused(folder, "stores integers .uint16.*--scale")
+    found = read_cube(folder, scale=1 / 65535)
+    assert_holds(found, cube, np.arange(400, 701, 10))
+    assert noted(found, "CAVE")
+
+
+def test_bands_are_sorted_by_number_not_by_letter(tmp_path):
+    cube = numbers(3, 4, 12, np.uint8)
+    folder = write_pngs(tmp_path / "a", cube, name="band{}.png")
+    found = read_cube(folder, scale=1 / 255, wavelengths=(400, 700))
+    assert_holds(found, cube, np.linspace(400, 700, 12))
+
+
+def test_numbers_in_names_that_are_wavelengths_are_taken_and_noted(tmp_path):
+    folder = write_pngs(tmp_path / "a", numbers(dtype=np.uint8), "x_{}nm.png", first=400, step=50)
+    found = read_cube(folder, scale=1 / 255)
+    assert_holds(found, numbers(), [400, 450, 500, 550, 600])
+    assert noted(found, "taken as wavelengths")
+
+
+def test_faults_of_a_folder_are_told(tmp_path):
+    cube = numbers(dtype=np.uint8)
+    ask = {"scale": 1 / 255, "wavelengths": (400, 700)}
+    gap = write_pngs(tmp_path / "gap", cube)
+    (gap / "thing_ms_03.png").unlink()
+    refused(gap, "number 4 follows 2", **ask)
+    twice = write_pngs(tmp_path / "twice", cube)
+    shutil.copy(twice / "thing_ms_01.png", twice / "other_1.png")
+    refused(twice, "bear the same number", **ask)
+    unnamed = write_pngs(tmp_path / "unnamed", cube)
+    shutil.copy(unnamed / "thing_ms_01.png", unnamed / "preview.png")
+    refused(unnamed, "bears no number", **ask)
+    color = write_pngs(tmp_path / "color", cube)
+    Image.fromarray(np.zeros((3, 4, 3), np.uint8)).save(color / "thing_ms_02.png")
+    refused(color, "pixels of kind RGB", **ask)
+    mixed = write_pngs(tmp_path / "mixed", cube)
+    Image.fromarray(np.zeros((4, 4), np.uint8)).save(mixed / "thing_ms_02.png")
+    refused(mixed, "all bands must be alike", **ask)
+    cut = write_pngs(tmp_path / "cut", numbers(64, 64, 5, np.uint8))
+    whole = (cut / "thing_ms_02.png").read_bytes()
+    (cut / "thing_ms_02.png").write_bytes(whole[: len(whole) // 2])
+    refused(cut, "not a readable PNG file", **ask)
+    (tmp_path / "empty").mkdir()
+    refused(tmp_path / "empty", "is a directory, and neither", **ask)
+
+
+# xarray
+
+
+class Seen:
+    """What is asked of a picture."""
+
+    xyz = np.full((2, 3, 3), 0.5, np.float32)
+    srgb = np.zeros((2, 3, 3), np.uint8)
+    white = np.array([0.95, 1.0, 1.09])
+    notes = ("one", "two")
+
+
+@pytest.mark.parametrize("order", [("wavelength", "y", "x"), ("y", "x", "wavelength")])
+@pytest.mark.parametrize("lazily", [False, True])
+def test_a_labeled_array_is_a_cube(order, lazily):
+    if lazily:
+        pytest.importorskip("dask", reason="only a dask array is computed late")
+    array = labeled(order)
+    cube = cube_from_xarray(array.chunk({"y": 2}) if lazily else array)
+    assert_holds(cube, numbers())
+    assert isinstance(cube.stored, np.ndarray) != lazily
+
+
+def test_the_unit_of_a_coordinate_makes_it_the_bands():
+    array = labeled().rename(wavelength="band")
+    assert_holds(cube_from_xarray(array), numbers())
+    array = array.drop_vars("band")
+    with pytest.raises(InputError, match="does not tell the wavelengths"):
+        cube_from_xarray(array)
+    assert_holds(
+        cube_from_xarray(array, wavelengths=(400, 800)), numbers(), [400, 500, 600, 700, 800]
+    )
+
+
+@pytest.mark.parametrize(
+    ("array", "match"),
+    [
+        (xarray.DataArray(np.ones((2, 2, 2)), dims=("a", "b", "c")), "must bear the wavelengths"),
+        (xarray.DataArray(np.ones((2, 2)), dims=("y", "wavelength")), "have three axes"),
+        (labeled().to_dataset(name="rho"), "must be an xarray.DataArray, but is a Dataset"),
+        (np.ones((2, 2, 2)), "but is a ndarray"),
+        (labeled(units="W/m2/sr/nm"), "say radiance"),
+        (labeled(dtype=np.uint16), "stores integers"),
+        (labeled() > 0, "must hold real numbers"),
+    ],
+)
+def test_a_labeled_array_that_is_no_cube_is_refused(array, match):
+    with pytest.raises(InputError, match=match):
+        cube_from_xarray(array)
+
+
+def test_a_picture_comes_out_labeled():
+    data = picture_to_xarray(Seen())
+    assert data["xyz"].dims == ("y", "x", "xyz_axis")
+    assert float(data["xyz"].sel(xyz_axis="Y")[1, 2]) == 0.5
+    assert float(data["white"].sel(xyz_axis="Y")) == 1
+    assert data.attrs["notes"] == "one; two"
+
+
+# whatever the bytes, a cube or one sentence
+
+edits = st.lists(
+    st.tuples(
+        st.sampled_from(["replace", "insert", "delete", "cut"]),
+        st.floats(0, 1, exclude_max=True),
+        st.binary(min_size=1, max_size=8),
+    ),
+    min_size=1,
+    max_size=6,
+)
+
+
+def edited(content, changes):
+    for what, where, token in changes:
+        i = int(where * len(content))
+        if what == "cut":
+            content = content[: max(i, 1)]
+        else:
+            skipped = 0 if what == "insert" else len(token)
+            content = content[:i] + (b"" if what == "delete" else token) + content[i + skipped :]
+    return content or b"\0"
+
+
+def assert_cube_or_sentence(path, **options):
+    with contextlib.suppress(InputError):
+        cube = read_cube(path, **options)
+        assert cube.stored.shape[2] == cube.wavelength_nm.size
+        assert rows_of(cube).shape == cube.stored.shape
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    return tmp_path_factory.mktemp("fuzz")
+
+
+@given(changes=edits, compressed=st.booleans())
+@settings(max_examples=200)
+def test_an_altered_tiff_gives_a_cube_or_one_sentence(folder, changes, compressed):
+    path = folder / "a.tif"
+    with tifffile.TiffWriter(path) as file:
+        for plane in numbers(dtype="f4").transpose(2, 0, 1):
+            file.write(plane, photometric="minisblack", compression="zlib" if compressed else None)
+    path.write_bytes(edited(path.read_bytes(), changes))
+    assert_cube_or_sentence(path, wavelengths=(400, 800))
+
+
+@given(changes=edits, k=st.integers(0, 4))
+@settings(max_examples=200)
+def test_an_altered_png_gives_a_cube_or_one_sentence(folder, changes, k):
+    pngs = write_pngs(folder / "pngs", numbers(dtype=np.uint16))
+    path = sorted(pngs.iterdir())[k]
+    path.write_bytes(edited(path.read_bytes(), changes))
+    assert_cube_or_sentence(pngs, wavelengths=(400, 800), scale=0.01)
+
+
+@given(changes=edits, k=st.integers(0, 30), version=st.sampled_from([2, 3]))
+@settings(max_examples=200)
+def test_an_altered_zarr_folder_gives_a_cube_or_one_sentence(folder, changes, k, version):
+    store = folder / f"a{version}.zarr"
+    if not (folder / f"whole{version}.zarr").exists():
+        write_zarr(folder / f"whole{version}.zarr", version=version)
+    shutil.rmtree(store, ignore_errors=True)
+    shutil.copytree(folder / f"whole{version}.zarr", store)
+    files = sorted(p for p in store.rglob("*") if p.is_file())
+    path: Path = files[k % len(files)]
+    path.write_bytes(edited(path.read_bytes(), changes))
+    assert_cube_or_sentence(store, scale=1.0)
+
+
+@given(changes=edits, packed=st.booleans(), matlab=st.booleans())
+@settings(max_examples=200)
+def test_an_altered_hdf5_file_gives_a_cube_or_one_sentence(folder, changes, packed, matlab):
+    options = {"chunks": (2, 2, 2), "compression": "gzip"} if packed else {}
+    if matlab:
+        path = write_mat73(folder / "a.mat", numbers(), **options)
+    else:
+        path = write_redfish(folder / "a.h5", numbers(), **options)
+    path.write_bytes(edited(path.read_bytes(), changes))
+    assert_cube_or_sentence(path)

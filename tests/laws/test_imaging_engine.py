@@ -1,0 +1,283 @@
+"""The compiled way of a cube against plain numpy, bit by bit where bits are promised."""
+
+import numpy as np
+import pytest
+
+from chromanoise._check import InputError
+from chromanoise.color import kernel_matrix
+from chromanoise.exposure import Exposure, Situation, band_weights, expected_electrons, white_scene
+from chromanoise.imaging import acquired, electrons_of_cube, noisy_electrons, rendered
+from chromanoise.imaging.plans import draw_of
+from chromanoise.noise import Readout, read_moments
+from chromanoise.scene import Cube, flat_cube
+from chromanoise.sensor import Adc, Imperfections, Mosaic, adc_to_full_well, bayer
+from chromanoise.spectra import cie_a
+from strategies import GRID, bell_qe, pixel_with, sensor_of
+
+LAMP = cie_a(GRID)
+
+
+def sensor_with(channels, read_noise_e=5.0, full_well_e=1e6):
+    centers = np.linspace(430, 670, channels)
+    qe = bell_qe(centers, np.full(channels, 35.0), np.full(channels, 0.6))
+    names = tuple("RGBWCMYKVO"[:channels])
+    return sensor_of(
+        qe, names=names, pixel=pixel_with(read_noise_e, full_well_e=full_well_e), name="toy"
+    )
+
+
+def used(channels=3, time_s=0.02, level_lux=10.0, **pixel):
+    return Situation(
+        sensor=sensor_with(channels, **pixel),
+        exposure=Exposure(time_s=time_s),
+        illuminant=LAMP,
+        level_lux=level_lux,
+    )
+
+
+def stored(height=7, width=300, dtype=np.float32):
+    rho = np.random.default_rng(1).uniform(0.02, 0.98, (height, width, GRID.n))
+    if np.issubdtype(dtype, np.integer):
+        return np.round(rho * 10_000).astype(dtype), 1e-4
+    return rho.astype(dtype), 1.0
+
+
+LAYOUTS = {
+    "bands together": lambda x: np.ascontiguousarray(x),
+    "pixels of a row together": lambda x: np.ascontiguousarray(x.transpose(0, 2, 1)).transpose(
+        0, 2, 1
+    ),
+    "pixels of a band together": lambda x: np.ascontiguousarray(x.transpose(2, 0, 1)).transpose(
+        1, 2, 0
+    ),
+    "every second of more bands": lambda x: np.repeat(x, 2, axis=2)[:, :, ::2],
+    "bands backwards": lambda x: np.ascontiguousarray(x[:, :, ::-1])[:, :, ::-1],
+    "other byte order": lambda x: x.astype(x.dtype.newbyteorder()),
+    "part of the columns": lambda x: np.concatenate([x, x], axis=1)[:, : x.shape[1]],
+}
+
+
+def cube_of(array, scale=1.0):
+    return Cube(wavelength_nm=GRID.wavelength_nm, stored=array, scale=scale, source="a cube")
+
+
+def electrons_by_numpy(cube, situation):
+    weights, _ = band_weights(cube, white_scene(situation), situation.sensor, situation.exposure)
+    return np.asarray(cube.stored, dtype=np.float64) @ (weights * cube.scale)
+
+
+@pytest.mark.parametrize("layout", LAYOUTS)
+@pytest.mark.parametrize("channels", [1, 3, 5, 8])
+def test_electrons_are_those_of_a_product_in_float64_however_the_cube_lies(layout, channels):
+    array, scale = stored()
+    situation = used(channels)
+    cube = cube_of(LAYOUTS[layout](array), scale)
+    expected = electrons_by_numpy(cube_of(array, scale), situation)
+    assert electrons_of_cube(cube, situation) == pytest.approx(expected, rel=2e-6)
+
+
+@pytest.mark.parametrize("dtype", ["u1", "u2", "i2", "i4", "u4", "i8", "f2", "f4", "f8"])
+def test_numbers_of_every_type_are_read_as_they_are(dtype):
+    array, scale = stored(dtype=np.dtype("f8"))
+    if np.dtype(dtype).kind in "iu":
+        scale = 1 / 200
+        array = np.round(array * 200)
+    array = array.astype(dtype)
+    situation = used()
+    expected = electrons_by_numpy(cube_of(array, scale), situation)
+    for name in ("bands together", "pixels of a band together"):
+        cube = cube_of(LAYOUTS[name](array), scale)
+        assert electrons_of_cube(cube, situation) == pytest.approx(expected, rel=2e-6)
+
+
+@pytest.mark.parametrize("channels", [3, 4, 5])
+def test_the_color_picture_is_its_noisy_electrons_times_the_matrix(channels):
+    cube, situation = cube_of(stored()[0]), used(channels)
+    matrix = kernel_matrix(situation.sensor, situation.exposure)
+    picture = rendered(cube, situation, seed=11, frame=3)
+    noisy = noisy_electrons(
+        electrons_of_cube(cube, situation),
+        read_noise_e=situation.sensor.pixel.read_noise_e,
+        seed=draw_of(situation, seed=11).key,
+        frame=3,
+    ).astype(float)
+    white = matrix.matrix @ expected_electrons(
+        white_scene(situation), situation.sensor, situation.exposure
+    )
+    expected = noisy @ (matrix.matrix / white[1]).T
+    assert picture.xyz == pytest.approx(expected, abs=1e-5 * np.abs(expected).max())
+
+
+def test_the_picture_without_noise_is_the_float64_picture():
+    cube, situation = cube_of(stored()[0]), used()
+    matrix = kernel_matrix(situation.sensor, situation.exposure).matrix
+    white = matrix @ expected_electrons(
+        white_scene(situation), situation.sensor, situation.exposure
+    )
+    expected = electrons_by_numpy(cube, situation) @ (matrix / white[1]).T
+    assert rendered(cube, situation, noisy=False).xyz == pytest.approx(expected, abs=3e-6)
+
+
+TILES = {
+    "bayer": bayer(),
+    "three by two": Mosaic((("R", "G", "B"), ("B", "R", "R"))),
+    "odd": Mosaic((("R", "G", "B", "G", "R"),)),
+}
+
+
+@pytest.mark.parametrize("tile", TILES)
+@pytest.mark.parametrize("layout", ["bands together", "pixels of a band together"])
+def test_each_pixel_of_the_mosaic_has_the_noise_that_its_channel_has_there(tile, layout):
+    """Bit by bit: numpy picks the channel from the full picture and converts."""
+    cube = cube_of(LAYOUTS[layout](stored()[0]))
+    situation, mosaic = used(full_well_e=900.0), TILES[tile]
+    adc = Adc(bits=10, gain_e_per_dn=1.3, black_level_dn=64)
+    raw = acquired(cube, situation, mosaic=mosaic, adc=adc, seed=5, frame=1)
+    noisy = noisy_electrons(
+        electrons_of_cube(cube, situation),
+        read_noise_e=situation.sensor.pixel.read_noise_e,
+        seed=draw_of(situation, seed=5).key,
+        frame=1,
+    )
+    names = situation.sensor.names
+    pattern = np.array([[names.index(name) for name in row] for row in mosaic.pattern])
+    height, width, _ = noisy.shape
+    over = np.tile(pattern, (height, width))[:height, :width]
+    own = np.take_along_axis(noisy, over[..., None], axis=2)[..., 0]
+    scaled = np.minimum(own, np.float32(900)) * np.float32(1 / 1.3) + np.float32(64)
+    expected = np.clip(np.floor(scaled + np.float32(0.5)), 0, 1023)
+    assert (raw.codes == expected).all()
+    assert (raw.codes == 1023).mean() < 1
+    above = [(own > 900)[over == c].mean() for c in range(3)]
+    assert raw.above_full_well == pytest.approx(above)
+
+
+@pytest.mark.parametrize(("tile_rows", "threads"), [(1, 1), (3, 2), (1000, 4)])
+def test_neither_tiles_nor_threads_change_a_bit_of_the_mosaic(tile_rows, threads):
+    cube, situation = cube_of(stored(40)[0]), used()
+    more = Imperfections(dark_current_e_per_s=100.0, dsnu_e=3.0, prnu=0.01, row_noise_e=2.0)
+    asked = {"mosaic": bayer(), "seed": 2, "imperfections": more}
+    whole = acquired(cube, situation, **asked)
+    tiled = acquired(cube, situation, **asked, tile_rows=tile_rows, threads=threads)
+    assert (whole.codes == tiled.codes).all()
+    assert (whole.mean_e == tiled.mean_e).all()
+
+
+def test_the_top_code_is_the_largest_that_the_bits_hold_and_nothing_wraps():
+    cube = flat_cube(GRID.wavelength_nm, 1.0, height=20, width=20)
+    for bits in (8, 12, 16):
+        situation = used(1, level_lux=1e7, full_well_e=5000.0)
+        mosaic = Mosaic((("R",),))
+        raw = acquired(
+            cube, situation, mosaic=mosaic, adc=adc_to_full_well(situation.sensor.pixel, bits=bits)
+        )
+        assert (raw.codes == 2**bits - 1).all()
+        assert raw.above_full_well == pytest.approx([1.0])
+
+
+@pytest.mark.parametrize("level_lux", [0.02, 1.0, 30.0])
+def test_codes_of_a_flat_field_scatter_as_the_exact_moments_say(level_lux):
+    """From the dark, where black holds, to full well, where the top code does."""
+    situation = used(1, level_lux=level_lux, full_well_e=2000.0)
+    adc = adc_to_full_well(situation.sensor.pixel, bits=8)
+    cube = flat_cube(GRID.wavelength_nm, 0.8, height=300, width=300)
+    raw = acquired(cube, situation, mosaic=Mosaic((("R",),)), adc=adc, seed=4)
+    moments = read_moments(
+        np.array([raw.mean_e[0]]),
+        read_noise_e=5.0,
+        readout=Readout(black_e=0.0, full_well_e=2000.0, step_e=adc.gain_e_per_dn),
+    )
+    electrons = raw.codes.astype(float).ravel() * adc.gain_e_per_dn
+    count = electrons.size
+    mean, variance = float(moments.mean[0]), float(moments.variance[0])
+    spread = electrons - electrons.mean()
+    se_variance = np.sqrt(max((spread**4).mean() - (spread**2).mean() ** 2, 1e-12) / count)
+    assert abs(electrons.mean() - mean) < 5 * np.sqrt(variance / count) + 1e-4
+    assert abs((spread**2).mean() - variance) < 5 * se_variance + 1e-4
+
+
+def imperfect(frame, **strengths):
+    cube = flat_cube(GRID.wavelength_nm, 0.5, height=200, width=200)
+    picture = acquired(
+        cube,
+        used(1, read_noise_e=0.0, level_lux=500.0),
+        mosaic=Mosaic((("R",),)),
+        adc=Adc(bits=16, gain_e_per_dn=1.0, black_level_dn=1000),
+        frame=frame,
+        imperfections=Imperfections(**strengths),
+        noisy=False,
+    )
+    return picture.codes.astype(float) - 1000, float(picture.mean_e[0])
+
+
+def test_prnu_scales_with_the_light_and_stays_from_frame_to_frame():
+    codes, mean = imperfect(0, prnu=0.02)
+    again, _ = imperfect(1, prnu=0.02)
+    assert (codes == again).all()
+    assert codes.std() / mean == pytest.approx(0.02, rel=5 / np.sqrt(2 * codes.size))
+
+
+def test_dsnu_adds_its_electrons_and_stays_from_frame_to_frame():
+    codes, _ = imperfect(0, dsnu_e=50.0)
+    assert (codes == imperfect(1, dsnu_e=50.0)[0]).all()
+    assert codes.std() == pytest.approx(50.0, rel=5 / np.sqrt(2 * codes.size))
+
+
+def test_row_noise_is_shared_by_a_row_and_new_in_each_frame():
+    codes, _ = imperfect(0, row_noise_e=50.0)
+    assert (codes == codes[:, :1]).all()
+    assert codes[:, 0].std() == pytest.approx(50.0, rel=5 / np.sqrt(2 * len(codes)))
+    assert not (codes == imperfect(1, row_noise_e=50.0)[0]).all()
+
+
+def test_dark_current_adds_electrons_for_the_time_of_the_exposure():
+    codes, mean = imperfect(0, dark_current_e_per_s=10_000.0)
+    assert codes.mean() - mean == pytest.approx(200.0, abs=0.6)  # 10,000 e-/s for 20 ms
+
+
+def test_options_that_are_switched_on_leave_the_shot_noise_as_it_was():
+    cube, situation = cube_of(stored()[0]), used()
+    plain = acquired(cube, situation, mosaic=bayer(), seed=3)
+    shifted = acquired(
+        cube, situation, mosaic=bayer(), seed=3, imperfections=Imperfections(dsnu_e=1e-9)
+    )
+    assert np.abs(plain.codes.astype(int) - shifted.codes).max() <= 1
+
+
+@pytest.mark.parametrize("value", [np.nan, -0.1, 3.0, np.inf])
+@pytest.mark.parametrize("layout", ["bands together", "pixels of a band together"])
+@pytest.mark.parametrize("make", [rendered, acquired, electrons_of_cube])
+def test_a_number_that_is_no_reflectance_is_refused_with_its_place(value, layout, make):
+    array, _ = stored()
+    array[5, 299, -1] = value
+    cube = cube_of(LAYOUTS[layout](array))
+    more = {"mosaic": bayer()} if make is acquired else {}
+    with pytest.raises(InputError, match="at row 5, column 299") as refused:
+        make(cube, used(), **more)
+    assert f"{value:g}" in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("more", "named"),
+    [
+        ({"threads": 0}, "threads"),
+        ({"tile_rows": 0}, "1 row"),
+        ({"seed": -1}, "seed"),
+        ({"seed": 1 << 32}, "seed"),
+        ({"frame": -1}, "frame"),
+    ],
+)
+def test_numbers_that_make_no_sense_are_refused(more, named):
+    with pytest.raises(InputError, match=named):
+        rendered(cube_of(stored(2)[0]), used(), **more)
+
+
+def test_a_sensor_without_a_mosaic_asks_for_one():
+    with pytest.raises(InputError, match="has no mosaic"):
+        acquired(cube_of(stored(2)[0]), used())
+
+
+def test_progress_tells_every_row_once():
+    rows = []
+    rendered(cube_of(stored(40)[0]), used(), tile_rows=7, progress=rows.append)
+    assert sum(rows) == 40

@@ -1,0 +1,292 @@
+"""The budget of L*, a* and b* adds up to 1 / sigma, and its signal is the faintest change."""
+
+import numpy as np
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+from scipy.optimize import minimize
+
+from chromanoise._check import InputError
+from chromanoise.color import LAB, colored, kernel_matrix, through_space
+from chromanoise.exposure import Exposure, expected_electrons
+from chromanoise.merit import faintest_change, lab_budget
+from chromanoise.merit.budget import CAUSES, color_budget
+from chromanoise.merit.budget_chain import counting_snr_db
+from chromanoise.noise import with_noise
+from chromanoise.scene import Scene, flat_field, light
+from chromanoise.sensor import Pixel, Sensor, sensor_named, with_channels
+from chromanoise.sensor.catalogue import SENSOR_NAMES
+from chromanoise.spectra import DEFAULT_GRID, Illuminant, color_axes, equal_energy
+from chromanoise.study import analyzed, budgets_as_json, lab_budgets, missing_lab_budgets
+
+AT = DEFAULT_GRID.wavelength_nm
+LAMP = equal_energy(DEFAULT_GRID)
+GRAY = flat_field(LAMP, level_lux=10.0, reflectance=0.18)
+WHITE = flat_field(LAMP, level_lux=10.0)
+EXPOSURE = Exposure(time_s=0.012)
+COORDINATES = LAB.coordinates
+GRAY_ROOT = 0.18 ** (1 / 3)
+
+
+def sensor_of(*curves, read_noise_e=10.0):
+    names = tuple(f"c{i}" for i in range(len(curves)))
+    pixel = Pixel(pitch_um=10.0, full_well_e=1e6, read_noise_e=read_noise_e)
+    return Sensor(name="toy", grid=DEFAULT_GRID, qe=np.stack(curves, 1), names=names, pixel=pixel)
+
+
+def box(first_nm, last_nm, height=0.6):
+    return np.where((first_nm <= AT) & (last_nm > AT), height, 0.0)
+
+
+def eye_sensor():
+    """Channels that are the observer's own curves: its kernel color is exact."""
+    eye = color_axes(DEFAULT_GRID, "quanta")
+    return sensor_of(*(0.9 * eye / eye.max()).T)
+
+
+APART = (box(400, 490), box(490, 580), box(580, 690))
+OVERLAPPING = (box(400, 560), box(470, 640), box(540, 690))
+
+
+def budget_of(sensor, coordinate="a*", scene=GRAY, exposure=EXPOSURE, matrix=None):
+    matrix = matrix or kernel_matrix(sensor, exposure)
+    return lab_budget(scene, sensor, exposure, matrix, coordinate)
+
+
+def cost(budget, cause):
+    return next(c.loss_db for c in budget.costs if c.cause == cause)
+
+
+def sigmas(sensor, scene=GRAY, exposure=EXPOSURE):
+    """By the road of measurements: raw, XYZ, CIELAB."""
+    matrix = kernel_matrix(sensor, exposure)
+    raw = with_noise(expected_electrons(scene, sensor, exposure), sensor)
+    bare = flat_field(scene.illuminant, level_lux=scene.level_lux)
+    white = matrix.matrix @ expected_electrons(bare, sensor, exposure)
+    lab = through_space(colored(raw, matrix), LAB, white)
+    return dict(zip(COORDINATES, np.sqrt(lab.variance), strict=True))
+
+
+@pytest.mark.parametrize("name", SENSOR_NAMES)
+def test_the_costs_of_every_sensor_add_up_to_its_noise(name):
+    sensor = sensor_named(name, DEFAULT_GRID)
+    for coordinate, sigma in sigmas(sensor).items():
+        budget = budget_of(sensor, coordinate)
+        if budget is None:
+            assert name == "model-mono"  # a single channel has no a* nor b*
+            assert coordinate != "L*"
+            continue
+        assert budget.snr_db == pytest.approx(-20 * np.log10(sigma), abs=1e-9)
+        lost = sum(c.loss_db for c in budget.costs)
+        assert budget.photons_db - lost == pytest.approx(budget.snr_db, abs=1e-9)
+        assert [c.cause for c in budget.costs] == [*CAUSES, "rest"]
+
+
+@st.composite
+def lamps(draw):
+    """A slope and a bump over the whole grid."""
+    slope = draw(st.floats(-0.9, 0.9))
+    center, height = draw(st.floats(420.0, 900.0)), draw(st.floats(0.0, 5.0))
+    irradiance = 1 + slope * np.linspace(-1, 1, AT.size)
+    irradiance = irradiance + height * np.exp(-0.5 * ((AT - center) / 40) ** 2)
+    return Illuminant(name="drawn", grid=DEFAULT_GRID, irradiance=irradiance / irradiance.sum())
+
+
+@given(
+    lamps(), st.sampled_from(SENSOR_NAMES), st.sampled_from(COORDINATES), st.floats(0.05, 1.0),
+    st.floats(-2.0, 3.0),
+)  # fmt: skip
+def test_the_costs_add_up_in_any_light(lamp, name, coordinate, reflectance, log_lux):
+    scene = flat_field(lamp, level_lux=10**log_lux, reflectance=reflectance)
+    sensor = sensor_named(name, DEFAULT_GRID)
+    budget = budget_of(sensor, coordinate, scene)
+    assume(budget is not None)
+    lost = sum(c.loss_db for c in budget.costs)
+    assert budget.photons_db - lost == pytest.approx(budget.snr_db, abs=1e-9)
+    sigma = sigmas(sensor, scene)[coordinate]
+    assert budget.snr_db == pytest.approx(-20 * np.log10(sigma), abs=1e-9)
+
+
+def test_counting_the_light_itself_has_the_root_of_all_photons_as_its_snr():
+    sensor = sensor_of(*APART)
+    budget = color_budget(WHITE, sensor, EXPOSURE, kernel_matrix(sensor, EXPOSURE))
+    # 131 plain samples: 10 lx * .012 s * 100 um2 / (4 * 1.8^2) * 1.37017e-5 * sum(lambda) / (h c)
+    per_pixel = 10 * 0.012 * 100 / (4 * 1.8**2) * 1.37017e-5 * 5 * AT.sum() * 1e-9 * 1e-12
+    photons = 3 * per_pixel / 1.98644586e-25
+    shape = light(WHITE, "quanta")
+    counted = counting_snr_db(shape, shape, photons / shape.sum())
+    assert counted == pytest.approx(10 * np.log10(photons), abs=1e-9)
+    assert counted == pytest.approx(budget.photons_db, abs=1e-4)
+
+
+def test_the_faintest_change_of_a_sum_is_the_light_itself():
+    lamp = np.array([3.0, 0.0, 1.0, 8.0])
+    found = faintest_change(lamp, np.ones((4, 1)), np.array([12.0]))
+    assert found == pytest.approx(lamp, abs=1e-12)
+
+
+def test_no_other_change_of_the_same_color_is_fainter():
+    """A minimizer that knows nothing of Lagrange ends at the same sum of dL^2 / L."""
+    rng = np.random.default_rng(3)
+    lamp, axes = rng.uniform(0.5, 2.0, 7), rng.uniform(0.0, 1.0, (7, 3))
+    step = np.array([0.3, -0.2, 0.1])
+    found = faintest_change(lamp, axes, step)
+    assert axes.T @ found == pytest.approx(step, abs=1e-12)
+    searched = minimize(
+        lambda d: (d**2 / lamp).sum(),
+        np.zeros(7),
+        constraints={"type": "eq", "fun": lambda d: axes.T @ d - step},
+        options={"ftol": 1e-14},
+    )
+    assert found == pytest.approx(searched.x, abs=1e-6)
+
+
+def test_a_light_of_two_wavelengths_cannot_move_three_coordinates():
+    lamp = np.where(np.isin(AT, (500.0, 600.0)), 1.0, 0.0)
+    axes = color_axes(DEFAULT_GRID, "quanta")
+    assert faintest_change(lamp, axes, np.ones(3)) is None
+    flat = np.isin(AT, (500.0, 600.0)).astype(float)
+    scene = Scene(illuminant=LAMP, level_lux=10.0, reflectance=flat)
+    assert budget_of(sensor_of(*APART), "a*", scene) is None
+
+
+def test_lightness_by_counting_is_below_that_of_a_reader_who_knows_the_lights_shape():
+    """dL = 3 L / (L* + 16) moves L* alone, by one, at sqrt(p N); another change is fainter still.
+
+    By 1.4 dB where all light is visible: the ends of y-bar tell little of what photons are there.
+    """
+    sensor = eye_sensor()
+    visible = Scene(illuminant=LAMP, level_lux=10.0, reflectance=0.18 * (AT <= 690))
+    matrix = kernel_matrix(sensor, EXPOSURE)
+    whole = color_budget(visible, sensor, EXPOSURE, matrix)
+    white = matrix.matrix @ expected_electrons(WHITE, sensor, EXPOSURE)
+    seen = matrix.matrix @ expected_electrons(visible, sensor, EXPOSURE)
+    known = whole.photons_db + 20 * np.log10(3 / (116 * np.cbrt(seen[1] / white[1])))
+    assert known - 2 < budget_of(sensor, "L*", visible).photons_db < known
+
+
+@pytest.mark.parametrize("name", ["onyx-rgbw", "onyx-rgb-ircut", "model-three-layer"])
+def test_one_unit_of_lightness_ends_at_the_luminance_snr(name):
+    """sigma_L* = (L* + 16) / (3 SNR_Y) where L* is a cube root."""
+    sensor = sensor_named(name, DEFAULT_GRID)
+    y = color_budget(GRAY, sensor, EXPOSURE, kernel_matrix(sensor, EXPOSURE), "Y")
+    ends = y.snr_db + 20 * np.log10(3 / (116 * GRAY_ROOT))
+    assert budget_of(sensor, "L*").snr_db == pytest.approx(ends, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("coordinate", "factor", "pair"), [("a*", 500, (0, 1)), ("b*", 200, (1, 2))]
+)
+def test_opponent_noise_of_a_gray_is_that_of_the_difference_of_two_ratios(coordinate, factor, pair):
+    """a* = 500 (x^(1/3) - y^(1/3)), so sigma = 500/3 * .18^(1/3) * sd(dX/X - dY/Y) of a gray."""
+    sensor = sensor_of(*OVERLAPPING)
+    rows = kernel_matrix(sensor, EXPOSURE).matrix
+    electrons = expected_electrons(GRAY, sensor, EXPOSURE)
+    first, second = (rows[i] / (rows[i] @ electrons) for i in pair)
+    sd = np.sqrt(((first - second) ** 2 * (electrons + 100)).sum())
+    sigma = factor / 3 * GRAY_ROOT * sd
+    assert budget_of(sensor, coordinate).snr_db == pytest.approx(-20 * np.log10(sigma), abs=1e-9)
+
+
+@pytest.mark.parametrize("coordinate", COORDINATES)
+def test_channels_that_do_not_overlap_pay_nothing_for_correlation(coordinate):
+    assert cost(budget_of(sensor_of(*APART), coordinate), "correlation") == pytest.approx(
+        0.0, abs=1e-9
+    )
+    overlapping = budget_of(sensor_of(*OVERLAPPING), coordinate)
+    assert abs(cost(overlapping, "correlation")) > 0.5
+
+
+@pytest.mark.parametrize("coordinate", COORDINATES)
+def test_a_pixel_without_read_noise_pays_nothing_for_it(coordinate):
+    silent = budget_of(sensor_of(*OVERLAPPING, read_noise_e=0.0), coordinate)
+    assert cost(silent, "read noise") == 0
+    assert cost(budget_of(sensor_of(*OVERLAPPING), coordinate), "read noise") > 0
+
+
+@pytest.mark.parametrize("coordinate", COORDINATES)
+def test_only_a_sensor_open_to_the_infrared_pays_for_it(coordinate):
+    blind = budget_of(sensor_named("onyx-rgb-ircut", DEFAULT_GRID), coordinate)
+    assert cost(blind, "infrared") == pytest.approx(0.0, abs=0.01)
+    open_to_it = budget_of(sensor_named("onyx-rgbw", DEFAULT_GRID), coordinate)
+    assert cost(open_to_it, "infrared") > 1
+
+
+@pytest.mark.parametrize("coordinate", COORDINATES)
+def test_a_channel_of_infrared_alone_costs_no_color(coordinate):
+    """It brings a pixel of photons that color cannot use, and neither signal nor noise."""
+    three = budget_of(sensor_of(*APART), coordinate)
+    four = budget_of(sensor_of(*APART, box(850, 1050)), coordinate)
+    assert four.snr_db == pytest.approx(three.snr_db, abs=1e-9)
+    pixel_more = 10 * np.log10(4 / 3)
+    assert four.photons_db - three.photons_db == pytest.approx(pixel_more, abs=1e-9)
+    for cause in ("weights", "correlation", "infrared", "rest"):
+        assert cost(four, cause) == pytest.approx(cost(three, cause), abs=1e-9)
+    assert cost(four, "filters") - cost(three, "filters") == pytest.approx(pixel_more, abs=1e-9)
+
+
+@given(st.permutations("RGBW"), st.sampled_from(COORDINATES))
+def test_permuting_channels_changes_no_cost(order, coordinate):
+    sensor = sensor_named("onyx-rgbw", DEFAULT_GRID)
+    mixed = with_channels(sensor, order, name="mixed")
+    ours, theirs = budget_of(sensor, coordinate), budget_of(mixed, coordinate)
+    for a, b in zip(ours.costs, theirs.costs, strict=True):
+        assert a.loss_db == pytest.approx(b.loss_db, abs=1e-9)
+
+
+@given(st.floats(0.01, 100.0), st.sampled_from(COORDINATES))
+def test_more_time_lifts_a_pixel_without_read_noise_from_start_to_end(times, coordinate):
+    sensor = sensor_of(*OVERLAPPING, read_noise_e=0.0)
+    short, long = (
+        budget_of(sensor, coordinate, exposure=Exposure(time_s=0.012 * t)) for t in (1.0, times)
+    )
+    lifted = 10 * np.log10(times)
+    assert long.photons_db - short.photons_db == pytest.approx(lifted, abs=1e-9)
+    assert long.snr_db - short.snr_db == pytest.approx(lifted, abs=1e-9)
+    for a, b in zip(short.costs, long.costs, strict=True):
+        assert a.loss_db == pytest.approx(b.loss_db, abs=1e-9)
+
+
+@given(st.sampled_from(SENSOR_NAMES), st.sampled_from(COORDINATES))
+def test_nothing_that_the_channels_tell_beats_their_best_readout_nor_that_all_photons(
+    name, coordinate
+):
+    budget = budget_of(sensor_named(name, DEFAULT_GRID), coordinate)
+    assume(budget is not None)
+    assert budget.photons_db > budget.bound_db
+    without_rest = budget.snr_db + cost(budget, "rest")  # the matrix's own gain taken out
+    assert budget.bound_db >= without_rest - 1e-9
+
+
+def test_a_sensor_that_sees_one_unit_as_one_leaves_no_rest():
+    for coordinate in COORDINATES:
+        budget = budget_of(eye_sensor(), coordinate)
+        assert cost(budget, "rest") == pytest.approx(0.0, abs=1e-9)
+        assert budget.costs[-1].reading == f"one unit of {coordinate} comes out as 1.00"
+
+
+def test_one_channel_has_lightness_but_no_hue():
+    sensor = sensor_of(box(400, 690))
+    assert [budget_of(sensor, c) is None for c in COORDINATES] == [False, True, True]
+
+
+def test_a_sensor_that_sees_no_color_has_no_budget():
+    assert budget_of(sensor_of(box(850, 1050)), "L*") is None
+
+
+def test_a_saturated_sensor_says_so_and_a_missing_coordinate_is_named():
+    mono = analyzed(WHITE, sensor_named("model-mono", DEFAULT_GRID), EXPOSURE)
+    assert "saturated" in missing_lab_budgets(mono, lab_budgets(mono))
+    assert lab_budgets(mono) == (None, None, None)
+    short = analyzed(WHITE, mono.sensor, Exposure(time_s=0.002))
+    told = lab_budgets(short)
+    assert [b is None for b in told] == [False, True, True]
+    assert "no budget of a*, b*" in missing_lab_budgets(short, told)
+    assert [b is None for b in budgets_as_json(short)["lab_budget"]] == [False, True, True]
+    rgb = analyzed(WHITE, sensor_named("onyx-rgb-ircut", DEFAULT_GRID), EXPOSURE)
+    assert missing_lab_budgets(rgb, lab_budgets(rgb)) is None
+
+
+def test_an_unknown_coordinate_is_refused():
+    with pytest.raises(InputError, match="coordinate 'Y'"):
+        budget_of(sensor_of(*APART), "Y")

@@ -1,0 +1,123 @@
+"""The noise kernel in plain numpy: a line per step, all values at once.
+
+Every product, sum, quotient and root stands in the same order and precision as in the compiled
+kernel, so the two agree bit for bit.
+"""
+
+import math
+
+import numpy as np
+
+F = np.float32
+LOW_WORD = np.uint64(0xFFFFFFFF)
+HALF_WORD = np.uint64(32)
+
+
+def philox4x32(counter, key):
+    """Ten rounds over arrays of uint64 that hold 32-bit words (Salmon et al., SC11, 2011)."""
+    c0, c1, c2, c3 = (np.asarray(c, np.uint64) for c in counter)
+    k0, k1 = (int(k) for k in key)
+    for _ in range(10):
+        a, b = np.uint64(0xD2511F53) * c0, np.uint64(0xCD9E8D57) * c2
+        c0, c1, c2, c3 = (
+            (b >> HALF_WORD) ^ c1 ^ np.uint64(k0),
+            b & LOW_WORD,
+            (a >> HALF_WORD) ^ c3 ^ np.uint64(k1),
+            a & LOW_WORD,
+        )
+        k0, k1 = (k0 + 0x9E3779B9) & 0xFFFFFFFF, (k1 + 0xBB67AE85) & 0xFFFFFFFF
+    return c0, c1, c2, c3
+
+
+def light_words(shape, *, seed, frame=0, first_row=0, first_column=0, width=None):
+    """The words of shot noise and of read noise, each (h, w, p) of uint32."""
+    height, own_width, channels = shape
+    width = own_width if width is None else width
+    rows = first_row + np.arange(height, dtype=np.uint64)[:, None, None]
+    columns = first_column + np.arange(own_width, dtype=np.uint64)[:, None]
+    pixel = rows * np.uint64(width) + columns
+    pair = np.arange((channels + 1) // 2, dtype=np.uint64)
+    pixel, pair, frames = np.broadcast_arrays(pixel, pair, np.uint64(frame))
+    counter = (pixel & LOW_WORD, pixel >> HALF_WORD, frames, pair)
+    words = philox4x32(counter, (seed & 0xFFFFFFFF, seed >> 32))
+    shot, read = (np.stack(pair_of, axis=-1) for pair_of in (words[::2], words[1::2]))
+    padded = (height, own_width, -1)
+    return tuple(w.reshape(padded)[..., :channels].astype(np.uint32) for w in (shot, read))
+
+
+def normal_quantiles(words):
+    """Standard normal variates of 32-bit words, in float32."""
+    signed = words.view(np.int32)
+    tail = ((signed ^ (signed >> 31)).astype(F) + F(0.5)) * F(2.0**-32)
+    away = F(1) - (tail + tail)
+    y = (tail + tail) * (F(1) + away)
+    exponent = (y.view(np.int32) - np.int32(0x3F3504F3)) >> 23
+    f = (y.view(np.int32) - (exponent << 23)).view(F) - F(1)
+    log = [
+        0.9999998139228, -0.5000066740315, 0.3333618193219, -0.2495934346,
+        0.1987304861918, -0.1733347148318, 0.1641997547084, -0.1010220041,
+    ]  # fmt: skip
+    f2 = f * f
+    log = quartet(log[:4], f, f2) + quartet(log[4:], f, f2) * (f2 * f2)
+    w = -(exponent.astype(F) * F(0.6931471805599453) + log * f)
+    w2 = w * w
+    above = [1.2533142805743616, 0.4528931760819228, 0.08998653582631565, 0.011902043399865366]
+    above = quartet(above, w, w2) + (F(0.0010024744612763129) + F(2.921249561208359e-05) * w) * (
+        w2 * w2
+    )
+    below = [1.0, 0.09955993205337688, 0.03269102304549773, 0.002291294635803468]
+    below = quartet(below, w, w2) + (F(0.00016975149536817527) + F(1.0038387061978881e-06) * w) * (
+        w2 * w2
+    )
+    z = away * above / below
+    return np.where(signed < 0, z, -z)
+
+
+def quartet(c, x, x2):
+    """A polynomial of four coefficients, lowest first."""
+    c0, c1, c2, c3 = (x.dtype.type(one) for one in c)
+    return (c0 + c1 * x) + (c2 + c3 * x) * x2
+
+
+def many_electrons(mean, z):
+    """Cornish-Fisher to the order mean^-3/2, in float32."""
+    root = np.sqrt(mean)
+    i, s, whole = F(1) / root, z * z, np.floor(mean)
+    second = z * (F(-1 / 36) + s * F(-1 / 72))
+    third = F(-8 / 405) + s * (F(7 / 810) + s * F(1 / 270))
+    fourth = z * (F(671 / 38880) + s * (F(-137 / 38880) + s * F(-23 / 17280)))
+    away = root * z + (F(1 / 3) + s * F(1 / 6)) + i * (second + i * (third + i * fourth))
+    return np.maximum(whole + np.floor((mean - whole) + away), F(0))
+
+
+def few_electrons(mean, words):
+    """The distribution function summed from 0 electrons on, in float64."""
+    mean = mean.astype(np.float64)
+    e = [(-1.0) ** k / math.factorial(k) for k in range(12)]
+    x = mean * (1.0 / 32.0)
+    x2 = x * x
+    x4 = x2 * x2
+    low, middle, high = (quartet(e[k : k + 4], x, x2) for k in (0, 4, 8))
+    chance = low + (middle + high * x4) * x4
+    for _ in range(5):
+        chance = chance * chance
+    left = (words + 0.5) * 2.0**-32 - chance
+    electrons = np.zeros_like(mean)
+    for k in range(1, 77):
+        electrons += left >= 0
+        chance = chance * (mean * (1.0 / k))
+        left = left - chance
+    return electrons.astype(F)
+
+
+def noisy_electrons(mean_e, *, read_noise_e, seed, **place):
+    """What chromanoise.imaging.noisy_electrons returns."""
+    mean = np.asarray(mean_e, F)
+    shot, read = light_words(mean.shape, seed=seed, **place)
+    many = mean >= 20
+    electrons = np.empty_like(mean)
+    electrons[many] = many_electrons(mean[many], normal_quantiles(shot[many]))
+    electrons[~many] = few_electrons(mean[~many], shot[~many])
+    if read_noise_e > 0:
+        electrons = electrons + F(read_noise_e) * normal_quantiles(read)
+    return electrons
