@@ -6,7 +6,7 @@ import pytest
 from chromanoise._check import InputError
 from chromanoise.color import kernel_matrix
 from chromanoise.exposure import Exposure, Situation, band_weights, expected_electrons, white_scene
-from chromanoise.imaging import acquired, electrons_of_cube, noisy_electrons, rendered
+from chromanoise.imaging import Work, acquired, electrons_of_cube, noisy_electrons, rendered
 from chromanoise.imaging.plans import draw_of
 from chromanoise.noise import Readout, read_moments
 from chromanoise.scene import Cube, flat_cube
@@ -158,7 +158,7 @@ def test_neither_tiles_nor_threads_change_a_bit_of_the_mosaic(tile_rows, threads
     more = Imperfections(dark_current_e_per_s=100.0, dsnu_e=3.0, prnu=0.01, row_noise_e=2.0)
     asked = {"mosaic": bayer(), "seed": 2, "imperfections": more}
     whole = acquired(cube, situation, **asked)
-    tiled = acquired(cube, situation, **asked, tile_rows=tile_rows, threads=threads)
+    tiled = acquired(cube, situation, **asked, work=Work(tile_rows=tile_rows, threads=threads))
     assert (whole.codes == tiled.codes).all()
     assert (whole.mean_e == tiled.mean_e).all()
 
@@ -260,8 +260,6 @@ def test_a_number_that_is_no_reflectance_is_refused_with_its_place(value, layout
 @pytest.mark.parametrize(
     ("more", "named"),
     [
-        ({"threads": 0}, "threads"),
-        ({"tile_rows": 0}, "1 row"),
         ({"seed": -1}, "seed"),
         ({"seed": 1 << 32}, "seed"),
         ({"frame": -1}, "frame"),
@@ -272,6 +270,14 @@ def test_numbers_that_make_no_sense_are_refused(more, named):
         rendered(cube_of(stored(2)[0]), used(), **more)
 
 
+@pytest.mark.parametrize(
+    ("more", "named"), [({"threads": 0}, "threads"), ({"tile_rows": 0}, "1 row")]
+)
+def test_work_for_nobody_or_on_nothing_is_refused(more, named):
+    with pytest.raises(InputError, match=named):
+        Work(**more)
+
+
 def test_a_sensor_without_a_mosaic_asks_for_one():
     with pytest.raises(InputError, match="has no mosaic"):
         acquired(cube_of(stored(2)[0]), used())
@@ -279,5 +285,5 @@ def test_a_sensor_without_a_mosaic_asks_for_one():
 
 def test_progress_tells_every_row_once():
     rows = []
-    rendered(cube_of(stored(40)[0]), used(), tile_rows=7, progress=rows.append)
+    rendered(cube_of(stored(40)[0]), used(), work=Work(tile_rows=7, progress=rows.append))
     assert sum(rows) == 40

@@ -145,6 +145,8 @@ def test_a_light_of_two_wavelengths_cannot_move_three_coordinates():
     lamp = np.where(np.isin(AT, (500.0, 600.0)), 1.0, 0.0)
     axes = color_axes(DEFAULT_GRID, "quanta")
     assert faintest_change(lamp, axes, np.ones(3)) is None
+    assert faintest_change(lamp[lamp > 0], axes[lamp > 0], np.ones(3)) is None
+    assert faintest_change(0 * lamp, axes, np.ones(3)) is None
     flat = np.isin(AT, (500.0, 600.0)).astype(float)
     scene = Scene(illuminant=LAMP, level_lux=10.0, reflectance=flat)
     assert budget_of(sensor_of(*APART), "a*", scene) is None

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from chromanoise.color import adapted_to_d65, colored, kernel_matrix, srgb_from_xyz
 from chromanoise.exposure import Exposure, Situation, expected_electrons
-from chromanoise.imaging import rendered
+from chromanoise.imaging import Work, rendered
 from chromanoise.merit import snr_db
 from chromanoise.noise import with_noise
 from chromanoise.scene import BUILTIN_CUBES, Cube, builtin_cube, flat_cube, flat_field
@@ -92,7 +92,7 @@ def test_the_same_seed_gives_the_same_picture_and_another_seed_another(clip):
 @pytest.mark.parametrize(("tile_rows", "threads"), [(1, 1), (5, 2), (1000, 3)])
 def test_neither_tiles_nor_threads_change_a_bit_of_the_picture(tile_rows, threads):
     whole = picture_of(varied(), seed=1)
-    tiled = picture_of(varied(), seed=1, tile_rows=tile_rows, threads=threads)
+    tiled = picture_of(varied(), seed=1, work=Work(tile_rows=tile_rows, threads=threads))
     assert (tiled.xyz == whole.xyz).all()
     assert (tiled.srgb == whole.srgb).all()
     assert (tiled.mean_e == whole.mean_e).all()

@@ -1,7 +1,9 @@
 """What is written is read back by other programs, number for number, or was never there."""
 
+import errno
 import io
 import json
+import os
 import resource
 import sys
 import tracemalloc
@@ -178,6 +180,8 @@ def test_a_rerun_is_the_same_to_the_last_byte(tmp_path):
         write_xyz_tiff(tmp_path / f"{name}3", drawn(4, 5, 3, dtype="float32"))
     for i in (1, 2, 3):
         assert (tmp_path / f"a{i}").read_bytes() == (tmp_path / f"b{i}").read_bytes()
+        with tifffile.TiffFile(tmp_path / f"a{i}") as file:
+            assert "DateTime" not in file.pages[0].tags  # two runs may share a second
 
 
 def test_a_missing_row_is_told_and_never_zero(tmp_path):
@@ -211,13 +215,36 @@ def test_an_empty_picture_is_refused(tmp_path):
     assert not list(tmp_path.iterdir())
 
 
-def test_a_full_disk_is_told_before_the_first_row(tmp_path):
+def test_a_file_larger_than_allowed_is_told_before_the_first_row(tmp_path):
     with (
         files_no_larger_than(100_000),
         pytest.raises(InputError, match=r"m\.tiff: cannot be written \(File too large\)"),
         mosaic_tiff_rows(tmp_path / "m.tiff", height=1000, width=1000, **TOLD),
     ):
         pytest.fail("rows were computed for a disk without space")
+
+
+@pytest.mark.skipif(not hasattr(os, "posix_fallocate"), reason="no way to claim space")
+def test_a_full_disk_is_told_before_the_first_row(tmp_path, monkeypatch):
+    def full(_file, start, size):
+        assert (start, size) == (0, (tmp_path / "m.tiff").stat().st_size)
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(os, "posix_fallocate", full)
+    with (
+        pytest.raises(InputError, match=r"m\.tiff: cannot be written \(No space left on device\)"),
+        mosaic_tiff_rows(tmp_path / "m.tiff", height=10, width=10, **TOLD),
+    ):
+        pytest.fail("rows were computed for a disk without space")
+
+
+def test_a_disk_that_cannot_tell_its_space_is_written_to_nevertheless(tmp_path, monkeypatch):
+    def unknown(*_):
+        raise OSError(errno.EOPNOTSUPP, "")
+
+    monkeypatch.setattr(os, "posix_fallocate", unknown, raising=False)
+    write_mosaic_tiff(tmp_path / "m.tiff", drawn(10, 10), **TOLD)
+    assert (tifffile.imread(tmp_path / "m.tiff") == drawn(10, 10)).all()
 
 
 def test_a_disk_that_fills_while_rows_are_put_is_told(tmp_path, monkeypatch):

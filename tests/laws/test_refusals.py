@@ -9,7 +9,7 @@ import pytest
 from chromanoise._check import InputError
 from chromanoise.exposure import Exposure, Situation, expected_electrons, time_to_saturation
 from chromanoise.geometry import dual_frame
-from chromanoise.imaging import rendered
+from chromanoise.imaging import Work, rendered
 from chromanoise.noise import Measurement, monte_carlo, raw_covariance
 from chromanoise.scene import Cube, Scene, builtin_cube, flat_cube, flat_field
 from chromanoise.sensor import (
@@ -393,7 +393,7 @@ def test_nouns_refuse_what_cannot_be_and_say_where(made, told):
 
 def test_a_bad_pixel_is_told_by_its_row_in_the_whole_cube():
     with pytest.raises(InputError, match=r"-0\.5 at row 2, column 1 \(from 0\), 450 nm"):
-        picture_of(cube_with(-0.5), tile_rows=1)
+        picture_of(cube_with(-0.5), work=Work(tile_rows=1))
 
 
 # Here the checked shapes of the test run would complain first; a user's run has only ours.

@@ -91,6 +91,8 @@ def test_no_more_bytes_are_held_than_a_block_has(tmp_path):
     for order in ((0, 1, 2), (0, 2, 1), (2, 0, 1)):
         source = row_source(mapped(tmp_path / "a", numbers, order, "<f4"))
         assert source.scratch_bytes(8) == 8 * 5 * 6 * 4
+    by_columns = row_source(mapped(tmp_path / "a", numbers, (2, 1, 0), "<f4"))
+    assert by_columns.scratch_bytes(8) == 0  # a copy is made, plane by plane
     few = row_source(mapped(tmp_path / "a", numbers, (2, 0, 1), "<f4")).with_bands(slice(1, 3))
     assert few.scratch_bytes(8) == 8 * 5 * 2 * 4
 

@@ -1,102 +1,16 @@
-"""Blocks of rows: the unit of work for threads, and how a block lies in memory."""
+"""How a block of rows lies in memory, and memory that is used again."""
 
-import os
 import threading
-from collections.abc import Callable, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
-from typing import Any
 
 import numpy as np
 from jaxtyping import Num, Shaped, UInt8
 
-from chromanoise import _check
 from chromanoise._check import Array
-from chromanoise.scene.rows import RowSource
-
-Block = tuple[int, int]
-"""First row, and the row after the last."""
 
 Layout = tuple[int, int, int, int]
 """Bands, and the steps from row to row, pixel to pixel and band to band. [numbers]"""
 
-_BLOCK_BYTES = 8 << 20  # read at a time: large for the disk, small for the memory
 _NATIVE = "bBhHiIfd"  # types that the kernels read as they are
-
-
-def row_blocks(source: RowSource, *, rows: int | None = None) -> list[Block]:
-    """The rows of a source in blocks of ``rows``, or of some megabytes. No result depends on it.
-
-    Raises
-    ------
-    InputError
-        If ``rows`` is less than 1.
-    """
-    height, width, bands = source.shape
-    if rows is not None and rows < 1:
-        raise _check.InputError(f"a tile must have at least 1 row, but {rows} are asked for")
-    if rows is None:
-        row_bytes = width * bands * source.dtype.itemsize
-        stored_together = max(source.chunk_rows, 1)
-        rows = max(1, _BLOCK_BYTES // row_bytes // stored_together) * stored_together
-    return [(start, min(start + rows, height)) for start in range(0, height, rows)]
-
-
-def thread_count(threads: int | None) -> int:
-    """How many threads work: as asked, or one per core.
-
-    Raises
-    ------
-    InputError
-        If less than 1.
-    """
-    if threads is None:
-        return os.cpu_count() or 1
-    if threads < 1:
-        raise _check.InputError(f"threads must be at least 1, but is {threads}")
-    return threads
-
-
-def over_blocks(
-    work: Callable[[int, int], None],
-    blocks: Sequence[Block],
-    *,
-    threads: int,
-    progress: Callable[[int], None] | None = None,
-) -> None:
-    """Do ``work(start, stop)`` for every block, a few at a time; the first fault ends it all.
-
-    Parameters
-    ----------
-    work
-        Must leave the same result in any order.
-    blocks
-        Of `row_blocks`.
-    threads
-        Working at once.
-    progress
-        Is told the number of rows of each finished block.
-    """
-    todo = iter(blocks)
-    doing: dict[Future[None], int] = {}
-    pool = ThreadPoolExecutor(threads)
-    try:
-        while True:
-            for start, stop in _some(todo, 2 * threads - len(doing)):
-                doing[pool.submit(work, start, stop)] = stop - start
-            if not doing:
-                return
-            done, _ = wait(doing, return_when=FIRST_COMPLETED)
-            for future in done:
-                rows = doing.pop(future)
-                future.result()
-                if progress:
-                    progress(rows)
-    finally:
-        pool.shutdown(cancel_futures=True)
-
-
-def _some(todo: Any, count: int) -> list[Block]:
-    return [block for _, block in zip(range(count), todo, strict=False)]
 
 
 class Scratch(threading.local):

@@ -339,6 +339,22 @@ def _colors(electrons, n, p, matrices, table, colors, entry, xyz, srgb):
 
 @njit(cache=True, nogil=True, error_model="numpy")
 @no_type_check
+def color_of_electrons(electrons, matrices, table, xyz, srgb):
+    """Eq. 5 for rows of electrons (rows, columns, p): xyz and srgb as `color_rows`."""
+    rows, columns, p = electrons.shape
+    run = np.empty(RUN * p, np.float32)
+    colors, entry = np.empty(RUN, np.float32), np.empty(RUN, np.int32)
+    for row in range(rows):
+        for first in range(0, columns, RUN):
+            n = min(RUN, columns - first)
+            for i in range(n):
+                for c in range(p):
+                    run[c * n + i] = electrons[row, first + i, c]
+            _colors(run, n, p, matrices, table, colors, entry, xyz[row, first:], srgb[row, first:])
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+@no_type_check
 def _weighted(values, weight, out):
     for i in range(values.size):
         out[i] = values[i] * weight

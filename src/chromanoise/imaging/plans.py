@@ -7,6 +7,7 @@ bits of its own block.
 import zlib
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -24,6 +25,9 @@ from chromanoise.sensor import Adc, Imperfections, Mosaic
 from chromanoise.spectra import Beyond
 
 _LANES, _CHANNELS = 16, 4  # weights are filled up with zeros to multiples of these
+
+Counts = Float64[Array, "rows 2 p"]
+"""Per row: sum of expected electrons, and pixels above full well, per channel. [e-, 1]"""
 
 Noise = tuple[np.float32, np.float32, np.float32, np.float32, np.float32, bool]
 
@@ -127,19 +131,6 @@ def draw_of(
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Tally:
-    """What a block was on the whole.
-
-    Attributes
-    ----------
-    counts
-        Per row: sum of expected electrons, and pixels above full well, per channel. [e-, 1]
-    """
-
-    counts: Float64[Array, "rows 2 p"]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class RawPlan:
     """From rows to codes of a mosaic.
 
@@ -172,7 +163,7 @@ def raw_plan(light: Light, draw: Draw, situation: Situation, mosaic: Mosaic, adc
 
 def raw_block(
     plan: RawPlan, start: int, stop: int, scratch: Scratch, codes: UInt16[Array, "rows w"]
-) -> Tally:
+) -> Counts:
     """Fill ``codes`` with the rows ``start`` to ``stop`` of the mosaic.
 
     Raises
@@ -202,7 +193,7 @@ def raw_block(
         )
 
     _on_rows(plan.light, start, stop, scratch, counts, fill)
-    return Tally(counts=counts)
+    return counts
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -251,7 +242,7 @@ def color_block(
     scratch: Scratch,
     xyz: Float32[Array, "rows w 3"],
     srgb: UInt8[Array, "rows w 3"],
-) -> Tally:
+) -> Counts:
     """Fill ``xyz`` and ``srgb`` with the rows ``start`` to ``stop``.
 
     Raises
@@ -259,10 +250,9 @@ def color_block(
     InputError
         As `raw_block`.
     """
-    from chromanoise.imaging.fused import ENCODED, color_rows
+    from chromanoise.imaging.fused import color_rows
 
     counts = np.zeros((stop - start, 2, plan.light.channels))
-    table = np.round(255 * srgb_from_linear(np.linspace(0, 1, ENCODED))).astype(np.uint8)
 
     def fill(flat: Num[Array, " numbers"], lay: Layout, seen: Float32[Array, "32"]) -> None:
         color_rows(
@@ -277,7 +267,7 @@ def color_block(
             np.uint64(plan.draw.key),
             plan.well,
             plan.matrices,
-            table,
+            srgb_table(),
             xyz,
             srgb,
             counts,
@@ -285,7 +275,15 @@ def color_block(
         )
 
     _on_rows(plan.light, start, stop, scratch, counts, fill)
-    return Tally(counts=counts)
+    return counts
+
+
+@cache
+def srgb_table() -> UInt8[Array, " entries"]:
+    """8-bit codes of linear values, evenly from 0 to 1."""
+    from chromanoise.imaging.fused import ENCODED
+
+    return np.round(255 * srgb_from_linear(np.linspace(0, 1, ENCODED))).astype(np.uint8)
 
 
 def electron_block(

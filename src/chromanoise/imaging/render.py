@@ -1,7 +1,7 @@
 """A cube through a sensor: to a noisy color picture, or to the raw codes of a mosaic."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from jaxtyping import Float, Float32, UInt8, UInt16
@@ -10,7 +10,6 @@ from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise.color import ColorMatrix, kernel_matrix
 from chromanoise.exposure import Exposure, Situation, expected_electrons, white_scene
-from chromanoise.imaging.blocks import Scratch, over_blocks, row_blocks, thread_count
 from chromanoise.imaging.plans import (
     color_block,
     color_plan,
@@ -20,12 +19,13 @@ from chromanoise.imaging.plans import (
     raw_block,
     raw_plan,
 )
+from chromanoise.imaging.work import Work, filled, row_blocks
 from chromanoise.scene import Cube, bands_within
 from chromanoise.sensor import Adc, Imperfections, Mosaic, Sensor, adc_to_full_well
 from chromanoise.spectra import Beyond, Illuminant, Metric
 
-Progress = Callable[[int], None]
-"""Is told how many more rows are done."""
+ALL_CORES = Work()
+"""A thread for each core."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -141,9 +141,7 @@ def rendered(
     noisy: bool = True,
     clip: bool = False,
     beyond: Beyond = "refuse",
-    threads: int | None = None,
-    tile_rows: int | None = None,
-    progress: Progress | None = None,
+    work: Work = ALL_CORES,
 ) -> Picture:
     """The noisy color picture of ``cube``: every channel at every pixel, then the color matrix.
 
@@ -165,12 +163,8 @@ def rendered(
         Hold electrons between 0 and full well, as a real sensor does. The paper does not.
     beyond
         What the reflectances are where the cube ends short of the grid.
-    threads
-        Working at once; as many as there are cores by default.
-    tile_rows
-        Rows that are held at a time.
-    progress
-        Is told how many more rows are done.
+    work
+        Who does it: no bit depends on it.
 
     Raises
     ------
@@ -182,22 +176,14 @@ def rendered(
     light = light_of(cube, situation, beyond=beyond)
     draw = draw_of(situation, seed=seed, frame=frame, imperfections=imperfections, noisy=noisy)
     matrix = matrix or kernel_matrix(situation.sensor, situation.exposure)
-    white_lux = _white_lux(matrix, situation)
+    white_lux = white_lux_of(matrix, situation)
     to_xyz, white = matrix.matrix / white_lux[1], white_lux / white_lux[1]
     plan = color_plan(light, draw, situation, to_xyz, white, clip=clip)
     height, width, _ = light.source.shape
     xyz = np.empty((height, width, 3), dtype=np.float32)
     srgb = np.empty((height, width, 3), dtype=np.uint8)
-    counts = np.empty((height, 2, light.channels))
-    scratch = Scratch()
-
-    def work(start: int, stop: int) -> None:
-        rows = slice(start, stop)
-        counts[rows] = color_block(plan, start, stop, scratch, xyz[rows], srgb[rows]).counts
-
-    blocks = row_blocks(light.source, rows=tile_rows)
-    over_blocks(work, blocks, threads=thread_count(threads), progress=progress)
-    mean_e, above = counts.sum(axis=0) / (height * width)
+    counts = filled(partial(color_block, plan), row_blocks(light.source, work), (xyz, srgb), work)
+    mean_e, above = np.concatenate(counts).sum(axis=0) / (height * width)
     return Picture(
         situation=situation,
         matrix=matrix,
@@ -224,9 +210,7 @@ def acquired(
     imperfections: Imperfections | None = None,
     noisy: bool = True,
     beyond: Beyond = "refuse",
-    threads: int | None = None,
-    tile_rows: int | None = None,
-    progress: Progress | None = None,
+    work: Work = ALL_CORES,
 ) -> RawPicture:
     """The raw codes of ``cube`` behind a mosaic: only the channel over each pixel is computed.
 
@@ -236,7 +220,7 @@ def acquired(
         The sensor's own if ``None``.
     adc
         12 bits, top code at full well, black level 0 if ``None``.
-    cube, situation, seed, frame, imperfections, noisy, beyond, threads, tile_rows, progress
+    cube, situation, seed, frame, imperfections, noisy, beyond, work
         As `rendered`. Each pixel has the noise that its channel has there.
 
     Raises
@@ -253,17 +237,9 @@ def acquired(
     plan = raw_plan(light, draw, situation, mosaic, adc)
     height, width, _ = light.source.shape
     codes = np.empty((height, width), dtype=np.uint16)
-    counts = np.empty((height, 2, light.channels))
-    scratch = Scratch()
-
-    def work(start: int, stop: int) -> None:
-        rows = slice(start, stop)
-        counts[rows] = raw_block(plan, start, stop, scratch, codes[rows]).counts
-
-    blocks = row_blocks(light.source, rows=tile_rows)
-    over_blocks(work, blocks, threads=thread_count(threads), progress=progress)
+    counts = filled(partial(raw_block, plan), row_blocks(light.source, work), (codes,), work)
     own = _pixels_of_channels(plan.tile, height, width, light.channels)
-    mean_e, above = counts.sum(axis=0) / np.maximum(own, 1)
+    mean_e, above = np.concatenate(counts).sum(axis=0) / np.maximum(own, 1)
     return RawPicture(
         situation=situation,
         seed=seed,
@@ -282,9 +258,7 @@ def electrons_of_cube(
     situation: Situation,
     *,
     beyond: Beyond = "refuse",
-    threads: int | None = None,
-    tile_rows: int | None = None,
-    progress: Progress | None = None,
+    work: Work = ALL_CORES,
 ) -> Float32[Array, "h w p"]:
     """Expected electrons of every channel at every pixel (eq. 2), without noise. [e-]
 
@@ -294,13 +268,7 @@ def electrons_of_cube(
     light = light_of(cube, situation, beyond=beyond)
     height, width, _ = light.source.shape
     electrons = np.empty((height, width, light.channels), dtype=np.float32)
-    scratch = Scratch()
-
-    def work(start: int, stop: int) -> None:
-        electron_block(light, start, stop, scratch, electrons[start:stop])
-
-    blocks = row_blocks(light.source, rows=tile_rows)
-    over_blocks(work, blocks, threads=thread_count(threads), progress=progress)
+    filled(partial(electron_block, light), row_blocks(light.source, work), (electrons,), work)
     return electrons
 
 
@@ -317,7 +285,14 @@ def _mosaic_of(situation: Situation, mosaic: Mosaic | None) -> Mosaic:
     return mosaic
 
 
-def _white_lux(matrix: ColorMatrix, situation: Situation) -> Float[Array, " 3"]:
+def white_lux_of(matrix: ColorMatrix, situation: Situation) -> Float[Array, " 3"]:
+    """XYZ of a perfect white seen through the matrix. [lx]
+
+    Raises
+    ------
+    InputError
+        If the matrix is of other channels, or makes no luminance of it.
+    """
     sensor, lamp = situation.sensor, situation.illuminant
     _check.same_names("picture", sensor=sensor.names, matrix=matrix.channels)
     white = matrix.matrix @ expected_electrons(white_scene(situation), sensor, situation.exposure)

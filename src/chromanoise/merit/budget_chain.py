@@ -17,7 +17,7 @@ from chromanoise.exposure import Exposure, exposure_factor
 from chromanoise.geometry import Frame, variance_inflation
 from chromanoise.merit.shapley import Switches, shapley_values
 from chromanoise.scene import Scene
-from chromanoise.sensor import Sensor
+from chromanoise.sensor import Sensor, pixels_of
 from chromanoise.spectra import INFRARED_FROM_NM
 from chromanoise.units import decibel
 
@@ -153,8 +153,11 @@ def counting_snr_db(
 
 
 def photons_on_pixels(sensor: Sensor, exposure: Exposure) -> float:
-    """Photons on all p pixels per unit of light and wavelength: p k of eq. 2. [s um2 nm]"""
-    return len(sensor.names) * exposure_factor(exposure, sensor.pixel, sensor.grid.step_nm)
+    """Photons on the pixels of all channels per unit of light and wavelength. [s um2 nm]
+
+    p k of eq. 2, or k for channels that are stacked on one pixel.
+    """
+    return pixels_of(sensor) * exposure_factor(exposure, sensor.pixel, sensor.grid.step_nm)
 
 
 def without_infrared(scene: Scene) -> Scene:

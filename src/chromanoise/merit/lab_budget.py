@@ -81,6 +81,11 @@ def faintest_change(
         dL, in the unit of ``light``; ``None`` where the light cannot move all coordinates
         independently.
 
+    Raises
+    ------
+    InputError
+        If an entry of ``light`` is negative or not finite.
+
     Notes
     -----
     Counting photons, a reader sees dL with SNR^2 ~ sum dL^2 / L. Lagrange: the least such sum under
@@ -96,7 +101,8 @@ def faintest_change(
     root = np.sqrt(_check.non_negative("light", "photons", light))
     directions, lengths = unit_columns(axes * root[:, None])
     u, singular, vt = np.linalg.svd(directions, full_matrices=False)
-    if not (lengths > 0).all() or singular[-1] <= RANK_TOLERANCE * singular[0]:
+    rank = int((singular > RANK_TOLERANCE * singular[0]).sum())
+    if rank < axes.shape[1]:
         return None
     return root * (u @ ((vt @ (step / lengths)) / singular))
 

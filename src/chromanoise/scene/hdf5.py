@@ -37,6 +37,7 @@ _READ = frozenset({
     "matlab_sparse", "matlab_empty",
 })  # fmt: skip
 _MOST_ARRAYS = 10_000
+_LONGEST_ATTRIBUTE = 100_000
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -183,9 +184,14 @@ def _attributes(attributes: Any) -> Mapping[str, Any]:
     """Those that are understood, by names in lower case; texts as such."""
     kept = {}
     for name in list(attributes):
-        if name.lower() in _READ:
+        if name.lower() in _READ and _is_short(attributes.get_id(name).shape):
             kept[name.lower()] = _plain(attributes[name])
     return kept
+
+
+def _is_short(shape: tuple[int, ...] | None) -> bool:
+    """A damaged one may claim any size, and the library would read on for hours."""
+    return shape is not None and math.prod(shape) <= _LONGEST_ATTRIBUTE
 
 
 def _plain(value: Any) -> Any:

@@ -1,0 +1,162 @@
+"""Who does the work: threads of this process, or any executor; the result has the same bits.
+
+A picture is filled block by block. Each block is a function of its plan and its rows alone, so it
+does not matter who fills it, when, or beside whom.
+"""
+
+import os
+from collections.abc import Callable, Iterator
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
+from dataclasses import dataclass
+from functools import partial
+from itertools import islice
+from typing import Any
+
+import numpy as np
+
+from chromanoise import _check
+from chromanoise._check import Array
+from chromanoise.imaging.blocks import Scratch
+from chromanoise.scene.rows import RowSource
+
+Block = tuple[int, int]
+"""First row, and the row after the last."""
+
+FillBlock = Callable[..., Any]
+"""(start, stop, scratch, one array per output) -> whatever is told of the block."""
+
+_BLOCK_BYTES = 8 << 20  # read at a time: large for the disk, small for the memory
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Work:
+    """Who works, on how much at a time. Nothing here changes a bit of the result.
+
+    Attributes
+    ----------
+    threads
+        Working at once; as many as there are cores if ``None``.
+    tile_rows
+        Rows that one takes at a time; some megabytes if ``None``.
+    executor
+        Takes the blocks instead of threads of this process: of `concurrent.futures`, or
+        ``dask.distributed.Client.get_executor()``. Its workers must reach the cube's file; a cube
+        in memory is sent to them.
+    progress
+        Is told how many more rows are done.
+
+    Raises
+    ------
+    InputError
+        If threads or rows are less than 1.
+    """
+
+    threads: int | None = None
+    tile_rows: int | None = None
+    executor: Executor | None = None
+    progress: Callable[[int], None] | None = None
+
+    def __post_init__(self) -> None:
+        if self.threads is not None and self.threads < 1:
+            raise _check.InputError(f"threads must be at least 1, but is {self.threads}")
+        if self.tile_rows is not None and self.tile_rows < 1:
+            raise _check.InputError(
+                f"a tile must have at least 1 row, but {self.tile_rows} are asked for"
+            )
+
+
+def row_blocks(source: RowSource, work: Work) -> list[Block]:
+    """The rows of a source in blocks."""
+    height, width, bands = source.shape
+    rows = work.tile_rows
+    if rows is None:
+        row_bytes = width * bands * source.dtype.itemsize
+        together = max(source.chunk_rows, 1)
+        rows = max(1, _BLOCK_BYTES // row_bytes // together) * together
+    return [(start, min(start + rows, height)) for start in range(0, height, rows)]
+
+
+def filled(
+    fill: FillBlock, blocks: list[Block], outputs: tuple[Array, ...], work: Work
+) -> list[Any]:
+    """Fill the rows of ``outputs`` block by block; what was told of each block, in their order.
+
+    Parameters
+    ----------
+    fill
+        Must be a function of the block alone; with an executor it is sent to another process.
+    blocks
+        Of `row_blocks`.
+    outputs
+        Arrays whose first axis is the rows.
+    work
+        Who does it. The first fault ends it all.
+    """
+    if work.executor is not None:
+        return _in_order(partial(_remote, work.executor, fill, outputs), blocks, work, 64)
+    threads = work.threads or os.cpu_count() or 1
+    scratch = Scratch()
+
+    def here(start: int, stop: int) -> Any:
+        return fill(start, stop, scratch, *(out[start:stop] for out in outputs))
+
+    pool = ThreadPoolExecutor(threads)
+    try:
+        submit = partial(_submitted, pool, here)
+        return _in_order(submit, blocks, work, 2 * threads)
+    finally:
+        pool.shutdown(cancel_futures=True)
+
+
+Submit = Callable[[int, int], tuple["Future[Any]", Callable[[Any], Any]]]
+"""A block to its future, and what is to be done here with its result."""
+
+
+def _submitted(
+    pool: Executor, here: Callable[[int, int], Any], start: int, stop: int
+) -> tuple["Future[Any]", Callable[[Any], Any]]:
+    return pool.submit(here, start, stop), lambda told: told
+
+
+def _remote(
+    executor: Executor, fill: FillBlock, outputs: tuple[Array, ...], start: int, stop: int
+) -> tuple["Future[Any]", Callable[[Any], Any]]:
+    kinds = [((stop - start, *out.shape[1:]), out.dtype) for out in outputs]
+
+    def place(result: Any) -> Any:
+        told, parts = result
+        for out, part in zip(outputs, parts, strict=True):
+            out[start:stop] = part
+        return told
+
+    return executor.submit(_filled_there, fill, start, stop, kinds), place
+
+
+def _filled_there(fill: FillBlock, start: int, stop: int, kinds: list[Any]) -> Any:
+    """In another process: arrays of its own, that are sent back."""
+    parts = [np.empty(shape, dtype) for shape, dtype in kinds]
+    return fill(start, stop, Scratch(), *parts), parts
+
+
+def _in_order(submit: Submit, blocks: list[Block], work: Work, ahead: int) -> list[Any]:
+    """A few blocks at a time, so that neither memory nor a fault waits for all of them."""
+    todo: Iterator[tuple[int, Block]] = iter(enumerate(blocks))
+    doing: dict[Future[Any], tuple[int, Callable[[Any], Any]]] = {}
+    told: list[Any] = [None] * len(blocks)
+    try:
+        while True:
+            for number, block in islice(todo, ahead - len(doing)):
+                future, place = submit(*block)
+                doing[future] = (number, place)
+            if not doing:
+                return told
+            done, _ = wait(doing, return_when=FIRST_COMPLETED)
+            for future in done:
+                number, place = doing.pop(future)
+                told[number] = place(future.result())
+                if work.progress:
+                    start, stop = blocks[number]
+                    work.progress(stop - start)
+    finally:
+        for future in doing:
+            future.cancel()
