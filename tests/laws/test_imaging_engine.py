@@ -6,11 +6,23 @@ import pytest
 from chromanoise._check import InputError
 from chromanoise.color import kernel_matrix
 from chromanoise.exposure import Exposure, Situation, band_weights, expected_electrons, white_scene
-from chromanoise.imaging import Work, acquired, electrons_of_cube, noisy_electrons, rendered
+from chromanoise.imaging import (
+    Work,
+    acquired,
+    bilinear_filters,
+    developed,
+    developed_color,
+    electrons_of_cube,
+    gradient_corrected_filters,
+    lmmse_filters,
+    noisy_electrons,
+    picture_prior,
+    rendered,
+)
 from chromanoise.imaging.plans import draw_of
 from chromanoise.noise import Readout, read_moments
-from chromanoise.scene import Cube, flat_cube
-from chromanoise.sensor import Adc, Imperfections, Mosaic, adc_to_full_well, bayer
+from chromanoise.scene import Cube, flat_cube, flat_field
+from chromanoise.sensor import Adc, Imperfections, Mosaic, adc_to_full_well, bayer, rgbw_sparse_4x4
 from chromanoise.spectra import cie_a
 from strategies import GRID, bell_qe, pixel_with, sensor_of
 
@@ -287,3 +299,71 @@ def test_progress_tells_every_row_once():
     rows = []
     rendered(cube_of(stored(40)[0]), used(), work=Work(tile_rows=7, progress=rows.append))
     assert sum(rows) == 40
+
+
+@pytest.mark.parametrize("made", ["bilinear", "gradient", "lmmse"])
+@pytest.mark.parametrize("tile", ["bayer", "sparse"])
+def test_noise_of_the_developed_picture_is_what_the_closed_form_predicts(made, tile):
+    """A flat field through mosaic, converter, demosaicing and matrix, place by place."""
+    channels, mosaic = (3, bayer()) if tile == "bayer" else (4, rgbw_sparse_4x4())
+    situation = used(channels, level_lux=10.0)
+    names = situation.sensor.names
+    scene = flat_field(LAMP, level_lux=10.0, reflectance=0.5)
+    electrons = expected_electrons(scene, situation.sensor, situation.exposure)
+    prior = picture_prior(
+        np.outer([0.2, 0.5, 0.9], electrons) * np.linspace(0.7, 1.3, channels) ** [[1], [0], [-1]],
+        names,
+        noise_e2=electrons + 25.0,
+    )
+    bank = {
+        "bilinear": lambda: bilinear_filters(mosaic, names),
+        "gradient": lambda: gradient_corrected_filters(mosaic, names, prior),
+        "lmmse": lambda: lmmse_filters(mosaic, prior),
+    }[made]()
+    adc = Adc(bits=16, gain_e_per_dn=3.0, black_level_dn=500)
+    cube = flat_cube(GRID.wavelength_nm, 0.5, height=240, width=240)
+    raw = acquired(cube, situation, mosaic=mosaic, adc=adc, seed=6)
+    picture = developed(raw, bank)
+    white = float(
+        (
+            kernel_matrix(situation.sensor, situation.exposure).matrix
+            @ expected_electrons(white_scene(situation), situation.sensor, situation.exposure)
+        )[1]
+    )
+    ty, tx = len(mosaic.pattern), len(mosaic.pattern[0])
+    predicted = developed_color(scene, situation, bank, adc)
+    for i in range(ty):
+        for j in range(tx):
+            # far enough apart that no two pixels share a raw one
+            step = (2 * bank.radius // max(ty, tx) + 1) * max(ty, tx)
+            pixels = picture.xyz[i::step, j::step].reshape(-1, 3).astype(float) * white
+            inner = pixels
+            exact = predicted[i][j]
+            count = len(inner)
+            z_mean = (inner.mean(axis=0) - exact.mean) / np.sqrt(exact.variance / count)
+            ratio = inner.var(axis=0, ddof=1) / exact.variance
+            # the mirrored border repeats pixels, which costs a little of the independence
+            assert np.abs(z_mean).max() < 5
+            assert np.abs(ratio - 1).max() < 5 * np.sqrt(2 / count) + 0.05
+
+
+def test_a_processor_pool_makes_the_same_bits():
+    from concurrent.futures import ProcessPoolExecutor
+    from multiprocessing import get_context
+
+    cube, situation = cube_of(stored(40)[0]), used()
+    here = acquired(cube, situation, mosaic=bayer(), seed=2)
+    with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
+        there = acquired(
+            cube, situation, mosaic=bayer(), seed=2, work=Work(executor=pool, tile_rows=16)
+        )
+    assert (here.codes == there.codes).all()
+    assert (here.mean_e == there.mean_e).all()
+
+
+def test_filters_of_another_mosaic_are_refused():
+    situation = used()
+    raw = acquired(cube_of(stored(8)[0]), situation, mosaic=bayer())
+    other = Mosaic((("G", "R"), ("B", "G")))
+    with pytest.raises(InputError, match="made for the mosaic"):
+        developed(raw, bilinear_filters(other, situation.sensor.names))

@@ -1,5 +1,24 @@
-"""The way of the light for a whole picture."""
+"""The way of the light for a whole picture.
 
+Kernels are compiled on their first call and kept; importing this compiles nothing.
+"""
+
+from chromanoise.imaging.demosaic import (
+    FilterBank,
+    bilinear_filters,
+    demosaicked,
+    malvar_filters,
+)
+from chromanoise.imaging.demosaic_noise import demosaicked_covariance, noise_power_spectrum
+from chromanoise.imaging.demosaic_priors import (
+    PicturePrior,
+    gradient_corrected_filters,
+    lmmse_filters,
+    picture_prior,
+)
+from chromanoise.imaging.develop import developed, developed_color
+from chromanoise.imaging.dng import RawProfile, dng_rows, raw_profile, write_dng
+from chromanoise.imaging.exr import write_linear_exr, write_xyz_exr
 from chromanoise.imaging.render import (
     Picture,
     RawPicture,
@@ -9,18 +28,55 @@ from chromanoise.imaging.render import (
 )
 from chromanoise.imaging.sampling import noisy_electrons
 from chromanoise.imaging.work import Work
-from chromanoise.imaging.writers import picture_summary, png_bytes, write_png, write_xyz_tiff
+from chromanoise.imaging.writers import (
+    mosaic_tiff_rows,
+    picture_summary,
+    png_bytes,
+    raw_summary,
+    sixteen_bit_srgb,
+    srgb_tiff_rows,
+    write_mosaic_tiff,
+    write_png,
+    write_srgb_tiff,
+    write_xyz_tiff,
+    xyz_tiff_rows,
+)
 
 __all__ = [
+    "FilterBank",
     "Picture",
+    "PicturePrior",
     "RawPicture",
+    "RawProfile",
     "Work",
     "acquired",
+    "bilinear_filters",
+    "demosaicked",
+    "demosaicked_covariance",
+    "developed",
+    "developed_color",
+    "dng_rows",
     "electrons_of_cube",
+    "gradient_corrected_filters",
+    "lmmse_filters",
+    "malvar_filters",
+    "mosaic_tiff_rows",
+    "noise_power_spectrum",
     "noisy_electrons",
+    "picture_prior",
     "picture_summary",
     "png_bytes",
+    "raw_profile",
+    "raw_summary",
     "rendered",
+    "sixteen_bit_srgb",
+    "srgb_tiff_rows",
+    "write_dng",
+    "write_linear_exr",
+    "write_mosaic_tiff",
     "write_png",
+    "write_srgb_tiff",
+    "write_xyz_exr",
     "write_xyz_tiff",
+    "xyz_tiff_rows",
 ]

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import no_type_check
 
 import numpy as np
-from jaxtyping import Float, Float32, Int
+from jaxtyping import Float32, Int, Num
 from numba import njit
 
 from chromanoise._check import Array
@@ -65,9 +65,11 @@ def taps_of(bank: FilterBank) -> Taps:
 
 
 def surrounded_rows(
-    raw_e: Float[Array, "h w"], bank: FilterBank, start: int, stop: int
+    raw: Num[Array, "h w"], bank: FilterBank, start: int, stop: int
 ) -> Float32[Array, "rows w2"]:
     """Rows ``start`` to ``stop`` of a raw picture with the pixels around that filters need.
+
+    Electrons or codes; float32 holds both.
 
     Raises
     ------
@@ -83,8 +85,8 @@ def surrounded_rows(
            [4., 3., 4., 3.],
            [2., 1., 2., 1.]], dtype=float32)
     """
-    rows, columns = border_pixels(raw_e.shape, bank)
-    return raw_e[rows[start : stop + 2 * bank.radius], columns].astype(np.float32)
+    rows, columns = border_pixels(raw.shape, bank)
+    return raw[rows[start : stop + 2 * bank.radius], columns].astype(np.float32)
 
 
 def demosaicked_rows(

@@ -190,7 +190,7 @@ def _attributes(attributes: Any) -> Mapping[str, Any]:
 
 
 def _is_short(shape: tuple[int, ...] | None) -> bool:
-    """A damaged one may claim any size, and the library would read on for hours."""
+    """Whether an attribute is small enough to be read: a damaged one may claim any size."""
     return shape is not None and math.prod(shape) <= _LONGEST_ATTRIBUTE
 
 

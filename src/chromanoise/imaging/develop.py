@@ -1,0 +1,179 @@
+"""Raw codes to a color picture, and the noise that it will have."""
+
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float, Float32, UInt8, UInt16
+
+from chromanoise import _check
+from chromanoise._check import Array
+from chromanoise.color import ColorMatrix, kernel_matrix, linear_srgb
+from chromanoise.exposure import Situation, expected_electrons
+from chromanoise.imaging.blocks import Scratch
+from chromanoise.imaging.demosaic import FilterBank
+from chromanoise.imaging.demosaic_noise import demosaicked_covariance
+from chromanoise.imaging.plans import srgb_table
+from chromanoise.imaging.render import ALL_CORES, Picture, RawPicture, white_lux_of
+from chromanoise.imaging.work import Work, filled
+from chromanoise.noise import Measurement, through, with_noise
+from chromanoise.scene import Scene
+from chromanoise.sensor import Adc
+
+_BLOCK_ROWS = 64
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Development:
+    """What a block of codes needs to become color."""
+
+    codes: UInt16[Array, "h w"]
+    adc: Adc
+    bank: FilterBank
+    matrices: Float32[Array, "6 p"]
+
+
+def developed(
+    raw: RawPicture,
+    bank: FilterBank,
+    *,
+    matrix: ColorMatrix | None = None,
+    work: Work = ALL_CORES,
+) -> Picture:
+    """The color picture of a mosaic: codes to electrons, every channel at every pixel, then color.
+
+    Parameters
+    ----------
+    raw
+        Of `acquired`.
+    bank
+        Linear demosaicing, e.g. `bilinear_filters(raw.mosaic, raw.situation.sensor.names)`.
+    matrix
+        From electrons to XYZ; the kernel (eq. 6, quanta) if ``None``.
+    work
+        Who does it: no bit depends on it.
+
+    Raises
+    ------
+    InputError
+        If the filters are of another mosaic or other channels, the picture is smaller than a tile
+        of the mosaic, or the matrix has no luminance for this light.
+    """
+    situation = raw.situation
+    _check.same_names("development", sensor=situation.sensor.names, filters=bank.names)
+    if bank.mosaic != raw.mosaic:
+        raise _check.InputError(
+            f"the filters are made for the mosaic {bank.mosaic.pattern}, but the picture has "
+            f"{raw.mosaic.pattern}; make them for that"
+        )
+    matrix = matrix or kernel_matrix(situation.sensor, situation.exposure)
+    white_lux = white_lux_of(matrix, situation)
+    to_xyz, white = matrix.matrix / white_lux[1], white_lux / white_lux[1]
+    to_srgb = linear_srgb(np.eye(3), white).T @ to_xyz
+    height, width = raw.codes.shape
+    plan = _Development(
+        codes=raw.codes,
+        adc=raw.adc,
+        bank=bank,
+        matrices=np.concatenate([to_xyz, to_srgb]).astype(np.float32),
+    )
+    xyz = np.empty((height, width, 3), dtype=np.float32)
+    srgb = np.empty((height, width, 3), dtype=np.uint8)
+    rows = work.tile_rows or _BLOCK_ROWS
+    blocks = [(start, min(start + rows, height)) for start in range(0, height, rows)]
+    filled(partial(_developed_block, plan), blocks, (xyz, srgb), work)
+    return Picture(
+        situation=situation,
+        matrix=matrix,
+        seed=raw.seed,
+        frame=raw.frame,
+        xyz=xyz,
+        srgb=srgb,
+        white=white,
+        mean_e=raw.mean_e,
+        above_full_well=raw.above_full_well,
+        clipped=True,
+        notes=(*raw.notes, f"demosaicked: {bank.made_by}"),
+    )
+
+
+def _developed_block(
+    plan: _Development,
+    start: int,
+    stop: int,
+    scratch: Scratch,
+    xyz: Float32[Array, "rows w 3"],
+    srgb: UInt8[Array, "rows w 3"],
+) -> Any:
+    """Fill ``xyz`` and ``srgb`` with the rows ``start`` to ``stop``."""
+    from chromanoise.imaging.fused import color_of_electrons
+    from chromanoise.imaging.kernels_demosaic import (
+        demosaicked_rows,
+        surrounded_rows,
+        taps_of,
+    )
+
+    adc = plan.adc
+    codes = surrounded_rows(plan.codes, plan.bank, start, stop)
+    raw_e = (codes - np.float32(adc.black_level_dn)) * np.float32(adc.gain_e_per_dn)
+    electrons = demosaicked_rows(raw_e, taps_of(plan.bank), start)
+    color_of_electrons(electrons, plan.matrices, srgb_table(), xyz, srgb)
+
+
+def developed_color(
+    scene: Scene,
+    situation: Situation,
+    bank: FilterBank,
+    adc: Adc,
+    *,
+    matrix: ColorMatrix | None = None,
+) -> tuple[tuple[Measurement, ...], ...]:
+    """XYZ of a flat scene after demosaicing, with its covariance: one per place of the tile. [lx]
+
+    Neighbors share raw pixels, so noise is correlated from pixel to pixel; that is told by
+    `noise_power_spectrum`.
+
+    Parameters
+    ----------
+    scene
+        A single point (`flat_field`).
+    situation, bank, matrix
+        As they develop the picture.
+    adc
+        Its rounding adds gain^2 / 12 to the variance of each raw pixel.
+
+    Raises
+    ------
+    InputError
+        If the filters are of other channels than the sensor.
+
+    Notes
+    -----
+    C K D K^T C^T with D of eq. 7 (nothing is held at black or full well) and K the filters.
+    """
+    sensor = situation.sensor
+    _check.same_names("development", sensor=sensor.names, filters=bank.names)
+    matrix = matrix or kernel_matrix(sensor, situation.exposure)
+    raw = with_noise(expected_electrons(scene, sensor, situation.exposure), sensor)
+    variance: Float[Array, " p"] = raw.variance + adc.gain_e_per_dn**2 / 12
+    return tuple(
+        tuple(
+            through(
+                Measurement(
+                    mean=raw.mean,
+                    covariance=covariance,
+                    names=raw.names,
+                    kind="demosaicked",
+                    unit="e-",
+                ),
+                matrix.matrix,
+                names=matrix.coordinates,
+                kind="XYZ",
+                unit="lx",
+                metric=matrix.metric,
+            )
+            for covariance in row
+        )
+        for row in demosaicked_covariance(bank, variance)
+    )
