@@ -1,5 +1,8 @@
 """``chromanoise simulate``."""
 
+import time
+from contextlib import ExitStack
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -17,69 +20,156 @@ from chromanoise.cli.options import (
     the_sensors,
 )
 from chromanoise.cli.output import write_json
+from chromanoise.cli.progress import row_progress
+from chromanoise.cli.shots import FORMATS, Asked, Shot, shot, shot_summary, write_shot
 from chromanoise.exposure import Situation
-from chromanoise.imaging import Picture, picture_summary, rendered, write_png, write_xyz_tiff
+from chromanoise.imaging import DEMOSAICING, Work
+from chromanoise.imaging.distributed import cluster
 from chromanoise.scene import Cube, builtin_cube, read_cube
+from chromanoise.scene.rows import row_source
+from chromanoise.sensor import MOSAIC_NAMES, Imperfections, mosaic_named
+from chromanoise.study import DEFAULT_PRIOR, PRIORS, known_matrices, matrix_makers
+
+_REAL_PIXELS = ("dark_current_e_per_s", "dsnu_e", "prnu", "row_noise_e")
 
 
 @click.command()
 @click.argument("cube", metavar="CUBE")
 @click.option("--sensor", "sensors", multiple=True, required=True, help="Name or CSV; repeatable.")
 @sensor_and_light
+@click.option(
+    "--matrix",
+    "method",
+    default="kernel",
+    show_default=True,
+    metavar="NAME[=VALUE]",
+    help=f"Color matrix: {known_matrices()}.",
+)
+@click.option("--prior", type=click.Choice(list(PRIORS)), default=DEFAULT_PRIOR, show_default=True)
+@click.option(
+    "--mosaic",
+    metavar="NAME|ROWS",
+    help=f"Raw codes of one channel per pixel: sensor (its own), {', '.join(MOSAIC_NAMES)}, or "
+    "rows as RG/GB or 'R G/IR B'. Without it all channels are at every pixel, as in the paper.",
+)
+@click.option(
+    "--demosaic",
+    type=click.Choice(list(DEMOSAICING)),
+    default="bilinear",
+    show_default=True,
+    help="How the mosaic becomes color.",
+)
+@click.option("--raw-only", is_flag=True, help="Codes of the mosaic, no color.")
+@click.option("--bits", type=int, default=12, show_default=True, help="Of the ADC, 8 to 16.")
+@click.option("--black-level", type=int, default=0, show_default=True, help="Code of no light.")
+@click.option("--frames", type=int, default=1, show_default=True, help="Pictures of a burst.")
 @click.option("--seed", type=int, default=0, show_default=True, help="Of the noise.")
 @click.option("--clip", is_flag=True, help="Hold electrons between 0 and full well.")
-@click.option("--key", help="Name of the array in a MAT or NPZ file.")
+@click.option("--dark-current-e-per-s", type=float, default=0.0, help="Dark current [e-/s].")
+@click.option("--dsnu-e", type=float, default=0.0, help="Dark signal non-uniformity [e-].")
+@click.option("--prnu", type=float, default=0.0, help="Photo response non-uniformity, e.g. 0.01.")
+@click.option("--row-noise-e", type=float, default=0.0, help="Noise that a row shares [e-].")
+@click.option(
+    "--format",
+    "formats",
+    metavar="NAME[,NAME...]",
+    help=f"Of {', '.join(FORMATS)}. [default: png,xyz, and raw,dng of a mosaic]",
+)
+@click.option("--key", help="Name of the array in a MAT, NPZ, HDF5, NetCDF or Zarr cube.")
 @click.option("--shape", metavar="ROWSxCOLUMNS", help="Of a cube stored as a 2-D array.")
 @click.option("--wavelengths", metavar="FIRST:LAST", help="[nm], where the file does not say.")
 @click.option("--scale", type=float, help="Reflectance per stored unit, e.g. 0.0001.")
+@click.option("--threads", type=int, help="Working at once. [default: one per core]")
+@click.option("--tile", type=int, help="Rows that are held at a time. [default: 8 MB of them]")
+@click.option(
+    "--scheduler",
+    metavar="ADDRESS|local",
+    help="Work on a dask cluster instead; the result has the same bits.",
+)
 @click.option(
     "-o",
     "--out",
     type=click.Path(path_type=Path),
     default=Path("out/simulate"),
     show_default=True,
-    help="Folder for <sensor>.png, <sensor>.xyz.tiff and summary.json.",
+    help="Folder for the pictures and summary.json.",
 )
-def simulate(
-    cube: str, sensors: tuple[str, ...], seed: int, clip: bool, out: Path, **options: Any
-) -> None:
-    """Render CUBE through each sensor to a noisy color picture, all channels at every pixel.
+def simulate(cube: str, sensors: tuple[str, ...], out: Path, **options: Any) -> None:
+    """Take a noisy picture of CUBE with each sensor: raw codes of a mosaic, color, or both.
 
-    CUBE is a hyperspectral reflectance cube: ENVI (.hdr or its data file), MAT v5, NPZ or NPY,
-    or builtin:checker.
+    CUBE is a hyperspectral reflectance cube: ENVI (.hdr or its data file), MAT, HDF5, NetCDF,
+    Zarr, multi-page TIFF, a folder of one PNG per band, NPZ or NPY; or builtin:checker. It may be
+    larger than memory. The same arguments give the same pictures on any number of threads, tiles
+    or machines.
     """
     refuse_unwritable(out)
+    asked = _asked(options)
     source = _the_cube(cube, options)
+    situations = _situations(sensors, options)
+    makers = matrix_makers([options["method"]], options["metric"], prior=options["prior"])
+    (maker,) = makers.values()
+    summaries, told = [], []
+    with ExitStack() as stack:
+        folder = stack.enter_context(whole_folder(out))
+        work = Work(threads=options["threads"], tile_rows=options["tile"])
+        if options["scheduler"]:
+            executor = stack.enter_context(
+                cluster(options["scheduler"], workers=options["threads"])
+            )
+            work = replace(work, executor=executor)
+        rows = row_source(source.stored).shape[0] * options["frames"] * len(situations)
+        work = replace(work, progress=stack.enter_context(row_progress(rows)))
+        for situation in situations:
+            matrix = maker(situation)
+            for frame in range(options["frames"]):
+                start = time.perf_counter()
+                taken = shot(source, situation, matrix, asked, frame=frame, work=work)
+                stem = situation.sensor.name + (f"-{frame:04d}" if options["frames"] > 1 else "")
+                files, notes = write_shot(folder, stem, taken, asked)
+                seconds = time.perf_counter() - start
+                summaries.append(shot_summary(taken, files, seconds) | {"not_written": notes})
+                told.append((_line(taken, out, files), _notes(taken, stem, notes)))
+        summary = {"version": __version__, "cube": source.source, "pictures": summaries}
+        write_json(summary, str(folder / "summary.json"))
+    for line, own in told:
+        click.echo(line)
+        for note in own:
+            click.echo(note, err=True)
+
+
+def _asked(options: dict[str, Any]) -> Asked:
+    if options["frames"] < 1:
+        raise InputError(f"--frames must be at least 1, but is {options['frames']}")
+    if options["mosaic"] is None and options["raw_only"]:
+        raise InputError("--raw-only writes the codes of a mosaic; name one with --mosaic")
+    own = options["mosaic"] == "sensor"
+    return Asked(
+        mosaic=None if own or options["mosaic"] is None else mosaic_named(options["mosaic"]),
+        raw=options["mosaic"] is not None,
+        demosaic=None if options["raw_only"] else options["demosaic"],
+        bits=options["bits"],
+        black_level_dn=options["black_level"],
+        imperfections=Imperfections(**only(options, _REAL_PIXELS)),
+        seed=options["seed"],
+        clip=options["clip"],
+        beyond=options["beyond"],
+        formats=None if options["formats"] is None else tuple(options["formats"].split(",")),
+    )
+
+
+def _situations(sensors: tuple[str, ...], options: dict[str, Any]) -> list[Situation]:
     illuminant, white = the_light(options)
     cameras = the_sensors(sensors, options)
     distinct("names of --sensor", [camera.name for camera in cameras])
-    pictures = [
-        rendered(
-            source,
-            Situation(
-                sensor=camera,
-                exposure=the_exposure(white, camera, **only(options, EXPOSURE)),
-                illuminant=illuminant,
-                level_lux=white.level_lux,
-            ),
-            seed=seed,
-            beyond=options["beyond"],
-            clip=clip,
+    return [
+        Situation(
+            sensor=camera,
+            exposure=the_exposure(white, camera, **only(options, EXPOSURE)),
+            illuminant=illuminant,
+            level_lux=white.level_lux,
         )
         for camera in cameras
     ]
-    with whole_folder(out) as folder:
-        for picture in pictures:
-            write_png(folder / f"{picture.sensor.name}.png", picture.srgb)
-            write_xyz_tiff(folder / f"{picture.sensor.name}.xyz.tiff", picture.xyz)
-        summary = {
-            "version": __version__,
-            "cube": source.source,
-            "pictures": [picture_summary(picture) for picture in pictures],
-        }
-        write_json(summary, str(folder / "summary.json"))
-    for picture in pictures:
-        _tell(picture, out)
 
 
 _CURES = ("key", "shape", "wavelengths", "scale")
@@ -113,16 +203,22 @@ def _pair(option: str, text: str | None, separator: str, kind: Any) -> Any:
     return first, second
 
 
-def _tell(picture: Picture, out: Path) -> None:
-    sensor = picture.sensor
-    click.echo(
-        f"{out}/{sensor.name}.png: {picture.exposure.time_s * 1e3:.4g} ms, mean "
-        + ", ".join(f"{n} {e:.0f} e-" for n, e in zip(sensor.names, picture.mean_e, strict=True))
-    )
-    for name, share in zip(sensor.names, picture.above_full_well, strict=True):
-        if share > 0:
-            what = "held there" if picture.clipped else "not clipped; --clip holds them there"
-            told = f"{100 * share:.1f} % of {name} lies above full well ({what})"
-            click.echo(f"{sensor.name}: {told}", err=True)
-    for note in picture.notes:
-        click.echo(f"{sensor.name}: {note}", err=True)
+def _line(taken: Shot, out: Path, files: list[str]) -> str:
+    situation, names = taken.situation, taken.situation.sensor.names
+    means = zip(names, taken.any_picture.mean_e, strict=True)
+    told = ", ".join(f"{name} {e:.0f} e-" for name, e in means)
+    return f"{out}/{', '.join(files)}: {situation.exposure.time_s * 1e3:.4g} ms, mean {told}"
+
+
+def _notes(taken: Shot, stem: str, not_written: list[str]) -> list[str]:
+    """What is worth knowing, once for a burst."""
+    picture, names = taken.any_picture, taken.situation.sensor.names
+    if picture.frame > 0:
+        return []
+    what = "held there" if taken.held else "not clipped; --clip holds them there"
+    above = [
+        f"{100 * share:.1f} % of {name} lies above full well ({what})"
+        for name, share in zip(names, picture.above_full_well, strict=True)
+        if share > 0
+    ]
+    return [f"{stem}: {note}" for note in (*above, *picture.notes, *not_written)]

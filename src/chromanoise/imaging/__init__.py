@@ -9,6 +9,7 @@ from chromanoise.imaging.demosaic import (
     demosaicked,
     malvar_filters,
 )
+from chromanoise.imaging.demosaic_methods import DEMOSAICING, chart_prior
 from chromanoise.imaging.demosaic_noise import demosaicked_covariance, noise_power_spectrum
 from chromanoise.imaging.demosaic_priors import (
     PicturePrior,
@@ -43,6 +44,7 @@ from chromanoise.imaging.writers import (
 )
 
 __all__ = [
+    "DEMOSAICING",
     "FilterBank",
     "Picture",
     "PicturePrior",
@@ -51,6 +53,7 @@ __all__ = [
     "Work",
     "acquired",
     "bilinear_filters",
+    "chart_prior",
     "demosaicked",
     "demosaicked_covariance",
     "developed",

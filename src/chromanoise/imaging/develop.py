@@ -1,7 +1,6 @@
 """Raw codes to a color picture, and the noise that it will have."""
 
 from dataclasses import dataclass
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -82,7 +81,7 @@ def developed(
     srgb = np.empty((height, width, 3), dtype=np.uint8)
     rows = work.tile_rows or _BLOCK_ROWS
     blocks = [(start, min(start + rows, height)) for start in range(0, height, rows)]
-    filled(partial(_developed_block, plan), blocks, (xyz, srgb), work)
+    filled(_developed_block, plan, blocks, (xyz, srgb), work)
     return Picture(
         situation=situation,
         matrix=matrix,

@@ -6,7 +6,7 @@ bits of its own block.
 
 import zlib
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any
 
@@ -20,7 +20,7 @@ from chromanoise.exposure import Situation, band_weights, white_scene
 from chromanoise.imaging.blocks import Layout, Scratch, flattened
 from chromanoise.scene import Cube
 from chromanoise.scene.cube import BRIGHTEST, reflectance_rows
-from chromanoise.scene.rows import RowSource, row_source
+from chromanoise.scene.rows import ArrayRows, RowSource, row_source
 from chromanoise.sensor import Adc, Imperfections, Mosaic
 from chromanoise.spectra import Beyond
 
@@ -46,12 +46,15 @@ class Light:
         How many are real.
     notes
         What was assumed of the spectra.
+    first_row
+        Of the picture, that is the cube's first: more than 0 where only a part was sent.
     """
 
     cube: Cube
     weights: Float32[Array, "q l"]
     channels: int
     notes: tuple[str, ...]
+    first_row: int = 0
 
     @property
     def source(self) -> RowSource:
@@ -286,8 +289,34 @@ def srgb_table() -> UInt8[Array, " entries"]:
     return np.round(255 * srgb_from_linear(np.linspace(0, 1, ENCODED))).astype(np.uint8)
 
 
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ElectronPlan:
+    """From rows to expected electrons.
+
+    Attributes
+    ----------
+    light
+        Expected electrons.
+    """
+
+    light: Light
+
+
+def plan_for_rows(plan: Any, start: int, stop: int) -> Any:
+    """The plan as another process needs it for the rows ``start`` to ``stop``.
+
+    A cube in memory goes along with these rows only; one in a file is opened there again.
+    """
+    light = plan.light
+    if not isinstance(light.source, ArrayRows):
+        return plan
+    rows = np.array(light.source.rows(start, stop))
+    part = replace(light, cube=replace(light.cube, stored=rows), first_row=start)
+    return replace(plan, light=part)
+
+
 def electron_block(
-    light: Light, start: int, stop: int, scratch: Scratch, out: Float32[Array, "rows w p"]
+    plan: ElectronPlan, start: int, stop: int, scratch: Scratch, out: Float32[Array, "rows w p"]
 ) -> None:
     """Fill ``out`` with expected electrons of the rows ``start`` to ``stop``. [e-]
 
@@ -299,9 +328,10 @@ def electron_block(
     from chromanoise.imaging.fused import electron_rows
 
     def fill(flat: Num[Array, " numbers"], lay: Layout, seen: Float32[Array, "32"]) -> None:
+        light = plan.light
         electron_rows(flat, lay, *out.shape[:2], light.weights, light.channels, out, seen)
 
-    _on_rows(light, start, stop, scratch, out, fill)
+    _on_rows(plan.light, start, stop, scratch, out, fill)
 
 
 def _on_rows(
@@ -309,6 +339,7 @@ def _on_rows(
 ) -> None:
     """Read the rows, do the work, and refuse numbers that are no reflectance."""
     source = light.source
+    start, stop = start - light.first_row, stop - light.first_row
     block = source.rows(start, stop, into=scratch.of(source.scratch_bytes(stop - start)))
     flat, lay = flattened(block)
     seen = np.repeat(np.array([3e38, -3e38], np.float32), _LANES)

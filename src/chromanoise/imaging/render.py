@@ -1,7 +1,6 @@
 """A cube through a sensor: to a noisy color picture, or to the raw codes of a mosaic."""
 
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 from jaxtyping import Float, Float32, UInt8, UInt16
@@ -11,11 +10,13 @@ from chromanoise._check import Array
 from chromanoise.color import ColorMatrix, kernel_matrix
 from chromanoise.exposure import Exposure, Situation, expected_electrons, white_scene
 from chromanoise.imaging.plans import (
+    ElectronPlan,
     color_block,
     color_plan,
     draw_of,
     electron_block,
     light_of,
+    plan_for_rows,
     raw_block,
     raw_plan,
 )
@@ -182,7 +183,9 @@ def rendered(
     height, width, _ = light.source.shape
     xyz = np.empty((height, width, 3), dtype=np.float32)
     srgb = np.empty((height, width, 3), dtype=np.uint8)
-    counts = filled(partial(color_block, plan), row_blocks(light.source, work), (xyz, srgb), work)
+    counts = filled(
+        color_block, plan, row_blocks(light.source, work), (xyz, srgb), work, part=plan_for_rows
+    )
     mean_e, above = np.concatenate(counts).sum(axis=0) / (height * width)
     return Picture(
         situation=situation,
@@ -237,7 +240,9 @@ def acquired(
     plan = raw_plan(light, draw, situation, mosaic, adc)
     height, width, _ = light.source.shape
     codes = np.empty((height, width), dtype=np.uint16)
-    counts = filled(partial(raw_block, plan), row_blocks(light.source, work), (codes,), work)
+    counts = filled(
+        raw_block, plan, row_blocks(light.source, work), (codes,), work, part=plan_for_rows
+    )
     own = _pixels_of_channels(plan.tile, height, width, light.channels)
     mean_e, above = np.concatenate(counts).sum(axis=0) / np.maximum(own, 1)
     return RawPicture(
@@ -268,7 +273,10 @@ def electrons_of_cube(
     light = light_of(cube, situation, beyond=beyond)
     height, width, _ = light.source.shape
     electrons = np.empty((height, width, light.channels), dtype=np.float32)
-    filled(partial(electron_block, light), row_blocks(light.source, work), (electrons,), work)
+    plan = ElectronPlan(light=light)
+    filled(
+        electron_block, plan, row_blocks(light.source, work), (electrons,), work, part=plan_for_rows
+    )
     return electrons
 
 

@@ -23,8 +23,9 @@ Block = tuple[int, int]
 """First row, and the row after the last."""
 
 FillBlock = Callable[..., Any]
-"""(start, stop, scratch, one array per output) -> whatever is told of the block."""
+"""(plan, start, stop, scratch, one array per output) -> whatever is told of the block."""
 
+_SENT_AHEAD = 16  # blocks that wait at an executor
 _BLOCK_BYTES = 8 << 20  # read at a time: large for the disk, small for the memory
 
 
@@ -77,33 +78,43 @@ def row_blocks(source: RowSource, work: Work) -> list[Block]:
 
 
 def filled(
-    fill: FillBlock, blocks: list[Block], outputs: tuple[Array, ...], work: Work
+    fill: FillBlock,
+    plan: Any,
+    blocks: list[Block],
+    outputs: tuple[Array, ...],
+    work: Work,
+    *,
+    part: Callable[[Any, int, int], Any] | None = None,
 ) -> list[Any]:
     """Fill the rows of ``outputs`` block by block; what was told of each block, in their order.
 
     Parameters
     ----------
     fill
-        Must be a function of the block alone; with an executor it is sent to another process.
+        A function of plan and block alone.
+    plan
+        All that it needs.
     blocks
         Of `row_blocks`.
     outputs
         Arrays whose first axis is the rows.
     work
         Who does it. The first fault ends it all.
+    part
+        The plan as it is sent to an executor, for the rows of a block.
     """
     if work.executor is not None:
-        return _in_order(partial(_remote, work.executor, fill, outputs), blocks, work, 64)
+        there = partial(_remote, work.executor, fill, plan, part, outputs)
+        return _in_order(there, blocks, work, _SENT_AHEAD)
     threads = work.threads or os.cpu_count() or 1
     scratch = Scratch()
 
     def here(start: int, stop: int) -> Any:
-        return fill(start, stop, scratch, *(out[start:stop] for out in outputs))
+        return fill(plan, start, stop, scratch, *(out[start:stop] for out in outputs))
 
     pool = ThreadPoolExecutor(threads)
     try:
-        submit = partial(_submitted, pool, here)
-        return _in_order(submit, blocks, work, 2 * threads)
+        return _in_order(partial(_submitted, pool, here), blocks, work, 2 * threads)
     finally:
         pool.shutdown(cancel_futures=True)
 
@@ -119,23 +130,33 @@ def _submitted(
 
 
 def _remote(
-    executor: Executor, fill: FillBlock, outputs: tuple[Array, ...], start: int, stop: int
+    executor: Executor,
+    fill: FillBlock,
+    plan: Any,
+    part: Callable[[Any, int, int], Any] | None,
+    outputs: tuple[Array, ...],
+    start: int,
+    stop: int,
 ) -> tuple["Future[Any]", Callable[[Any], Any]]:
     kinds = [((stop - start, *out.shape[1:]), out.dtype) for out in outputs]
+    own = plan if part is None else part(plan, start, stop)
 
     def place(result: Any) -> Any:
         told, parts = result
-        for out, part in zip(outputs, parts, strict=True):
-            out[start:stop] = part
+        for out, rows in zip(outputs, parts, strict=True):
+            out[start:stop] = rows
         return told
 
-    return executor.submit(_filled_there, fill, start, stop, kinds), place
+    return executor.submit(_filled_there, fill, own, start, stop, kinds), place
 
 
-def _filled_there(fill: FillBlock, start: int, stop: int, kinds: list[Any]) -> Any:
+def _filled_there(fill: FillBlock, plan: Any, start: int, stop: int, kinds: list[Any]) -> Any:
     """In another process: arrays of its own, that are sent back."""
     parts = [np.empty(shape, dtype) for shape, dtype in kinds]
-    return fill(start, stop, Scratch(), *parts), parts
+    return fill(plan, start, stop, _scratch_there, *parts), parts
+
+
+_scratch_there = Scratch()
 
 
 def _in_order(submit: Submit, blocks: list[Block], work: Work, ahead: int) -> list[Any]:

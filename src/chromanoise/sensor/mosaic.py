@@ -48,5 +48,48 @@ def rgbw_sparse_4x4() -> Mosaic:
     return _mosaic("RWGW", "WWWW", "GWBW", "WWWW")
 
 
+def rgb_ir() -> Mosaic:
+    """2 x 2, one pixel of each of R, G, B and IR."""
+    return Mosaic((("R", "G"), ("IR", "B")))
+
+
+_NAMED = {
+    "bayer": bayer,
+    "rgbw-2x2": rgbw_2x2,
+    "rgbw-4x4": rgbw_sparse_4x4,
+    "rgb-ir": rgb_ir,
+}
+MOSAIC_NAMES = tuple(_NAMED)
+"""What `mosaic_named` knows besides patterns."""
+
+
+def mosaic_named(text: str) -> Mosaic:
+    """A mosaic by name, or by its pattern: rows between slashes, channels between spaces.
+
+    Where no row has a space, each letter is a channel.
+
+    Raises
+    ------
+    InputError
+        If nothing is called that, or rows are not equally long.
+
+    Examples
+    --------
+    >>> mosaic_named("RG/GB") == bayer()
+    True
+    >>> mosaic_named("R G/IR B").names
+    ('R', 'G', 'IR', 'B')
+    """
+    if text in _NAMED:
+        return _NAMED[text]()
+    rows = [row.strip() for row in text.split("/")]
+    if len(rows) == 1 and len(text) > 2 and " " not in text.strip():
+        _check.one_of("mosaic (or give its rows, as RG/GB)", text, MOSAIC_NAMES)
+    if not all(rows):
+        raise _check.InputError(f"mosaic {text!r}: a row between slashes is empty")
+    spaced = any(" " in row for row in rows)
+    return Mosaic(tuple(tuple(row.split() if spaced else row) for row in rows))
+
+
 def _mosaic(*rows: str) -> Mosaic:
     return Mosaic(tuple(tuple(row) for row in rows))
