@@ -307,14 +307,21 @@ def color_rows(
 
 @njit(cache=True, nogil=True, error_model="numpy")
 @no_type_check
+def _count_above(electrons, full_well_e):
+    """How many exceed full well; counted in 32 bits, as wide as the electrons, to vectorize."""
+    above = np.int32(0)
+    for i in range(electrons.size):
+        above = np.int32(above + np.int32(electrons[i] > full_well_e))
+    return above
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+@no_type_check
 def _at_well(electrons, n, p, well, counts):
     """Count what lies above full well, and hold it between 0 and full well if asked."""
     full_well_e, held = well
     for c in range(p):
-        above = 0
-        for e in electrons[c * n : (c + 1) * n]:
-            above += 1 if e > full_well_e else 0
-        counts[1, c] += above
+        counts[1, c] += _count_above(electrons[c * n : (c + 1) * n], full_well_e)
     if held:
         for j in range(n * p):
             electrons[j] = min(max(electrons[j], _ZERO), full_well_e)
