@@ -16,6 +16,10 @@ _COMMANDS = {
     "simulate": "Render a hyperspectral cube through sensors to noisy color pictures.",
     "compare": "Sensors over the light level: luminance SNR, color error, crossovers.",
     "matrix": "A sensor's color matrix: color error, noise, condition; to CSV, JSON, CLF, profile.",
+    "init": "A commented study file to start from.",
+    "run": "Run a study file: analyses, sweeps, pictures, with provenance.",
+    "rerun": "Run the study of an output once more, to the same bytes.",
+    "study": "What a study file may say; --schema for editors.",
     "reproduce": "The paper's Tables 2-5 beside ours, and its ten figures.",
     "demo": "Everything of the paper on one page: out/demo/index.html.",
 }
@@ -86,5 +90,6 @@ def _stop(*_: object) -> None:
 
 
 def _leave(sentence: str) -> None:
-    click.echo(f"chromanoise: {' '.join(sentence.split())}", err=True)
+    for line in sentence.splitlines():
+        click.echo(f"chromanoise: {' '.join(line.split())}", err=True)
     sys.exit(2)

@@ -14,7 +14,7 @@ def row_progress(rows: int) -> Iterator[Callable[[int], None]]:
     if not console.is_terminal:
         yield lambda _: None
         return
-    rate = TextColumn("{task.completed}/{task.total} rows, {task.speed:.0f}/s")
+    rate = TextColumn("{task.completed}/{task.total} rows, {task.fields[speed]:.0f}/s")
     with Progress(
         BarColumn(), rate, TimeRemainingColumn(), console=console, transient=True
     ) as progress:

@@ -1,11 +1,11 @@
 """One picture of `simulate`: what was asked for, what was taken, and its files."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from chromanoise._check import InputError, one_of
+from chromanoise._check import InputError, distinct, one_of
 from chromanoise.color import ColorMatrix
 from chromanoise.exposure import Situation
 from chromanoise.imaging import (
@@ -48,7 +48,7 @@ class Asked:
     formats: tuple[str, ...] | None
 
     def __post_init__(self) -> None:
-        for name in self.formats or ():
+        for name in distinct("names of --format", self.formats or ()):
             one_of("--format", name, tuple(FORMATS))
             if name in _RAW and not self.raw:
                 raise InputError(f"--format {name} is of a mosaic; name one with --mosaic")
@@ -100,23 +100,24 @@ def shot(
         return Shot(situation=situation, matrix=matrix, raw=None, picture=picture)
     pixel = situation.sensor.pixel
     adc = adc_to_full_well(pixel, bits=asked.bits, black_level_dn=asked.black_level_dn)
-    raw = acquired(cube, situation, mosaic=asked.mosaic, adc=adc, **common)
-    color = None
-    if asked.demosaic is not None:
-        bank = DEMOSAICING[asked.demosaic](raw.mosaic, situation)
+    mosaic, bank, color = asked.mosaic or situation.sensor.mosaic, None, None
+    if asked.demosaic is not None and mosaic is not None:
+        bank = DEMOSAICING[asked.demosaic](mosaic, situation)  # refuses before the long work
+    raw = acquired(cube, situation, mosaic=mosaic, adc=adc, **common)
+    if bank is not None:
         here = Work(threads=work.threads)  # the codes are in this memory
         color = developed(raw, bank, matrix=matrix, work=here)
     return Shot(situation=situation, matrix=matrix, raw=raw, picture=color)
 
 
-def shot_summary(taken: Shot, files: list[str], seconds: float) -> dict[str, Any]:
+def shot_summary(taken: Shot, asked: Asked, files: list[str], seconds: float) -> dict[str, Any]:
     """How it was taken, as plain data; the seconds are all that a rerun changes."""
     told: dict[str, Any] = {"files": files}
     if taken.raw is not None:
         told |= raw_summary(taken.raw)
     if taken.picture is not None:
         told |= picture_summary(taken.picture)
-    return told | {"seconds": seconds}
+    return told | {"imperfections": asdict(asked.imperfections), "seconds": seconds}
 
 
 def write_shot(folder: Path, stem: str, taken: Shot, asked: Asked) -> tuple[list[str], list[str]]:

@@ -55,13 +55,11 @@ _REAL_PIXELS = ("dark_current_e_per_s", "dsnu_e", "prnu", "row_noise_e")
 @click.option(
     "--demosaic",
     type=click.Choice(list(DEMOSAICING)),
-    default="bilinear",
-    show_default=True,
-    help="How the mosaic becomes color.",
+    help="How the mosaic becomes color. [default: bilinear]",
 )
 @click.option("--raw-only", is_flag=True, help="Codes of the mosaic, no color.")
-@click.option("--bits", type=int, default=12, show_default=True, help="Of the ADC, 8 to 16.")
-@click.option("--black-level", type=int, default=0, show_default=True, help="Code of no light.")
+@click.option("--bits", type=int, help="Of the ADC, 8 to 16. [default: 12]")
+@click.option("--black-level", type=int, help="Code of no light. [default: 0]")
 @click.option("--frames", type=int, default=1, show_default=True, help="Pictures of a burst.")
 @click.option("--seed", type=int, default=0, show_default=True, help="Of the noise.")
 @click.option("--clip", is_flag=True, help="Hold electrons between 0 and full well.")
@@ -127,7 +125,8 @@ def simulate(cube: str, sensors: tuple[str, ...], out: Path, **options: Any) -> 
                 stem = situation.sensor.name + (f"-{frame:04d}" if options["frames"] > 1 else "")
                 files, notes = write_shot(folder, stem, taken, asked)
                 seconds = time.perf_counter() - start
-                summaries.append(shot_summary(taken, files, seconds) | {"not_written": notes})
+                told_of = shot_summary(taken, asked, files, seconds)
+                summaries.append(told_of | {"not_written": notes})
                 told.append((_line(taken, out, files), _notes(taken, stem, notes)))
         summary = {"version": __version__, "cube": source.source, "pictures": summaries}
         write_json(summary, str(folder / "summary.json"))
@@ -140,21 +139,33 @@ def simulate(cube: str, sensors: tuple[str, ...], out: Path, **options: Any) -> 
 def _asked(options: dict[str, Any]) -> Asked:
     if options["frames"] < 1:
         raise InputError(f"--frames must be at least 1, but is {options['frames']}")
-    if options["mosaic"] is None and options["raw_only"]:
-        raise InputError("--raw-only writes the codes of a mosaic; name one with --mosaic")
+    _refuse_idle(options)
     own = options["mosaic"] == "sensor"
     return Asked(
         mosaic=None if own or options["mosaic"] is None else mosaic_named(options["mosaic"]),
         raw=options["mosaic"] is not None,
-        demosaic=None if options["raw_only"] else options["demosaic"],
-        bits=options["bits"],
-        black_level_dn=options["black_level"],
+        demosaic=None if options["raw_only"] else options["demosaic"] or "bilinear",
+        bits=12 if options["bits"] is None else options["bits"],
+        black_level_dn=options["black_level"] or 0,
         imperfections=Imperfections(**only(options, _REAL_PIXELS)),
         seed=options["seed"],
         clip=options["clip"],
         beyond=options["beyond"],
         formats=None if options["formats"] is None else tuple(options["formats"].split(",")),
     )
+
+
+_OF_MOSAIC = ("demosaic", "raw_only", "bits", "black_level")
+
+
+def _refuse_idle(options: dict[str, Any]) -> None:
+    """An option that would change nothing was meant to change something."""
+    idle = [key for key in _OF_MOSAIC if options[key] not in (None, False)]
+    if options["mosaic"] is None and idle:
+        told = " and ".join(f"--{key.replace('_', '-')}" for key in idle)
+        raise InputError(f"{told}: only a mosaic has that; name one with --mosaic")
+    if options["raw_only"] and options["demosaic"]:
+        raise InputError("--raw-only and --demosaic exclude each other; give one of them")
 
 
 def _situations(sensors: tuple[str, ...], options: dict[str, Any]) -> list[Situation]:

@@ -1,0 +1,19 @@
+"""``chromanoise init``."""
+
+from pathlib import Path
+
+import click
+
+from chromanoise._check import InputError
+from chromanoise._files import write_whole
+from chromanoise.study.runs import STARTER
+
+
+@click.command()
+@click.argument("study", type=click.Path(path_type=Path), default=Path("study.toml"))
+def init(study: Path) -> None:
+    """Write a commented STUDY to start from [default: study.toml]."""
+    if study.exists():
+        raise InputError(f"{study}: is there already; name another file, or move it away")
+    write_whole(study, STARTER.encode("utf-8"))
+    click.echo(f"{study}: change it, then `chromanoise run {study}`")

@@ -1,0 +1,231 @@
+"""A study from TOML: every fault at once, each with file, line and key."""
+
+import re
+import tomllib
+from collections.abc import Mapping, Sequence
+from difflib import get_close_matches
+from pathlib import Path
+from typing import Any
+
+from pydantic import BaseModel, ValidationError
+
+from chromanoise._check import InputError
+from chromanoise.color import SPACES
+from chromanoise.spectra import METRICS
+from chromanoise.study.makers import METHODS
+from chromanoise.study.priors import PRIORS
+from chromanoise.study.quantities import QUANTITIES
+from chromanoise.study.runs.document import Study
+from chromanoise.study.sweeps import SWEEPS
+
+_LARGEST_BYTES = 1 << 20
+
+Key = tuple[str | int, ...]
+"""Where a value stands: ("sensors", 0, "pixel", "pitch_um")."""
+
+
+def read_study(path: Path | str, changes: Sequence[str] = ()) -> Study:
+    """The study in a TOML file.
+
+    Parameters
+    ----------
+    path
+        The file.
+    changes
+        ``key=value`` each, as ``light.level_lux=3`` or ``sensors.0.name="onyx-rgb"``; they win.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read; all faults of what it says, one line each.
+    """
+    path = Path(path)
+    try:
+        if path.stat().st_size > _LARGEST_BYTES:
+            raise InputError(f"{path}: {path.stat().st_size} bytes are too many for a study")
+        text = path.read_text(encoding="utf-8")
+    except UnicodeDecodeError:
+        raise InputError(f"{path}: not a UTF-8 text file; save the study as UTF-8") from None
+    except (OSError, ValueError) as error:
+        told = getattr(error, "strerror", None) or error
+        raise InputError(f"{path}: cannot be read ({told})") from None
+    return study_from_text(text, source=str(path), changes=changes)
+
+
+def study_from_text(text: str, *, source: str, changes: Sequence[str] = ()) -> Study:
+    r"""The study in TOML text; ``source`` names it in messages.
+
+    Raises
+    ------
+    InputError
+        As `read_study`.
+
+    Examples
+    --------
+    >>> study_from_text('[[sensors]]\nname = "onyx-rgbw"', source="a text").light.level_lux
+    10.0
+    """
+    try:
+        told = tomllib.loads(text)
+    except (tomllib.TOMLDecodeError, RecursionError) as error:
+        raise InputError(f"{source}: no TOML: {error}") from None
+    lines = _lines_of_keys(text)
+    changed: dict[Key, str] = {}
+    for change in changes:
+        changed[_changed(told, change)] = f"--set {change}"
+    faults = []
+    try:
+        study = Study.model_validate(told)
+    except ValidationError as error:
+        found = error.errors(include_url=False)
+        inside = [one["loc"] for one in found]
+        faults = [
+            _fault(one)
+            for one in found
+            # a list that holds a faulty entry is told as too short as well
+            if one["type"] != "too_short"
+            or not any(k[: len(one["loc"])] == one["loc"] != k for k in inside)
+        ]
+    else:
+        faults = _unknown_names(study)
+    if faults:
+        placed = [(_place(key, lines, changed, source), what) for key, what in faults]
+        raise InputError("\n".join(f"{place}: {what}" for place, what in sorted(placed, key=_line)))
+    return study
+
+
+def _changed(told: dict[str, Any], change: str) -> Key:
+    """Put ``a.b.0.c=value`` in its place; the value is TOML, or else a plain word."""
+    name, equals, value = change.partition("=")
+    steps: Key = tuple(int(s) if s.isdigit() else s for s in name.strip().split("."))
+    if not equals or not all(str(step) for step in steps):
+        raise InputError(f"--set takes key=value, e.g. light.level_lux=3, but is {change!r}")
+    at: Any = told
+    for i, step in enumerate(steps[:-1]):
+        following: Any = [] if isinstance(steps[i + 1], int) else {}
+        at = _step(at, step, following, change)
+    last = steps[-1]
+    try:
+        parsed = tomllib.loads(f"value = {value}")["value"]
+    except tomllib.TOMLDecodeError:
+        parsed = value
+    in_list = isinstance(at, list) and isinstance(last, int) and last < len(at)
+    if in_list or (isinstance(at, dict) and isinstance(last, str)):
+        at[last] = parsed
+    else:
+        raise InputError(f"--set {change}: the study has nothing at {name}")
+    return steps
+
+
+def _step(at: Any, step: str | int, following: Any, change: str) -> Any:
+    if isinstance(at, dict) and isinstance(step, str):
+        return at.setdefault(step, following)
+    if isinstance(at, list) and isinstance(step, int) and step < len(at):
+        return at[step]
+    raise InputError(f"--set {change}: the study has nothing at {step!r}")
+
+
+def _fault(error: Any) -> tuple[Key, str]:
+    key: Key = error["loc"]
+    if error["type"] == "extra_forbidden":
+        return key, f"unknown key{_meant(str(key[-1]), _fields_beside(key))}"
+    if error["type"] == "missing":
+        return key, "is missing"
+    given = error.get("input")
+    said = str(error["msg"]).removeprefix("Value error, ")
+    shown = "" if isinstance(given, dict | list | tuple | BaseModel) else f", but is {given!r}"
+    return key, f"{said[:1].lower()}{said[1:]}{shown}"
+
+
+def _fields_beside(key: Key) -> list[str]:
+    """The keys that are known where an unknown one stands."""
+    model: Any = Study
+    for step in key[:-1]:
+        if isinstance(step, int):
+            continue
+        field = model.model_fields.get(step)
+        parts = [field.annotation, *getattr(field.annotation, "__args__", ())] if field else []
+        models = [p for p in parts if isinstance(p, type) and issubclass(p, BaseModel)]
+        if not models:
+            return []
+        model = models[0]
+    return [field.alias or name for name, field in model.model_fields.items()]
+
+
+def _meant(word: str, known: Sequence[str]) -> str:
+    near = get_close_matches(word, known, n=2, cutoff=0.5)
+    return f", did you mean {' or '.join(near)}?" if near else f"; known are {', '.join(known)}"
+
+
+def _unknown_names(study: Study) -> list[tuple[Key, str]]:
+    """Words that name nothing, each with what may have been meant."""
+    asked: list[tuple[Key, str, Sequence[str]]] = [
+        (("metric",), study.metric, list(METRICS)),
+        (("prior",), study.prior, list(PRIORS)),
+    ]
+    if study.outputs.space is not None:
+        asked.append((("outputs", "space"), study.outputs.space, list(SPACES)))
+    for i, matrix in enumerate(study.matrices):
+        asked.append((("matrices", i), matrix.partition("=")[0].strip(), list(METHODS)))
+    for i, sweep in enumerate(study.sweeps):
+        asked.append((("sweeps", i, "vary"), sweep.vary, list(SWEEPS)))
+        asked.append((("sweeps", i, "quantity"), sweep.quantity, list(QUANTITIES)))
+    return [
+        (key, f"unknown name {word!r}{_meant(word, known)}")
+        for key, word, known in asked
+        if word not in known
+    ]
+
+
+def _place(key: Key, lines: Mapping[Key, int], changed: Mapping[Key, str], source: str) -> str:
+    """``file:line: key``: the line of the key, or of the nearest table around it."""
+    for length in range(len(key), 0, -1):
+        if key[:length] in changed:
+            return f"{changed[key[:length]]}: {_dotted(key)}"
+    for length in range(len(key), 0, -1):
+        if key[:length] in lines:
+            return f"{source}:{lines[key[:length]]}: {_dotted(key)}"
+    return f"{source}: {_dotted(key)}"
+
+
+def _line(placed: tuple[str, str]) -> int:
+    match = re.search(r":([0-9]+): ", placed[0] + ": ")
+    return int(match[1]) if match else 0
+
+
+def _dotted(key: Key) -> str:
+    return ".".join(str(step) for step in key) or "the study"
+
+
+def _lines_of_keys(text: str) -> dict[Key, int]:
+    """The line on which each key and table begins. TOML's parser does not tell."""
+    lines: dict[Key, int] = {}
+    table: Key = ()
+    counts: dict[Key, int] = {}
+    for number, line in enumerate(text.splitlines(), 1):
+        if match := re.match(r"\s*(\[\[?)\s*([^\]]+?)\s*\]", line):
+            name = _numbered(_keys(match[2]), counts)
+            if match[1] == "[[":
+                place = counts.get(name, -1) + 1
+                counts[name] = place
+                lines.setdefault(name, number)
+                name = (*name, place)
+            table = name
+            lines.setdefault(table, number)
+        elif match := re.match(r"\s*([A-Za-z0-9_.\-\"' ]+?)\s*=", line):
+            lines.setdefault((*table, *_keys(match[1])), number)
+    return lines
+
+
+def _keys(dotted: str) -> tuple[str, ...]:
+    return tuple(part.strip().strip("\"'") for part in dotted.split("."))
+
+
+def _numbered(name: tuple[str, ...], counts: Mapping[Key, int]) -> Key:
+    """``sensors.pixel`` is the pixel of the last sensor."""
+    place: Key = ()
+    for step in name[:-1]:
+        place = (*place, step)
+        if place in counts:
+            place = (*place, counts[place])
+    return (*place, name[-1])

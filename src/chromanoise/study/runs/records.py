@@ -1,0 +1,120 @@
+"""A run on disk: one file per step, written whole; what is there of the same study is kept."""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from chromanoise._check import InputError
+from chromanoise._files import refuse_unwritable, whole_folder
+from chromanoise.imaging import Work
+from chromanoise.study.runs.document import Study
+from chromanoise.study.runs.running import provenance, study_hash, study_steps
+
+STUDY_FILE = "study.json"
+_LARGEST_BYTES = 256 << 20
+
+Told = Callable[[str, bool], None]
+"""Is told of each step: what it is, and whether it stood there already."""
+
+
+def run_study(
+    study: Study, folder: Path, *, work: Work | None = None, told: Told | None = None
+) -> list[Path]:
+    """Run all of a study; a run that was stopped goes on where it was.
+
+    Parameters
+    ----------
+    study
+        Of `read_study`.
+    folder
+        Of the results: ``study.json`` and one JSON file per step, and the pictures.
+    work
+        Who renders pictures.
+    told
+        Is told of each step.
+
+    Returns
+    -------
+    files
+        One per step.
+
+    Raises
+    ------
+    InputError
+        If something cannot be computed, or the folder not written, or it holds another study.
+    """
+    refuse_unwritable(folder)
+    _refuse_other_study(folder, study)
+    steps = study_steps(study, work=work)
+    who = provenance(study)
+    if not (folder / STUDY_FILE).exists():
+        with whole_folder(folder) as scratch:
+            _write(scratch / STUDY_FILE, who | {"steps": [step.name for step in steps]})
+    files = []
+    for step in steps:
+        file = folder / f"{step.name}.json"
+        done = _made_by(file, who["hash"])
+        if told:
+            told(step.what, done)
+        if not done:
+            with whole_folder(folder) as scratch:
+                result = step.run(scratch)
+                _write(scratch / file.name, who | {"step": step.name, "result": result})
+        files.append(file)
+    return files
+
+
+def study_of_output(path: Path) -> Study:
+    """The study that an output carries, or the folder of one.
+
+    Raises
+    ------
+    InputError
+        If it is no output of a run, or of another version of chromanoise.
+    """
+    file = path / STUDY_FILE if path.is_dir() else path
+    told = _read(file)
+    if not isinstance(told, dict) or "study" not in told or "hash" not in told:
+        raise InputError(f"{file}: is no output of `chromanoise run`; name one, or its folder")
+    study = Study.model_validate(told["study"], strict=False)
+    if study_hash(study) != told["hash"]:
+        raise InputError(
+            f"{file}: was made by version {told.get('version')!r} of chromanoise or was changed "
+            "since, so the same digits cannot be promised; run its study anew"
+        )
+    return study
+
+
+def _refuse_other_study(folder: Path, study: Study) -> None:
+    file = folder / STUDY_FILE
+    if not file.exists():
+        return
+    told = _read(file)
+    if not isinstance(told, dict) or told.get("hash") != study_hash(study):
+        raise InputError(
+            f"{folder}: holds the results of another study or version; name another folder with "
+            "--out, or remove it"
+        )
+
+
+def _made_by(file: Path, hash_: str) -> bool:
+    if not file.exists():
+        return False
+    told = _read(file)
+    return isinstance(told, dict) and told.get("hash") == hash_
+
+
+def _read(file: Path) -> Any:
+    try:
+        if file.stat().st_size > _LARGEST_BYTES:
+            raise InputError(f"{file}: is too large for an output of a study")
+        return json.loads(file.read_bytes())
+    except OSError as error:
+        raise InputError(f"{file}: cannot be read ({error.strerror})") from None
+    except (ValueError, RecursionError) as error:
+        raise InputError(f"{file}: no JSON ({error})") from None
+
+
+def _write(file: Path, told: dict[str, Any]) -> None:
+    file.write_text(json.dumps(told, indent=1, allow_nan=False) + "\n", encoding="utf-8")

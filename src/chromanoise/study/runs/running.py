@@ -1,0 +1,171 @@
+"""A study, run step by step: each step's result is plain data of its own."""
+
+import hashlib
+import json
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from chromanoise import __version__
+from chromanoise._check import distinct
+from chromanoise.color import SPACES
+from chromanoise.exposure import Situation, white_scene
+from chromanoise.imaging import Work, picture_summary, rendered, write_png, write_xyz_tiff
+from chromanoise.study.analysis import analyzed
+from chromanoise.study.bands import bands_as_json, crossover_bands
+from chromanoise.study.chart import chart_as_json, chart_noise
+from chromanoise.study.comparison import compared, comparison_as_json, crossovers
+from chromanoise.study.export import analyses_as_json, budgets_as_json
+from chromanoise.study.makers import matrix_makers
+from chromanoise.study.perceived import grey_noise, grey_noise_as_json
+from chromanoise.study.quantities import QUANTITIES
+from chromanoise.study.runs.document import PicturePart, Study, SweepPart
+from chromanoise.study.runs.named import cube_of, situations_of
+from chromanoise.study.sweeps import SWEEPS, swept_values
+
+Result = dict[str, Any]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Step:
+    """One part of a run.
+
+    Attributes
+    ----------
+    name
+        Of its file, without ending.
+    what
+        In words.
+    run
+        Does it: writes pictures into the folder that it is given, and returns plain data.
+    """
+
+    name: str
+    what: str
+    run: Callable[[Path], Result]
+
+
+def study_steps(study: Study, *, work: Work | None = None) -> list[Step]:
+    """All that a study asks for, in order: analysis per matrix, sweeps, pictures.
+
+    Raises
+    ------
+    InputError
+        If a name names nothing or a file cannot be read; before anything is computed.
+    """
+    situations = situations_of(study)
+    distinct("names of sensors", [situation.sensor.name for situation in situations])
+    makers = matrix_makers(study.matrices, study.metric, prior=study.prior)  # type: ignore[arg-type]
+    return [*_steps(study, situations, makers, work or Work())]
+
+
+def _steps(study: Study, situations: list[Situation], makers: Any, work: Work) -> Iterator[Step]:
+    for name in makers:
+        yield Step(
+            name=f"analysis-{_file_name(name)}",
+            what=f"every stage with the {name} matrix",
+            run=partial(_analysis, study, situations, makers[name]),
+        )
+    for i, sweep in enumerate(study.sweeps, 1):
+        yield Step(
+            name=f"sweep-{i}-{sweep.vary}-{sweep.quantity}",
+            what=f"{QUANTITIES[sweep.quantity].what} over {SWEEPS[sweep.vary].what}",
+            run=partial(_sweep, study, situations, makers, sweep),
+        )
+    for i, picture in enumerate(study.pictures, 1):
+        yield Step(
+            name=f"pictures-{i}",
+            what=f"{picture.cube} through every sensor",
+            run=partial(_pictures, study, situations, makers, picture, i, work),
+        )
+
+
+def study_hash(study: Study) -> str:
+    """What decides all digits: the study and the version, as one SHA-256."""
+    told = json.dumps([__version__, study_as_json(study)], sort_keys=True)
+    return hashlib.sha256(told.encode()).hexdigest()
+
+
+def study_as_json(study: Study) -> Result:
+    """The study as plain data, all defaults said."""
+    return study.model_dump(mode="json", by_alias=True)
+
+
+def provenance(study: Study) -> Result:
+    """What every output carries: who made it of what."""
+    return {
+        "version": __version__,
+        "study": study_as_json(study),
+        "seed": study.seed,
+        "hash": study_hash(study),
+    }
+
+
+def _analysis(study: Study, situations: list[Situation], maker: Any, folder: Path) -> Result:
+    analyses = [analyzed(white_scene(s), s.sensor, s.exposure, matrix=maker(s)) for s in situations]
+    told = analyses_as_json(analyses)
+    for own, analysis in zip(told["sensors"], analyses, strict=True):
+        if study.outputs.budget:
+            own |= budgets_as_json(analysis)
+        if study.outputs.chart:
+            own["chart"] = chart_as_json(chart_noise(analysis))
+        if study.outputs.space:
+            noise = grey_noise(analysis, SPACES[study.outputs.space])
+            own["grey_noise"] = grey_noise_as_json(noise)
+    return told
+
+
+def _sweep(
+    study: Study, situations: list[Situation], makers: Any, part: SweepPart, folder: Path
+) -> Result:
+    sweep, quantity = SWEEPS[part.vary], QUANTITIES[part.quantity]
+    values = swept_values(sweep, part.first, part.last, part.points)
+    curves = compared(situations, makers, values, sweep=sweep, quantity=quantity)
+    told = comparison_as_json(curves, crossovers(situations, makers, curves))
+    if part.all_priors:
+        bands = crossover_bands(
+            situations,
+            study.matrices,
+            values,
+            metric=study.metric,  # type: ignore[arg-type]
+            sweep=sweep,
+            quantity=quantity,
+        )
+        told["bands"] = bands_as_json(bands)
+    return told
+
+
+def _pictures(
+    study: Study,
+    situations: list[Situation],
+    makers: Any,
+    part: PicturePart,
+    number: int,
+    work: Work,
+    folder: Path,
+) -> Result:
+    cube = cube_of(part)
+    told = []
+    for situation in situations:
+        for name, maker in makers.items():
+            picture = rendered(
+                cube,
+                situation,
+                matrix=maker(situation),
+                seed=study.seed,
+                clip=part.clip,
+                beyond=part.beyond,
+                work=work,
+            )
+            stem = f"picture-{number}-{situation.sensor.name}-{_file_name(name)}"
+            write_png(folder / f"{stem}.png", picture.srgb)
+            write_xyz_tiff(folder / f"{stem}.xyz.tiff", picture.xyz)
+            files = [f"{stem}.png", f"{stem}.xyz.tiff"]
+            told.append({"matrix": name, "files": files} | picture_summary(picture))
+    return {"cube": part.cube, "pictures": told}
+
+
+def _file_name(matrix: str) -> str:
+    return matrix.replace("=", "-").replace("/", "-")

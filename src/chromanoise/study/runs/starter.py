@@ -1,0 +1,47 @@
+"""The study that `chromanoise init` writes: it runs as it is, and says what else there is."""
+
+STARTER = """\
+# A chromanoise study: `chromanoise run study.toml` computes all of it, and
+# `chromanoise rerun out/study` makes the same bytes again.
+schema = 1
+title = "Can the IR-cut be dropped?"
+metric = "quanta"                    # or energy: in which unit a spectrum is a vector
+seed = 0                             # of all noise that is drawn
+matrices = ["kernel", "lmmse"]       # least-squares, white-preserving, ridge=0.01,
+                                     # noise-regularized=1, bounded-psi=6.5
+prior = "chart-nir"                  # of trained matrices: chart, smooth-50, smooth-100 ...
+
+[light]
+illuminant = "E"                     # A, D65, G173, 3200K, LED660, or a file
+level_lux = 10.0
+# beyond = "hold"                    # what the curve is beyond its end: refuse, zero, hold
+
+[exposure]
+equal = "exposure"                   # one time for all; or saturation, or light
+saturate = 0.99                      # of full well, for the most sensitive of them
+# time_ms = 12                       # instead of solving it
+f_number = 1.8
+
+[[sensors]]
+name = "onyx-rgbw"                   # of `chromanoise catalog sensors`, or a file of QE curves
+
+[[sensors]]
+name = "onyx-rgb-ircut"
+# [sensors.pixel]
+# read_noise_e = 2.0                 # pitch_um, full_well_e
+
+[[sweeps]]
+vary = "lux"                         # time-ms, read-noise-e, ircut-nm, kelvin
+first = 0.01
+last = 1000
+points = 61
+quantity = "snr-y"                   # snr-x, snr-z, bound, price, delta-e, color-error
+
+# [[pictures]]
+# cube = "builtin:checker"           # or a hyperspectral cube of reflectances
+
+[outputs]
+budget = true                        # dB per cause
+chart = false                        # every patch of the ColorChecker
+# space = "lab"                      # noise of an 18 % grey in lab, luv, srgb, linear-srgb
+"""
