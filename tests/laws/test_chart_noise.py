@@ -39,7 +39,7 @@ def test_patches_drawn_and_taken_to_lab_scatter_as_predicted():
     light_patches = xyz.min(axis=(0, 2)) > 0.01  # where every draw is on the cube-root branch
     assert light_patches.sum() > 15
     lab = colour.XYZ_to_Lab(xyz[:, light_patches], np.array([1 / 3, 1 / 3]))
-    sd = np.sqrt(chart.noise.second_route.variance[light_patches])
+    sd = np.sqrt(chart.noise.noisy.variance[light_patches])
     excess = lab.std(axis=0, ddof=1) / sd - 1
     assert np.abs(excess).max() < 5 / np.sqrt(2 * DRAWS) * 1.3  # tails: not quite normal
 

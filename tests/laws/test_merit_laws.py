@@ -179,9 +179,14 @@ def test_the_scale_of_a_row_changes_no_snr(signal, power):
     row = np.array([1.2, -0.3, 0.4])
     levels = [
         light_for_snr(np.array([signal]), scale * row, snr=10, read_noise_e=3.0)
-        for scale in (1.0, -(10.0**power))
+        for scale in (1.0, 10.0**power)
     ]
     assert levels[0] == pytest.approx(levels[1], rel=1e-10)
+
+
+def test_no_light_is_enough_for_a_color_that_comes_out_negative():
+    row = np.array([-1.0, 0.2])
+    assert np.isinf(light_for_snr(np.array([5.0, 1.0]), row, snr=3, read_noise_e=1.0))
 
 
 @given(sensors(min_channels=3, max_channels=3), st.floats(0.2, 5.0))

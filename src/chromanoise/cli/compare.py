@@ -17,7 +17,7 @@ from chromanoise.cli.options import (
     the_light,
     the_sensors,
 )
-from chromanoise.cli.output import write_json
+from chromanoise.cli.output import refuse_inputs, write_json
 from chromanoise.exposure import Exposure, Situation, equal_exposure, equal_light, equal_saturation
 from chromanoise.study import (
     DEFAULT_PRIOR,
@@ -32,6 +32,7 @@ from chromanoise.study import (
     crossovers,
     matrix_makers,
     swept_values,
+    trained_names,
 )
 
 _RULES: dict[str, Callable[..., list[Exposure]]] = {
@@ -99,6 +100,11 @@ def compare(
     The times are solved once, at --lux and before the sweep, so that the brightest channel of a
     perfect white fills --saturate (99 %) of full well; --time-ms sets one for all.
     """
+    varied, values = _swept(sweep, points)
+    _refuse_swept(varied, options)
+    if prior == "all" and not trained_names(matrices.split(",")):
+        raise InputError("--prior all is of trained matrices, but --matrix names none, as lmmse")
+    refuse_inputs(json_target, "--json", *sensors, options["illuminant"])
     illuminant, white = the_light(options)
     cameras = the_sensors(sensors, options)
     distinct("names of sensors", [camera.name for camera in cameras])
@@ -110,7 +116,6 @@ def compare(
             cameras, _exposures(white, cameras, equal, options), strict=True
         )
     ]
-    varied, values = _swept(sweep, points)
     names, asked = matrices.split(","), QUANTITIES[quantity]
     metric, one_prior = options["metric"], DEFAULT_PRIOR if prior == "all" else prior
     makers = matrix_makers(names, metric, prior=one_prior)
@@ -127,6 +132,14 @@ def compare(
         write_json(told, json_target)
     if json_target != "-":
         tables.print_comparison(curves, crossed, bands)
+
+
+def _refuse_swept(varied: Sweep, options: dict[str, Any]) -> None:
+    """What varies is not also given."""
+    given = {"time-ms": "time_ms", "read-noise-e": "read_noise_e"}.get(varied.name)
+    if given and options[given] is not None:
+        option = f"--{given.replace('_', '-')}"
+        raise InputError(f"{option} gives one {varied.what}, but --sweep varies it; leave one away")
 
 
 def _exposures(white: Any, cameras: list[Any], equal: str, options: dict[str, Any]) -> Any:

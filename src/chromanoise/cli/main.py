@@ -14,12 +14,13 @@ from chromanoise._check import InputError
 _COMMANDS = {
     "analyze": "Noise of sensors in raw, spectral and color coordinates, side by side.",
     "simulate": "Render a hyperspectral cube through sensors to noisy color pictures.",
-    "compare": "Sensors over the light level: luminance SNR, color error, crossovers.",
+    "compare": "Sensors while light, time, read noise, IR-cut or lamp varies: curves and crossovers.",
     "matrix": "A sensor's color matrix: color error, noise, condition; to CSV, JSON, CLF, profile.",
     "init": "A commented study file to start from.",
     "run": "Run a study file: analyses, sweeps, pictures, with provenance.",
     "rerun": "Run the study of an output once more, to the same bytes.",
     "study": "What a study file may say; --schema for editors.",
+    "inspect": "What was understood of a file of spectra, what looks wrong, what it cannot tell.",
     "reproduce": "The paper's Tables 2-5 beside ours, and its ten figures.",
     "demo": "Everything of the paper on one page: out/demo/index.html.",
 }

@@ -19,3 +19,13 @@ def write_json(data: dict[str, Any], target: str) -> None:
         click.echo(text, nl=False)
     else:
         write_whole(Path(target), text.encode("utf-8"))
+
+
+def refuse_inputs(target: str | Path | None, option: str, *inputs: str) -> None:
+    """Say before anything is computed that a result would take the place of what it is made of."""
+    if target is None or str(target) == "-":
+        return
+    goal = Path(target).resolve()
+    for name in inputs:
+        if Path(name).exists() and Path(name).resolve() == goal:
+            raise InputError(f"{option} {target}: is the file that is read; name another one")

@@ -1,6 +1,6 @@
 """Results as tables on a terminal."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 from rich.console import Console
@@ -36,6 +36,7 @@ from chromanoise.study.comparison import Crossover, Curve, crossover_sentence
 from chromanoise.study.paper import PRINTED_TIMES_MS, WELL_SHARE
 from chromanoise.study.perceived import GREY
 
+_WIDE = 6  # channels that stand beside each other
 _SHOWN = 6  # values that are printed of a sweep
 _SENSORS_TOLD = 3  # of which every pair gets its sentence
 
@@ -107,7 +108,7 @@ def print_comparison(
     console = _console()
     sweep, quantity, at = curves[0].sweep, curves[0].quantity, curves[0].at
     title = (
-        f"{quantity.what} of a white [{quantity.unit}] | mean color error of the chart without "
+        f"{quantity.what} [{quantity.unit}] | mean color error of the chart without "
         f"noise [Delta E*ab], over {sweep.what} [{sweep.unit}]"
     )
     table = Table(title=title, title_justify="left")
@@ -117,11 +118,12 @@ def print_comparison(
     for head in ("time ms", *(f"{at[i]:.4g}" for i in shown)):
         table.add_column(head, justify="right")
     for curve in curves:
-        cells = (f"{_number(curve.value[i])} | {_number(curve.color_error[i], 1)}" for i in shown)
-        table.add_row(curve.sensor, curve.matrix, f"{1e3 * curve.time_s:.4g}", *cells)
+        varies = sweep.name == "time-ms"
+        time = "varies" if varies else f"{1e3 * curve.time_s:.4g}"
+        table.add_row(curve.sensor, curve.matrix, time, *(_curve_cell(curve, int(i)) for i in shown))
     console.print(table)
-    if not all(np.isfinite(curve.value).all() for curve in curves):
-        console.print("-: a channel is saturated there, or the color is no signal.")
+    if any((np.isnan(curve.value) & ~curve.saturated).any() for curve in curves):
+        console.print("-: the matrix cannot make that color of this light.")
     many = len({curve.sensor for curve in curves}) > _SENSORS_TOLD
     first = curves[0].sensor
     told = [crossover_sentence(c) for c in crossed if not many or c.first == first]
@@ -132,11 +134,22 @@ def print_comparison(
         console.print(f"The other pairs, without {first}, stand in what --json writes.")
 
 
+def _curve_cell(curve: Curve, i: int) -> str:
+    if curve.saturated[i] and np.isnan(curve.value[i]):
+        return "saturated"
+    return f"{_number(curve.value[i])} | {_number(curve.color_error[i], 1)}"
+
+
 def print_grey_noise(analyses: Sequence[Analysis], noises: Sequence[GreyNoise | None]) -> None:
     """Noise of an 18 % grey in a color space, from the electrons; where simpler routes fail."""
     console = _console()
     known = [noise for noise in noises if noise]
-    space = known[0].exact.space if known else "color"
+    if not known:
+        for analysis in analyses:
+            name = analysis.sensor.name
+            console.print(f"{name} has no grey noise: a channel is saturated, or white is no color")
+        return
+    space = known[0].exact.space
     table = Table(title=f"Noise of an 18 % grey in {space}", title_justify="left")
     table.add_column("sensor")
     names = known[0].exact.noisy.names if known else ()
@@ -151,10 +164,10 @@ def print_grey_noise(analyses: Sequence[Analysis], noises: Sequence[GreyNoise | 
         sd = np.sqrt(exact.noisy.variance)
         table.add_row(
             analysis.sensor.name,
-            *(_number(float(value)) for value in sd),
+            *(f"{value:.3g}" for value in sd),
             _number(None if exact.chroma_sd is None else float(exact.chroma_sd)),
             _number(None if exact.delta_e is None else float(exact.delta_e)),
-            ", ".join(f"{value:+.2f}" for value in exact.bias),
+            ", ".join(f"{value:+.2g}" for value in exact.bias),
             *(
                 "holds" if holds else "off by more than 5 %"
                 for holds in (noise.first_order_holds, noise.normal_holds)
@@ -175,7 +188,8 @@ def print_chart(analysis: Analysis, chart: ChartNoise | None) -> None:
     heads = ("error Delta E*ab", "CIEDE2000", "Y dB", "sd L*", "sd a*", "sd b*", "noise Delta E*ab")
     for head in ("patch", *heads):
         table.add_column(head, justify="left" if head == "patch" else "right")
-    sd = np.sqrt(chart.noise.second_route.variance)
+    sd = np.sqrt(chart.noise.noisy.variance)
+    assert chart.noise.delta_e is not None  # CIELAB has one
     for i, patch in enumerate(chart.names):
         numbers = (chart.color_error[i], chart.ciede2000[i], chart.snr_y_db[i], *sd[i])
         told = (_number(float(value), 1) for value in (*numbers, chart.noise.delta_e[i]))
@@ -184,11 +198,11 @@ def print_chart(analysis: Analysis, chart: ChartNoise | None) -> None:
     noise = (_number(float(value), 1) for value in (*sd.mean(axis=0), chart.noise.delta_e.mean()))
     table.add_row("mean", *(_number(float(m), 1) for m in means), "", *noise)
     console.print(table)
-    failing = int((~chart.noise.first_order_holds).sum())
+    failing = int((~chart.first_order_holds).sum())
     if failing:
         console.print(
             f"{name}: the first order is off by more than 5 % on {failing} patches; the "
-            "figures above are by cubature.",
+            "figures above come from the electrons' own law.",
             soft_wrap=True,
         )
 
@@ -198,9 +212,12 @@ def print_matrix(matrix: ColorMatrix, report: MatrixReport, sensor_name: str) ->
     console = _console()
     table = Table(title=f"{report.made_by} of {sensor_name} [lx/e-]", title_justify="left")
     table.add_column("")
-    for channel in matrix.channels:
-        table.add_column(channel, justify="right")
-    for name, row in zip(matrix.coordinates, matrix.matrix, strict=True):
+    heads, rows, numbers = matrix.channels, matrix.coordinates, matrix.matrix
+    if len(heads) > _WIDE:  # as many rows as it takes, where columns would be cut
+        heads, rows, numbers = rows, heads, numbers.T
+    for head in heads:
+        table.add_column(head, justify="right")
+    for name, row in zip(rows, numbers, strict=True):
         table.add_row(name, *(f"{value:.6g}" for value in row))
     console.print(table)
     snr = report.snr_db or dict.fromkeys(matrix.coordinates, None)
@@ -208,14 +225,19 @@ def print_matrix(matrix: ColorMatrix, report: MatrixReport, sensor_name: str) ->
     for line in (
         f"color error without noise: mean {_number(report.color_error_mean)}, "
         f"max {_number(report.color_error_max)} Delta E*ab over the ColorChecker",
-        "SNR of a perfect white: "
-        + ("saturated" if report.snr_db is None else "")
-        + ", ".join(f"{n} {_number(v)} dB" for n, v in snr.items() if v is not None),
+        "SNR of a perfect white: " + ("saturated" if report.snr_db is None else _decibels(snr)),
         f"condition {_number(report.condition)}, Kodak's Psi {_number(report.psi)}",
         "near infrared of the white over its visible: "
-        + ", ".join(f"{n} {100 * v:+.1f} %" for n, v in nir.items()),
+        + ", ".join(f"{n} {100 * v + 0.0:+.1f} %" for n, v in nir.items()),
     ):
         console.print(line, soft_wrap=True)
+
+
+def _decibels(snr: Mapping[str, float | None]) -> str:
+    return ", ".join(
+        f"{name} none, for it is no signal" if value is None else f"{name} {value:.2f} dB"
+        for name, value in snr.items()
+    )
 
 
 def print_budgets(analysis: Analysis, budgets: Sequence[Budget | None]) -> None:
@@ -266,7 +288,7 @@ def _add_channels(table: Table, analysis: Analysis) -> None:
             f"{analysis.raw.mean[i]:.1f}",
             "saturated" if full else _number(raw[name]),
             _number(contravariant[name]),
-            f"{analysis.vif[i]:.2f}",
+            _inflation(float(analysis.vif[i])),
             *(f"{angle:.1f}" for angle in analysis.to_axes_deg[i]),
         )
 
@@ -286,8 +308,14 @@ def _add_color(table: Table, analysis: Analysis) -> None:
     )
 
 
+def _inflation(vif: float) -> str:
+    return f"{vif:.2f}" if vif < 1e5 else f"{vif:.3g}"
+
+
 def _angles(analysis: Analysis) -> str:
     names = analysis.sensor.names
+    if len(names) > _WIDE:
+        return ""  # too many to read; --json has them
     pairs = [
         f"{a}-{b} {analysis.between_deg[i, k]:.1f}"
         for i, a in enumerate(names)

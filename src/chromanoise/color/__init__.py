@@ -13,7 +13,7 @@ from chromanoise.color.fitted import (
     ridge,
     white_preserving,
 )
-from chromanoise.color.matrices import ColorMatrix, colored, kernel_matrix
+from chromanoise.color.matrices import ColorMatrix, colored, kernel_matrix, scene_xyz
 from chromanoise.color.noise_gain import bounded_psi, noise_gain, white_normalized
 from chromanoise.color.perceived import (
     FIRST_ORDER_TOLERANCE,
@@ -105,6 +105,7 @@ __all__ = [
     "root_polynomial_bias",
     "root_polynomial_color",
     "root_polynomial_color_exact",
+    "scene_xyz",
     "sd_error",
     "smooth_training",
     "srgb_from_linear",

@@ -9,6 +9,7 @@ from chromanoise._check import Array
 from chromanoise.exposure import Exposure, measurement_vectors
 from chromanoise.geometry import Frame, dual_frame
 from chromanoise.noise import Measurement, through
+from chromanoise.scene import Scene, light
 from chromanoise.sensor import Sensor
 from chromanoise.spectra import Metric, color_axes
 
@@ -90,6 +91,11 @@ def kernel_matrix(sensor: Sensor, exposure: Exposure, metric: Metric = "quanta")
         metric=metric,
         frame=frame,
     )
+
+
+def scene_xyz(scene: Scene, metric: Metric = "quanta") -> Float[Array, "*px 3"]:
+    """X, Y, Z of the light that the eye sees: H^T L. [lx]"""
+    return light(scene, metric) @ color_axes(scene.illuminant.grid, metric)
 
 
 def colored(raw: Measurement, matrix: ColorMatrix) -> Measurement:

@@ -21,7 +21,7 @@ from chromanoise.merit.filters import (
 from chromanoise.merit.lab_budget import faintest_change, lab_budget
 from chromanoise.merit.matrix_report import MatrixReport, effective_filters, matrix_report
 from chromanoise.merit.smi import Metamerism, metamerism, sensor_metamerism
-from chromanoise.merit.snr import bound_db, price_db, snr_db
+from chromanoise.merit.snr import bound_db, price_db, signal_snr_db, snr_db
 from chromanoise.merit.speed import (
     ISO_12232_2019,
     NoiseSpeedModel,
@@ -84,6 +84,7 @@ __all__ = [
     "second_moment",
     "sensor_metamerism",
     "shapley_values",
+    "signal_snr_db",
     "snr_db",
     "tonal_levels",
     "tonal_range_bits",

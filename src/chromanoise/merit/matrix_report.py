@@ -12,7 +12,7 @@ from chromanoise.color import ColorMatrix, colored
 from chromanoise.color.noise_gain import noise_gain, white_normalized
 from chromanoise.exposure import Exposure, expected_electrons, measurement_vectors
 from chromanoise.merit.accuracy import chart_color_error
-from chromanoise.merit.snr import snr_db
+from chromanoise.merit.snr import signal_snr_db
 from chromanoise.noise import saturated, with_noise
 from chromanoise.scene import flat_field, light
 from chromanoise.sensor import Sensor
@@ -31,7 +31,8 @@ class MatrixReport:
         CIE 1976 color difference over the ColorChecker, without noise; ``None`` where the
         sensor's white is no color.
     snr_db
-        Of each coordinate of a perfect white; ``None`` where a channel is saturated. [dB]
+        Of each coordinate of a perfect white, ``None`` for one that is no signal; ``None`` where a
+        channel is saturated. [dB]
     condition
         Largest over smallest singular value of the white-normalized matrix; inf where the rank
         is short.
@@ -50,7 +51,7 @@ class MatrixReport:
     made_by: str
     color_error_mean: float | None
     color_error_max: float | None
-    snr_db: dict[str, float] | None
+    snr_db: dict[str, float | None] | None
     condition: float
     psi: float
     nir_color: dict[str, float] | None
@@ -105,7 +106,7 @@ def matrix_report(
     white_xyz = light(white, matrix.metric) @ color_axes(sensor.grid, matrix.metric)
     normalized = white_normalized(matrix.matrix, white_e, white_xyz)
     error = chart_color_error(sensor, matrix, exposure, illuminant)
-    decibels = snr_db(colored(with_noise(white_e, sensor), matrix))
+    decibels = signal_snr_db(colored(with_noise(white_e, sensor), matrix), white_xyz)
     filters = effective_filters(matrix, sensor, exposure)
     answers = filters * light(white, matrix.metric)[:, None]
     beyond = sensor.grid.wavelength_nm > INFRARED_FROM_NM
@@ -114,12 +115,17 @@ def matrix_report(
         made_by=matrix.made_by,
         color_error_mean=None if error is None else float(error.mean()),
         color_error_max=None if error is None else float(error.max()),
-        snr_db=None if full else {name: float(value) for name, value in decibels.items()},
+        snr_db=None if full else _told(matrix.coordinates, decibels),
         condition=_condition(normalized),
         psi=noise_gain(normalized),
         nir_color=_named(matrix, answers[beyond].sum(axis=0), answers[~beyond].sum(axis=0)),
         nir_norm=_named(matrix, *_norms(filters, beyond)),
     )
+
+
+def _told(names: tuple[str, ...], decibels: Float[Array, " c"]) -> dict[str, float | None]:
+    values = (None if np.isnan(value) else value for value in decibels.tolist())
+    return dict(zip(names, values, strict=True))
 
 
 def _condition(matrix: Float[Array, "c p"]) -> float:

@@ -26,6 +26,25 @@ def snr_db(measurement: Measurement) -> dict[str, Float[Array, "*px"]]:
     return {name: decibel(np.asarray(ratio[..., i])) for i, name in enumerate(measurement.names)}
 
 
+LEAST_COLOR = 1e-6
+"""Of the color that the eye sees: what a matrix makes below it is rounding or false, no signal."""
+
+
+def signal_snr_db(color: Measurement, truth: Float[Array, "*px c"]) -> Float[Array, "*px c"]:
+    """`snr_db` of colors that are signals; NaN where a matrix that does not know the light fails.
+
+    Parameters
+    ----------
+    color
+        Mean and covariance of color coordinates.
+    truth
+        What the eye sees, in the same unit. A coordinate below `LEAST_COLOR` of it, or negative,
+        is no signal, however little noise it has.
+    """
+    decibels = np.stack([snr_db(color)[name] for name in color.names], axis=-1)
+    return np.where(color.mean > LEAST_COLOR * np.abs(truth), decibels, np.nan)
+
+
 def bound_db(raw: Measurement) -> Float[Array, "*px"]:
     """The best SNR of any linear readout, mu^T D^-1 mu = sum of SNR_i^2. [dB]
 

@@ -282,10 +282,11 @@ def _light(
     """The positive root of E^2 a^2 - q^2 b E - q^2 c = 0; ``noise`` weighs the variances."""
     q = _check.positive("snr", "1", snr)
     floor = _check.not_negative("read_noise_e", "e-", read_noise_e) ** 2 * noise.sum()
-    gain = (per_light @ signal) ** 2
+    seen = per_light @ signal
+    gain = seen**2
     shot = q**2 * (per_light @ noise)
     reached = shot + np.sqrt(shot**2 + 4.0 * gain * q**2 * floor)
-    visible = gain > 0
+    visible = (seen > 0) & (gain > 0)  # a negative color is no signal
     return np.asarray(np.where(visible, reached / np.where(visible, 2.0 * gain, 1.0), np.inf))
 
 

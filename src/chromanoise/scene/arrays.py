@@ -10,9 +10,9 @@ import numpy as np
 
 from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise._mat5 import mat_array, mat_arrays
 from chromanoise.scene.faults import IN_PLACE, reading
 from chromanoise.scene.found import Found, Notes, by
-from chromanoise.scene.mat import mat_array, mat_arrays
 from chromanoise.scene.npz import npz_array, npz_arrays
 from chromanoise.scene.picture import picture
 

@@ -1,25 +1,30 @@
 """HDF5 files: NetCDF-4, MATLAB 7.3, CEA-LETI's ReDFISh, and what other programs write.
 
 Nothing outside the file is ever read: links to other files are not followed, and arrays whose
-numbers lie in other files are refused.
+numbers lie in other files are refused. What a file holds is found out by a process of its own, for
+libhdf5 crashes or loops on some damaged files.
 """
 
+import json
 import math
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+import os
+import subprocess
+import sys
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from jaxtyping import Shaped, UInt8
+from jaxtyping import Int64, Shaped, UInt8
 
 from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise.scene import hdf5_child
 from chromanoise.scene.arrays import printable
-from chromanoise.scene.faults import library, reading, reading_rows
+from chromanoise.scene.faults import IN_PLACE, library, reading, reading_rows
 from chromanoise.scene.file_rows import FileRows, refuse_other_rows
+from chromanoise.scene.hdf5_chunks import ChunkRows
 from chromanoise.scene.labeled import Axes, Labeled, Store
 from chromanoise.scene.rows import RowSource, block
 
@@ -37,12 +42,12 @@ _READ = frozenset({
     "matlab_sparse", "matlab_empty",
 })  # fmt: skip
 _MOST_ARRAYS = 10_000
-_LONGEST_ATTRIBUTE = 100_000
+_LIMIT_S = 20.0  # how long libhdf5 may be busy with one array, or one part of it
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Hdf5Rows:
-    """Rows of an array that is stored in chunks.
+    """Rows of an array that only libhdf5 can decode.
 
     Attributes
     ----------
@@ -111,13 +116,18 @@ def hdf5_store(path: Path, *, matlab: bool = False) -> Store:
     InputError
         If h5py is not installed, or the file is damaged.
     """
-    kind = "MATLAB 7.3" if matlab else "HDF5"
-    h5py = library("h5py", f"{path}: {kind} files")
-    arrays: dict[str, Labeled] = {}
-    with reading(path, kind), h5py.File(path, "r") as file:
-        for name, dataset in _datasets(file, h5py, path):
-            arrays[name] = _labeled(dataset, matlab)
-        top = _attributes(file.attrs)
+    kind = _kind(matlab)
+    library("h5py", f"{path}: {kind} files")
+    with reading(path, kind):
+        told, _ = _asked(path, "arrays", attributes=sorted(_READ), most=_MOST_ARRAYS)
+        if len(told["arrays"]) > _MOST_ARRAYS:
+            raise _check.InputError(f"{path}: holds more than {_MOST_ARRAYS} arrays")
+        arrays = {
+            str(array["name"]): _labeled(array, matlab)
+            for array in told["arrays"]
+            if not array["name"].startswith("#")  # what MATLAB keeps for itself
+        }
+        top = dict(told["attributes"])
     return Store(
         path=path,
         kind=kind,
@@ -130,142 +140,134 @@ def hdf5_store(path: Path, *, matlab: bool = False) -> Store:
     )
 
 
-def _datasets(file: Any, h5py: Any, path: Path) -> list[tuple[str, Any]]:
-    """All arrays of the file; links out of it, and links that go round, are not followed."""
-    found: list[tuple[str, Any]] = []
-
-    def see(name: str, thing: Any) -> None:
-        if isinstance(thing, h5py.Dataset) and thing.shape is not None and not _inner(name):
-            found.append((name, thing))
-        if len(found) > _MOST_ARRAYS:
-            raise _check.InputError(f"{path}: holds more than {_MOST_ARRAYS} arrays")
-
-    file.visititems(see)
-    return found
+def _kind(matlab: bool) -> str:
+    return "MATLAB 7.3" if matlab else "HDF5"
 
 
-def _inner(name: str) -> bool:
-    """What MATLAB keeps for itself."""
-    return name.startswith("#")
-
-
-def _labeled(dataset: Any, matlab: bool) -> Labeled:
-    attributes = _attributes(dataset.attrs)
-    shape = tuple(int(n) for n in dataset.shape)
-    dtype = _dtype(dataset)
+def _labeled(told: dict[str, Any], matlab: bool) -> Labeled:
+    attributes = told["attributes"]
+    shape = tuple(told["shape"])
+    dtype = np.dtype(told["dtype"])
     if not matlab:
-        return Labeled(shape=shape, dtype=dtype, axes=_axes(dataset), attributes=attributes)
-    told = str(attributes.get("matlab_class", "double"))
-    if told not in _MATLAB_NUMBERS or "matlab_sparse" in attributes:
-        dtype = np.dtype("?") if told == "logical" else np.dtype("O")
+        return Labeled(shape=shape, dtype=dtype, axes=tuple(told["axes"]), attributes=attributes)
+    word = str(attributes.get("matlab_class", "double"))
+    if word not in _MATLAB_NUMBERS or "matlab_sparse" in attributes:
+        dtype = np.dtype("?") if word == "logical" else np.dtype("O")
     shape = (0,) if "matlab_empty" in attributes else shape[::-1]
     return Labeled(shape=shape, dtype=dtype, attributes=attributes)
 
 
-def _dtype(dataset: Any) -> np.dtype:
-    try:
-        return np.dtype(dataset.dtype)
-    except (TypeError, ValueError):  # types that NumPy does not have
-        return np.dtype("O")
+def _numbers(path: Path, matlab: bool, name: str) -> Shaped[Array, "..."]:
+    with reading(path, _kind(matlab)):
+        place, content = _asked(path, "numbers", name=name)
+        _refuse_incomplete(path, name, place)
+        numbers = np.frombuffer(content, np.dtype(place["dtype"])).reshape(place["shape"])
+    return numbers.T if matlab else numbers
 
 
-def _axes(dataset: Any) -> tuple[str, ...]:
-    """Names of the axes, by the lists of coordinates that NetCDF attaches to them, or by labels."""
-    if not {"DIMENSION_LIST", "DIMENSION_LABELS"} & set(dataset.attrs):
-        return ()
-    names = []
-    for dimension in dataset.dims:
-        scale = str(dimension[0].name).strip("/") if len(dimension) else ""
-        names.append(scale or str(dimension.label))
-    return tuple(names)
+def _source(path: Path, matlab: bool, name: str, axes: Axes) -> RowSource:
+    """What lies plainly in the file, or went through zlib, is read without libhdf5."""
+    with reading(path, _kind(matlab)):
+        place, content = _asked(path, "place", name=name)
+        _refuse_incomplete(path, name, place)
+        stored, sizes = np.dtype(place["dtype"]), place["shape"]
+        row, column, band = (2 - axis for axis in axes) if matlab else axes
+        shape = sizes[row], sizes[column], sizes[band]
+        chunks, offset = place["chunks"], place["offset"]
+    if offset is not None and offset + math.prod(sizes) * stored.itemsize <= path.stat().st_size:
+        steps = sizes[1] * sizes[2] * stored.itemsize, sizes[2] * stored.itemsize, stored.itemsize
+        strides = steps[row], steps[column], steps[band]
+        return FileRows(path=path, offset=offset, stored=stored, shape=shape, strides=strides)
+    bands = range(shape[2])
+    if place.get("filters") is not None:
+        return _chunk_rows(path, place, content, (row, column, band), bands)
+    return Hdf5Rows(
+        path=path,
+        name=name,
+        axes=(row, column, band),
+        shape=shape,
+        bands=bands,
+        stored=stored,
+        chunk_rows=min(int(chunks[row]), shape[0]) if chunks else 1,
+    )
 
 
-def _attributes(attributes: Any) -> Mapping[str, Any]:
-    """Those that are understood, by names in lower case; texts as such."""
-    kept = {}
-    for name in list(attributes):
-        if name.lower() in _READ and _is_short(attributes.get_id(name).shape):
-            kept[name.lower()] = _plain(attributes[name])
-    return kept
+def _chunk_rows(
+    path: Path, place: dict[str, Any], content: bytes, axes: Axes, bands: range
+) -> ChunkRows:
+    with reading(path, "HDF5"):
+        first, second, third = place["shape"]
+        long, wide, deep = place["chunks"]
+        return ChunkRows(
+            path=path,
+            index=_inside(np.frombuffer(content, np.int64).reshape(-1, 3), path),
+            filters=tuple(place["filters"]),
+            sizes=(first, second, third),
+            chunk=(long, wide, deep),
+            axes=axes,
+            bands=bands,
+            stored=np.dtype(place["dtype"]),
+        )
 
 
-def _is_short(shape: tuple[int, ...] | None) -> bool:
-    """Whether an attribute is small enough to be read: a damaged one may claim any size."""
-    return shape is not None and math.prod(shape) <= _LONGEST_ATTRIBUTE
+def _inside(index: Int64[Array, "chunks 3"], path: Path) -> Int64[Array, "chunks 3"]:
+    """The index, refused if a chunk lies beyond the end of the file."""
+    beyond = (index[:, :2] < 0).any(axis=1) | (index[:, 0] > path.stat().st_size - index[:, 1])
+    if beyond.any():
+        raise ValueError(f"{int(beyond.sum())} of {len(index)} chunks lie beyond its end")
+    return index
 
 
-def _plain(value: Any) -> Any:
-    if isinstance(value, np.ndarray) and value.dtype.kind in "OSU" and value.size == 1:
-        value = value.ravel()[0]
-    return value.decode("utf-8", "replace") if isinstance(value, bytes) else value
-
-
-@contextmanager
-def _dataset(path: Path, name: str, matlab: bool) -> Iterator[Any]:
-    """One array, opened; refused if its numbers are elsewhere or were never written."""
-    kind = "MATLAB 7.3" if matlab else "HDF5"
-    h5py = library("h5py", str(path))
-    with reading(path, kind), h5py.File(path, "r") as file:
-        dataset = file[name]
-        if dataset.external or dataset.is_virtual:
-            raise _check.InputError(
-                f"{path}: the numbers of array {printable(name)!r} lie in other files, which are "
-                "not read; store them in one file"
-            )
-        _refuse_never_written(path, name, dataset)
-        yield dataset
-
-
-def _refuse_never_written(path: Path, name: str, dataset: Any) -> None:
+def _refuse_incomplete(path: Path, name: str, place: dict[str, Any]) -> None:
     """HDF5 gives zeros for what a program that was stopped did not come to write."""
-    if dataset.chunks is None:
-        absent = dataset.id.get_storage_size() < math.prod(dataset.shape) * dataset.dtype.itemsize
-        told = "its numbers were"
-    else:
-        per_axis = zip(dataset.shape, dataset.chunks, strict=True)
-        whole = math.prod(-(-n // chunk) for n, chunk in per_axis)
-        missing = whole - dataset.id.get_num_chunks()
-        absent, told = missing > 0, f"{missing} of its {whole} chunks were"
-    if absent:
+    if place["elsewhere"]:
+        raise _check.InputError(
+            f"{path}: the numbers of array {printable(name)!r} lie in other files, which are not "
+            "read; store them in one file"
+        )
+    if place["missing"] > 0:
+        chunks = f"{place['missing']} of its {place['parts']} chunks were"
+        told = "its numbers were" if place["chunks"] is None else chunks
         raise _check.InputError(
             f"{path}: array {printable(name)!r} is not complete, {told} never written; save it "
             "again"
         )
 
 
-def _numbers(path: Path, matlab: bool, name: str) -> Shaped[Array, "..."]:
-    with _dataset(path, name, matlab) as dataset:
-        numbers = np.asarray(dataset[()])
-    return numbers.T if matlab else numbers
+# the process that asks libhdf5
 
 
-def _source(path: Path, matlab: bool, name: str, axes: Axes) -> RowSource:
-    """Chunks by h5py; what lies plainly in the file is read without it."""
-    with _dataset(path, name, matlab) as dataset:
-        stored, sizes = dataset.dtype, tuple(int(n) for n in dataset.shape)
-        inside = tuple(2 - axis for axis in axes) if matlab else axes
-        row, column, band = inside
-        shape = sizes[row], sizes[column], sizes[band]
-        chunks, offset = dataset.chunks, dataset.id.get_offset()
-        plain = offset is not None and _lies_as_numpy_has_it(dataset)
-    if plain and offset + math.prod(sizes) * stored.itemsize <= path.stat().st_size:
-        steps = sizes[1] * sizes[2] * stored.itemsize, sizes[2] * stored.itemsize, stored.itemsize
-        strides = steps[row], steps[column], steps[band]
-        return FileRows(path=path, offset=offset, stored=stored, shape=shape, strides=strides)
-    return Hdf5Rows(
-        path=path,
-        name=name,
-        axes=(row, column, band),
-        shape=shape,
-        bands=range(shape[2]),
-        stored=stored,
-        chunk_rows=min(int(chunks[row]), shape[0]) if chunks else 1,
+def _asked(path: Path, what: str, **more: Any) -> tuple[dict[str, Any], bytes]:
+    """The answer of the other process, and the bytes that follow it."""
+    question = {"what": what, "path": str(path.absolute()), "limit_s": _LIMIT_S, **more}
+    paths = os.pathsep.join(entry for entry in sys.path if entry)
+    done = subprocess.run(
+        [_python(path), "-P", "-W", "ignore", hdf5_child.__file__],
+        input=json.dumps(question).encode(),
+        capture_output=True,
+        check=False,
+        env={**os.environ, "PYTHONPATH": paths, "OPENBLAS_NUM_THREADS": "1"},
     )
+    if done.returncode:
+        raise _fault(done.returncode, done.stderr)
+    line, _, content = done.stdout.partition(b"\n")
+    return json.loads(line), content
 
 
-def _lies_as_numpy_has_it(dataset: Any) -> bool:
-    """Whether the bytes in the file are those of the NumPy type."""
-    h5py = library("h5py", "the file")
-    if dataset.chunks is not None or dataset.dtype.kind not in "fiu":
-        return False
-    return bool(dataset.id.get_type().equal(h5py.h5t.py_create(dataset.dtype)))
+def _fault(code: int, told: bytes) -> Exception:
+    """What became of the other process."""
+    if code == hdf5_child.NO_MEMORY:
+        return MemoryError()
+    if code == hdf5_child.FAULT:
+        return ValueError(told.decode("utf-8", "replace"))
+    if told.startswith(b"Timeout ("):
+        return ValueError(f"libhdf5 does not come back within {_LIMIT_S:g} s")
+    return ValueError(f"libhdf5 crashes, exit code {code}")
+
+
+def _python(path: Path) -> str:
+    if sys.executable and not getattr(sys, "frozen", False):
+        return sys.executable
+    raise _check.InputError(
+        f"{path}: HDF5 is read by a second Python, which this program cannot start; {IN_PLACE}"
+    )

@@ -37,8 +37,18 @@ from chromanoise.study.findings import (
 )
 from chromanoise.study.grey_budget import lab_budgets, missing_lab_budgets
 from chromanoise.study.layout import PaperTable, as_printed, paper_tables
-from chromanoise.study.makers import METHODS, MatrixMaker, Method, known_matrices, matrix_makers
+from chromanoise.study.makers import (
+    METHODS,
+    MatrixMaker,
+    Method,
+    known_matrices,
+    matrix_makers,
+    trained_names,
+)
+from chromanoise.study.merit_entries import Merit, Viewing
+from chromanoise.study.merits import Merits, merits_as_json, merits_of
 from chromanoise.study.paper import PaperStudy, paper_study
+from chromanoise.study.pareto import matrix_as_json, noise_weights, pareto_of, white_snr_db
 from chromanoise.study.perceived import GreyNoise, grey_noise, grey_noise_as_json
 from chromanoise.study.planes import PaperPlanes, paper_planes
 from chromanoise.study.priors import DEFAULT_PRIOR, PRIORS, Prior
@@ -60,6 +70,8 @@ __all__ = [
     "Curve",
     "GreyNoise",
     "MatrixMaker",
+    "Merit",
+    "Merits",
     "Method",
     "PaperPlanes",
     "PaperStudy",
@@ -68,6 +80,7 @@ __all__ = [
     "Quantity",
     "Reproduction",
     "Sweep",
+    "Viewing",
     "analyses_as_json",
     "analyzed",
     "as_printed",
@@ -92,18 +105,25 @@ __all__ = [
     "known_matrices",
     "lab_budgets",
     "luminance_budget",
+    "matrix_as_json",
     "matrix_makers",
     "mean_color_error",
+    "merits_as_json",
+    "merits_of",
     "metric_remark",
     "missing_lab_budgets",
+    "noise_weights",
     "paper_planes",
     "paper_study",
     "paper_tables",
+    "pareto_of",
     "raw_snr_db",
     "reproduced",
     "reproduction_as_json",
     "set_aside_reasons",
     "swept_values",
     "table_5_finding",
+    "trained_names",
     "verdict",
+    "white_snr_db",
 ]

@@ -8,7 +8,7 @@ from jaxtyping import Bool, Float
 
 from chromanoise import _check
 from chromanoise._check import Array
-from chromanoise.color import ColorMatrix, colored, kernel_matrix
+from chromanoise.color import ColorMatrix, colored, kernel_matrix, scene_xyz
 from chromanoise.exposure import Exposure, expected_electrons
 from chromanoise.geometry import (
     NearestMix,
@@ -26,8 +26,10 @@ from chromanoise.merit import (
     color_budget,
     contravariant_budget,
     price_db,
+    signal_snr_db,
     snr_db,
 )
+from chromanoise.merit.snr import LEAST_COLOR
 from chromanoise.noise import (
     Measurement,
     Readout,
@@ -42,6 +44,7 @@ from chromanoise.spectra import Metric, color_axes
 from chromanoise.units import decibel
 
 _WORTH_TELLING = 1e-3  # share of held readouts
+_WORTH_NAMING = 0.005  # weight of a channel in a mix
 _NEAR_MIX_DEG = 10.0  # a channel closer than this to the span of the others is worth a sentence
 
 
@@ -59,8 +62,13 @@ class Analysis:
         The color matrix, the kernel unless another was given; carries the metric and the frame.
     saturated
         One per channel. Where one is true, no SNR that uses it is defined.
-    full_share
-        Share of the readouts of each channel that are held at full well; 0 where nothing is.
+    expected_e
+        Expected electrons per channel, before anything is held. [e-]
+    truth_xyz
+        X, Y, Z of the scene as the eye sees it. [lx]
+    black_share, full_share
+        Share of the readouts of each channel that are held at black, at full well; 0 where nothing
+        is.
     vif
         Variance inflation per channel; inf for a mix of others.
     between_deg, to_axes_deg
@@ -81,6 +89,9 @@ class Analysis:
     color: Measurement
     matrix: ColorMatrix
     saturated: Bool[Array, " p"]
+    expected_e: Float[Array, " p"]
+    truth_xyz: Float[Array, " 3"]
+    black_share: Float[Array, " p"]
     full_share: Float[Array, " p"]
     vif: Float[Array, " p"]
     between_deg: Float[Array, "p p"]
@@ -91,7 +102,8 @@ class Analysis:
     price_db: float
 
     def __post_init__(self) -> None:
-        _check.freeze(self, "saturated", "full_share", "vif", "between_deg", "to_axes_deg")
+        _check.freeze(self, "saturated", "expected_e", "truth_xyz", "black_share", "full_share")
+        _check.freeze(self, "vif", "between_deg", "to_axes_deg")
 
 
 def analyzed(
@@ -133,6 +145,7 @@ def analyzed(
     matrix = kernel_matrix(sensor, exposure, metric) if matrix is None else matrix
     color = colored(raw, matrix)
     frame = matrix.frame
+    black_share, full_share = _held(electrons, sensor, readout)
     return Analysis(
         scene=scene,
         sensor=sensor,
@@ -142,7 +155,10 @@ def analyzed(
         color=color,
         matrix=matrix,
         saturated=saturated(electrons, sensor.pixel),
-        full_share=_full_share(electrons, sensor, readout),
+        expected_e=electrons,
+        truth_xyz=scene_xyz(scene, matrix.metric),
+        black_share=black_share,
+        full_share=full_share,
         vif=variance_inflation(frame),
         between_deg=angles_between_deg(frame),
         to_axes_deg=angles_to_axes_deg(frame, color_axes(sensor.grid, matrix.metric)),
@@ -161,23 +177,27 @@ def mean_color_error(analysis: Analysis) -> float | None:
     return None if error is None else float(error.mean())
 
 
-def _full_share(
+def _held(
     electrons: Float[Array, " p"], sensor: Sensor, readout: Readout | None
-) -> Float[Array, " p"]:
+) -> tuple[Float[Array, " p"], Float[Array, " p"]]:
+    """Shares that are held at black and at full well."""
     if readout is None:
-        return np.zeros(electrons.shape)
-    read_noise_e = sensor.pixel.read_noise_e
-    return read_moments(electrons, read_noise_e=read_noise_e, readout=readout).full_share
+        return np.zeros(electrons.shape), np.zeros(electrons.shape)
+    moments = read_moments(electrons, read_noise_e=sensor.pixel.read_noise_e, readout=readout)
+    return moments.black_share, moments.full_share
 
 
 def color_budgets(analysis: Analysis) -> tuple[Budget | None, ...]:
     """Where the SNR of X, Y and Z went; ``None`` while a channel is saturated or without SNR."""
     if analysis.saturated.any():
         return (None,) * len(analysis.color.names)
+    has_snr = color_snr_db(analysis)
     return tuple(
         color_budget(
             analysis.scene, analysis.sensor, analysis.exposure, analysis.matrix, coordinate
         )
+        if has_snr[coordinate] is not None
+        else None
         for coordinate in analysis.color.names
     )
 
@@ -196,7 +216,8 @@ def contravariant_budgets(analysis: Analysis) -> tuple[Budget | None, ...]:
 
 def mix_sentence(mix: NearestMix) -> str:
     """How near the channel is to which mix."""
-    parts = " ".join(f"{weight:+.2f} {name}" for name, weight in mix.weights.items())
+    heavy = [item for item in mix.weights.items() if abs(item[1]) >= _WORTH_NAMING]
+    parts = " ".join(f"{weight:+.2f} {name}" for name, weight in heavy or mix.weights.items())
     return f"{mix.channel} is {mix.angle_deg:.2g} deg from {parts.removeprefix('+')}"
 
 
@@ -221,16 +242,15 @@ def contravariant_snr_db(analysis: Analysis) -> dict[str, float | None]:
 
 
 def color_snr_db(analysis: Analysis) -> dict[str, float | None]:
-    """SNR of X, Y and Z; ``None`` while a channel is saturated, or below 0. [dB]
+    """SNR of X, Y and Z; ``None`` while a channel is saturated, or where it is no signal. [dB]
 
-    A negative color is no signal: the matrix, which does not know this light, made it.
+    A color below 0, or next to nothing of what the eye sees, is no signal: the matrix, which does
+    not know this light, made it.
     """
     lost = bool(analysis.saturated.any())
-    hidden = {
-        name: lost or not mean > 0
-        for name, mean in zip(analysis.color.names, analysis.color.mean.tolist(), strict=True)
-    }
-    return _told(snr_db(analysis.color), hidden)
+    decibels = signal_snr_db(analysis.color, analysis.truth_xyz)
+    named = {name: np.asarray(decibels[i]) for i, name in enumerate(analysis.color.names)}
+    return _told(named, dict.fromkeys(named, lost))
 
 
 def color_price_db(analysis: Analysis) -> float | None:
@@ -240,43 +260,66 @@ def color_price_db(analysis: Analysis) -> float | None:
 
 def diagnosis(analysis: Analysis) -> tuple[str, ...]:
     """What a reader of these numbers must know, in sentences."""
-    sensor, frame = analysis.sensor, analysis.matrix.frame
-    told = [*sensor.notes, *analysis.scene.illuminant.notes]
-    for name, mean, full, share in zip(
-        sensor.names, analysis.raw.mean, analysis.saturated, analysis.full_share, strict=True
-    ):
-        if full:
+    notes = (*analysis.sensor.notes, *analysis.scene.illuminant.notes)
+    return (*notes, *_channel_notes(analysis), *_color_notes(analysis), *_frame_notes(analysis))
+
+
+def _channel_notes(analysis: Analysis) -> list[str]:
+    well, told = analysis.sensor.pixel.full_well_e, []
+    for i, name in enumerate(analysis.sensor.names):
+        expected, full, black = (
+            float(of[i]) for of in (analysis.expected_e, analysis.full_share, analysis.black_share)
+        )
+        if analysis.saturated[i]:
             told.append(
-                f"channel {name} is saturated: it reaches {mean:.0f} e-, full well is "
-                f"{sensor.pixel.full_well_e:.0f} e-; shorten the time or close the aperture"
+                f"channel {name} is saturated: it reaches {expected:.0f} e-, full well is "
+                f"{well:.0f} e-; shorten the time or close the aperture"
             )
-        if not full and share > _WORTH_TELLING:
+        elif full > _WORTH_TELLING:
             told.append(
-                f"{100 * share:.1f} % of {name} is held at full well: clipping hides noise, so its "
+                f"{100 * full:.1f} % of {name} is held at full well: clipping hides noise, so its "
                 "SNR and those of the colors are flattered"
             )
-        if mean == 0:
-            told.append(f"channel {name} sees none of this light")
-    for name, mean in zip(analysis.color.names, analysis.color.mean, strict=True):
-        if mean <= 0 and not analysis.saturated.any():
+        if black > _WORTH_TELLING:
             told.append(
-                f"{name} of a perfect white comes out at {mean:.3g} lx: the matrix cannot make "
-                f"{name} of this light from these channels, so it has no SNR"
+                f"{100 * black:.1f} % of {name} is held at black, which raises its mean from "
+                f"{expected:.3g} to {analysis.raw.mean[i]:.3g} e-: what darkness gives counts as "
+                "signal here, so its SNR, the bound and those of the colors are flattered"
             )
-    mix = analysis.mix
+        if expected == 0:
+            told.append(f"channel {name} sees none of this light")
+    return told
+
+
+def _color_notes(analysis: Analysis) -> list[str]:
+    if analysis.saturated.any():
+        return []
+    white = bool((analysis.scene.reflectance == 1).all())
+    patch = "a perfect white" if white else "this patch"
+    found = color_snr_db(analysis)
+    return [
+        f"{name} of {patch} comes out at {mean:.3g} lx instead of {truth:.3g}: the matrix cannot "
+        f"make {name} of this light from these channels, so it has no SNR"
+        for name, mean, truth in zip(found, analysis.color.mean, analysis.truth_xyz, strict=True)
+        if not mean > LEAST_COLOR * truth
+    ]
+
+
+def _frame_notes(analysis: Analysis) -> list[str]:
+    sensor, frame, mix = analysis.sensor, analysis.matrix.frame, analysis.mix
     if frame.rank < len(sensor.names) and mix:
-        told.append(
+        return [
             f"singular: only {frame.rank} of {len(sensor.names)} channels are independent "
             f"({mix_sentence(mix)}), so the coordinates of that mix are not defined and the kernel "
             "matrix takes the pseudo-inverse"
-        )
-    elif mix and mix.angle_deg < _NEAR_MIX_DEG:
+        ]
+    if mix and mix.angle_deg < _NEAR_MIX_DEG:
         worst = float(analysis.vif[sensor.names.index(mix.channel)])
-        told.append(
-            f"nearly singular (condition {frame.condition:.0f}): {mix_sentence(mix)}, which "
-            f"multiplies the variance of its coordinate by {worst:.0f}"
-        )
-    return tuple(told)
+        return [
+            f"nearly singular (condition {frame.condition:.4g}): {mix_sentence(mix)}, which "
+            f"multiplies the variance of its coordinate by {worst:.4g}"
+        ]
+    return []
 
 
 def _told(ratios: dict[str, Float[Array, ""]], hidden: dict[str, bool]) -> dict[str, float | None]:

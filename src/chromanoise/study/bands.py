@@ -15,7 +15,7 @@ from chromanoise.study.comparison import (
     crossover_as_json,
     crossovers,
 )
-from chromanoise.study.makers import METHODS, matrix_makers
+from chromanoise.study.makers import matrix_makers, trained_names
 from chromanoise.study.priors import PRIORS
 from chromanoise.study.quantities import SNR_Y, Quantity
 from chromanoise.study.sweeps import SWEEPS, Sweep
@@ -71,7 +71,7 @@ def crossover_bands(
     InputError
         As `crossovers` and `matrix_makers`.
     """
-    trained = [name for name in names if METHODS[name.partition("=")[0]].trained]
+    trained = trained_names(names)
     found: dict[tuple[str, str, str], dict[str, Crossover]] = {}
     for prior in priors if trained else ():
         makers = matrix_makers(trained, metric, prior=prior)
@@ -93,8 +93,9 @@ def band_sentence(band: CrossoverBand) -> str:
         f"matrix, {band.first} and {band.second}"
     )
     if band.span is None:
-        leaders = sorted({crossover.better_first for crossover in band.by_prior.values()})
-        return f"{start} never change places in {one.quantity.what}: {' or '.join(leaders)} leads."
+        leaders = sorted({c.better_first for c in band.by_prior.values() if c.better_first})
+        who = f"{' or '.join(leaders)} leads" if leaders else "they are alike"
+        return f"{start} never change places in {one.quantity.what}: {who}."
     low, high = band.span
     never = [prior for prior, crossover in band.by_prior.items() if not crossover.at]
     except_told = f", and never with {', '.join(never)}" if never else ""

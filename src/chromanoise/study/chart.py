@@ -4,17 +4,29 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 
 from chromanoise import _check
 from chromanoise._check import Array
-from chromanoise.color import LAB, PerceivedNoise, colored, perceived_noise
+from chromanoise.color import (
+    LAB,
+    UNBOUNDED,
+    ExactNoise,
+    colored,
+    exact_noise,
+    scene_xyz,
+    sd_error,
+    through_space,
+)
+from chromanoise.color.perceived import FIRST_ORDER_TOLERANCE
 from chromanoise.exposure import expected_electrons
-from chromanoise.merit import chart_ciede2000, chart_color_error, snr_db
-from chromanoise.noise import with_noise
+from chromanoise.merit import chart_ciede2000, chart_color_error, signal_snr_db
+from chromanoise.noise import Readout, measured
 from chromanoise.scene import Scene
 from chromanoise.spectra import colorchecker
-from chromanoise.study.analysis import Analysis
+from chromanoise.study.analysis import Analysis, color_snr_db
+
+_POINTS = 2**13  # per patch: a standard deviation is known to half a thousandth
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -30,23 +42,33 @@ class ChartNoise:
     snr_y_db
         SNR of Y; NaN where Y is no signal. [dB]
     noise
-        In CIELAB, relative to the sensor's own white: standard deviations, bias, mean Delta E.
+        In CIELAB, relative to the sensor's own white, from the electrons' own law.
+    first_order_holds
+        Whether the first order misses no standard deviation by more than 5 %.
     """
 
     names: tuple[str, ...]
     color_error: Float[Array, "24"]
     ciede2000: Float[Array, "24"]
     snr_y_db: Float[Array, "24"]
-    noise: PerceivedNoise
+    noise: ExactNoise
+    first_order_holds: Bool[Array, "24"]
 
     def __post_init__(self) -> None:
-        _check.freeze(self, "color_error", "ciede2000", "snr_y_db")
+        _check.freeze(self, "color_error", "ciede2000", "snr_y_db", "first_order_holds")
 
 
-def chart_noise(analysis: Analysis) -> ChartNoise | None:
+def chart_noise(analysis: Analysis, *, readout: Readout = UNBOUNDED) -> ChartNoise | None:
     """Color error and noise of the ColorChecker where the analysis has its white.
 
     ``None`` where a channel is saturated on the white or the white is no color.
+
+    Parameters
+    ----------
+    analysis
+        Of a perfect white.
+    readout
+        What holds and rounds the values; nothing by default.
 
     Raises
     ------
@@ -55,21 +77,32 @@ def chart_noise(analysis: Analysis) -> ChartNoise | None:
     """
     sensor, exposure, matrix = analysis.sensor, analysis.exposure, analysis.matrix
     lamp = analysis.scene.illuminant
-    white = analysis.color.mean
+    white = matrix.matrix @ analysis.expected_e
     errors = chart_color_error(sensor, matrix, exposure, lamp)
     newer = chart_ciede2000(sensor, matrix, exposure, lamp)
-    if analysis.saturated.any() or not (white > 0).all() or errors is None or newer is None:
+    no_color = None in color_snr_db(analysis).values()
+    if no_color or errors is None or newer is None:
         return None
     chart = colorchecker(sensor.grid)
     scene = Scene(illuminant=lamp, level_lux=analysis.scene.level_lux, reflectance=chart.values.T)
     electrons = expected_electrons(scene, sensor, exposure)
-    xyz = colored(with_noise(electrons, sensor), matrix)
+    xyz = colored(measured(electrons, sensor, readout), matrix)
+    noise = exact_noise(
+        electrons,
+        matrix.matrix,
+        white,
+        read_noise_e=sensor.pixel.read_noise_e,
+        readout=readout,
+        points=_POINTS,
+    )
+    first_order = np.abs(sd_error(through_space(xyz, LAB, white), noise.noisy))
     return ChartNoise(
         names=chart.names,
         color_error=errors,
         ciede2000=newer,
-        snr_y_db=np.where(xyz.mean[:, 1] > 0, snr_db(xyz)["Y"], np.nan),
-        noise=perceived_noise(xyz, white, space=LAB),
+        snr_y_db=signal_snr_db(xyz, scene_xyz(scene, matrix.metric))[:, 1],
+        noise=noise,
+        first_order_holds=(first_order <= FIRST_ORDER_TOLERANCE).all(axis=-1),
     )
 
 
@@ -77,17 +110,19 @@ def chart_as_json(chart: ChartNoise | None) -> list[dict[str, Any]] | None:
     """One entry per patch; what is not defined is ``None``."""
     if chart is None:
         return None
-    sd, noise = np.sqrt(chart.noise.second_route.variance), chart.noise
+    sd, noise = np.sqrt(chart.noise.noisy.variance), chart.noise
+    assert noise.chroma_sd is not None  # CIELAB has both
+    assert noise.delta_e is not None
     return [
         {
             "patch": name,
             "color_error": float(chart.color_error[i]),
             "ciede2000": float(chart.ciede2000[i]),
             "snr_y_db": float(snr) if np.isfinite(snr := chart.snr_y_db[i]) else None,
-            "sd": dict(zip(noise.second_route.names, sd[i].tolist(), strict=True)),
+            "sd": dict(zip(noise.noisy.names, sd[i].tolist(), strict=True)),
             "chroma_sd": float(noise.chroma_sd[i]),
             "noise_delta_e": float(noise.delta_e[i]),
-            "first_order_holds": bool(noise.first_order_holds[i]),
+            "first_order_holds": bool(chart.first_order_holds[i]),
         }
         for i, name in enumerate(chart.names)
     ]

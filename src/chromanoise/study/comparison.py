@@ -6,15 +6,16 @@ from itertools import combinations, pairwise
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 
 from chromanoise import __version__, _check
 from chromanoise._check import Array
 from chromanoise.exposure import Situation
 from chromanoise.study.makers import MatrixMaker
-from chromanoise.study.quantities import SNR_Y, Quantity, color_error
+from chromanoise.study.quantities import SNR_Y, Quantity, color_error, is_saturated
 from chromanoise.study.sweeps import SWEEPS, Sweep
 
+_TIE = 1e-9  # of the unit of a quantity: rounding
 _CROSSING_TOLERANCE = 1e-9  # of the logarithm of the value, or of the span of a linear sweep
 
 
@@ -35,6 +36,8 @@ class Curve:
     value
         NaN where it is not defined: a channel is saturated, a color is no signal. [unit of the
         quantity]
+    saturated
+        Where a channel is saturated on a perfect white.
     color_error
         Mean over the ColorChecker, without noise; NaN where it is not defined. [Delta E*ab]
     """
@@ -46,10 +49,11 @@ class Curve:
     quantity: Quantity
     at: Float[Array, " k"]
     value: Float[Array, " k"]
+    saturated: Bool[Array, " k"]
     color_error: Float[Array, " k"]
 
     def __post_init__(self) -> None:
-        _check.freeze(self, "at", "value", "color_error")
+        _check.freeze(self, "at", "value", "saturated", "color_error")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -68,7 +72,7 @@ class Crossover:
         Of first and second at each of these: SNR is never told alone; NaN where it is not
         defined. [Delta E*ab]
     better_first
-        Who leads at the lowest common value of the sweep.
+        Who leads first, from the lowest common value of the sweep on; ``None`` for equals.
     first_at, last_at
         The range in which both have a value. [unit of the sweep]
     """
@@ -80,7 +84,7 @@ class Crossover:
     quantity: Quantity
     at: tuple[float, ...]
     color_error: tuple[tuple[float, float], ...]
-    better_first: str
+    better_first: str | None
     first_at: float
     last_at: float
 
@@ -160,12 +164,13 @@ def _curve(
     sweep: Sweep,
     quantity: Quantity,
 ) -> Curve:
-    asked, errors = [], []
+    asked, errors, full = [], [], []
     for value in values.tolist():
         situation = sweep.at(contestant, value)
         matrix = maker(situation)
         asked.append(quantity.of(situation, matrix))
         errors.append(color_error(situation, matrix))
+        full.append(is_saturated(situation))
     return Curve(
         sensor=contestant.sensor.name,
         matrix=name,
@@ -174,6 +179,7 @@ def _curve(
         quantity=quantity,
         at=values,
         value=np.array(asked),
+        saturated=np.array(full),
         color_error=np.array(errors),
     )
 
@@ -205,7 +211,7 @@ def _crossover(
 
     changes = [
         (float(first.at[i]), float(first.at[k]))
-        for i, k in pairwise(known[lead[known] != 0])  # a tie at a sample has no side
+        for i, k in pairwise(known[np.abs(lead[known]) > _TIE])  # a tie has no side
         if lead[i] * lead[k] < 0 and np.isfinite(lead[i : k + 1]).all()
     ]
     at = tuple(_root(lead_at, low, high, sweep.logarithmic) for low, high in changes)
@@ -218,10 +224,17 @@ def _crossover(
         quantity=quantity,
         at=at,
         color_error=tuple((ours, theirs) for ours, theirs in errors),
-        better_first=(first if lead[known[0]] > 0 else second).sensor,
+        better_first=_first_leader(lead[known], first.sensor, second.sensor),
         first_at=float(first.at[known[0]]),
         last_at=float(first.at[known[-1]]),
     )
+
+
+def _first_leader(lead: Float[Array, " k"], first: str, second: str) -> str | None:
+    ahead = lead[np.abs(lead) > _TIE]
+    if not ahead.size:
+        return None
+    return first if ahead[0] > 0 else second
 
 
 def _refuse_nothing_common(first: Curve, second: Curve) -> None:
@@ -265,6 +278,7 @@ def comparison_as_json(curves: Sequence[Curve], crossed: Sequence[Crossover]) ->
                 "matrix": curve.matrix,
                 "time_ms": 1e3 * curve.time_s,
                 "value": _defined(curve.value),
+                "saturated": curve.saturated.tolist(),
                 "color_error": _defined(curve.color_error),
             }
             for curve in curves
@@ -293,8 +307,14 @@ def crossover_sentence(crossover: Crossover) -> str:
     first, second, unit = crossover.first, crossover.second, crossover.sweep.unit
     span = f"{crossover.first_at:.4g} to {crossover.last_at:.4g} {unit}"
     other = second if crossover.better_first == first else first
+    if crossover.better_first is None:
+        return (
+            f"With the {crossover.matrix} matrix {first} and {second} have the same "
+            f"{crossover.quantity.what} at every {crossover.sweep.what} from {span}."
+        )
+    better = "higher" if crossover.quantity.more_is_better else "lower"
     leads = (
-        f"With the {crossover.matrix} matrix {crossover.better_first} has the better "
+        f"With the {crossover.matrix} matrix {crossover.better_first} has the {better} "
         f"{crossover.quantity.what}"
     )
     if not crossover.at:

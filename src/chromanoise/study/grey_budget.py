@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from chromanoise.color import LAB
 from chromanoise.merit import Budget, lab_budget
 from chromanoise.scene import flat_field
-from chromanoise.study.analysis import Analysis
+from chromanoise.study.analysis import Analysis, color_snr_db
 from chromanoise.study.perceived import GREY
 
 
@@ -21,7 +21,7 @@ def lab_budgets(analysis: Analysis, *, reflectance: float = GREY) -> tuple[Budge
     reflectance
         Of the gray.
     """
-    if analysis.saturated.any():
+    if analysis.saturated.any() or None in color_snr_db(analysis).values():
         return (None,) * len(LAB.coordinates)
     light = analysis.scene
     gray = flat_field(light.illuminant, level_lux=light.level_lux, reflectance=reflectance)

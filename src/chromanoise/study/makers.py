@@ -79,6 +79,17 @@ def matrix_makers(
     return {name: _maker(name, metric, prior) for name in wanted}
 
 
+def trained_names(names: Sequence[str]) -> list[str]:
+    """Those of the names whose matrix looks at the prior.
+
+    Raises
+    ------
+    InputError
+        If nothing is called that.
+    """
+    return [name.strip() for name in names if _method(name.strip()).trained]
+
+
 def known_matrices() -> str:
     """The names of the methods, with what they ask for."""
     return ", ".join(
@@ -89,13 +100,17 @@ def known_matrices() -> str:
 
 def _maker(name: str, metric: Metric, prior: str) -> MatrixMaker:
     word, given, text = name.partition("=")
-    _check.one_of("matrix", word, tuple(METHODS))
-    method = METHODS[word]
+    method = _method(name)
     if bool(given) != (method.parameter is not None):
         wanted = f"{word}=<{method.parameter}>" if method.parameter else word
         raise _check.InputError(f"a {word} matrix is asked for as {wanted}, but is {name!r}")
     parameters = {method.parameter: _number(text, name)} if method.parameter else {}
     return partial(_made, method=method, prior=prior, metric=metric, parameters=parameters)
+
+
+def _method(name: str) -> Method:
+    word = name.partition("=")[0].strip()
+    return METHODS[_check.one_of("matrix", word, tuple(METHODS))]
 
 
 def _number(text: str, name: str) -> float:

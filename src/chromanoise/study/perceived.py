@@ -22,7 +22,7 @@ from chromanoise.color import (
 from chromanoise.exposure import expected_electrons
 from chromanoise.noise import Measurement, Readout, measured
 from chromanoise.scene import flat_field
-from chromanoise.study.analysis import Analysis
+from chromanoise.study.analysis import Analysis, color_snr_db
 
 GREY = 0.18
 """Reflectance of the grey card."""
@@ -34,6 +34,8 @@ class GreyNoise:
 
     Attributes
     ----------
+    reflectance
+        Of the grey.
     exact
         From the electrons: the one to read.
     first_order, normal
@@ -44,6 +46,7 @@ class GreyNoise:
         Whether that is within 5 % for every coordinate.
     """
 
+    reflectance: float
     exact: ExactNoise
     first_order: Measurement
     normal: Measurement
@@ -80,7 +83,7 @@ def grey_noise(
     """
     sensor, exposure, light = analysis.sensor, analysis.exposure, analysis.scene
     white = analysis.matrix.matrix @ expected_electrons(light, sensor, exposure)
-    if analysis.saturated.any() or not (white > 0).all():
+    if None in color_snr_db(analysis).values():
         return None
     scene = flat_field(light.illuminant, level_lux=light.level_lux, reflectance=reflectance)
     electrons = expected_electrons(scene, sensor, exposure)
@@ -99,6 +102,7 @@ def grey_noise(
     first_order_error = sd_error(first_order, exact.noisy)
     normal_error = sd_error(normal, exact.noisy)
     return GreyNoise(
+        reflectance=reflectance,
         exact=exact,
         first_order=first_order,
         normal=normal,
@@ -117,7 +121,7 @@ def grey_noise_as_json(noise: GreyNoise | None) -> dict[str, Any] | None:
     names = exact.noisy.names
     return {
         "space": exact.space,
-        "reflectance": GREY,
+        "reflectance": noise.reflectance,
         "mean": _named(names, exact.noisy.mean),
         "sd": _named(names, exact.noisy.variance**0.5),
         "sd_own_error": _named(names, exact.sd_error),

@@ -6,9 +6,9 @@ from functools import partial
 
 import numpy as np
 
-from chromanoise.color import LAB, ColorMatrix, colored, perceived_noise
+from chromanoise.color import LAB, ColorMatrix, colored, perceived_noise, scene_xyz
 from chromanoise.exposure import Situation, expected_electrons, white_scene
-from chromanoise.merit import bound_db, chart_color_error, snr_db
+from chromanoise.merit import bound_db, chart_color_error, signal_snr_db
 from chromanoise.noise import saturated, with_noise
 from chromanoise.scene import flat_field
 from chromanoise.study.perceived import GREY
@@ -46,7 +46,7 @@ def color_snr(situation: Situation, matrix: ColorMatrix, *, coordinate: str) -> 
         return float("nan")
     color = colored(with_noise(electrons, situation.sensor), matrix)
     i = matrix.coordinates.index(coordinate)
-    return float(snr_db(color)[coordinate]) if color.mean[i] > 0 else float("nan")
+    return float(signal_snr_db(color, scene_xyz(white_scene(situation), matrix.metric))[i])
 
 
 def raw_bound(situation: Situation, matrix: ColorMatrix) -> float:
@@ -83,6 +83,11 @@ def grey_delta_e(situation: Situation, matrix: ColorMatrix) -> float:
     return float(perceived_noise(colored(raw, matrix), white, space=LAB).delta_e)
 
 
+def is_saturated(situation: Situation) -> bool:
+    """Whether a channel is saturated on a perfect white."""
+    return _white_electrons(situation) is None
+
+
 def _white_electrons(situation: Situation) -> np.ndarray | None:
     """Of a perfect white; ``None`` where a channel is saturated. [e-]"""
     electrons = expected_electrons(white_scene(situation), situation.sensor, situation.exposure)
@@ -92,7 +97,7 @@ def _white_electrons(situation: Situation) -> np.ndarray | None:
 def _snr(name: str, coordinate: str) -> Quantity:
     return Quantity(
         name=name,
-        what=f"SNR of {coordinate}",
+        what=f"SNR of {coordinate} of a white",
         unit="dB",
         more_is_better=True,
         of=partial(color_snr, coordinate=coordinate),
@@ -107,12 +112,18 @@ QUANTITIES: Mapping[str, Quantity] = {
         _snr("snr-z", "Z"),
         Quantity(
             name="bound",
-            what="SNR of the best linear readout",
+            what="SNR of the best linear readout of a white",
             unit="dB",
             more_is_better=True,
             of=raw_bound,
         ),
-        Quantity(name="price", what="price of color", unit="dB", more_is_better=False, of=price),
+        Quantity(
+            name="price",
+            what="price of color of a white",
+            unit="dB",
+            more_is_better=False,
+            of=price,
+        ),
         Quantity(
             name="delta-e",
             what="mean color difference by noise on an 18 % grey",
