@@ -1,4 +1,4 @@
-"""Arrays of real numbers in MATLAB files of version 5 (``save -v7`` and before).
+"""Arrays of real numbers, and words, in MATLAB files of version 5 (``save -v7`` and before).
 
 The format is that of MathWorks, "MAT-File Format" (level 5). It is read here because SciPy's
 reader (1.17) ends the whole process on some damaged files instead of raising an error
@@ -23,8 +23,9 @@ _START_BYTES = 128
 _OPENING_BYTES = 8192  # enough for every part before the numbers
 _MATRIX, _COMPRESSED = 14, 15
 _FLAGS, _DIMENSIONS, _NAMES = 6, (5, 6), (1, 16)  # 6 and 16: written by other programs
-_OPAQUE = 17
+_CELL, _CHARS, _OPAQUE = 1, 4, 17
 _MOST_AXES = 64
+_MOST_WORDS = 10_000
 _COMPLEX_BIT, _LOGICAL_BIT = 0x800, 0x200
 _CLASSES = {
     4: "U", 6: "f8", 7: "f4", 8: "i1", 9: "u1", 10: "i2", 11: "u2", 12: "i4", 13: "u4",
@@ -72,16 +73,23 @@ def mat_arrays(path: Path) -> dict[str, tuple[tuple[int, ...], np.dtype]]:
     return arrays
 
 
-def mat_array(path: Path, name: str) -> Shaped[Array, "..."]:
+def mat_array(path: Path, name: str, *, largest_bytes: int | None = None) -> Shaped[Array, "..."]:
     """The numbers of one variable, in the type in which MATLAB packed them.
+
+    Parameters
+    ----------
+    path, name
+        The file, and the variable in it.
+    largest_bytes
+        What the variable may take in memory; None: what it takes.
 
     Raises
     ------
     InputError
-        If they do not fit the shape that the file tells.
+        If they do not fit the shape that the file tells, or take more than ``largest_bytes``.
     """
     element, opening = next((e, o) for e, o in _variables(path) if o.name == name)
-    body = _body(path, element)
+    body = _body(path, element, largest_bytes)
     kind, start, count = _part(body, opening.length, element.order)
     dtype = np.dtype(element.order + _PACKED_AS[kind]) if kind in _PACKED_AS else np.dtype("O")
     told = math.prod(opening.shape) * dtype.itemsize
@@ -89,6 +97,45 @@ def mat_array(path: Path, name: str) -> Shaped[Array, "..."]:
         raise _damage(path, f"the numbers of array {name!r} do not fit its shape")
     numbers = np.frombuffer(body, dtype=dtype, count=math.prod(opening.shape), offset=start)
     return numbers.reshape(opening.shape, order="F")
+
+
+def mat_texts(path: Path, name: str, *, largest_bytes: int | None = None) -> tuple[str, ...]:
+    """The words of one variable: rows of characters, or a cell array of them; else none.
+
+    Raises
+    ------
+    InputError
+        If the variable is damaged, or takes more than ``largest_bytes``.
+    """
+    element, opening = next((e, o) for e, o in _variables(path) if o.name == name)
+    body, order = _body(path, element, largest_bytes), element.order
+    if _class(body, order) != _CELL:
+        return _rows_of_text(path, body, order)
+    texts: list[str] = []
+    at = opening.length
+    for _ in range(min(math.prod(opening.shape), _MOST_WORDS)):
+        kind, count = struct.unpack_from(order + "II", body, at)
+        if kind != _MATRIX or at + 8 + count > len(body):
+            raise _damage(path, f"a cell of {name!r} is no array")
+        texts += _rows_of_text(path, body[at + 8 : at + 8 + count], order)[:1] or ("",)
+        at += 8 + count
+    return tuple(texts)
+
+
+def _class(body: bytes, order: str) -> int:
+    return int(struct.unpack_from(order + "I", body, 8)[0]) & 0xFF
+
+
+def _rows_of_text(path: Path, body: bytes, order: str) -> tuple[str, ...]:
+    opening = _opening(path, body, order)
+    if _class(body, order) != _CHARS or len(opening.shape) != 2 or 0 in opening.shape:
+        return ()
+    kind, start, count = _part(body, opening.length, order)
+    coding = {4: "utf-16", 17: "utf-16", 18: "utf-32"}.get(kind, "utf-8")
+    coding += {"<": "-le", ">": "-be"}[order] if coding != "utf-8" else ""
+    letters = body[start : start + count].decode(coding, errors="replace")
+    rows = opening.shape[0]  # characters go down the columns first
+    return tuple(letters[row::rows].rstrip() for row in range(min(rows, _MOST_WORDS)))
 
 
 def _damage(path: Path, what: str) -> _check.InputError:
@@ -178,7 +225,7 @@ def _dtype(flags: int) -> np.dtype:
     return np.dtype(_CLASSES.get(flags & 0xFF, "O"))
 
 
-def _body(path: Path, element: _Element) -> bytes:
+def _body(path: Path, element: _Element, largest_bytes: int | None = None) -> bytes:
     """All bytes of a variable; compressed ones have their checksum looked at."""
     with path.open("rb") as file:
         file.seek(element.start)
@@ -187,6 +234,10 @@ def _body(path: Path, element: _Element) -> bytes:
         return raw
     inflater = zlib.decompressobj()
     _, size = _without_tag(path, inflater.copy().decompress(raw, 8), element.order)
+    if largest_bytes is not None and size > largest_bytes:
+        raise _check.InputError(
+            f"{path}: an array of {size / 2**20:.0f} MiB is too large for a table of spectra"
+        )
     body, _ = _without_tag(path, inflater.decompress(raw, 8 + size + 1), element.order)
     if len(body) != size or not inflater.eof:
         raise _damage(path, "a compressed array does not end where it should")

@@ -10,13 +10,15 @@ from hypothesis import strategies as st
 
 from chromanoise._check import InputError
 from chromanoise.color import kernel_matrix
-from chromanoise.exposure import Exposure
+from chromanoise.exposure import Exposure, expected_electrons
+from chromanoise.merit import bound_db
 from chromanoise.merit.budget import (
     CAUSES,
     color_budget,
     contravariant_budget,
     shapley_values,
 )
+from chromanoise.noise import with_noise
 from chromanoise.scene import flat_field
 from chromanoise.sensor import Pixel, Sensor, sensor_named, with_channels
 from chromanoise.spectra import DEFAULT_GRID, equal_energy
@@ -68,6 +70,27 @@ def test_it_begins_with_the_photons_on_all_pixels():
     photons = 3 * per_pixel / 1.98644586e-25
     budget = budget_of(sensor_of(box(400, 500), box(500, 600), box(600, 700)))
     assert budget.photons_db == pytest.approx(10 * np.log10(photons), abs=1e-4)
+
+
+def test_stacked_channels_are_given_the_photons_of_one_pixel():
+    # as above, behind a lamp of 131 equal powers, and once for the three layers together
+    layers = sensor_named("model-three-layer", DEFAULT_GRID)
+    photons = 10 * 0.012 * 100 / (4 * 1.8**2) * 1.37017e-5 * 5 * AT.sum() * 1e-21 / 1.98644586e-25
+    assert budget_of(layers).photons_db == pytest.approx(10 * np.log10(photons), abs=1e-4)
+
+
+@pytest.mark.parametrize("name", ["onyx-rgbw", "onyx-rgb-ircut", "model-three-layer"])
+def test_the_bound_of_every_coordinate_is_that_of_the_raw_channels(name):
+    """SNR^2 of a linear readout is at most the sum of the squared raw SNRs, read noise included."""
+    sensor = sensor_named(name, DEFAULT_GRID)
+    electrons = expected_electrons(WHITE, sensor, EXPOSURE)
+    bound = 10 * np.log10(sum(e**2 / (e + sensor.pixel.read_noise_e**2) for e in electrons))
+    assert bound == pytest.approx(float(bound_db(with_noise(electrons, sensor))), abs=1e-9)
+    frame = kernel_matrix(sensor, EXPOSURE).frame
+    budgets = [budget_of(sensor, coordinate) for coordinate in "XYZ"]
+    budgets += [contravariant_budget(WHITE, sensor, EXPOSURE, frame, c) for c in sensor.names]
+    for budget in budgets:
+        assert budget.bound_db == pytest.approx(bound, abs=1e-9)
 
 
 def test_channels_that_do_not_overlap_pay_nothing_for_correlation():

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from chromanoise.exposure import Exposure, saturating_exposure
+from chromanoise.noise import Readout
 from chromanoise.scene import flat_field
 from chromanoise.spectra import Grid, equal_energy
 from chromanoise.study import (
@@ -79,6 +80,27 @@ def test_full_well_itself_still_has_an_snr():
     assert None not in raw_snr_db(analysis).values()
     # 10,000 e- with 10 e- of read noise
     assert max(raw_snr_db(analysis).values()) == pytest.approx(39.9568, abs=5e-5)
+
+
+def held(mean_e):
+    """What is said of one channel of ``mean_e``, read with 10 e- and held at 10,000 e-."""
+    per_second = analyzed(SCENE, white_channel(), Exposure(time_s=1e-3)).raw.mean[0] * 1e3
+    exposure = Exposure(time_s=mean_e / per_second)
+    return diagnosis(analyzed(SCENE, white_channel(), exposure, readout=Readout(full_well_e=1e4)))
+
+
+def test_a_channel_at_99_percent_of_full_well_is_told_to_be_held_there_in_one_of_six_readouts():
+    # docs/numbers.md: 15.866 % of 9,900 e- with 10 e- of read noise
+    (told,) = held(9_900.0)
+    assert told.startswith("15.9 % of W is held at full well")
+    assert "flattered" in told
+
+
+def test_one_held_readout_of_a_thousand_is_worth_telling_and_one_of_ten_thousand_is_not():
+    # Gaussian tails at (10,000 - M) / sqrt(M + 100): 3.03 standard deviations 0.12 %, 3.54 0.02 %
+    (told,) = held(9_700.0)
+    assert told.startswith("0.1 % of W is held at full well")
+    assert held(9_650.0) == ()
 
 
 def test_a_channel_that_sees_none_of_the_light_is_told():

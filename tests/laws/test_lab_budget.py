@@ -289,6 +289,18 @@ def test_a_saturated_sensor_says_so_and_a_missing_coordinate_is_named():
     assert missing_lab_budgets(rgb, lab_budgets(rgb)) is None
 
 
+@pytest.mark.parametrize(("more", "scene"), [({}, GRAY), ({"reflectance": 1.0}, WHITE)])
+def test_the_budgets_of_a_study_are_of_an_18_percent_gray_in_the_light_of_its_white(more, scene):
+    sensor = sensor_named("onyx-rgbw", DEFAULT_GRID)
+    study = analyzed(WHITE, sensor, EXPOSURE if not more else Exposure(time_s=0.005))
+    measured = sigmas(sensor, scene, study.exposure)
+    told = lab_budgets(study, **more)
+    assert [b.coordinate for b in told] == list(COORDINATES)
+    for budget in told:
+        sigma = measured[budget.coordinate]
+        assert budget.snr_db == pytest.approx(-20 * np.log10(sigma), abs=1e-9)
+
+
 def test_an_unknown_coordinate_is_refused():
     with pytest.raises(InputError, match="coordinate 'Y'"):
         budget_of(sensor_of(*APART), "Y")

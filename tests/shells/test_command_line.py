@@ -8,25 +8,12 @@ import pytest
 import tifffile
 from PIL import Image
 
-from chromanoise.cli import main
 from chromanoise.exposure import Exposure
 from chromanoise.scene import flat_field
 from chromanoise.sensor import sensor_named
 from chromanoise.spectra import DEFAULT_GRID, equal_energy
 from chromanoise.study import analyzed
-
-
-@pytest.fixture
-def run(capsys):
-    """Run the command line; give back (exit code, standard output, standard error)."""
-
-    def call(*arguments):
-        with pytest.raises(SystemExit) as stop:
-            main([str(argument) for argument in arguments])
-        told = capsys.readouterr()
-        return stop.value.code, told.out, told.err
-
-    return call
+from outcomes import refused
 
 
 @pytest.fixture
@@ -48,17 +35,6 @@ def curve_file(tmp_path):
         return path
 
     return write
-
-
-def refused(outcome, *parts):
-    code, out, err = outcome
-    assert code == 2
-    assert out == ""
-    assert err.startswith("chromanoise: ")
-    assert err.count("\n") == 1
-    assert "Traceback" not in err
-    for part in parts:
-        assert part in err
 
 
 def test_json_of_analyze_has_the_digits_of_the_library(run):

@@ -6,6 +6,7 @@ import click
 
 from chromanoise._check import InputError
 from chromanoise.cli import tables
+from chromanoise.cli.merit_tables import print_merits
 from chromanoise.cli.options import (
     EXPOSURE,
     only,
@@ -32,6 +33,8 @@ from chromanoise.study import (
     grey_noise_as_json,
     known_matrices,
     matrix_makers,
+    merits_as_json,
+    merits_of,
 )
 
 
@@ -61,6 +64,11 @@ from chromanoise.study import (
 @click.option("--chart", is_flag=True, help="Color error and noise of each ColorChecker patch.")
 @click.option("--budget", is_flag=True, help="Where the SNR goes, in dB per cause.")
 @click.option(
+    "--merit",
+    is_flag=True,
+    help="Figures of merit: Neugebauer, Vora, SMI, SNR10, ISO speed, visual noise, bits ...",
+)
+@click.option(
     "--space",
     type=click.Choice(list(SPACES)),
     help="Noise of an 18 % grey as the eye sees it, in this space.",
@@ -73,6 +81,7 @@ def analyze(
     prior: str,
     chart: bool,
     budget: bool,
+    merit: bool,
     space: str | None,
     json_target: str | None,
     **options: Any,
@@ -83,8 +92,8 @@ def analyze(
     models of other filter sets: model-rgb-ircut, model-cmy-ircut, model-rgbir ...) or a CSV file
     with the header wavelength_nm,R,G,... and the absolute QE of each channel.
     """
-    if clip and (budget or chart):
-        raise InputError("--clip does not go with --budget or --chart, which follow eq. 7")
+    if clip and (budget or chart or merit):
+        raise InputError("--clip does not go with --budget, --chart or --merit: they follow eq. 7")
     illuminant, white = the_light(options)
     (maker,) = matrix_makers([method], options["metric"], prior=prior).values()
     analyses, grey_noises = [], []
@@ -98,6 +107,7 @@ def analyze(
         analyses.append(analyzed(white, sensor, exposure, readout=held, matrix=matrix))
         if space:
             grey_noises.append(grey_noise(analyses[-1], SPACES[space], readout=held))
+    merits = [merits_of(analysis, maker=maker) for analysis in (analyses if merit else [])]
     if json_target:
         told = analyses_as_json(analyses)
         for i, (sensor_told, analysis) in enumerate(zip(told["sensors"], analyses, strict=True)):
@@ -107,6 +117,8 @@ def analyze(
                 sensor_told["grey_noise"] = grey_noise_as_json(grey_noises[i])
             if chart:
                 sensor_told["chart"] = chart_as_json(chart_noise(analysis))
+            if merit:
+                sensor_told["merits"] = merits_as_json(merits[i])
         write_json(told, json_target)
     if json_target != "-":
         tables.print_analyses(analyses)
@@ -116,5 +128,6 @@ def analyze(
             tables.print_lab_budgets(analysis)
         for analysis in analyses if chart else []:
             tables.print_chart(analysis, chart_noise(analysis))
+        print_merits(merits)
         if space:
             tables.print_grey_noise(analyses, grey_noises)

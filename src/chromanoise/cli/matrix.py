@@ -5,10 +5,12 @@ from pathlib import Path
 from typing import Any
 
 import click
+from jaxtyping import Float
 
-from chromanoise._check import InputError
+from chromanoise._check import Array, InputError
 from chromanoise._files import write_whole
 from chromanoise.cli import tables
+from chromanoise.cli.merit_tables import print_pareto
 from chromanoise.cli.options import (
     EXPOSURE,
     only,
@@ -17,9 +19,18 @@ from chromanoise.cli.options import (
     the_light,
     the_sensors,
 )
+from chromanoise.cli.output import write_json
 from chromanoise.exposure import Situation, expected_electrons
 from chromanoise.merit import matrix_report
-from chromanoise.study import DEFAULT_PRIOR, PRIORS, known_matrices, matrix_makers
+from chromanoise.study import (
+    DEFAULT_PRIOR,
+    PRIORS,
+    known_matrices,
+    matrix_as_json,
+    matrix_makers,
+    noise_weights,
+    pareto_of,
+)
 from chromanoise.study.matrix_files import (
     MadeMatrix,
     matrix_clf,
@@ -58,10 +69,27 @@ _WRITERS: dict[str, Callable[[MadeMatrix], str]] = {
     type=click.Path(path_type=Path),
     help="Write it to FILE.csv, .json, .clf (OpenColorIO) or .dcp.json (camera-profile names).",
 )
-def matrix(sensor: str, method: str, prior: str, export: Path | None, **options: Any) -> None:
+@click.option(
+    "--pareto",
+    "weights_told",
+    metavar="FIRST:LAST[:POINTS]",
+    help="Color error against noise for weights of the noise from FIRST to LAST, e.g. 0.001:1000; "
+    "1 is lmmse, and towards 0 lies least-squares.",
+)
+@click.option("--json", "json_target", metavar="FILE|-", help="Write JSON; - for standard output.")
+def matrix(
+    sensor: str,
+    method: str,
+    prior: str,
+    export: Path | None,
+    weights_told: str | None,
+    json_target: str | None,
+    **options: Any,
+) -> None:
     """The color matrix of SENSOR, with its color error, noise, condition and noise gain."""
     if export:
         writer = _writer(export)
+    weights = None if weights_told is None else _weights(weights_told)
     illuminant, white = the_light(options)
     (camera,) = the_sensors((sensor,), options)
     exposure = the_exposure(white, camera, **only(options, EXPOSURE))
@@ -84,7 +112,28 @@ def matrix(sensor: str, method: str, prior: str, export: Path | None, **options:
             notes=(*camera.notes, *illuminant.notes),
         )
         write_whole(export, writer(told).encode("utf-8"))
+    curve = None if weights is None else pareto_of(situation, weights, prior=prior)
+    if json_target is not None:
+        write_json(matrix_as_json(situation, made, report, curve), json_target)
+    if json_target == "-":
+        return
     tables.print_matrix(made, report, camera.name)
+    if curve:
+        print_pareto(curve, report, camera.name)
+
+
+def _weights(told: str) -> Float[Array, " q"]:
+    """The weights that FIRST:LAST[:POINTS] asks for."""
+    wanted = "--pareto takes FIRST:LAST or FIRST:LAST:POINTS, as 0.001:1000"
+    parts = told.split(":")
+    if len(parts) not in (2, 3):
+        raise InputError(f"{wanted}, but is {told!r}")
+    try:
+        first, last = map(float, parts[:2])
+        points = {"points": int(parts[2])} if len(parts) == 3 else {}
+    except ValueError:
+        raise InputError(f"{wanted}, but {told!r} has a part that is no number") from None
+    return noise_weights(first, last, **points)
 
 
 def _writer(export: Path) -> Callable[[MadeMatrix], str]:

@@ -8,18 +8,18 @@ from typing import Any, TypeVar
 import click
 
 from chromanoise._check import InputError, not_negative, positive, within
+from chromanoise.cli.answers import answering, answers_of, illuminant_answers_of
 from chromanoise.exposure import Exposure, saturating_exposure
 from chromanoise.scene import Scene, flat_field
-from chromanoise.sensor import PAPER_PIXEL, SENSOR_NAMES, Sensor, read_sensor_csv, sensor_named
+from chromanoise.sensor import PAPER_PIXEL, SENSOR_NAMES, Sensor, read_sensor, sensor_named
 from chromanoise.spectra import (
     DEFAULT_GRID,
     METRICS,
-    Beyond,
     Illuminant,
     illuminant_from,
     illuminant_named,
-    read_spectra_csv,
 )
+from chromanoise.spectra.files import Answers, power_of, read_curves
 
 Command = TypeVar("Command", bound=Callable[..., Any])
 
@@ -29,7 +29,7 @@ _SHARED = (
         default="E",
         show_default=True,
         help="E, A, G173 (daylight to 1050 nm), D65 and other CIE names, 3200K, LED660, "
-        "or a CSV file (wavelength_nm,power).",
+        "or a file of one curve; see chromanoise inspect.",
     ),
     click.option("--lux", type=float, default=10.0, show_default=True, help="Illuminance [lx]."),
     click.option("--time-ms", type=float, help="Integration time [ms], the same for all sensors."),
@@ -62,6 +62,12 @@ _SHARED = (
         help="The same for the illuminant: CIE tables end at 780 nm.",
     ),
     click.option(
+        "--illuminant-photons/--illuminant-energy",
+        default=None,
+        help="How the illuminant's file counts light, where it does not say.",
+    ),
+    click.option("--illuminant-column", help="Which curve of its file is the illuminant."),
+    click.option(
         "--magnification",
         type=float,
         help="Take the camera equation 1/(1 + 4 f#^2 (1 + |m|)^2) instead of the paper's distant "
@@ -75,11 +81,13 @@ _SHARED = (
 
 def sensor_and_light(command: Command) -> Command:
     """Add the options that say which light, which exposure, which pixel."""
+    command = answering(command)
     for option in reversed(_SHARED):
         command = option(command)
     return command
 
 
+_ENDINGS = (".csv", ".tsv", ".txt", ".mat", ".json", ".sp", ".spdx", ".xml", ".xlsx")
 LENS = ("saturate", "f_number", "magnification")
 EXPOSURE = ("time_ms", *LENS)
 PIXEL = ("pitch_um", "full_well_e", "read_noise_e")
@@ -93,12 +101,12 @@ def only(options: dict[str, Any], names: tuple[str, ...]) -> dict[str, Any]:
 def the_sensor(
     name: str,
     *,
-    beyond: Beyond,
+    answers: Answers,
     pitch_um: float | None,
     full_well_e: float | None,
     read_noise_e: float | None,
 ) -> Sensor:
-    """A catalogue sensor or a CSV file, with the pixel that the options ask for."""
+    """A catalogue sensor or a file of curves, with the pixel that the options ask for."""
     changes = {
         "pitch_um": pitch_um,
         "full_well_e": full_well_e,
@@ -109,7 +117,7 @@ def the_sensor(
         check = not_negative if key == "read_noise_e" else positive
         check(f"--{key.replace('_', '-')}", key.rpartition("_")[2].replace("e", "e-"), value)
     if _is_file(name):
-        sensor = read_sensor_csv(Path(name), DEFAULT_GRID, PAPER_PIXEL, beyond=beyond)
+        sensor = read_sensor(Path(name), DEFAULT_GRID, PAPER_PIXEL, answers=answers)
         missing = [key for key in changes if key not in given]
         if missing:
             note = f"the paper's pixel stands in for {', '.join(missing)} of {sensor.name}"
@@ -117,29 +125,30 @@ def the_sensor(
     elif name in SENSOR_NAMES:
         sensor = sensor_named(name, DEFAULT_GRID)
     elif Path(name).is_file():
-        sensor = read_sensor_csv(Path(name), DEFAULT_GRID, PAPER_PIXEL, beyond=beyond)
+        sensor = read_sensor(Path(name), DEFAULT_GRID, PAPER_PIXEL, answers=answers)
     else:
         _refuse_unknown(name)
     return replace(sensor, pixel=replace(sensor.pixel, **given))
 
 
-def the_illuminant(name: str, *, beyond: Beyond) -> Illuminant:
-    """An illuminant by name or from a CSV file."""
+def the_illuminant(name: str, *, answers: Answers) -> Illuminant:
+    """An illuminant by name or from a file of one curve."""
     if not _is_file(name):
-        return illuminant_named(name, DEFAULT_GRID, beyond=beyond)
-    curve = read_spectra_csv(name, quantity="power", unit="relative")
-    return illuminant_from(curve, DEFAULT_GRID, name=Path(name).stem, beyond=beyond)
+        return illuminant_named(name, DEFAULT_GRID, beyond=answers.beyond)
+    curve = power_of(read_curves(name, answers=answers))
+    return illuminant_from(curve, DEFAULT_GRID, name=Path(name).stem, beyond=answers.beyond)
 
 
 def the_light(options: dict[str, Any]) -> tuple[Illuminant, Scene]:
     """The illuminant that the options ask for, and a perfect white in it."""
-    illuminant = the_illuminant(options["illuminant"], beyond=options["illuminant_beyond"])
+    illuminant = the_illuminant(options["illuminant"], answers=illuminant_answers_of(options))
     return illuminant, the_white(illuminant, options["lux"])
 
 
 def the_sensors(names: tuple[str, ...], options: dict[str, Any]) -> list[Sensor]:
     """Sensors by name or from files, with the pixel that the options ask for."""
-    return [the_sensor(name, beyond=options["beyond"], **only(options, PIXEL)) for name in names]
+    answers = answers_of(options)
+    return [the_sensor(name, answers=answers, **only(options, PIXEL)) for name in names]
 
 
 def the_white(illuminant: Illuminant, lux: float) -> Scene:
@@ -178,11 +187,11 @@ def the_lens(
 
 def _is_file(name: str) -> bool:
     """A file is named by its ending or its folder, so that no file hides a name of ours."""
-    return name.lower().endswith((".csv", ".txt")) or name.startswith((".", "/", "~"))
+    return name.lower().endswith(_ENDINGS) or name.startswith((".", "/", "~"))
 
 
 def _refuse_unknown(name: str) -> None:
     try:
         sensor_named(name, DEFAULT_GRID)
     except InputError as error:
-        raise InputError(f"{error}; or name a CSV file (wavelength_nm,R,G,...)") from None
+        raise InputError(f"{error}; or name a file of its curves") from None

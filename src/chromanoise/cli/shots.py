@@ -1,5 +1,6 @@
 """One picture of `simulate`: what was asked for, what was taken, and its files."""
 
+import os
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -123,17 +124,25 @@ def shot_summary(taken: Shot, asked: Asked, files: list[str], seconds: float) ->
 def write_shot(folder: Path, stem: str, taken: Shot, asked: Asked) -> tuple[list[str], list[str]]:
     """Write the files: their names, and what could not be written although nobody insisted."""
     if asked.formats is not None:
-        return [FORMATS[name](folder / stem, taken) for name in asked.formats], []
+        return [_written(name, folder / stem, taken) for name in asked.formats], []
     files, notes = [], []
     wanted = (*(_RAW if taken.raw else ()), *(("png", "xyz") if taken.picture else ()))
     for name in wanted:
         try:
-            files.append(FORMATS[name](folder / stem, taken))
+            files.append(_written(name, folder / stem, taken))
         except InputError as error:
             if name != "dng":
                 raise
             notes.append(f"no DNG was written: {error}")
     return files, notes
+
+
+def _written(name: str, stem: Path, taken: Shot) -> str:
+    """The file's name; complaints leave out the scratch folder, which each run calls otherwise."""
+    try:
+        return FORMATS[name](stem, taken)
+    except InputError as error:
+        raise InputError(str(error).replace(f"{stem.parent}{os.sep}", "")) from None
 
 
 def _named(stem: Path, ending: str) -> Path:

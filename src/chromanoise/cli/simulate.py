@@ -160,7 +160,7 @@ _OF_MOSAIC = ("demosaic", "raw_only", "bits", "black_level")
 
 def _refuse_idle(options: dict[str, Any]) -> None:
     """An option that would change nothing was meant to change something."""
-    idle = [key for key in _OF_MOSAIC if options[key] not in (None, False)]
+    idle = [key for key in _OF_MOSAIC if options[key] is not None and options[key] is not False]
     if options["mosaic"] is None and idle:
         told = " and ".join(f"--{key.replace('_', '-')}" for key in idle)
         raise InputError(f"{told}: only a mosaic has that; name one with --mosaic")

@@ -1,11 +1,14 @@
 """A picture on the machines of a dask cluster; the bits are those of one machine."""
 
+import logging
 from collections.abc import Iterator
-from concurrent.futures import Executor
-from contextlib import contextmanager
-from typing import Any
+from concurrent.futures import CancelledError, Executor
+from contextlib import ExitStack, contextmanager
 
 from chromanoise._check import InputError
+
+_BLOCKS_ARE_LARGE = {"distributed.admin.large-graph-warning-threshold": "1 GiB"}
+_ANSWERS_WITHIN_S = 10.0
 
 
 @contextmanager
@@ -23,35 +26,47 @@ def cluster(scheduler: str, *, workers: int | None = None) -> Iterator[Executor]
     Raises
     ------
     InputError
-        If dask is not installed or the scheduler does not answer within 10 s.
+        If dask is not installed or the scheduler does not answer within 10 s, or all of its
+        workers are lost.
     """
     try:
+        import dask
         from dask.distributed import Client, LocalCluster
     except ImportError:
         raise InputError(
             "a cluster needs dask; pip install 'chromanoise[distributed]', or leave --scheduler "
             "away for the threads of this machine"
         ) from None
-    if scheduler == "local":
-        with (
-            LocalCluster(  # type: ignore[no-untyped-call]
-                n_workers=workers, threads_per_worker=1, dashboard_address=None
-            ) as processes,
-            Client(processes) as client,  # type: ignore[no-untyped-call]
-        ):
-            yield _executor(client)
-        return
+    with ExitStack() as stack:
+        stack.enter_context(dask.config.set(_BLOCKS_ARE_LARGE))
+        if scheduler == "local":
+            processes = LocalCluster(  # type: ignore[no-untyped-call]
+                n_workers=workers,
+                threads_per_worker=1,
+                dashboard_address="127.0.0.1:0",  # any free port, for this machine only
+                silence_logs=logging.CRITICAL,  # a fault is told once, by who asked
+            )
+            scheduler = stack.enter_context(processes).scheduler_address
+        stack.enter_context(_lost_workers_told(scheduler))
+        try:
+            client = Client(scheduler, timeout=_ANSWERS_WITHIN_S)  # type: ignore[no-untyped-call]
+        except (OSError, TimeoutError, ValueError) as error:
+            raise InputError(
+                f"the scheduler {scheduler!r} does not answer ({error}); give its address as "
+                "tcp://host:port, or local"
+            ) from None
+        yield stack.enter_context(client).get_executor(pure=False)
+
+
+@contextmanager
+def _lost_workers_told(scheduler: str) -> Iterator[None]:
+    """Dask starts a lost worker's block again elsewhere, a few times."""
+    from dask.distributed import KilledWorker
+
     try:
-        client = Client(scheduler, timeout=10)  # type: ignore[no-untyped-call]
-    except (OSError, TimeoutError, ValueError) as error:
+        yield
+    except (KilledWorker, CancelledError) as error:
         raise InputError(
-            f"the scheduler {scheduler!r} does not answer ({error}); give its address as "
-            "tcp://host:port, or local"
+            f"the cluster {scheduler} lost its workers ({type(error).__name__}); see their logs: "
+            "memory is the usual cause, and a smaller --tile needs less"
         ) from None
-    with client:
-        yield _executor(client)
-
-
-def _executor(client: Any) -> Executor:
-    executor: Executor = client.get_executor(pure=False)
-    return executor

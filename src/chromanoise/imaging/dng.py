@@ -22,6 +22,7 @@ from chromanoise.color import ColorMatrix
 from chromanoise.exposure import Situation, expected_electrons, white_scene
 from chromanoise.imaging.row_files import PutRows, tiff_rows
 from chromanoise.sensor import Adc, Mosaic
+from chromanoise.sensor.noise_profile import noise_profile
 
 _COLOR_CODES = {"R": 0, "G": 1, "B": 2, "C": 3, "M": 4, "Y": 5, "W": 6}  # tag 50710
 _LIGHT_SOURCES = {"A": 17, "D55": 20, "D65": 21, "D75": 22, "D50": 23}  # Exif LightSource
@@ -162,37 +163,6 @@ def camera_matrix(to_xyz: Float[Array, "3 p"], white: Float[Array, " p"]) -> Flo
     if not luminance > 0:
         raise InputError(f"the white of a DNG needs a luminance above 0, but has {luminance:g}")
     return np.linalg.pinv(to_xyz) * (luminance / white.max())
-
-
-def noise_profile(adc: Adc, *, read_noise_e: float) -> Float[Array, " 2"]:
-    """S and O of the noise of a code, variance = S x + O, x = 0 at black and 1 at the top code.
-
-    Parameters
-    ----------
-    adc
-        Gain, black level and top code.
-    read_noise_e
-        Standard deviation of all noise that comes without light. [e-]
-
-    Raises
-    ------
-    InputError
-        If the read noise is negative or not finite.
-
-    Notes
-    -----
-    DNG 1.4, tag 51041. Shot noise of y codes above black has the variance y / K (codes squared),
-    readout (sigma / K)^2 and rounding 1 / 12, with K electrons per code (EMVA 1288, release 4.0,
-    the linear camera model); y = R x, with R codes from black to the top.
-
-    Examples
-    --------
-    >>> noise_profile(Adc(bits=8, gain_e_per_dn=2.0, black_level_dn=55), read_noise_e=40.0).round(4)
-    array([0.0025, 0.01  ])
-    """
-    read = _check.not_negative("read_noise_e", "e-", read_noise_e) / adc.gain_e_per_dn
-    range_dn = adc.top_code - adc.black_level_dn
-    return np.array([1 / (adc.gain_e_per_dn * range_dn), (read**2 + 1 / 12) / range_dn**2])
 
 
 def dng_rows(

@@ -305,13 +305,13 @@ class ElectronPlan:
 def plan_for_rows(plan: Any, start: int, stop: int) -> Any:
     """The plan as another process needs it for the rows ``start`` to ``stop``.
 
-    A cube in memory goes along with these rows only; one in a file is opened there again.
+    A cube in memory goes along with these rows only; one in a file is opened there again, also
+    where it is a memory map, which would go along whole and in another order of axes.
     """
-    light = plan.light
-    if not isinstance(light.source, ArrayRows):
-        return plan
-    rows = np.array(light.source.rows(start, stop))
-    part = replace(light, cube=replace(light.cube, stored=rows), first_row=start)
+    light, source, first_row = plan.light, plan.light.source, plan.light.first_row
+    if isinstance(source, ArrayRows):
+        source, first_row = np.array(source.rows(start, stop)), start
+    part = replace(light, cube=replace(light.cube, stored=source), first_row=first_row)
     return replace(plan, light=part)
 
 
@@ -346,4 +346,5 @@ def _on_rows(
     fill(flat, lay, seen)
     lowest, highest = float(seen[:_LANES].min()), float(seen[_LANES:].max())
     if not (lowest >= 0 and highest * light.cube.scale <= BRIGHTEST and np.isfinite(sums).all()):
-        reflectance_rows(light.cube, start, stop)  # says which value is wrong, and where
+        # says which value is wrong, and where
+        reflectance_rows(light.cube, start, stop, first_row=light.first_row)

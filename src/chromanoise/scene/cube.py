@@ -55,8 +55,12 @@ BRIGHTEST = 2.0
 """Largest reflectance that is believed; more is radiance, counts or percent."""
 
 
-def reflectance_rows(cube: Cube, start: int, stop: int) -> Float[Array, "rows w m"]:
+def reflectance_rows(
+    cube: Cube, start: int, stop: int, *, first_row: int = 0
+) -> Float[Array, "rows w m"]:
     """Reflectances of the rows ``start`` to ``stop``, as float64.
+
+    Complaints count rows from ``first_row``: of the picture that this cube is a part of.
 
     Raises
     ------
@@ -69,10 +73,11 @@ def reflectance_rows(cube: Cube, start: int, stop: int) -> Float[Array, "rows w 
     bad = ~((rho >= 0) & (rho <= BRIGHTEST))
     if bad.any():
         row, column, band = (int(i) for i in np.argwhere(bad)[0])
+        first, last = first_row + start, first_row + stop - 1
         raise _check.InputError(
             f"{cube.source}: reflectance must be 0 .. {BRIGHTEST:g}, but "
-            f"{int(bad.sum())} of {bad.size} values in rows {start}-{stop - 1} are not; the first "
-            f"is {rho[row, column, band]:g} at row {start + row}, column {column} (from 0), "
+            f"{int(bad.sum())} of {bad.size} values in rows {first}-{last} are not; the first "
+            f"is {rho[row, column, band]:g} at row {first + row}, column {column} (from 0), "
             f"{cube.wavelength_nm[band]:g} nm; {_cure(rho[row, column, band], cube)}"
         )
     return rho

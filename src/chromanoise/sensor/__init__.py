@@ -2,6 +2,12 @@
 
 from chromanoise.sensor.adc import Adc, adc_to_full_well
 from chromanoise.sensor.catalogue import SENSOR_NAMES, sensor_named
+from chromanoise.sensor.darktable import (
+    RelativeNoise,
+    pixel_from_darktable,
+    read_darktable_noise,
+)
+from chromanoise.sensor.emva import pixel_from_emva, read_emva_sheet
 from chromanoise.sensor.filters import ir_cut, resin_filter, silicon_qe
 from chromanoise.sensor.imperfections import Imperfections
 from chromanoise.sensor.mosaic import (
@@ -13,8 +19,21 @@ from chromanoise.sensor.mosaic import (
     rgbw_2x2,
     rgbw_sparse_4x4,
 )
+from chromanoise.sensor.noise_profile import (
+    noise_profile,
+    pixel_from_noise_profile,
+    read_noise_profile,
+)
+from chromanoise.sensor.photon_transfer import (
+    PhotonTransfer,
+    TransferFit,
+    photon_transfer_fit,
+    pixel_from_photon_transfer,
+)
+from chromanoise.sensor.photon_transfer_csv import read_photon_transfer_csv
 from chromanoise.sensor.pixel import PAPER_PIXEL, Pixel
-from chromanoise.sensor.readers import read_sensor_csv
+from chromanoise.sensor.pixel_source import PixelSource, open_questions, pixel_from
+from chromanoise.sensor.readers import read_sensor, read_sensor_csv
 from chromanoise.sensor.sensor import Sensor, behind_filter, pixels_of, with_channels
 
 __all__ = [
@@ -24,14 +43,31 @@ __all__ = [
     "Adc",
     "Imperfections",
     "Mosaic",
+    "PhotonTransfer",
     "Pixel",
+    "PixelSource",
+    "RelativeNoise",
     "Sensor",
+    "TransferFit",
     "adc_to_full_well",
     "bayer",
     "behind_filter",
     "ir_cut",
     "mosaic_named",
+    "noise_profile",
+    "open_questions",
+    "photon_transfer_fit",
+    "pixel_from",
+    "pixel_from_darktable",
+    "pixel_from_emva",
+    "pixel_from_noise_profile",
+    "pixel_from_photon_transfer",
     "pixels_of",
+    "read_darktable_noise",
+    "read_emva_sheet",
+    "read_noise_profile",
+    "read_photon_transfer_csv",
+    "read_sensor",
     "read_sensor_csv",
     "resin_filter",
     "rgb_ir",

@@ -1,6 +1,6 @@
 """From electrons to codes: gain, black level, number of bits."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from chromanoise import _check
 from chromanoise.sensor.pixel import Pixel
@@ -49,9 +49,6 @@ def adc_to_full_well(pixel: Pixel, *, bits: int = 12, black_level_dn: int = 0) -
     >>> adc_to_full_well(Pixel(pitch_um=10, full_well_e=4095, read_noise_e=0)).gain_e_per_dn
     1.0
     """
-    range_dn = 2**bits - 1 - black_level_dn
-    if bits in range(8, 17) and range_dn < 1:
-        raise _check.InputError(
-            f"black_level_dn must lie below the top code {2**bits - 1}, but is {black_level_dn}"
-        )
-    return Adc(bits=bits, gain_e_per_dn=pixel.full_well_e / range_dn, black_level_dn=black_level_dn)
+    unit = Adc(bits=bits, gain_e_per_dn=1.0, black_level_dn=black_level_dn)
+    gain = pixel.full_well_e / (unit.top_code - black_level_dn)
+    return replace(unit, gain_e_per_dn=gain)

@@ -14,14 +14,44 @@ from chromanoise.spectra import (
     read_spectra_csv,
     refuse_outside,
 )
+from chromanoise.spectra.files import ASK, Answers, qe_of, read_curves
 
 _WIDE_GAP_NM = 30.0
+
+
+def read_sensor(path: Path | str, grid: Grid, pixel: Pixel, *, answers: Answers = ASK) -> Sensor:
+    """The sensor whose curves stand in a file of any format of `read_curves`.
+
+    Parameters
+    ----------
+    path
+        The file; the sensor takes its name without ending.
+    grid
+        Where the curves are wanted.
+    pixel
+        The pixel under them: the file does not say.
+    answers
+        What the user knows and the file does not say; ``beyond`` holds for the grid as well.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be understood, a question must be answered first, a QE lies outside
+        0 .. 1, or the curves end short of the grid.
+    """
+    path = Path(path)
+    told = read_curves(path, answers=answers)
+    curves = qe_of(told, answers)
+    cure = "; say --percent if it is percent" if told.factor == 1 else "; set it to 0"
+    return _sensor(path, curves, grid, pixel, answers.beyond, cure=cure)
 
 
 def read_sensor_csv(
     path: Path | str, grid: Grid, pixel: Pixel, *, beyond: Beyond = "refuse"
 ) -> Sensor:
     """The sensor whose absolute QE per channel stands in ``wavelength_nm,R,G,...``.
+
+    Nothing is understood here beyond that one form, so nothing can be misunderstood.
 
     Parameters
     ----------
@@ -42,7 +72,19 @@ def read_sensor_csv(
     path = Path(path)
     curves = read_spectra_csv(path, quantity="QE", unit="e-/photon")
     percent = "; divide percent by 100" if curves.values.max() > 1 else "; set it to 0"
-    refuse_outside(curves, high=1.0, cure=percent)
+    return _sensor(path, curves, grid, pixel, beyond, cure=percent)
+
+
+def _sensor(
+    path: Path,
+    curves: Spectra,
+    grid: Grid,
+    pixel: Pixel,
+    beyond: Beyond,
+    *,
+    cure: str,
+) -> Sensor:
+    refuse_outside(curves, high=1.0, cure=cure)
     resampled = means_on_grid(curves, grid, beyond=beyond)
     return Sensor(
         name=path.stem,

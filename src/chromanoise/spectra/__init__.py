@@ -8,6 +8,15 @@ from chromanoise.spectra.curves import (
     on_grid,
     refuse_outside,
 )
+from chromanoise.spectra.files import (
+    ASK,
+    Answers,
+    Question,
+    Understood,
+    power_of,
+    qe_of,
+    read_curves,
+)
 from chromanoise.spectra.grid import DEFAULT_GRID, Grid
 from chromanoise.spectra.illuminants import (
     ILLUMINANT_NAMES,
@@ -28,15 +37,19 @@ from chromanoise.spectra.readers import read_spectra_csv
 from chromanoise.spectra.reflectances import colorchecker
 
 __all__ = [
+    "ASK",
     "DEFAULT_GRID",
     "ILLUMINANT_NAMES",
     "INFRARED_FROM_NM",
     "METRICS",
+    "Answers",
     "Beyond",
     "Grid",
     "Illuminant",
     "Metric",
+    "Question",
     "Spectra",
+    "Understood",
     "astm_g173",
     "black_body",
     "cie_1931",
@@ -52,6 +65,9 @@ __all__ = [
     "means_on_grid",
     "on_grid",
     "photon_irradiance",
+    "power_of",
+    "qe_of",
+    "read_curves",
     "read_spectra_csv",
     "refuse_outside",
 ]

@@ -33,7 +33,7 @@ _LATEX = {
     "<": r"\textless{}",
     ">": r"\textgreater{}",
     "|": r"\textbar{}",
-    '"': r"\textquotedbl{}",
+    '"': r"\textquotedblright{}",
     "[": "{[}",  # after a line's end it would open an option
     "]": "{]}",
     "*": "{*}",  # after a line's end too
@@ -145,7 +145,7 @@ def table_markdown(table: Table) -> str:
 
 
 def table_latex(table: Table) -> str:
-    r"""A ``table`` of LaTeX's own commands, with ``\caption``; ``textcomp`` and UTF-8 assumed."""
+    r"""A ``table`` of LaTeX's own commands, with ``\caption``; UTF-8 assumed."""
     kinds = "".join("r" if _numeric(table, i) else "l" for i in range(len(table.columns)))
     heads = " & ".join(_latex(head(column)) for column in table.columns)
     rows = [

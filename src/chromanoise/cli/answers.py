@@ -1,0 +1,56 @@
+"""Options by which a user answers what a file of spectra cannot tell."""
+
+from collections.abc import Callable, Mapping
+from typing import Any, TypeVar
+
+import click
+
+from chromanoise.spectra.files import Answers
+
+Command = TypeVar("Command", bound=Callable[..., Any])
+
+_ANSWERS = (
+    click.option("--percent/--fraction", default=None, help="Whether 100 or 1 is the whole."),
+    click.option("--relative/--absolute", default=None, help="Whether heights mean something."),
+    click.option(
+        "--photons/--energy", default=None, help="How the curves of the file count light."
+    ),
+    click.option("--um/--nm", "micrometers", default=None, help="The unit of its wavelengths."),
+    click.option("--peak-qe", type=float, help="Highest QE of a sensor with relative curves."),
+)
+
+
+def answering(command: Command) -> Command:
+    """Add the options that answer what a file of spectra cannot tell."""
+    for option in reversed(_ANSWERS):
+        command = option(command)
+    return command
+
+
+def answers_of(options: Mapping[str, Any]) -> Answers:
+    """The answers among the options of a command; an option that it lacks is no answer."""
+    return Answers(
+        quantity=options.get("quantity"),
+        scale=_either(options.get("percent"), "percent", "fraction"),
+        level=_either(options.get("relative"), "relative", "absolute"),
+        per=_either(options.get("photons"), "photon", "energy"),
+        wavelength_unit=_either(options.get("micrometers"), "um", "nm"),
+        beyond=options.get("beyond", "refuse"),
+        columns=tuple(options.get("columns", ())),
+        peak_qe=options.get("peak_qe"),
+    )
+
+
+def illuminant_answers_of(options: Mapping[str, Any]) -> Answers:
+    """The same for the file of the illuminant, which is one curve of power or of photons."""
+    column = options.get("illuminant_column")
+    return Answers(
+        quantity="power",
+        per=_either(options.get("illuminant_photons"), "photon", "energy"),
+        beyond=options.get("illuminant_beyond", "refuse"),
+        columns=(column,) if column else (),
+    )
+
+
+def _either(given: bool | None, yes: Any, no: Any) -> Any:
+    return None if given is None else (yes if given else no)

@@ -1,0 +1,93 @@
+"""Figures of merit and the Pareto curve as tables on a terminal."""
+
+from collections.abc import Sequence
+
+from rich.console import Console
+from rich.table import Table
+
+from chromanoise.color import ParetoCurve
+from chromanoise.merit import MatrixReport
+from chromanoise.study import Merit, Merits, white_snr_db
+
+_NAMED_WEIGHTS = {0.0: "least squares", 1.0: "LMMSE"}
+
+
+def print_merits(told: Sequence[Merits]) -> None:
+    """One table per sensor, each number with its source; a sentence for each that has none."""
+    console = _console()
+    for merits in told:
+        title = (
+            f"Merits of {merits.sensor} in {merits.illuminant} at {merits.level_lux:g} lx, "
+            f"{1e3 * merits.time_s:.4g} ms, {merits.matrix}"
+        )
+        table = Table(title=title, title_justify="left")
+        for head, side in (("", "left"), ("value", "right"), ("unit", "left"), ("from", "left")):
+            table.add_column(head, justify=side)  # type: ignore[arg-type]
+        for entry in merits.entries:
+            table.add_row(entry.what, _value(entry), _unit(entry), entry.source)
+        console.print(table)
+        for line in (*_reasons(merits), _conditions(merits)):
+            console.print(line, soft_wrap=True)
+
+
+def print_pareto(curve: ParetoCurve, report: MatrixReport, sensor_name: str) -> None:
+    """Color error against noise, one line per weight."""
+    console = _console()
+    table = Table(title=f"Color error against noise of {sensor_name}", title_justify="left")
+    heads = ("weight", "color error rms [lx]", "Delta E*ab", "noise rms [lx]", "SNR Y [dB]")
+    for head in heads:
+        table.add_column(head, justify="right")
+    table.add_column("")
+    snr = white_snr_db(curve, report)
+    for i, weight in enumerate(curve.weight.tolist()):
+        error, noise = curve.color_error_rms[i], curve.noise_rms[i]
+        table.add_row(
+            f"{weight:.4g}",
+            f"{error:.4g}",
+            _number(curve.delta_e[i]),
+            f"{noise:.4g}",
+            "saturated" if report.snr_db is None else _number(snr[i]),
+            _NAMED_WEIGHTS.get(round(weight, 12), ""),
+        )
+    console.print(table)
+    console.print(
+        "Error and noise of X, Y and Z together over the training set; SNR of a perfect white.",
+        soft_wrap=True,
+    )
+
+
+def _reasons(merits: Merits) -> list[str]:
+    """Why values are missing, each reason told once."""
+    lacking: dict[str, list[str]] = {}
+    for entry in merits.entries:
+        if entry.missing:
+            lacking.setdefault(entry.missing, []).append(entry.what)
+    return [f"{'; '.join(whats)}: {reason}." for reason, whats in lacking.items()]
+
+
+def _conditions(merits: Merits) -> str:
+    viewing = merits.viewing
+    return (
+        f"{merits.sensor}: q, Vora value and angles in the metric {merits.metric}; visual noise "
+        f"for pixels of {viewing.pixel_pitch_mm:g} mm seen from {viewing.distance_mm:g} mm; noise "
+        "of eq. 7, unclipped."
+    )
+
+
+def _value(entry: Merit) -> str:
+    return "-" if entry.value is None else f"{entry.value:.4g}"
+
+
+def _unit(entry: Merit) -> str:
+    return "" if entry.unit == "1" else entry.unit
+
+
+def _number(value: float | None) -> str:
+    return "-" if value is None else f"{value:.2f}"
+
+
+def _console() -> Console:
+    console = Console(highlight=False, markup=False)
+    if not console.is_terminal:
+        console = Console(highlight=False, markup=False, width=140)
+    return console

@@ -1,0 +1,200 @@
+"""The noise profile of DNG and Android: variance = S x + O, and the pixel that it tells of.
+
+x is 0 at the black level and 1 at the white level; the variance is in the square of that unit.
+"""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import Float
+
+from chromanoise import _check
+from chromanoise._check import Array, InputError
+from chromanoise.sensor.adc import Adc
+from chromanoise.sensor.pixel_source import PixelSource
+from chromanoise.sensor.source_text import finite_number, source_json, source_text
+
+ROUNDING_DN2 = 1 / 12
+"""Variance that rounding to whole codes adds (Sheppard). [DN^2]"""
+
+_ALIKE = 0.05  # channels of one converter agree in S better than this
+_KEYS = ("S", "O", "black_level_dn", "white_level_dn")
+
+
+def noise_profile(adc: Adc, *, read_noise_e: float) -> Float[Array, " 2"]:
+    """S and O of the noise of a code, variance = S x + O, x = 0 at black and 1 at the top code.
+
+    Parameters
+    ----------
+    adc
+        Gain, black level and top code.
+    read_noise_e
+        Standard deviation of all noise that comes without light. [e-]
+
+    Raises
+    ------
+    InputError
+        If the read noise is negative or not finite.
+
+    Notes
+    -----
+    DNG 1.4, tag 51041. Shot noise of y codes above black has the variance y / K (codes squared),
+    readout (sigma / K)^2 and rounding 1 / 12, with K electrons per code (EMVA 1288, release 4.0,
+    the linear camera model); y = R x, with R codes from black to the top.
+
+    Examples
+    --------
+    >>> noise_profile(Adc(bits=8, gain_e_per_dn=2.0, black_level_dn=55), read_noise_e=40.0).round(4)
+    array([0.0025, 0.01  ])
+    """
+    read = _check.not_negative("read_noise_e", "e-", read_noise_e) / adc.gain_e_per_dn
+    range_dn = adc.top_code - adc.black_level_dn
+    return np.array([1 / (adc.gain_e_per_dn * range_dn), (read**2 + ROUNDING_DN2) / range_dn**2])
+
+
+def pixel_from_noise_profile(
+    profile: Float[Array, "p 2"],
+    *,
+    black_level_dn: float,
+    white_level_dn: float,
+    channels: Sequence[str] = (),
+    source: str = "noise profile",
+) -> PixelSource:
+    """Gain and read noise of the pixel whose codes have this noise profile: `noise_profile` undone.
+
+    Parameters
+    ----------
+    profile
+        S and O of each channel. [1]
+    black_level_dn, white_level_dn
+        Codes of x = 0 and x = 1. [DN]
+    channels
+        Their names, for messages; their places (from 0) where none are given.
+    source
+        Where the numbers come from.
+
+    Raises
+    ------
+    InputError
+        If S is not above 0, a number is not finite, white is not above black, or the channels
+        differ in S by more than 5 %: then their codes were multiplied, and their noise with them.
+
+    Notes
+    -----
+    1 / S = electrons from black to white; variance in codes of the dark O R^2 = (sigma / K)^2 +
+    1 / 12. Gain and read noise are those of the mean S and O. How many electrons fill the pixel
+    is not in a profile: white is where codes end, which at a raised gain (ISO) is long before.
+
+    Examples
+    --------
+    >>> told = pixel_from_noise_profile(np.array([[0.0025, 0.0100021]]),
+    ...                                 black_level_dn=55, white_level_dn=255)
+    >>> told.gain_e_per_dn, round(told.read_noise_e, 3)
+    (2.0, 40.0)
+    """
+    values = _check.finite(f"noise profile of {source}", "1", profile)
+    names = tuple(channels) or tuple(str(i) for i in range(len(values)))
+    _check.same_length("channels", profile=len(values), names=len(names))
+    _refuse_odd(values, names, black_level_dn, white_level_dn, source)
+    range_dn = float(white_level_dn) - float(black_level_dn)
+    shot, dark = (float(v) for v in values.mean(axis=0))
+    gain = 1 / (shot * range_dn)
+    read_dn2 = dark * range_dn**2 - ROUNDING_DN2
+    adc, notes = _converter(gain, float(black_level_dn), float(white_level_dn), source)
+    told = [f"{source}: {1 / shot:.4g} e- lie between black and white; the full well may be larger"]
+    if read_dn2 < 0:
+        told.append(
+            f"{source}: O is {dark:.3g}, less than rounding alone makes "
+            f"({ROUNDING_DN2 / range_dn**2:.3g}), so that it tells no read noise"
+        )
+    return PixelSource(
+        source=source,
+        read_noise_e=gain * float(np.sqrt(read_dn2)) if read_dn2 >= 0 else None,
+        gain_e_per_dn=gain,
+        adc=adc,
+        notes=(*told, *notes),
+    )
+
+
+def read_noise_profile(path: Path | str) -> PixelSource:
+    """The pixel of a JSON file with ``S``, ``O``, ``black_level_dn`` and ``white_level_dn``.
+
+    Parameters
+    ----------
+    path
+        ``S`` and ``O`` are numbers, or lists with one number per channel; ``channels`` may name
+        them.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, a key is missing or not a number, or as
+        `pixel_from_noise_profile`.
+    """
+    path = Path(path)
+    held = source_json(source_text(path), str(path))
+    if not isinstance(held, dict) or any(key not in held for key in _KEYS):
+        raise InputError(f"{path}: a noise profile is a JSON object with {', '.join(_KEYS)}")
+    rows = {key: _numbers(held[key], key, path) for key in _KEYS}
+    _check.same_length(f"channels in {path}", S=len(rows["S"]), O=len(rows["O"]))
+    levels = [rows[key] for key in _KEYS[2:]]
+    if any(len(level) != 1 for level in levels):
+        raise InputError(f"{path}: black and white level must be one number each, for all channels")
+    names = held.get("channels", [])
+    if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
+        raise InputError(f"{path}: channels must be a list of names")
+    return pixel_from_noise_profile(
+        np.array([rows["S"], rows["O"]]).T,
+        black_level_dn=levels[0][0],
+        white_level_dn=levels[1][0],
+        channels=names,
+        source=path.name,
+    )
+
+
+def _numbers(value: object, key: str, path: Path) -> list[float]:
+    entries = value if isinstance(value, list) else [value]
+    numbers = [finite_number(entry) for entry in entries]
+    found = [number for number in numbers if number is not None]
+    if not numbers or len(found) < len(numbers):
+        raise InputError(f"{path}: {key} must be a finite number or a list of them")
+    return found
+
+
+def _refuse_odd(
+    values: Array, names: Sequence[str], black_dn: float, white_dn: float, source: str
+) -> None:
+    if values.ndim != 2 or values.shape[1] != 2 or not len(values):
+        raise InputError(f"{source}: a noise profile has S and O per channel, got {values.shape}")
+    for name, (shot, _) in zip(names, values.tolist(), strict=True):
+        _check.within(f"S of channel {name} of {source}", "1", shot, 1e-15, 1e3)
+    _check.not_negative(f"black level of {source}", "DN", black_dn)
+    _check.within(f"white level of {source}", "DN", white_dn, 1.0, 1e9)
+    _check.positive(f"white minus black level of {source}", "DN", white_dn - black_dn)
+    shots = values[:, 0]
+    if shots.max() > (1 + _ALIKE) * shots.min():
+        told = ", ".join(f"{n} {s:.3g}" for n, s in zip(names, shots.tolist(), strict=True))
+        raise InputError(
+            f"{source}: S differs between channels ({told}), so their codes were multiplied, as by "
+            "a white balance; give the S and O of one channel that was not, most often green"
+        )
+
+
+def _converter(
+    gain: float, black_dn: float, white_dn: float, source: str
+) -> tuple[Adc | None, tuple[str, ...]]:
+    """Of as many bits as the white level needs, and what is doubtful about it."""
+    bits = max(8, int(np.ceil(np.log2(white_dn + 1))))
+    if bits > 16 or not black_dn.is_integer():
+        return None, (
+            f"{source}: levels of {black_dn:g} and {white_dn:g} DN are those of no converter of 8 "
+            "to 16 bits with a whole black level; give its bits and black level",
+        )
+    adc = Adc(bits=bits, gain_e_per_dn=gain, black_level_dn=int(black_dn))
+    if adc.top_code == white_dn:
+        return adc, ()
+    return adc, (
+        f"{source}: white level {white_dn:g} is taken for codes of {bits} bits, which go on to "
+        f"{adc.top_code}",
+    )

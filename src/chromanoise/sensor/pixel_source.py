@@ -1,0 +1,136 @@
+"""A pixel as far as a source tells it: what is known, what is not, and what must be asked.
+
+A data sheet, a noise profile and a photon-transfer table each know a part; nothing is guessed.
+"""
+
+from dataclasses import dataclass
+
+from chromanoise import _check
+from chromanoise._check import InputError
+from chromanoise.sensor.adc import Adc
+from chromanoise.sensor.imperfections import NONE, Imperfections
+from chromanoise.sensor.pixel import Pixel
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PixelSource:
+    """What a source says of a pixel; ``None`` where it does not say.
+
+    Attributes
+    ----------
+    source
+        Where the numbers come from.
+    pitch_um
+        Side of the pixel. [um]
+    full_well_e
+        Electrons at saturation. [e-]
+    read_noise_e
+        Standard deviation of the readout, rounding to codes not included. [e-]
+    gain_e_per_dn
+        Electrons per code. [e-/DN]
+    adc
+        The converter, where its bits are known too.
+    imperfections
+        Of the pixels; zero where the source says nothing, which `notes` tell.
+    qe, qe_at_nm
+        Quantum efficiency at one wavelength: a check for curves, not a curve. [e-/photon], [nm]
+    notes
+        What a reader of a result must know.
+
+    Raises
+    ------
+    InputError
+        If a number is beyond what any pixel could have.
+    """
+
+    source: str
+    pitch_um: float | None = None
+    full_well_e: float | None = None
+    read_noise_e: float | None = None
+    gain_e_per_dn: float | None = None
+    adc: Adc | None = None
+    imperfections: Imperfections = NONE
+    qe: float | None = None
+    qe_at_nm: float | None = None
+    notes: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        where = f"of {self.source}"
+        for name, unit in (
+            ("pitch_um", "um"),
+            ("full_well_e", "e-"),
+            ("gain_e_per_dn", "e-/DN"),
+            ("qe_at_nm", "nm"),
+        ):
+            if getattr(self, name) is not None:
+                _check.positive(f"{name} {where}", unit, getattr(self, name))
+        if self.read_noise_e is not None:
+            _check.not_negative(f"read_noise_e {where}", "e-", self.read_noise_e)
+        if self.qe is not None:
+            _check.within(f"QE {where} (percent? divide by 100)", "e-/photon", self.qe, 0.0, 1.0)
+
+
+_QUESTIONS = {
+    "pitch_um": "what is the pixel pitch? [um]",
+    "full_well_e": "how many electrons fill a pixel? [e-]",
+    "read_noise_e": "what is the read noise? [e-]",
+}
+
+
+def open_questions(source: PixelSource) -> tuple[str, ...]:
+    """What must be asked before the source makes a `Pixel`, one question each.
+
+    Examples
+    --------
+    >>> open_questions(PixelSource(source="a sheet", pitch_um=3.0, full_well_e=9000.0))
+    ('read_noise_e: what is the read noise? [e-]',)
+    """
+    return tuple(
+        f"{name}: {question}"
+        for name, question in _QUESTIONS.items()
+        if getattr(source, name) is None
+    )
+
+
+def pixel_from(
+    source: PixelSource,
+    *,
+    pitch_um: float | None = None,
+    full_well_e: float | None = None,
+    read_noise_e: float | None = None,
+) -> Pixel:
+    """The pixel of a source, with answers to its open questions.
+
+    Parameters
+    ----------
+    source
+        What is known.
+    pitch_um, full_well_e, read_noise_e
+        Answers, each only where the source is silent. [um], [e-], [e-]
+
+    Raises
+    ------
+    InputError
+        If a question stays open, or an answer speaks against the source.
+
+    Examples
+    --------
+    >>> pixel_from(PixelSource(source="a sheet", pitch_um=3.0, full_well_e=9000.0), read_noise_e=2)
+    Pixel(pitch_um=3.0, full_well_e=9000.0, read_noise_e=2.0)
+    """
+    answers = {"pitch_um": pitch_um, "full_well_e": full_well_e, "read_noise_e": read_noise_e}
+    known: dict[str, float] = {}
+    for name, answer in answers.items():
+        own = getattr(source, name)
+        if own is not None and answer is not None:
+            raise InputError(
+                f"{source.source} says {name} = {own:g}, but {answer:g} is given too; leave the "
+                "answer out, or mend the source"
+            )
+        told = answer if own is None else own
+        if told is not None:
+            known[name] = float(told)
+    still = [question for question in open_questions(source) if question.split(":")[0] not in known]
+    if still:
+        raise InputError(f"{source.source} does not make a pixel yet: {' '.join(still)}")
+    return Pixel(**known)

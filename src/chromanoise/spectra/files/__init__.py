@@ -1,0 +1,7 @@
+"""Files of spectra in the formats that people have, and what was understood of each."""
+
+from chromanoise.spectra.files.door import read_curves
+from chromanoise.spectra.files.understood import ASK, Answers, Question, Understood
+from chromanoise.spectra.files.uses import power_of, qe_of
+
+__all__ = ["ASK", "Answers", "Question", "Understood", "power_of", "qe_of", "read_curves"]

@@ -1,0 +1,116 @@
+"""Delimited text: comma, semicolon, tabulator or blanks; decimal point or comma."""
+
+import csv
+import io
+import re
+
+from chromanoise import _check
+from chromanoise.spectra.files.tables import Row, is_number, table_of
+from chromanoise.spectra.files.understood import Found
+
+_COMMENT = ("#", "%", "//", ";")
+_DELIMITERS = {"semicolon": ";", "tab": "\t", "comma": ",", "blanks": None}
+_JUDGED_LINES = 200
+_LONGEST_LINE = 2**16
+_MOST_LINES = 200_000
+
+
+def read_delimited(text: str, source: str) -> Found:
+    """The curves of delimited text; comments start with ``#``, ``%``, ``//`` or ``;``.
+
+    Raises
+    ------
+    InputError
+        If a row is no row of numbers; its line is told.
+    """
+    if text.count("\n") + text.count("\r") > 2 * _MOST_LINES:
+        raise _check.InputError(f"{source}: more than {_MOST_LINES} lines are no table of spectra")
+    comments: list[Row] = []
+    lines: list[tuple[int, str]] = []
+    for number, line in enumerate(re.split(r"\r\n|\r|\n", text), 1):
+        bare = line.strip().strip('"')
+        if len(line) > _LONGEST_LINE:
+            raise _check.InputError(f"{source}: line {number} has {len(line)} characters: no row")
+        if bare.startswith(_COMMENT):
+            comments.append(Row(number=number, cells=(bare.lstrip("#%/; "),)))
+        elif bare:
+            lines.append((number, line))
+    delimiter = _delimiter(lines[:_JUDGED_LINES])
+    rows = [Row(number=i, cells=_cells(line, i, delimiter, source)) for i, line in lines]
+    head = _heading_comment(comments, rows)
+    decimal = _decimal(rows, delimiter, source)
+    return table_of(
+        source=source,
+        form="delimited text",
+        rows=rows,
+        comments=tuple(c.cells[0] for c in comments),
+        head=head,
+        delimiter=delimiter,
+        decimal=decimal,
+    )
+
+
+def _delimiter(lines: list[tuple[int, str]]) -> str:
+    """The separator under which most lines are rows of two or more numbers; a tie: the first."""
+
+    def rows_of_numbers(name: str) -> int:
+        comma = name != "comma"
+        cells = (_split(line, name) for _, line in lines)
+        return sum(_is_row(row, decimal_comma=comma) for row in cells)
+
+    return max(_DELIMITERS, key=rows_of_numbers)
+
+
+def _is_row(cells: list[str], *, decimal_comma: bool) -> bool:
+    filled = [cell.strip() for cell in cells if cell.strip()]
+    return len(filled) > 1 and all(is_number(c, decimal_comma=decimal_comma) for c in filled)
+
+
+def _split(line: str, delimiter: str) -> list[str]:
+    sign = _DELIMITERS[delimiter]
+    if sign is None:
+        return line.split()
+    if '"' not in line:
+        return line.split(sign)
+    try:
+        return next(csv.reader(io.StringIO(line), delimiter=sign, skipinitialspace=True), [])
+    except csv.Error:
+        return line.split(sign)
+
+
+def _cells(line: str, number: int, delimiter: str, source: str) -> tuple[str, ...]:
+    if line.count('"') % 2:
+        raise _check.InputError(f"{source}: line {number} opens a quotation that it does not close")
+    return tuple(cell.strip() for cell in _split(line, delimiter))
+
+
+def _heading_comment(comments: list[Row], rows: list[Row]) -> tuple[str, ...]:
+    """The last comment before the numbers that names a wavelength and enough columns."""
+    if not rows:
+        return ()
+    width = max(len(row.cells) for row in rows[:_JUDGED_LINES])
+    for comment in reversed([c for c in comments if c.number < rows[0].number]):
+        for sign in (",", ";", "\t", None):
+            cells = tuple(cell.strip() for cell in comment.cells[0].split(sign))
+            if len(cells) >= width > 1 and re.match(r"(?i)wave|lambda|λ|wl\b|nm\b", cells[0]):
+                return cells[:width]
+    return ()
+
+
+def _decimal(rows: list[Row], delimiter: str, source: str) -> str:
+    """How the cells part their fractions; both ways in one file are refused."""
+    if delimiter == "comma":
+        return "."
+    with_comma = with_point = 0
+    for row in rows:
+        for cell in row.cells:
+            if not with_comma and "," in cell and is_number(cell, decimal_comma=True):
+                with_comma = row.number
+            elif not with_point and "." in cell and is_number(cell, decimal_comma=False):
+                with_point = row.number
+    if with_comma and with_point:
+        raise _check.InputError(
+            f"{source}: line {with_comma} has a decimal comma, line {with_point} a decimal point; "
+            "write all numbers in one way"
+        )
+    return "," if with_comma else "."

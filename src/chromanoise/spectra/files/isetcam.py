@@ -1,0 +1,97 @@
+"""ISETCam's spectra: ``wavelength``, ``data`` and ``filterNames`` in a MATLAB file."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+
+from chromanoise import _check
+from chromanoise._check import Array
+from chromanoise._mat5 import mat_array, mat_arrays, mat_texts
+from chromanoise.spectra.files.understood import Column, Found
+
+_LARGEST_BYTES = 32 * 2**20
+_WAVELENGTHS = ("wavelength", "wavelength_nm", "wave")
+_WORDS = ("comment", "units", "type", "name")
+_MOST_CURVES = 2000
+
+
+def is_matlab(content: bytes) -> bool:
+    """Whether these bytes begin a MATLAB file of version 5."""
+    return content.startswith(b"MATLAB 5.0") or (
+        len(content) >= 128 and content[124:128] in (b"\x00\x01IM", b"\x01\x00MI")
+    )
+
+
+def read_isetcam(path: Path) -> Found:
+    """The curves of an ISETCam file, their names, and the words beside them.
+
+    Raises
+    ------
+    InputError
+        If it lacks ``wavelength`` or ``data``, or these do not fit each other.
+    """
+    arrays = mat_arrays(path)
+    at_name = next((name for name in _WAVELENGTHS if name in arrays), None)
+    if at_name is None or "data" not in arrays:
+        held = ", ".join(list(arrays)[:20]) or "no arrays"
+        raise _check.InputError(
+            f"{path}: needs the arrays wavelength and data as ISETCam writes them, but holds {held}"
+        )
+    wavelength = _real(path, at_name, arrays[at_name]).ravel()
+    data = _upright(path, _real(path, "data", arrays["data"]), wavelength.size)
+    words = {w: mat_texts(path, w, largest_bytes=_LARGEST_BYTES) for w in _WORDS if w in arrays}
+    names, notes = _names(path, arrays, data.shape[1], words.get("name", ()))
+    told = " ".join(" ".join(texts) for texts in words.values())
+    known = [np.isfinite(data[:, k]) & np.isfinite(wavelength) for k in range(data.shape[1])]
+    comment = " ".join(" ".join(words.get("comment", ())).split())
+    return Found(
+        source=str(path),
+        format="ISETCam MAT",
+        columns=tuple(
+            Column(name=name, unit="", wavelength=wavelength[here], values=data[here, k])
+            for k, (name, here) in enumerate(zip(names, known, strict=True))
+        ),
+        words=told,
+        per="photon" if words.get("units") == ("photons",) else None,
+        wavelength_unit=None,
+        notes=(*notes, *((f"the file says: {comment}",) if comment else ())),
+    )
+
+
+def _real(path: Path, name: str, declared: tuple[tuple[int, ...], np.dtype]) -> Array:
+    shape, dtype = declared
+    if dtype.kind not in "fiu" or len(shape) != 2 or min(shape) < 1:
+        raise _check.InputError(f"{path}: the array {name!r} must be a table of real numbers")
+    if math.prod(shape) * 8 > _LARGEST_BYTES:
+        raise _check.InputError(f"{path}: the array {name!r} is too large for a table of spectra")
+    array = mat_array(path, name, largest_bytes=_LARGEST_BYTES).astype(np.float64)
+    beyond = np.abs(array) > 1e30
+    if beyond.any():
+        raise _check.InputError(f"{path}: the array {name!r} holds {array[beyond][0]:g}; mend it")
+    return array
+
+
+def _upright(path: Path, data: Array, n: int) -> Array:
+    """One row per wavelength."""
+    if data.shape[0] != n and data.shape[1] == n:
+        data = data.T
+    if data.shape[0] != n or data.shape[1] > _MOST_CURVES:
+        raise _check.InputError(
+            f"{path}: wavelength has {n} entries, but data is {data.shape[0]} by {data.shape[1]}"
+        )
+    return data
+
+
+def _names(
+    path: Path, arrays: dict, curves: int, own: tuple[str, ...]
+) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    if "filterNames" in arrays:
+        names = mat_texts(path, "filterNames", largest_bytes=_LARGEST_BYTES)
+        if len(names) == curves and all(names):
+            return names, ()
+        numbered = tuple(str(k + 1) for k in range(curves))
+        return numbered, (f"{len(names)} names for {curves} curves: the curves are numbered",)
+    if curves == 1:
+        return (own[0] if own and own[0] else path.stem,), ()
+    return tuple(str(k + 1) for k in range(curves)), ()

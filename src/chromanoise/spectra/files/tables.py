@@ -1,0 +1,240 @@
+"""Tables of cells, whoever cut them out: where the numbers begin, and which column is what."""
+
+import re
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from chromanoise import _check
+from chromanoise.spectra.files.understood import Column, Found
+
+_POINT = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eEdD][+-]?\d{1,4})?\s*%?", re.ASCII)
+_COMMA = re.compile(r"[+-]?(\d+(,\d+)?|,\d+)([eEdD][+-]?\d{1,4})?\s*%?", re.ASCII)
+_MISSING = ("", "-", "--", "nan", "na", "n/a", "#n/a", "null", "none")
+_UNIT = re.compile(r"(.*?)[\s_]*[\[(]([^\[\]()]*)[\])]")
+_LARGEST = 1e30
+_LONGEST_CELL = 400
+_MOST_CELLS = 2_000_000
+_NAN = float("nan")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Row:
+    """The cells of one row, and the line of the file in which they stand."""
+
+    number: int
+    cells: tuple[str, ...]
+
+
+def is_number(cell: str, *, decimal_comma: bool) -> bool:
+    """Whether a cell is a plain number, a percent sign allowed.
+
+    Examples
+    --------
+    >>> [is_number(c, decimal_comma=False) for c in ("1e-3", "12 %", "1_0", "inf", "0,5")]
+    [True, True, False, False, False]
+    """
+    if len(cell) > _LONGEST_CELL:
+        return False
+    pattern = _COMMA if decimal_comma and "," in cell else _POINT
+    return pattern.fullmatch(cell.strip()) is not None
+
+
+def number_in(cell: str, *, decimal_comma: bool = False) -> float:
+    """The number in a cell, percent sign dropped; NaN if it is none or beyond 1e30.
+
+    Examples
+    --------
+    >>> number_in("1,5D2", decimal_comma=True), number_in("12 %"), number_in("high")
+    (150.0, 12.0, nan)
+    """
+    if not is_number(cell, decimal_comma=decimal_comma):
+        return _NAN
+    plain = cell.strip().rstrip("% ").lower().replace("d", "e")
+    value = float(plain.replace(",", ".") if decimal_comma else plain)
+    return value if abs(value) <= _LARGEST else _NAN
+
+
+def table_of(
+    *,
+    source: str,
+    form: str,
+    rows: Sequence[Row],
+    comments: tuple[str, ...] = (),
+    head: tuple[str, ...] = (),
+    delimiter: str = "",
+    decimal: str = ".",
+    where: str = "line",
+) -> Found:
+    """The curves of a table: one column of wavelengths and n curves, or two columns per curve.
+
+    Raises
+    ------
+    InputError
+        If fewer than two rows hold numbers, or a cell of them is none; its line is told.
+    """
+    if sum(len(row.cells) for row in rows) > _MOST_CELLS:
+        raise _check.InputError(f"{source}: more than {_MOST_CELLS} cells are no table of spectra")
+    first = _first_row_of_numbers(rows, decimal == ",")
+    body = [row for row in rows[first:] if any(row.cells)]
+    if len(body) < 2:
+        raise _check.InputError(
+            f"{source}: needs at least 2 rows of a wavelength and a value, but {len(body)} of its "
+            f"{len(rows)} {where}s is one"
+        )
+    heads = [_bare(row.cells) for row in rows[:first]]
+    width = _width(body, heads, head)
+    numbers, ragged = _numbers(body, width, decimal, source, where)
+    words = " ".join([*comments, *(" ".join(cells) for cells in heads)])
+    words += " %" if any("%" in cell for cell in body[0].cells) else ""
+    found = {
+        "source": source, "format": form, "words": words,
+        "delimiter": delimiter, "decimal": decimal, "defects": ragged,
+    }  # fmt: skip
+    if _in_pairs(heads, numbers):
+        return _digitized(found, heads, numbers)
+    return _shared(found, _head(heads, head, width), numbers, [r.number for r in body], where)
+
+
+def _first_row_of_numbers(rows: Sequence[Row], comma: bool) -> int:
+    for i, row in enumerate(rows):
+        cells = [cell for cell in row.cells if cell]
+        if len(cells) > 1 and all(is_number(c, decimal_comma=comma) for c in cells[:2]):
+            return i
+    return len(rows)
+
+
+def _bare(cells: tuple[str, ...]) -> tuple[str, ...]:
+    """Without the empty cells at the end that spreadsheets write."""
+    last = max((i for i, cell in enumerate(cells) if cell), default=-1)
+    return cells[: last + 1]
+
+
+def _width(body: list[Row], heads: list[tuple[str, ...]], head: tuple[str, ...]) -> int:
+    lengths = Counter(len(_bare(row.cells)) for row in body)
+    usual = max(lengths, key=lambda n: (lengths[n], n))
+    named = len(heads[-1]) if heads else len(head)
+    return max(named, usual) if named > 1 and usual - named <= 1 else usual
+
+
+def _numbers(
+    body: list[Row], width: int, decimal: str, source: str, where: str
+) -> tuple[np.ndarray, tuple[str, ...]]:
+    table = np.full((len(body), width), _NAN)
+    short: list[int] = []
+    for i, row in enumerate(body):
+        cells = _bare(row.cells)
+        if len(cells) > width:
+            raise _check.InputError(
+                f"{source}: {where} {row.number} has {len(cells)} cells, but the table has {width} "
+                "columns; where commas part the fractions, part the cells with semicolons"
+            )
+        if len(row.cells) < width:
+            short.append(row.number)
+        for k, cell in enumerate(cells):
+            table[i, k] = value = number_in(cell, decimal_comma=decimal == ",")
+            if value != value and cell.lower() not in _MISSING:
+                raise _check.InputError(
+                    f"{source}: {where} {row.number}, column {k + 1}: {cell[:40]!r} is not a "
+                    f"number, or beyond {_LARGEST:g}; mend it or leave the row out"
+                )
+    if not short:
+        return table, ()
+    told = ", ".join(str(number) for number in short[:5]) + (", ..." if len(short) > 5 else "")
+    return table, (f"ragged rows: {where} {told} have fewer than {width} cells",)
+
+
+def _in_pairs(heads: list[tuple[str, ...]], numbers: np.ndarray) -> bool:
+    """Whether each curve has its own wavelengths: the heading says X,Y, or the numbers show it."""
+    pairs = numbers.shape[1] // 2
+    if pairs < 1 or numbers.shape[1] % 2:
+        return False
+    last = tuple(cell.lower() for cell in heads[-1]) if heads else ()
+    if last == ("x", "y") * pairs:
+        return True
+    if pairs < 2:
+        return False
+    if len(heads) and all(heads[-1][::2]) and not any(heads[-1][1::2]):
+        return True
+    at, values = numbers[:, ::2], numbers[:, 1::2]
+    known = np.isfinite(at).any(axis=0) & np.isfinite(values).any(axis=0)
+    return bool(
+        known.all() and np.nanmin(at) >= 150 and np.nanmax(at) <= 5000 and np.nanmax(values) <= 110
+    )
+
+
+def _digitized(found: dict, heads: list[tuple[str, ...]], numbers: np.ndarray) -> Found:
+    names = [head for head in heads if {c.lower() for c in head} - {"x", "y", ""}]
+    columns = []
+    for k in range(numbers.shape[1] // 2):
+        told = names[-1][2 * k] if names and 2 * k < len(names[-1]) else ""
+        name, unit = name_and_unit(told)
+        at, values = numbers[:, 2 * k], numbers[:, 2 * k + 1]
+        both = np.isfinite(at) & np.isfinite(values)
+        columns.append(
+            Column(
+                name=name or f"curve {k + 1}",
+                unit=unit,
+                wavelength=at[both],
+                values=values[both],
+            )
+        )
+    note = "each curve has its own list of wavelengths, as digitizers write"
+    form = f"{found['format']}, digitized curves"
+    return Found(
+        **{**found, "format": form}, columns=tuple(columns), named=bool(names), notes=(note,)
+    )
+
+
+def _head(heads: list[tuple[str, ...]], comment: tuple[str, ...], width: int) -> tuple[str, ...]:
+    if heads and len(heads[-1]) > 1:
+        return (*heads[-1], *("",) * width)[:width]
+    return (*comment, *("",) * width)[:width]
+
+
+def _shared(
+    found: dict, head: tuple[str, ...], numbers: np.ndarray, at_lines: list[int], where: str
+) -> Found:
+    lost = np.flatnonzero(~np.isfinite(numbers[:, 0]))
+    if lost.size:
+        raise _check.InputError(
+            f"{found['source']}: {where} {at_lines[int(lost[0])]} has values but no wavelength"
+        )
+    if numbers.shape[1] < 2:
+        raise _check.InputError(f"{found['source']}: has one column only; a curve needs two")
+    names = [name_and_unit(text) for text in head[1:]]
+    columns = []
+    for k, (name, unit) in enumerate(names):
+        known = np.isfinite(numbers[:, k + 1])
+        columns.append(
+            Column(
+                name=name or f"column {k + 2}",
+                unit=unit,
+                wavelength=numbers[known, 0],
+                values=numbers[known, k + 1],
+            )
+        )
+    empty = int(np.isnan(numbers[:, 1:]).sum())
+    told = f"{empty} empty cells; straight lines join their neighbors"
+    return Found(
+        **{**found, "defects": (*found["defects"], *((told,) if empty else ()))},
+        columns=tuple(columns),
+        heading=head[0],
+        named=any(name for name, _ in names) or len(names) == 1,
+    )
+
+
+def name_and_unit(text: str) -> tuple[str, str]:
+    """The name of a column and the unit that stands in brackets behind it.
+
+    Examples
+    --------
+    >>> name_and_unit("QE [%]"), name_and_unit("R")
+    (('QE', '%'), ('R', ''))
+    """
+    match = _UNIT.fullmatch(text.strip())
+    if match and match[1]:
+        return match[1].strip(), match[2].strip()
+    return text.strip(), ""

@@ -1,0 +1,124 @@
+"""Curves for a purpose: quantum efficiencies per photon, or power; no question left open."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from chromanoise import _check
+from chromanoise.spectra.curves import Spectra
+from chromanoise.spectra.files.defects import looks_normalized
+from chromanoise.spectra.files.understood import Answers, Understood
+from chromanoise.units import photons_per_joule
+
+_ELEMENTARY_CHARGE_C = 1.602176634e-19
+
+
+def qe_of(told: Understood, answers: Answers) -> Spectra:
+    """The curves as electrons per photon; what had to be taken for granted is in the notes.
+
+    Parameters
+    ----------
+    told
+        What was understood of the file.
+    answers
+        What its user said; ``peak_qe`` gives relative curves their height.
+
+    Raises
+    ------
+    InputError
+        If the file holds something else, or a question must be answered first.
+
+    Notes
+    -----
+    A response S per energy is S h c / lambda per photon; one in A/W is divided by the elementary
+    charge e: QE = S h c / (e lambda).
+
+    Examples
+    --------
+    >>> curves = Spectra(wavelength_nm=np.array([400.0, 800.0]), values=np.array([[.5], [1.0]]),
+    ...                  names=("mono",), quantity="response", unit="1", source="a sheet")
+    >>> told = Understood(
+    ...     curves=curves, format="text", delimiter="", decimal="", wavelength_unit="nm",
+    ...     scale="as written", factor=1.0, step_nm=400.0, gaps_nm=(), merged=0,
+    ...     quantity="response", level="relative", per="energy", deviations=None, notes=(),
+    ...     defects=(), questions=())
+    >>> qe_of(told, Answers(peak_qe=0.6)).values.ravel()    # the same per photon at both
+    array([0.6, 0.6])
+    """
+    source = told.curves.source
+    if told.quantity in ("reflectance", "transmittance", "power"):
+        raise _check.InputError(
+            f"{source}: holds {told.quantity}, but a sensor needs quantum efficiencies"
+        )
+    if told.quantity == "response" and told.per is None:
+        raise _asked(
+            source, "its response may be per energy or per photon", "--energy or --photons"
+        )
+    curves, notes = told.curves, _said(told)
+    if told.per == "energy":
+        per_photon = 1.0 / photons_per_joule(curves.wavelength_nm)[:, None] / _ELEMENTARY_CHARGE_C
+        curves = replace(curves, values=curves.values * per_photon)
+        notes = (*notes, "counted per energy: divided by the photons in it")
+    relative = told.level == "relative"
+    if relative or (told.level is None and looks_normalized(told.curves)):
+        curves, notes = _with_height(curves, answers, notes, relative)
+    elif told.quantity is None or told.level is None:
+        notes = (*notes, f"{_name(told)}: taken as absolute QE per photon, for it does not say")
+    return replace(curves, quantity="QE", unit="e-/photon", notes=(*curves.notes, *notes))
+
+
+def _with_height(
+    curves: Spectra, answers: Answers, notes: tuple[str, ...], relative: bool
+) -> tuple[Spectra, tuple[str, ...]]:
+    highest = float(curves.values.max())
+    if answers.peak_qe is None:
+        why = "its curves are relative" if relative else "its highest value is exactly 1 or 100"
+        option = "--peak-qe" if relative else "--peak-qe, or --absolute if they are QE as they are"
+        raise _asked(curves.source, f"{why}; which QE is the highest?", option)
+    if highest <= 0:
+        raise _check.InputError(f"{curves.source}: its curves are nowhere above 0")
+    told = f"relative curves, scaled to a highest QE of {answers.peak_qe:g}"
+    return replace(curves, values=curves.values * (answers.peak_qe / highest)), (*notes, told)
+
+
+def power_of(told: Understood) -> Spectra:
+    """One curve of relative power over wavelength, as `illuminant_from` wants it.
+
+    Raises
+    ------
+    InputError
+        If it is not one curve, or not known whether light was counted as energy or in photons.
+    """
+    curves = told.curves
+    if len(curves.names) != 1:
+        raise _asked(
+            curves.source,
+            f"holds {len(curves.names)} curves: {', '.join(curves.names[:8])}; which is the light?",
+            "--illuminant-column",
+        )
+    if told.per is None:
+        raise _asked(
+            curves.source,
+            "does not say whether it counts light as energy or in photons",
+            "--illuminant-energy or --illuminant-photons",
+        )
+    notes = _said(told)
+    if told.per == "photon":
+        energy = 1.0 / photons_per_joule(curves.wavelength_nm)
+        curves = replace(curves, values=curves.values * (energy / np.max(energy))[:, None])
+        notes = (*notes, "counted in photons: multiplied by their energy")
+    return replace(curves, quantity="power", unit="relative", notes=(*curves.notes, *notes))
+
+
+def _said(told: Understood) -> tuple[str, ...]:
+    """Notes and defects, each with the name of the file."""
+    return tuple(f"{_name(told)}: {text}" for text in (*told.notes, *told.defects))
+
+
+def _name(told: Understood) -> str:
+    return Path(told.curves.source).name
+
+
+def _asked(source: str, why: str, option: str) -> _check.InputError:
+    return _check.InputError(f"{source}: {why}; say {option}")

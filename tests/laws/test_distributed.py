@@ -1,0 +1,288 @@
+"""On a cluster: the bits are those of one machine, and what goes wrong is one sentence."""
+
+import logging
+import os
+import pickle
+import signal
+import sys
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+import pytest
+import tifffile
+
+from chromanoise._check import InputError
+from chromanoise.cli import main
+from chromanoise.exposure import Situation
+from chromanoise.imaging import Work, acquired, electrons_of_cube, rendered
+from chromanoise.imaging import distributed as on_clusters
+from chromanoise.imaging.distributed import cluster
+from chromanoise.imaging.plans import ElectronPlan, light_of, plan_for_rows
+from chromanoise.scene import Cube, read_cube
+from chromanoise.sensor import Imperfections, bayer
+from chromanoise.spectra import equal_energy
+from strategies import EXPOSURE, GRID, bell_qe, sensor_of
+
+ROWS, COLUMNS = 41, 25
+WAVELENGTH = np.linspace(400, 700, 31)
+SENSOR = sensor_of(
+    bell_qe([600.0, 540.0, 450.0], [35.0, 35.0, 25.0], [0.6, 0.7, 0.6]), names=("R", "G", "B")
+)
+SITUATION = Situation(
+    sensor=SENSOR, exposure=EXPOSURE, illuminant=equal_energy(GRID), level_lux=30.0
+)
+
+
+def reflectances():
+    return np.random.default_rng(4).random((ROWS, COLUMNS, WAVELENGTH.size), dtype=np.float32)
+
+
+IN_MEMORY = {
+    "bip": lambda rho: rho,
+    "bil": lambda rho: np.ascontiguousarray(rho.transpose(0, 2, 1)).transpose(0, 2, 1),
+    "bsq": lambda rho: np.ascontiguousarray(rho.transpose(2, 0, 1)).transpose(1, 2, 0),
+}
+
+
+def in_memory(interleave="bip", rho=None):
+    stored = IN_MEMORY[interleave](reflectances() if rho is None else rho)
+    return Cube(wavelength_nm=WAVELENGTH, stored=stored, source="a cube in memory")
+
+
+def envi_file(folder, interleave="bip", rho=None):
+    """Written by hand: big-endian, so that no reader can pass the bytes on as they are."""
+    rho = reflectances() if rho is None else rho
+    order = {"bip": (0, 1, 2), "bil": (0, 2, 1), "bsq": (2, 0, 1)}[interleave]
+    np.ascontiguousarray(rho.transpose(order)).astype(">f4").tofile(folder / "cube.img")
+    lines, samples, bands = rho.shape
+    (folder / "cube.hdr").write_text(
+        f"ENVI\nsamples = {samples}\nlines = {lines}\nbands = {bands}\nheader offset = 0\n"
+        f"data type = 4\ninterleave = {interleave}\nbyte order = 1\n"
+        "wavelength units = Nanometers\n"
+        f"wavelength = {{{', '.join(f'{w:g}' for w in WAVELENGTH)}}}\n"
+    )
+    return folder / "cube.hdr"
+
+
+@pytest.fixture(scope="module")
+def address():
+    """Two processes of this machine, found by their address as a cluster elsewhere would be."""
+    distributed = pytest.importorskip("distributed", reason="dask is an extra")
+    with distributed.LocalCluster(
+        n_workers=2,
+        threads_per_worker=1,
+        processes=True,
+        dashboard_address="127.0.0.1:0",
+        silence_logs=logging.CRITICAL,
+    ) as processes:
+        yield processes.scheduler_address
+
+
+@pytest.fixture(scope="module")
+def executor(address):
+    with cluster(address) as found:
+        yield found
+
+
+def test_the_cluster_works_in_other_processes(executor):
+    assert executor.submit(os.getpid).result() != os.getpid()
+
+
+@pytest.mark.parametrize("interleave", ["bip", "bil", "bsq"])
+@pytest.mark.parametrize("kept", ["in memory", "in a file"])
+def test_a_cluster_makes_the_bits_of_threads(executor, tmp_path, interleave, kept):
+    if kept == "in memory":
+        cube = in_memory(interleave)
+    else:
+        cube = read_cube(envi_file(tmp_path, interleave))
+    asked = {
+        "seed": 6,
+        "frame": 2,
+        "imperfections": Imperfections(dsnu_e=3.0, row_noise_e=5.0, prnu=0.01),
+    }
+    there = Work(executor=executor, tile_rows=9)
+    here, away = (
+        acquired(cube, SITUATION, mosaic=bayer(), **asked, work=w) for w in one_and(there)
+    )
+    assert (here.codes == away.codes).all()
+    assert (here.mean_e == away.mean_e).all()
+    assert (here.above_full_well == away.above_full_well).all()
+    here, away = (rendered(cube, SITUATION, **asked, work=w) for w in one_and(there))
+    assert (here.xyz == away.xyz).all()
+    assert (here.srgb == away.srgb).all()
+    here, away = (electrons_of_cube(cube, SITUATION, work=w) for w in one_and(there))
+    assert (here == away).all()
+
+
+def one_and(there):
+    return Work(threads=1), there
+
+
+def test_progress_is_told_of_every_row_that_comes_back(executor):
+    rows = []
+    work = Work(executor=executor, tile_rows=7, progress=rows.append)
+    electrons_of_cube(in_memory(), SITUATION, work=work)
+    assert sorted(rows) == [6, 7, 7, 7, 7, 7]
+
+
+def files_of(folder):
+    return {p.name: p.read_bytes() for p in folder.iterdir() if p.name != "summary.json"}
+
+
+def simulated(source, folder, *more):
+    with pytest.raises(SystemExit) as stop:
+        main(
+            ["simulate", str(source), "--sensor", "model-rgb-ircut", "--mosaic", "bayer",
+             "--frames", "2", "--beyond", "zero", "-o", str(folder), *map(str, more)]
+        )  # fmt: skip
+    return stop.value.code
+
+
+@pytest.fixture
+def wide_file(tmp_path):
+    """A cube over the whole grid of the catalogue's sensors, as ENVI."""
+    path = envi_file(tmp_path)
+    ends = ", ".join(f"{w:g}" for w in np.linspace(400, 1050, WAVELENGTH.size))
+    head, _, _ = path.read_text().rpartition("wavelength =")
+    path.write_text(f"{head}wavelength = {{{ends}}}\n")
+    return path
+
+
+def test_the_command_writes_the_same_files_on_threads_and_on_any_cluster(
+    address, wide_file, tmp_path, capsys
+):
+    assert simulated(wide_file, tmp_path / "threads") == 0
+    asked = ("--tile", 10, "--scheduler")
+    assert simulated(wide_file, tmp_path / "there", *asked, address) == 0
+    assert simulated(wide_file, tmp_path / "local", "--threads", 1, *asked, "local") == 0
+    capsys.readouterr()
+    files = files_of(tmp_path / "threads")
+    assert len(files) == 8
+    assert files_of(tmp_path / "there") == files
+    assert files_of(tmp_path / "local") == files
+    assert tifffile.imread(tmp_path / "there" / "model-rgb-ircut-0001.raw.tiff").std() > 0
+
+
+def spoiled(kind, tmp_path):
+    rho = reflectances()
+    rho[33, 5, 7] = np.nan
+    if kind == "file":
+        return read_cube(envi_file(tmp_path, rho=rho))
+    return in_memory(rho=rho)
+
+
+@pytest.mark.parametrize("kind", ["file", "memory"])
+def test_a_bad_reflectance_is_the_same_sentence_from_a_worker(executor, tmp_path, kind):
+    cube, told = spoiled(kind, tmp_path), []
+    for work in (Work(tile_rows=9), Work(tile_rows=9, executor=executor)):
+        with pytest.raises(InputError, match="at row 33, column 5") as refused:
+            acquired(cube, SITUATION, mosaic=bayer(), work=work)
+        told.append(str(refused.value))
+    assert told[0] == told[1]
+
+
+def test_after_a_refused_cube_the_cluster_works_on(executor):
+    bad = reflectances()
+    bad[:] = -1.0
+    with pytest.raises(InputError):
+        electrons_of_cube(in_memory(rho=bad), SITUATION, work=Work(executor=executor, tile_rows=4))
+    here, away = (
+        electrons_of_cube(in_memory(), SITUATION, work=w) for w in one_and(Work(executor=executor))
+    )
+    assert (here == away).all()
+
+
+@pytest.mark.parametrize("kept", ["in memory", "in a file"])
+def test_what_is_sent_of_a_cube_is_a_block_in_memory_and_nothing_in_a_file(tmp_path, kept):
+    rho = np.full((400, 50, WAVELENGTH.size), 0.5, np.float32)
+    cube = in_memory(rho=rho) if kept == "in memory" else read_cube(envi_file(tmp_path, rho=rho))
+    plan = ElectronPlan(light=light_of(cube, SITUATION, beyond="refuse"))
+    sent = len(pickle.dumps(plan_for_rows(plan, 10, 12), protocol=5))
+    block = rho[10:12].nbytes if kept == "in memory" else 0
+    assert block <= sent < block + 20_000
+
+
+def test_a_worker_that_is_killed_in_the_work_changes_no_bit(address, executor):
+    from dask.distributed import Client
+
+    cube = in_memory("bil")
+    with Client(address) as client:
+        workers = list(client.run(os.getpid).values())
+    assert len(workers) == 2
+
+    def kill_one(_):
+        if workers:
+            os.kill(workers.pop(), signal.SIGKILL)
+            workers.clear()
+
+    there = Work(executor=executor, tile_rows=1, progress=kill_one)
+    here, away = (acquired(cube, SITUATION, mosaic=bayer(), work=w) for w in one_and(there))
+    assert workers == []
+    assert (here.codes == away.codes).all()
+    assert (here.mean_e == away.mean_e).all()
+
+
+def test_a_cluster_that_loses_its_workers_says_so():
+    dask = pytest.importorskip("dask", reason="dask is an extra")
+    pytest.importorskip("distributed", reason="dask is an extra")
+    once = {"distributed.scheduler.allowed-failures": 0}
+    with (
+        dask.config.set(once),
+        pytest.raises(InputError, match=r"lost its workers \(KilledWorker\); .*--tile"),
+        cluster("local", workers=1) as executor,
+    ):
+        executor.submit(os._exit, 1).result()
+
+
+@pytest.mark.parametrize(
+    "scheduler", ["tcp://127.0.0.1:1", "nowhere://127.0.0.1:80", "tcp://127.0.0.1:99999999"]
+)
+def test_a_scheduler_that_does_not_answer_is_one_sentence(
+    wide_file, tmp_path, capsys, monkeypatch, scheduler
+):
+    pytest.importorskip("distributed", reason="dask is an extra")
+    monkeypatch.setattr(on_clusters, "_ANSWERS_WITHIN_S", 0.5)
+    code = simulated(wide_file, tmp_path / "o", "--scheduler", scheduler)
+    told = capsys.readouterr()
+    assert (code, told.out) == (2, "")
+    assert told.err.startswith(f"chromanoise: the scheduler '{scheduler}' does not answer (")
+    assert told.err.count("\n") == 1
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["cube.hdr", "cube.img"]
+
+
+@pytest.mark.parametrize("missing", ["dask", "dask.distributed"])
+def test_without_dask_the_way_to_install_it_is_told(
+    wide_file, tmp_path, capsys, monkeypatch, missing
+):
+    monkeypatch.setitem(sys.modules, missing, None)
+    code = simulated(wide_file, tmp_path / "o", "--scheduler", "local")
+    told = capsys.readouterr()
+    assert (code, told.out) == (2, "")
+    assert "pip install 'chromanoise[distributed]'" in told.err
+    assert told.err.count("\n") == 1
+    assert not (tmp_path / "o").exists()
+
+
+def test_an_executor_may_finish_its_blocks_in_any_order():
+    class Backwards(ThreadPoolExecutor):
+        """Holds what it is given until the first is waited for, and starts with the last."""
+
+        def __init__(self):
+            super().__init__(1)
+            self.held = []
+
+        def submit(self, call, /, *arguments, **more):
+            future = super().submit(lambda: None).__class__()
+            self.held.append((future, call, arguments, more))
+            if len(self.held) == 5:
+                for late, run, given, named in reversed(self.held):
+                    late.set_result(run(*given, **named))
+            return future
+
+    with Backwards() as executor:
+        work = Work(executor=executor, tile_rows=9)
+        here, away = (
+            acquired(in_memory(), SITUATION, mosaic=bayer(), work=w) for w in one_and(work)
+        )
+    assert (here.codes == away.codes).all()
+    assert (here.mean_e == away.mean_e).all()

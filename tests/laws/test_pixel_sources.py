@@ -1,0 +1,665 @@
+"""Pixels from data sheets, noise profiles and photon transfer: what goes in comes out."""
+
+import json
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from chromanoise._check import InputError
+from chromanoise.sensor import Adc
+from chromanoise.sensor.darktable import (
+    RelativeNoise,
+    pixel_from_darktable,
+    read_darktable_noise,
+)
+from chromanoise.sensor.emva import pixel_from_emva, read_emva_sheet
+from chromanoise.sensor.noise_profile import (
+    noise_profile,
+    pixel_from_noise_profile,
+    read_noise_profile,
+)
+from chromanoise.sensor.photon_transfer import (
+    PhotonTransfer,
+    photon_transfer_fit,
+    pixel_from_photon_transfer,
+)
+from chromanoise.sensor.photon_transfer_csv import read_photon_transfer_csv
+from chromanoise.sensor.pixel_source import PixelSource, open_questions, pixel_from
+
+RNG_SEED = 1288
+
+# a sheet: 10,000 e- full, K = 0.25 DN/e-; SNR_max = 100 = 40 dB; sigma_y.dark^2 = 4 DN^2 + 1/12
+# rounds to 2.0207 DN = 8.0829 e-; threshold 8.5829 e-; DR = 1165.1 = 61.33 dB
+SHEET = {
+    "QE": (60.0, "%"),
+    "K": (0.25, "DN/e-"),
+    "sigma_d": (8.0, "e-"),
+    "sigma_y.dark": (2.0207, "DN"),
+    "u_e.sat": (10_000.0, "e-"),
+    "u_p.sat": (16_667.0, "p"),
+    "u_e.min": (8.5829, "e-"),
+    "u_p.min": (14.305, "p"),
+    "SNR_max": (40.0, "dB"),
+    "DR": (61.33, "dB"),
+    "DSNU": (1.5, "e-"),
+    "PRNU": (0.5, "%"),
+    "dark current": (4.0, "DN/s"),
+    "pixel pitch": (3.45, "um"),
+    "bits": (12.0, "bit"),
+    "black level": (64.0, "DN"),
+}
+
+
+def disagreements(source):
+    return [note for note in source.notes if "one is wrong" in note or "beyond" in note]
+
+
+def typed(tmp_path, values, form="{name} = {number} {unit}", name="sheet.txt"):
+    path = tmp_path / name
+    lines = [form.format(name=n, number=v, unit=u) for n, (v, u) in values.items()]
+    path.write_text("\n".join(lines), encoding="utf-8")
+    return path
+
+
+# sources and questions
+
+
+def test_what_no_source_says_is_asked_and_one_answer_each_makes_the_pixel():
+    silent = PixelSource(source="nothing")
+    assert [q.split(":")[0] for q in open_questions(silent)] == [
+        "pitch_um",
+        "full_well_e",
+        "read_noise_e",
+    ]
+    with pytest.raises(InputError, match=r"does not make a pixel yet: full_well_e: how many"):
+        pixel_from(silent, pitch_um=2.0, read_noise_e=1.0)
+    pixel = pixel_from(silent, pitch_um=2.0, read_noise_e=1.0, full_well_e=5000.0)
+    assert (pixel.pitch_um, pixel.full_well_e, pixel.read_noise_e) == (2.0, 5000.0, 1.0)
+
+
+def test_an_answer_never_overrides_a_source():
+    with pytest.raises(InputError, match=r"says pitch_um = 3, but 2 is given too"):
+        pixel_from(PixelSource(source="a sheet", pitch_um=3.0), pitch_um=2.0)
+
+
+# EMVA 1288
+
+
+def test_a_sheet_that_agrees_with_itself_has_no_contradiction_and_its_own_numbers():
+    told = pixel_from_emva(SHEET, source="a sheet")
+    assert disagreements(told) == []
+    assert (told.qe, told.pitch_um, told.full_well_e, told.read_noise_e) == (0.6, 3.45, 1e4, 8.0)
+    assert told.adc == Adc(bits=12, gain_e_per_dn=4.0, black_level_dn=64)
+    own = told.imperfections
+    assert (own.dark_current_e_per_s, own.dsnu_e, own.prnu) == (16.0, 1.5, 0.005)
+    assert open_questions(told) == ()
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "law"),
+    [
+        ("SNR_max", (43.0, "dB"), "SNR_max"),
+        ("DR", (66.0, "dB"), "DR = "),
+        ("u_e.min", (12.0, "e-"), "u_e.min"),
+        ("sigma_y.dark", (3.0, "DN"), "sigma_y.dark"),
+        ("u_p.sat", (12_000.0, "p"), "QE u_p.sat"),
+        ("u_p.min", (20.0, "p"), "QE u_p.min"),
+        ("bits", (10.0, "bit"), "beyond the top code 1023"),
+    ],
+)
+def test_a_value_that_speaks_against_the_others_is_told(name, value, law):
+    found = disagreements(pixel_from_emva(SHEET | {name: value}))
+    assert found
+    assert all(law in note for note in found)
+
+
+def test_the_same_sheet_in_codes_or_electrons_dB_or_bits_percent_or_fraction_is_the_same_pixel():
+    # 8 e- x 0.25 = 2 DN; 1/K = 4 e-/DN; SNR 100 = 6.6439 bit
+    again = {k: v for k, v in SHEET.items() if k not in ("K", "DSNU")} | {
+        "1/K": (4.0, "e-/DN"),
+        "sigma_d": (2.0, "DN"),
+        "DSNU": (0.375, "DN"),
+        "PRNU": (0.005, "1"),
+        "QE": (0.6, "1"),
+        "SNR_max": (6.6439, "bit"),
+        "dark current": (16.0, "e-/s"),
+    }
+    assert pixel_from_emva(again) == pixel_from_emva(SHEET)
+    assert pixel_from_emva(SHEET | {"K": (4.0, "e-/DN")}) == pixel_from_emva(SHEET)
+
+
+@pytest.mark.parametrize(
+    "form",
+    [
+        "{name} = {number} {unit}",
+        "{name}: {number} [{unit}]",
+        "{name} [{unit}] = {number}",
+        "{name},{number},{unit}",
+        "{name};{number};{unit}",
+        "{name}\t{number}\t{unit}  # said the maker",
+    ],
+)
+def test_every_way_to_type_a_sheet_is_read_alike(tmp_path, form):
+    path = typed(tmp_path, SHEET, form)
+    assert read_emva_sheet(path) == pixel_from_emva(SHEET, source="sheet.txt")
+
+
+def test_a_sheet_as_json_is_read_alike(tmp_path):
+    path = tmp_path / "sheet.json"
+    held = {name: {"value": v, "unit": u} for name, (v, u) in SHEET.items()}
+    path.write_text(json.dumps(held | {"camera": "any"}), encoding="utf-8")
+    assert read_emva_sheet(path) == pixel_from_emva(SHEET, source="sheet.json")
+
+
+@pytest.mark.parametrize("name", ["σ_d", "sigma_d", "sigma.d", "Temporal dark noise", "Sigma d"])
+def test_greek_dots_and_words_name_the_same_value(name):
+    assert pixel_from_emva({name: (2.4, "e-")}).read_noise_e == 2.4
+
+
+@pytest.mark.parametrize(
+    ("lines", "match"),
+    [
+        ("PRNU = 0.5", r"line 1: PRNU has no unit; write it in % or 1"),
+        ("# x\nsigma_d = 2.4 V", r"line 2: sigma_d has the unit 'V'; write it in e- or DN"),
+        ("sigma_d = 2,4 e-", r"line 1: sigma_d has the unit '4 e-'"),
+        ("K = about 2", r"line 1: 'K = about 2' is no value"),
+        ("sigma_d = 2 DN", r"line 1: sigma_d in DN needs the gain"),
+        ("K = 0 DN/e-", r"line 1 must be finite and > 0"),
+        ("QE = 130 %", r"QE of .* must be 0 to 1"),
+        ("sigma_d = -2 e-", r"line 1: sigma_d must be 0 to 1e\+15"),
+        ("sigma_d = 2 e-\nsigma_d = 3 e-", r"line 2: 'sigma_d' stands twice"),
+        ("sigma_d = 2 e-\nread noise = 3 e-", r"says again what sigma_d = 2 e- says"),
+        ("camera: Foo\nlinearity = 0.2 %", r"holds no value of an EMVA 1288 sheet"),
+        ("bits = 12.5\nK = 1 DN/e-", r"whole bits, not 12.5"),
+        ("bits = 20\nK = 1 DN/e-", r"8 to 16 bits"),
+        ("", r"holds no value"),
+        ('{"K": 0.5}', r'K must be \{"value": number, "unit"'),
+        ('{"K": {"value": 1', r"line 1 is not JSON"),
+        ("[" * 100_000, r"holds no value"),
+        ('{"K":' + "[" * 100_000, r"nests too deep"),
+    ],
+)
+def test_a_sheet_that_cannot_be_used_is_refused_in_one_sentence(tmp_path, lines, match):
+    path = tmp_path / "sheet.txt"
+    path.write_text(lines, encoding="utf-8")
+    with pytest.raises(InputError, match=match) as refused:
+        read_emva_sheet(path)
+    assert "\n" not in str(refused.value)
+
+
+def test_what_a_sheet_leaves_out_is_said():
+    notes = " ".join(pixel_from_emva({"K": (1.0, "DN/e-"), "bits": (10.0, "")}).notes)
+    assert "dark current, DSNU, PRNU not given, taken as 0" in notes
+    assert "black level not given" in notes
+
+
+# noise profiles
+
+
+def test_the_noise_profile_of_docs_numbers_gives_back_its_gain_and_read_noise():
+    # docs/numbers.md: 8 bits, black 55, 2 e-/DN, 10 e-: S = 1/400, O = (25 + 1/12)/200^2
+    told = pixel_from_noise_profile(
+        np.array([[0.0025, 6.270833333333e-4]]), black_level_dn=55, white_level_dn=255
+    )
+    assert told.gain_e_per_dn == pytest.approx(2.0, rel=1e-12)
+    assert told.read_noise_e == pytest.approx(10.0, rel=1e-11)
+    assert told.adc == Adc(bits=8, gain_e_per_dn=told.gain_e_per_dn, black_level_dn=55)
+    assert told.full_well_e is None
+    assert "400 e- lie between black and white" in told.notes[0]
+
+
+@given(
+    bits=st.integers(8, 16),
+    gain=st.floats(0.02, 50.0),
+    black=st.integers(0, 200),
+    read=st.floats(0.5, 100.0),
+)
+def test_a_profile_and_its_pixel_are_inverse(bits, gain, black, read):
+    adc = Adc(bits=bits, gain_e_per_dn=gain, black_level_dn=black)
+    rows = np.tile(noise_profile(adc, read_noise_e=read), (3, 1))
+    told = pixel_from_noise_profile(rows, black_level_dn=black, white_level_dn=adc.top_code)
+    assert told.gain_e_per_dn == pytest.approx(gain, rel=1e-9)
+    # rounding is taken away again: what is left of it is that of double precision
+    lost = 1e-12 * (gain / read) ** 2
+    assert told.read_noise_e == pytest.approx(read, rel=1e-9 + lost)
+
+
+def test_codes_drawn_with_a_profile_have_its_variance():
+    # another road: Poisson electrons, Gaussian readout, rounding, then S x + O of the codes
+    rng = np.random.default_rng(RNG_SEED)
+    draws, gain, read, black = 200_000, 2.5, 6.0, 64
+    told = pixel_from_noise_profile(
+        np.array([noise_profile(Adc(bits=12, gain_e_per_dn=gain, black_level_dn=black),
+                                read_noise_e=read)]),
+        black_level_dn=black,
+        white_level_dn=4095,
+    )  # fmt: skip
+    for electrons in (0.0, 40.0, 4000.0):
+        codes = np.rint(
+            black + (rng.poisson(electrons, draws) + read * rng.standard_normal(draws)) / gain
+        )
+        own = (electrons + told.read_noise_e**2) / told.gain_e_per_dn**2 + 1 / 12
+        assert abs(codes.var() / own - 1) / np.sqrt(2 / draws) < 5
+
+
+def test_a_dark_variance_below_that_of_rounding_tells_no_read_noise():
+    told = pixel_from_noise_profile(np.array([[1e-3, 1e-9]]), black_level_dn=0, white_level_dn=1023)
+    assert told.read_noise_e is None
+    assert any("less than rounding alone makes" in note for note in told.notes)
+
+
+def test_a_white_level_below_the_top_code_is_told():
+    told = pixel_from_noise_profile(np.array([[1e-4, 1e-6]]), black_level_dn=0, white_level_dn=1000)
+    assert told.adc is not None
+    assert told.adc.bits == 10
+    assert any("go on to 1023" in note for note in told.notes)
+
+
+@pytest.mark.parametrize(
+    ("change", "match"),
+    [
+        ({"S": 0.0}, r"S of channel 0 of p.json must be 1e-15 to 1000"),
+        ({"S": [1e-4, 2e-4], "O": [1e-6, 1e-6]}, r"codes were multiplied, as by a white balance"),
+        ({"S": [1e-4, 1e-4]}, r"number of channels"),
+        ({"white_level_dn": 1e300}, r"white level of p.json must be 1 to 1e"),
+        ({"white_level_dn": 64}, r"white minus black level"),
+        ({"O": "much"}, r"O must be a finite number"),
+        ({"S": True}, r"S must be a finite number"),
+        ({"black_level_dn": [1, 2]}, r"one number each"),
+        ({"channels": "RGB"}, r"channels must be a list of names"),
+    ],
+)
+def test_a_noise_profile_that_cannot_be_used_is_refused(tmp_path, change, match):
+    path = tmp_path / "p.json"
+    held = {"S": 1e-4, "O": 1e-6, "black_level_dn": 64, "white_level_dn": 1023}
+    path.write_text(json.dumps(held), encoding="utf-8")
+    assert read_noise_profile(path).gain_e_per_dn == pytest.approx(1e4 / 959)
+    path.write_text(json.dumps(held | change), encoding="utf-8")
+    with pytest.raises(InputError, match=match):
+        read_noise_profile(path)
+
+
+# photon transfer
+
+GAIN, READ_E, BLACK = 0.8, 6.0, 100.0
+LIGHTS_E = np.array([0.0, 30.0, 100.0, 300.0, 600.0, 1000.0, 1500.0, 2000.0])
+
+
+def drawn(rng, *, samples=2000, prnu=0.0, lights=LIGHTS_E, full_e=np.inf):
+    """Codes of ``samples`` pixels at each light."""
+    sensitivity = 1 + prnu * rng.standard_normal(samples)
+    rows = []
+    for light in lights:
+        electrons = rng.poisson(light * sensitivity) + READ_E * rng.standard_normal(samples)
+        codes = np.rint(BLACK + GAIN * np.minimum(electrons, full_e))
+        rows.append((codes.mean(), codes.var(ddof=1)))
+    mean, variance = np.array(rows).T
+    return PhotonTransfer(
+        mean_dn=mean,
+        variance_dn2=variance,
+        dark=lights == 0,
+        samples=np.full(lights.size, float(samples)),
+    )
+
+
+def test_drawn_codes_give_back_gain_and_read_noise_within_honest_standard_errors():
+    rng = np.random.default_rng(RNG_SEED)
+    repeats = 120
+    fits = [photon_transfer_fit(drawn(rng)) for _ in range(repeats)]
+    gain = np.array([(f.gain_dn_per_e - GAIN) / f.gain_se for f in fits])
+    read = np.array([(f.read_noise_e - READ_E) / f.read_noise_se for f in fits])
+    chi2 = np.array([f.chi2_per_row for f in fits])
+    for z in (gain, read):
+        assert abs(z.mean()) < 5 / np.sqrt(repeats)
+        assert abs(z.var() - 1) < 5 * np.sqrt(2 / repeats)
+    # free: 8 rows less 2 terms; the mean of chi^2 per degree has the variance 2/free/repeats
+    assert abs(chi2.mean() - 1) < 5 * np.sqrt(2 / 6 / repeats)
+
+
+def test_a_pattern_of_sensitivities_bends_the_variance_up_by_its_square():
+    rng = np.random.default_rng(RNG_SEED + 1)
+    lights = np.array([0.0, 200.0, 1000.0, 3000.0, 8000.0, 20_000.0])
+    fits = [photon_transfer_fit(drawn(rng, prnu=0.02, lights=lights)) for _ in range(100)]
+    assert all(f.prnu is not None for f in fits)
+    # one pattern for all lights makes their errors common, so the scatter is its own judge
+    prnu = np.array([f.prnu for f in fits])
+    assert abs(prnu.mean() - 0.02) < 5 * prnu.std(ddof=1) / 10
+    gain = np.array([f.gain_dn_per_e for f in fits])
+    assert abs(gain.mean() - GAIN) < 5 * gain.std(ddof=1) / 10
+
+
+def test_no_pattern_is_seldom_taken_for_one():
+    rng = np.random.default_rng(RNG_SEED + 2)
+    found = sum(photon_transfer_fit(drawn(rng)).prnu is not None for _ in range(100))
+    assert found <= 4  # 0.135 % of a Gaussian lie beyond three standard errors above
+
+
+def exact(lights, *, known=True, **more):
+    mean = BLACK + GAIN * lights
+    return PhotonTransfer(
+        mean_dn=mean,
+        variance_dn2=GAIN**2 * (lights + READ_E**2) + 1 / 12,
+        dark=lights == 0,
+        samples=np.full(lights.size, 1e4) if known else None,
+        **more,
+    )
+
+
+@pytest.mark.parametrize("known", [True, False])
+def test_an_exact_line_is_found_exactly(known):
+    fit = photon_transfer_fit(exact(LIGHTS_E, known=known))
+    assert fit.gain_dn_per_e == pytest.approx(GAIN, rel=1e-12)
+    assert fit.read_noise_e == pytest.approx(READ_E, rel=1e-10)
+    assert (fit.prnu, fit.full_well_e, fit.black_dn) == (None, None, BLACK)
+    assert any("full well is unknown" in note for note in fit.notes)
+
+
+def test_without_black_level_the_gain_is_known_and_the_read_noise_is_not():
+    fit = photon_transfer_fit(exact(LIGHTS_E[1:]))
+    assert fit.gain_dn_per_e == pytest.approx(GAIN, rel=1e-12)
+    assert fit.read_noise_e is None
+    again = photon_transfer_fit(exact(LIGHTS_E[1:]), black_dn=BLACK)
+    assert again.read_noise_e == pytest.approx(READ_E, rel=1e-9)
+
+
+def test_codes_held_at_full_well_are_left_out_and_tell_the_full_well():
+    rng = np.random.default_rng(RNG_SEED + 3)
+    lights = np.concatenate([[0.0], np.linspace(500.0, 12_000.0, 24)])
+    fit = photon_transfer_fit(drawn(rng, lights=lights, full_e=10_000.0))
+    assert abs(fit.gain_dn_per_e - GAIN) < 5 * fit.gain_se
+    assert 9_000 < fit.full_well_e < 10_000  # the last light before: steps of 500 e-
+    assert not fit.fitted[lights > 7_000].any()
+    assert np.abs(fit.residual_z[lights > 10_500]).min() > 5
+    source = pixel_from_photon_transfer(fit, bits=14)
+    assert source.full_well_e == fit.full_well_e
+    assert source.adc.gain_e_per_dn == 1 / fit.gain_dn_per_e
+
+
+def test_a_row_far_off_the_line_is_named():
+    table = exact(LIGHTS_E)
+    variance = table.variance_dn2.copy()
+    variance[4] *= 1.3
+    odd = PhotonTransfer(
+        mean_dn=table.mean_dn, variance_dn2=variance, dark=table.dark, samples=table.samples
+    )
+    notes = photon_transfer_fit(odd).notes
+    assert any(f"row of mean {table.mean_dn[4]:g} DN lies +" in note for note in notes)
+    assert any("scatter" in note for note in notes)
+    assert not any("scatter" in note for note in photon_transfer_fit(table).notes)
+
+
+def test_a_variance_that_bends_down_is_no_pattern_and_is_told():
+    table = exact(LIGHTS_E)
+    bent = table.variance_dn2 - 1e-4 * (table.mean_dn - BLACK) ** 2
+    fit = photon_transfer_fit(
+        PhotonTransfer(mean_dn=table.mean_dn, variance_dn2=bent, dark=table.dark,
+                       samples=table.samples)
+    )  # fmt: skip
+    assert fit.prnu is None
+    assert fit.gain_dn_per_e == pytest.approx(GAIN, rel=1e-9)
+    assert any("bends down" in note for note in fit.notes)
+
+
+def test_the_reference_code_of_the_standard_finds_the_same_gain_read_noise_and_full_well(
+    monkeypatch,
+):
+    results = pytest.importorskip("emva1288.process.results", reason="needs the package emva1288")
+    # emva1288 1.0.2 still calls np.asfarray, which numpy 2 has dropped
+    monkeypatch.setattr(np, "asfarray", lambda a: np.asarray(a, dtype=float), raising=False)
+    lights = np.linspace(210.0, 10_500.0, 50)
+    table = exact(np.concatenate([[0.0], lights]))
+    held = table.mean_dn > BLACK + GAIN * 9_900.0
+    variance = np.where(held, 0.01, table.variance_dn2)
+    ours = photon_transfer_fit(
+        PhotonTransfer(mean_dn=table.mean_dn, variance_dn2=variance, dark=table.dark)
+    )
+    same = np.ones(lights.size)
+    temporal = {
+        "texp": 1e6 * same,
+        "u_p": lights / 0.5,
+        "u_y": table.mean_dn[1:],
+        "s2_y": variance[1:],
+        "u_ydark": BLACK * same,
+        "s2_ydark": variance[0] * same,
+    }
+    theirs = results.Results1288({"temporal": temporal, "spatial": {}}, pixel_area=100.0)
+    assert ours.gain_dn_per_e == pytest.approx(theirs.K, rel=1e-9)
+    assert ours.read_noise_e == pytest.approx(theirs.sigma_d, rel=1e-9)
+    assert ours.full_well_e == pytest.approx(theirs.u_e_sat, rel=1e-9)
+    sheet = {
+        "K": (theirs.K, "DN/e-"),
+        "QE": (theirs.QE, "%"),
+        "sigma_d": (theirs.sigma_d, "e-"),
+        "u_e.sat": (theirs.u_e_sat, "e-"),
+        "u_e.min": (theirs.u_e_min, "e-"),
+        "u_p.min": (theirs.u_p_min, "p"),
+        "u_p.sat": (theirs.u_p_sat, "p"),
+        "DR": (theirs.DR_dB(), "dB"),
+        "SNR_max": (theirs.SNR_max_bit(), "bit"),
+        "sigma_y.dark": (theirs.sigma_y_dark, "DN"),
+    }
+    assert disagreements(pixel_from_emva({k: (float(v), u) for k, (v, u) in sheet.items()})) == []
+
+
+@settings(max_examples=25)
+@given(scale=st.floats(1.0, 100.0), order=st.permutations(range(LIGHTS_E.size)))
+def test_neither_the_order_of_rows_nor_the_unit_of_codes_changes_the_electrons(scale, order):
+    rng = np.random.default_rng(RNG_SEED + 4)
+    table = drawn(rng)
+    first = photon_transfer_fit(table)
+    rows = list(order)
+    again = photon_transfer_fit(
+        PhotonTransfer(
+            mean_dn=scale * table.mean_dn[rows],
+            variance_dn2=scale**2 * (table.variance_dn2[rows] - 1 / 12) + 1 / 12,
+            dark=table.dark[rows],
+            samples=table.samples[rows],
+        )
+    )
+    # rounding stays one code, so weights differ a little
+    assert again.read_noise_e == pytest.approx(first.read_noise_e, abs=first.read_noise_se)
+    assert again.gain_dn_per_e == pytest.approx(scale * first.gain_dn_per_e, rel=1e-2)
+
+
+def test_a_photon_transfer_is_read_from_csv_to_the_digit(tmp_path):
+    path = tmp_path / "transfer.csv"
+    table = drawn(np.random.default_rng(RNG_SEED + 5))
+    rows = zip(table.mean_dn, table.variance_dn2, table.samples, table.dark, strict=True)
+    lines = [f"{m!r},{v!r},{int(n)},{'dark' if d else 'light'}" for m, v, n, d in
+             ((float(m), float(v), n, d) for m, v, n, d in rows)]  # fmt: skip
+    text = "# one gain\nmean_dn,variance_dn2,samples,light\n" + "\n".join(lines)
+    path.write_text(text, encoding="utf-8")
+    read = read_photon_transfer_csv(path)
+    assert np.array_equal(read.mean_dn, table.mean_dn)
+    assert np.array_equal(read.variance_dn2, table.variance_dn2)
+    assert np.array_equal(read.dark, table.dark)
+    assert np.array_equal(read.samples, table.samples)
+
+
+@pytest.mark.parametrize(
+    ("text", "match"),
+    [
+        ("mean,variance\n1,2\n", r"line 1 must name each column once"),
+        ("mean_dn,variance_dn2\n1,2,3\n", r"line 2 has 3 cells"),
+        ("mean_dn,variance_dn2\n1,x\n", r"line 2, column variance_dn2: 'x' is not a finite"),
+        ("mean_dn,variance_dn2\n1,nan\n", r"'nan' is not a finite number"),
+        ("mean_dn,variance_dn2\n1,2\n2,3\n", r"at least 3 rows of different mean"),
+        ("mean_dn,variance_dn2\n", r"at least 3 rows"),
+        ("mean_dn,variance_dn2,light\n1,2,dim\n", r"neither dark nor light"),
+        ("mean_dn,variance_dn2,samples\n1,2,1\n2,3,1\n3,4,1\n", r"at least 2 samples"),
+        ("mean_dn,variance_dn2\n1,2\n2,-3\n3,4\n", r"must be finite and >= 0"),
+        ("", r"has 0 lines"),
+        ("mean_dn,variance_dn2\n1,2\n2,3\n1e300,4\n", r"largest .mean_dn. of t.csv must be 0 to"),
+        ("mean_dn,variance_dn2\n1,2\n2,3\n4,1e30\n", r"largest variance_dn2 of t.csv must be 0"),
+    ],
+)
+def test_a_photon_transfer_that_cannot_be_used_is_refused(tmp_path, text, match):
+    path = tmp_path / "t.csv"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(InputError, match=match):
+        photon_transfer_fit(read_photon_transfer_csv(path))
+
+
+def test_a_variance_that_does_not_grow_is_no_photon_transfer():
+    x = np.array([0.0, 1.0, 2.0, 3.0])
+    for variance in (4 - x, 0 * x, 0 * x + 1):
+        table = PhotonTransfer(mean_dn=x, variance_dn2=variance, dark=x == 0)
+        with pytest.raises(InputError, match=r"does not grow|below 70 %"):
+            photon_transfer_fit(table)
+
+
+def test_two_black_levels_or_one_above_the_codes_are_refused():
+    with pytest.raises(InputError, match=r"dark rows tell a black level of 100 DN, but 99"):
+        photon_transfer_fit(exact(LIGHTS_E), black_dn=99.0)
+    with pytest.raises(InputError, match=r"above the lowest mean"):
+        photon_transfer_fit(exact(LIGHTS_E[1:]), black_dn=1000.0)
+
+
+# darktable
+
+
+def profiles(tmp_path, entries):
+    path = tmp_path / "noiseprofiles.json"
+    held = {
+        "version": 0,
+        "noiseprofiles": [
+            {"maker": "Canon", "models": [{"model": "EOS-1Ds", "profiles": entries}]}
+        ],
+    }
+    path.write_text(json.dumps(held), encoding="utf-8")
+    return path
+
+
+# darktable, data/noiseprofiles.json, EOS-1Ds at ISO 50
+REAL = {
+    "name": "EOS-1Ds iso 50",
+    "iso": 50,
+    "a": [4.51315201045946e-06, 2.15965916027681e-06, 3.18527773445627e-06],
+    "b": [2.58737644842453e-08, 2.09817875966987e-08, 2.68411852737342e-08],
+}
+
+
+def test_a_real_profile_with_a_full_well_gives_the_read_noise_of_such_a_camera(tmp_path):
+    noise = read_darktable_noise(profiles(tmp_path, [REAL]), maker="Canon", model="EOS-1Ds", iso=50)
+    # cameras of 2002 read out with some tens of electrons; 1/a of green would be 463,000 e-
+    assert 10 < pixel_from_darktable(noise, full_well_e=80_000.0).read_noise_e < 50
+    assert any("neither gain nor full well" in note for note in noise.notes)
+
+
+def test_a_relative_profile_alone_makes_no_pixel(tmp_path):
+    noise = read_darktable_noise(profiles(tmp_path, [REAL]), maker="Canon", model="EOS-1Ds", iso=50)
+    adc = Adc(bits=12, gain_e_per_dn=20.0, black_level_dn=95)
+    for given_both in ({}, {"full_well_e": 1e4, "adc": adc}):
+        with pytest.raises(InputError, match=r"is relative; give either"):
+            pixel_from_darktable(noise, **given_both)
+    by_gain = pixel_from_darktable(noise, adc=adc)
+    assert by_gain == pixel_from_darktable(noise, full_well_e=80_000.0).__class__(
+        source=by_gain.source,
+        full_well_e=80_000.0,
+        read_noise_e=by_gain.read_noise_e,
+        gain_e_per_dn=20.0,
+        adc=adc,
+        notes=by_gain.notes,
+    )
+
+
+@given(factor=st.floats(1e-3, 1e3), read=st.floats(0.1, 100.0), well=st.floats(1e3, 1e6))
+def test_the_unknown_factor_of_a_profile_does_not_reach_the_read_noise(factor, read, well):
+    # variance of electrons E x + read^2, over E^2, times whatever darktable's filters made of it
+    noise = RelativeNoise(
+        camera="any",
+        iso=100,
+        a=np.full(3, factor / well),
+        b=np.full(3, factor * read * read / well / well),
+    )
+    told = pixel_from_darktable(noise, full_well_e=well)
+    assert told.read_noise_e == pytest.approx(read, rel=1e-12)
+
+
+def test_a_negative_b_tells_no_read_noise_and_doubles_are_told(tmp_path):
+    entry = REAL | {"b": [1e-8, -1e-9, 1e-8]}
+    path = profiles(tmp_path, [entry, REAL])
+    noise = read_darktable_noise(path, maker="Canon", model="EOS-1Ds", iso=50)
+    assert any("2 profiles of ISO 50" in note for note in noise.notes)
+    told = pixel_from_darktable(noise, full_well_e=1e4)
+    assert told.read_noise_e is None
+    assert any("b of green is negative" in note for note in told.notes)
+
+
+@pytest.mark.parametrize(
+    ("wanted", "match"),
+    [
+        ({"maker": "Cannon"}, r"did you mean Canon\?"),
+        ({"model": "EOS-1D"}, r"did you mean EOS-1Ds\?"),
+        ({"iso": 75}, r"no profile of ISO 75; it has 50"),
+    ],
+)
+def test_a_camera_that_is_not_there_brings_the_nearest(tmp_path, wanted, match):
+    asked = {"maker": "Canon", "model": "EOS-1Ds", "iso": 50} | wanted
+    with pytest.raises(InputError, match=match):
+        read_darktable_noise(profiles(tmp_path, [REAL]), **asked)
+
+
+@pytest.mark.parametrize(
+    ("text", "match"),
+    [
+        ("[]", r"holds no noiseprofiles with a maker"),
+        ('{"noiseprofiles": [{"maker": "Canon"}]}', r"Canon holds no models with a model"),
+        ('{"noiseprofiles": 3}', r"holds no noiseprofiles"),
+        ("{", r"line 1 is not JSON"),
+    ],
+)
+def test_another_json_is_not_taken_for_noise_profiles(tmp_path, text, match):
+    path = tmp_path / "n.json"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(InputError, match=match):
+        read_darktable_noise(path, maker="Canon", model="EOS-1Ds", iso=50)
+
+
+def test_entries_of_a_profile_that_are_no_three_numbers_are_refused(tmp_path):
+    for bad in ([1e-6, 1e-6], [1e-6, 1e-6, None], "a", [1e-6, 1e-6, float("inf")]):
+        path = profiles(tmp_path, [REAL | {"a": bad}])
+        with pytest.raises(InputError, match=r"must be three finite numbers"):
+            read_darktable_noise(path, maker="Canon", model="EOS-1Ds", iso=50)
+
+
+# whatever comes
+
+
+READERS = (
+    read_emva_sheet,
+    read_noise_profile,
+    read_photon_transfer_csv,
+    lambda path: read_darktable_noise(path, maker="Canon", model="EOS-1Ds", iso=50),
+)
+SEEDS = (
+    "\n".join(f"{n} = {v} {u}" for n, (v, u) in SHEET.items()).encode(),
+    b'{"S": 1e-4, "O": 1e-6, "black_level_dn": 64, "white_level_dn": 1023}',
+    b"mean_dn,variance_dn2\n1,2\n2,3\n3,4\n",
+    json.dumps({"noiseprofiles": [{"maker": "Canon", "models": [{"model": "EOS-1Ds",
+                "profiles": [REAL]}]}]}).encode(),
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("which", range(4))
+@settings(max_examples=60)
+@given(edits=st.data())
+def test_mutated_files_give_a_result_or_one_sentence(tmp_path_factory, which, edits):
+    content = bytearray(SEEDS[which])
+    for _ in range(edits.draw(st.integers(1, 4))):
+        at = edits.draw(st.integers(0, len(content)))
+        new = edits.draw(
+            st.one_of(
+                st.binary(max_size=3),
+                st.sampled_from([b"1e999", b"-", b",", b"\xff", b"\n", b'"', b"[]", b"NaN", b"0"]),
+            )
+        )
+        content[at : at + edits.draw(st.integers(0, 4))] = new
+    path = tmp_path_factory.mktemp("mutated") / "file"
+    path.write_bytes(bytes(content))
+    try:
+        READERS[which](path)
+    except InputError as error:
+        assert "\n" not in str(error)  # noqa: PT017  # one sentence is the law

@@ -1,0 +1,186 @@
+"""Converter, imperfections, mosaics by name: what they promise, and what they refuse."""
+
+import numpy as np
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+from chromanoise._check import InputError
+from chromanoise.sensor import (
+    MOSAIC_NAMES,
+    Adc,
+    Imperfections,
+    Mosaic,
+    adc_to_full_well,
+    bayer,
+    mosaic_named,
+    rgbw_sparse_4x4,
+)
+from chromanoise.sensor.imperfections import NONE
+from strategies import pixel_with
+
+BITS = st.integers(8, 16)
+
+
+@given(BITS, st.floats(100.0, 1e6), st.integers(0, 254))
+def test_the_top_code_of_a_fitted_converter_is_full_well(bits, full_well_e, black_level_dn):
+    adc = adc_to_full_well(
+        pixel_with(full_well_e=full_well_e), bits=bits, black_level_dn=black_level_dn
+    )
+    electrons = (adc.top_code - adc.black_level_dn) * adc.gain_e_per_dn
+    assert electrons == pytest.approx(full_well_e, rel=1e-14)
+    assert adc.black_level_dn == black_level_dn
+
+
+@pytest.mark.parametrize(("bits", "top"), [(8, 255), (10, 1023), (12, 4095), (14, 16383)])
+def test_the_top_code_is_the_one_that_data_sheets_print(bits, top):
+    assert Adc(bits=bits, gain_e_per_dn=1.0).top_code == top
+    codes = {8: np.uint8}.get(bits, np.uint16)
+    assert Adc(bits=bits, gain_e_per_dn=1.0).top_code <= np.iinfo(codes).max
+
+
+def test_sixteen_bits_fill_an_unsigned_short():
+    assert Adc(bits=16, gain_e_per_dn=1.0).top_code == np.iinfo(np.uint16).max
+
+
+@given(BITS, st.integers(0, 100))
+def test_one_bit_more_halves_the_gain_but_for_the_code_zero(bits, black_level_dn):
+    """With 2^n - 1 steps, n + 1 bits have twice the steps and one more."""
+    assume(bits < 16)
+    pixel = pixel_with(full_well_e=10_000.0)
+    coarse = adc_to_full_well(pixel, bits=bits)
+    fine = adc_to_full_well(pixel, bits=bits + 1)
+    steps = 10_000.0 / fine.gain_e_per_dn
+    assert 10_000.0 / coarse.gain_e_per_dn == pytest.approx((steps - 1) / 2)
+    raised = adc_to_full_well(pixel, bits=bits, black_level_dn=black_level_dn)
+    assert raised.gain_e_per_dn >= coarse.gain_e_per_dn
+
+
+def test_a_twelve_bit_converter_without_more_words_starts_at_code_zero():
+    adc = adc_to_full_well(pixel_with(full_well_e=8190.0))
+    assert (adc.bits, adc.black_level_dn, adc.gain_e_per_dn) == (12, 0, 2.0)
+
+
+@pytest.mark.parametrize("bits", [-1, 7, 17, 64])
+def test_a_converter_has_8_to_16_bits(bits):
+    with pytest.raises(InputError, match=f"8 to 16 bits, but {bits} "):
+        Adc(bits=bits, gain_e_per_dn=1.0)
+    with pytest.raises(InputError, match=f"8 to 16 bits, but {bits} "):
+        adc_to_full_well(pixel_with(), bits=bits)
+
+
+@pytest.mark.parametrize("bits", [0, 2000])
+def test_bits_that_no_arithmetic_survives_are_refused_like_others(bits):
+    with pytest.raises(InputError, match=f"8 to 16 bits, but {bits} "):
+        adc_to_full_well(pixel_with(), bits=bits)
+
+
+@pytest.mark.parametrize("gain", [0.0, -1.0, np.nan, np.inf])
+def test_a_gain_that_is_no_gain_is_refused_by_name(gain):
+    with pytest.raises(InputError, match=r"gain_e_per_dn .* \[e-/DN\]"):
+        Adc(bits=12, gain_e_per_dn=gain)
+
+
+@pytest.mark.parametrize("black_level_dn", [-1, 255, 256, 70_000])
+def test_a_black_level_leaves_at_least_one_code_for_light(black_level_dn):
+    with pytest.raises(InputError, match=f"black_level_dn .*{black_level_dn}"):
+        Adc(bits=8, gain_e_per_dn=1.0, black_level_dn=black_level_dn)
+    with pytest.raises(InputError, match=f"black_level_dn .*{black_level_dn}"):
+        adc_to_full_well(pixel_with(), bits=8, black_level_dn=black_level_dn)
+
+
+def test_a_black_level_just_below_the_top_leaves_full_well_to_one_code():
+    adc = adc_to_full_well(pixel_with(full_well_e=700.0), bits=8, black_level_dn=254)
+    assert adc.gain_e_per_dn == 700.0
+
+
+def test_the_papers_pixel_has_no_imperfections():
+    assert Imperfections() == NONE
+    assert (
+        NONE.dark_current_e_per_s,
+        NONE.dsnu_e,
+        NONE.prnu,
+        NONE.row_noise_e,
+    ) == (0.0, 0.0, 0.0, 0.0)
+
+
+@pytest.mark.parametrize("field", ["dark_current_e_per_s", "dsnu_e", "prnu", "row_noise_e"])
+@pytest.mark.parametrize("value", [-1e-9, np.nan, np.inf])
+def test_an_imperfection_that_is_no_strength_is_refused_by_name(field, value):
+    with pytest.raises(InputError, match=f"{field} must be finite and >= 0"):
+        Imperfections(**{field: value})
+
+
+def test_a_prnu_in_percent_is_recognised():
+    assert Imperfections(prnu=0.2).prnu == 0.2
+    with pytest.raises(InputError, match=r"prnu \(percent\? divide by 100\).* is 1"):
+        Imperfections(prnu=1.0)
+
+
+def share(mosaic, name):
+    flat = [entry for row in mosaic.pattern for entry in row]
+    return flat.count(name) / len(flat)
+
+
+def test_half_of_a_bayer_array_is_green():
+    """Bayer, US 3,971,065: luminance-sensitive elements at every other place, diagonally."""
+    mosaic = mosaic_named("bayer")
+    assert share(mosaic, "G") == 0.5
+    assert share(mosaic, "R") == share(mosaic, "B") == 0.25
+    assert mosaic.pattern[0][1] == mosaic.pattern[1][0] == "G"
+
+
+def test_three_quarters_of_the_sparse_array_are_white():
+    mosaic = mosaic_named("rgbw-4x4")
+    assert share(mosaic, "W") == 0.75
+    assert share(mosaic, "G") == 2 * share(mosaic, "R") == 2 * share(mosaic, "B") == 0.125
+    assert mosaic == rgbw_sparse_4x4()
+
+
+@pytest.mark.parametrize("name", MOSAIC_NAMES)
+def test_a_named_mosaic_is_also_its_own_rows(name):
+    mosaic = mosaic_named(name)
+    assert mosaic_named(" / ".join(" ".join(row) for row in mosaic.pattern)) == mosaic
+
+
+@given(
+    st.lists(
+        st.lists(st.sampled_from(["R", "G", "B", "IR", "c900"]), min_size=2, max_size=2),
+        min_size=1,
+        max_size=3,
+    )
+)
+def test_rows_with_spaces_are_read_channel_by_channel(rows):
+    assert mosaic_named("/".join(" ".join(row) for row in rows)) == Mosaic(
+        tuple(tuple(row) for row in rows)
+    )
+
+
+def test_rows_without_spaces_are_read_letter_by_letter():
+    assert mosaic_named("RG/GB") == bayer()
+    assert mosaic_named("W").pattern == (("W",),)
+    assert mosaic_named("RGW/GBW/WWR").names == ("R", "G", "W", "B")
+
+
+@pytest.mark.parametrize(
+    ("text", "named"),
+    [
+        ("bayr", "did you mean bayer"),
+        ("rgbw-4x5", "rgbw-4x4"),
+        ("xyzzyx", "known: bayer, rgbw-2x2"),
+        ("RG//GB", "a row between slashes is empty"),
+        ("/RG", "a row between slashes is empty"),
+        ("", "a row between slashes is empty"),
+        ("RG/B", "row 1 has 1 channels and row 0 has 2"),
+        ("R G/IR", "row 1 has 1 channels and row 0 has 2"),
+    ],
+)
+def test_what_is_no_mosaic_is_refused_with_its_cure(text, named):
+    with pytest.raises(InputError, match=named):
+        mosaic_named(text)
+
+
+@pytest.mark.parametrize("pattern", [(), ((),)])
+def test_a_mosaic_of_nothing_is_refused(pattern):
+    with pytest.raises(InputError, match="at least one row with one channel"):
+        Mosaic(pattern)

@@ -1,0 +1,484 @@
+"""Files of spectra: all formats give the same curves, what is unclear is asked, nothing breaks."""
+
+import re
+import resource
+import zipfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from chromanoise._check import InputError
+from chromanoise.sensor import PAPER_PIXEL, read_sensor
+from chromanoise.spectra import DEFAULT_GRID, Grid
+from chromanoise.spectra.files import Answers, power_of, qe_of, read_curves
+from spectrum_samples import AT_NM, GREEN, RED, SAMPLES, rawtoaces_text, tm27_text
+
+SHARED = next(
+    (
+        p
+        for p in (
+            Path(__file__).parents[2] / "shared/data",
+            Path(__file__).parents[3] / "shared/data",
+        )
+        if p.is_dir()
+    ),
+    None,
+)
+real_files = pytest.mark.skipif(SHARED is None, reason="needs the real files of shared/data")
+GRID = Grid.uniform(400, 700, 100)
+
+
+@pytest.fixture
+def file(tmp_path):
+    def write(content, name="curves.csv"):
+        path = tmp_path / name
+        path.write_bytes(content if isinstance(content, bytes) else content.encode())
+        return path
+
+    return write
+
+
+def refusal(path, answers=None):
+    with pytest.raises(InputError) as refused:
+        read_curves(path, answers=answers or Answers())
+    told = str(refused.value)
+    assert str(path) in told
+    assert "\n" not in told
+    return told
+
+
+def abouts(told):
+    return {question.about for question in told.questions}
+
+
+@pytest.mark.parametrize("name", SAMPLES)
+def test_the_same_curves_come_out_of_every_format_to_the_last_digit(file, name):
+    told = read_curves(file(SAMPLES[name], name))
+    expected = np.stack([RED, GREEN], axis=1)[:, : len(told.curves.names)]
+    assert (told.curves.wavelength_nm == AT_NM).all()
+    # percent and SPECTRAL_NORM cost one rounding
+    np.testing.assert_allclose(told.curves.values, expected, rtol=3e-16)
+    assert told.curves.names == ("R", "G")[: expected.shape[1]]
+    assert told.step_nm == 100
+
+
+def test_each_format_says_what_it_knows(file):
+    known = {name: read_curves(file(SAMPLES[name], name)) for name in SAMPLES}
+    assert known["bench.csv"].delimiter == "comma"
+    german = known["german.csv"]
+    assert (german.delimiter, german.decimal, german.wavelength_unit) == ("semicolon", ",", "um")
+    assert (german.scale, german.factor) == ("percent", 0.01)
+    assert known["digitized.csv"].merged == 1
+    assert known["packed.mat"].per == "photon"
+    assert known["camera.json"].level == "relative"
+    assert known["camera.json"].per == "energy"
+    assert known["argyll.sp"].quantity == "transmittance"
+    assert known["lamp.spdx"].quantity == "transmittance"
+    assert known["book.xlsx"].quantity == "QE"
+
+
+@pytest.mark.parametrize(
+    ("text", "delimiter"),
+    [
+        ("nm;A\n400;0,1\n410;0,2", "semicolon"),
+        ("nm\tA\n400\t0.1\n410\t0.2", "tab"),
+        ("nm A\n400   0,1\n410   0,2", "blanks"),
+        ("400, .1\r\n410, .2", "comma"),
+        ("// from a bench\n% nm, QE\n400 1E-1\n410 2e-1", "blanks"),
+        ('"nm","A"\n"400","0.1"\n"410","0.2"', "comma"),
+        ("a title,,\nnm,A,\n400,0.1,\n410,0.2,\n,,", "comma"),
+        ("nm,A\n410,20 %\n400,10 %", "comma"),
+        ("um;A\n0,40;0,1\n0,41;0,2", "semicolon"),
+        ("nm,A\r400,0.1\r410,0.2\r", "comma"),
+    ],
+)
+def test_text_is_read_however_its_cells_are_parted(file, text, delimiter):
+    told = read_curves(file(text))
+    assert told.delimiter == delimiter
+    assert told.curves.wavelength_nm.tolist() == [400.0, 410.0]
+    np.testing.assert_allclose(told.curves.values[:, 0], [0.1, 0.2], rtol=1e-15)
+
+
+def test_a_file_of_two_byte_characters_is_read_by_its_mark(file):
+    told = read_curves(file("nm\tA\n400\t0.1\n410\t0.2".encode("utf-16")))
+    assert told.curves.values.ravel().tolist() == [0.1, 0.2]
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("", "0 of its 0 lines"),
+        ("nm,A\n400,0.1\n410,high\n", "line 3, column 2: 'high'"),
+        ("nm,A\n400,0.1\n410,inf\n", "line 3, column 2: 'inf'"),
+        ("nm,A\n400,0.1\n410,1e999\n", "line 3, column 2: '1e999'"),
+        ("nm,A\n400,0.1\n410,0.2\nthe end\n", "line 4, column 1: 'the end'"),
+        ("nm,A\n400,0.1\n,0.2\n", "line 3 has values but no wavelength"),
+        ("nm;A\n400;0,1\n410;0.2\n", "line 2 has a decimal comma, line 3 a decimal point"),
+        ("nm,A,A\n400,1,2\n410,1,2\n", "'A' stands twice"),
+        ('nm,A\n400,"0.1\n410,0.2\n', "line 2 opens a quotation"),
+        ("x,A\n30,0.1\n40,0.2\n", "say --nm or --um"),
+        ("wavelength_nm,A\n0.4,0.1\n0.5,0.2\n", "0.4-0.5 nm.*say --um"),
+        ("x,A\n-400,0.1\n410,0.2\n", "must be > 0"),
+        ("nm,A\n400,0.1\n400,0.2\n", "1 wavelengths; it needs 2"),
+        ("{", "line 1, column 2 is no JSON"),
+        ('{"a": 1}', "lacks the object 'spectral_data'"),
+        ("<a>\n</b>", "line 2.*no XML"),
+        ("<!DOCTYPE a [<!ENTITY b 'c'>]><a>&b;</a>", "document type"),
+        ("<a/>", "no IES TM-27"),
+        ("nm,A\n400,\0\n", "line 2 holds null bytes"),
+        ("[" * 100_000, "line 1 has 100000 characters"),
+        ('{"a":' * 100_000, "nested too deep|no JSON"),
+    ],
+)
+def test_what_cannot_be_understood_is_refused_with_its_line(file, text, told):
+    assert re.search(told, refusal(file(text)))
+
+
+def test_decimal_commas_between_commas_are_said_to_be_ragged_or_refused(file):
+    told = refusal(file("nm,A\n400,0,1\n410,0,2,5\n420,0,3\n"))
+    assert "line 3 has 4 cells" in told
+    assert "semicolons" in told
+
+
+def test_a_missing_file_a_folder_and_a_large_file_are_refused(tmp_path, file):
+    assert "No such file" in refusal(tmp_path / "none.csv")
+    assert "no file" in refusal(tmp_path)
+    assert "too large" in refusal(file(b"1" * (4 * 2**20 + 1)))
+    assert "save it with -v7" in refusal(file(b"\x89HDF\r\n\x1a\n" + bytes(200)))
+    assert "UTF-8" in refusal(file(bytes(range(256))))
+
+
+def test_a_workbook_that_unpacks_to_too_much_or_declares_entities_is_refused(tmp_path):
+    bomb = tmp_path / "bomb.xlsx"
+    with zipfile.ZipFile(bomb, "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("xl/workbook.xml", b" " * (65 * 2**20))
+    assert "unpacks to more" in refusal(bomb)
+    laughs = tmp_path / "laughs.xlsx"
+    with zipfile.ZipFile(laughs, "w") as archive:
+        archive.writestr("xl/workbook.xml", '<!DOCTYPE a [<!ENTITY b "ha">]><a>&b;</a>')
+    assert "document type" in refusal(laughs)
+
+
+def test_without_openpyxl_a_workbook_says_what_to_install(file, monkeypatch):
+    import importlib
+
+    def absent(name):
+        raise ImportError(name)
+
+    monkeypatch.setattr(importlib, "import_module", absent)
+    assert "pip install 'chromanoise[xlsx]'" in refusal(file(SAMPLES["book.xlsx"], "book.xlsx"))
+
+
+def test_percent_is_understood_and_said_and_between_one_and_one_and_a_half_asked(file):
+    percent = read_curves(file("nm,QE\n400,10\n410,45\n"))
+    assert percent.curves.values.ravel().tolist() == [0.1, 0.45]
+    assert any("percent" in note for note in percent.notes)
+    low = read_curves(file("nm,QE\n400,0.5\n410,1.6\n"))  # an infrared end
+    assert low.curves.values.ravel() == pytest.approx([0.005, 0.016])
+    unclear = read_curves(file("nm,QE\n400,0.1\n410,1.2\n"))
+    assert "scale" in abouts(unclear)
+    assert unclear.curves.values.max() == 1.2
+    told = read_curves(file("nm,QE\n400,0.1\n410,1.2\n"), answers=Answers(scale="percent"))
+    assert told.curves.values.ravel() == pytest.approx([0.001, 0.012])
+    assert "scale" not in abouts(told)
+
+
+def test_power_is_never_taken_for_percent(file):
+    told = read_curves(file("nm,power\n400,10\n410,45\n"))
+    assert told.curves.values.ravel().tolist() == [10.0, 45.0]
+    assert told.scale == "as written"
+
+
+def test_ragged_rows_and_empty_cells_are_said_and_bridged(file):
+    told = read_curves(file("nm,A,B\n400,1e-1,0.1\n410,0.2\n420,0.3,0.5\n430,,0.1\n"))
+    assert any("ragged rows: line 3" in defect for defect in told.defects)
+    # A ends at 420 and B has no value at 410: the mean of its neighbors
+    assert told.curves.wavelength_nm.tolist() == [400, 410, 420]
+    assert told.curves.values[1, 1] == pytest.approx(0.3)
+    assert any("cut to what they share" in note for note in told.notes)
+
+
+@pytest.mark.parametrize(("beyond", "end"), [("zero", 0.0), ("hold", 0.3)])
+def test_a_curve_that_ends_before_the_others_goes_on_as_asked(file, beyond, end):
+    path = file("A,,B,\nX,Y,X,Y\n400,0.1,400,0.2\n500,0.3,600,0.4\n")
+    told = read_curves(path, answers=Answers(beyond=beyond))
+    assert told.curves.wavelength_nm.tolist() == [400, 500, 600]
+    assert told.curves.values[-1].tolist() == [end, 0.4]
+
+
+def test_points_that_disagree_are_merged_and_said(file):
+    told = read_curves(file("nm,A\n400,0.1\n420,0.5\n410,0.2\n410,0.4\n"))
+    assert told.curves.values.ravel() == pytest.approx([0.1, 0.3, 0.5])
+    assert told.merged == 1
+    assert any("different values" in d and "410 nm" in d for d in told.defects)
+    assert any("sorted" in note for note in told.notes)
+
+
+def test_gaps_and_irregular_steps_are_told(file):
+    told = read_curves(file("nm,A\n400,0.1\n410,0.2\n420,0.3\n430,0.3\n500,0.1\n"))
+    assert told.gaps_nm == ((430.0, 500.0),)
+    assert told.step_nm is None
+
+
+def test_a_column_of_deviations_is_no_curve(file):
+    told = read_curves(
+        file("#Wavelength in nm, Reflectance, Standard Deviation\n400 .1 .01\n410 .2 .02")
+    )
+    assert told.curves.names == ("Reflectance",)
+    assert told.deviations is not None
+    assert told.deviations.values.ravel().tolist() == [0.01, 0.02]
+
+
+def test_columns_without_names_are_asked_for(file):
+    told = read_curves(file("400 0.1 0.01\n410 0.2 0.02"))
+    assert "columns" in abouts(told)
+    one = read_curves(file("400 0.1 0.01\n410 0.2 0.02"), answers=Answers(columns=("column 2",)))
+    assert one.curves.names == ("column 2",)
+    assert "columns" not in abouts(one)
+    assert "has no curve 'G'; it has column 2" in refusal(
+        file("400 0.1 0.01\n410 0.2 0.02"), Answers(columns=("G",))
+    )
+
+
+def test_each_answer_removes_its_question(file):
+    path = file("nm,A\n400,0.1\n410,1.0\n")
+    assert abouts(read_curves(path)) == {"quantity", "level", "per", "beyond"}
+    answers = Answers(quantity="response", level="relative", per="energy", beyond="zero")
+    assert abouts(read_curves(path, answers=answers)) == set()
+
+
+@given(
+    st.lists(
+        st.tuples(st.integers(2000, 40000), st.floats(0, 1)),
+        min_size=2,
+        max_size=40,
+        unique_by=lambda point: point[0],
+    ),
+    st.sampled_from([",", ";", "\t", " "]),
+    st.booleans(),
+)
+def test_a_curve_survives_the_way_through_any_text_in_any_order(tmp_path_factory, points, sign, um):
+    scale = 1e4 if um else 10
+    rows = [f"{w / scale!r}{sign}{v!r}" for w, v in points]
+    path = tmp_path_factory.mktemp("text") / "curve.txt"
+    path.write_text("\n".join([f"{'um' if um else 'nm'}{sign}QE", *rows]))
+    told = read_curves(path, answers=Answers(scale="fraction"))
+    points = sorted(points)
+    np.testing.assert_allclose(told.curves.wavelength_nm, [w / 10 for w, _ in points], rtol=1e-12)
+    assert told.curves.values.ravel().tolist() == [v for _, v in points]
+
+
+def test_a_response_per_watt_becomes_quantum_efficiency(file):
+    # a perfect photodiode: 0.6452 A/W at 800 nm, e lambda / (h c) (Sze, Physics of Semiconductor
+    # Devices, 3rd ed., 13.2: R = lambda[um] / 1.24)
+    path = file("nm,Responsivity (A/W)\n400,0.3226\n800,0.6452\n")
+    answers = Answers(per="energy", level="absolute")
+    curves = qe_of(read_curves(path, answers=answers), answers)
+    np.testing.assert_allclose(curves.values.ravel(), [1.0, 1.0], rtol=2e-4)
+
+
+def test_a_white_channel_is_not_taken_for_watts(file):
+    path = file("nm,R,W\n400,0.1,0.2\n800,0.1,0.2\n")
+    assert read_curves(path, answers=Answers(quantity="response")).per is None
+
+
+def test_photons_of_a_lamp_become_power(file):
+    # equal photons: twice the energy at half the wavelength
+    path = file("nm,photon flux\n400,1\n800,1\n")
+    power = power_of(read_curves(path, answers=Answers(quantity="power")))
+    assert power.values[0, 0] / power.values[1, 0] == pytest.approx(2.0, rel=1e-12)
+
+
+def test_a_lamp_that_may_count_photons_or_energy_is_asked_about(file):
+    path = file("nm,lamp\n400,1\n800,1\n")
+    told = read_curves(path, answers=Answers(quantity="power"))
+    with pytest.raises(InputError, match="illuminant-energy or --illuminant-photons"):
+        power_of(told)
+    with pytest.raises(InputError, match=r"2 curves: A, B.*--illuminant-column"):
+        power_of(read_curves(file("nm,A,B\n400,1,1\n800,1,1\n")))
+
+
+def test_relative_curves_make_a_sensor_only_with_a_peak(file):
+    path = file("nm,R,G\n400,0.1,0.5\n700,0.2,1.0\n")
+    with pytest.raises(InputError, match=r"exactly 1.*--peak-qe"):
+        read_sensor(path, GRID, PAPER_PIXEL)
+    absolute = read_sensor(path, GRID, PAPER_PIXEL, answers=Answers(level="absolute"))
+    assert absolute.qe.max() == 1.0
+    half = read_sensor(path, GRID, PAPER_PIXEL, answers=Answers(peak_qe=0.5))
+    assert half.qe[-1] == pytest.approx([0.1, 0.5])
+    assert any("highest QE of 0.5" in note for note in half.notes)
+
+
+def test_a_sensor_says_what_was_taken_for_granted_and_what_looks_wrong(file):
+    path = file("nm,G,W\n400,0.1,0.2\n550,0.5,0.4\n700,0.1,0.2\n")
+    sensor = read_sensor(path, GRID, PAPER_PIXEL)
+    assert any("taken as absolute QE per photon" in note for note in sensor.notes)
+    assert any("green exceeds white by up to 25 %" in note for note in sensor.notes)
+    with pytest.raises(InputError, match="holds reflectance"):
+        read_sensor(file("nm,reflectance\n400,.1\n700,.2"), GRID, PAPER_PIXEL)
+    with pytest.raises(InputError, match=r"--energy or --photons"):
+        read_sensor(file("nm,sensitivity\n400,.1\n700,.2"), GRID, PAPER_PIXEL)
+    with pytest.raises(InputError, match=r"1\.2 in column A.*--percent"):
+        read_sensor(file("nm,A\n400,.1\n700,1.2"), GRID, PAPER_PIXEL)
+
+
+def test_a_peak_in_percent_is_refused():
+    with pytest.raises(InputError, match="peak_qe"):
+        Answers(peak_qe=60.0)
+
+
+def test_json_with_a_key_twice_or_a_word_for_a_number_is_refused(file):
+    text = rawtoaces_text()
+    assert "'500' stands twice" in refusal(file(text.replace('"400"', '"500"')))
+    assert "'400'" in refusal(file(text.replace("0.0125", '"low"')))
+    assert "must be finite" in refusal(file(text.replace("0.0125", "1" + "0" * 400)))
+    assert "index.main" in refusal(file(text.replace('"R",', "")))
+
+
+def test_tm27_keeps_the_lines_of_its_faults(file):
+    told = refusal(file(tm27_text().replace("</SpectralQuantity>", "</Quantity>")))
+    assert "line 4" in told
+    assert "SpectralData 2: 'x'" in refusal(file(tm27_text().replace("0.05<", "x<")))
+
+
+def test_a_relative_lamp_of_tm27_is_one_of_power(file):
+    told = read_curves(file(tm27_text("relative")))
+    assert (told.quantity, told.per, told.level) == ("power", "energy", "relative")
+
+
+# What shared/data/README.md says of each file, and a part of the sentence that must be found.
+REAL_DEFECTS = {
+    "sensors/MT9V024_RGBW.mat": r"green exceeds white by up to 15 % at 530-560 nm",
+    "sensors/ar0132atRGB.mat": r"exactly 1 .*look relative",
+    "sensors/ar0132atRGBW.mat": r"exactly 1 .*look relative",
+    "sensors/cfaRGBIR.mat": r"exactly 1 .*look relative",
+    "sensors/CMYG.mat": r"ends at 700 nm",
+    "sensors/AptinaMT9M131.mat": r"ends at 1000 nm",
+    "sensors/IMX249_BFLY-U3-23S6C.csv": r"ends at 750 nm",
+    "sensors/GSENSE4040BSI.csv": r"a lone 0 at 150 nm",
+    "reflectances/macbethChart.mat": r"reflects 0\.8\d .* [67] % below the white",
+    "reflectances/esserChart.mat": r"above 1, first 1\.0042",
+    "reflectances/AsianHyspex.mat": r"rounded to whole nm: steps of 3 and 4 for 3\.64",
+    "reflectances/Horse_Trial2.txt": r"above 100 at 1847-1879 nm",
+}
+
+
+@real_files
+@pytest.mark.parametrize(("name", "defect"), REAL_DEFECTS.items())
+def test_the_known_defects_of_real_files_are_found_and_said(name, defect):
+    assert SHARED is not None
+    told = read_curves(SHARED / name)
+    assert re.search(defect, "\n".join(told.defects))
+
+
+@real_files
+def test_every_real_file_is_read_and_its_range_is_right():
+    assert SHARED is not None
+    folders = ("sensors", "irfilters", "reflectances", "illuminants")
+    read = {p.name: read_curves(p) for f in folders for p in sorted((SHARED / f).iterdir())}
+    assert len(read) >= 27
+    ends = {name: told.curves.wavelength_nm[[0, -1]].tolist() for name, told in read.items()}
+    # shared/data/README.md
+    assert ends["MT9V024_RGBW.mat"] == [380, 1080]
+    assert ends["ircf_public.mat"] == [350, 1200]
+    assert ends["ASTMG173.csv"] == [280, 4000]
+    assert ends["BeckmanLawn.txt"] == [350, 2500]
+    assert read["ASTMG173.csv"].quantity == "power"
+    assert read["ASTMG173.csv"].step_nm is None
+    assert read["ill_A.mat"].per == "energy"
+    assert read["IMX249_BFLY-U3-23S6C.csv"].scale == "percent"
+    assert read["GSENSE4040BSI.csv"].scale == "fraction"
+    assert read["BeckmanLawn.txt"].deviations is not None
+    assert any("stimated" in note for note in read["esserChart.mat"].notes)
+    quiet = ("MT9V024_Mono.mat", "MT9V024_RGB.mat", "irFilter_schott.mat", "IMX571_measured.csv")
+    assert [read[name].defects for name in quiet] == [()] * len(quiet)
+
+
+@real_files
+def test_a_real_sensor_in_relative_units_asks_and_then_has_its_peak():
+    assert SHARED is not None
+    path = SHARED / "sensors/ar0132atRGBW.mat"
+    with pytest.raises(InputError, match="--peak-qe"):
+        read_sensor(path, DEFAULT_GRID, PAPER_PIXEL, answers=Answers(beyond="zero"))
+    answers = Answers(beyond="zero", peak_qe=0.6)
+    assert read_sensor(path, DEFAULT_GRID, PAPER_PIXEL, answers=answers).qe.max() == pytest.approx(
+        0.6, rel=0.01
+    )
+
+
+TOKENS = [
+    b"", b"\n", b",", b";", b"\t", b'"', b"nan", b"1e999", b"-", b"<", b"]", b"{", b"%", b"\0",
+    b"\xff", b"99999999999", b"0", b"X,Y", b"BEGIN_DATA", b"\x0e\0\0\0", b"\xff\xff\xff\x7f",
+]  # fmt: skip
+
+
+def mutated(content: bytes, edits) -> bytes:
+    for place, length, token in edits:
+        at = int(place * len(content))
+        content = content[:at] + token + content[at + length :]
+    return content
+
+
+def read_or_refusal(path):
+    try:
+        return read_curves(path)
+    except InputError as error:
+        return str(error)
+
+
+def right_or_refused(path: Path) -> None:
+    """A result that is whole, or one sentence that names the file."""
+    told = read_or_refusal(path)
+    if isinstance(told, str):
+        assert str(path) in told
+        assert "\n" not in told
+        assert len(told) < 1000
+        return
+    assert np.isfinite(told.curves.values).all()
+    assert (np.diff(told.curves.wavelength_nm) > 0).all()
+    assert told.curves.names
+
+
+edits = st.lists(
+    st.tuples(
+        st.floats(0, 1, exclude_max=True),
+        st.integers(0, 40),
+        st.one_of(st.sampled_from(TOKENS), st.binary(max_size=6)),
+    ),
+    min_size=1,
+    max_size=6,
+)
+
+
+@pytest.mark.parametrize("name", SAMPLES)
+@settings(max_examples=200, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(edits)
+def test_a_damaged_file_is_read_right_or_refused_in_one_sentence(tmp_path, name, changes):
+    path = tmp_path / name
+    path.write_bytes(mutated(SAMPLES[name], changes))
+    right_or_refused(path)
+
+
+@pytest.mark.evidence
+def test_a_hundred_thousand_damaged_files_are_read_right_or_refused(tmp_path):
+    rng = np.random.default_rng(12)
+    names = list(SAMPLES)
+    for i in range(100_000):
+        name = names[i % len(names)]
+        changes = [
+            (
+                rng.random(),
+                int(rng.integers(0, 40)),
+                TOKENS[rng.integers(len(TOKENS))]
+                if rng.random() < 0.5
+                else rng.bytes(int(rng.integers(0, 7))),
+            )
+            for _ in range(rng.integers(1, 7))
+        ]
+        path = tmp_path / name
+        path.write_bytes(mutated(SAMPLES[name], changes))
+        right_or_refused(path)
+    assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss < 2**20  # KiB: 1 GiB

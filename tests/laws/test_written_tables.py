@@ -1,0 +1,489 @@
+"""Sensors, spectra and tables as text: other readers find in it what was written."""
+
+import csv
+import io
+import json
+import re
+import shutil
+import subprocess
+import xml.etree.ElementTree as ElementTree
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from chromanoise._check import InputError
+from chromanoise._colour import colour_science
+from chromanoise.color import kernel_matrix
+from chromanoise.exposure import Exposure, Situation
+from chromanoise.sensor import Mosaic, Pixel, Sensor, read_sensor_csv, sensor_named
+from chromanoise.spectra import DEFAULT_GRID, Grid, Spectra, equal_energy, read_spectra_csv
+from chromanoise.spectra.files import read_curves
+from chromanoise.study import compared, paper_study, paper_tables, reproduced
+from chromanoise.study.spectra_files import (
+    sensor_csv,
+    sensor_rawtoaces_json,
+    sensor_spectra,
+    spectra_csv,
+    spectra_spdx,
+)
+from chromanoise.study.spectra_json import (
+    sensor_from_json,
+    sensor_json,
+    spectra_from_json,
+    spectra_json,
+)
+from chromanoise.study.table_files import (
+    table_csv,
+    table_from_json,
+    table_json,
+    table_latex,
+    table_markdown,
+)
+from chromanoise.study.tables import (
+    Column,
+    Table,
+    analyses_as_table,
+    curves_as_table,
+    paper_as_table,
+    written,
+)
+
+SMALL = Grid.uniform(400, 420, 10)
+PIXEL = Pixel(pitch_um=2.2, full_well_e=6000.1, read_noise_e=0.1 + 0.2)
+WORDS = st.text(
+    st.characters(exclude_categories=["Cs", "Cc", "Zs", "Zl", "Zp"]), min_size=1, max_size=8
+)
+ANY_TEXT = st.text(st.characters(exclude_categories=["Cs"]), max_size=12)
+NUMBERS = st.floats(-1e300, 1e300, allow_nan=False)
+
+
+@st.composite
+def any_sensor(draw):
+    names = draw(st.lists(WORDS, min_size=1, max_size=4, unique=True))
+    values = st.lists(st.floats(0.0, 1.0), min_size=3 * len(names), max_size=3 * len(names))
+    notes = draw(st.lists(ANY_TEXT, max_size=2))
+    return Sensor(
+        name=draw(WORDS),
+        grid=SMALL,
+        qe=np.array(draw(values)).reshape(3, len(names)),
+        names=tuple(names),
+        pixel=PIXEL,
+        mosaic=draw(st.sampled_from([None, Mosaic(((names[0], names[-1]),))])),
+        origin=draw(st.sampled_from(["given", "measured", "model", "reconstruction"])),
+        notes=tuple(notes),
+    )
+
+
+@st.composite
+def any_spectra(draw):
+    names = draw(st.lists(WORDS, min_size=1, max_size=3, unique=True))
+    steps = draw(st.lists(st.floats(1e-3, 100.0), min_size=2, max_size=5))
+    at = 380.0 + np.cumsum(steps)
+    count = at.size * len(names)
+    values = draw(st.lists(NUMBERS, min_size=count, max_size=count))
+    return Spectra(
+        wavelength_nm=at,
+        values=np.array(values).reshape(at.size, len(names)),
+        names=tuple(names),
+        quantity=draw(WORDS),
+        unit=draw(WORDS),
+        source=draw(WORDS),
+        notes=tuple(draw(st.lists(ANY_TEXT, max_size=2))),
+    )
+
+
+def rgb(qe, grid=SMALL, names=("R", "G", "B")):
+    return Sensor(name="a camera", grid=grid, qe=np.asarray(qe), names=names, pixel=PIXEL)
+
+
+# sensors and spectra
+
+
+@given(sensor=any_sensor())
+def test_a_sensor_written_as_csv_is_read_back_to_the_last_digit(tmp_path_factory, sensor):
+    path = tmp_path_factory.mktemp("sensor") / "s.csv"
+    path.write_text(sensor_csv(sensor), encoding="utf-8")
+    read = read_sensor_csv(path, SMALL, PIXEL)
+    assert read.names == sensor.names
+    assert np.array_equal(read.qe, sensor.qe)
+
+
+@given(spectra=any_spectra())
+def test_spectra_written_as_csv_are_read_back_to_the_last_digit(tmp_path_factory, spectra):
+    path = tmp_path_factory.mktemp("spectra") / "s.csv"
+    path.write_text(spectra_csv(spectra), encoding="utf-8")
+    read = read_spectra_csv(path, quantity=spectra.quantity, unit=spectra.unit)
+    assert read.names == spectra.names
+    assert np.array_equal(read.wavelength_nm, spectra.wavelength_nm)
+    assert np.array_equal(read.values, spectra.values)
+
+
+@given(sensor=any_sensor())
+def test_a_sensor_written_as_json_is_read_back_whole(sensor):
+    read = sensor_from_json(sensor_json(sensor))
+    for field in ("name", "grid", "names", "pixel", "mosaic", "stacked", "origin", "notes"):
+        assert getattr(read, field) == getattr(sensor, field), field
+    assert np.array_equal(read.qe, sensor.qe)
+
+
+@given(spectra=any_spectra())
+def test_spectra_written_as_json_are_read_back_whole(spectra):
+    read = spectra_from_json(spectra_json(spectra))
+    for field in ("names", "quantity", "unit", "source", "notes"):
+        assert getattr(read, field) == getattr(spectra, field), field
+    assert np.array_equal(read.wavelength_nm, spectra.wavelength_nm)
+    assert np.array_equal(read.values, spectra.values)
+
+
+@pytest.mark.parametrize("name", [" R", "R\n", "R\u2028G"])
+def test_a_name_that_readers_by_lines_would_change_is_refused(name):
+    with pytest.raises(InputError, match=r"cannot head a column of a CSV"):
+        sensor_csv(rgb(np.full((3, 1), 0.5), names=(name,)))
+
+
+def test_a_plain_csv_reader_finds_head_and_rows_below_the_comments():
+    text = sensor_csv(rgb([[0.1, 0.2, 0.3]] * 3))
+    rows = [row for row in csv.reader(io.StringIO(text)) if not row[0].startswith("#")]
+    assert rows[0] == ["wavelength_nm", "R", "G", "B"]
+    assert rows[1] == ["400.0", "0.1", "0.2", "0.3"]
+    assert len(rows) == 4
+
+
+@pytest.mark.parametrize(
+    ("change", "match"),
+    [
+        ({"schema": "another"}, r"schema must be 'chromanoise sensor'"),
+        ({"schema_version": 2}, r"schema_version must be 1, but is 2"),
+        ({"qe": [[0.1], [0.2, 0.3], [0.1]]}, r"not equally long"),
+        ({"qe": "much"}, r"no list of numbers"),
+        ({"qe": [[True, 0.1, 0.1]] * 3}, r"True is no number"),
+        ({"qe": [[10**400, 0.1, 0.1]] * 3}, r"too large"),
+        ({"qe": [[2.0, 0.1, 0.1]] * 3}, r"between 0 and 1"),
+        ({"channels": ["R", "G", 3]}, r"3 is no text"),
+        ({"pixel": {"pitch_um": 1.0}}, r"'full_well_e' is missing"),
+        ({"stacked": 1}, r"neither true nor false"),
+        ({"origin": "heard"}, r"unknown origin"),
+        ({"grid_nm": {"start": 1, "stop": 1e12, "step": 1e-3}}, r"too large"),
+        ({"mosaic": [["X"]]}, r"mosaic channel"),
+    ],
+)
+def test_json_that_is_no_sensor_is_refused_in_one_sentence(change, match):
+    held = json.loads(sensor_json(rgb(np.full((3, 3), 0.5)))) | change
+    with pytest.raises(InputError, match=match) as refused:
+        sensor_from_json(json.dumps(held))
+    assert "\n" not in str(refused.value)
+
+
+def test_text_that_is_no_json_is_refused():
+    for text in ("", "{", "[" * 100_000, "[]"):
+        with pytest.raises(InputError, match=r"JSON|schema"):
+            sensor_from_json(text)
+        with pytest.raises(InputError, match=r"JSON|schema"):
+            spectra_from_json(text)
+        with pytest.raises(InputError, match=r"JSON|schema"):
+            table_from_json(text)
+
+
+# rawtoaces
+
+
+def test_a_rawtoaces_camera_answers_to_power_as_the_sensor_to_photons():
+    # a joule of 800 nm has twice the photons of one of 400 nm: QE .4 at 400 is worth .2 at 800
+    grid = Grid.uniform(400, 800, 200)
+    sensor = rgb([[0.4, 0.1, 0.0], [0.0, 0.4, 0.0], [0.2, 0.0, 0.4]], grid)
+    told = json.loads(sensor_rawtoaces_json(sensor, created="2026-01-31T12:00:00Z"))
+    data = told["spectral_data"]["data"]["main"]
+    assert list(data) == ["400", "600", "800"]
+    assert data["400"][0] == data["800"][0] == pytest.approx(0.5, rel=1e-15)
+    assert data["800"][2] == 1.0
+    assert data["600"][1] == pytest.approx(0.75, rel=1e-15)
+    assert told["spectral_data"]["index"]["main"] == ["R", "G", "B"]
+    assert told["spectral_data"]["units"] == "relative"
+    # rawtoaces-data, schema 1.0.0: required keys of the header
+    needed = ("description", "document_creation_date", "document_creator", "license")
+    assert all(isinstance(told["header"][key], str) for key in needed)
+
+
+def test_a_camera_without_red_green_or_blue_is_no_rawtoaces_camera():
+    with pytest.raises(InputError, match=r"but B is missing among R, G, W"):
+        sensor_rawtoaces_json(rgb(np.full((3, 3), 0.5), names=("R", "G", "W")), created="")
+    with pytest.raises(InputError, match=r"no relative scale"):
+        sensor_rawtoaces_json(rgb(np.zeros((3, 3))), created="")
+    half = Grid.uniform(400, 401, 0.5)
+    with pytest.raises(InputError, match=r"whole nm"):
+        sensor_rawtoaces_json(rgb(np.full((3, 3), 0.5), half), created="")
+
+
+# IES TM-27
+
+
+@pytest.mark.parametrize("quantity", ["reflectance", "Irradiance", "QE"])
+def test_colour_science_reads_our_tm_27_to_the_last_digit(tmp_path, quantity):
+    colour = colour_science()
+    at = np.array([400.0, 405.5, 412.25])
+    spectra = Spectra(
+        wavelength_nm=at,
+        values=np.array([[0.1], [1 / 3], [1e-9]]),
+        names=('leaf <&> "wet"',),
+        quantity=quantity,
+        unit="1",
+        source="a field",
+        notes=("held beyond 412 nm",),
+    )
+    path = tmp_path / "leaf.spdx"
+    path.write_text(spectra_spdx(spectra, spectra.names[0], created="2026-01-31"), "utf-8")
+    read = colour.SpectralDistribution_IESTM2714(str(path)).read()
+    assert read.wavelengths.tolist() == at.tolist()
+    assert read.values.tolist() == spectra.values[:, 0].tolist()
+    assert read.spectral_quantity == {"QE": "other"}.get(quantity, quantity.lower())
+    assert read.header.description == 'a field, leaf <&> "wet"'
+    assert read.header.document_creation_date == "2026-01-31"
+    assert read.header.comments == f"{quantity} [1]; held beyond 412 nm"
+
+
+@given(spectra=any_spectra())
+def test_tm_27_is_xml_whatever_the_names(spectra):
+    try:
+        text = spectra_spdx(spectra, spectra.names[0], created="2026-01-31")
+    except InputError as error:
+        assert "XML forbids" in str(error)  # noqa: PT017
+        return
+    data = ElementTree.fromstring(text).findall(".//{http://www.ies.org/iestm2714}SpectralData")
+    assert [float(d.attrib["wavelength"]) for d in data] == spectra.wavelength_nm.tolist()
+    assert [float(d.text) for d in data] == spectra.values[:, 0].tolist()
+
+
+def test_a_curve_that_is_not_there_is_refused():
+    with pytest.raises(InputError, match=r"no curve 'W', but R, G, B"):
+        spectra_spdx(sensor_spectra(rgb(np.full((3, 3), 0.5))), "W", created="")
+
+
+# tables
+
+TABLE = Table(
+    title="SNR & 100 % of_it",
+    columns=(
+        Column(name="sensor"),
+        Column(name="SNR", unit="dB", digits=".1f"),
+        Column(name="gain|loss", digits=".3g"),
+    ),
+    rows=(
+        ("RGB_1", 26.1234, -0.5),
+        ("=HYPERLINK(1)", None, 12345.0),
+        ('a|b, "c"\\d', -0.04, 3),
+    ),
+    notes=("x < y & z_1",),
+)
+
+
+def test_numbers_have_the_digits_of_their_column_and_zero_no_sign():
+    cells = [(26.1234, ".1f"), (-0.04, ".1f"), (12345.0, ".3g"), (None, ".1f"), (True, ""), (3, "")]
+    assert [written(*cell) for cell in cells] == ["26.1", "0.0", "1.23e+04", "", "True", "3"]
+
+
+def test_a_spreadsheet_finds_words_where_a_formula_was():
+    rows = list(csv.reader(io.StringIO(table_csv(TABLE))))
+    assert rows == [
+        ["sensor", "SNR [dB]", "gain|loss"],
+        ["RGB_1", "26.1", "-0.5"],
+        ["'=HYPERLINK(1)", "", "1.23e+04"],
+        ['a|b, "c"\\d', "0.0", "3"],
+    ]
+
+
+@given(text=ANY_TEXT)
+def test_no_word_of_a_csv_starts_as_a_formula(text):
+    table = Table(title="t", columns=(Column(name="word"), Column(name="x")), rows=((text, 1),))
+    cell = list(csv.reader(io.StringIO(table_csv(table), newline="")))[1][0]
+    assert not cell.lstrip().startswith(("=", "+", "-", "@"))
+    assert not cell.startswith(("\t", "\r"))
+    plain = re.sub("\r\n?", "\n", text)
+    assert cell in (plain, "'" + plain)
+
+
+@st.composite
+def any_table(draw):
+    names = draw(st.lists(WORDS, min_size=1, max_size=3, unique=True))
+    cell = st.one_of(NUMBERS, st.integers(), ANY_TEXT, st.booleans(), st.none())
+    row = st.tuples(*[cell for _ in names])
+    return Table(
+        title=draw(ANY_TEXT),
+        columns=tuple(
+            Column(name=n, unit=draw(ANY_TEXT), digits=draw(st.sampled_from(["", ".3g", ".2f"])))
+            for n in names
+        ),
+        rows=tuple(draw(st.lists(row, max_size=4))),
+        notes=tuple(draw(st.lists(ANY_TEXT, max_size=2))),
+    )
+
+
+@given(table=any_table())
+def test_a_table_written_as_json_is_read_back_whole(table):
+    assert table_from_json(table_json(table)) == table
+
+
+def markdown_cells(line):
+    """Cells of a row of GitHub-flavored Markdown: split at bars without a backslash before."""
+    inner = line.removeprefix("| ").removesuffix(" |")
+    cells = re.split(r" (?<!\\)\| ", inner)
+    return [re.sub(r"\\([^a-zA-Z0-9\s])", r"\1", cell) for cell in cells]
+
+
+@given(table=any_table())
+def test_a_table_in_markdown_has_its_cells_and_no_more(table):
+    lines = table_markdown(table).splitlines()
+    rows = [line for line in lines if line.startswith("| ") and line.endswith(" |")]
+    assert len(rows) == len(table.rows) + 2
+    for line, row in zip(rows[2:], table.rows, strict=True):
+        cells = markdown_cells(line)
+        own = [
+            " ".join(written(cell, c.digits).split())
+            for cell, c in zip(row, table.columns, strict=True)
+        ]
+        assert cells == own
+
+
+def test_markdown_escapes_what_it_would_read_as_its_own():
+    lines = table_markdown(TABLE).splitlines()
+    assert lines[0] == r"**SNR \& 100 % of\_it**"
+    assert lines[2] == r"| sensor | SNR \[dB\] | gain\|loss |"
+    assert lines[3] == "| --- | ---: | ---: |"
+    assert lines[6] == r'| a\|b, "c"\\d | 0.0 | 3 |'
+    assert lines[-1] == r"* x \< y \& z\_1"
+
+
+def test_latex_escapes_its_specials_and_sets_numbers_to_the_right():
+    text = table_latex(TABLE)
+    assert r"\caption{SNR \& 100 \% of\_it}" in text
+    assert r"\begin{tabular}{lrr}" in text
+    assert r"RGB\_1 & 26.1 & $-0.5$ \\" in text
+    assert r"gain\textbar{}loss \\" in text
+    assert r"\textbackslash{}d & 0.0 & 3 \\" in text
+
+
+@given(text=ANY_TEXT)
+def test_no_word_reaches_latex_as_a_command(text):
+    table = Table(title=text, columns=(Column(name="word"),), rows=((text,),))
+    body = table_latex(table).split("\\hline\n")[2].removesuffix(" \\\\\n")
+    known = r"\\text[a-z]+\{\}|\\[{}$&#%_]|\{[\[\]*-]\}|\$[^$]*\$"
+    plain = re.sub(known, "", body)
+    assert not re.search(r"[\\{}$&#%_^~\[\]*]", plain)
+
+
+def test_latex_itself_sets_the_table(tmp_path):
+    program = shutil.which("pdflatex") or shutil.which("latex")
+    if program is None:
+        pytest.skip("needs pdflatex")
+    page = "\\documentclass{article}\\begin{document}"
+    (tmp_path / "t.tex").write_text(f"{page}\n{table_latex(TABLE)}\\end{{document}}\n", "utf-8")
+    done = subprocess.run(
+        [program, "-interaction=nonstopmode", "-halt-on-error", "t.tex"],
+        cwd=tmp_path,
+        capture_output=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stdout[-2000:]
+
+
+def test_a_table_that_contradicts_itself_is_refused():
+    columns = (Column(name="a"), Column(name="b"))
+    with pytest.raises(InputError, match=r"row 1 \(from 0\) has 1 cells for 2 columns"):
+        Table(title="t", columns=columns, rows=((1, 2), (1,)))
+    with pytest.raises(InputError, match=r"b in row 0 \(from 0\) is nan; what is not defined"):
+        Table(title="t", columns=columns, rows=((1, float("nan")),))
+    with pytest.raises(InputError, match=r"must differ, but 'a' stands twice"):
+        Table(title="t", columns=(*columns, Column(name="a")), rows=())
+    with pytest.raises(InputError, match=r"needs a name"):
+        Column(name=" ")
+    with pytest.raises(InputError, match=r"digits of column a must be a format"):
+        Column(name="a", digits="two")
+
+
+@pytest.mark.parametrize(
+    "change",
+    [{"rows": [[{}]]}, {"columns": 3}, {"title": 3}, {"schema_version": 9}, {"notes": None}],
+)
+def test_json_that_is_no_table_is_refused(change):
+    held = json.loads(table_json(TABLE)) | change
+    with pytest.raises(InputError):
+        table_from_json(json.dumps(held))
+
+
+# results as tables
+
+
+def test_our_own_readers_find_in_rawtoaces_and_tm_27_the_curves_of_the_sensor(tmp_path):
+    sensor = sensor_named("onyx-rgb-ircut", DEFAULT_GRID)
+    path = tmp_path / "green.spdx"
+    path.write_text(spectra_spdx(sensor_spectra(sensor), "G", created="2026-01-31"), "utf-8")
+    assert np.array_equal(read_curves(path).curves.values[:, 0], sensor.qe[:, 1])
+    path = tmp_path / "camera.json"
+    path.write_text(sensor_rawtoaces_json(sensor, created="2026-01-31T12:00:00Z"), "utf-8")
+    read = read_curves(path).curves
+    assert read.names == ("R", "G", "B")
+    assert read.values.max() == 1.0
+    per_photon = read.values / read.wavelength_nm[:, None]
+    scale = per_photon[:, 1].max() / sensor.qe[:, 1].max()
+    assert per_photon == pytest.approx(scale * sensor.qe, rel=1e-12)
+
+
+@pytest.fixture(scope="module")
+def study():
+    return paper_study()
+
+
+def test_the_papers_table_3_is_written_as_it_is_printed(study):
+    table = paper_as_table(paper_tables(reproduced(study, draws=10))[1])
+    head, row = list(csv.reader(io.StringIO(table_csv(table))))
+    # Clouet, Vaillant & Alleysson (CIC27, 2019), Table 3
+    printed = [cell for name, cell in zip(head, row, strict=True) if name.endswith("printed")]
+    assert printed == ["26.10", "32.40", "39.40"]
+    assert row[:2] == ["SNR_Y", "dB"]
+    ours = [cell for name, cell in zip(head, row, strict=True) if name.endswith("closed form")]
+    assert [float(cell) for cell in ours] == pytest.approx([26.1, 32.4, 39.4], abs=0.26)
+
+
+def test_analyses_are_rows_with_the_snr_of_the_paper_and_their_warning(study):
+    table = analyses_as_table(list(study.columns.values()))
+    heads = [column.name for column in table.columns]
+    snr = [row[heads.index("SNR Y")] for row in table.rows]
+    assert snr == pytest.approx([26.1, 32.4, 39.4], abs=0.26)
+    price = [row[heads.index("price")] for row in table.rows]
+    # its Tables 2 and 3: 10 log10 of the sum of 10^(SNR/10), less SNR_Y
+    assert price == pytest.approx([17.9, 5.0, 5.2], abs=0.3)
+    assert any("reconstruction" in note for note in table.notes)
+
+
+def test_a_comparison_has_a_row_per_light_and_nothing_where_nothing_is_defined():
+    # one channel of 0.5 QE: 10 e- of readout, and saturated at the brightest light
+    sensor = Sensor(
+        name="W",
+        grid=DEFAULT_GRID,
+        qe=np.full((DEFAULT_GRID.n, 1), 0.5),
+        names=("W",),
+        pixel=Pixel(pitch_um=10.0, full_well_e=1e4, read_noise_e=10.0),
+    )
+    used = Situation(
+        sensor=sensor,
+        exposure=Exposure(time_s=0.01),
+        illuminant=equal_energy(DEFAULT_GRID),
+        level_lux=1.0,
+    )
+    makers = {"kernel": lambda s: kernel_matrix(s.sensor, s.exposure, "quanta")}
+    curves = compared([used], makers, np.array([1.0, 2.0, 1e4]))
+    rows = list(csv.reader(io.StringIO(table_csv(curves_as_table(curves)))))
+    assert rows[0][0].endswith("[lx]")
+    assert [row[0] for row in rows[1:]] == ["1", "2", "1e+04"]
+    assert rows[3][1] == ""
+    # docs/numbers.md: 32,555 photons per lx, s, um2; M = 32,555 x 0.5 x 100 x 0.01 / (4 x 1.8^2)
+    mean = 32_555 * 0.5 * 100 * 0.01 / (4 * 1.8**2)
+    snr_db = 20 * np.log10(mean / np.sqrt(mean + 100))
+    assert float(rows[1][1]) == pytest.approx(snr_db, abs=0.05)  # the grid of 5 nm has 0.6 % more
+
+
+def test_tables_of_nothing_or_of_two_sweeps_are_refused():
+    for maker in (analyses_as_table, curves_as_table):
+        with pytest.raises(InputError, match=r"needs at least one"):
+            maker([])

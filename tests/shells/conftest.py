@@ -1,0 +1,18 @@
+"""What the tests of several commands share."""
+
+import pytest
+
+from chromanoise.cli import main
+
+
+@pytest.fixture
+def run(capsys):
+    """Run the command line; give back (exit code, standard output, standard error)."""
+
+    def call(*arguments):
+        with pytest.raises(SystemExit) as stop:
+            main([str(argument) for argument in arguments])
+        told = capsys.readouterr()
+        return stop.value.code, told.out, told.err
+
+    return call

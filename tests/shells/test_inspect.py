@@ -1,0 +1,117 @@
+"""``chromanoise inspect``, and files of spectra as sensors and lights of the other commands."""
+
+import json
+
+import pytest
+
+from chromanoise.spectra.files import read_curves
+from outcomes import refused
+from spectrum_samples import AT_NM, GREEN, RED, SAMPLES
+
+
+@pytest.fixture
+def sample(tmp_path):
+    def write(name, content=None):
+        path = tmp_path / name
+        path.write_bytes(SAMPLES[name] if content is None else content.encode())
+        return path
+
+    return write
+
+
+@pytest.mark.parametrize("name", SAMPLES)
+def test_the_preview_of_every_format_names_its_facts_and_asks(run, sample, name):
+    path = sample(name)
+    code, out, err = run("inspect", path)
+    assert (code, err) == (0, "")
+    for part in (str(path), "format", "400-700 nm, step 100 nm", "quantity", "scale", "gaps"):
+        assert part in out
+    assert "DEFECT         ends at 700 nm" in out
+    assert "ASK            the curves end at 700 nm" in out
+    assert "--beyond zero, hold or refuse" in out
+
+
+def test_the_preview_names_delimiter_decimal_unit_and_what_was_done(run, sample):
+    _, out, _ = run("inspect", sample("german.csv"))
+    assert "cells parted by semicolon, decimal ," in out
+    assert "in the file in um" in out
+    assert "percent, times 0.01" in out
+    _, out, _ = run("inspect", sample("digitized.csv"))
+    assert "digitized curves" in out
+    assert "repeated       1 wavelengths" in out
+
+
+def test_json_of_the_preview_has_the_curves_to_the_last_digit(run, sample):
+    code, out, _ = run("inspect", sample("bench.csv"), "--json", "-")
+    told = json.loads(out)
+    assert code == 0
+    assert told["wavelength_nm"] == AT_NM.tolist()
+    assert told["values"] == {"R": RED.tolist(), "G": GREEN.tolist()}
+    assert told["delimiter"] == "comma"
+    assert {q["about"] for q in told["questions"]} >= {"quantity", "level", "beyond"}
+
+
+def test_answers_on_the_command_line_are_no_longer_asked(run, sample):
+    answers = ("--quantity", "response", "--relative", "--energy", "--beyond", "zero", "--nm")
+    _, out, _ = run("inspect", sample("bench.csv"), *answers, "--column", "G", "--json", "-")
+    told = json.loads(out)
+    assert told["questions"] == []
+    assert (told["level"], told["per"], told["names"]) == ("relative", "energy", ["G"])
+
+
+def test_questions_and_defects_are_no_failure_but_a_file_of_nothing_is(run, sample, tmp_path):
+    assert run("inspect", sample("bench.csv"))[0] == 0
+    refused(
+        run("inspect", sample("words.txt", "no numbers here\n")), "words.txt", "at least 2 rows"
+    )
+    refused(run("inspect", tmp_path / "none.mat"), "none.mat", "No such file")
+
+
+WIDE = "nm,R,G\n400,.05,.1\n550,.1,{green}\n650,.4,.1\n1050,.05,.05\n"
+
+
+def test_any_format_is_a_sensor_of_the_other_commands(run, tmp_path):
+    from scipy.io import savemat
+
+    text = tmp_path / "toy.tsv"
+    text.write_text(WIDE.format(green=".5").replace(",", "\t"))
+    curves = read_curves(text).curves
+    matlab = tmp_path / "toy.mat"
+    savemat(matlab, {"wavelength": curves.wavelength_nm, "data": curves.values})
+    snr = []
+    for path in (text, matlab):
+        code, out, _ = run("analyze", path, "--time-ms", 10, "--json", "-")
+        assert code == 0
+        snr.append([c["mean_e"] for c in json.loads(out)["sensors"][0]["channels"]])
+    assert snr[0] == snr[1]
+
+
+def test_a_relative_sensor_is_refused_until_its_peak_is_told(run, tmp_path):
+    path = tmp_path / "relative.csv"
+    path.write_text(WIDE.format(green="1.0"))
+    refused(run("analyze", path), "relative.csv", "exactly 1", "--peak-qe")
+    code, out, _ = run("analyze", path, "--peak-qe", 0.5, "--time-ms", 10, "--json", "-")
+    half = json.loads(out)["sensors"][0]
+    assert code == 0
+    assert any("highest QE of 0.5" in note for note in half["notes"])
+    _, out, _ = run("analyze", path, "--absolute", "--time-ms", 10, "--json", "-")
+    whole = json.loads(out)["sensors"][0]
+    for one, two in zip(half["channels"], whole["channels"], strict=True):
+        assert two["mean_e"] == pytest.approx(2 * one["mean_e"], rel=1e-12)
+
+
+def test_a_light_from_a_file_asks_how_it_counts_and_which_curve_it_is(run, tmp_path):
+    path = tmp_path / "lamp.csv"
+    path.write_text("nm;one;two\n360;1;2\n1050;1;2\n")
+    light = ("analyze", "onyx-rgbw", "--time-ms", 10, "--json", "-", "--illuminant", path)
+    refused(run(*light), "lamp.csv", "2 curves", "--illuminant-column")
+    one = (*light, "--illuminant-column", "two")
+    refused(run(*one), "lamp.csv", "--illuminant-energy or --illuminant-photons")
+    code, out, _ = run(*one, "--illuminant-energy")
+    assert code == 0
+    _, equal, _ = run(*light[:-2], "--illuminant", "E")
+    told, known = (json.loads(text)["sensors"][0]["channels"] for text in (out, equal))
+    assert [c["mean_e"] for c in told] == pytest.approx([c["mean_e"] for c in known], rel=1e-9)
+    code, photons, _ = run(*one, "--illuminant-photons")
+    assert code == 0
+    assert photons != out

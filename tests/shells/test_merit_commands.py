@@ -1,0 +1,131 @@
+"""What ``analyze --merit`` and ``matrix --pareto`` tell is what the library says."""
+
+import json
+
+import pytest
+
+from chromanoise.exposure import Exposure, Situation
+from chromanoise.scene import flat_field
+from chromanoise.sensor import sensor_named
+from chromanoise.spectra import DEFAULT_GRID, equal_energy
+from chromanoise.study import (
+    analyzed,
+    matrix_makers,
+    merits_as_json,
+    merits_of,
+    noise_weights,
+    pareto_of,
+)
+from outcomes import refused
+
+LAMP = equal_energy(DEFAULT_GRID)
+
+
+def situation_of(name, lux, time_s):
+    sensor = sensor_named(name, DEFAULT_GRID)
+    return Situation(
+        sensor=sensor, exposure=Exposure(time_s=time_s), illuminant=LAMP, level_lux=lux
+    )
+
+
+def test_json_of_merit_has_the_digits_of_the_library(run):
+    arguments = ("--matrix", "lmmse", "--prior", "chart", "--lux", 2, "--time-ms", 10)
+    code, out, _ = run("analyze", "model-rgb-ircut", *arguments, "--merit", "--json", "-")
+    told = json.loads(out)["sensors"][0]["merits"]
+    situation = situation_of("model-rgb-ircut", 2.0, 0.010)
+    maker = matrix_makers(["lmmse"], "quanta", prior="chart")["lmmse"]
+    white = flat_field(LAMP, level_lux=2.0)
+    analysis = analyzed(white, situation.sensor, situation.exposure, matrix=maker(situation))
+    assert code == 0
+    assert told == json.loads(json.dumps(merits_as_json(merits_of(analysis, maker=maker))))
+    assert told["values"]["snr10_adapted"]["value"] > 0
+    assert told["viewing"]["pixels_per_degree"] == pytest.approx(41.888, abs=1e-3)
+
+
+def test_merit_prints_each_number_with_its_source_and_each_gap_with_its_reason(run):
+    code, out, _ = run("analyze", "model-mono", "--merit")
+    assert code == 0
+    for source in (
+        "Neugebauer 1956",
+        "Vora & Trussell 1993",
+        "ISO 17321-1:2012",
+        "ISO 12232:2019",
+        "ISO 15739:2017",
+        "Alakarhu",
+        "DxOMark",
+        "Shannon",
+        "US 5,609,978",
+    ):
+        assert source in out
+    assert "model-mono has no mosaic to interpolate." in out
+    assert "0.25 mm seen from 600 mm" in out
+
+
+def test_without_merit_nothing_of_it_is_told(run):
+    _, out, _ = run("analyze", "model-mono", "--json", "-")
+    assert "merits" not in json.loads(out)["sensors"][0]
+    _, out, _ = run("analyze", "model-mono")
+    assert "Neugebauer" not in out
+
+
+def test_merit_of_clipped_electrons_is_refused(run):
+    refused(run("analyze", "model-mono", "--clip", "--merit"), "--clip", "--merit")
+
+
+def test_json_of_pareto_has_the_digits_of_the_library(run):
+    code, out, _ = run(
+        *("matrix", "onyx-rgbw", "--lux", 1, "--time-ms", 12, "--prior", "smooth-100"),
+        *("--pareto", "0.01:100:5", "--json", "-"),
+    )
+    told = json.loads(out)
+    situation = situation_of("onyx-rgbw", 1.0, 0.012)
+    curve = pareto_of(situation, noise_weights(0.01, 100.0, points=5), prior="smooth-100")
+    assert code == 0
+    assert [p["weight"] for p in told["pareto"]] == curve.weight.tolist()
+    assert [p["color_error_rms_lux"] for p in told["pareto"]] == curve.color_error_rms.tolist()
+    assert [p["delta_e"] for p in told["pareto"]] == list(curve.delta_e)
+    assert [p["noise_rms_lux"] for p in told["pareto"]] == curve.noise_rms.tolist()
+    assert [p["snr_y_db"] for p in told["pareto"]] == curve.snr_y_db.tolist()
+    assert told["matrix"]["made_by"] == "kernel (eq. 6)"
+    assert told["report"]["psi"] > 0
+
+
+def test_pareto_prints_one_line_per_weight_and_names_the_lmmse_matrix(run):
+    arguments = ("--lux", 1, "--time-ms", 5)
+    code, out, _ = run("matrix", "model-rgb-ircut", *arguments, "--pareto", "0.001:1000")
+    rows = [line for line in out.splitlines() if line.startswith("│ ") and line.count("│") == 7]
+    assert code == 0
+    assert len(rows) == 13
+    assert [row.split("│")[1].strip() for row in rows if "LMMSE" in row] == ["1"]
+
+
+def test_a_saturated_white_is_told_along_the_curve(run):
+    code, out, _ = run("matrix", "model-rgb-ircut", "--time-ms", 1000, "--pareto", "0.1:10:3")
+    assert code == 0
+    assert out.count("saturated") == 4  # once for the matrix, once per weight
+
+
+def test_json_of_a_matrix_alone_has_no_curve_and_goes_to_a_file_beside_the_table(run, tmp_path):
+    target = tmp_path / "m.json"
+    code, out, _ = run("matrix", "model-rgb-ircut", "--json", target)
+    assert code == 0
+    assert "Kodak's Psi" in out
+    assert json.loads(target.read_text())["pareto"] is None
+
+
+@pytest.mark.parametrize(
+    ("asked", "told"),
+    [
+        ("5", "FIRST:LAST"),
+        ("1:2:3:4", "FIRST:LAST"),
+        ("a:2", "no number"),
+        ("1:2:2.5", "no number"),
+        ("0:2", "weight of the noise"),
+        ("2:1", "must rise"),
+        ("1:2:1", "2 to 100000"),
+        ("nan:2", "weight of the noise"),
+        ("", "FIRST:LAST"),
+    ],
+)
+def test_weights_that_make_no_curve_are_refused_in_a_sentence(run, asked, told):
+    refused(run("matrix", "model-rgb-ircut", "--pareto", asked), told)

@@ -1,0 +1,500 @@
+"""`simulate`: every option does what it says, and files appear whole or not at all."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from contextlib import contextmanager
+from pathlib import Path
+
+import numpy as np
+import pytest
+import tifffile
+from PIL import Image
+
+import chromanoise
+from chromanoise.exposure import Situation, saturating_exposure
+from chromanoise.imaging import DEMOSAICING, acquired, developed, rendered
+from chromanoise.scene import flat_field, read_cube
+from chromanoise.sensor import (
+    Imperfections,
+    Mosaic,
+    bayer,
+    rgb_ir,
+    rgbw_2x2,
+    rgbw_sparse_4x4,
+    sensor_named,
+)
+from chromanoise.spectra import DEFAULT_GRID, equal_energy
+from outcomes import refused
+
+ROWS, COLUMNS = 27, 23  # no whole number of tiles; DNG needs 22
+IMPERFECT = {
+    "dark_current_e_per_s": 3000.0,
+    "dsnu_e": 40.0,
+    "prnu": 0.05,
+    "row_noise_e": 60.0,
+}
+
+
+def written_cube(path, rows=ROWS, columns=COLUMNS):
+    wavelength = np.linspace(400, 1050, 27)
+    rng = np.random.default_rng(1)
+    ends = 0.05 + 0.8 * rng.random((rows, columns, 2))
+    ramp = np.linspace(0, 1, wavelength.size)
+    reflectance = ends[..., :1] * (1 - ramp) + ends[..., 1:] * ramp
+    np.savez(path, wavelength_nm=wavelength, reflectance=reflectance.astype(np.float32))
+    return path
+
+
+@pytest.fixture(scope="module")
+def cube(tmp_path_factory):
+    return written_cube(tmp_path_factory.mktemp("cube") / "cube.npz")
+
+
+@pytest.fixture
+def take(run, cube, tmp_path):
+    """Simulate into a folder of that name; its summary, standard output and error beside it."""
+
+    def call(name, sensor, *arguments, source=cube):
+        folder = tmp_path / name
+        code, out, err = run("simulate", source, "--sensor", sensor, *arguments, "-o", folder)
+        assert code == 0, err
+        summary = json.loads((folder / "summary.json").read_text())
+        return folder, summary["pictures"], out, err
+
+    return call
+
+
+def used(name, lux=10.0):
+    lamp, sensor = equal_energy(DEFAULT_GRID), sensor_named(name, DEFAULT_GRID)
+    white = flat_field(lamp, level_lux=lux)
+    exposure = saturating_exposure(white, sensor, f_number=1.8, share=0.99)
+    return Situation(sensor=sensor, exposure=exposure, illuminant=lamp, level_lux=lux)
+
+
+def codes_in(folder, stem):
+    return tifffile.imread(folder / f"{stem}.raw.tiff")
+
+
+def names_in(folder):
+    return sorted(path.name for path in folder.iterdir())
+
+
+def pixels_in(folder):
+    """All files but the summary, byte by byte."""
+    return {p.name: p.read_bytes() for p in folder.iterdir() if p.name != "summary.json"}
+
+
+def nothing_left(folder):
+    return list(folder.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("sensor", "asked", "mosaic"),
+    [
+        ("model-rgb", "bayer", bayer()),
+        ("model-rgb", "RG/GB", bayer()),
+        ("model-rgb", "sensor", bayer()),
+        ("model-rgb", "GB/RG", Mosaic((("G", "B"), ("R", "G")))),
+        ("model-rgbir", "rgb-ir", rgb_ir()),
+        ("model-rgbir", "R G/IR B", rgb_ir()),
+        ("model-rgbw", "rgbw-2x2", rgbw_2x2()),
+        ("onyx-rgbw", "sensor", rgbw_sparse_4x4()),
+        ("model-rgbw", "W", Mosaic((("W",),))),
+    ],
+)
+def test_the_codes_are_those_of_the_library_for_the_mosaic_that_was_asked_for(
+    take, cube, sensor, asked, mosaic
+):
+    folder, (told,), _, _ = take("o", sensor, "--mosaic", asked, "--raw-only")
+    ours = acquired(read_cube(cube), used(sensor), mosaic=mosaic)
+    assert (codes_in(folder, sensor) == ours.codes).all()
+    assert told["mosaic"] == [list(row) for row in mosaic.pattern]
+
+
+def test_each_pixel_of_a_mosaic_sees_its_own_channel(take, tmp_path):
+    """A scene of one color, without noise to speak of: as many levels as channels, in place."""
+    source = tmp_path / "flat.npz"
+    wavelength = np.linspace(400, 1050, 14)
+    np.savez(source, wavelength_nm=wavelength, reflectance=np.full((8, 8, 14), 0.5))
+    folder, (told,), _, _ = take(
+        "o", "model-rgb", "--mosaic", "RG/GB", "--raw-only", "--bits", 16,
+        "--full-well-e", 1e13, "--read-noise-e", 0, source=source,
+    )  # fmt: skip
+    codes = codes_in(folder, "model-rgb") * told["gain_e_per_dn"]
+    for name, own in {
+        "R": codes[0::2, 0::2],
+        "G": np.stack([codes[0::2, 1::2], codes[1::2, 0::2]]),
+        "B": codes[1::2, 1::2],
+    }.items():
+        assert own == pytest.approx(told["mean_e"][name], rel=2e-4)
+
+
+def test_raw_only_writes_codes_and_no_color(take):
+    folder, (told,), _, _ = take("o", "model-rgb", "--mosaic", "bayer", "--raw-only")
+    assert names_in(folder) == ["model-rgb.dng", "model-rgb.raw.tiff", "summary.json"]
+    assert told["files"] == ["model-rgb.raw.tiff", "model-rgb.dng"]
+    assert "white_xyz" not in told
+
+
+@pytest.mark.parametrize("method", ["bilinear", "malvar", "gradient", "lmmse"])
+def test_the_color_of_a_mosaic_is_that_of_the_library(take, cube, method):
+    folder, (told,), _, _ = take("o", "model-rgb", "--mosaic", "sensor", "--demosaic", method)
+    situation = used("model-rgb")
+    raw = acquired(read_cube(cube), situation)
+    ours = developed(raw, DEMOSAICING[method](bayer(), situation))
+    assert (tifffile.imread(folder / "model-rgb.xyz.tiff") == ours.xyz).all()
+    with Image.open(folder / "model-rgb.png") as picture:
+        assert (np.asarray(picture) == ours.srgb).all()
+    assert any(note.startswith("demosaicked: ") for note in told["notes"])
+
+
+def test_demosaicing_is_bilinear_unless_asked_and_methods_differ(take):
+    said = {
+        name: pixels_in(take(str(name), "model-rgb", "--mosaic", "bayer", *more)[0])
+        for name, more in {
+            None: (),
+            "bilinear": ("--demosaic", "bilinear"),
+            "malvar": ("--demosaic", "malvar"),
+            "gradient": ("--demosaic", "gradient"),
+            "lmmse": ("--demosaic", "lmmse"),
+        }.items()
+    }
+    assert said[None] == said["bilinear"]
+    assert len({files["model-rgb.xyz.tiff"] for files in said.values()}) == 4
+    assert len({files["model-rgb.raw.tiff"] for files in said.values()}) == 1
+
+
+@pytest.mark.parametrize(("bits", "top"), [(8, 255), (12, 4095), (16, 65535)])
+def test_the_dark_is_at_the_black_level_and_too_much_light_at_the_top_code(take, bits, top):
+    asked = ("--mosaic", "bayer", "--raw-only", "--time-ms", 1, "--read-noise-e", 0)
+    asked = (*asked, "--bits", bits, "--black-level", 60)
+    dark, (told,), _, _ = take("dark", "model-rgb", *asked, "--lux", 1e-9)
+    bright, _, _, _ = take("bright", "model-rgb", *asked, "--lux", 1e9)
+    assert (codes_in(dark, "model-rgb") == 60).all()
+    assert (codes_in(bright, "model-rgb") == top).all()
+    assert told["gain_e_per_dn"] * (top - 60) == pytest.approx(10_000.0)
+    assert (told["bits"], told["black_level_dn"]) == (bits, 60)
+
+
+def test_without_words_a_converter_has_12_bits_and_black_at_zero(take):
+    _, (told,), _, _ = take("o", "model-rgb", "--mosaic", "bayer", "--raw-only")
+    assert (told["bits"], told["black_level_dn"]) == (12, 0)
+    assert told["gain_e_per_dn"] == pytest.approx(10_000.0 / 4095)
+
+
+@pytest.mark.parametrize("more", [(), ("--mosaic", "bayer")])
+def test_a_burst_begins_with_the_picture_of_one_frame_and_goes_on_with_others(take, more):
+    one, (alone,), _, _ = take("one", "model-rgb", *more, "--seed", 5)
+    burst, told, _, err = take("burst", "model-rgb", *more, "--seed", 5, "--frames", 3)
+    alone_files = pixels_in(one)
+    frames = [
+        {name.replace(f"-{k:04d}", ""): data for name, data in pixels_in(burst).items()
+         if f"-{k:04d}." in name}
+        for k in range(3)
+    ]  # fmt: skip
+    assert frames[0] == alone_files
+    for name in alone_files:
+        assert len({frame[name] for frame in frames}) == 3
+    assert [picture["frame"] for picture in told] == [0, 1, 2]
+    assert all(picture["mean_e"] == alone["mean_e"] for picture in told)
+    assert err.count("model of silicon") == 1  # a note once for the burst
+
+
+def test_every_format_holds_the_same_picture(take):
+    rawpy = pytest.importorskip("rawpy", reason="reads the DNG back")
+    exr = pytest.importorskip("OpenEXR", reason="reads the EXR back")
+    folder, (told,), _, _ = take(
+        "o", "model-rgb", "--mosaic", "bayer", "--format", "dng,raw,exr,srgb16,xyz,png"
+    )
+    assert names_in(folder) == sorted([*told["files"], "summary.json"])
+    codes = codes_in(folder, "model-rgb")
+    assert codes.shape == (ROWS, COLUMNS)
+    with rawpy.imread(str(folder / "model-rgb.dng")) as negative:
+        assert (negative.raw_image == codes).all()
+    xyz = tifffile.imread(folder / "model-rgb.xyz.tiff")
+    fine = tifffile.imread(folder / "model-rgb.srgb16.tiff")
+    with Image.open(folder / "model-rgb.png") as picture:
+        coarse = np.asarray(picture)
+    assert xyz.shape == fine.shape == coarse.shape == (ROWS, COLUMNS, 3)
+    assert (xyz.dtype, fine.dtype, coarse.dtype) == (np.float32, np.uint16, np.uint8)
+    assert np.abs(fine / 257 - coarse).max() < 1.01
+    with exr.File(str(folder / "model-rgb.exr")) as linear:
+        light = linear.channels()["RGB"].pixels
+    # IEC 61966-2-1: the straight part ends at 0.0031308
+    light = np.clip(light.astype(float), 0, 1)
+    encoded = np.where(light <= 0.0031308, 12.92 * light, 1.055 * light ** (1 / 2.4) - 0.055)
+    assert np.abs(65535 * encoded - fine).max() < 40
+
+
+def test_formats_that_were_not_asked_for_are_not_written(take):
+    folder, _, _, _ = take("o", "model-rgb", "--mosaic", "bayer", "--format", "png,raw")
+    assert names_in(folder) == ["model-rgb.png", "model-rgb.raw.tiff", "summary.json"]
+
+
+@pytest.mark.parametrize("field", IMPERFECT)
+def test_each_imperfection_goes_where_the_library_puts_it(take, cube, field):
+    value = IMPERFECT[field]
+    option = f"--{field.replace('_', '-')}"
+    folder, (told,), _, _ = take("o", "model-rgb", "--mosaic", "bayer", "--raw-only", option, value)
+    plain = acquired(read_cube(cube), used("model-rgb"))
+    ours = acquired(
+        read_cube(cube), used("model-rgb"), imperfections=Imperfections(**{field: value})
+    )
+    codes = codes_in(folder, "model-rgb")
+    assert (codes == ours.codes).all()
+    assert not (codes == plain.codes).all()
+    assert told["imperfections"] == dict.fromkeys(IMPERFECT, 0.0) | {field: value}
+
+
+def test_imperfections_reach_the_picture_without_a_mosaic_too(take, cube):
+    options = [word for k, v in IMPERFECT.items() for word in (f"--{k.replace('_', '-')}", v)]
+    folder, _, _, _ = take("o", "model-rgb", *options)
+    ours = rendered(read_cube(cube), used("model-rgb"), imperfections=Imperfections(**IMPERFECT))
+    assert (tifffile.imread(folder / "model-rgb.xyz.tiff") == ours.xyz).all()
+
+
+@pytest.mark.parametrize("more", [(), ("--mosaic", "sensor")])
+@pytest.mark.parametrize(("threads", "tile"), [(1, 1), (2, 5), (3, 1000)])
+def test_neither_threads_nor_tiles_change_a_byte(take, more, threads, tile):
+    plain, _, _, _ = take("plain", "onyx-rgbw", *more)
+    tiled, _, _, _ = take("tiled", "onyx-rgbw", *more, "--threads", threads, "--tile", tile)
+    assert pixels_in(plain) == pixels_in(tiled)
+
+
+def test_a_rerun_changes_nothing_but_the_seconds(take):
+    asked = ("model-rgb", "--mosaic", "bayer", "--frames", 2, "--seed", 7, "--dsnu-e", 3)
+    first, _, out, err = take("o", *asked)
+    before = pixels_in(first), json.loads((first / "summary.json").read_text())
+    again, _, out_again, err_again = take("o", *asked)
+    after = pixels_in(again), json.loads((again / "summary.json").read_text())
+    assert (out, err) == (out_again, err_again)
+    assert before[0] == after[0]
+    for summary in (before[1], after[1]):
+        assert all(picture.pop("seconds") > 0 for picture in summary["pictures"])
+    assert before[1] == after[1]
+
+
+def test_the_summary_says_how_each_picture_was_taken(take, cube):
+    _, (told,), _, _ = take("o", "model-rgb", "--mosaic", "bayer", "--seed", 9, "--saturate", 0.5)
+    assert told["sensor"] == "model-rgb"
+    assert (told["height_px"], told["width_px"]) == (ROWS, COLUMNS)
+    assert (told["seed"], told["frame"], told["illuminant"]) == (9, 0, "E")
+    assert (told["level_lux"], told["f_number"], told["metric"]) == (10.0, 1.8, "quanta")
+    assert told["mosaic"] == [["R", "G"], ["G", "B"]]
+    assert told["time_ms"] == pytest.approx(1e3 * used("model-rgb").exposure.time_s * 50 / 99)
+    assert set(told["mean_e"]) == set(told["above_full_well_share"]) == {"R", "G", "B"}
+    assert all(0 < mean < 5000 for mean in told["mean_e"].values())
+    assert set(told["above_full_well_share"].values()) == {0.0}
+    assert told["white_xyz"][1] == pytest.approx(1.0)
+    assert told["not_written"] == []
+
+
+def test_the_share_above_full_well_is_told_and_what_was_done_with_it(take):
+    bright = ("model-mono", "--lux", 1000, "--time-ms", 12, "--illuminant", "E")
+    for name, more, words in (
+        ("free", (), "not clipped; --clip holds them there"),
+        ("held", ("--clip",), "held there"),
+        ("codes", ("--mosaic", "W", "--raw-only"), "held there"),
+    ):
+        _, (told,), _, err = take(name, *bright, *more)
+        assert told["above_full_well_share"]["W"] > 0.99
+        assert f"W lies above full well ({words})" in err
+
+
+def test_a_mosaic_that_dng_cannot_hold_is_written_as_tiff_with_a_word(take):
+    folder, (told,), _, err = take("o", "onyx-rgbw", "--mosaic", "sensor", "--raw-only")
+    assert names_in(folder) == ["onyx-rgbw.raw.tiff", "summary.json"]
+    assert "no DNG was written" in err
+    (note,) = told["not_written"]
+    assert "4 rows and 4 columns" in note
+
+
+def test_a_complaint_about_a_file_leaves_out_the_scratch_folder(take, tmp_path):
+    small = written_cube(tmp_path / "small.npz", rows=8, columns=8)  # readers of DNG want 22
+    _, (told,), _, err = take("o", "model-rgb", "--mosaic", "bayer", "--raw-only", source=small)
+    (note,) = told["not_written"]
+    assert note.startswith("no DNG was written: model-rgb.dng: ")
+    assert ".o-" not in note + err
+
+
+def test_a_dng_that_is_insisted_on_and_cannot_be_is_refused_with_nothing_left(run, cube, tmp_path):
+    outcome = run(
+        "simulate", cube, "--sensor", "onyx-rgbw", "--mosaic", "sensor",
+        "--format", "raw,dng", "-o", tmp_path / "deep" / "o",
+    )  # fmt: skip
+    refused(outcome, "DNG", "4 rows and 4 columns", "TIFF")
+    assert nothing_left(tmp_path)
+
+
+def test_several_sensors_share_one_folder_and_one_summary(take):
+    folder, told, out, _ = take(
+        "o", "model-rgb", "--sensor", "model-rgbir", "--mosaic", "sensor", "--raw-only",
+        "--format", "raw",
+    )  # fmt: skip
+    assert [picture["sensor"] for picture in told] == ["model-rgb", "model-rgbir"]
+    assert names_in(folder) == ["model-rgb.raw.tiff", "model-rgbir.raw.tiff", "summary.json"]
+    assert out.count("\n") == 2
+
+
+def test_one_pixel_has_a_code_but_not_the_colors_of_a_mosaic(take, run, tmp_path):
+    source = written_cube(tmp_path / "one.npz", rows=1, columns=1)
+    folder, (told,), _, _ = take(
+        "o", "onyx-rgbw", "--mosaic", "sensor", "--raw-only", source=source
+    )
+    assert codes_in(folder, "onyx-rgbw").shape == (1, 1)
+    assert told["mean_e"]["R"] > 0
+    assert told["mean_e"]["W"] == 0  # W lies over no pixel of this picture
+    outcome = run(
+        "simulate", source, "--sensor", "onyx-rgbw", "--mosaic", "sensor", "-o", tmp_path / "c"
+    )
+    refused(outcome, "1 x 1 does not hold one tile of the mosaic (4 x 4)")
+
+
+@contextmanager
+def stopped_after(rows):
+    seen = 0
+
+    def advance(count):
+        nonlocal seen
+        seen += count
+        if seen > rows:
+            raise KeyboardInterrupt
+
+    yield advance
+
+
+@pytest.mark.parametrize("rows", [0, ROWS + 3])
+def test_a_stop_in_the_work_leaves_nothing_not_even_the_frame_that_was_whole(
+    run, cube, tmp_path, monkeypatch, rows
+):
+    monkeypatch.setattr(
+        sys.modules["chromanoise.cli.simulate"], "row_progress", lambda _: stopped_after(rows)
+    )
+    code, out, err = run(
+        "simulate", cube, "--sensor", "model-rgb", "--mosaic", "bayer", "--frames", 3,
+        "--tile", 2, "-o", tmp_path / "deep" / "o",
+    )  # fmt: skip
+    assert (code, out, err.strip()) == (130, "", "chromanoise: stopped")
+    assert nothing_left(tmp_path)
+
+
+@pytest.mark.parametrize("sent", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_in_a_long_burst_ends_it_and_keeps_what_was_there_before(cube, tmp_path, sent):
+    folder = tmp_path / "o"
+    folder.mkdir()
+    (folder / "summary.json").write_text("mine")
+    source = Path(chromanoise.__file__).parents[1]
+    process = subprocess.Popen(
+        [
+            sys.executable, "-c", "from chromanoise.cli import main; main()", "simulate", cube,
+            "--sensor", "model-rgb", "--mosaic", "bayer", "--raw-only", "--frames", "1000000",
+            "-o", folder,
+        ],
+        env={**os.environ, "PYTHONPATH": str(source)}, stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE, text=True,
+    )  # fmt: skip
+    end = time.monotonic() + 60
+    while not list(tmp_path.glob(".o-*/*-0001.raw.tiff")):
+        assert process.poll() is None, process.stderr.read()
+        assert time.monotonic() < end
+        time.sleep(0.02)
+    process.send_signal(sent)
+    out, err = process.communicate(timeout=60)
+    assert (process.returncode, out, err.strip()) == (130, "", "chromanoise: stopped")
+    assert [path.name for path in tmp_path.iterdir()] == ["o"]
+    assert names_in(folder) == ["summary.json"]
+    assert (folder / "summary.json").read_text() == "mine"
+
+
+def test_on_a_screen_a_bar_tells_rows_and_goes_away(run, cube, tmp_path, monkeypatch):
+    monkeypatch.setenv("FORCE_COLOR", "1")  # as if standard error were a screen
+    code, out, err = run(
+        "simulate", cube, "--sensor", "model-rgb", "--frames", 2, "--tile", 1, "-o", tmp_path / "o"
+    )
+    assert code == 0
+    assert out.count("\n") == 2
+    assert f"{2 * ROWS}/{2 * ROWS} rows" in err
+    assert "\x1b[2K" in err  # the line is cleared
+
+
+@pytest.mark.parametrize(
+    ("options", "parts"),
+    [
+        (("--raw-only",), ("--raw-only", "name one with --mosaic")),
+        (("--bits", 10), ("--bits", "name one with --mosaic")),
+        (("--black-level", 0), ("--black-level", "name one with --mosaic")),
+        (("--demosaic", "lmmse", "--bits", 8), ("--demosaic and --bits", "--mosaic")),
+        (("--format", "raw"), ("--format raw", "name one with --mosaic")),
+        (("--mosaic", "bayer", "--raw-only", "--demosaic", "malvar"), ("exclude each other",)),
+        (("--mosaic", "bayer", "--raw-only", "--format", "raw,png"), ("png", "--raw-only")),
+        (("--format", "png,xyz,png"), ("--format", "'png' stands twice")),
+        (("--format", "jpeg"), ("--format", "jpeg", "png")),
+        (("--format", ""), ("--format",)),
+        (("--mosaic", "bayer", "--demosaic", "amaze"), ("amaze", "bilinear")),
+        (("--sensor", "model-rgb"), ("--sensor", "'model-rgb' stands twice")),
+        (("--frames", 0), ("--frames", "at least 1", "0")),
+        (("--frames", "two"), ("--frames", "two")),
+        (("--mosaic", "bayer", "--bits", 7), ("8 to 16 bits", "7")),
+        (("--mosaic", "bayer", "--bits", 17), ("8 to 16 bits", "17")),
+        (("--mosaic", "bayer", "--black-level", -1), ("black_level", "-1")),
+        (("--mosaic", "bayer", "--black-level", 4095), ("black_level", "4095")),
+        (("--dark-current-e-per-s", -1), ("dark_current_e_per_s", "-1")),
+        (("--dsnu-e", "nan"), ("dsnu_e", "nan")),
+        (("--prnu", 2), ("prnu", "percent", "2")),
+        (("--row-noise-e", "inf"), ("row_noise_e", "inf")),
+        (("--threads", 0), ("threads", "0")),
+        (("--tile", 0), ("tile", "0")),
+        (("--seed", -1), ("seed", "-1")),
+        (("--seed", 2**32), ("seed", str(2**32))),
+        (("--mosaic", "bayr"), ("bayr", "did you mean bayer")),
+        (("--mosaic", "RG/B"), ("row 1", "row 0")),
+        (("--mosaic", "RG//GB"), ("empty",)),
+        (("--mosaic", "RG/GX"), ("'X'", "R, G, B")),
+        (("--mosaic", "RG/RG"), ("'B' sits over no pixel",)),
+        (("--mosaic", "RGG/BRG", "--demosaic", "malvar"), ("Malvar", "Bayer")),
+        (("--scheduler", "local", "--threads", 0), ("threads", "0")),
+    ],
+)
+def test_what_cannot_be_is_one_sentence_and_leaves_nothing(run, cube, tmp_path, options, parts):
+    outcome = run(
+        "simulate", cube, "--sensor", "model-rgb", *options, "-o", tmp_path / "deep" / "o"
+    )
+    refused(outcome, *parts)
+    assert nothing_left(tmp_path)
+
+
+@pytest.mark.parametrize("bits", [0, 2000])
+def test_bits_that_no_arithmetic_survives_are_one_sentence_too(run, cube, tmp_path, bits):
+    outcome = run(
+        "simulate", cube, "--sensor", "model-rgb", "--mosaic", "bayer", "--bits", bits,
+        "-o", tmp_path / "o",
+    )  # fmt: skip
+    refused(outcome, "8 to 16 bits", str(bits))
+
+
+def test_a_sensor_without_a_mosaic_cannot_lend_its_own(run, cube, tmp_path):
+    asked = ("simulate", cube, "--sensor", "model-mono", "-o", tmp_path / "o", "--mosaic")
+    refused(run(*asked, "sensor"), "model-mono has no mosaic", "W")
+    refused(run(*asked, "bayer"), "'R'", "W")
+    assert nothing_left(tmp_path)
+
+
+def test_channels_that_the_mosaic_leaves_out_are_missed_only_by_color(run, take, tmp_path, cube):
+    asked = ("simulate", cube, "--sensor", "model-rgbw", "--mosaic", "bayer")
+    refused(run(*asked, "-o", tmp_path / "c"), "'W' sits over no pixel of the mosaic")
+    _, (told,), _, _ = take("o", "model-rgbw", "--mosaic", "bayer", "--raw-only")
+    assert told["mean_e"]["W"] == 0
+
+
+def test_what_color_lacks_is_told_before_the_long_work(run, cube, tmp_path, monkeypatch):
+    monkeypatch.setattr(
+        sys.modules["chromanoise.cli.shots"], "acquired", lambda *_, **__: pytest.fail("worked")
+    )
+    outcome = run(
+        "simulate", cube, "--sensor", "model-rgbw", "--mosaic", "bayer", "-o", tmp_path / "o"
+    )
+    refused(outcome, "'W' sits over no pixel")
