@@ -20,6 +20,8 @@ _HOW = """\
   2.2 GB, beyond any cache, float32, 131 bands from 400 to 1050 nm, four channels.
 * The functions that fill a picture got outputs that had been touched before. A public call gives
   new arrays, and the first touch of fresh memory is part of its time: the rows *into fresh arrays*.
+* Where a kernel comes above 100 % of reading, the loop that reads was itself disturbed or slower
+  than the memory: the shares of reading are then too high.
 * *Tiled numpy*: 32 rows at a time on the same number of threads, BLAS for the sums, a generator per
   tile, a table for sRGB (`benchmarks/plain_numpy.py`). *C kernel*: the same sums, random words,
   quantile functions and table, `gcc -O3 -march=native`, free to fuse multiply and add, so its bits
@@ -51,8 +53,18 @@ wanted a core (load average) at the start {load[0]:.1f}, at the end {load[1]:.1f
 In bold: less than asked in this run:
 
 {listed}
-
+{_disturbed(max(load))}
 {_HOW}"""
+
+
+def _disturbed(load: float) -> str:
+    """What a busy machine means for the verdicts."""
+    if load <= 1.5 * (os.cpu_count() or 1):
+        return ""
+    return """
+The machine was busy with other work in this run, and the ranges are wide: neither what falls short
+nor what is reached is a verdict, and no cause can be told from it. Run it again on a quiet machine.
+"""
 
 
 def _processor() -> str:

@@ -62,7 +62,7 @@ def cgats_text() -> str:
         'SPECTRAL_BANDS "4"',
         'SPECTRAL_START_NM "400.0"',
         'SPECTRAL_END_NM "700.0"',
-        'SPECTRAL_NORM "100.0"',
+        'SPECTRAL_NORM "50.0"',
         "NUMBER_OF_FIELDS 5",
         "BEGIN_DATA_FORMAT",
         "SAMPLE_ID SPEC_400 SPEC_500 SPEC_600 SPEC_700",
@@ -70,7 +70,7 @@ def cgats_text() -> str:
         "NUMBER_OF_SETS 2",
         "BEGIN_DATA",
     ]
-    sets = [" ".join([n, *(f"{100 * v:.4f}" for v in c)]) for n, c in (("R", RED), ("G", GREEN))]
+    sets = [" ".join([n, *(f"{50 * v:.4f}" for v in c)]) for n, c in (("R", RED), ("G", GREEN))]
     return "\n".join([*head, *sets, "END_DATA"]) + "\n"
 
 

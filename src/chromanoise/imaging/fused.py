@@ -48,14 +48,14 @@ def _all_means(flat, start, lay, n, weights, sums, out, seen):
 @njit(cache=True, nogil=True, error_model="numpy")
 @no_type_check
 def _mosaic_means(flat, start, lay, n, weights, channel, sums, out, seen):
-    """The channel over each pixel of a tile: channel (period,) starts at its first pixel."""
+    """The channel over each pixel of a tile: channel (n,) int64."""
     bands, _, pixel_pitch, band_pitch = lay
     if pixel_pitch != 1:
         means_of_mosaic(flat, start, pixel_pitch, n, bands, weights, channel, out, seen)
         return
     means_of_planes(flat, start, band_pitch, n, bands, weights, sums, seen)
     for i in range(n):
-        out[i] = sums[channel[i % channel.size] * TILE + i]
+        out[i] = sums[channel[i] * TILE + i]
 
 
 @njit(cache=True, nogil=True, inline="always")
@@ -128,14 +128,11 @@ def _words_of_all(pixel, n, p, frame, seed, shot, read, spare):
 
 @njit(cache=True, nogil=True, error_model="numpy")
 @no_type_check
-def _words_of_mosaic(pixel, n, channel, frame, seed, shot, read, spare):
+def _words_of_mosaic(pixel, n, channel, frame, seed, shot, read):
     """Words of the one channel of each pixel: those that it has when all are rendered."""
-    purpose, period = np.uint64(LIGHT), channel.size
-    pairs = spare[2]
+    purpose = np.uint64(LIGHT)
     for i in range(n):
-        pairs[i] = np.uint32(channel[i % period])
-    for i in range(n):
-        c = pairs[i]
+        c = channel[i]
         w0, w1, w2, w3 = words_at(np.uint64(pixel + i), purpose, frame, np.uint64(c >> 1), seed)
         odd = (c & 1) == 1
         shot[i] = w2 if odd else w0
@@ -152,7 +149,11 @@ def electron_rows(flat, lay, rows, columns, weights, channels, out, seen):
     for row in range(rows):
         for first in range(0, columns, TILE):
             n = min(TILE, columns - first)
-            _all_means(flat, _start_of(row, first, lay), lay, n, weights, sums, mean, seen)
+            start = _start_of(row, first, lay)
+            if channels == padded:
+                _all_means(flat, start, lay, n, weights, sums, out[row, first : first + n], seen)
+                continue
+            _all_means(flat, start, lay, n, weights, sums, mean, seen)
             for i in range(n):
                 for c in range(channels):
                     out[row, first + i, c] = mean[i, c]
@@ -174,44 +175,49 @@ def raw_rows(
     sums = np.empty((weights.shape[0] + 2) * TILE, np.float32)
     electrons = np.empty(RUN, np.float32)
     shot, read = np.empty(RUN, np.uint32), np.empty(RUN, np.uint32)
-    lanes, spare = np.empty(RUN + 1, np.int64), np.empty((3, RUN), np.uint32)
-    channel = np.empty(tile.shape[1], np.int64)
+    lanes = np.empty(RUN + 1, np.int64)
+    over = _over_rows(tile, columns)
     for row in range(rows):
         at_row = first_row + row
+        channel = over[at_row % tile.shape[0]]
         row_e = _ZERO
         if row_noise_e > _ZERO:
             row_e = row_noise_e * _normal(at_row, ROW, frame, seed)
         for first in range(0, columns, TILE):
             n = min(TILE, columns - first)
-            for k in range(channel.size):
-                channel[k] = tile[at_row % tile.shape[0], (first + k) % channel.size]
-            start = _start_of(row, first, lay)
-            _mosaic_means(flat, start, lay, n, weights, channel, sums, mean, seen)
-            for k in range(channel.size):
-                total = 0.0
-                for i in range(k, n, channel.size):
-                    total += mean[i]
-                counts[row, 0, channel[k]] += total
+            start, own = _start_of(row, first, lay), channel[first : first + n]
+            _mosaic_means(flat, start, lay, n, weights, own, sums, mean, seen)
+            _count_means(mean, own, tile.shape[1], counts[row])
             for run in range(0, n, RUN):
                 m = min(RUN, n - run)
-                for k in range(channel.size):
-                    channel[k] = tile[at_row % tile.shape[0], (first + run + k) % channel.size]
+                own = channel[first + run : first + run + m]
                 pixel = at_row * columns + first + run
-                _words_of_mosaic(pixel, m, channel, np.uint64(frame), seed, shot, read, spare)
-                _acquire(
-                    mean[run : run + m],
-                    shot,
-                    read,
-                    lanes,
-                    pixel,
-                    m,
-                    1,
-                    noise,
-                    row_e,
-                    seed,
-                    electrons,
-                )
-                _codes(electrons, m, channel, adc, counts[row], codes[row, first + run :])
+                _words_of_mosaic(pixel, m, own, np.uint64(frame), seed, shot, read)
+                light = mean[run : run + m]
+                _acquire(light, shot, read, lanes, pixel, m, 1, noise, row_e, seed, electrons)
+                _codes(electrons, m, own, adc, counts[row], codes[row, first + run :])
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+@no_type_check
+def _over_rows(tile, columns):
+    """The channel over every pixel of the rows of one period: (tile rows, columns)."""
+    over = np.empty((tile.shape[0], columns), np.int64)
+    for row in range(tile.shape[0]):
+        for column in range(columns):
+            over[row, column] = tile[row, column % tile.shape[1]]
+    return over
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+@no_type_check
+def _count_means(mean, channel, period, counts):
+    """Expected electrons of each channel, place after place of the period."""
+    for k in range(min(period, channel.size)):
+        total = 0.0
+        for i in range(k, channel.size, period):
+            total += mean[i]
+        counts[0, channel[k]] += total
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -242,7 +248,7 @@ def _codes(electrons, n, channel, adc, counts, codes):
         codes[i] = np.uint16(np.int32(code if code < top_dn else top_dn))
     for i in range(n):
         if electrons[i] > full_well_e:
-            counts[1, channel[i % channel.size]] += 1.0
+            counts[1, channel[i]] += 1.0
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -289,11 +295,9 @@ def color_rows(
             for run in range(0, n, RUN):
                 m = min(RUN, n - run)
                 for c in range(p):
-                    total = 0.0
                     for i in range(m):
                         mean[c * m + i] = means[run + i, c]
-                        total += means[run + i, c]
-                    counts[row, 0, c] += total
+                    counts[row, 0, c] += _total(mean[c * m : (c + 1) * m])
                 pixel = at_row * columns + first + run
                 if noise[5]:
                     _words_of_all(pixel, m, p, np.uint64(frame), seed, shot, read, spare)
@@ -303,6 +307,26 @@ def color_rows(
                 _colors(
                     electrons, m, p, matrices, table, colors, entry, xyz[row, at:], srgb[row, at:]
                 )
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+@no_type_check
+def _total(values):
+    """Sum in eight strands: one strand waits for each addition before the next."""
+    a = b = c = d = e = f = g = h = 0.0
+    whole = values.size - values.size % 8
+    for i in range(0, whole, 8):
+        a += values[i]
+        b += values[i + 1]
+        c += values[i + 2]
+        d += values[i + 3]
+        e += values[i + 4]
+        f += values[i + 5]
+        g += values[i + 6]
+        h += values[i + 7]
+    for i in range(whole, values.size):
+        a += values[i]
+    return ((a + b) + (c + d)) + ((e + f) + (g + h))
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

@@ -49,14 +49,12 @@ def means_of_pixels(flat, start, pitch, n, bands, weights, out, seen):
 @njit(nogil=True, inline="never", error_model="numpy")
 @no_type_check
 def means_of_mosaic(flat, start, pitch, n, bands, weights, channel, out, seen):
-    """Only the channel over each pixel: channel (period,) int64 repeats along the row, out (n,)."""
-    k = 0
+    """Only the channel over each pixel: channel (n,) int64, out (n,)."""
     for i in range(n):
         at = start + i * pitch
         for line in range(0, bands, LANES):
             prefetch(flat, at + _AHEAD * pitch + line)
-        (out[i],) = _one(flat, at, bands, weights, channel[k], seen)
-        k = k + 1 if k + 1 < channel.size else 0
+        (out[i],) = _one(flat, at, bands, weights, channel[i], seen)
 
 
 @njit(nogil=True, inline="never", error_model="numpy")

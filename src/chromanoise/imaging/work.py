@@ -26,6 +26,7 @@ FillBlock = Callable[..., Any]
 """(plan, start, stop, scratch, one array per output) -> whatever is told of the block."""
 
 _SENT_AHEAD = 16  # blocks that wait at an executor
+_SENT_BLOCK_BYTES = 64 << 20  # by a worker elsewhere: sending a task takes some milliseconds
 _BLOCK_BYTES = 8 << 20  # read at a time: large for the disk, small for the memory
 
 
@@ -73,7 +74,8 @@ def row_blocks(source: RowSource, work: Work) -> list[Block]:
     if rows is None:
         row_bytes = width * bands * source.dtype.itemsize
         together = max(source.chunk_rows, 1)
-        rows = max(1, _BLOCK_BYTES // row_bytes // together) * together
+        size = _BLOCK_BYTES if work.executor is None else _SENT_BLOCK_BYTES
+        rows = max(1, size // row_bytes // together) * together
     return [(start, min(start + rows, height)) for start in range(0, height, rows)]
 
 

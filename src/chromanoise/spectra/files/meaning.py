@@ -157,6 +157,9 @@ def _scale(
         return "percent", 0.01, ("its heading says percent: divided by 100",)
     if highest <= _FRACTION_AT_MOST:
         return "fraction", 1.0, ()
+    lowest = min(float(c.values.max(initial=0.0)) for c in columns)
+    if highest <= _PERCENT_AT_MOST and lowest <= 1 and not re.search(_PERCENT, found.words.lower()):
+        return "fraction", 1.0, ()  # a curve of fractions beside it: no file mixes the two
     if highest <= _PERCENT_AT_MOST:
         said = "its text says percent" if re.search(_PERCENT, found.words.lower()) else "percent"
         return "percent", 0.01, (f"highest value {highest:g}: taken as {said}, divided by 100",)

@@ -12,7 +12,7 @@ from chromanoise.spectra.files.understood import Column, Found
 
 _POINT = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eEdD][+-]?\d{1,4})?\s*%?", re.ASCII)
 _COMMA = re.compile(r"[+-]?(\d+(,\d+)?|,\d+)([eEdD][+-]?\d{1,4})?\s*%?", re.ASCII)
-_MISSING = ("", "-", "--", "nan", "na", "n/a", "#n/a", "null", "none")
+_MISSING = ("", "-", "--", "na", "n/a", "#n/a", "null", "none")
 _UNIT = re.compile(r"(.*?)[\s_]*[\[(]([^\[\]()]*)[\])]")
 _LARGEST = 1e30
 _LONGEST_CELL = 400
@@ -86,7 +86,7 @@ def table_of(
         )
     heads = [_bare(row.cells) for row in rows[:first]]
     width = _width(body, heads, head)
-    numbers, ragged = _numbers(body, width, decimal, source, where)
+    numbers, ragged = _numbers(body, _head(heads, head, width), decimal, source, where)
     words = " ".join([*comments, *(" ".join(cells) for cells in heads)])
     words += " %" if any("%" in cell for cell in body[0].cells) else ""
     found = {
@@ -120,8 +120,9 @@ def _width(body: list[Row], heads: list[tuple[str, ...]], head: tuple[str, ...])
 
 
 def _numbers(
-    body: list[Row], width: int, decimal: str, source: str, where: str
+    body: list[Row], names: tuple[str, ...], decimal: str, source: str, where: str
 ) -> tuple[np.ndarray, tuple[str, ...]]:
+    width = len(names)
     table = np.full((len(body), width), _NAN)
     short: list[int] = []
     for i, row in enumerate(body):
@@ -137,8 +138,8 @@ def _numbers(
             table[i, k] = value = number_in(cell, decimal_comma=decimal == ",")
             if value != value and cell.lower() not in _MISSING:
                 raise _check.InputError(
-                    f"{source}: {where} {row.number}, column {k + 1}: {cell[:40]!r} is not a "
-                    f"number, or beyond {_LARGEST:g}; mend it or leave the row out"
+                    f"{source}: {where} {row.number}, column {names[k][:40] or k + 1}: "
+                    f"{cell[:40]!r} is not a finite number below {_LARGEST:g}; mend or drop it"
                 )
     if not short:
         return table, ()
