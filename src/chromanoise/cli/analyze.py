@@ -4,19 +4,20 @@ from typing import Any
 
 import click
 
-from chromanoise._check import InputError
+from chromanoise._check import InputError, distinct
 from chromanoise.cli import tables
 from chromanoise.cli.merit_tables import print_merits
 from chromanoise.cli.options import (
     EXPOSURE,
     only,
+    refuse_idle_prior,
     sensor_and_light,
     the_exposure,
     the_light,
     the_sensors,
 )
-from chromanoise.cli.output import write_json
-from chromanoise.color import SPACES
+from chromanoise.cli.output import refuse_inputs, write_json
+from chromanoise.color import SPACES, UNBOUNDED
 from chromanoise.exposure import Situation
 from chromanoise.noise import Readout
 from chromanoise.study import (
@@ -92,12 +93,16 @@ def analyze(
     models of other filter sets: model-rgb-ircut, model-cmy-ircut, model-rgbir ...) or a CSV file
     with the header wavelength_nm,R,G,... and the absolute QE of each channel.
     """
-    if clip and (budget or chart or merit):
-        raise InputError("--clip does not go with --budget, --chart or --merit: they follow eq. 7")
+    if clip and (budget or merit):
+        raise InputError("--clip does not go with --budget or --merit: they follow eq. 7")
+    refuse_idle_prior([method])
+    refuse_inputs(json_target, "--json", *sensors, options["illuminant"])
     illuminant, white = the_light(options)
     (maker,) = matrix_makers([method], options["metric"], prior=prior).values()
-    analyses, grey_noises = [], []
-    for sensor in the_sensors(sensors, options):
+    analyses, grey_noises, charts = [], [], []
+    cameras = the_sensors(sensors, options)
+    distinct("names of sensors", [camera.name for camera in cameras])
+    for sensor in cameras:
         exposure = the_exposure(white, sensor, **only(options, EXPOSURE))
         held = Readout(black_e=0.0, full_well_e=sensor.pixel.full_well_e) if clip else None
         situation = Situation(
@@ -107,6 +112,8 @@ def analyze(
         analyses.append(analyzed(white, sensor, exposure, readout=held, matrix=matrix))
         if space:
             grey_noises.append(grey_noise(analyses[-1], SPACES[space], readout=held))
+        if chart:
+            charts.append(chart_noise(analyses[-1], readout=held or UNBOUNDED))
     merits = [merits_of(analysis, maker=maker) for analysis in (analyses if merit else [])]
     if json_target:
         told = analyses_as_json(analyses)
@@ -116,7 +123,7 @@ def analyze(
             if space:
                 sensor_told["grey_noise"] = grey_noise_as_json(grey_noises[i])
             if chart:
-                sensor_told["chart"] = chart_as_json(chart_noise(analysis))
+                sensor_told["chart"] = chart_as_json(charts[i])
             if merit:
                 sensor_told["merits"] = merits_as_json(merits[i])
         write_json(told, json_target)
@@ -126,8 +133,8 @@ def analyze(
             tables.print_budgets(analysis, color_budgets(analysis))
             tables.print_budgets(analysis, contravariant_budgets(analysis))
             tables.print_lab_budgets(analysis)
-        for analysis in analyses if chart else []:
-            tables.print_chart(analysis, chart_noise(analysis))
+        for analysis, patches in zip(analyses, charts, strict=False):
+            tables.print_chart(analysis, patches)
         print_merits(merits)
         if space:
             tables.print_grey_noise(analyses, grey_noises)

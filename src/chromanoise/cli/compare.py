@@ -11,6 +11,7 @@ from chromanoise.cli.options import (
     EXPOSURE,
     LENS,
     only,
+    refuse_idle_prior,
     sensor_and_light,
     the_exposure,
     the_lens,
@@ -32,7 +33,6 @@ from chromanoise.study import (
     crossovers,
     matrix_makers,
     swept_values,
-    trained_names,
 )
 
 _RULES: dict[str, Callable[..., list[Exposure]]] = {
@@ -102,8 +102,7 @@ def compare(
     """
     varied, values = _swept(sweep, points)
     _refuse_swept(varied, options)
-    if prior == "all" and not trained_names(matrices.split(",")):
-        raise InputError("--prior all is of trained matrices, but --matrix names none, as lmmse")
+    refuse_idle_prior(matrices.split(","))
     refuse_inputs(json_target, "--json", *sensors, options["illuminant"])
     illuminant, white = the_light(options)
     cameras = the_sensors(sensors, options)

@@ -14,7 +14,7 @@ from chromanoise._check import InputError
 _COMMANDS = {
     "analyze": "Noise of sensors in raw, spectral and color coordinates, side by side.",
     "simulate": "Render a hyperspectral cube through sensors to noisy color pictures.",
-    "compare": "Sensors while light, time, read noise, IR-cut or lamp varies: curves and crossovers.",
+    "compare": "Sensors while light, time, noise, IR-cut or lamp varies: curves, crossovers.",
     "matrix": "A sensor's color matrix: color error, noise, condition; to CSV, JSON, CLF, profile.",
     "init": "A commented study file to start from.",
     "run": "Run a study file: analyses, sweeps, pictures, with provenance.",

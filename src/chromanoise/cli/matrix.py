@@ -14,12 +14,13 @@ from chromanoise.cli.merit_tables import print_pareto
 from chromanoise.cli.options import (
     EXPOSURE,
     only,
+    refuse_idle_prior,
     sensor_and_light,
     the_exposure,
     the_light,
     the_sensors,
 )
-from chromanoise.cli.output import write_json
+from chromanoise.cli.output import refuse_inputs, write_json
 from chromanoise.exposure import Situation, expected_electrons
 from chromanoise.merit import matrix_report
 from chromanoise.study import (
@@ -87,6 +88,10 @@ def matrix(
     **options: Any,
 ) -> None:
     """The color matrix of SENSOR, with its color error, noise, condition and noise gain."""
+    if not pareto:  # the curve is trained, whatever the matrix
+        refuse_idle_prior([method])
+    refuse_inputs(export, "--export", sensor, options["illuminant"])
+    refuse_inputs(json_target, "--json", sensor, options["illuminant"])
     if export:
         writer = _writer(export)
     weights = None if weights_told is None else _weights(weights_told)

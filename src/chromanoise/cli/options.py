@@ -1,8 +1,6 @@
 """Options that several commands share, and the nouns they stand for."""
 
-from collections.abc import Callable
-from dataclasses import replace
-from pathlib import Path
+from collections.abc import Callable, Sequence
 from typing import Any, TypeVar
 
 import click
@@ -11,15 +9,14 @@ from chromanoise._check import InputError, not_negative, positive, within
 from chromanoise.cli.answers import answering, answers_of, illuminant_answers_of
 from chromanoise.exposure import Exposure, saturating_exposure
 from chromanoise.scene import Scene, flat_field
-from chromanoise.sensor import PAPER_PIXEL, SENSOR_NAMES, Sensor, read_sensor, sensor_named
+from chromanoise.sensor import Sensor
 from chromanoise.spectra import (
-    DEFAULT_GRID,
     METRICS,
     Illuminant,
-    illuminant_from,
-    illuminant_named,
 )
-from chromanoise.spectra.files import Answers, power_of, read_curves
+from chromanoise.spectra.files import Answers
+from chromanoise.study import trained_names
+from chromanoise.study.words import illuminant_of_word, sensor_of_word
 
 Command = TypeVar("Command", bound=Callable[..., Any])
 
@@ -87,7 +84,6 @@ def sensor_and_light(command: Command) -> Command:
     return command
 
 
-_ENDINGS = (".csv", ".tsv", ".txt", ".mat", ".json", ".sp", ".spdx", ".xml", ".xlsx")
 LENS = ("saturate", "f_number", "magnification")
 EXPOSURE = ("time_ms", *LENS)
 PIXEL = ("pitch_um", "full_well_e", "read_noise_e")
@@ -107,36 +103,17 @@ def the_sensor(
     read_noise_e: float | None,
 ) -> Sensor:
     """A catalogue sensor or a file of curves, with the pixel that the options ask for."""
-    changes = {
-        "pitch_um": pitch_um,
-        "full_well_e": full_well_e,
-        "read_noise_e": read_noise_e,
-    }
-    given = {key: value for key, value in changes.items() if value is not None}
+    given = {"pitch_um": pitch_um, "full_well_e": full_well_e, "read_noise_e": read_noise_e}
     for key, value in given.items():
-        check = not_negative if key == "read_noise_e" else positive
-        check(f"--{key.replace('_', '-')}", key.rpartition("_")[2].replace("e", "e-"), value)
-    if _is_file(name):
-        sensor = read_sensor(Path(name), DEFAULT_GRID, PAPER_PIXEL, answers=answers)
-        missing = [key for key in changes if key not in given]
-        if missing:
-            note = f"the paper's pixel stands in for {', '.join(missing)} of {sensor.name}"
-            sensor = replace(sensor, notes=(*sensor.notes, note))
-    elif name in SENSOR_NAMES:
-        sensor = sensor_named(name, DEFAULT_GRID)
-    elif Path(name).is_file():
-        sensor = read_sensor(Path(name), DEFAULT_GRID, PAPER_PIXEL, answers=answers)
-    else:
-        _refuse_unknown(name)
-    return replace(sensor, pixel=replace(sensor.pixel, **given))
+        if value is not None:
+            check = not_negative if key == "read_noise_e" else positive
+            check(f"--{key.replace('_', '-')}", key.rpartition("_")[2].replace("e", "e-"), value)
+    return sensor_of_word(name, answers=answers, **given)
 
 
 def the_illuminant(name: str, *, answers: Answers) -> Illuminant:
     """An illuminant by name or from a file of one curve."""
-    if not _is_file(name):
-        return illuminant_named(name, DEFAULT_GRID, beyond=answers.beyond)
-    curve = power_of(read_curves(name, answers=answers))
-    return illuminant_from(curve, DEFAULT_GRID, name=Path(name).stem, beyond=answers.beyond)
+    return illuminant_of_word(name, answers=answers)
 
 
 def the_light(options: dict[str, Any]) -> tuple[Illuminant, Scene]:
@@ -185,13 +162,10 @@ def the_lens(
     return {"f_number": f_number, "share": share, "magnification": magnification}
 
 
-def _is_file(name: str) -> bool:
-    """A file is named by its ending or its folder, so that no file hides a name of ours."""
-    return name.lower().endswith(_ENDINGS) or name.startswith((".", "/", "~"))
-
-
-def _refuse_unknown(name: str) -> None:
-    try:
-        sensor_named(name, DEFAULT_GRID)
-    except InputError as error:
-        raise InputError(f"{error}; or name a file of its curves") from None
+def refuse_idle_prior(names: Sequence[str]) -> None:
+    """A prior that is given for matrices that look at none would be silence."""
+    source = click.get_current_context().get_parameter_source("prior")
+    if source is click.core.ParameterSource.COMMANDLINE and not trained_names(names):
+        raise InputError(
+            f"--prior is of trained matrices, as lmmse, but --matrix asks for {', '.join(names)}"
+        )

@@ -120,7 +120,9 @@ def print_comparison(
     for curve in curves:
         varies = sweep.name == "time-ms"
         time = "varies" if varies else f"{1e3 * curve.time_s:.4g}"
-        table.add_row(curve.sensor, curve.matrix, time, *(_curve_cell(curve, int(i)) for i in shown))
+        table.add_row(
+            curve.sensor, curve.matrix, time, *(_curve_cell(curve, int(i)) for i in shown)
+        )
     console.print(table)
     if any((np.isnan(curve.value) & ~curve.saturated).any() for curve in curves):
         console.print("-: the matrix cannot make that color of this light.")

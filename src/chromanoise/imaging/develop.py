@@ -106,7 +106,7 @@ def _developed_block(
     srgb: UInt8[Array, "rows w 3"],
 ) -> Any:
     """Fill ``xyz`` and ``srgb`` with the rows ``start`` to ``stop``."""
-    from chromanoise.imaging.fused import color_of_electrons
+    from chromanoise.imaging.color_kernels import color_of_electrons
     from chromanoise.imaging.kernels_demosaic import (
         demosaicked_rows,
         surrounded_rows,

@@ -16,6 +16,7 @@ from typing import no_type_check
 import numpy as np
 from numba import njit
 
+from chromanoise.imaging.color_kernels import colors_of_run
 from chromanoise.imaging.means import TILE, means_of_mosaic, means_of_pixels, means_of_planes
 from chromanoise.imaging.noise_blocks import noise_of_block
 from chromanoise.imaging.philox import LIGHT, PIXEL_GAIN, PIXEL_OFFSET, ROW, words_at
@@ -23,8 +24,6 @@ from chromanoise.imaging.variates import normal_quantile
 
 RUN = 256
 """Pixels of a run; with four channels 1024 lanes of noise."""
-ENCODED = 16384
-"""Entries of the table of sRGB codes."""
 
 _F = np.float32
 _ZERO, _ONE, _HALF = _F(0.0), _F(1.0), _F(0.5)
@@ -275,7 +274,7 @@ def color_rows(
     """Every channel at every pixel, then color: xyz (rows, columns, 3) f4, srgb the same uint8.
 
     noise, counts as `raw_rows`; well: electrons at full well, whether they are held between 0 and
-    it; matrices (6, p): to XYZ and to linear sRGB; table: `ENCODED` codes of sRGB.
+    it; matrices (6, p): to XYZ and to linear sRGB; table: `color_kernels.ENCODED` codes of sRGB.
     """
     row_noise_e, p = noise[4], channels
     colors, entry = np.empty(RUN, np.float32), np.empty(RUN, np.int32)
@@ -304,7 +303,7 @@ def color_rows(
                 _acquire(mean, shot, read, lanes, pixel, m, p, noise, row_e, seed, electrons)
                 _at_well(electrons, m, p, well, counts[row])
                 at = first + run
-                _colors(
+                colors_of_run(
                     electrons, m, p, matrices, table, colors, entry, xyz[row, at:], srgb[row, at:]
                 )
 
@@ -349,60 +348,3 @@ def _at_well(electrons, n, p, well, counts):
     if held:
         for j in range(n * p):
             electrons[j] = min(max(electrons[j], _ZERO), full_well_e)
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-@no_type_check
-def _colors(electrons, n, p, matrices, table, colors, entry, xyz, srgb):
-    """Eq. 5 for a run, channel after channel; sRGB codes are looked up."""
-    for k in range(6):
-        _weighted(electrons[:n], matrices[k, 0], colors[:n])
-        for c in range(1, p):
-            _add_weighted(electrons[c * n : (c + 1) * n], matrices[k, c], colors[:n])
-        if k < 3:
-            for i in range(n):
-                xyz[i, k] = colors[i]
-        else:
-            _entries(colors[:n], entry[:n])
-            for i in range(n):
-                srgb[i, k - 3] = table[entry[i]]
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-@no_type_check
-def color_of_electrons(electrons, matrices, table, xyz, srgb):
-    """Eq. 5 for rows of electrons (rows, columns, p): xyz and srgb as `color_rows`."""
-    rows, columns, p = electrons.shape
-    run = np.empty(RUN * p, np.float32)
-    colors, entry = np.empty(RUN, np.float32), np.empty(RUN, np.int32)
-    for row in range(rows):
-        for first in range(0, columns, RUN):
-            n = min(RUN, columns - first)
-            for i in range(n):
-                for c in range(p):
-                    run[c * n + i] = electrons[row, first + i, c]
-            _colors(run, n, p, matrices, table, colors, entry, xyz[row, first:], srgb[row, first:])
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-@no_type_check
-def _weighted(values, weight, out):
-    for i in range(values.size):
-        out[i] = values[i] * weight
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-@no_type_check
-def _add_weighted(values, weight, out):
-    for i in range(values.size):
-        out[i] += values[i] * weight
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-@no_type_check
-def _entries(screen, entry):
-    """Where in the table of codes a linear value stands; held to 0 .. 1."""
-    for i in range(screen.size):
-        within = screen[i] if screen[i] > _ZERO else _ZERO  # NaN too
-        within = within if within < _ONE else _ONE
-        entry[i] = np.int32(within * _F(ENCODED - 1) + _HALF)

@@ -284,7 +284,7 @@ def color_block(
 @cache
 def srgb_table() -> UInt8[Array, " entries"]:
     """8-bit codes of linear values, evenly from 0 to 1."""
-    from chromanoise.imaging.fused import ENCODED
+    from chromanoise.imaging.color_kernels import ENCODED
 
     return np.round(255 * srgb_from_linear(np.linspace(0, 1, ENCODED))).astype(np.uint8)
 

@@ -12,6 +12,7 @@ from chromanoise.exposure import (
 from chromanoise.scene import Cube, Scene, builtin_cube, flat_field, read_cube
 from chromanoise.sensor import Sensor
 from chromanoise.spectra import Illuminant
+from chromanoise.spectra.files import Answers
 from chromanoise.study.runs.document import PicturePart, Study
 from chromanoise.study.words import illuminant_of_word, sensor_of_word
 
@@ -33,7 +34,7 @@ def situations_of(study: Study) -> list[Situation]:
     illuminant = illuminant_of(study)
     white = flat_field(illuminant, level_lux=study.light.level_lux)
     sensors = [
-        sensor_of_word(part.name, beyond=part.beyond, **part.pixel.model_dump())
+        sensor_of_word(part.name, answers=Answers(beyond=part.beyond), **part.pixel.model_dump())
         for part in study.sensors
     ]
     return [
@@ -49,7 +50,9 @@ def situations_of(study: Study) -> list[Situation]:
 
 def illuminant_of(study: Study) -> Illuminant:
     """The light of the study."""
-    return illuminant_of_word(study.light.illuminant, beyond=study.light.beyond)
+    return illuminant_of_word(
+        study.light.illuminant, answers=Answers(quantity="power", beyond=study.light.beyond)
+    )
 
 
 def cube_of(part: PicturePart) -> Cube:

@@ -1,0 +1,76 @@
+# mypy: disable-error-code="no-untyped-def,no-untyped-call,misc"
+"""Eq. 5 for a run of pixels: electrons to XYZ and to codes of sRGB, channel after channel.
+
+Functions without annotations are compiled, serial and free of the interpreter's lock.
+"""
+
+from typing import no_type_check
+
+import numpy as np
+from numba import njit
+
+ENCODED = 16384
+"""Entries of the table of sRGB codes."""
+
+_RUN = 256  # pixels whose colors stay in the first cache
+_F = np.float32
+_ZERO, _ONE, _HALF = _F(0.0), _F(1.0), _F(0.5)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+@no_type_check
+def colors_of_run(electrons, n, p, matrices, table, colors, entry, xyz, srgb):
+    """Eq. 5 for a run, channel after channel; sRGB codes are looked up."""
+    for k in range(6):
+        _weighted(electrons[:n], matrices[k, 0], colors[:n])
+        for c in range(1, p):
+            _add_weighted(electrons[c * n : (c + 1) * n], matrices[k, c], colors[:n])
+        if k < 3:
+            for i in range(n):
+                xyz[i, k] = colors[i]
+        else:
+            _entries(colors[:n], entry[:n])
+            for i in range(n):
+                srgb[i, k - 3] = table[entry[i]]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+@no_type_check
+def color_of_electrons(electrons, matrices, table, xyz, srgb):
+    """Eq. 5 for rows of electrons (rows, columns, p): xyz and srgb as `color_rows`."""
+    rows, columns, p = electrons.shape
+    run = np.empty(_RUN * p, np.float32)
+    colors, entry = np.empty(_RUN, np.float32), np.empty(_RUN, np.int32)
+    for row in range(rows):
+        for first in range(0, columns, _RUN):
+            n = min(_RUN, columns - first)
+            for i in range(n):
+                for c in range(p):
+                    run[c * n + i] = electrons[row, first + i, c]
+            colors_of_run(
+                run, n, p, matrices, table, colors, entry, xyz[row, first:], srgb[row, first:]
+            )
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+@no_type_check
+def _weighted(values, weight, out):
+    for i in range(values.size):
+        out[i] = values[i] * weight
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+@no_type_check
+def _add_weighted(values, weight, out):
+    for i in range(values.size):
+        out[i] += values[i] * weight
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+@no_type_check
+def _entries(screen, entry):
+    """Where in the table of codes a linear value stands; held to 0 .. 1."""
+    for i in range(screen.size):
+        within = screen[i] if screen[i] > _ZERO else _ZERO  # NaN too
+        within = within if within < _ONE else _ONE
+        entry[i] = np.int32(within * _F(ENCODED - 1) + _HALF)
