@@ -5,7 +5,7 @@ BIN := $(VENV)/bin
 # one arithmetic thread: the products are small, and sums must not depend on the number of cores
 export OPENBLAS_NUM_THREADS ?= 1
 
-.PHONY: demo test lint bench docs evidence reconstruct format clean
+.PHONY: demo test lint bench docs evidence reconstruct format clean clean-kernels
 
 demo: $(VENV)/.installed
 	$(BIN)/chromanoise demo
@@ -37,7 +37,10 @@ format: $(VENV)/.dev
 	$(BIN)/ruff format .
 	$(BIN)/ruff check --fix .
 
-clean:
+clean-kernels:
+	find src -name '*.nb[ic]' -delete
+
+clean: clean-kernels
 	rm -rf $(VENV) out
 
 $(VENV)/.installed: pyproject.toml
