@@ -88,7 +88,7 @@ def matrix(
     **options: Any,
 ) -> None:
     """The color matrix of SENSOR, with its color error, noise, condition and noise gain."""
-    if not pareto:  # the curve is trained, whatever the matrix
+    if weights_told is None:  # the curve is trained, whatever the matrix
         refuse_idle_prior([method])
     refuse_inputs(export, "--export", sensor, options["illuminant"])
     refuse_inputs(json_target, "--json", sensor, options["illuminant"])
