@@ -1,10 +1,11 @@
 # mypy: disable-error-code="no-untyped-def,no-untyped-call,misc"
-"""Sums over the bands of one pixel, sixteen bands at a time and always in the same order.
+"""Sums over the bands of pixels, always in the same order whatever the processor.
 
 A compiler that may reorder a sum gives other bits on another processor; one that may not is eight
-times slower. So the order is written down: lane j of sixteen adds bands j, j + 16, j + 32 ... by
-fused multiply-add, and the lanes are folded in halves. The smallest and the largest stored number
-are found on the way, because each number is read only once.
+times slower. So the order is written down: lane j of eight adds bands j, j + 8, j + 16 ... by fused
+multiply-add, and the lanes are folded in halves. Two pixels are taken at a time, so that weights
+are fetched once for both. The smallest and the largest stored number are found on the way, because
+each number is read only once.
 """
 
 from typing import no_type_check
@@ -14,9 +15,10 @@ from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic
 
-LANES = 16
+LANES = 8
+"""Bands of a pixel that are added side by side."""
+_RUN_LANES = 16  # pixels of a band that are
 _F32, _I32, _I64 = ir.FloatType(), ir.IntType(32), ir.IntType(64)
-_LANES = ir.VectorType(_F32, LANES)
 
 
 def _fma(builder, kind, name):
@@ -35,6 +37,10 @@ def _as_float(builder, value, kind, wanted):
     return builder.sitofp(value, wanted) if kind.signed else builder.uitofp(value, wanted)
 
 
+def _vector(lanes):
+    return _F32 if lanes == 1 else ir.VectorType(_F32, lanes)
+
+
 def _loaded(builder, pointer, kind, width):
     """``width`` stored numbers as float32; unaligned, as a picture's rows are."""
     element = pointer.type.pointee
@@ -48,7 +54,7 @@ def _loaded(builder, pointer, kind, width):
 
 
 def _some_loaded(builder, pointer, kind, count):
-    """The next ``count`` < 16 stored numbers; the other lanes repeat the first of them."""
+    """The next ``count`` < `LANES` stored numbers; the other lanes repeat the first of them."""
     element = pointer.type.pointee
     first = builder.load(pointer)
     vector = ir.VectorType(element, LANES)
@@ -69,7 +75,7 @@ def _some_loaded(builder, pointer, kind, count):
     function = cgutils.get_or_insert_function(builder.module, signature, name)
     align = ir.Constant(_I32, max(kind.bitwidth // 8, 1))
     value = builder.call(function, [place, align, mask, others])
-    return _as_float(builder, value, kind, _LANES)
+    return _as_float(builder, value, kind, _vector(LANES))
 
 
 def _further(builder, value, known, sign):
@@ -83,26 +89,25 @@ def _shuffled(builder, a, b, lanes):
 
 
 def _folded(builder, vectors):
-    """Each vector's sixteen lanes to one sum, halves onto halves; four vectors in one go."""
-    if len(vectors) == 1:
-        (total,) = vectors
-        for half in (8, 4, 2, 1):
-            order = [(lane + half) % LANES for lane in range(LANES)]
-            total = builder.fadd(total, _shuffled(builder, total, total, order))
-        return [builder.extract_element(total, ir.Constant(_I32, 0))]
-    for half in (8, 4):  # eight, then four lanes of each vector are left apart
-        first = [lane for lane in range(LANES) if not lane & half]
+    """Each vector's lanes to one sum, halves onto halves; four vectors in one go."""
+    apart = LANES  # lanes of each sum that are still to be added
+    while len(vectors) in (2, 4):
+        apart //= 2
+        first = [lane for lane in range(LANES) if not lane & apart]
         lower = first + [LANES + lane for lane in first]
-        upper = [lane + half for lane in lower]
+        upper = [lane + apart for lane in lower]
         vectors = [
             builder.fadd(_shuffled(builder, a, b, lower), _shuffled(builder, a, b, upper))
             for a, b in zip(vectors[::2], vectors[1::2], strict=True)
         ]
     (total,) = vectors
-    for half in (2, 1):
+    sums = LANES // apart
+    half = apart // 2
+    while half:
         order = [lane ^ half for lane in range(LANES)]
         total = builder.fadd(total, _shuffled(builder, total, total, order))
-    return [builder.extract_element(total, ir.Constant(_I32, 4 * c)) for c in range(4)]
+        half //= 2
+    return [builder.extract_element(total, ir.Constant(_I32, apart * c)) for c in range(sums)]
 
 
 def _loop(builder, counter, stop, step, body):
@@ -122,66 +127,106 @@ def _loop(builder, counter, stop, step, body):
     builder.position_at_end(after)
 
 
-def weighted_sums(width):
-    """The compiled function (stored, start, bands, weights, row, seen) -> width sums.
+def weighted_sums(width, pixels):
+    """The compiled function (stored, start, pitch, bands, weights, row, at, seen) -> sums.
 
-    ``stored`` is a flat array of any number type, of which ``bands`` numbers from ``start`` are
-    one pixel; ``weights`` is float32, (channels, bands rounded up to 16, the rest 0), of which
-    ``width`` rows (1 or 4) from ``row`` are used; ``seen`` (32,) float32 keeps the least and the
-    greatest stored number of each lane.
+    ``stored`` is a flat array of any number type; a pixel is ``bands`` numbers from ``start``, the
+    next one begins ``pitch`` further. ``weights`` is float32, (channels, bands rounded up to 16,
+    the rest 0). With a width of 4 all pixels use four rows from ``row`` on, ``at`` being 0; with a
+    width of 1 each uses its own: ``row`` is an array that holds it from ``at`` on. ``seen`` float32
+    keeps the least and, behind, the greatest stored number of each lane. All sums of the first
+    pixel come first.
     """
 
     @intrinsic
     @no_type_check
-    def sums(typing_context, stored, start, bands, weights, row, seen):
-        result = types.UniTuple(types.float32, width)
+    def sums(typing_context, stored, start, pitch, bands, weights, row, at, seen):
         whole = types.int64
-        signature = result(stored, whole, whole, weights, whole, seen)
+        result = types.UniTuple(types.float32, width * pixels)
+        signature = result(stored, whole, whole, whole, weights, row, whole, seen)
 
         def generate(context, builder, signature, arguments):
             kinds = signature.args
-            x, start, bands, w, row, seen = arguments
-            pixel = _pointer(context, builder, kinds[0], x, start)
-            least = context.make_array(kinds[5])(context, builder, seen).data
-            greatest = builder.gep(least, [ir.Constant(_I64, LANES)])
-            table = context.make_array(kinds[3])(context, builder, w)
-            pitch = cgutils.unpack_tuple(builder, table.shape)[1]
-            starts = [builder.add(row, ir.Constant(_I64, c)) for c in range(width)]
-            rows = [builder.gep(table.data, [builder.mul(pitch, at)]) for at in starts]
-            counter = _variable(builder, ir.Constant(_I64, 0))
-            zero = ir.Constant(_LANES, [0.0] * LANES)
-            totals = [_variable(builder, zero) for _ in range(width)]
-            signs = ("<", ">")
-            ends = [builder.bitcast(end, _LANES.as_pointer()) for end in (least, greatest)]
-            extremes = [_variable(builder, builder.load(end, align=4)) for end in ends]
-            fma = _fma(builder, _LANES, "v16f32")
+            x, start, pitch, bands, w, row, first, seen = arguments
+            steps = [builder.mul(pitch, ir.Constant(_I64, i)) for i in range(pixels)]
+            starts = [
+                _pointer(context, builder, kinds[0], x, builder.add(start, step)) for step in steps
+            ]
+            if width == 1:
+                own = _pointer(context, builder, kinds[5], row, first)
+                numbers = [
+                    builder.load(builder.gep(own, [ir.Constant(_I64, i)])) for i in range(pixels)
+                ]
+            else:
+                numbers = [builder.add(row, ir.Constant(_I64, c)) for c in range(width)]
+            rows = _weight_rows(context, builder, kinds[4], w, numbers)
+            zero = ir.Constant(_vector(LANES), [0.0] * LANES)
+            totals = [[_variable(builder, zero) for _ in range(width)] for _ in range(pixels)]
+            least = context.make_array(kinds[7])(context, builder, seen).data
+            extremes = _Extremes(builder, least)
+            fma = _fma(builder, _vector(LANES), f"v{LANES}f32")
 
-            def add(at, value):
-                for total, weight_row in zip(totals, rows, strict=True):
+            def add(at, load):
+                values = [load(builder.gep(pixel, [at])) for pixel in starts]
+                for number, weight_row in enumerate(rows):
                     place = builder.gep(weight_row, [at])
-                    weight = _loaded(builder, place, kinds[3].dtype, LANES)
-                    builder.store(builder.call(fma, [value, weight, builder.load(total)]), total)
-                for known, sign in zip(extremes, signs, strict=True):
-                    builder.store(_further(builder, value, builder.load(known), sign), known)
+                    weight = _loaded(builder, place, kinds[4].dtype, LANES)
+                    for i in [number] if width == 1 else range(pixels):
+                        total = totals[i][0 if width == 1 else number]
+                        more = builder.call(fma, [values[i], weight, builder.load(total)])
+                        builder.store(more, total)
+                for value in values:
+                    extremes.see(value)
 
-            def add_sixteen(at):
-                place = builder.gep(pixel, [at])
-                add(at, _loaded(builder, place, kinds[0].dtype, LANES))
-
-            _loop(builder, counter, bands, LANES, add_sixteen)
+            counter = _variable(builder, ir.Constant(_I64, 0))
+            kind = kinds[0].dtype
+            _loop(
+                builder,
+                counter,
+                bands,
+                LANES,
+                lambda at: add(at, lambda place: _loaded(builder, place, kind, LANES)),
+            )
             at = builder.load(counter)
             with builder.if_then(builder.icmp_signed("<", at, bands)):
-                place = builder.gep(pixel, [at])
                 rest = builder.sub(bands, at)
-                add(at, _some_loaded(builder, place, kinds[0].dtype, rest))
-            for known, end in zip(extremes, ends, strict=True):
-                builder.store(builder.load(known), end, align=4)
-            told = _folded(builder, [builder.load(total) for total in totals])
+                add(at, lambda place: _some_loaded(builder, place, kind, rest))
+            extremes.keep()
+            told = []
+            for total in totals:
+                told += _folded(builder, [builder.load(one) for one in total])
             return context.make_tuple(builder, signature.return_type, told)
 
         return signature, generate
 
     return sums
+
+
+def _weight_rows(context, builder, kind, weights, numbers):
+    """Where the rows of weights begin."""
+    table = context.make_array(kind)(context, builder, weights)
+    pitch = cgutils.unpack_tuple(builder, table.shape)[1]
+    return [builder.gep(table.data, [builder.mul(pitch, number)]) for number in numbers]
+
+
+class _Extremes:
+    """The least and the greatest of each lane, in registers until they are kept."""
+
+    def __init__(self, builder, least):
+        self.builder = builder
+        greatest = builder.gep(least, [ir.Constant(_I64, LANES)])
+        pointer = _vector(LANES).as_pointer()
+        self.ends = [builder.bitcast(end, pointer) for end in (least, greatest)]
+        self.known = [_variable(builder, builder.load(end, align=4)) for end in self.ends]
+
+    def see(self, value):
+        builder = self.builder
+        for known, sign in zip(self.known, ("<", ">"), strict=True):
+            builder.store(_further(builder, value, builder.load(known), sign), known)
+
+    def keep(self):
+        for known, end in zip(self.known, self.ends, strict=True):
+            self.builder.store(self.builder.load(known), end, align=4)
 
 
 def _variable(builder, value):
@@ -243,7 +288,8 @@ def band_adder(count):
                     ]
                 )
             counter = _variable(builder, ir.Constant(_I64, 0))
-            for lanes, kind, name in ((LANES, _LANES, "v16f32"), (1, _F32, "f32")):
+            for lanes, name in ((_RUN_LANES, f"v{_RUN_LANES}f32"), (1, "f32")):
+                kind = _vector(lanes)
                 fma = _fma(builder, kind, name)
                 spread = [[_spread(builder, f, lanes) for f in row] for row in factors]
 
@@ -278,25 +324,29 @@ def _spread(builder, value, lanes):
     """One number in every lane."""
     if lanes == 1:
         return value
-    undefined = ir.Constant(_LANES, ir.Undefined)
+    undefined = ir.Constant(_vector(lanes), ir.Undefined)
     one = builder.insert_element(undefined, value, ir.Constant(_I32, 0))
-    mask = ir.Constant(ir.VectorType(_I32, LANES), [0] * LANES)
+    mask = ir.Constant(ir.VectorType(_I32, lanes), [0] * lanes)
     return builder.shuffle_vector(one, undefined, mask)
+
+
+def _ask(builder, pointer):
+    """Ask the memory for the cache line at ``pointer``; beyond the array nothing happens."""
+    pointer = builder.bitcast(pointer, ir.IntType(8).as_pointer())
+    kind = ir.FunctionType(ir.VoidType(), [pointer.type, _I32, _I32, _I32])
+    function = cgutils.get_or_insert_function(builder.module, kind, "llvm.prefetch.p0")
+    read, keep, data = (ir.Constant(_I32, v) for v in (0, 3, 1))
+    builder.call(function, [pointer, read, keep, data])
 
 
 @intrinsic
 @no_type_check
 def prefetch(typing_context, stored, at):
-    """Ask the memory for the cache line of ``stored[at]``; beyond the array nothing happens."""
+    """Ask the memory for the cache line of ``stored[at]``."""
     signature = types.void(stored, types.int64)
 
     def generate(context, builder, signature, arguments):
-        pointer = _pointer(context, builder, signature.args[0], *arguments)
-        pointer = builder.bitcast(pointer, ir.IntType(8).as_pointer())
-        kind = ir.FunctionType(ir.VoidType(), [pointer.type, _I32, _I32, _I32])
-        function = cgutils.get_or_insert_function(builder.module, kind, "llvm.prefetch.p0")
-        read, keep, data = (ir.Constant(_I32, v) for v in (0, 3, 1))
-        builder.call(function, [pointer, read, keep, data])
+        _ask(builder, _pointer(context, builder, signature.args[0], *arguments))
         return context.get_dummy_value()
 
     return signature, generate

@@ -22,8 +22,9 @@ TILE = 2048
 
 _ZERO = np.float32(0.0)
 _add_four, _add_one = band_adder(4), band_adder(1)
-_four = weighted_sums(CHANNELS_AT_ONCE)
-_one = weighted_sums(1)
+_four_of_two, _four = weighted_sums(CHANNELS_AT_ONCE, 2), weighted_sums(CHANNELS_AT_ONCE, 1)
+_one = weighted_sums(1, 1)
+_LINE = 16  # float32 of a cache line
 
 
 @njit(nogil=True, inline="never", error_model="numpy")
@@ -32,18 +33,22 @@ def means_of_pixels(flat, start, pitch, n, bands, weights, out, seen):
     """All channels of ``n`` pixels, ``pitch`` apart, whose bands lie together from ``flat[start]``.
 
     weights (p rounded up to 4, bands rounded up to 16) float32, the rest 0; out (n, same p)
-    float32; seen (32,) float32: sixteen least and sixteen greatest stored numbers so far.
+    float32; seen (2 * `LANES`,) float32: least and greatest stored numbers so far.
     """
-    for i in range(n):
+    even = n - n % 2
+    for i in range(0, even, 2):
         at = start + i * pitch
-        for line in range(0, bands, LANES):
+        for line in range(0, 2 * pitch, _LINE):
             prefetch(flat, at + _AHEAD * pitch + line)
         for c in range(0, weights.shape[0], CHANNELS_AT_ONCE):
-            a, b, d, e = _four(flat, at, bands, weights, c, seen)
-            out[i, c] = a
-            out[i, c + 1] = b
-            out[i, c + 2] = d
-            out[i, c + 3] = e
+            a, b, d, e, f, g, h, k = _four_of_two(flat, at, pitch, bands, weights, c, 0, seen)
+            out[i, c], out[i, c + 1], out[i, c + 2], out[i, c + 3] = a, b, d, e
+            out[i + 1, c], out[i + 1, c + 1], out[i + 1, c + 2], out[i + 1, c + 3] = f, g, h, k
+    if even < n:
+        at = start + even * pitch
+        for c in range(0, weights.shape[0], CHANNELS_AT_ONCE):
+            a, b, d, e = _four(flat, at, pitch, bands, weights, c, 0, seen)
+            out[even, c], out[even, c + 1], out[even, c + 2], out[even, c + 3] = a, b, d, e
 
 
 @njit(nogil=True, inline="never", error_model="numpy")
@@ -52,9 +57,9 @@ def means_of_mosaic(flat, start, pitch, n, bands, weights, channel, out, seen):
     """Only the channel over each pixel: channel (n,) int64, out (n,)."""
     for i in range(n):
         at = start + i * pitch
-        for line in range(0, bands, LANES):
+        for line in range(0, bands, _LINE):
             prefetch(flat, at + _AHEAD * pitch + line)
-        (out[i],) = _one(flat, at, bands, weights, channel[i], seen)
+        (out[i],) = _one(flat, at, pitch, bands, weights, channel, i, seen)
 
 
 @njit(nogil=True, inline="never", error_model="numpy")

@@ -24,7 +24,8 @@ from chromanoise.scene.rows import ArrayRows, RowSource, row_source
 from chromanoise.sensor import Adc, Imperfections, Mosaic
 from chromanoise.spectra import Beyond
 
-_LANES, _CHANNELS = 16, 4  # weights are filled up with zeros to multiples of these
+_PADDED, _CHANNELS = 16, 4  # weights are filled up with zeros to multiples of these
+_LANES = 8  # of which the least and the greatest number are kept, as in `lanes`
 
 Counts = Float64[Array, "rows 2 p"]
 """Per row: sum of expected electrons, and pixels above full well, per channel. [e-, 1]"""
@@ -74,7 +75,7 @@ def light_of(cube: Cube, situation: Situation, *, beyond: Beyond) -> Light:
     weights, notes = band_weights(cube, white, sensor, situation.exposure, beyond=beyond)
     bands, channels = weights.shape
     padded = np.zeros(
-        (-(-channels // _CHANNELS) * _CHANNELS, -(-bands // _LANES) * _LANES), np.float32
+        (-(-channels // _CHANNELS) * _CHANNELS, -(-bands // _PADDED) * _PADDED), np.float32
     )
     padded[:channels, :bands] = (weights * cube.scale).T
     return Light(cube=cube, weights=padded, channels=channels, notes=notes)
@@ -178,7 +179,7 @@ def raw_block(
 
     counts = np.zeros((stop - start, 2, plan.light.channels))
 
-    def fill(flat: Num[Array, " numbers"], lay: Layout, seen: Float32[Array, "32"]) -> None:
+    def fill(flat: Num[Array, " numbers"], lay: Layout, seen: Float32[Array, "16"]) -> None:
         raw_rows(
             flat,
             lay,
@@ -257,7 +258,7 @@ def color_block(
 
     counts = np.zeros((stop - start, 2, plan.light.channels))
 
-    def fill(flat: Num[Array, " numbers"], lay: Layout, seen: Float32[Array, "32"]) -> None:
+    def fill(flat: Num[Array, " numbers"], lay: Layout, seen: Float32[Array, "16"]) -> None:
         color_rows(
             flat,
             lay,
@@ -327,7 +328,7 @@ def electron_block(
     """
     from chromanoise.imaging.fused import electron_rows
 
-    def fill(flat: Num[Array, " numbers"], lay: Layout, seen: Float32[Array, "32"]) -> None:
+    def fill(flat: Num[Array, " numbers"], lay: Layout, seen: Float32[Array, "16"]) -> None:
         light = plan.light
         electron_rows(flat, lay, *out.shape[:2], light.weights, light.channels, out, seen)
 
