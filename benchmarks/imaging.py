@@ -7,6 +7,7 @@ threads already.
 
 import argparse
 import os
+import subprocess
 from pathlib import Path
 from statistics import median
 
@@ -56,7 +57,7 @@ def small_rows(rounds: int) -> Rows:
     rows += [Skipped(name, reason) for reason in missing]
     try:
         peak = peak_of_cube()
-    except OSError as reason:
+    except (OSError, subprocess.CalledProcessError) as reason:
         return [*rows, Skipped("its peak memory", str(reason))]
     share = Ratio(peak, peak, peak)
     return [*rows, Row("its peak memory, of the cube", 1.3, share, "-", at_most=True)]

@@ -11,20 +11,19 @@ import numpy as np
 
 from chromanoise.color import kernel_matrix
 from chromanoise.exposure import Exposure, Situation
+from chromanoise.imaging.light import Light, light_of
 from chromanoise.imaging.plans import (
     ColorPlan,
     ElectronPlan,
-    Light,
     RawPlan,
     color_block,
+    color_matrices,
     color_plan,
     draw_of,
     electron_block,
-    light_of,
     raw_block,
     raw_plan,
 )
-from chromanoise.imaging.render import white_lux_of
 from chromanoise.imaging.work import Work, filled, row_blocks
 from chromanoise.scene import Cube
 from chromanoise.sensor import adc_to_full_well, rgbw_sparse_4x4, sensor_named
@@ -107,14 +106,13 @@ def plans_of(cube: Cube) -> Plans:
     at = situation()
     light, draw = light_of(cube, at, beyond="refuse"), draw_of(at, seed=SEED)
     matrix = kernel_matrix(at.sensor, at.exposure)
-    white_lux = white_lux_of(matrix, at)
-    to_xyz, white = matrix.matrix / white_lux[1], white_lux / white_lux[1]
+    matrices, _ = color_matrices(matrix, at)
     adc = adc_to_full_well(at.sensor.pixel)
     return Plans(
         light=light,
         electrons=ElectronPlan(light=light),
         raw=raw_plan(light, draw, at, rgbw_sparse_4x4(), adc),
-        color=color_plan(light, draw, at, to_xyz, white, clip=False),
+        color=color_plan(light, draw, at, matrices, clip=False),
     )
 
 

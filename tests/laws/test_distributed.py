@@ -17,7 +17,8 @@ from chromanoise.exposure import Situation
 from chromanoise.imaging import Work, acquired, electrons_of_cube, rendered
 from chromanoise.imaging import distributed as on_clusters
 from chromanoise.imaging.distributed import cluster
-from chromanoise.imaging.plans import ElectronPlan, light_of, plan_for_rows
+from chromanoise.imaging.light import light_of
+from chromanoise.imaging.plans import ElectronPlan, plan_for_rows
 from chromanoise.scene import Cube, read_cube
 from chromanoise.sensor import Imperfections, bayer
 from chromanoise.spectra import equal_energy

@@ -1,5 +1,7 @@
 """The compiled way of a cube against plain numpy, bit by bit where bits are promised."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -367,3 +369,91 @@ def test_filters_of_another_mosaic_are_refused():
     other = Mosaic((("G", "R"), ("B", "G")))
     with pytest.raises(InputError, match="made for the mosaic"):
         developed(raw, bilinear_filters(other, situation.sensor.names))
+
+
+ODD_LAYOUTS = LAYOUTS | {
+    "rows backwards": lambda x: np.ascontiguousarray(x[::-1])[::-1],
+    "bands apart, columns backwards": lambda x: np.ascontiguousarray(
+        x.transpose(2, 0, 1)[:, :, ::-1]
+    ).transpose(1, 2, 0)[:, ::-1],
+    "every second column": lambda x: np.repeat(x, 2, axis=1)[:, ::2],
+}
+
+
+@pytest.mark.parametrize("layout", ODD_LAYOUTS)
+@pytest.mark.parametrize("width", [1, 37])
+def test_no_bit_depends_on_blocks_however_the_cube_lies(layout, width):
+    situation = used()
+    cube = cube_of(ODD_LAYOUTS[layout](stored(23, width)[0]))
+    whole = electrons_of_cube(cube, situation)
+    for tile_rows in (1, 2, 5):
+        tiled = electrons_of_cube(cube, situation, work=Work(tile_rows=tile_rows, threads=2))
+        assert (tiled == whole).all()
+
+
+def spread_of(**strengths):
+    """Electrons of three channels at every pixel, told by their own matrix: X is R ..."""
+    situation = used(3, level_lux=100.0, read_noise_e=0.0)
+    matrix = replace(kernel_matrix(situation.sensor, situation.exposure), matrix=np.eye(3))
+    cube = flat_cube(GRID.wavelength_nm, 0.5, height=150, width=150)
+    picture = rendered(
+        cube,
+        situation,
+        matrix=matrix,
+        noisy=False,
+        imperfections=Imperfections(**strengths),
+    )
+    white = expected_electrons(white_scene(situation), situation.sensor, situation.exposure)
+    return picture.xyz.astype(float) * white[1], picture.mean_e
+
+
+@pytest.mark.parametrize("strengths", [{"prnu": 0.02}, {"dsnu_e": 30.0}])
+def test_pixels_of_a_picture_differ_in_each_channel_for_itself(strengths):
+    electrons, mean = spread_of(**strengths)
+    pixels = electrons.reshape(-1, 3)
+    expected = mean * strengths["prnu"] if "prnu" in strengths else np.full(3, 30.0)
+    assert pixels.std(axis=0) == pytest.approx(expected, rel=5 / np.sqrt(2 * len(pixels)))
+    others = np.corrcoef(pixels.T)[np.triu_indices(3, 1)]
+    assert np.abs(others).max() < 5 / np.sqrt(len(pixels))
+
+
+def test_the_channels_of_a_picture_share_the_noise_of_their_row():
+    electrons, _ = spread_of(row_noise_e=40.0)
+    rows = electrons - electrons.mean(axis=(0, 1))
+    assert np.abs(rows - rows[:, :1, :1]).max() < 1e-2
+    assert rows[:, 0, 0].std() == pytest.approx(40.0, rel=5 / np.sqrt(2 * 150))
+
+
+@pytest.mark.parametrize("layout", ["bands together", "pixels of a band together"])
+@pytest.mark.parametrize("make", [rendered, acquired])
+def test_bad_pixels_are_taken_as_black_and_counted_where_that_is_asked(layout, make):
+    array, _ = stored()
+    broken = array.copy()
+    broken[2, 5, 3], broken[2, 5, 4], broken[6, 7, 0] = np.nan, -1.0, 9.0
+    mended = array.copy()
+    mended[2, 5, 3:5], mended[6, 7, 0] = 0.0, 0.0
+    more = {"mosaic": bayer()} if make is acquired else {}
+    got, expected = (
+        make(cube_of(LAYOUTS[layout](cube)), used(), bad_pixels="zero", seed=1, **more)
+        for cube in (broken, mended)
+    )
+    if make is rendered:
+        assert (got.xyz == expected.xyz).all()
+    else:
+        assert (got.codes == expected.codes).all()
+    assert any("2 pixels held what is no reflectance" in note for note in got.notes)
+    assert not any("no reflectance" in note for note in expected.notes)
+
+
+def test_more_light_than_can_be_counted_is_refused():
+    cube = flat_cube(GRID.wavelength_nm, 0.5, height=2, width=2)
+    aperture = Situation(
+        sensor=replace(
+            sensor_with(3), pixel=replace(sensor_with(3).pixel, pitch_um=1e6, full_well_e=1e12)
+        ),
+        exposure=Exposure(time_s=1e12, f_number=0.01),
+        illuminant=LAMP,
+        level_lux=1e15,
+    )
+    with pytest.raises(InputError, match="electrons per number of a flat cube"):
+        rendered(cube, aperture)

@@ -28,6 +28,7 @@ from chromanoise.imaging import (
     write_srgb_tiff,
     write_xyz_tiff,
 )
+from chromanoise.imaging.light import BadPixels
 from chromanoise.scene import Cube
 from chromanoise.sensor import Imperfections, Mosaic, adc_to_full_well
 from chromanoise.spectra import Beyond
@@ -46,6 +47,7 @@ class Asked:
     seed: int
     clip: bool
     beyond: Beyond
+    bad_pixels: BadPixels
     formats: tuple[str, ...] | None
 
     def __post_init__(self) -> None:
@@ -94,6 +96,7 @@ def shot(
         "frame": frame,
         "imperfections": asked.imperfections,
         "beyond": asked.beyond,
+        "bad_pixels": asked.bad_pixels,
         "work": work,
     }
     if not asked.raw:

@@ -55,7 +55,8 @@ _REAL_PIXELS = ("dark_current_e_per_s", "dsnu_e", "prnu", "row_noise_e")
 @click.option(
     "--demosaic",
     type=click.Choice(list(DEMOSAICING)),
-    help="How the mosaic becomes color. [default: bilinear]",
+    help="How the mosaic becomes color; gradient and lmmse learn from the ColorChecker. "
+    "[default: bilinear]",
 )
 @click.option("--raw-only", is_flag=True, help="Codes of the mosaic, no color.")
 @click.option("--bits", type=int, help="Of the ADC, 8 to 16. [default: 12]")
@@ -77,6 +78,13 @@ _REAL_PIXELS = ("dark_current_e_per_s", "dsnu_e", "prnu", "row_noise_e")
 @click.option("--shape", metavar="ROWSxCOLUMNS", help="Of a cube stored as a 2-D array.")
 @click.option("--wavelengths", metavar="FIRST:LAST", help="[nm], where the file does not say.")
 @click.option("--scale", type=float, help="Reflectance per stored unit, e.g. 0.0001.")
+@click.option(
+    "--bad-pixels",
+    type=click.Choice(["refuse", "zero"]),
+    default="refuse",
+    show_default=True,
+    help="What is no reflectance (NaN, negative, above 2): refuse it, or take 0 and say so.",
+)
 @click.option("--threads", type=int, help="Working at once. [default: one per core]")
 @click.option("--tile", type=int, help="Rows that are held at a time. [default: 8 MB of them]")
 @click.option(
@@ -151,6 +159,7 @@ def _asked(options: dict[str, Any]) -> Asked:
         seed=options["seed"],
         clip=options["clip"],
         beyond=options["beyond"],
+        bad_pixels=options["bad_pixels"],
         formats=None if options["formats"] is None else tuple(options["formats"].split(",")),
     )
 
@@ -164,6 +173,8 @@ def _refuse_idle(options: dict[str, Any]) -> None:
     if options["mosaic"] is None and idle:
         told = " and ".join(f"--{key.replace('_', '-')}" for key in idle)
         raise InputError(f"{told}: only a mosaic has that; name one with --mosaic")
+    if options["mosaic"] is not None and options["clip"]:
+        raise InputError("--clip: a converter holds its codes anyway; leave it away with --mosaic")
     if options["raw_only"] and options["demosaic"]:
         raise InputError("--raw-only and --demosaic exclude each other; give one of them")
 

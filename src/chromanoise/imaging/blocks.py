@@ -6,6 +6,7 @@ import numpy as np
 from jaxtyping import Num, Shaped, UInt8
 
 from chromanoise._check import Array
+from chromanoise.scene.rows import RowSource
 
 Layout = tuple[int, int, int, int]
 """Bands, and the steps from row to row, pixel to pixel and band to band. [numbers]"""
@@ -28,24 +29,44 @@ class Scratch(threading.local):
         return self._memory[:size_bytes]
 
 
-def flattened(block: Shaped[Array, "rows w m"]) -> tuple[Num[Array, " numbers"], Layout]:
+def is_planar(source: RowSource) -> bool:
+    """Whether neighbors of a band lie nearer than the bands of a pixel, in the first row.
+
+    It decides the order of sums, and so the last bits, for all blocks of the source alike.
+    """
+    _, pixel, band = (abs(stride) for stride in source.rows(0, 1).strides)
+    return pixel < band
+
+
+def flattened(
+    block: Shaped[Array, "rows w m"], *, planar: bool
+) -> tuple[Num[Array, " numbers"], Layout]:
     """The numbers of a block as they lie in memory, and the steps between them.
 
-    Copied only where the kernels could not read them: bands backwards, other byte order, types
-    that are no numbers of the processor.
+    Copied where the kernels could not read them in the wanted order: bands backwards or not
+    beside each other, other byte order, types that are no numbers of the processor.
+
+    Parameters
+    ----------
+    block
+        Of a source of rows.
+    planar
+        Of the source: pixels of a band beside each other, or bands of a pixel.
     """
     if block.dtype.char not in _NATIVE or not block.dtype.isnative:
         block = block.astype(np.float32 if block.dtype.itemsize < 8 else np.float64)
     steps = [stride // block.itemsize for stride in block.strides]
     exact = all(s * block.itemsize == t for s, t in zip(steps, block.strides, strict=True))
-    if not (exact and min(steps) > 0 and 1 in (steps[1], steps[2])):
-        block = np.ascontiguousarray(block)
+    beside = steps[1] == 1 if planar else steps[2] == 1 and steps[1] > 1
+    if not (exact and min(steps) > 0 and beside):
+        axes = (0, 2, 1) if planar else (0, 1, 2)
+        block = np.ascontiguousarray(block.transpose(axes)).transpose(axes)
         steps = [stride // block.itemsize for stride in block.strides]
-    span = 1 + sum((n - 1) * step for n, step in zip(block.shape, steps, strict=True))
-    flat = np.lib.stride_tricks.as_strided(block, (span,), (block.itemsize,), writeable=False)
+    rows, pixels, bands = block.shape
     row, pixel, band = steps
-    if block.shape[1] == 1 and band == 1:
-        pixel = max(pixel, 2)  # one pixel per row: its bands lie together
-    if block.shape[2] == 1 and pixel == 1:
-        band = 1
-    return flat, (block.shape[2], row, pixel, band)
+    # numpy says any step of an axis of one; with one band both orders are the same sum
+    pixel = 1 if planar or bands == 1 else max(pixel, bands)
+    band = (band if bands > 1 else pixels) if planar else 1
+    span = 1 + (rows - 1) * row + (pixels - 1) * pixel + (bands - 1) * band
+    flat = np.lib.stride_tricks.as_strided(block, (span,), (block.itemsize,), writeable=False)
+    return flat, (bands, row, pixel, band)

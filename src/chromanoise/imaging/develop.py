@@ -1,6 +1,6 @@
 """Raw codes to a color picture, and the noise that it will have."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -8,13 +8,13 @@ from jaxtyping import Float, Float32, UInt8, UInt16
 
 from chromanoise import _check
 from chromanoise._check import Array
-from chromanoise.color import ColorMatrix, kernel_matrix, linear_srgb
+from chromanoise.color import ColorMatrix, kernel_matrix
 from chromanoise.exposure import Situation, expected_electrons
 from chromanoise.imaging.blocks import Scratch
 from chromanoise.imaging.demosaic import FilterBank
 from chromanoise.imaging.demosaic_noise import demosaicked_covariance
-from chromanoise.imaging.plans import srgb_table
-from chromanoise.imaging.render import ALL_CORES, Picture, RawPicture, white_lux_of
+from chromanoise.imaging.plans import color_matrices, srgb_table
+from chromanoise.imaging.render import ALL_CORES, Picture, RawPicture
 from chromanoise.imaging.work import Work, filled
 from chromanoise.noise import Measurement, through, with_noise
 from chromanoise.scene import Scene
@@ -51,7 +51,7 @@ def developed(
     matrix
         From electrons to XYZ; the kernel (eq. 6, quanta) if ``None``.
     work
-        Who does it: no bit depends on it.
+        Which threads do it, and on how many rows; an executor is not asked, as the codes are here.
 
     Raises
     ------
@@ -67,21 +67,19 @@ def developed(
             f"{raw.mosaic.pattern}; make them for that"
         )
     matrix = matrix or kernel_matrix(situation.sensor, situation.exposure)
-    white_lux = white_lux_of(matrix, situation)
-    to_xyz, white = matrix.matrix / white_lux[1], white_lux / white_lux[1]
-    to_srgb = linear_srgb(np.eye(3), white).T @ to_xyz
+    matrices, white = color_matrices(matrix, situation)
     height, width = raw.codes.shape
     plan = _Development(
         codes=raw.codes,
         adc=raw.adc,
         bank=bank,
-        matrices=np.concatenate([to_xyz, to_srgb]).astype(np.float32),
+        matrices=matrices,
     )
     xyz = np.empty((height, width, 3), dtype=np.float32)
     srgb = np.empty((height, width, 3), dtype=np.uint8)
     rows = work.tile_rows or _BLOCK_ROWS
     blocks = [(start, min(start + rows, height)) for start in range(0, height, rows)]
-    filled(_developed_block, plan, blocks, (xyz, srgb), work)
+    filled(_developed_block, plan, blocks, (xyz, srgb), replace(work, executor=None))
     return Picture(
         situation=situation,
         matrix=matrix,

@@ -27,7 +27,6 @@ RUN = 256
 
 _F = np.float32
 _ZERO, _ONE, _HALF = _F(0.0), _F(1.0), _F(0.5)
-_SHOT = np.uint32
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -66,33 +65,39 @@ def _start_of(row, first, lay):
 
 @njit(cache=True, nogil=True, inline="always")
 @no_type_check
-def _normal(pixel, purpose, frame, seed):
-    """A standard normal variate (f4) that belongs to a pixel, or a row, and a purpose."""
-    word = words_at(np.uint64(pixel), np.uint64(purpose), np.uint64(frame), np.uint64(0), seed)[0]
-    return normal_quantile(np.uint32(word))
+def _normal(pixel, purpose, frame, channel, seed):
+    """A standard normal variate (f4) that belongs to a pixel, or a row, a purpose and a channel."""
+    pair = np.uint64(channel >> 1)
+    words = words_at(np.uint64(pixel), np.uint64(purpose), np.uint64(frame), pair, seed)
+    return normal_quantile(np.uint32(words[0] if channel & 1 == 0 else words[2]))
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 @no_type_check
-def _imperfect_means(mean, pixel, n, p, prnu, dark_e, seed):
-    """Sensitivity that differs from pixel to pixel, then the dark electrons."""
-    for i in range(n):
-        gain = _ONE
-        if prnu > _ZERO:
-            gain = max(_ONE + prnu * _normal(pixel + i, PIXEL_GAIN, 0, seed), _ZERO)
-        for c in range(p):
+def _imperfect_means(mean, pixel, n, channels, prnu, dark_e, seed):
+    """Sensitivity that differs from pixel to pixel, then the dark electrons.
+
+    channels (p, n) int64: which one each of the p values of a pixel is.
+    """
+    for c in range(channels.shape[0]):
+        for i in range(n):
+            gain = _ONE
+            if prnu > _ZERO:
+                z = _normal(pixel + i, PIXEL_GAIN, 0, channels[c, i], seed)
+                gain = max(_ONE + prnu * z, _ZERO)
             mean[c * n + i] = mean[c * n + i] * gain + dark_e
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 @no_type_check
-def _imperfect_readout(electrons, pixel, n, p, dsnu_e, row_e, seed):
+def _imperfect_readout(electrons, pixel, n, channels, dsnu_e, row_e, seed):
     """The dark signal that differs from pixel to pixel, and what the row shares."""
-    for i in range(n):
-        offset = row_e
-        if dsnu_e > _ZERO:
-            offset = offset + dsnu_e * _normal(pixel + i, PIXEL_OFFSET, 0, seed)
-        for c in range(p):
+    for c in range(channels.shape[0]):
+        for i in range(n):
+            offset = row_e
+            if dsnu_e > _ZERO:
+                z = _normal(pixel + i, PIXEL_OFFSET, 0, channels[c, i], seed)
+                offset = offset + dsnu_e * z
             electrons[c * n + i] = electrons[c * n + i] + offset
 
 
@@ -167,21 +172,22 @@ def raw_rows(
 
     tile (tile rows, tile columns) int64 of channels; noise: read noise, PRNU, dark electrons,
     DSNU, row noise, whether there is any; adc: electrons at full well, codes per electron, black
-    level, top code; counts (rows, 2, p) float64: expected electrons, and pixels beyond full well.
+    level, top code; counts (rows, 3, p) float64: expected electrons, pixels beyond full well, and
+    one to spare.
     """
     row_noise_e = noise[4]
     mean = np.empty(TILE, np.float32)
     sums = np.empty((weights.shape[0] + 2) * TILE, np.float32)
     electrons = np.empty(RUN, np.float32)
     shot, read = np.empty(RUN, np.uint32), np.empty(RUN, np.uint32)
-    lanes = np.empty(RUN + 1, np.int64)
+    lanes = np.empty(RUN, np.int64)
     over = _over_rows(tile, columns)
     for row in range(rows):
         at_row = first_row + row
         channel = over[at_row % tile.shape[0]]
         row_e = _ZERO
         if row_noise_e > _ZERO:
-            row_e = row_noise_e * _normal(at_row, ROW, frame, seed)
+            row_e = row_noise_e * _normal(at_row, ROW, frame, 0, seed)
         for first in range(0, columns, TILE):
             n = min(TILE, columns - first)
             start, own = _start_of(row, first, lay), channel[first : first + n]
@@ -193,7 +199,19 @@ def raw_rows(
                 pixel = at_row * columns + first + run
                 _words_of_mosaic(pixel, m, own, np.uint64(frame), seed, shot, read)
                 light = mean[run : run + m]
-                _acquire(light, shot, read, lanes, pixel, m, 1, noise, row_e, seed, electrons)
+                _acquire(
+                    light,
+                    shot,
+                    read,
+                    lanes,
+                    pixel,
+                    m,
+                    own.reshape(1, -1),
+                    noise,
+                    row_e,
+                    seed,
+                    electrons,
+                )
                 _codes(electrons, m, own, adc, counts[row], codes[row, first + run :])
 
 
@@ -221,18 +239,22 @@ def _count_means(mean, channel, period, counts):
 
 @njit(cache=True, nogil=True, error_model="numpy")
 @no_type_check
-def _acquire(mean, shot, read, lanes, pixel, n, p, noise, row_e, seed, electrons):
-    """One noisy acquisition of ``n`` pixels: electrons (n * p,) from mean (n * p,)."""
+def _acquire(mean, shot, read, lanes, pixel, n, channels, noise, row_e, seed, electrons):
+    """One noisy acquisition of ``n`` pixels: electrons (n * p,) from mean (n * p,).
+
+    channels (p, n or more) int64: which one each of the p values of a pixel is.
+    """
+    p = channels.shape[0]
     read_noise_e, prnu, dark_e, dsnu_e, _, noisy = noise
     if prnu > _ZERO or dark_e > _ZERO:
-        _imperfect_means(mean, pixel, n, p, prnu, dark_e, seed)
+        _imperfect_means(mean, pixel, n, channels, prnu, dark_e, seed)
     if noisy:
         noise_of_block(mean, shot, read, n * p, read_noise_e, lanes, electrons)
     else:
         for j in range(n * p):
             electrons[j] = mean[j]
     if dsnu_e > _ZERO or row_e != _ZERO:
-        _imperfect_readout(electrons, pixel, n, p, dsnu_e, row_e, seed)
+        _imperfect_readout(electrons, pixel, n, channels, dsnu_e, row_e, seed)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -280,14 +302,17 @@ def color_rows(
     colors, entry = np.empty(RUN, np.float32), np.empty(RUN, np.int32)
     means = np.empty((TILE, weights.shape[0]), np.float32)
     sums = np.empty((weights.shape[0] + 2) * TILE, np.float32)
+    every = np.empty((p, RUN), np.int64)
+    for c in range(p):
+        every[c] = c
     mean, electrons = np.empty(RUN * p, np.float32), np.empty(RUN * p, np.float32)
     shot, read = np.empty(RUN * p, np.uint32), np.empty(RUN * p, np.uint32)
-    lanes, spare = np.empty(RUN * p + 1, np.int64), np.empty((3, RUN), np.uint32)
+    lanes, spare = np.empty(RUN * p, np.int64), np.empty((2, RUN), np.uint32)
     for row in range(rows):
         at_row = first_row + row
         row_e = _ZERO
         if row_noise_e > _ZERO:
-            row_e = row_noise_e * _normal(at_row, ROW, frame, seed)
+            row_e = row_noise_e * _normal(at_row, ROW, frame, 0, seed)
         for first in range(0, columns, TILE):
             n = min(TILE, columns - first)
             _all_means(flat, _start_of(row, first, lay), lay, n, weights, sums, means, seen)
@@ -300,7 +325,7 @@ def color_rows(
                 pixel = at_row * columns + first + run
                 if noise[5]:
                     _words_of_all(pixel, m, p, np.uint64(frame), seed, shot, read, spare)
-                _acquire(mean, shot, read, lanes, pixel, m, p, noise, row_e, seed, electrons)
+                _acquire(mean, shot, read, lanes, pixel, m, every, noise, row_e, seed, electrons)
                 _at_well(electrons, m, p, well, counts[row])
                 at = first + run
                 colors_of_run(

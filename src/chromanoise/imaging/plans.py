@@ -5,80 +5,28 @@ bits of its own block.
 """
 
 import zlib
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float32, Float64, Int64, Num, UInt8, UInt16
+from jaxtyping import Float, Float32, Float64, Int64, Num, UInt8, UInt16
 
 from chromanoise import _check
 from chromanoise._check import Array
-from chromanoise.color import linear_srgb, srgb_from_linear
-from chromanoise.exposure import Situation, band_weights, white_scene
-from chromanoise.imaging.blocks import Layout, Scratch, flattened
-from chromanoise.scene import Cube
-from chromanoise.scene.cube import BRIGHTEST, reflectance_rows
-from chromanoise.scene.rows import ArrayRows, RowSource, row_source
+from chromanoise.color import ColorMatrix, linear_srgb, srgb_from_linear
+from chromanoise.exposure import Situation, expected_electrons, white_scene
+from chromanoise.imaging.blocks import Layout, Scratch
+from chromanoise.imaging.light import Light, on_rows
+from chromanoise.scene.rows import ArrayRows
 from chromanoise.sensor import Adc, Imperfections, Mosaic
-from chromanoise.spectra import Beyond
 
-_PADDED, _CHANNELS = 16, 4  # weights are filled up with zeros to multiples of these
-_LANES = 8  # of which the least and the greatest number are kept, as in `lanes`
+_MOST_E = 1e15  # beyond, float32 holds no electron
 
-Counts = Float64[Array, "rows 2 p"]
-"""Per row: sum of expected electrons, and pixels above full well, per channel. [e-, 1]"""
+Counts = Float64[Array, "rows 3 p"]
+"""Per row and channel: sum of expected electrons, pixels above full well, bad pixels. [e-, 1, 1]"""
 
 Noise = tuple[np.float32, np.float32, np.float32, np.float32, np.float32, bool]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Light:
-    """How the numbers of a cube become expected electrons.
-
-    Attributes
-    ----------
-    cube
-        Where they are read.
-    weights
-        Electrons per stored number, channels and bands filled up with zeros. [e-]
-    channels
-        How many are real.
-    notes
-        What was assumed of the spectra.
-    first_row
-        Of the picture, that is the cube's first: more than 0 where only a part was sent.
-    """
-
-    cube: Cube
-    weights: Float32[Array, "q l"]
-    channels: int
-    notes: tuple[str, ...]
-    first_row: int = 0
-
-    @property
-    def source(self) -> RowSource:
-        """Of the rows."""
-        return row_source(self.cube.stored)
-
-
-def light_of(cube: Cube, situation: Situation, *, beyond: Beyond) -> Light:
-    """Eq. 2 for this cube in this situation, folded into one weight per band and channel.
-
-    Raises
-    ------
-    InputError
-        As `band_weights`.
-    """
-    white, sensor = white_scene(situation), situation.sensor
-    weights, notes = band_weights(cube, white, sensor, situation.exposure, beyond=beyond)
-    bands, channels = weights.shape
-    padded = np.zeros(
-        (-(-channels // _CHANNELS) * _CHANNELS, -(-bands // _PADDED) * _PADDED), np.float32
-    )
-    padded[:channels, :bands] = (weights * cube.scale).T
-    return Light(cube=cube, weights=padded, channels=channels, notes=notes)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -114,12 +62,18 @@ def draw_of(
         If seed or frame are no whole numbers from 0 to 2^32 - 1.
     """
     for name, value in (("seed", seed), ("frame", frame)):
-        if value != int(value) or not 0 <= value < 1 << 32:
+        if not isinstance(value, int) or not 0 <= value < 1 << 32:
             raise _check.InputError(
                 f"{name} must be a whole number from 0 to 2^32 - 1, but is {value}"
             )
     more = imperfections or Imperfections()
-    dark_e = more.dark_current_e_per_s * situation.exposure.time_s
+    dark_e = _check.within(
+        "electrons of the dark current",
+        "e-",
+        more.dark_current_e_per_s * situation.exposure.time_s,
+        0.0,
+        _MOST_E,
+    )
     strengths = (
         situation.sensor.pixel.read_noise_e,
         more.prnu,
@@ -177,7 +131,7 @@ def raw_block(
     """
     from chromanoise.imaging.fused import raw_rows
 
-    counts = np.zeros((stop - start, 2, plan.light.channels))
+    counts = np.zeros((stop - start, 3, plan.light.channels))
 
     def fill(flat: Num[Array, " numbers"], lay: Layout, seen: Float32[Array, "16"]) -> None:
         raw_rows(
@@ -196,7 +150,7 @@ def raw_block(
             seen,
         )
 
-    _on_rows(plan.light, start, stop, scratch, counts, fill)
+    on_rows(plan.light, start, stop, scratch, counts, fill)
     return counts
 
 
@@ -224,19 +178,49 @@ def color_plan(
     light: Light,
     draw: Draw,
     situation: Situation,
-    to_xyz: Float64[Array, "3 p"],
-    white: Float64[Array, " 3"],
+    matrices: Float32[Array, "6 p"],
     *,
     clip: bool,
 ) -> ColorPlan:
-    """The plan of a picture; sRGB is white-balanced on ``white``."""
+    """The plan of a picture; ``matrices`` of `color_matrices`."""
+    well = (np.float32(situation.sensor.pixel.full_well_e), clip)
+    return ColorPlan(light=light, draw=draw, well=well, matrices=matrices)
+
+
+def color_matrices(
+    matrix: ColorMatrix, situation: Situation
+) -> tuple[Float32[Array, "6 p"], Float64[Array, " 3"]]:
+    """To XYZ and to linear sRGB, white-balanced; and XYZ of the white. Y of a white is 1.
+
+    Raises
+    ------
+    InputError
+        As `white_lux_of`, or if the white is no color that an eye could adapt to.
+    """
+    white_lux = white_lux_of(matrix, situation)
+    to_xyz, white = matrix.matrix / white_lux[1], white_lux / white_lux[1]
     to_srgb = linear_srgb(np.eye(3), white).T @ to_xyz
-    return ColorPlan(
-        light=light,
-        draw=draw,
-        well=(np.float32(situation.sensor.pixel.full_well_e), clip),
-        matrices=np.concatenate([to_xyz, to_srgb]).astype(np.float32),
-    )
+    return np.concatenate([to_xyz, to_srgb]).astype(np.float32), white
+
+
+def white_lux_of(matrix: ColorMatrix, situation: Situation) -> Float[Array, " 3"]:
+    """XYZ of a perfect white seen through the matrix. [lx]
+
+    Raises
+    ------
+    InputError
+        If the matrix is of other channels, or makes no luminance of it.
+    """
+    sensor, lamp = situation.sensor, situation.illuminant
+    _check.same_names("picture", sensor=sensor.names, matrix=matrix.channels)
+    white = matrix.matrix @ expected_electrons(white_scene(situation), sensor, situation.exposure)
+    if not white[1] > 0:
+        raise _check.InputError(
+            f"{sensor.name}: its {matrix.made_by} matrix gives a perfect white under {lamp.name} a "
+            f"luminance of {white[1]:.3g} lx, so no picture can be scaled to it; take another "
+            "light, sensor or matrix"
+        )
+    return white
 
 
 def color_block(
@@ -256,7 +240,7 @@ def color_block(
     """
     from chromanoise.imaging.fused import color_rows
 
-    counts = np.zeros((stop - start, 2, plan.light.channels))
+    counts = np.zeros((stop - start, 3, plan.light.channels))
 
     def fill(flat: Num[Array, " numbers"], lay: Layout, seen: Float32[Array, "16"]) -> None:
         color_rows(
@@ -278,7 +262,7 @@ def color_block(
             seen,
         )
 
-    _on_rows(plan.light, start, stop, scratch, counts, fill)
+    on_rows(plan.light, start, stop, scratch, counts, fill)
     return counts
 
 
@@ -332,20 +316,4 @@ def electron_block(
         light = plan.light
         electron_rows(flat, lay, *out.shape[:2], light.weights, light.channels, out, seen)
 
-    _on_rows(plan.light, start, stop, scratch, out, fill)
-
-
-def _on_rows(
-    light: Light, start: int, stop: int, scratch: Scratch, sums: Any, fill: Callable[..., None]
-) -> None:
-    """Read the rows, do the work, and refuse numbers that are no reflectance."""
-    source = light.source
-    start, stop = start - light.first_row, stop - light.first_row
-    block = source.rows(start, stop, into=scratch.of(source.scratch_bytes(stop - start)))
-    flat, lay = flattened(block)
-    seen = np.repeat(np.array([3e38, -3e38], np.float32), _LANES)
-    fill(flat, lay, seen)
-    lowest, highest = float(seen[:_LANES].min()), float(seen[_LANES:].max())
-    if not (lowest >= 0 and highest * light.cube.scale <= BRIGHTEST and np.isfinite(sums).all()):
-        # says which value is wrong, and where
-        reflectance_rows(light.cube, start, stop, first_row=light.first_row)
+    on_rows(plan.light, start, stop, scratch, out, fill)

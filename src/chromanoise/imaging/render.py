@@ -8,14 +8,15 @@ from jaxtyping import Float, Float32, UInt8, UInt16
 from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise.color import ColorMatrix, kernel_matrix
-from chromanoise.exposure import Exposure, Situation, expected_electrons, white_scene
+from chromanoise.exposure import Exposure, Situation
+from chromanoise.imaging.light import BadPixels, Light, light_of
 from chromanoise.imaging.plans import (
     ElectronPlan,
     color_block,
+    color_matrices,
     color_plan,
     draw_of,
     electron_block,
-    light_of,
     plan_for_rows,
     raw_block,
     raw_plan,
@@ -44,7 +45,7 @@ class Picture:
     white
         XYZ of the perfect white in the units of ``xyz``.
     mean_e
-        Mean expected electrons per channel over the picture. [e-]
+        Mean expected electrons of light per channel over the picture, dark ones left out. [e-]
     above_full_well
         Share of the noisy values per channel that exceed full well.
     clipped
@@ -109,7 +110,7 @@ class RawPicture:
     codes
         0 to the top code. [DN]
     mean_e
-        Mean expected electrons per channel, over its own pixels. [e-]
+        Mean expected electrons of light per channel, over its own pixels. [e-]
     above_full_well
         Share of the noisy values per channel that exceed full well.
     notes
@@ -142,6 +143,7 @@ def rendered(
     noisy: bool = True,
     clip: bool = False,
     beyond: Beyond = "refuse",
+    bad_pixels: BadPixels = "refuse",
     work: Work = ALL_CORES,
 ) -> Picture:
     """The noisy color picture of ``cube``: every channel at every pixel, then the color matrix.
@@ -159,11 +161,14 @@ def rendered(
     imperfections
         Of real pixels; none by default, as in the paper.
     noisy
-        False for the picture of the expected electrons.
+        False for no shot and no read noise; imperfections stay.
     clip
         Hold electrons between 0 and full well, as a real sensor does. The paper does not.
     beyond
         What the reflectances are where the cube ends short of the grid.
+    bad_pixels
+        Numbers that are no reflectance (NaN, negative, above 2): ``refuse`` them, or take ``zero``
+        and say how many pixels had one.
     work
         Who does it: no bit depends on it.
 
@@ -174,19 +179,18 @@ def rendered(
         or the matrix has no luminance for this light.
     """
     cube = bands_within(cube, situation.sensor.grid)
-    light = light_of(cube, situation, beyond=beyond)
+    light = light_of(cube, situation, beyond=beyond, bad_pixels=bad_pixels)
     draw = draw_of(situation, seed=seed, frame=frame, imperfections=imperfections, noisy=noisy)
     matrix = matrix or kernel_matrix(situation.sensor, situation.exposure)
-    white_lux = white_lux_of(matrix, situation)
-    to_xyz, white = matrix.matrix / white_lux[1], white_lux / white_lux[1]
-    plan = color_plan(light, draw, situation, to_xyz, white, clip=clip)
+    matrices, white = color_matrices(matrix, situation)
+    plan = color_plan(light, draw, situation, matrices, clip=clip)
     height, width, _ = light.source.shape
     xyz = np.empty((height, width, 3), dtype=np.float32)
     srgb = np.empty((height, width, 3), dtype=np.uint8)
     counts = filled(
         color_block, plan, row_blocks(light.source, work), (xyz, srgb), work, part=plan_for_rows
     )
-    mean_e, above = np.concatenate(counts).sum(axis=0) / (height * width)
+    total, above, bad = np.concatenate(counts).sum(axis=0)
     return Picture(
         situation=situation,
         matrix=matrix,
@@ -195,10 +199,10 @@ def rendered(
         xyz=xyz,
         srgb=srgb,
         white=white,
-        mean_e=mean_e,
-        above_full_well=above,
+        mean_e=total / (height * width),
+        above_full_well=above / (height * width),
         clipped=clip,
-        notes=_notes(situation, light.cube, light.notes),
+        notes=_notes(situation, light, int(bad[0])),
     )
 
 
@@ -213,6 +217,7 @@ def acquired(
     imperfections: Imperfections | None = None,
     noisy: bool = True,
     beyond: Beyond = "refuse",
+    bad_pixels: BadPixels = "refuse",
     work: Work = ALL_CORES,
 ) -> RawPicture:
     """The raw codes of ``cube`` behind a mosaic: only the channel over each pixel is computed.
@@ -223,7 +228,7 @@ def acquired(
         The sensor's own if ``None``.
     adc
         12 bits, top code at full well, black level 0 if ``None``.
-    cube, situation, seed, frame, imperfections, noisy, beyond, work
+    cube, situation, seed, frame, imperfections, noisy, beyond, bad_pixels, work
         As `rendered`. Each pixel has the noise that its channel has there.
 
     Raises
@@ -235,7 +240,7 @@ def acquired(
     mosaic = _mosaic_of(situation, mosaic)
     adc = adc or adc_to_full_well(sensor.pixel)
     cube = bands_within(cube, sensor.grid)
-    light = light_of(cube, situation, beyond=beyond)
+    light = light_of(cube, situation, beyond=beyond, bad_pixels=bad_pixels)
     draw = draw_of(situation, seed=seed, frame=frame, imperfections=imperfections, noisy=noisy)
     plan = raw_plan(light, draw, situation, mosaic, adc)
     height, width, _ = light.source.shape
@@ -244,7 +249,7 @@ def acquired(
         raw_block, plan, row_blocks(light.source, work), (codes,), work, part=plan_for_rows
     )
     own = _pixels_of_channels(plan.tile, height, width, light.channels)
-    mean_e, above = np.concatenate(counts).sum(axis=0) / np.maximum(own, 1)
+    total, above, bad = np.concatenate(counts).sum(axis=0)
     return RawPicture(
         situation=situation,
         seed=seed,
@@ -252,9 +257,9 @@ def acquired(
         mosaic=mosaic,
         adc=adc,
         codes=codes,
-        mean_e=mean_e,
-        above_full_well=above,
-        notes=_notes(situation, light.cube, light.notes),
+        mean_e=total / np.maximum(own, 1),
+        above_full_well=above / np.maximum(own, 1),
+        notes=_notes(situation, light, int(bad[0])),
     )
 
 
@@ -263,6 +268,7 @@ def electrons_of_cube(
     situation: Situation,
     *,
     beyond: Beyond = "refuse",
+    bad_pixels: BadPixels = "refuse",
     work: Work = ALL_CORES,
 ) -> Float32[Array, "h w p"]:
     """Expected electrons of every channel at every pixel (eq. 2), without noise. [e-]
@@ -270,7 +276,7 @@ def electrons_of_cube(
     Parameters, errors as `rendered`.
     """
     cube = bands_within(cube, situation.sensor.grid)
-    light = light_of(cube, situation, beyond=beyond)
+    light = light_of(cube, situation, beyond=beyond, bad_pixels=bad_pixels)
     height, width, _ = light.source.shape
     electrons = np.empty((height, width, light.channels), dtype=np.float32)
     plan = ElectronPlan(light=light)
@@ -293,26 +299,6 @@ def _mosaic_of(situation: Situation, mosaic: Mosaic | None) -> Mosaic:
     return mosaic
 
 
-def white_lux_of(matrix: ColorMatrix, situation: Situation) -> Float[Array, " 3"]:
-    """XYZ of a perfect white seen through the matrix. [lx]
-
-    Raises
-    ------
-    InputError
-        If the matrix is of other channels, or makes no luminance of it.
-    """
-    sensor, lamp = situation.sensor, situation.illuminant
-    _check.same_names("picture", sensor=sensor.names, matrix=matrix.channels)
-    white = matrix.matrix @ expected_electrons(white_scene(situation), sensor, situation.exposure)
-    if not white[1] > 0:
-        raise _check.InputError(
-            f"{sensor.name}: its {matrix.made_by} matrix gives a perfect white under {lamp.name} a "
-            f"luminance of {white[1]:.3g} lx, so no picture can be scaled to it; take another "
-            "light, sensor or matrix"
-        )
-    return white
-
-
 def _pixels_of_channels(tile: Array, height: int, width: int, channels: int) -> Float[Array, " p"]:
     """How many pixels of the picture each channel has."""
     rows, columns = tile.shape
@@ -324,5 +310,7 @@ def _pixels_of_channels(tile: Array, height: int, width: int, channels: int) -> 
     return counts
 
 
-def _notes(situation: Situation, cube: Cube, light: tuple[str, ...]) -> tuple[str, ...]:
-    return (*situation.sensor.notes, *situation.illuminant.notes, *cube.notes, *light)
+def _notes(situation: Situation, light: Light, bad: int) -> tuple[str, ...]:
+    mended = f"{bad} pixels held what is no reflectance; 0 was taken instead"
+    notes = (*situation.sensor.notes, *situation.illuminant.notes, *light.cube.notes, *light.notes)
+    return (*notes, mended) if bad else notes

@@ -27,6 +27,7 @@ FillBlock = Callable[..., Any]
 
 _SENT_AHEAD = 16  # blocks that wait at an executor
 _SENT_BLOCK_BYTES = 64 << 20  # by a worker elsewhere: sending a task takes some milliseconds
+_MOST_BLOCK_BYTES = 256 << 20
 _BLOCK_BYTES = 8 << 20  # read at a time: large for the disk, small for the memory
 
 
@@ -76,6 +77,7 @@ def row_blocks(source: RowSource, work: Work) -> list[Block]:
         together = max(source.chunk_rows, 1)
         size = _BLOCK_BYTES if work.executor is None else _SENT_BLOCK_BYTES
         rows = max(1, size // row_bytes // together) * together
+        rows = min(rows, max(1, _MOST_BLOCK_BYTES // row_bytes))  # then chunks are decoded again
     return [(start, min(start + rows, height)) for start in range(0, height, rows)]
 
 
@@ -174,6 +176,8 @@ def _in_order(submit: Submit, blocks: list[Block], work: Work, ahead: int) -> li
             if not doing:
                 return told
             done, _ = wait(doing, return_when=FIRST_COMPLETED)
+            if any(future.exception() for future in done):
+                _raise_first(doing)
             for future in done:
                 number, place = doing.pop(future)
                 told[number] = place(future.result())
@@ -183,3 +187,9 @@ def _in_order(submit: Submit, blocks: list[Block], work: Work, ahead: int) -> li
     finally:
         for future in doing:
             future.cancel()
+
+
+def _raise_first(doing: dict["Future[Any]", tuple[int, Callable[[Any], Any]]]) -> None:
+    """The fault of the first block that has one: the same whoever was quicker."""
+    for future in sorted(doing, key=lambda one: doing[one][0]):
+        future.result()

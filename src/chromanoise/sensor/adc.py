@@ -30,9 +30,9 @@ class Adc:
     black_level_dn: int = 0
 
     def __post_init__(self) -> None:
-        if self.bits not in range(8, 17):
+        if not isinstance(self.bits, int) or self.bits not in range(8, 17):
             raise _check.InputError(f"an ADC has 8 to 16 bits, but {self.bits} are asked for")
-        _check.positive("gain_e_per_dn", "e-/DN", self.gain_e_per_dn)
+        _check.within("gain_e_per_dn", "e-/DN", self.gain_e_per_dn, 1e-12, 1e15)
         _check.within("black_level_dn", "DN", self.black_level_dn, 0, self.top_code - 1)
 
     @property

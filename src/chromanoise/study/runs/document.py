@@ -19,6 +19,7 @@ SCHEMA = 1
 
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+Finite = Annotated[float, Field(allow_inf_nan=False)]
 Beyond = Literal["refuse", "zero", "hold"]
 
 
@@ -63,7 +64,7 @@ class ExposurePart(_Part):
         0.99, description="Share of full well that a white fills where the time is solved."
     )
     f_number: Positive = Field(1.8, description="Aperture.")
-    magnification: float | None = Field(None, description="Camera equation, not the distant scene.")
+    magnification: Finite | None = Field(None, description="Camera equation instead.")
 
     @model_validator(mode="after")
     def _one_rule(self) -> "ExposurePart":
@@ -76,8 +77,8 @@ class SweepPart(_Part):
     """One thing that varies, and what is asked of it."""
 
     vary: str = Field(description=f"Of {', '.join(SWEEPS)}.")
-    first: float = Field(description="Lowest value, in the unit of the sweep.")
-    last: float = Field(description="Highest value.")
+    first: Finite = Field(description="Lowest value, in the unit of the sweep.")
+    last: Finite = Field(description="Highest value.")
     points: Annotated[int, Field(ge=2, le=100_000)] = Field(61, description="How many.")
     quantity: str = Field("snr-y", description=f"Of {', '.join(QUANTITIES)}.")
     all_priors: bool = Field(False, description="Also the band of crossovers over all priors.")

@@ -2,6 +2,7 @@
 
 from typing import Any
 
+from chromanoise._check import InputError
 from chromanoise.exposure import (
     Exposure,
     Situation,
@@ -58,6 +59,8 @@ def illuminant_of(study: Study) -> Illuminant:
 def cube_of(part: PicturePart) -> Cube:
     """The cube of a picture."""
     if part.cube.startswith("builtin:"):
+        if part.scale is not None:
+            raise InputError(f"{part.cube} says all of itself; leave scale away")
         return builtin_cube(part.cube)
     return read_cube(part.cube, scale=part.scale)
 

@@ -5,6 +5,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from pydantic import ValidationError
+
 from chromanoise._check import InputError
 from chromanoise._files import refuse_unwritable, whole_folder
 from chromanoise.imaging import Work
@@ -77,7 +79,12 @@ def study_of_output(path: Path) -> Study:
     told = _read(file)
     if not isinstance(told, dict) or "study" not in told or "hash" not in told:
         raise InputError(f"{file}: is no output of `chromanoise run`; name one, or its folder")
-    study = Study.model_validate(told["study"], strict=False)
+    try:
+        study = Study.model_validate(told["study"], strict=False)
+    except ValidationError:
+        raise InputError(
+            f"{file}: what it says of its study is no study of this version; run the study anew"
+        ) from None
     if study_hash(study) != told["hash"]:
         raise InputError(
             f"{file}: was made by version {told.get('version')!r} of chromanoise or was changed "
@@ -102,7 +109,10 @@ def _made_by(file: Path, hash_: str) -> bool:
     if not file.exists():
         return False
     told = _read(file)
-    return isinstance(told, dict) and told.get("hash") == hash_
+    if not isinstance(told, dict) or told.get("hash") != hash_:
+        return False
+    pictures = told.get("result", {}).get("pictures", [])
+    return all((file.parent / name).exists() for one in pictures for name in one["files"])
 
 
 def _read(file: Path) -> Any:

@@ -9,10 +9,11 @@ from pathlib import Path
 from typing import Any
 
 from chromanoise import __version__
-from chromanoise._check import distinct
+from chromanoise._check import InputError, distinct
 from chromanoise.color import SPACES
 from chromanoise.exposure import Situation, white_scene
 from chromanoise.imaging import Work, picture_summary, rendered, write_png, write_xyz_tiff
+from chromanoise.scene.envi import DATA_SUFFIXES, envi_pair
 from chromanoise.study.analysis import analyzed
 from chromanoise.study.bands import bands_as_json, crossover_bands
 from chromanoise.study.chart import chart_as_json, chart_noise
@@ -24,6 +25,7 @@ from chromanoise.study.quantities import QUANTITIES
 from chromanoise.study.runs.document import PicturePart, Study, SweepPart
 from chromanoise.study.runs.named import cube_of, situations_of
 from chromanoise.study.sweeps import SWEEPS, swept_values
+from chromanoise.study.words import is_file_name
 
 Result = dict[str, Any]
 
@@ -58,6 +60,8 @@ def study_steps(study: Study, *, work: Work | None = None) -> list[Step]:
     situations = situations_of(study)
     distinct("names of sensors", [situation.sensor.name for situation in situations])
     makers = matrix_makers(study.matrices, study.metric, prior=study.prior)  # type: ignore[arg-type]
+    for part in study.pictures:
+        cube_of(part)
     return [*_steps(study, situations, makers, work or Work())]
 
 
@@ -83,9 +87,49 @@ def _steps(study: Study, situations: list[Situation], makers: Any, work: Work) -
 
 
 def study_hash(study: Study) -> str:
-    """What decides all digits: the study and the version, as one SHA-256."""
-    told = json.dumps([__version__, study_as_json(study)], sort_keys=True)
-    return hashlib.sha256(told.encode()).hexdigest()
+    """What decides all digits: the version, the study, and what stands in the files that it names.
+
+    Raises
+    ------
+    InputError
+        If one of the files cannot be read.
+    """
+    told = [__version__, study_as_json(study), file_digests(study)]
+    return hashlib.sha256(json.dumps(told, sort_keys=True).encode()).hexdigest()
+
+
+def file_digests(study: Study) -> dict[str, str]:
+    """SHA-256 of every file that a study names; of a folder or a pair, of all that belongs to it.
+
+    Raises
+    ------
+    InputError
+        If one of the files cannot be read.
+    """
+    words = [study.light.illuminant, *(s.name for s in study.sensors)]
+    files = [Path(word) for word in words if is_file_name(word)]
+    for picture in study.pictures:
+        if not picture.cube.startswith("builtin:"):
+            files += cube_files(Path(picture.cube))
+    return {str(file): _digest(file) for file in dict.fromkeys(files)}
+
+
+def cube_files(path: Path) -> list[Path]:
+    """The file of a cube and what belongs to it: header and data, all that a folder holds."""
+    if path.is_dir():
+        return sorted(p for p in path.rglob("*") if p.is_file())
+    pair = [path]
+    if path.suffix.lower() in ("", ".hdr", *DATA_SUFFIXES) and path.exists():
+        pair = list(envi_pair(path) or pair)
+    return pair
+
+
+def _digest(file: Path) -> str:
+    try:
+        with file.open("rb") as opened:
+            return hashlib.file_digest(opened, "sha256").hexdigest()
+    except OSError as error:
+        raise InputError(f"{file}: cannot be read ({error.strerror})") from None
 
 
 def study_as_json(study: Study) -> Result:
@@ -99,6 +143,7 @@ def provenance(study: Study) -> Result:
         "version": __version__,
         "study": study_as_json(study),
         "seed": study.seed,
+        "files": file_digests(study),
         "hash": study_hash(study),
     }
 
@@ -155,6 +200,7 @@ def _pictures(
                 situation,
                 matrix=maker(situation),
                 seed=study.seed,
+                frame=number - 1,
                 clip=part.clip,
                 beyond=part.beyond,
                 work=work,
