@@ -16,7 +16,7 @@ from subject import CHANNELS, SEED, cube_of, situation, textured
 
 from chromanoise.exposure import Situation
 from chromanoise.imaging import Work, acquired
-from chromanoise.imaging.plans import light_of
+from chromanoise.imaging.light import light_of
 from chromanoise.scene import Cube
 from chromanoise.sensor import rgbw_2x2
 

@@ -1,12 +1,16 @@
 """The house of docs/design.md: folders in the order of the light, nothing heavy at the door."""
 
+import ast
+import importlib
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 
-PACKAGE = Path(__file__).parents[1] / "src" / "chromanoise"
+ROOT = Path(__file__).parents[1]
+PACKAGE = ROOT / "src" / "chromanoise"
+BENCHMARKS = ROOT / "benchmarks"
 
 
 def imported_by(statement: str) -> set[str]:
@@ -42,3 +46,13 @@ def test_every_folder_is_named_in_the_map_of_the_package():
 @pytest.mark.parametrize("path", sorted(PACKAGE.rglob("*.py")), ids=lambda p: p.stem)
 def test_no_file_tells_two_stories(path):
     assert len(path.read_text(encoding="utf-8").splitlines()) <= 400
+
+
+@pytest.mark.parametrize("path", sorted(BENCHMARKS.glob("*.py")), ids=lambda p: p.stem)
+def test_every_name_that_a_benchmark_imports_is_there(path):
+    """Benchmarks run for minutes, so they are not run here; a moved name would break them unseen."""
+    for node in ast.parse(path.read_text(encoding="utf-8")).body:
+        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("chromanoise"):
+            module = importlib.import_module(node.module)
+            for alias in node.names:
+                assert hasattr(module, alias.name), f"{node.module}.{alias.name}"

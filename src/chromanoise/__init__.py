@@ -9,10 +9,10 @@ The folders stand in the order of the light; imports go down this list only.
 ``exposure``   light meets sensor: expected electrons (eq. 1-2), time to saturation
 ``noise``      sources, covariance (eq. 7), propagation, Monte Carlo
 ``geometry``   dual basis, contravariant coordinates (eq. 3-4), angles, VIF, ellipses
-``color``      matrices (eq. 6), XYZ with covariance (eq. 5), sRGB
-``merit``      SNR at every stage, its bound and price, color error
+``color``      matrices (eq. 6), XYZ with covariance (eq. 5), Lab, Luv, sRGB
+``merit``      SNR, its bound, price and budget; color error, filters, speed, bits
 ``imaging``    the same way for a whole picture
-``study``      one reproducible run; the paper's own Tables 2-5
+``study``      one reproducible run; sweeps; the paper's own Tables 2-5
 ``figures``    results -> matplotlib Axes
 ``report``     one self-contained page
 ``cli``        read, one library call, write
