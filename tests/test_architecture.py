@@ -50,7 +50,7 @@ def test_no_file_tells_two_stories(path):
 
 @pytest.mark.parametrize("path", sorted(BENCHMARKS.glob("*.py")), ids=lambda p: p.stem)
 def test_every_name_that_a_benchmark_imports_is_there(path):
-    """Benchmarks run for minutes, so they are not run here; a moved name would break them unseen."""
+    """They run for minutes, so they are not run here; a moved name would break them unseen."""
     for node in ast.parse(path.read_text(encoding="utf-8")).body:
         if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("chromanoise"):
             module = importlib.import_module(node.module)
