@@ -9,7 +9,10 @@ from chromanoise.cli import tables
 from chromanoise.cli.merit_tables import print_merits
 from chromanoise.cli.options import (
     EXPOSURE,
+    json_option,
+    matrix_option,
     only,
+    prior_option,
     refuse_idle_prior,
     sensor_and_light,
     the_exposure,
@@ -21,8 +24,6 @@ from chromanoise.color import SPACES, UNBOUNDED
 from chromanoise.exposure import Situation
 from chromanoise.noise import Readout
 from chromanoise.study import (
-    DEFAULT_PRIOR,
-    PRIORS,
     analyses_as_json,
     analyzed,
     budgets_as_json,
@@ -32,7 +33,6 @@ from chromanoise.study import (
     contravariant_budgets,
     grey_noise,
     grey_noise_as_json,
-    known_matrices,
     matrix_makers,
     merits_as_json,
     merits_of,
@@ -47,21 +47,8 @@ from chromanoise.study import (
     is_flag=True,
     help="Exact moments of electrons held between 0 and full well, instead of eq. 7.",
 )
-@click.option(
-    "--matrix",
-    "method",
-    default="kernel",
-    show_default=True,
-    metavar="NAME[=VALUE]",
-    help=f"Color matrix: {known_matrices()}.",
-)
-@click.option(
-    "--prior",
-    type=click.Choice(list(PRIORS)),
-    default=DEFAULT_PRIOR,
-    show_default=True,
-    help="What a trained matrix is trained on.",
-)
+@matrix_option
+@prior_option
 @click.option("--chart", is_flag=True, help="Color error and noise of each ColorChecker patch.")
 @click.option("--budget", is_flag=True, help="Where the SNR goes, in dB per cause.")
 @click.option(
@@ -74,7 +61,7 @@ from chromanoise.study import (
     type=click.Choice(list(SPACES)),
     help="Noise of an 18 % grey as the eye sees it, in this space.",
 )
-@click.option("--json", "json_target", metavar="FILE|-", help="Write JSON; - for standard output.")
+@json_option
 def analyze(
     sensors: tuple[str, ...],
     clip: bool,

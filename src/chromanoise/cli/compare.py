@@ -1,6 +1,5 @@
 """``chromanoise compare``."""
 
-from collections.abc import Callable
 from typing import Any
 
 import click
@@ -10,6 +9,7 @@ from chromanoise.cli import tables
 from chromanoise.cli.options import (
     EXPOSURE,
     LENS,
+    json_option,
     only,
     refuse_idle_prior,
     sensor_and_light,
@@ -19,7 +19,7 @@ from chromanoise.cli.options import (
     the_sensors,
 )
 from chromanoise.cli.output import refuse_inputs, write_json
-from chromanoise.exposure import Exposure, Situation, equal_exposure, equal_light, equal_saturation
+from chromanoise.exposure import EQUAL_TERMS, Situation
 from chromanoise.study import (
     DEFAULT_PRIOR,
     PRIORS,
@@ -35,19 +35,13 @@ from chromanoise.study import (
     swept_values,
 )
 
-_RULES: dict[str, Callable[..., list[Exposure]]] = {
-    "exposure": equal_exposure,
-    "saturation": equal_saturation,
-    "light": equal_light,
-}
-
 
 @click.command()
 @click.argument("sensors", nargs=-1, required=True, metavar="SENSOR...")
 @sensor_and_light
 @click.option(
     "--equal",
-    type=click.Choice(list(_RULES)),
+    type=click.Choice(list(EQUAL_TERMS)),
     default="exposure",
     show_default=True,
     help="On which terms: one time for all; each filled alike; the same photons for each set of "
@@ -83,7 +77,7 @@ _RULES: dict[str, Callable[..., list[Exposure]]] = {
     show_default=True,
     help="What trained matrices are trained on; all gives the band of crossovers over them.",
 )
-@click.option("--json", "json_target", metavar="FILE|-", help="Write JSON; - for standard output.")
+@json_option
 def compare(
     sensors: tuple[str, ...],
     equal: str,
@@ -143,7 +137,7 @@ def _refuse_swept(varied: Sweep, options: dict[str, Any]) -> None:
 
 def _exposures(white: Any, cameras: list[Any], equal: str, options: dict[str, Any]) -> Any:
     if options["time_ms"] is None:
-        return _RULES[equal](white, cameras, **the_lens(**only(options, LENS)))
+        return EQUAL_TERMS[equal](white, cameras, **the_lens(**only(options, LENS)))
     if equal != "exposure":
         raise InputError(f"--time-ms gives all sensors one time, so it excludes --equal {equal}")
     return [the_exposure(white, camera, **only(options, EXPOSURE)) for camera in cameras]

@@ -13,7 +13,9 @@ from chromanoise.cli import tables
 from chromanoise.cli.merit_tables import print_pareto
 from chromanoise.cli.options import (
     EXPOSURE,
+    json_option,
     only,
+    prior_option,
     refuse_idle_prior,
     sensor_and_light,
     the_exposure,
@@ -24,8 +26,6 @@ from chromanoise.cli.output import refuse_inputs, write_json
 from chromanoise.exposure import Situation, expected_electrons
 from chromanoise.merit import matrix_report
 from chromanoise.study import (
-    DEFAULT_PRIOR,
-    PRIORS,
     known_matrices,
     matrix_as_json,
     matrix_makers,
@@ -58,13 +58,7 @@ _WRITERS: dict[str, Callable[[MadeMatrix], str]] = {
     metavar="NAME[=VALUE]",
     help=f"How the matrix is made: {known_matrices()}; lmmse gives one per light level.",
 )
-@click.option(
-    "--prior",
-    type=click.Choice(list(PRIORS)),
-    default=DEFAULT_PRIOR,
-    show_default=True,
-    help="What a trained matrix is trained on.",
-)
+@prior_option
 @click.option(
     "--export",
     type=click.Path(path_type=Path),
@@ -77,7 +71,7 @@ _WRITERS: dict[str, Callable[[MadeMatrix], str]] = {
     help="Color error against noise for weights of the noise from FIRST to LAST, e.g. 0.001:1000; "
     "1 is lmmse, and towards 0 lies least-squares.",
 )
-@click.option("--json", "json_target", metavar="FILE|-", help="Write JSON; - for standard output.")
+@json_option
 def matrix(
     sensor: str,
     method: str,

@@ -15,7 +15,7 @@ from chromanoise.spectra import (
     Illuminant,
 )
 from chromanoise.spectra.files import Answers
-from chromanoise.study import trained_names
+from chromanoise.study import DEFAULT_PRIOR, PRIORS, known_matrices, trained_names
 from chromanoise.study.words import illuminant_of_word, sensor_of_word
 
 Command = TypeVar("Command", bound=Callable[..., Any])
@@ -73,6 +73,26 @@ _SHARED = (
     click.option("--pitch-um", type=float, help="Pixel pitch [um] instead of the sensor's own."),
     click.option("--full-well-e", type=float, help="Full well [e-] instead of the sensor's own."),
     click.option("--read-noise-e", type=float, help="Read noise [e-] instead of the sensor's own."),
+)
+
+
+json_option = click.option(
+    "--json", "json_target", metavar="FILE|-", help="Write JSON; - for standard output."
+)
+prior_option = click.option(
+    "--prior",
+    type=click.Choice(list(PRIORS)),
+    default=DEFAULT_PRIOR,
+    show_default=True,
+    help="What a trained matrix is trained on.",
+)
+matrix_option = click.option(
+    "--matrix",
+    "method",
+    default="kernel",
+    show_default=True,
+    metavar="NAME[=VALUE]",
+    help=f"Color matrix: {known_matrices()}.",
 )
 
 

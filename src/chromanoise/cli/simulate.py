@@ -13,7 +13,9 @@ from chromanoise._check import InputError, distinct
 from chromanoise._files import refuse_unwritable, whole_folder
 from chromanoise.cli.options import (
     EXPOSURE,
+    matrix_option,
     only,
+    prior_option,
     sensor_and_light,
     the_exposure,
     the_light,
@@ -28,7 +30,7 @@ from chromanoise.imaging.distributed import cluster
 from chromanoise.scene import Cube, builtin_cube, read_cube
 from chromanoise.scene.rows import row_source
 from chromanoise.sensor import MOSAIC_NAMES, Imperfections, mosaic_named
-from chromanoise.study import DEFAULT_PRIOR, PRIORS, known_matrices, matrix_makers
+from chromanoise.study import matrix_makers
 
 _REAL_PIXELS = ("dark_current_e_per_s", "dsnu_e", "prnu", "row_noise_e")
 
@@ -37,15 +39,8 @@ _REAL_PIXELS = ("dark_current_e_per_s", "dsnu_e", "prnu", "row_noise_e")
 @click.argument("cube", metavar="CUBE")
 @click.option("--sensor", "sensors", multiple=True, required=True, help="Name or CSV; repeatable.")
 @sensor_and_light
-@click.option(
-    "--matrix",
-    "method",
-    default="kernel",
-    show_default=True,
-    metavar="NAME[=VALUE]",
-    help=f"Color matrix: {known_matrices()}.",
-)
-@click.option("--prior", type=click.Choice(list(PRIORS)), default=DEFAULT_PRIOR, show_default=True)
+@matrix_option
+@prior_option
 @click.option(
     "--mosaic",
     metavar="NAME|ROWS",

@@ -9,10 +9,11 @@ from chromanoise.exposure.electrons import (
     saturating_exposure,
     time_to_saturation,
 )
-from chromanoise.exposure.rules import equal_exposure, equal_light, equal_saturation
+from chromanoise.exposure.rules import EQUAL_TERMS, equal_exposure, equal_light, equal_saturation
 from chromanoise.exposure.situation import Situation, white_scene
 
 __all__ = [
+    "EQUAL_TERMS",
     "Exposure",
     "Situation",
     "band_weights",

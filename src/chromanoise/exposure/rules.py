@@ -3,7 +3,7 @@
 The terms decide who wins, so each comparison names its own.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 from chromanoise.exposure.electrons import Exposure, saturating_exposure
@@ -87,3 +87,11 @@ def equal_light(
     return [
         replace(exposure, time_s=least / area) for exposure, area in zip(own, area_um2, strict=True)
     ]
+
+
+EQUAL_TERMS: Mapping[str, Callable[..., list[Exposure]]] = {
+    "exposure": equal_exposure,
+    "saturation": equal_saturation,
+    "light": equal_light,
+}
+"""The terms by the names that a comparison tells."""

@@ -4,11 +4,9 @@ from typing import Any
 
 from chromanoise._check import InputError
 from chromanoise.exposure import (
+    EQUAL_TERMS,
     Exposure,
     Situation,
-    equal_exposure,
-    equal_light,
-    equal_saturation,
 )
 from chromanoise.scene import Cube, Scene, builtin_cube, flat_field, read_cube
 from chromanoise.sensor import Sensor
@@ -16,12 +14,6 @@ from chromanoise.spectra import Illuminant
 from chromanoise.spectra.files import Answers
 from chromanoise.study.runs.document import PicturePart, Study
 from chromanoise.study.words import illuminant_of_word, sensor_of_word
-
-_RULES = {
-    "exposure": equal_exposure,
-    "saturation": equal_saturation,
-    "light": equal_light,
-}
 
 
 def situations_of(study: Study) -> list[Situation]:
@@ -70,4 +62,4 @@ def _exposures(study: Study, white: Scene, sensors: list[Sensor]) -> list[Exposu
     lens: dict[str, Any] = {"f_number": asked.f_number, "magnification": asked.magnification}
     if asked.time_ms is not None:
         return [Exposure(time_s=1e-3 * asked.time_ms, **lens)] * len(sensors)
-    return _RULES[asked.equal](white, sensors, share=asked.saturate, **lens)
+    return EQUAL_TERMS[asked.equal](white, sensors, share=asked.saturate, **lens)
