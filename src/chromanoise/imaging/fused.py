@@ -17,7 +17,15 @@ import numpy as np
 from numba import njit
 
 from chromanoise.imaging.color_kernels import colors_of_run
-from chromanoise.imaging.means import TILE, means_of_mosaic, means_of_pixels, means_of_planes
+from chromanoise.imaging.lanes import RUN_LANES
+from chromanoise.imaging.means import (
+    TILE,
+    means_of_mosaic,
+    means_of_mosaic_planes,
+    means_of_pixels,
+    means_of_planes,
+    weights_over_columns,
+)
 from chromanoise.imaging.noise_blocks import noise_of_block
 from chromanoise.imaging.philox import LIGHT, PIXEL_GAIN, PIXEL_OFFSET, ROW, words_at
 from chromanoise.imaging.variates import normal_quantile
@@ -45,15 +53,17 @@ def _all_means(flat, start, lay, n, weights, sums, out, seen):
 
 @njit(cache=True, nogil=True, error_model="numpy")
 @no_type_check
-def _mosaic_means(flat, start, lay, n, weights, channel, sums, out, seen):
+def _mosaic_means(flat, start, lay, n, weights, channel, table, sums, out, seen):
     """The channel over each pixel of a tile: channel (n,) int64."""
     bands, _, pixel_pitch, band_pitch = lay
     if pixel_pitch != 1:
         means_of_mosaic(flat, start, pixel_pitch, n, bands, weights, channel, out, seen)
-        return
-    means_of_planes(flat, start, band_pitch, n, bands, weights, sums, seen)
-    for i in range(n):
-        out[i] = sums[channel[i] * TILE + i]
+    elif table.size > 0:
+        means_of_mosaic_planes(flat, start, band_pitch, n, bands, table, out, seen)
+    else:
+        means_of_planes(flat, start, band_pitch, n, bands, weights, sums, seen)
+        for i in range(n):
+            out[i] = sums[channel[i] * TILE + i]
 
 
 @njit(cache=True, nogil=True, inline="always")
@@ -149,7 +159,7 @@ def electron_rows(flat, lay, rows, columns, weights, channels, out, seen):
     """Expected electrons of all channels: out (rows, columns, p). Nothing but eq. 2."""
     padded = weights.shape[0]
     mean = np.empty((TILE, padded), np.float32)
-    sums = np.empty((padded + 2) * TILE, np.float32)
+    sums = np.empty(padded * TILE, np.float32)
     for row in range(rows):
         for first in range(0, columns, TILE):
             n = min(TILE, columns - first)
@@ -177,11 +187,13 @@ def raw_rows(
     """
     row_noise_e = noise[4]
     mean = np.empty(TILE, np.float32)
-    sums = np.empty((weights.shape[0] + 2) * TILE, np.float32)
+    sums = np.empty(weights.shape[0] * TILE, np.float32)
     electrons = np.empty(RUN, np.float32)
     shot, read = np.empty(RUN, np.uint32), np.empty(RUN, np.uint32)
     lanes = np.empty(RUN, np.int64)
     over = _over_rows(tile, columns)
+    repeats = lay[2] == 1 and RUN_LANES % tile.shape[1] == 0
+    tables = weights_over_columns(weights, over, lay[0] if repeats else 0)
     for row in range(rows):
         at_row = first_row + row
         channel = over[at_row % tile.shape[0]]
@@ -191,7 +203,9 @@ def raw_rows(
         for first in range(0, columns, TILE):
             n = min(TILE, columns - first)
             start, own = _start_of(row, first, lay), channel[first : first + n]
-            _mosaic_means(flat, start, lay, n, weights, own, sums, mean, seen)
+            _mosaic_means(
+                flat, start, lay, n, weights, own, tables[at_row % tile.shape[0]], sums, mean, seen
+            )
             _count_means(mean, own, tile.shape[1], counts[row])
             for run in range(0, n, RUN):
                 m = min(RUN, n - run)
@@ -301,7 +315,7 @@ def color_rows(
     row_noise_e, p = noise[4], channels
     colors, entry = np.empty(RUN, np.float32), np.empty(RUN, np.int32)
     means = np.empty((TILE, weights.shape[0]), np.float32)
-    sums = np.empty((weights.shape[0] + 2) * TILE, np.float32)
+    sums = np.empty(weights.shape[0] * TILE, np.float32)
     every = np.empty((p, RUN), np.int64)
     for c in range(p):
         every[c] = c

@@ -4,6 +4,7 @@ A picture is filled block by block. Each block is a function of its plan and its
 does not matter who fills it, when, or beside whom.
 """
 
+import math
 import os
 from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
@@ -28,6 +29,7 @@ FillBlock = Callable[..., Any]
 _SENT_AHEAD = 16  # blocks that wait at an executor
 _SENT_BLOCK_BYTES = 64 << 20  # by a worker elsewhere: sending a task takes some milliseconds
 _MOST_BLOCK_BYTES = 256 << 20
+_TURNS = 8
 _BLOCK_BYTES = 8 << 20  # read at a time: large for the disk, small for the memory
 
 
@@ -75,10 +77,25 @@ def row_blocks(source: RowSource, work: Work) -> list[Block]:
     if rows is None:
         row_bytes = width * bands * source.dtype.itemsize
         together = max(source.chunk_rows, 1)
-        size = _BLOCK_BYTES if work.executor is None else _SENT_BLOCK_BYTES
+        size = _block_bytes(source, work)
         rows = max(1, size // row_bytes // together) * together
         rows = min(rows, max(1, _MOST_BLOCK_BYTES // row_bytes))  # then chunks are decoded again
     return [(start, min(start + rows, height)) for start in range(0, height, rows)]
+
+
+def _block_bytes(source: RowSource, work: Work) -> int:
+    """Large where nothing is copied: handing a block over costs as much as a megabyte of it."""
+    if work.executor is not None:
+        return _SENT_BLOCK_BYTES
+    if source.scratch_bytes(1) > 0:
+        return _BLOCK_BYTES
+    whole = math.prod(source.shape) * source.dtype.itemsize
+    turns = _TURNS * _threads(work)  # of each thread, so that all end together
+    return min(max(whole // turns, _BLOCK_BYTES), _SENT_BLOCK_BYTES)
+
+
+def _threads(work: Work) -> int:
+    return work.threads or os.cpu_count() or 1
 
 
 def filled(
@@ -110,7 +127,7 @@ def filled(
     if work.executor is not None:
         there = partial(_remote, work.executor, fill, plan, part, outputs)
         return _in_order(there, blocks, work, _SENT_AHEAD)
-    threads = work.threads or os.cpu_count() or 1
+    threads = _threads(work)
     scratch = Scratch()
 
     def here(start: int, stop: int) -> Any:
