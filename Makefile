@@ -28,6 +28,7 @@ bench: $(VENV)/.dev
 
 docs: $(VENV)/.dev
 	$(BIN)/python tools/make_docs.py
+	$(BIN)/chromanoise catalog --markdown docs/catalog.md
 	$(BIN)/python -m pytest tests/shells/test_docs.py
 
 reconstruct: $(VENV)/.dev

@@ -5,7 +5,7 @@ import pytest
 
 from chromanoise._check import InputError
 from chromanoise.color import kernel_matrix
-from chromanoise.exposure import Exposure, Situation, expected_electrons
+from chromanoise.exposure import Exposure, Situation, expected_electrons, white_scene
 from chromanoise.scene import flat_field
 from chromanoise.sensor import Pixel, Sensor, sensor_named
 from chromanoise.spectra import DEFAULT_GRID, equal_energy
@@ -25,6 +25,7 @@ from chromanoise.study import (
 LAMP = equal_energy(DEFAULT_GRID)
 EXPOSURE = Exposure(time_s=0.01)
 LEVELS = np.geomspace(1e-3, 1e2, 26)
+NM = DEFAULT_GRID.wavelength_nm
 
 
 def kernel(situation):
@@ -165,6 +166,22 @@ def test_a_redder_black_body_makes_more_electrons_per_lux():
         quantity=QUANTITIES["bound"],
     )
     assert curve.value[0] > curve.value[1] + 6
+
+
+def test_each_further_illuminator_adds_the_same_infrared_electrons():
+    """50 mW per W of light E over 400-1050 nm, taken at 850 nm, by a trapezoid of its own."""
+    infrared = SWEEPS["infrared"].at
+
+    def electrons(ratio):
+        at = infrared(ONYX, ratio)
+        return expected_electrons(white_scene(at), at.sensor, at.exposure)
+
+    first, second, third = electrons(0.0), electrons(0.05), electrons(0.1)
+    assert third - second == pytest.approx(second - first, rel=1e-3)  # the eye sees a trace of it
+    at_850 = ONYX.sensor.qe[NM == 850.0][0]
+    e_photons = np.trapezoid(ONYX.sensor.qe * NM[:, None], NM, axis=0)
+    expected = first * 0.05 * 650.0 * 850.0 * at_850 / e_photons
+    assert second - first == pytest.approx(expected, rel=0.05)  # 20 nm wide, where the QE bends
 
 
 def test_price_is_bound_minus_snr_of_y():

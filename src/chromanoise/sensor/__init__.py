@@ -1,14 +1,15 @@
 """What a camera is: channels on silicon, the pixel under them, the mosaic over them."""
 
 from chromanoise.sensor.adc import Adc, adc_to_full_well
-from chromanoise.sensor.catalogue import SENSOR_NAMES, sensor_named
+from chromanoise.sensor.catalogue import KNOWN_SENSORS, SENSOR_NAMES, sensor_named
+from chromanoise.sensor.catalogue_tables import sensor_from_table
 from chromanoise.sensor.darktable import (
     RelativeNoise,
     pixel_from_darktable,
     read_darktable_noise,
 )
 from chromanoise.sensor.emva import pixel_from_emva, read_emva_sheet
-from chromanoise.sensor.filters import ir_cut, resin_filter, silicon_qe
+from chromanoise.sensor.filters import filter_named, ir_cut, resin_filter, silicon_qe
 from chromanoise.sensor.imperfections import Imperfections
 from chromanoise.sensor.mosaic import (
     MOSAIC_NAMES,
@@ -37,6 +38,7 @@ from chromanoise.sensor.readers import read_sensor, read_sensor_csv
 from chromanoise.sensor.sensor import Sensor, behind_filter, pixels_of, with_channels
 
 __all__ = [
+    "KNOWN_SENSORS",
     "MOSAIC_NAMES",
     "PAPER_PIXEL",
     "SENSOR_NAMES",
@@ -52,6 +54,7 @@ __all__ = [
     "adc_to_full_well",
     "bayer",
     "behind_filter",
+    "filter_named",
     "ir_cut",
     "mosaic_named",
     "noise_profile",
@@ -73,6 +76,7 @@ __all__ = [
     "rgb_ir",
     "rgbw_2x2",
     "rgbw_sparse_4x4",
+    "sensor_from_table",
     "sensor_named",
     "silicon_qe",
     "with_channels",

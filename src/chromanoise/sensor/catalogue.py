@@ -5,17 +5,26 @@ prints: its Figure 7 shows the curves of the Teledyne e2v Onyx as a picture only
 neither a measurement nor an independent validation.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from types import MappingProxyType
 
 from jaxtyping import Float
 
 from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise.sensor.catalogue_tables import (
+    CAMERA_NAMES,
+    DEVICE_NAMES,
+    camera_named,
+    device_named,
+)
 from chromanoise.sensor.models import MODELS
 from chromanoise.sensor.mosaic import bayer, rgbw_sparse_4x4
 from chromanoise.sensor.pixel import PAPER_PIXEL
 from chromanoise.sensor.sensor import Sensor, behind_filter, with_channels
 from chromanoise.spectra import Grid, on_grid
+from chromanoise.spectra.files import ASK, Answers
 from chromanoise.spectra.tables import packaged_table
 
 RECONSTRUCTION = (
@@ -61,19 +70,51 @@ _MAKERS: dict[str, Callable[[Grid], Sensor]] = {
     **MODELS,
 }
 SENSOR_NAMES = tuple(_MAKERS)
-"""What `sensor_named` knows."""
+"""The paper's sensors and the models: made on any grid within 400-1050 nm, no question asked."""
+
+KNOWN_SENSORS = (*SENSOR_NAMES, *DEVICE_NAMES, *CAMERA_NAMES)
+"""What `sensor_named` knows: those, real devices, and the cameras of colour-science."""
 
 
-def sensor_named(name: str, grid: Grid) -> Sensor:
+def sensor_named(
+    name: str,
+    grid: Grid,
+    *,
+    answers: Answers = ASK,
+    pixel: Mapping[str, float] = MappingProxyType({}),
+) -> Sensor:
     """The catalogue's sensor ``name`` on ``grid``.
+
+    Parameters
+    ----------
+    name
+        One of `KNOWN_SENSORS`.
+    grid
+        Where its curves are wanted.
+    answers
+        What the table of a real device cannot tell: what follows its end, the highest QE of
+        relative curves, how light was counted.
+    pixel
+        Instead of the sensor's own, by the names of `Pixel`.
 
     Raises
     ------
     InputError
-        If nothing is called that; the nearest names are told.
+        If nothing is called that (the nearest names are told), or its table asks for an answer.
+
+    Examples
+    --------
+    >>> sensor = sensor_named("mt9v024-rgbw", Grid.uniform(400, 1050, 10))
+    >>> sensor.names, sensor.qe[15].round(2)                            # at 550 nm, G above W
+    (('R', 'G', 'B', 'W'), array([0.05, 0.61, 0.07, 0.54]))
     """
-    _check.one_of("sensor", name, SENSOR_NAMES)
-    return _MAKERS[name](grid)
+    _check.one_of("sensor", name, KNOWN_SENSORS)
+    if name in DEVICE_NAMES:
+        return device_named(name, grid, answers, pixel)
+    if name in CAMERA_NAMES:
+        return camera_named(name, grid, answers, pixel)
+    sensor = _MAKERS[name](grid)
+    return replace(sensor, pixel=replace(sensor.pixel, **pixel))
 
 
 def _onyx_ir_cut(grid: Grid) -> Float[Array, " n"]:

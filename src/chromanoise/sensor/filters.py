@@ -4,13 +4,15 @@ They are models: shapes with the right physics and few parameters, for sensors t
 as an idea. A real sensor comes with its curves.
 """
 
+import re
+
 import numpy as np
 from jaxtyping import Float
 
 from chromanoise import _check
 from chromanoise._check import Array
-from chromanoise.spectra import Grid
-from chromanoise.spectra.tables import packaged_table
+from chromanoise.spectra import Beyond, Grid, means_on_grid
+from chromanoise.spectra.tables import catalogue_curves, catalogue_tables, packaged_table
 
 _CM_PER_UM = 1e-4
 
@@ -111,6 +113,44 @@ def ir_cut(grid: Grid, *, edge_nm: float = 655.0, width_nm: float = 8.0) -> Floa
     """
     scale = _check.positive("width_nm", "nm", width_nm)
     return _rise(-grid.wavelength_nm, -_check.positive("edge_nm", "nm", edge_nm), scale)
+
+
+def filter_named(name: str, grid: Grid, *, beyond: Beyond = "refuse") -> Float[Array, " n"]:
+    """Transmittance of the filter that the catalogue calls ``name``.
+
+    Parameters
+    ----------
+    name
+        A measured one, as ``ircut-schott``, or ``ircut-<nm>`` and ``ircut-<nm>/<width>`` for the
+        model `ir_cut`.
+    grid
+        Where it is wanted.
+    beyond
+        What it is where its table ends short of the grid.
+
+    Raises
+    ------
+    InputError
+        If nothing is called that, or the table ends short and ``beyond`` refuses.
+
+    Examples
+    --------
+    >>> filter_named("ircut-650", Grid.uniform(600, 700, 50)).round(3)
+    array([0.998, 0.5  , 0.002])
+    """
+    if match := re.fullmatch(r"ircut-([\d.]+)(?:/([\d.]+))?", name):
+        edge_nm, width_nm = (_number(text, name) for text in (match[1], match[2] or "8"))
+        return ir_cut(grid, edge_nm=edge_nm, width_nm=width_nm)
+    measured = catalogue_tables("filter")
+    _check.one_of("filter", name, (*measured, "ircut-650"))
+    return means_on_grid(catalogue_curves(measured[name]), grid, beyond=beyond).values[:, 0]
+
+
+def _number(text: str, name: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        raise _check.InputError(f"filter {name!r}: {text!r} is not a number") from None
 
 
 def _rise(at: Float[Array, " n"], middle: float, scale: float) -> Float[Array, " n"]:

@@ -19,22 +19,29 @@ from chromanoise.spectra.files import (
 )
 from chromanoise.spectra.grid import DEFAULT_GRID, Grid
 from chromanoise.spectra.illuminants import (
-    ILLUMINANT_NAMES,
     Illuminant,
     astm_g173,
     black_body,
     cie_a,
     cie_illuminant,
     equal_energy,
+    halogen,
     illuminant_from,
-    illuminant_named,
     led,
+    led_white,
     photon_irradiance,
 )
 from chromanoise.spectra.metric import METRICS, Metric
+from chromanoise.spectra.mixtures import (
+    ILLUMINANT_NAMES,
+    illuminant_named,
+    infrared_parts,
+    mixed,
+    with_infrared,
+)
 from chromanoise.spectra.observers import INFRARED_FROM_NM, cie_1931, color_axes
 from chromanoise.spectra.readers import read_spectra_csv
-from chromanoise.spectra.reflectances import colorchecker
+from chromanoise.spectra.reflectances import colorchecker, reflectance_named
 
 __all__ = [
     "ASK",
@@ -58,16 +65,22 @@ __all__ = [
     "color_axes",
     "colorchecker",
     "equal_energy",
+    "halogen",
     "illuminant_from",
     "illuminant_named",
+    "infrared_parts",
     "interpolation_matrix",
     "led",
+    "led_white",
     "means_on_grid",
+    "mixed",
     "on_grid",
     "photon_irradiance",
     "power_of",
     "qe_of",
     "read_curves",
     "read_spectra_csv",
+    "reflectance_named",
     "refuse_outside",
+    "with_infrared",
 ]

@@ -1,8 +1,7 @@
 """Light sources, normalized to one lux so that a level in lux says how much light there is."""
 
-import re
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -26,6 +25,9 @@ from chromanoise.units import (
 
 Power = Callable[[Float[Array, " m"]], Float[Array, " m"]]
 
+_HALOGEN_K = 3200.0
+_HALOGEN_NOTE = "halogen: a black body of 3200 K, without the emissivity of tungsten"
+_WHITE_NOTE = "led-white: a model of a blue diode and a phosphor, 4167 K, not a lamp"
 _DARKEST_LM_PER_W = 1e-3  # a source below this gives no light that lux could measure
 
 
@@ -114,16 +116,46 @@ def led(grid: Grid, peak_nm: float, width_nm: float = 20.0) -> Illuminant:
     peak = _check.positive("peak_nm", "nm", peak_nm)
     width = _check.positive("width_nm", "nm", width_nm)
     if width < 2 * grid.step_nm:
-        raise _check.InputError(
-            f"an LED {width:g} nm wide falls between the {grid.step_nm:g} nm steps of the grid; "
-            f"take a width of at least {2 * grid.step_nm:g} nm, or a finer grid"
-        )
+        raise narrow_diode(width, grid)
+    power = partial(diode_power, peak_nm=peak, width_nm=width)
+    return _from_formula(f"{peak:g} nm LED, {width:g} nm wide", power, grid)
+
+
+def halogen(grid: Grid) -> Illuminant:
+    """A halogen lamp as the black body of its color temperature, 3200 K."""
+    return replace(black_body(grid, _HALOGEN_K), name="halogen", notes=(_HALOGEN_NOTE,))
+
+
+def led_white(grid: Grid) -> Illuminant:
+    """A white LED of 4167 K as a model: a blue diode and a phosphor of the same height.
+
+    Notes
+    -----
+    The diode is Ohno's (Opt. Eng. 44 (2005), 111302, eq. 1) at 450 nm, 24 nm wide; the phosphor a
+    Gaussian around 580 nm with a standard deviation of 60 nm. Both are ours, and no lamp's.
+    """
 
     def power(wavelength_nm: Float[Array, " m"]) -> Float[Array, " m"]:
-        bell = np.exp(-(((wavelength_nm - peak) / width) ** 2))
-        return (bell + 2 * bell**5) / 3
+        phosphor = np.exp(-0.5 * ((wavelength_nm - 580.0) / 60.0) ** 2)
+        return diode_power(wavelength_nm, peak_nm=450.0, width_nm=24.0) + phosphor
 
-    return _from_formula(f"{peak:g} nm LED, {width:g} nm wide", power, grid)
+    return replace(_from_formula("led-white", power, grid), notes=(_WHITE_NOTE,))
+
+
+def narrow_diode(width_nm: float, grid: Grid) -> _check.InputError:
+    """The complaint about a diode that the grid cannot hold."""
+    return _check.InputError(
+        f"an LED {width_nm:g} nm wide falls between the {grid.step_nm:g} nm steps of the grid; "
+        f"take a width of at least {2 * grid.step_nm:g} nm, or a finer grid"
+    )
+
+
+def diode_power(
+    wavelength_nm: Float[Array, " m"], *, peak_nm: float, width_nm: float
+) -> Float[Array, " m"]:
+    """Relative power of Ohno's diode (`led`)."""
+    bell = np.exp(-(((wavelength_nm - peak_nm) / width_nm) ** 2))
+    return (bell + 2 * bell**5) / 3
 
 
 def astm_g173(grid: Grid, *, beyond: Beyond = "refuse") -> Illuminant:
@@ -175,40 +207,6 @@ def illuminant_from(
     return Illuminant(
         name=name, grid=grid, irradiance=resampled.values[:, 0] / lux, notes=resampled.notes
     )
-
-
-ILLUMINANT_NAMES = ("E", "A", "G173", "D65", "D50", "FL2", "LED-B3", "3200K", "LED660")
-"""Examples of what `illuminant_named` understands."""
-
-
-def illuminant_named(name: str, grid: Grid, *, beyond: Beyond = "refuse") -> Illuminant:
-    """The illuminant a person means by ``name``.
-
-    E, A, G173 (daylight to 1050 nm), any CIE illuminant of colour-science (D65, FL2, LED-B3),
-    ``<T>K`` for a black body, ``LED<peak>`` or ``LED<peak>/<width>`` for a diode.
-
-    Raises
-    ------
-    InputError
-        If nothing is called that; the nearest names are told.
-    """
-    formulas = {"E": equal_energy, "A": cie_a}
-    if name in formulas:
-        return formulas[name](grid)
-    if name == "G173":
-        return astm_g173(grid, beyond=beyond)
-    if match := re.fullmatch(r"([\d.]+)\s*K", name):
-        return black_body(grid, _number(match[1], name))
-    if match := re.fullmatch(r"LED([\d.]+)(?:/([\d.]+))?", name):
-        return led(grid, _number(match[1], name), _number(match[2] or "20", name))
-    return cie_illuminant(name, grid, beyond=beyond)
-
-
-def _number(text: str, name: str) -> float:
-    try:
-        return float(text)
-    except ValueError:
-        raise _check.InputError(f"illuminant {name!r}: {text!r} is not a number") from None
 
 
 def _planck(

@@ -1,8 +1,13 @@
-"""Reflectances that are measured into the near infrared."""
+"""Reflectances that are measured into the near infrared, and gray cards."""
 
-from chromanoise.spectra.curves import Spectra, on_grid
+import re
+
+import numpy as np
+
+from chromanoise import _check
+from chromanoise.spectra.curves import Beyond, Spectra, on_grid
 from chromanoise.spectra.grid import Grid
-from chromanoise.spectra.tables import packaged_table
+from chromanoise.spectra.tables import catalogue_curves, catalogue_tables, packaged_table
 
 
 def colorchecker(grid: Grid) -> Spectra:
@@ -17,3 +22,50 @@ def colorchecker(grid: Grid) -> Spectra:
     ('dark skin', 'white', (131, 24))
     """
     return on_grid(packaged_table("colorchecker"), grid)
+
+
+def reflectance_named(name: str, grid: Grid, *, beyond: Beyond = "refuse") -> Spectra:
+    """The reflectances that the catalogue calls ``name``.
+
+    Parameters
+    ----------
+    name
+        ``colorchecker``, ``lawn``, ``skin`` ..., or ``gray-<percent>``, the same at every
+        wavelength.
+    grid
+        Where they are wanted.
+    beyond
+        What they are where the table ends short of the grid, as that of skin does at 950 nm.
+
+    Raises
+    ------
+    InputError
+        If nothing is called that, or the table ends short and ``beyond`` refuses.
+
+    Examples
+    --------
+    >>> lawn = reflectance_named("lawn", Grid.uniform(400, 1050, 50))
+    >>> lawn.values[[3, 8], 0].round(2)         # at 550 and 800 nm: green, and far more beyond
+    array([0.07, 0.47])
+    """
+    if match := re.fullmatch(r"gray-([\d.]+)", name):
+        return _gray(name, match[1], grid)
+    measured = catalogue_tables("reflectance")
+    _check.one_of("reflectance", name, (*measured, "gray-18"))
+    return on_grid(catalogue_curves(measured[name]), grid, beyond=beyond)
+
+
+def _gray(name: str, percent: str, grid: Grid) -> Spectra:
+    try:
+        share = float(percent) / 100
+    except ValueError:
+        raise _check.InputError(f"reflectance {name!r}: {percent!r} is not a number") from None
+    _check.within(f"percent of {name}", "%", 100 * share, 0.0, 100.0)
+    return Spectra(
+        wavelength_nm=grid.wavelength_nm,
+        values=np.full((grid.n, 1), share),
+        names=(name,),
+        quantity="reflectance",
+        unit="1",
+        source=name,
+    )

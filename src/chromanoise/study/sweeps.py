@@ -1,4 +1,4 @@
-"""What can be varied: light level, time, read noise, IR-cut edge, temperature of the light.
+"""What can be varied: light level, time, read noise, IR-cut edge, the light and its infrared.
 
 A sweep changes one thing of a situation and nothing else: the time, for one, stays what it was.
 """
@@ -13,7 +13,9 @@ from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise.exposure import Situation
 from chromanoise.sensor import ir_cut
-from chromanoise.spectra import black_body
+from chromanoise.spectra import black_body, with_infrared
+
+_ILLUMINATOR_NM = 850.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -70,6 +72,12 @@ def _at_temperature(situation: Situation, kelvin: float) -> Situation:
     return replace(situation, illuminant=black_body(grid, kelvin))
 
 
+def _at_infrared(situation: Situation, ratio: float) -> Situation:
+    """An 850 nm illuminator beside the light; the lux stay what they were."""
+    light = with_infrared(situation.illuminant, peak_nm=_ILLUMINATOR_NM, ratio=ratio)
+    return replace(situation, illuminant=light)
+
+
 SWEEPS: Mapping[str, Sweep] = {
     sweep.name: sweep
     for sweep in (
@@ -117,6 +125,15 @@ SWEEPS: Mapping[str, Sweep] = {
             lowest=1000.0,
             highest=50_000.0,
             at=_at_temperature,
+        ),
+        Sweep(
+            name="infrared",
+            what="power of an 850 nm illuminator over the light's",
+            unit="W/W",
+            logarithmic=False,
+            lowest=0.0,
+            highest=1e3,
+            at=_at_infrared,
         ),
     )
 }

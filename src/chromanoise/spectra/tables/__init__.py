@@ -1,26 +1,55 @@
 """Facts typed in from published sources; ``SOURCES.toml`` says which, and what was done to them."""
 
-import tomllib
+from collections.abc import Mapping
+from dataclasses import replace
 from functools import cache
 from importlib import resources
-from typing import Any
 
 from chromanoise.spectra.curves import Spectra
 from chromanoise.spectra.readers import spectra_from_text
+from chromanoise.spectra.tables.provenance import (
+    Provenance,
+    formula_provenances,
+    table_provenances,
+)
 
 
 @cache
-def sources() -> dict[str, dict[str, Any]]:
-    """For each packaged table: quantity, unit, source, and what to know about it."""
-    text = resources.files(__name__).joinpath("SOURCES.toml").read_text(encoding="utf-8")
-    return tomllib.loads(text)
+def sources() -> Mapping[str, Provenance]:
+    """For each packaged table: what it is, where it comes from, and what to know about it."""
+    return table_provenances(_packaged("SOURCES.toml"), "SOURCES.toml", house=True)
+
+
+@cache
+def formulas() -> Mapping[str, Provenance]:
+    """The same for what is made by a formula or found in colour-science, by name."""
+    return formula_provenances(_packaged("FORMULAS.toml"), "FORMULAS.toml")
 
 
 @cache
 def packaged_table(name: str) -> Spectra:
     """The packaged table ``name``.csv with its source."""
     entry = sources()[name]
-    text = resources.files(__name__).joinpath(f"{name}.csv").read_text(encoding="utf-8")
     return spectra_from_text(
-        text, source=entry["source"], quantity=entry["quantity"], unit=entry["unit"]
+        _packaged(f"{name}.csv"), source=entry.source, quantity=entry.quantity, unit=entry.unit
     )
+
+
+def catalogue_tables(kind: str) -> dict[str, Provenance]:
+    """The packaged tables of one kind, by their names in the catalogue.
+
+    Examples
+    --------
+    >>> catalogue_tables("illuminant")["G173"].table
+    'astm_g173_global'
+    """
+    return {told.name: told for told in sources().values() if told.kind == kind}
+
+
+def catalogue_curves(provenance: Provenance) -> Spectra:
+    """The curves of a packaged table; messages call them by their name in the catalogue."""
+    return replace(packaged_table(provenance.table), source=provenance.name)
+
+
+def _packaged(name: str) -> str:
+    return resources.files(__name__).joinpath(name).read_text(encoding="utf-8")

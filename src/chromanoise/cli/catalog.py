@@ -1,0 +1,148 @@
+"""``chromanoise catalog``: what is built in, with its source, range and known defects."""
+
+from collections.abc import Sequence
+from itertools import groupby
+from pathlib import Path
+
+import click
+from rich.console import Console
+from rich.table import Table
+
+from chromanoise._check import InputError
+from chromanoise._files import write_whole
+from chromanoise.cli.options import json_option
+from chromanoise.cli.output import write_json
+from chromanoise.study.catalog import (
+    KINDS,
+    Entry,
+    catalog_entries,
+    catalog_entry,
+    catalog_folder,
+    entries_as_json,
+    pixel_told,
+)
+
+_WIDTH = 100
+
+
+@click.command()
+@click.argument("word", required=False, metavar="[KIND|NAME]")
+@click.option(
+    "--folder",
+    type=click.Path(path_type=Path),
+    help="Your own folder of tables with a SOURCES.toml, instead of that of CHROMANOISE_CATALOG.",
+)
+@click.option("--markdown", metavar="FILE|-", help="The tables as Markdown; - for the screen.")
+@json_option
+def catalog(
+    word: str | None, folder: Path | None, markdown: str | None, json_target: str | None
+) -> None:
+    """What is built in: sensors, illuminants, reflectances, filters, scenes, or all of one NAME.
+
+    Tables of your own stand in the folder that CHROMANOISE_CATALOG names.
+    """
+    if markdown == "-" and json_target == "-":
+        raise InputError("--json - and --markdown - would stand in one another; name a file")
+    folder = catalog_folder() if folder is None else folder
+    one = word is not None and word not in KINDS
+    entries = (
+        (catalog_entry(word, folder=folder),)
+        if one and word is not None
+        else catalog_entries(word, folder=folder)
+    )
+    if json_target is not None:
+        write_json(entries_as_json(entries), json_target)
+    if markdown == "-":
+        click.echo(as_markdown(entries), nl=False)
+    elif markdown is not None:
+        write_whole(Path(markdown), as_markdown(entries).encode("utf-8"))
+    if "-" in (json_target, markdown):
+        return
+    if one:
+        click.echo("\n".join(entry_as_text(entries[0])))
+    else:
+        print_entries(entries)
+
+
+def print_entries(entries: Sequence[Entry]) -> None:
+    """One table per kind."""
+    console = Console(highlight=False, markup=False)
+    if not console.is_terminal:
+        console = Console(highlight=False, markup=False, width=_WIDTH)
+    for kind, word in KINDS.items():
+        here = [entry for entry in entries if entry.provenance.kind == word]
+        if not here:
+            continue
+        table = Table(title=kind.capitalize(), title_justify="left", expand=True)
+        table.add_column("name", ratio=5, overflow="fold")
+        table.add_column("what", ratio=5)
+        table.add_column("nm", no_wrap=True)
+        table.add_column("quantity", ratio=3)
+        table.add_column("source; known defects", ratio=12, overflow="fold")
+        for row in _rows(here):
+            table.add_row(*row, end_section=True)
+        console.print(table)
+    console.print("All of one entry: chromanoise catalog NAME.")
+
+
+def entry_as_text(entry: Entry) -> list[str]:
+    """All that is known of one entry, line by line."""
+    told = entry.provenance
+    facts = {
+        "what": told.what,
+        "kind": told.kind,
+        "curves": ", ".join(entry.channels),
+        "range": _range(entry),
+        "quantity": f"{told.quantity} [{told.unit}], {told.level}"
+        + {"photon": ", light counted in photons", "energy": ", light counted as energy"}.get(
+            told.per or "", ""
+        ),
+        "source": told.source,
+        "license": told.license,
+        "done": told.done,
+        "mosaic": told.mosaic,
+        "pixel": pixel_told(entry) if told.kind == "sensor" else "",
+        "file": "" if entry.file is None else str(entry.file),
+        "asks": "; ".join(entry.asks),
+    }
+    lines = [told.name, *(f"  {key:<10} {text}" for key, text in facts.items() if text)]
+    lines.append(f"  DEFECT     {told.defects}")
+    return lines + [f"  FOUND      {sentence}" for sentence in entry.found]
+
+
+def as_markdown(entries: Sequence[Entry]) -> str:
+    """The tables as Markdown, one per kind."""
+    lines = ["# The catalogue", "", "Written by `chromanoise catalog --markdown docs/catalog.md`."]
+    heads = ("name", "what", "nm", "quantity", "source; known defects")
+    for kind, word in KINDS.items():
+        here = [entry for entry in entries if entry.provenance.kind == word]
+        if here:
+            lines += ["", f"## {kind.capitalize()}", "", _line(heads), _line(["---"] * len(heads))]
+            lines += [_line(row) for row in _rows(here)]
+    return "\n".join(lines) + "\n"
+
+
+def _rows(entries: Sequence[Entry]) -> list[tuple[str, ...]]:
+    """A row per entry; neighbors that differ by name alone share one."""
+    rows: list[tuple[str, ...]] = []
+    for (nm, source, level, defects), same in groupby(entries, key=_shared):
+        group = list(same)
+        names = ", ".join(entry.provenance.name for entry in group)
+        whats = "; ".join(dict.fromkeys(entry.provenance.what for entry in group))
+        rows.append((names, whats, nm, level, f"{source}; {defects}"))
+    return rows
+
+
+def _shared(entry: Entry) -> tuple[str, str, str, str]:
+    told = entry.provenance
+    return _range(entry), told.source, f"{told.level} {told.quantity}", told.defects
+
+
+def _range(entry: Entry) -> str:
+    if entry.start_nm is None or entry.stop_nm is None:
+        return "any"
+    return f"{entry.start_nm:g}-{entry.stop_nm:g}"
+
+
+def _line(cells: Sequence[str]) -> str:
+    return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"

@@ -1,0 +1,190 @@
+"""Lights by name, alone or with an infrared diode beside them."""
+
+import re
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
+
+from chromanoise import _check
+from chromanoise._colour import colour_science
+from chromanoise.spectra.curves import Beyond
+from chromanoise.spectra.grid import Grid
+from chromanoise.spectra.illuminants import (
+    Illuminant,
+    Power,
+    black_body,
+    cie_a,
+    cie_illuminant,
+    diode_power,
+    equal_energy,
+    halogen,
+    illuminant_from,
+    led,
+    led_white,
+    narrow_diode,
+)
+from chromanoise.spectra.observers import cie_1931_table
+from chromanoise.spectra.tables import catalogue_curves, catalogue_tables
+from chromanoise.units import LUMEN_PER_WATT
+
+ILLUMINANT_NAMES = ("E", "A", "G173", "D65", "D50", "FL2", "LED-B3", "3200K", "LED660")
+"""Examples of what `illuminant_named` understands."""
+
+_FORMULAS: dict[str, Callable[[Grid], Illuminant]] = {
+    "E": equal_energy,
+    "A": cie_a,
+    "halogen": halogen,
+    "led-white": led_white,
+}
+_MIXTURE = re.compile(r"(.+)\+([\d.]+(?:[eE]-?\d+)?)xLED([\d.]+)(?:/([\d.]+))?")
+
+
+def illuminant_named(name: str, grid: Grid, *, beyond: Beyond = "refuse") -> Illuminant:
+    """The illuminant a person means by ``name``.
+
+    E, A, G173 (daylight to 1050 nm), ``halogen``, ``led-white``, the measured lamps of the
+    catalogue, any CIE illuminant of colour-science (D65, FL2, LED-B3), ``<T>K`` for a black body,
+    ``LED<peak>`` or ``LED<peak>/<width>`` for a diode, and ``<light>+<ratio>xLED<peak>`` for a
+    light with an infrared diode beside it (`with_infrared`).
+
+    Raises
+    ------
+    InputError
+        If nothing is called that; the nearest names are told.
+    """
+    return mixed(name, lambda bare: _light_named(bare, grid, beyond))
+
+
+def mixed(name: str, light: Callable[[str], Illuminant]) -> Illuminant:
+    """The illuminant ``name``, where ``light`` knows those without a diode beside them.
+
+    Parameters
+    ----------
+    name
+        As `illuminant_named` has it; of several diodes, each is in proportion to all that stands
+        before it.
+    light
+        From the name of a light to the light.
+
+    Raises
+    ------
+    InputError
+        As ``light``, and if a diode cannot be (`with_infrared`).
+    """
+    parts = infrared_parts(name)
+    if parts is None:
+        return light(name)
+    base, told = parts
+    return replace(with_infrared(mixed(base, light), **told), name=name)
+
+
+def infrared_parts(name: str) -> tuple[str, dict[str, float]] | None:
+    """The light before the last diode of a name, and that diode as `with_infrared` takes it.
+
+    None where the name has no diode beside its light.
+
+    Raises
+    ------
+    InputError
+        If something in it is no number.
+
+    Examples
+    --------
+    >>> infrared_parts("A+0.5xLED940/50")
+    ('A', {'ratio': 0.5, 'peak_nm': 940.0, 'width_nm': 50.0})
+    >>> infrared_parts("LED940") is None
+    True
+    """
+    match = _MIXTURE.fullmatch(name)
+    if match is None:
+        return None
+    ratio, peak_nm, width_nm = (
+        _number(text, name) for text in (*match.group(2, 3), match[4] or "20")
+    )
+    return match[1], {"ratio": ratio, "peak_nm": peak_nm, "width_nm": width_nm}
+
+
+def _light_named(name: str, grid: Grid, beyond: Beyond) -> Illuminant:
+    if name in _FORMULAS:
+        return _FORMULAS[name](grid)
+    if match := re.fullmatch(r"([\d.]+)\s*K", name):
+        return black_body(grid, _number(match[1], name))
+    if match := re.fullmatch(r"LED([\d.]+)(?:/([\d.]+))?", name):
+        return led(grid, _number(match[1], name), _number(match[2] or "20", name))
+    measured = catalogue_tables("illuminant")
+    if name in measured:
+        return illuminant_from(catalogue_curves(measured[name]), grid, name=name, beyond=beyond)
+    known = (*_FORMULAS, *measured, *colour_science().SDS_ILLUMINANTS)
+    return cie_illuminant(_check.one_of("illuminant", name, known), grid, beyond=beyond)
+
+
+def with_infrared(
+    illuminant: Illuminant, *, peak_nm: float, width_nm: float = 20.0, ratio: float
+) -> Illuminant:
+    """The light with an infrared diode beside it; both together give one lux.
+
+    Parameters
+    ----------
+    illuminant
+        Any light.
+    peak_nm, width_nm
+        Of the diode, as in `led`. [nm]
+    ratio
+        Radiant power of the diode over that of the light, both on the light's grid, >= 0; 0 gives
+        the light back as it is. [W/W]
+
+    Raises
+    ------
+    InputError
+        If the ratio is negative, or the diode is too narrow for the grid or reaches out of it.
+
+    Notes
+    -----
+    A diode alone gives no lux that could set its level; beside a lamp it has one, and the little
+    of it that the eye still sees is counted.
+
+    Examples
+    --------
+    >>> lamp = equal_energy(Grid.uniform(400, 1050, 5))
+    >>> lit = with_infrared(lamp, peak_nm=850, ratio=0.5)
+    >>> round(float(lit.irradiance.sum() / lamp.irradiance.sum()), 4)      # half as much again
+    1.5
+    """
+    share = _check.within("ratio of infrared", "W/W", ratio, 0.0, 1e6)
+    power = _diode_within(illuminant.grid, peak_nm, width_nm)
+    if share == 0:
+        return illuminant
+    grid = illuminant.grid
+    scale = share * illuminant.irradiance.sum() / power(grid.wavelength_nm).sum()
+    observer = cie_1931_table()
+    seen = LUMEN_PER_WATT * float(observer.values[:, 1] @ power(observer.wavelength_nm))
+    added = scale * power(grid.wavelength_nm)
+    return replace(
+        illuminant,
+        name=f"{illuminant.name} + {share:g} x {peak_nm:g} nm LED, {width_nm:g} nm wide",
+        irradiance=(illuminant.irradiance + added) / (1.0 + scale * seen),
+    )
+
+
+def _diode_within(grid: Grid, peak_nm: float, width_nm: float) -> Power:
+    """The diode, if the grid holds it: all but 1e-4 of its power lies within two widths."""
+    peak, width = (
+        _check.positive("peak_nm", "nm", peak_nm),
+        _check.positive("width_nm", "nm", width_nm),
+    )
+    at = grid.wavelength_nm
+    if width < 2 * grid.step_nm:
+        raise narrow_diode(width, grid)
+    if peak - 2 * width < at[0] or peak + 2 * width > at[-1]:
+        raise _check.InputError(
+            f"an LED of {peak:g} nm, {width:g} nm wide, reaches out of the grid {grid}; its peak "
+            f"must lie within {at[0] + 2 * width:g}-{at[-1] - 2 * width:g} nm"
+        )
+    return partial(diode_power, peak_nm=peak, width_nm=width)
+
+
+def _number(text: str, name: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        raise _check.InputError(f"illuminant {name!r}: {text!r} is not a number") from None

@@ -1,0 +1,259 @@
+"""``chromanoise catalog``, and a user's own folder of entries beside the built-in ones."""
+
+import json
+
+import numpy as np
+import pytest
+
+from chromanoise._check import InputError
+from chromanoise.spectra import DEFAULT_GRID, photon_irradiance
+from chromanoise.spectra.files import Answers
+from chromanoise.study.catalog import KINDS, catalog_entries, catalog_file_of
+from chromanoise.study.words import (
+    illuminant_files,
+    illuminant_of_word,
+    sensor_files,
+    sensor_of_word,
+)
+from outcomes import refused
+
+SECTION = """[{name}]
+kind = "{kind}"
+what = "{name} of a test"
+quantity = "{quantity}"
+unit = "1"
+level = "absolute"
+source = "made up for this test"
+license = "CC0-1.0"
+defects = "none"
+"""
+SENSOR = SECTION.format(name="my-camera", kind="sensor", quantity="QE") + (
+    'mosaic = "bayer"\npixel = { pitch_um = 2.5, source = "this test" }\n'
+)
+LAMP = SECTION.format(name="my-lamp", kind="illuminant", quantity="power") + 'per = "photon"\n'
+CAMERA_CSV = "wavelength_nm,R,G,B\n400,0.1,0.1,0.5\n700,0.6,0.2,0.1\n1050,0.1,0.1,0.1\n"
+LAMP_CSV = "wavelength_nm,lamp\n380,1\n1060,1\n"
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    """A folder with one sensor and one lamp, named by the environment."""
+    (tmp_path / "SOURCES.toml").write_text(SENSOR + LAMP)
+    (tmp_path / "my-camera.csv").write_text(CAMERA_CSV)
+    (tmp_path / "my-lamp.csv").write_text(LAMP_CSV)
+    monkeypatch.setenv("CHROMANOISE_CATALOG", str(tmp_path))
+    return tmp_path
+
+
+@pytest.fixture(autouse=True)
+def _nothing_of_the_tester(request, monkeypatch):
+    if "folder" not in request.fixturenames:
+        monkeypatch.delenv("CHROMANOISE_CATALOG", raising=False)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_kind_is_printed_within_100_columns_and_as_json_with_every_entry(run, kind):
+    code, out, err = run("catalog", kind)
+    assert (code, err) == (0, "")
+    assert max(len(line) for line in out.splitlines()) <= 100
+    code, out, err = run("catalog", kind, "--json", "-")
+    assert (code, err) == (0, "")
+    told = json.loads(out)["entries"]
+    assert [entry["name"] for entry in told] == [
+        entry.provenance.name for entry in catalog_entries(kind)
+    ]
+    for entry in told:
+        assert all(entry[key] for key in ("source", "license", "what", "quantity", "defects"))
+
+
+def test_all_of_one_entry_is_told_with_what_was_found_in_it(run):
+    code, out, err = run("catalog", "mt9v024-rgbw")
+    assert (code, err) == (0, "")
+    for part in (
+        "380-1080",
+        "QE [e-/photon], absolute, light counted in photons",
+        "MT9V024/D",
+        "MIT",
+        "pitch_um 6",
+        "G exceeds W by 5-15 %",
+        "green exceeds white by up to 15 % at 530-560 nm",
+    ):
+        assert part in out
+
+
+def test_the_page_in_the_docs_is_what_the_command_writes(run, request):
+    page = request.config.rootpath / "docs" / "catalog.md"
+    code, out, err = run("catalog", "--markdown", "-")
+    assert (code, err) == (0, "")
+    assert out == page.read_text(encoding="utf-8")
+
+
+def test_json_and_markdown_go_to_files_whole(run, tmp_path):
+    goal, page = tmp_path / "out.json", tmp_path / "out.md"
+    code, out, _ = run("catalog", "filters", "--json", goal, "--markdown", page)
+    assert code == 0
+    assert "ircut-schott" in out
+    assert len(json.loads(goal.read_text())["entries"]) == 4
+    assert page.read_text().startswith("# The catalogue")
+    refused(run("catalog", "--json", "-", "--markdown", "-"), "name a file")
+
+
+def test_what_is_not_in_the_catalogue_is_refused_with_the_nearest_name(run):
+    refused(run("catalog", "mt9v024"), "did you mean", "mt9v024-rgbw")
+    refused(run("catalog", "sensors", "--folder", "nowhere"), "nowhere: is no folder")
+
+
+def test_devices_answer_through_every_command_and_ask_through_its_options(run):
+    code, out, err = run("analyze", "mt9v024-rgbw", "--illuminant", "A+0.5xLED850")
+    assert (code, err) == (0, "")
+    assert "G exceeds W" in out
+    assert "stands in for full_well_e, read_noise_e" in out
+    refused(run("analyze", "mt9m131"), "400-1000 nm only", "--beyond")
+    refused(run("analyze", "ar0132at-rgbw"), "--peak-qe")
+    refused(run("analyze", "nikon-d5100"), "--energy or --photons")
+    code, out, err = run(
+        "analyze", "nikon-d5100", "--energy", "--peak-qe", "0.5", "--beyond", "zero", "--json", "-"
+    )
+    assert (code, err) == (0, "")
+    assert "NaN" not in out
+    assert all(c["snr_db"] > 20 for c in json.loads(out)["sensors"][0]["channels"])
+
+
+def test_a_users_sensor_and_lamp_stand_beside_the_built_in_ones(run, folder):
+    code, out, err = run("catalog", "sensors", "--json", "-")
+    assert (code, err) == (0, "")
+    entry = next(e for e in json.loads(out)["entries"] if e["name"] == "my-camera")
+    assert entry["file"] == str(folder / "my-camera.csv")
+    assert (entry["start_nm"], entry["stop_nm"]) == (400.0, 1050.0)
+    code, out, err = run("analyze", "my-camera", "--illuminant", "my-lamp+0.5xLED850")
+    assert (code, err) == (0, "")
+    assert "none" in out
+
+
+def test_a_users_sensor_has_its_own_pixel_mosaic_and_curves(folder):
+    sensor = sensor_of_word("my-camera", full_well_e=5000.0)
+    assert (sensor.pixel.pitch_um, sensor.pixel.full_well_e) == (2.5, 5000.0)
+    assert set(sensor.mosaic.names) == {"R", "G", "B"}
+    # halfway from 0.1 to 0.6 at 550 nm
+    assert sensor.qe[DEFAULT_GRID.wavelength_nm == 550, 0] == pytest.approx(0.35)
+    assert any("stands in for read_noise_e of my-camera" in note for note in sensor.notes)
+
+
+def test_a_users_lamp_that_counts_photons_is_flat_in_photons(folder):
+    photons = photon_irradiance(illuminant_of_word("my-lamp"))
+    # straight lines between 2 points of power are not those of photons: the ends are exact
+    assert photons[0] == pytest.approx(photons[-1], rel=0.03)
+
+
+def test_the_files_of_a_word_are_told_so_that_a_run_can_hold_them(folder, monkeypatch):
+    table, sources = folder / "my-camera.csv", folder / "SOURCES.toml"
+    assert catalog_file_of("my-camera") == table
+    assert sensor_files("my-camera") == (table, sources)
+    lamp = folder / "my-lamp.csv"
+    assert catalog_file_of("my-lamp+1xLED940") == lamp
+    assert illuminant_files("my-lamp+1xLED940") == (lamp, sources)
+    assert [str(p) for p in illuminant_files("lamp.csv+1xLED940/50")] == ["lamp.csv"]
+    assert [str(p) for p in sensor_files("curves.csv")] == ["curves.csv"]
+    for word in ("onyx-rgbw", "mt9v024-rgbw"):
+        assert sensor_files(word) == ()
+    for word in ("E", "A+0.5xLED850"):
+        assert illuminant_files(word) == ()
+    monkeypatch.chdir(folder)
+    (folder / "E").write_text("not a lamp")
+    assert illuminant_files("E") == ()
+
+
+def test_a_lamp_of_a_file_can_have_a_diode_beside_it(folder):
+    word = f"{folder / 'my-lamp.csv'}+1xLED850"
+    answers = Answers(quantity="power", per="energy")
+    lit = illuminant_of_word(word, answers=answers)
+    bare = illuminant_of_word(str(folder / "my-lamp.csv"), answers=answers)
+    at = DEFAULT_GRID.wavelength_nm < 700
+    np.testing.assert_allclose(
+        lit.irradiance[at] / bare.irradiance[at], (lit.irradiance / bare.irradiance)[0], rtol=1e-9
+    )
+    assert lit.irradiance.sum() == pytest.approx(2 * bare.irradiance.sum(), rel=1e-3)
+
+
+def test_a_word_of_another_kind_is_refused(folder, run):
+    refused(run("analyze", "my-lamp"), "my-lamp is a table of kind illuminant", "a sensor is asked")
+    refused(run("analyze", "my-camra"), "did you mean my-camera")
+
+
+@pytest.mark.parametrize(
+    ("sources", "files", "parts"),
+    [
+        (SENSOR, {}, ["[my-camera]", "my-camera.csv is not beside it"]),
+        ("", {"stray.csv": LAMP_CSV}, ["stray.csv: has no provenance", "[stray]"]),
+        (SENSOR.replace('source = "made up for this test"\n', ""), {}, ["[my-camera]", "source"]),
+        (SENSOR.replace('license = "CC0-1.0"', 'license = " "'), {}, ["license in words"]),
+        (SENSOR.replace("license", "licence"), {}, ["unknown key", "'licence'", "license?"]),
+        (SENSOR.replace('"absolute"', '"abs"'), {}, ["level in", "[my-camera]", "absolute"]),
+        (SENSOR.replace("my-camera", "onyx-rgbw"), {"onyx-rgbw.csv": CAMERA_CSV}, ["built in"]),
+        (LAMP.replace("my-lamp", "D65"), {"D65.csv": LAMP_CSV}, ["D65 is built in already"]),
+        (LAMP.replace("my-lamp", "3200K"), {"3200K.csv": LAMP_CSV}, ["3200K is built in"]),
+        (LAMP.replace('per = "photon"', ""), {"my-lamp.csv": LAMP_CSV}, ["how it counts light"]),
+        (SENSOR.replace("[my-camera]", '["../my-camera"]'), {}, ["letters, digits"]),
+        (SENSOR.replace("[my-camera]", '["/etc/passwd"]'), {}, ["letters, digits"]),
+        (SENSOR.replace("[my-camera]", '["a.b"]'), {}, ["letters, digits"]),
+        (SENSOR.replace('kind = "sensor"', 'kind = "scene"'), {}, ["kind in", "scene"]),
+        ("[my-camera\nkind=1", {}, ["SOURCES.toml: is no TOML", "line 1"]),
+        ("a = 1\n" + SENSOR, {}, ["a stands outside of a section"]),
+        (SENSOR.replace("2.5", '"2.5"'), {}, ["pitch_um must be a number"]),
+        (SENSOR.replace("2.5", "-2.5"), {"my-camera.csv": CAMERA_CSV}, ["pitch_um", "> 0"]),
+        (SENSOR.replace(', source = "this test"', ""), {}, ["pixel of my-camera needs a source"]),
+        (SENSOR.replace("bayer", "RG/G"), {"my-camera.csv": CAMERA_CSV}, ["mosaic rows"]),
+        (SENSOR, {"my-camera.csv": CAMERA_CSV.replace("0.6", "x")}, ["line 3, column R"]),
+        (SENSOR, {"my-camera.csv": CAMERA_CSV.replace("0.6", "1.6")}, ["1.6", "column R"]),
+        (SENSOR, {"my-camera.csv": CAMERA_CSV.replace("R,G", "X,G")}, ["mosaic channel"]),
+        ("x = " + "[" * 5000, {}, ["is no TOML"]),
+    ],
+)
+def test_a_fault_of_the_users_folder_is_one_sentence_with_its_file(
+    run, tmp_path, monkeypatch, sources, files, parts
+):
+    (tmp_path / "SOURCES.toml").write_text(sources)
+    for name, content in files.items():
+        (tmp_path / name).write_text(content)
+    monkeypatch.setenv("CHROMANOISE_CATALOG", str(tmp_path))
+    refused(run("analyze", "my-camera"), *parts)
+
+
+def test_a_fault_of_the_folder_is_told_even_where_a_built_in_name_is_asked_for(
+    run, tmp_path, monkeypatch
+):
+    (tmp_path / "stray.csv").write_text(LAMP_CSV)
+    (tmp_path / "SOURCES.toml").write_text("")
+    monkeypatch.setenv("CHROMANOISE_CATALOG", str(tmp_path))
+    refused(run("analyze", "onyx-rgbw"), "stray.csv: has no provenance")
+    refused(run("catalog"), "stray.csv: has no provenance")
+
+
+def test_a_table_that_leads_out_of_its_folder_is_refused(tmp_path, monkeypatch):
+    inside, outside = tmp_path / "inside", tmp_path / "outside.csv"
+    inside.mkdir()
+    outside.write_text(CAMERA_CSV)
+    (inside / "my-camera.csv").symlink_to(outside)
+    (inside / "SOURCES.toml").write_text(SENSOR)
+    monkeypatch.setenv("CHROMANOISE_CATALOG", str(inside))
+    with pytest.raises(InputError, match="leads out of its folder"):
+        sensor_of_word("my-camera")
+
+
+def test_a_folder_without_sources_or_in_another_encoding_is_refused(tmp_path, monkeypatch):
+    monkeypatch.setenv("CHROMANOISE_CATALOG", str(tmp_path))
+    with pytest.raises(InputError, match=r"SOURCES\.toml: cannot be read"):
+        sensor_of_word("onyx-rgbw")
+    (tmp_path / "SOURCES.toml").write_bytes(b"\xff\xfe\x00")
+    with pytest.raises(InputError, match="not a UTF-8 text file"):
+        sensor_of_word("onyx-rgbw")
+
+
+def test_the_option_takes_the_place_of_the_environment(run, folder, tmp_path_factory):
+    other = tmp_path_factory.mktemp("other")
+    (other / "SOURCES.toml").write_text(LAMP)
+    (other / "my-lamp.csv").write_text(LAMP_CSV)
+    code, out, err = run("catalog", "my-lamp", "--folder", other)
+    assert (code, err) == (0, "")
+    assert str(other / "my-lamp.csv") in out
+    refused(run("catalog", "my-camera", "--folder", other), "unknown entry")
