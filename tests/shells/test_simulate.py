@@ -428,12 +428,12 @@ def test_on_a_screen_a_bar_tells_rows_and_goes_away(run, cube, tmp_path, monkeyp
         (("--bits", 10), ("--bits", "name one with --mosaic")),
         (("--black-level", 0), ("--black-level", "name one with --mosaic")),
         (("--demosaic", "lmmse", "--bits", 8), ("--demosaic and --bits", "--mosaic")),
-        (("--format", "raw"), ("--format raw", "name one with --mosaic")),
+        (("--format", "raw"), ("format raw", "name a mosaic")),
         (("--mosaic", "bayer", "--raw-only", "--demosaic", "malvar"), ("exclude each other",)),
-        (("--mosaic", "bayer", "--raw-only", "--format", "raw,png"), ("png", "--raw-only")),
-        (("--format", "png,xyz,png"), ("--format", "'png' stands twice")),
-        (("--format", "jpeg"), ("--format", "jpeg", "png")),
-        (("--format", ""), ("--format",)),
+        (("--mosaic", "bayer", "--raw-only", "--format", "raw,png"), ("png", "only raw codes")),
+        (("--format", "png,xyz,png"), ("formats", "'png' stands twice")),
+        (("--format", "jpeg"), ("format", "jpeg", "png")),
+        (("--format", ""), ("formats",)),
         (("--mosaic", "bayer", "--demosaic", "amaze"), ("amaze", "bilinear")),
         (("--sensor", "model-rgb"), ("--sensor", "'model-rgb' stands twice")),
         (("--frames", 0), ("--frames", "at least 1", "0")),
@@ -492,9 +492,52 @@ def test_channels_that_the_mosaic_leaves_out_are_missed_only_by_color(run, take,
 
 def test_what_color_lacks_is_told_before_the_long_work(run, cube, tmp_path, monkeypatch):
     monkeypatch.setattr(
-        sys.modules["chromanoise.cli.shots"], "acquired", lambda *_, **__: pytest.fail("worked")
+        sys.modules["chromanoise.imaging.shots"], "acquired", lambda *_, **__: pytest.fail("worked")
     )
     outcome = run(
         "simulate", cube, "--sensor", "model-rgbw", "--mosaic", "bayer", "-o", tmp_path / "o"
     )
     refused(outcome, "'W' sits over no pixel")
+
+
+@pytest.mark.parametrize(
+    ("sensor", "options", "part"),
+    [
+        ("onyx-rgbw", ("--mosaic", "sensor", "--format", "raw,dng"), "4 rows and 4 columns"),
+        ("model-mono", ("--mosaic", "W", "--format", "dng"), "a rank below 3"),
+        ("model-rgb", ("--mosaic", "bayer", "--format", "dng"), "22 to 64000 pixels a side"),
+    ],
+)
+def test_a_dng_that_nobody_could_open_is_refused_before_the_work(
+    run, tmp_path, monkeypatch, sensor, options, part
+):
+    monkeypatch.setattr(
+        sys.modules["chromanoise.imaging.shots"], "acquired", lambda *_, **__: pytest.fail("worked")
+    )
+    small = written_cube(tmp_path / "cube.npz", rows=8, columns=8)
+    outcome = run("simulate", small, "--sensor", sensor, *options, "-o", tmp_path / "o")
+    refused(outcome, "DNG", part)
+    assert names_in(tmp_path) == ["cube.npz"]
+
+
+def test_an_exr_without_its_package_is_refused_before_the_work(run, cube, tmp_path, monkeypatch):
+    shots = sys.modules["chromanoise.imaging.shots"]
+    monkeypatch.setattr(shots, "rendered", lambda *_, **__: pytest.fail("worked"))
+    monkeypatch.setitem(sys.modules, "OpenEXR", None)
+    outcome = run(
+        "simulate", cube, "--sensor", "model-rgb", "--format", "png,exr", "-o", tmp_path / "o"
+    )
+    refused(outcome, "OpenEXR", "chromanoise[exr]")
+    assert nothing_left(tmp_path)
+
+
+def test_the_filters_of_a_burst_are_made_once_for_each_sensor(take, monkeypatch):
+    made = []
+    original = DEMOSAICING["bilinear"]
+    monkeypatch.setitem(
+        DEMOSAICING,
+        "bilinear",
+        lambda *a: made.append(a) or original(*a),  # type: ignore
+    )
+    take("o", "model-rgb", "--sensor", "onyx-rgb", "--mosaic", "bayer", "--frames", 3)
+    assert len(made) == 2

@@ -1,42 +1,34 @@
 """``chromanoise analyze``."""
 
+from pathlib import Path
 from typing import Any
 
 import click
 
 from chromanoise._check import InputError, distinct
 from chromanoise.cli import tables
+from chromanoise.cli.copying import analyze_told, print_copy
 from chromanoise.cli.merit_tables import print_merits
 from chromanoise.cli.options import (
     EXPOSURE,
+    copy_option,
     json_option,
     matrix_option,
     only,
     prior_option,
     refuse_idle_prior,
     sensor_and_light,
+    table_option,
     the_exposure,
     the_light,
     the_sensors,
 )
-from chromanoise.cli.output import refuse_inputs, write_json
-from chromanoise.color import SPACES, UNBOUNDED
+from chromanoise.cli.output import refuse_taken_inputs, write_json, write_table
+from chromanoise.color import SPACES
 from chromanoise.exposure import Situation
-from chromanoise.noise import Readout
-from chromanoise.study import (
-    analyses_as_json,
-    analyzed,
-    budgets_as_json,
-    chart_as_json,
-    chart_noise,
-    color_budgets,
-    contravariant_budgets,
-    grey_noise,
-    grey_noise_as_json,
-    matrix_makers,
-    merits_as_json,
-    merits_of,
-)
+from chromanoise.study import color_budgets, contravariant_budgets, matrix_makers
+from chromanoise.study.runs import Outcome, OutputsPart, outcome_of, outcomes_as_json
+from chromanoise.study.tables import analyses_as_table
 
 
 @click.command()
@@ -61,7 +53,9 @@ from chromanoise.study import (
     type=click.Choice(list(SPACES)),
     help="Noise of an 18 % grey as the eye sees it, in this space.",
 )
+@table_option
 @json_option
+@copy_option
 def analyze(
     sensors: tuple[str, ...],
     clip: bool,
@@ -71,7 +65,9 @@ def analyze(
     budget: bool,
     merit: bool,
     space: str | None,
+    table: Path | None,
     json_target: str | None,
+    copy_as: str | None,
     **options: Any,
 ) -> None:
     """Noise of each SENSOR in raw, spectral and color coordinates, for a perfect white.
@@ -83,45 +79,39 @@ def analyze(
     if clip and (budget or merit):
         raise InputError("--clip does not go with --budget or --merit: they follow eq. 7")
     refuse_idle_prior([method])
-    refuse_inputs(json_target, "--json", *sensors, options["illuminant"])
+    if copy_as is not None:
+        print_copy(copy_as, analyze_told(click.get_current_context().params))
+        return
+    refuse_taken_inputs({"--json": json_target, "--table": table}, sensors, options)
     illuminant, white = the_light(options)
     (maker,) = matrix_makers([method], options["metric"], prior=prior).values()
-    analyses, grey_noises, charts = [], [], []
     cameras = the_sensors(sensors, options)
     distinct("names of sensors", [camera.name for camera in cameras])
+    outputs = OutputsPart(clip=clip, budget=budget, merit=merit, chart=chart, space=space)
+    outcomes = []
     for sensor in cameras:
         exposure = the_exposure(white, sensor, **only(options, EXPOSURE))
-        held = Readout(black_e=0.0, full_well_e=sensor.pixel.full_well_e) if clip else None
         situation = Situation(
             sensor=sensor, exposure=exposure, illuminant=illuminant, level_lux=white.level_lux
         )
-        matrix = maker(situation)
-        analyses.append(analyzed(white, sensor, exposure, readout=held, matrix=matrix))
-        if space:
-            grey_noises.append(grey_noise(analyses[-1], SPACES[space], readout=held))
-        if chart:
-            charts.append(chart_noise(analyses[-1], readout=held or UNBOUNDED))
-    merits = [merits_of(analysis, maker=maker) for analysis in (analyses if merit else [])]
+        outcomes.append(outcome_of(situation, maker, outputs))
+    if table is not None:
+        write_table(analyses_as_table([outcome.analysis for outcome in outcomes]), table)
     if json_target:
-        told = analyses_as_json(analyses)
-        for i, (sensor_told, analysis) in enumerate(zip(told["sensors"], analyses, strict=True)):
-            if budget:
-                sensor_told |= budgets_as_json(analysis)
-            if space:
-                sensor_told["grey_noise"] = grey_noise_as_json(grey_noises[i])
-            if chart:
-                sensor_told["chart"] = chart_as_json(charts[i])
-            if merit:
-                sensor_told["merits"] = merits_as_json(merits[i])
-        write_json(told, json_target)
+        write_json(outcomes_as_json(outcomes, outputs), json_target)
     if json_target != "-":
-        tables.print_analyses(analyses)
-        for analysis in analyses if budget else []:
-            tables.print_budgets(analysis, color_budgets(analysis))
-            tables.print_budgets(analysis, contravariant_budgets(analysis))
-            tables.print_lab_budgets(analysis)
-        for analysis, patches in zip(analyses, charts, strict=False):
-            tables.print_chart(analysis, patches)
-        print_merits(merits)
-        if space:
-            tables.print_grey_noise(analyses, grey_noises)
+        _print(outcomes, outputs)
+
+
+def _print(outcomes: list[Outcome], outputs: OutputsPart) -> None:
+    analyses = [outcome.analysis for outcome in outcomes]
+    tables.print_analyses(analyses)
+    for analysis in analyses if outputs.budget else []:
+        tables.print_budgets(analysis, color_budgets(analysis))
+        tables.print_budgets(analysis, contravariant_budgets(analysis))
+        tables.print_lab_budgets(analysis)
+    for outcome in outcomes if outputs.chart else []:
+        tables.print_chart(outcome.analysis, outcome.chart)
+    print_merits([outcome.merits for outcome in outcomes if outcome.merits is not None])
+    if outputs.space is not None:
+        tables.print_grey_noise(analyses, [outcome.grey_noise for outcome in outcomes])

@@ -1,24 +1,28 @@
 """``chromanoise compare``."""
 
+from pathlib import Path
 from typing import Any
 
 import click
 
 from chromanoise._check import InputError, distinct, one_of
 from chromanoise.cli import tables
+from chromanoise.cli.copying import compare_told, print_copy
 from chromanoise.cli.options import (
     EXPOSURE,
     LENS,
+    copy_option,
     json_option,
     only,
     refuse_idle_prior,
     sensor_and_light,
+    table_option,
     the_exposure,
     the_lens,
     the_light,
     the_sensors,
 )
-from chromanoise.cli.output import refuse_inputs, write_json
+from chromanoise.cli.output import refuse_taken_inputs, write_json, write_table
 from chromanoise.exposure import EQUAL_TERMS, Situation
 from chromanoise.study import (
     DEFAULT_PRIOR,
@@ -34,6 +38,7 @@ from chromanoise.study import (
     matrix_makers,
     swept_values,
 )
+from chromanoise.study.tables import curves_as_table
 
 
 @click.command()
@@ -77,7 +82,9 @@ from chromanoise.study import (
     show_default=True,
     help="What trained matrices are trained on; all gives the band of crossovers over them.",
 )
+@table_option
 @json_option
+@copy_option
 def compare(
     sensors: tuple[str, ...],
     equal: str,
@@ -86,7 +93,9 @@ def compare(
     quantity: str,
     matrices: str,
     prior: str,
+    table: Path | None,
     json_target: str | None,
+    copy_as: str | None,
     **options: Any,
 ) -> None:
     """Compare SENSORs while one thing varies: SNR, color error, crossovers.
@@ -97,7 +106,11 @@ def compare(
     varied, values = _swept(sweep, points)
     _refuse_swept(varied, options)
     refuse_idle_prior(matrices.split(","))
-    refuse_inputs(json_target, "--json", *sensors, options["illuminant"])
+    if copy_as is not None:
+        # the ends as they were told: a geometric row of values may miss the last by a rounding
+        print_copy(copy_as, compare_told(click.get_current_context().params, *_ends(sweep)))
+        return
+    refuse_taken_inputs({"--json": json_target, "--table": table}, sensors, options)
     illuminant, white = the_light(options)
     cameras = the_sensors(sensors, options)
     distinct("names of sensors", [camera.name for camera in cameras])
@@ -119,6 +132,8 @@ def compare(
         if prior == "all"
         else ()
     )
+    if table is not None:
+        write_table(curves_as_table(curves), table)
     if json_target:
         told = comparison_as_json(curves, crossed)
         told |= {"equal": equal, "prior": one_prior, "bands": bands_as_json(bands)}
@@ -144,12 +159,17 @@ def _exposures(white: Any, cameras: list[Any], equal: str, options: dict[str, An
 
 
 def _swept(text: str, points: int) -> tuple[Sweep, Any]:
-    name, _, span = text.partition("=")
+    first, last = _ends(text)
+    varied = SWEEPS[one_of("sweep", text.partition("=")[0], tuple(SWEEPS))]
+    return varied, swept_values(varied, first, last, points)
+
+
+def _ends(text: str) -> tuple[float, float]:
+    """FIRST and LAST of NAME=FIRST:LAST."""
     try:
-        first, last = (float(part) for part in span.split(":"))
+        first, last = (float(part) for part in text.partition("=")[2].split(":"))
     except ValueError:
         raise InputError(
             f"--sweep takes NAME=FIRST:LAST, e.g. lux=0.01:1000, but is {text!r}"
         ) from None
-    varied = SWEEPS[one_of("sweep", name, tuple(SWEEPS))]
-    return varied, swept_values(varied, first, last, points)
+    return first, last

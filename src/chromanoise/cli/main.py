@@ -20,7 +20,9 @@ _COMMANDS = {
     "run": "Run a study file: analyses, sweeps, pictures, with provenance.",
     "rerun": "Run the study of an output once more, to the same bytes.",
     "study": "What a study file may say; --schema for editors.",
+    "catalog": "What is built in, with its source, range and known defects.",
     "inspect": "What was understood of a file of spectra, what looks wrong, what it cannot tell.",
+    "convert": "Curves of a file or a sensor as CSV, JSON, rawtoaces' JSON or IES TM-27.",
     "reproduce": "The paper's Tables 2-5 beside ours, and its ten figures.",
     "demo": "Everything of the paper on one page: out/demo/index.html.",
 }

@@ -1,6 +1,7 @@
 """Options that several commands share, and the nouns they stand for."""
 
 from collections.abc import Callable, Sequence
+from pathlib import Path
 from typing import Any, TypeVar
 
 import click
@@ -16,7 +17,8 @@ from chromanoise.spectra import (
 )
 from chromanoise.spectra.files import Answers
 from chromanoise.study import DEFAULT_PRIOR, PRIORS, known_matrices, trained_names
-from chromanoise.study.words import illuminant_of_word, sensor_of_word
+from chromanoise.study.runs import sensor_with_pixel
+from chromanoise.study.words import illuminant_of_word
 
 Command = TypeVar("Command", bound=Callable[..., Any])
 
@@ -70,6 +72,12 @@ _SHARED = (
         help="Take the camera equation 1/(1 + 4 f#^2 (1 + |m|)^2) instead of the paper's distant "
         "scene, 1/(4 f#^2).",
     ),
+    click.option(
+        "--pixel",
+        metavar="FILE",
+        help="EMVA 1288 sheet, DNG noise profile or photon transfer: the pixel of all sensors; "
+        "what the file does not tell stays, and the three options below win over it.",
+    ),
     click.option("--pitch-um", type=float, help="Pixel pitch [um] instead of the sensor's own."),
     click.option("--full-well-e", type=float, help="Full well [e-] instead of the sensor's own."),
     click.option("--read-noise-e", type=float, help="Read noise [e-] instead of the sensor's own."),
@@ -78,6 +86,17 @@ _SHARED = (
 
 json_option = click.option(
     "--json", "json_target", metavar="FILE|-", help="Write JSON; - for standard output."
+)
+table_option = click.option(
+    "--table",
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    help="Write the main table too: FILE.csv, .json, .md or .tex.",
+)
+copy_option = click.option(
+    "--copy-as",
+    type=click.Choice(["python", "toml"]),
+    help="Compute nothing: print the same as a script on the library, or as a study.",
 )
 prior_option = click.option(
     "--prior",
@@ -106,7 +125,7 @@ def sensor_and_light(command: Command) -> Command:
 
 LENS = ("saturate", "f_number", "magnification")
 EXPOSURE = ("time_ms", *LENS)
-PIXEL = ("pitch_um", "full_well_e", "read_noise_e")
+PIXEL = ("pixel", "pitch_um", "full_well_e", "read_noise_e")
 
 
 def only(options: dict[str, Any], names: tuple[str, ...]) -> dict[str, Any]:
@@ -118,6 +137,7 @@ def the_sensor(
     name: str,
     *,
     answers: Answers,
+    pixel: str | None,
     pitch_um: float | None,
     full_well_e: float | None,
     read_noise_e: float | None,
@@ -128,7 +148,7 @@ def the_sensor(
         if value is not None:
             check = not_negative if key == "read_noise_e" else positive
             check(f"--{key.replace('_', '-')}", key.rpartition("_")[2].replace("e", "e-"), value)
-    return sensor_of_word(name, answers=answers, **given)
+    return sensor_with_pixel(name, answers=answers, file=pixel, **given)
 
 
 def the_illuminant(name: str, *, answers: Answers) -> Illuminant:
@@ -164,13 +184,18 @@ def the_exposure(
     magnification: float | None,
 ) -> Exposure:
     """The time that is given, or the one that fills the well to the share that is asked for."""
-    if time_ms is not None and saturate is not None:
-        raise InputError("--time-ms and --saturate exclude each other; give one of them")
+    refuse_two_times({"time_ms": time_ms, "saturate": saturate})
     lens = the_lens(f_number=f_number, magnification=magnification, saturate=saturate)
     if time_ms is None:
         return saturating_exposure(scene, sensor, **lens)
     time_s = 1e-3 * within("--time-ms", "ms", positive("--time-ms", "ms", time_ms), 1e-12, 1e15)
     return Exposure(time_s=time_s, f_number=f_number, magnification=magnification)
+
+
+def refuse_two_times(options: dict[str, Any]) -> None:
+    """A time that is given is not solved as well."""
+    if options["time_ms"] is not None and options["saturate"] is not None:
+        raise InputError("--time-ms and --saturate exclude each other; give one of them")
 
 
 def the_lens(

@@ -1,6 +1,7 @@
 """JSON to a file or to standard output."""
 
 import json
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -8,6 +9,8 @@ import click
 
 from chromanoise._check import InputError
 from chromanoise._files import write_whole
+from chromanoise.study.table_files import table_writer
+from chromanoise.study.tables import Table
 
 
 def write_json(data: dict[str, Any], target: str) -> None:
@@ -29,3 +32,19 @@ def refuse_inputs(target: str | Path | None, option: str, *inputs: str) -> None:
     for name in inputs:
         if Path(name).exists() and Path(name).resolve() == goal:
             raise InputError(f"{option} {target}: is the file that is read; name another one")
+
+
+def refuse_taken_inputs(
+    targets: Mapping[str, str | Path | None], sensors: Sequence[str], options: Mapping[str, Any]
+) -> None:
+    """Before anything is computed: no result takes the place of an input, or has no format."""
+    inputs = [*sensors, options["illuminant"], *filter(None, [options["pixel"]])]
+    for option, target in targets.items():
+        refuse_inputs(target, option, *inputs)
+        if option == "--table" and target is not None:
+            table_writer(Path(target))
+
+
+def write_table(table: Table, path: Path) -> None:
+    """A table in the format that its file's name ends in, whole or not at all."""
+    write_whole(path, table_writer(path)(table).encode("utf-8"))

@@ -11,8 +11,10 @@ import click
 from chromanoise import __version__
 from chromanoise._check import InputError, distinct
 from chromanoise._files import refuse_unwritable, whole_folder
+from chromanoise.cli.copying import print_copy, simulate_told
 from chromanoise.cli.options import (
     EXPOSURE,
+    copy_option,
     matrix_option,
     only,
     prior_option,
@@ -23,10 +25,20 @@ from chromanoise.cli.options import (
 )
 from chromanoise.cli.output import write_json
 from chromanoise.cli.progress import row_progress
-from chromanoise.cli.shots import FORMATS, Asked, Shot, shot, shot_summary, write_shot
 from chromanoise.exposure import Situation
 from chromanoise.imaging import DEMOSAICING, Work
 from chromanoise.imaging.distributed import cluster
+from chromanoise.imaging.shots import (
+    FORMATS,
+    Asked,
+    Shot,
+    any_picture,
+    is_held,
+    prepared,
+    shot,
+    shot_summary,
+    write_shot,
+)
 from chromanoise.scene import Cube, builtin_cube, read_cube
 from chromanoise.scene.rows import row_source
 from chromanoise.sensor import MOSAIC_NAMES, Imperfections, mosaic_named
@@ -95,6 +107,7 @@ _REAL_PIXELS = ("dark_current_e_per_s", "dsnu_e", "prnu", "row_noise_e")
     show_default=True,
     help="Folder for the pictures and summary.json.",
 )
+@copy_option
 def simulate(cube: str, sensors: tuple[str, ...], out: Path, **options: Any) -> None:
     """Take a noisy picture of CUBE with each sensor: raw codes of a mosaic, color, or both.
 
@@ -103,12 +116,17 @@ def simulate(cube: str, sensors: tuple[str, ...], out: Path, **options: Any) -> 
     larger than memory. The same arguments give the same pictures on any number of threads, tiles
     or machines.
     """
-    refuse_unwritable(out)
     asked = _asked(options)
+    if options["copy_as"] is not None:
+        study = simulate_told(click.get_current_context().params, cube=cube, **_reading(options))
+        print_copy(options["copy_as"], study)
+        return
+    refuse_unwritable(out)
     source = _the_cube(cube, options)
     situations = _situations(sensors, options)
     makers = matrix_makers([options["method"]], options["metric"], prior=options["prior"])
     (maker,) = makers.values()
+    cameras = [prepared(source, each, maker(each), asked) for each in situations]
     summaries, told = [], []
     with ExitStack() as stack:
         folder = stack.enter_context(whole_folder(out))
@@ -118,18 +136,18 @@ def simulate(cube: str, sensors: tuple[str, ...], out: Path, **options: Any) -> 
                 cluster(options["scheduler"], workers=options["threads"])
             )
             work = replace(work, executor=executor)
-        rows = row_source(source.stored).shape[0] * options["frames"] * len(situations)
+        rows = row_source(source.stored).shape[0] * options["frames"] * len(cameras)
         work = replace(work, progress=stack.enter_context(row_progress(rows)))
-        for situation in situations:
-            matrix = maker(situation)
+        for camera in cameras:
             for frame in range(options["frames"]):
                 start = time.perf_counter()
-                taken = shot(source, situation, matrix, asked, frame=frame, work=work)
-                stem = situation.sensor.name + (f"-{frame:04d}" if options["frames"] > 1 else "")
-                files, notes = write_shot(folder, stem, taken, asked)
-                seconds = time.perf_counter() - start
-                told_of = shot_summary(taken, asked, files, seconds)
-                summaries.append(told_of | {"not_written": notes})
+                taken = shot(source, camera, frame=frame, work=work)
+                name = camera.situation.sensor.name
+                stem = name + (f"-{frame:04d}" if options["frames"] > 1 else "")
+                files, notes = write_shot(folder, stem, taken)
+                # the seconds are all that another run changes
+                taking = {"seconds": time.perf_counter() - start, "not_written": notes}
+                summaries.append(shot_summary(taken, files) | taking)
                 told.append((_line(taken, out, files), _notes(taken, stem, notes)))
         summary = {"version": __version__, "cube": source.source, "pictures": summaries}
         write_json(summary, str(folder / "summary.json"))
@@ -198,13 +216,17 @@ def _the_cube(name: str, options: dict[str, Any]) -> Cube:
         if cures:
             raise InputError(f"{name} says all of itself; leave {' and '.join(cures)} away")
         return builtin_cube(name)
-    return read_cube(
-        name,
-        key=options["key"],
-        shape=_pair("--shape", options["shape"], "x", int),
-        wavelengths=_pair("--wavelengths", options["wavelengths"], ":", float),
-        scale=options["scale"],
-    )
+    return read_cube(name, **_reading(options))
+
+
+def _reading(options: dict[str, Any]) -> dict[str, Any]:
+    """How the cube's file is to be read."""
+    return {
+        "key": options["key"],
+        "shape": _pair("--shape", options["shape"], "x", int),
+        "wavelengths": _pair("--wavelengths", options["wavelengths"], ":", float),
+        "scale": options["scale"],
+    }
 
 
 def _pair(option: str, text: str | None, separator: str, kind: Any) -> Any:
@@ -221,18 +243,18 @@ def _pair(option: str, text: str | None, separator: str, kind: Any) -> Any:
 
 
 def _line(taken: Shot, out: Path, files: list[str]) -> str:
-    situation, names = taken.situation, taken.situation.sensor.names
-    means = zip(names, taken.any_picture.mean_e, strict=True)
+    situation = taken.camera.situation
+    means = zip(situation.sensor.names, any_picture(taken).mean_e, strict=True)
     told = ", ".join(f"{name} {e:.0f} e-" for name, e in means)
     return f"{out}/{', '.join(files)}: {situation.exposure.time_s * 1e3:.4g} ms, mean {told}"
 
 
 def _notes(taken: Shot, stem: str, not_written: list[str]) -> list[str]:
     """What is worth knowing, once for a burst."""
-    picture, names = taken.any_picture, taken.situation.sensor.names
+    picture, names = any_picture(taken), taken.camera.situation.sensor.names
     if picture.frame > 0:
         return []
-    what = "held there" if taken.held else "not clipped; --clip holds them there"
+    what = "held there" if is_held(taken) else "not clipped; --clip holds them there"
     above = [
         f"{100 * share:.1f} % of {name} lies above full well ({what})"
         for name, share in zip(names, picture.above_full_well, strict=True)

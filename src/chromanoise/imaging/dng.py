@@ -185,16 +185,7 @@ def dng_rows(
         If the size is beyond what can be read, the file cannot be written, or rows do not fit or
         are missing at the end.
     """
-    if not all(_SIDES[0] <= side <= _SIDES[1] for side in (height, width)):
-        raise InputError(
-            f"{path}: readers of DNG open pictures of {_SIDES[0]} to {_SIDES[1]} pixels a side, "
-            f"but this one has {height} x {width}; write the mosaic as TIFF"
-        )
-    if 2 * height * width > _LARGEST_BYTES:
-        raise InputError(
-            f"{path}: a DNG ends at 4 GiB, but {height} x {width} pixels take "
-            f"{2 * height * width / 2**30:.1f}; write the mosaic as TIFF"
-        )
+    refuse_dng_size(str(path), height=height, width=width)
     return tiff_rows(
         path,
         shape=(height, width),
@@ -203,6 +194,26 @@ def dng_rows(
         description=f"raw of {profile.sensor_name}",
         extratags=_tags(profile),
     )
+
+
+def refuse_dng_size(name: str, *, height: int, width: int) -> None:
+    """Say, before a picture is taken, that no reader would open its DNG.
+
+    Raises
+    ------
+    InputError
+        If a side is shorter than 22 or longer than 64,000 pixels, or the file passed 4 GiB.
+    """
+    if not all(_SIDES[0] <= side <= _SIDES[1] for side in (height, width)):
+        raise InputError(
+            f"{name}: readers of DNG open pictures of {_SIDES[0]} to {_SIDES[1]} pixels a side, "
+            f"but this one has {height} x {width}; write the mosaic as TIFF"
+        )
+    if 2 * height * width > _LARGEST_BYTES:
+        raise InputError(
+            f"{name}: a DNG ends at 4 GiB, but {height} x {width} pixels take "
+            f"{2 * height * width / 2**30:.1f}; write the mosaic as TIFF"
+        )
 
 
 def write_dng(path: Path, codes: UInt16[Array, "h w"], profile: RawProfile) -> None:

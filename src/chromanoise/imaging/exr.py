@@ -78,7 +78,7 @@ def write_xyz_exr(
 def _write_rgb(
     path: Path, color: Float[Array, "h w 3"], half: bool, attributes: dict[str, Any]
 ) -> None:
-    library = _openexr()
+    library = openexr()
     if not color.size:
         raise _check.InputError(f"{path}: a picture needs at least one pixel, but is {color.shape}")
     if not np.isfinite(color).all():
@@ -102,7 +102,14 @@ def _write_rgb(
         raise _check.InputError(f"{path}: cannot be written ({error})") from None
 
 
-def _openexr() -> Any:
+def openexr() -> Any:
+    """The package that writes EXR.
+
+    Raises
+    ------
+    InputError
+        If it is not installed.
+    """
     try:
         return import_module("OpenEXR")
     except ImportError:

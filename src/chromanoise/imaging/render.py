@@ -237,7 +237,7 @@ def acquired(
         As `rendered`, or if there is no mosaic or it names a channel that the sensor lacks.
     """
     sensor = situation.sensor
-    mosaic = _mosaic_of(situation, mosaic)
+    mosaic = mosaic_of(situation, mosaic)
     adc = adc or adc_to_full_well(sensor.pixel)
     cube = bands_within(cube, sensor.grid)
     light = light_of(cube, situation, beyond=beyond, bad_pixels=bad_pixels)
@@ -286,7 +286,14 @@ def electrons_of_cube(
     return electrons
 
 
-def _mosaic_of(situation: Situation, mosaic: Mosaic | None) -> Mosaic:
+def mosaic_of(situation: Situation, mosaic: Mosaic | None) -> Mosaic:
+    """The mosaic of a raw picture: the one that is given, otherwise the sensor's own.
+
+    Raises
+    ------
+    InputError
+        If there is none, or it names a channel that the sensor lacks.
+    """
     sensor = situation.sensor
     mosaic = mosaic or sensor.mosaic
     if mosaic is None:

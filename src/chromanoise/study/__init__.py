@@ -18,6 +18,7 @@ from chromanoise.study.bands import (
     bands_as_json,
     crossover_bands,
 )
+from chromanoise.study.catalog import Entry, catalog_entries, catalog_entry, catalog_file_of
 from chromanoise.study.chart import ChartNoise, chart_as_json, chart_noise
 from chromanoise.study.comparison import (
     Crossover,
@@ -68,6 +69,7 @@ __all__ = [
     "Crossover",
     "CrossoverBand",
     "Curve",
+    "Entry",
     "GreyNoise",
     "MatrixMaker",
     "Merit",
@@ -87,6 +89,9 @@ __all__ = [
     "band_sentence",
     "bands_as_json",
     "budgets_as_json",
+    "catalog_entries",
+    "catalog_entry",
+    "catalog_file_of",
     "chart_as_json",
     "chart_noise",
     "color_budgets",

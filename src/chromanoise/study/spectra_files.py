@@ -7,6 +7,7 @@ is what was written.
 import csv
 import io
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 from xml.sax.saxutils import escape
 
@@ -99,24 +100,51 @@ def sensor_rawtoaces_json(
     electrons per photon, is multiplied by the wavelength: photons per joule go as lambda. One
     factor for all channels keeps their balance; the absolute scale is lost.
     """
-    missing = [name for name in "RGB" if name not in sensor.names]
+    header = _rawtoaces_header(sensor, created, manufacturer, license_name)
+    per_energy = photons_as_energy(sensor_spectra(sensor))
+    return rawtoaces_json(per_energy, header)
+
+
+def photons_as_energy(spectra: Spectra) -> Spectra:
+    """Curves per photon as curves per energy, up to one factor: photons per joule go as lambda."""
+    values = spectra.values * spectra.wavelength_nm[:, None]
+    return replace(spectra, values=values, unit="relative, per energy")
+
+
+def rawtoaces_json(per_energy: Spectra, header: Mapping[str, Any]) -> str:
+    """R, G and B of curves per energy as rawtoaces reads a camera, the largest 1.
+
+    Parameters
+    ----------
+    per_energy
+        With channels R, G and B; others are left out.
+    header
+        Of the document, as schema 1.0.0 of rawtoaces-data names it.
+
+    Raises
+    ------
+    InputError
+        As `sensor_rawtoaces_json`.
+    """
+    source = per_energy.source
+    missing = [name for name in "RGB" if name not in per_energy.names]
     if missing:
         raise InputError(
-            f"{sensor.name}: a rawtoaces camera has channels R, G and B, but {', '.join(missing)} "
-            f"is missing among {', '.join(sensor.names)}; write the sensor's own JSON"
+            f"{source}: a rawtoaces camera has channels R, G and B, but {', '.join(missing)} "
+            f"is missing among {', '.join(per_energy.names)}; write the sensor's own JSON"
         )
-    wavelength = sensor.grid.wavelength_nm
+    wavelength = per_energy.wavelength_nm
     if not (wavelength == np.round(wavelength)).all():
         raise InputError(
-            f"{sensor.name}: rawtoaces names wavelengths by whole nm, but the grid is {sensor.grid}"
+            f"{source}: rawtoaces names wavelengths by whole nm, but some of these are no whole nm"
         )
-    per_energy = sensor.qe[:, [sensor.names.index(name) for name in "RGB"]] * wavelength[:, None]
-    if not per_energy.max() > 0:
-        raise InputError(f"{sensor.name}: all of R, G and B are zero, which has no relative scale")
-    rows = (per_energy / per_energy.max()).tolist()
+    values = per_energy.values[:, [per_energy.names.index(name) for name in "RGB"]]
+    if not values.max() > 0:
+        raise InputError(f"{source}: all of R, G and B are zero, which has no relative scale")
+    rows = (values / values.max()).tolist()
     data = {f"{at:.0f}": row for at, row in zip(wavelength.tolist(), rows, strict=True)}
     told = {
-        "header": _rawtoaces_header(sensor, created, manufacturer, license_name),
+        "header": dict(header),
         "spectral_data": {
             "units": "relative",
             "reflection_geometry": None,
@@ -186,19 +214,38 @@ def spectra_spdx(spectra: Spectra, name: str, *, created: str) -> str:
 def _rawtoaces_header(
     sensor: Sensor, created: str, manufacturer: str, license_name: str
 ) -> dict[str, Any]:
-    told = "; ".join((f"origin of curves: {sensor.origin}", *sensor.notes))
+    return rawtoaces_header(
+        sensor.name,
+        created=created,
+        comments="; ".join((f"origin of curves: {sensor.origin}", *sensor.notes)),
+        description="camera spectral sensitivity, QE times wavelength, relative",
+        manufacturer=manufacturer,
+        license_name=license_name,
+    )
+
+
+def rawtoaces_header(
+    model: str,
+    *,
+    created: str,
+    comments: str,
+    description: str = "camera spectral sensitivity, relative",
+    manufacturer: str = "",
+    license_name: str = "unstated",
+) -> dict[str, Any]:
+    """The header of a camera in the schema 1.0.0 of rawtoaces-data."""
     return {
         "schema_version": "1.0.0",
         "manufacturer": manufacturer or None,
-        "model": sensor.name,
+        "model": model,
         "type": "camera",
-        "description": "camera spectral sensitivity, QE times wavelength, relative",
+        "description": description,
         "document_creator": f"chromanoise {__version__}",
         "document_creation_date": created,
         "unique_identifier": None,
         "measurement_equipment": None,
         "laboratory": None,
-        "comments": told,
+        "comments": comments,
         "license": license_name,
     }
 

@@ -80,6 +80,8 @@ def spectra_from_json(text: str, *, source: str = "spectra") -> Spectra:
             source=_word(held["source"]),
             notes=_words(held["notes"]),
         )
+    except InputError as error:
+        raise named(error, source) from None
     except (KeyError, TypeError, OverflowError) as error:
         raise _unfit(source, "spectra", error) from None
 
@@ -110,6 +112,8 @@ def sensor_from_json(text: str, *, source: str = "sensor") -> Sensor:
             origin=_origin(held["origin"]),
             notes=_words(held["notes"]),
         )
+    except InputError as error:
+        raise named(error, source) from None
     except (KeyError, TypeError, OverflowError) as error:
         raise _unfit(source, "sensor", error) from None
 
@@ -117,6 +121,12 @@ def sensor_from_json(text: str, *, source: str = "sensor") -> Sensor:
 def as_json(told: Mapping[str, Any]) -> str:
     """Text with all digits; what is not finite is an error."""
     return json.dumps(told, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def named(error: InputError, source: str) -> InputError:
+    """The complaint of a noun, with the file from which the noun was to be made."""
+    told = str(error)
+    return InputError(told if source in told else f"{source}: {told}")
 
 
 def _held(text: str, schema: str, source: str) -> dict[str, Any]:
@@ -136,6 +146,7 @@ def _held(text: str, schema: str, source: str) -> dict[str, Any]:
 
 def _unfit(source: str, what: str, error: Exception) -> InputError:
     told = f"{error.args[0]!r} is missing" if isinstance(error, KeyError) else str(error)
+    told = " ".join(told.split())[:200]
     return InputError(f"{source}: not the JSON of a {what} as chromanoise writes it ({told})")
 
 

@@ -8,10 +8,13 @@ import csv
 import io
 import json
 import re
+from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 from chromanoise import __version__
 from chromanoise._check import InputError
+from chromanoise.study.spectra_json import named
 from chromanoise.study.tables import Column, Entry, Table, written
 
 SCHEMA = "chromanoise table"
@@ -55,6 +58,21 @@ _LATEX = {
     "×": r"$\times$",
     "·": r"$\cdot$",
 }
+
+
+def table_writer(path: Path) -> Callable[[Table], str]:
+    """How a table becomes the text of a file, by the ending of its name.
+
+    Raises
+    ------
+    InputError
+        If the name ends otherwise.
+    """
+    writers = {".csv": table_csv, ".json": table_json, ".md": table_markdown, ".tex": table_latex}
+    ending = path.suffix.lower()
+    if ending not in writers:
+        raise InputError(f"{path}: a table is written as {', '.join(writers)}; end the name so")
+    return writers[ending]
 
 
 def table_csv(table: Table) -> str:
@@ -118,6 +136,8 @@ def table_from_json(text: str, *, source: str = "table") -> Table:
             rows=tuple(tuple(_entry(cell) for cell in row) for row in held["rows"]),
             notes=tuple(_word(note) for note in held["notes"]),
         )
+    except InputError as error:
+        raise named(error, source) from None
     except (KeyError, TypeError):
         raise InputError(
             f"{source}: a table has title, columns (name, unit, digits), rows and notes"

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 
 from chromanoise import _check
 from chromanoise._check import InputError
+from chromanoise.color import ColorMatrix
+from chromanoise.merit import MatrixReport
 from chromanoise.study.analysis import Analysis, color_price_db, color_snr_db, mean_color_error
 from chromanoise.study.comparison import Curve
 from chromanoise.study.layout import PaperTable
@@ -159,6 +161,25 @@ def analyses_as_table(analyses: Sequence[Analysis]) -> Table:
         columns=columns,
         rows=tuple(_analysis_row(analysis) for analysis in analyses),
         notes=tuple(dict.fromkeys(note for a in analyses for note in a.sensor.notes)),
+    )
+
+
+def matrix_as_table(matrix: ColorMatrix, report: MatrixReport, sensor_name: str) -> Table:
+    """A color matrix, one row per coordinate; what it is worth stands in the notes."""
+    columns = [Column(name=name, unit="lx/e-") for name in matrix.channels]
+    rows = zip(matrix.coordinates, matrix.matrix.tolist(), strict=True)
+    notes = [
+        f"mean color error without noise {written(report.color_error_mean, '.4g') or 'not defined'}"
+        " Delta E*ab over the ColorChecker",
+        f"condition {written(_defined(report.condition), '.4g') or 'not defined'}",
+    ]
+    for name, snr in (report.snr_db or {}).items():
+        notes.append(f"SNR {name} of a perfect white {written(snr, '.2f') or 'not defined'} dB")
+    return Table(
+        title=f"{report.made_by} of {sensor_name}",
+        columns=(Column(name="coordinate"), *columns),
+        rows=tuple((name, *row) for name, row in rows),
+        notes=tuple(notes),
     )
 
 

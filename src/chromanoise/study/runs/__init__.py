@@ -1,25 +1,41 @@
 """A study in a file, and its run."""
 
-from chromanoise.study.runs.document import Study, study_schema
-from chromanoise.study.runs.reading import read_study, study_from_text
-from chromanoise.study.runs.records import run_study, study_of_output
-from chromanoise.study.runs.running import (
-    Step,
+from chromanoise.study.runs.analyses import Outcome, outcome_of, outcomes_as_json
+from chromanoise.study.runs.document import OutputsPart, Study, study_schema
+from chromanoise.study.runs.hashes import (
+    file_digests,
     provenance,
     study_as_json,
     study_hash,
-    study_steps,
 )
+from chromanoise.study.runs.pixel_files import own_json_of, read_pixel_source, sensor_with_pixel
+from chromanoise.study.runs.reading import read_study, study_from_data, study_from_text
+from chromanoise.study.runs.records import run_study, study_of_output
+from chromanoise.study.runs.running import Step, study_steps
+from chromanoise.study.runs.scripts import study_as_python
 from chromanoise.study.runs.starter import STARTER
+from chromanoise.study.runs.texts import study_as_command, study_as_toml
 
 __all__ = [
     "STARTER",
+    "Outcome",
+    "OutputsPart",
     "Step",
     "Study",
+    "file_digests",
+    "outcome_of",
+    "outcomes_as_json",
+    "own_json_of",
     "provenance",
+    "read_pixel_source",
     "read_study",
     "run_study",
+    "sensor_with_pixel",
+    "study_as_command",
     "study_as_json",
+    "study_as_python",
+    "study_as_toml",
+    "study_from_data",
     "study_from_text",
     "study_hash",
     "study_of_output",

@@ -7,7 +7,10 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
+from chromanoise.imaging import DEMOSAICING
+from chromanoise.imaging.shots import FORMATS
 from chromanoise.scene import BUILTIN_CUBES
+from chromanoise.sensor import MOSAIC_NAMES
 from chromanoise.spectra import METRICS
 from chromanoise.study.makers import METHODS
 from chromanoise.study.priors import DEFAULT_PRIOR, PRIORS
@@ -35,14 +38,37 @@ class LightPart(_Part):
     illuminant: str = Field("E", description="E, A, G173, D65 ..., 3200K, LED660, or a file.")
     level_lux: Positive = Field(10.0, description="Illuminance [lx].")
     beyond: Beyond = Field("refuse", description="What the curve is beyond its end.")
+    per: Literal["photon", "energy"] | None = Field(
+        None, description="How its file counts light, where it does not say."
+    )
+    column: str | None = Field(None, description="Which curve of its file.")
 
 
 class PixelPart(_Part):
     """What differs from the sensor's own pixel."""
 
+    file: str | None = Field(
+        None, description="EMVA 1288 sheet, DNG noise profile or photon transfer; numbers here win."
+    )
     pitch_um: Positive | None = Field(None, description="Side of the pixel [um].")
     full_well_e: Positive | None = Field(None, description="Electrons at saturation [e-].")
     read_noise_e: NotNegative | None = Field(None, description="Standard deviation [e-].")
+
+
+class AnswersPart(_Part):
+    """What a file of QE curves cannot tell."""
+
+    scale: Literal["percent", "fraction"] | None = Field(
+        None, description="Whether 100 or 1 is the whole."
+    )
+    level: Literal["relative", "absolute"] | None = Field(
+        None, description="Whether heights mean something."
+    )
+    per: Literal["photon", "energy"] | None = Field(None, description="How light was counted.")
+    wavelength_unit: Literal["um", "nm"] | None = Field(None, description="Of its wavelengths.")
+    peak_qe: Annotated[float, Field(gt=0, le=1)] | None = Field(
+        None, description="Highest QE of relative curves [e-/photon]."
+    )
 
 
 class SensorPart(_Part):
@@ -50,6 +76,7 @@ class SensorPart(_Part):
 
     name: str = Field(description="Of the catalogue, or a file of QE curves.")
     beyond: Beyond = Field("refuse", description="What the curves are beyond their end.")
+    answers: AnswersPart = Field(AnswersPart(), description="What its file cannot tell.")
     pixel: PixelPart = Field(PixelPart(), description="Changes to its pixel.")
 
 
@@ -85,26 +112,103 @@ class SweepPart(_Part):
 
 
 class PicturePart(_Part):
-    """One cube through every sensor."""
+    """One cube through every sensor, as `chromanoise simulate` takes it."""
 
     cube: str = Field("builtin:checker", description=f"Of {', '.join(BUILTIN_CUBES)}, or a file.")
+    key: str | None = Field(None, description="Name of the array in the cube's file.")
+    shape: Annotated[tuple[int, int], Field(strict=False)] | None = Field(
+        None, description="Rows and columns of a cube stored as a 2-D array."
+    )
+    wavelengths: Annotated[tuple[float, float], Field(strict=False)] | None = Field(
+        None, description="Of the first and the last band [nm], where the file does not say."
+    )
     scale: Positive | None = Field(None, description="Reflectance per stored unit.")
-    clip: bool = Field(False, description="Hold electrons between 0 and full well.")
     beyond: Beyond = Field("refuse", description="What reflectances are beyond the cube's end.")
+    bad_pixels: Literal["refuse", "zero"] = Field(
+        "refuse", description="What is done with a number that is no reflectance."
+    )
+    mosaic: str | None = Field(
+        None,
+        description=f"sensor (its own), {', '.join(MOSAIC_NAMES)}, or rows as RG/GB; without it "
+        "all channels are at every pixel.",
+    )
+    demosaic: str | None = Field(
+        None, description=f"Of {', '.join(DEMOSAICING)}; bilinear where a mosaic is named."
+    )
+    raw_only: bool = Field(False, description="Codes of the mosaic, no color.")
+    bits: Annotated[int, Field(ge=8, le=16)] | None = Field(
+        None, description="Of the converter; 12 where a mosaic is named."
+    )
+    black_level: Annotated[int, Field(ge=0, lt=2**16)] | None = Field(
+        None, description="Code of no light; 0 where a mosaic is named."
+    )
+    frames: Annotated[int, Field(ge=1, le=1_000_000)] = Field(1, description="Of a burst.")
+    formats: Annotated[tuple[str, ...], Field(strict=False, min_length=1)] | None = Field(
+        None, description=f"Of {', '.join(FORMATS)}; png and xyz, raw and dng where not given."
+    )
+    clip: bool = Field(False, description="Hold electrons between 0 and full well.")
+    dark_current_e_per_s: NotNegative = Field(0.0, description="Dark current [e-/s].")
+    dsnu_e: NotNegative = Field(0.0, description="Dark signal non-uniformity [e-].")
+    prnu: Annotated[float, Field(ge=0, le=0.2)] = Field(
+        0.0, description="Photo response non-uniformity."
+    )
+    row_noise_e: NotNegative = Field(0.0, description="Noise that a row shares [e-].")
+
+    @model_validator(mode="after")
+    def _of_a_mosaic(self) -> "PicturePart":
+        given = {name: getattr(self, name) for name in _OF_MOSAIC}
+        idle = [name for name, value in given.items() if value is not None and value is not False]
+        if self.mosaic is None and idle:
+            raise ValueError(f"only a mosaic has {' and '.join(idle)}; name one with mosaic")
+        if self.mosaic is not None and self.clip:
+            raise ValueError("a converter holds its codes anyway; leave clip away with mosaic")
+        if self.raw_only and self.demosaic is not None:
+            raise ValueError("raw_only and demosaic exclude each other; give one of them")
+        return self
+
+
+_OF_MOSAIC = ("demosaic", "raw_only", "bits", "black_level")
+
+
+class ParetoPart(_Part):
+    """Color error against noise, over weights of the noise."""
+
+    first: Positive = Field(description="Lowest weight; 1 is LMMSE, towards 0 is least squares.")
+    last: Positive = Field(description="Highest weight.")
+    points: Annotated[int, Field(ge=2, le=100_000)] = Field(13, description="How many.")
 
 
 class OutputsPart(_Part):
     """What is written."""
 
+    analyses: bool = Field(True, description="Every stage of each sensor, per matrix.")
+    clip: bool = Field(
+        False, description="In them, moments of electrons held between 0 and full well."
+    )
     budget: bool = Field(True, description="dB per cause of X, Y, Z, contravariant, L*, a*, b*.")
+    merit: bool = Field(False, description="Figures of merit: Vora, SMI, ISO speed, bits ...")
     chart: bool = Field(False, description="Color error and noise of every ColorChecker patch.")
     space: str | None = Field(None, description="Noise of an 18 % grey in this color space.")
+    matrix: bool = Field(False, description="Each color matrix, its color error and noise.")
+    pareto: ParetoPart | None = Field(
+        None, description="With it, the curve of color error against noise."
+    )
+
+    @model_validator(mode="after")
+    def _that_go_together(self) -> "OutputsPart":
+        if self.clip and (self.budget or self.merit):
+            raise ValueError("budget and merit follow eq. 7, so clip asks for budget = false")
+        if self.pareto is not None and not self.matrix:
+            raise ValueError("pareto stands beside the matrix, so it asks for matrix = true")
+        return self
 
 
 class Study(_Part):
     """One reproducible run."""
 
-    schema_number: Literal[1] = Field(1, alias="schema", description="Of this format: 1.")
+    schema_number: Annotated[int, Field(ge=SCHEMA, le=SCHEMA)] = Field(
+        SCHEMA, alias="schema", description=f"Of this format: {SCHEMA}."
+    )
     title: str = Field("", description="For people.")
     metric: str = Field("quanta", description=f"Light is a vector in {' or '.join(METRICS)}.")
     seed: Annotated[int, Field(ge=0, lt=2**32)] = Field(

@@ -12,8 +12,9 @@ from chromanoise.scene import Cube, Scene, builtin_cube, flat_field, read_cube
 from chromanoise.sensor import Sensor
 from chromanoise.spectra import Illuminant
 from chromanoise.spectra.files import Answers
-from chromanoise.study.runs.document import PicturePart, Study
-from chromanoise.study.words import illuminant_of_word, sensor_of_word
+from chromanoise.study.runs.document import PicturePart, SensorPart, Study
+from chromanoise.study.runs.pixel_files import sensor_with_pixel
+from chromanoise.study.words import illuminant_of_word
 
 
 def situations_of(study: Study) -> list[Situation]:
@@ -26,10 +27,7 @@ def situations_of(study: Study) -> list[Situation]:
     """
     illuminant = illuminant_of(study)
     white = flat_field(illuminant, level_lux=study.light.level_lux)
-    sensors = [
-        sensor_of_word(part.name, answers=Answers(beyond=part.beyond), **part.pixel.model_dump())
-        for part in study.sensors
-    ]
+    sensors = [sensor_of(part) for part in study.sensors]
     return [
         Situation(
             sensor=sensor,
@@ -43,18 +41,43 @@ def situations_of(study: Study) -> list[Situation]:
 
 def illuminant_of(study: Study) -> Illuminant:
     """The light of the study."""
-    return illuminant_of_word(
-        study.light.illuminant, answers=Answers(quantity="power", beyond=study.light.beyond)
+    return illuminant_of_word(study.light.illuminant, answers=light_answers_of(study))
+
+
+def light_answers_of(study: Study) -> Answers:
+    """What is said of the light's file."""
+    light = study.light
+    return Answers(
+        quantity="power",
+        per=light.per,
+        beyond=light.beyond,
+        columns=() if light.column is None else (light.column,),
     )
+
+
+def sensor_of(part: SensorPart) -> Sensor:
+    """A sensor of the study.
+
+    Raises
+    ------
+    InputError
+        If its name names nothing, or a file cannot be read.
+    """
+    answers = Answers(beyond=part.beyond, **part.answers.model_dump())
+    return sensor_with_pixel(part.name, answers=answers, **part.pixel.model_dump())
+
+
+_CURES = ("key", "shape", "wavelengths", "scale")
 
 
 def cube_of(part: PicturePart) -> Cube:
     """The cube of a picture."""
     if part.cube.startswith("builtin:"):
-        if part.scale is not None:
-            raise InputError(f"{part.cube} says all of itself; leave scale away")
+        cures = [name for name in _CURES if getattr(part, name) is not None]
+        if cures:
+            raise InputError(f"{part.cube} says all of itself; leave {' and '.join(cures)} away")
         return builtin_cube(part.cube)
-    return read_cube(part.cube, scale=part.scale)
+    return read_cube(part.cube, **{name: getattr(part, name) for name in _CURES})
 
 
 def _exposures(study: Study, white: Scene, sensors: list[Sensor]) -> list[Exposure]:

@@ -11,6 +11,8 @@ from pydantic import BaseModel, ValidationError
 
 from chromanoise._check import InputError
 from chromanoise.color import SPACES
+from chromanoise.imaging import DEMOSAICING
+from chromanoise.imaging.shots import FORMATS
 from chromanoise.spectra import METRICS
 from chromanoise.study.makers import METHODS
 from chromanoise.study.priors import PRIORS
@@ -19,6 +21,8 @@ from chromanoise.study.runs.document import Study
 from chromanoise.study.sweeps import SWEEPS
 
 _LARGEST_BYTES = 1 << 20
+_MOST_DOTS = 64
+_LONGEST_WORD = 80
 
 Key = tuple[str | int, ...]
 """Where a value stands: ("sensors", 0, "pixel", "pitch_um")."""
@@ -65,14 +69,47 @@ def study_from_text(text: str, *, source: str, changes: Sequence[str] = ()) -> S
     >>> study_from_text('[[sensors]]\nname = "onyx-rgbw"', source="a text").light.level_lux
     10.0
     """
-    try:
-        told = tomllib.loads(text)
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
-        raise InputError(f"{source}: no TOML: {error}") from None
+    told = _toml(text, source)
     lines = _lines_of_keys(text)
     changed: dict[Key, str] = {}
     for change in changes:
         changed[_changed(told, change)] = f"--set {change}"
+    return _validated(told, source, lines, changed)
+
+
+def _toml(text: str, source: str) -> dict[str, Any]:
+    """What TOML text holds; the parser takes hours over a key of a million parts, so it is asked
+    only for keys that a person could write.
+    """
+    plain = re.sub(r"\"[^\"\n]*\"|'[^'\n]*'", "s", text)
+    for number, line in enumerate(plain.splitlines(), 1):
+        if line.count(".") > _MOST_DOTS:
+            raise InputError(
+                f"{source}:{number}: more than {_MOST_DOTS} dots outside of quotes; no key of a "
+                "study is so deep"
+            )
+    try:
+        return tomllib.loads(text)
+    except RecursionError:
+        raise InputError(f"{source}: no TOML: nests too deep") from None
+    except ValueError as error:  # a number of thousands of digits is one too
+        raise InputError(f"{source}: no TOML: {str(error)[:200]}") from None
+
+
+def study_from_data(told: Mapping[str, Any], *, source: str) -> Study:
+    """The study in plain data, as TOML would give it; ``source`` names it in messages.
+
+    Raises
+    ------
+    InputError
+        All faults of what it says, one line each.
+    """
+    return _validated(told, source, {}, {})
+
+
+def _validated(
+    told: Mapping[str, Any], source: str, lines: Mapping[Key, int], changed: Mapping[Key, str]
+) -> Study:
     faults = []
     try:
         study = Study.model_validate(told)
@@ -133,7 +170,11 @@ def _fault(error: Any) -> tuple[Key, str]:
         return key, "is missing"
     given = error.get("input")
     said = str(error["msg"]).removeprefix("Value error, ")
-    shown = "" if isinstance(given, dict | list | tuple | BaseModel) else f", but is {given!r}"
+    shown = (
+        ""
+        if isinstance(given, dict | list | tuple | BaseModel)
+        else f", but is {_short(repr(given))}"
+    )
     return key, f"{said[:1].lower()}{said[1:]}{shown}"
 
 
@@ -163,6 +204,11 @@ def _unknown_names(study: Study) -> list[tuple[Key, str]]:
         (("metric",), study.metric, list(METRICS)),
         (("prior",), study.prior, list(PRIORS)),
     ]
+    for i, picture in enumerate(study.pictures):
+        if picture.demosaic is not None:
+            asked.append((("pictures", i, "demosaic"), picture.demosaic, list(DEMOSAICING)))
+        for k, name in enumerate(picture.formats or ()):
+            asked.append((("pictures", i, "formats", k), name, list(FORMATS)))
     if study.outputs.space is not None:
         asked.append((("outputs", "space"), study.outputs.space, list(SPACES)))
     for i, matrix in enumerate(study.matrices):
@@ -171,7 +217,7 @@ def _unknown_names(study: Study) -> list[tuple[Key, str]]:
         asked.append((("sweeps", i, "vary"), sweep.vary, list(SWEEPS)))
         asked.append((("sweeps", i, "quantity"), sweep.quantity, list(QUANTITIES)))
     return [
-        (key, f"unknown name {word!r}{_meant(word, known)}")
+        (key, f"unknown name {_short(repr(word))}{_meant(word, known)}")
         for key, word, known in asked
         if word not in known
     ]
@@ -193,8 +239,13 @@ def _line(placed: tuple[str, str]) -> int:
     return int(match[1]) if match else 0
 
 
+def _short(word: str) -> str:
+    """Enough of a word to know it."""
+    return word if len(word) <= _LONGEST_WORD else f"{word[:_LONGEST_WORD]}..."
+
+
 def _dotted(key: Key) -> str:
-    return ".".join(str(step) for step in key) or "the study"
+    return ".".join(_short(str(step)) for step in key) or "the study"
 
 
 def _lines_of_keys(text: str) -> dict[Key, int]:

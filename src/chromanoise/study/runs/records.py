@@ -11,7 +11,9 @@ from chromanoise._check import InputError
 from chromanoise._files import refuse_unwritable, whole_folder
 from chromanoise.imaging import Work
 from chromanoise.study.runs.document import Study
-from chromanoise.study.runs.running import provenance, study_hash, study_steps
+from chromanoise.study.runs.hashes import provenance, study_hash
+from chromanoise.study.runs.running import study_steps
+from chromanoise.study.spectra_json import named
 
 STUDY_FILE = "study.json"
 _LARGEST_BYTES = 256 << 20
@@ -80,12 +82,16 @@ def study_of_output(path: Path) -> Study:
     if not isinstance(told, dict) or "study" not in told or "hash" not in told:
         raise InputError(f"{file}: is no output of `chromanoise run`; name one, or its folder")
     try:
-        study = Study.model_validate(told["study"], strict=False)
+        study = Study.model_validate_json(json.dumps(told["study"]))
     except ValidationError:
         raise InputError(
             f"{file}: what it says of its study is no study of this version; run the study anew"
         ) from None
-    if study_hash(study) != told["hash"]:
+    try:
+        now = study_hash(study)
+    except InputError as error:
+        raise named(error, str(file)) from None
+    if now != told["hash"]:
         raise InputError(
             f"{file}: was made by version {told.get('version')!r} of chromanoise or was changed "
             "since, so the same digits cannot be promised; run its study anew"
@@ -111,8 +117,8 @@ def _made_by(file: Path, hash_: str) -> bool:
     told = _read(file)
     if not isinstance(told, dict) or told.get("hash") != hash_:
         return False
-    pictures = told.get("result", {}).get("pictures", [])
-    return all((file.parent / name).exists() for one in pictures for name in one["files"])
+    names = [name for one in told["result"].get("pictures", ()) for name in one["files"]]
+    return all((file.parent / name).is_file() for name in names)
 
 
 def _read(file: Path) -> Any:

@@ -28,7 +28,8 @@ name = "onyx-rgbw"                   # of `chromanoise catalog sensors`, or a fi
 [[sensors]]
 name = "onyx-rgb-ircut"
 # [sensors.pixel]
-# read_noise_e = 2.0                 # pitch_um, full_well_e
+# file = "sheet.txt"                 # EMVA 1288 sheet, DNG noise profile, photon transfer
+# read_noise_e = 2.0                 # pitch_um, full_well_e; they win over the file
 
 [[sweeps]]
 vary = "lux"                         # time-ms, read-noise-e, ircut-nm, kelvin
@@ -39,9 +40,13 @@ quantity = "snr-y"                   # snr-x, snr-z, bound, price, delta-e, colo
 
 # [[pictures]]
 # cube = "builtin:checker"           # or a hyperspectral cube of reflectances
+# mosaic = "sensor"                  # raw codes and demosaicing; bayer, RG/GB ...
+# frames = 1                         # of a burst; formats, bits, prnu, dsnu_e ...
 
 [outputs]
 budget = true                        # dB per cause
 chart = false                        # every patch of the ColorChecker
+# merit = true                       # Vora, SMI, ISO speed, visual noise ...
+# matrix = true                      # each color matrix with its color error and noise
 # space = "lab"                      # noise of an 18 % grey in lab, luv, srgb, linear-srgb
 """

@@ -1,0 +1,206 @@
+"""``chromanoise convert``."""
+
+import datetime
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import click
+
+from chromanoise._check import InputError, one_of
+from chromanoise._files import write_whole
+from chromanoise.cli.answers import answering, answers_of
+from chromanoise.cli.output import refuse_inputs
+from chromanoise.sensor import Sensor
+from chromanoise.spectra import Spectra
+from chromanoise.spectra.files import Understood, read_curves
+from chromanoise.study.runs import own_json_of
+from chromanoise.study.spectra_files import (
+    photons_as_energy,
+    rawtoaces_header,
+    rawtoaces_json,
+    sensor_csv,
+    sensor_rawtoaces_json,
+    sensor_spectra,
+    spectra_csv,
+    spectra_spdx,
+)
+from chromanoise.study.spectra_json import sensor_json, spectra_json
+from chromanoise.study.words import is_file_name, sensor_of_word
+
+Converted = tuple[str, list[str]]
+"""The text, and what it does not keep."""
+
+_ENDINGS = (".csv", ".json", ".spdx")
+
+
+@click.command()
+@click.argument("source", metavar="IN")
+@click.argument("target", metavar="OUT", type=click.Path(path_type=Path))
+@answering
+@click.option(
+    "--as",
+    "form",
+    type=click.Choice(["own", "rawtoaces"]),
+    default="own",
+    show_default=True,
+    help="Which JSON: own keeps everything, rawtoaces is R, G, B of a camera.",
+)
+@click.option(
+    "--quantity",
+    type=click.Choice(["QE", "response", "reflectance", "transmittance", "power"]),
+    help="What the curves of a file are.",
+)
+@click.option("--column", "columns", multiple=True, help="Only this curve; may be repeated.")
+@click.option(
+    "--beyond",
+    type=click.Choice(["refuse", "zero", "hold"]),
+    default="refuse",
+    show_default=True,
+    help="What a curve is where others of the file go on.",
+)
+@click.option(
+    "--created",
+    metavar="DATE",
+    help="Date in TM-27 and rawtoaces files, as 2026-01-31. [default: today]",
+)
+def convert(source: str, target: Path, form: str, created: str | None, **options: Any) -> None:
+    """Write the curves of IN, a file of spectra or a sensor of the catalogue, as OUT.
+
+    OUT ends in .csv, .json (all that is known, or rawtoaces' form) or .spdx (IES TM-27, one
+    curve). Numbers keep all their digits; what the format cannot keep is told.
+    """
+    ending = target.suffix.lower()
+    if ending not in _ENDINGS:
+        raise InputError(f"{target}: curves are written as {', '.join(_ENDINGS)}; end the name so")
+    if form == "rawtoaces" and ending != ".json":
+        raise InputError(f"--as rawtoaces: is a JSON, but OUT is {target}; end its name in .json")
+    refuse_inputs(target, "OUT", source)
+    kind = form if form == "rawtoaces" else ending
+    day = _day(created)
+    read = _read(source, options)
+    if isinstance(read, Sensor):
+        text, lost = _of_sensor(read, kind, day, options["columns"])
+    else:
+        text, lost = _of_spectra(read, kind, day, options["columns"])
+    write_whole(target, text.encode("utf-8"))
+    click.echo(f"{target}: written")
+    for what in lost:
+        click.echo(f"not kept: {what}", err=True)
+
+
+def _day(created: str | None) -> str:
+    if created is None:
+        return datetime.datetime.now(datetime.UTC).date().isoformat()
+    try:
+        return datetime.date.fromisoformat(created).isoformat()
+    except ValueError:
+        raise InputError(f"--created takes a date as 2026-01-31, but is {created!r}") from None
+
+
+def _read(source: str, options: dict[str, Any]) -> Sensor | Spectra | Understood:
+    """Our own JSON, a sensor of the catalogue, or what is understood of a file."""
+    path = Path(source)
+    if not (is_file_name(source) or path.is_file()):
+        return sensor_of_word(source)
+    own = own_json_of(path)
+    if own is not None:
+        return own
+    return read_curves(path, answers=answers_of(options))
+
+
+def _of_sensor(sensor: Sensor, kind: str, day: str, columns: tuple[str, ...]) -> Converted:
+    if kind == ".json":
+        _refuse_columns(columns, "a sensor")
+        return sensor_json(sensor), []
+    pixel = ["pixel and mosaic"] if sensor.mosaic is not None else ["pixel"]
+    if kind == ".csv":
+        _refuse_columns(columns, "a sensor")
+        return sensor_csv(sensor), [f"{pixel[0]}, but for comments; .json keeps them"]
+    if kind == "rawtoaces":
+        _refuse_columns(columns, "a rawtoaces camera")
+        left = [name for name in sensor.names if name not in "RGB"]
+        lost = [f"channel {name}" for name in left]
+        text = sensor_rawtoaces_json(sensor, created=f"{day}T00:00:00Z")
+        return text, [*pixel, "the height of the curves: the largest is 1 now", *lost]
+    name = _one(sensor.names, columns, sensor.name)
+    text = spectra_spdx(sensor_spectra(sensor), name, created=day)
+    return text, [*pixel, *_unit_lost(sensor_spectra(sensor)), *_others(sensor.names, name)]
+
+
+def _of_spectra(
+    read: Spectra | Understood, kind: str, day: str, columns: tuple[str, ...]
+) -> Converted:
+    spectra, unsaid = (read, []) if isinstance(read, Spectra) else _with_facts(read)
+    if isinstance(read, Spectra) and kind != ".spdx":
+        _refuse_columns(columns, "chromanoise's own JSON")
+    if kind == ".json":
+        return spectra_json(spectra), unsaid
+    if kind == ".csv":
+        return spectra_csv(spectra), [*unsaid, *_unit_lost(spectra)]
+    if kind == "rawtoaces":
+        text = rawtoaces_json(_per_energy(read), _header(spectra, day))
+        left = [name for name in spectra.names if name not in "RGB"]
+        lost = [f"channel {name}" for name in left]
+        return text, [*unsaid, "the height of the curves: the largest is 1 now", *lost]
+    name = _one(spectra.names, columns, spectra.source)
+    text = spectra_spdx(spectra, name, created=day)
+    return text, [*unsaid, *_unit_lost(spectra), *_others(spectra.names, name)]
+
+
+def _with_facts(told: Understood) -> tuple[Spectra, list[str]]:
+    """The curves with what is known of them in the notes, and what is not known."""
+    facts = [f"level: {told.level}"] if told.level else []
+    facts += [f"light counted per {told.per}"] if told.per else []
+    notes = (*told.curves.notes, *facts, *told.notes, *told.defects)
+    lost = [f"what nobody said: {q.asks} ({q.options})" for q in told.questions]
+    if told.deviations is not None:
+        lost.append("standard deviations")
+    return replace(told.curves, notes=notes), lost
+
+
+def _per_energy(read: Spectra | Understood) -> Spectra:
+    curves = read if isinstance(read, Spectra) else read.curves
+    quantity = curves.quantity if isinstance(read, Spectra) else read.quantity
+    per = ("photon" if quantity == "QE" else None) if isinstance(read, Spectra) else read.per
+    if quantity not in (None, "QE", "response", "unknown"):
+        raise InputError(f"{curves.source}: holds {quantity}, but a rawtoaces camera is a response")
+    if per is None:
+        raise InputError(
+            f"{curves.source}: does not say whether it counts light as energy or in photons; say "
+            "--energy or --photons"
+        )
+    return curves if per == "energy" else photons_as_energy(curves)
+
+
+def _header(spectra: Spectra, day: str) -> dict[str, Any]:
+    return rawtoaces_header(
+        Path(spectra.source).stem, created=f"{day}T00:00:00Z", comments="; ".join(spectra.notes)
+    )
+
+
+def _one(names: tuple[str, ...], columns: tuple[str, ...], source: str) -> str:
+    """The one curve that TM-27 holds."""
+    if len(columns) == 1:
+        return one_of(f"curve of {source}", columns[0], names)
+    if len(names) == 1:
+        return names[0]
+    raise InputError(
+        f"{source}: holds {len(names)} curves ({', '.join(names[:12])}), but TM-27 one; name it "
+        "with --column"
+    )
+
+
+def _refuse_columns(columns: tuple[str, ...], what: str) -> None:
+    if columns:
+        raise InputError(f"--column: {what} keeps all its curves; leave it away")
+
+
+def _unit_lost(spectra: Spectra) -> list[str]:
+    notes = " and the notes" if spectra.notes else ""
+    return [f"unit {spectra.unit}{notes}, but for comments"]
+
+
+def _others(names: tuple[str, ...], kept: str) -> list[str]:
+    others = [name for name in names if name != kept]
+    return [f"curve {', '.join(others)}"] if others else []

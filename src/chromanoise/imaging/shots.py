@@ -1,0 +1,338 @@
+"""A picture as a camera takes it: what is asked for, what is prepared once, and the files."""
+
+import os
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from chromanoise._check import InputError, distinct, one_of
+from chromanoise.color import ColorMatrix
+from chromanoise.exposure import Situation
+from chromanoise.imaging.demosaic import FilterBank
+from chromanoise.imaging.demosaic_methods import DEMOSAICING
+from chromanoise.imaging.develop import developed
+from chromanoise.imaging.dng import RawProfile, raw_profile, refuse_dng_size, write_dng
+from chromanoise.imaging.exr import openexr, write_linear_exr
+from chromanoise.imaging.light import BadPixels
+from chromanoise.imaging.plans import color_matrices
+from chromanoise.imaging.render import Picture, RawPicture, acquired, mosaic_of, rendered
+from chromanoise.imaging.work import Work
+from chromanoise.imaging.writers import (
+    picture_summary,
+    raw_summary,
+    sixteen_bit_srgb,
+    write_mosaic_tiff,
+    write_png,
+    write_srgb_tiff,
+    write_xyz_tiff,
+)
+from chromanoise.scene import Cube
+from chromanoise.scene.rows import row_source
+from chromanoise.sensor import Adc, Imperfections, Mosaic, adc_to_full_well
+from chromanoise.spectra import Beyond
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Asked:
+    """What is asked of a picture, beyond cube, sensor and light.
+
+    Attributes
+    ----------
+    mosaic
+        Which channel sits over which pixel; the sensor's own if ``None``.
+    raw
+        Codes of a mosaic; otherwise every channel is at every pixel.
+    demosaic
+        Of `DEMOSAICING`; ``None`` for codes without color.
+    bits, black_level_dn
+        Of the converter. [1], [DN]
+    imperfections
+        Of the pixels.
+    seed
+        Of the noise.
+    clip
+        Hold electrons between 0 and full well; a converter does so anyway.
+    beyond, bad_pixels
+        As `rendered`.
+    formats
+        Of `FORMATS`; ``None`` for png and xyz of color, raw and, where it can be, dng of codes.
+
+    Raises
+    ------
+    InputError
+        If a format is unknown, stands twice, or is of what is not made.
+    """
+
+    mosaic: Mosaic | None
+    raw: bool
+    demosaic: str | None
+    bits: int
+    black_level_dn: int
+    imperfections: Imperfections
+    seed: int
+    clip: bool
+    beyond: Beyond
+    bad_pixels: BadPixels
+    formats: tuple[str, ...] | None
+
+    def __post_init__(self) -> None:
+        for name in distinct("names of formats", self.formats or ()):
+            one_of("format", name, tuple(FORMATS))
+            if name in _RAW and not self.raw:
+                raise InputError(f"format {name} is of a mosaic; name a mosaic too")
+            if name not in _RAW and self.raw and self.demosaic is None:
+                raise InputError(f"format {name} is of color, but only raw codes are asked for")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Prepared:
+    """A camera before its first picture: all that every frame of it shares.
+
+    Attributes
+    ----------
+    situation, matrix
+        Sensor, exposure and light; from electrons to XYZ.
+    asked
+        What its pictures are to be.
+    mosaic, adc, bank
+        Of raw codes, and the filters that make them color; ``None`` where there are none.
+    profile
+        Of a DNG, where one can be written.
+    untold
+        Why there is no DNG although codes are kept; empty otherwise.
+    """
+
+    situation: Situation
+    matrix: ColorMatrix
+    asked: Asked
+    mosaic: Mosaic | None = None
+    adc: Adc | None = None
+    bank: FilterBank | None = None
+    profile: RawProfile | None = None
+    untold: str = ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Shot:
+    """A picture as it was taken: codes, color, or both."""
+
+    camera: Prepared
+    raw: RawPicture | None
+    picture: Picture | None
+
+
+def prepared(cube: Cube, situation: Situation, matrix: ColorMatrix, asked: Asked) -> Prepared:
+    """A camera ready to take pictures of a cube, so that no long work ends in a refusal.
+
+    Parameters
+    ----------
+    cube
+        Of which only the size is looked at.
+    situation
+        Sensor, exposure and light.
+    matrix
+        From electrons to XYZ.
+    asked
+        What its pictures are to be.
+
+    Raises
+    ------
+    InputError
+        If the mosaic names a channel that the sensor lacks or is no mosaic of the demosaicing, the
+        matrix has no luminance, or a format that is insisted on cannot be written.
+    """
+    insisted = asked.formats or ()
+    if "exr" in insisted:
+        openexr()
+    if not asked.raw:
+        color_matrices(matrix, situation)
+        return Prepared(situation=situation, matrix=matrix, asked=asked)
+    adc = adc_to_full_well(
+        situation.sensor.pixel, bits=asked.bits, black_level_dn=asked.black_level_dn
+    )
+    mosaic = mosaic_of(situation, asked.mosaic)
+    bank = None
+    if asked.demosaic is not None:
+        method = DEMOSAICING[one_of("demosaicing", asked.demosaic, tuple(DEMOSAICING))]
+        bank = method(mosaic, situation)
+        color_matrices(matrix, situation)
+    profile, untold = _profile(situation, matrix, mosaic, adc, insisted)
+    if "dng" in insisted:
+        height, width, _ = row_source(cube.stored).shape
+        refuse_dng_size(f"DNG of {situation.sensor.name}", height=height, width=width)
+    return Prepared(
+        situation=situation,
+        matrix=matrix,
+        asked=asked,
+        mosaic=mosaic,
+        adc=adc,
+        bank=bank,
+        profile=profile,
+        untold=untold,
+    )
+
+
+def _profile(
+    situation: Situation,
+    matrix: ColorMatrix,
+    mosaic: Mosaic,
+    adc: Adc,
+    insisted: tuple[str, ...],
+) -> tuple[RawProfile | None, str]:
+    """Of a DNG, or why there is none; refused only where somebody insists on one."""
+    if "dng" not in (insisted or _RAW):
+        return None, ""
+    try:
+        return raw_profile(situation, matrix, mosaic=mosaic, adc=adc), ""
+    except InputError as error:
+        if insisted:
+            raise
+        return None, str(error)
+
+
+def shot(cube: Cube, camera: Prepared, *, frame: int, work: Work) -> Shot:
+    """Take one picture.
+
+    Parameters
+    ----------
+    cube
+        Reflectances.
+    camera
+        Of `prepared`.
+    frame
+        Which picture of a burst.
+    work
+        Who does it.
+
+    Raises
+    ------
+    InputError
+        As `rendered` and `acquired`.
+    """
+    asked = camera.asked
+    common: dict[str, Any] = {
+        "seed": asked.seed,
+        "frame": frame,
+        "imperfections": asked.imperfections,
+        "beyond": asked.beyond,
+        "bad_pixels": asked.bad_pixels,
+        "work": work,
+    }
+    if not asked.raw:
+        picture = rendered(cube, camera.situation, matrix=camera.matrix, clip=asked.clip, **common)
+        return Shot(camera=camera, raw=None, picture=picture)
+    raw = acquired(cube, camera.situation, mosaic=camera.mosaic, adc=camera.adc, **common)
+    color = None
+    if camera.bank is not None:
+        here = Work(threads=work.threads)  # the codes are in this memory
+        color = developed(raw, camera.bank, matrix=camera.matrix, work=here)
+    return Shot(camera=camera, raw=raw, picture=color)
+
+
+def any_picture(taken: Shot) -> Picture | RawPicture:
+    """Color if there is some, otherwise the codes."""
+    found = taken.picture or taken.raw
+    assert found is not None
+    return found
+
+
+def is_held(taken: Shot) -> bool:
+    """Whether electrons above full well were held there: a converter always does."""
+    return taken.raw is not None or (taken.picture is not None and taken.picture.clipped)
+
+
+def shot_summary(taken: Shot, files: list[str]) -> dict[str, Any]:
+    """How it was taken, as plain data."""
+    told: dict[str, Any] = {"files": files}
+    if taken.raw is not None:
+        told |= raw_summary(taken.raw)
+    if taken.picture is not None:
+        told |= picture_summary(taken.picture)
+    return told | {"imperfections": asdict(taken.camera.asked.imperfections)}
+
+
+def write_shot(folder: Path, stem: str, taken: Shot) -> tuple[list[str], list[str]]:
+    """Write the files: their names, and what could not be written although nobody insisted."""
+    formats = taken.camera.asked.formats
+    if formats is not None:
+        return [_written(name, folder / stem, taken) for name in formats], []
+    files, notes = [], []
+    wanted = (*(_RAW if taken.raw else ()), *(("png", "xyz") if taken.picture else ()))
+    for name in wanted:
+        try:
+            files.append(_written(name, folder / stem, taken))
+        except InputError as error:
+            if name != "dng":
+                raise
+            notes.append(f"no DNG was written: {error}")
+    return files, notes
+
+
+def _written(name: str, stem: Path, taken: Shot) -> str:
+    """The file's name; complaints leave out the scratch folder, which each run calls otherwise."""
+    try:
+        return FORMATS[name](stem, taken)
+    except InputError as error:
+        raise InputError(str(error).replace(f"{stem.parent}{os.sep}", "")) from None
+
+
+def _named(stem: Path, ending: str) -> Path:
+    return stem.parent / f"{stem.name}{ending}"
+
+
+def _png(stem: Path, taken: Shot) -> str:
+    assert taken.picture is not None
+    write_png(path := _named(stem, ".png"), taken.picture.srgb)
+    return path.name
+
+
+def _xyz(stem: Path, taken: Shot) -> str:
+    assert taken.picture is not None
+    write_xyz_tiff(path := _named(stem, ".xyz.tiff"), taken.picture.xyz)
+    return path.name
+
+
+def _srgb16(stem: Path, taken: Shot) -> str:
+    assert taken.picture is not None
+    codes = sixteen_bit_srgb(taken.picture.xyz, taken.picture.white)
+    write_srgb_tiff(path := _named(stem, ".srgb16.tiff"), codes)
+    return path.name
+
+
+def _exr(stem: Path, taken: Shot) -> str:
+    assert taken.picture is not None
+    write_linear_exr(path := _named(stem, ".exr"), taken.picture.xyz, taken.picture.white)
+    return path.name
+
+
+def _raw(stem: Path, taken: Shot) -> str:
+    assert taken.raw is not None
+    raw = taken.raw
+    write_mosaic_tiff(
+        path := _named(stem, ".raw.tiff"),
+        raw.codes,
+        sensor_name=raw.situation.sensor.name,
+        mosaic=raw.mosaic,
+        adc=raw.adc,
+    )
+    return path.name
+
+
+def _dng(stem: Path, taken: Shot) -> str:
+    assert taken.raw is not None
+    if taken.camera.profile is None:
+        raise InputError(taken.camera.untold)
+    write_dng(path := _named(stem, ".dng"), taken.raw.codes, taken.camera.profile)
+    return path.name
+
+
+FORMATS: Mapping[str, Callable[[Path, Shot], str]] = {
+    "png": _png,
+    "xyz": _xyz,
+    "srgb16": _srgb16,
+    "exr": _exr,
+    "raw": _raw,
+    "dng": _dng,
+}
+_RAW = ("raw", "dng")

@@ -1,0 +1,149 @@
+"""A pixel from a file of any kind that tells of one, under a sensor that has its own."""
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from chromanoise._check import InputError
+from chromanoise.sensor import (
+    PixelSource,
+    Sensor,
+    photon_transfer_fit,
+    pixel_from_photon_transfer,
+    read_emva_sheet,
+    read_noise_profile,
+    read_photon_transfer_csv,
+)
+from chromanoise.sensor.source_text import source_json, source_text
+from chromanoise.spectra import Spectra
+from chromanoise.spectra.files import ASK, Answers
+from chromanoise.study.spectra_json import named, sensor_from_json, spectra_from_json
+from chromanoise.study.words import sensor_of_word
+
+_HEAD_BYTES = 200  # of our own JSON, in which its schema is named
+_TOLD = ("pitch_um", "full_well_e", "read_noise_e")
+
+
+def read_pixel_source(path: Path | str) -> PixelSource:
+    """What a file tells of a pixel: EMVA 1288 sheet, DNG noise profile, photon transfer.
+
+    Parameters
+    ----------
+    path
+        JSON with ``S`` and ``O`` is a noise profile, a table headed ``mean_dn,variance_dn2`` a
+        photon transfer, all else a data sheet.
+
+    Raises
+    ------
+    InputError
+        As the reader of its kind, or if the file is darktable's, which is relative only.
+    """
+    path = Path(path)
+    try:
+        return _source(path, source_text(path))
+    except InputError as error:
+        raise named(error, path.name) from None
+
+
+def _source(path: Path, text: str) -> PixelSource:
+    if text.lstrip().startswith("{"):
+        held = source_json(text, str(path))
+        if "noiseprofiles" in held:
+            raise InputError(
+                f"{path}: darktable's noise profiles are relative and make no pixel; with camera, "
+                "ISO and full well chromanoise.sensor.pixel_from_darktable gives the read noise, "
+                "to be told as read_noise_e"
+            )
+        return read_noise_profile(path) if {"S", "O"} <= set(held) else read_emva_sheet(path)
+    lines = (line.strip().lower() for line in text.splitlines())
+    first = next((line for line in lines if line and not line.startswith("#")), "")
+    if "mean_dn" in first or "variance_dn2" in first:
+        return pixel_from_photon_transfer(photon_transfer_fit(read_photon_transfer_csv(path)))
+    return read_emva_sheet(path)
+
+
+def own_json_of(path: Path) -> Sensor | Spectra | None:
+    """The sensor or the spectra in a JSON of our own schema; ``None`` for any other file.
+
+    Raises
+    ------
+    InputError
+        If it says that it is ours, but is of another version or wrong.
+    """
+    try:
+        with path.open("rb") as file:
+            if path.suffix.lower() != ".json" or b'"chromanoise s' not in file.read(_HEAD_BYTES):
+                return None
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror})") from None
+    text = source_text(path)
+    if '"chromanoise sensor"' in text[:_HEAD_BYTES]:
+        return sensor_from_json(text, source=str(path))
+    return spectra_from_json(text, source=str(path))
+
+
+def _sensor(word: str, answers: Answers, changes: dict[str, float | None]) -> Sensor:
+    own = own_json_of(Path(word)) if word.lower().endswith(".json") else None
+    if not isinstance(own, Sensor):
+        return sensor_of_word(word, answers=answers, **changes)
+    given = {key: value for key, value in changes.items() if value is not None}
+    return replace(own, pixel=replace(own.pixel, **given))
+
+
+def sensor_with_pixel(
+    word: str,
+    *,
+    answers: Answers = ASK,
+    file: str | None = None,
+    pitch_um: float | None = None,
+    full_well_e: float | None = None,
+    read_noise_e: float | None = None,
+) -> Sensor:
+    """A sensor as `sensor_of_word` or of our own JSON, on the pixel that a file tells of.
+
+    Parameters
+    ----------
+    word, answers
+        As `sensor_of_word`.
+    file
+        Of `read_pixel_source`; ``None`` for the sensor's own pixel.
+    pitch_um, full_well_e, read_noise_e
+        They win over the file, which wins over the sensor's own. [um], [e-], [e-]
+
+    Raises
+    ------
+    InputError
+        As `sensor_of_word` and `read_pixel_source`, or if the file tells none of the three.
+    """
+    given = {"pitch_um": pitch_um, "full_well_e": full_well_e, "read_noise_e": read_noise_e}
+    if file is None:
+        return _sensor(word, answers, given)
+    source = read_pixel_source(file)
+    told = {name: getattr(source, name) for name in _TOLD}
+    if all(value is None for value in told.values()):
+        raise InputError(
+            f"{file}: tells neither pitch nor full well nor read noise; {'; '.join(source.notes)}"
+        )
+    merged = {name: told[name] if given[name] is None else given[name] for name in _TOLD}
+    sensor = _sensor(word, answers, merged)
+    return replace(sensor, notes=(*sensor.notes, *_notes(source, told, given)))
+
+
+def _notes(source: PixelSource, told: dict[str, Any], given: dict[str, Any]) -> list[str]:
+    """Which numbers are the file's, which stay the sensor's own, and what is left lying."""
+    taken = [name for name in _TOLD if told[name] is not None and given[name] is None]
+    won = [name for name in _TOLD if told[name] is not None and given[name] is not None]
+    silent = [name for name in _TOLD if told[name] is None and given[name] is None]
+    notes = [f"{', '.join(taken)} of {source.source}"] if taken else []
+    if won:
+        notes.append(f"{', '.join(won)} as given, not of {source.source}")
+    if silent:
+        notes.append(f"{source.source} does not tell {', '.join(silent)}: the sensor's own stay")
+    flaws = source.imperfections
+    more = {"dark_current_e_per_s": flaws.dark_current_e_per_s, "dsnu_e": flaws.dsnu_e}
+    lying = [
+        f"{name} {value:.4g}" for name, value in (more | {"prnu": flaws.prnu}).items() if value
+    ]
+    if lying:
+        notes.append(f"{source.source} also tells {', '.join(lying)}, which only pictures ask for")
+    return [*notes, *source.notes]

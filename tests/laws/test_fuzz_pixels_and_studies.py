@@ -1,0 +1,186 @@
+"""Damaged files of pixels, studies, outputs and our own JSON: a right result or sentences."""
+
+import json
+import resource
+import time
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from chromanoise._check import InputError
+from chromanoise.sensor import (
+    PixelSource,
+    RelativeNoise,
+    Sensor,
+    read_darktable_noise,
+    sensor_named,
+)
+from chromanoise.spectra import Grid, Spectra
+from chromanoise.study.runs import (
+    STARTER,
+    Study,
+    own_json_of,
+    provenance,
+    read_pixel_source,
+    read_study,
+    study_from_text,
+    study_of_output,
+)
+from chromanoise.study.spectra_files import sensor_spectra
+from chromanoise.study.spectra_json import sensor_json, spectra_json
+from chromanoise.study.table_files import table_from_json, table_json
+from chromanoise.study.tables import Column, Table
+
+SHEET = """# a camera
+K = 0.5 DN/e-
+sigma_d [e-] = 2.4
+mu_e.sat: 9000 e-
+PRNU,0.8,%
+DSNU = 1.5 e-
+mu_I = 3 e-/s
+pixel pitch = 3.45 um
+bits = 12
+DR = 71.5 dB
+"""
+SHEET_JSON = '{"sigma_d": {"value": 2.4, "unit": "e-"}, "K": {"value": 0.5, "unit": "DN/e-"}}'
+PROFILE = '{"S": [1e-4, 1.01e-4], "O": [1e-6, 1e-6], "black_level_dn": 64, "white_level_dn": 1023}'
+TRANSFER = "mean_dn,variance_dn2,samples,light\n100,4.1,1000,dark\n" + "".join(
+    f"{100 + m},{0.5 * m + 4.1},1000,light\n" for m in range(50, 1000, 100)
+)
+DARKTABLE = json.dumps(
+    {
+        "version": 0,
+        "noiseprofiles": [
+            {
+                "maker": "A",
+                "models": [
+                    {
+                        "model": "B",
+                        "profiles": [{"name": "x", "iso": 100, "a": [2e-6] * 3, "b": [2e-8] * 3}],
+                    }
+                ],
+            }
+        ],
+    }
+)
+STUDY = STARTER.replace("# [[pictures]]\n# cube", "[[pictures]]\ncube") + "clip = false\n"
+SENSOR = sensor_named("model-rgb", Grid.uniform(400, 1050, 50))
+TABLE = Table(
+    title="t", columns=(Column(name="a", unit="dB", digits=".2f"),), rows=((1.5,), (None,))
+)
+
+
+def read_darktable(path):
+    return read_darktable_noise(path, maker="A", model="B", iso=100)
+
+
+def read_table(path):
+    return table_from_json(path.read_bytes().decode("utf-8", "replace"), source=str(path))
+
+
+SAMPLES = {
+    "sheet": (read_pixel_source, SHEET),
+    "sheet-json": (read_pixel_source, SHEET_JSON),
+    "profile": (read_pixel_source, PROFILE),
+    "transfer": (read_pixel_source, TRANSFER),
+    "darktable": (read_darktable, DARKTABLE),
+    "study": (read_study, STUDY),
+    "output": (
+        study_of_output,
+        json.dumps(provenance(study_from_text(STARTER, source="starter")), indent=1),
+    ),
+    "sensor-json": (own_json_of, sensor_json(SENSOR)),
+    "spectra-json": (own_json_of, spectra_json(sensor_spectra(SENSOR))),
+    "table": (read_table, table_json(TABLE)),
+}
+SENTENCES = ("study",)  # all its faults at once, one line each
+TOKENS = [
+    *(b"", b"\n", b",", b";", b"\t", b'"', b"'", b"nan", b"1e999", b"-", b"<", b"]", b"[", b"{"),
+    *(b"}", b"%", b"\0", b"\xff", b"99999999999", b"9" * 5000, b"0", b"true", b"null", b"=", b"."),
+    *(b"a.b.c", b"[[", b"]]", b"\\u0000", b"\\ud800", b"#", b"e-", b"DN", b"inf", b"{}", b"[]"),
+    b"[" * 3000,
+]
+
+
+def mutated(content, edits):
+    for place, length, token in edits:
+        at = int(place * len(content))
+        content = content[:at] + token + content[at + length :]
+    return content
+
+
+def right_or_refused(read, path, name):
+    """What was read, or why not: sentences that name the file and are not endless."""
+    try:
+        told = read(path)
+    except InputError as error:
+        lines = str(error).splitlines()
+        assert len(lines) == 1 or name in SENTENCES
+        for line in lines:
+            assert path.name in line, line
+            assert len(line) < 2000
+        return False
+    known = (PixelSource, RelativeNoise, Sensor, Spectra, Study, Table, type(None))
+    assert isinstance(told, known)
+    return True
+
+
+edits = st.lists(
+    st.tuples(
+        st.floats(0, 1, exclude_max=True),
+        st.integers(0, 40),
+        st.one_of(st.sampled_from(TOKENS), st.binary(max_size=6)),
+    ),
+    min_size=1,
+    max_size=6,
+)
+
+
+@pytest.mark.parametrize("name", SAMPLES)
+def test_a_whole_file_is_read(tmp_path, name):
+    read, text = SAMPLES[name]
+    path = tmp_path / f"{name}.json"
+    path.write_text(text)
+    assert right_or_refused(read, path, name)
+
+
+@pytest.mark.parametrize("name", SAMPLES)
+@settings(max_examples=80, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(edits)
+def test_a_damaged_file_is_read_right_or_refused_in_sentences(tmp_path, name, changes):
+    read, text = SAMPLES[name]
+    path = tmp_path / f"{name}.json"
+    path.write_bytes(mutated(text.encode(), changes))
+    right_or_refused(read, path, name)
+
+
+@pytest.mark.evidence
+def test_a_hundred_thousand_damaged_files_are_read_right_or_refused(tmp_path):
+    rng = np.random.default_rng(5)
+    names = list(SAMPLES)
+    right = dict.fromkeys(names, 0)
+    slowest = 0.0
+    for i in range(100_000):
+        name = names[i % len(names)]
+        read, text = SAMPLES[name]
+        changes = [
+            (
+                rng.random(),
+                int(rng.integers(0, 40)),
+                TOKENS[rng.integers(len(TOKENS))]
+                if rng.random() < 0.5
+                else rng.bytes(int(rng.integers(0, 7))),
+            )
+            for _ in range(rng.integers(1, 7))
+        ]
+        path = tmp_path / f"{name}.json"
+        path.write_bytes(mutated(text.encode(), changes))
+        start = time.perf_counter()
+        right[name] += right_or_refused(read, path, name)
+        slowest = max(slowest, time.perf_counter() - start)
+    print(f"read right: {right}; slowest {slowest:.2f} s")
+    assert slowest < 10.0
+    assert min(right.values()) > 0
+    assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss < 2**20  # KiB: 1 GiB

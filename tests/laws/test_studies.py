@@ -1,0 +1,630 @@
+"""A study is what it says: its text, its hash, its run and its script tell the same."""
+
+import json
+import time
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from pydantic import BaseModel
+
+from chromanoise._check import InputError
+from chromanoise.study.runs import (
+    STARTER,
+    Study,
+    provenance,
+    read_study,
+    run_study,
+    study_as_python,
+    study_as_toml,
+    study_from_text,
+    study_hash,
+    study_of_output,
+    study_schema,
+    study_steps,
+)
+from chromanoise.study.runs.document import (
+    AnswersPart,
+    ExposurePart,
+    LightPart,
+    OutputsPart,
+    ParetoPart,
+    PicturePart,
+    PixelPart,
+    SensorPart,
+    SweepPart,
+)
+
+SMALL = """
+schema = 1
+seed = 7
+[light]
+level_lux = 3.0
+[[sensors]]
+name = "onyx-rgbw"
+[[sensors]]
+name = "onyx-rgb-ircut"
+pixel.read_noise_e = 2.0
+[[sweeps]]
+vary = "lux"
+first = 0.1
+last = 100
+points = 5
+[[pictures]]
+frames = 2
+[[pictures]]
+mosaic = "bayer"
+raw_only = true
+row_noise_e = 2.5
+"""
+
+
+def small(changes=()):
+    return study_from_text(SMALL, source="small", changes=changes)
+
+
+def files_of(folder):
+    return {p.name: p.read_bytes() for p in sorted(folder.iterdir())}
+
+
+# ---- texts ----
+
+words = st.text(st.characters(exclude_categories=["Cs"]), max_size=12)
+positive = st.floats(min_value=1e-300, max_value=1e300)
+maybe = st.none
+
+
+def light_parts():
+    return st.builds(
+        LightPart,
+        illuminant=words,
+        level_lux=positive,
+        beyond=st.sampled_from(["refuse", "zero", "hold"]),
+        per=st.sampled_from([None, "photon", "energy"]),
+        column=maybe() | words,
+    )
+
+
+def sensor_parts():
+    pixels = st.builds(
+        PixelPart,
+        file=maybe() | words,
+        pitch_um=maybe() | positive,
+        read_noise_e=maybe() | positive,
+    )
+    answers = st.builds(
+        AnswersPart,
+        scale=st.sampled_from([None, "percent", "fraction"]),
+        peak_qe=maybe() | st.floats(1e-9, 1.0),
+    )
+    return st.builds(SensorPart, name=words, pixel=pixels, answers=answers)
+
+
+def picture_parts():
+    plain = st.builds(
+        PicturePart,
+        cube=words,
+        shape=maybe() | st.tuples(st.integers(), st.integers()),
+        wavelengths=maybe() | st.tuples(positive, positive),
+        formats=maybe() | st.just(("png", "exr")),
+        clip=st.booleans(),
+        prnu=st.floats(0, 0.2),
+    )
+    raw = st.builds(
+        PicturePart, mosaic=words, bits=maybe() | st.integers(8, 16), raw_only=st.booleans()
+    )
+    return plain | raw
+
+
+def studies():
+    sweeps = st.builds(
+        SweepPart,
+        vary=st.just("lux"),
+        first=positive,
+        last=positive,
+        points=st.integers(2, 100_000),
+        quantity=st.just("snr-y"),
+        all_priors=st.booleans(),
+    )
+    outputs = st.builds(
+        OutputsPart,
+        analyses=st.booleans(),
+        budget=st.booleans(),
+        space=st.sampled_from([None, "lab"]),
+        matrix=st.just(True),
+        pareto=maybe() | st.builds(ParetoPart, first=positive, last=positive),
+    )
+    return st.builds(
+        Study,
+        title=words,
+        metric=st.sampled_from(["quanta", "energy"]),
+        seed=st.integers(0, 2**32 - 1),
+        light=light_parts(),
+        exposure=st.builds(ExposurePart, saturate=st.floats(1e-9, 1.0), f_number=positive),
+        sensors=st.lists(sensor_parts(), min_size=1, max_size=3).map(tuple),
+        matrices=st.just(("kernel", "ridge=0.01")),
+        sweeps=st.lists(sweeps, max_size=2).map(tuple),
+        pictures=st.lists(picture_parts(), max_size=2).map(tuple),
+        outputs=outputs,
+    )
+
+
+@settings(max_examples=150)
+@given(studies())
+def test_a_study_read_from_its_own_toml_is_the_same_study(study):
+    assert study_from_text(study_as_toml(study), source="its text") == study
+
+
+def test_the_toml_of_a_study_says_what_differs_from_the_defaults_and_no_more():
+    text = 'schema = 1\n\n[light]\nlevel_lux = 3.0\n\n[[sensors]]\nname = "onyx-rgbw"\n'
+    assert study_as_toml(study_from_text(text, source="text")) == text
+    longer = text.replace("level_lux", 'illuminant = "E"\nlevel_lux') + 'beyond = "refuse"\n'
+    assert study_as_toml(study_from_text(longer, source="text")) == text
+
+
+def printed(study, capsys):
+    exec(compile(study_as_python(study), "script", "exec"), {})
+    return json.loads(capsys.readouterr().out)
+
+
+def but_files(result):
+    """A script writes into the folder in which it runs, under names of its own."""
+    for one in result.get("pictures", []):
+        one.pop("files")
+        one.pop("not_written", None)
+    return result
+
+
+EXTRAS = [
+    SMALL,
+    """
+matrices = ["lmmse", "kernel"]
+metric = "energy"
+[light]
+illuminant = "3200K"
+[exposure]
+equal = "light"
+magnification = 0.1
+[[sensors]]
+name = "model-rgb"
+pixel = { pitch_um = 2.5, full_well_e = 5000 }
+[[sweeps]]
+vary = "read-noise-e"
+first = 1
+last = 50
+points = 3
+quantity = "bound"
+all_priors = true
+[outputs]
+budget = false
+clip = true
+space = "lab"
+matrix = true
+pareto = { first = 0.1, last = 10, points = 3 }
+""",
+    """
+[exposure]
+time_ms = 4
+[[sensors]]
+name = "model-rgb"
+[outputs]
+merit = true
+chart = true
+""",
+]
+
+
+@pytest.mark.parametrize("text", EXTRAS)
+def test_the_script_of_a_study_prints_the_numbers_of_its_run(text, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    study = study_from_text(text, source="text")
+    files = run_study(study, tmp_path / "run")
+    ours = [but_files(json.loads(file.read_bytes())["result"]) for file in files]
+    assert [but_files(one) for one in printed(study, capsys)] == ours
+    for picture in tmp_path.glob("picture-*.raw.tiff"):
+        run = next((tmp_path / "run").glob("picture-2-onyx-rgbw-*.raw.tiff"))
+        if "rgbw" in picture.name:
+            assert picture.read_bytes() == run.read_bytes()
+
+
+def test_a_script_holds_words_of_a_study_as_words_only():
+    text = SMALL.replace('"onyx-rgbw"', json.dumps("x') or print(1) #\\\n"))
+    study = study_from_text('title = "\\u0000\\n\\"\\"\\" boo"\n' + text, source="text")
+    compile(study_as_python(study), "script", "exec")
+    with pytest.raises(InputError, match="unknown sensor"):
+        exec(compile(study_as_python(study), "script", "exec"), {})
+
+
+# ---- hash ----
+
+OTHER = {
+    "schema_number": None,  # there is one schema
+    "title": "t",
+    "metric": "energy",
+    "seed": 5,
+    "matrices": ("lmmse",),
+    "prior": "chart",
+    "illuminant": "A",
+    "level_lux": 4.0,
+    "per": "energy",
+    "column": "c",
+    "equal": "light",
+    "time_ms": 3.0,
+    "saturate": 0.5,
+    "f_number": 2.0,
+    "magnification": 0.5,
+    "name": "model-rgb",
+    "beyond": "hold",
+    "scale": "percent",
+    "level": "relative",
+    "wavelength_unit": "um",
+    "peak_qe": 0.5,
+    "file": "p.txt",
+    "pitch_um": 3.0,
+    "full_well_e": 999.0,
+    "read_noise_e": 3.0,
+    "vary": "kelvin",
+    "first": 2.0,
+    "last": 2000.0,
+    "points": 9,
+    "quantity": "bound",
+    "all_priors": True,
+    "key": "k",
+    "shape": (2, 3),
+    "wavelengths": (400.0, 700.0),
+    "bad_pixels": "zero",
+    "mosaic": "rgb-ir",
+    "demosaic": "lmmse",
+    "raw_only": True,
+    "bits": 9,
+    "black_level": 3,
+    "frames": 3,
+    "formats": ("png",),
+    "clip": True,
+    "dark_current_e_per_s": 1.0,
+    "dsnu_e": 1.0,
+    "prnu": 0.01,
+    "row_noise_e": 1.0,
+    "analyses": False,
+    "budget": False,
+    "merit": True,
+    "chart": True,
+    "space": "lab",
+    "matrix": True,
+    "pareto": ParetoPart(first=1.0, last=2.0),
+    "cube": "builtin:checker",
+}
+FULL = Study(
+    sensors=(SensorPart(name="onyx-rgbw"),),
+    sweeps=(SweepPart(vary="lux", first=1.0, last=10.0),),
+    pictures=(PicturePart(cube="builtin:other"),),
+)
+
+
+def leaves(model, path=()):
+    """(path, field's name) of every value that a study holds."""
+    for name in type(model).model_fields:
+        value = getattr(model, name)
+        if isinstance(value, BaseModel):
+            yield from leaves(value, (*path, name))
+        elif isinstance(value, tuple) and value and isinstance(value[0], BaseModel):
+            yield from leaves(value[0], (*path, name, 0))
+        else:
+            yield path, name
+
+
+def changed(model, path, name, value):
+    """A copy that differs in one field, unchecked: only the hash is asked."""
+    if not path:
+        return model.model_copy(update={name: value})
+    step, *rest = path
+    inner = getattr(model, step)
+    if rest and rest[0] == 0:
+        return model.model_copy(update={step: (changed(inner[0], rest[1:], name, value),)})
+    return model.model_copy(update={step: changed(inner, rest, name, value)})
+
+
+def test_the_hash_depends_on_every_field_of_a_study(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "p.txt").write_text("x")
+    (tmp_path / "builtin").mkdir()
+    seen = {study_hash(FULL)}
+    count = 1
+    for path, name in leaves(FULL):
+        if name == "schema_number":
+            continue
+        other = (
+            "p.txt"
+            if name == "file"
+            else 0.5
+            if path[:1] == ("pictures",) and name == "scale"
+            else OTHER[name]
+        )
+        seen.add(study_hash(changed(FULL, path, name, other)))
+        count += 1
+    assert len(seen) == count > 50
+
+
+def test_the_hash_depends_on_the_bytes_of_every_file_and_on_the_version(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    names = ["s.csv", "light.csv", "pixel.txt", "cube.hdr", "cube.dat"]
+    for name in names:
+        (tmp_path / name).write_text("ENVI\n" if name == "cube.hdr" else "one")
+    (tmp_path / "pages").mkdir()
+    (tmp_path / "pages" / "1.png").write_text("one")
+    (tmp_path / "bare").write_text("one")  # a file of curves needs no ending
+    study = Study(
+        light=LightPart(illuminant="light.csv"),
+        sensors=(
+            SensorPart(name="s.csv", pixel=PixelPart(file="pixel.txt")),
+            SensorPart(name="bare"),
+        ),
+        pictures=(PicturePart(cube="cube.dat"), PicturePart(cube="pages")),
+    )
+    told = provenance(study)
+    assert set(told["files"]) == {*names, "pages/1.png", "bare"}
+    seen = {told["hash"]}
+    for name in told["files"]:
+        kept = (tmp_path / name).read_text()
+        (tmp_path / name).write_text(kept + "two")
+        seen.add(study_hash(study))
+        (tmp_path / name).write_text(kept)
+    monkeypatch.setattr("chromanoise.study.runs.hashes.__version__", "another")
+    seen.add(study_hash(study))
+    assert len(seen) == 2 + len(told["files"])
+    monkeypatch.undo()
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "pages" / "2.png").write_text("new")
+    assert study_hash(study) not in seen
+
+
+# ---- runs ----
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("run") / "whole"
+    run_study(small(), folder)
+    return folder
+
+
+@pytest.mark.parametrize("after", [0, 1, 2, 3])
+def test_a_run_that_was_stopped_goes_on_to_the_same_bytes(after, whole, tmp_path):
+    steps = []
+
+    def told(what, done):
+        if len(steps) == after:
+            raise KeyboardInterrupt
+        steps.append(done)
+
+    with pytest.raises(KeyboardInterrupt):
+        run_study(small(), tmp_path / "o", told=told)
+    stood = []
+    run_study(small(), tmp_path / "o", told=lambda _, done: stood.append(done))
+    assert stood == [True] * after + [False] * (4 - after)
+    assert files_of(tmp_path / "o") == files_of(whole)
+
+
+def test_a_picture_that_was_taken_away_is_taken_again(whole, tmp_path):
+    run_study(small(), tmp_path / "o")
+    gone = next((tmp_path / "o").glob("picture-1-*.png"))
+    gone.unlink()
+    stood = []
+    run_study(small(), tmp_path / "o", told=lambda _, done: stood.append(done))
+    assert stood == [True, True, False, True]
+    assert files_of(tmp_path / "o") == files_of(whole)
+
+
+def test_the_study_of_any_output_runs_to_the_same_bytes(whole, tmp_path):
+    study = small()
+    for output in [whole, *whole.glob("*.json")]:
+        assert study_of_output(output) == study
+    run_study(study_of_output(whole), tmp_path / "o")
+    assert files_of(tmp_path / "o") == files_of(whole)
+
+
+def test_frames_and_parts_of_a_study_do_not_share_their_noise(whole):
+    codes = {p.read_bytes() for p in whole.glob("picture-1-onyx-rgbw-*.xyz.tiff")}
+    assert len(codes) == 2
+    told = json.loads((whole / "pictures-2.json").read_bytes())["result"]["pictures"]
+    assert [one["frame"] for one in told] == [2, 2]
+
+
+def test_an_output_that_was_changed_or_is_of_another_version_or_file_is_refused(
+    whole, tmp_path, monkeypatch
+):
+    text = (whole / "study.json").read_text()
+    for name, content, match in [
+        ("seed", text.replace('"seed": 7', '"seed": 8', 1), "was changed since"),
+        ("kind", text.replace('"level_lux": 3.0', '"level_lux": "3"'), "no study of this version"),
+        ("half", text[: len(text) // 2], "no JSON"),
+        ("other", "{}", "no output of `chromanoise run`"),
+        ("list", "[1]", "no output of `chromanoise run`"),
+        ("deep", "[" * 100_000, "no JSON"),
+    ]:
+        assert content != text
+        path = tmp_path / f"{name}.json"
+        path.write_text(content)
+        with pytest.raises(InputError, match=match) as error:
+            study_of_output(path)
+        assert len(str(error.value).splitlines()) == 1
+    monkeypatch.setattr("chromanoise.study.runs.hashes.__version__", "0.0.0")
+    with pytest.raises(InputError, match=r"version '0\.1\.0' of chromanoise or was changed"):
+        study_of_output(whole)
+    with pytest.raises(InputError, match="another study or version"):
+        run_study(small(), whole)
+
+
+def test_results_of_a_file_that_changed_since_are_not_gone_on_with(tmp_path):
+    curves = tmp_path / "cam.csv"
+    rows = [f"{w},{0.3},{0.4}" for w in range(400, 1051, 10)]
+    curves.write_text("\n".join(["wavelength_nm,A,B", *rows]))
+    study = study_from_text(f"[[sensors]]\nname = {json.dumps(str(curves))}", source="text")
+    run_study(study, tmp_path / "o")
+    curves.write_text("\n".join(["wavelength_nm,A,B", *rows]).replace("0.4", "0.5"))
+    with pytest.raises(InputError, match="another study or version"):
+        run_study(study, tmp_path / "o")
+    with pytest.raises(InputError, match="changed"):
+        study_of_output(tmp_path / "o")
+
+
+def test_outputs_stay_in_their_folder_whatever_a_sensor_is_called(tmp_path):
+    name = "..\\ .. $(x) é"
+    curves = tmp_path / f"{name}.csv"
+    rows = [f"{w},{0.3},{0.1 + 0.4 * (w % 70) / 70},{0.2 + w / 9000}" for w in range(400, 1051, 10)]
+    curves.write_text("\n".join(["wavelength_nm,A,B,C", *rows]))
+    text = f"[[sensors]]\nname = {json.dumps(str(curves))}\n[[pictures]]\nformats=['png']"
+    files = run_study(study_from_text(text, source="text"), tmp_path / "o")
+    assert {p.parent for p in files} == {tmp_path / "o"}
+    assert sorted(p.name for p in tmp_path.iterdir()) == sorted(["o", curves.name])
+    (picture,) = (tmp_path / "o").glob("*.png")
+    assert picture.name.isprintable()
+    assert not set(picture.name) & set("\\/$( ")
+
+
+def test_what_cannot_be_is_refused_before_anything_is_computed(tmp_path):
+    for change, match in [
+        ("sweeps.0.first=1e30", "sweep of lux"),
+        ("sweeps.0.first=200", "must rise"),
+        ("pictures.1.mosaic=RG/B", "row 1"),
+        ("pictures.0.formats=['dng']", "format dng is of a mosaic"),
+        ("pictures.0.cube=nowhere.hdr", "nowhere.hdr"),
+        ("pictures.0.scale=2", "leave scale away"),
+        ("sensors.0.name=onyx", "onyx"),
+        ("sensors.1.name=onyx-rgbw", "stands twice"),
+        ("sensors.0.pixel.file=nowhere.txt", "nowhere.txt"),
+        ("matrices=['ridge']", "ridge=<strength>"),
+    ]:
+        with pytest.raises(InputError, match=match) as error:
+            run_study(small([change]), tmp_path / "o")
+        assert len(str(error.value).splitlines()) == 1
+        assert not (tmp_path / "o").exists()
+
+
+def test_a_study_that_asks_for_nothing_is_told_so():
+    text = '[[sensors]]\nname = "onyx-rgbw"\n[outputs]\nanalyses = false'
+    with pytest.raises(InputError, match="asks for nothing"):
+        study_steps(study_from_text(text, source="text"))
+
+
+# ---- reading ----
+
+
+def test_every_fault_is_told_at_once_with_file_line_and_what_may_be_meant(tmp_path):
+    path = tmp_path / "s.toml"
+    path.write_text(
+        'metric = "quants"\n'
+        "[light]\n"
+        "level_lux = -1\n"
+        "iluminant = 3\n"
+        "[[sensors]]\n"
+        'name = "onyx-rgbw"\n'
+        "[sensors.pixel]\n"
+        'pitch_um = "wide"\n'
+        "[[sensors]]\n"
+        "[[pictures]]\n"
+        "bits = 99\n"
+        "[[sweeps]]\n"
+        'vary = "luxx"\n'
+        "first = nan\n"
+    )
+    with pytest.raises(InputError) as error:
+        read_study(path)
+    lines = str(error.value).splitlines()
+    told = {line.removeprefix(f"{path}:").split(":")[0] for line in lines}
+    assert told == {"3", "4", "8", "9", "11", "12", "14"}
+    assert any("did you mean illuminant" in line for line in lines)
+    path.write_text(
+        'metric = "quants"\n[[sensors]]\nname = "a"\n[[sweeps]]\nvary = "luxx"\nfirst=1\nlast=2\n'
+        '[[pictures]]\nmosaic="bayer"\ndemosaic = "bilinar"\nformats = ["png", "jpg"]\n'
+    )
+    with pytest.raises(InputError) as error:
+        read_study(path)
+    assert str(error.value).splitlines() == [
+        f"{path}:1: metric: unknown name 'quants', did you mean quanta?",
+        f"{path}:5: sweeps.0.vary: unknown name 'luxx', did you mean lux?",
+        f"{path}:10: pictures.0.demosaic: unknown name 'bilinar', did you mean bilinear?",
+        f"{path}:11: pictures.0.formats.1: unknown name 'jpg', did you mean png?",
+    ]
+
+
+def test_a_change_wins_over_the_file_and_is_named_where_it_is_wrong():
+    study = small(["light.level_lux=5", "sensors.0.name=model-rgb", "sensors.1.pixel.pitch_um=2.0"])
+    assert study.light.level_lux == 5
+    assert [sensor.name for sensor in study.sensors] == ["model-rgb", "onyx-rgb-ircut"]
+    assert study.sensors[1].pixel == PixelPart(read_noise_e=2.0, pitch_um=2.0)
+    for change, match in [
+        ("light.level_lux=-1", "^--set light.level_lux=-1: light.level_lux: .* greater than 0"),
+        ("light.lux=1", "did you mean level_lux"),
+        ("light", "takes key=value"),
+        ("sensors.7.name=x", "has nothing at"),
+        ("seed.0=1", "has nothing at"),
+        (".=1", "takes key=value"),
+    ]:
+        with pytest.raises(InputError, match=match):
+            small([change])
+
+
+def nested(depth):
+    return "a = " + "[" * depth + "]" * depth
+
+
+HOSTILE = [
+    "",
+    "\x00",
+    "a" * 2_000_000,
+    nested(100),
+    nested(100_000),
+    "a." * 50_000 + "b = 1",
+    "[" + "a." * 50_000 + "b]",
+    "[light]\nlevel_lux = 1\n[light]\nlevel_lux = 2",
+    "light.level_lux = 1\n[light]\nlevel_lux = 2",
+    'light = 3\nsensors = "x"\nsweeps = 1.5\npictures = {}\noutputs = []\nexposure = true',
+    "sensors = []",
+    "sensors = [[]]",
+    "sensors = [1, 'a', {}, []]",
+    "schema = 2\n[[sensors]]\nname = 'a'",
+    "schema = true\n[[sensors]]\nname = 'a'",
+    "[[sensors]]\nname = 1979-05-27",
+    "[[sensors]]\nname = 'a'\n[light]\nlevel_lux = inf",
+    "seed = 99999999999999999999999999\n[[sensors]]\nname='a'",
+    "matrices = ['']\n[[sensors]]\nname='a'",
+    "[[sensors]]\nname='a'\n[[pictures]]\nshape=[1]\nwavelengths=[1,2,3]\nformats=[]\nframes=0",
+    "x = " + "9" * 10_000,
+]
+
+
+@pytest.mark.parametrize("text", HOSTILE, ids=lambda text: text[:12].encode().hex() or "empty")
+def test_a_hostile_text_is_refused_in_sentences(text, tmp_path):
+    path = tmp_path / "s.toml"
+    path.write_text(text)
+    start = time.perf_counter()
+    with pytest.raises(InputError) as error:
+        read_study(path)
+    assert time.perf_counter() - start < 4.0
+    for line in str(error.value).splitlines():
+        assert line.startswith(f"{path}")
+        assert len(line) < 2000
+
+
+def test_other_things_than_a_text_are_refused_in_one_sentence(tmp_path):
+    (tmp_path / "latin").write_bytes(b"title = '\xe9'")
+    for path in (tmp_path, tmp_path / "latin", tmp_path / "none", "a\0b"):
+        with pytest.raises(InputError) as error:
+            read_study(path)
+        assert len(str(error.value).splitlines()) == 1
+
+
+def test_the_starter_is_a_study_of_two_sensors_and_the_schema_knows_all_its_keys():
+    study = study_from_text(STARTER, source="starter")
+    assert [sensor.name for sensor in study.sensors] == ["onyx-rgbw", "onyx-rgb-ircut"]
+    schema = study_schema()
+    for key in ("light", "sensors", "sweeps", "pictures", "outputs", "schema"):
+        assert key in schema["properties"]
+
+
+def test_every_key_of_a_study_file_is_described():
+    schema = study_schema()
+    for part in [schema, *schema["$defs"].values()]:
+        for name, field in part["properties"].items():
+            assert "description" in field or "$ref" in str(field), name  # a part tells itself

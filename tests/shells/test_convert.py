@@ -1,0 +1,241 @@
+"""`convert` and ``--table``: what is written is read back to the digit; ``--pixel`` is used."""
+
+import csv
+import json
+import re
+
+import numpy as np
+import pytest
+
+from chromanoise.sensor import PAPER_PIXEL, sensor_named
+from chromanoise.spectra import DEFAULT_GRID
+from chromanoise.spectra.files import read_curves
+from chromanoise.study.spectra_json import sensor_from_json, spectra_from_json
+from chromanoise.study.table_files import table_from_json
+from outcomes import refused
+
+
+@pytest.fixture(autouse=True)
+def here(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.fixture
+def done(run):
+    def call(*arguments):
+        code, out, err = run(*arguments)
+        assert code == 0, err
+        return out, err
+
+    return call
+
+
+# ---- convert ----
+
+
+def test_a_sensor_comes_back_from_its_own_json_to_the_digit_and_can_be_used_as_a_file(done, here):
+    assert done("convert", "onyx-rgbw", "mine.json") == ("mine.json: written\n", "")
+    ours = sensor_named("onyx-rgbw", DEFAULT_GRID)
+    again = sensor_from_json((here / "mine.json").read_text())
+    assert (again.qe == ours.qe).all()
+    assert (again.mosaic, again.pixel, again.notes) == (ours.mosaic, ours.pixel, ours.notes)
+    assert done("analyze", "mine.json", "--json", "-") == done(
+        "analyze", "onyx-rgbw", "--json", "-"
+    )
+
+
+def test_curves_come_back_from_csv_json_and_csv_again_to_the_digit(done, here):
+    rng = np.random.default_rng(2)
+    table = rng.random((9, 3)) * 10.0 ** rng.integers(-12, 0, (9, 3))
+    rows = [",".join(map(repr, [400.0 + 72.5 * i, *row])) for i, row in enumerate(table.tolist())]
+    (here / "a.csv").write_text("\n".join(["wavelength_nm,R,G,B", *rows]))
+    done("convert", "a.csv", "b.json", "--quantity", "QE", "--absolute")
+    done("convert", "b.json", "c.csv")
+    assert (spectra_from_json((here / "b.json").read_text()).values == table).all()
+    assert (read_curves(here / "c.csv").curves.values == table).all()
+
+
+def test_one_curve_comes_back_from_tm_27_to_the_digit(done, here):
+    _, err = done("convert", "onyx-rgbw", "w.spdx", "--column", "W", "--created", "2026-01-31")
+    ours = sensor_named("onyx-rgbw", DEFAULT_GRID)
+    assert (read_curves(here / "w.spdx").curves.values[:, 0] == ours.qe[:, 3]).all()
+    assert "<DocumentCreationDate>2026-01-31<" in (here / "w.spdx").read_text()
+    for lost in ("pixel and mosaic", "unit e-/photon", "curve R, G, B"):
+        assert f"not kept: {lost}" in err
+
+
+def test_a_rawtoaces_camera_is_qe_times_wavelength_up_to_one_factor(done, here):
+    (here / "cam.csv").write_text(
+        "# quantity: QE [e-/photon]\nwavelength_nm,R,G,B,W\n400,0.1,0.2,0.4,0.5\n"
+        "500,0.1,0.4,0.2,0.5\n600,0.3,0.1,0.1,0.5\n"
+    )
+    _, err = done("convert", "cam.csv", "cam.json", "--as", "rawtoaces")
+    told = json.loads((here / "cam.json").read_text())
+    assert told["spectral_data"]["data"]["main"]["400"] == pytest.approx([0.2, 0.4, 0.8])
+    assert told["spectral_data"]["data"]["main"]["600"] == pytest.approx([0.9, 0.3, 0.3])
+    assert told["header"]["model"] == "cam"
+    assert "the height of the curves" in err
+    assert "channel W" in err
+    again = read_curves(here / "cam.json").curves  # a response per energy stays as it is
+    done("convert", "cam.json", "again.json", "--as", "rawtoaces")
+    assert (read_curves(here / "again.json").curves.values == again.values).all()
+
+
+def test_a_date_makes_the_bytes_the_same_on_every_day(done, here):
+    for name in ("a.json", "b.json"):
+        done("convert", "onyx-rgb", name, "--as", "rawtoaces", "--created", "2026-01-31")
+    assert (here / "a.json").read_bytes() == (here / "b.json").read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "parts"),
+    [
+        (("cam.csv", "cam.csv"), ("OUT cam.csv", "is the file that is read")),
+        (("cam.csv", "./cam.csv"), ("is the file that is read",)),
+        (("cam.csv", "x.xlsx"), (".csv, .json, .spdx",)),
+        (("cam.csv", "x.csv", "--as", "rawtoaces"), ("--as rawtoaces", ".json")),
+        (("cam.csv", "x.json", "--as", "rawtoaces"), ("--energy or --photons",)),
+        (("cam.csv", "x.spdx"), ("2 curves (A, B)", "--column")),
+        (("cam.csv", "x.spdx", "--column", "C"), ("'C'",)),
+        (("cam.csv", "x.spdx", "--column", "A", "--created", "soon"), ("--created", "2026-01-31")),
+        (("nowhere.csv", "x.json"), ("nowhere.csv", "cannot be read")),
+        (("nowhere.json", "x.csv"), ("nowhere.json", "cannot be read")),
+        (("onyx", "x.json"), ("onyx-rgb",)),
+        (("onyx-rgbw", "x.json", "--column", "R"), ("--column", "keeps all")),
+        (("old.json", "x.csv"), ("schema_version must be 1, but is 9",)),
+    ],
+)
+def test_what_cannot_be_converted_is_one_sentence_and_writes_nothing(run, here, arguments, parts):
+    (here / "cam.csv").write_text("wavelength_nm,A,B\n400,0.1,0.2\n500,0.2,0.2\n")
+    (here / "old.json").write_text('{"schema": "chromanoise sensor", "schema_version": 9}')
+    refused(run("convert", *arguments), *parts)
+    assert sorted(p.name for p in here.iterdir()) == ["cam.csv", "old.json"]
+
+
+# ---- --table ----
+
+
+def test_a_table_of_analyze_holds_the_numbers_of_its_json(done, here):
+    out, _ = done("analyze", "onyx-rgbw", "model-rgb", "--table", "t.json", "--json", "-")
+    table = table_from_json((here / "t.json").read_text())
+    heads = [column.name for column in table.columns]
+    for row, told in zip(table.rows, json.loads(out)["sensors"], strict=True):
+        cells = dict(zip(heads, row, strict=True))
+        assert cells["sensor"] == told["name"]
+        assert cells["SNR Y"] == told["color"]["snr_db"]["Y"]
+        assert cells["time"] == pytest.approx(told["time_ms"], rel=1e-15)
+
+
+def test_a_table_of_compare_has_a_row_per_value_and_one_of_matrix_a_row_per_coordinate(done, here):
+    done("compare", "onyx-rgbw", "onyx-rgb", "--points", 4, "--table", "c.csv")
+    rows = list(csv.reader((here / "c.csv").read_text().splitlines()))
+    assert [len(rows), len(rows[0])] == [5, 5]
+    out, _ = done("matrix", "onyx-rgbw", "--table", "m.csv", "--json", "-")
+    rows = list(csv.reader((here / "m.csv").read_text().splitlines()))
+    assert rows[0] == ["coordinate", *(f"{name} [lx/e-]" for name in "RGBW")]
+    assert [row[0] for row in rows[1:]] == ["X", "Y", "Z"]
+    told = np.array([[float(cell) for cell in row[1:]] for row in rows[1:]])
+    assert (told == np.array(json.loads(out)["matrix"]["lux_per_e"])).all()
+
+
+@pytest.mark.parametrize("command", ["analyze", "compare", "matrix"])
+def test_the_ending_decides_the_form_and_is_refused_before_the_work(run, done, here, command):
+    few = ("--points", 2) if command == "compare" else ()
+    for ending, begin in ((".md", "**"), (".tex", r"\begin{table}"), (".CSV", "")):
+        done(command, "onyx-rgb", *few, "--table", f"t{ending}")
+        assert (here / f"t{ending}").read_text().startswith(begin)
+    refused(run(command, "nothing", *few, "--table", "t.pdf"), "t.pdf", ".csv, .json, .md, .tex")
+    (here / "cam.csv").write_text("mine")
+    refused(run(command, "cam.csv", *few, "--table", "cam.csv"), "is the file that is read")
+    assert (here / "cam.csv").read_text() == "mine"
+
+
+# ---- --pixel ----
+
+
+def sensor_told(done, *arguments):
+    (told,) = json.loads(done("analyze", "onyx-rgbw", *arguments, "--json", "-")[0])["sensors"]
+    return told, " | ".join(told["notes"])
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "pixel"),
+    [
+        ("sheet.txt", "sigma_d = 3 e-\nmu_e.sat = 8000 e-\npixel pitch = 4 um", (4, 8000, 3)),
+        ("sheet.json", '{"sigma_d": {"value": 3, "unit": "e-"}}', (10, 10_000, 3)),
+        # S = 1 / (K range), O = ((read / K)^2 + 1/12) / range^2 with K = 2, range 200, read 40
+        (
+            "profile.json",
+            '{"S": 0.0025, "O": 0.010002083333333333, "black_level_dn": 55, "white_level_dn": 255}',
+            (10, 10_000, 40),
+        ),
+        # variance = 0.5 (mean - 100) + 4 + 1/12: K = 0.5 DN/e-, read noise 2 / 0.5 = 4 e-
+        (
+            "transfer.csv",
+            "mean_dn,variance_dn2,light\n100,4.083333333333333,dark\n"
+            + "\n".join(
+                f"{100 + m},{0.5 * m + 4.083333333333333},light" for m in range(50, 2000, 150)
+            ),
+            (10, 10_000, 4),
+        ),
+    ],
+)
+def test_the_pixel_of_a_file_is_used_where_the_file_tells_it(done, here, name, text, pixel):
+    (here / name).write_text(text)
+    with_file, notes = sensor_told(done, "--pixel", name)
+    options = zip(("--pitch-um", "--full-well-e", "--read-noise-e"), pixel, strict=True)
+    typed, _ = sensor_told(done, *(word for option in options for word in option))
+    for part in ("channels", "color"):
+        assert rounded(with_file[part]) == rounded(typed[part])
+    silent = [
+        key
+        for key, own, now in zip(
+            ("pitch_um", "full_well_e", "read_noise_e"), (10.0, 10_000.0, 10.0), pixel, strict=True
+        )
+        if own == now
+    ]
+    if silent:
+        assert f"does not tell {', '.join(silent)}: the sensor's own stay" in notes
+
+
+def rounded(told):
+    """Nested data with its numbers to 9 digits."""
+    text = json.dumps(told)
+    return re.sub(r"-?\d+\.\d+(?:e-?\d+)?", lambda m: f"{float(m[0]):.9g}", text)
+
+
+def test_a_number_that_is_given_wins_over_the_file_and_the_note_says_so(done, here):
+    (here / "p.txt").write_text("sigma_d = 3 e-\nmu_e.sat = 8000 e-\nPRNU = 1 %")
+    told, notes = sensor_told(done, "--pixel", "p.txt", "--read-noise-e", 5)
+    typed, _ = sensor_told(done, "--full-well-e", 8000, "--read-noise-e", 5)
+    assert told["color"] == typed["color"]
+    assert "read_noise_e as given, not of p.txt" in notes
+    assert "prnu 0.01, which only pictures ask for" in notes
+
+
+@pytest.mark.parametrize(
+    ("text", "parts"),
+    [
+        ('{"noiseprofiles": []}', ("darktable", "relative", "read_noise_e")),
+        ("quantum efficiency = 60 %", ("neither pitch nor full well nor read noise",)),
+        ("nonsense", ("p.txt", "EMVA 1288")),
+        ("mean_dn,variance_dn2\n1,x", ("p.txt", "line 2")),
+    ],
+)
+def test_a_file_that_makes_no_pixel_is_refused_with_what_to_do(run, here, text, parts):
+    (here / "p.txt").write_text(text)
+    refused(run("analyze", "onyx-rgbw", "--pixel", "p.txt"), *parts)
+
+
+def test_every_command_that_takes_sensors_takes_the_pixel_of_a_file_and_never_overwrites_it(
+    run, done, here
+):
+    (here / "p.json").write_text('{"sigma_d": {"value": 3, "unit": "e-"}}')
+    for asked in (("matrix", "onyx-rgb"), ("compare", "onyx-rgb", "--points", 2)):
+        done(*asked, "--pixel", "p.json")
+        refused(run(*asked, "--pixel", "p.json", "--json", "p.json"), "is the file that is read")
+    done("simulate", "builtin:checker", "--sensor", "onyx-rgb", "--pixel", "p.json", "-o", "o")
+    assert PAPER_PIXEL.read_noise_e == 10  # so that 3 is the file's
+    told = json.loads((here / "o" / "summary.json").read_text())["pictures"][0]
+    assert any("read_noise_e of p.json" in note for note in told["notes"])

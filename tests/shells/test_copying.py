@@ -1,0 +1,217 @@
+"""``--copy-as``: what it prints computes the digits of the command that printed it."""
+
+import json
+import shlex
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+import tifffile
+
+from chromanoise.study.runs import study_as_command, study_from_text
+from outcomes import refused
+
+GIVEN = ("--lux", 3, "--f-number", 2.8, "--metric", "energy")
+
+
+@pytest.fixture
+def copied(run, tmp_path):
+    """Run a command with --copy-as toml, run that study; give back its results by step."""
+
+    def call(*arguments):
+        code, out, err = run(*arguments, "--copy-as", "toml")
+        assert (code, err) == (0, "")
+        path = tmp_path / "copied.toml"
+        path.write_text(out)
+        code, _, err = run("run", path, "-o", tmp_path / "copied")
+        assert code == 0, err
+        found = {p.stem: json.loads(p.read_bytes()) for p in (tmp_path / "copied").glob("*.json")}
+        return {name: told["result"] for name, told in found.items() if "result" in told}
+
+    return call
+
+
+def told_by(run, *arguments):
+    code, out, err = run(*arguments, "--json", "-")
+    assert code == 0, err
+    return json.loads(out)
+
+
+@pytest.fixture
+def curves(tmp_path):
+    path = tmp_path / "my cam.csv"
+    rows = [f"{w},{30 + w % 50},{20 + w % 70},{w / 20}" for w in range(400, 1001, 20)]
+    path.write_text("\n".join(["wavelength_nm,R,G,B", *rows]))
+    return path
+
+
+@pytest.fixture
+def sheet(tmp_path):
+    path = tmp_path / "sheet.txt"
+    path.write_text("K = 0.5 DN/e-\nsigma_d = 3.0 e-\nmu_e.sat = 8000 e-\nPRNU = 1 %\n")
+    return path
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        ("onyx-rgbw",),
+        ("onyx-rgbw", "model-rgb", *GIVEN, "--budget", "--matrix", "lmmse", "--prior", "chart"),
+        ("model-rgb", "--time-ms", 4, "--clip", "--space", "lab"),
+        ("model-rgb", "--saturate", 0.5, "--magnification", 0.1, "--read-noise-e", 2, "--merit"),
+        ("model-rgb", "--illuminant", "D65", "--illuminant-beyond", "zero"),
+    ],
+)
+def test_a_study_copied_from_analyze_gives_its_digits(run, copied, options):
+    (result,) = copied("analyze", *options).values()
+    assert result == told_by(run, "analyze", *options)
+
+
+def test_files_and_what_is_said_of_them_are_copied_too(run, copied, curves, sheet):
+    options = (curves, "--percent", "--beyond", "zero", "--pixel", sheet, "--pitch-um", 4)
+    (result,) = copied("analyze", *options).values()
+    assert result == told_by(run, "analyze", *options)
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        ("onyx-rgbw", "onyx-rgb-ircut"),
+        ("onyx-rgbw", "onyx-rgb", *GIVEN, "--equal", "light", "--matrix", "kernel, ridge=0.1"),
+        ("onyx-rgbw", "onyx-rgb", "--matrix", "lmmse", "--prior", "all", "--quantity", "bound"),
+        ("onyx-rgbw", "onyx-rgb", "--sweep", "kelvin=2000:9000", "--equal", "saturation"),
+    ],
+)
+def test_a_study_copied_from_compare_gives_its_digits(run, copied, options):
+    options = (*options, "--points", 4)
+    (result,) = copied("compare", *options).values()
+    told = told_by(run, "compare", *options)
+    assert result == {key: told[key] for key in result}
+    assert set(told) - set(result) == {"equal", "prior"}
+
+
+@pytest.mark.parametrize(
+    "options",
+    [("--method", "lmmse", "--prior", "chart"), ("--pareto", "0.1:10:3", *GIVEN), ("--time-ms", 2)],
+)
+def test_a_study_copied_from_matrix_gives_its_digits(run, copied, options):
+    (result,) = copied("matrix", "onyx-rgbw", *options).values()
+    assert result["sensors"] == [told_by(run, "matrix", "onyx-rgbw", *options)]
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        ("--clip", "--prnu", 0.02, "--dsnu-e", 5, "--format", "png,xyz,srgb16"),
+        ("--mosaic", "sensor", "--demosaic", "lmmse", "--bits", 10, "--black-level", 32),
+        ("--mosaic", "bayer", "--raw-only", "--frames", 2, "--seed", 5, "--row-noise-e", 3),
+    ],
+)
+def test_a_study_copied_from_simulate_gives_its_pictures(run, copied, options, tmp_path):
+    asked = ("simulate", "builtin:checker", "--sensor", "model-rgb", *options)
+    ours = copied(*asked)["pictures-1"]["pictures"]
+    code, _, err = run(*asked, "-o", tmp_path / "o")
+    assert code == 0, err
+    theirs = json.loads((tmp_path / "o" / "summary.json").read_text())["pictures"]
+    for mine, other in zip(ours, theirs, strict=True):
+        for name, same in zip(mine.pop("files"), other.pop("files"), strict=True):
+            pair = (tmp_path / "copied" / name, tmp_path / "o" / same)
+            assert pair[0].read_bytes() == pair[1].read_bytes()
+        assert mine.pop("matrix") == "kernel"
+        assert mine.get("not_written", []) == other.pop("not_written")
+        assert mine == {key: value for key, value in other.items() if key != "seconds"}
+
+
+def test_how_a_cube_is_to_be_read_is_copied(run, copied, tmp_path):
+    path = tmp_path / "cube.npz"
+    np.savez(path, mine=np.linspace(0.1, 0.9, 6 * 14).reshape(6, 14))
+    asked = (
+        *("simulate", path, "--sensor", "model-rgb", "--key", "mine", "--shape", "2x3"),
+        *("--wavelengths", "400:1050", "--scale", 0.5),
+    )
+    copied(*asked)
+    assert run(*asked, "-o", tmp_path / "o")[0] == 0
+    (ours,) = (tmp_path / "copied").glob("*.xyz.tiff")
+    theirs = tmp_path / "o" / "model-rgb.xyz.tiff"
+    assert (tifffile.imread(ours) == tifffile.imread(theirs)).all()
+
+
+def test_a_copied_script_runs_by_itself_and_prints_the_digits(run, tmp_path):
+    options = ("onyx-rgbw", "--lux", 2, "--budget")
+    code, out, _ = run("analyze", *options, "--copy-as", "python")
+    assert code == 0
+    (tmp_path / "s.py").write_text(out)
+    done = subprocess.run(
+        [sys.executable, "s.py"], cwd=tmp_path, capture_output=True, text=True, check=True
+    )
+    assert json.loads(done.stdout) == [told_by(run, "analyze", *options)]
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        ("analyze", "onyx-rgbw", "--json", "x.json"),
+        ("analyze", "onyx-rgbw", "--table", "x.csv"),
+        ("compare", "onyx-rgbw", "--json", "-"),
+        ("matrix", "onyx-rgbw", "--export", "x.csv"),
+        ("simulate", "builtin:checker", "--sensor", "onyx-rgbw", "--threads", 2),
+        ("simulate", "builtin:checker", "--sensor", "onyx-rgbw", "--out", "o"),
+    ],
+)
+def test_what_a_study_cannot_say_is_refused_by_name(run, options, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    refused(run(*options, "--copy-as", "toml"), f"{options[-2]}: a study says")
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("options", "parts"),
+    [
+        (("analyze", "x", "--lux", -1), ("light.level_lux", "greater than 0")),
+        (("analyze", "x", "--time-ms", 1, "--saturate", 0.5), ("exclude each other",)),
+        (("analyze", "x", "--matrix", "lmse"), ("lmmse",)),
+        (("compare", "x", "--sweep", "lux=3"), ("--sweep takes",)),
+        (("compare", "x", "--time-ms", 3, "--equal", "light"), ("time_ms", "light")),
+        (("matrix", "x", "--pareto", "3"), ("--pareto takes",)),
+        (("simulate", "x", "--sensor", "x", "--bits", 9), ("--bits", "--mosaic")),
+    ],
+)
+def test_what_a_command_refuses_is_not_copied(run, options, parts):
+    refused(run(*options, "--copy-as", "toml"), *parts)
+
+
+COMMANDS = [
+    "chromanoise analyze onyx-rgbw --lux 3.0 --budget",
+    "chromanoise analyze onyx-rgbw './-x $(y).csv' --time-ms 4.0 --percent --photons --clip "
+    "--chart --space lab",
+    "chromanoise compare onyx-rgbw model-rgb --equal light --sweep lux=0.1:10.0 --points 5",
+    "chromanoise compare onyx-rgbw --sweep kelvin=2000.0:9000.0 --matrix lmmse --prior all",
+    "chromanoise matrix onyx-rgbw --method ridge=0.1 --pareto 0.1:10.0:3",
+    "chromanoise simulate 'a b.npz' --sensor x.csv --pixel 'p q.txt' --seed 3 --format raw,png "
+    "--shape 2x3 --mosaic bayer --bits 10 --frames 2",
+]
+
+
+@pytest.mark.parametrize("line", COMMANDS)
+def test_the_command_of_a_study_is_the_one_that_it_was_copied_from(run, line):
+    code, out, err = run(*shlex.split(line)[1:], "--copy-as", "toml")
+    assert code == 0, err
+    assert study_as_command(study_from_text(out, source="copied")) == line
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        '[[sensors]]\nname = "onyx-rgbw"\n[[sensors]]\nname = "onyx-rgb"\n',  # one time for both
+        'matrices = ["kernel", "lmmse"]\n[[sensors]]\nname = "onyx-rgbw"\n',
+        'title = "STUDY\\nSTUDY"\n[[sensors]]\nname = "onyx-rgbw"\n[[pictures]]\n',
+    ],
+)
+def test_what_no_single_command_says_is_a_run_of_the_study_itself(text, tmp_path):
+    study = study_from_text(text, source="text")
+    line = study_as_command(study)
+    assert line.startswith("chromanoise run /dev/stdin")
+    stand_in = f"chromanoise() {{ cat {tmp_path}/none /dev/stdin 2>{tmp_path}/err; }}\n"
+    done = subprocess.run(["bash", "-c", stand_in + line], capture_output=True, text=True)
+    assert study_from_text(done.stdout, source="shell") == study

@@ -1,0 +1,127 @@
+"""`init`, `run`, `rerun`, `study`: a file that anyone can run again to the same digits."""
+
+import json
+
+import pytest
+
+from chromanoise.exposure import Situation, saturating_exposure
+from chromanoise.scene import flat_field
+from chromanoise.sensor import sensor_named
+from chromanoise.spectra import DEFAULT_GRID, equal_energy
+from chromanoise.study import analyses_as_json, analyzed, budgets_as_json, matrix_makers
+from outcomes import refused
+
+FEW = ("--set", "sweeps.0.points=3")
+
+
+@pytest.fixture
+def starter(run, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert run("init") == (0, "study.toml: change it, then `chromanoise run study.toml`\n", "")
+    return tmp_path / "study.toml"
+
+
+def files_of(folder):
+    return {p.name: p.read_bytes() for p in sorted(folder.iterdir())}
+
+
+def test_the_starter_runs_as_it_is_and_again_to_the_same_bytes(run, starter, tmp_path):
+    code, out, err = run("run", "study.toml", *FEW)
+    assert code == 0, err
+    names = ["analysis-kernel", "analysis-lmmse", "sweep-1-lux-snr-y"]
+    assert out.split() == [f"out/study/{name}.json" for name in names]
+    first = files_of(tmp_path / "out" / "study")
+    for told in map(json.loads, first.values()):
+        assert {"version", "study", "seed", "files", "hash"} <= set(told)
+    assert run("run", "study.toml", *FEW)[2].count("(stood there)") == 3
+    for output in ("out/study", "out/study/analysis-lmmse.json"):
+        code, out, err = run("rerun", output, "-o", "again")
+        assert code == 0, err
+        assert files_of(tmp_path / "again") == first
+
+
+def test_init_never_takes_the_place_of_a_file(run, starter):
+    starter.write_text("mine")
+    refused(run("init"), "study.toml", "is there already")
+    assert starter.read_text() == "mine"
+
+
+def test_what_study_prints_is_the_starter_and_a_schema(run, starter):
+    assert run("study")[1] == starter.read_text()
+    schema = json.loads(run("study", "--schema")[1])
+    assert schema["$schema"].endswith("2020-12/schema")
+
+
+def test_all_faults_of_a_file_are_told_at_once(run, starter):
+    starter.write_text("[light]\nlevel_lux = 0\nilluminent = 'A'\n[[sensors]]\nnam = 'x'\n")
+    code, out, err = run("run", "study.toml")
+    assert (code, out) == (2, "")
+    lines = [line.removeprefix("chromanoise: study.toml:") for line in err.splitlines()]
+    assert [line.partition(" ")[0] for line in lines] == ["2:", "3:", "4:", "5:"]
+    assert "did you mean illuminant" in err
+    assert "did you mean name" in err
+
+
+def test_a_run_into_results_of_another_study_and_a_rerun_onto_itself_are_refused(
+    run, starter, tmp_path
+):
+    only = (*FEW, "--set", 'matrices=["kernel"]')
+    assert run("run", "study.toml", *only)[0] == 0
+    before = files_of(tmp_path / "out" / "study")
+    refused(run("run", "study.toml", *only, "--set", "seed=1"), "another study", "--out")
+    refused(run("rerun", "out/study", "-o", "out/study"), "holds OUTPUT itself")
+    refused(run("rerun", "study.toml", "-o", "o"), "no JSON")
+    (tmp_path / "file").write_text("")
+    refused(run("run", "study.toml", "-o", "file"), "existing file")
+    assert files_of(tmp_path / "out" / "study") == before
+
+
+def numbers(told, path=""):
+    """Every value of nested data by its place."""
+    if isinstance(told, dict):
+        for key, value in told.items():
+            yield from numbers(value, f"{path}/{key}")
+    elif isinstance(told, list):
+        for i, value in enumerate(told):
+            yield from numbers(value, f"{path}/{i}")
+    else:
+        yield path, told
+
+
+def of_library(names, lux):
+    """The same by the nouns of the library, one after the other."""
+    lamp = equal_energy(DEFAULT_GRID)
+    white = flat_field(lamp, level_lux=lux)
+    (maker,) = matrix_makers(["lmmse"], "quanta").values()
+    analyses = []
+    for name in names:
+        sensor = sensor_named(name, DEFAULT_GRID)
+        exposure = saturating_exposure(white, sensor, f_number=1.8, share=0.99)
+        used = Situation(sensor=sensor, exposure=exposure, illuminant=lamp, level_lux=lux)
+        analyses.append(analyzed(white, sensor, exposure, matrix=maker(used)))
+    told = analyses_as_json(analyses)
+    for own, analysis in zip(told["sensors"], analyses, strict=True):
+        own |= budgets_as_json(analysis)
+    return json.loads(json.dumps(told))
+
+
+def test_command_line_library_and_run_give_the_same_digits(run, tmp_path):
+    names = ("onyx-rgbw", "model-rgb")
+    code, out, err = run(
+        "analyze", *names, "--lux", 3, "--matrix", "lmmse", "--budget", "--json", "-"
+    )
+    assert code == 0, err
+    command = dict(numbers(json.loads(out)))
+    study = tmp_path / "s.toml"
+    study.write_text(
+        'matrices = ["lmmse"]\n[light]\nlevel_lux = 3\n[exposure]\nequal = "saturation"\n'
+        + "".join(f'[[sensors]]\nname = "{name}"\n' for name in names)
+    )
+    code, out, err = run("run", study, "-o", tmp_path / "o")
+    assert code == 0, err
+    told = json.loads((tmp_path / "o" / "analysis-lmmse.json").read_text())["result"]
+    ran, library = dict(numbers(told)), dict(numbers(of_library(names, 3.0)))
+    assert set(command) == set(ran) == set(library)
+    for place, value in command.items():
+        assert value == ran[place] == library[place], place
+    assert sum(isinstance(value, float) for value in command.values()) > 100
