@@ -18,6 +18,7 @@ from chromanoise.color import ColorMatrix, linear_srgb, srgb_from_linear
 from chromanoise.exposure import Situation, expected_electrons, white_scene
 from chromanoise.imaging.blocks import Layout, Scratch
 from chromanoise.imaging.light import Light, on_rows
+from chromanoise.imaging.work import Block, row_pieces
 from chromanoise.scene.rows import ArrayRows
 from chromanoise.sensor import Adc, Imperfections, Mosaic
 
@@ -287,8 +288,8 @@ class ElectronPlan:
     light: Light
 
 
-def plan_for_rows(plan: Any, start: int, stop: int) -> Any:
-    """The plan as another process needs it for the rows ``start`` to ``stop``.
+def plan_for_rows(plan: Any, start: int, stop: int) -> tuple[Any, list[Block]]:
+    """The plan as another process needs it for the rows ``start`` to ``stop``, and their pieces.
 
     A cube in memory goes along with these rows only; one in a file is opened there again, also
     where it is a memory map, which would go along whole and in another order of axes.
@@ -297,7 +298,7 @@ def plan_for_rows(plan: Any, start: int, stop: int) -> Any:
     if isinstance(source, ArrayRows):
         source, first_row = np.array(source.rows(start, stop)), start
     part = replace(light, cube=replace(light.cube, stored=source), first_row=first_row)
-    return replace(plan, light=part)
+    return replace(plan, light=part), row_pieces(plan.light.source, start, stop)
 
 
 def electron_block(

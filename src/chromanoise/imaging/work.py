@@ -26,6 +26,9 @@ Block = tuple[int, int]
 FillBlock = Callable[..., Any]
 """(plan, start, stop, scratch, one array per output) -> whatever is told of the block."""
 
+Part = Callable[[Any, int, int], tuple[Any, list[Block]]]
+"""The plan as another process needs it for the rows of a block, and the pieces to fill it in."""
+
 _SENT_AHEAD = 16  # blocks that wait at an executor
 _SENT_BLOCK_BYTES = 64 << 20  # by a worker elsewhere: sending a task takes some milliseconds
 _MOST_BLOCK_BYTES = 256 << 20
@@ -72,15 +75,24 @@ class Work:
 
 def row_blocks(source: RowSource, work: Work) -> list[Block]:
     """The rows of a source in blocks."""
-    height, width, bands = source.shape
-    rows = work.tile_rows
-    if rows is None:
-        row_bytes = width * bands * source.dtype.itemsize
-        together = max(source.chunk_rows, 1)
-        size = _block_bytes(source, work)
-        rows = max(1, size // row_bytes // together) * together
-        rows = min(rows, max(1, _MOST_BLOCK_BYTES // row_bytes))  # then chunks are decoded again
+    height = source.shape[0]
+    rows = work.tile_rows or _rows_of(source, _block_bytes(source, work))
     return [(start, min(start + rows, height)) for start in range(0, height, rows)]
+
+
+def row_pieces(source: RowSource, start: int, stop: int) -> list[Block]:
+    """A block in pieces that stay in the cache between reading and counting."""
+    rows = _rows_of(source, _BLOCK_BYTES) if source.scratch_bytes(1) > 0 else stop - start
+    return [(first, min(first + rows, stop)) for first in range(start, stop, rows)]
+
+
+def _rows_of(source: RowSource, size_bytes: int) -> int:
+    """Rows of about so many bytes, whole chunks if they are not too large."""
+    _, width, bands = source.shape
+    row_bytes = width * bands * source.dtype.itemsize
+    together = max(source.chunk_rows, 1)
+    rows = max(1, size_bytes // row_bytes // together) * together
+    return min(rows, max(1, _MOST_BLOCK_BYTES // row_bytes))  # then chunks are decoded again
 
 
 def _block_bytes(source: RowSource, work: Work) -> int:
@@ -105,7 +117,7 @@ def filled(
     outputs: tuple[Array, ...],
     work: Work,
     *,
-    part: Callable[[Any, int, int], Any] | None = None,
+    part: Part | None = None,
 ) -> list[Any]:
     """Fill the rows of ``outputs`` block by block; what was told of each block, in their order.
 
@@ -122,11 +134,12 @@ def filled(
     work
         Who does it. The first fault ends it all.
     part
-        The plan as it is sent to an executor, for the rows of a block.
+        What is sent to an executor; without it all work is done here.
     """
-    if work.executor is not None:
+    if work.executor is not None and part is not None:
         there = partial(_remote, work.executor, fill, plan, part, outputs)
-        return _in_order(there, blocks, work, _SENT_AHEAD)
+        nested = _in_order(there, blocks, work, _SENT_AHEAD)
+        return [told for block in nested for told in block]
     threads = _threads(work)
     scratch = Scratch()
 
@@ -154,13 +167,13 @@ def _remote(
     executor: Executor,
     fill: FillBlock,
     plan: Any,
-    part: Callable[[Any, int, int], Any] | None,
+    part: Part,
     outputs: tuple[Array, ...],
     start: int,
     stop: int,
 ) -> tuple["Future[Any]", Callable[[Any], Any]]:
     kinds = [((stop - start, *out.shape[1:]), out.dtype) for out in outputs]
-    own = plan if part is None else part(plan, start, stop)
+    own, pieces = part(plan, start, stop)
 
     def place(result: Any) -> Any:
         told, parts = result
@@ -168,13 +181,20 @@ def _remote(
             out[start:stop] = rows
         return told
 
-    return executor.submit(_filled_there, fill, own, start, stop, kinds), place
+    return executor.submit(_filled_there, fill, own, pieces, kinds), place
 
 
-def _filled_there(fill: FillBlock, plan: Any, start: int, stop: int, kinds: list[Any]) -> Any:
+def _filled_there(fill: FillBlock, plan: Any, pieces: list[Block], kinds: list[Any]) -> Any:
     """In another process: arrays of its own, that are sent back."""
     parts = [np.empty(shape, dtype) for shape, dtype in kinds]
-    return fill(plan, start, stop, _scratch_there, *parts), parts
+    first = pieces[0][0]
+    told = [
+        fill(
+            plan, start, stop, _scratch_there, *(out[start - first : stop - first] for out in parts)
+        )
+        for start, stop in pieces
+    ]
+    return told, parts
 
 
 _scratch_there = Scratch()
