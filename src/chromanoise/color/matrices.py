@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from jaxtyping import Float
 
-from chromanoise import _check
+from chromanoise import _check, _notebook
 from chromanoise._check import Array
 from chromanoise.exposure import Exposure, measurement_vectors
 from chromanoise.geometry import Frame, dual_frame
@@ -51,6 +51,18 @@ class ColorMatrix:
                 f"one row per coordinate and one column per channel, got {checked.shape}"
             )
         object.__setattr__(self, "matrix", _check.frozen(checked))
+
+    def _repr_html_(self) -> str:
+        rows = [
+            [name, *(f"{weight:.5g}" for weight in row)]
+            for name, row in zip(self.coordinates, self.matrix, strict=True)
+        ]
+        frame = self.frame
+        return _notebook.shown(
+            f"Color matrix [lx/e-], {self.made_by}, in {self.metric}; condition "
+            f"{frame.condition:.4g}, rank {frame.rank} of {len(self.channels)}",
+            _notebook.table(["", *self.channels], rows),
+        )
 
 
 def kernel_matrix(sensor: Sensor, exposure: Exposure, metric: Metric = "quanta") -> ColorMatrix:

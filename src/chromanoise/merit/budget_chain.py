@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-from chromanoise import _check
+from chromanoise import _check, _notebook
 from chromanoise._check import Array
 from chromanoise.exposure import Exposure, exposure_factor
 from chromanoise.geometry import Frame, variance_inflation
@@ -70,6 +70,15 @@ class Budget:
     costs: tuple[Cost, ...]
     bound_db: float
     snr_db: float
+
+    def _repr_html_(self) -> str:
+        start = ["all photons on the pixels", f"{self.photons_db:.2f}", "every photon counted"]
+        end = [f"SNR of {self.coordinate}", f"{self.snr_db:.2f}", ""]
+        causes = [[cost.cause, f"{-cost.loss_db:+.2f}", cost.reading] for cost in self.costs]
+        return _notebook.shown(
+            f"Budget of {self.coordinate}; no linear readout exceeds {self.bound_db:.2f} dB",
+            _notebook.table(["", "dB", "why"], [start, *causes, end]),
+        )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-from chromanoise import _check
+from chromanoise import _check, _notebook
 from chromanoise._check import Array
 from chromanoise._linalg import congruence
 from chromanoise.spectra import Metric
@@ -56,6 +56,20 @@ class Measurement:
     def variance(self) -> Float[Array, "*px p"]:
         """The diagonal of the covariance."""
         return np.diagonal(self.covariance, axis1=-2, axis2=-1)
+
+    def _repr_html_(self) -> str:
+        told = f"Measurement, {self.kind}" + (f" in {self.metric}" if self.metric else "")
+        if self.mean.ndim > 1:
+            return _notebook.shown(f"{told}: {', '.join(self.names)} of {self.mean.shape[:-1]}")
+        unit, sd = self.unit, np.sqrt(self.variance)
+        shared = self.covariance / np.where(sd > 0, sd, 1.0) / np.where(sd > 0, sd, 1.0)[:, None]
+        rows = [
+            [name, f"{mean:.5g}", f"{deviation:.4g}", *(f"{one:.2f}" for one in row)]
+            for name, mean, deviation, row in zip(self.names, self.mean, sd, shared, strict=True)
+        ]
+        head = ["", f"mean [{unit}]", f"standard deviation [{unit}]"]
+        head += [f"correlation with {name}" for name in self.names]
+        return _notebook.shown(told, _notebook.table(head, rows))
 
 
 def through(

@@ -6,7 +6,7 @@ from typing import Literal, get_args
 
 from jaxtyping import Float
 
-from chromanoise import _check
+from chromanoise import _check, _notebook
 from chromanoise._check import Array
 from chromanoise.sensor.mosaic import Mosaic
 from chromanoise.sensor.pixel import Pixel
@@ -77,6 +77,20 @@ class Sensor:
             )
         object.__setattr__(self, "qe", _check.frozen(qe))
         object.__setattr__(self, "names", names)
+
+    def _repr_html_(self) -> str:
+        pixel, nm = self.pixel, self.grid.wavelength_nm
+        rows = [
+            [name, f"{qe.max():.3f}", f"{nm[qe.argmax()]:g}"]
+            for name, qe in zip(self.names, self.qe.T, strict=True)
+        ]
+        return _notebook.shown(
+            f"Sensor {self.name} ({self.origin}): {pixel.pitch_um:g} um, full well "
+            f"{pixel.full_well_e:g} e-, read noise {pixel.read_noise_e:g} e-",
+            _notebook.curves(nm, self.qe, self.names, what=f"QE of {self.name} [e-/photon]"),
+            _notebook.table(["channel", "highest QE [e-/photon]", "at [nm]"], rows),
+            notes=self.notes,
+        )
 
 
 def pixels_of(sensor: Sensor) -> int:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float
 
-from chromanoise import _check
+from chromanoise import _check, _notebook
 from chromanoise._check import Array
 from chromanoise.color import ColorMatrix, colored, kernel_matrix, scene_xyz
 from chromanoise.exposure import Exposure, expected_electrons
@@ -105,6 +105,19 @@ class Analysis:
         _check.freeze(self, "saturated", "expected_e", "truth_xyz", "black_share", "full_share")
         _check.freeze(self, "vif", "between_deg", "to_axes_deg")
 
+    def _repr_html_(self) -> str:
+        raw, spectral, color = (
+            told(self) for told in (raw_snr_db, contravariant_snr_db, color_snr_db)
+        )
+        level, lit = self.scene.level_lux, self.scene.illuminant.name
+        rows = [[f"channel {n}", _db(raw[n]), _db(spectral[n]), ""] for n in raw]
+        rows += [[n, "", "", _db(value)] for n, value in color.items()]
+        return _notebook.shown(
+            f"{self.sensor.name} at {level:g} lx of {lit}, {1e3 * self.exposure.time_s:.4g} ms",
+            _notebook.table(["SNR [dB]", "raw", "contravariant", "color"], rows),
+            notes=diagnosis(self),
+        )
+
 
 def analyzed(
     scene: Scene,
@@ -167,6 +180,10 @@ def analyzed(
         bound_db=float(bound_db(raw)),
         price_db=float(price_db(raw, color)),
     )
+
+
+def _db(value: float | None) -> str:
+    return "none" if value is None else f"{value:.1f}"
 
 
 def mean_color_error(analysis: Analysis) -> float | None:

@@ -1,0 +1,92 @@
+"""How nouns show themselves in a notebook: a caption, a table, and curves where there are some.
+
+Plain HTML and SVG without style sheets or scripts, so that any notebook shows it, and a saved one
+still does.
+"""
+
+from collections.abc import Iterable, Sequence
+from html import escape
+
+import numpy as np
+from jaxtyping import Float
+
+from chromanoise._check import Array
+
+_CHANNEL_COLORS = {"R": "#D55E00", "G": "#009E73", "B": "#0072B2", "IR": "#CC79A7"}
+_WIDTH, _HEIGHT, _EDGE = 320, 120, 14
+
+
+def shown(caption: str, *parts: str, notes: Iterable[str] = ()) -> str:
+    """A caption, tables and drawings one under the other, and notes in small."""
+    told = "".join(f"<div><small>{escape(note)}</small></div>" for note in notes)
+    return f"<div><div><b>{escape(caption)}</b></div>{''.join(parts)}{told}</div>"
+
+
+def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    r"""An HTML table; the first cell of each row names it.
+
+    Examples
+    --------
+    >>> table(["", "mean [e-]"], [["R", "12"]]).count("<th")
+    3
+    """
+    top = "".join(f'<th scope="col">{escape(cell)}</th>' for cell in head)
+    body = "".join(
+        f'<tr><th scope="row" style="text-align:left">{escape(first)}</th>'
+        + "".join(f'<td style="text-align:{_side(cell)}">{escape(cell)}</td>' for cell in rest)
+        + "</tr>"
+        for first, *rest in rows
+    )
+    return f"<table><thead><tr>{top}</tr></thead><tbody>{body}</tbody></table>"
+
+
+def _side(cell: str) -> str:
+    """Numbers stand under their last digit, words under their first letter."""
+    return "left" if " " in cell else "right"
+
+
+def curves(
+    x: Float[Array, " n"], values: Float[Array, "n p"], names: Sequence[str], *, what: str
+) -> str:
+    """Curves as SVG from 0 to the highest of all, each with its letter where it is most alone."""
+    top = float(values.max()) or 1.0
+    across = _EDGE + (x - x[0]) / (x[-1] - x[0]) * (_WIDTH - 2 * _EDGE)
+    down = _HEIGHT - _EDGE - values / top * (_HEIGHT - 2 * _EDGE)
+    drawn = "".join(
+        _curve(
+            across,
+            down[:, i],
+            name,
+            _CHANNEL_COLORS.get(name, "currentColor"),
+            at=_alone(values, i),
+        )
+        for i, name in enumerate(names)
+    )
+    ends = (
+        f'<text x="{_EDGE}" y="{_HEIGHT - 2}" font-size="10">{x[0]:g} nm</text>'
+        f'<text x="{_WIDTH - _EDGE}" y="{_HEIGHT - 2}" font-size="10" text-anchor="end">'
+        f"{x[-1]:g} nm</text>"
+    )
+    return (
+        f'<svg role="img" width="{_WIDTH}" height="{_HEIGHT}" viewBox="0 0 {_WIDTH} {_HEIGHT}" '
+        f'fill="currentColor"><title>{escape(what)}, 0 to {top:.3g}</title>{drawn}{ends}</svg>'
+    )
+
+
+def _alone(values: Float[Array, "n p"], i: int) -> int:
+    """Where a curve is high and far from all others."""
+    apart = np.abs(values - values[:, [i]])
+    apart[:, i] = np.inf
+    nearest = np.minimum(apart.min(axis=1), values[:, i])
+    return int(np.argmax(nearest * values[:, i]))
+
+
+def _curve(
+    across: Float[Array, " n"], down: Float[Array, " n"], name: str, color: str, *, at: int
+) -> str:
+    points = " ".join(f"{x:.1f},{y:.1f}" for x, y in zip(across, down, strict=True))
+    return (
+        f'<polyline points="{points}" fill="none" stroke="{color}" stroke-width="1.5"/>'
+        f'<text x="{across[at]:.1f}" y="{down[at] - 3:.1f}" font-size="11" fill="{color}" '
+        f'text-anchor="middle">{escape(name)}</text>'
+    )
