@@ -21,6 +21,7 @@ from chromanoise.imaging import (
     picture_prior,
     rendered,
 )
+from chromanoise.imaging.blocks import flattened
 from chromanoise.imaging.plans import draw_of
 from chromanoise.noise import Readout, read_moments
 from chromanoise.scene import Cube, flat_cube, flat_field
@@ -443,6 +444,31 @@ def test_bad_pixels_are_taken_as_black_and_counted_where_that_is_asked(layout, m
         assert (got.codes == expected.codes).all()
     assert any("2 pixels held what is no reflectance" in note for note in got.notes)
     assert not any("no reflectance" in note for note in expected.notes)
+
+
+@pytest.mark.parametrize("width", [1, 3, 4])
+def test_a_bad_pixel_gives_no_electrons_and_its_neighbors_give_theirs(width):
+    """A picture as wide as counts have columns is still a picture."""
+    broken, mended = stored(width=width)[0], stored(width=width)[0]
+    broken[2, 0, 3], mended[2, 0, 3] = np.nan, 0.0
+    got = electrons_of_cube(cube_of(broken), used(), bad_pixels="zero")
+    assert (got == electrons_of_cube(cube_of(mended), used())).all()
+
+
+@pytest.mark.parametrize("columns", [1, 7, 40])
+@pytest.mark.parametrize("bands", [1, 5])
+def test_a_view_is_read_as_it_lies(columns, bands):
+    """A part of the bands of a part of the pixels: what lies between belongs to others."""
+    whole = np.arange(4 * 50 * 9, dtype=np.float32).reshape(4, 50, 9)
+    view = whole[1:3, 2 : 2 + columns, 3 : 3 + bands]
+    for planar in (False, True):
+        flat, (told, row, pixel, band) = flattened(view, planar=planar)
+        assert told == bands
+        read = [
+            [[flat[r * row + c * pixel + b * band] for b in range(bands)] for c in range(columns)]
+            for r in range(2)
+        ]
+        assert (np.array(read) == view).all()
 
 
 def test_more_light_than_can_be_counted_is_refused():

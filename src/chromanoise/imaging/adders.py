@@ -8,12 +8,11 @@ from llvmlite import ir
 from numba import types
 from numba.extending import intrinsic
 
+from chromanoise.imaging.blocks import LANES, RUN_LANES
 from chromanoise.imaging.lanes import (
     F32,
     I32,
     I64,
-    LANES,
-    RUN_LANES,
     Extremes,
     ask_memory,
     folded,
@@ -165,7 +164,7 @@ def band_adder(count):
 
     (stored, start, pitch, n, weights, channel, band, sums, tile, seen) -> nothing. ``stored`` is a
     flat array of any number type in which band k of the run starts at ``start + k * pitch``;
-    ``sums`` holds channel c at ``c * tile``; ``seen`` is that of `weighted_sums`. Sixteen pixels at
+    ``sums`` holds channel c at ``c * tile``; ``seen`` is that of `pixel_adder`. Sixteen pixels at
     a time, band after band by fused multiply-add, to four channels from ``channel`` on: their sums
     stay in registers meanwhile.
     """
@@ -181,11 +180,7 @@ def band_adder(count):
         def generate(context, builder, signature, arguments):
             kinds = signature.args
             x, start, pitch, n, w, channel, band, sums, tile, seen = arguments
-            steps = [builder.mul(pitch, ir.Constant(I64, k)) for k in range(count)]
-            planes = [
-                pointer_at(context, builder, kinds[0], x, builder.add(start, step))
-                for step in steps
-            ]
+            planes = _planes(context, builder, kinds[0], x, start, pitch, count)
             slots = [builder.add(channel, ir.Constant(I64, c)) for c in range(4)]
             totals = [
                 pointer_at(context, builder, kinds[7], sums, builder.mul(tile, slot))
@@ -226,11 +221,7 @@ def own_band_adder(count):
         def generate(context, builder, signature, arguments):
             kinds = signature.args
             x, start, pitch, n, table, band, sums, seen = arguments
-            steps = [builder.mul(pitch, ir.Constant(I64, k)) for k in range(count)]
-            planes = [
-                pointer_at(context, builder, kinds[0], x, builder.add(start, step))
-                for step in steps
-            ]
+            planes = _planes(context, builder, kinds[0], x, start, pitch, count)
             totals = [context.make_array(kinds[6])(context, builder, sums).data]
             first = builder.mul(band, ir.Constant(I64, RUN_LANES))
             own = pointer_at(context, builder, kinds[4], table, first)
@@ -260,7 +251,7 @@ def _planes(context, builder, kind, stored, start, pitch, count):
 
 
 def _add_bands(builder, counter, n, lanes, planes, kind, totals, factor, least):
-    """The loop of `band_adder` over ``lanes`` pixels at a time."""
+    """The loop of `band_adder` and `own_band_adder` over ``lanes`` pixels at a time."""
     fma = multiply_add(builder, lanes)
     extremes = Extremes(builder, least, min(lanes, LANES))
 

@@ -11,6 +11,15 @@ from chromanoise.scene.rows import RowSource
 Layout = tuple[int, int, int, int]
 """Bands, and the steps from row to row, pixel to pixel and band to band. [numbers]"""
 
+LANES = 8
+"""Bands of a pixel that are added side by side."""
+RUN_LANES = 16
+"""Pixels of a band that are."""
+CHANNELS_AT_ONCE = 4
+"""Channels that are summed side by side; weights are filled up with zeros to a multiple of it."""
+PADDED_BANDS = 16
+"""Weights have a multiple of so many bands, zeros at the end."""
+
 _NATIVE = "bBhHiIfd"  # types that the kernels read as they are
 
 
@@ -57,7 +66,8 @@ def flattened(
         block = block.astype(np.float32 if block.dtype.itemsize < 8 else np.float64)
     steps = [stride // block.itemsize for stride in block.strides]
     exact = all(s * block.itemsize == t for s, t in zip(steps, block.strides, strict=True))
-    beside = steps[1] == 1 if planar else steps[2] == 1 and steps[1] > 1
+    apart = block.shape[1] == 1 or steps[1] >= block.shape[2] > 1  # pixels do not overlap
+    beside = steps[1] == 1 if planar else steps[2] == 1 and apart
     if not (exact and min(steps) > 0 and beside):
         axes = (0, 2, 1) if planar else (0, 1, 2)
         block = np.ascontiguousarray(block.transpose(axes)).transpose(axes)

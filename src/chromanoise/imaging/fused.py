@@ -16,8 +16,8 @@ from typing import no_type_check
 import numpy as np
 from numba import njit
 
+from chromanoise.imaging.blocks import RUN_LANES
 from chromanoise.imaging.color_kernels import colors_of_run
-from chromanoise.imaging.lanes import RUN_LANES
 from chromanoise.imaging.means import (
     TILE,
     means_of_mosaic,
@@ -113,8 +113,8 @@ def _imperfect_readout(electrons, pixel, n, channels, dsnu_e, row_e, seed):
 
 @njit(cache=True, nogil=True, error_model="numpy")
 @no_type_check
-def _words_of_pair(pixel, n, pair, frame, seed, shot, read, odd_shot, odd_read):
-    """Words of two channels of ``n`` pixels."""
+def _words_of_pair(pixel, pair, frame, seed, shot, read, odd_shot, odd_read):
+    """Words of two channels of as many pixels as ``shot`` has."""
     purpose = np.uint64(LIGHT)
     for i in range(shot.size):
         w0, w1, w2, w3 = words_at(np.uint64(pixel + i), purpose, frame, np.uint64(pair), seed)
@@ -131,12 +131,10 @@ def _words_of_all(pixel, n, p, frame, seed, shot, read, spare):
     for c in range(0, p, 2):
         even, odd = slice(c * n, (c + 1) * n), slice((c + 1) * n, (c + 2) * n)
         if c + 1 < p:
-            _words_of_pair(
-                pixel, n, c // 2, frame, seed, shot[even], read[even], shot[odd], read[odd]
-            )
+            _words_of_pair(pixel, c // 2, frame, seed, shot[even], read[even], shot[odd], read[odd])
         else:
             _words_of_pair(
-                pixel, n, c // 2, frame, seed, shot[even], read[even], spare[0, :n], spare[1, :n]
+                pixel, c // 2, frame, seed, shot[even], read[even], spare[0, :n], spare[1, :n]
             )
 
 

@@ -11,10 +11,8 @@ from llvmlite import ir
 from numba import types
 from numba.core import cgutils
 
-LANES = 8
-"""Bands of a pixel that are added side by side."""
-RUN_LANES = 16
-"""Pixels of a band that are."""
+from chromanoise.imaging.blocks import LANES
+
 F32, I32, I64 = ir.FloatType(), ir.IntType(32), ir.IntType(64)
 
 

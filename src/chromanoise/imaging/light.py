@@ -2,22 +2,26 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
-from jaxtyping import Float32
+from jaxtyping import Float32, Int64
 
 from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise.exposure import Situation, band_weights, white_scene
-from chromanoise.imaging.blocks import Scratch, flattened, is_planar
+from chromanoise.imaging.blocks import (
+    CHANNELS_AT_ONCE,
+    LANES,
+    PADDED_BANDS,
+    Scratch,
+    flattened,
+    is_planar,
+)
 from chromanoise.scene import Cube
 from chromanoise.scene.cube import BRIGHTEST, reflectance_rows
 from chromanoise.scene.rows import RowSource, row_source
 from chromanoise.spectra import Beyond
-
-_PADDED, _CHANNELS = 16, 4  # weights are filled up with zeros to multiples of these
-_LANES = 8  # of which the least and the greatest number are kept, as in `lanes`
 
 _MOST_E = 1e30  # of one stored number: what float32 can hold, and the sum of all bands
 
@@ -74,9 +78,8 @@ def light_of(
     white, sensor = white_scene(situation), situation.sensor
     weights, notes = band_weights(cube, white, sensor, situation.exposure, beyond=beyond)
     bands, channels = weights.shape
-    padded = np.zeros(
-        (-(-channels // _CHANNELS) * _CHANNELS, -(-bands // _PADDED) * _PADDED), np.float32
-    )
+    shape = (_up_to(CHANNELS_AT_ONCE, channels), _up_to(PADDED_BANDS, bands))
+    padded = np.zeros(shape, np.float32)
     most = float(np.abs(weights).max() * cube.scale)
     _check.within(f"electrons per number of {cube.source}", "e-", most, 0.0, _MOST_E)
     padded[:channels, :bands] = (weights * cube.scale).T
@@ -90,37 +93,47 @@ def light_of(
     )
 
 
+def _up_to(multiple: int, count: int) -> int:
+    return -(-count // multiple) * multiple
+
+
 def on_rows(
-    light: Light, start: int, stop: int, scratch: Scratch, sums: Any, fill: Callable[..., None]
-) -> None:
-    """Read the rows, do the work, and refuse numbers that are no reflectance."""
+    light: Light, start: int, stop: int, scratch: Scratch, sums: Array, fill: Callable[..., None]
+) -> Int64[Array, " rows"]:
+    """Read the rows and do the work, which fills ``sums``; pixels of each row that were bad.
+
+    Raises
+    ------
+    InputError
+        If a number is no reflectance and bad pixels are refused.
+    """
     source = light.source
     start, stop = start - light.first_row, stop - light.first_row
     block = source.rows(start, stop, into=scratch.of(source.scratch_bytes(stop - start)))
-    if _filled_well(light, block, sums, fill):
-        return
+    bad = np.zeros(stop - start, np.int64)
+    if _were_reflectances(light, block, sums, fill):
+        return bad
     if light.bad_pixels == "zero":
         mended, bad = _mended(block, light.cube.scale)
         sums[...] = 0
-        _filled_well(light, mended, sums, fill)
-        if sums.ndim == 3 and sums.shape[1] == 3:
-            sums[:, 2] = bad[:, None]
+        _were_reflectances(light, mended, sums, fill)
     else:
         # says which value is wrong, and where
         reflectance_rows(light.cube, start, stop, first_row=light.first_row)
+    return bad
 
 
-def _filled_well(light: Light, block: Array, sums: Array, fill: Callable[..., None]) -> bool:
+def _were_reflectances(light: Light, block: Array, sums: Array, fill: Callable[..., None]) -> bool:
     """Do the work; whether all numbers were reflectances."""
     flat, lay = flattened(block, planar=light.planar)
-    seen = np.repeat(np.array([3e38, -3e38], np.float32), _LANES)
+    seen = np.repeat(np.array([3e38, -3e38], np.float32), LANES)
     fill(flat, lay, seen)
-    lowest, highest = float(seen[:_LANES].min()), float(seen[_LANES:].max())
+    lowest, highest = float(seen[:LANES].min()), float(seen[LANES:].max())
     known = lowest >= 0 and highest * light.cube.scale <= BRIGHTEST
     return bool(known and np.isfinite(sums).all())
 
 
-def _mended(block: Array, scale: float) -> tuple[Array, Array]:
+def _mended(block: Array, scale: float) -> tuple[Array, Int64[Array, " rows"]]:
     """The block with 0 for every number that is no reflectance; pixels that had one, per row."""
     with np.errstate(invalid="ignore", over="ignore"):
         rho = block.astype(np.float64) * scale

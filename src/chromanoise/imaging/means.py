@@ -14,9 +14,8 @@ import numpy as np
 from numba import njit
 
 from chromanoise.imaging.adders import band_adder, own_band_adder, pixel_adder, weighted_sum
-from chromanoise.imaging.lanes import RUN_LANES
+from chromanoise.imaging.blocks import CHANNELS_AT_ONCE, RUN_LANES
 
-CHANNELS_AT_ONCE = 4
 BANDS_AT_ONCE = 8
 """So many streams the memory follows; the sums are kept and fetched an eighth as often."""
 TILE = 2048

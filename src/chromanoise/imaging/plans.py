@@ -151,7 +151,7 @@ def raw_block(
             seen,
         )
 
-    on_rows(plan.light, start, stop, scratch, counts, fill)
+    counts[:, 2] = on_rows(plan.light, start, stop, scratch, counts, fill)[:, None]
     return counts
 
 
@@ -263,7 +263,7 @@ def color_block(
             seen,
         )
 
-    on_rows(plan.light, start, stop, scratch, counts, fill)
+    counts[:, 2] = on_rows(plan.light, start, stop, scratch, counts, fill)[:, None]
     return counts
 
 
