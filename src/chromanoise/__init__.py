@@ -15,6 +15,7 @@ The folders stand in the order of the light; imports go down this list only.
 ``study``      one reproducible run; sweeps; the paper's own Tables 2-5
 ``figures``    results -> matplotlib Axes
 ``report``     one self-contained page
+``page``       the local page that answers while you drag
 ``cli``        read, one library call, write
 =============  =======================================================================
 

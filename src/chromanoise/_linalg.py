@@ -21,6 +21,14 @@ def unit_columns(f: Float[Array, "n p"]) -> tuple[Float[Array, "n p"], Float[Arr
     return f / np.where(norms > 0, norms, 1.0), norms
 
 
+def angles_deg(a: Float[Array, "n p"], b: Float[Array, "n q"]) -> Float[Array, "p q"]:
+    """Angle of every column of ``a`` with every column of ``b``, as `angle_deg`. [deg]"""
+    u, v = (columns / np.linalg.norm(columns, axis=0) for columns in (a, b))
+    apart = np.linalg.norm(u[:, :, None] - v[:, None, :], axis=0)
+    together = np.linalg.norm(u[:, :, None] + v[:, None, :], axis=0)
+    return np.asarray(np.degrees(2 * np.arctan2(apart, together)))
+
+
 def angle_deg(a: Float[Array, " n"], b: Float[Array, " n"]) -> float:
     """Angle between two vectors, accurate near 0 and 180 degrees (Kahan). [deg]"""
     u, v = a / np.linalg.norm(a), b / np.linalg.norm(b)

@@ -481,7 +481,7 @@ def test_a_photon_transfer_is_read_from_csv_to_the_digit(tmp_path):
 @pytest.mark.parametrize(
     ("text", "match"),
     [
-        ("mean,variance\n1,2\n", r"line 1 must name each column once"),
+        ("mean,variance\n1,2\n", r"line 1 names mean and variance without a unit"),
         ("mean_dn,variance_dn2\n1,2,3\n", r"line 2 has 3 cells"),
         ("mean_dn,variance_dn2\n1,x\n", r"line 2, column variance_dn2: 'x' is not a finite"),
         ("mean_dn,variance_dn2\n1,nan\n", r"'nan' is not a finite number"),

@@ -1,6 +1,7 @@
 """A study is what it says: its text, its hash, its run and its script tell the same."""
 
 import json
+import shutil
 import time
 
 import pytest
@@ -15,6 +16,7 @@ from chromanoise.study.runs import (
     provenance,
     read_study,
     run_study,
+    sensor_with_pixel,
     study_as_python,
     study_as_toml,
     study_from_text,
@@ -250,11 +252,14 @@ OTHER = {
     "column": "c",
     "equal": "light",
     "time_ms": 3.0,
+    "ircut_nm": 650.0,
+    "shift_nm": -10.0,
     "saturate": 0.5,
     "f_number": 2.0,
     "magnification": 0.5,
     "name": "model-rgb",
     "beyond": "hold",
+    "filter": "ircut-650",
     "scale": "percent",
     "level": "relative",
     "wavelength_unit": "um",
@@ -415,6 +420,76 @@ def test_a_picture_that_was_taken_away_is_taken_again(whole, tmp_path):
     assert files_of(tmp_path / "o") == files_of(whole)
 
 
+def test_a_picture_that_was_emptied_or_changed_is_taken_again(whole, tmp_path):
+    for change in (lambda data: b"", lambda data: data[:-1] + bytes([data[-1] ^ 1])):
+        shutil.copytree(whole, tmp_path / "o", dirs_exist_ok=True)
+        spoiled = next((tmp_path / "o").glob("picture-1-*.png"))
+        spoiled.write_bytes(change(spoiled.read_bytes()))
+        stood = []
+        run_study(small(), tmp_path / "o", told=lambda _, done, stood=stood: stood.append(done))
+        assert stood == [True, True, False, True]
+        assert files_of(tmp_path / "o") == files_of(whole)
+
+
+@pytest.mark.parametrize("result", [None, 3, "x", []])
+def test_a_step_without_a_result_is_done_again(result, whole, tmp_path):
+    shutil.copytree(whole, tmp_path / "o")
+    step = tmp_path / "o" / "sweep-1-lux-snr-y.json"
+    told = json.loads(step.read_bytes())
+    if result is None:
+        del told["result"]
+    else:
+        told["result"] = result
+    step.write_text(json.dumps(told))
+    run_study(small(), tmp_path / "o")
+    assert files_of(tmp_path / "o") == files_of(whole)
+
+
+def test_files_of_a_study_are_told_from_its_own_folder(tmp_path, monkeypatch):
+    project = tmp_path / "project"
+    project.mkdir()
+    rows = [f"{w},{0.3},{0.1 + w / 9000},{0.2}" for w in range(400, 1051, 10)]
+    for name in ("cam.csv", "bare"):
+        (project / name).write_text("\n".join(["wavelength_nm,A,B,C", *rows]))
+    (project / "lamp.csv").write_text("wavelength_nm,lamp [W]\n380,1\n1060,2\n")
+    (project / "pixel.txt").write_text("sigma_d = 3.0 e-\n")
+    (project / "glass.csv").write_text("wavelength_nm,T\n380,0.5\n1060,0.5\n")
+    (project / "onyx-rgbw").write_text("no sensor hides a name of ours")
+    text = (
+        '[light]\nilluminant = "lamp.csv+1xLED850"\n[[sensors]]\nname = "cam.csv"\n'
+        'pixel.file = "pixel.txt"\nfilter = "glass.csv"\n[[sensors]]\nname = "bare"\n'
+        '[[sensors]]\nname = "onyx-rgbw"\nfilter = "ircut-650"\n[[pictures]]\n'
+    )
+    (project / "s.toml").write_text(text)
+    monkeypatch.chdir(tmp_path)
+    study = read_study("project/s.toml")
+    names = ("lamp.csv", "cam.csv", "glass.csv", "pixel.txt", "bare")
+    assert set(provenance(study)["files"]) == {f"project/{name}" for name in names}
+    assert study.sensors[2].name == "onyx-rgbw"
+    assert study.pictures[0].cube == "builtin:checker"
+    assert len(study_steps(study)) == 2
+    monkeypatch.chdir(project)
+    assert read_study("s.toml") == study_from_text(text, source="text")
+
+
+def test_a_sensor_by_a_name_that_no_file_can_have_is_one_sentence(tmp_path):
+    for name in ("x" * 5000, "a\0.json", "a\0"):
+        study = study_from_text(f"[[sensors]]\nname = {json.dumps(name)}", source="text")
+        with pytest.raises(InputError) as error:
+            run_study(study, tmp_path / "o")
+        assert len(str(error.value).splitlines()) == 1
+        with pytest.raises(InputError):
+            sensor_with_pixel(name)
+    assert not (tmp_path / "o").exists()
+
+
+def test_a_comment_may_be_a_line_of_dots(tmp_path):
+    text = f"# {'.' * 70}\n{SMALL}\n# {'.' * 700}"
+    assert study_from_text(text, source="text") == small()
+    with pytest.raises(InputError, match="more than 64 dots"):
+        study_from_text(f"a = ['''\n# ''', {{{'a.' * 90}b = 1}}]", source="text")
+
+
 def test_the_study_of_any_output_runs_to_the_same_bytes(whole, tmp_path):
     study = small()
     for output in [whole, *whole.glob("*.json")]:
@@ -560,9 +635,15 @@ def test_a_change_wins_over_the_file_and_is_named_where_it_is_wrong():
         ("sensors.7.name=x", "has nothing at"),
         ("seed.0=1", "has nothing at"),
         (".=1", "takes key=value"),
+        ("sensors.\u00b2.name=x", "has nothing at"),
+        (f"sensors.{'9' * 5000}.name=x", "has nothing at"),
+        (f"seed={'9' * 5000}", "too many digits"),
+        (f"seed={'[' * 5000}", "nests too deep"),
+        (f"seed={{{'a.' * 5000}b=1}}", "more than 64 dots"),
     ]:
-        with pytest.raises(InputError, match=match):
+        with pytest.raises(InputError, match=match) as error:
             small([change])
+        assert len(str(error.value)) < 500
 
 
 def nested(depth):

@@ -9,6 +9,7 @@ from chromanoise._check import InputError
 from chromanoise.spectra import DEFAULT_GRID, photon_irradiance
 from chromanoise.spectra.files import Answers
 from chromanoise.study.catalog import KINDS, catalog_entries, catalog_file_of
+from chromanoise.study.runs import provenance, study_from_text
 from chromanoise.study.words import (
     illuminant_files,
     illuminant_of_word,
@@ -29,6 +30,9 @@ defects = "none"
 """
 SENSOR = SECTION.format(name="my-camera", kind="sensor", quantity="QE") + (
     'mosaic = "bayer"\npixel = { pitch_um = 2.5, source = "this test" }\n'
+)
+RESPONSE = SECTION.format(name="my-camera", kind="sensor", quantity="response").replace(
+    'unit = "1"', 'unit = "V/(lx s)"'
 )
 LAMP = SECTION.format(name="my-lamp", kind="illuminant", quantity="power") + 'per = "photon"\n'
 CAMERA_CSV = "wavelength_nm,R,G,B\n400,0.1,0.1,0.5\n700,0.6,0.2,0.1\n1050,0.1,0.1,0.1\n"
@@ -127,7 +131,9 @@ def test_a_users_sensor_and_lamp_stand_beside_the_built_in_ones(run, folder):
     assert (entry["start_nm"], entry["stop_nm"]) == (400.0, 1050.0)
     code, out, err = run("analyze", "my-camera", "--illuminant", "my-lamp+0.5xLED850")
     assert (code, err) == (0, "")
-    assert "none" in out
+    stands_in = "the paper's pixel stands in for full_well_e, read_noise_e of my-camera"
+    assert stands_in in " ".join(out.split())
+    assert "my-camera: none" not in out  # no known defect is nothing to tell
 
 
 def test_a_users_sensor_has_its_own_pixel_mosaic_and_curves(folder):
@@ -141,8 +147,17 @@ def test_a_users_sensor_has_its_own_pixel_mosaic_and_curves(folder):
 
 def test_a_users_lamp_that_counts_photons_is_flat_in_photons(folder):
     photons = photon_irradiance(illuminant_of_word("my-lamp"))
-    # straight lines between 2 points of power are not those of photons: the ends are exact
-    assert photons[0] == pytest.approx(photons[-1], rel=0.03)
+    # 2 points, 380 and 1060 nm: in the middle, straight lines of power would be 25 % too high
+    assert photons == pytest.approx(photons[0], rel=1e-4)
+
+
+def test_a_file_of_photons_rises_straight_between_its_two_points(tmp_path):
+    (tmp_path / "rising.csv").write_text("wavelength_nm,photons\n380,380\n1060,1060\n")
+    answers = Answers(quantity="power", per="photon")
+    lamp = illuminant_of_word(str(tmp_path / "rising.csv"), answers=answers)
+    # photons in proportion to the wavelength: the same power everywhere
+    assert lamp.irradiance == pytest.approx(lamp.irradiance[0], rel=1e-4)
+    assert any("counted in photons" in note for note in lamp.notes)
 
 
 def test_the_files_of_a_word_are_told_so_that_a_run_can_hold_them(folder, monkeypatch):
@@ -203,6 +218,11 @@ def test_a_word_of_another_kind_is_refused(folder, run):
         (SENSOR.replace("2.5", "-2.5"), {"my-camera.csv": CAMERA_CSV}, ["pitch_um", "> 0"]),
         (SENSOR.replace(', source = "this test"', ""), {}, ["pixel of my-camera needs a source"]),
         (SENSOR.replace("bayer", "RG/G"), {"my-camera.csv": CAMERA_CSV}, ["mosaic rows"]),
+        (SENSOR.replace('"bayer"', "3"), {}, ["[my-camera]", "mosaic must be text", "3"]),
+        (SENSOR + 'per = "energy"\n', {}, ["QE is per photon", "per says energy"]),
+        (RESPONSE + 'per = "energy"\n', {}, ["absolute response is in A/W", "V/(lx s)"]),
+        (RESPONSE.replace("V/(lx s)", "A/W") + 'per = "photon"\n', {}, ["A/W is per energy"]),
+        (RESPONSE.replace("V/(lx s)", "e-/photon") + 'per = "energy"\n', {}, ["e-/photon is per"]),
         (SENSOR, {"my-camera.csv": CAMERA_CSV.replace("0.6", "x")}, ["line 3, column R"]),
         (SENSOR, {"my-camera.csv": CAMERA_CSV.replace("0.6", "1.6")}, ["1.6", "column R"]),
         (SENSOR, {"my-camera.csv": CAMERA_CSV.replace("R,G", "X,G")}, ["mosaic channel"]),
@@ -257,3 +277,53 @@ def test_the_option_takes_the_place_of_the_environment(run, folder, tmp_path_fac
     assert (code, err) == (0, "")
     assert str(other / "my-lamp.csv") in out
     refused(run("catalog", "my-camera", "--folder", other), "unknown entry")
+
+
+def test_a_response_in_amperes_per_watt_is_the_qe_that_it_stands_for(tmp_path, monkeypatch):
+    section = RESPONSE.replace("V/(lx s)", "A/W") + 'per = "energy"\n'
+    (tmp_path / "SOURCES.toml").write_text(section)
+    # S = e lambda / (h c) is 0.8066 A/W at 1000 nm where every photon gives an electron
+    (tmp_path / "my-camera.csv").write_text(
+        "wavelength_nm,W\n400,0.161311\n500,0.201639\n1050,0.423442\n"
+    )
+    monkeypatch.setenv("CHROMANOISE_CATALOG", str(tmp_path))
+    assert sensor_of_word("my-camera").qe == pytest.approx(0.5, rel=1e-5)
+
+
+def test_the_same_folder_elsewhere_gives_the_same_hash(folder, tmp_path_factory, monkeypatch):
+    study = study_from_text(
+        '[light]\nilluminant = "my-lamp"\n[[sensors]]\nname = "my-camera"', source="text"
+    )
+    here = provenance(study)
+    assert set(here["files"]) == {f"catalog/{p.name}" for p in folder.iterdir()}
+    other = tmp_path_factory.mktemp("elsewhere")
+    for path in folder.iterdir():
+        (other / path.name).write_bytes(path.read_bytes())
+    monkeypatch.setenv("CHROMANOISE_CATALOG", str(other))
+    assert provenance(study) == here
+    (other / "my-lamp.csv").write_text(LAMP_CSV.replace("380,1", "380,2"))
+    assert provenance(study)["hash"] != here["hash"]
+
+
+@pytest.mark.parametrize("word", ["0K", "LED0", "LED500/0"])
+def test_a_light_of_nothing_is_refused_by_its_name(run, word):
+    refused(run("analyze", "onyx-rgbw", "--illuminant", word), f"illuminant {word} must be", "> 0")
+
+
+@pytest.mark.parametrize(
+    ("command", "words"),
+    [("analyze", ("halogen", "led-white", "A+0.5xLED850", "catalog illuminants"))],
+)
+def test_the_help_names_the_lights_of_the_catalogue(run, command, words):
+    told = " ".join(run(command, "--help")[1].split())
+    for word in words:
+        assert word in told
+
+
+def test_the_home_of_the_user_is_found_in_names_of_files(folder, monkeypatch):
+    monkeypatch.setenv("HOME", str(folder))
+    assert sensor_files("~/my-camera.csv") == (folder / "my-camera.csv",)
+    sensor = sensor_of_word("~/my-camera.csv", answers=Answers(quantity="QE"))
+    assert sensor.name == "my-camera"
+    lit = illuminant_of_word("~/my-lamp.csv", answers=Answers(quantity="power", per="photon"))
+    assert lit.name == "my-lamp"

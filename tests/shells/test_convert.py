@@ -56,6 +56,25 @@ def test_curves_come_back_from_csv_json_and_csv_again_to_the_digit(done, here):
     assert (read_curves(here / "c.csv").curves.values == table).all()
 
 
+def test_a_sensor_of_the_catalogue_that_asks_is_converted_with_the_answers(done, here):
+    answers = ("--beyond", "zero", "--peak-qe", 0.6)
+    done("convert", "ar0132at-rgbw", "x.csv", *answers)
+    values = read_curves(here / "x.csv").curves.values
+    # 5 nm means of the highest curve lie a little below its highest point
+    assert 0.59 < values.max() <= 0.6
+    done("convert", "ar0132at-rgbw", "y.csv", *answers[:-1], 0.3)
+    np.testing.assert_allclose(read_curves(here / "y.csv").curves.values, values / 2, rtol=1e-12)
+
+
+def test_no_file_hides_a_name_of_the_catalogue_but_a_file_needs_no_ending(done, here):
+    text = "wavelength_nm,A\n400,0.25\n1050,0.25\n"
+    for name in ("onyx-rgbw", "mine"):
+        (here / name).write_text(text)
+        done("convert", name, f"{name}.csv", *(("--quantity", "QE") if name == "mine" else ()))
+    assert read_curves(here / "onyx-rgbw.csv").curves.names == ("R", "G", "B", "W")
+    assert (read_curves(here / "mine.csv").curves.values == 0.25).all()
+
+
 def test_one_curve_comes_back_from_tm_27_to_the_digit(done, here):
     _, err = done("convert", "onyx-rgbw", "w.spdx", "--column", "W", "--created", "2026-01-31")
     ours = sensor_named("onyx-rgbw", DEFAULT_GRID)
@@ -104,6 +123,9 @@ def test_a_date_makes_the_bytes_the_same_on_every_day(done, here):
         (("onyx", "x.json"), ("onyx-rgb",)),
         (("onyx-rgbw", "x.json", "--column", "R"), ("--column", "keeps all")),
         (("old.json", "x.csv"), ("schema_version must be 1, but is 9",)),
+        (("ar0132at-rgbw", "x.csv"), ("ar0132at-rgbw", "--peak-qe")),
+        (("onyx-rgbw", "x.csv", "--peak-qe", 0.3), ("--peak-qe: nothing of onyx-rgbw asks",)),
+        (("onyx-rgbw", "x.csv", "--quantity", "QE"), ("--quantity", "onyx-rgbw says what it is")),
     ],
 )
 def test_what_cannot_be_converted_is_one_sentence_and_writes_nothing(run, here, arguments, parts):

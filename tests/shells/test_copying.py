@@ -215,3 +215,57 @@ def test_what_no_single_command_says_is_a_run_of_the_study_itself(text, tmp_path
     stand_in = f"chromanoise() {{ cat {tmp_path}/none /dev/stdin 2>{tmp_path}/err; }}\n"
     done = subprocess.run(["bash", "-c", stand_in + line], capture_output=True, text=True)
     assert study_from_text(done.stdout, source="shell") == study
+
+
+OWN = "own camera.json"
+
+
+@pytest.mark.parametrize("more", [(), ("--read-noise-e", 2), ("--filter", "ircut-700")])
+def test_a_copied_script_knows_a_users_file_and_a_sensor_of_our_own_json(
+    run, tmp_path, curves, more
+):
+    own = tmp_path / OWN
+    assert run("convert", "model-rgb", own)[0] == 0
+    options = (curves, own, "--percent", "--beyond", "zero", "--lux", 2, "--budget", *more)
+    code, out, err = run("analyze", *options, "--copy-as", "python")
+    assert code == 0, err
+    (tmp_path / "s.py").write_text(out)
+    done = subprocess.run(
+        [sys.executable, "s.py"], cwd=tmp_path, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    assert json.loads(done.stdout) == [told_by(run, "analyze", *options)]
+
+
+@pytest.mark.parametrize("more", [(), ("--copy-as", "toml")])
+@pytest.mark.parametrize(
+    ("options", "parts"),
+    [
+        (("onyx-rgbw", "--peak-qe", 0.3, "--energy"), ("--energy and --peak-qe: nothing of onyx",)),
+        (("onyx-rgbw", "mt9m131", "--photons"), ("--photons: nothing of onyx-rgbw, mt9m131",)),
+        (("ar0132at-rgbw", "--peak-qe", 0.5, "--percent"), ("--percent: nothing",)),
+        (("nikon-d5100", "--energy", "--um"), ("--um: nothing",)),
+        (("own.json", "--relative"), ("--relative: nothing of own.json",)),
+        (("qe.csv", "--absolute", "--peak-qe", 0.5), ("--peak-qe: nothing of qe.csv",)),
+    ],
+)
+def test_an_answer_that_no_sensor_asks_for_is_refused(
+    run, tmp_path, monkeypatch, options, parts, more
+):
+    monkeypatch.chdir(tmp_path)
+    assert run("convert", "model-rgb", "own.json")[0] == 0
+    (tmp_path / "qe.csv").write_text("wavelength_nm,W\n400,0.4\n1050,0.5\n")
+    refused(run("analyze", *options, *more), *parts, "leave it away")
+
+
+def test_an_answer_that_one_of_several_sensors_asks_for_is_taken(run):
+    options = ("onyx-rgbw", "ar0132at-rgbw", "--peak-qe", 0.3, "--beyond", "zero")
+    told = told_by(run, "analyze", *options)
+    assert [one["name"] for one in told["sensors"]] == ["onyx-rgbw", "ar0132at-rgbw"]
+
+
+@pytest.mark.parametrize("option", ["--illuminant-photons", "--illuminant-energy"])
+def test_a_light_by_name_is_asked_nothing(run, option):
+    refused(run("analyze", "onyx-rgbw", "--illuminant", "A+1xLED850", option), option, "a name")
+    told = run("analyze", "onyx-rgbw", "--illuminant-column", "x")
+    refused(told, "--illuminant-column", "E is a name")

@@ -115,3 +115,32 @@ def test_a_light_from_a_file_asks_how_it_counts_and_which_curve_it_is(run, tmp_p
     code, photons, _ = run(*one, "--illuminant-photons")
     assert code == 0
     assert photons != out
+
+
+def test_a_preview_never_takes_the_place_of_its_file(run, sample):
+    path = sample("bench.csv")
+    before = path.read_bytes()
+    refused(run("inspect", path, "--json", path), "--json", "is the file that is read")
+    assert path.read_bytes() == before
+
+
+def test_a_sensor_that_was_converted_is_told_by_what_it_holds(run, tmp_path):
+    path = tmp_path / "mine.json"
+    assert run("convert", "onyx-rgbw", path)[0] == 0
+    code, out, err = run("inspect", path)
+    assert (code, err) == (0, "")
+    for part in ("own JSON, a sensor", "4: R, G, B, W", "400-1050 nm, step 5 nm", "10000 e- full"):
+        assert part in out
+    assert "note           curves are a reconstruction" in out
+    told = json.loads(run("inspect", path, "--json", "-")[1])
+    assert told["pixel"]["full_well_e"] == 10_000
+    refused(run("inspect", path, "--percent"), "--percent", "leave it away")
+
+
+def test_spectra_that_were_converted_are_told_by_what_they_hold(run, sample, tmp_path):
+    path = tmp_path / "curves.json"
+    assert run("convert", sample("bench.csv"), path)[0] == 0
+    code, out, _ = run("inspect", path)
+    assert code == 0
+    for part in ("own JSON, spectra", "2: R, G", "400-700 nm, step 100 nm"):
+        assert part in out

@@ -7,6 +7,7 @@ import subprocess
 import sys
 import time
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -15,8 +16,10 @@ import tifffile
 from PIL import Image
 
 import chromanoise
+from chromanoise._check import InputError
 from chromanoise.exposure import Situation, saturating_exposure
 from chromanoise.imaging import DEMOSAICING, acquired, developed, rendered
+from chromanoise.imaging.shots import write_shot
 from chromanoise.scene import flat_field, read_cube
 from chromanoise.sensor import (
     Imperfections,
@@ -28,6 +31,7 @@ from chromanoise.sensor import (
     sensor_named,
 )
 from chromanoise.spectra import DEFAULT_GRID, equal_energy
+from chromanoise.study.spectra_json import sensor_json
 from outcomes import refused
 
 ROWS, COLUMNS = 27, 23  # no whole number of tiles; DNG needs 22
@@ -541,3 +545,51 @@ def test_the_filters_of_a_burst_are_made_once_for_each_sensor(take, monkeypatch)
     )
     take("o", "model-rgb", "--sensor", "onyx-rgb", "--mosaic", "bayer", "--frames", 3)
     assert len(made) == 2
+
+
+@pytest.mark.parametrize("name", ["../../pwned", "..", "/tmp/pwned", "a\\b", ".hidden"])
+def test_pictures_stay_in_their_folder_whatever_a_sensor_calls_itself(run, tmp_path, name):
+    path = tmp_path / "mine.json"
+    path.write_text(sensor_json(replace(sensor_named("model-rgb", DEFAULT_GRID), name=name)))
+    out = tmp_path / "a" / "b" / "out"
+    code, _, err = run(
+        *("simulate", "builtin:checker", "--sensor", path, "-o", out), "--format", "png"
+    )
+    assert code == 0, err
+    (picture,) = out.glob("*.png")
+    assert picture.is_file()
+    assert not picture.name.startswith(".")
+    assert sorted(p for p in tmp_path.rglob("*") if p.is_file()) == sorted(
+        [path, picture, out / "summary.json"]
+    )
+
+
+def test_a_stem_that_leads_elsewhere_is_refused_before_anything_is_written(
+    run, tmp_path, monkeypatch
+):
+    shots = []
+
+    def kept(folder, stem, taken):
+        shots.append(taken)
+        return [], []
+
+    monkeypatch.setattr("chromanoise.cli.simulate.write_shot", kept)
+    out = tmp_path / "out"
+    assert run("simulate", "builtin:checker", "--sensor", "model-rgb", "-o", out)[0] == 0
+    (taken,) = shots
+    before = sorted(tmp_path.rglob("*"))
+    for stem in ("../x", "a/b", "a\\b", "a\0b", ".x", ".."):
+        with pytest.raises(InputError, match="names a picture in its folder"):
+            write_shot(out, stem, taken)
+    assert sorted(tmp_path.rglob("*")) == before
+    assert write_shot(out, "x", taken)[0] == ["x.png", "x.xyz.tiff"]
+
+
+def test_two_sensors_whose_files_would_have_one_name_are_refused(run, tmp_path):
+    paths = []
+    for i, name in enumerate(("a/b", "a-b")):
+        paths.append(tmp_path / f"{i}.json")
+        sensor = replace(sensor_named("model-rgb", DEFAULT_GRID), name=name)
+        paths[-1].write_text(sensor_json(sensor))
+    sensors = ("--sensor", paths[0], "--sensor", paths[1])
+    refused(run("simulate", "builtin:checker", *sensors, "-o", tmp_path / "o"), "a-b", "twice")

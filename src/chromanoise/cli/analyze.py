@@ -73,8 +73,8 @@ def analyze(
     """Noise of each SENSOR in raw, spectral and color coordinates, for a perfect white.
 
     SENSOR is a name of the catalogue (onyx-rgbw, onyx-rgb-ircut, onyx-rgb, onyx-rgbw-ircut, and
-    models of other filter sets: model-rgb-ircut, model-cmy-ircut, model-rgbir ...) or a CSV file
-    with the header wavelength_nm,R,G,... and the absolute QE of each channel.
+    models of other filter sets: model-rgb-ircut, model-cmy-ircut, model-rgbir ...; all of them:
+    `chromanoise catalog sensors`) or a file of QE curves in any format of `chromanoise inspect`.
     """
     if clip and (budget or merit):
         raise InputError("--clip does not go with --budget or --merit: they follow eq. 7")

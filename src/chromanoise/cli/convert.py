@@ -10,6 +10,7 @@ import click
 from chromanoise._check import InputError, one_of
 from chromanoise._files import write_whole
 from chromanoise.cli.answers import answering, answers_of
+from chromanoise.cli.options import refuse_idle_answers
 from chromanoise.cli.output import refuse_inputs
 from chromanoise.sensor import Sensor
 from chromanoise.spectra import Spectra
@@ -26,7 +27,7 @@ from chromanoise.study.spectra_files import (
     spectra_spdx,
 )
 from chromanoise.study.spectra_json import sensor_json, spectra_json
-from chromanoise.study.words import is_file_name, sensor_of_word
+from chromanoise.study.words import file_of, is_sensor_file, sensor_of_word
 
 Converted = tuple[str, list[str]]
 """The text, and what it does not keep."""
@@ -100,9 +101,12 @@ def _day(created: str | None) -> str:
 
 def _read(source: str, options: dict[str, Any]) -> Sensor | Spectra | Understood:
     """Our own JSON, a sensor of the catalogue, or what is understood of a file."""
-    path = Path(source)
-    if not (is_file_name(source) or path.is_file()):
-        return sensor_of_word(source)
+    if not is_sensor_file(source):
+        if options["quantity"] is not None:
+            raise InputError(f"--quantity: {source} says what it is; leave it away")
+        refuse_idle_answers([source], options)
+        return sensor_of_word(source, answers=answers_of(options))
+    path = file_of(source)
     own = own_json_of(path)
     if own is not None:
         return own

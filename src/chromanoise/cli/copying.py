@@ -6,7 +6,7 @@ import click
 
 from chromanoise._check import InputError
 from chromanoise.cli.answers import answers_of
-from chromanoise.cli.options import refuse_two_times
+from chromanoise.cli.options import refuse_idle_answers, refuse_two_times
 from chromanoise.study import DEFAULT_PRIOR
 from chromanoise.study.runs import study_as_python, study_as_toml, study_from_data
 
@@ -98,6 +98,7 @@ def simulate_told(options: Options, **cube: Any) -> Told:
 def _common(options: Options, names: Any, matrices: list[str], *, equal: str) -> Told:
     """Light, exposure, sensors and matrices."""
     refuse_two_times(options)
+    refuse_idle_answers(names, options)
     timed = options["time_ms"] is not None and equal == "saturation"
     answers = answers_of({k: v for k, v in options.items() if k != "quantity"})  # compare's own
     kept = ("scale", "level", "per", "wavelength_unit", "peak_qe")
@@ -106,6 +107,7 @@ def _common(options: Options, names: Any, matrices: list[str], *, equal: str) ->
         "beyond": options["beyond"],
         "answers": _given(**{name: getattr(answers, name) for name in kept}),
         "pixel": pixel,
+        **_given(filter=options["filter_word"]),
     }
     per = {None: None, True: "photon", False: "energy"}[options["illuminant_photons"]]
     return {

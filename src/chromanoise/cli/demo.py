@@ -8,10 +8,27 @@ from chromanoise._files import refuse_unwritable, whole_folder
 from chromanoise.cli import tables
 from chromanoise.cli.output import write_json
 from chromanoise.figures import CAPTIONS, paper_figures, write_figures
-from chromanoise.imaging import write_png
-from chromanoise.report import demo_page
+from chromanoise.imaging import Picture, write_png
+from chromanoise.page.equations import EQUATIONS
+from chromanoise.report import Sight, demo_page, study_report
 from chromanoise.study import paper_planes, paper_study, reproduced, reproduction_as_json
+from chromanoise.study.drawings import shown
 from chromanoise.study.pictures import paper_pictures
+from chromanoise.study.runs import study_from_text
+
+STUDY = """\
+title = "Can the IR-cut be dropped? The paper's two sensors"
+
+[[sensors]]
+name = "onyx-rgb-ircut"
+
+[[sensors]]
+name = "onyx-rgbw"
+
+[[pictures]]
+cube = "builtin:checker"
+"""
+"""The paper's two sensors in its light, at the time of the one that fills first."""
 
 
 @click.command()
@@ -41,4 +58,17 @@ def demo(out: Path) -> None:
         drawn = {name: (folder / f"{name}.svg").read_text(encoding="utf-8") for name in figures}
         page = demo_page(result, pictures, drawn, CAPTIONS)
         (folder / "index.html").write_text(page, encoding="utf-8")
+        (folder / "report.html").write_text(_report(pictures), encoding="utf-8")
     click.echo(f"Open {out / 'index.html'}: the tables, the pictures and figures 1-10.")
+    click.echo(f"Open {out / 'report.html'}: both sensors as a report, with sliders.")
+
+
+def _report(pictures: tuple[Picture, Picture]) -> str:
+    """The report of the same two sensors, with the pictures that are there already."""
+    taken = Sight(
+        cube="builtin:checker",
+        matrix="kernel",
+        sensors=tuple(picture.sensor.name for picture in pictures),
+        pictures=tuple(picture.srgb for picture in pictures),
+    )
+    return study_report(shown(study_from_text(STUDY, source="the demo")), EQUATIONS, [taken])

@@ -1,15 +1,22 @@
 """``chromanoise inspect``."""
 
+import json
 from pathlib import Path
 from typing import Any
 
 import click
 import numpy as np
 
+from chromanoise._check import InputError
 from chromanoise.cli.answers import answering, answers_of
-from chromanoise.cli.output import write_json
+from chromanoise.cli.output import refuse_inputs, write_json
+from chromanoise.sensor import Sensor
 from chromanoise.spectra import Spectra
 from chromanoise.spectra.files import Understood, read_curves
+from chromanoise.spectra.files.merging import gaps_nm, step_nm
+from chromanoise.study.runs import own_json_of
+from chromanoise.study.spectra_files import mosaic_text, sensor_spectra
+from chromanoise.study.spectra_json import sensor_json, spectra_json
 
 _MOST_NAMES = 12
 
@@ -35,25 +42,86 @@ def inspect(file: Path, json_target: str | None, **options: Any) -> None:
     """What was understood of a FILE of spectra, what looks wrong in it, and what it cannot tell.
 
     CSV and other delimited text, digitized curves, ISETCam .mat, rawtoaces .json, CGATS and
-    Argyll .sp, IES TM-27 .spdx, .xlsx.
+    Argyll .sp, IES TM-27 .spdx, .xlsx, and the .json that convert writes.
     """
-    told = read_curves(file, answers=answers_of(options))
+    refuse_inputs(json_target, "--json", str(file))
+    own = own_json_of(file) if file.is_file() else None
+    if own is None:
+        told = read_curves(file, answers=answers_of(options))
+        data, lines = told_as_json(file, told), told_as_text(file, told)
+    else:
+        _refuse_answers(options)
+        data, lines = own_as_json(file, own), own_as_text(file, own)
     if json_target is not None:
-        write_json(told_as_json(file, told), json_target)
+        write_json(data, json_target)
     if json_target != "-":
-        click.echo("\n".join(told_as_text(file, told)))
+        click.echo("\n".join(lines))
+
+
+def _refuse_answers(options: dict[str, Any]) -> None:
+    """Our own JSON leaves nothing open that an answer could change."""
+    unset = {"beyond": "refuse", "columns": ()}
+    given = [name for name, value in options.items() if value not in (None, unset.get(name))]
+    if given:
+        words = {"micrometers": "--um/--nm", "columns": "--column", "peak_qe": "--peak-qe"}
+        words |= {"percent": "--percent/--fraction", "relative": "--relative/--absolute"}
+        words["photons"] = "--photons/--energy"
+        told = ", ".join(words.get(name, f"--{name}") for name in given)
+        raise InputError(f"{told}: chromanoise's own JSON says all itself; leave it away")
+
+
+def own_as_text(file: Path, own: Sensor | Spectra) -> list[str]:
+    """What a JSON of our own holds, line by line."""
+    curves = _curves_of(own)
+    facts = {
+        "format": f"chromanoise's own JSON, {'a sensor' if isinstance(own, Sensor) else 'spectra'}",
+        "curves": f"{len(curves.names)}: {_few(curves.names)}",
+        "range": f"{_ends(curves)}, {_steps(curves)}",
+        "quantity": f"{curves.quantity} [{curves.unit}]",
+        "values": f"{curves.values.min():.6g} to {curves.values.max():.6g}",
+        "gaps": _gaps(gaps_nm(curves.wavelength_nm)),
+    }
+    if isinstance(own, Sensor):
+        pixel = own.pixel
+        facts |= {
+            "name": own.name,
+            "origin": own.origin,
+            "mosaic": mosaic_text(own.mosaic),
+            "pixel": f"{pixel.pitch_um:g} um, {pixel.full_well_e:g} e- full, read noise "
+            f"{pixel.read_noise_e:g} e-",
+        }
+    else:
+        facts["source"] = own.source
+    lines = [str(file), *(f"  {name:<14} {text}" for name, text in facts.items())]
+    return lines + [f"  note           {note}" for note in own.notes]
+
+
+def own_as_json(file: Path, own: Sensor | Spectra) -> dict[str, Any]:
+    """The same as data: the file's own content, with its name."""
+    text = sensor_json(own) if isinstance(own, Sensor) else spectra_json(own)
+    return {"file": str(file), "format": "chromanoise JSON", **json.loads(text)}
+
+
+def _curves_of(own: Sensor | Spectra) -> Spectra:
+    return sensor_spectra(own) if isinstance(own, Sensor) else own
+
+
+def _few(names: tuple[str, ...]) -> str:
+    return ", ".join(names[:_MOST_NAMES]) + (", ..." if len(names) > _MOST_NAMES else "")
+
+
+def _gaps(gaps: tuple[tuple[float, float], ...]) -> str:
+    return ", ".join(f"{a:g}-{b:g} nm" for a, b in gaps) or "none"
 
 
 def told_as_text(file: Path, told: Understood) -> list[str]:
     """The preview, line by line."""
     curves = told.curves
-    names = ", ".join(curves.names[:_MOST_NAMES])
-    more = ", ..." if len(curves.names) > _MOST_NAMES else ""
     cells = f", cells parted by {told.delimiter}, decimal {told.decimal}" if told.delimiter else ""
     facts = {
         "format": told.format + cells,
-        "curves": f"{len(curves.names)}: {names}{more}",
-        "range": f"{_ends(curves)}, {_step(told)}, in the file in {told.wavelength_unit}",
+        "curves": f"{len(curves.names)}: {_few(curves.names)}",
+        "range": f"{_ends(curves)}, {_steps(curves)}, in the file in {told.wavelength_unit}",
         "quantity": told.quantity or "unknown",
         "scale": f"{told.scale}, times {told.factor:g}",
         "values": f"{curves.values.min():.6g} to {curves.values.max():.6g}",
@@ -61,7 +129,7 @@ def told_as_text(file: Path, told: Understood) -> list[str]:
         "light counted": {"photon": "in photons", "energy": "as energy"}.get(
             told.per or "", "unknown"
         ),
-        "gaps": ", ".join(f"{a:g}-{b:g} nm" for a, b in told.gaps_nm) or "none",
+        "gaps": _gaps(told.gaps_nm),
         "repeated": f"{told.merged} wavelengths",
     }
     if told.deviations is not None:
@@ -106,8 +174,9 @@ def _ends(curves: Spectra) -> str:
     return f"{curves.wavelength_nm[0]:g}-{curves.wavelength_nm[-1]:g} nm"
 
 
-def _step(told: Understood) -> str:
-    if told.step_nm is not None:
-        return f"step {told.step_nm:g} nm"
-    steps = np.diff(told.curves.wavelength_nm)
+def _steps(curves: Spectra) -> str:
+    step = step_nm(curves.wavelength_nm)
+    if step is not None:
+        return f"step {step:g} nm"
+    steps = np.diff(curves.wavelength_nm)
     return f"steps of {steps.min():g} to {steps.max():g} nm"

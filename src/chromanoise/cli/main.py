@@ -23,7 +23,9 @@ _COMMANDS = {
     "catalog": "What is built in, with its source, range and known defects.",
     "inspect": "What was understood of a file of spectra, what looks wrong, what it cannot tell.",
     "convert": "Curves of a file or a sensor as CSV, JSON, rawtoaces' JSON or IES TM-27.",
+    "serve": "A local page that answers while you drag.",
     "reproduce": "The paper's Tables 2-5 beside ours, and its ten figures.",
+    "report": "A study as one page that travels: charts, tables, equations, sliders.",
     "demo": "Everything of the paper on one page: out/demo/index.html.",
 }
 

@@ -14,11 +14,12 @@ from chromanoise.sensor import Sensor
 from chromanoise.spectra import (
     METRICS,
     Illuminant,
+    infrared_parts,
 )
 from chromanoise.spectra.files import Answers
 from chromanoise.study import DEFAULT_PRIOR, PRIORS, known_matrices, trained_names
-from chromanoise.study.runs import sensor_with_pixel
-from chromanoise.study.words import illuminant_of_word
+from chromanoise.study.runs import idle_answers, sensor_with_pixel
+from chromanoise.study.words import behind_filter_of_word, illuminant_of_word, is_file_name
 
 Command = TypeVar("Command", bound=Callable[..., Any])
 
@@ -27,8 +28,9 @@ _SHARED = (
         "--illuminant",
         default="E",
         show_default=True,
-        help="E, A, G173 (daylight to 1050 nm), D65 and other CIE names, 3200K, LED660, "
-        "or a file of one curve; see chromanoise inspect.",
+        help="E, A, G173 (daylight to 1050 nm), D65 and other CIE names, halogen, led-white, "
+        "3200K, LED660, A+0.5xLED850 (an infrared diode beside it), a file of one curve, or "
+        "another of `chromanoise catalog illuminants`.",
     ),
     click.option("--lux", type=float, default=10.0, show_default=True, help="Illuminance [lx]."),
     click.option("--time-ms", type=float, help="Integration time [ms], the same for all sensors."),
@@ -71,6 +73,13 @@ _SHARED = (
         type=float,
         help="Take the camera equation 1/(1 + 4 f#^2 (1 + |m|)^2) instead of the paper's distant "
         "scene, 1/(4 f#^2).",
+    ),
+    click.option(
+        "--filter",
+        "filter_word",
+        metavar="NAME|FILE",
+        help="In front of all sensors: ircut-650, ircut-650/20, ircut-schott, another of "
+        "`chromanoise catalog filters`, or a file of one transmittance.",
     ),
     click.option(
         "--pixel",
@@ -158,14 +167,50 @@ def the_illuminant(name: str, *, answers: Answers) -> Illuminant:
 
 def the_light(options: dict[str, Any]) -> tuple[Illuminant, Scene]:
     """The illuminant that the options ask for, and a perfect white in it."""
+    _refuse_idle_illuminant(options)
     illuminant = the_illuminant(options["illuminant"], answers=illuminant_answers_of(options))
     return illuminant, the_white(illuminant, options["lux"])
 
 
 def the_sensors(names: tuple[str, ...], options: dict[str, Any]) -> list[Sensor]:
     """Sensors by name or from files, with the pixel that the options ask for."""
-    answers = answers_of(options)
-    return [the_sensor(name, answers=answers, **only(options, PIXEL)) for name in names]
+    refuse_idle_answers(names, options)
+    answers, word = answers_of(options), options["filter_word"]
+    bare = [the_sensor(name, answers=answers, **only(options, PIXEL)) for name in names]
+    if word is None:
+        return bare
+    return [behind_filter_of_word(sensor, word, beyond=answers.beyond) for sensor in bare]
+
+
+_WORDS = {"percent": "percent", "photon": "photons"}  # whose options are called otherwise
+
+
+def refuse_idle_answers(names: Sequence[str], options: dict[str, Any]) -> None:
+    """An answer that none of the sensors asks for was meant to change something."""
+    answers = answers_of({key: value for key, value in options.items() if key != "quantity"})
+    idle = idle_answers(names, answers)
+    if idle:
+        words = ["peak-qe" if name == "peak_qe" else getattr(answers, name) for name in idle]
+        told = " and ".join(f"--{_WORDS.get(word, word)}" for word in words)
+        raise InputError(
+            f"{told}: nothing of {', '.join(names)} asks for that, so it would change nothing; "
+            "leave it away"
+        )
+
+
+def _refuse_idle_illuminant(options: dict[str, Any]) -> None:
+    """What only a file of a light can need."""
+    word, photons = options["illuminant"], options["illuminant_photons"]
+    parts = infrared_parts(word)
+    if is_file_name(word if parts is None else parts[0]):
+        return
+    given = {True: ["--illuminant-photons"], False: ["--illuminant-energy"]}.get(photons, [])
+    given += ["--illuminant-column"] if options["illuminant_column"] else []
+    if given:
+        raise InputError(
+            f"{' and '.join(given)}: only a file of a light needs that, but {word} is a name; "
+            "leave it away"
+        )
 
 
 def the_white(illuminant: Illuminant, lux: float) -> Scene:

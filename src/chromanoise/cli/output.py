@@ -38,7 +38,11 @@ def refuse_taken_inputs(
     targets: Mapping[str, str | Path | None], sensors: Sequence[str], options: Mapping[str, Any]
 ) -> None:
     """Before anything is computed: no result takes the place of an input, or has no format."""
-    inputs = [*sensors, options["illuminant"], *filter(None, [options["pixel"]])]
+    inputs = [
+        *sensors,
+        options["illuminant"],
+        *filter(None, [options["pixel"], options["filter_word"]]),
+    ]
     for option, target in targets.items():
         refuse_inputs(target, option, *inputs)
         if option == "--table" and target is not None:

@@ -43,13 +43,20 @@ from chromanoise.scene import Cube, builtin_cube, read_cube
 from chromanoise.scene.rows import row_source
 from chromanoise.sensor import MOSAIC_NAMES, Imperfections, mosaic_named
 from chromanoise.study import matrix_makers
+from chromanoise.study.runs import file_word
 
 _REAL_PIXELS = ("dark_current_e_per_s", "dsnu_e", "prnu", "row_noise_e")
 
 
 @click.command()
 @click.argument("cube", metavar="CUBE")
-@click.option("--sensor", "sensors", multiple=True, required=True, help="Name or CSV; repeatable.")
+@click.option(
+    "--sensor",
+    "sensors",
+    multiple=True,
+    required=True,
+    help="A name of `chromanoise catalog sensors`, or a file; repeatable.",
+)
 @sensor_and_light
 @matrix_option
 @prior_option
@@ -93,7 +100,9 @@ _REAL_PIXELS = ("dark_current_e_per_s", "dsnu_e", "prnu", "row_noise_e")
     help="What is no reflectance (NaN, negative, above 2): refuse it, or take 0 and say so.",
 )
 @click.option("--threads", type=int, help="Working at once. [default: one per core]")
-@click.option("--tile", type=int, help="Rows that are held at a time. [default: 8 MB of them]")
+@click.option(
+    "--tile", type=int, help="Rows that are held at a time. [default: 8 to 64 MB of them]"
+)
 @click.option(
     "--scheduler",
     metavar="ADDRESS|local",
@@ -142,7 +151,7 @@ def simulate(cube: str, sensors: tuple[str, ...], out: Path, **options: Any) -> 
             for frame in range(options["frames"]):
                 start = time.perf_counter()
                 taken = shot(source, camera, frame=frame, work=work)
-                name = camera.situation.sensor.name
+                name = file_word(camera.situation.sensor.name)
                 stem = name + (f"-{frame:04d}" if options["frames"] > 1 else "")
                 files, notes = write_shot(folder, stem, taken)
                 # the seconds are all that another run changes
@@ -196,6 +205,7 @@ def _situations(sensors: tuple[str, ...], options: dict[str, Any]) -> list[Situa
     illuminant, white = the_light(options)
     cameras = the_sensors(sensors, options)
     distinct("names of --sensor", [camera.name for camera in cameras])
+    distinct("file names of --sensor", [file_word(camera.name) for camera in cameras])
     return [
         Situation(
             sensor=camera,

@@ -1,5 +1,6 @@
 """From electrons to color: matrices (eq. 6), XYZ with covariance (eq. 5), spaces, sRGB."""
 
+from chromanoise.color.chromaticity import XYY, xyy
 from chromanoise.color.cubature import Cubature, gaussian_cubature, gaussian_expectation
 from chromanoise.color.exact import UNBOUNDED, ExactNoise, exact_noise
 from chromanoise.color.fitted import (
@@ -11,6 +12,7 @@ from chromanoise.color.fitted import (
     noise_regularized,
     pareto,
     ridge,
+    training_color_error,
     white_preserving,
 )
 from chromanoise.color.matrices import ColorMatrix, colored, kernel_matrix, scene_xyz
@@ -65,6 +67,7 @@ __all__ = [
     "SPACES",
     "SRGB",
     "UNBOUNDED",
+    "XYY",
     "ColorMatrix",
     "Cubature",
     "ExactNoise",
@@ -112,7 +115,9 @@ __all__ = [
     "srgb_from_xyz",
     "through_space",
     "through_space_sampled",
+    "training_color_error",
     "training_response",
     "white_normalized",
     "white_preserving",
+    "xyy",
 ]

@@ -65,7 +65,7 @@ class ParetoCurve:
 def kernel(
     sensor: Sensor,
     exposure: Exposure,
-    training: Training,
+    training: Training | None,
     *,
     level_lux: float,
     metric: Metric = "quanta",
@@ -296,9 +296,37 @@ def pareto(
         matrix=matrices,
         color_error_rms=np.sqrt(np.einsum("k,qkc->q", seen.share, error**2)),
         noise_rms=np.sqrt((matrices**2 @ seen.noise_e2).sum(axis=-1)),
-        delta_e=tuple(_mean_delta_e(seen, matrix) for matrix in matrices),
+        delta_e=_mean_delta_e(seen, matrices),
         snr_y_db=decibel(np.abs(luminance @ seen.white_e) / np.sqrt(white_variance)),
     )
+
+
+def training_color_error(
+    sensor: Sensor,
+    exposure: Exposure,
+    training: Training,
+    matrix: ColorMatrix,
+    *,
+    level_lux: float,
+) -> float | None:
+    """Mean CIE 1976 color difference of any matrix over a training set, as `pareto` tells it. [1]
+
+    ``None`` where the sensor's white is no color.
+
+    Parameters
+    ----------
+    matrix
+        Of that sensor.
+    level_lux
+        Illuminance on the set. [lx]
+
+    Raises
+    ------
+    InputError
+        If set and sensor are not on one grid.
+    """
+    seen = training_response(training, sensor, exposure, level_lux=level_lux)
+    return _mean_delta_e(seen, matrix.matrix[None])[0]
 
 
 def _made(
@@ -339,12 +367,17 @@ def _along(seen: TrainingResponse, weight: Float[Array, " q"]) -> Float[Array, "
     return np.asarray((cross * gain[:, None, :]) @ vt * whitening)
 
 
-def _mean_delta_e(seen: TrainingResponse, matrix: Float[Array, "3 p"]) -> float | None:
+def _mean_delta_e(
+    seen: TrainingResponse, matrices: Float[Array, "q 3 p"]
+) -> tuple[float | None, ...]:
     colour = colour_science()
-    white = matrix @ seen.white_e
-    if not ((white > 0).all() and (seen.white_xyz > 0).all()):
-        return None
+    whites = matrices @ seen.white_e
+    known = (whites > 0).all(axis=1) & (seen.white_xyz > 0).all()
     neutral = np.array([1 / 3, 1 / 3])  # chromaticity of XYZ = (1, 1, 1)
-    relative = (seen.xyz / seen.white_xyz, seen.electrons @ matrix.T / white)
-    lab = [colour.XYZ_to_Lab(xyz, neutral) for xyz in relative]
-    return float(seen.share @ colour.difference.delta_E_CIE1976(*lab))
+    balanced = (
+        seen.electrons @ np.swapaxes(matrices, -1, -2) / np.where(whites > 0, whites, 1.0)[:, None]
+    )
+    truth = colour.XYZ_to_Lab(seen.xyz / np.where(seen.white_xyz > 0, seen.white_xyz, 1.0), neutral)
+    errors = colour.difference.delta_E_CIE1976(truth, colour.XYZ_to_Lab(balanced, neutral))
+    means = (errors @ seen.share).tolist()
+    return tuple(mean if told else None for mean, told in zip(means, known, strict=True))

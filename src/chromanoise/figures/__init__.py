@@ -1,6 +1,8 @@
-"""Results to matplotlib Axes: the ten figures of the paper, drawn from computed data."""
+"""Results to matplotlib Axes: the ten figures of the paper and those of a study."""
 
+from chromanoise.figures.budget import draw_budget
 from chromanoise.figures.comparison import draw_comparison
+from chromanoise.figures.ellipses import draw_ellipses
 from chromanoise.figures.flow import draw_flow
 from chromanoise.figures.geometry import (
     draw_color_projection,
@@ -13,26 +15,32 @@ from chromanoise.figures.geometry import (
 from chromanoise.figures.mosaics import draw_mosaic
 from chromanoise.figures.observers import draw_observer
 from chromanoise.figures.paper import CAPTIONS, paper_figures
+from chromanoise.figures.pareto import draw_pareto
 from chromanoise.figures.pictures import draw_picture
 from chromanoise.figures.sensitivities import draw_sensitivities
+from chromanoise.figures.study import study_figures
 from chromanoise.figures.style import chromanoise_style
 from chromanoise.figures.writing import write_figures
 
 __all__ = [
     "CAPTIONS",
     "chromanoise_style",
+    "draw_budget",
     "draw_color_projection",
     "draw_color_uncertainty",
     "draw_comparison",
     "draw_contravariant",
+    "draw_ellipses",
     "draw_flow",
     "draw_light_above_plane",
     "draw_measurement",
     "draw_mosaic",
     "draw_observer",
+    "draw_pareto",
     "draw_picture",
     "draw_sensitivities",
     "draw_uncertainty",
     "paper_figures",
+    "study_figures",
     "write_figures",
 ]

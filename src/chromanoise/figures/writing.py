@@ -1,6 +1,6 @@
 """Figures to files: PNG to look at, SVG to edit, PDF to print."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from io import BytesIO
 from pathlib import Path
 from typing import Any
@@ -18,8 +18,13 @@ _FORMATS: dict[str, dict[str, Any]] = {  # without a date, so that equal figures
 }
 
 
-def write_figures(figures: Mapping[str, Figure], folder: Path | str) -> tuple[Path, ...]:
-    """Each figure as PNG, SVG and PDF, named by its key; each file appears whole or not at all.
+def write_figures(
+    figures: Mapping[str, Figure],
+    folder: Path | str,
+    *,
+    endings: Sequence[str] = tuple(_FORMATS),
+) -> tuple[Path, ...]:
+    """Each figure in each format, named by its key; each file appears whole or not at all.
 
     Parameters
     ----------
@@ -27,6 +32,8 @@ def write_figures(figures: Mapping[str, Figure], folder: Path | str) -> tuple[Pa
         E.g. of `paper_figures`.
     folder
         Made if it does not exist.
+    endings
+        Of ``png``, ``svg`` and ``pdf``.
 
     Returns
     -------
@@ -37,7 +44,7 @@ def write_figures(figures: Mapping[str, Figure], folder: Path | str) -> tuple[Pa
     folder.mkdir(parents=True, exist_ok=True)
     written = []
     for name, figure in figures.items():
-        for ending in _FORMATS:
+        for ending in endings:
             path = folder / f"{name}.{ending}"
             write_whole(path, figure_bytes(figure, ending))
             written.append(path)

@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from chromanoise._check import Array
-from chromanoise._linalg import RANK_TOLERANCE, angle_deg, unit_columns
+from chromanoise._linalg import RANK_TOLERANCE, angles_deg, unit_columns
 from chromanoise.geometry.frame import Frame
 
 
@@ -31,13 +31,12 @@ def variance_inflation(frame: Frame) -> Float[Array, " p"]:
 
 def angles_between_deg(frame: Frame) -> Float[Array, "p p"]:
     """Angle of every pair of channels. [deg]"""
-    columns = frame.basis.T
-    return np.array([[angle_deg(a, b) for b in columns] for a in columns])
+    return angles_deg(frame.basis, frame.basis)
 
 
 def angles_to_axes_deg(frame: Frame, axes: Float[Array, "n c"]) -> Float[Array, "p c"]:
     """Angle of every channel to every color axis, e.g. the columns of H: Table 5's theta. [deg]"""
-    return np.array([[angle_deg(a, b) for b in axes.T] for a in frame.basis.T])
+    return angles_deg(frame.basis, axes)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -42,12 +42,12 @@ def plane_view(first: Float[Array, " n"], second: Float[Array, " n"]) -> PlaneVi
 
 
 def ellipse_outline(
-    center: Float[Array, " 2"],
-    covariance: Float[Array, "2 2"],
+    center: Float[Array, "*px 2"],
+    covariance: Float[Array, "*px 2 2"],
     *,
     sigmas: float,
     points: int = 181,
-) -> Float[Array, "points 2"]:
+) -> Float[Array, "*px points 2"]:
     """The closed curve at ``sigmas`` standard deviations (Mahalanobis) around ``center``.
 
     Examples
@@ -61,4 +61,5 @@ def ellipse_outline(
     """
     turn = np.linspace(0, 2 * np.pi, points)
     circle = np.stack([np.cos(turn), np.sin(turn)], axis=1)
-    return center + sigmas * circle @ np.linalg.cholesky(covariance).T
+    root = np.linalg.cholesky(covariance)
+    return center[..., None, :] + sigmas * circle @ np.swapaxes(root, -1, -2)

@@ -253,7 +253,18 @@ def shot_summary(taken: Shot, files: list[str]) -> dict[str, Any]:
 
 
 def write_shot(folder: Path, stem: str, taken: Shot) -> tuple[list[str], list[str]]:
-    """Write the files: their names, and what could not be written although nobody insisted."""
+    """Write the files: their names, and what could not be written although nobody insisted.
+
+    Raises
+    ------
+    InputError
+        If the stem leads into another folder or begins with a dot, or a file cannot be written.
+    """
+    if stem.startswith(".") or any(letter in stem for letter in "/\\\0"):
+        raise InputError(
+            f"file name {stem!r}: names a picture in its folder, so it must not begin with a dot "
+            "nor hold a slash, a backslash or a null byte; take another name"
+        )
     formats = taken.camera.asked.formats
     if formats is not None:
         return [_written(name, folder / stem, taken) for name in formats], []

@@ -1,11 +1,12 @@
 """How far a sensor's color is from the eye's."""
 
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
 from jaxtyping import Float
 
-from chromanoise._check import Array
+from chromanoise._check import Array, frozen
 from chromanoise._colour import colour_science
 from chromanoise.color import ColorMatrix
 from chromanoise.exposure import Exposure, expected_electrons
@@ -14,6 +15,7 @@ from chromanoise.sensor import Sensor
 from chromanoise.spectra import Illuminant, color_axes, colorchecker
 
 
+@lru_cache(maxsize=64)  # the matrix of one exposure is asked again and again
 def chart_color_error(
     sensor: Sensor, matrix: ColorMatrix, exposure: Exposure, illuminant: Illuminant
 ) -> Float[Array, "24"] | None:
@@ -34,7 +36,7 @@ def chart_color_error(
     CIE 015:2018, eq. 8.3-8.6 and 8.21, by colour-science.
     """
     lab = chart_lab(sensor, matrix, exposure, illuminant)
-    return None if lab is None else np.asarray(_differences().delta_E_CIE1976(*lab))
+    return None if lab is None else frozen(np.asarray(_differences().delta_E_CIE1976(*lab)))
 
 
 def chart_ciede2000(

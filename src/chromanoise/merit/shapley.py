@@ -1,6 +1,7 @@
 """Shares of a whole that depend on no order: Shapley values, with precedence where there is one."""
 
 from collections.abc import Callable, Sequence
+from functools import cache
 from itertools import permutations
 
 from chromanoise import _check
@@ -42,16 +43,25 @@ def shapley_values(
     >>> shapley_values(worth.__getitem__, "ab", precedence=[("a", "b")])
     {'a': 1.0, 'b': 4.0}
     """
-    orders = [
-        order
-        for order in permutations(players)
-        if all(order.index(first) < order.index(second) for first, second in precedence)
-    ]
+    orders = _orders(tuple(players), tuple(precedence))
     if not orders:
         raise _check.InputError(f"no order of {', '.join(players)} obeys the precedence")
+    worth = cache(value)  # orders share most of their sets
     shares = dict.fromkeys(players, 0.0)
     for order in orders:
         for place, name in enumerate(order):
             before = frozenset(order[:place])
-            shares[name] += (value(before | {name}) - value(before)) / len(orders)
+            shares[name] += (worth(before | {name}) - worth(before)) / len(orders)
     return shares
+
+
+@cache
+def _orders(
+    players: tuple[str, ...], precedence: tuple[tuple[str, str], ...]
+) -> tuple[tuple[str, ...], ...]:
+    """All orders of arrival that are allowed."""
+    return tuple(
+        order
+        for order in permutations(players)
+        if all(order.index(first) < order.index(second) for first, second in precedence)
+    )

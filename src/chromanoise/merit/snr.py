@@ -23,7 +23,8 @@ def snr_db(measurement: Measurement) -> dict[str, Float[Array, "*px"]]:
     signal, noise = np.abs(measurement.mean), np.sqrt(measurement.variance)
     with np.errstate(divide="ignore"):
         ratio = np.where(signal > 0, signal / np.where(signal > 0, noise, 1.0), 0.0)
-    return {name: decibel(np.asarray(ratio[..., i])) for i, name in enumerate(measurement.names)}
+    decibels = np.asarray(decibel(ratio))
+    return {name: np.asarray(decibels[..., i]) for i, name in enumerate(measurement.names)}
 
 
 LEAST_COLOR = 1e-6

@@ -1,5 +1,7 @@
-"""One self-contained page: everything arranged, no number born here."""
+"""Pages in one file that needs no other: of the paper, and of a study. No number is born here."""
 
 from chromanoise.report.demo import demo_page
+from chromanoise.report.study_pictures import Sight, sights_of
+from chromanoise.report.study_report import report_data, study_report
 
-__all__ = ["demo_page"]
+__all__ = ["Sight", "demo_page", "report_data", "sights_of", "study_report"]

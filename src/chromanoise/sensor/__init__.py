@@ -3,6 +3,7 @@
 from chromanoise.sensor.adc import Adc, adc_to_full_well
 from chromanoise.sensor.catalogue import KNOWN_SENSORS, SENSOR_NAMES, sensor_named
 from chromanoise.sensor.catalogue_tables import sensor_from_table
+from chromanoise.sensor.changes import behind_ir_cut, with_shifted_curves
 from chromanoise.sensor.darktable import (
     RelativeNoise,
     pixel_from_darktable,
@@ -54,6 +55,7 @@ __all__ = [
     "adc_to_full_well",
     "bayer",
     "behind_filter",
+    "behind_ir_cut",
     "filter_named",
     "ir_cut",
     "mosaic_named",
@@ -80,4 +82,5 @@ __all__ = [
     "sensor_named",
     "silicon_qe",
     "with_channels",
+    "with_shifted_curves",
 ]

@@ -106,7 +106,7 @@ def sensor_from_table(
         origin="measured",
         notes=(
             provenance.source,
-            provenance.defects,
+            *([] if provenance.defects.strip(" .").lower() == "none" else [provenance.defects]),
             *assumed,
             *resampled.notes,
         ),

@@ -14,7 +14,7 @@ from chromanoise._check import InputError
 from chromanoise.sensor.adc import Adc
 from chromanoise.sensor.emva_checks import alike, contradictions
 from chromanoise.sensor.imperfections import Imperfections
-from chromanoise.sensor.pixel_source import PixelSource
+from chromanoise.sensor.pixel_source import PIXEL_FILES, PixelSource
 from chromanoise.sensor.source_text import finite_number, source_json, source_text
 
 _NAMES = {
@@ -172,7 +172,8 @@ def pixel_from_emva(
     if not found:
         raise InputError(
             f"{source}: holds no value of an EMVA 1288 sheet, e.g. sigma_d = 2.4 e-; "
-            f"it names {', '.join(name[:40] for name in unused[:5]) or 'nothing'}"
+            f"it names {', '.join(name[:40] for name in unused[:5]) or 'nothing'}; the file of a "
+            f"pixel is {PIXEL_FILES}"
         )
     return _told(found, unused, source)
 
@@ -218,10 +219,14 @@ def _json_rows(text: str, path: Path) -> list[tuple[str, float, str, str]]:
 
 def _key(name: str) -> str | None:
     """What a name of the sheet stands for: Greek, dots, dashes and spaces do not matter."""
+    return _KEY_OF.get(_plain(name))
+
+
+def _plain(name: str) -> str:
     plain = name.lower()
     for letter, word in (("µ", "mu"), ("μ", "mu"), ("σ", "sigma"), ("η", "eta"), ("λ", "lambda")):
         plain = plain.replace(letter, word)
-    return _KEY_OF.get(re.sub(r"[^a-z0-9]", "", plain))
+    return re.sub(r"[^a-z0-9]", "", plain)
 
 
 def _valued(key: str, name: str, number: float, unit: str, where: str) -> _Value:
@@ -256,7 +261,17 @@ def _told(found: Mapping[str, _Value], unused: list[str], source: str) -> PixelS
         for name, known in (("dark current", current), ("DSNU", electrons["dsnu"]), ("PRNU", prnu))
         if known is None
     ]
-    notes = [f"{source}: saturation capacity is taken for the full well"] * ("full_well" in found)
+    notes = []
+    if "full_well" in found and not _plain(found["full_well"].name).startswith("fullwell"):
+        notes = [
+            f"{source}: {found['full_well'].name}, the saturation capacity, is taken for the "
+            "full well"
+        ]
+    if gain and adc is None:
+        notes.append(
+            f"{source}: the gain of {1 / gain:.4g} e-/DN is not used; a converter needs "
+            "the bits too"
+        )
     notes += [f"{source}: {', '.join(silent)} not given, taken as 0"] if silent else []
     notes += [f"{source}: not used: {', '.join(n[:40] for n in unused[:8])}"] if unused else []
     return PixelSource(

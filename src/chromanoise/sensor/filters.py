@@ -5,13 +5,15 @@ as an idea. A real sensor comes with its curves.
 """
 
 import re
+from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from jaxtyping import Float
 
 from chromanoise import _check
 from chromanoise._check import Array
-from chromanoise.spectra import Beyond, Grid, means_on_grid
+from chromanoise.spectra import Beyond, Grid, Spectra, means_on_grid
 from chromanoise.spectra.tables import catalogue_curves, catalogue_tables, packaged_table
 
 _CM_PER_UM = 1e-4
@@ -115,8 +117,10 @@ def ir_cut(grid: Grid, *, edge_nm: float = 655.0, width_nm: float = 8.0) -> Floa
     return _rise(-grid.wavelength_nm, -_check.positive("edge_nm", "nm", edge_nm), scale)
 
 
-def filter_named(name: str, grid: Grid, *, beyond: Beyond = "refuse") -> Float[Array, " n"]:
-    """Transmittance of the filter that the catalogue calls ``name``.
+def filter_named(
+    name: str, grid: Grid, *, beyond: Beyond = "refuse", others: Sequence[str] = ()
+) -> Spectra:
+    """Transmittance of the filter that the catalogue calls ``name``, with what to know of it.
 
     Parameters
     ----------
@@ -127,6 +131,8 @@ def filter_named(name: str, grid: Grid, *, beyond: Beyond = "refuse") -> Float[A
         Where it is wanted.
     beyond
         What it is where its table ends short of the grid.
+    others
+        Names of others that may have been meant, for the complaint.
 
     Raises
     ------
@@ -135,15 +141,25 @@ def filter_named(name: str, grid: Grid, *, beyond: Beyond = "refuse") -> Float[A
 
     Examples
     --------
-    >>> filter_named("ircut-650", Grid.uniform(600, 700, 50)).round(3)
+    >>> filter_named("ircut-650", Grid.uniform(600, 700, 50)).values[:, 0].round(3)
     array([0.998, 0.5  , 0.002])
     """
     if match := re.fullmatch(r"ircut-([\d.]+)(?:/([\d.]+))?", name):
         edge_nm, width_nm = (_number(text, name) for text in (match[1], match[2] or "8"))
-        return ir_cut(grid, edge_nm=edge_nm, width_nm=width_nm)
+        return Spectra(
+            wavelength_nm=grid.wavelength_nm,
+            values=ir_cut(grid, edge_nm=edge_nm, width_nm=width_nm)[:, None],
+            names=(name,),
+            quantity="transmittance",
+            unit="1",
+            source=name,
+            notes=(f"{name}: a model with one logistic edge, not a filter that exists",),
+        )
     measured = catalogue_tables("filter")
-    _check.one_of("filter", name, (*measured, "ircut-650"))
-    return means_on_grid(catalogue_curves(measured[name]), grid, beyond=beyond).values[:, 0]
+    _check.one_of("filter", name, (*measured, "ircut-650", *others))
+    told = measured[name]
+    curve = replace(catalogue_curves(told), notes=(told.source, told.defects))
+    return means_on_grid(curve, grid, beyond=beyond)
 
 
 def _number(text: str, name: str) -> float:

@@ -3,6 +3,7 @@
 x is 0 at the black level and 1 at the white level; the variance is in the square of that unit.
 """
 
+import re
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -19,6 +20,10 @@ ROUNDING_DN2 = 1 / 12
 """Variance that rounding to whole codes adds (Sheppard). [DN^2]"""
 
 _ALIKE = 0.05  # channels of one converter agree in S better than this
+_TAG, _BLACK, _WHITE = (
+    re.compile(rf"(?im)^[ \t]*{name}[ \t]*[:=][ \t]*(.*)$")
+    for name in (r"noise[ \t]*profile", r"black[ \t]*level", r"white[ \t]*level")
+)
 _KEYS = ("S", "O", "black_level_dn", "white_level_dn")
 
 
@@ -124,7 +129,8 @@ def read_noise_profile(path: Path | str) -> PixelSource:
     ----------
     path
         ``S`` and ``O`` are numbers, or lists with one number per channel; ``channels`` may name
-        them.
+        them. Or text, as tools that list the tags of a DNG print them: ``NoiseProfile: S O ..``
+        with a pair per channel, perhaps ``BlackLevel: ..`` and ``WhiteLevel: ..``.
 
     Raises
     ------
@@ -133,7 +139,10 @@ def read_noise_profile(path: Path | str) -> PixelSource:
         `pixel_from_noise_profile`.
     """
     path = Path(path)
-    held = source_json(source_text(path), str(path))
+    text = source_text(path)
+    if is_noise_profile_text(text):
+        return _pixel_of_text(text, path)
+    held = source_json(text, str(path))
     if not isinstance(held, dict) or any(key not in held for key in _KEYS):
         raise InputError(f"{path}: a noise profile is a JSON object with {', '.join(_KEYS)}")
     rows = {key: _numbers(held[key], key, path) for key in _KEYS}
@@ -151,6 +160,105 @@ def read_noise_profile(path: Path | str) -> PixelSource:
         channels=names,
         source=path.name,
     )
+
+
+def is_noise_profile_text(text: str) -> bool:
+    r"""Whether a line of the text begins with ``NoiseProfile:``.
+
+    Examples
+    --------
+    >>> is_noise_profile_text("ISO: 100\nNoise Profile : 2e-4 1e-6"), is_noise_profile_text("S, O")
+    (True, False)
+    """
+    return _TAG.search(text) is not None
+
+
+def pixel_without_levels(
+    profile: Float[Array, "p 2"], *, channels: Sequence[str] = (), source: str = "noise profile"
+) -> PixelSource:
+    """The read noise of a profile alone, in electrons, rounding to codes included.
+
+    Parameters
+    ----------
+    profile
+        S and O of each channel. [1]
+    channels
+        As `pixel_from_noise_profile`.
+    source
+        Where the numbers come from.
+
+    Raises
+    ------
+    InputError
+        As `pixel_from_noise_profile`.
+
+    Notes
+    -----
+    1 / S electrons lie between black and white, so O = (sigma S)^2; black and white level would
+    tell the gain, and with it what of O is rounding.
+
+    Examples
+    --------
+    >>> round(pixel_without_levels(np.array([[2e-4, 1e-6]])).read_noise_e, 9)    # 5000 e- sqrt(O)
+    5.0
+    """
+    values = _check.finite(f"noise profile of {source}", "1", profile)
+    names = tuple(channels) or tuple(str(i) for i in range(len(values)))
+    _refuse_odd(values, names, 0.0, 1.0, source)
+    shot, dark = (float(v) for v in values.mean(axis=0))
+    _check.not_negative(f"O of {source}", "1", dark)
+    return PixelSource(
+        source=source,
+        read_noise_e=float(np.sqrt(dark)) / shot,
+        notes=(
+            f"{source}: {1 / shot:.4g} e- lie between black and white; the full well may be larger",
+            f"{source}: names no BlackLevel and WhiteLevel, so its gain stays unknown and the read "
+            "noise includes rounding to codes",
+        ),
+    )
+
+
+def _pixel_of_text(text: str, path: Path) -> PixelSource:
+    numbers = _tagged(_TAG, text, path) or []
+    if len(numbers) < 2 or len(numbers) % 2:
+        raise InputError(
+            f"{path}: NoiseProfile must hold S and O of each channel, but holds {len(numbers)} "
+            "numbers; write NoiseProfile: 0.0002 0.000001"
+        )
+    profile = np.array(numbers).reshape(-1, 2)
+    levels = [_tagged(tag, text, path) for tag in (_BLACK, _WHITE)]
+    if all(level is None for level in levels):
+        return pixel_without_levels(profile, source=path.name)
+    black, white = (set(level or ()) for level in levels)
+    if len(black) != 1 or len(white) != 1:
+        raise InputError(
+            f"{path}: BlackLevel and WhiteLevel must be one number each, for all channels; write "
+            "both or neither"
+        )
+    return pixel_from_noise_profile(
+        profile, black_level_dn=black.pop(), white_level_dn=white.pop(), source=path.name
+    )
+
+
+def _tagged(tag: re.Pattern[str], text: str, path: Path) -> list[float] | None:
+    """The numbers behind a tag; None where it does not stand."""
+    match = tag.search(text)
+    if match is None:
+        return None
+    words = re.split(r"[\s,;]+", match[1].strip())
+    numbers = [_real(word) for word in words]
+    found = [number for number in numbers if number is not None]
+    if len(found) < len(words):
+        line = text[: match.start(1)].count("\n") + 1
+        raise InputError(f"{path}: line {line}: {match[1].strip()[:60]!r} are no finite numbers")
+    return found
+
+
+def _real(word: str) -> float | None:
+    try:
+        return finite_number(float(word))
+    except ValueError:
+        return None
 
 
 def _numbers(value: object, key: str, path: Path) -> list[float]:

@@ -2,6 +2,7 @@
 
 import csv
 import math
+import re
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,11 @@ from chromanoise.sensor.source_text import source_text
 
 _NEEDED = ("mean_dn", "variance_dn2")
 _KNOWN = (*_NEEDED, "samples", "light")
+_ALIASES = {"mean": "mean", "signal": "mean", "variance": "variance", "var": "variance"}
+_CODES = {"dn": "dn", "adu": "dn", "dn^2": "dn2", "dn2": "dn2", "dn²": "dn2", "adu^2": "dn2"}
+_WITH_UNIT = re.compile(
+    rf"({'|'.join(_ALIASES)})[\s_]*[\[(]?({'|'.join(map(re.escape, _CODES))})[\])]?"
+)
 _LARGEST_ROWS = 100_000
 
 
@@ -21,8 +27,9 @@ def read_photon_transfer_csv(path: Path | str) -> PhotonTransfer:
     Parameters
     ----------
     path
-        The first row names the columns: ``mean_dn`` and ``variance_dn2``, perhaps ``samples``
-        (pixels behind each variance) and ``light`` (``dark`` or ``light``). ``#`` starts a comment.
+        The first row names the columns: ``mean_dn`` and ``variance_dn2`` (or with the unit in
+        brackets, ``mean [DN]`` and ``variance [DN^2]``), perhaps ``samples`` (pixels behind each
+        variance) and ``light`` (``dark`` or ``light``). ``#`` starts a comment.
 
     Raises
     ------
@@ -59,9 +66,35 @@ def _cells(line: str, where: str) -> list[str]:
         raise InputError(f"{where} is no row of a CSV ({error})") from None
 
 
+def is_photon_transfer_text(text: str) -> bool:
+    r"""Whether the first row that is no comment names a mean and a variance.
+
+    Examples
+    --------
+    >>> is_photon_transfer_text("# a bench\nMean [DN],Variance [DN^2]")
+    True
+    """
+    lines = (line.strip().lower() for line in text.splitlines())
+    first = next((line for line in lines if line and not line.startswith("#")), "")
+    names = [_name(cell) for cell in first.split(",")]
+    return any(name in names for name in _NEEDED) or {"mean", "variance"} <= set(names)
+
+
+def _name(cell: str) -> str:
+    """``mean_dn`` for ``Mean [DN]``, ``variance_dn2`` for ``var (DN^2)``."""
+    match = _WITH_UNIT.fullmatch(cell.strip().lower())
+    return f"{_ALIASES[match[1]]}_{_CODES[match[2]]}" if match else cell.strip().lower()
+
+
 def _header(first: tuple[int, str], path: Path) -> list[str]:
     where = f"{path}: line {first[0]}"
-    header = [cell.lower() for cell in _cells(first[1], where)]
+    header = [_name(cell) for cell in _cells(first[1], where)]
+    bare = [name for name in ("mean", "variance") if name in header]
+    if bare:
+        raise InputError(
+            f"{where} names {' and '.join(bare)} without a unit; if they are in codes, write "
+            f"{','.join(_NEEDED)}"
+        )
     missing = [name for name in _NEEDED if name not in header]
     if missing or len(set(header)) < len(header):
         raise InputError(

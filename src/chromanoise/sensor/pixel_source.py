@@ -70,6 +70,13 @@ class PixelSource:
             _check.within(f"QE {where} (percent? divide by 100)", "e-/photon", self.qe, 0.0, 1.0)
 
 
+PIXEL_FILES = (
+    "a data sheet (lines as 'sigma_d = 2.4 e-'), a photon transfer (CSV headed "
+    "mean_dn,variance_dn2), or a noise profile ('NoiseProfile: 0.0002 0.000001', or JSON as "
+    '{"S": 0.0002, "O": 1e-6, "black_level_dn": 64, "white_level_dn": 1023})'
+)
+"""The files that tell of a pixel, each with an example, for messages."""
+
 _QUESTIONS = {
     "pitch_um": "what is the pixel pitch? [um]",
     "full_well_e": "how many electrons fill a pixel? [e-]",

@@ -108,9 +108,13 @@ def _light_named(name: str, grid: Grid, beyond: Beyond) -> Illuminant:
     if name in _FORMULAS:
         return _FORMULAS[name](grid)
     if match := re.fullmatch(r"([\d.]+)\s*K", name):
-        return black_body(grid, _number(match[1], name))
+        kelvin = _check.positive(f"temperature of illuminant {name}", "K", _number(match[1], name))
+        return black_body(grid, kelvin)
     if match := re.fullmatch(r"LED([\d.]+)(?:/([\d.]+))?", name):
-        return led(grid, _number(match[1], name), _number(match[2] or "20", name))
+        peak_nm, width_nm = (_number(text, name) for text in (match[1], match[2] or "20"))
+        _check.positive(f"peak of illuminant {name}", "nm", peak_nm)
+        _check.positive(f"width of illuminant {name}", "nm", width_nm)
+        return led(grid, peak_nm, width_nm)
     measured = catalogue_tables("illuminant")
     if name in measured:
         return illuminant_from(catalogue_curves(measured[name]), grid, name=name, beyond=beyond)

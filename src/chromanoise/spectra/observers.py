@@ -5,7 +5,7 @@ from functools import cache
 import numpy as np
 from jaxtyping import Float
 
-from chromanoise._check import Array
+from chromanoise._check import Array, frozen
 from chromanoise._colour import colour_science
 from chromanoise.spectra.curves import Spectra, on_grid
 from chromanoise.spectra.grid import Grid
@@ -49,6 +49,7 @@ def cie_1931(grid: Grid) -> Spectra:
     return on_grid(cie_1931_table(), grid, beyond="zero")
 
 
+@cache
 def color_axes(grid: Grid, metric: Metric) -> Float[Array, "n 3"]:
     """H of eq. 5: H^T L is the color of the light L, with Y in lux.
 
@@ -73,4 +74,4 @@ def color_axes(grid: Grid, metric: Metric) -> Float[Array, "n 3"]:
     watt_per_unit = (
         photons_per_unit(grid, metric) * UM2_PER_M2 / photons_per_joule(grid.wavelength_nm)
     )
-    return lux_per_watt * watt_per_unit[:, None]
+    return frozen(lux_per_watt * watt_per_unit[:, None])

@@ -1,6 +1,7 @@
 """Reflectances that are measured into the near infrared, and gray cards."""
 
 import re
+from functools import cache
 
 import numpy as np
 
@@ -10,6 +11,7 @@ from chromanoise.spectra.grid import Grid
 from chromanoise.spectra.tables import catalogue_curves, catalogue_tables, packaged_table
 
 
+@cache
 def colorchecker(grid: Grid) -> Spectra:
     """The 24 patches of a ColorChecker, measured from 400 to 1050 nm, in reading order.
 

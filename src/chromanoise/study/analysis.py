@@ -1,7 +1,9 @@
 """Everything about one sensor in front of one flat patch, in closed form."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from jaxtyping import Bool, Float
@@ -264,6 +266,11 @@ def color_snr_db(analysis: Analysis) -> dict[str, float | None]:
     A color below 0, or next to nothing of what the eye sees, is no signal: the matrix, which does
     not know this light, made it.
     """
+    return dict(_color_snr_db(analysis))
+
+
+@lru_cache(maxsize=64)  # whether a color is one at all is asked at every turn
+def _color_snr_db(analysis: Analysis) -> Mapping[str, float | None]:
     lost = bool(analysis.saturated.any())
     decibels = signal_snr_db(analysis.color, analysis.truth_xyz)
     named = {name: np.asarray(decibels[i]) for i, name in enumerate(analysis.color.names)}

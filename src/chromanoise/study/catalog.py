@@ -10,11 +10,11 @@ from typing import Any
 from chromanoise import _check
 from chromanoise.sensor import SENSOR_NAMES, sensor_named
 from chromanoise.spectra import DEFAULT_GRID, Spectra, infrared_parts
+from chromanoise.spectra.files import power_of_photons
 from chromanoise.spectra.files.defects import defects_of
 from chromanoise.spectra.tables import catalogue_curves, formulas, sources
 from chromanoise.spectra.tables.folder import UserTable, user_curves, user_tables
 from chromanoise.spectra.tables.provenance import Provenance
-from chromanoise.units import photons_per_joule
 
 KINDS: Mapping[str, str] = {
     "sensors": "sensor",
@@ -173,16 +173,7 @@ def own_power(table: UserTable) -> Spectra:
         If the table cannot be read.
     """
     curves = replace(user_curves(table), source=table.provenance.name)
-    if table.provenance.per != "photon":
-        return curves
-    energy = 1.0 / photons_per_joule(curves.wavelength_nm)[:, None]
-    return replace(
-        curves,
-        values=curves.values * energy / energy.max(),
-        quantity="power",
-        unit="relative",
-        notes=(*curves.notes, f"{curves.source}: counted in photons, multiplied by their energy"),
-    )
+    return power_of_photons(curves) if table.provenance.per == "photon" else curves
 
 
 def entries_as_json(entries: Sequence[Entry]) -> dict[str, Any]:
@@ -251,7 +242,8 @@ def _of_table(told: Provenance, curves: Spectra) -> Entry:
     start, stop = float(curves.wavelength_nm[0]), float(curves.wavelength_nm[-1])
     found: tuple[str, ...] = ()
     if told.quantity in _FOUND_IN:
-        found = defects_of(curves, told.quantity, "fraction", ())  # type: ignore[arg-type]
+        kind: Any = told.quantity
+        found = defects_of(curves, kind, "fraction", (), level=None, beyond="refuse")
     asks = tuple(_asks(told, start, stop))
     return Entry(
         provenance=told,

@@ -12,7 +12,13 @@ from chromanoise import __version__, _check
 from chromanoise._check import Array
 from chromanoise.exposure import Situation
 from chromanoise.study.makers import MatrixMaker
-from chromanoise.study.quantities import SNR_Y, Quantity, color_error, is_saturated
+from chromanoise.study.quantities import (
+    SNR_Y,
+    Quantity,
+    color_error,
+    is_saturated,
+    is_saturated_over_levels,
+)
 from chromanoise.study.sweeps import SWEEPS, Sweep
 
 _TIE = 1e-9  # of the unit of a quantity: rounding
@@ -164,13 +170,18 @@ def _curve(
     sweep: Sweep,
     quantity: Quantity,
 ) -> Curve:
-    asked, errors, full = [], [], []
-    for value in values.tolist():
-        situation = sweep.at(contestant, value)
-        matrix = maker(situation)
-        asked.append(quantity.of(situation, matrix))
-        errors.append(color_error(situation, matrix))
-        full.append(is_saturated(situation))
+    situations = [sweep.at(contestant, value) for value in values.tolist()]
+    matrices = [maker(situation) for situation in situations]
+    one = all(matrix is matrices[0] for matrix in matrices)  # it looks at no light
+    if one and quantity.over_levels is not None and sweep.name == SWEEPS["lux"].name:
+        asked = quantity.over_levels(contestant, matrices[0], values)
+        errors = np.full(values.size, color_error(contestant, matrices[0]))
+        full = is_saturated_over_levels(contestant, values)
+    else:
+        pairs = list(zip(situations, matrices, strict=True))
+        asked = np.array([quantity.of(*pair) for pair in pairs])
+        errors = np.array([color_error(*pair) for pair in pairs])
+        full = np.array([is_saturated(situation) for situation in situations])
     return Curve(
         sensor=contestant.sensor.name,
         matrix=name,
@@ -178,9 +189,9 @@ def _curve(
         sweep=sweep,
         quantity=quantity,
         at=values,
-        value=np.array(asked),
-        saturated=np.array(full),
-        color_error=np.array(errors),
+        value=asked,
+        saturated=full,
+        color_error=errors,
     )
 
 
@@ -246,18 +257,43 @@ def _refuse_nothing_common(first: Curve, second: Curve) -> None:
 
 
 def _root(function: Callable[[float], float], low: float, high: float, logarithmic: bool) -> float:
-    """Bisection: the sign differs at ``low`` and ``high``."""
+    """Where the sign changes that differs at ``low`` and ``high``.
+
+    Notes
+    -----
+    Inverse quadratic steps where they are safe, halves elsewhere: Chandrupatla, *Adv. Eng. Softw.*
+    28 (1997) 145-149.
+    """
     there, back = (np.log, np.exp) if logarithmic else (float, float)
-    low, high = float(there(low)), float(there(high))
-    tolerance = _CROSSING_TOLERANCE * (1.0 if logarithmic else high - low)
-    at_low = function(float(back(low)))
-    while high - low > tolerance:
-        middle = 0.5 * (low + high)
-        if np.sign(function(float(back(middle)))) == np.sign(at_low):
-            low = middle
+    a, b = float(there(low)), float(there(high))
+    tolerance = _CROSSING_TOLERANCE * (1.0 if logarithmic else b - a)
+    at_a, at_b = function(float(back(a))), function(float(back(b)))
+    share = 0.5
+    while abs(b - a) > tolerance and at_a != 0:
+        x = a + share * (b - a)
+        at_x = function(float(back(x)))
+        if np.sign(at_x) == np.sign(at_a):
+            c, at_c = a, at_a
         else:
-            high = middle
-    return float(back(0.5 * (low + high)))
+            c, at_c, b, at_b = b, at_b, a, at_a
+        a, at_a = x, at_x
+        share = _next_share((a, at_a), (b, at_b), (c, at_c), tolerance)
+    return float(back(a if abs(at_a) < abs(at_b) else b))
+
+
+Point = tuple[float, float]
+
+
+def _next_share(a: Point, b: Point, c: Point, tolerance: float) -> float:
+    """How far from a towards b to look next; c lies behind a or b."""
+    (xa, fa), (xb, fb), (xc, fc) = a, b, c
+    place, height = (xa - xb) / (xc - xb), (fa - fb) / (fc - fb)
+    share = 0.5
+    if height**2 < place and (1 - height) ** 2 < 1 - place:
+        share = fa / (fb - fa) * fc / (fb - fc)
+        share += (xc - xa) / (xb - xa) * fa / (fc - fa) * fb / (fc - fb)
+    least = 0.5 * tolerance / abs(xb - xa) if xb != xa else 0.5
+    return min(1 - least, max(least, share)) if least < 0.5 else 0.5
 
 
 def comparison_as_json(curves: Sequence[Curve], crossed: Sequence[Crossover]) -> dict[str, Any]:

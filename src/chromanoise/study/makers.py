@@ -8,7 +8,6 @@ from typing import Any
 from chromanoise import _check
 from chromanoise.color import (
     ColorMatrix,
-    Training,
     bounded_psi,
     kernel,
     least_squares,
@@ -17,9 +16,10 @@ from chromanoise.color import (
     ridge,
     white_preserving,
 )
-from chromanoise.exposure import Situation
-from chromanoise.spectra import Illuminant, Metric
-from chromanoise.study.priors import DEFAULT_PRIOR, PRIORS
+from chromanoise.exposure import Exposure, Situation
+from chromanoise.sensor import Sensor
+from chromanoise.spectra import Metric
+from chromanoise.study.priors import DEFAULT_PRIOR, PRIORS, training_named
 
 MatrixMaker = Callable[[Situation], ColorMatrix]
 """A color matrix for a situation: some adapt to the light level."""
@@ -128,17 +128,21 @@ def _made(
     metric: Metric,
     parameters: dict[str, Any],
 ) -> ColorMatrix:
+    if not method.trained:
+        return _untrained(method.make, situation.sensor, situation.exposure, metric)
     return method.make(
         situation.sensor,
         situation.exposure,
-        _training(prior, situation.illuminant),
+        training_named(prior, situation.illuminant),
         level_lux=situation.level_lux,
         metric=metric,
         **parameters,
     )
 
 
-@lru_cache(maxsize=16)
-def _training(prior: str, illuminant: Illuminant) -> Training:
-    """One per lamp: a sweep asks for the same one at every value."""
-    return PRIORS[prior](illuminant)
+@lru_cache(maxsize=32)
+def _untrained(
+    make: Callable[..., ColorMatrix], sensor: Sensor, exposure: Exposure, metric: Metric
+) -> ColorMatrix:
+    """One per exposure: it looks at no light, so a sweep of the light asks for the same one."""
+    return make(sensor, exposure, None, level_lux=1.0, metric=metric)

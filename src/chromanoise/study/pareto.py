@@ -12,7 +12,7 @@ from chromanoise._check import Array
 from chromanoise.color import ColorMatrix, ParetoCurve, pareto
 from chromanoise.exposure import Situation
 from chromanoise.merit import MatrixReport
-from chromanoise.study.priors import DEFAULT_PRIOR, PRIORS
+from chromanoise.study.priors import DEFAULT_PRIOR, PRIORS, training_named
 
 _LIGHTEST, _HEAVIEST = 1e-15, 1e15  # weights beyond which double precision tells nothing
 
@@ -63,7 +63,7 @@ def pareto_of(
     Vora & Herley (ICIP 1998), with shot noise.
     """
     _check.one_of("prior", prior, tuple(PRIORS))
-    training = PRIORS[prior](situation.illuminant)
+    training = training_named(prior, situation.illuminant)
     return pareto(
         situation.sensor, situation.exposure, training, weights, level_lux=situation.level_lux
     )

@@ -1,7 +1,7 @@
 """Which reflectances a trained matrix expects: the spectral priors that have a name."""
 
 from collections.abc import Callable, Mapping
-from functools import partial
+from functools import lru_cache, partial
 
 from chromanoise.color import Training, chart_training, nir_diverse, smooth_training
 from chromanoise.spectra import Illuminant
@@ -33,3 +33,15 @@ Where the infrared follows the visible (chart, smooth), infrared electrons tell 
 color; with the other near infrareds (nir) they tell nothing.
 """
 DEFAULT_PRIOR = "chart-nir"
+
+
+@lru_cache(maxsize=16)
+def training_named(prior: str, illuminant: Illuminant) -> Training:
+    """The training set of a prior under a lamp: one per lamp, as a sweep asks for it every time.
+
+    Parameters
+    ----------
+    prior
+        Of `PRIORS`.
+    """
+    return PRIORS[prior](illuminant)

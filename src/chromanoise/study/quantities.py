@@ -5,12 +5,14 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
+from jaxtyping import Bool, Float
 
+from chromanoise._check import Array
 from chromanoise.color import LAB, ColorMatrix, colored, perceived_noise, scene_xyz
 from chromanoise.exposure import Situation, expected_electrons, white_scene
 from chromanoise.merit import bound_db, chart_color_error, signal_snr_db
 from chromanoise.noise import saturated, with_noise
-from chromanoise.scene import flat_field
+from chromanoise.scene import Scene, flat_field
 from chromanoise.study.perceived import GREY
 
 
@@ -30,6 +32,9 @@ class Quantity:
         What winning means.
     of
         The number; NaN where it is not defined: a channel is saturated, a color is no signal.
+    over_levels
+        The same for many light levels [lx] and one matrix at once; ``None`` where it is asked one
+        by one.
     """
 
     name: str
@@ -37,6 +42,7 @@ class Quantity:
     unit: str
     more_is_better: bool
     of: Callable[[Situation, ColorMatrix], float]
+    over_levels: Callable[[Situation, ColorMatrix, Array], Array] | None = None
 
 
 def color_snr(situation: Situation, matrix: ColorMatrix, *, coordinate: str) -> float:
@@ -47,6 +53,40 @@ def color_snr(situation: Situation, matrix: ColorMatrix, *, coordinate: str) -> 
     color = colored(with_noise(electrons, situation.sensor), matrix)
     i = matrix.coordinates.index(coordinate)
     return float(signal_snr_db(color, scene_xyz(white_scene(situation), matrix.metric))[i])
+
+
+def color_snr_over_levels(
+    situation: Situation, matrix: ColorMatrix, level_lux: Float[Array, " k"], *, coordinate: str
+) -> Float[Array, " k"]:
+    """`color_snr` at many light levels, time and matrix being kept. [dB]
+
+    Parameters
+    ----------
+    level_lux
+        Illuminances on the white, > 0. [lx]
+    coordinate
+        X, Y or Z.
+    """
+    flat = np.ones(situation.illuminant.grid.n)
+    white = Scene(
+        illuminant=situation.illuminant, level_lux=1.0, reflectance=level_lux[:, None] * flat
+    )
+    electrons = expected_electrons(white, situation.sensor, situation.exposure)
+    full = saturated(electrons, situation.sensor.pixel).any(axis=-1)
+    color = colored(with_noise(electrons, situation.sensor), matrix)
+    decibels = signal_snr_db(color, scene_xyz(white, matrix.metric))
+    return np.where(full, np.nan, decibels[:, matrix.coordinates.index(coordinate)])
+
+
+def is_saturated_over_levels(
+    situation: Situation, level_lux: Float[Array, " k"]
+) -> Bool[Array, " k"]:
+    """`is_saturated` at many light levels, the time being kept."""
+    one = expected_electrons(
+        flat_field(situation.illuminant, level_lux=1.0), situation.sensor, situation.exposure
+    )
+    full = saturated(level_lux[:, None] * one, situation.sensor.pixel)
+    return np.asarray(full.any(axis=-1))
 
 
 def raw_bound(situation: Situation, matrix: ColorMatrix) -> float:
@@ -101,6 +141,7 @@ def _snr(name: str, coordinate: str) -> Quantity:
         unit="dB",
         more_is_better=True,
         of=partial(color_snr, coordinate=coordinate),
+        over_levels=partial(color_snr_over_levels, coordinate=coordinate),
     )
 
 

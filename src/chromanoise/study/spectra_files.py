@@ -8,6 +8,7 @@ import csv
 import io
 from collections.abc import Mapping
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 from xml.sax.saxutils import escape
 
@@ -23,6 +24,7 @@ _TM27_QUANTITIES = (
     *("flux", "absorptance", "transmittance", "reflectance", "intensity", "irradiance"),
     *("radiance", "exitance", "R-Factor", "T-Factor", "relative", "other"),
 )
+_ENDINGS = (".csv", ".tsv", ".txt", ".mat", ".json", ".sp", ".spdx", ".xml", ".xlsx")
 
 
 def sensor_spectra(sensor: Sensor) -> Spectra:
@@ -65,7 +67,7 @@ def sensor_csv(sensor: Sensor) -> str:
         sensor_spectra(sensor),
         {
             "origin": sensor.origin,
-            "mosaic": _mosaic_text(sensor.mosaic),
+            "mosaic": mosaic_text(sensor.mosaic),
             "pitch_um": repr(pixel.pitch_um),
             "full_well_e": repr(pixel.full_well_e),
             "read_noise_e": repr(pixel.read_noise_e),
@@ -184,9 +186,10 @@ def spectra_spdx(spectra: Spectra, name: str, *, created: str) -> str:
         raise InputError(f"{spectra.source} has no curve {name!r}, but {', '.join(spectra.names)}")
     words = spectra.quantity.lower()
     quantity = {q.lower(): q for q in _TM27_QUANTITIES}.get(words, "other")
-    told = "; ".join((f"{spectra.quantity} [{spectra.unit}]", *spectra.notes))
+    what = f"{spectra.quantity} [{spectra.unit}]"
+    told = "; ".join((what, f"source: {_but_folder(spectra.source)}", *spectra.notes))
     header = {
-        "Description": f"{spectra.source}, {name}",
+        "Description": name,
         "DocumentCreator": f"chromanoise {__version__}",
         "DocumentCreationDate": created,
         "Comments": told,
@@ -260,7 +263,7 @@ def _csv(spectra: Spectra, facts: Mapping[str, str]) -> str:
     text = io.StringIO()
     comments = {
         "version": __version__,
-        "source": spectra.source,
+        "source": _but_folder(spectra.source),
         "quantity": f"{spectra.quantity} [{spectra.unit}]",
         **facts,
         "notes": "; ".join(spectra.notes),
@@ -274,8 +277,15 @@ def _csv(spectra: Spectra, facts: Mapping[str, str]) -> str:
     return text.getvalue()
 
 
-def _mosaic_text(mosaic: Mosaic | None) -> str:
+def mosaic_text(mosaic: Mosaic | None) -> str:
+    """One word per row of the pattern, ``none`` where each pixel has all channels."""
     return "/".join(" ".join(row) for row in mosaic.pattern) if mosaic else "none"
+
+
+def _but_folder(source: str) -> str:
+    """A source that is a file by its name: where it lay says nothing elsewhere."""
+    path = Path(source)
+    return path.name if path.is_absolute() or path.suffix.lower() in _ENDINGS else source
 
 
 def _xml(text: str) -> str:

@@ -12,7 +12,7 @@ from jaxtyping import Float
 from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise.exposure import Situation
-from chromanoise.sensor import ir_cut
+from chromanoise.sensor import behind_ir_cut
 from chromanoise.spectra import black_body, with_infrared
 
 _ILLUMINATOR_NM = 850.0
@@ -62,9 +62,7 @@ def _at_read_noise(situation: Situation, read_noise_e: float) -> Situation:
 
 def _at_ir_cut(situation: Situation, edge_nm: float) -> Situation:
     """A model IR-cut in front of what the sensor is: one that has a cut has two then."""
-    sensor = situation.sensor
-    passed = sensor.qe * ir_cut(sensor.grid, edge_nm=edge_nm)[:, None]
-    return replace(situation, sensor=replace(sensor, qe=passed))
+    return replace(situation, sensor=behind_ir_cut(situation.sensor, edge_nm, told=False))
 
 
 def _at_temperature(situation: Situation, kelvin: float) -> Situation:

@@ -2,6 +2,15 @@
 
 from chromanoise.spectra.files.door import read_curves
 from chromanoise.spectra.files.understood import ASK, Answers, Question, Understood
-from chromanoise.spectra.files.uses import power_of, qe_of
+from chromanoise.spectra.files.uses import power_of, power_of_photons, qe_of
 
-__all__ = ["ASK", "Answers", "Question", "Understood", "power_of", "qe_of", "read_curves"]
+__all__ = [
+    "ASK",
+    "Answers",
+    "Question",
+    "Understood",
+    "power_of",
+    "power_of_photons",
+    "qe_of",
+    "read_curves",
+]

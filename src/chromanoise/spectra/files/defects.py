@@ -6,9 +6,9 @@ from typing import Literal
 
 import numpy as np
 
-from chromanoise.spectra.curves import Spectra
+from chromanoise.spectra.curves import Beyond, Spectra
 from chromanoise.spectra.files.merging import Sorted, gaps_nm
-from chromanoise.spectra.files.understood import Quantity
+from chromanoise.spectra.files.understood import Level, Quantity
 
 _INFRARED_END_NM, _VISIBLE_START_NM = 1050.0, 400.0
 _CHART_PATCHES = 24
@@ -22,6 +22,9 @@ def defects_of(
     quantity: Quantity | None,
     scale: Literal["fraction", "percent", "as written"],
     points: Sequence[Sorted],
+    *,
+    level: Level | None,
+    beyond: Beyond,
 ) -> tuple[str, ...]:
     """One sentence per defect: range, sign, height, order of channels, ends.
 
@@ -34,12 +37,13 @@ def defects_of(
         *_conflicts(points),
         *_out_of_range(curves, quantity, scale),
         *_outliers(curves, quantity),
-        *_normalized(curves),
+        *(_normalized(curves) if level is None else ()),
         *_white_below_green(curves),
         *_dark_white_patch(curves, quantity),
         *_guard_values(curves),
         *_rounded_wavelengths(curves),
-        *_short_ends(curves),
+        *_short_ends(curves, beyond),
+        *_gaps(curves, points),
     )
 
 
@@ -166,11 +170,25 @@ def _rounded_wavelengths(curves: Spectra) -> Iterator[str]:
         yield f"wavelengths look rounded to whole nm: steps of {told}"
 
 
-def _short_ends(curves: Spectra) -> Iterator[str]:
+def _short_ends(curves: Spectra, beyond: Beyond) -> Iterator[str]:
+    def then(study: str) -> str:
+        return f"a study {study} asks --beyond" if beyond == "refuse" else f"{beyond} beyond"
+
     low, high = float(curves.wavelength_nm[0]), float(curves.wavelength_nm[-1])
     if high < _INFRARED_END_NM:
-        yield f"ends at {high:g} nm, short of 1050 nm: a study into the infrared asks --beyond"
+        yield f"ends at {high:g} nm, short of 1050 nm: {then('into the infrared')}"
     if low > _VISIBLE_START_NM:
-        yield f"begins at {low:g} nm, after 400 nm: a study from 400 nm asks --beyond"
-    for start, stop in gaps_nm(curves.wavelength_nm):
+        yield f"begins at {low:g} nm, after 400 nm: {then('from 400 nm')}"
+
+
+def _gaps(curves: Spectra, points: Sequence[Sorted]) -> Iterator[str]:
+    shared = gaps_nm(curves.wavelength_nm)
+    for start, stop in shared:
         yield f"a gap from {start:g} to {stop:g} nm: a straight line is a guess there"
+    for point in points:
+        for start, stop in gaps_nm(point.wavelength_nm):
+            if (start, stop) not in shared:
+                yield (
+                    f"a gap of {point.name} from {start:g} to {stop:g} nm: a straight line is a "
+                    "guess there"
+                )

@@ -3,6 +3,8 @@
 import csv
 import io
 import re
+from dataclasses import replace
+from typing import Any
 
 from chromanoise import _check
 from chromanoise.spectra.files.tables import Row, is_number, table_of
@@ -10,6 +12,7 @@ from chromanoise.spectra.files.understood import Found
 
 _COMMENT = ("#", "%", "//", ";")
 _DELIMITERS = {"semicolon": ";", "tab": "\t", "comma": ",", "blanks": None}
+_FACT = re.compile(r"(source|notes):\s*(.+)")
 _JUDGED_LINES = 200
 _LONGEST_LINE = 2**16
 _MOST_LINES = 200_000
@@ -39,7 +42,7 @@ def read_delimited(text: str, source: str) -> Found:
     rows = [Row(number=i, cells=_cells(line, i, delimiter, source)) for i, line in lines]
     head = _heading_comment(comments, rows)
     decimal = _decimal(rows, delimiter, source)
-    return table_of(
+    found = table_of(
         source=source,
         form="delimited text",
         rows=rows,
@@ -48,6 +51,14 @@ def read_delimited(text: str, source: str) -> Found:
         delimiter=delimiter,
         decimal=decimal,
     )
+    return replace(found, **_said([c.cells[0] for c in comments]))
+
+
+def _said(comments: list[str]) -> dict[str, Any]:
+    """Source and notes, as the comments of our own tables tell them."""
+    facts = dict(match.groups() for c in comments if (match := _FACT.fullmatch(c)))
+    notes = tuple(note for note in facts.get("notes", "").split("; ") if note)
+    return {"said_source": facts.get("source", ""), "said_notes": notes}
 
 
 def _delimiter(lines: list[tuple[int, str]]) -> str:

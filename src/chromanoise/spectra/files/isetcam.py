@@ -8,6 +8,7 @@ import numpy as np
 from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._mat5 import mat_array, mat_arrays, mat_texts
+from chromanoise.spectra.files.tables import missing_told
 from chromanoise.spectra.files.understood import Column, Found
 
 _LARGEST_BYTES = 32 * 2**20
@@ -39,11 +40,19 @@ def read_isetcam(path: Path) -> Found:
             f"{path}: needs the arrays wavelength and data as ISETCam writes them, but holds {held}"
         )
     wavelength = _real(path, at_name, arrays[at_name]).ravel()
+    if np.isnan(wavelength).any():
+        raise _check.InputError(f"{path}: the array {at_name!r} holds NaN; mend or drop it")
     data = _upright(path, _real(path, "data", arrays["data"]), wavelength.size)
+    square = _square_note(data.shape[1], wavelength.size)
     words = {w: mat_texts(path, w, largest_bytes=_LARGEST_BYTES) for w in _WORDS if w in arrays}
     names, notes = _names(path, arrays, data.shape[1], words.get("name", ()))
     told = " ".join(" ".join(texts) for texts in words.values())
-    known = [np.isfinite(data[:, k]) & np.isfinite(wavelength) for k in range(data.shape[1])]
+    known = [np.isfinite(data[:, k]) for k in range(data.shape[1])]
+    missing = [
+        told
+        for name, here in zip(names, known, strict=True)
+        for told in missing_told(name, wavelength, here, "values that are no number (NaN)")
+    ]
     comment = " ".join(" ".join(words.get("comment", ())).split())
     return Found(
         source=str(path),
@@ -55,7 +64,8 @@ def read_isetcam(path: Path) -> Found:
         words=told,
         per="photon" if words.get("units") == ("photons",) else None,
         wavelength_unit=None,
-        notes=(*notes, *((f"the file says: {comment}",) if comment else ())),
+        defects=tuple(missing),
+        notes=(*notes, *square, *((f"the file says: {comment}",) if comment else ())),
     )
 
 
@@ -81,6 +91,12 @@ def _upright(path: Path, data: Array, n: int) -> Array:
             f"{path}: wavelength has {n} entries, but data is {data.shape[0]} by {data.shape[1]}"
         )
     return data
+
+
+def _square_note(curves: int, n: int) -> tuple[str, ...]:
+    if curves != n:
+        return ()
+    return (f"data is {n} by {n}: its rows are taken for wavelengths, its columns for curves",)
 
 
 def _names(

@@ -55,6 +55,7 @@ def meaning_of(found: Found, answers: Answers) -> Understood:
     quantity = _quantity(found, answers, columns)
     scale, factor, scale_note = _scale(found, answers, columns, quantity)
     points = [sorted_points(column, unit, found.source) for column in columns]
+    level = _level(found, answers, columns)
     common, cut = on_common(points, answers.beyond, found.source)
     curves = _spectra(found, common, points, factor, quantity)
     notes = (*found.notes, *unit_note, *scale_note, *_merge_notes(points), *cut)
@@ -68,15 +69,21 @@ def meaning_of(found: Found, answers: Answers) -> Understood:
         scale=scale,
         factor=factor,
         step_nm=step_nm(curves.wavelength_nm),
-        gaps_nm=gaps_nm(curves.wavelength_nm),
+        gaps_nm=_gaps_nm(curves, points),
         merged=sum(p.merged for p in points),
         quantity=quantity,
-        level=_level(found, answers, columns),
+        level=level,
         per=_per(found, answers, columns, quantity),
         deviations=_deviations(found, curves, spread, factor),
         notes=notes,
-        defects=(*found.defects, *defects_of(curves, quantity, scale, points)),
+        defects=(
+            *found.defects,
+            *defects_of(curves, quantity, scale, points, level=level, beyond=answers.beyond),
+        ),
         questions=(),
+        own_form=found.heading == "wavelength_nm",
+        said_source=found.said_source,
+        said_notes=found.said_notes,
     )
     return questions_of(told, found.named, answers)
 
@@ -158,11 +165,18 @@ def _scale(
     if highest <= _FRACTION_AT_MOST:
         return "fraction", 1.0, ()
     lowest = min(float(c.values.max(initial=0.0)) for c in columns)
-    if highest <= _PERCENT_AT_MOST and lowest <= 1 and not re.search(_PERCENT, found.words.lower()):
+    said = re.search(_PERCENT, found.words.lower())
+    if highest <= _PERCENT_AT_MOST and lowest <= 1 and not said:
         return "fraction", 1.0, ()  # a curve of fractions beside it: no file mixes the two
-    if highest <= _PERCENT_AT_MOST:
-        said = "its text says percent" if re.search(_PERCENT, found.words.lower()) else "percent"
-        return "percent", 0.01, (f"highest value {highest:g}: taken as {said}, divided by 100",)
+    if highest <= _PERCENT_AT_MOST and said:
+        return (
+            "percent",
+            0.01,
+            (f"highest value {highest:g}, and its text says percent: divided by 100",),
+        )
+    if highest <= _PERCENT_AT_MOST and quantity is not None:
+        note = f"no {quantity} is {highest:g}: taken as percent, divided by 100"
+        return "percent", 0.01, (note,)
     return "as written", 1.0, ()
 
 
@@ -185,6 +199,8 @@ def _per(
     text = " ".join([found.heading, *(f"{c.name} {c.unit}" for c in columns)]).lower()
     if quantity == "QE" or re.search(r"photon|quanta", text):
         return "photon"
+    if "light counted per photon" in found.words:
+        return "photon"
     units = " ".join(c.unit for c in columns).lower()  # W as a name is a white channel
     watt = re.search(r"\bm?w\b|\bj\b", units)
     words = re.search(r"watt|\ba/w\b|power|radiance|energy", f"{text} {found.words.lower()}")
@@ -206,6 +222,12 @@ def _spectra(
         unit="e-/photon" if quantity == "QE" else "1",
         source=found.source,
     )
+
+
+def _gaps_nm(curves: Spectra, points: list[Sorted]) -> tuple[tuple[float, float], ...]:
+    """Those of all curves, and of each alone."""
+    each = (gap for at in points for gap in gaps_nm(at.wavelength_nm))
+    return tuple(sorted({*gaps_nm(curves.wavelength_nm), *each}))
 
 
 def _deviations(

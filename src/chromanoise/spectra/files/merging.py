@@ -70,7 +70,8 @@ def sorted_points(column: Column, unit: Unit, source: str) -> Sorted:
     distinct, first, count = np.unique(rising, return_index=True, return_counts=True)
     if distinct.size < 2:
         raise _check.InputError(
-            f"{source}: the curve {column.name!r} has {distinct.size} wavelengths; it needs 2"
+            f"{source}: the curve {column.name!r} has {distinct.size} "
+            f"wavelength{'s' * (distinct.size != 1)}; it needs 2"
         )
     spread = np.maximum.reduceat(values, first) - np.minimum.reduceat(values, first)
     means = np.where(spread > 0, np.add.reduceat(values, first) / count, values[first])

@@ -36,8 +36,7 @@ def _scale(told: Understood, answers: Answers) -> Iterator[Question]:
         return
     highest = float(told.curves.values.max()) / told.factor
     unclear = told.scale == "fraction" and highest > 1
-    inferred = told.quantity is None and told.scale == "percent"
-    if unclear or inferred or told.scale == "as written":
+    if unclear or told.scale == "as written":
         yield Question(
             about="scale",
             asks=f"the highest value is {highest:g}: are they fractions or percent?",

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from chromanoise import _check
+from chromanoise._check import Array
 from chromanoise.spectra.files.understood import Column, Found
 
 _POINT = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eEdD][+-]?\d{1,4})?\s*%?", re.ASCII)
@@ -85,8 +86,9 @@ def table_of(
             f"{len(rows)} {where}s is one"
         )
     heads = [_bare(row.cells) for row in rows[:first]]
-    width = _width(body, heads, head)
+    width = _width(body, rows[:first], head)
     numbers, ragged = _numbers(body, _head(heads, head, width), decimal, source, where)
+    _refuse_no_wavelengths(numbers, body, _in_pairs(heads, numbers), f"{source}: {where}")
     words = " ".join([*comments, *(" ".join(cells) for cells in heads)])
     words += " %" if any("%" in cell for cell in body[0].cells) else ""
     found = {
@@ -112,11 +114,25 @@ def _bare(cells: tuple[str, ...]) -> tuple[str, ...]:
     return cells[: last + 1]
 
 
-def _width(body: list[Row], heads: list[tuple[str, ...]], head: tuple[str, ...]) -> int:
+def _width(body: list[Row], heads: Sequence[Row], head: tuple[str, ...]) -> int:
     lengths = Counter(len(_bare(row.cells)) for row in body)
     usual = max(lengths, key=lambda n: (lengths[n], n))
-    named = len(heads[-1]) if heads else len(head)
-    return max(named, usual) if named > 1 and usual - named <= 1 else usual
+    named = len(_bare(heads[-1].cells)) if heads else len(head)
+    if named < 2 or usual - named > 1:
+        return usual
+    room = len(heads[-1].cells) if heads else len(head)
+    ragged = len(lengths) > 1 and usual > room  # then the heading is right, and rows are not
+    return named if ragged else max(named, usual)
+
+
+def _refuse_no_wavelengths(numbers: np.ndarray, body: list[Row], pairs: bool, place: str) -> None:
+    at = numbers[:, ::2] if pairs else numbers[:, :1]
+    wrong = np.argwhere(at <= 0)
+    if len(wrong):
+        i, k = (int(n) for n in wrong[0])
+        raise _check.InputError(
+            f"{place} {body[i].number}: a wavelength must be > 0, but is {at[i, k]:g}"
+        )
 
 
 def _numbers(
@@ -129,8 +145,8 @@ def _numbers(
         cells = _bare(row.cells)
         if len(cells) > width:
             raise _check.InputError(
-                f"{source}: {where} {row.number} has {len(cells)} cells, but the table has {width} "
-                "columns; where commas part the fractions, part the cells with semicolons"
+                f"{source}: {where} {row.number} has {len(cells)} cells, the heading has {width}"
+                "; where commas part the fractions, part the cells with semicolons"
             )
         if len(row.cells) < width:
             short.append(row.number)
@@ -144,7 +160,8 @@ def _numbers(
     if not short:
         return table, ()
     told = ", ".join(str(number) for number in short[:5]) + (", ..." if len(short) > 5 else "")
-    return table, (f"ragged rows: {where} {told} have fewer than {width} cells",)
+    which = f"{where} {told} has" if len(short) == 1 else f"{where}s {told} have"
+    return table, (f"ragged rows: {which} fewer than {width} cells",)
 
 
 def _in_pairs(heads: list[tuple[str, ...]], numbers: np.ndarray) -> bool:
@@ -206,25 +223,29 @@ def _shared(
     if numbers.shape[1] < 2:
         raise _check.InputError(f"{found['source']}: has one column only; a curve needs two")
     names = [name_and_unit(text) for text in head[1:]]
-    columns = []
+    columns, missing = [], []
     for k, (name, unit) in enumerate(names):
         known = np.isfinite(numbers[:, k + 1])
+        name = name or f"column {k + 2}"
+        missing += missing_told(name, numbers[:, 0], known, "empty cells")
         columns.append(
-            Column(
-                name=name or f"column {k + 2}",
-                unit=unit,
-                wavelength=numbers[known, 0],
-                values=numbers[known, k + 1],
-            )
+            Column(name=name, unit=unit, wavelength=numbers[known, 0], values=numbers[known, k + 1])
         )
-    empty = int(np.isnan(numbers[:, 1:]).sum())
-    told = f"{empty} empty cells; straight lines join their neighbors"
     return Found(
-        **{**found, "defects": (*found["defects"], *((told,) if empty else ()))},
+        **{**found, "defects": (*found["defects"], *missing)},
         columns=tuple(columns),
         heading=head[0],
         named=any(name for name, _ in names) or len(names) == 1,
     )
+
+
+def missing_told(name: str, wavelength: Array, known: Array, what: str) -> list[str]:
+    """One sentence where a curve has no value at some of its wavelengths, in the file's unit."""
+    lost = wavelength[~known]
+    if not lost.size:
+        return []
+    span = f"{lost.min():g}" if lost.size == 1 else f"{lost.min():g}-{lost.max():g}"
+    return [f"{name}: {lost.size} {what} at {span}; straight lines join their neighbors"]
 
 
 def name_and_unit(text: str) -> tuple[str, str]:

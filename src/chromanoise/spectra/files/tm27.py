@@ -1,13 +1,14 @@
 """IES TM-27: one spectrum of a lamp in XML (``.spdx``)."""
 
 import re
+from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
 
 from chromanoise import _check
 from chromanoise.spectra.files.tables import number_in
-from chromanoise.spectra.files.understood import Column, Found, Quantity
+from chromanoise.spectra.files.understood import Column, Found, Level, Per, Quantity
 
 _QUANTITIES: dict[str, Quantity] = {
     "reflectance": "reflectance", "r-factor": "reflectance",
@@ -15,6 +16,9 @@ _QUANTITIES: dict[str, Quantity] = {
     "exitance": "power", "flux": "power", "intensity": "power", "irradiance": "power",
     "radiance": "power", "relative": "power",
 }  # fmt: skip
+_QUANTITY = r"(QE|response|reflectance|transmittance|power) \["
+_PER = r".*\blight counted per (photon|energy)\b"
+_LEVEL = r".*\blevel: (absolute|relative)\b"
 _NAMES = ("Manufacturer", "CatalogNumber", "Description")
 
 
@@ -42,7 +46,13 @@ def read_tm27(text: str, source: str) -> Found:
     ]
     table = np.array(rows, dtype=np.float64)
     told = parts.get("SpectralQuantity", "").lower()
-    quantity = _QUANTITIES.get(told)
+    comments = parts.get("Comments", "")
+    quantity = _QUANTITIES.get(told) or _ours(_QUANTITY, comments)
+    ratio = quantity == "QE"  # electrons per photon
+    per: Per | None = "photon" if ratio else _ours(_PER, comments)
+    level: Level | None = _ours(_LEVEL, comments)
+    if quantity == "power" and told != "other":
+        per, level = per or "energy", "relative" if told == "relative" else "absolute"
     name = " - ".join(parts[n] for n in _NAMES if parts.get(n)) or "spectrum"
     kept = ("SpectralQuantity", "BandwidthFWHM", "BandwidthCorrected", "Comments")
     return Found(
@@ -52,10 +62,16 @@ def read_tm27(text: str, source: str) -> Found:
         words=told,
         wavelength_unit="nm",
         quantity=quantity,
-        per="energy" if quantity == "power" else None,
-        level=("relative" if told == "relative" else "absolute") if quantity == "power" else None,
+        per=per,
+        level=level,
         notes=tuple(f"the file says: {k} {parts[k][:200]}" for k in kept if parts.get(k)),
     )
+
+
+def _ours(pattern: str, comments: str) -> Any:
+    """What the comments of a file of our own say, for which TM-27 has no word."""
+    match = re.match(pattern, comments)
+    return match[1] if match else None
 
 
 def _root(text: str, source: str) -> ElementTree.Element:

@@ -134,6 +134,8 @@ class Found:
         Whether the file names its curves.
     notes, defects
         What the reader did, and what it stumbled over.
+    said_source, said_notes
+        Where the file says that its curves come from, and the notes that it keeps of them.
     """
 
     source: str
@@ -150,6 +152,8 @@ class Found:
     named: bool = True
     notes: tuple[str, ...] = ()
     defects: tuple[str, ...] = ()
+    said_source: str = ""
+    said_notes: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -179,6 +183,10 @@ class Understood:
         Standard deviations, where the file gives them beside the curves.
     notes, defects, questions
         What was done, what the numbers show to be wrong or odd, what remains to be answered.
+    own_form
+        Whether it is headed ``wavelength_nm``, as the documented table of a sensor's QE.
+    said_source, said_notes
+        As `Found`.
     """
 
     curves: Spectra
@@ -198,6 +206,9 @@ class Understood:
     notes: tuple[str, ...]
     defects: tuple[str, ...]
     questions: tuple[Question, ...]
+    own_form: bool = False
+    said_source: str = ""
+    said_notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         if not np.isfinite(self.factor) or self.factor <= 0:

@@ -105,10 +105,43 @@ def power_of(told: Understood) -> Spectra:
         )
     notes = _said(told)
     if told.per == "photon":
-        energy = 1.0 / photons_per_joule(curves.wavelength_nm)
-        curves = replace(curves, values=curves.values * (energy / np.max(energy))[:, None])
-        notes = (*notes, "counted in photons: multiplied by their energy")
+        curves = power_of_photons(curves)
     return replace(curves, quantity="power", unit="relative", notes=(*curves.notes, *notes))
+
+
+def power_of_photons(curves: Spectra) -> Spectra:
+    """Curves that count photons as relative power, straight lines of photons kept as they are.
+
+    Parameters
+    ----------
+    curves
+        Relative photons per wavelength. They are taken at every nanometer before they are
+        multiplied by the energy of a photon: what is straight in photons is bent in power.
+
+    Notes
+    -----
+    A photon has the energy h c / lambda; that at the shortest wavelength is 1 here.
+
+    Examples
+    --------
+    >>> flat = Spectra(wavelength_nm=np.array([400.0, 800.0]), values=np.ones((2, 1)),
+    ...                names=("lamp",), quantity="power", unit="1", source="a lamp")
+    >>> power = power_of_photons(flat)
+    >>> float(power.values[power.wavelength_nm == 500, 0].round(12)[0])       # 400/500
+    0.8
+    """
+    known = curves.wavelength_nm
+    at = np.union1d(known, np.arange(np.ceil(known[0]), known[-1]))
+    photons = np.stack([np.interp(at, known, curve) for curve in curves.values.T], axis=1)
+    energy = 1.0 / photons_per_joule(at)[:, None]
+    return replace(
+        curves,
+        wavelength_nm=at,
+        values=photons * energy / energy.max(),
+        quantity="power",
+        unit="relative",
+        notes=(*curves.notes, f"{curves.source}: counted in photons, multiplied by their energy"),
+    )
 
 
 def _said(told: Understood) -> tuple[str, ...]:

@@ -14,6 +14,7 @@ _TEXTS = ("quantity", "unit", "source", "license", "defects")
 _REQUIRED = ("kind", "level", *_TEXTS)
 _OF_TABLES = (*_REQUIRED, "what", "per", "done", "mosaic", "pixel")
 _OF_THE_HOUSE = ("name", "names", "pattern", "range_nm", "carried_as", "channels")
+_ABSOLUTE = ("A/W", "e-/photon")  # units of a response whose height means something
 _PIXEL = ("pitch_um", "full_well_e", "read_noise_e")
 
 
@@ -86,6 +87,33 @@ class Provenance:
             raise _check.InputError(
                 f"the pixel of {self.name} needs a source, as every number of the catalogue"
             )
+        if self.kind == "sensor":
+            _refuse_contradiction(self)
+
+
+def _refuse_contradiction(told: Provenance) -> None:
+    """What a sensor's section says of its curves must not be two things at once."""
+    unit = told.unit.replace(" ", "")
+    if told.quantity == "QE" and told.per == "energy":
+        raise _check.InputError(
+            f"{told.name}: QE is per photon, but per says energy; leave per away, or say quantity "
+            '= "response"'
+        )
+    if told.quantity != "response":
+        return
+    if told.per == "photon" and "/W" in unit:
+        raise _check.InputError(
+            f'{told.name}: {told.unit} is per energy, but per says photon; say per = "energy"'
+        )
+    if told.level == "absolute" and unit not in _ABSOLUTE:
+        raise _check.InputError(
+            f"{told.name}: an absolute response is in {' or '.join(_ABSOLUTE)}, but its unit is "
+            f'{told.unit}; convert it, or say level = "relative"'
+        )
+    if told.level == "absolute" and unit == "e-/photon" and told.per == "energy":
+        raise _check.InputError(
+            f'{told.name}: e-/photon is per photon, but per says energy; say per = "photon"'
+        )
 
 
 def table_provenances(text: str, source: str, *, house: bool = False) -> dict[str, Provenance]:
@@ -174,6 +202,9 @@ def _checked(section: dict[str, Any], where: str, keys: tuple[str, ...]) -> None
     for key, known in (("kind", get_args(Kind)), ("level", _LEVELS), ("per", _PERS)):
         if key in section:
             _check.one_of(f"{key} in {where}", section[key], known)
+    for key in ("done", "mosaic", "pattern", "carried_as"):
+        if not isinstance(section.get(key, ""), str):
+            raise _check.InputError(f"{where}: {key} must be text, but is {section[key]!r}")
 
 
 def _text(section: dict[str, Any], key: str, where: str) -> str:

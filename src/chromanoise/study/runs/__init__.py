@@ -8,7 +8,13 @@ from chromanoise.study.runs.hashes import (
     study_as_json,
     study_hash,
 )
-from chromanoise.study.runs.pixel_files import own_json_of, read_pixel_source, sensor_with_pixel
+from chromanoise.study.runs.pictures import file_word
+from chromanoise.study.runs.pixel_files import (
+    idle_answers,
+    own_json_of,
+    read_pixel_source,
+    sensor_with_pixel,
+)
 from chromanoise.study.runs.reading import read_study, study_from_data, study_from_text
 from chromanoise.study.runs.records import run_study, study_of_output
 from chromanoise.study.runs.running import Step, study_steps
@@ -23,6 +29,8 @@ __all__ = [
     "Step",
     "Study",
     "file_digests",
+    "file_word",
+    "idle_answers",
     "outcome_of",
     "outcomes_as_json",
     "own_json_of",

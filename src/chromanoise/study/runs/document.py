@@ -1,6 +1,7 @@
 """What a study file may say: light, sensors, exposure rule, matrices, sweeps, pictures, outputs.
 
-The classes are the schema: what they accept is what a study can be.
+The classes are the schema: what they accept is what a study can be. Names of files are told from
+the folder of the study.
 """
 
 from typing import Annotated, Any, Literal
@@ -35,7 +36,9 @@ class _Part(BaseModel):
 class LightPart(_Part):
     """The light on the scene."""
 
-    illuminant: str = Field("E", description="E, A, G173, D65 ..., 3200K, LED660, or a file.")
+    illuminant: str = Field(
+        "E", description="E, A, G173, D65 ..., 3200K, LED660, A+0.5xLED850, or a file."
+    )
     level_lux: Positive = Field(10.0, description="Illuminance [lx].")
     beyond: Beyond = Field("refuse", description="What the curve is beyond its end.")
     per: Literal["photon", "energy"] | None = Field(
@@ -74,10 +77,21 @@ class AnswersPart(_Part):
 class SensorPart(_Part):
     """One sensor."""
 
-    name: str = Field(description="Of the catalogue, or a file of QE curves.")
+    name: str = Field(
+        description="Of the catalogue, or a file of QE curves, told from the study's folder."
+    )
     beyond: Beyond = Field("refuse", description="What the curves are beyond their end.")
     answers: AnswersPart = Field(AnswersPart(), description="What its file cannot tell.")
     pixel: PixelPart = Field(PixelPart(), description="Changes to its pixel.")
+    filter: str | None = Field(
+        None, description="In front of it: ircut-650 or another of the catalogue, or a file."
+    )
+    ircut_nm: Annotated[float, Field(ge=450, le=2000)] | None = Field(
+        None, description="Edge of an added model IR-cut [nm]."
+    )
+    shift_nm: Annotated[float, Field(ge=-200, le=200)] = Field(
+        0.0, description="All curves moved along the wavelength, positive to the red [nm]."
+    )
 
 
 class ExposurePart(_Part):
@@ -204,7 +218,7 @@ class OutputsPart(_Part):
 
 
 class Study(_Part):
-    """One reproducible run."""
+    """One reproducible run; names of files are told from the folder of the study's file."""
 
     schema_number: Annotated[int, Field(ge=SCHEMA, le=SCHEMA)] = Field(
         SCHEMA, alias="schema", description=f"Of this format: {SCHEMA}."

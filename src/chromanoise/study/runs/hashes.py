@@ -8,8 +8,9 @@ from typing import Any
 from chromanoise import __version__
 from chromanoise._check import InputError
 from chromanoise.scene.envi import DATA_SUFFIXES, envi_pair
+from chromanoise.study.catalog import catalog_folder
 from chromanoise.study.runs.document import Study
-from chromanoise.study.words import illuminant_files, sensor_files
+from chromanoise.study.words import file_of, filter_files, illuminant_files, sensor_files
 
 
 def study_hash(study: Study) -> str:
@@ -31,7 +32,12 @@ def file_digests(study: Study) -> dict[str, str]:
     InputError
         If one of the files cannot be read.
     """
-    return {str(file): _digest(file) for file in dict.fromkeys(_files(study))}
+    return {_told(file): _digest(file) for file in dict.fromkeys(_files(study))}
+
+
+def _told(file: Path) -> str:
+    """A table of the user's catalogue by its name, for that folder may lie anywhere."""
+    return f"catalog/{file.name}" if file.parent == catalog_folder() else str(file)
 
 
 def _files(study: Study) -> list[Path]:
@@ -39,10 +45,11 @@ def _files(study: Study) -> list[Path]:
         files = list(illuminant_files(study.light.illuminant))
         for sensor in study.sensors:
             files += sensor_files(sensor.name)
-            files += [Path(sensor.pixel.file)] if sensor.pixel.file else []
+            files += filter_files(sensor.filter) if sensor.filter else []
+            files += [file_of(sensor.pixel.file)] if sensor.pixel.file else []
         for picture in study.pictures:
             if not picture.cube.startswith("builtin:"):
-                files += cube_files(Path(picture.cube))
+                files += cube_files(file_of(picture.cube))
     except OSError as error:  # a name that is too long to ask for
         told = str(error.filename)[:60]
         raise InputError(f"{told}: cannot be read ({error.strerror})") from None

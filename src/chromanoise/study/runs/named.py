@@ -1,5 +1,6 @@
 """What a study names, as nouns: lights, sensors, exposures, pictures."""
 
+from collections.abc import Sequence
 from typing import Any
 
 from chromanoise._check import InputError
@@ -9,12 +10,12 @@ from chromanoise.exposure import (
     Situation,
 )
 from chromanoise.scene import Cube, Scene, builtin_cube, flat_field, read_cube
-from chromanoise.sensor import Sensor
+from chromanoise.sensor import Sensor, behind_ir_cut, with_shifted_curves
 from chromanoise.spectra import Illuminant
 from chromanoise.spectra.files import Answers
 from chromanoise.study.runs.document import PicturePart, SensorPart, Study
 from chromanoise.study.runs.pixel_files import sensor_with_pixel
-from chromanoise.study.words import illuminant_of_word
+from chromanoise.study.words import behind_filter_of_word, file_of, illuminant_of_word
 
 
 def situations_of(study: Study) -> list[Situation]:
@@ -25,9 +26,27 @@ def situations_of(study: Study) -> list[Situation]:
     InputError
         If a name names nothing, a file cannot be read, or no light reaches a sensor.
     """
-    illuminant = illuminant_of(study)
+    return situations_in(study, illuminant_of(study), [sensor_of(part) for part in study.sensors])
+
+
+def situations_in(
+    study: Study, illuminant: Illuminant, sensors: Sequence[Sensor]
+) -> list[Situation]:
+    """Sensors in a light, on the terms of the study.
+
+    Parameters
+    ----------
+    study
+        Of which the exposure and the light level are looked at.
+    illuminant, sensors
+        What it names.
+
+    Raises
+    ------
+    InputError
+        If no light reaches a sensor.
+    """
     white = flat_field(illuminant, level_lux=study.light.level_lux)
-    sensors = [sensor_of(part) for part in study.sensors]
     return [
         Situation(
             sensor=sensor,
@@ -56,7 +75,7 @@ def light_answers_of(study: Study) -> Answers:
 
 
 def sensor_of(part: SensorPart) -> Sensor:
-    """A sensor of the study.
+    """A sensor of the study: shifted first, then behind its filter and the added IR-cut.
 
     Raises
     ------
@@ -64,7 +83,11 @@ def sensor_of(part: SensorPart) -> Sensor:
         If its name names nothing, or a file cannot be read.
     """
     answers = Answers(beyond=part.beyond, **part.answers.model_dump())
-    return sensor_with_pixel(part.name, answers=answers, **part.pixel.model_dump())
+    sensor = sensor_with_pixel(part.name, answers=answers, **part.pixel.model_dump())
+    sensor = with_shifted_curves(sensor, part.shift_nm)
+    if part.filter is not None:
+        sensor = behind_filter_of_word(sensor, part.filter, beyond=part.beyond)
+    return sensor if part.ircut_nm is None else behind_ir_cut(sensor, part.ircut_nm)
 
 
 _CURES = ("key", "shape", "wavelengths", "scale")
@@ -77,10 +100,10 @@ def cube_of(part: PicturePart) -> Cube:
         if cures:
             raise InputError(f"{part.cube} says all of itself; leave {' and '.join(cures)} away")
         return builtin_cube(part.cube)
-    return read_cube(part.cube, **{name: getattr(part, name) for name in _CURES})
+    return read_cube(file_of(part.cube), **{name: getattr(part, name) for name in _CURES})
 
 
-def _exposures(study: Study, white: Scene, sensors: list[Sensor]) -> list[Exposure]:
+def _exposures(study: Study, white: Scene, sensors: Sequence[Sensor]) -> list[Exposure]:
     asked = study.exposure
     lens: dict[str, Any] = {"f_number": asked.f_number, "magnification": asked.magnification}
     if asked.time_ms is not None:

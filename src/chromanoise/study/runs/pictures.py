@@ -100,5 +100,12 @@ def pictures_taken(
 
 
 def file_word(name: str) -> str:
-    """A name as a part of a file's name: nothing in it leads into another folder."""
-    return "".join(c if c.isalnum() or c in "+-_." else "-" for c in name)
+    """A name as a file's name or a part of one: it leads into no other folder and hides nothing.
+
+    Examples
+    --------
+    >>> file_word("../../a b")
+    '-.-..-a-b'
+    """
+    word = "".join(c if c.isalnum() or c in "+-_." else "-" for c in name)
+    return f"-{word[1:]}" if word.startswith(".") else word

@@ -1,5 +1,6 @@
 """A pixel from a file of any kind that tells of one, under a sensor that has its own."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -16,9 +17,9 @@ from chromanoise.sensor import (
 )
 from chromanoise.sensor.source_text import source_json, source_text
 from chromanoise.spectra import Spectra
-from chromanoise.spectra.files import ASK, Answers
+from chromanoise.spectra.files import ASK, Answers, read_curves
 from chromanoise.study.spectra_json import named, sensor_from_json, spectra_from_json
-from chromanoise.study.words import sensor_of_word
+from chromanoise.study.words import asked_of_name, file_of, is_sensor_file, sensor_of_word
 
 _HEAD_BYTES = 200  # of our own JSON, in which its schema is named
 _TOLD = ("pitch_um", "full_well_e", "read_noise_e")
@@ -50,9 +51,8 @@ def _source(path: Path, text: str) -> PixelSource:
         held = source_json(text, str(path))
         if "noiseprofiles" in held:
             raise InputError(
-                f"{path}: darktable's noise profiles are relative and make no pixel; with camera, "
-                "ISO and full well chromanoise.sensor.pixel_from_darktable gives the read noise, "
-                "to be told as read_noise_e"
+                f"{path}: darktable's noise profiles are relative and make no pixel; name a data "
+                "sheet or a photon transfer, or say --read-noise-e (read_noise_e in a study)"
             )
         return read_noise_profile(path) if {"S", "O"} <= set(held) else read_emva_sheet(path)
     lines = (line.strip().lower() for line in text.splitlines())
@@ -74,16 +74,56 @@ def own_json_of(path: Path) -> Sensor | Spectra | None:
         with path.open("rb") as file:
             if path.suffix.lower() != ".json" or b'"chromanoise s' not in file.read(_HEAD_BYTES):
                 return None
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror})") from None
+    except (OSError, ValueError) as error:  # a name with a null byte is a ValueError
+        reason = getattr(error, "strerror", None) or error
+        raise InputError(f"{path}: cannot be read ({reason})") from None
     text = source_text(path)
     if '"chromanoise sensor"' in text[:_HEAD_BYTES]:
         return sensor_from_json(text, source=str(path))
     return spectra_from_json(text, source=str(path))
 
 
+def idle_answers(words: Sequence[str], answers: Answers) -> tuple[str, ...]:
+    """The answers that no sensor of a line asks for, by the fields of `Answers`.
+
+    Of a file that cannot be read all are taken as asked for: its reader complains.
+
+    Raises
+    ------
+    InputError
+        If the user's folder cannot be understood.
+
+    Examples
+    --------
+    >>> idle_answers(["onyx-rgbw"], Answers(peak_qe=0.3, per="energy"))
+    ('per', 'peak_qe')
+    """
+    given = [name for name in _OF_SENSORS if getattr(answers, name) is not None]
+    asked = {name for word in words for name in (_asked_for(word, answers) if given else ())}
+    return tuple(name for name in given if name not in asked)
+
+
+_OF_SENSORS = ("scale", "level", "per", "wavelength_unit", "peak_qe")
+
+
+def _asked_for(word: str, answers: Answers) -> tuple[str, ...]:
+    if not is_sensor_file(word):
+        return asked_of_name(word)
+    try:
+        if isinstance(_own_json(word), Sensor):
+            return ()
+        level = read_curves(file_of(word), answers=answers).level
+    except InputError:
+        return _OF_SENSORS
+    return _OF_SENSORS[:-1] if level == "absolute" else _OF_SENSORS
+
+
+def _own_json(word: str) -> Sensor | Spectra | None:
+    return own_json_of(file_of(word)) if word.lower().endswith(".json") else None
+
+
 def _sensor(word: str, answers: Answers, changes: dict[str, float | None]) -> Sensor:
-    own = own_json_of(Path(word)) if word.lower().endswith(".json") else None
+    own = _own_json(word)
     if not isinstance(own, Sensor):
         return sensor_of_word(word, answers=answers, **changes)
     given = {key: value for key, value in changes.items() if value is not None}
@@ -118,7 +158,7 @@ def sensor_with_pixel(
     given = {"pitch_um": pitch_um, "full_well_e": full_well_e, "read_noise_e": read_noise_e}
     if file is None:
         return _sensor(word, answers, given)
-    source = read_pixel_source(file)
+    source = read_pixel_source(file_of(file))
     told = {name: getattr(source, name) for name in _TOLD}
     if all(value is None for value in told.values()):
         raise InputError(

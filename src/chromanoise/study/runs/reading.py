@@ -19,9 +19,11 @@ from chromanoise.study.priors import PRIORS
 from chromanoise.study.quantities import QUANTITIES
 from chromanoise.study.runs.document import Study
 from chromanoise.study.sweeps import SWEEPS
+from chromanoise.study.words import file_of, sensor_word_beside, word_beside
 
 _LARGEST_BYTES = 1 << 20
 _MOST_DOTS = 64
+_MOST_DIGITS = 10
 _LONGEST_WORD = 80
 
 Key = tuple[str | int, ...]
@@ -34,7 +36,7 @@ def read_study(path: Path | str, changes: Sequence[str] = ()) -> Study:
     Parameters
     ----------
     path
-        The file.
+        The file; names of files in it are told from its folder.
     changes
         ``key=value`` each, as ``light.level_lux=3`` or ``sensors.0.name="onyx-rgb"``; they win.
 
@@ -53,7 +55,35 @@ def read_study(path: Path | str, changes: Sequence[str] = ()) -> Study:
     except (OSError, ValueError) as error:
         told = getattr(error, "strerror", None) or error
         raise InputError(f"{path}: cannot be read ({told})") from None
-    return study_from_text(text, source=str(path), changes=changes)
+    study = study_from_text(text, source=str(path), changes=changes)
+    # what is piped in lies nowhere: its files are told from the working folder
+    here = path.parent == Path() or Path("/dev") in path.absolute().parents
+    return study if here else _told_from(path.parent, study)
+
+
+def _told_from(folder: Path, study: Study) -> Study:
+    """The study with the names of its files as they are seen from the working folder."""
+    light = {"illuminant": word_beside(study.light.illuminant, folder)}
+    sensors = []
+    for part in study.sensors:
+        file = part.pixel.file
+        pixel = {"file": None if file is None else _file_beside(file, folder)}
+        words = {
+            "name": sensor_word_beside(part.name, folder),
+            "filter": None if part.filter is None else word_beside(part.filter, folder),
+            "pixel": part.pixel.model_copy(update=pixel),
+        }
+        sensors.append(part.model_copy(update=words))
+    pictures = [
+        part.model_copy(update={"cube": _file_beside(part.cube, folder)}) for part in study.pictures
+    ]
+    told = {"sensors": tuple(sensors), "pictures": tuple(pictures)}
+    return study.model_copy(update=told | {"light": study.light.model_copy(update=light)})
+
+
+def _file_beside(name: str, folder: Path) -> str:
+    told = name.startswith("builtin:") or file_of(name).is_absolute()
+    return name if told else str(folder / name)
 
 
 def study_from_text(text: str, *, source: str, changes: Sequence[str] = ()) -> Study:
@@ -73,7 +103,7 @@ def study_from_text(text: str, *, source: str, changes: Sequence[str] = ()) -> S
     lines = _lines_of_keys(text)
     changed: dict[Key, str] = {}
     for change in changes:
-        changed[_changed(told, change)] = f"--set {change}"
+        changed[_changed(told, change)] = f"--set {_short(change)}"
     return _validated(told, source, lines, changed)
 
 
@@ -82,6 +112,8 @@ def _toml(text: str, source: str) -> dict[str, Any]:
     only for keys that a person could write.
     """
     plain = re.sub(r"\"[^\"\n]*\"|'[^'\n]*'", "s", text)
+    if not re.search(r"\"\"\"|'''", text):  # in a text over lines, # begins no comment
+        plain = re.sub(r"#.*", "", plain)
     for number, line in enumerate(plain.splitlines(), 1):
         if line.count(".") > _MOST_DOTS:
             raise InputError(
@@ -134,7 +166,8 @@ def _validated(
 def _changed(told: dict[str, Any], change: str) -> Key:
     """Put ``a.b.0.c=value`` in its place; the value is TOML, or else a plain word."""
     name, equals, value = change.partition("=")
-    steps: Key = tuple(int(s) if s.isdigit() else s for s in name.strip().split("."))
+    steps: Key = tuple(int(s) if _is_place(s) else s for s in name.strip().split("."))
+    change = _short(change)
     if not equals or not all(str(step) for step in steps):
         raise InputError(f"--set takes key=value, e.g. light.level_lux=3, but is {change!r}")
     at: Any = told
@@ -142,16 +175,30 @@ def _changed(told: dict[str, Any], change: str) -> Key:
         following: Any = [] if isinstance(steps[i + 1], int) else {}
         at = _step(at, step, following, change)
     last = steps[-1]
-    try:
-        parsed = tomllib.loads(f"value = {value}")["value"]
-    except tomllib.TOMLDecodeError:
-        parsed = value
+    parsed = _parsed(value, change)
     in_list = isinstance(at, list) and isinstance(last, int) and last < len(at)
     if in_list or (isinstance(at, dict) and isinstance(last, str)):
         at[last] = parsed
     else:
-        raise InputError(f"--set {change}: the study has nothing at {name}")
+        raise InputError(f"--set {change}: the study has nothing at {_short(name)}")
     return steps
+
+
+def _is_place(step: str) -> bool:
+    """The place of an entry in a list; other letters than 0 to 9 are digits to `str.isdigit`."""
+    return step.isascii() and step.isdigit() and len(step) < _MOST_DIGITS
+
+
+def _parsed(value: str, change: str) -> Any:
+    """A value of TOML, or else a plain word."""
+    if value.count(".") > _MOST_DOTS:
+        raise InputError(f"--set {change}: more than {_MOST_DOTS} dots in a value")
+    try:
+        return tomllib.loads(f"value = {value}")["value"]
+    except tomllib.TOMLDecodeError:
+        return value
+    except (ValueError, RecursionError):  # thousands of digits, thousands of brackets
+        raise InputError(f"--set {change}: no TOML: too many digits, or nests too deep") from None
 
 
 def _step(at: Any, step: str | int, following: Any, change: str) -> Any:
@@ -159,7 +206,7 @@ def _step(at: Any, step: str | int, following: Any, change: str) -> Any:
         return at.setdefault(step, following)
     if isinstance(at, list) and isinstance(step, int) and step < len(at):
         return at[step]
-    raise InputError(f"--set {change}: the study has nothing at {step!r}")
+    raise InputError(f"--set {change}: the study has nothing at {_short(repr(step))}")
 
 
 def _fault(error: Any) -> tuple[Key, str]:

@@ -1,5 +1,6 @@
 """A run on disk: one file per step, written whole; what is there of the same study is kept."""
 
+import hashlib
 import json
 from collections.abc import Callable
 from pathlib import Path
@@ -64,7 +65,8 @@ def run_study(
         if not done:
             with whole_folder(folder) as scratch:
                 result = step.run(scratch)
-                _write(scratch / file.name, who | {"step": step.name, "result": result})
+                told_of = {"step": step.name, "written": _written(scratch), "result": result}
+                _write(scratch / file.name, who | told_of)
         files.append(file)
     return files
 
@@ -117,8 +119,24 @@ def _made_by(file: Path, hash_: str) -> bool:
     told = _read(file)
     if not isinstance(told, dict) or told.get("hash") != hash_:
         return False
-    names = [name for one in told["result"].get("pictures", ()) for name in one["files"]]
-    return all((file.parent / name).is_file() for name in names)
+    written = told.get("written")
+    if not isinstance(told.get("result"), dict) or not isinstance(written, dict):
+        return False
+    return all(_sha256(file.parent / name) == digest for name, digest in written.items())
+
+
+def _written(folder: Path) -> dict[str, str | None]:
+    """The files that a step wrote, each with the SHA-256 by which a later run knows it again."""
+    return {file.name: _sha256(file) for file in sorted(folder.iterdir())}
+
+
+def _sha256(file: Path) -> str | None:
+    """``None`` of what cannot be read."""
+    try:
+        with file.open("rb") as opened:
+            return hashlib.file_digest(opened, "sha256").hexdigest()
+    except (OSError, ValueError):
+        return None
 
 
 def _read(file: Path) -> Any:

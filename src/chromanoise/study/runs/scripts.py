@@ -14,7 +14,9 @@ _IMPORTS = {
     "chromanoise.merit": ("matrix_report",),
     "chromanoise.noise": ("Readout",),
     "chromanoise.scene": ("builtin_cube", "flat_field", "read_cube"),
-    "chromanoise.sensor": ("Imperfections", "mosaic_named"),
+    "chromanoise.sensor": (
+        *("Imperfections", "behind_ir_cut", "mosaic_named", "with_shifted_curves"),
+    ),
     "chromanoise.spectra.files": ("Answers",),
     "chromanoise.study": (
         *("QUANTITIES", "SWEEPS", "analyses_as_json", "analyzed", "bands_as_json"),
@@ -23,8 +25,8 @@ _IMPORTS = {
         *("matrix_makers", "merits_as_json", "merits_of", "noise_weights", "pareto_of"),
         *("swept_values",),
     ),
-    "chromanoise.study.runs": ("sensor_with_pixel",),
-    "chromanoise.study.words": ("illuminant_of_word", "sensor_of_word"),
+    "chromanoise.study.runs": ("file_word", "sensor_with_pixel"),
+    "chromanoise.study.words": ("behind_filter_of_word", "illuminant_of_word"),
 }
 
 
@@ -97,8 +99,13 @@ def _sensor(part: SensorPart) -> str:
     if part.beyond != "refuse":
         told["beyond"] = part.beyond
     answers = {"answers": _Code(_call("Answers", **told))} if told else {}
-    name = "sensor_of_word" if part.pixel.file is None else "sensor_with_pixel"
-    return _call(name, _Code(repr(part.name)), **answers, **part.pixel.model_dump())
+    pixel = part.pixel.model_dump()
+    made = _call("sensor_with_pixel", _Code(repr(part.name)), **answers, **pixel)
+    if part.shift_nm:
+        made = f"with_shifted_curves({made}, {part.shift_nm!r})"
+    if part.filter is not None:
+        made = f"behind_filter_of_word({made}, {part.filter!r}, beyond={part.beyond!r})"
+    return made if part.ircut_nm is None else f"behind_ir_cut({made}, {part.ircut_nm!r})"
 
 
 def _analysis(study: Study) -> list[str]:
@@ -177,7 +184,7 @@ def _pictures(study: Study, i: int) -> list[str]:
     part = study.pictures[i]
     first = sum(before.frames for before in study.pictures[:i])
     frames = "0" if first + part.frames == 1 else f"range({first}, {first + part.frames})"
-    stem = f'f"picture-{i + 1}-{{situation.sensor.name}}-{{name}}-{{frame:04d}}"'
+    stem = f'f"picture-{i + 1}-{{word}}-{{file_word(name)}}-{{frame:04d}}"'
     cure = {name: getattr(part, name) for name in ("key", "shape", "wavelengths", "scale")}
     builtin = part.cube.startswith("builtin:")
     cube = _call("builtin_cube" if builtin else "read_cube", _Code(repr(part.cube)), **cure)
@@ -186,6 +193,7 @@ def _pictures(study: Study, i: int) -> list[str]:
         f"asked = {_asked(part, study.seed)}",
         "pictures = []",
         "for situation in situations:",
+        "    word = file_word(situation.sensor.name)",
         "    for name, maker in makers.items():",
         "        camera = prepared(cube, situation, maker(situation), asked)",
         f"        for frame in {frames if frames != '0' else '[0]'}:",

@@ -2,7 +2,8 @@
 
 STARTER = """\
 # A chromanoise study: `chromanoise run study.toml` computes all of it, and
-# `chromanoise rerun out/study` makes the same bytes again.
+# `chromanoise rerun out/study` makes the same bytes again. Names of files are told from the
+# folder of this file.
 schema = 1
 title = "Can the IR-cut be dropped?"
 metric = "quanta"                    # or energy: in which unit a spectrum is a vector
@@ -27,6 +28,7 @@ name = "onyx-rgbw"                   # of `chromanoise catalog sensors`, or a fi
 
 [[sensors]]
 name = "onyx-rgb-ircut"
+# filter = "ircut-650"               # in front of it: of `chromanoise catalog filters`, or a file
 # [sensors.pixel]
 # file = "sheet.txt"                 # EMVA 1288 sheet, DNG noise profile, photon transfer
 # read_noise_e = 2.0                 # pitch_um, full_well_e; they win over the file

@@ -68,12 +68,17 @@ def study_as_command(study: Study) -> str:
     'chromanoise analyze onyx-rgbw --lux 3.0 --budget'
     """
     words = None
-    if len({_but_name(sensor) for sensor in study.sensors}) == 1:
+    if len({_but_name(sensor) for sensor in study.sensors}) == 1 and not _changed(study):
         words = _analyze(study) or _compare(study) or _matrix(study) or _simulate(study)
     if words is None:
         # no line of this TOML is the bare word that ends the document
         return f"chromanoise run /dev/stdin --out out/study <<'STUDY'\n{study_as_toml(study)}STUDY"
     return shlex.join(["chromanoise", *words])
+
+
+def _changed(study: Study) -> bool:
+    """Whether curves are changed, for which no command has a word."""
+    return any(sensor.shift_nm or sensor.ircut_nm is not None for sensor in study.sensors)
 
 
 def _but_name(sensor: SensorPart) -> str:
@@ -197,6 +202,7 @@ def _shared(study: Study) -> list[str]:
             magnification=exposure.magnification,
             pixel=sensor.pixel.file,
             **sensor.pixel.model_dump(exclude={"file"}),
+            filter=sensor.filter,
             peak_qe=sensor.answers.peak_qe,
         ),
         *(f"--{flag}" for flag in flags if flag),

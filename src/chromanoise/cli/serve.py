@@ -1,0 +1,53 @@
+"""``chromanoise serve``."""
+
+from pathlib import Path
+
+import click
+
+from chromanoise._check import InputError
+
+
+@click.command()
+@click.argument("study", required=False, type=click.Path(path_type=Path))
+@click.option(
+    "--port",
+    type=click.IntRange(0, 65535),
+    default=8421,
+    show_default=True,
+    help="On this machine only; 0 takes any that is free.",
+)
+@click.option("--open", "opened", is_flag=True, help="Open it in the browser.")
+def serve(study: Path | None, port: int, opened: bool) -> None:
+    """Serve the page that answers while you drag, for STUDY or for the paper's two sensors.
+
+    It listens on this machine only and asks nothing from outside. Ctrl-C ends it.
+    """
+    from chromanoise.page.server import listening_socket, page_server
+
+    told = _study(study)
+    try:
+        listening = listening_socket(port)
+    except OSError as error:
+        raise InputError(
+            f"port {port} cannot be listened on ({error.strerror}); name another with --port, or "
+            "0 for any that is free"
+        ) from None
+    address = f"http://localhost:{listening.getsockname()[1]}/"
+    click.echo(f"{address}  (Ctrl-C ends it)")
+    if opened:
+        click.launch(address)
+    try:
+        page_server(listening, study=told).run(sockets=[listening])
+    except KeyboardInterrupt:
+        pass  # how it is meant to end
+    finally:
+        listening.close()
+
+
+def _study(path: Path | None) -> dict[str, object] | None:
+    """The study as the page starts with it; what the page does not show stays in it."""
+    if path is None:
+        return None
+    from chromanoise.study.runs import read_study, study_as_json
+
+    return study_as_json(read_study(path))

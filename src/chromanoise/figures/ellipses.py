@@ -1,0 +1,37 @@
+"""Noise of every ColorChecker patch in a plane of color, on equal axes."""
+
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.patches import Polygon
+
+from chromanoise.figures.style import INK
+
+
+def draw_ellipses(data: dict[str, Any], i: int, ax: Axes) -> Axes:
+    """The ellipses of one sensor: a cross at the true color, a line to what is measured.
+
+    Parameters
+    ----------
+    data
+        The drawing ``ellipses`` of `chromanoise.study.drawings`.
+    i
+        Which of its sensors.
+    """
+    sensor = data["sensors"][i]
+    for patch in sensor["patches"]:
+        outline = np.array(patch["outline"])
+        ax.add_patch(
+            Polygon(outline, facecolor=patch["srgb"], edgecolor=INK, linewidth=0.7, alpha=0.6)
+        )
+        truth, center = patch["truth"], patch["center"]
+        ax.plot([truth[0], center[0]], [truth[1], center[1]], color=INK, linewidth=0.7)
+        ax.plot(*truth, "+", color=INK, markersize=5)
+    ax.set_aspect("equal", adjustable="box")
+    ax.autoscale_view()
+    ax.grid(visible=True, alpha=0.25)
+    ax.set(xlabel=data["names"][0], ylabel=data["names"][1], title=sensor["name"])
+    if sensor["why_not"]:
+        ax.text(0.5, 0.5, "saturated", transform=ax.transAxes, ha="center")
+    return ax

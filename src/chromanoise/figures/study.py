@@ -1,0 +1,129 @@
+"""The figures of a study: what its report draws, for papers and slides."""
+
+from collections.abc import Mapping
+from itertools import combinations
+
+from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
+
+from chromanoise._check import InputError
+from chromanoise.figures.budget import draw_budget
+from chromanoise.figures.comparison import draw_comparison
+from chromanoise.figures.ellipses import draw_ellipses
+from chromanoise.figures.pareto import draw_pareto
+from chromanoise.figures.sensitivities import draw_sensitivities
+from chromanoise.figures.style import chromanoise_style
+from chromanoise.study import (
+    QUANTITIES,
+    SWEEPS,
+    Crossover,
+    Curve,
+    compared,
+    crossovers,
+    swept_values,
+)
+from chromanoise.study.drawings import Shown, coordinate_budget, drawing
+from chromanoise.study.drawings.levels import HIGHEST_LUX, LOWEST_LUX, POINTS
+
+_WIDE_IN = 6.4
+
+
+def study_figures(of: Shown) -> Mapping[str, Figure]:
+    """Sensitivities, comparison over the light level, budget, ellipses and Pareto curve, by name.
+
+    A figure of which no sensor has anything to show, as the budget of saturated ones, is left out.
+
+    Parameters
+    ----------
+    of
+        A study as `chromanoise.study.drawings.shown` gives it.
+
+    Raises
+    ------
+    InputError
+        If one of them cannot be computed.
+    """
+    with chromanoise_style():
+        figures = {
+            "sensitivities": _sensitivities(of),
+            "comparison": _comparison(of),
+            "budget": _budget(of),
+            "ellipses": _ellipses(of),
+            "pareto": _pareto(of),
+        }
+    return {name: figure for name, figure in figures.items() if figure is not None}
+
+
+def _framed(height_in: float, width_in: float = _WIDE_IN) -> Figure:
+    engine = ConstrainedLayoutEngine(w_pad=0.075, h_pad=0.075)
+    return Figure(figsize=(width_in, height_in), layout=engine)
+
+
+def _sensitivities(of: Shown) -> Figure:
+    sensors = [one.sensor for one in of.situations]
+    figure = _framed(2.8 * len(sensors))
+    highest = 1.15 * max(float(sensor.qe.max()) for sensor in sensors)
+    panels = figure.subplots(len(sensors), 1, sharex=True, squeeze=False)[:, 0]
+    for sensor, ax in zip(sensors, panels, strict=True):
+        draw_sensitivities(sensor, ax, top=highest)
+    for ax in panels[:-1]:
+        ax.set_xlabel("")
+    return figure
+
+
+def _comparison(of: Shown) -> Figure:
+    sweep, quantity = SWEEPS["lux"], QUANTITIES["snr-y"]
+    values = swept_values(sweep, LOWEST_LUX, HIGHEST_LUX, POINTS)
+    curves = compared(of.situations, of.makers, values, sweep=sweep, quantity=quantity)
+    figure = _framed(5.6)
+    above, below = figure.subplots(2, 1, sharex=True, height_ratios=(2, 1))
+    draw_comparison(curves, _crossed(of, curves), (above, below))
+    return figure
+
+
+def _crossed(of: Shown, curves: tuple[Curve, ...]) -> list[Crossover]:
+    """Each pair by itself, so that one without a common level does not silence the others."""
+    found: list[Crossover] = []
+    for name, maker in of.makers.items():
+        mine = [curve for curve in curves if curve.matrix == name]
+        for (a, of_a), (b, of_b) in combinations(zip(of.situations, mine, strict=True), 2):
+            try:
+                found += crossovers([a, b], {name: maker}, [of_a, of_b])
+            except InputError:
+                continue  # two that are never usable together do not change places
+    return found
+
+
+def _budget(of: Shown) -> Figure | None:
+    told = [(one, coordinate_budget(one, "Y")) for one in of.analyses]
+    budgets = [(one.sensor, budget) for one, budget in told if budget is not None]
+    if not budgets:
+        return None
+    figure = _framed(2.6 * len(budgets))
+    highest = max(budget.photons_db for _, budget in budgets)
+    panels = figure.subplots(len(budgets), 1, sharex=True, squeeze=False)[:, 0]
+    for (sensor, budget), ax in zip(budgets, panels, strict=True):
+        draw_budget(budget, sensor, ax, top_db=highest)
+    for ax in panels[:-1]:
+        ax.set_xlabel("")
+    return figure
+
+
+def _ellipses(of: Shown) -> Figure | None:
+    data = drawing("ellipses", of)
+    shown = [i for i, sensor in enumerate(data["sensors"]) if sensor["patches"]]
+    if not shown:
+        return None
+    figure = _framed(4.6, 3.6 * len(shown))
+    panels = figure.subplots(1, len(shown), sharex=True, sharey=True, squeeze=False)[0]
+    for i, ax in zip(shown, panels, strict=True):
+        draw_ellipses(data, i, ax)
+    for ax in panels[1:]:
+        ax.set_ylabel("")
+    return figure
+
+
+def _pareto(of: Shown) -> Figure:
+    figure = _framed(4.0)
+    draw_pareto(drawing("pareto", of), figure.add_subplot())
+    return figure

@@ -1,0 +1,159 @@
+"""Questions of the page to answers: what changed is computed, the rest is remembered."""
+
+import json
+import logging
+import time
+from collections.abc import Hashable, Mapping, Sequence
+from typing import Any
+
+from chromanoise._check import InputError
+from chromanoise.exposure import Situation
+from chromanoise.page.asked import QuestionError, field
+from chromanoise.page.remembered import Remembered
+from chromanoise.page.studies import Studies, spoken
+from chromanoise.page.uploads import Upload
+from chromanoise.study.drawings import PARTS, Look, Shown, drawing, shown
+from chromanoise.study.runs import (
+    Study,
+    study_as_command,
+    study_as_python,
+    study_as_toml,
+    study_hash,
+)
+
+_LOG = logging.getLogger("chromanoise.page")
+_BESIDE = {"sweeps", "pictures", "outputs", "title", "seed"}  # no drawing depends on them
+_LOOKS: Mapping[str, tuple[str, ...]] = {
+    "budget": ("coordinate",),
+    "ellipses": ("plane",),
+    "levels": ("coordinate",),
+    "vectors": ("magnification",),
+}
+
+
+class Answers:
+    """What is known of the studies that were asked for lately."""
+
+    def __init__(self, studies: Studies) -> None:
+        self._studies = studies
+        self._shown: Remembered[Shown] = Remembered(16)
+        self._parts: Remembered[str] = Remembered(512)
+
+    def answer(self, question: Mapping[str, Any]) -> str:
+        """The JSON of ``/api/answer``.
+
+        Raises
+        ------
+        QuestionError
+            With all faults of the question.
+        """
+        start = time.perf_counter()
+        number, wanted = field(question, "number", int, 0), _wanted(question)
+        look = look_of(field(question, "look", dict, {}))
+        study, used = self._studies.read(field(question, "study", dict, {}))
+        situations = self._studies.situations(study, used)
+        parts = ", ".join(
+            f'"{part}": {self._part(part, study, situations, look, used)}' for part in wanted
+        )
+        told = {
+            "number": number,
+            "hash": study_hash(study),
+            "seconds": round(time.perf_counter() - start, 6),
+        }
+        return f'{json.dumps(told)[:-1]}, "parts": {{{parts}}}}}'
+
+    def texts(self, question: Mapping[str, Any]) -> dict[str, str]:
+        """The JSON of ``/api/texts``: the study as TOML, Python and command line.
+
+        Raises
+        ------
+        QuestionError
+            With all faults of the study.
+        """
+        told = field(question, "study", dict, {})
+        _, used = self._studies.read(told)
+        study = self._studies.as_told(told)
+        makers = {
+            "toml": study_as_toml,
+            "python": study_as_python,
+            "command": study_as_command,
+        }
+        texts = {name: make(study) for name, make in makers.items()}
+        for upload in used:  # a file is named as its person calls it
+            texts = {name: text.replace(upload.id, upload.label) for name, text in texts.items()}
+        return texts
+
+    def _part(
+        self,
+        part: str,
+        study: Study,
+        situations: Sequence[Situation],
+        look: Look,
+        used: list[Upload],
+    ) -> str:
+        looked = tuple(getattr(look, name) for name in _LOOKS.get(part, ()))
+        nouns = tuple((one.sensor, one.illuminant) for one in situations)
+        if part == "sensitivities":  # the one that neither level nor exposure changes
+            return self._parts.of(
+                (part, nouns), lambda: self._drawn(part, study, situations, look, used)
+            )
+        words = study.model_dump_json(exclude=_BESIDE)
+        return self._parts.of(
+            (part, looked, nouns, words), lambda: self._drawn(part, study, situations, look, used)
+        )
+
+    def _drawn(
+        self,
+        part: str,
+        study: Study,
+        situations: Sequence[Situation],
+        look: Look,
+        used: list[Upload],
+    ) -> str:
+        key: Hashable = (
+            study.model_dump_json(exclude=_BESIDE),
+            *((one.sensor, one.illuminant) for one in situations),
+        )
+        try:
+            seen = self._shown.of(key, lambda: shown(study, situations=situations))
+            return json.dumps(drawing(part, seen, look), allow_nan=False)
+        except InputError as error:
+            return json.dumps({"fault": spoken(str(error), used)})
+        except Exception:
+            _LOG.exception("the drawing %s failed", part)
+            return json.dumps({"fault": f"{part} could not be computed for this study"})
+
+
+def look_of(told: Mapping[str, Any]) -> Look:
+    """How it is looked at; keys that no drawing reads are passed over.
+
+    Raises
+    ------
+    QuestionError
+        If one of them cannot be.
+    """
+    magnification = told.get("magnification")
+    if magnification is not None and not _is_number(magnification):
+        raise QuestionError(("look.magnification", "magnification must be a JSON number or null"))
+    try:
+        return Look(
+            coordinate=field(told, "coordinate", str, "Y"),
+            plane=field(told, "plane", str, "ab"),
+            magnification=None if magnification is None else float(magnification),
+        )
+    except (InputError, OverflowError) as error:
+        raise QuestionError(("look", str(error))) from None
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
+def _wanted(question: Mapping[str, Any]) -> list[str]:
+    wanted = field(question, "want", list, list(PARTS))
+    for part in wanted:
+        if not isinstance(part, str) or part not in PARTS:
+            raise QuestionError(
+                ("want", f"unknown part {str(part)[:40]!r}; known are {', '.join(PARTS)}")
+            )
+    return list(dict.fromkeys(wanted))

@@ -1,0 +1,107 @@
+/** Questions to the server: one in flight, the latest state waits, an old answer is never shown. */
+
+/** What the server has against a question: `faults` of {where, sentence}. */
+export class Refused extends Error {
+  constructor(faults) {
+    super(faults.map((fault) => fault.sentence).join(" "));
+    this.faults = faults;
+  }
+}
+
+const LOST = "The server does not answer; is chromanoise serve still running? Trying again.";
+const BUSY = "The server is busy; trying again.";
+
+/** Posts JSON and gives the parsed reply; throws Refused, or TypeError where nobody answers. */
+export async function posted(path, question, signal) {
+  const reply = await fetch(path, {
+    method: "POST",
+    headers: { "Content-Type": "application/json" },
+    body: JSON.stringify(question),
+    signal,
+  });
+  return understood(reply);
+}
+
+/** The JSON of a reply; throws Refused with sentences where it is none. */
+export async function understood(reply) {
+  if (reply.status === 503) throw new TypeError(BUSY);
+  // a fault without JSON still gets a sentence below
+  const told = await reply.json().catch((error) => (reply.ok ? Promise.reject(error) : null));
+  if (reply.ok && !told.faults) return told;
+  const faults = Array.isArray(told?.faults) && told.faults.length ? told.faults : null;
+  const sentence = `The server could not do this (status ${reply.status}); change it and try again.`;
+  throw new Refused(faults ?? [{ where: "", sentence }]);
+}
+
+/**
+ * Asks `/api/answer` for what `question()` says when its turn comes, `null` for nothing.
+ * `answered(reply, question)`, `refused(faults, question)`, `lost(sentence)`, `found()` and
+ * `rested(question)`, when nothing is under way, tell what became of it.
+ */
+export class Asker {
+  #number = 0;
+  #wanted = false;
+  #flying = null;
+  #retry = null;
+  #pause = 250;
+
+  constructor(tells) {
+    this.tells = tells;
+  }
+
+  /** A newer state is there: it is asked now, or as soon as the question in flight is back. */
+  ask() {
+    this.#wanted = true;
+    // what nobody sees yet must not keep waiting what somebody drags
+    if (this.#flying?.idle) this.#flying.abort.abort();
+    if (!this.#flying) this.#next();
+  }
+
+  #next() {
+    clearTimeout(this.#retry);
+    this.#retry = null;
+    this.#wanted = false;
+    const question = this.tells.question();
+    if (question === null) return;
+    this.#number += 1;
+    question.number = this.#number;
+    this.#flying = { abort: new AbortController(), idle: question.idle };
+    this.#send(question, this.#flying.abort.signal);
+  }
+
+  async #send(question, signal) {
+    const outcome = await this.#outcome(question, signal);
+    this.#flying = null;
+    // the next question leaves before this answer is drawn: the server works while we draw
+    if (this.#wanted && !this.#retry) this.#next();
+    outcome?.();
+    if (!this.#flying && !this.#wanted) this.tells.rested(question);
+  }
+
+  async #outcome(question, signal) {
+    const { number, study, want, look } = question;
+    try {
+      const reply = await posted("/api/answer", { number, study, want, look }, signal);
+      this.#recover();
+      return reply.number === number ? () => this.tells.answered(reply, question) : null;
+    } catch (error) {
+      if (error instanceof Refused) {
+        this.#recover();
+        return () => this.tells.refused(error.faults, question);
+      }
+      return signal.aborted ? null : this.#lose(error);
+    }
+  }
+
+  #lose(error) {
+    this.#wanted = true;
+    this.#pause = Math.min(2 * this.#pause, 4000);
+    this.#retry = setTimeout(() => this.#next(), this.#pause);
+    return () => this.tells.lost(error.message === BUSY ? BUSY : LOST);
+  }
+
+  #recover() {
+    if (this.#pause > 250) this.tells.found();
+    this.#pause = 250;
+  }
+}

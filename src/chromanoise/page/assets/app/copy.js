@@ -1,0 +1,67 @@
+/** The study as something to take along: a link, TOML, Python or a command line. */
+
+import { posted } from "app/ask.js";
+import { button, el, freshId } from "app/dom.js";
+import { current, link } from "app/state.js";
+
+const KINDS = [
+  ["link", "Link"],
+  ["toml", "TOML"],
+  ["python", "Python"],
+  ["command", "Command"],
+];
+
+let dialog = null;
+
+/** Puts the buttons into their place. */
+export function copyButtons(place) {
+  const said = el("span", { class: "said", role: "status" });
+  const buttons = KINDS.map(([kind, name]) =>
+    button(name, () => copy(kind, name, said), { "aria-label": `Copy as ${name}`, "data-copy": kind }),
+  );
+  place.replaceChildren(el("span", { class: "label", text: "Copy as" }), ...buttons, said);
+}
+
+async function copy(kind, name, said) {
+  let text;
+  try {
+    text = kind === "link" ? link() : (await posted("/api/texts", { study: current().study }))[kind];
+  } catch (error) {
+    tell(said, error.faults ? error.message : "The server does not answer, so nothing was copied.");
+    return;
+  }
+  try {
+    await navigator.clipboard.writeText(text);
+    tell(said, `${name} copied`);
+  } catch {
+    // no clipboard here, or not allowed: the text itself can still be taken
+    offer(name, text);
+  }
+}
+
+let fading = null;
+
+function tell(said, sentence) {
+  said.textContent = sentence;
+  clearTimeout(fading);
+  fading = setTimeout(() => (said.textContent = ""), 6000);
+}
+
+function offer(name, text) {
+  dialog ??= emptyDialog();
+  dialog.querySelector("h2").textContent = `${name}: select and copy`;
+  const area = dialog.querySelector("textarea");
+  area.value = text;
+  dialog.showModal();
+  area.focus();
+  area.select();
+}
+
+function emptyDialog() {
+  const id = freshId("copy");
+  const close = button("Close", () => node.close(), { class: "primary" });
+  const area = el("textarea", { readonly: true, rows: "12", "aria-labelledby": id, spellcheck: "false" });
+  const node = el("dialog", { "aria-labelledby": id }, el("h2", { id, text: "Copy" }), area, close);
+  document.body.append(node);
+  return node;
+}

@@ -1,0 +1,53 @@
+/** What stands behind each `?`: the equation and where it comes from, in a dialog. */
+
+import { button, el, freshId } from "app/dom.js";
+
+let known = {};
+let dialog = null;
+
+/** Takes the equations of the server, and listens for every `?` of the page. */
+export function useEquations(equations) {
+  known = equations;
+  document.addEventListener("click", (event) => {
+    const asked = event.target.closest?.("button.equation");
+    if (asked) showEquations(asked.dataset.equation.split(" "), asked);
+  });
+}
+
+/** Opens the dialog with some of the equations. */
+function showEquations(names, opener) {
+  dialog ??= emptyDialog();
+  const entries = names.filter((name) => known[name]).map(entry);
+  const none = el("p", { text: "The server tells no equation for this." });
+  dialog.querySelector(".entries").replaceChildren(...(entries.length ? entries : [none]));
+  dialog.addEventListener("close", () => opener.isConnected && opener.focus(), { once: true });
+  dialog.showModal();
+}
+
+function entry(name) {
+  const { title, equation, source } = known[name];
+  return el(
+    "section",
+    {},
+    el("h3", { text: title }),
+    el("p", { class: "formula", text: equation }),
+    el("p", { class: "source", text: source }),
+  );
+}
+
+function emptyDialog() {
+  const id = freshId("equations");
+  const heading = el("h2", { id, text: "Equation and source" });
+  const close = button("Close", () => node.close(), { class: "primary" });
+  const node = el(
+    "dialog",
+    { "aria-labelledby": id, class: "equations" },
+    heading,
+    el("div", { class: "entries" }),
+    close,
+  );
+  // a click beside the dialog closes it, as people expect
+  node.addEventListener("click", (event) => event.target === node && node.close());
+  document.body.append(node);
+  return node;
+}

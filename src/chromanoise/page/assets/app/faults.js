@@ -1,0 +1,53 @@
+/** Sentences about what is wrong, each beside the thing that it is about. */
+
+import { attribute, el, freshId, say } from "app/dom.js";
+
+let shown = [];
+
+/** Puts one sentence under a row of the controls, or takes it away with `null`. */
+export function complain(row, sentence) {
+  const here = row.querySelector(":scope > .fault");
+  const subject = row.querySelector("[data-where]") ?? row.querySelector("input, select");
+  if (sentence === null) {
+    here?.remove();
+    if (subject) attribute(subject, "aria-describedby", null);
+    return;
+  }
+  const told = here ?? el("p", { class: "fault", id: freshId("fault"), role: "alert" });
+  say(told, sentence);
+  if (!here) row.append(told);
+  if (subject) subject.setAttribute("aria-describedby", told.id);
+}
+
+/** Shows the server's faults beside their controls; those that belong to none come back. */
+export function showFaults(faults) {
+  clearFaults();
+  const homeless = [];
+  for (const { where, sentence } of faults) {
+    const row = rowOf(String(where ?? ""));
+    if (row) {
+      complain(row, sentence);
+      shown.push(row);
+    } else homeless.push(sentence);
+  }
+  return homeless;
+}
+
+/** Takes all of the server's sentences away. */
+export function clearFaults() {
+  for (const row of shown) complain(row, null);
+  shown = [];
+}
+
+/** The row whose key is the longest beginning of `where`, or begins with it. */
+function rowOf(where) {
+  const path = where.replaceAll(/\[(\d+)\]/g, ".$1");
+  if (path === "") return null;
+  const nodes = [...document.querySelectorAll("[data-where]")];
+  const begins = nodes.filter((node) => `${path}.`.startsWith(`${node.dataset.where}.`));
+  begins.sort((a, b) => b.dataset.where.length - a.dataset.where.length);
+  const row = begins[0]?.closest(".row") ?? null;
+  // a sentence in a closed drawer would not be seen
+  row?.closest("details")?.setAttribute("open", "");
+  return row;
+}

@@ -1,0 +1,105 @@
+/** Controls of the light: which, how much, and how much infrared is in it. */
+
+import { choice, el, fillChoice } from "app/dom.js";
+import { rangeOf, saidAt } from "app/paths.js";
+import { shownUnit, slider } from "app/slider.js";
+import { changeStudy } from "app/state.js";
+import { uploaded } from "app/uploads.js";
+
+const WITH_INFRARED = /^(.+)\+([0-9.]+(?:e[-+]?\d+)?)x(LED\d+)$/i;
+const DIODES = ["LED850", "LED940"];
+const OTHER = "other…";
+
+/** A light's name in parts: `E+0.5xLED850` is E with a ratio of 0.5 of a diode of 850 nm. */
+export function lightParts(name) {
+  const match = WITH_INFRARED.exec(name);
+  if (!match) return { base: name, ratio: 0, diode: null };
+  return { base: match[1], ratio: Number(match[2]), diode: match[3] };
+}
+
+/** The name again. */
+export function lightName({ base, ratio, diode }) {
+  return ratio > 0 ? `${base}+${ratio}x${diode ?? DIODES[0]}` : base;
+}
+
+/** The group of controls: `node` and `show(state)`. */
+export function lightControls(choices) {
+  let diode = DIODES[0];
+  const change = (part, how) =>
+    changeStudy((study) => {
+      const now = lightParts(saidAt(study, "light.illuminant"));
+      study.light = { ...study.light, illuminant: lightName({ ...now, diode, ...part }) };
+    }, how);
+  const base = baseChoice(choices, (name) => change({ base: name }, "step"));
+  const ratio = slider({
+    label: "Infrared in the light",
+    unit: "W/W",
+    range: infraredRange(choices),
+    where: "light.infrared",
+    on: (value) => change({ ratio: value }, "slide"),
+  });
+  const lamp = choice({
+    label: "Infrared diode",
+    options: DIODES,
+    value: diode,
+    on: (name) => {
+      diode = name;
+      change({ diode: name }, "step");
+    },
+  });
+  const level = slider({
+    ...described(choices, "light.level_lux"),
+    on: (value) => changeStudy((study) => (study.light = { ...study.light, level_lux: value }), "slide"),
+  });
+  const node = el("div", {}, level.row, base.row, ratio.row, lamp.row);
+  const show = ({ study }) => {
+    const now = lightParts(saidAt(study, "light.illuminant"));
+    diode = now.diode ?? diode;
+    base.show(now.base);
+    ratio.show(now.ratio);
+    fillChoice(lamp.select, DIODES, diode);
+    level.show(saidAt(study, "light.level_lux"));
+  };
+  return { node, show };
+}
+
+function infraredRange(choices) {
+  const told = rangeOf(choices, "light.infrared");
+  return told ?? { low: 0, high: 2, scale: "linear", step: 0.02 };
+}
+
+/** What a slider needs of a key of the study. */
+export function described(choices, key) {
+  const range = rangeOf(choices, key);
+  return { label: range.label, unit: shownUnit(range), range, where: key };
+}
+
+/** The lights of the catalogue, the files that were brought, and a field for any other word. */
+function baseChoice(choices, on) {
+  const pick = choice({
+    label: "Light",
+    options: [],
+    on: (name) => (name === OTHER ? reveal() : on(name)),
+    where: "light.illuminant",
+  });
+  const typed = el("input", {
+    type: "text",
+    class: "other",
+    "aria-label": "Another light, as 3200K or LED660",
+    placeholder: "3200K, LED660",
+    spellcheck: "false",
+    hidden: true,
+    on: { change: () => typed.value.trim() && on(typed.value.trim()) },
+  });
+  pick.row.append(typed);
+  const reveal = () => {
+    typed.hidden = false;
+    typed.focus();
+  };
+  const show = (name) => {
+    const options = [...choices.illuminants, ...uploaded("light"), [OTHER, OTHER]];
+    fillChoice(pick.select, options, name);
+    if (document.activeElement !== typed) typed.hidden = true;
+  };
+  return { row: pick.row, show };
+}

@@ -1,0 +1,162 @@
+/** The parts of the answer as panels: a heading, its equations, its drawing, its table. */
+
+import { attribute, brief, button, el, freshId } from "app/dom.js";
+import { changeLook } from "app/state.js";
+import * as budget from "draw/budget.js";
+import * as chart from "draw/chart.js";
+import * as ellipses from "draw/ellipses.js";
+import * as levels from "draw/levels.js";
+import * as pareto from "draw/pareto.js";
+import * as sensitivities from "draw/sensitivities.js";
+import * as stages from "draw/stages.js";
+import * as vectors from "draw/vectors.js";
+
+const DRAWN = { stages, budget, sensitivities, levels, pareto, vectors, ellipses, chart };
+
+/** Which equations stand behind the `?` of a heading. */
+const EQUATIONS = {
+  stages: "raw contravariant spectral color lab bound price",
+  budget: "budget bound price",
+  sensitivities: "electrons",
+  levels: "levels color",
+  vectors: "vectors",
+  ellipses: "ellipses",
+  chart: "chart",
+  pareto: "pareto",
+};
+
+/** The drawn parts, in the order in which the page has them. */
+export const PARTS = Object.keys(DRAWN);
+
+/**
+ * Makes panels of the sections of the page.
+ *
+ * `seen()` is called when one becomes visible, `tools` gives the controls of a heading by part.
+ * Gives a map from part to panel with `part`, `visible`, `version`, `show(data, options)`.
+ */
+export function panels({ seen, tools, resized }) {
+  const made = new Map();
+  const watcher = new IntersectionObserver(
+    (entries) => {
+      for (const { target, isIntersecting } of entries) made.get(target.dataset.part).visible = isIntersecting;
+      seen();
+    },
+    { rootMargin: "120px" },
+  );
+  const sizes = new ResizeObserver((entries) => {
+    for (const { target, contentRect } of entries) measured(made.get(target.dataset.part), contentRect.width);
+  });
+  const measured = (panel, width) => {
+    const whole = Math.floor(width);
+    if (whole === panel.width || whole === 0) return;
+    panel.width = whole;
+    resized(panel);
+  };
+  for (const part of PARTS) {
+    const panel = panelOf(part, tools[part] ?? null);
+    made.set(part, panel);
+    // a width must be known before the first drawing, or that would be made twice
+    panel.width = Math.floor(panel.body.clientWidth);
+    watcher.observe(panel.section);
+    sizes.observe(panel.body);
+  }
+  return made;
+}
+
+function panelOf(part, tool) {
+  const section = document.querySelector(`section[data-part="${part}"]`);
+  const body = section.querySelector(".body");
+  body.dataset.part = part;
+  const title = section.querySelector("h2").textContent;
+  const tableId = freshId("table");
+  const table = el("div", { class: "table", id: tableId, hidden: true });
+  const toggle = button("Table", () => changeLook((look) => (look.open = flipped(look.open, part))), {
+    "aria-expanded": "false",
+    "aria-controls": tableId,
+    "aria-label": `Table: ${title}`,
+    class: "toggle",
+  });
+  const why = el("button", {
+    type: "button",
+    text: "?",
+    class: "equation",
+    "data-equation": EQUATIONS[part],
+    "aria-label": `Equation and source: ${title}`,
+  });
+  section.querySelector(".head").append(el("div", { class: "tools" }, tool, why, toggle));
+  section.append(table);
+  const fault = el("p", { class: "fault", role: "alert", hidden: true });
+  section.insertBefore(fault, body);
+  const panel = { part, title, section, body, table, toggle, fault };
+  Object.assign(panel, { visible: false, version: -1, width: 0, data: null });
+  panel.show = (data, options) => show(panel, data, options);
+  return panel;
+}
+
+function flipped(open, part) {
+  return open.includes(part) ? open.filter((other) => other !== part) : [...open, part];
+}
+
+/** Draws an answer; what cannot be drawn is one sentence in its place. */
+function show(panel, data, options) {
+  panel.data = data;
+  const complaint = faultOf(data) ?? drawn(panel, data, options);
+  panel.fault.hidden = complaint === null;
+  panel.fault.textContent = complaint ?? "";
+  panel.body.hidden = complaint !== null;
+  panel.section.removeAttribute("aria-busy");
+  showTable(panel, options.look.open.includes(panel.part) || options.tables === true);
+}
+
+function faultOf(data) {
+  if (data === null || data === undefined) return "There is nothing to show of this study here.";
+  return typeof data.fault === "string" ? data.fault : null;
+}
+
+function drawn(panel, data, options) {
+  try {
+    DRAWN[panel.part].draw(panel.body, data, { ...options, width: panel.width });
+    return null;
+  } catch (error) {
+    return `This could not be drawn (${error.message}); the table may still tell.`;
+  }
+}
+
+/** Shows or hides the numbers behind a drawing. */
+export function showTable(panel, open) {
+  attribute(panel.toggle, "aria-expanded", open ? "true" : "false");
+  panel.table.hidden = !open;
+  if (!open || panel.data === null) return panel.table.replaceChildren();
+  const at = panel.table.firstElementChild?.scrollTop ?? 0;
+  panel.table.replaceChildren(tableOf(DRAWN[panel.part].rows(panel.data), panel.title));
+  // a table that is read must not jump to its top with every answer
+  if (at) panel.table.firstElementChild.scrollTop = at;
+  return undefined;
+}
+
+/** A real table; a wide or long one scrolls by itself, by keyboard as well. */
+export function tableOf({ head, rows }, caption) {
+  const first = el("tr", {}, ...head.map((text) => el("th", { scope: "col", text })));
+  const lines = rows.map((row) =>
+    el(
+      "tr",
+      {},
+      ...row.map((cell, i) =>
+        i === 0 ? el("th", { scope: "row", text: told(cell) }) : el("td", { text: told(cell) }),
+      ),
+    ),
+  );
+  const table = el(
+    "table",
+    {},
+    el("caption", { class: "unseen", text: caption }),
+    el("thead", {}, first),
+    el("tbody", {}, ...lines),
+  );
+  return el("div", { class: "scroll", tabindex: "0", role: "region", "aria-label": `Table: ${caption}` }, table);
+}
+
+function told(cell) {
+  if (cell === null || cell === undefined) return "–";
+  return typeof cell === "number" ? brief(cell) : String(cell);
+}

@@ -1,0 +1,59 @@
+/** Values of a study by their key, as `light.level_lux` or `sensors.0.pixel.read_noise_e`. */
+
+/** The value, or null where the study leaves it away. */
+export function valueAt(study, path) {
+  let value = study;
+  for (const key of path.split(".")) value = value?.[key];
+  return value ?? null;
+}
+
+/** Writes a value, making the tables on the way; `null` takes the key away. */
+export function setAt(study, path, value) {
+  const keys = path.split(".");
+  const last = keys.pop();
+  let table = study;
+  for (const key of keys) table = table[key] ??= {};
+  if (value === null) delete table[last];
+  else table[last] = value;
+}
+
+/** What a study says where it says nothing. */
+const UNSAID = {
+  "light.illuminant": "E",
+  "light.level_lux": 10,
+  "exposure.equal": "exposure",
+  "exposure.saturate": 0.99,
+  "exposure.f_number": 1.8,
+};
+
+/** The value with the defaults of a study. */
+export function saidAt(study, path) {
+  return valueAt(study, path) ?? UNSAID[path] ?? null;
+}
+
+const RANGES = {
+  "light.level_lux": { label: "Light level", unit: "lx", low: 0.01, high: 1e5, scale: "log" },
+  "exposure.time_ms": { label: "Time", unit: "ms", low: 0.01, high: 1000, scale: "log" },
+  "exposure.saturate": {
+    label: "Share of full well",
+    unit: "",
+    low: 0.05,
+    high: 1,
+    scale: "linear",
+    step: 0.01,
+  },
+  "exposure.f_number": { label: "f-number", unit: "", low: 0.95, high: 22, scale: "log" },
+  "sensors.pixel.read_noise_e": {
+    label: "Read noise",
+    unit: "e\u207b",
+    low: 0,
+    high: 20,
+    scale: "linear",
+    step: 0.1,
+  },
+};
+
+/** A slider's range: as the server tells, else one that serves. */
+export function rangeOf(choices, key) {
+  return choices.sliders?.find((one) => one.key === key) ?? RANGES[key] ?? null;
+}

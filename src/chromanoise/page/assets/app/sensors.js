@@ -1,0 +1,141 @@
+/** Controls of the sensors: two or more, each with its pixel and its filters. */
+
+import { attribute, brief, button, choice, el, fillChoice, say } from "app/dom.js";
+import { setAt, valueAt } from "app/paths.js";
+import { shownUnit, slider } from "app/slider.js";
+import { changeStudy } from "app/state.js";
+import { uploaded } from "app/uploads.js";
+
+const FEWEST = 2;
+const MOST = 6;
+
+/** What a file of relative curves must be told. */
+const PEAK = {
+  key: "sensors.answers.peak_qe",
+  label: "Highest QE, of relative curves",
+  unit: "1",
+  low: 0.05,
+  high: 1,
+  scale: "linear",
+  step: 0.01,
+};
+
+/** The group of controls: `node` and `show(state, head)`. */
+export function sensorControls(choices) {
+  const list = el("div", { class: "cards" });
+  const add = button("Add a sensor", () => addSensor(choices), { class: "wide" });
+  const said = el("p", { class: "hint" });
+  let cards = [];
+  const show = ({ study }, head) => {
+    const { sensors } = study;
+    if (cards.length !== sensors.length) {
+      cards = sensors.map((_, i) => sensorCard(choices, i));
+      list.replaceChildren(...cards.map((card) => card.node));
+    }
+    sensors.forEach((sensor, i) => cards[i].show(sensor, head?.sensors?.[i], sensors.length));
+    attribute(add, "disabled", sensors.length >= MOST);
+    say(said, add.disabled ? `${MOST} sensors are as many as can be told apart.` : "");
+  };
+  return { node: el("div", {}, list, add, said), show };
+}
+
+/** Appends a sensor: the next of the catalogue that is not shown yet, or the one that is named. */
+export function addSensor(choices, name = null, more = {}) {
+  changeStudy((study) => {
+    const taken = new Set(study.sensors.map((sensor) => sensor.name));
+    const free = choices.sensors.find((sensor) => !taken.has(sensor.name)) ?? choices.sensors[0];
+    study.sensors.push({ name: name ?? free.name, ...more });
+  });
+}
+
+function sensorCard(choices, i) {
+  const legend = el("legend", { text: `Sensor ${i + 1}` });
+  const pick = choice({
+    label: `Sensor ${i + 1}`,
+    hidden: true,
+    options: [],
+    where: `sensors.${i}`,
+    on: (name) => changeStudy((study) => exchange(study, i, name)),
+  });
+  const what = el("p", { class: "hint" });
+  const up = button("\u2191", () => changeStudy((study) => swap(study, i)), {
+    "aria-label": `Move sensor ${i + 1} up`,
+    title: "Move up",
+    class: "square",
+  });
+  const away = button("\u00d7", () => remove(i, node), {
+    "aria-label": `Remove sensor ${i + 1}`,
+    title: "Remove",
+    class: "square",
+  });
+  pick.row.append(up, away);
+  const inner = innerSliders(choices, i);
+  const drawer = el(
+    "details",
+    { class: "drawer" },
+    el("summary", { text: "Pixel and filters" }),
+    ...inner.map((one) => one.row),
+  );
+  const node = el("fieldset", { class: "card" }, legend, pick.row, what, drawer);
+  const show = (sensor, told, count) => {
+    const known = choices.sensors.find((one) => one.name === sensor.name);
+    const names = choices.sensors.map((one) => one.name);
+    fillChoice(pick.select, [...names, ...uploaded("sensor")], sensor.name);
+    say(what, known ? described(known, told) : "");
+    for (const one of inner) one.show(sensor, told);
+    attribute(up, "disabled", i === 0);
+    attribute(away, "disabled", count <= FEWEST);
+  };
+  return { node, show };
+}
+
+/** What a sensor is; its pixel as computed, if that is known already. */
+function described(known, told) {
+  if (told?.name !== known.name || told.pitch_um === undefined) return known.what;
+  return `${known.what}; ${brief(told.pitch_um)} µm, ${brief(told.full_well_e)} e\u207b full well`;
+}
+
+/** Takes a sensor away; the focus goes on to what is left, not back to the top of the page. */
+function remove(i, node) {
+  const list = node.parentElement;
+  changeStudy((study) => study.sensors.splice(i, 1));
+  list.children[Math.min(i, list.children.length - 1)]?.querySelector("select").focus();
+}
+
+function exchange(study, i, name) {
+  // answers belong to one file, changes of the pixel to the question
+  const { pixel, ircut_nm, shift_nm } = study.sensors[i];
+  const kept = Object.entries({ pixel, ircut_nm, shift_nm });
+  study.sensors[i] = { name, ...Object.fromEntries(kept.filter(([, value]) => value !== undefined)) };
+}
+
+function swap(study, i) {
+  const { sensors } = study;
+  [sensors[i - 1], sensors[i]] = [sensors[i], sensors[i - 1]];
+}
+
+/** Sliders of everything that the server says a sensor has. */
+function innerSliders(choices, i) {
+  const own = choices.sliders.filter((one) => one.key.startsWith("sensors."));
+  return [...own, PEAK].map((range) => {
+    const path = range.key.slice("sensors.".length);
+    const control = slider({
+      label: range.label,
+      unit: shownUnit(range),
+      range,
+      where: `sensors.${i}.${path}`,
+      own: path === "shift_nm" ? "none" : "as built",
+      on: (value) =>
+        changeStudy((study) => setAt(study.sensors[i], path, value), value === null ? "step" : "slide"),
+    });
+    const show = (sensor, told) => {
+      const value = valueAt(sensor, path);
+      if (path === "pixel.read_noise_e") control.show(value, told?.read_noise_e ?? null);
+      else control.show(value, UNTOUCHED[path] ?? range.high, path === "shift_nm" ? null : "own");
+    };
+    return { row: control.row, show };
+  });
+}
+
+/** Where a slider stands that changes nothing: an edge at its end cuts nothing off. */
+const UNTOUCHED = { shift_nm: 0 };

@@ -1,0 +1,134 @@
+/** One number: a labelled native slider, a field to type it in, its unit, and a word beside. */
+
+import { attribute, brief, el, freshId } from "app/dom.js";
+import { complain } from "app/faults.js";
+
+/** Places on a slider whose scale tells no step. */
+const PLACES = 240;
+
+/** The unit as it stands beside a number: none for pure numbers, a true minus for electrons. */
+export function shownUnit({ unit }) {
+  if (unit === "1" || unit === "f/#") return "";
+  return (unit ?? "").replace("e-", "e\u207b");
+}
+
+/** How a slider's places become values: `{places, valueAt(place), placeOf(value)}`. */
+export function scaleOf({ low, high, scale, step }) {
+  if (scale !== "log") {
+    const places = Math.max(1, Math.round((high - low) / (step || (high - low) / PLACES)));
+    const width = (high - low) / places;
+    const valueAt = (place) => Number((low + place * width).toPrecision(6));
+    return { places, valueAt, placeOf: (value) => (value - low) / width };
+  }
+  const span = Math.log(high / low);
+  // a step of a log scale is a share of a decade
+  const places = step ? Math.max(1, Math.round(span / Math.LN10 / step)) : PLACES;
+  const valueAt = (place) => Number((low * Math.exp((span * place) / places)).toPrecision(3));
+  return { places, valueAt, placeOf: (value) => (places * Math.log(value / low)) / span };
+}
+
+/**
+ * A slider with its number field.
+ *
+ * `on(value)` gets a number, or `null` where `own` (the words of a button) gives it back to what
+ * the study says without it. `show(value, meanwhile, words)` shows a value; where it is `null`
+ * the slider stands at `meanwhile` and the field shows that, or `words`, as a hint.
+ */
+export function slider({ label, unit, range, where, on, own = null, aside = "" }) {
+  const parts = elements({ label, unit, range, where, own, aside });
+  const { scale, track, field, back } = parts;
+  const typed = () => readField(parts, on);
+  track.addEventListener("input", () => on(scale.valueAt(Number(track.value))));
+  track.addEventListener("keydown", (event) => strides(event, parts, on));
+  field.addEventListener("change", typed);
+  field.addEventListener("keydown", (event) => stepsInField(event, parts, on));
+  back?.addEventListener("click", () => {
+    on(null);
+    track.focus();
+  });
+  return {
+    row: parts.row,
+    show: (value, meanwhile = null, words = null) => show(parts, value, meanwhile, { unit, own, words }),
+    enable: (enabled) => enable(parts, enabled),
+  };
+}
+
+function elements({ label, unit, range, where, own, aside }) {
+  const scale = scaleOf(range);
+  const id = freshId("slider");
+  const ends = { type: "range", min: 0, max: scale.places, step: 1 };
+  const track = el("input", { id, ...ends, "data-where": where, class: "track" });
+  const fieldName = unit ? `${label} in ${unit}` : `${label}, as a number`;
+  const field = el("input", {
+    type: "text",
+    inputmode: "decimal",
+    autocomplete: "off",
+    spellcheck: "false",
+    "aria-label": fieldName,
+    placeholder: own ? "own" : null,
+    class: "field",
+  });
+  const back = own ? el("button", { type: "button", class: "own", text: own }) : null;
+  if (back) back.setAttribute("aria-label", `${own}: ${label}`);
+  const named = el("label", { for: id, class: "label", text: label });
+  const quiet = el("span", { class: "aside", text: aside });
+  const head = el("div", { class: "row-head" }, named, quiet, back);
+  const value = el("div", { class: "value" }, field, el("span", { class: "unit", text: unit }));
+  const row = el("div", { class: "row row-slider" }, head, track, value);
+  return { scale, track, field, back, row, label };
+}
+
+function show(parts, value, meanwhile, { unit, own, words }) {
+  const { scale, track, field, back } = parts;
+  // the same again costs the browser a layout, and there are many sliders
+  const key = `${value} ${meanwhile} ${words}`;
+  const untouched = parts.shown === key && !field.hasAttribute("aria-invalid");
+  if (untouched && track.value === parts.place && field.value === parts.told) return;
+  const known = value ?? meanwhile;
+  const place = known === null || known === undefined ? 0 : scale.placeOf(known);
+  const held = Number.isNaN(place) ? 0 : Math.min(Math.max(place, 0), scale.places);
+  const told = value === null || value === undefined ? "" : String(value);
+  Object.assign(parts, { shown: key, place: String(Math.round(held)), told });
+  // a slider that is being moved already stands there; writing it again would make it jump
+  if (track.value !== parts.place) track.value = parts.place;
+  if (field.value !== told) field.value = told;
+  const hint = words ?? (meanwhile === null ? "own" : brief(meanwhile));
+  attribute(track, "aria-valuetext", `${told === "" ? hint : told} ${unit}`.trim());
+  attribute(field, "aria-invalid", null);
+  if (own) attribute(field, "placeholder", hint);
+  if (back) back.hidden = told === "";
+}
+
+function enable({ track, field, back }, enabled) {
+  for (const node of [track, field, back]) if (node) attribute(node, "disabled", !enabled);
+}
+
+/** Shift with an arrow goes ten places; Page Up and Page Down are the browser's own tenths. */
+function strides(event, { scale, track }, on) {
+  const way = WAYS[event.key];
+  if (!way || !event.shiftKey) return;
+  event.preventDefault();
+  const place = Number(track.value) + 10 * way;
+  track.value = String(Math.min(Math.max(place, 0), scale.places));
+  on(scale.valueAt(Number(track.value)));
+}
+
+const WAYS = { ArrowUp: 1, ArrowRight: 1, ArrowDown: -1, ArrowLeft: -1 };
+
+function stepsInField(event, { scale, track }, on) {
+  const way = { ArrowUp: 1, ArrowDown: -1 }[event.key];
+  if (!way) return;
+  event.preventDefault();
+  const place = Number(track.value) + way * (event.shiftKey ? 10 : 1);
+  on(scale.valueAt(Math.min(Math.max(place, 0), scale.places)));
+}
+
+function readField({ field, back, row, label }, on) {
+  const text = field.value.trim().replace("\u2212", "-").replace(",", ".");
+  if (text === "" && back) return on(null);
+  const value = Number(text);
+  const wrong = text === "" || !Number.isFinite(value);
+  attribute(field, "aria-invalid", wrong ? "true" : null);
+  complain(row, wrong ? `${label} has to be a number, such as 0.5 or 10.` : null);
+  return wrong ? undefined : on(value);
+}

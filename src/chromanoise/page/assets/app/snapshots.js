@@ -1,0 +1,87 @@
+/** Earlier answers kept as ghosts behind the drawings: up to three, named, removable. */
+
+import { posted, Refused } from "app/ask.js";
+import { brief, button, el } from "app/dom.js";
+import { PARTS } from "app/panels.js";
+import { current } from "app/state.js";
+
+const MOST = 3;
+
+/** Of a look, what the server needs to know. */
+export function askedLook({ coordinate, plane, magnification }) {
+  return { coordinate, plane, magnification };
+}
+
+/**
+ * The row of ghosts in `place`; `changed()` is called when what stands behind the drawings changed.
+ * Gives `ghosts(part)`, the earlier data of a part, and `look()`, to be called when that changed.
+ */
+export function snapshots(place, changed) {
+  let kept = [];
+  let count = 0;
+  const said = el("span", { class: "said", role: "status" });
+  const list = el("ul", { class: "ghosts", "aria-label": "Kept as ghosts" });
+  const keep = button("Keep as ghost", () => take(), { id: "keep", title: "Draw this answer behind the next ones" });
+  place.replaceChildren(keep, list, said);
+
+  const take = async () => {
+    count += 1;
+    const { study } = current();
+    const ghost = { study, name: `${count}: ${shortName(study)}`, parts: {} };
+    keep.disabled = true;
+    said.textContent = await refreshed(ghost);
+    if (said.textContent === "") kept = [...kept, ghost];
+    show();
+  };
+  const show = () => {
+    list.replaceChildren(...kept.map((ghost) => chip(ghost, drop)));
+    keep.disabled = kept.length >= MOST;
+    keep.title = keep.disabled ? "Three are as many as can be told apart; remove one first" : "";
+    changed();
+  };
+  const drop = (ghost) => {
+    kept = kept.filter((other) => other !== ghost);
+    show();
+    keep.focus();
+  };
+  const look = async () => {
+    await Promise.all(kept.map(refreshed));
+    if (kept.length) changed();
+  };
+  const ghosts = (part) => kept.map((ghost) => ghost.parts[part]).filter((data) => data && !data.fault);
+  return { ghosts, look };
+}
+
+/** Asks for all parts of a ghost's study; gives a sentence where that failed, else "". */
+async function refreshed(ghost) {
+  const look = askedLook(current().look);
+  try {
+    const reply = await posted("/api/answer", { number: 0, study: ghost.study, want: PARTS, look });
+    ghost.parts = reply.parts;
+    return "";
+  } catch (error) {
+    return error instanceof Refused ? error.message : "The server does not answer, so nothing was kept.";
+  }
+}
+
+function shortName({ light = {}, exposure = {}, sensors }) {
+  const level = `${brief(light.level_lux ?? 10, 3)} lx ${light.illuminant ?? "E"}`;
+  return `${level}, f/${brief(exposure.f_number ?? 1.8, 2)}, ${sensors.length} sensors`;
+}
+
+function chip(ghost, drop) {
+  const name = el("input", {
+    type: "text",
+    value: ghost.name,
+    maxlength: "60",
+    "aria-label": "Name of this ghost",
+    on: { input: () => rename() },
+  });
+  const away = button("\u00d7", () => drop(ghost), { class: "square", title: "Remove" });
+  const rename = () => {
+    ghost.name = name.value;
+    away.setAttribute("aria-label", `Remove ghost ${ghost.name}`);
+  };
+  rename();
+  return el("li", { class: "chip" }, name, away);
+}

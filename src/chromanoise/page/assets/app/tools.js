@@ -1,0 +1,40 @@
+/** Small controls in the headings of panels: what is looked at, not what is computed from. */
+
+import { choice, fillChoice } from "app/dom.js";
+import { changeLook } from "app/state.js";
+
+const MAGNIFICATIONS = ["auto", "1", "2", "5", "10", "20", "50", "100"];
+
+/** The tools by part: nodes, and `show(look)` that sets them to a look. */
+export function headingTools(choices) {
+  const coordinates = choices.coordinates ?? ["X", "Y", "Z"];
+  const coordinate = tool("Coordinate", coordinates, (name) => changeLook((look) => (look.coordinate = name)));
+  const planes = [
+    ["ab", "a*b*"],
+    ["xy", "x y"],
+  ];
+  const plane = tool("Plane", planes, (name) => changeLook((look) => (look.plane = name)));
+  const times = MAGNIFICATIONS.map((text) => [text, text === "auto" ? "size: auto" : `\u00d7${text}`]);
+  const magnification = tool("Magnification of the ellipsoid", times, (text) =>
+    changeLook((look) => (look.magnification = text === "auto" ? null : Number(text))),
+  );
+  let offered = coordinates;
+  const show = (look) => {
+    fillChoice(coordinate.select, offered, look.coordinate);
+    fillChoice(plane.select, planes, look.plane);
+    fillChoice(magnification.select, times, String(look.magnification ?? "auto"));
+  };
+  /** The budget tells which coordinates these sensors have. */
+  const budgetOf = (data) => {
+    const names = data?.coordinates ?? offered;
+    if (names.join() === offered.join()) return;
+    offered = names;
+    fillChoice(coordinate.select, offered, data.coordinate);
+  };
+  const nodes = { budget: coordinate.row, ellipses: plane.row, vectors: magnification.row };
+  return { nodes, show, coordinates: budgetOf };
+}
+
+function tool(label, options, on) {
+  return choice({ label, options, value: undefined, hidden: true, on });
+}

@@ -1,0 +1,130 @@
+/** Bring your own: a spectrum, a sensor, a study or a cube, dropped anywhere or chosen. */
+
+import { Refused, understood } from "app/ask.js";
+import { button, choice, el, fillChoice } from "app/dom.js";
+import { setCube } from "app/scene.js";
+import { changeStudy, current, replaceStudy } from "app/state.js";
+import { remember } from "app/uploads.js";
+
+const LARGEST = 12e6;
+const UNHEARD = "The server does not answer, so the file was not read; try again.";
+
+/** Puts the field for files into its place and lets files be dropped anywhere. */
+export function uploads(place) {
+  const report = el("div", { class: "brought", role: "status" });
+  const field = el("input", {
+    type: "file",
+    id: "file",
+    class: "unseen",
+    on: { change: () => field.files.length && bring(field.files[0], report).then(() => (field.value = "")) },
+  });
+  const label = el("label", { for: "file", class: "drop" }, el("span", { text: "Drop a file or choose one" }));
+  const hint = el("p", { class: "hint", text: "Spectrum, sensor, study or cube; it stays on this computer." });
+  place.replaceChildren(field, label, hint, report);
+  dropAnywhere((file) => {
+    place.closest("details")?.setAttribute("open", "");
+    bring(file, report);
+  });
+}
+
+function dropAnywhere(take) {
+  const root = document.documentElement;
+  const holds = (event) => event.dataTransfer?.types.includes("Files");
+  document.addEventListener("dragover", (event) => {
+    if (!holds(event)) return;
+    event.preventDefault();
+    root.classList.add("dropping");
+  });
+  document.addEventListener("dragleave", (event) => {
+    if (!event.relatedTarget) root.classList.remove("dropping");
+  });
+  document.addEventListener("drop", (event) => {
+    root.classList.remove("dropping");
+    if (!holds(event)) return;
+    event.preventDefault();
+    take(event.dataTransfer.files[0]);
+  });
+}
+
+async function bring(file, report) {
+  report.replaceChildren(el("p", { text: `Reading ${file.name} …` }));
+  try {
+    if (file.size > LARGEST) throw new Refused([{ sentence: tooLarge(file) }]);
+    const reply = await fetch("/api/upload", {
+      method: "POST",
+      headers: { "Content-Type": "application/octet-stream", "X-Filename": encodeURIComponent(file.name) },
+      body: file,
+    });
+    show(report, file.name, await understood(reply));
+  } catch (error) {
+    const sentence = error instanceof Refused ? error.message : UNHEARD;
+    report.replaceChildren(el("p", { class: "fault", role: "alert", text: named(file.name, sentence) }));
+  }
+  report.scrollIntoView({ block: "nearest" });
+}
+
+/** Some sentences name the file already. */
+const named = (name, sentence) => (sentence.startsWith(name) ? sentence : `${name}: ${sentence}`);
+
+const tooLarge = ({ size }) =>
+  `The file has ${(size / 1e6).toFixed(1)} MB and 12 MB are the most; bring a part of it.`;
+
+/** What was understood, what is still to be answered, and what to do with it. */
+function show(report, name, answer) {
+  if (answer.kind === "study" && answer.study) replaceStudy(answer.study);
+  else remember(answer.kind, answer.id, name);
+  const lines = (answer.preview ?? []).map((text) => el("li", { text }));
+  const title = el("p", { class: "strong", text: `${name}: a ${answer.kind}` });
+  const asks = (answer.asks ?? []).map(question);
+  const answers = () => Object.fromEntries(asks.map((ask) => ask.answer()).filter(([, value]) => value !== ""));
+  const form = el(
+    "form",
+    { class: "asks", on: { submit: (event) => event.preventDefault() } },
+    ...asks.map((ask) => ask.row),
+    ...uses(answer, answers, () => report.replaceChildren()),
+  );
+  report.replaceChildren(title, el("ul", { class: "notes" }, ...lines), form);
+}
+
+/** A question that the file cannot answer: one of a few words, or a number. */
+function question({ key, question: text, choices }) {
+  if (choices?.length) {
+    const pick = choice({ label: text, options: [], on: () => {} });
+    fillChoice(pick.select, [["", "not said"], ...choices.map((one) => [String(one), String(one)])], "");
+    return { row: pick.row, answer: () => [key, pick.select.value] };
+  }
+  const field = el("input", { type: "text", inputmode: "decimal", class: "field" });
+  const row = el("div", { class: "row" }, el("label", { class: "label" }, `${text} `, field));
+  return { row, answer: () => [key, typed(field.value.trim())] };
+}
+
+const typed = (text) => (text === "" || Number.isNaN(Number(text)) ? text : Number(text));
+
+function uses(answer, answers, done) {
+  const use = (text, edit) => button(text, () => (changeStudy(edit), done()), { class: "wide" });
+  if (answer.kind === "light") {
+    return [use("Use as the light", (study) => useLight(study, answer.id, answers()))];
+  }
+  if (answer.kind === "cube") return [use("Show in the picture", (study) => setCube(study, answer.id))];
+  if (answer.kind !== "sensor") return [];
+  const exchanges = current().study.sensors.map((sensor, i) =>
+    use(`Exchange sensor ${i + 1}`, (study) => (study.sensors[i] = withAnswers(answer.id, answers()))),
+  );
+  return [use("Add as a sensor", (study) => study.sensors.push(withAnswers(answer.id, answers()))), ...exchanges];
+}
+
+function useLight(study, id, told) {
+  study.light = { ...study.light, illuminant: id, ...stripped(told, "light.") };
+}
+
+/** A sensor of a file: most answers are about its curves, a few about the sensor itself. */
+function withAnswers(id, told) {
+  const plain = stripped(stripped(told, "sensors."), "answers.");
+  const { beyond, ...answers } = plain;
+  return { name: id, ...(beyond ? { beyond } : {}), ...(Object.keys(answers).length ? { answers } : {}) };
+}
+
+function stripped(told, start) {
+  const short = (key) => (key.startsWith(start) ? key.slice(start.length) : key);
+  return Object.fromEntries(Object.entries(told).map(([key, value]) => [short(key), value]));
+}

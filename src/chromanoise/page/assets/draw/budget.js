@@ -1,0 +1,158 @@
+/** Waterfall of each sensor from its raw signal to the color coordinate, on one dB scale. */
+
+import { fitting, linear, niceRange, panels, textWidth, wrapped } from "draw/axes.js";
+import { note, sameSensor } from "draw/look.js";
+import { decimal, figure, figureWidth, known, signed, svg, tenth, words } from "draw/svg.js";
+
+const KEY =
+  "First and last bar: the SNR before and after. Gray: costs. Outlined: gains. All in dB, on one scale.";
+const BAR = 14;
+const LINE = 16;
+
+export function draw(element, data, options = {}) {
+  const width = figureWidth(element, options);
+  const ghosts = options.ghosts ?? [];
+  const grid = panels(data.sensors.length, width, 420, 32);
+  const scale = range(data, ghosts);
+  const boxes = data.sensors.map((sensor) => layout(sensor, grid.each, scale));
+  const tops = rowTops(boxes, grid);
+  const nodes = data.sensors.flatMap((sensor, i) => {
+    const at = { left: grid.places[i].left, top: tops.rows[grid.places[i].row] };
+    return waterfall(
+      sensor,
+      boxes[i],
+      at,
+      ghosts.map((ghost) => sameSensor(ghost, sensor, i)),
+    );
+  });
+  const title = `Budget of the SNR of ${data.coordinate}`;
+  const drawn = figure(width, tops.height, title, description(data), nodes);
+  const any = data.sensors.some((sensor) => sensor.steps?.length);
+  element.replaceChildren(drawn, ...(any ? [note(KEY)] : []));
+}
+
+function range(data, ghosts) {
+  const steps = [data, ...ghosts].flatMap((answer) => answer.sensors.flatMap((s) => s.steps ?? []));
+  return niceRange(
+    steps.flatMap((step) => [step.from_db, step.to_db]),
+    5,
+    [0],
+  );
+}
+
+/** Labels stand beside their bars where there is room, else above them. */
+function layout(sensor, width, [low, high]) {
+  const steps = sensor.steps ?? [];
+  const longest = Math.max(60, ...steps.map((step) => textWidth(step.label)));
+  const beside = width - longest - 64 >= 110;
+  const left = beside ? Math.min(longest + 12, 0.5 * width) : 4;
+  const x = linear(low, high, left, width - 58);
+  const lines = steps.map((step) => (beside ? [step.label] : wrapped(step.label, width - 8)));
+  const tops = [];
+  let y = 34;
+  for (const told of lines) {
+    tops.push(y);
+    y += beside ? 24 : LINE * told.length + BAR + 10;
+  }
+  const why = steps.length ? [] : wrapped(sensor.why_not ?? "no budget", width - 8);
+  const bottom = steps.length ? y : y + why.length * 18;
+  return { x, beside, lines, tops, why, width, bottom, height: bottom + (steps.length ? 26 : 6) };
+}
+
+function rowTops(boxes, grid) {
+  const rows = [];
+  let height = 0;
+  for (let row = 0; row < grid.rows; row += 1) {
+    rows.push(height);
+    const mine = boxes.filter((_, i) => grid.places[i].row === row);
+    height += Math.max(...mine.map((box) => box.height)) + 8;
+  }
+  return { rows, height: height - 8 };
+}
+
+function waterfall(sensor, box, at, ghosts) {
+  const nodes = [words(0, 15, fitting(sensor.name, box.width, 14), "d-strong")];
+  nodes.push(...box.why.map((text, k) => words(0, 44 + 18 * k, text, "d-quiet")));
+  const steps = sensor.steps ?? [];
+  if (steps.length) nodes.push(...scale(box));
+  for (const ghost of ghosts) nodes.push(...ghostSteps(ghost, sensor, box));
+  steps.forEach((step, k) => nodes.push(...bar(step, k, box, steps[k + 1])));
+  return [svg("g", { transform: `translate(${at.left} ${at.top})` }, nodes)];
+}
+
+function scale({ x, bottom }) {
+  const ticks = x.ticks(Math.max(2, Math.floor((x.to - x.from) / 56)));
+  const d = ticks.map((tick) => `M${tenth(x.at(tick.value))} 26V${bottom}`).join("");
+  const marks = ticks.map((tick, k) => {
+    const label = k === ticks.length - 1 ? `${tick.label} dB` : tick.label;
+    return words(x.at(tick.value), bottom + 17, label, "d-tick", "middle");
+  });
+  return [svg("path", { d, class: "d-grid" }), ...marks];
+}
+
+function barTop(k, box) {
+  return box.tops[k] + (box.beside ? 0 : LINE * box.lines[k].length + 2);
+}
+
+function bar(step, k, box, next) {
+  const { x } = box;
+  const whole = step.kind === "start" || step.kind === "end";
+  const from = whole ? x.at(Math.max(0, x.low)) : x.at(step.from_db);
+  const to = x.at(step.to_db);
+  const y = barTop(k, box);
+  const look = whole ? "d-full" : step.kind === "gain" ? "d-gain" : "d-cost";
+  const wide = Math.max(1.5, Math.abs(to - from));
+  const area = { x: tenth(Math.min(from, to)), y, width: tenth(wide), height: BAR, class: look };
+  const nodes = [svg("rect", area, step.reading ? [svg("title", {}, step.reading)] : [])];
+  if (next) nodes.push(svg("path", { d: `M${tenth(to)} ${y + BAR}V${barTop(k + 1, box)}`, class: "d-thin" }));
+  const told = whole ? decimal(step.to_db) : signed(step.change_db);
+  const beyond = Math.max(from, to) + 7;
+  nodes.push(words(beyond, y + BAR - 2, told, whole ? "d-strong d-rim" : "d-rim"));
+  const label = box.beside ? [fitting(step.label, x.from - 8)] : box.lines[k];
+  const base = box.beside ? y + BAR - 2 : box.tops[k] + 12;
+  nodes.push(...label.map((text, j) => words(0, base + LINE * j, text, whole ? "d-strong d-rim" : "d-rim")));
+  return nodes;
+}
+
+/** Where the same steps of an earlier answer ended. */
+function ghostSteps(ghost, sensor, box) {
+  const steps = sensor.steps ?? [];
+  return (ghost?.steps ?? []).flatMap((step) => {
+    const k = steps.findIndex((now) => now.label === step.label);
+    if (k < 0 || !known(step.to_db)) return [];
+    const d = `M${tenth(box.x.at(step.to_db))} ${barTop(k, box) - 4}v${BAR + 8}`;
+    return [svg("path", { d, class: "d-ghost", "stroke-width": 3 })];
+  });
+}
+
+function description(data) {
+  const each = data.sensors.map((sensor) => {
+    const steps = sensor.steps ?? [];
+    if (!steps.length) return `${sensor.name}: ${sensor.why_not ?? "no budget"}`;
+    const parts = steps.map((step) =>
+      step.kind === "start" || step.kind === "end"
+        ? `${step.label} ${decimal(step.to_db)} dB`
+        : `${step.label} ${signed(step.change_db)} dB`,
+    );
+    return `${sensor.name}: ${parts.join(", ")}.`;
+  });
+  return `What the SNR of ${data.coordinate} loses and gains on its way. ${each.join(" ")}`;
+}
+
+export function rows(data) {
+  const table = data.sensors.flatMap((sensor) => {
+    const steps = sensor.steps ?? [];
+    if (!steps.length) return [[sensor.name, sensor.why_not ?? "no budget", "–", "–", "–"]];
+    return steps.map((step) => {
+      const whole = step.kind === "start" || step.kind === "end";
+      return [
+        sensor.name,
+        step.label,
+        whole ? "–" : signed(step.change_db, 2),
+        decimal(step.to_db, 2),
+        step.reading ?? "–",
+      ];
+    });
+  });
+  return { head: ["sensor", "step", "change [dB]", `SNR of ${data.coordinate} [dB]`, "why"], rows: table };
+}

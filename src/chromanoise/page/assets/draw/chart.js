@@ -1,0 +1,159 @@
+/** The chart's 24 patches, each split by sensor, with color error and noise as numbers. */
+
+import { textWidth } from "draw/axes.js";
+import { legend, note, sameSensor } from "draw/look.js";
+import { decimal, figure, figureWidth, known, svg, words } from "draw/svg.js";
+
+const COLUMNS = 6;
+const GAP = 4;
+
+export function draw(element, data, options = {}) {
+  const width = Math.min(1080, figureWidth(element, options));
+  const ghosts = options.ghosts ?? [];
+  const plan = layout(data, width);
+  const nodes = data.patches.map((patch, k) => cell(data, patch, k, plan));
+  const across = Math.ceil(data.patches.length / COLUMNS);
+  const height = across * (plan.tall + GAP) - GAP;
+  if (!data.patches.length) {
+    const why = data.sensors.map((sensor) => sensor.why_not ?? `${sensor.name}: saturated`);
+    element.replaceChildren(...why.map((sentence) => note(sentence)));
+    return;
+  }
+  const title = "Color error and noise of the chart's patches";
+  const told = figure(width, height, title, description(data), nodes);
+  element.replaceChildren(...key(data, plan, ghosts), told);
+}
+
+/** Sensors side by side where four digits fit twice, else one under the other. */
+function layout(data, width) {
+  const count = Math.max(1, data.sensors.length);
+  const each = (width - GAP * (COLUMNS - 1)) / COLUMNS;
+  const beside = each / count >= 58;
+  const strip = each >= 90 ? 12 : 8;
+  const tall = strip + (beside ? 48 : 42 * count);
+  return { each, beside, strip, tall, count, share: (beside ? each : 42 * count) / count };
+}
+
+function cell(data, patch, k, plan) {
+  const left = (k % COLUMNS) * (plan.each + GAP);
+  const top = Math.floor(k / COLUMNS) * (plan.tall + GAP);
+  const nodes = [
+    svg("title", {}, patch.name),
+    svg("rect", { width: plan.each, height: plan.strip, fill: patch.srgb }),
+  ];
+  data.sensors.forEach((sensor, i) => nodes.push(...half(sensor, k, i, plan)));
+  const edge = { width: plan.each, height: plan.tall, class: "d-cell" };
+  nodes.push(svg("rect", edge));
+  return svg("g", { transform: `translate(${left} ${top})` }, nodes);
+}
+
+function half(sensor, k, i, plan) {
+  const { each, beside, strip, share } = plan;
+  const box = beside
+    ? { x: i * share, y: strip, width: share, height: 48 }
+    : { x: 0, y: strip + 42 * i, width: each, height: 42 };
+  const patch = sensor.patches[k] ?? {};
+  const fill = patch.srgb ?? "var(--paper)";
+  const ink = patch.srgb ? legible(patch.srgb) : "var(--ink)";
+  const nodes = [svg("rect", { ...box, fill })];
+  const middle = box.x + box.width / 2;
+  const base = box.y + (beside ? 21 : 17);
+  const told = known(patch.delta_e) ? [short(patch.delta_e), noiseOf(patch)] : [full(box.width), ""];
+  nodes.push(
+    number(middle, base, told[0], ink, "d-strong"),
+    number(middle, base + 18, told[1], ink, "d-cell-noise"),
+  );
+  return nodes;
+}
+
+function noiseOf({ noise }) {
+  return noise >= 999.5 ? "n>999" : `n ${short(noise)}`;
+}
+
+/** Three digits are as many as a cell holds; where there are more, the table has them. */
+function short(value) {
+  if (value >= 999.5) return ">999";
+  return decimal(value, value >= 99.95 ? 0 : 1);
+}
+
+function full(width) {
+  return textWidth("saturated") <= width - 4 ? "saturated" : "sat.";
+}
+
+function number(x, y, text, fill, look) {
+  const node = words(x, y, text, `d-cell-text ${look}`, "middle");
+  node.style.setProperty("fill", fill);
+  return node;
+}
+
+/** Black or white, whichever stands out more on the patch. */
+function legible(srgb) {
+  const [r, g, b] = [1, 3, 5].map((k) => {
+    const part = parseInt(srgb.slice(k, k + 2), 16) / 255;
+    return part <= 0.04 ? part / 12.92 : ((part + 0.055) / 1.055) ** 2.4;
+  });
+  return 0.2126 * r + 0.7152 * g + 0.0722 * b > 0.179 ? "#000000" : "#ffffff";
+}
+
+function key(data, plan, ghosts) {
+  const places = plan.beside ? ["left", "right"] : ["upper", "lower"];
+  const more = data.sensors.map((sensor, i) => {
+    const place = plan.count === 2 ? places[i] : `${i + 1}`;
+    const before = ghosts.map((ghost) => means(sameSensor(ghost, sensor, i))).filter(Boolean);
+    const ghost = before.length ? ` (ghost ${before.join("; ")})` : "";
+    return { drawn: [swatch(i, plan)], name: `${place}: ${sensor.name}${told(sensor)}${ghost}` };
+  });
+  const how =
+    "Strip: the true color. Bold: color error ΔE*ab without noise. n: ΔE*ab of the noise (CIE 1976).";
+  return [legend([], "line", 0, more), note(how, "d-note d-over")];
+}
+
+function told(sensor) {
+  const mean = means(sensor);
+  return mean ? `, mean ${mean}` : "";
+}
+
+function means(sensor) {
+  if (!known(sensor?.mean_delta_e)) return "";
+  const noise = known(sensor.mean_noise) ? `, n ${short(sensor.mean_noise)}` : "";
+  return `${short(sensor.mean_delta_e)}${noise}`;
+}
+
+/** A small cell whose half is full where this sensor stands. */
+function swatch(i, { count, beside }) {
+  const part = beside ? 34 / count : 14 / count;
+  const d = beside ? `M${1 + i * part} 1h${part}v14h${-part}Z` : `M1 ${1 + i * part}h34v${part}h-34Z`;
+  const group = [
+    svg("rect", { x: 1, y: 1, width: 34, height: 14, class: "d-cell" }),
+    svg("path", { d, class: "d-full" }),
+  ];
+  return svg("g", {}, group);
+}
+
+function description(data) {
+  const each = data.sensors.map((sensor) => {
+    const there = sensor.patches.map((patch, k) => ({ ...patch, name: data.patches[k].name }));
+    const numbers = there.filter((patch) => known(patch.delta_e));
+    if (!numbers.length) return `${sensor.name}: saturated, no color.`;
+    const worst = numbers.reduce((most, now) => (now.delta_e > most.delta_e ? now : most));
+    const noisy = numbers.reduce((most, now) => (now.noise > most.noise ? now : most));
+    const error = `mean color error ${decimal(sensor.mean_delta_e)}`;
+    const largest = `largest for ${worst.name} (${decimal(worst.delta_e)})`;
+    const noise = `most noise on ${noisy.name} (${decimal(noisy.noise)})`;
+    return `${sensor.name}: ${error}, ${largest}; ${noise}.`;
+  });
+  return `Color error and noise, both CIE 1976 differences. ${each.join(" ")}`;
+}
+
+export function rows(data) {
+  const head = ["patch"];
+  for (const sensor of data.sensors) head.push(`${sensor.name} ΔE*ab`, `${sensor.name} noise ΔE*ab`);
+  const table = data.patches.map((patch, k) => [
+    patch.name,
+    ...data.sensors.flatMap((sensor) => {
+      const { delta_e: error, noise } = sensor.patches[k] ?? {};
+      return [decimal(error, 1, "saturated"), decimal(noise, 1, "saturated")];
+    }),
+  ]);
+  return { head, rows: table };
+}

@@ -1,0 +1,171 @@
+/** Noise of the chart's patches as ellipses; one unit is as long across as up, at every size. */
+
+import { axes, fitting, linear, niceStep, panels, wrapped } from "draw/axes.js";
+import { legend, note, sameSensor } from "draw/look.js";
+import { decimal, figure, figureWidth, known, line, svg, tenth, words } from "draw/svg.js";
+
+const ROOM = { left: 44, right: 10, top: 44, bottom: 46 };
+const TITLES = { ab: ["a*", "b*"], xy: ["x", "y"] };
+
+export function draw(element, data, options = {}) {
+  const width = figureWidth(element, options);
+  const ghosts = (options.ghosts ?? []).filter((ghost) => ghost.plane === data.plane);
+  if (!data.sensors.some((sensor) => sensor.patches.length)) {
+    const why = data.sensors.map((sensor) => note(sensor.why_not ?? `${sensor.name}: saturated`));
+    element.replaceChildren(...why);
+    return;
+  }
+  const grid = panels(data.sensors.length, width, 340);
+  const view = window2d(data, ghosts, grid.each - ROOM.left - ROOM.right);
+  const tall = view.height + ROOM.top + ROOM.bottom;
+  const nodes = grid.places.flatMap((place, i) =>
+    panel(data, i, { left: place.left, top: place.row * (tall + 8), each: grid.each, view, ghosts }),
+  );
+  const height = grid.rows * (tall + 8) - 8;
+  const [across, up] = TITLES[data.plane];
+  const title = `Noise ellipses of the chart in ${across} and ${up}, ${data.sigmas} standard deviations`;
+  const drawn = figure(width, height, title, description(data), nodes);
+  const ellipse = `Ellipse: ${data.sigmas} standard deviations of the noise.`;
+  const key = `Cross: the true color. Line: from it to the color that is measured. ${ellipse}`;
+  const kept = ghosts.length ? [legend([], "line", ghosts.length)] : [];
+  element.replaceChildren(...kept, drawn, note(key));
+}
+
+/** The part of the plane that is shown, the same for all sensors, and pixels per unit. */
+function window2d(data, ghosts, room) {
+  const low = [Infinity, Infinity];
+  const high = [-Infinity, -Infinity];
+  const hold = (point) => {
+    if (!point || !known(point[0]) || !known(point[1])) return;
+    for (const k of [0, 1]) {
+      low[k] = Math.min(low[k], point[k]);
+      high[k] = Math.max(high[k], point[k]);
+    }
+  };
+  for (const answer of [data, ...ghosts]) {
+    for (const sensor of answer.sensors) {
+      for (const patch of sensor.patches) {
+        hold(patch.truth);
+        hold(patch.center);
+        (patch.outline ?? []).forEach(hold);
+      }
+    }
+  }
+  return equalAspect(low, high, room);
+}
+
+/** Equal units on both axes: what is left over of the width or the height only shows more plane. */
+function equalAspect(low, high, room) {
+  const margin = 0.03 * Math.max(high[0] - low[0], high[1] - low[1], 1e-9);
+  const span = [0, 1].map((k) => high[k] - low[k] + 2 * margin);
+  const tallest = Math.max(240, Math.min(520, 1.1 * room));
+  const scale = Math.min(room / span[0], tallest / span[1]);
+  const height = Math.round(span[1] * scale);
+  const [middleX, middleY] = [0, 1].map((k) => (low[k] + high[k]) / 2);
+  const [halfX, halfY] = [room / scale / 2, height / scale / 2];
+  return { x: [middleX - halfX, middleX + halfX], y: [middleY - halfY, middleY + halfY], height, scale };
+}
+
+function panel(data, i, { left, top, each, view, ghosts }) {
+  const sensor = data.sensors[i];
+  const x = equalScale(view.x, left + ROOM.left, view.scale);
+  const y = equalScale(view.y, top + ROOM.top + view.height, -view.scale);
+  const [xTitle, yTitle] = TITLES[data.plane];
+  const nodes = axes(x, y, { x: xTitle, y: yTitle, yAt: left + 22 });
+  nodes.unshift(words(left, top + 15, fitting(sensor.name, each, 14), "d-strong"));
+  for (const ghost of ghosts) {
+    const before = sameSensor(ghost, sensor, i)?.patches ?? [];
+    const d = before.map((patch) => closed(patch.outline, x, y)).join("");
+    nodes.push(svg("path", { d, class: "d-ghost" }));
+  }
+  nodes.push(...patches(sensor.patches, x, y));
+  const absent = sensor.patches.filter((patch) => !patch.outline).length;
+  if (!sensor.patches.length) nodes.push(...absence(sensor, x, y));
+  if (absent)
+    nodes.push(words(x.to - 6, y.to + 16, `${absent} of ${sensor.patches.length} saturated`, "d-rim", "end"));
+  return nodes;
+}
+
+/** Why nothing is drawn, in place of it. */
+function absence(sensor, x, y) {
+  const lines = wrapped(sensor.why_not ?? "saturated", x.to - x.from - 12);
+  return lines.map((text, k) => words(x.from + 8, y.to + 18 + 18 * k, text, "d-rim"));
+}
+
+/** A scale by pixels per unit and not by its end, so that no rounding bends the aspect. */
+function equalScale([low, high], from, perUnit) {
+  const scale = linear(low, high, from, from + (high - low) * perUnit);
+  const step = niceStep(high - low, Math.max(2, Math.abs(scale.to - from) / 64));
+  return { ...scale, ticks: () => linear(low, high, 0, 1).ticks((high - low) / step) };
+}
+
+/** Few elements: a path per patch, the widest undermost, and one for all crosses and errors. */
+function patches(all, x, y) {
+  const errors = [];
+  const crosses = [];
+  const nodes = [];
+  const reaches = new Map(all.map((patch) => [patch, patch.outline ? reach(patch) : 0]));
+  for (const patch of [...all].sort((a, b) => reaches.get(b) - reaches.get(a))) {
+    const truth = [x.at(patch.truth[0]), y.at(patch.truth[1])];
+    crosses.push(`M${tenth(truth[0] - 4)} ${tenth(truth[1])}h8m-4 -4v8`);
+    if (patch.center) errors.push(line([truth, [x.at(patch.center[0]), y.at(patch.center[1])]]));
+    const d = closed(patch.outline, x, y);
+    if (d) nodes.push(svg("path", { d, fill: patch.srgb, class: "d-ellipse" }));
+  }
+  nodes.push(svg("path", { d: errors.join(""), class: "d-error" }));
+  nodes.push(svg("path", { d: crosses.join(""), class: "d-cross-rim" }));
+  nodes.push(svg("path", { d: crosses.join(""), class: "d-cross" }));
+  return nodes;
+}
+
+function closed(outline, x, y) {
+  if (!outline?.length) return "";
+  return `${line(outline.map((point) => [x.at(point[0]), y.at(point[1])]))}Z`;
+}
+
+function description(data) {
+  const each = data.sensors.map((sensor) => {
+    const drawn = sensor.patches.filter((patch) => patch.outline);
+    if (!drawn.length) return `${sensor.name}: saturated, no ellipse.`;
+    const lengths = drawn.map((patch) => ({ patch, reach: reach(patch) }));
+    const most = lengths.reduce((best, now) => (now.reach > best.reach ? now : best));
+    const digits = data.plane === "xy" ? 3 : 1;
+    const told = `reaching ${decimal(most.reach, digits)} from its center`;
+    return `${sensor.name}: the largest ellipse is that of ${most.patch.name}, ${told}.`;
+  });
+  const count = Math.max(0, ...data.sensors.map((sensor) => sensor.patches.length));
+  const what = `${data.sigmas}-sigma ellipses of ${count} patches, both axes to the same scale.`;
+  return `${what} ${each.join(" ")}`;
+}
+
+/** The outline's farthest point from the center, as drawn. */
+function reach(patch) {
+  const [cx, cy] = patch.center;
+  return Math.max(...patch.outline.map(([px, py]) => Math.hypot(px - cx, py - cy)));
+}
+
+export function rows(data) {
+  const [across, up] = TITLES[data.plane];
+  const digits = data.plane === "xy" ? 4 : 1;
+  const head = [
+    "sensor",
+    "patch",
+    `true ${across}`,
+    `true ${up}`,
+    `measured ${across}`,
+    `measured ${up}`,
+    `reach of ${data.sigmas} sigma`,
+  ];
+  const table = data.sensors.flatMap((sensor) => {
+    if (!sensor.patches.length)
+      return [[sensor.name, sensor.why_not ?? "saturated", ...Array(head.length - 2).fill("–")]];
+    return sensor.patches.map((patch) => [
+      sensor.name,
+      patch.name,
+      ...patch.truth.map((v) => decimal(v, digits)),
+      ...(patch.center ?? [null, null]).map((v) => decimal(v, digits, "saturated")),
+      patch.outline ? decimal(reach(patch), digits) : "saturated",
+    ]);
+  });
+  return { head, rows: table };
+}

@@ -1,0 +1,219 @@
+/** SNR against the level of the light: curves, their crossovers, and where the study stands. */
+
+import { axes, fitting, linear, logarithmic, niceRange, spread, textWidth } from "draw/axes.js";
+import { legend, note, sensorDashes } from "draw/look.js";
+import {
+  brief,
+  decimal,
+  figure,
+  figureWidth,
+  html,
+  known,
+  line,
+  listed,
+  svg,
+  tenth,
+  words,
+} from "draw/svg.js";
+
+const STROKES = ["d-curve d-ink-line", "d-curve d-quiet-line", "d-curve d-third-line"];
+
+export function draw(element, data, options = {}) {
+  const width = figureWidth(element, options);
+  const ghosts = options.ghosts ?? [];
+  const curves = styled(data);
+  const beside = width >= 560;
+  const longest = Math.max(...curves.map((curve) => textWidth(curve.name)));
+  const room = beside ? Math.min(longest + 34, 0.32 * width) : 20;
+  const scales = plane(data, ghosts, width, room);
+  const nodes = axes(scales.x, scales.y, {
+    x: "illuminance [lx]",
+    y: `${data.quantity} [${data.unit}]`,
+    yTop: 14,
+    xRoom: 44,
+  });
+  for (const ghost of ghosts) nodes.push(...ghostCurves(ghost, scales));
+  for (const curve of curves) nodes.push(drawn(curve, data.lux, scales, curve.look));
+  nodes.push(...crossovers(data, scales), ...level(data, options.look, scales));
+  if (beside) nodes.push(...endNames(curves, data.lux, scales, room));
+  const title = `${data.quantity} against illuminance`;
+  const told = figure(width, scales.height, title, description(data), nodes);
+  const key = beside
+    ? ghosts.length
+      ? [legend([], "line", ghosts.length)]
+      : []
+    : [narrowLegend(curves, ghosts)];
+  element.replaceChildren(...key, told, ...sentences(data));
+}
+
+/** Each curve with its name and its line: a dash per sensor, a stroke per matrix. */
+function styled(data) {
+  const keys = distinct(data.curves);
+  const sensors = [...new Set(keys)];
+  const matrices = [...new Set(data.curves.map((curve) => curve.matrix))];
+  const dashes = sensorDashes(sensors.map((key) => key.split("\n")[0]));
+  return data.curves.map((curve, i) => ({
+    ...curve,
+    name: matrices.length > 1 ? `${curve.sensor}, ${curve.matrix}` : curve.sensor,
+    dash: dashes[sensors.indexOf(keys[i])],
+    look: STROKES[matrices.indexOf(curve.matrix) % STROKES.length],
+  }));
+}
+
+/** A key per sensor, also where two sensors carry one name. */
+function distinct(curves) {
+  const seen = new Map();
+  return curves.map((curve) => {
+    const pair = `${curve.sensor}\n${curve.matrix}`;
+    const count = seen.get(pair) ?? 0;
+    seen.set(pair, count + 1);
+    return count ? `${curve.sensor}\n${count}` : curve.sensor;
+  });
+}
+
+function plane(data, ghosts, width, room) {
+  const top = found(data).length ? 66 : 46;
+  const tall = Math.round(Math.min(360, Math.max(200, 0.42 * width)));
+  const all = [data, ...ghosts].flatMap((answer) => answer.curves.flatMap((curve) => curve.values));
+  const [low, high] = niceRange(all, 5);
+  const x = logarithmic(data.lux[0], data.lux[data.lux.length - 1], 44, width - room);
+  return { x, y: linear(low, high, top + tall, top), height: top + tall + 44, top };
+}
+
+function points(values, lux, { x, y }) {
+  return values.map((value, k) => (known(value) && inside(lux[k], x) ? [x.at(lux[k]), y.at(value)] : null));
+}
+
+function inside(value, scale) {
+  return value >= scale.low * (1 - 1e-9) && value <= scale.high * (1 + 1e-9);
+}
+
+function drawn(curve, lux, scales, look) {
+  const d = line(points(curve.values, lux, scales));
+  return svg("path", { d, class: look, "stroke-dasharray": curve.dash || null });
+}
+
+function ghostCurves(ghost, scales) {
+  return styled(ghost).map((curve) => drawn(curve, ghost.lux, scales, "d-ghost"));
+}
+
+/** Names at the right of the curves' ends; a curve that ends early has saturated there. */
+function endNames(all, lux, scales, room) {
+  const curves = all.filter((curve) => curve.values.some(known));
+  const ends = curves.map((curve) => points(curve.values, lux, scales).findLast((point) => point));
+  const wanted = ends.map((end) => (end ? end[1] : scales.y.from));
+  const places = spread(wanted, 17, scales.y.to, scales.y.from);
+  const right = scales.x.to;
+  return curves.flatMap((curve, i) => {
+    const early = !ends[i] || ends[i][0] < right - 1;
+    const name = shortened(curve, room - 26);
+    const nodes = [words(right + 24, places[i] + 4, name)];
+    if (ends[i]) {
+      nodes.push(
+        svg("path", {
+          d: line([ends[i], [right + 6, places[i]], [right + 20, places[i]]]),
+          class: early ? "d-now" : "d-thin",
+        }),
+      );
+      if (early) nodes.push(stop(ends[i]));
+    }
+    return nodes;
+  });
+}
+
+/** A name cut where the sensor's name is long, so that its matrix is still told. */
+function shortened(curve, room) {
+  const matrix = curve.name.slice(curve.sensor.length);
+  return `${fitting(curve.sensor, Math.max(40, room - textWidth(matrix)))}${matrix}`;
+}
+
+function stop([x, y]) {
+  return svg("path", { d: `M${tenth(x)} ${tenth(y - 6)}v12`, class: "d-curve d-ink-line" });
+}
+
+function narrowLegend(curves, ghosts) {
+  const more = curves.map((curve) => ({
+    name: curve.name,
+    drawn: [svg("path", { d: "M1 8H35", class: curve.look, "stroke-dasharray": curve.dash || null })],
+  }));
+  return legend([], "line", ghosts.length, more);
+}
+
+function crossovers(data, { x, y, top }) {
+  const all = found(data);
+  const shown = all.filter((cross) => inside(cross.lux, x));
+  const places = spread(
+    shown.map((cross) => x.at(cross.lux)),
+    20,
+    x.from + 9,
+    x.to - 9,
+  );
+  return shown.flatMap((cross, i) => {
+    const at = tenth(x.at(cross.lux));
+    const d = `M${tenth(places[i])} ${top - 8}L${at} ${top}V${tenth(y.from)}`;
+    const number = String(all.indexOf(cross) + 1);
+    return [
+      svg("path", { d, class: "d-thin" }),
+      svg("circle", { cx: tenth(places[i]), cy: top - 16, r: 9, class: "d-badge" }),
+      words(places[i], top - 12, number, "d-tick d-ink", "middle"),
+    ];
+  });
+}
+
+/** The study's own level; `look.level_lux` moves the line before the answer has come. */
+function level(data, look, { x, y, top }) {
+  const lux = look?.level_lux ?? data.now_lux;
+  if (!known(lux) || !inside(lux, x)) return [];
+  const at = x.at(lux);
+  const told = `now ${brief(lux)} lx`;
+  const half = textWidth(told) / 2;
+  const place = Math.min(x.to - half, Math.max(x.from + half, at));
+  const height = top - (found(data).length ? 30 : 10);
+  return [
+    svg("path", { d: `M${tenth(at)} ${height + 4}V${tenth(y.from)}`, class: "d-level" }),
+    words(place, height, told, "d-strong d-rim", "middle"),
+  ];
+}
+
+/** The crossovers that have a place on the axis, in its order. */
+function found(data) {
+  const placed = data.crossovers.filter((cross) => known(cross.lux));
+  return placed.sort((a, b) => a.lux - b.lux);
+}
+
+function sentences(data) {
+  const items = found(data).map((cross) => html("li", {}, cross.sentence));
+  const told = data.crossovers.filter((cross) => !known(cross.lux)).map((cross) => note(cross.sentence));
+  const full = styled(data).filter((curve) => known(curve.saturated_from_lux));
+  if (full.length) {
+    const each = full.map((curve) => `${curve.sensor} ${brief(curve.saturated_from_lux)} lx`);
+    told.push(note(`Saturated from: ${listed([...new Set(each)])}.`));
+  }
+  const none = styled(data).filter((curve) => !curve.values.some(known));
+  if (none.length) told.push(note(`No SNR in this range: ${listed(none.map((curve) => curve.name))}.`));
+  return items.length ? [html("ol", { class: "d-list" }, items), ...told] : told;
+}
+
+function description(data) {
+  const ends = styled(data).map((curve) => {
+    const k = curve.values.findIndex((value) => known(value));
+    if (k < 0) return `${curve.name} has no SNR in this range.`;
+    const last = curve.values.findLastIndex((value) => known(value));
+    const [first, final] = [k, last].map(
+      (at) => `${decimal(curve.values[at])} ${data.unit} at ${brief(data.lux[at])} lx`,
+    );
+    return `${curve.name} goes from ${first} to ${final}.`;
+  });
+  return [...ends, ...data.crossovers.map((cross) => cross.sentence)].join(" ");
+}
+
+export function rows(data) {
+  const curves = styled(data);
+  return {
+    head: ["illuminance [lx]", ...curves.map((curve) => `${curve.name} [${data.unit}]`)],
+    rows: data.lux.map((lux, k) => [
+      brief(lux),
+      ...curves.map((curve) => decimal(curve.values[k], 2, "no SNR")),
+    ]),
+  };
+}

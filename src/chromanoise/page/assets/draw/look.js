@@ -1,0 +1,99 @@
+/** One look for all figures: colors of channels, a dash and a mark per sensor, legends. */
+
+import { html, svg, tenth } from "draw/svg.js";
+
+const CHANNELS = { R: "#D55E00", G: "#009E73", B: "#0072B2", W: "var(--W)", IR: "#CC79A7" };
+
+const OWN_DASH = {
+  "onyx-rgbw": "",
+  "onyx-rgb-ircut": "9 3",
+  "onyx-rgb": "3 2",
+  "onyx-rgbw-ircut": "9 3 2 3",
+};
+const DASHES = ["", "9 3", "3 2", "9 3 2 3", "16 3", "1.5 4", "16 3 3 3 3 3"];
+
+/** The color of a channel by its name; ink for one that the palette does not know. */
+export function channelColor(name) {
+  return CHANNELS[name] ?? "var(--ink)";
+}
+
+/** A dash pattern per sensor: its own where it has one, and never the same for two. */
+export function sensorDashes(names) {
+  const taken = new Set();
+  const own = names.map((name) => {
+    const dash = OWN_DASH[name];
+    if (dash === undefined || taken.has(dash)) return null;
+    taken.add(dash);
+    return dash;
+  });
+  return own.map((dash) => {
+    if (dash !== null) return dash;
+    const free = DASHES.find((pattern) => !taken.has(pattern)) ?? DASHES[0];
+    taken.add(free);
+    return free;
+  });
+}
+
+/** The outline of a sensor's mark: disc, square, diamond, triangle, in turn. */
+export function markPath(i, x, y, r = 5) {
+  const [cx, cy] = [tenth(x), tenth(y)];
+  const s = r * 0.9;
+  const t = r * 1.25;
+  if (i % 4 === 0) return `M${cx - r} ${cy}a${r} ${r} 0 1 0 ${2 * r} 0a${r} ${r} 0 1 0 ${-2 * r} 0Z`;
+  if (i % 4 === 1) return `M${cx - s} ${cy - s}h${2 * s}v${2 * s}h${-2 * s}Z`;
+  if (i % 4 === 2) return `M${cx} ${cy - t}l${t} ${t}l${-t} ${t}l${-t} ${-t}Z`;
+  return `M${cx} ${cy - t}l${t} ${2 * t - 1}h${-2 * t}Z`;
+}
+
+/** A sensor's mark in a color: full for the first, third ..., hollow for those between. */
+export function mark(i, x, y, color = "var(--ink)", r = 5) {
+  const fill = i % 2 === 0 ? color : "var(--paper)";
+  return svg("path", { d: markPath(i, x, y, r), fill, stroke: color, "stroke-width": 2 });
+}
+
+/** The same mark of an earlier answer, behind. */
+export function ghostMark(i, x, y, r = 5) {
+  return svg("path", { d: markPath(i, x, y, r), class: "d-ghost-mark" });
+}
+
+/**
+ * The sensors' names with their dash or mark, in HTML so that it wraps at any width.
+ * `how` is "line", "mark" or "both".
+ */
+export function legend(names, how = "line", ghosts = 0, more = []) {
+  const dashes = sensorDashes(names);
+  const items = names.map((name, i) => {
+    const drawn = [];
+    if (how !== "mark") drawn.push(swatchLine("d-curve d-ink-line", dashes[i]));
+    if (how !== "line") drawn.push(mark(i, 18, 8));
+    return item(drawn, name);
+  });
+  for (const extra of more) items.push(item(extra.drawn, extra.name));
+  if (ghosts) {
+    const drawn = how === "mark" ? ghostMark(0, 18, 8) : swatchLine("d-curve d-ghost", "");
+    items.push(item([drawn], ghosts === 1 ? "kept as ghost" : "kept as ghosts"));
+  }
+  return html("p", { class: "d-legend" }, items);
+}
+
+function swatchLine(look, dash) {
+  return svg("path", { d: "M1 8H35", class: look, "stroke-dasharray": dash || null });
+}
+
+function item(drawn, name) {
+  const hidden = { class: "d-swatch", width: 36, height: 16, viewBox: "0 0 36 16" };
+  const swatch = svg("svg", { ...hidden, "aria-hidden": "true", focusable: "false" }, drawn);
+  return html("span", { class: "d-item" }, [swatch, html("span", {}, name)]);
+}
+
+/** A line of plain text under or over a figure. */
+export function note(text, look = "d-note") {
+  return html("p", { class: look }, text);
+}
+
+/** The same sensor in an earlier answer: by its name, else none. */
+export function sameSensor(ghost, sensor, i) {
+  const there = ghost?.sensors ?? [];
+  if (there[i]?.name === sensor.name) return there[i];
+  return there.find((other) => other.name === sensor.name) ?? null;
+}

@@ -1,0 +1,181 @@
+/** What a matrix can trade: color error against SNR, along the weight of the noise. */
+
+import { axes, linear, niceRange, textWidth } from "draw/axes.js";
+import { legend, mark, markPath, note, sameSensor, sensorDashes } from "draw/look.js";
+import { brief, decimal, figure, figureWidth, known, line, svg, tenth, words } from "draw/svg.js";
+
+const ROOM = { left: 44, right: 28, top: 34, bottom: 44 };
+
+export function draw(element, data, options = {}) {
+  const width = figureWidth(element, options);
+  const ghosts = options.ghosts ?? [];
+  const names = data.sensors.map((sensor) => sensor.name);
+  const dashes = sensorDashes(names);
+  const { x, y, height } = plane(data, ghosts, width);
+  const nodes = axes(x, y, { x: "SNR of Y [dB]", y: "color error, mean ΔE*ab", xRoom: 80 });
+  nodes.push(words(x.to - 4, y.from - 8, "better ↘", "d-quiet d-rim", "end"));
+  data.sensors.forEach((sensor, i) => {
+    for (const ghost of ghosts) {
+      const before = sameSensor(ghost, sensor, i)?.points ?? [];
+      nodes.push(
+        svg("path", { d: curve(before, x, y), class: "d-ghost", "stroke-dasharray": dashes[i] || null }),
+      );
+    }
+    nodes.push(...trade(sensor, dashes[i], x, y));
+  });
+  nodes.push(...labels(data, x, y));
+  const title = "Color error against SNR along the matrix weight";
+  const told = figure(width, height, title, description(data), nodes);
+  const made = data.matrix ? ` (${data.matrix})` : "";
+  const key = `Numbers: the weight of the noise in the matrix. Large mark: the matrix now${made}.`;
+  element.replaceChildren(legend(names, "both", ghosts.length), told, note(key));
+}
+
+function plane(data, ghosts, width) {
+  const all = [data, ...ghosts].flatMap((answer) =>
+    answer.sensors.flatMap((sensor) => [...sensor.points, sensor.now].filter(whole)),
+  );
+  const tall = Math.round(Math.min(360, Math.max(200, 0.45 * width)));
+  const [left, right] = niceRange(
+    all.map((point) => point.snr_db),
+    5,
+  );
+  const [low, high] = niceRange(
+    all.map((point) => point.color_error),
+    5,
+  );
+  const x = linear(left, right, ROOM.left, width - ROOM.right);
+  const y = linear(low, high, ROOM.top + tall, ROOM.top);
+  return { x, y, height: ROOM.top + tall + ROOM.bottom };
+}
+
+function whole(point) {
+  return point && known(point.snr_db) && known(point.color_error);
+}
+
+function curve(points, x, y) {
+  return line(points.map((p) => (whole(p) ? [x.at(p.snr_db), y.at(p.color_error)] : null)));
+}
+
+function trade(sensor, dash, x, y) {
+  const dots = sensor.points
+    .filter(whole)
+    .map((p) => markPath(0, x.at(p.snr_db), y.at(p.color_error), 2.5))
+    .join("");
+  return [
+    svg("path", {
+      d: curve(sensor.points, x, y),
+      class: "d-curve d-ink-line",
+      "stroke-dasharray": dash || null,
+    }),
+    svg("path", { d: dots, class: "d-full" }),
+  ];
+}
+
+/** The matrix now, then as many weights as find room; what would touch is left out. */
+function labels(data, x, y) {
+  const taken = data.sensors.flatMap((sensor) => along(sensor.points.filter(whole), x, y));
+  taken.push({ left: x.to - 70, right: x.to, top: y.from - 22, bottom: y.from });
+  const nodes = [];
+  data.sensors.forEach((sensor, i) => {
+    if (!whole(sensor.now)) return;
+    const at = [x.at(sensor.now.snr_db), y.at(sensor.now.color_error)];
+    taken.push({ left: at[0] - 10, right: at[0] + 10, top: at[1] - 10, bottom: at[1] + 10 });
+    nodes.push(mark(i, at[0], at[1], "var(--ink)", 7));
+  });
+  data.sensors.forEach((sensor) => {
+    if (whole(sensor.now)) nodes.push(...placed(sensor.now, "now", "d-strong d-rim", x, y, taken, 13));
+  });
+  data.sensors.forEach((sensor) => {
+    const labelled = [];
+    for (const point of outerFirst(rounded(sensor.points.filter(whole)))) {
+      const at = [x.at(point.snr_db), y.at(point.color_error)];
+      if (labelled.some((other) => Math.hypot(other[0] - at[0], other[1] - at[1]) < 24)) continue;
+      labelled.push(at);
+      nodes.push(...placed(point, brief(point.weight), "d-tick d-rim", x, y, taken));
+    }
+  });
+  return nodes;
+}
+
+/** Small boxes along a curve, so that no label stands on it. */
+function along(points, x, y) {
+  const boxes = [];
+  points.forEach((point, k) => {
+    const next = points[k + 1] ?? point;
+    const [ax, ay] = [x.at(point.snr_db), y.at(point.color_error)];
+    const [bx, by] = [x.at(next.snr_db), y.at(next.color_error)];
+    const parts = Math.max(1, Math.ceil(Math.hypot(bx - ax, by - ay) / 8));
+    for (let j = 0; j < parts; j += 1) {
+      const [px, py] = [ax + ((bx - ax) * j) / parts, ay + ((by - ay) * j) / parts];
+      boxes.push({ left: px - 2, right: px + 2, top: py - 2, bottom: py + 2 });
+    }
+  });
+  return boxes;
+}
+
+/** Weights that are powers of ten, where there are such: they read at a glance. */
+function rounded(points) {
+  const tens = points.filter((point) => Math.abs(Math.log10(point.weight) % 1) < 1e-6);
+  return tens.length > 1 ? tens : points;
+}
+
+/** The ends of the curve matter most, so they are placed before what lies between. */
+function outerFirst(points) {
+  if (points.length < 3) return points;
+  return [points[0], points[points.length - 1], ...points.slice(1, -1)];
+}
+
+function placed(point, text, look, x, y, taken, gap = 9) {
+  const [px, py] = [x.at(point.snr_db), y.at(point.color_error)];
+  const wide = textWidth(text, 15) + 2;
+  const [left, low] = [-gap - wide, gap + 10];
+  const corners = [
+    [gap, 4],
+    [left, 4],
+    [gap, -6],
+    [left, -6],
+    [gap, 16],
+    [left, 16],
+  ];
+  corners.push(
+    [-wide / 2, -gap - 3],
+    [-wide / 2, low + 3],
+    [gap, -gap],
+    [left, -gap],
+    [gap, low],
+    [left, low],
+  );
+  for (const [dx, dy] of corners) {
+    const box = { left: px + dx, right: px + dx + wide, top: py + dy - 11, bottom: py + dy + 3 };
+    if (box.left < x.from || box.right > x.to + ROOM.right || box.bottom > y.from || box.top < 18) continue;
+    if (taken.some((other) => overlap(box, other))) continue;
+    taken.push(box);
+    return [words(tenth(box.left), py + dy, text, look)];
+  }
+  return [];
+}
+
+function overlap(a, b) {
+  return a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom;
+}
+
+function description(data) {
+  const each = data.sensors.map((sensor) => {
+    const points = sensor.points.filter(whole);
+    if (!points.length) return `${sensor.name}: no curve.`;
+    const told = (p) => `${decimal(p.snr_db)} dB at a color error of ${decimal(p.color_error)}`;
+    const now = whole(sensor.now) ? `; now ${told(sensor.now)}` : "";
+    return `${sensor.name}: from ${told(points[0])} to ${told(points[points.length - 1])}${now}.`;
+  });
+  return `More weight on the noise raises the SNR and the color error. ${each.join(" ")}`;
+}
+
+export function rows(data) {
+  const table = data.sensors.flatMap((sensor) => {
+    const told = (p, name) => [sensor.name, name, decimal(p.color_error, 2), decimal(p.snr_db, 2)];
+    const now = sensor.now ? [told(sensor.now, "now")] : [];
+    return [...sensor.points.map((point) => told(point, brief(point.weight))), ...now];
+  });
+  return { head: ["sensor", "weight of the noise", "color error, mean ΔE*ab", "SNR of Y [dB]"], rows: table };
+}

@@ -1,0 +1,72 @@
+/** Two pictures of the same scene, one over the other at 1:1, with a divider between them. */
+
+import { html } from "draw/svg.js";
+
+const shown = new WeakMap();
+
+/** `data` is {left, right: addresses of pictures, labels: [left, right]}; `options.zoom` whole. */
+export function draw(element, data, options = {}) {
+  let view = shown.get(element);
+  if (!view || view.root.parentNode !== element) {
+    view = built(options.look?.divider ?? 0.5);
+    shown.set(element, view);
+    element.replaceChildren(view.root);
+  }
+  const zoom = Math.max(1, Math.round(options.zoom ?? 1));
+  show(view.left, data.left, data.labels[0], zoom, view.line);
+  show(view.right, data.right, data.labels[1], zoom, view.line);
+  view.captions.forEach((caption, i) => (caption.textContent = data.labels[i]));
+  view.slider.setAttribute("aria-label", `Divider between ${data.labels[0]} and ${data.labels[1]}`);
+}
+
+/** The slider stays when a new picture comes, so that it keeps its place and the focus. */
+function built(at) {
+  const left = html("img", { decoding: "async" });
+  const right = html("img", { decoding: "async" });
+  const divider = html("span", { class: "d-divider", "aria-hidden": "true" });
+  const slider = html("input", { type: "range", min: 0, max: 1000, step: 1, value: Math.round(1000 * at) });
+  const stack = html("div", { class: "d-stack" }, [left, right, divider, slider]);
+  const captions = [html("span"), html("span")];
+  const line = html("p", { class: "d-captions" }, captions);
+  const root = html("div", { class: "d-picture" }, [line, html("div", { class: "d-scroll" }, [stack])]);
+  const place = () => {
+    const share = Number(slider.value) / 1000;
+    stack.style.setProperty("--at", String(share));
+    slider.setAttribute("aria-valuetext", `${Math.round(100 * share)} % from the left`);
+  };
+  slider.addEventListener("input", place);
+  slider.addEventListener("keydown", (event) => leap(event, slider, place));
+  place();
+  return { root, left, right, slider, captions, line };
+}
+
+/** One pixel per arrow key would take long: 1 %, and 10 % with Shift. */
+function leap(event, slider, place) {
+  const way = { ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1 }[event.key];
+  if (!way) return;
+  event.preventDefault();
+  slider.value = String(Number(slider.value) + way * (event.shiftKey ? 100 : 10));
+  place();
+}
+
+function show(image, address, label, zoom, captions) {
+  image.alt = label;
+  const size = () => {
+    image.width = image.naturalWidth * zoom;
+    image.height = image.naturalHeight * zoom;
+    captions.style.setProperty("max-width", `${Math.max(220, image.width)}px`);
+  };
+  image.onload = size;
+  if (image.getAttribute("src") !== address) image.src = address;
+  else if (image.complete && image.naturalWidth) size();
+}
+
+export function rows(data) {
+  return {
+    head: ["side", "picture"],
+    rows: [
+      ["left", data.labels[0]],
+      ["right", data.labels[1]],
+    ],
+  };
+}

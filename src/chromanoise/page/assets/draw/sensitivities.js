@@ -1,0 +1,166 @@
+/** Quantum efficiency of every channel over the spectrum, a panel per sensor, all on one scale. */
+
+import { axes, fitting, linear, niceRange, panels, textWidth } from "draw/axes.js";
+import { channelColor, legend, sameSensor, sensorDashes } from "draw/look.js";
+import { decimal, figure, figureWidth, known, line, listed, svg, words } from "draw/svg.js";
+
+const TITLES = { x: "wavelength [nm]", y: "quantum efficiency [e⁻/photon]", levelOnly: true };
+const ROOM = { left: 40, right: 18, top: 54, bottom: 44 };
+
+export function draw(element, data, options = {}) {
+  const width = figureWidth(element, options);
+  const ghosts = options.ghosts ?? [];
+  const grid = panels(data.sensors.length, width, 360);
+  const tall = Math.round(Math.min(340, Math.max(210, 0.5 * grid.each)));
+  const names = data.sensors.map((sensor) => sensor.name);
+  const dashes = sensorDashes(names);
+  const top = highest(data, ghosts);
+  const nodes = grid.places.flatMap((place, i) => {
+    const box = { left: place.left, top: place.row * (tall + 12), width: grid.each, height: tall };
+    return panel(data, i, { box, dash: dashes[i], ghosts, top });
+  });
+  const height = grid.rows * (tall + 12) - 12;
+  const title = "Sensitivities over the spectrum";
+  const told = figure(width, height, title, description(data), nodes);
+  element.replaceChildren(...(ghosts.length ? [legend([], "line", ghosts.length)] : []), told);
+}
+
+function highest(data, ghosts) {
+  const curves = [data, ...ghosts].flatMap((answer) => answer.sensors.flatMap((s) => s.channels));
+  let top = 0.01;
+  for (const curve of curves) for (const value of curve.qe) if (value > top) top = value;
+  return niceRange([0, top * 1.06], 4)[1];
+}
+
+function panel(data, i, { box, dash, ghosts, top }) {
+  const sensor = data.sensors[i];
+  const nm = data.wavelength_nm;
+  const last = nm[nm.length - 1];
+  const right = box.left + box.width - ROOM.right;
+  const x = linear(nm[0], last, box.left + ROOM.left, right);
+  const y = linear(0, top, box.top + box.height - ROOM.bottom, box.top + ROOM.top);
+  const nodes = [...light(data, x, y), ...infrared(data, x, y)];
+  nodes.push(...axes(x, y, { ...TITLES, yAt: box.left }), ...heading(sensor, box, dash));
+  for (const ghost of ghosts) nodes.push(...ghostCurves(ghost, sensor, i, x, y));
+  const curves = sensor.channels.map((channel) => curve(nm, channel.qe, x, y));
+  nodes.push(svg("path", { d: curves.join(""), class: "d-casing" }));
+  sensor.channels.forEach((channel, c) => {
+    const drawn = { d: curves[c], class: "d-curve", stroke: channelColor(channel.name) };
+    nodes.push(svg("path", { ...drawn, "stroke-dasharray": dash || null }));
+  });
+  return [...nodes, ...letters(data, sensor.channels, x, y)];
+}
+
+/** The sensor's name after a piece of its dash. */
+function heading(sensor, { left, top, width }, dash) {
+  const piece = { d: `M${left} ${top + 10}h34`, class: "d-curve d-ink-line" };
+  const name = fitting(sensor.name, width - 50, 14);
+  return [
+    svg("path", { ...piece, "stroke-dasharray": dash || null }),
+    words(left + 42, top + 15, name, "d-strong"),
+  ];
+}
+
+function curve(nm, values, x, y) {
+  return line(values.map((value, k) => (known(value) ? [x.at(nm[k]), y.at(value)] : null)));
+}
+
+function ghostCurves(ghost, sensor, i, x, y) {
+  const channels = sameSensor(ghost, sensor, i)?.channels ?? [];
+  return channels.map((channel) =>
+    svg("path", { d: curve(ghost.wavelength_nm, channel.qe, x, y), class: "d-ghost" }),
+  );
+}
+
+const LIGHT = 0.94;
+
+/** Where words stand just under the upper edge of a constant light. */
+function under(y) {
+  return y.to + (1 - LIGHT) * (y.from - y.to) + 15;
+}
+
+/** The light, relative to its highest value, as a faint area over the full height. */
+function light(data, x, y) {
+  const height = (value) => y.from + (y.to - y.from) * value * LIGHT;
+  const outline = data.light.map((value, k) => [x.at(data.wavelength_nm[k]), height(value ?? 0)]);
+  const d = `${line([[x.from, y.from], ...outline, [x.to, y.from]])}Z`;
+  const name = `light ${data.light_name ?? ""}`.trim();
+  return [svg("path", { d, class: "d-light" }), words(x.from + 6, under(y), name, "d-quiet")];
+}
+
+function infrared(data, x, y) {
+  const from = x.at(data.infrared_from_nm);
+  const span = x.to - from;
+  if (!(span > 0)) return [];
+  const area = { x: from, y: y.to, width: span, height: y.from - y.to, class: "d-nir" };
+  const nodes = [svg("rect", area)];
+  const text = ["near infrared", "NIR"].find((word) => textWidth(word) + 10 < span);
+  if (text) nodes.push(words(x.to - 6, under(y), text, "d-quiet", "end"));
+  return nodes;
+}
+
+/** One letter per curve, where it is high and far from all others, in the visible if it can. */
+function letters(data, channels, x, y) {
+  const nm = data.wavelength_nm;
+  const taken = [8, 28, 48].map((along) => ({ x: x.from + along, y: under(y) - 5 }));
+  const every = Math.max(1, Math.floor(nm.length / 40));
+  return channels.map((channel, c) => {
+    let best = { score: -Infinity };
+    for (let k = every; k < nm.length - every; k += every) {
+      if (!known(channel.qe[k])) continue;
+      const place = { x: x.at(nm[k]), y: y.at(channel.qe[k]) };
+      const hidden = nm[k] > data.infrared_from_nm ? 30 : 0;
+      const score = freedom(place, channels, c, k, y, taken) - hidden;
+      if (score > best.score) best = { ...place, score };
+    }
+    if (best.score === -Infinity) return words(x.from + 14 * (c + 1), y.to + 16, channel.name);
+    const at = { x: best.x, y: Math.max(y.to + 14, best.y + 5) };
+    taken.push(at);
+    return words(at.x, at.y, channel.name, "d-letter", "middle");
+  });
+}
+
+function freedom(place, channels, own, k, y, taken) {
+  let apart = 24;
+  channels.forEach((other, c) => {
+    if (c === own || !known(other.qe[k])) return;
+    apart = Math.min(apart, Math.abs(y.at(other.qe[k]) - place.y));
+  });
+  for (const at of taken) {
+    const distance = Math.hypot(at.x - place.x, at.y - place.y);
+    if (distance < 24) return -1000 + distance;
+  }
+  return apart + (50 * channels[own].qe[k]) / Math.max(1e-9, ...channels[own].qe);
+}
+
+function description(data) {
+  const nm = data.wavelength_nm;
+  const each = data.sensors.map((sensor) => {
+    const peaks = sensor.channels.map((channel) => peak(nm, channel));
+    return `${sensor.name}: ${listed(peaks)}.`;
+  });
+  const range = `Quantum efficiency from ${nm[0]} to ${nm[nm.length - 1]} nm`;
+  const areas = `near infrared from ${data.infrared_from_nm} nm shaded, the light as a faint area`;
+  return `${range}, ${areas}. Highest values: ${each.join(" ")}`;
+}
+
+function peak(nm, channel) {
+  const k = channel.qe.reduce((best, value, i) => (value > channel.qe[best] ? i : best), 0);
+  return `${channel.name} ${decimal(channel.qe[k], 2)} at ${nm[k]} nm`;
+}
+
+export function rows(data) {
+  const head = ["wavelength [nm]", "light, relative"];
+  const columns = data.sensors.flatMap((sensor) =>
+    sensor.channels.map((channel) => {
+      head.push(`${sensor.name} ${channel.name} [e⁻/photon]`);
+      return channel.qe;
+    }),
+  );
+  const table = data.wavelength_nm.map((nm, k) => [
+    String(nm),
+    decimal(data.light[k], 3),
+    ...columns.map((qe) => decimal(qe[k], 4)),
+  ]);
+  return { head, rows: table };
+}

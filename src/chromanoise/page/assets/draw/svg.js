@@ -1,0 +1,110 @@
+/** Small makers of elements. Data always goes in as text or attribute, never as markup. */
+
+const SVG = "http://www.w3.org/2000/svg";
+let made = 0;
+
+/** An SVG element; `content` is a string or a list of nodes, and a missing attribute is left out. */
+export function svg(name, attributes = {}, content = []) {
+  return filled(document.createElementNS(SVG, name), attributes, content);
+}
+
+/** The same in HTML. */
+export function html(name, attributes = {}, content = []) {
+  return filled(document.createElement(name), attributes, content);
+}
+
+function filled(node, attributes, content) {
+  for (const key in attributes) {
+    const value = attributes[key];
+    if (value !== null && value !== undefined) node.setAttribute(key, value);
+  }
+  if (typeof content === "string") node.textContent = content;
+  else if (content.length) node.append(...content);
+  return node;
+}
+
+/** An id that no other figure of this page has. */
+export function uniqueId(prefix) {
+  made += 1;
+  return `${prefix}-${made}`;
+}
+
+/** The root of a figure: one unit is one pixel, so text keeps its size at every width. */
+export function figure(width, height, title, description, content, attributes = {}) {
+  const id = uniqueId("figure");
+  const told = [svg("title", { id }, title), svg("desc", { id: `${id}-desc` }, description)];
+  const named = {
+    class: "d-figure",
+    role: "img",
+    width,
+    height,
+    viewBox: `0 0 ${width} ${height}`,
+    "aria-labelledby": id,
+    "aria-describedby": `${id}-desc`,
+  };
+  return svg("svg", { ...named, ...attributes }, [...told, ...content]);
+}
+
+/** Text at a place; `look` is a list of classes of draw.css, `anchor` start, middle or end. */
+export function words(x, y, text, look = "", anchor = "start") {
+  const end = anchor === "start" ? null : anchor;
+  return svg("text", { x: tenth(x), y: tenth(y), class: look || null, "text-anchor": end }, text);
+}
+
+/** A path of straight lines through points [x, y]; `null` lifts the pen. */
+export function line(points) {
+  let told = "";
+  let pen = "M";
+  for (const point of points) {
+    if (point === null) {
+      pen = "M";
+    } else {
+      told += `${pen}${tenth(point[0])} ${tenth(point[1])}`;
+      pen = "L";
+    }
+  }
+  return told;
+}
+
+/** Rounded to a tenth of a pixel: shorter markup, and no difference to the eye. */
+export function tenth(value) {
+  return Math.round(value * 10) / 10;
+}
+
+/** A number with fixed decimals and a true minus sign; `none` where there is no number. */
+export function decimal(value, digits = 1, none = "–") {
+  if (value === null || value === undefined || !Number.isFinite(value)) return none;
+  const told = value.toFixed(digits);
+  return Number(told) === 0 ? told.replace("-", "") : told.replace("-", "\u2212");
+}
+
+/** A change with its sign. */
+export function signed(value, digits = 1) {
+  const told = decimal(value, digits);
+  return value > 0 && Number(told) !== 0 ? `+${told}` : told;
+}
+
+/** A number as short as it can be with three significant digits: 0.05, 12, 1 500. */
+export function brief(value) {
+  if (value === null || value === undefined || !Number.isFinite(value)) return "–";
+  const size = Math.abs(value);
+  if (size !== 0 && (size < 1e-3 || size >= 1e6)) return value.toExponential(1).replace("-", "\u2212");
+  return String(Number(value.toPrecision(3))).replace("-", "\u2212");
+}
+
+/** Whether there is a number to draw. */
+export function known(value) {
+  return typeof value === "number" && Number.isFinite(value);
+}
+
+/** How wide a figure is: as told, or as wide as its element; read once, before anything is written. */
+export function figureWidth(element, options) {
+  const asked = options?.width ?? element.clientWidth;
+  return Math.max(240, Math.round(asked || 640));
+}
+
+/** Names in one sentence: "a", "a and b", "a, b and c". */
+export function listed(names) {
+  if (names.length < 2) return names.join("");
+  return `${names.slice(0, -1).join(", ")} and ${names[names.length - 1]}`;
+}

@@ -1,0 +1,276 @@
+/** Channels, light and its uncertainty in the space of color: a solid that can be turned. */
+
+import { panels, textWidth } from "draw/axes.js";
+import { channelColor, legend, note, sameSensor } from "draw/look.js";
+import { ball, eye, greatCircle, silhouette, tips } from "draw/solid.js";
+import { brief, decimal, figure, figureWidth, html, line, listed, svg, tenth, words } from "draw/svg.js";
+
+const HOME = [30, 20];
+const KEYS = { ArrowLeft: [-5, 0], ArrowRight: [5, 0], ArrowUp: [0, 5], ArrowDown: [0, -5] };
+const HELP = "Drag or arrow keys turn, Home turns back.";
+const views = new WeakMap();
+
+export function draw(element, data, options = {}) {
+  const width = figureWidth(element, options);
+  const ghosts = options.ghosts ?? [];
+  const shape = `${width} ${ghosts.length} ${data.sensors.map((sensor) => sensor.name).join("|")}`;
+  let view = views.get(element);
+  if (!view || view.shape !== shape || view.root.parentNode !== element) {
+    view = built(element, data, width, ghosts.length);
+    view.shape = shape;
+    views.set(element, view);
+    element.replaceChildren(view.root);
+  }
+  // while a hand turns it, the hand is right and not an older answer
+  if (!view.held) view.turn = options.look?.turn ?? view.turn ?? HOME;
+  view.home = options.home ?? HOME;
+  Object.assign(view, { data, ghosts, around: surroundings(data, ghosts) });
+  paint(view);
+}
+
+/** The roots stay when new data comes, so that they keep the focus and the pointer. */
+function built(element, data, width, ghosts) {
+  const { each } = panels(data.sensors.length, width, 300);
+  const size = { width: each, height: Math.round(Math.min(420, Math.max(240, 0.8 * each))) };
+  const view = { element, size, held: false };
+  view.solids = data.sensors.map((sensor) => solid(sensor, size, view));
+  view.status = html("p", { class: "d-note", role: "status" });
+  const boxes = view.solids.map(({ box }) => box);
+  const kept = ghosts ? [legend([], "line", ghosts)] : [];
+  view.root = html("div", {}, [...kept, html("div", { class: "d-views" }, boxes), view.status]);
+  return view;
+}
+
+function solid(sensor, { width, height }, view) {
+  const root = figure(width, height, `Vectors of ${sensor.name} in the space of color`, "", [], {
+    class: "d-figure d-turning",
+    tabindex: 0,
+    "aria-keyshortcuts": "ArrowLeft ArrowRight ArrowUp ArrowDown Home",
+  });
+  const [, description] = root.children;
+  const scene = svg("g");
+  root.append(scene);
+  const told = note("");
+  const box = html("div", { class: "d-view" }, [html("p", { class: "d-name" }, sensor.name), root, told]);
+  box.style.setProperty("width", `${width}px`);
+  root.addEventListener("keydown", (event) => turnByKey(event, view));
+  root.addEventListener("pointerdown", (event) => hold(event, root, view));
+  return { box, scene, description, told };
+}
+
+function turnByKey(event, view) {
+  const step = KEYS[event.key];
+  if (!step && event.key !== "Home") return;
+  if (event.ctrlKey || event.altKey || event.metaKey) return;
+  event.preventDefault();
+  const times = event.shiftKey ? 3 : 1;
+  turnTo(view, step ? [view.turn[0] + times * step[0], view.turn[1] + times * step[1]] : view.home);
+}
+
+function hold(event, root, view) {
+  if (event.button !== 0) return;
+  const start = { x: event.clientX, y: event.clientY, turn: view.turn };
+  view.held = true;
+  root.setPointerCapture(event.pointerId);
+  const move = (now) =>
+    turnTo(view, [start.turn[0] - (now.clientX - start.x) / 2, start.turn[1] + (now.clientY - start.y) / 2]);
+  const drop = () => {
+    view.held = false;
+    root.removeEventListener("pointermove", move);
+  };
+  root.addEventListener("pointermove", move);
+  root.addEventListener("lostpointercapture", drop, { once: true });
+}
+
+function turnTo(view, [about, above]) {
+  const round = ((Math.round(about) % 360) + 360) % 360;
+  view.turn = [round, Math.max(-90, Math.min(90, Math.round(above)))];
+  paint(view);
+  const detail = { turn: [...view.turn] };
+  view.element.dispatchEvent(new CustomEvent("turn", { detail, bubbles: true }));
+}
+
+/**
+ * One ball around everything, so that all sensors have one scale and turning moves nothing away;
+ * the color axes only show directions, and all have one length.
+ */
+function surroundings(data, ghosts) {
+  const points = [[0, 0, 0]];
+  if (data.scene) points.push(data.scene.at);
+  for (const answer of [data, ...ghosts]) {
+    for (const sensor of answer.sensors) {
+      points.push(...sensor.channels.map((channel) => channel.at));
+      if (sensor.ellipsoid) points.push(...tips(sensor.ellipsoid));
+    }
+  }
+  const longest = Math.max(1e-9, ...points.map((point) => Math.hypot(...point)));
+  const axes = data.axes.map((axis) => {
+    const stretch = (0.9 * longest) / (Math.hypot(...axis.at) || 1);
+    return { name: axis.name, at: axis.at.map((v) => v * stretch) };
+  });
+  return { ...ball([...points, ...axes.map((axis) => axis.at)]), axes };
+}
+
+function paint(view) {
+  const { data, ghosts, size, turn } = view;
+  const look = eye(turn);
+  const scale = (Math.min(size.width, size.height) / 2 - 20) / view.around.reach;
+  const middle = look(view.around.middle);
+  const place = ([right, up]) => [
+    size.width / 2 + (right - middle[0]) * scale,
+    size.height / 2 - (up - middle[1]) * scale,
+  ];
+  const at = { look, place, size, axes: view.around.axes };
+  data.sensors.forEach((sensor, i) => {
+    const { scene, description, told } = view.solids[i];
+    const before = ghosts.map((ghost) => sameSensor(ghost, sensor, i)).filter(Boolean);
+    scene.replaceChildren(...content(data, sensor, before, at));
+    told.textContent = shares(data, sensor);
+    description.textContent = `${describe(data, sensor)} ${HELP}`;
+  });
+  view.status.textContent = `Turned ${turn[0]}° about, ${decimal(turn[1], 0)}° up. ${HELP}`;
+}
+
+function content(data, sensor, before, at) {
+  const labels = [];
+  const origin = at.place(at.look([0, 0, 0]));
+  const nodes = at.axes.map((axis) => thin(axis, origin, at, labels));
+  for (const ghost of before) nodes.push(...ghostly(ghost, origin, at));
+  const arrows = [...sensor.channels].sort((a, b) => at.look(a.at)[2] - at.look(b.at)[2]);
+  if (sensor.ellipsoid) nodes.push(...ellipsoid(sensor.ellipsoid, at));
+  for (const channel of arrows) {
+    nodes.push(...arrow(channel.at, channelColor(channel.name), channel.name, origin, at, labels));
+  }
+  if (sensor.light) nodes.push(...arrow(sensor.light.at, "var(--ink)", "light", origin, at, labels, "5 3"));
+  if (data.scene) nodes.push(cross(at.place(at.look(data.scene.at))));
+  return [...nodes, ...apart(labels, at.size)];
+}
+
+function thin(axis, origin, at, labels) {
+  const tip = at.place(at.look(axis.at));
+  labels.push({ text: axis.name, look: "d-quiet d-rim", at: beyond(origin, tip, 10) });
+  return svg("path", { d: line([origin, tip]), class: "d-thin" });
+}
+
+/** A vector's shaft and head; the head is shorter where the vector points at the eye. */
+function arrow(vector, color, name, origin, at, labels, dash = null) {
+  const tip = at.place(at.look(vector));
+  const length = Math.hypot(tip[0] - origin[0], tip[1] - origin[1]);
+  const head = Math.min(11, 0.6 * length);
+  const neck = beyond(origin, tip, -head);
+  const [dx, dy] = length > 0 ? [(tip[0] - neck[0]) * 0.42, (tip[1] - neck[1]) * 0.42] : [0, 0];
+  const outline = [tip, [neck[0] - dy, neck[1] + dx], [neck[0] + dy, neck[1] - dx]];
+  const look = name === "light" ? "d-strong d-rim" : "d-letter";
+  labels.push({ text: name, look, at: beyond(origin, tip, 12) });
+  return [
+    svg("path", { d: line([origin, neck]), class: "d-casing" }),
+    svg("path", { d: line([origin, neck]), class: "d-shaft", stroke: color, "stroke-dasharray": dash }),
+    svg("path", { d: `${line(outline)}Z`, fill: color }),
+  ];
+}
+
+function beyond(origin, tip, more) {
+  const length = Math.hypot(tip[0] - origin[0], tip[1] - origin[1]) || 1;
+  return [0, 1].map((k) => tip[k] + ((tip[k] - origin[k]) / length) * more);
+}
+
+function ellipsoid({ center, half_axes: half }, { look, place }) {
+  const outline = silhouette(half, look, place, center);
+  const circles = [
+    [0, 1],
+    [1, 2],
+    [2, 0],
+  ].map(([i, j]) => greatCircle(half[i], half[j], look, place, center));
+  return [
+    svg("path", { d: outline, class: "d-ball" }),
+    svg("path", { d: circles.map((circle) => circle.back).join(""), class: "d-behind" }),
+    svg("path", { d: circles.map((circle) => circle.front).join(""), class: "d-before" }),
+  ];
+}
+
+function ghostly(ghost, origin, { look, place }) {
+  const shafts = ghost.channels.map((channel) => line([origin, place(look(channel.at))])).join("");
+  const body = ghost.ellipsoid
+    ? silhouette(ghost.ellipsoid.half_axes, look, place, ghost.ellipsoid.center)
+    : "";
+  return [svg("path", { d: shafts + body, class: "d-ghost" })];
+}
+
+function cross([x, y]) {
+  return svg("path", { d: `M${tenth(x - 5)} ${tenth(y)}h10m-5 -5v10`, class: "d-cross" });
+}
+
+/** Labels that would touch are pushed apart, up and down, and kept inside. */
+function apart(labels, { width, height }) {
+  const boxes = labels.map((label) => ({
+    ...label,
+    x: label.at[0],
+    y: label.at[1],
+    half: textWidth(label.text, 16) / 2 + 2,
+  }));
+  for (let round = 0; round < 16; round += 1) {
+    for (const box of boxes) {
+      box.x = Math.max(box.half, Math.min(width - box.half, box.x));
+      box.y = Math.max(10, Math.min(height - 8, box.y));
+    }
+    if (!pushed(boxes)) break;
+  }
+  return boxes.map((box) => words(box.x, box.y + 5, box.text, box.look, "middle"));
+}
+
+function pushed(boxes) {
+  let moved = false;
+  for (let i = 0; i < boxes.length; i += 1) {
+    for (let j = i + 1; j < boxes.length; j += 1) {
+      const gap = 16 - Math.abs(boxes[i].y - boxes[j].y);
+      if (gap <= 0 || Math.abs(boxes[i].x - boxes[j].x) >= boxes[i].half + boxes[j].half) continue;
+      const [upper, lower] = boxes[i].y <= boxes[j].y ? [boxes[i], boxes[j]] : [boxes[j], boxes[i]];
+      upper.y -= gap / 2 + 0.5;
+      lower.y += gap / 2 + 0.5;
+      moved = true;
+    }
+  }
+  return moved;
+}
+
+function percent(share) {
+  return `${decimal(100 * share, 0)} %`;
+}
+
+/** What the drawing cannot show: how much of each vector lies outside the space of color. */
+function shares(data, sensor) {
+  const each = sensor.channels.map((channel) => `${channel.name} ${percent(channel.norm_share)}`);
+  if (sensor.light) each.push(`light ${percent(sensor.light.norm_share)}`);
+  const vectors = `Share of the squared norm that lies in this space: ${each.join(", ")}.`;
+  if (!sensor.ellipsoid) return `${vectors} ${sensor.why_not ?? "No ellipsoid."}`;
+  const share = sensor.ellipsoid.norm_share;
+  const rest = share === undefined ? "" : `, holding ${percent(share)} of the variance`;
+  return `${vectors} Ellipsoid: ${data.sigmas ?? 1} σ, magnified ×${brief(sensor.magnification)}${rest}.`;
+}
+
+function describe(data, sensor) {
+  const names = [...sensor.channels.map((channel) => channel.name), ...(sensor.light ? ["light"] : [])];
+  const axes = data.axes.map((axis) => axis.name);
+  const what = `Arrows ${listed(names)} from the origin beside the color axes ${listed(axes)}.`;
+  return `${what} ${shares(data, sensor)}`;
+}
+
+export function rows(data) {
+  const told = (sensor, what, at, share) => [
+    sensor,
+    what,
+    ...at.map((v) => decimal(v, 4)),
+    share === undefined ? "–" : percent(share),
+  ];
+  const table = data.axes.map((axis) => told("color axes", axis.name, axis.at));
+  if (data.scene) table.push(told("scene", "true light", data.scene.at, data.scene.norm_share));
+  for (const sensor of data.sensors) {
+    for (const channel of sensor.channels)
+      table.push(told(sensor.name, channel.name, channel.at, channel.norm_share));
+    if (sensor.light) table.push(told(sensor.name, "light", sensor.light.at, sensor.light.norm_share));
+    (sensor.ellipsoid?.half_axes ?? []).forEach((axis, k) =>
+      table.push(told(sensor.name, `half axis ${k + 1}, ×${brief(sensor.magnification)}`, axis)),
+    );
+  }
+  return { head: ["sensor", "vector", "first", "second", "third", "share of squared norm"], rows: table };
+}

@@ -1,0 +1,95 @@
+"""What can be chosen on the page: names, and how far each slider goes."""
+
+from functools import lru_cache
+from typing import Any
+
+from chromanoise import __version__
+from chromanoise._check import InputError
+from chromanoise.color import SPACES
+from chromanoise.exposure import EQUAL_TERMS
+from chromanoise.page.equations import EQUATIONS
+from chromanoise.scene import BUILTIN_CUBES
+from chromanoise.spectra import INFRARED_FROM_NM, METRICS
+from chromanoise.study.catalog import catalog_entries, catalog_folder
+from chromanoise.study.drawings import PARTS
+from chromanoise.study.makers import METHODS
+from chromanoise.study.priors import PRIORS
+from chromanoise.study.words import illuminant_of_word, sensor_of_word
+
+_FORMULAS = ("3200K", "5000K", "6500K", "LED660")  # of the lamps that are a formula
+_SLIDERS = (
+    ("light.level_lux", "Light level", "lx", 0.01, 10_000.0, "log", 0.01),
+    ("light.infrared", "Infrared in the light", "W/W", 0.0, 5.0, "linear", 0.05),
+    ("exposure.time_ms", "Integration time", "ms", 0.1, 1000.0, "log", 0.01),
+    ("exposure.saturate", "Share of full well", "1", 0.05, 1.0, "linear", 0.01),
+    ("exposure.f_number", "f-number", "f/#", 1.0, 16.0, "log", 0.01),
+    ("sensors.pixel.read_noise_e", "Read noise", "e-", 0.1, 100.0, "log", 0.01),
+    ("sensors.ircut_nm", "IR-cut edge", "nm", 600.0, 1050.0, "linear", 5.0),
+    ("sensors.shift_nm", "Shift of the filters", "nm", -50.0, 50.0, "linear", 1.0),
+    ("matrices.weight", "Weight of the noise in the matrix", "1", 0.001, 1000.0, "log", 0.02),
+)
+
+
+@lru_cache(maxsize=1)
+def choices() -> dict[str, Any]:
+    """Names of sensors, lights, scenes and matrices, sliders, and the equations behind ``?``.
+
+    Steps of logarithmic sliders are of log10.
+    """
+    return {
+        "version": __version__,
+        "sensors": _sensors(),
+        "illuminants": _illuminants(),
+        "scenes": list(BUILTIN_CUBES),
+        "matrices": [{"name": name, "parameter": m.parameter} for name, m in METHODS.items()],
+        "priors": list(PRIORS),
+        "spaces": list(SPACES),
+        "metrics": list(METRICS),
+        "terms": list(EQUAL_TERMS),
+        "parts": list(PARTS),
+        "coordinates": ["X", "Y", "Z", "L*", "a*", "b*"],
+        "infrared_from_nm": INFRARED_FROM_NM,
+        "infrared_light": "LED850",
+        "sliders": [
+            dict(zip(("key", "label", "unit", "low", "high", "scale", "step"), one, strict=True))
+            for one in _SLIDERS
+        ],
+        "equations": {key: dict(told) for key, told in EQUATIONS.items()},
+    }
+
+
+def _sensors() -> list[dict[str, Any]]:
+    """Those that answer without being asked anything."""
+    told = []
+    for entry in catalog_entries("sensors", folder=catalog_folder()):
+        try:
+            sensor = sensor_of_word(entry.provenance.name)
+        except InputError:
+            continue  # its table needs to be told something first, which a name cannot
+        told.append(
+            {
+                "name": sensor.name,
+                "what": entry.provenance.what,
+                "channels": list(sensor.names),
+                "origin": sensor.origin,
+                "pitch_um": sensor.pixel.pitch_um,
+                "full_well_e": sensor.pixel.full_well_e,
+                "read_noise_e": sensor.pixel.read_noise_e,
+            }
+        )
+    return told
+
+
+def _illuminants() -> list[str]:
+    """Those that reach over 400-1050 nm, so that nothing must be said of their end."""
+    names = [
+        entry.provenance.name for entry in catalog_entries("illuminants", folder=catalog_folder())
+    ]
+    usable = []
+    for name in (*names, *_FORMULAS):
+        try:
+            illuminant_of_word(name)
+        except InputError:
+            continue
+        usable.append(name)
+    return list(dict.fromkeys(usable))

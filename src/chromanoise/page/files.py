@@ -1,0 +1,68 @@
+"""The page's own files, from inside the package."""
+
+import hashlib
+import re
+from importlib.resources import files
+from importlib.resources.abc import Traversable
+
+from starlette.requests import Request
+from starlette.responses import Response
+
+from chromanoise.page.guard import content_policy, fault_reply
+
+_TYPES = {
+    "css": "text/css",
+    "html": "text/html",
+    "js": "text/javascript",
+    "json": "application/json",
+    "png": "image/png",
+    "svg": "image/svg+xml",
+    "txt": "text/plain",
+}
+_STEP = re.compile(r"[A-Za-z0-9_-][A-Za-z0-9_.-]*")  # no way up, no hidden file
+_INDEX = "index.html"
+
+
+def asset(path: str) -> bytes | None:
+    """What stands in the page's file of that path; ``None`` where there is none.
+
+    Examples
+    --------
+    >>> asset("../__init__.py") is None
+    True
+    """
+    steps = path.split("/")
+    if not all(_STEP.fullmatch(step) for step in steps) or path.rpartition(".")[2] not in _TYPES:
+        return None
+    place: Traversable = files("chromanoise.page").joinpath("assets")
+    for step in steps:
+        place = place.joinpath(step)
+    return place.read_bytes() if place.is_file() else None
+
+
+def page_policy() -> str:
+    """The content policy of the page as it stands now."""
+    return content_policy(asset(_INDEX) or b"")
+
+
+async def index(request: Request) -> Response:
+    """The page."""
+    return _reply(request, _INDEX)
+
+
+async def asset_reply(request: Request) -> Response:
+    """One of its files."""
+    return _reply(request, request.path_params["path"])
+
+
+def _reply(request: Request, path: str) -> Response:
+    content = asset(path)
+    if content is None:
+        return fault_reply(404, f"the page has no file {path[:80]!r}")
+    tag = f'"{hashlib.sha256(content).hexdigest()[:32]}"'
+    headers = {"ETag": tag, "Cache-Control": "no-cache"}
+    if tag in request.headers.get("if-none-match", ""):
+        return Response(status_code=304, headers=headers)
+    kind = _TYPES[path.rpartition(".")[2]]
+    charset = "" if kind == "image/png" else "; charset=utf-8"
+    return Response(content, headers=headers | {"Content-Type": kind + charset})

@@ -1,0 +1,143 @@
+"""What was understood of a file that was dropped, in sentences, and what it cannot tell."""
+
+from typing import Any
+
+from chromanoise._check import InputError
+from chromanoise.page.asked import QuestionError
+from chromanoise.page.pictures import cube_of_upload
+from chromanoise.page.uploads import Upload, in_words
+from chromanoise.scene.rows import row_source
+from chromanoise.sensor import Sensor
+from chromanoise.spectra import Spectra
+from chromanoise.spectra.files import Understood, read_curves
+from chromanoise.study.runs import own_json_of, study_as_json, study_from_text
+
+MOST_SPECTRUM_BYTES = 1_000_000  # some 50,000 rows, which are understood in half a second
+_MOST_NAMES = 12
+_ASKS = {
+    "scale": ("answers.scale", ["fraction", "percent"]),
+    "level": ("answers.level", ["absolute", "relative"]),
+    "per": ("answers.per", ["photon", "energy"]),
+    "beyond": ("beyond", ["zero", "hold"]),
+}
+_OF_LIGHT = {"per": "per", "beyond": "beyond"}
+
+Told = dict[str, Any]
+
+
+def preview_of(upload: Upload) -> Told:
+    """The JSON of ``/api/upload``.
+
+    Raises
+    ------
+    QuestionError
+        If it cannot be read, in one sentence.
+    """
+    try:
+        told = _preview(upload)
+    except InputError as error:
+        raise QuestionError(("file", in_words(str(error), upload))) from None
+    lines = [in_words(line, upload) for line in told["preview"]]
+    return {"asks": [], "study": None} | told | {"id": upload.id, "preview": lines}
+
+
+def _preview(upload: Upload) -> Told:
+    if upload.kind == "study":
+        return _study(upload)
+    if upload.kind == "cube":
+        return _cube(upload)
+    if upload.kind == "either":
+        try:
+            return _spectra(upload)
+        except InputError:
+            return _cube(upload)
+    return _spectra(upload)
+
+
+def _study(upload: Upload) -> Told:
+    if upload.size_bytes > 1_000_000:
+        raise InputError(f"{upload.label}: is too large for a study")
+    try:
+        text = upload.path.read_bytes().decode("utf-8")
+    except UnicodeDecodeError:
+        raise InputError(
+            f"{upload.label}: not a UTF-8 text file; save the study as UTF-8"
+        ) from None
+    study = study_from_text(text, source=upload.label)
+    names = ", ".join(part.name for part in study.sensors)
+    lines = [
+        f"A study of {names} in {study.light.illuminant} at {study.light.level_lux:g} lx, "
+        f"matrix {', '.join(study.matrices)}."
+    ]
+    if study.title:
+        lines.insert(0, f"{study.title}.")
+    return {"kind": "study", "preview": lines, "study": study_as_json(study)}
+
+
+def _cube(upload: Upload) -> Told:
+    cube = cube_of_upload(upload)
+    height, width, _ = row_source(cube.stored).shape
+    at = cube.wavelength_nm
+    lines = [
+        f"A cube of {height} x {width} pixels, {at.size} bands from {at[0]:g} to {at[-1]:g} nm.",
+        *cube.notes,
+    ]
+    return {"kind": "cube", "preview": lines}
+
+
+def _spectra(upload: Upload) -> Told:
+    if upload.size_bytes > MOST_SPECTRUM_BYTES:
+        raise InputError(
+            f"{upload.label}: {upload.size_bytes / 1e6:.1f} MB are too much for a spectrum, the "
+            f"page takes {MOST_SPECTRUM_BYTES / 1e6:g} MB; keep one row per nanometer"
+        )
+    own = own_json_of(upload.path)
+    if isinstance(own, Sensor):
+        line = f"A sensor of this library, {own.name}: channels {', '.join(own.names)}."
+        return {"kind": "sensor", "preview": [line, *own.notes]}
+    told = read_curves(upload.path)
+    kind = _kind(told)
+    return {"kind": kind, "preview": _sentences(told, kind), "asks": _asks(told, kind)}
+
+
+def _kind(told: Understood) -> str:
+    """A light where it is one or may be: one curve of nobody knows what."""
+    if told.quantity == "power":
+        return "light"
+    if told.quantity in ("reflectance", "transmittance"):
+        raise InputError(
+            f"the curves are {told.quantity}s, of which the page makes neither a sensor nor a light"
+        )
+    return "light" if told.quantity is None and len(told.curves.names) == 1 else "sensor"
+
+
+def _sentences(told: Understood, kind: str) -> list[str]:
+    curves: Spectra = told.curves
+    names = ", ".join(curves.names[:_MOST_NAMES])
+    more = ", ..." if len(curves.names) > _MOST_NAMES else ""
+    what = "A light" if kind == "light" else "A sensor"
+    count = f"{len(curves.names)} curve{'s' if len(curves.names) > 1 else ''}"
+    step = f", step {told.step_nm:g} nm" if told.step_nm is not None else ""
+    return [
+        f"{what}: {count} {names}{more}, {curves.wavelength_nm[0]:g}-"
+        f"{curves.wavelength_nm[-1]:g} nm{step}.",
+        f"Values {curves.values.min():.4g} to {curves.values.max():.4g}, {told.scale}.",
+        *told.notes,
+        *(f"Looks wrong: {defect}" for defect in told.defects),
+    ]
+
+
+def _asks(told: Understood, kind: str) -> list[Told]:
+    asked = []
+    for question in told.questions:
+        key, choices = _ASKS.get(question.about, (None, []))
+        if kind == "light":
+            key = _OF_LIGHT.get(question.about)
+            if question.about == "columns":
+                key, choices = "column", list(told.curves.names)
+        if key is not None:
+            asked.append({"key": key, "question": question.asks, "choices": choices})
+    if kind == "sensor" and told.level == "relative":
+        what = "the curves are relative: which is the highest quantum efficiency?"
+        asked.append({"key": "answers.peak_qe", "question": what, "choices": []})
+    return asked

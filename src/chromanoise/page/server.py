@@ -1,0 +1,207 @@
+"""Routes of the page, and the server that listens on this machine only.
+
+Whatever computes is imported in the background, so that the page itself comes at once.
+"""
+
+import asyncio
+import socket
+import sys
+from collections.abc import AsyncIterator, Awaitable, Callable
+from contextlib import asynccontextmanager
+from typing import TYPE_CHECKING, Any
+from urllib.parse import unquote
+
+from starlette.applications import Starlette
+from starlette.exceptions import HTTPException
+from starlette.requests import ClientDisconnect, Request
+from starlette.responses import JSONResponse, Response
+from starlette.routing import Route
+from starlette.types import ASGIApp
+
+from chromanoise.page.asked import QuestionError, body_of, question_of
+from chromanoise.page.files import asset_reply, index, page_policy
+from chromanoise.page.guard import UPLOAD_BYTES, fault_reply, guarded
+from chromanoise.page.uploads import Uploads
+from chromanoise.page.work import Workers
+
+if TYPE_CHECKING:
+    from uvicorn import Server
+
+    from chromanoise.page.desk import Desk
+
+_LONG_BODIES_AT_ONCE = 4
+_LONGEST_SENTENCE = 1000
+
+
+class _Server:
+    """What the routes share while the server lives."""
+
+    def __init__(self, study: dict[str, Any] | None) -> None:
+        self.study = study
+        self.uploads = Uploads()
+        self.workers = Workers()
+        self.turns = asyncio.Semaphore(_LONG_BODIES_AT_ONCE)
+        self._desk: Desk | None = None
+
+    def desk(self) -> "Desk":
+        """All that computes; the first call imports it, so it is called by a worker."""
+        if self._desk is None:
+            from chromanoise.page.desk import Desk
+
+            self._desk = Desk(self.uploads, study=self.study)
+        return self._desk
+
+    def close(self) -> None:
+        """Let go of threads and files."""
+        self.workers.close()
+        self.uploads.close()
+
+
+def application(*, port: int, study: dict[str, Any] | None = None) -> ASGIApp:
+    """The page as an ASGI application.
+
+    Parameters
+    ----------
+    port
+        On which it is served: part of the only names that it answers to.
+    study
+        To start from, as plain data; ``None`` for the page's own.
+    """
+
+    @asynccontextmanager
+    async def lifespan(app: Starlette) -> AsyncIterator[None]:
+        app.state.server = server = _Server(study)
+        warming = asyncio.ensure_future(server.workers.done(lambda: server.desk().warm()))
+        try:
+            yield
+        finally:
+            warming.cancel()
+            server.close()
+
+    app = Starlette(
+        lifespan=lifespan,
+        routes=[
+            Route("/", index),
+            Route("/assets/{path:path}", asset_reply),
+            Route("/api/choices", _replying(_choices)),
+            Route("/api/answer", _replying(_answer), methods=["POST"]),
+            Route("/api/picture", _replying(_picture), methods=["POST"]),
+            Route("/api/upload", _replying(_upload), methods=["POST"]),
+            Route("/api/texts", _replying(_texts), methods=["POST"]),
+        ],
+        exception_handlers={HTTPException: _told_status, Exception: _told_crash},
+    )
+    return guarded(app, port=port, policy=page_policy)
+
+
+def page_server(listening: socket.socket, *, study: dict[str, Any] | None = None) -> "Server":
+    """The page's server; ``run(sockets=[listening])`` serves until the process is told to stop.
+
+    Parameters
+    ----------
+    listening
+        Of `listening_socket`.
+    study
+        To start from.
+    """
+    import uvicorn
+
+    config = uvicorn.Config(
+        application(port=listening.getsockname()[1], study=study),
+        log_level="error",
+        access_log=False,
+        server_header=False,
+        ws="none",
+        timeout_graceful_shutdown=2,
+    )
+    return uvicorn.Server(config)
+
+
+def listening_socket(port: int) -> socket.socket:
+    """A socket of this machine only; port 0 takes any that is free.
+
+    Raises
+    ------
+    OSError
+        If the port is taken or may not be used.
+    """
+    listening = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
+    try:
+        if sys.platform != "win32":  # where it would let two servers share a port
+            listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        listening.bind(("127.0.0.1", port))
+        listening.listen(256)
+    except OSError:
+        listening.close()
+        raise
+    return listening
+
+
+def _replying(
+    reply: Callable[[Request, _Server], Awaitable[Response]],
+) -> Callable[[Request], Awaitable[Response]]:
+    """A route whose refusals become sentences, and whose lost askers become nothing."""
+
+    async def replied(request: Request) -> Response:
+        try:
+            return await reply(request, request.app.state.server)
+        except QuestionError as error:
+            return _refusing(error)
+        except ClientDisconnect:
+            return Response(status_code=400)
+
+    return replied
+
+
+def _refusing(error: QuestionError) -> Response:
+    faults = [
+        {"where": where, "sentence": told[:_LONGEST_SENTENCE]} for where, told in error.faults
+    ]
+    # what follows of a body that was not read to its end is not read either
+    headers = {} if error.status in (400, 503) else {"Connection": "close"}
+    return JSONResponse({"faults": faults}, status_code=error.status, headers=headers)
+
+
+async def _choices(request: Request, server: _Server) -> Response:
+    return _json(await server.workers.done(lambda: server.desk().choices()))
+
+
+async def _answer(request: Request, server: _Server) -> Response:
+    question = await question_of(request, server.turns)
+    return _json(await server.workers.done(lambda: server.desk().answers.answer(question)))
+
+
+async def _texts(request: Request, server: _Server) -> Response:
+    question = await question_of(request, server.turns)
+    return JSONResponse(await server.workers.done(lambda: server.desk().answers.texts(question)))
+
+
+async def _picture(request: Request, server: _Server) -> Response:
+    question = await question_of(request, server.turns)
+    png, summary = await server.workers.done(lambda: server.desk().pictures.picture(question))
+    return Response(png, media_type="image/png", headers={"X-Chromanoise-Summary": summary})
+
+
+async def _upload(request: Request, server: _Server) -> Response:
+    kind = request.headers.get("content-type", "").partition(";")[0].strip().lower()
+    if kind != "application/octet-stream":
+        raise QuestionError(("file", "a file is sent as application/octet-stream"), status=415)
+    name = unquote(request.headers.get("x-filename", ""))
+    if not name:
+        raise QuestionError(("file", "a file is sent with its name in the header X-Filename"))
+    content = await body_of(request, most_bytes=UPLOAD_BYTES, turns=server.turns)
+    return JSONResponse(await server.workers.done(lambda: server.desk().previewed(name, content)))
+
+
+def _json(text: str) -> Response:
+    return Response(text, media_type="application/json")
+
+
+async def _told_status(request: Request, error: Exception) -> Response:
+    assert isinstance(error, HTTPException)
+    sentences = {404: "there is nothing of that name here", 405: "that is not asked like this"}
+    return fault_reply(error.status_code, sentences.get(error.status_code, error.detail))
+
+
+async def _told_crash(request: Request, error: Exception) -> Response:
+    return fault_reply(500, "that could not be computed; the server tells more where it runs")

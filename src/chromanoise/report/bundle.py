@@ -1,0 +1,97 @@
+"""What makes one file of many: drawing modules as data: addresses, data as a block of JSON."""
+
+import base64
+import hashlib
+import json
+from functools import partial
+from importlib import resources
+from typing import Any
+
+_DRAW = "page/assets/draw"
+
+
+def drawing_style() -> str:
+    """The style sheet of the drawing modules."""
+    return _asset("draw.css")
+
+
+def import_map() -> str:
+    """An import map in which every drawing module is its own text.
+
+    Modules name each other as ``draw/svg.js``; a browser asks for nothing beyond this file.
+    """
+    folder = resources.files("chromanoise").joinpath(_DRAW)
+    names = sorted(one.name for one in folder.iterdir() if one.name.endswith(".js"))
+    found = {
+        f"draw/{name}": data_address(_asset(name).encode(), "text/javascript") for name in names
+    }
+    return json.dumps({"imports": found}, separators=(",", ":"))
+
+
+def report_script() -> str:
+    """The script that draws a report and listens to its sliders."""
+    return resources.files("chromanoise.report").joinpath("report.js").read_text("utf-8")
+
+
+def data_address(content: bytes, kind: str) -> str:
+    """Content as an address that holds it.
+
+    Examples
+    --------
+    >>> data_address(b"1", "text/plain")
+    'data:text/plain;base64,MQ=='
+    """
+    return f"data:{kind};base64,{base64.b64encode(content).decode('ascii')}"
+
+
+def json_block(data: Any) -> str:
+    r"""Data as JSON that no element of a page ends in: each ``<`` is told by its number.
+
+    Examples
+    --------
+    >>> json_block({"title": "</script>"})
+    '{"title":"\\u003c/script>"}'
+    """
+    told = json.dumps(data, separators=(",", ":"), allow_nan=False, ensure_ascii=False)
+    return told.replace("<", "\\u003c")
+
+
+def script_hash(script: str) -> str:
+    """What a content security policy knows an inline script by."""
+    digest = hashlib.sha256(script.encode("utf-8")).digest()
+    return f"'sha256-{base64.b64encode(digest).decode('ascii')}'"
+
+
+def shortened(data: Any, *, digits: int = 5) -> Any:
+    """The data with every number told in as many digits as rounding further does not notice.
+
+    Parameters
+    ----------
+    data
+        Plain data.
+    digits
+        Significant ones; a number that would end in a 5 there keeps more, so that rounding it to
+        fewer gives what rounding the number itself gives. [1]
+
+    Examples
+    --------
+    >>> shortened([26.123456, 26.2496, 12.0, "26.2496"])
+    [26.123, 26.2496, 12, '26.2496']
+    """
+    told = json.dumps(data, allow_nan=False)
+    return json.loads(told, parse_float=partial(_shortened, digits=digits))
+
+
+def _shortened(number: str, digits: int) -> float | int:
+    value = float(number)
+    for more in range(digits, 18):
+        told = f"{value:.{more - 1}e}"
+        mantissa = told.partition("e")[0].rstrip("0")
+        if not mantissa.endswith("5"):
+            value = float(told)
+            break
+    return int(value) if value.is_integer() and abs(value) < 1e15 else value
+
+
+def _asset(name: str) -> str:
+    return resources.files("chromanoise").joinpath(_DRAW, name).read_text("utf-8")

@@ -1,0 +1,152 @@
+"""What the sliders of a report answer: the study again, with one thing of it changed."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from chromanoise import _check
+from chromanoise.exposure import Situation, white_scene
+from chromanoise.spectra import INFRARED_FROM_NM
+from chromanoise.study import SWEEPS, analyzed
+from chromanoise.study.drawings import Shown
+
+_STEP = 10.0 ** (1 / 8)  # of the light level: eight answers per decade
+_MOST_ABOVE = 12
+_MOST_ANSWERS = 25
+_ROOM = 50  # answers of one sensor: more sensors have fewer each, so that the file stays small
+_EDGES_NM = (600.0, 620.0, 640.0, 660.0, 680.0, 700.0, 725.0, 750.0, 800.0, 850.0, 900.0, 950.0)
+_SEES_INFRARED = 0.02  # QE below which a channel is blind to it. [e-/photon]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Slide:
+    """One slider.
+
+    Attributes
+    ----------
+    key
+        Of the sweep.
+    label
+        What it changes, in words.
+    values
+        In the unit of the sweep; ``None`` is the study as it is, where no value says so.
+    told
+        Each value in words.
+    own
+        Which of them is the study as it is.
+    """
+
+    key: str
+    label: str
+    values: tuple[float | None, ...]
+    told: tuple[str, ...]
+    own: int
+
+    def __post_init__(self) -> None:
+        _check.same_length("positions", values=len(self.values), told=len(self.told))
+
+
+def slides_of(of: Shown) -> tuple[Slide, ...]:
+    """The sliders that make sense for a study: the light level, and an IR-cut where one matters.
+
+    The light level goes up to where every sensor is saturated, for the time is the study's own.
+    """
+    count = max(5, min(_MOST_ANSWERS, _ROOM // len(of.situations)))
+    step = (len(of.situations) + 1) // 2
+    infrared = (_ir_cut(_EDGES_NM[::step]),) if _sees_infrared(of.situations) else ()
+    return (_level(of, count), *infrared)
+
+
+def at_value(of: Shown, slide: Slide, value: float | None) -> Shown:
+    """The study with one thing changed, time and all else kept; ``None`` changes nothing.
+
+    Raises
+    ------
+    InputError
+        As `chromanoise.study.analyzed`.
+    """
+    if value is None:
+        return of
+    change = SWEEPS[slide.key].at
+    situations = tuple(change(one, value) for one in of.situations)
+    maker = next(iter(of.makers.values()))
+    analyses = tuple(
+        analyzed(white_scene(one), one.sensor, one.exposure, matrix=maker(one))
+        for one in situations
+    )
+    level_lux = situations[0].level_lux
+    light = of.study.light.model_copy(update={"level_lux": level_lux})
+    study = of.study.model_copy(update={"light": light})
+    return replace(of, study=study, situations=situations, analyses=analyses)
+
+
+def _level(of: Shown, count: int) -> Slide:
+    own = of.study.light.level_lux
+    above = 1
+    slide = Slide(key="lux", label="Light level", values=(), told=(), own=0)
+    while above < min(_MOST_ABOVE, count // 2) and not _all_saturated(of, slide, own, above):
+        above += 1
+    steps = range(above - count + 1, above + 1)
+    values = [float(f"{own * _STEP**i:.3g}") if i else own for i in steps]
+    told = [f"{value:.3g} lx" if value < 1000 else f"{value:.0f} lx" for value in values]
+    return replace(slide, values=tuple(values), told=tuple(told), own=count - 1 - above)
+
+
+def _all_saturated(of: Shown, slide: Slide, own: float, above: int) -> bool:
+    there = at_value(of, slide, own * _STEP**above)
+    return all(analysis.saturated.any() for analysis in there.analyses)
+
+
+def _ir_cut(edges_nm: Sequence[float]) -> Slide:
+    told = [f"at {edge:g} nm" for edge in edges_nm]
+    return Slide(
+        key="ircut-nm",
+        label="IR-cut added before every sensor",
+        values=(*edges_nm, None),
+        told=(*told, "none"),
+        own=len(edges_nm),
+    )
+
+
+def _sees_infrared(situations: Sequence[Situation]) -> bool:
+    for one in situations:
+        beyond = one.sensor.grid.wavelength_nm > INFRARED_FROM_NM
+        lit = one.illuminant.irradiance > 0
+        if (beyond & lit).any() and np.max(one.sensor.qe[beyond & lit]) > _SEES_INFRARED:
+            return True
+    return False
+
+
+def changed_keys(answer: dict[str, Any], own: dict[str, Any]) -> dict[str, Any]:
+    """Of every part only what differs from the study's own answer; a part of other keys whole.
+
+    Examples
+    --------
+    >>> changed_keys({"a": {"x": 1, "y": 3}, "b": {"z": 1}}, {"a": {"x": 1, "y": 2}, "b": {"z": 1}})
+    {'a': {'y': 3}}
+    >>> changed_keys({"a": {"fault": "none"}}, {"a": {"x": 1}})
+    {'a': {'whole': {'fault': 'none'}}}
+    """
+    told: dict[str, Any] = {}
+    for part, data in answer.items():
+        if data.keys() != own[part].keys():
+            told[part] = {"whole": data}
+        elif differing := {key: value for key, value in data.items() if value != own[part][key]}:
+            told[part] = differing
+    return told
+
+
+def slide_as_json(
+    slide: Slide, answers: Sequence[dict[str, Any]], own: dict[str, Any]
+) -> dict[str, Any]:
+    """A slider with its answers, each as `changed_keys` of the study's own."""
+    return {
+        "key": slide.key,
+        "label": slide.label,
+        "values": list(slide.values),
+        "told": list(slide.told),
+        "own": slide.own,
+        "answers": [changed_keys(answer, own) for answer in answers],
+    }

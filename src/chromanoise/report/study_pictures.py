@@ -1,0 +1,61 @@
+"""The pictures of a study, as they stand in a report."""
+
+from dataclasses import dataclass
+
+from jaxtyping import UInt8
+
+from chromanoise import _check
+from chromanoise._check import Array
+from chromanoise.imaging import Work
+from chromanoise.imaging.shots import shot
+from chromanoise.study.drawings import Shown
+from chromanoise.study.runs.pictures import first_frame, prepared_cameras
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Sight:
+    """One cube through every sensor.
+
+    Attributes
+    ----------
+    cube
+        As the study names it.
+    matrix
+        With which the colors are made.
+    sensors
+        Names, one per picture.
+    pictures
+        8-bit sRGB; none where the study asks for codes without color.
+    """
+
+    cube: str
+    matrix: str
+    sensors: tuple[str, ...]
+    pictures: tuple[UInt8[Array, "h w 3"], ...]
+
+    def __post_init__(self) -> None:
+        if self.pictures:
+            _check.same_length("pictures", sensors=len(self.sensors), pictures=len(self.pictures))
+
+
+def sights_of(of: Shown, *, work: Work | None = None) -> tuple[Sight, ...]:
+    """The first frame of each cube of a study through every sensor, with the first matrix.
+
+    Raises
+    ------
+    InputError
+        If a cube cannot be read, or holds what is no reflectance.
+    """
+    names = tuple(one.sensor.name for one in of.situations)
+    matrix, maker = next(iter(of.makers.items()))
+    told = []
+    for number, part in enumerate(of.study.pictures, 1):
+        cube, cameras = prepared_cameras(of.study, part, list(of.situations), {matrix: maker})
+        frame = first_frame(of.study, number)
+        taken = [
+            shot(cube, camera, frame=frame, work=work or Work()).picture
+            for camera in cameras[matrix]
+        ]
+        pictures = tuple(picture.srgb for picture in taken if picture is not None)
+        told.append(Sight(cube=part.cube, matrix=matrix, sensors=names, pictures=pictures))
+    return tuple(told)

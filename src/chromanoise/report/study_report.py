@@ -1,0 +1,251 @@
+"""A study as one page that travels: verdict, charts, tables, equations, sliders, in one file."""
+
+from collections.abc import Mapping, Sequence
+from importlib import resources
+from itertools import chain
+from typing import Any
+
+import jinja2
+import numpy as np
+
+from chromanoise import __version__
+from chromanoise._check import InputError
+from chromanoise.imaging import png_bytes
+from chromanoise.report.bundle import (
+    data_address,
+    drawing_style,
+    import_map,
+    json_block,
+    report_script,
+    script_hash,
+    shortened,
+)
+from chromanoise.report.slides import Slide, at_value, slide_as_json, slides_of
+from chromanoise.report.study_pictures import Sight
+from chromanoise.report.study_tables import Table, table_of
+from chromanoise.study.drawings import PARTS, Shown, drawing
+from chromanoise.study.runs import provenance, study_as_toml
+
+Equations = Mapping[str, Mapping[str, str]]
+
+_SECTIONS = (  # part, heading, what it shows, equations
+    (
+        "budget",
+        "Where the decibels go",
+        "From every photon that hits the pixels down to luminance: what each cause costs.",
+        ("budget", "bound"),
+    ),
+    (
+        "vectors",
+        "Why: channels as vectors",
+        "The more two channels point the same way, the more noise their unmixing makes, and the "
+        "larger is the ellipsoid of uncertainty around the light.",
+        ("vectors",),
+    ),
+    (
+        "stages",
+        "SNR from raw to color",
+        "The same light in every kind of SNR: channels as read, unmixed, and as color.",
+        ("raw", "contravariant", "spectral", "color", "lab", "bound", "price"),
+    ),
+    (
+        "levels",
+        "SNR against light",
+        "With the time kept; circles mark where sensors change places.",
+        ("levels", "color"),
+    ),
+    (
+        "ellipses",
+        "What the noise does to colors",
+        "Every patch of the chart: the cross is its true color, the ellipse where noise puts it.",
+        ("ellipses",),
+    ),
+    (
+        "chart",
+        "Color error and noise",
+        "Of every patch: how far its mean color is off, and how far noise moves it.",
+        ("chart",),
+    ),
+    (
+        "pareto",
+        "Color error against noise",
+        "What another matrix could buy: each point is one weight of the noise.",
+        ("pareto",),
+    ),
+    (
+        "sensitivities",
+        "Sensitivities",
+        "What each channel answers to, and the light; the near infrared is shaded.",
+        ("electrons",),
+    ),
+)
+_EXACT = 9  # digits of half axes: what is drawn of them is told to one decimal
+
+
+def study_report(of: Shown, equations: Equations, sights: Sequence[Sight] = ()) -> str:
+    """The report as HTML that needs no other file and no network.
+
+    Parameters
+    ----------
+    of
+        The study.
+    equations
+        ``title``, ``equation`` and ``source`` of each kind of number.
+    sights
+        Its pictures, of `chromanoise.report.study_pictures`.
+
+    Raises
+    ------
+    InputError
+        If a file that the study names cannot be read, or a value of a slider cannot be computed.
+    """
+    full = _parts(of)
+    data = report_data(of, full)
+    script, modules = report_script(), import_map()
+    template = resources.files("chromanoise.report").joinpath("study.html.j2").read_text("utf-8")
+    environment = jinja2.Environment(
+        autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True
+    )
+    return environment.from_string(template).render(
+        title=of.study.title or _names(of),
+        names=_names(of),
+        head=full["head"],
+        light=of.study.light,
+        sections=[_section(one, full, equations) for one in _SECTIONS],
+        sensors=table_of("head", full["head"]),
+        slides=data["slides"],
+        sights=[_sight(one) for one in sights],
+        notes=_notes(full["head"]),
+        faults=[data["fault"] for data in full.values() if "fault" in data],
+        provenance=provenance(of.study),
+        toml=study_as_toml(of.study),
+        version=__version__,
+        style=drawing_style(),
+        import_map=modules,
+        script=script,
+        hashes=f"{script_hash(modules)} {script_hash(script)}",
+        data=json_block(data),
+    )
+
+
+def report_data(of: Shown, full: dict[str, Any] | None = None) -> dict[str, Any]:
+    """What the drawing modules get: the study's own parts, and what differs at each slider.
+
+    Outlines of ellipses are told by center and half axes on one common ``circle``, numbers by as
+    many digits as are shown (`chromanoise.report.bundle.shortened`).
+
+    Parameters
+    ----------
+    of
+        The study.
+    full
+        Its parts, if they are known.
+    """
+    full = full or _parts(of)
+    own = _packed(full)
+    slides = slides_of(of)
+    answers = [[_there(of, slide, value, full) for value in slide.values] for slide in slides]
+    return {
+        "parts": own,
+        "chart_of": shortened(_chart_of([full, *chain.from_iterable(answers)])),
+        "slides": [
+            slide_as_json(slide, [_packed(one) for one in told], own)
+            for slide, told in zip(slides, answers, strict=True)
+        ],
+    }
+
+
+def _there(of: Shown, slide: Slide, value: float | None, full: dict[str, Any]) -> dict[str, Any]:
+    """The parts at a position of a slider; curves over the light know every level already."""
+    if value == slide.values[slide.own]:
+        return full
+    there = at_value(of, slide, value)
+    if slide.key != "lux" or "fault" in full["levels"]:
+        return _parts(there)
+    parts = _parts(there, tuple(part for part in PARTS if part != "levels"))
+    moved = {**full["levels"], "now_lux": there.study.light.level_lux}
+    return {**parts, "levels": moved}
+
+
+def _parts(of: Shown, wanted: Sequence[str] = tuple(PARTS)) -> dict[str, Any]:
+    """Every drawing; one that cannot be made says why in its place."""
+    told: dict[str, Any] = {}
+    for part in wanted:
+        try:
+            told[part] = drawing(part, of)
+        except InputError as error:
+            told[part] = {"fault": str(error)}
+    return told
+
+
+def _packed(full: dict[str, Any]) -> dict[str, Any]:
+    """The parts as they stand in the file; the head as sentences and rows."""
+    told = {part: shortened(data) for part, data in full.items() if part != "ellipses"}
+    table = table_of("head", full["head"])
+    told["head"] = {"verdict": full["head"]["verdict"], "rows": table.rows}
+    told["ellipses"] = _packed_ellipses(full["ellipses"])
+    return told
+
+
+def _packed_ellipses(data: dict[str, Any]) -> dict[str, Any]:
+    if "fault" in data:
+        return data
+    told = [
+        {**sensor, "patches": [_half_axes(patch) for patch in sensor["patches"]]}
+        for sensor in data["sensors"]
+    ]
+    return {**data, "sensors": told}
+
+
+def _circle(points: int) -> np.ndarray:
+    turn = np.linspace(0, 2 * np.pi, points)
+    return np.stack([np.cos(turn), np.sin(turn)], axis=1)
+
+
+def _half_axes(patch: dict[str, Any]) -> list[list[float]]:
+    """Center and two conjugate half axes of an outline of points that are turned evenly."""
+    center = np.array(patch["center"])
+    outline = np.array(patch["outline"]) - center
+    axes = np.linalg.lstsq(_circle(len(outline)), outline, rcond=None)[0]
+    return [*shortened([patch["center"]]), *shortened(axes.tolist(), digits=_EXACT)]
+
+
+def _chart_of(answers: Sequence[dict[str, Any]]) -> dict[str, Any]:
+    """What all ellipses share: name, color and truth of each patch, and the points of a circle."""
+    sensors = chain.from_iterable(one["ellipses"].get("sensors", ()) for one in answers)
+    found = (sensor["patches"] for sensor in sensors if sensor["patches"])
+    seen: list[dict[str, Any]] = next(found, [])
+    return {
+        "circle": _circle(len(seen[0]["outline"])).tolist() if seen else [],
+        "patches": [{key: patch[key] for key in ("name", "srgb", "truth")} for patch in seen],
+    }
+
+
+def _section(
+    one: tuple[str, str, str, tuple[str, ...]], full: dict[str, Any], equations: Equations
+) -> dict[str, Any]:
+    part, heading, shows, behind = one
+    data = full[part]
+    return {
+        "part": part,
+        "heading": heading,
+        "shows": shows,
+        "fault": data.get("fault"),
+        "table": Table(head=[], rows=[]) if "fault" in data else table_of(part, data),
+        "equations": [(name, equations[name]) for name in behind if name in equations],
+    }
+
+
+def _sight(sight: Sight) -> dict[str, Any]:
+    sources = [data_address(png_bytes(picture), "image/png") for picture in sight.pictures]
+    sizes = [picture.shape[:2] for picture in sight.pictures]
+    shown = zip(sight.sensors, sources, sizes, strict=False)
+    return {"cube": sight.cube, "matrix": sight.matrix, "pictures": list(shown)}
+
+
+def _notes(head: dict[str, Any]) -> list[str]:
+    return [f"{one['name']}: {note}" for one in head["sensors"] for note in one["notes"]]
+
+
+def _names(of: Shown) -> str:
+    return ", ".join(one.sensor.name for one in of.situations)

@@ -1,0 +1,80 @@
+"""A sensor whose curves are changed as a designer asks: an IR-cut in front, filters shifted."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from chromanoise import _check
+from chromanoise.sensor.filters import ir_cut
+from chromanoise.sensor.sensor import Sensor
+
+MOST_SHIFT_NM = 200.0
+LOWEST_EDGE_NM, HIGHEST_EDGE_NM = 450.0, 2000.0
+
+
+def behind_ir_cut(sensor: Sensor, edge_nm: float, *, told: bool = True) -> Sensor:
+    """The same sensor behind a model IR-cut; one that has a cut has two then.
+
+    Parameters
+    ----------
+    sensor
+        Any sensor.
+    edge_nm
+        Where half the light passes; from 450 to 2000. [nm]
+    told
+        Whether its notes say so.
+
+    Raises
+    ------
+    InputError
+        If the edge leaves that range.
+    """
+    low, high = LOWEST_EDGE_NM, HIGHEST_EDGE_NM
+    edge = _check.within("edge of an added IR-cut", "nm", edge_nm, low, high)
+    note = (f"behind an added model IR-cut at {edge:g} nm",) if told else ()
+    qe = sensor.qe * ir_cut(sensor.grid, edge_nm=edge)[:, None]
+    return replace(sensor, qe=qe, notes=(*sensor.notes, *note))
+
+
+def with_shifted_curves(sensor: Sensor, shift_nm: float) -> Sensor:
+    """The same sensor with all of its curves moved along the wavelength.
+
+    QE(λ) becomes QE(λ - shift), linear between the wavelengths of the grid. At the end from which
+    the curves move away nothing is known, so the value of the end is held there, and a note says
+    so; what moves beyond the other end is lost.
+
+    Parameters
+    ----------
+    sensor
+        Any sensor.
+    shift_nm
+        Positive to the red; 0 gives the sensor itself. [nm]
+
+    Raises
+    ------
+    InputError
+        If the shift is not finite, or more than 200 nm either way.
+
+    Examples
+    --------
+    >>> from chromanoise.sensor.pixel import PAPER_PIXEL
+    >>> from chromanoise.spectra import Grid
+    >>> steps = np.array([[0.1], [0.5], [0.2]])
+    >>> one = Sensor(name="one", grid=Grid.uniform(500, 520, 10), qe=steps, names=("G",),
+    ...              pixel=PAPER_PIXEL)
+    >>> with_shifted_curves(one, 5.0).qe[:, 0]
+    array([0.1 , 0.3 , 0.35])
+    """
+    shift = _check.within("shift of curves", "nm", shift_nm, -MOST_SHIFT_NM, MOST_SHIFT_NM)
+    if shift == 0:
+        return sensor
+    at, grid = sensor.grid.wavelength_nm, sensor.grid
+    qe = np.stack([np.interp(at - shift, at, curve) for curve in sensor.qe.T], axis=1)
+    unknown = (grid.start_nm, min(grid.start_nm + shift, grid.stop_nm))
+    if shift < 0:
+        unknown = (max(grid.stop_nm + shift, grid.start_nm), grid.stop_nm)
+    note = (
+        f"curves shifted by {shift:+g} nm; from {unknown[0]:g} to {unknown[1]:g} nm, where nothing "
+        "is known then, they keep the value of their end"
+    )
+    return replace(sensor, qe=qe, notes=(*sensor.notes, note))

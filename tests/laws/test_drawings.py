@@ -1,0 +1,443 @@
+"""The drawings of the page arrange what the library computes: its digits and no others."""
+
+import json
+import re
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from chromanoise._check import InputError
+from chromanoise.color import LAB, XYY, encoded_srgb, exact_noise
+from chromanoise.exposure import expected_electrons
+from chromanoise.geometry import reconstructed_light
+from chromanoise.sensor import behind_ir_cut, sensor_named, with_shifted_curves
+from chromanoise.spectra import DEFAULT_GRID, color_axes, colorchecker
+from chromanoise.study import (
+    QUANTITIES,
+    SWEEPS,
+    compared,
+    crossover_sentence,
+    crossovers,
+    grey_noise,
+    grey_noise_as_json,
+    noise_weights,
+    swept_values,
+)
+from chromanoise.study.drawings import PARTS, Look, Shown, drawing, shown
+from chromanoise.study.drawings.ellipses import in_plane
+from chromanoise.study.drawings.patches import hex_colors, patches_of
+from chromanoise.study.drawings.vectors import color_frame, half_axes, round_magnification
+from chromanoise.study.drawings.verdicts import verdict_sentences
+from chromanoise.study.runs import OutputsPart, outcome_of, outcomes_as_json, study_from_data
+from chromanoise.study.runs.named import sensor_of, situations_of
+
+BOTH = ("onyx-rgbw", "onyx-rgb-ircut")
+
+
+def study_of(*names, level_lux=10.0, **more):
+    light = {"illuminant": "E", "level_lux": level_lux} | more.pop("light", {})
+    told = {"light": light, "sensors": [{"name": name} for name in names], **more}
+    return study_from_data(told, source="a test")
+
+
+@cache
+def usual() -> Shown:
+    return shown(study_of(*BOTH))
+
+
+@cache
+def bright() -> Shown:
+    """A time at which the sensor without IR-cut, and it alone, is beyond full well."""
+    return shown(study_of(*BOTH, exposure={"time_ms": 30.0}))
+
+
+@cache
+def analyzed_as_json():
+    """What ``chromanoise analyze --budget --json`` writes."""
+    outputs, of = OutputsPart(budget=True), usual()
+    (maker,) = of.makers.values()
+    outcomes = [outcome_of(each, maker, outputs) for each in of.situations]
+    return outcomes_as_json(outcomes, outputs)["sensors"]
+
+
+def numbers_of(value):
+    if isinstance(value, dict):
+        value = list(value.values())
+    if isinstance(value, list | tuple):
+        return [number for item in value for number in numbers_of(item)]
+    return [value] if isinstance(value, float) else []
+
+
+@pytest.mark.parametrize("part", PARTS)
+@pytest.mark.parametrize("of", [usual, bright], ids=["usual", "saturated"])
+def test_every_drawing_is_plain_data_without_a_number_that_is_none(part, of):
+    told = drawing(part, of(), Look())
+    assert json.loads(json.dumps(told, allow_nan=False)) == told
+    assert np.isfinite(numbers_of(told)).all()
+
+
+def test_head_and_stages_have_the_digits_of_analyze():
+    head, stages = (drawing(part, usual())["sensors"] for part in ("head", "stages"))
+    for own, top, kinds in zip(analyzed_as_json(), head, stages, strict=True):
+        assert top["time_ms"] == own["time_ms"]
+        assert top["notes"] == own["notes"]
+        assert top["mean_e"] == {c["name"]: c["mean_e"] for c in own["channels"]}
+        assert kinds["raw"] == {c["name"]: c["snr_db"] for c in own["channels"]}
+        assert kinds["contravariant"] == {
+            c["name"]: c["contravariant_snr_db"] for c in own["channels"]
+        }
+        assert kinds["color"] == own["color"]["snr_db"]
+        for key in ("bound_db", "price_db"):
+            assert kinds[key] == own[key]
+        assert kinds["spectral_db"] == own["spectral_snr_db"]
+
+
+@pytest.mark.parametrize("coordinate", ["X", "Y", "Z", "M^G", "L*", "a*", "b*"])
+def test_the_waterfall_has_the_digits_of_analyze_and_leads_from_the_photons_to_the_snr(coordinate):
+    told = drawing("budget", usual(), Look(coordinate=coordinate))["sensors"]
+    for own, drawn in zip(analyzed_as_json(), told, strict=True):
+        kept = [*own["budget"], *own["contravariant_budget"], *own["lab_budget"]]
+        (budget,) = [one for one in kept if one and one["coordinate"] == coordinate]
+        start, *middle, end = drawn["steps"]
+        assert [s["change_db"] for s in middle] == [-c["loss_db"] for c in budget["costs"]]
+        assert start["to_db"] == budget["photons_db"]
+        assert end["to_db"] == budget["snr_db"]
+        assert drawn["bound_db"] == budget["bound_db"]
+
+
+@pytest.mark.parametrize("coordinate", ["Y", "b*"])
+def test_the_steps_of_the_waterfall_meet_and_add_up(coordinate):
+    for sensor in drawing("budget", usual(), Look(coordinate=coordinate))["sensors"]:
+        start, *middle, end = sensor["steps"]
+        assert start["to_db"] + sum(s["change_db"] for s in middle) == pytest.approx(end["to_db"])
+        for before, after in zip(sensor["steps"], sensor["steps"][1:], strict=False):
+            assert after["from_db"] == pytest.approx(before["to_db"])
+        assert {s["kind"] for s in middle if s["change_db"] < 0} == {"cost"}
+
+
+@pytest.mark.parametrize("matrices", [("kernel",), ("lmmse",)], ids=" ".join)
+def test_curves_and_crossovers_over_the_light_are_those_of_compare(matrices):
+    of = shown(study_of(*BOTH, matrices=matrices))
+    told = drawing("levels", of)
+    values = swept_values(SWEEPS["lux"], 0.01, 1000.0, 61)
+    curves = compared(of.situations, of.makers, values)
+    assert told["lux"] == values.tolist()
+    for drawn, curve in zip(told["curves"], curves, strict=True):
+        known = [np.nan if v is None else v for v in drawn["values"]]
+        np.testing.assert_array_equal(known, curve.value)
+    (crossed,) = crossovers(of.situations, of.makers, curves)
+    assert [c["lux"] for c in told["crossovers"]] == list(crossed.at or (None,))
+    assert told["crossovers"][0]["sentence"] == crossover_sentence(crossed)
+
+
+def test_many_light_levels_at_once_give_what_they_give_one_by_one():
+    of = usual()
+    levels = np.array([0.01, 0.3, 9.0, 11.0, 1000.0])
+    for situation, analysis in zip(of.situations, of.analyses, strict=True):
+        for name in ("snr-x", "snr-y", "snr-z"):
+            quantity = QUANTITIES[name]
+            alone = [
+                quantity.of(SWEEPS["lux"].at(situation, level), analysis.matrix)
+                for level in levels.tolist()
+            ]
+            together = quantity.over_levels(situation, analysis.matrix, levels)
+            np.testing.assert_allclose(together, alone, rtol=1e-12)
+
+
+def test_two_sensors_are_equal_where_their_curves_cross():
+    of = shown(study_of(*BOTH, matrices=["lmmse"]))
+    found = drawing("levels", of)["crossovers"]
+    assert found[0]["lux"] is not None
+    (maker,) = of.makers.values()
+    for crossing in found:
+        lit = [SWEEPS["lux"].at(situation, crossing["lux"]) for situation in of.situations]
+        ours, theirs = (QUANTITIES["snr-y"].of(each, maker(each)) for each in lit)
+        assert ours == pytest.approx(theirs, abs=1e-6)
+
+
+def test_a_saturated_sensor_has_no_snr_and_says_so_everywhere():
+    of = bright()
+    assert drawing("head", of)["sensors"][0]["saturated"]
+    for part in ("stages", "budget", "vectors", "ellipses", "chart", "pareto"):
+        full, fine = drawing(part, of)["sensors"]
+        assert "saturated" in full["why_not"]
+        assert "onyx-rgbw" in full["why_not"]
+        assert fine["why_not"] is None
+    stages = drawing("stages", of)["sensors"][0]
+    assert set(stages["color"].values()) == {None}
+    assert set(stages["lab_sd"].values()) == {None}
+    assert drawing("vectors", of)["sensors"][0]["ellipsoid"] is None
+    first = drawing("levels", of)["curves"][0]
+    beyond = [lux > 10.0 for lux in drawing("levels", of)["lux"]]
+    assert all(v is None for v, out in zip(first["values"], beyond, strict=True) if out)
+    assert first["saturated_from_lux"] < 10.0
+
+
+def test_the_frame_is_orthonormal_and_spans_the_color_axes():
+    axes = color_axes(DEFAULT_GRID, "quanta")
+    frame = color_frame(axes)
+    np.testing.assert_allclose(frame.T @ frame, np.eye(3), atol=1e-12)
+    np.testing.assert_allclose(frame @ (frame.T @ axes), axes, atol=1e-12 * np.abs(axes).max())
+    told = drawing("vectors", usual())["axes"]
+    assert all(axis["at"][i] > 0 for i, axis in enumerate(told))
+    assert [np.linalg.norm(axis["at"]) for axis in told] == pytest.approx([1, 1, 1])
+
+
+def test_angles_between_axes_in_the_frame_are_those_of_the_spectra():
+    axes = color_axes(DEFAULT_GRID, "quanta")
+    x, y = (np.array(axis["at"]) for axis in drawing("vectors", usual())["axes"][:2])
+    cosine = axes[:, 0] @ axes[:, 1] / np.linalg.norm(axes[:, 0]) / np.linalg.norm(axes[:, 1])
+    assert x @ y == pytest.approx(cosine, rel=1e-12)
+
+
+def test_the_share_of_the_norm_is_what_least_squares_on_x_y_z_leaves():
+    """By another road: fit the vector by the color axes; the residual is what lies outside."""
+    axes = color_axes(DEFAULT_GRID, "quanta")
+    analysis = usual().analyses[0]
+    light = reconstructed_light(analysis.matrix.frame, analysis.raw.mean)
+    told = drawing("vectors", usual())["sensors"][0]
+    for vector, share in [
+        (light, told["light"]["norm_share"]),
+        *zip(
+            analysis.matrix.frame.basis.T,
+            [channel["norm_share"] for channel in told["channels"]],
+            strict=True,
+        ),
+    ]:
+        scaled = axes / np.linalg.norm(axes, axis=0)
+        fit, *_ = np.linalg.lstsq(scaled, vector, rcond=None)
+        rest = vector - scaled @ fit
+        assert share == pytest.approx(1 - rest @ rest / (vector @ vector), rel=1e-9)
+
+
+def test_the_ellipsoid_projected_on_an_axis_has_the_spread_of_that_color():
+    """A color axis lies in the frame, so the ellipsoid casts its shadow as the SNR tells it."""
+    of = usual()
+    told = drawing("vectors", of, Look(magnification=1.0))
+    for analysis, sensor in zip(of.analyses, told["sensors"], strict=True):
+        direction = np.array(told["axes"][1]["at"])
+        center = direction @ sensor["ellipsoid"]["center"]
+        shadow = np.linalg.norm(np.array(sensor["ellipsoid"]["half_axes"]) @ direction)
+        snr = 20 * np.log10(center / (shadow / told["sigmas"]))
+        kernel = analysis.color.mean[1] / np.sqrt(analysis.color.variance[1])
+        assert snr == pytest.approx(20 * np.log10(kernel), rel=1e-9)
+
+
+def test_half_axes_rebuild_the_covariance():
+    covariance = np.array([[4.0, 1.0, 0.0], [1.0, 3.0, 0.5], [0.0, 0.5, 2.0]])
+    axes = half_axes(covariance)
+    np.testing.assert_allclose(axes.T @ axes, covariance, atol=1e-12)
+    assert np.linalg.norm(axes[0]) >= np.linalg.norm(axes[1]) >= np.linalg.norm(axes[2])
+
+
+@pytest.mark.parametrize(
+    ("largest", "magnification"), [(0.3, 1.0), (0.31, 0.5), (0.05, 5.0), (3e-4, 1000.0), (0.0, 1.0)]
+)
+def test_the_magnification_is_a_round_number_that_fits(largest, magnification):
+    assert round_magnification(largest, 0.3) == pytest.approx(magnification)
+
+
+def test_a_magnification_that_is_asked_for_is_taken():
+    one, two = (drawing("vectors", usual(), Look(magnification=m))["sensors"] for m in (1.0, 3.0))
+    small, large = (np.array(told[0]["ellipsoid"]["half_axes"]) for told in (one, two))
+    np.testing.assert_allclose(large, 3 * small)
+
+
+def test_chart_errors_are_those_of_analyze():
+    for own, told in zip(analyzed_as_json(), drawing("chart", usual())["sensors"], strict=True):
+        assert told["mean_delta_e"] == own["color_error_mean"]
+        errors = [patch["delta_e"] for patch in told["patches"]]
+        assert np.mean(errors) == pytest.approx(own["color_error_mean"], rel=1e-12)
+
+
+def test_chart_noise_is_that_of_the_electrons_own_law():
+    analysis = usual().analyses[1]
+    told = drawing("chart", usual())["sensors"][1]["patches"]
+    chart, some = colorchecker(DEFAULT_GRID), [0, 12, 21]
+    scene = replace(analysis.scene, reflectance=chart.values.T[some])
+    exact = exact_noise(
+        expected_electrons(scene, analysis.sensor, analysis.exposure),
+        analysis.matrix.matrix,
+        analysis.color.mean,
+        read_noise_e=analysis.sensor.pixel.read_noise_e,
+        points=2**11,
+    )
+    np.testing.assert_allclose([told[i]["noise"] for i in some], exact.delta_e, rtol=0.02)
+
+
+def test_ellipses_are_closed_and_of_48_points_around_their_center():
+    for plane in ("ab", "xy"):
+        for sensor in drawing("ellipses", usual(), Look(plane=plane))["sensors"]:
+            assert len(sensor["patches"]) == 24
+            for patch in sensor["patches"]:
+                outline = np.array(patch["outline"])
+                assert outline.shape == (48, 2)
+                assert patch["outline"][0] == patch["outline"][-1]
+                reach = np.abs(outline - patch["center"]).max()
+                middle = outline[:-1].mean(axis=0)
+                np.testing.assert_allclose(middle, patch["center"], atol=0.01 * reach)
+
+
+def test_ellipses_hold_the_share_of_draws_that_two_sigma_hold():
+    """Drawn electrons through the matrix: 1 - exp(-2) of them lie within."""
+    seen = patches_of(usual().analyses[1])
+    rng = np.random.default_rng(7)
+    xyz = rng.multivariate_normal(seen.xyz.mean[12], seen.xyz.covariance[12], size=20_000)
+    for plane in ("ab", "xy"):
+        _, center, covariance = in_plane(seen, plane)
+        if plane == "ab":
+            relative = np.cbrt(xyz / seen.white)
+            points = np.stack(
+                [500 * (relative[:, 0] - relative[:, 1]), 200 * (relative[:, 1] - relative[:, 2])],
+                axis=1,
+            )
+        else:
+            balanced = xyz / seen.white * seen.true_white
+            points = balanced[:, :2] / balanced.sum(axis=1, keepdims=True)
+        away = points - center[12]
+        distance2 = np.einsum("ki,ij,kj->k", away, np.linalg.inv(covariance[12]), away)
+        assert (distance2 < 4).mean() == pytest.approx(1 - np.exp(-2), abs=0.02)
+
+
+def test_colors_on_the_screen_are_those_of_srgb():
+    white, gray = np.array([0.9, 1.0, 0.8]), 0.18
+    (told,) = hex_colors(gray * white[None], white)
+    code = round(255 * float(encoded_srgb(np.full(3, gray), np.ones(3))[0]))
+    assert told == f"#{code:02x}" + 2 * f"{code:02x}"
+
+
+def test_chromaticity_of_equal_energy_is_a_third_and_its_slope_that_of_differences():
+    xyz = np.array([[1.0, 1.0, 1.0], [0.3, 0.5, 0.1], [-0.3, 0.2, 0.05]])
+    white = np.ones(3)
+    np.testing.assert_allclose(XYY.from_xyz(xyz, white)[0], [1 / 3, 1 / 3, 1.0])
+    step = 1e-6
+    for k in range(3):
+        moved = [XYY.from_xyz(xyz + s * step * np.eye(3)[k], white) for s in (1, -1)]
+        slope = (moved[0] - moved[1]) / (2 * step)
+        np.testing.assert_allclose(XYY.jacobian(xyz, white)[..., k], slope, rtol=1e-5, atol=1e-6)
+
+
+def test_the_pareto_curve_trades_error_for_noise_and_passes_through_its_own_matrix():
+    of = shown(study_of("onyx-rgbw", matrices=["noise-regularized=1"]))
+    (told,) = drawing("pareto", of)["sensors"]
+    assert noise_weights(1e-3, 1e3, points=13)[6] == pytest.approx(1.0)
+    at_one = told["points"][6]
+    assert told["now"]["snr_db"] == pytest.approx(at_one["snr_db"], rel=1e-9)
+    assert told["now"]["color_error"] == pytest.approx(at_one["color_error"], rel=1e-9)
+    snr = [p["snr_db"] for p in told["points"]]
+    assert snr == sorted(snr)
+
+
+def test_the_verdict_of_the_papers_sensors_is_the_papers():
+    told = " ".join(drawing("head", usual())["verdict"])
+    assert "onyx-rgbw is 4.5 dB better than onyx-rgb-ircut in raw" in told
+    assert "6.4 dB worse in luminance" in told
+    assert "unmixing its correlated channels" in told
+    assert "Delta E*ab" in told
+
+
+def test_the_verdict_does_not_depend_on_the_order_of_sensors():
+    one = verdict_sentences(usual().analyses)
+    other = verdict_sentences(usual().analyses[::-1])
+    assert one[:2] == other[:2]
+
+
+def test_the_verdict_tells_of_saturated_sensors_and_of_one_alone():
+    told = drawing("head", bright())["verdict"]
+    assert len(told) == 2
+    assert told[0].startswith("At 10 lx of E onyx-rgb-ircut has")
+    assert told[1].startswith("onyx-rgbw: ")
+    assert "saturated" in told[1]
+
+
+@pytest.mark.parametrize(
+    "names",
+    [
+        ("onyx-rgbw",),
+        ("onyx-rgbw", "onyx-rgbw"),
+        ("model-cmy-ircut", "onyx-rgb-ircut", "model-rgbir"),
+        ("model-mono", "gsense4040bsi"),
+        ("model-mono", "onyx-rgb"),
+    ],
+    ids=" ".join,
+)
+@pytest.mark.parametrize("level_lux", [0.001, 1000.0])
+def test_every_set_of_sensors_has_a_verdict_of_whole_sentences(names, level_lux):
+    told = drawing("head", shown(study_of(*names, level_lux=level_lux)))["verdict"]
+    assert told
+    for sentence in told:
+        assert sentence.endswith(".")
+        assert not re.search(r"\b(nan|inf|None)\b", sentence)
+
+
+def test_equal_sensors_are_told_apart_and_level():
+    of = shown(study_of("onyx-rgbw", "onyx-rgbw"))
+    assert [s.sensor.name for s in of.situations] == ["onyx-rgbw", "onyx-rgbw (2)"]
+    assert "level with onyx-rgbw (2)" in drawing("head", of)["verdict"][0]
+
+
+def test_an_unknown_part_plane_or_coordinate_is_refused():
+    with pytest.raises(InputError, match="unknown part"):
+        drawing("waterfall", usual())
+    with pytest.raises(InputError, match="unknown plane"):
+        Look(plane="uv")
+    with pytest.raises(InputError, match="unknown coordinate"):
+        drawing("budget", usual(), Look(coordinate="Q"))
+
+
+def test_an_added_cut_in_a_study_is_that_of_the_sweep():
+    told = {"sensors": [{"name": "onyx-rgbw", "ircut_nm": 650.0}]}
+    (cut,) = situations_of(study_from_data(told, source="a test"))
+    (bare,) = situations_of(study_of("onyx-rgbw"))
+    swept = SWEEPS["ircut-nm"].at(bare, 650.0)
+    np.testing.assert_array_equal(cut.sensor.qe, swept.sensor.qe)
+    assert "IR-cut at 650 nm" in cut.sensor.notes[-1]
+
+
+def test_shifted_curves_peak_where_they_did_and_the_shift_away():
+    """A sensor whose curves are straight lines moves exactly; there and back keeps the middle."""
+    sensor = sensor_named("model-rgb", DEFAULT_GRID)
+    red = with_shifted_curves(sensor, 20.0)
+    at = DEFAULT_GRID.wavelength_nm
+    for i in range(3):
+        visible = at < 600
+        before = at[visible][sensor.qe[visible, i].argmax()]
+        if 420 < before < 570:
+            moved = at < 620
+            assert at[moved][red.qe[moved, i].argmax()] == before + 20.0
+    np.testing.assert_allclose(red.qe[4:], sensor.qe[:-4], atol=1e-15)
+    np.testing.assert_array_equal(red.qe[:4], np.tile(sensor.qe[0], (4, 1)))
+    back = with_shifted_curves(red, -20.0)
+    np.testing.assert_allclose(back.qe[:-4], sensor.qe[:-4], atol=1e-15)
+    assert "400 to 420 nm" in red.notes[-1]
+    assert "1030 to 1050 nm" in back.notes[-1]
+    assert with_shifted_curves(sensor, 0.0) is sensor
+
+
+def test_a_shift_of_half_a_step_takes_the_mean_of_neighbors():
+    sensor = sensor_named("onyx-rgbw", DEFAULT_GRID)
+    half = with_shifted_curves(sensor, 2.5)
+    np.testing.assert_allclose(half.qe[1:], (sensor.qe[1:] + sensor.qe[:-1]) / 2, atol=1e-15)
+
+
+@pytest.mark.parametrize("shift_nm", [201.0, -201.0, float("nan")])
+def test_a_shift_out_of_reason_is_refused(shift_nm):
+    with pytest.raises(InputError, match="shift of curves must be -200 to 200"):
+        with_shifted_curves(sensor_named("onyx-rgbw", DEFAULT_GRID), shift_nm)
+
+
+def test_curves_are_shifted_before_the_added_cut_which_stays_where_it_is():
+    told = {"sensors": [{"name": "onyx-rgb", "ircut_nm": 650.0, "shift_nm": 30.0}]}
+    sensor = sensor_of(study_from_data(told, source="a test").sensors[0])
+    moved = with_shifted_curves(sensor_named("onyx-rgb", DEFAULT_GRID), 30.0)
+    np.testing.assert_array_equal(sensor.qe, behind_ir_cut(moved, 650.0).qe)
+    edge = int(np.argmax(DEFAULT_GRID.wavelength_nm == 650.0))
+    np.testing.assert_allclose(sensor.qe[edge], 0.5 * moved.qe[edge])
+
+
+def test_the_grays_noise_is_that_of_the_full_cubature():
+    for analysis, told in zip(usual().analyses, drawing("stages", usual())["sensors"], strict=True):
+        full = grey_noise_as_json(grey_noise(analysis, LAB))["sd_normal_law"]
+        assert told["lab_sd"] == pytest.approx(full, rel=3e-3)

@@ -1,0 +1,95 @@
+"""The forms in which a pixel comes: what people have is read, or told how to write."""
+
+import pytest
+
+from chromanoise._check import InputError
+from chromanoise.sensor.emva import pixel_from_emva
+from chromanoise.sensor.noise_profile import is_noise_profile_text, read_noise_profile
+from chromanoise.sensor.photon_transfer_csv import (
+    is_photon_transfer_text,
+    read_photon_transfer_csv,
+)
+
+ROWS = "64,1.5\n164,51.5\n264,101.5\n364,151.5\n"
+
+
+@pytest.fixture
+def file(tmp_path):
+    def write(text):
+        path = tmp_path / "pixel.txt"
+        path.write_text(text)
+        return path
+
+    return write
+
+
+def test_a_noise_profile_alone_tells_the_read_noise_in_electrons(file):
+    # 1 / S = 5000 e- from black to white; sqrt(O) = 0.001 of them
+    told = read_noise_profile(file("NoiseProfile: 0.0002 0.000001\n"))
+    assert told.read_noise_e == pytest.approx(5.0, rel=1e-12)
+    assert told.gain_e_per_dn is None
+    assert any("5000 e- lie between" in note for note in told.notes)
+    assert any("no BlackLevel" in note for note in told.notes)
+
+
+def test_with_its_levels_a_noise_profile_tells_the_gain_too(file):
+    # docs of DNG: S = 1 / (2 e-/DN * 200 DN); O = (20^2 + 1/12) / 200^2
+    pairs = "0.0025 0.0100020833 0.0025 0.0100020833"
+    text = f"Noise Profile : {pairs}\nBlack Level: 55 55\nWhiteLevel=255\n"
+    told = read_noise_profile(file(text))
+    assert told.gain_e_per_dn == pytest.approx(2.0)
+    assert told.read_noise_e == pytest.approx(40.0, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("NoiseProfile: 0.0002\n", r"S and O of each channel, but holds 1"),
+        ("a\nNoiseProfile: 0.0002 low\n", r"line 2: '0.0002 low' are no finite numbers"),
+        ("NoiseProfile: 0.0002 1e-6\nBlackLevel: 64\n", r"write both or neither"),
+        ("NoiseProfile: 2e-4 1e-6\nBlackLevel: 6 7\nWhiteLevel: 9", r"one number each"),
+        ("NoiseProfile: 2e-4 -1e-6\n", r"O of pixel.txt"),
+    ],
+)
+def test_a_noise_profile_that_is_cut_short_is_refused(file, text, told):
+    assert is_noise_profile_text(text)
+    with pytest.raises(InputError, match=told):
+        read_noise_profile(file(text))
+
+
+@pytest.mark.parametrize(
+    "head", ["mean_dn,variance_dn2", "Mean [DN],Variance [DN^2]", "signal (ADU),var (DN2)"]
+)
+def test_a_photon_transfer_says_its_units_in_any_of_the_usual_ways(file, head):
+    assert is_photon_transfer_text(head)
+    table = read_photon_transfer_csv(file(f"{head}\n{ROWS}"))
+    assert table.mean_dn.tolist() == [64, 164, 264, 364]
+    assert table.variance_dn2.tolist() == [1.5, 51.5, 101.5, 151.5]
+
+
+def test_a_photon_transfer_without_units_is_asked_for_them(file):
+    assert is_photon_transfer_text("mean,variance")
+    with pytest.raises(InputError, match=r"line 1 names mean and variance without a unit.*mean_dn"):
+        read_photon_transfer_csv(file(f"mean,variance\n{ROWS}"))
+
+
+def test_a_file_of_no_known_form_is_told_all_forms_with_an_example_each():
+    with pytest.raises(InputError) as refused:
+        pixel_from_emva({"price": (3.0, "EUR")})
+    for example in ("sigma_d = 2.4 e-", "mean_dn,variance_dn2", "NoiseProfile: 0.0002", '"S"'):
+        assert example in str(refused.value)
+
+
+def test_only_a_saturation_capacity_is_said_to_be_taken_for_the_full_well():
+    said = pixel_from_emva({"saturation capacity": (9000.0, "e-")}).notes
+    assert any("saturation capacity, is taken for the full well" in note for note in said)
+    assert not any(
+        "taken for the full" in n for n in pixel_from_emva({"full well": (9e3, "e-")}).notes
+    )
+
+
+def test_a_gain_without_bits_is_said_to_be_unused():
+    alone = pixel_from_emva({"K": (0.5, "DN/e-")}).notes
+    assert any("gain of 2 e-/DN is not used; a converter needs the bits" in n for n in alone)
+    both = pixel_from_emva({"K": (0.5, "DN/e-"), "bits": (12.0, "")}).notes
+    assert not any("is not used" in n for n in both)

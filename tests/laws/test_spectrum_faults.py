@@ -1,0 +1,127 @@
+"""What a file of spectra lacks is said with curve and range; what only a person knows is asked."""
+
+import numpy as np
+import pytest
+from scipy.io import savemat
+
+from chromanoise._check import InputError
+from chromanoise.spectra import Spectra
+from chromanoise.spectra.files import Answers, read_curves
+from chromanoise.study.spectra_files import spectra_csv, spectra_spdx
+
+AT_NM = np.arange(400.0, 701.0, 10.0)
+
+
+@pytest.fixture
+def file(tmp_path):
+    def write(text, name="curves.csv"):
+        path = tmp_path / name
+        path.write_text(text)
+        return path
+
+    return write
+
+
+def abouts(told):
+    return {question.about for question in told.questions}
+
+
+def matlab(path, data, at=AT_NM):
+    savemat(path, {"wavelength": at, "data": data})
+    return path
+
+
+def test_no_straight_line_bridges_lost_values_of_matlab_unsaid(tmp_path):
+    data = np.full((AT_NM.size, 2), 0.25)
+    data[5:26, 1] = np.nan  # 450-650 nm
+    told = read_curves(matlab(tmp_path / "lost.mat", data))
+    assert told.gaps_nm == ((440.0, 660.0),)
+    lost = "2: 21 values that are no number (NaN) at 450-650; straight lines join their neighbors"
+    assert lost in told.defects
+    assert any("a gap of 2 from 440 to 660 nm" in defect for defect in told.defects)
+
+
+def test_a_wavelength_that_is_no_number_is_refused(tmp_path):
+    at = AT_NM.copy()
+    at[3] = np.nan
+    with pytest.raises(InputError, match=r"'wavelength' holds NaN"):
+        read_curves(matlab(tmp_path / "lost.mat", np.ones((at.size, 1)), at))
+
+
+def test_square_data_say_which_axis_was_taken(tmp_path):
+    path = matlab(tmp_path / "square.mat", np.eye(3) / 2, np.array([400.0, 500.0, 600.0]))
+    assert any("3 by 3: its rows are taken for wavelengths" in n for n in read_curves(path).notes)
+
+
+def test_empty_cells_are_said_with_their_curve_and_range(file):
+    rows = [f"{w:g},{'' if 450 <= w <= 650 else 0.2},0.3" for w in AT_NM]
+    told = read_curves(file("\n".join(["nm,R,G", *rows])))
+    assert "R: 21 empty cells at 450-650; straight lines join their neighbors" in told.defects
+    assert told.gaps_nm == ((440.0, 660.0),)
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("nm,R,G\n400,.1,.2\n500,.2\n600,.3,.4,.5\n", r"line 4 has 4 cells, the heading has 3"),
+        ("nm,R\n400,.1\n-400,.2\n500,.1\n", r"line 3: a wavelength must be > 0, but is -400"),
+        ("X,Y\n400,.1\n500,.2\n0,.2\n", r"line 4: a wavelength must be > 0, but is 0"),
+    ],
+)
+def test_a_row_that_does_not_fit_is_named_by_its_line(file, text, told):
+    with pytest.raises(InputError, match=told):
+        read_curves(file(text))
+
+
+def test_one_ragged_row_has_and_two_have(file):
+    one = read_curves(file("nm,R,G\n400,.1,.2\n500,.2\n600,.3,.4\n700,.1,.1\n"))
+    assert "ragged rows: line 3 has fewer than 3 cells" in one.defects
+    two = read_curves(file("nm,R,G\n400,.1,.2\n500,.2\n550,.2\n600,.3,.4\n700,.1,.1\n"))
+    assert "ragged rows: lines 3, 4 have fewer than 3 cells" in two.defects
+
+
+def test_values_of_unknown_scale_stay_as_they_are_and_are_asked_about(file):
+    # CIE FL2 begins so: power relative to no whole, with a peak of 35
+    told = read_curves(file("wavelength,FL2\n380,1.18\n545,34.98\n780,2.0\n"))
+    assert told.curves.values.max() == 34.98
+    assert "scale" in abouts(told)
+    percent = read_curves(file("nm,FL2\n380,1.18\n780,35\n"), answers=Answers(scale="percent"))
+    assert percent.curves.values.max() == pytest.approx(0.35)
+
+
+def test_a_heading_in_percent_is_an_answer(file):
+    told = read_curves(file("nm,R [%]\n400,10\n700,40\n"))
+    assert told.curves.values.ravel() == pytest.approx([0.1, 0.4])
+    assert "scale" not in abouts(told)
+
+
+@pytest.mark.parametrize("beyond", ["zero", "hold"])
+def test_what_was_answered_is_asked_of_no_defect(file, beyond):
+    path = file("nm,R\n450,.1\n700,1\n")
+    assert any("asks --beyond" in defect for defect in read_curves(path).defects)
+    assert any("look relative" in defect for defect in read_curves(path).defects)
+    told = read_curves(path, answers=Answers(beyond=beyond, level="absolute"))
+    assert not any("asks" in defect or "relative" in defect for defect in told.defects)
+    assert sum(f"{beyond} beyond" in defect for defect in told.defects) == 2
+
+
+def lamp(**changes):
+    facts = {"notes": ("level: relative", "light counted per photon"), "source": "a bench"}
+    return Spectra(
+        wavelength_nm=np.array([400.0, 700.0]), values=np.array([[1.0], [3.0]]), names=("lamp",),
+        quantity="power", unit="1", **(facts | changes),
+    )  # fmt: skip
+
+
+def test_tm_27_keeps_name_level_and_how_light_is_counted(file):
+    text = spectra_spdx(lamp(source="/home/someone/lamp.csv"), "lamp", created="2026-01-31")
+    assert "someone" not in text
+    told = read_curves(file(text, "lamp.spdx"))
+    assert told.curves.names == ("lamp",)
+    assert (told.quantity, told.level, told.per) == ("power", "relative", "photon")
+
+
+def test_csv_of_ours_keeps_source_notes_and_how_light_is_counted(file):
+    told = read_curves(file(spectra_csv(lamp())))
+    assert (told.said_source, told.said_notes) == (lamp().source, lamp().notes)
+    assert (told.quantity, told.level, told.per) == ("power", "relative", "photon")

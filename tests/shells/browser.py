@@ -1,0 +1,207 @@
+"""A browser that looks at the page: what the tests of the page share.
+
+Whoever opens a page with it fails where the page complains on its console, or asks anything of
+anybody but its own server.
+"""
+
+import base64
+import json
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+from contextlib import contextmanager
+
+import pytest
+
+TIMEOUT_MS = 15_000  # generous: the machine may be busy
+DRAWN = "section.panel[data-part]:not([data-part=picture])"
+
+
+@contextmanager
+def served(*arguments, port=0):
+    """A server of its own process: its address, and the process."""
+    script = "from chromanoise.cli import main; main()"
+    process = subprocess.Popen(
+        [sys.executable, "-c", script, "serve", "--port", str(port), *map(str, arguments)],
+        stdout=subprocess.PIPE,
+        text=True,
+        env=os.environ | {"PYTHONUNBUFFERED": "1"},
+    )
+    try:
+        yield process.stdout.readline().split()[0], process
+    finally:
+        stopped(process)
+
+
+def stopped(process):
+    """End a server as Ctrl-C does."""
+    if process.poll() is None:
+        process.send_signal(signal.SIGINT)
+    process.communicate(timeout=60)
+
+
+@pytest.fixture(scope="module")
+def address():
+    """Where a server listens, one for all tests of a module."""
+    with served() as (where, _):
+        yield where
+
+
+@pytest.fixture(scope="module")
+def browser():
+    """Chromium without a window, one for all tests of a module."""
+    playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
+    program = shutil.which("chromium") or shutil.which("chromium-browser")
+    if program is None:
+        pytest.skip("there is no chromium; apt-get install chromium")
+    playwright.expect.set_options(timeout=TIMEOUT_MS)
+    with playwright.sync_playwright() as started:
+        one = started.chromium.launch(executable_path=program, args=["--no-sandbox"])
+        yield one
+        one.close()
+
+
+class Watch:
+    """What went wrong in the windows of a test; `forgive` takes patterns of what has to."""
+
+    def __init__(self):
+        self.wrong = []
+        self.outside = []
+        self.forgiven = []
+
+    def forgive(self, pattern):
+        self.forgiven.append(re.compile(pattern))
+
+    def hear(self, kind, text):
+        if kind in ("error", "warning"):
+            self.wrong.append(f"{kind}: {text}")
+
+    def refuse(self, route):
+        self.outside.append(route.request.url)
+        route.abort()
+
+    def unforgiven(self):
+        return [text for text in self.wrong if not any(p.search(text) for p in self.forgiven)]
+
+
+@pytest.fixture
+def watch():
+    """What the windows of this test complain of; at its end it has to be nothing."""
+    one = Watch()
+    yield one
+    assert one.unforgiven() == []
+    assert one.outside == []
+
+
+@pytest.fixture
+def window(browser, address, watch):
+    """Open the page in a context of its own and wait for its first numbers."""
+    contexts = []
+
+    def opened(state=None, *, at=None, wait=True, **settings):
+        settings = {"viewport": {"width": 1280, "height": 900}} | settings
+        context = browser.new_context(**settings)
+        contexts.append(context)
+        context.set_default_timeout(TIMEOUT_MS)
+        where = at or address
+        context.route(re.compile(f"^(?!{re.escape(where)}|blob:|data:)"), watch.refuse)
+        context.on("console", lambda told: watch.hear(told.type, told.text))
+        context.on("weberror", lambda told: watch.hear("error", str(told.error)))
+        page = context.new_page()
+        page.goto(where + ("" if state is None else f"#{packed(state)}"))
+        if wait:
+            at_rest(page)
+        return page
+
+    yield opened
+    for context in contexts:
+        context.close()
+
+
+def packed(state):
+    """A state as the address holds it; text goes in as it is."""
+    if isinstance(state, str):
+        return state
+    return base64.urlsafe_b64encode(json.dumps(state).encode()).decode().rstrip("=")
+
+
+def state_of(page):
+    """The state that the address holds now, or None."""
+    _, _, text = page.url.partition("#")
+    return json.loads(base64.urlsafe_b64decode(text + "=" * (-len(text) % 4))) if text else None
+
+
+def until(page, truth, argument=None):
+    """Wait, frame by frame, until a JavaScript function of `argument` is true."""
+    # not wait_for_function: the policy of the page allows no text that becomes code
+    waiting = f"""(told) => new Promise((done, failed) => {{
+        const until = performance.now() + {TIMEOUT_MS};
+        const look = () => {{
+            if (({truth})(told)) return done(true);
+            if (performance.now() > until) return failed(new Error("never true: " + {truth!r}));
+            setTimeout(look, 10);
+        }};
+        look();
+    }})"""
+    page.evaluate(waiting, argument)
+
+
+def at_rest(page):
+    """Wait until every drawing has been made of the state that is shown."""
+    until(page, f"() => document.querySelectorAll('{DRAWN}[aria-busy]').length === 0")
+    until(page, "() => Number(document.documentElement.dataset.painted) > 0")
+
+
+def painted(page):
+    """The number of the last answer that was painted."""
+    return int(page.evaluate("document.documentElement.dataset.painted"))
+
+
+def answer_to(page, act, *, changes="study"):
+    """Act, and wait until what came of it is painted: the question, and the answer's parts."""
+    before = asked_last(page)
+
+    def is_it(reply):
+        if not reply.url.endswith("/api/answer"):
+            return False
+        question = reply.request.post_data_json
+        return question["number"] > 0 and question[changes] != before.get(changes)
+
+    with page.expect_response(is_it) as caught:
+        act()
+    reply = caught.value
+    question = reply.request.post_data_json
+    assert reply.status == 200, reply.text()
+    until(
+        page,
+        "(n) => Number(document.documentElement.dataset.painted) >= n",
+        question["number"],
+    )
+    page.asked_last = question
+    return question, reply.json()["parts"]
+
+
+def asked_last(page):
+    """The last question that `answer_to` saw, else the one that the address stands for."""
+    known = getattr(page, "asked_last", None)
+    return known or {"study": (state_of(page) or {}).get("study"), "look": None}
+
+
+def in_address(page, study):
+    """Wait until the address holds this study."""
+    page.wait_for_url(lambda _: (state_of(page) or {}).get("study") == study)
+
+
+def shown(page):
+    """All words and numbers of the drawings."""
+    return page.evaluate(
+        "[...document.querySelectorAll('#verdict, #reasons, #panels .body')]"
+        ".map((node) => node.textContent).join('\\n')"
+    )
+
+
+# a test module makes them its own: address, browser, watch, window = FIXTURES
+FIXTURES = (address, browser, watch, window)

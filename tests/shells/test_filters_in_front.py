@@ -1,0 +1,122 @@
+"""A filter in front of sensors, by name, of a user's folder or of a file: commands and studies."""
+
+import json
+
+import numpy as np
+import pytest
+
+from chromanoise.sensor import sensor_named
+from chromanoise.spectra import DEFAULT_GRID
+from chromanoise.study.runs import (
+    provenance,
+    study_as_command,
+    study_as_python,
+    study_from_text,
+    study_hash,
+)
+from chromanoise.study.runs.named import sensor_of
+from chromanoise.study.words import behind_filter_of_word, filter_files, filter_of_word
+from outcomes import refused
+
+SOURCES = """[gray-glass]
+kind = "filter"
+what = "a gray glass of a test"
+quantity = "transmittance"
+unit = "1"
+level = "absolute"
+source = "made up for this test"
+license = "CC0-1.0"
+defects = "none"
+"""
+GLASS = "wavelength_nm,T\n380,0.25\n1060,0.25\n"
+STUDY = '[[sensors]]\nname = "onyx-rgb"\n[[sensors]]\nname = "onyx-rgb"\nfilter = "{}"\n'
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "mine" / "SOURCES.toml").write_text(SOURCES)
+    (tmp_path / "mine" / "gray-glass.csv").write_text(GLASS)
+    (tmp_path / "glass.csv").write_text(GLASS.replace("0.25", "25").replace("T", "T [%]"))
+    monkeypatch.setenv("CHROMANOISE_CATALOG", str(tmp_path / "mine"))
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.mark.parametrize("word", ["gray-glass", "glass.csv", "./glass.csv"])
+def test_a_gray_glass_of_a_quarter_takes_three_quarters_of_every_curve(folder, word):
+    bare = sensor_named("onyx-rgb", DEFAULT_GRID)
+    behind = behind_filter_of_word(bare, word)
+    np.testing.assert_allclose(behind.qe, bare.qe / 4, rtol=1e-12)
+    assert behind.name == f"onyx-rgb+{'gray-glass' if word == 'gray-glass' else 'glass'}"
+    assert behind.pixel == bare.pixel
+    assert any("behind the filter" in note for note in behind.notes)
+
+
+@pytest.mark.parametrize("word", ["gray-glass", "glass.csv"])
+def test_behind_a_gray_glass_the_time_of_saturation_is_four_times_as_long(run, folder, word):
+    def times(*more):
+        code, out, err = run("analyze", "onyx-rgb", "model-rgb", *more, "--json", "-")
+        assert code == 0, err
+        told = json.loads(out)["sensors"]
+        return [one["name"] for one in told], [one["time_ms"] for one in told]
+
+    names, bare = times()
+    behind, long = times("--filter", word)
+    assert behind == [f"{name}+{word.removesuffix('.csv')}" for name in names]
+    assert long == pytest.approx([4 * time for time in bare], rel=1e-9)
+
+
+def test_a_measured_filter_brings_its_source_and_a_model_says_that_it_is_one():
+    assert "Schott" in " ".join(filter_of_word("ircut-schott", beyond="hold").notes)
+    (note,) = filter_of_word("ircut-650/20").notes
+    assert "model" in note
+
+
+def test_a_filter_of_a_study_has_its_own_name_enters_the_hash_and_the_files(folder):
+    one, other = (study_from_text(STUDY.format(w), source="t") for w in ("ircut-650", "ircut-651"))
+    assert [sensor_of(part).name for part in one.sensors] == ["onyx-rgb", "onyx-rgb+ircut-650"]
+    assert study_hash(one) != study_hash(other)
+    assert filter_files("ircut-650") == ()
+    told = study_from_text(STUDY.format("glass.csv"), source="t")
+    assert list(provenance(told)["files"]) == ["glass.csv"]
+    before = study_hash(told)
+    (folder / "glass.csv").write_text(GLASS)
+    assert study_hash(told) != before
+
+
+def test_a_filter_of_a_command_is_copied_as_a_study_and_comes_back_as_the_command(run, folder):
+    line = ["analyze", "onyx-rgb", "--filter", "gray-glass"]
+    code, out, err = run(*line, "--copy-as", "toml")
+    assert (code, err) == (0, "")
+    study = study_from_text(out, source="copied")
+    assert study.sensors[0].filter == "gray-glass"
+    assert study_as_command(study) == f"chromanoise {' '.join(line)}"
+    made = {}
+    exec(compile(study_as_python(study).replace("print(", "str("), "script", "exec"), made)
+    np.testing.assert_allclose(
+        made["sensors"][0].qe, sensor_named("onyx-rgb", DEFAULT_GRID).qe / 4, rtol=1e-12
+    )
+
+
+@pytest.mark.parametrize(
+    ("word", "parts"),
+    [
+        ("ircut-schot", ("unknown filter", "ircut-schott")),
+        ("gray-glas", ("unknown filter", "gray-glass")),
+        ("ircut-6.5.0", ("not a number",)),
+        ("none.csv", ("none.csv: cannot be read",)),
+        ("two.csv", ("two.csv", "2 curves", "a filter is one")),
+        ("short.csv", ("short.csv", "400-700 nm only", "--beyond")),
+        ("negative.csv", ("negative.csv", "0 .. 1")),
+    ],
+)
+def test_a_filter_that_cannot_be_is_one_sentence(run, folder, word, parts):
+    (folder / "two.csv").write_text("wavelength_nm,A,B\n380,0.5,0.5\n1060,0.5,0.5\n")
+    (folder / "short.csv").write_text("wavelength_nm,T\n400,0.5\n700,0.5\n")
+    (folder / "negative.csv").write_text("wavelength_nm,T\n380,-0.5\n1060,0.5\n")
+    refused(run("analyze", "onyx-rgb", "--filter", word), *parts)
+
+
+def test_no_result_takes_the_place_of_the_file_of_a_filter(run, folder):
+    refused(run("analyze", "onyx-rgb", "--filter", "glass.csv", "--table", "glass.csv"), "is read")

@@ -1,0 +1,213 @@
+"""How the page looks: for every eye, at every size, in light and dark, on paper."""
+
+from importlib.resources import files
+
+import pytest
+
+from shells.browser import FIXTURES, answer_to, at_rest, until
+
+address, browser, watch, window = FIXTURES
+
+RULES = ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa"]
+SIZES = [(360, 740), (768, 1024), (1280, 900), (1920, 1080), (3840, 2160)]
+FULL = {
+    "study": {
+        "light": {"illuminant": "E+0.5xLED850", "level_lux": 20.0},
+        "sensors": [{"name": "onyx-rgbw"}, {"name": "onyx-rgb-ircut"}, {"name": "model-rgbir"}],
+    },
+    "look": {"open": ["stages", "budget", "vectors"]},
+}
+
+
+@pytest.fixture(scope="module")
+def axe():
+    """The checker of accessibility, as text."""
+    pytest.importorskip("axe_core_python", reason="axe-core-python is not installed")
+    return (files("axe_core_python") / "axe.min.js").read_text(encoding="utf-8")
+
+
+def faults_of_access(page, axe):
+    """What axe-core finds, as rule and element."""
+    page.evaluate(f"() => {{ if (!window.axe) {{ {axe} }} }}")
+    found = page.evaluate(
+        "(rules) => axe.run(document, { runOnly: rules, resultTypes: ['violations'] })", RULES
+    )
+    assert len(found["passes"]) > 10
+    return [
+        f"{fault['id']}: {node['target']} {node['failureSummary']}"
+        for fault in found["violations"]
+        for node in fault["nodes"]
+    ]
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_axe_finds_no_fault_in_the_page_nor_in_its_dialogs(window, watch, axe, scheme):
+    watch.forgive("status of 400")
+    page = window(FULL, color_scheme=scheme)
+    page.locator("[data-part=picture]").scroll_into_view_if_needed()
+    page.locator("[data-part=picture] img").first.wait_for()
+    page.locator("#keep").click()
+    page.get_by_label("Name of this ghost").wait_for()
+    page.evaluate("document.querySelectorAll('details').forEach((node) => (node.open = true))")
+    assert faults_of_access(page, axe) == []
+    page.locator("button.equation").first.click()
+    assert faults_of_access(page, axe) == []
+    page.keyboard.press("Escape")
+    page.evaluate("Object.defineProperty(navigator, 'clipboard', { value: null })")
+    page.get_by_role("button", name="Copy as TOML").click()
+    page.get_by_role("dialog").wait_for()
+    assert faults_of_access(page, axe) == []
+    page.keyboard.press("Escape")
+    field = page.get_by_label("Light level in lx")
+    field.fill("-1")
+    field.press("Enter")
+    page.locator(".row .fault").wait_for()
+    file = {"name": "a.csv", "mimeType": "text/csv", "buffer": b"?"}
+    page.locator("#file").set_input_files(file)
+    page.locator(".brought .fault").wait_for()
+    assert faults_of_access(page, axe) == []
+
+
+@pytest.mark.parametrize("size", SIZES, ids=str)
+@pytest.mark.parametrize("state", [None, FULL], ids=["default", "full"])
+def test_nothing_is_wider_than_the_window_and_no_words_of_a_drawing_overlap(window, size, state):
+    width, height = size
+    page = window(state, viewport={"width": width, "height": height})
+    assert page.evaluate("document.documentElement.scrollWidth") <= width
+    assert wider_than_their_panel(page) == []
+    assert overlapping(page) == []
+    assert cut_off(page) == []
+
+
+def wider_than_their_panel(page):
+    """Panels whose content reaches over their edge, unless it scrolls by itself."""
+    return page.evaluate(
+        """[...document.querySelectorAll(".panel .body, .top, .group")]
+            .filter((node) => node.scrollWidth > node.clientWidth + 1)
+            .map((node) => `${node.dataset.part ?? node.className}: ${node.scrollWidth}`)"""
+    )
+
+
+def overlapping(page):
+    """Pairs of words of one figure whose boxes share more than a hair."""
+    return page.evaluate(
+        """() => {
+            const pairs = [];
+            for (const figure of document.querySelectorAll("svg.d-figure")) {
+                const words = [...figure.querySelectorAll("text")].filter((t) => t.textContent);
+                const boxes = words.map((text) => {
+                    // the box of a line holds room above and below the letters
+                    const box = text.getBoundingClientRect();
+                    const high = 0.2 * box.height;
+                    return { text, left: box.left + 1, right: box.right - 1,
+                        top: box.top + high, bottom: box.bottom - high };
+                });
+                boxes.forEach((a, i) => boxes.slice(i + 1).forEach((b) => {
+                    const apart = a.right <= b.left || b.right <= a.left
+                        || a.bottom <= b.top || b.bottom <= a.top;
+                    if (!apart) pairs.push(`${figure.querySelector("title").textContent}: `
+                        + `${a.text.textContent} | ${b.text.textContent}`);
+                }));
+            }
+            return pairs;
+        }"""
+    )
+
+
+def cut_off(page):
+    """Words that reach over the edge of their figure."""
+    return page.evaluate(
+        """[...document.querySelectorAll("svg.d-figure text")].filter((text) => {
+            const [word, all] = [text, text.closest("svg")].map((n) => n.getBoundingClientRect());
+            return word.left < all.left - 1 || word.right > all.right + 1
+                || word.top < all.top - 3 || word.bottom > all.bottom + 3;
+        }).map((text) => text.textContent)"""
+    )
+
+
+@pytest.mark.parametrize("plane", ["ab", "xy"])
+@pytest.mark.parametrize("size", [(360, 740), (1280, 900), (3840, 2160)], ids=str)
+def test_a_unit_of_the_ellipses_is_as_long_across_as_up(window, plane, size):
+    width, height = size
+    look = {"look": FULL["look"] | {"plane": plane}}
+    page = window(FULL | look, viewport={"width": width, "height": height})
+    page.locator("[data-part=ellipses]").first.scroll_into_view_if_needed()
+    # pixels per unit between the labels of the first and the last tick of each axis
+    across, up = page.evaluate(
+        """() => {
+            const ticks = [...document.querySelectorAll("[data-part=ellipses] svg text.d-tick")];
+            const told = ticks.map((t) => {
+                const box = t.getBoundingClientRect();
+                const value = Number(t.textContent.replace("\\u2212", "-"));
+                const middle = [box.left + box.width / 2, box.top + box.height / 2];
+                return { value, middle, end: t.getAttribute("text-anchor") === "end" };
+            });
+            // of the first panel: until an axis begins again
+            const run = (all) => {
+                const last = all.findIndex((t, i) => i > 0 && t.value <= all[i - 1].value);
+                return last < 0 ? all : all.slice(0, last);
+            };
+            const scale = (all, k) => Math.abs((all.at(-1).middle[k] - all[0].middle[k])
+                / (all.at(-1).value - all[0].value));
+            const [x, y] = [false, true].map((end) => run(told.filter((t) => t.end === end)));
+            return [scale(x, 0), scale(y, 1)];
+        }"""
+    )
+    assert across == pytest.approx(up, rel=0.01)
+
+
+def test_dark_is_dark_and_light_is_light_as_the_system_wants_it(window):
+    def brightness(page):
+        return page.evaluate(
+            "getComputedStyle(document.body).backgroundColor.match(/\\d+/g).map(Number)[0]"
+        )
+
+    assert brightness(window(color_scheme="dark")) < 40
+    assert brightness(window(color_scheme="light")) > 200
+    chosen = {"study": FULL["study"], "look": {"theme": "light"}}
+    assert brightness(window(chosen, color_scheme="dark")) > 200
+
+
+def test_on_paper_there_are_no_controls_but_tables(window):
+    page = window(color_scheme="dark")
+    page.emulate_media(media="print")
+    until(page, "() => document.querySelectorAll('.table tbody tr').length > 100")
+    for hidden in ("#controls", "#copy", "button.equation", ".picture-tools", "#theme"):
+        assert page.locator(hidden).first.is_hidden(), hidden
+    assert page.locator("#verdict").is_visible()
+    assert page.locator("svg.d-figure").first.is_visible()
+    assert page.evaluate("getComputedStyle(document.body).backgroundColor") == "rgb(255, 255, 255)"
+    assert len(page.pdf()) > 50_000
+    page.emulate_media(media="screen")
+    until(page, "() => document.querySelectorAll('.table tbody tr').length === 0")
+
+
+def test_saturated_channels_say_so_in_words(window):
+    page = window()
+    field = page.get_by_label("Integration time in ms")
+    field.fill("1000")
+    answer_to(page, lambda: field.press("Enter"))
+    row = page.locator("#electrons tbody tr").first
+    assert row.locator("td").last.inner_text() == "R, G, B, W"
+    until(page, "() => document.querySelector('[data-part=budget]').textContent.includes('satur')")
+    at_rest(page)
+    for part in ("stages", "budget", "ellipses", "levels"):
+        panel = page.locator(f"section[data-part={part}]")
+        panel.scroll_into_view_if_needed()
+        until(
+            page,
+            f"() => /satur/.test(document.querySelector('section[data-part={part}]').textContent)",
+        )
+    assert overlapping(page) == []
+    assert "NaN" not in page.locator("main").inner_text()
+
+
+def test_whoever_wants_to_skip_the_controls_can(window):
+    page = window()
+    page.keyboard.press("Tab")
+    assert page.evaluate("document.activeElement.className") == "skip"
+    before = page.url
+    page.keyboard.press("Enter")
+    assert page.evaluate("document.activeElement.id") == "panels"
+    assert page.url == before
+    assert page.locator("#broken").is_hidden()

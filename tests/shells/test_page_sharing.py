@@ -1,0 +1,229 @@
+"""What comes into the page and goes out of it: files, links, texts; and a server that goes away."""
+
+import csv
+import shlex
+import subprocess
+import sys
+
+import pytest
+
+from shells.browser import (
+    FIXTURES,
+    answer_to,
+    at_rest,
+    in_address,
+    packed,
+    served,
+    shown,
+    state_of,
+    stopped,
+    until,
+)
+
+address, browser, watch, window = FIXTURES
+
+STUDY = {
+    "light": {"illuminant": "E+0.25xLED850", "level_lux": 3.3},
+    "exposure": {"f_number": 2.2, "equal": "saturation"},
+    "sensors": [{"name": "onyx-rgbw", "ircut_nm": 700.0}, {"name": "model-rgbir"}],
+    "matrices": ["noise-regularized=2"],
+}
+SENSOR = "wavelength_nm,R,G,B\n" + "\n".join(
+    f"{nm},{0.1 + 0.3 * (nm > 590)},{0.1 + 0.3 * (500 < nm < 590)},{0.1 + 0.3 * (nm < 500)}"
+    for nm in range(400, 1051, 10)
+)
+LAMP = "wavelength_nm,power_W\n" + "\n".join(f"{nm},{1 + nm / 1000}" for nm in range(400, 1051, 10))
+TOML = '[light]\nlevel_lux = 2.5\n[[sensors]]\nname = "onyx-rgb"\n[[sensors]]\nname = "onyx-rgbw"\n'
+
+
+def bring(page, name, content):
+    """Choose a file, and wait for what is said of it."""
+    if isinstance(content, str):
+        content = content.encode()
+    file = {"name": name, "mimeType": "application/octet-stream", "buffer": content}
+    page.locator("#file").set_input_files(file)
+    until(
+        page,
+        "() => document.querySelector('.brought').textContent !== ''"
+        " && !document.querySelector('.brought').textContent.startsWith('Reading')",
+    )
+    return page.locator(".brought")
+
+
+def test_a_dropped_sensor_is_understood_and_takes_part_under_its_name(window):
+    page = window()
+    brought = bring(page, "my sensor.csv", SENSOR)
+    assert "R, G, B" in brought.inner_text()
+    for select in brought.locator("select").all():
+        select.select_option(index=1)
+    add = brought.get_by_role("button", name="Add as a sensor")
+    question, _ = answer_to(page, add.click)
+    assert question["study"]["sensors"][2]["name"].startswith("upload:")
+    assert page.locator("#electrons tbody th").all_inner_texts()[2] == "my sensor"
+    assert page.get_by_label("Sensor 3").locator("option:checked").inner_text() == "my sensor.csv"
+
+
+def test_a_dropped_lamp_becomes_the_light(window):
+    page = window()
+    brought = bring(page, "lamp.csv", LAMP)
+    before = shown(page)
+    question, parts = answer_to(
+        page, brought.get_by_role("button", name="Use as the light").click
+    )
+    assert parts["head"]["light"]["name"].startswith("lamp")
+    assert shown(page) != before
+
+
+def test_a_dropped_study_is_shown_at_once(window):
+    page = window()
+    answer_to(page, lambda: bring(page, "mine.toml", TOML))
+    assert page.locator("#electrons tbody th").all_inner_texts() == ["onyx-rgb", "onyx-rgbw"]
+    assert "2.5 lx" in page.locator("#verdict").inner_text()
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "told"),
+    [
+        ("junk.csv", b"\x00\xff\x13" * 700, ""),
+        ("empty.csv", b"", "empty"),
+        ("page.exe", b"MZ", ""),
+        ("large.csv", b"wavelength_nm,G\n" + b"500.123456,0.123456789\n" * 454_500, "MB"),
+        ("huge.csv", b"x" * 12_000_001, "12 MB are the most"),
+        ("study.toml", b"[[sensors]]\nnam = 3\n", "study.toml:2"),
+        ("<img src=x onerror=alert(1)>.csv", b"1;2", "<img"),
+        ("..\\..\\evil%2F..%2Fpasswd.csv", b"a,b\n1,x\n", ""),
+    ],
+    ids=lambda value: value[:12] if isinstance(value, str) else "",
+)
+def test_a_file_that_cannot_be_read_is_told_beside_the_field_and_changes_nothing(
+    window, watch, name, content, told
+):
+    watch.forgive("status of 400")
+    page = window()
+    before = shown(page)
+    brought = bring(page, name, content)
+    sentence = brought.get_by_role("alert").inner_text()
+    assert told in sentence
+    assert 20 < len(sentence) < 600
+    assert "Traceback" not in sentence
+    assert "/tmp" not in sentence
+    assert brought.locator("img").count() == 0
+    assert shown(page) == before
+
+
+def test_a_link_shows_the_same_study_and_the_same_numbers_in_another_window(window):
+    one = window({"study": STUDY, "look": {"plane": "xy", "open": ["stages"]}})
+    one.context.grant_permissions(["clipboard-read", "clipboard-write"])
+    one.get_by_role("button", name="Copy as Link").click()
+    one.get_by_text("Link copied").wait_for()
+    link = one.evaluate("navigator.clipboard.readText()")
+    other = window(link.partition("#")[2])
+    at_rest(one)
+    assert shown(other) == shown(one)
+    assert state_of(other)["study"] == STUDY
+    assert other.locator("#hash").inner_text() == one.locator("#hash").inner_text()
+    table = "[data-part=stages] .table"
+    assert other.locator(table).inner_text() == one.locator(table).inner_text()
+
+
+def copied(page, kind):
+    """The text that a button copies; without a clipboard the page offers it to be selected."""
+    page.get_by_role("button", name=f"Copy as {kind}").click()
+    area = page.get_by_role("dialog").locator("textarea")
+    area.wait_for()
+    text = area.input_value()
+    page.keyboard.press("Escape")
+    area.wait_for(state="hidden")
+    return text
+
+
+NO_CLIPBOARD = """Object.defineProperty(navigator, "clipboard", {
+    value: { writeText: () => Promise.reject(new Error("not allowed")) } })"""
+
+
+def numbers_of(out):
+    """The numbers that a run wrote, by sensor, quantity and channel."""
+    found = {}
+    for path in out.rglob("*.csv"):
+        for row in csv.reader(path.read_text(encoding="utf-8").splitlines()):
+            found[path.name] = [*found.get(path.name, []), row]
+    return found
+
+
+def test_the_copied_study_and_the_copied_command_give_the_digits_of_the_page(window, tmp_path):
+    page = window({"study": STUDY, "look": {}})
+    page.evaluate(NO_CLIPBOARD)
+    (tmp_path / "study.toml").write_text(copied(page, "TOML"), encoding="utf-8")
+    command = copied(page, "Command")
+    page.get_by_role("button", name="Table: SNR from raw to color").click()
+    table = page.get_by_role("region", name="Table: SNR from raw to color").inner_text()
+    ran = chromanoise(tmp_path, "run", "study.toml", "-o", "out")
+    assert (ran.returncode, ran.stderr) == (0, "")
+    said = chromanoise(tmp_path, *shlex.split(command)[1:])
+    assert (said.returncode, said.stderr) == (0, "")
+    snr = [row for row in table.splitlines() if "\t" in row][1:]
+    assert len(snr) >= 20
+    written = "\n".join(path.read_text("utf-8") for path in tmp_path.rglob("*.csv"))
+    digest = page.locator("#hash").inner_text().split()[-1]
+    assert digest in "".join(p.read_text("utf-8") for p in (tmp_path / "out").rglob("*.json"))
+    assert written
+
+
+def chromanoise(folder, *arguments):
+    script = "from chromanoise.cli import main; main()"
+    return subprocess.run(
+        [sys.executable, "-c", script, *arguments], cwd=folder, capture_output=True, text=True
+    )
+
+
+@pytest.mark.parametrize(
+    "broken", ["%%%", "bm9wZQ", "e30", packed({"study": {"sensors": []}}), packed([1]), "a" * 9999]
+)
+def test_a_broken_link_is_told_in_a_sentence_over_the_default_study(window, broken):
+    page = window(broken)
+    told = page.locator("#broken").inner_text()
+    assert told.startswith("This link")
+    assert told.endswith("the default study is shown.")
+    assert page.locator("#electrons tbody tr").count() == 2
+    select = page.get_by_label("Color matrix")
+    answer_to(page, lambda: select.select_option("white-preserving"))
+
+
+def test_two_windows_with_different_studies_do_not_mix(window):
+    one = window({"study": STUDY | {"light": {"level_lux": 2.0}}, "look": {}})
+    two = window({"study": STUDY | {"light": {"level_lux": 200.0}}, "look": {}})
+    tracks = [page.get_by_label("f-number", exact=True) for page in (one, two)]
+    for page, track in zip((one, two), tracks, strict=True):
+        track.focus()
+    for _ in range(5):
+        one.keyboard.press("ArrowUp")
+        two.keyboard.press("ArrowDown")
+    question, _ = answer_to(one, lambda: one.keyboard.press("ArrowUp"))
+    other, _ = answer_to(two, lambda: two.keyboard.press("ArrowDown"))
+    assert question["study"]["exposure"]["f_number"] > 2.2 > other["study"]["exposure"]["f_number"]
+    for page, level in ((one, "2 lx"), (two, "200 lx")):
+        assert f"At {level} " in page.locator("#verdict").inner_text()
+    in_address(one, question["study"])
+    in_address(two, other["study"])
+
+
+def test_a_server_that_stops_is_told_in_one_sentence_until_it_is_back(window, watch):
+    watch.forgive("ERR_CONNECTION_REFUSED|ERR_EMPTY_RESPONSE|ERR_CONNECTION_RESET")
+    with served() as (where, process):
+        page = window(at=where)
+        stopped(process)
+        page.get_by_label("f-number", exact=True).focus()
+        page.keyboard.press("Shift+ArrowUp")
+        lost = page.locator("#lost")
+        lost.wait_for(state="visible")
+        assert "does not answer" in lost.inner_text()
+        assert page.get_by_role("alert").filter(visible=True).count() == 1
+        page.keyboard.press("Shift+ArrowUp")
+        field = page.get_by_label("f-number, as a number").input_value()
+        with served(port=where.rstrip("/").rpartition(":")[2]):
+            lost.wait_for(state="hidden")
+            until(
+                page,
+                "(f) => document.querySelector('#electrons td:nth-child(3)').textContent === f",
+                field,
+            )

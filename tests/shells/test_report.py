@@ -1,0 +1,399 @@
+"""The report that travels: one file, the library's digits, answers behind its sliders."""
+
+import base64
+import json
+import re
+import shutil
+from decimal import ROUND_HALF_UP, Decimal
+from html.parser import HTMLParser
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from chromanoise.cli.main import run as run_command
+from chromanoise.figures import study_figures
+from chromanoise.figures.writing import figure_bytes
+from chromanoise.page.equations import EQUATIONS
+from chromanoise.report import sights_of, study_report
+from chromanoise.report.bundle import shortened
+from chromanoise.report.slides import at_value, slides_of
+from chromanoise.report.study_tables import table_of
+from chromanoise.study import color_snr_db
+from chromanoise.study.drawings import PARTS, drawing, shown
+from chromanoise.study.runs import study_from_text, study_hash
+
+TITLE = 'Is "1 < 2" & 3 > 2? </script><script>alert(1)</script><!--'
+TWO = '[[sensors]]\nname = "onyx-rgb-ircut"\n[[sensors]]\nname = "onyx-rgbw"\n'
+STUDY = f"title = '{TITLE}'\n{TWO}[[pictures]]\ncube = 'builtin:checker'\n"
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """A study with a hostile title, reported once with its figures."""
+    there = tmp_path_factory.mktemp("report")
+    (there / "study.toml").write_text(STUDY, encoding="utf-8")
+    with pytest.raises(SystemExit) as stop:
+        run_command(
+            [
+                *("report", str(there / "study.toml"), "-o", str(there / "report.html")),
+                *("--figures", str(there / "figures")),
+            ]
+        )
+    assert stop.value.code == 0
+    return there
+
+
+@pytest.fixture(scope="module")
+def page(folder):
+    return (folder / "report.html").read_text(encoding="utf-8")
+
+
+@pytest.fixture(scope="module")
+def there():
+    return shown(study_from_text(STUDY, source="a test"))
+
+
+class Elements(HTMLParser):
+    """Which elements stand in a page, and the text of each."""
+
+    def __init__(self, page):
+        super().__init__()
+        self.found, self.open = [], []
+        self.feed(page)
+
+    def handle_starttag(self, tag, attrs):
+        self.found.append([tag, dict(attrs), ""])
+        self.open.append(self.found[-1])
+
+    def handle_endtag(self, tag):
+        while self.open and self.open.pop()[0] != tag:
+            pass
+
+    def handle_data(self, data):
+        for element in self.open:
+            element[2] += data
+
+    def of(self, tag):
+        return [(attrs, text) for name, attrs, text in self.found if name == tag]
+
+
+def block(page):
+    (told,) = [text for attrs, text in Elements(page).of("script") if attrs.get("id") == "data"]
+    return json.loads(told)
+
+
+def test_the_file_asks_for_nothing_from_elsewhere(page):
+    modules = re.findall(r"data:text/javascript;base64,([^\"]*)", page)
+    assert len(modules) >= 9  # a drawing each, and what they share
+    texts = [page, *(base64.b64decode(one).decode("utf-8") for one in modules)]
+    addresses = {one for text in texts for one in re.findall(r"https?://[^\s\"'<;]*", text)}
+    assert addresses <= {"http://www.w3.org/2000/svg"}  # a name, never asked for
+    for attrs in (attrs for _, attrs, _ in Elements(page).found):
+        for key in {"src", "href", "action", "srcset"} & attrs.keys():
+            assert attrs[key].startswith("data:")
+    assert "@import" not in page
+    assert "url(" not in page
+    assert "default-src 'none'" in page
+
+
+def test_the_file_is_under_a_megabyte_beside_its_pictures(page):
+    pictures = sum(map(len, re.findall(r"data:image/png[^\"]*", page)))
+    assert pictures > 0
+    assert len(page.encode("utf-8")) - pictures < 1_000_000
+
+
+def test_a_title_is_words_and_never_markup(page):
+    elements = Elements(page)
+    ((_, heading),) = elements.of("h1")
+    assert heading == TITLE
+    kinds = sorted(attrs.get("type", "") for attrs, _ in elements.of("script"))
+    assert kinds == ["application/json", "importmap", "module"]
+    assert study_hash(study_from_text(STUDY, source="a test")) in page
+
+
+def test_the_data_is_json_whose_numbers_are_those_of_the_library(page, there):
+    told = block(page)["parts"]
+    for part in ("stages", "budget", "levels", "chart", "pareto", "sensitivities", "vectors"):
+        assert table_of(part, told[part]) == table_of(part, drawing(part, there))
+    named = {one["name"]: one["color"] for one in told["stages"]["sensors"]}
+    for analysis in there.analyses:
+        for name, value in color_snr_db(analysis).items():
+            assert named[analysis.sensor.name][name] == pytest.approx(value, rel=1e-4)
+
+
+def test_verdict_tables_equations_and_study_stand_in_the_page_without_a_script(page, there):
+    elements = Elements(page)
+    ((verdict, said),) = [(a, t) for a, t in elements.of("p") if a.get("id") == "verdict"]
+    assert verdict["class"] == "verdict"
+    assert said == drawing("head", there)["verdict"][0]
+    captions = [text for _, text in elements.of("caption")]
+    assert len(captions) == len(PARTS)
+    cells = {text for _, text in elements.of("td")}
+    for analysis in there.analyses:
+        assert f"{color_snr_db(analysis)['Y']:.1f}" in cells
+    words = " ".join(text for _, text in elements.of("div"))
+    for told in EQUATIONS.values():
+        assert told["equation"] in words
+        assert told["source"] in words
+    (_, toml) = elements.of("pre")[0]
+    assert study_from_text(toml, source="the page") == there.study
+
+
+def unpacked(packed, chart):
+    """Outlines as the page lays them: points of one circle along two half axes."""
+    told = []
+    for center, right, up in packed["patches"]:
+        points = [
+            [center[k] + c * right[k] + s * up[k] for k in (0, 1)] for c, s in chart["circle"]
+        ]
+        told.append((center, points))
+    return told
+
+
+def test_ellipses_come_back_from_their_half_axes(page, there):
+    data, whole = block(page), drawing("ellipses", there)
+    assert data["chart_of"]["patches"][0]["name"] == "dark skin"
+    for packed, sensor in zip(data["parts"]["ellipses"]["sensors"], whole["sensors"], strict=True):
+        found = unpacked(packed, data["chart_of"])
+        for (center, points), patch in zip(found, sensor["patches"], strict=True):
+            assert center == pytest.approx(patch["center"], rel=1e-4)
+            for mine, his in zip(points, patch["outline"], strict=True):
+                assert mine == pytest.approx(his, abs=2e-3)
+
+
+def answered(data, slide, i):
+    """What the page shows at a position, as its script puts it together."""
+    changed = data["slides"][slide]["answers"][i]
+    return {
+        part: changed.get(part, {}).get("whole") or {**own, **changed.get(part, {})}
+        for part, own in data["parts"].items()
+    }
+
+
+def fresh(level_lux, time_ms, ircut_nm=None):
+    """Asked as a study of its own, the time given and not solved."""
+    cut = "" if ircut_nm is None else f"ircut_nm = {ircut_nm!r}\n"
+    sensors = TWO.replace('"\n', f'"\n{cut}')
+    rest = f"[light]\nlevel_lux = {level_lux!r}\n[exposure]\ntime_ms = {time_ms!r}\n"
+    return shown(study_from_text(sensors + rest, source="a test"))
+
+
+@pytest.mark.parametrize(("slide", "i"), [(0, 3), (0, -1), (1, 2)])
+def test_what_a_slider_shows_is_a_fresh_analysis_at_that_value(page, there, slide, i):
+    data = block(page)
+    value = data["slides"][slide]["values"][i]
+    time_ms = 1e3 * there.situations[0].exposure.time_s
+    asked = fresh(value, time_ms) if slide == 0 else fresh(10.0, time_ms, value)
+    answer = answered(data, slide, i)
+    for part in ("stages", "budget", "levels", "chart", "pareto", "sensitivities", "vectors"):
+        assert table_of(part, answer[part]) == table_of(part, drawing(part, asked))
+    assert answer["levels"]["now_lux"] == pytest.approx(asked.study.light.level_lux, rel=1e-4)
+    head = drawing("head", asked)
+    assert answer["head"]["verdict"] == head["verdict"]
+    assert answer["head"]["rows"] == table_of("head", head).rows
+    pairs = zip(answer["ellipses"]["sensors"], drawing("ellipses", asked)["sensors"], strict=True)
+    for packed, sensor in pairs:
+        assert len(packed["patches"]) == len(sensor["patches"])
+        for mine, patch in zip(packed["patches"], sensor["patches"], strict=True):
+            assert mine[0] == pytest.approx(patch["center"], rel=1e-4, abs=1e-9)
+
+
+def test_the_study_itself_is_a_position_of_every_slider_and_changes_nothing(page, there):
+    data = block(page)
+    assert [slide["key"] for slide in data["slides"]] == ["lux", "ircut-nm"]
+    assert [len(slide["values"]) for slide in data["slides"]] == [25, 13]
+    assert data["slides"][0]["values"][data["slides"][0]["own"]] == 10.0
+    for i, slide in enumerate(slides_of(there)):
+        assert data["slides"][i]["answers"][slide.own] == {}
+        assert len(slide.told) == len(set(slide.told))
+    assert at_value(there, slides_of(there)[1], None) is there
+
+
+def test_sensors_that_see_no_infrared_have_no_slider_for_it():
+    study = study_from_text('[[sensors]]\nname = "onyx-rgb-ircut"', source="a test")
+    assert [slide.key for slide in slides_of(shown(study))] == ["lux"]
+
+
+def test_a_saturated_sensor_has_a_report_that_says_so():
+    study = study_from_text(
+        '[[sensors]]\nname = "onyx-rgb"\n[exposure]\ntime_ms = 500.0', source="t"
+    )
+    page = study_report(shown(study), EQUATIONS)
+    data = block(page)
+    assert "saturated" in data["parts"]["head"]["verdict"][0]
+    assert data["parts"]["ellipses"]["sensors"][0]["patches"] == []
+    assert len(data["chart_of"]["patches"]) == 24  # of a position of the slider that has colors
+    assert len(data["slides"][0]["answers"][0]["ellipses"]["sensors"][0]["patches"]) == 24
+
+
+@given(st.floats(1e-9, 1e9), st.integers(1, 4))
+def test_rounding_a_shortened_number_is_rounding_the_number(value, digits):
+    def rounded(number):
+        place = Decimal(number).adjusted() - digits + 1
+        return Decimal(number).quantize(Decimal(1).scaleb(place), ROUND_HALF_UP)
+
+    short = shortened(value)
+    assert rounded(short) == rounded(value)
+    assert short == pytest.approx(value, rel=5e-5)
+    assert shortened(26.149999) == 26.149999  # 26.15 would be rounded up, to 26.2
+
+
+FIGURES = ("sensitivities", "comparison", "budget", "ellipses", "pareto")
+
+
+def test_a_rerun_gives_the_same_bytes_of_the_page_and_of_every_figure(folder, page, there):
+    assert study_report(there, EQUATIONS, sights_of(there)) == page
+    figures = study_figures(there)
+    assert set(figures) == set(FIGURES)
+    for name, figure in figures.items():
+        for ending in ("svg", "pdf") if name == "budget" else ("svg",):
+            written = (folder / "figures" / f"{name}.{ending}").read_bytes()
+            assert figure_bytes(figure, ending) == written
+    assert len(list((folder / "figures").iterdir())) == 10
+
+
+def test_the_figures_of_a_study_say_its_numbers(folder, there):
+    texts = {
+        name: re.findall(r">([^<>]+)</text>", (folder / "figures" / f"{name}.svg").read_text())
+        for name in FIGURES
+    }
+    for sensor in drawing("budget", there)["sensors"]:
+        assert {f"{sensor['steps'][-1]['to_db']:.1f}", f"{sensor['bound_db']:.1f}"} & set(
+            texts["budget"]
+        )
+    assert {"a*", "b*"} <= set(texts["ellipses"])
+    assert {"0.001", "1000"} <= set(texts["pareto"])
+    assert "onyx-rgbw, kernel" in texts["comparison"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (("nowhere.toml", "-o", "new/r.html"), "nowhere.toml: cannot be read"),
+        (("bad.toml", "-o", "new/r.html"), "bad.toml:1"),
+        (("file.toml", "-o", "new/r.html"), "there-is-none.csv"),
+        (("study.toml", "-o", "."), "is a folder; name a file"),
+        (("study.toml", "-o", "study.toml"), "is the file that is read"),
+        (("study.toml", "-o", "study.toml/r.html"), "is an existing file"),
+        (("study.toml", "-o", "new/r.html", "--figures", "study.toml"), "is an existing file"),
+        (("study.toml", "-o", "new/r.html", "--set", "light.level_lux=-1"), "level_lux"),
+    ],
+)
+def test_a_report_that_cannot_be_is_refused_in_one_sentence_and_nothing_is_written(
+    run, tmp_path, monkeypatch, arguments, said
+):
+    monkeypatch.chdir(tmp_path)
+    Path("study.toml").write_text(TWO, encoding="utf-8")
+    Path("bad.toml").write_text("sensor = 1", encoding="utf-8")
+    Path("file.toml").write_text('[[sensors]]\nname = "there-is-none.csv"', encoding="utf-8")
+    code, out, err = run("report", *arguments)
+    assert code == 2
+    assert out == ""
+    assert said in err
+    assert all(line.startswith("chromanoise: ") for line in err.splitlines())
+    names = {"study.toml", "bad.toml", "file.toml"}
+    assert {one.name for one in tmp_path.iterdir()} == names
+    assert Path("study.toml").read_text(encoding="utf-8") == TWO
+
+
+@pytest.fixture(scope="module")
+def browser():
+    api = pytest.importorskip("playwright.sync_api", reason="no playwright to drive a browser")
+    program = shutil.which("chromium")
+    if program is None:
+        pytest.skip("no chromium to open the report with")
+    with api.sync_playwright() as playwright:
+        opened = playwright.chromium.launch(executable_path=program, args=["--no-sandbox"])
+        yield opened
+        opened.close()
+
+
+@pytest.fixture
+def seen(browser, folder):
+    """The report opened from disk, with all that went wrong and all that it asked for."""
+    tab = browser.new_page(viewport={"width": 1280, "height": 900})
+    tab.wrong, tab.asked = [], []
+    tab.on("console", lambda message: tab.wrong.append(message.text))
+    tab.on("pageerror", lambda error: tab.wrong.append(str(error)))
+    tab.on("request", lambda request: tab.asked.append(request.url.split(":")[0]))
+    tab.goto((folder / "report.html").as_uri())
+    tab.wait_for_selector("section[data-part=sensitivities] svg")
+    yield tab
+    assert tab.wrong == []
+    assert set(tab.asked) <= {"file", "data"}
+    tab.close()
+
+
+def cells(tab, part):
+    rows = f"section[data-part={part}] table tbody tr"
+    return tab.eval_on_selector_all(
+        rows, "all => all.map(r => [...r.cells].map(c => c.textContent))"
+    )
+
+
+def test_a_browser_draws_every_chart_from_disk(seen):
+    for part in PARTS:
+        if part != "head":
+            assert seen.locator(f"section[data-part={part}] .chart svg").count() > 0
+    assert seen.locator(".divided input[type=range]").count() == 1
+    assert seen.title().startswith(TITLE)
+
+
+def test_every_table_in_the_file_is_that_of_its_drawing_module(seen, page):
+    data = block(page)
+    for sensor in data["parts"]["ellipses"]["sensors"]:
+        found = zip(data["chart_of"]["patches"], unpacked(sensor, data["chart_of"]), strict=True)
+        sensor["patches"] = [
+            {**patch, "center": center, "outline": points} for patch, (center, points) in found
+        ]
+    for part in PARTS:
+        if part != "head":
+            told = [f"draw/{part}.js", data["parts"][part]]
+            rows = seen.evaluate(
+                "async ([name, data]) => (await import(name)).rows(data).rows", told
+            )
+            assert cells(seen, part) == rows
+
+
+def test_sliders_answer_by_key_with_the_digits_of_the_library(seen, there):
+    before = seen.inner_text("#verdict")
+    slider = seen.locator("#slide-0")
+    slider.focus()
+    for _ in range(8):
+        seen.keyboard.press("ArrowLeft")
+    seen.wait_for_function(
+        "old => document.getElementById('verdict').textContent !== old", arg=before
+    )
+    darker = at_value(there, slides_of(there)[0], 1.0)
+    assert seen.inner_text("#verdict") == drawing("head", darker)["verdict"][0]
+    assert slider.get_attribute("aria-valuetext") == "1 lx"
+    seen.click("section[data-part=budget] summary:text-is('Table')")
+    assert cells(seen, "budget") == table_of("budget", drawing("budget", darker)).rows
+    seen.locator("#slide-1").focus()
+    seen.keyboard.press("Home")
+    assert slider.get_attribute("aria-valuetext") == "10 lx"  # one thing changes at a time
+    seen.click("#back")
+    seen.wait_for_function(
+        "old => document.getElementById('verdict').textContent === old", arg=before
+    )
+
+
+def test_it_prints_with_tables_open_and_sliders_gone(seen):
+    seen.emulate_media(media="print")
+    assert not seen.locator("#sliders").is_visible()
+    seen.evaluate("dispatchEvent(new Event('beforeprint'))")
+    assert seen.locator("details:not([open])").count() == 0
+    wide = seen.evaluate("document.documentElement.scrollWidth")
+    assert wide <= 1280
+    assert seen.pdf(format="A4").startswith(b"%PDF")
+    seen.evaluate("dispatchEvent(new Event('afterprint'))")
+    assert seen.locator("section[data-part=budget] details[open]").count() == 0
+
+
+@pytest.mark.parametrize("width", [360, 1920])
+def test_it_fits_a_telephone_and_a_wide_screen(seen, width):
+    seen.set_viewport_size({"width": width, "height": 800})
+    seen.wait_for_timeout(100)
+    assert seen.evaluate("document.documentElement.scrollWidth") <= width

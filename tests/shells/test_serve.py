@@ -1,0 +1,491 @@
+"""The page's server: what it answers, whom it refuses, and that nothing brings it down."""
+
+import json
+import os
+import re
+import signal
+import socket
+import subprocess
+import sys
+import threading
+import time
+from concurrent.futures import ThreadPoolExecutor
+
+import httpx
+import pytest
+
+from chromanoise.page.files import asset
+from chromanoise.page.guard import JSON_BYTES, UPLOAD_BYTES
+from chromanoise.page.server import listening_socket, page_server
+from chromanoise.page.uploads import MOST_FILES, Uploads
+from chromanoise.study.drawings import PARTS, drawing, shown
+from chromanoise.study.runs import study_from_data, study_from_text
+
+BOTH = {
+    "light": {"illuminant": "E", "level_lux": 10.0},
+    "sensors": [{"name": "onyx-rgbw"}, {"name": "onyx-rgb-ircut"}],
+}
+FILE = {"Content-Type": "application/octet-stream"}
+SENSOR = "wavelength_nm,R,G,B\n" + "\n".join(
+    f"{nm},{0.1 + 0.3 * (nm > 590)},{0.1 + 0.3 * (500 < nm < 590)},{0.1 + 0.3 * (nm < 500)}"
+    for nm in range(400, 1051, 10)
+)
+
+
+@pytest.fixture(scope="module")
+def address():
+    """A server of its own thread, stopped when the module's tests are done."""
+    listening = listening_socket(0)
+    server = page_server(listening)
+    thread = threading.Thread(target=server.run, kwargs={"sockets": [listening]})
+    thread.start()
+    yield f"http://127.0.0.1:{listening.getsockname()[1]}"
+    server.should_exit = True
+    thread.join(20)
+    listening.close()
+    assert not thread.is_alive()
+
+
+@pytest.fixture(scope="module")
+def client(address):
+    with httpx.Client(base_url=address, timeout=60) as asking:
+        yield asking
+
+
+def answered(client, question, **headers):
+    return client.post("/api/answer", json=question, headers=headers)
+
+
+def sentence_of(reply, status):
+    assert reply.status_code == status, reply.text[:300]
+    (fault, *_) = reply.json()["faults"]
+    assert fault["sentence"]
+    return fault["sentence"]
+
+
+def uploaded(client, name, content):
+    return client.post("/api/upload", content=content, headers=FILE | {"X-Filename": name})
+
+
+def test_an_answer_has_the_digits_of_the_library(client):
+    told = answered(client, {"number": 7, "study": BOTH}).json()
+    of = shown(study_from_data(BOTH, source="a test"))
+    assert told["number"] == 7
+    assert re.fullmatch("[0-9a-f]{64}", told["hash"])
+    assert list(told["parts"]) == list(PARTS)
+    for part, data in told["parts"].items():
+        assert data == json.loads(json.dumps(drawing(part, of)))
+
+
+def test_only_what_is_wanted_is_answered_and_what_changes_nothing_is_remembered(client):
+    question = {"number": 1, "study": BOTH, "want": ["sensitivities"]}
+    first = answered(client, question).json()
+    dim = BOTH | {"light": {"illuminant": "E", "level_lux": 3.0}}
+    again = answered(client, question | {"study": dim, "number": 2}).json()
+    assert list(first["parts"]) == ["sensitivities"]
+    assert again["parts"] == first["parts"]
+    assert again["number"] == 2
+    assert again["hash"] != first["hash"]
+
+
+def test_a_look_changes_the_drawing_that_reads_it(client):
+    question = {"study": BOTH, "want": ["budget", "ellipses"]}
+    told = answered(client, question | {"look": {"coordinate": "b*", "plane": "xy", "theme": "x"}})
+    assert told.json()["parts"]["budget"]["coordinate"] == "b*"
+    assert told.json()["parts"]["ellipses"]["plane"] == "xy"
+
+
+def test_choices_hold_sensors_lights_sliders_and_equations(client):
+    told = client.get("/api/choices").json()
+    names = [sensor["name"] for sensor in told["sensors"]]
+    assert {"onyx-rgbw", "onyx-rgb-ircut", "model-rgbir"} <= set(names)
+    assert {"E", "A", "G173"} <= set(told["illuminants"])
+    assert {"light.level_lux", "sensors.ircut_nm"} <= {s["key"] for s in told["sliders"]}
+    assert {"raw", "contravariant", "color", "bound", "price"} <= set(told["equations"])
+    assert study_from_data(told["study"], source="the page's own").sensors
+
+
+def test_texts_are_the_study_again(client):
+    told = client.post("/api/texts", json={"study": BOTH}).json()
+    assert study_from_text(told["toml"], source="a test") == study_from_data(BOTH, source="a test")
+    assert told["command"].startswith("chromanoise ")
+    compile(told["python"], "a test", "exec")
+
+
+def test_a_picture_is_a_png_of_its_cube_and_tells_how_it_was_taken(client):
+    question = {"study": BOTH, "sensor": 1, "noisy": False, "cube": None}
+    still = client.post("/api/picture", json=question)
+    noisy = client.post("/api/picture", json=question | {"noisy": True})
+    assert still.headers["content-type"] == "image/png"
+    assert still.content.startswith(b"\x89PNG")
+    assert still.content != noisy.content
+    assert json.loads(noisy.headers["x-chromanoise-summary"])["mean_e"]
+    assert "no sensor 2" in sentence_of(
+        client.post("/api/picture", json=question | {"sensor": 2}), 400
+    )
+
+
+def test_all_faults_of_a_study_are_told_each_with_its_key(client):
+    study = {"light": {"level_lux": -1.0}, "sensors": [{"nam": "x"}], "matrices": ["kernl"]}
+    faults = answered(client, {"study": study}).json()["faults"]
+    where = {fault["where"] for fault in faults}
+    assert {"light.level_lux", "sensors.0.name", "sensors.0.nam"} <= where
+
+
+@pytest.mark.parametrize(
+    ("change", "where"),
+    [
+        ({"sensors": [{"name": "onyx-rgbw"}, {"name": "onix"}]}, "sensors.1.name"),
+        ({"light": {"illuminant": "moon"}}, "light.illuminant"),
+        ({"sensors": [{"name": "onyx-rgbw"}] * 9}, "sensors"),
+        ({"sensors": [{"name": "/etc/passwd"}]}, "sensors.0.name"),
+        ({"sensors": [{"name": "../../secret.csv"}]}, "sensors.0.name"),
+        ({"sensors": [{"name": "upload:0123456789abcdef"}]}, "sensors.0.name"),
+        ({"light": {"illuminant": "/etc/passwd"}}, "light.illuminant"),
+        ({"sensors": [{"name": "onyx-rgbw", "pixel": {"file": "/etc/hosts"}}]}, None),
+        ({"sensors": [{"name": "onyx\u0000"}]}, "sensors.0.name"),
+    ],
+)
+def test_a_word_that_names_nothing_or_a_file_is_told_beside_it(client, change, where):
+    reply = answered(client, {"study": BOTH | change})
+    assert sentence_of(reply, 400)
+    assert reply.json()["faults"][0]["where"] == (where or "sensors.0.pixel.file")
+
+
+@pytest.mark.parametrize(
+    "headers",
+    [
+        {"Host": "evil.example"},
+        {"Host": "localhost"},
+        {"Host": "127.0.0.1:1"},
+        {"Origin": "http://evil.example"},
+        {"Origin": "null"},
+        {"Origin": "http://localhost:1"},
+        {"Sec-Fetch-Site": "cross-site"},
+        {"Sec-Fetch-Site": "same-site"},
+    ],
+    ids=lambda h: " ".join(h.values()),
+)
+def test_whoever_is_not_this_page_is_refused(client, headers):
+    assert sentence_of(answered(client, {"study": BOTH}, **headers), 403)
+    assert sentence_of(client.get("/", headers=headers), 403)
+    assert sentence_of(client.get("/api/choices", headers=headers), 403)
+
+
+def test_the_page_itself_and_a_link_that_somebody_follows_are_let_in(client, address):
+    port = address.rpartition(":")[2]
+    for name in ("localhost", "127.0.0.1", "[::1]"):
+        own = {"Host": f"{name}:{port}", "Origin": f"http://{name}:{port}"}
+        assert answered(client, {"study": BOTH, "want": []}, **own).status_code == 200
+    link = {"Sec-Fetch-Mode": "navigate", "Sec-Fetch-Dest": "document"}
+    followed = link | {"Sec-Fetch-Site": "cross-site"}
+    assert client.get("/", headers=followed).status_code in (200, 404)
+    assert client.get("/api/choices", headers=followed).status_code == 403
+    framed = followed | {"Sec-Fetch-Dest": "iframe"}
+    assert client.get("/", headers=framed).status_code == 403
+
+
+def test_every_reply_carries_the_headers_that_keep_it_here(client):
+    for reply in (client.get("/"), client.get("/api/choices"), client.get("/nowhere")):
+        policy = reply.headers["content-security-policy"]
+        assert "default-src 'none'" in policy
+        assert "http" not in policy
+        assert "unsafe" not in policy
+        assert reply.headers["x-content-type-options"] == "nosniff"
+        assert reply.headers["referrer-policy"] == "no-referrer"
+        assert reply.headers["cross-origin-opener-policy"] == "same-origin"
+        assert "access-control-allow-origin" not in reply.headers
+    assert client.get("/api/choices").headers["cache-control"] == "no-store"
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        b"",
+        b"{",
+        b"[]",
+        b"\xff\xfe",
+        b'{"study": {"light": {"level_lux": NaN}}}',
+        b'{"study": {"light": {"level_lux": -Infinity}}}',
+        b'{"number": "seven"}',
+        b'{"number": true}',
+        b'{"want": ["waterfall"]}',
+        b'{"want": [{}]}',
+        b'{"look": {"plane": "uv"}}',
+        b'{"look": {"magnification": "big"}}',
+        b'{"look": {"magnification": -1}}',
+        b'{"study": 3}',
+        b'{"number": ' + b"9" * 9000 + b"}",
+        b"[" * 100_000,
+        b'{"study":' * 20_000 + b"1" + b"}" * 20_000,
+    ],
+    ids=lambda body: body[:24].decode("latin-1"),
+)
+def test_what_is_no_question_gets_one_clear_sentence(client, body):
+    headers = {"Content-Type": "application/json"}
+    assert sentence_of(client.post("/api/answer", content=body, headers=headers), 400)
+
+
+@pytest.mark.parametrize(
+    "light",
+    [
+        {"level_lux": 1e-300},
+        {"level_lux": 1e300},
+        {"illuminant": "E+1e300xLED850"},
+        {"illuminant": "x" * 100_000},
+        {"illuminant": "E+" * 20_000},
+        {"illuminant": "0K"},
+    ],
+    ids=lambda light: str(light)[:40],
+)
+def test_numbers_and_words_out_of_reason_are_refused_in_a_sentence(client, light):
+    reply = answered(client, {"study": BOTH | {"light": light}})
+    assert len(sentence_of(reply, 400)) < 2000
+
+
+def test_a_question_that_is_not_json_or_too_long_is_refused(client):
+    form = {"Content-Type": "text/plain"}
+    assert sentence_of(client.post("/api/answer", content=b"{}", headers=form), 415)
+    long = b'{"a": "' + b"x" * JSON_BYTES + b'"}'
+    headers = {"Content-Type": "application/json"}
+    assert "MB" in sentence_of(client.post("/api/answer", content=long, headers=headers), 413)
+
+
+def test_a_body_in_pieces_without_length_is_stopped_where_it_is_too_long(address):
+    sent = 0
+
+    def endless():
+        nonlocal sent
+        while sent < 100 * JSON_BYTES:
+            sent += 65_536
+            yield b"x" * 65_536
+
+    headers = {"Content-Type": "application/json"}
+    try:
+        reply = httpx.post(f"{address}/api/answer", content=endless(), headers=headers, timeout=30)
+        assert reply.status_code == 413
+    except (httpx.WriteError, httpx.ReadError):
+        pass  # the server hung up while we still spoke
+    assert sent < 60 * JSON_BYTES
+
+
+def test_a_dropped_sensor_is_previewed_and_answers_under_its_own_name(client):
+    told = uploaded(client, "my%20sensor.csv", SENSOR).json()
+    assert told["kind"] == "sensor"
+    assert "R, G, B" in told["preview"][0]
+    answers = {"level": "absolute", "per": "photon"}
+    study = BOTH | {"sensors": [{"name": told["id"], "answers": answers}, {"name": "onyx-rgbw"}]}
+    head = answered(client, {"study": study, "want": ["head"]}).json()["parts"]["head"]
+    assert head["sensors"][0]["name"] == "my sensor"
+    assert "upload" not in json.dumps(head)
+    assert "tmp" not in json.dumps(head)
+
+
+def test_a_dropped_light_answers_with_infrared_beside_it(client):
+    rows = "\n".join(f"{nm},1.0" for nm in range(400, 1051, 10))
+    told = uploaded(client, "lamp.csv", f"wavelength_nm,power_W\n{rows}").json()
+    assert told["kind"] == "light"
+    light = {"illuminant": f"{told['id']}+0.5xLED850", "per": "energy"}
+    head = answered(client, {"study": BOTH | {"light": light}, "want": ["head"]}).json()
+    assert head["parts"]["head"]["light"]["name"].startswith("lamp")
+
+
+def test_a_dropped_study_comes_back_as_data(client):
+    told = uploaded(client, "a.toml", b'title = "T"\n[[sensors]]\nname = "onyx-rgb"\n').json()
+    assert told["kind"] == "study"
+    assert told["study"]["sensors"][0]["name"] == "onyx-rgb"
+    bad = uploaded(client, "b.toml", b"[[sensors]]\nnam = 3\n")
+    assert "b.toml:2" in sentence_of(bad, 400)
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "..%2F..%2F..%2Ftmp%2Fevil.csv",
+        "%2Fetc%2Fpasswd.csv",
+        "C%3A%5Cwindows%5Cx.csv",
+        "%00.csv",
+        "a%0D%0AX-Evil%3A%201.csv",
+        ".csv.csv",
+        "x" * 3000 + ".csv",
+    ],
+)
+def test_a_name_never_becomes_a_path(client, tmp_path, name):
+    reply = uploaded(client, name, SENSOR)
+    told = reply.text
+    assert reply.status_code in (200, 400)
+    assert "etc" not in told or "/etc" not in told
+    assert "x-evil" not in reply.headers
+    if reply.status_code == 200:
+        assert re.fullmatch("upload:[0-9a-f]{16}", reply.json()["id"])
+
+
+@pytest.mark.parametrize(
+    ("name", "content"),
+    [
+        ("a.exe", b"MZ"),
+        ("noending", b"1,2"),
+        ("a.csv", b""),
+        ("a.csv", b"\x00\xff" * 500),
+        ("a.json", b"{"),
+        ("a.json", b"[" * 50_000),
+        ("a.xlsx", b"PK\x03\x04 no archive"),
+        ("a.npz", b"PK\x03\x04 no archive"),
+        ("a.mat", b"MATLAB 5.0 MAT-file" + b"\x00" * 200),
+        ("a.h5", b"\x89HDF\r\n\x1a\n" + b"\x00" * 100),
+        ("a.toml", b"a." * 40_000 + b" = 1"),
+    ],
+    ids=lambda value: value if isinstance(value, str) else "",
+)
+def test_a_file_that_cannot_be_read_is_told_in_a_sentence(client, name, content):
+    told = sentence_of(uploaded(client, name, content), 400)
+    assert "Traceback" not in told
+    assert "/tmp" not in told
+
+
+def test_a_spectrum_of_ten_megabytes_or_a_hundred_thousand_points_is_refused_at_once(client):
+    row = b"500.123456,0.123456789\n"
+    large = b"wavelength_nm,G\n" + row * (10_000_000 // len(row))
+    assert "10.0 MB are too much" in sentence_of(uploaded(client, "large.csv", large), 400)
+    points = "\n".join(f"{400 + 650 * i / 99_999:.6f},0.5" for i in range(100_000))
+    assert "one row per nanometer" in sentence_of(
+        uploaded(client, "fine.csv", f"wavelength_nm,G\n{points}"), 400
+    )
+    points = "\n".join(f"{400 + 650 * i / 9_999:.6f},0.5" for i in range(10_000))
+    assert uploaded(client, "fair.csv", f"wavelength_nm,G\n{points}").status_code == 200
+
+
+def test_an_upload_beyond_the_limit_is_refused_before_it_is_read(client):
+    assert "MB" in sentence_of(uploaded(client, "a.csv", b"x" * (UPLOAD_BYTES + 1)), 413)
+
+
+def test_of_many_uploads_the_oldest_go():
+    uploads = Uploads()
+    kept = [uploads.keep(f"{i}.csv", f"{i}".encode()) for i in range(MOST_FILES + 3)]
+    assert [one.path.exists() for one in kept] == [False] * 3 + [True] * MOST_FILES
+    folder = kept[-1].path.parent
+    uploads.close()
+    assert not folder.exists()
+
+
+def test_two_hundred_questions_at_once_all_get_an_answer_and_the_server_lives(address):
+    every = httpx.Limits(max_connections=200)
+    with httpx.Client(base_url=address, timeout=120, limits=every) as many:
+
+        def ask(i):
+            study = {"light": {"level_lux": 5.0 + i}, "sensors": [{"name": "onyx-rgbw"}]}
+            question = {"number": i, "study": study, "want": ["vectors"]}
+            reply = many.post("/api/answer", json=question)
+            told = reply.json()
+            assert reply.status_code in (200, 503)
+            return told["number"] == i if reply.status_code == 200 else bool(told["faults"])
+
+        with ThreadPoolExecutor(200) as pool:
+            assert all(pool.map(ask, range(200)))
+        assert answered(many, {"study": BOTH, "want": ["head"]}).status_code == 200
+
+
+def test_whoever_hangs_up_in_the_middle_harms_nobody(address, client, capfd):
+    port = int(address.rpartition(":")[2])
+    head = f"POST /api/answer HTTP/1.1\r\nHost: localhost:{port}\r\n"
+    head += "Content-Type: application/json\r\n"
+    whole = json.dumps({"study": BOTH}).encode()
+    for length, sent in ((1000, b'{"study"'), (len(whole), whole), (1000, b"")):
+        with socket.create_connection(("127.0.0.1", port)) as lost:
+            lost.sendall(f"{head}Content-Length: {length}\r\n\r\n".encode() + sent)
+    assert answered(client, {"study": BOTH, "want": ["head"]}).status_code == 200
+    told = capfd.readouterr()
+    assert "Traceback" not in told.err
+
+
+def test_files_of_the_page_come_with_a_tag_and_nothing_else_comes(client):
+    for path in ("/assets/../server.py", "/assets/%2e%2e/server.py", "/assets/.hidden", "/assets/"):
+        assert client.get(path).status_code == 404
+    for path in ("/assets/app/../../server.py", "/assets//etc/passwd", "/assets/a%00.js", "/x"):
+        assert client.get(path).status_code == 404
+    assert asset("index.html") is not None
+    first = client.get("/")
+    again = client.get("/", headers={"If-None-Match": first.headers["etag"]})
+    assert (again.status_code, again.content) == (304, b"")
+
+
+def test_what_is_asked_in_another_way_is_told_so(client):
+    assert sentence_of(client.get("/api/answer"), 405)
+    assert sentence_of(client.post("/api/nothing", json={}), 404)
+
+
+def started(*arguments):
+    script = "from chromanoise.cli import main; main()"
+    return subprocess.Popen(
+        [sys.executable, "-c", script, "serve", "--port", "0", *arguments],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env=os.environ | {"PYTHONUNBUFFERED": "1"},
+    )
+
+
+def test_serve_tells_its_address_answers_soon_and_ends_with_ctrl_c(tmp_path):
+    study = tmp_path / "study.toml"
+    study.write_text('title = "T"\n[[sensors]]\nname = "model-rgbir"\n', encoding="utf-8")
+    start = time.monotonic()
+    with started(str(study)) as process:
+        address = process.stdout.readline().split()[0]
+        assert re.fullmatch(r"http://localhost:\d+/", address)
+        assert httpx.get(address, timeout=60).status_code in (200, 404)
+        assert time.monotonic() - start < 30  # generous: the machine may be busy
+        choices = httpx.get(f"{address}api/choices", timeout=60).json()
+        assert choices["study"]["sensors"][0]["name"] == "model-rgbir"
+        process.send_signal(signal.SIGINT)
+        _, errors = process.communicate(timeout=30)
+    assert (process.returncode, errors) == (0, "")
+
+
+def test_a_port_that_is_taken_is_told_in_one_sentence(run):
+    with socket.socket() as other:
+        other.bind(("127.0.0.1", 0))
+        other.listen()
+        port = other.getsockname()[1]
+        code, out, err = run("serve", "--port", port)
+    assert (code, out) == (2, "")
+    assert err.startswith(f"chromanoise: port {port} cannot be listened on")
+    assert len(err.splitlines()) == 1
+
+
+def test_a_study_that_cannot_be_read_is_told_before_anything_is_served(run, tmp_path):
+    bad = tmp_path / "bad.toml"
+    bad.write_text("[[sensors]]\nnam = 3\n", encoding="utf-8")
+    code, out, err = run("serve", bad, "--port", 0)
+    assert (code, out) == (2, "")
+    assert "bad.toml" in err
+
+
+def test_importing_the_page_imports_nothing_heavy():
+    script = "import sys, chromanoise.page\nprint('\\n'.join(sys.modules))"
+    done = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, check=True
+    )
+    heavy = {"numpy", "scipy", "colour", "starlette", "uvicorn", "chromanoise.study"}
+    assert not heavy & set(done.stdout.split())
+
+
+def test_the_server_is_ready_before_what_computes_is_imported():
+    script = "import sys, chromanoise.page.server\nprint('\\n'.join(sys.modules))"
+    done = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, check=True
+    )
+    assert not {"numpy", "scipy", "colour", "chromanoise.study"} & set(done.stdout.split())
+
+
+@pytest.mark.parametrize("word", ["NaN", "Infinity", "-Infinity"])
+def test_a_number_that_json_does_not_have_is_named(client, word):
+    body = f'{{"look": {{"anything": {word}}}}}'
+    reply = client.post("/api/answer", content=body, headers={"Content-Type": "application/json"})
+    assert f"holds {word}" in sentence_of(reply, 400)
+
+
+def test_a_file_of_this_machine_is_not_opened_by_its_name(client, tmp_path):
+    own = tmp_path / "own.csv"
+    own.write_text(SENSOR, encoding="utf-8")
+    for change in ({"sensors": [{"name": str(own)}]}, {"light": {"illuminant": str(own)}}):
+        assert "drop the file" in sentence_of(answered(client, {"study": BOTH | change}), 400)
