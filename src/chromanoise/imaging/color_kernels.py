@@ -20,18 +20,44 @@ _ZERO, _ONE, _HALF = _F(0.0), _F(1.0), _F(0.5)
 @njit(cache=True, nogil=True, error_model="numpy")
 @no_type_check
 def colors_of_run(electrons, n, p, matrices, table, colors, entry, xyz, srgb):
-    """Eq. 5 for a run, channel after channel; sRGB codes are looked up."""
-    for k in range(6):
-        _weighted(electrons[:n], matrices[k, 0], colors[:n])
+    """Eq. 5 for a run, channel after channel; sRGB codes are looked up.
+
+    colors f4 and entry i4 have room for three values of each pixel.
+    """
+    _products(electrons, n, p, matrices[:3], colors)
+    _side_by_side(colors[:n], colors[n : 2 * n], colors[2 * n : 3 * n], xyz)
+    _products(electrons, n, p, matrices[3:], colors)
+    _entries(colors[: 3 * n], entry[: 3 * n])
+    _codes(table, entry[:n], entry[n : 2 * n], entry[2 * n : 3 * n], srgb)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+@no_type_check
+def _products(electrons, n, p, rows, colors):
+    """Three rows of a matrix times the channels: colors (3 * n,), one color after the other."""
+    for k in range(3):
+        _weighted(electrons[:n], rows[k, 0], colors[k * n : (k + 1) * n])
         for c in range(1, p):
-            _add_weighted(electrons[c * n : (c + 1) * n], matrices[k, c], colors[:n])
-        if k < 3:
-            for i in range(n):
-                xyz[i, k] = colors[i]
-        else:
-            _entries(colors[:n], entry[:n])
-            for i in range(n):
-                srgb[i, k - 3] = table[entry[i]]
+            _add_weighted(electrons[c * n : (c + 1) * n], rows[k, c], colors[k * n : (k + 1) * n])
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+@no_type_check
+def _side_by_side(first, second, third, out):
+    """Three colors of each pixel beside each other: in one go, or each would be a scattered store."""
+    for i in range(first.size):
+        out[i, 0] = first[i]
+        out[i, 1] = second[i]
+        out[i, 2] = third[i]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+@no_type_check
+def _codes(table, first, second, third, srgb):
+    for i in range(first.size):
+        srgb[i, 0] = table[np.uint32(first[i])]
+        srgb[i, 1] = table[np.uint32(second[i])]
+        srgb[i, 2] = table[np.uint32(third[i])]
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -40,7 +66,7 @@ def color_of_electrons(electrons, matrices, table, xyz, srgb):
     """Eq. 5 for rows of electrons (rows, columns, p): xyz and srgb as `color_rows`."""
     rows, columns, p = electrons.shape
     run = np.empty(_RUN * p, np.float32)
-    colors, entry = np.empty(_RUN, np.float32), np.empty(_RUN, np.int32)
+    colors, entry = np.empty(3 * _RUN, np.float32), np.empty(3 * _RUN, np.int32)
     for row in range(rows):
         for first in range(0, columns, _RUN):
             n = min(_RUN, columns - first)

@@ -311,7 +311,7 @@ def color_rows(
     it; matrices (6, p): to XYZ and to linear sRGB; table: `color_kernels.ENCODED` codes of sRGB.
     """
     row_noise_e, p = noise[4], channels
-    colors, entry = np.empty(RUN, np.float32), np.empty(RUN, np.int32)
+    colors, entry = np.empty(3 * RUN, np.float32), np.empty(3 * RUN, np.int32)
     means = np.empty((TILE, weights.shape[0]), np.float32)
     sums = np.empty(weights.shape[0] * TILE, np.float32)
     every = np.empty((p, RUN), np.int64)
