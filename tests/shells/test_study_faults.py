@@ -1,0 +1,154 @@
+"""A study's faults at once, each at its line; results that no longer fit say which file and why."""
+
+import json
+import re
+
+import pytest
+
+from chromanoise.spectra.files import read_curves
+from chromanoise.study.runs.pixel_files import read_pixel_source
+from outcomes import refused
+
+CAMERA = "wavelength_nm,R\n400,0.1\n1050,{end}\n"
+
+
+@pytest.fixture(autouse=True)
+def here(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.fixture
+def made(run, here):
+    (here / "cam.csv").write_text(CAMERA.format(end=0.3))
+    (here / "s.toml").write_text('[[sensors]]\nname = "cam.csv"\n[outputs]\nbudget = false\n')
+    assert run("run", "s.toml", "--out", "out")[0] == 0
+    return here
+
+
+WRONG = """\
+[[sensors]]
+name = "onix-rgbw"
+[[sensors]]
+name = "onyx-rgbw"
+[[sensors]]
+name = "onyx-rgbw"
+[light]
+illuminant = "D65"
+level_lux = 1e300
+[[pictures]]
+mosaic = "RGGX"
+[[pictures]]
+mosaic = "bayer"
+prnu = "x"
+"""
+
+
+def test_all_faults_of_a_study_are_told_at_once_each_at_its_line(run, here):
+    (here / "s.toml").write_text(WRONG)
+    code, _, err = run("run", "s.toml", "--out", "out")
+    assert code == 2
+    for start in (
+        "s.toml:2: sensors.0.name: unknown sensor 'onix-rgbw'; did you mean onyx-rgbw",
+        "s.toml:6: sensors.2.name: 'onyx-rgbw' stands twice",
+        "s.toml:8: light.illuminant: relative power of CIE illuminant D65 is given on 300-780 nm",
+        "s.toml:9: light.level_lux: level_lux must be 1e-15 to 1e+15 [lx]",
+        "s.toml:11: pictures.0.mosaic: unknown mosaic",
+        "s.toml:13: pictures.1.mosaic: channel W of onyx-rgbw sits over no pixel",
+        "s.toml:14: pictures.1.prnu: input should be a valid number",
+    ):
+        assert start in err
+    assert '(light.beyond = "zero" or "hold")' in err
+    assert "--" not in err
+    assert not (here / "out").exists()
+
+
+def test_a_study_is_no_output_and_says_which_command_takes_it(run, made):
+    refused(run("rerun", "s.toml", "--out", "again"), "is a study", "chromanoise run s.toml")
+
+
+def test_an_input_that_changed_is_named(run, made):
+    (made / "cam.csv").write_text(CAMERA.format(end=0.4))
+    for command in (("rerun", "out", "--out", "again"), ("run", "s.toml", "--out", "out")):
+        refused(run(*command), "cam.csv has changed since")
+
+
+def test_an_input_that_is_gone_is_named(run, made):
+    (made / "cam.csv").unlink()
+    refused(run("rerun", "out", "--out", "again"), "cam.csv is there no longer")
+
+
+def test_a_catalogue_folder_that_is_missing_is_asked_for(run, made, monkeypatch):
+    folder = made / "mine"
+    folder.mkdir()
+    (folder / "shed.csv").write_text(CAMERA.format(end=0.3))
+    (folder / "SOURCES.toml").write_text(
+        '[shed]\nkind = "sensor"\nwhat = "a camera"\nquantity = "QE"\nunit = "e-/photon"\n'
+        'level = "absolute"\nsource = "a bench"\nlicense = "CC0"\ndefects = "none known"\n'
+    )
+    monkeypatch.setenv("CHROMANOISE_CATALOG", str(folder))
+    (made / "s.toml").write_text('[[sensors]]\nname = "shed"\n')
+    code, _, err = run("run", "s.toml", "--out", "shed")
+    assert code == 0, err
+    monkeypatch.delenv("CHROMANOISE_CATALOG")
+    refused(run("rerun", "shed", "--out", "again"), "unknown 'shed'; set CHROMANOISE_CATALOG")
+
+
+def test_a_result_that_was_changed_is_computed_anew_and_said(run, made):
+    file = made / "out/analysis-kernel.json"
+    right = file.read_bytes()
+    told = json.loads(right)
+    told["result"]["sensors"][0]["sensor"] = "another"
+    file.write_text(json.dumps(told, indent=1) + "\n")
+    code, _, err = run("run", "s.toml", "--out", "out")
+    assert code == 0
+    assert "its file was changed or is cut short" in err
+    assert file.read_bytes() == right
+    file.write_bytes(right[:100])
+    assert run("run", "s.toml", "--out", "out")[0] == 0
+    assert file.read_bytes() == right
+
+
+def test_csv_json_and_csv_again_keeps_source_and_notes(run, here):
+    head = "# source: a bench\n# quantity: QE [e-/photon]\n# notes: one; two\n"
+    (here / "a.csv").write_text(head + CAMERA.format(end=0.3))
+    assert run("convert", "a.csv", "b.json")[0] == 0
+    assert run("convert", "b.json", "c.csv")[0] == 0
+    told = read_curves(here / "c.csv")
+    assert told.said_source == "a bench"
+    assert told.said_notes[:2] == ("one", "two")
+    kept = json.loads((here / "b.json").read_text())
+    assert (kept["source"], kept["notes"][:2]) == ("a bench", ["one", "two"])
+
+
+def test_no_result_takes_the_place_of_another(run, here):
+    both = ("--json", "zz.json", "--table", "./zz.json")
+    refused(run("analyze", "onyx-rgbw", *both), "zz.json", "is the file of --json too")
+    assert not (here / "zz.json").exists()
+
+
+@pytest.mark.parametrize(
+    ("text", "read_noise_e"),
+    [
+        ("NoiseProfile: 0.0002 0.000001\n", 5.0),
+        ("Mean [DN],Variance [DN^2],light\n0,4.0833333333,dark\n100,54.08333,light\n"
+         "300,154.08333,light\n500,254.08333,light\n", 4.0),
+    ],
+)  # fmt: skip
+def test_a_pixel_comes_from_every_form_of_file(run, here, text, read_noise_e):
+    (here / "pixel.txt").write_text(text)
+    assert read_pixel_source("pixel.txt").read_noise_e == pytest.approx(read_noise_e, rel=1e-6)
+    code, out, err = run("analyze", "onyx-rgbw", "--pixel", "pixel.txt", "--json", "-")
+    assert code == 0, err
+    notes = " ".join(json.loads(out)["sensors"][0]["notes"])
+    assert re.search(r"read_noise_e[^|]* of pixel.txt", notes)
+
+
+def test_a_file_of_no_pixel_is_told_all_forms(run, here):
+    (here / "pixel.txt").write_text("price: 3 EUR\n")
+    refused(
+        run("analyze", "onyx-rgbw", "--pixel", "pixel.txt"),
+        "sigma_d = 2.4 e-",
+        "mean_dn,variance_dn2",
+        "NoiseProfile: 0.0002",
+    )
