@@ -6,7 +6,7 @@ from scipy.io import savemat
 
 from chromanoise._check import InputError
 from chromanoise.spectra import Spectra
-from chromanoise.spectra.files import Answers, read_curves
+from chromanoise.spectra.files import Answers, qe_of, read_curves
 from chromanoise.study.spectra_files import spectra_csv, spectra_spdx
 
 AT_NM = np.arange(400.0, 701.0, 10.0)
@@ -125,3 +125,19 @@ def test_csv_of_ours_keeps_source_notes_and_how_light_is_counted(file):
     told = read_curves(file(spectra_csv(lamp())))
     assert (told.said_source, told.said_notes) == (lamp().source, lamp().notes)
     assert (told.quantity, told.level, told.per) == ("power", "relative", "photon")
+
+
+def test_a_sensor_that_says_nothing_is_asked_all_in_one_sentence(file):
+    path = file("nm,R,G\n400,.1,.2\n700,.3,.1\n")
+    both = r"say --energy or --photons, and --absolute or --relative"
+    with pytest.raises(InputError, match=both):
+        qe_of(read_curves(path), Answers())
+    said = Answers(per="photon", level="absolute")
+    notes = qe_of(read_curves(path, answers=said), said).notes
+    assert not any("say" in note or "taken as absolute" in note for note in notes)
+
+
+@pytest.mark.parametrize("head", ["wavelength_nm,R,G", "nm,QE R,QE G", "nm,R [e-/photon],G"])
+def test_a_sensor_whose_heading_says_qe_is_absolute_per_photon(file, head):
+    told = read_curves(file(f"{head}\n400,.1,.2\n700,.3,.1\n"))
+    assert qe_of(told, Answers()).values.tolist() == [[0.1, 0.2], [0.3, 0.1]]

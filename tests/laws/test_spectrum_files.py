@@ -302,7 +302,7 @@ def test_a_lamp_that_may_count_photons_or_energy_is_asked_about(file):
 
 
 def test_relative_curves_make_a_sensor_only_with_a_peak(file):
-    path = file("nm,R,G\n400,0.1,0.5\n700,0.2,1.0\n")
+    path = file("wavelength_nm,R,G\n400,0.1,0.5\n700,0.2,1.0\n")
     with pytest.raises(InputError, match=r"exactly 1.*--peak-qe"):
         read_sensor(path, GRID, PAPER_PIXEL)
     absolute = read_sensor(path, GRID, PAPER_PIXEL, answers=Answers(level="absolute"))
@@ -313,7 +313,7 @@ def test_relative_curves_make_a_sensor_only_with_a_peak(file):
 
 
 def test_a_sensor_says_what_was_taken_for_granted_and_what_looks_wrong(file):
-    path = file("nm,G,W\n400,0.1,0.2\n550,0.5,0.4\n700,0.1,0.2\n")
+    path = file("wavelength_nm,G,W\n400,0.1,0.2\n550,0.5,0.4\n700,0.1,0.2\n")
     sensor = read_sensor(path, GRID, PAPER_PIXEL)
     assert any("taken as absolute QE per photon" in note for note in sensor.notes)
     assert any("green exceeds white by up to 25 %" in note for note in sensor.notes)
@@ -322,7 +322,7 @@ def test_a_sensor_says_what_was_taken_for_granted_and_what_looks_wrong(file):
     with pytest.raises(InputError, match=r"--energy or --photons"):
         read_sensor(file("nm,sensitivity\n400,.1\n700,.2"), GRID, PAPER_PIXEL)
     with pytest.raises(InputError, match=r"1\.2 in column A.*--percent"):
-        read_sensor(file("nm,A\n400,.1\n700,1.2"), GRID, PAPER_PIXEL)
+        read_sensor(file("wavelength_nm,A\n400,.1\n700,1.2"), GRID, PAPER_PIXEL)
 
 
 def test_a_peak_in_percent_is_refused():
@@ -403,7 +403,7 @@ def test_a_real_sensor_in_relative_units_asks_and_then_has_its_peak():
     path = SHARED / "sensors/ar0132atRGBW.mat"
     with pytest.raises(InputError, match="--peak-qe"):
         read_sensor(path, DEFAULT_GRID, PAPER_PIXEL, answers=Answers(beyond="zero"))
-    answers = Answers(beyond="zero", peak_qe=0.6)
+    answers = Answers(beyond="zero", peak_qe=0.6, per="photon")
     assert read_sensor(path, DEFAULT_GRID, PAPER_PIXEL, answers=answers).qe.max() == pytest.approx(
         0.6, rel=0.01
     )

@@ -67,7 +67,7 @@ def test_questions_and_defects_are_no_failure_but_a_file_of_nothing_is(run, samp
     refused(run("inspect", tmp_path / "none.mat"), "none.mat", "No such file")
 
 
-WIDE = "nm,R,G\n400,.05,.1\n550,.1,{green}\n650,.4,.1\n1050,.05,.05\n"
+WIDE = "wavelength_nm,R,G\n400,.05,.1\n550,.1,{green}\n650,.4,.1\n1050,.05,.05\n"
 
 
 def test_any_format_is_a_sensor_of_the_other_commands(run, tmp_path):
@@ -80,7 +80,8 @@ def test_any_format_is_a_sensor_of_the_other_commands(run, tmp_path):
     savemat(matlab, {"wavelength": curves.wavelength_nm, "data": curves.values})
     snr = []
     for path in (text, matlab):
-        code, out, _ = run("analyze", path, "--time-ms", 10, "--json", "-")
+        said = () if path == text else ("--absolute", "--photons")
+        code, out, _ = run("analyze", path, "--time-ms", 10, "--json", "-", *said)
         assert code == 0
         snr.append([c["mean_e"] for c in json.loads(out)["sensors"][0]["channels"]])
     assert snr[0] == snr[1]

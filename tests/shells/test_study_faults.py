@@ -152,3 +152,31 @@ def test_a_file_of_no_pixel_is_told_all_forms(run, here):
         "mean_dn,variance_dn2",
         "NoiseProfile: 0.0002",
     )
+
+
+def test_no_name_of_the_catalogue_is_broken(run, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "80")
+    _, out, _ = run("catalog", "sensors")
+    told = json.loads(run("catalog", "sensors", "--json", "-")[1])
+    names = [entry["name"] for entry in told["entries"]]
+    assert "model-rgbw-ircut" in names
+    for name in names:
+        assert re.search(rf"(?<![\w-]){re.escape(name)}(?![\w-])", out), name
+
+
+def test_a_pixel_of_the_catalogue_is_one_that_could_be(run, here, monkeypatch):
+    (here / "shed.csv").write_text(CAMERA.format(end=0.3))
+    (here / "SOURCES.toml").write_text(
+        '[shed]\nkind = "sensor"\nwhat = "a camera"\nquantity = "QE"\nunit = "e-/photon"\n'
+        'level = "absolute"\nsource = "a bench"\nlicense = "CC0"\ndefects = "none known"\n'
+        'pixel = { pitch_um = -3, source = "a guess" }\n'
+    )
+    monkeypatch.setenv("CHROMANOISE_CATALOG", str(here))
+    refused(run("catalog", "shed"), "pitch_um", "> 0", "-3")
+
+
+def test_a_missing_envi_header_is_named_once(run, here):
+    (here / "passwd").write_text("no picture")
+    code, _, err = run("simulate", "passwd", "--sensor", "onyx-rgb", "--out", "o")
+    assert code == 2
+    assert err.count("passwd.hdr") == 1

@@ -70,7 +70,7 @@ def test_a_run_into_results_of_another_study_and_a_rerun_onto_itself_are_refused
     before = files_of(tmp_path / "out" / "study")
     refused(run("run", "study.toml", *only, "--set", "seed=1"), "another study", "--out")
     refused(run("rerun", "out/study", "-o", "out/study"), "holds OUTPUT itself")
-    refused(run("rerun", "study.toml", "-o", "o"), "no JSON")
+    refused(run("rerun", "study.toml", "-o", "o"), "is a study; use `chromanoise run")
     (tmp_path / "file").write_text("")
     refused(run("run", "study.toml", "-o", "file"), "existing file")
     assert files_of(tmp_path / "out" / "study") == before

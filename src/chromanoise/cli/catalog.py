@@ -74,7 +74,8 @@ def print_entries(entries: Sequence[Entry]) -> None:
         if not here:
             continue
         table = Table(title=kind.capitalize(), title_justify="left", expand=True)
-        table.add_column("name", ratio=5, overflow="fold")
+        longest = max(len(entry.provenance.name) for entry in here)
+        table.add_column("name", width=longest + 1)  # lines end between names, behind a comma
         table.add_column("what", ratio=5)
         table.add_column("nm", no_wrap=True)
         table.add_column("quantity", ratio=3)

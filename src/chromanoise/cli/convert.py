@@ -156,11 +156,13 @@ def _with_facts(told: Understood) -> tuple[Spectra, list[str]]:
     """The curves with what is known of them in the notes, and what is not known."""
     facts = [f"level: {told.level}"] if told.level else []
     facts += [f"light counted per {told.per}"] if told.per else []
-    notes = (*told.curves.notes, *facts, *told.notes, *told.defects)
+    said = (*told.said_notes, *told.curves.notes, *facts, *told.notes, *told.defects)
+    notes = tuple(dict.fromkeys(said))  # what the file said already is said once
+    source = told.said_source or told.curves.source
     lost = [f"what nobody said: {q.asks} ({q.options})" for q in told.questions]
     if told.deviations is not None:
         lost.append("standard deviations")
-    return replace(told.curves, notes=notes), lost
+    return replace(told.curves, source=source, notes=notes), lost
 
 
 def _per_energy(read: Spectra | Understood) -> Spectra:

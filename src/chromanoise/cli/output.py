@@ -34,6 +34,17 @@ def refuse_inputs(target: str | Path | None, option: str, *inputs: str) -> None:
             raise InputError(f"{option} {target}: is the file that is read; name another one")
 
 
+def refuse_same(targets: Mapping[str, str | Path | None]) -> None:
+    """Say before anything is computed that one result would take the place of another."""
+    seen: dict[Path, str] = {}
+    for option, target in targets.items():
+        if target is None or str(target) == "-":
+            continue
+        first = seen.setdefault(Path(target).resolve(), option)
+        if first != option:
+            raise InputError(f"{option} {target}: is the file of {first} too; name another one")
+
+
 def refuse_taken_inputs(
     targets: Mapping[str, str | Path | None], sensors: Sequence[str], options: Mapping[str, Any]
 ) -> None:
@@ -43,6 +54,7 @@ def refuse_taken_inputs(
         options["illuminant"],
         *filter(None, [options["pixel"], options["filter_word"]]),
     ]
+    refuse_same(targets)
     for option, target in targets.items():
         refuse_inputs(target, option, *inputs)
         if option == "--table" and target is not None:

@@ -178,7 +178,8 @@ def _envi(path: Path, key: str | None, shape: tuple[int, int] | None) -> Found:
 
 def _unknown(path: Path) -> str:
     if path.suffix.lower() in ("", *DATA_SUFFIXES):
-        names = dict.fromkeys((f"{path.name}.hdr", f"{path.stem}.hdr"))  # one where it has no ending
+        # the same where the file has no ending
+        names = dict.fromkeys((f"{path.name}.hdr", f"{path.stem}.hdr"))
         return (
             f"{path}: no ENVI header ({' or '.join(names)}) stands beside it; "
             "without one the numbers cannot be read"

@@ -56,7 +56,8 @@ def read_delimited(text: str, source: str) -> Found:
 
 def _said(comments: list[str]) -> dict[str, Any]:
     """Source and notes, as the comments of our own tables tell them."""
-    facts = dict(match.groups() for c in comments if (match := _FACT.fullmatch(c)))
+    found = [match for c in comments if (match := _FACT.fullmatch(c))]
+    facts = {str(match[1]): str(match[2]) for match in found}
     notes = tuple(note for note in facts.get("notes", "").split("; ") if note)
     return {"said_source": facts.get("source", ""), "said_notes": notes}
 

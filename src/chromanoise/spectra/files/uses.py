@@ -51,10 +51,7 @@ def qe_of(told: Understood, answers: Answers) -> Spectra:
         raise _check.InputError(
             f"{source}: holds {told.quantity}, but a sensor needs quantum efficiencies"
         )
-    if told.quantity == "response" and told.per is None:
-        raise _asked(
-            source, "its response may be per energy or per photon", "--energy or --photons"
-        )
+    _refuse_unsaid(told, answers)
     curves, notes = told.curves, _said(told)
     if told.per == "energy":
         per_photon = 1.0 / photons_per_joule(curves.wavelength_nm)[:, None] / _ELEMENTARY_CHARGE_C
@@ -63,9 +60,37 @@ def qe_of(told: Understood, answers: Answers) -> Spectra:
     relative = told.level == "relative"
     if relative or (told.level is None and looks_normalized(told.curves)):
         curves, notes = _with_height(curves, answers, notes, relative)
-    elif told.quantity is None or told.level is None:
-        notes = (*notes, f"{_name(told)}: taken as absolute QE per photon, for it does not say")
+    elif told.level is None:
+        why = "a table headed wavelength_nm" if told.quantity is None else "QE by its own words"
+        notes = (*notes, f"{_name(told)}: {why}, taken as absolute QE per photon")
     return replace(curves, quantity="QE", unit="e-/photon", notes=(*curves.notes, *notes))
+
+
+def _refuse_unsaid(told: Understood, answers: Answers) -> None:
+    """Ask, in one sentence, for all that no sensor's curves can be used without."""
+    if told.quantity is None and told.own_form:
+        return  # the documented table of absolute QE
+    asked = []
+    if told.per is None:
+        asked.append(("its response may be per energy or per photon", "--energy or --photons"))
+    if told.level is None and told.quantity != "QE" and answers.peak_qe is None:
+        if looks_normalized(told.curves):
+            asked.append(
+                (
+                    "its highest value is exactly 1 or 100; which QE is the highest?",
+                    "--peak-qe, or --absolute if the curves are as high as they are",
+                )
+            )
+        else:
+            asked.append(
+                (
+                    "it does not say whether its heights are absolute or relative",
+                    "--absolute or --relative",
+                )
+            )
+    if asked:
+        why, options = ("; ".join(parts) for parts in zip(*asked, strict=True))
+        raise _asked(told.curves.source, why, options.replace("; ", ", and "))
 
 
 def _with_height(

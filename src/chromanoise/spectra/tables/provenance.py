@@ -258,4 +258,6 @@ def _pixel(section: dict[str, Any], where: str) -> Iterator[tuple[str, float]]:
             continue
         if isinstance(value, bool) or not isinstance(value, int | float):
             raise _check.InputError(f"{where}: {key} must be a number, but is {value!r}")
+        allowed = _check.not_negative if key == "read_noise_e" else _check.positive
+        allowed(f"{where}: {key}", "um" if key == "pitch_um" else "e-", value)
         yield key, float(value)

@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -33,6 +34,36 @@ def file_digests(study: Study) -> dict[str, str]:
         If one of the files cannot be read.
     """
     return {_told(file): _digest(file) for file in dict.fromkeys(_files(study))}
+
+
+def changes_since(study: Study, before: Mapping[str, str]) -> tuple[str, ...]:
+    """What became of the files that decided a result, one sentence each; none if all are the same.
+
+    Parameters
+    ----------
+    study
+        Of which the files are looked at now.
+    before
+        The `file_digests` that the result carries.
+    """
+    told = []
+    now = {_told(file): file for file in dict.fromkeys(_files(study))}
+    for name in dict.fromkeys((*before, *now)):
+        there = name in now and now[name].exists()
+        if not there and name.startswith("catalog/"):
+            entry = Path(name).stem
+            told.append(
+                f"unknown {entry!r}; set CHROMANOISE_CATALOG to the folder of {name[8:]}"
+                if entry != "SOURCES"
+                else ""
+            )
+        elif not there:
+            told.append(f"{name} is there no longer")
+        elif name not in before:
+            told.append(f"{name} is there now and was not")
+        elif _digest(now[name]) != before[name]:
+            told.append(f"{name} has changed since")
+    return tuple(sentence for sentence in told if sentence)
 
 
 def _told(file: Path) -> str:

@@ -1,16 +1,17 @@
 """What a study names, as nouns: lights, sensors, exposures, pictures."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any
 
-from chromanoise._check import InputError
+from chromanoise._check import InputError, within
 from chromanoise.exposure import (
     EQUAL_TERMS,
     Exposure,
     Situation,
 )
 from chromanoise.scene import Cube, Scene, builtin_cube, flat_field, read_cube
-from chromanoise.sensor import Sensor, behind_ir_cut, with_shifted_curves
+from chromanoise.sensor import Sensor, behind_ir_cut, mosaic_named, with_shifted_curves
 from chromanoise.spectra import Illuminant
 from chromanoise.spectra.files import Answers
 from chromanoise.study.runs.document import PicturePart, SensorPart, Study
@@ -88,6 +89,77 @@ def sensor_of(part: SensorPart) -> Sensor:
     if part.filter is not None:
         sensor = behind_filter_of_word(sensor, part.filter, beyond=part.beyond)
     return sensor if part.ircut_nm is None else behind_ir_cut(sensor, part.ircut_nm)
+
+
+Key = tuple[str | int, ...]
+"""Where a value of a study stands: ("sensors", 0, "name")."""
+
+_OPTIONS = {
+    "(--beyond, for an illuminant --illuminant-beyond)": '(beyond = "zero" or "hold")',
+    "--illuminant-energy or --illuminant-photons": 'per = "energy" or "photon"',
+    "--illuminant-column": "column",
+    "--illuminant-beyond": "beyond",
+    "--energy or --photons": 'answers.per = "energy" or "photon"',
+    "--absolute or --relative": 'answers.level = "absolute" or "relative"',
+    "--absolute": 'answers.level = "absolute"',
+    "--fraction or --percent": 'answers.scale = "fraction" or "percent"',
+    "--percent": 'answers.scale = "percent"',
+    "--nm or --um": 'answers.wavelength_unit = "nm" or "um"',
+    "--peak-qe": "answers.peak_qe",
+    "--beyond": "beyond",
+}
+"""How a study answers what a command answers with an option; the longer ones first."""
+
+
+def unmade(study: Study) -> list[tuple[Key, str]]:
+    """What a study names and cannot be made, each with its key and why."""
+    found: list[tuple[Key, str]] = []
+
+    def tried(key: Key, make: Callable[[], Any]) -> Any:
+        try:
+            return make()
+        except InputError as error:
+            found.append((key, _in_words_of_a_study(str(error), str(key[0]))))
+            return None
+
+    tried(("light", "illuminant"), partial(illuminant_of, study))
+    level = study.light.level_lux
+    tried(("light", "level_lux"), lambda: within("level_lux", "lx", level, *_LUX))
+    sensors = [
+        tried(("sensors", i, "name"), partial(sensor_of, part))
+        for i, part in enumerate(study.sensors)
+    ]
+    made = [sensor.name if sensor else "" for sensor in sensors]
+    for i, name in enumerate(made):
+        if name and name in made[:i]:
+            found.append((("sensors", i, "name"), f"{name!r} stands twice; leave one away"))
+    for i, part in enumerate(study.pictures):
+        if part.mosaic not in (None, "sensor"):
+            tried(("pictures", i, "mosaic"), partial(_fitting_mosaic, part, sensors))
+    return found
+
+
+_LUX = (1e-15, 1e15)
+
+
+def _fitting_mosaic(part: PicturePart, sensors: Sequence[Sensor | None]) -> None:
+    own = {channel for row in mosaic_named(str(part.mosaic)).pattern for channel in row}
+    for sensor in sensors:
+        idle = [name for name in sensor.names if name not in own] if sensor else []
+        strange = sorted(own - set(sensor.names)) if sensor else []
+        if sensor and (strange or (idle and not part.raw_only)):
+            what = f"{sensor.name} lacks its channel {', '.join(strange)}"
+            if not strange:
+                what = f"channel {', '.join(idle)} of {sensor.name} sits over no pixel of it"
+            raise InputError(f"{what}; it has {', '.join(sorted(own))}")
+
+
+def _in_words_of_a_study(told: str, part: str) -> str:
+    for option, key in _OPTIONS.items():
+        told = told.replace(
+            option, f"light.{key}" if part == "light" and "light" not in key else key
+        )
+    return told.replace("light.(", "(light.")
 
 
 _CURES = ("key", "shape", "wavelengths", "scale")

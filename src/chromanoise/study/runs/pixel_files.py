@@ -15,6 +15,8 @@ from chromanoise.sensor import (
     read_noise_profile,
     read_photon_transfer_csv,
 )
+from chromanoise.sensor.noise_profile import is_noise_profile_text
+from chromanoise.sensor.photon_transfer_csv import is_photon_transfer_text
 from chromanoise.sensor.source_text import source_json, source_text
 from chromanoise.spectra import Spectra
 from chromanoise.spectra.files import ASK, Answers, read_curves
@@ -31,8 +33,8 @@ def read_pixel_source(path: Path | str) -> PixelSource:
     Parameters
     ----------
     path
-        JSON with ``S`` and ``O`` is a noise profile, a table headed ``mean_dn,variance_dn2`` a
-        photon transfer, all else a data sheet.
+        JSON with ``S`` and ``O`` or a line ``NoiseProfile: S O`` is a noise profile, a table headed
+        ``mean_dn,variance_dn2`` a photon transfer, all else a data sheet.
 
     Raises
     ------
@@ -55,9 +57,9 @@ def _source(path: Path, text: str) -> PixelSource:
                 "sheet or a photon transfer, or say --read-noise-e (read_noise_e in a study)"
             )
         return read_noise_profile(path) if {"S", "O"} <= set(held) else read_emva_sheet(path)
-    lines = (line.strip().lower() for line in text.splitlines())
-    first = next((line for line in lines if line and not line.startswith("#")), "")
-    if "mean_dn" in first or "variance_dn2" in first:
+    if is_noise_profile_text(text):
+        return read_noise_profile(path)
+    if is_photon_transfer_text(text):
         return pixel_from_photon_transfer(photon_transfer_fit(read_photon_transfer_csv(path)))
     return read_emva_sheet(path)
 

@@ -1,8 +1,9 @@
 """A study from TOML: every fault at once, each with file, line and key."""
 
+import copy
 import re
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
@@ -18,6 +19,7 @@ from chromanoise.study.makers import METHODS
 from chromanoise.study.priors import PRIORS
 from chromanoise.study.quantities import QUANTITIES
 from chromanoise.study.runs.document import Study
+from chromanoise.study.runs.named import Key, unmade
 from chromanoise.study.sweeps import SWEEPS
 from chromanoise.study.words import file_of, sensor_word_beside, word_beside
 
@@ -25,9 +27,6 @@ _LARGEST_BYTES = 1 << 20
 _MOST_DOTS = 64
 _MOST_DIGITS = 10
 _LONGEST_WORD = 80
-
-Key = tuple[str | int, ...]
-"""Where a value stands: ("sensors", 0, "pixel", "pitch_um")."""
 
 
 def read_study(path: Path | str, changes: Sequence[str] = ()) -> Study:
@@ -55,10 +54,16 @@ def read_study(path: Path | str, changes: Sequence[str] = ()) -> Study:
     except (OSError, ValueError) as error:
         told = getattr(error, "strerror", None) or error
         raise InputError(f"{path}: cannot be read ({told})") from None
-    study = study_from_text(text, source=str(path), changes=changes)
     # what is piped in lies nowhere: its files are told from the working folder
     here = path.parent == Path() or Path("/dev") in path.absolute().parents
-    return study if here else _told_from(path.parent, study)
+
+    def seen(study: Study) -> Study:
+        return study if here else _told_from(path.parent, study)
+
+    def unmade_of(study: Study) -> list[tuple[Key, str]]:
+        return unmade(seen(study))
+
+    return seen(_study(text, str(path), changes, unmade_of))
 
 
 def _told_from(folder: Path, study: Study) -> Study:
@@ -99,12 +104,18 @@ def study_from_text(text: str, *, source: str, changes: Sequence[str] = ()) -> S
     >>> study_from_text('[[sensors]]\nname = "onyx-rgbw"', source="a text").light.level_lux
     10.0
     """
+    return _study(text, source, changes, lambda study: [])
+
+
+def _study(
+    text: str, source: str, changes: Sequence[str], unfit: Callable[[Study], list[tuple[Key, str]]]
+) -> Study:
     told = _toml(text, source)
     lines = _lines_of_keys(text)
     changed: dict[Key, str] = {}
     for change in changes:
         changed[_changed(told, change)] = f"--set {_short(change)}"
-    return _validated(told, source, lines, changed)
+    return _validated(told, source, lines, changed, unfit)
 
 
 def _toml(text: str, source: str) -> dict[str, Any]:
@@ -136,13 +147,18 @@ def study_from_data(told: Mapping[str, Any], *, source: str) -> Study:
     InputError
         All faults of what it says, one line each.
     """
-    return _validated(told, source, {}, {})
+    return _validated(told, source, {}, {}, lambda study: [])
 
 
 def _validated(
-    told: Mapping[str, Any], source: str, lines: Mapping[Key, int], changed: Mapping[Key, str]
+    told: Mapping[str, Any],
+    source: str,
+    lines: Mapping[Key, int],
+    changed: Mapping[Key, str],
+    unfit: Callable[[Study], list[tuple[Key, str]]],
 ) -> Study:
     faults = []
+    study: Study | None = None
     try:
         study = Study.model_validate(told)
     except ValidationError as error:
@@ -155,12 +171,37 @@ def _validated(
             if one["type"] != "too_short"
             or not any(k[: len(one["loc"])] == one["loc"] != k for k in inside)
         ]
-    else:
-        faults = _unknown_names(study)
-    if faults:
+        study = _without(told, [key for key, _ in faults])
+    if study is not None:
+        faults += [*_unknown_names(study), *(unfit(study) if study.sensors[0].name else ())]
+    if faults or study is None:
         placed = [(_place(key, lines, changed, source), what) for key, what in faults]
         raise InputError("\n".join(f"{place}: {what}" for place, what in sorted(placed, key=_line)))
     return study
+
+
+def _without(told: Mapping[str, Any], wrong: Sequence[Key]) -> Study | None:
+    """What remains of a study without its faulty values, so that its names can be looked at too."""
+    rest: Any = copy.deepcopy(told)
+    for key in wrong:
+        while key and isinstance(key[-1], int):
+            key = key[:-1]  # without one entry the others would have other places
+        at: Any = rest
+        for step in key[:-1]:
+            if isinstance(at, list) and isinstance(step, int):
+                at = at[step]
+            else:
+                at = at.get(step) if isinstance(at, dict) else None
+        if key and isinstance(at, dict):
+            at.pop(key[-1], None)
+    for _ in range(2):
+        try:
+            return Study.model_validate(rest)
+        except ValidationError as error:
+            for one in error.errors(include_url=False):
+                rest.pop(one["loc"][0] if one["loc"] else "", None)
+            rest.setdefault("sensors", [{"name": ""}])  # a study has some; this one is looked over
+    return None
 
 
 def _changed(told: dict[str, Any], change: str) -> Key:

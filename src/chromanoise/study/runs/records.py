@@ -8,11 +8,12 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from chromanoise import __version__
 from chromanoise._check import InputError
 from chromanoise._files import refuse_unwritable, whole_folder
 from chromanoise.imaging import Work
 from chromanoise.study.runs.document import Study
-from chromanoise.study.runs.hashes import provenance, study_hash
+from chromanoise.study.runs.hashes import changes_since, provenance, study_as_json, study_hash
 from chromanoise.study.runs.running import study_steps
 from chromanoise.study.spectra_json import named
 
@@ -61,12 +62,14 @@ def run_study(
         file = folder / f"{step.name}.json"
         done = _made_by(file, who["hash"])
         if told:
-            told(step.what, done)
+            altered = file.exists() and not done
+            told(step.what + ("; its file was changed or is cut short" if altered else ""), done)
         if not done:
             with whole_folder(folder) as scratch:
                 result = step.run(scratch)
                 told_of = {"step": step.name, "written": _written(scratch), "result": result}
-                _write(scratch / file.name, who | told_of)
+                whole = who | told_of
+                _write(scratch / file.name, whole | {"content": _content(whole)})
         files.append(file)
     return files
 
@@ -80,6 +83,8 @@ def study_of_output(path: Path) -> Study:
         If it is no output of a run, or of another version of chromanoise.
     """
     file = path / STUDY_FILE if path.is_dir() else path
+    if file.suffix.lower() == ".toml":
+        raise InputError(f"{file}: is a study; use `chromanoise run {file}`")
     told = _read(file)
     if not isinstance(told, dict) or "study" not in told or "hash" not in told:
         raise InputError(f"{file}: is no output of `chromanoise run`; name one, or its folder")
@@ -89,6 +94,7 @@ def study_of_output(path: Path) -> Study:
         raise InputError(
             f"{file}: what it says of its study is no study of this version; run the study anew"
         ) from None
+    _refuse_changed_files(file, told, study)
     try:
         now = study_hash(study)
     except InputError as error:
@@ -106,6 +112,9 @@ def _refuse_other_study(folder: Path, study: Study) -> None:
     if not file.exists():
         return
     told = _read(file)
+    same = isinstance(told, dict) and told.get("study") == study_as_json(study)
+    if same and told.get("version") == __version__:
+        _refuse_changed_files(folder, told, study)
     if not isinstance(told, dict) or told.get("hash") != study_hash(study):
         raise InputError(
             f"{folder}: holds the results of another study or version; name another folder with "
@@ -113,11 +122,38 @@ def _refuse_other_study(folder: Path, study: Study) -> None:
         )
 
 
+def _refuse_changed_files(place: Path, told: dict[str, Any], study: Study) -> None:
+    """Say which of the files, before a hash says only that something is another."""
+    before = told.get("files")
+    if not isinstance(before, dict):
+        return
+    try:
+        changed = changes_since(study, before)
+    except InputError as error:
+        raise named(error, str(place)) from None
+    if changed:
+        raise InputError(
+            f"{place}: {'; '.join(changed[:8])}, so the same digits cannot be promised; bring it "
+            "back, or run the study anew into another folder"
+        )
+
+
+def _content(told: dict[str, Any]) -> str:
+    """SHA-256 of all that a file says but this."""
+    rest = {key: value for key, value in told.items() if key != "content"}
+    return hashlib.sha256(json.dumps(rest, allow_nan=False).encode()).hexdigest()
+
+
 def _made_by(file: Path, hash_: str) -> bool:
     if not file.exists():
         return False
-    told = _read(file)
-    if not isinstance(told, dict) or told.get("hash") != hash_:
+    try:
+        told = _read(file)
+        if not isinstance(told, dict) or told.get("hash") != hash_:
+            return False
+        if told.get("content") != _content(told):
+            return False
+    except (InputError, ValueError):  # no JSON any longer, or not a number in it
         return False
     written = told.get("written")
     if not isinstance(told.get("result"), dict) or not isinstance(written, dict):

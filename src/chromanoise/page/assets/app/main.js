@@ -158,9 +158,17 @@ function pressed({ type, timeStamp }) {
   performance.mark("press", { startTime: timeStamp });
 }
 
+/** The way past the controls; the address is for the study and stays. */
+function skipped(event) {
+  event.preventDefault();
+  byId("panels").focus();
+  byId("panels").scrollIntoView();
+}
+
 function listen() {
   for (const event of ["keydown", "input"]) byId("controls").addEventListener(event, pressed, { capture: true });
   byId("panels").addEventListener("turn", ({ detail }) => changeLook((look) => (look.turn = detail.turn ?? detail)));
+  document.querySelector("[data-skip]").addEventListener("click", skipped);
   window.addEventListener("hashchange", () => notice("broken", readAddress()));
   window.matchMedia("print").addEventListener("change", ({ matches }) => (matches ? printed() : unprinted()));
   window.addEventListener("beforeprint", printed);

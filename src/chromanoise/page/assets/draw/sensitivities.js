@@ -84,8 +84,18 @@ function light(data, x, y) {
   const height = (value) => y.from + (y.to - y.from) * value * LIGHT;
   const outline = data.light.map((value, k) => [x.at(data.wavelength_nm[k]), height(value ?? 0)]);
   const d = `${line([[x.from, y.from], ...outline, [x.to, y.from]])}Z`;
-  const name = `light ${data.light_name ?? ""}`.trim();
-  return [svg("path", { d, class: "d-light" }), words(x.from + 6, under(y), name, "d-quiet")];
+  return [svg("path", { d, class: "d-light" }), words(x.from + 6, under(y), lightName(data, x), "d-quiet")];
+}
+
+/** The light's name, as much of it as leaves room for the words at the other end. */
+function lightName(data, x) {
+  const room = x.to - x.from - 24 - textWidth(infraredName(data, x) ?? "");
+  return fitting(`light ${data.light_name ?? ""}`.trim(), room);
+}
+
+function infraredName(data, x) {
+  const span = x.to - x.at(data.infrared_from_nm);
+  return ["near infrared", "NIR"].find((word) => textWidth(word) + 10 < span);
 }
 
 function infrared(data, x, y) {
@@ -94,27 +104,38 @@ function infrared(data, x, y) {
   if (!(span > 0)) return [];
   const area = { x: from, y: y.to, width: span, height: y.from - y.to, class: "d-nir" };
   const nodes = [svg("rect", area)];
-  const text = ["near infrared", "NIR"].find((word) => textWidth(word) + 10 < span);
+  const text = infraredName(data, x);
   if (text) nodes.push(words(x.to - 6, under(y), text, "d-quiet", "end"));
   return nodes;
+}
+
+/** Places along the words that stand in the figure already. */
+function wordsThere(data, x, y) {
+  const height = under(y) - 5;
+  const along = (from, text) => {
+    const steps = Math.ceil(textWidth(text) / 16);
+    return Array.from({ length: steps + 1 }, (_, i) => ({ x: from + 16 * i, y: height }));
+  };
+  const infrared = infraredName(data, x) ?? "";
+  return [...along(x.from + 6, lightName(data, x)), ...along(x.to - 6 - textWidth(infrared), infrared)];
 }
 
 /** One letter per curve, where it is high and far from all others, in the visible if it can. */
 function letters(data, channels, x, y) {
   const nm = data.wavelength_nm;
-  const taken = [8, 28, 48].map((along) => ({ x: x.from + along, y: under(y) - 5 }));
+  const taken = wordsThere(data, x, y);
   const every = Math.max(1, Math.floor(nm.length / 40));
   return channels.map((channel, c) => {
     let best = { score: -Infinity };
     for (let k = every; k < nm.length - every; k += every) {
       if (!known(channel.qe[k])) continue;
-      const place = { x: x.at(nm[k]), y: y.at(channel.qe[k]) };
+      const place = { x: x.at(nm[k]), y: Math.max(y.to + 9, y.at(channel.qe[k])) };
       const hidden = nm[k] > data.infrared_from_nm ? 30 : 0;
       const score = freedom(place, channels, c, k, y, taken) - hidden;
       if (score > best.score) best = { ...place, score };
     }
     if (best.score === -Infinity) return words(x.from + 14 * (c + 1), y.to + 16, channel.name);
-    const at = { x: best.x, y: Math.max(y.to + 14, best.y + 5) };
+    const at = { x: best.x, y: best.y + 5 };
     taken.push(at);
     return words(at.x, at.y, channel.name, "d-letter", "middle");
   });

@@ -1,0 +1,254 @@
+"""How soon the page answers; ``--write`` makes docs/page_speed.md.
+
+Needs a chromium, and playwright of the dev extra. From the press of a key on the slider of the
+light level, as the browser stamps it, to the frame with the new numbers and drawings handed over
+to be painted: the page marks both.
+"""
+
+import argparse
+import datetime
+import os
+import shutil
+import signal
+import statistics
+import subprocess
+import sys
+import time
+import urllib.error
+import urllib.request
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from document import _processor
+
+TARGET = Path(__file__).parents[1] / "docs" / "page_speed.md"
+PRESSES = 40
+BURST = 60
+REPEAT_S = 1 / 30  # a key that is held down repeats about 30 times a second
+REST_MS = 150
+STARTS = 5
+SEEN = {"width": 1280, "height": 900}
+ALL = {"width": 1920, "height": 3000}
+SENSORS = "onyx-rgbw, onyx-rgb-ircut"
+
+
+@dataclass(frozen=True, slots=True)
+class Line:
+    """One measured thing; ``asked`` is ``None`` for what is told and not judged."""
+
+    what: str
+    asked: float | None
+    measured: float
+    unit: str
+    at_least: bool = False
+
+    @property
+    def reached(self) -> bool:
+        """Whether it is as asked."""
+        if self.asked is None:
+            return True
+        more = self.measured >= self.asked
+        return more if self.at_least else self.measured <= self.asked
+
+
+@contextmanager
+def served() -> Iterator[tuple[str, float]]:
+    """A server, and how long it took from its start to its first response. [s]"""
+    script = "from chromanoise.cli import main; main()"
+    began = time.perf_counter()
+    process = subprocess.Popen(
+        [sys.executable, "-c", script, "serve", "--port", "0"],
+        stdout=subprocess.PIPE,
+        text=True,
+        env=os.environ | {"PYTHONUNBUFFERED": "1"},
+    )
+    try:
+        assert process.stdout is not None
+        address = process.stdout.readline().split()[0]
+        while True:
+            try:
+                urllib.request.urlopen(address, timeout=10).read()
+                break
+            except urllib.error.URLError:
+                time.sleep(0.01)
+        yield address, time.perf_counter() - began
+    finally:
+        process.send_signal(signal.SIGINT)
+        process.communicate(timeout=60)
+
+
+def opened(browser: Any, address: str, size: dict[str, int]) -> Any:
+    """The page in a fresh context, once all its drawings are there."""
+    page = browser.new_context(viewport=size).new_page()
+    page.goto(address)
+    drawn = "section.panel[data-part]:not([data-part=picture])[aria-busy]"
+    until(page, f"document.querySelectorAll('{drawn}').length === 0")
+    page.wait_for_timeout(1000)
+    page.get_by_label("Light level", exact=True).focus()
+    return page
+
+
+def until(page: Any, truth: str) -> None:
+    """Wait until an expression is true; the page's policy forbids playwright's own waiting."""
+    page.evaluate(
+        f"() => new Promise((done) => {{ const look = () => ({truth}) ? done() "
+        ": setTimeout(look, 5); look(); })"
+    )
+
+
+def latencies_ms(page: Any, presses: int) -> list[float]:
+    """From each of some presses, one after the other, to its painted answer. [ms]"""
+    found = []
+    marks = "performance.getEntriesByName"
+    for _ in range(presses):
+        page.evaluate("performance.clearMarks()")
+        page.keyboard.press("ArrowUp")
+        until(page, f"{marks}('painted').length > 0 && {marks}('press').length > 0")
+        found.append(
+            page.evaluate(f"{marks}('painted')[0].startTime - {marks}('press')[0].startTime")
+        )
+        page.wait_for_timeout(REST_MS)
+    return found
+
+
+def distinct_in_burst(page: Any) -> tuple[int, bool]:
+    """How many different results a held key shows, and whether the last is that of its end."""
+    page.evaluate(
+        """() => {
+            window.seen = new Set();
+            const told = document.getElementById("electrons");
+            const look = () => window.seen.add(told.textContent);
+            new MutationObserver(look).observe(document.documentElement, { attributes: true });
+        }"""
+    )
+    due = time.perf_counter()
+    for _ in range(BURST):
+        page.keyboard.press("ArrowUp")
+        due += REPEAT_S
+        time.sleep(max(0.0, due - time.perf_counter()))
+    page.wait_for_timeout(1500)
+    ends = page.evaluate(
+        """() => {
+            const lux = Number(document.querySelector("#controls .field").value).toPrecision(4);
+            return document.querySelector("#verdict").textContent.startsWith(`At ${Number(lux)}`);
+        }"""
+    )
+    return page.evaluate("window.seen.size"), ends
+
+
+def first_sight(browser: Any, address: str) -> tuple[float, float, float]:
+    """When a fresh window paints first [s], when its first numbers [s], what it loads [kB]."""
+    context = browser.new_context(viewport=SEEN)
+    page = context.new_page()
+    page.goto(address)
+    until(page, "performance.getEntriesByName('painted').length > 0")
+    first, numbers, size = page.evaluate(
+        """() => {
+            const entries = ["navigation", "resource"]
+                .flatMap((kind) => performance.getEntriesByType(kind))
+                .filter((entry) => !entry.name.includes("/api/"));
+            const at = (name) => performance.getEntriesByName(name)[0].startTime;
+            const bytes = entries.reduce((sum, entry) => sum + entry.transferSize, 0);
+            return [at("first-contentful-paint") / 1e3, at("painted") / 1e3, bytes / 1e3];
+        }"""
+    )
+    context.close()
+    return first, numbers, size
+
+
+def measured(browser: Any) -> list[Line]:
+    """All lines of the table."""
+    starts = []
+    for _ in range(STARTS):
+        with served() as (_, start_s):
+            starts.append(start_s)
+    with served() as (address, _):
+        page = opened(browser, address, SEEN)
+        latencies_ms(page, 5)  # what is computed once is not what is asked
+        few = latencies_ms(page, PRESSES)
+        page.keyboard.press("Home")
+        page.wait_for_timeout(1000)
+        distinct, ends = distinct_in_burst(page)
+        page.context.close()
+        page = opened(browser, address, ALL)
+        every = latencies_ms(page, PRESSES)
+        page.context.close()
+        sights = [first_sight(browser, address) for _ in range(STARTS)]
+    first, numbers, size = (statistics.median(column) for column in zip(*sights, strict=True))
+    return [
+        Line("key press to painted, median of 40", 40, statistics.median(few), "ms"),
+        Line("key press to painted, 95th percentile", 80, percentile(few, 95), "ms"),
+        Line("the same with all drawings in view, median", None, statistics.median(every), "ms"),
+        Line("the same, 95th percentile", None, percentile(every, 95), "ms"),
+        Line("distinct results of a key held for 60 presses", 40, distinct, "", at_least=True),
+        Line("of which the last is that of its end", 1, float(ends), "", at_least=True),
+        Line("first paint", 1, first, "s"),
+        Line("first numbers painted", None, numbers, "s"),
+        Line("start of the server to its first response", 1.5, statistics.median(starts), "s"),
+        Line("what the page loads", 400, size, "kB"),
+    ]
+
+
+def percentile(values: list[float], share: int) -> float:
+    """Of the values, interpolated between neighbors."""
+    return statistics.quantiles(values, n=100, method="inclusive")[share - 1]
+
+
+def table(lines: list[Line]) -> str:
+    """In Markdown; what falls short stands in bold."""
+    rows = ["| what | asked | measured |", "|---|---|---|"]
+    for line in lines:
+        sign = ">=" if line.at_least else "<="
+        asked = "-" if line.asked is None else f"{sign} {line.asked:g} {line.unit}".strip()
+        told = f"{line.measured:.3g} {line.unit}".strip()
+        rows.append(f"| {line.what} | {asked} | {told if line.reached else f'**{told}**'} |")
+    return "\n".join(rows)
+
+
+def document(lines: list[Line], browser: str, load: tuple[float, float]) -> str:
+    """The whole page."""
+    return f"""# How soon the page answers
+
+Made by `make bench` on {datetime.datetime.now(datetime.UTC):%Y-%m-%d}: {_processor()}, \
+{os.cpu_count()} cores, Chromium {browser} without a window, two sensors ({SENSORS}), window \
+{SEEN["width"]} x {SEEN["height"]}. Programs that wanted a core (load average) at the start \
+{load[0]:.1f}, at the end {load[1]:.1f}: above {os.cpu_count()}, others had their share.
+
+{table(lines)}
+
+* From the browser's time stamp of the key to the frame that holds the new numbers and drawings
+  being handed over to be painted; each press waits for its answer.
+* A held key repeats 30 times a second, whether or not answers are back; the latest state wins.
+* The first paint and the bytes are medians of {STARTS} fresh windows with an empty cache; the
+  server starts with warm files.
+"""
+
+
+def main() -> None:
+    """Measure, print, and on demand write."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--write", action="store_true", help=f"write {TARGET.name}")
+    arguments = parser.parse_args()
+    program = shutil.which("chromium") or shutil.which("chromium-browser")
+    if program is None:
+        print("skipped: there is no chromium; apt-get install chromium")
+        return
+    from playwright.sync_api import sync_playwright
+
+    before = os.getloadavg()[0]
+    with sync_playwright() as started:
+        browser = started.chromium.launch(executable_path=program, args=["--no-sandbox"])
+        version = browser.version
+        lines = measured(browser)
+        browser.close()
+    print(table(lines))
+    if arguments.write:
+        load = before, os.getloadavg()[0]
+        TARGET.write_text(document(lines, version, load), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
