@@ -25,6 +25,7 @@ lint: $(VENV)/.dev
 bench: $(VENV)/.dev
 	$(BIN)/python benchmarks/closed_form_against_sampling.py
 	$(BIN)/python benchmarks/imaging.py --write
+	$(BIN)/python benchmarks/page.py --write
 
 docs: $(VENV)/.dev
 	$(BIN)/python tools/make_docs.py

@@ -20,6 +20,13 @@ TIMEOUT_MS = 15_000  # generous: the machine may be busy
 DRAWN = "section.panel[data-part]:not([data-part=picture])"
 
 
+EVERYTHING = {  # a study in which every control has something to change
+    "light": {"illuminant": "E+0.5xLED850", "level_lux": 8.0},
+    "sensors": [{"name": "onyx-rgbw"}, {"name": "onyx-rgb-ircut"}, {"name": "onyx-rgb"}],
+    "matrices": ["noise-regularized=1"],
+}
+
+
 @contextmanager
 def served(*arguments, port=0):
     """A server of its own process: its address, and the process."""
@@ -121,6 +128,14 @@ def window(browser, address, watch):
         context.close()
 
 
+@pytest.fixture
+def page(window):
+    """A window with `EVERYTHING`, all drawers open."""
+    one = window({"study": EVERYTHING, "look": {}})
+    one.evaluate("document.querySelectorAll('details').forEach((node) => (node.open = true))")
+    return one
+
+
 def packed(state):
     """A state as the address holds it; text goes in as it is."""
     if isinstance(state, str):
@@ -132,6 +147,14 @@ def state_of(page):
     """The state that the address holds now, or None."""
     _, _, text = page.url.partition("#")
     return json.loads(base64.urlsafe_b64decode(text + "=" * (-len(text) % 4))) if text else None
+
+
+def study_of(page):
+    """The study that the address holds now, or None where it holds none."""
+    try:
+        return state_of(page)["study"]
+    except (KeyError, TypeError, ValueError):
+        return None
 
 
 def until(page, truth, argument=None):
@@ -187,12 +210,12 @@ def answer_to(page, act, *, changes="study"):
 def asked_last(page):
     """The last question that `answer_to` saw, else the one that the address stands for."""
     known = getattr(page, "asked_last", None)
-    return known or {"study": (state_of(page) or {}).get("study"), "look": None}
+    return known or {"study": study_of(page), "look": None}
 
 
 def in_address(page, study):
     """Wait until the address holds this study."""
-    page.wait_for_url(lambda _: (state_of(page) or {}).get("study") == study)
+    page.wait_for_url(lambda _: study_of(page) == study)
 
 
 def shown(page):
@@ -203,5 +226,12 @@ def shown(page):
     )
 
 
-# a test module makes them its own: address, browser, watch, window = FIXTURES
-FIXTURES = (address, browser, watch, window)
+def moved_by_key(page, track):
+    """Ten places up or, from the end, down."""
+    track.focus()
+    ends = float(track.input_value()) >= float(track.get_attribute("max")) - 10
+    page.keyboard.press("Shift+ArrowDown" if ends else "Shift+ArrowUp")
+
+
+# a test module makes them its own: address, browser, watch, window, page = FIXTURES
+FIXTURES = (address, browser, watch, window, page)

@@ -6,7 +6,7 @@ import pytest
 
 from shells.browser import FIXTURES, answer_to, at_rest, until
 
-address, browser, watch, window = FIXTURES
+address, browser, watch, window, page = FIXTURES
 
 RULES = ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa"]
 SIZES = [(360, 740), (768, 1024), (1280, 900), (1920, 1080), (3840, 2160)]
@@ -196,7 +196,7 @@ def test_saturated_channels_say_so_in_words(window):
         panel.scroll_into_view_if_needed()
         until(
             page,
-            f"() => /satur/.test(document.querySelector('section[data-part={part}]').textContent)",
+            f"() => /satur/i.test(document.querySelector('section[data-part={part}]').textContent)",
         )
     assert overlapping(page) == []
     assert "NaN" not in page.locator("main").inner_text()
