@@ -22,7 +22,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from document import _processor
+from document import _disturbed, _processor
 
 TARGET = Path(__file__).parents[1] / "docs" / "page_speed.md"
 PRESSES = 40
@@ -218,7 +218,7 @@ Made by `make bench` on {datetime.datetime.now(datetime.UTC):%Y-%m-%d}: {_proces
 {load[0]:.1f}, at the end {load[1]:.1f}: above {os.cpu_count()}, others had their share.
 
 {table(lines)}
-
+{_disturbed(max(load))}
 * From the browser's time stamp of the key to the frame that holds the new numbers and drawings
   being handed over to be painted; each press waits for its answer.
 * A held key repeats 30 times a second, whether or not answers are back; the latest state wins.
