@@ -10,8 +10,11 @@ import pytest
 
 from chromanoise._check import InputError
 from chromanoise.color import LAB, XYY, encoded_srgb, exact_noise
-from chromanoise.exposure import expected_electrons
+from chromanoise.exposure import expected_electrons, white_scene
 from chromanoise.geometry import reconstructed_light
+from chromanoise.page.choices import choices
+from chromanoise.report.slides import slides_of
+from chromanoise.report.study_tables import table_of
 from chromanoise.sensor import behind_ir_cut, sensor_named, with_shifted_curves
 from chromanoise.spectra import DEFAULT_GRID, color_axes, colorchecker
 from chromanoise.study import (
@@ -27,9 +30,13 @@ from chromanoise.study import (
 )
 from chromanoise.study.drawings import PARTS, Look, Shown, drawing, shown
 from chromanoise.study.drawings.ellipses import in_plane
+from chromanoise.study.drawings.levels import level_in_words
 from chromanoise.study.drawings.patches import hex_colors, patches_of
 from chromanoise.study.drawings.vectors import color_frame, half_axes, round_magnification
 from chromanoise.study.drawings.verdicts import verdict_sentences
+from chromanoise.study.makers import METHODS, matrix_makers
+from chromanoise.study.priors import training_named
+from chromanoise.study.quantities import fullest_level_lux, is_saturated
 from chromanoise.study.runs import OutputsPart, outcome_of, outcomes_as_json, study_from_data
 from chromanoise.study.runs.named import sensor_of, situations_of
 
@@ -40,6 +47,11 @@ def study_of(*names, level_lux=10.0, **more):
     light = {"illuminant": "E", "level_lux": level_lux} | more.pop("light", {})
     told = {"light": light, "sensors": [{"name": name} for name in names], **more}
     return study_from_data(told, source="a test")
+
+
+def fast_study(*names, **more):
+    """At a time that fills no well in any light of these tests."""
+    return study_of(*names, exposure={"time_ms": 2.0}, **more)
 
 
 @cache
@@ -117,11 +129,25 @@ def test_the_steps_of_the_waterfall_meet_and_add_up(coordinate):
         assert {s["kind"] for s in middle if s["change_db"] < 0} == {"cost"}
 
 
+def test_a_coordinate_made_of_infrared_has_an_snr_but_no_budget_and_says_why():
+    """Behind a perfect cut the same matrix makes Z negative: by the sweep of an added IR-cut."""
+    of = shown(study_of("onyx-rgb", light={"illuminant": "A", "level_lux": 10.0}))
+    (sensor,) = drawing("budget", of, Look(coordinate="Z"))["sensors"]
+    (stages,) = drawing("stages", of)["sensors"]
+    assert stages["color"]["Z"] == pytest.approx(18.7, abs=0.1)
+    assert sensor["steps"] == []
+    assert "its Z comes from the infrared" in sensor["why_not"]
+    assert "no SNR" not in sensor["why_not"]
+    (cut,) = (SWEEPS["ircut-nm"].at(one, 700.0) for one in of.situations)
+    assert np.isnan(QUANTITIES["snr-z"].of(cut, of.analyses[0].matrix))
+    assert drawing("budget", of, Look(coordinate="X"))["sensors"][0]["why_not"] is None
+
+
 @pytest.mark.parametrize("matrices", [("kernel",), ("lmmse",)], ids=" ".join)
 def test_curves_and_crossovers_over_the_light_are_those_of_compare(matrices):
     of = shown(study_of(*BOTH, matrices=matrices))
     told = drawing("levels", of)
-    values = swept_values(SWEEPS["lux"], 0.01, 1000.0, 61)
+    values = swept_values(SWEEPS["lux"], 0.01, 10_000.0, 73)
     curves = compared(of.situations, of.makers, values)
     assert told["lux"] == values.tolist()
     for drawn, curve in zip(told["curves"], curves, strict=True):
@@ -130,6 +156,52 @@ def test_curves_and_crossovers_over_the_light_are_those_of_compare(matrices):
     (crossed,) = crossovers(of.situations, of.makers, curves)
     assert [c["lux"] for c in told["crossovers"]] == list(crossed.at or (None,))
     assert told["crossovers"][0]["sentence"] == crossover_sentence(crossed)
+
+
+@pytest.mark.parametrize(
+    ("level_lux", "low", "high"),
+    [(10.0, 0.01, 1e4), (1e4, 0.01, 1e4), (2e4, 0.01, 1e5), (3e-5, 1e-5, 1e4), (1e-15, 1e-15, 1e4)],
+)
+def test_curves_reach_over_the_slider_and_to_the_level_in_equal_ratios(level_lux, low, high):
+    """Twelve per decade, so that a ratio of neighbors is 10^(1/12)."""
+    lux = np.array(drawing("levels", shown(fast_study(*BOTH, level_lux=level_lux)))["lux"])
+    assert lux[[0, -1]] == pytest.approx([low, high], rel=1e-12)
+    np.testing.assert_allclose(lux[1:] / lux[:-1], 10 ** (1 / 12), rtol=1e-9)
+
+
+def test_the_slider_of_the_page_ends_where_the_curves_end():
+    (level,) = (one for one in choices()["sliders"] if one["key"] == "light.level_lux")
+    lux = drawing("levels", usual())["lux"]
+    assert (level["low"], level["high"]) == pytest.approx((lux[0], lux[-1]), rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("level_lux", "told"),
+    [
+        (10.0, "10 lx"),
+        (0.0133, "0.0133 lx"),
+        (1.334e-5, "1.33·10⁻⁵ lx"),
+        (2e-4, "2·10⁻⁴ lx"),
+        (999.9, "1000 lx"),
+        (13300.0, "13300 lx"),
+        (2.5e7, "2.5·10⁷ lx"),
+        (9.999e-4, "0.001 lx"),
+        (1e15, "10¹⁵ lx"),
+    ],
+)
+def test_a_level_is_told_as_people_write_it(level_lux, told):
+    assert level_in_words(level_lux) == told
+
+
+@pytest.mark.parametrize("level_lux", [2e-5, 5e4])
+def test_no_sentence_or_slider_tells_a_level_with_an_e(level_lux):
+    of = shown(study_of(*BOTH, level_lux=level_lux))
+    slider, *_ = slides_of(of)
+    told = [*drawing("head", of)["verdict"], *slider.told]
+    if level_lux > 1:  # else the span of the curves is told as the command tells it
+        told += [one["sentence"] for one in drawing("levels", of)["crossovers"]]
+    for sentence in told:
+        assert not re.search(r"\de[+-]?\d", sentence)
 
 
 def test_many_light_levels_at_once_give_what_they_give_one_by_one():
@@ -144,6 +216,83 @@ def test_many_light_levels_at_once_give_what_they_give_one_by_one():
             ]
             together = quantity.over_levels(situation, analysis.matrix, levels)
             np.testing.assert_allclose(together, alone, rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    "matrix",
+    [
+        "kernel",
+        "least-squares",
+        "white-preserving",
+        "lmmse",
+        "ridge=0.01",
+        "noise-regularized=0.3",
+        "noise-regularized=0",
+        "bounded-psi=4",
+    ],
+)
+@pytest.mark.parametrize("light", ["E", "A"])
+def test_a_matrix_per_level_gives_what_it_gives_level_by_level(matrix, light):
+    """The functions of one level, asked anew at each of them, and no cache between."""
+    levels = np.geomspace(1e-3, 1e5, 9)
+    word, _, number = matrix.partition("=")
+    method = METHODS[word]
+    own = {method.parameter: float(number)} if number else {}
+    of = shown(study_of("onyx-rgb-ircut", "model-rgbir", light={"illuminant": light}))
+    for curve, situation in zip(
+        compared(of.situations, matrix_makers([matrix], "quanta"), levels),
+        of.situations,
+        strict=True,
+    ):
+        for i, level in enumerate(levels.tolist()):
+            lit = SWEEPS["lux"].at(situation, level)
+            training = training_named("chart-nir", situation.illuminant)
+            made = method.make(
+                situation.sensor, situation.exposure, training, level_lux=level, **own
+            )
+            snr = QUANTITIES["snr-y"].of(lit, made)
+            error = QUANTITIES["color-error"].of(lit, made)
+            np.testing.assert_allclose(curve.value[i], snr, rtol=1e-12, atol=1e-10)
+            np.testing.assert_allclose(curve.color_error[i], error, rtol=1e-10)
+            assert curve.saturated[i] == is_saturated(lit)
+
+
+@pytest.mark.parametrize(
+    "matrix", ["kernel", "noise-regularized=0.3", "bounded-psi=4", "white-preserving"]
+)
+def test_levels_are_drawn_without_making_a_matrix_per_level(matrix, monkeypatch):
+    """What a page waits for, counted: two sensors, their curves and where they cross."""
+    asked = []
+    for word, method in METHODS.items():
+
+        def counted(*args, make=method.make, **more):
+            asked.append(more["level_lux"])
+            return make(*args, **more)
+
+        replaced = replace(method, make=counted)
+        monkeypatch.setitem(METHODS, word, replaced)
+    of = shown(study_of(*BOTH, matrices=[matrix]))
+    drawing("levels", of)
+    drawing("levels", of)
+    assert len(asked) <= (2 if "noise" not in matrix else 100)
+
+
+def test_the_fullest_level_is_where_the_fullest_channel_holds_its_well():
+    for situation in usual().situations:
+        fullest = fullest_level_lux(situation)
+        full, above = (SWEEPS["lux"].at(situation, fullest * f) for f in (1.0, 1.0 + 1e-9))
+        assert not is_saturated(full)
+        assert is_saturated(above)
+        electrons = expected_electrons(white_scene(full), full.sensor, full.exposure)
+        assert electrons.max() == pytest.approx(full.sensor.pixel.full_well_e, rel=1e-12)
+
+
+def test_a_curve_tells_from_which_light_on_it_is_saturated_and_not_the_next_point():
+    """The time fills the fuller sensor's well to the share asked for at the study's own level."""
+    of = shown(study_of(*BOTH, exposure={"saturate": 0.8}))
+    told = [curve["saturated_from_lux"] for curve in drawing("levels", of)["curves"]]
+    assert min(told) == pytest.approx(10.0 / 0.8, rel=1e-9)
+    assert max(told) > 1.5 * min(told)
 
 
 def test_two_sensors_are_equal_where_their_curves_cross():
@@ -225,6 +374,23 @@ def test_the_ellipsoid_projected_on_an_axis_has_the_spread_of_that_color():
         assert snr == pytest.approx(20 * np.log10(kernel), rel=1e-9)
 
 
+def test_the_ellipsoids_share_is_that_of_the_noise_of_drawn_spectra_within_x_y_z():
+    """Drawn electrons, their spectra, and what least squares on the color axes leaves of them."""
+    of = usual()
+    axes = color_axes(DEFAULT_GRID, "quanta")
+    scaled = axes / np.linalg.norm(axes, axis=0)
+    rng = np.random.default_rng(11)
+    for analysis, told in zip(of.analyses, drawing("vectors", of)["sensors"], strict=True):
+        sd = np.sqrt(np.diag(analysis.raw.covariance))
+        noise = sd * rng.standard_normal((20_000, sd.size))
+        spectra = reconstructed_light(analysis.matrix.frame, noise)
+        fit, *_ = np.linalg.lstsq(scaled, spectra.T, rcond=None)
+        rest = spectra - (scaled @ fit).T
+        share = 1 - (rest**2).sum() / (spectra**2).sum()
+        assert 0.01 < share < 0.99
+        assert told["ellipsoid"]["norm_share"] == pytest.approx(share, abs=0.01)
+
+
 def test_half_axes_rebuild_the_covariance():
     covariance = np.array([[4.0, 1.0, 0.0], [1.0, 3.0, 0.5], [0.0, 0.5, 2.0]])
     axes = half_axes(covariance)
@@ -278,6 +444,32 @@ def test_ellipses_are_closed_and_of_48_points_around_their_center():
                 reach = np.abs(outline - patch["center"]).max()
                 middle = outline[:-1].mean(axis=0)
                 np.testing.assert_allclose(middle, patch["center"], atol=0.01 * reach)
+
+
+@pytest.mark.parametrize("plane", ["ab", "xy"])
+def test_an_ellipse_reaches_as_far_as_the_spread_in_its_worst_direction(plane):
+    """By another road: the spread along each of many directions, not the eigenvalues."""
+    of = usual()
+    angle = np.linspace(0, np.pi, 2001)
+    around = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    drawn = drawing("ellipses", of, Look(plane=plane))
+    for analysis, sensor in zip(of.analyses, drawn["sensors"], strict=True):
+        covariance = in_plane(patches_of(analysis), plane)[2]
+        spread = np.sqrt(np.einsum("ki,pij,kj->pk", around, covariance, around)).max(axis=1)
+        told = np.array([patch["reach"] for patch in sensor["patches"]])
+        np.testing.assert_allclose(told, drawn["sigmas"] * spread, rtol=1e-6)
+        for patch in sensor["patches"]:
+            farthest = max(np.hypot(*np.subtract(at, patch["center"])) for at in patch["outline"])
+            assert np.cos(np.pi / 47) * patch["reach"] * 0.998 < farthest < patch["reach"] * 1.002
+
+
+def test_the_table_of_ellipses_tells_their_reach():
+    of = usual()
+    data = drawing("ellipses", of)
+    rows = iter(table_of("ellipses", data).rows)
+    for sensor in data["sensors"]:
+        for patch, row in zip(sensor["patches"], rows, strict=False):
+            assert float(row[-1]) == pytest.approx(patch["reach"], abs=0.0501)
 
 
 def test_ellipses_hold_the_share_of_draws_that_two_sigma_hold():
@@ -344,6 +536,68 @@ def test_the_verdict_does_not_depend_on_the_order_of_sensors():
     assert one[:2] == other[:2]
 
 
+def test_a_pixel_of_a_hundredth_of_the_area_loses_20_db_for_photons_and_the_verdict_says_so():
+    small = {"name": "onyx-rgb-ircut", "pixel": {"pitch_um": 1.0}}
+    told = {"light": {"level_lux": 10.0}, "sensors": [{"name": "onyx-rgb-ircut"}, small]}
+    verdict = drawing("head", shown(study_from_data(told, source="a test")))["verdict"]
+    assert "(2) loses to onyx-rgb-ircut: fewer photons reach its pixels: 20.0 dB;" in verdict[1]
+
+
+@pytest.mark.parametrize(
+    "names",
+    [
+        BOTH,
+        ("model-mono", "onyx-rgb"),
+        ("model-rgb", "model-rgbir"),
+        ("onyx-rgbw", "onyx-rgb"),
+        ("model-cmy-ircut", "onyx-rgbw"),
+    ],
+    ids=" ".join,
+)
+@pytest.mark.parametrize("illuminant", ["E", "A"])
+def test_the_reasons_that_are_told_reach_the_gap(names, illuminant):
+    first, why, _ = drawing(
+        "head", shown(fast_study(*names, light={"illuminant": illuminant, "level_lux": 1.0}))
+    )["verdict"]
+    ours, theirs = re.search(r"SNR of Y (-?[\d.]+) against (-?[\d.]+) dB", first).groups()
+    costs = re.findall(r"costs (-?[\d.]+) dB \(there (-?[\d.]+)\)", why)
+    reached = sum(float(here) - float(there) for here, there in costs)
+    reached += sum(float(beyond) for beyond in re.findall(r": ([\d.]+) dB", why))
+    assert reached > abs(float(ours) - float(theirs)) - 0.3 - 0.4  # and rounding
+
+
+@pytest.mark.parametrize("name", ["onyx-rgb-ircut", "model-rgb", "model-rgbir", "model-mono"])
+@pytest.mark.parametrize("matrix", ["kernel", "lmmse"])
+@pytest.mark.parametrize("illuminant", ["E", "A"])
+@pytest.mark.parametrize("level_lux", [0.1, 10.0])
+def test_what_a_sensor_alone_loses_below_its_raw_channels_is_not_what_they_lack_themselves(
+    name, matrix, illuminant, level_lux
+):
+    light = {"illuminant": illuminant, "level_lux": level_lux}
+    (told,) = verdict_sentences(shown(fast_study(name, light=light, matrices=[matrix])).analyses)
+    assert "read noise" not in told
+    assert "-0.0" not in told
+    price = float(re.search(r"SNR, ([\d.]+) dB below", told)[1])
+    why = re.search(r"(most of it|above all) for [a-z ]+ \(([\d.]+) dB\)", told)
+    assert (why is None) <= (price < 1.0)
+    if why:
+        share = float(why[2]) / price
+        assert (why[1] == "most of it") == (0.5 < share <= 1.0)
+        assert share > 0.3  # of three causes the largest
+
+
+def test_terms_other_than_one_time_for_all_are_told():
+    one, alike, photons = (
+        drawing("head", shown(study_of(*BOTH, exposure={"equal": terms})))["verdict"][0]
+        for terms in ("exposure", "saturation", "light")
+    )
+    assert one.startswith("At 10 lx of E onyx")
+    assert alike.startswith("At 10 lx of E, with times set to fill each sensor alike, onyx")
+    assert photons.startswith("At 10 lx of E, with times set for the same photons")
+    with pytest.raises(InputError, match="unknown terms of a comparison 'time'"):
+        verdict_sentences(usual().analyses, equal="time")
+
+
 def test_the_verdict_tells_of_saturated_sensors_and_of_one_alone():
     told = drawing("head", bright())["verdict"]
     assert len(told) == 2
@@ -356,7 +610,6 @@ def test_the_verdict_tells_of_saturated_sensors_and_of_one_alone():
     "names",
     [
         ("onyx-rgbw",),
-        ("onyx-rgbw", "onyx-rgbw"),
         ("model-cmy-ircut", "onyx-rgb-ircut", "model-rgbir"),
         ("model-mono", "gsense4040bsi"),
         ("model-mono", "onyx-rgb"),
@@ -368,12 +621,18 @@ def test_every_set_of_sensors_has_a_verdict_of_whole_sentences(names, level_lux)
     told = drawing("head", shown(study_of(*names, level_lux=level_lux)))["verdict"]
     assert told
     for sentence in told:
-        assert sentence.endswith(".")
-        assert not re.search(r"\b(nan|inf|None)\b", sentence)
+        assert re.fullmatch(r"[^\n]*[A-Za-z][^\n]*[^.\s]\.", sentence)
+        assert not re.search(r"\b(nan|inf|None)\b|  | [.,;]|\(\)|\.\.|-0\.0\b", sentence)
+        assert sentence.count("(") == sentence.count(")")
+    for name in names:
+        assert any(name in sentence for sentence in told), name
+    (colors,) = [s for s in told if "color error" in s.lower()]
+    assert all(name in colors for name in names if not any(s.startswith(name) for s in told))
 
 
 def test_equal_sensors_are_told_apart_and_level():
-    of = shown(study_of("onyx-rgbw", "onyx-rgbw"))
+    study = study_of("onyx-rgbw")
+    of = shown(study, situations=situations_of(study) * 2)
     assert [s.sensor.name for s in of.situations] == ["onyx-rgbw", "onyx-rgbw (2)"]
     assert "level with onyx-rgbw (2)" in drawing("head", of)["verdict"][0]
 
@@ -401,12 +660,9 @@ def test_shifted_curves_peak_where_they_did_and_the_shift_away():
     sensor = sensor_named("model-rgb", DEFAULT_GRID)
     red = with_shifted_curves(sensor, 20.0)
     at = DEFAULT_GRID.wavelength_nm
-    for i in range(3):
-        visible = at < 600
-        before = at[visible][sensor.qe[visible, i].argmax()]
-        if 420 < before < 570:
-            moved = at < 620
-            assert at[moved][red.qe[moved, i].argmax()] == before + 20.0
+    for i, peak_nm in ((1, 535.0), (2, 460.0)):  # of green and blue, read off the curves
+        assert at[sensor.qe[:, i].argmax()] == peak_nm
+        assert at[red.qe[:, i].argmax()] == peak_nm + 20.0
     np.testing.assert_allclose(red.qe[4:], sensor.qe[:-4], atol=1e-15)
     np.testing.assert_array_equal(red.qe[:4], np.tile(sensor.qe[0], (4, 1)))
     back = with_shifted_curves(red, -20.0)

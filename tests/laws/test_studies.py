@@ -565,7 +565,7 @@ def test_what_cannot_be_is_refused_before_anything_is_computed(tmp_path):
         ("pictures.0.cube=nowhere.hdr", "nowhere.hdr"),
         ("pictures.0.scale=2", "leave scale away"),
         ("sensors.0.name=onyx", "onyx"),
-        ("sensors.1.name=onyx-rgbw", "stands twice"),
+        ('sensors.1={name = "onyx-rgbw"}', "stands twice"),
         ("sensors.0.pixel.file=nowhere.txt", "nowhere.txt"),
         ("matrices=['ridge']", "ridge=<strength>"),
     ]:

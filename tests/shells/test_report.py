@@ -144,11 +144,11 @@ def test_verdict_tables_equations_and_study_stand_in_the_page_without_a_script(p
 def unpacked(packed, chart):
     """Outlines as the page lays them: points of one circle along two half axes."""
     told = []
-    for center, right, up in packed["patches"]:
+    for center, right, up, reach in packed["patches"]:
         points = [
             [center[k] + c * right[k] + s * up[k] for k in (0, 1)] for c, s in chart["circle"]
         ]
-        told.append((center, points))
+        told.append((center, points, reach))
     return told
 
 
@@ -157,8 +157,9 @@ def test_ellipses_come_back_from_their_half_axes(page, there):
     assert data["chart_of"]["patches"][0]["name"] == "dark skin"
     for packed, sensor in zip(data["parts"]["ellipses"]["sensors"], whole["sensors"], strict=True):
         found = unpacked(packed, data["chart_of"])
-        for (center, points), patch in zip(found, sensor["patches"], strict=True):
+        for (center, points, reach), patch in zip(found, sensor["patches"], strict=True):
             assert center == pytest.approx(patch["center"], rel=1e-4)
+            assert reach == pytest.approx(patch["reach"], rel=1e-5)
             for mine, his in zip(points, patch["outline"], strict=True):
                 assert mine == pytest.approx(his, abs=2e-3)
 
@@ -260,9 +261,10 @@ def test_the_figures_of_a_study_say_its_numbers(folder, there):
         for name in FIGURES
     }
     for sensor in drawing("budget", there)["sensors"]:
-        assert {f"{sensor['steps'][-1]['to_db']:.1f}", f"{sensor['bound_db']:.1f}"} & set(
-            texts["budget"]
-        )
+        start, *causes, end = sensor["steps"]
+        told = {f"{step['to_db']:.1f}" for step in (start, end)}
+        told |= {f"\N{MINUS SIGN}{-step['change_db']:.1f}" for step in causes[:1]}
+        assert told <= set(texts["budget"])
     assert {"a*", "b*"} <= set(texts["ellipses"])
     assert {"0.001", "1000"} <= set(texts["pareto"])
     assert "onyx-rgbw, kernel" in texts["comparison"]
@@ -346,7 +348,8 @@ def test_every_table_in_the_file_is_that_of_its_drawing_module(seen, page):
     for sensor in data["parts"]["ellipses"]["sensors"]:
         found = zip(data["chart_of"]["patches"], unpacked(sensor, data["chart_of"]), strict=True)
         sensor["patches"] = [
-            {**patch, "center": center, "outline": points} for patch, (center, points) in found
+            {**patch, "center": center, "reach": reach, "outline": points}
+            for patch, (center, points, reach) in found
         ]
     for part in PARTS:
         if part != "head":

@@ -121,7 +121,7 @@ def test_a_picture_is_a_png_of_its_cube_and_tells_how_it_was_taken(client):
     assert still.content != noisy.content
     assert json.loads(noisy.headers["x-chromanoise-summary"])["mean_e"]
     assert "no sensor 2" in sentence_of(
-        client.post("/api/picture", json=question | {"sensor": 2}), 400
+        client.post("/api/picture", json=question | {"sensor": 2}), 200
     )
 
 
@@ -148,7 +148,7 @@ def test_all_faults_of_a_study_are_told_each_with_its_key(client):
 )
 def test_a_word_that_names_nothing_or_a_file_is_told_beside_it(client, change, where):
     reply = answered(client, {"study": BOTH | change})
-    assert sentence_of(reply, 400)
+    assert sentence_of(reply, 200)
     assert reply.json()["faults"][0]["where"] == (where or "sensors.0.pixel.file")
 
 
@@ -179,7 +179,7 @@ def test_the_page_itself_and_a_link_that_somebody_follows_are_let_in(client, add
         assert answered(client, {"study": BOTH, "want": []}, **own).status_code == 200
     link = {"Sec-Fetch-Mode": "navigate", "Sec-Fetch-Dest": "document"}
     followed = link | {"Sec-Fetch-Site": "cross-site"}
-    assert client.get("/", headers=followed).status_code in (200, 404)
+    assert client.get("/", headers=followed).status_code == 200
     assert client.get("/api/choices", headers=followed).status_code == 403
     framed = followed | {"Sec-Fetch-Dest": "iframe"}
     assert client.get("/", headers=framed).status_code == 403
@@ -211,9 +211,7 @@ def test_every_reply_carries_the_headers_that_keep_it_here(client):
         b'{"number": true}',
         b'{"want": ["waterfall"]}',
         b'{"want": [{}]}',
-        b'{"look": {"plane": "uv"}}',
         b'{"look": {"magnification": "big"}}',
-        b'{"look": {"magnification": -1}}',
         b'{"study": 3}',
         b'{"number": ' + b"9" * 9000 + b"}",
         b"[" * 100_000,
@@ -224,6 +222,11 @@ def test_every_reply_carries_the_headers_that_keep_it_here(client):
 def test_what_is_no_question_gets_one_clear_sentence(client, body):
     headers = {"Content-Type": "application/json"}
     assert sentence_of(client.post("/api/answer", content=body, headers=headers), 400)
+
+
+@pytest.mark.parametrize("look", [{"plane": "uv"}, {"magnification": -1}])
+def test_a_look_that_cannot_be_is_told_in_a_sentence(client, look):
+    assert sentence_of(answered(client, {"look": look, "study": BOTH}), 200)
 
 
 @pytest.mark.parametrize(
@@ -240,7 +243,7 @@ def test_what_is_no_question_gets_one_clear_sentence(client, body):
 )
 def test_numbers_and_words_out_of_reason_are_refused_in_a_sentence(client, light):
     reply = answered(client, {"study": BOTH | {"light": light}})
-    assert len(sentence_of(reply, 400)) < 2000
+    assert len(sentence_of(reply, 200)) < 2000
 
 
 def test_a_question_that_is_not_json_or_too_long_is_refused(client):
@@ -295,7 +298,7 @@ def test_a_dropped_study_comes_back_as_data(client):
     assert told["kind"] == "study"
     assert told["study"]["sensors"][0]["name"] == "onyx-rgb"
     bad = uploaded(client, "b.toml", b"[[sensors]]\nnam = 3\n")
-    assert "b.toml:2" in sentence_of(bad, 400)
+    assert "b.toml:2" in sentence_of(bad, 200)
 
 
 @pytest.mark.parametrize(
@@ -312,12 +315,12 @@ def test_a_dropped_study_comes_back_as_data(client):
 )
 def test_a_name_never_becomes_a_path(client, tmp_path, name):
     reply = uploaded(client, name, SENSOR)
-    told = reply.text
-    assert reply.status_code in (200, 400)
-    assert "etc" not in told or "/etc" not in told
+    told = reply.json()
+    assert reply.status_code == 200
+    assert not re.search(r"/etc|/tmp|windows|\.\.", reply.text)
     assert "x-evil" not in reply.headers
-    if reply.status_code == 200:
-        assert re.fullmatch("upload:[0-9a-f]{16}", reply.json()["id"])
+    if "faults" not in told:
+        assert re.fullmatch("upload:[0-9a-f]{16}", told["id"])
 
 
 @pytest.mark.parametrize(
@@ -338,7 +341,7 @@ def test_a_name_never_becomes_a_path(client, tmp_path, name):
     ids=lambda value: value if isinstance(value, str) else "",
 )
 def test_a_file_that_cannot_be_read_is_told_in_a_sentence(client, name, content):
-    told = sentence_of(uploaded(client, name, content), 400)
+    told = sentence_of(uploaded(client, name, content), 200)
     assert "Traceback" not in told
     assert "/tmp" not in told
 
@@ -346,13 +349,13 @@ def test_a_file_that_cannot_be_read_is_told_in_a_sentence(client, name, content)
 def test_a_spectrum_of_ten_megabytes_or_a_hundred_thousand_points_is_refused_at_once(client):
     row = b"500.123456,0.123456789\n"
     large = b"wavelength_nm,G\n" + row * (10_000_000 // len(row))
-    assert "10.0 MB are too much" in sentence_of(uploaded(client, "large.csv", large), 400)
+    assert "10.0 MB are too much" in sentence_of(uploaded(client, "large.csv", large), 200)
     points = "\n".join(f"{400 + 650 * i / 99_999:.6f},0.5" for i in range(100_000))
     assert "one row per nanometer" in sentence_of(
-        uploaded(client, "fine.csv", f"wavelength_nm,G\n{points}"), 400
+        uploaded(client, "fine.csv", f"wavelength_nm,G\n{points}"), 200
     )
     points = "\n".join(f"{400 + 650 * i / 9_999:.6f},0.5" for i in range(10_000))
-    assert uploaded(client, "fair.csv", f"wavelength_nm,G\n{points}").status_code == 200
+    assert uploaded(client, "fair.csv", f"wavelength_nm,G\n{points}").json()["id"]
 
 
 def test_an_upload_beyond_the_limit_is_refused_before_it_is_read(client):
@@ -432,7 +435,7 @@ def test_serve_tells_its_address_answers_soon_and_ends_with_ctrl_c(tmp_path):
     with started(str(study)) as process:
         address = process.stdout.readline().split()[0]
         assert re.fullmatch(r"http://localhost:\d+/", address)
-        assert httpx.get(address, timeout=60).status_code in (200, 404)
+        assert httpx.get(address, timeout=60).status_code == 200
         assert time.monotonic() - start < 30  # generous: the machine may be busy
         choices = httpx.get(f"{address}api/choices", timeout=60).json()
         assert choices["study"]["sensors"][0]["name"] == "model-rgbir"
@@ -488,4 +491,4 @@ def test_a_file_of_this_machine_is_not_opened_by_its_name(client, tmp_path):
     own = tmp_path / "own.csv"
     own.write_text(SENSOR, encoding="utf-8")
     for change in ({"sensors": [{"name": str(own)}]}, {"light": {"illuminant": str(own)}}):
-        assert "drop the file" in sentence_of(answered(client, {"study": BOTH | change}), 400)
+        assert "drop the file" in sentence_of(answered(client, {"study": BOTH | change}), 200)

@@ -45,9 +45,14 @@ def serve(study: Path | None, port: int, opened: bool) -> None:
 
 
 def _study(path: Path | None) -> dict[str, object] | None:
-    """The study as the page starts with it; what the page does not show stays in it."""
+    """The study to start from, refused before anything is served."""
     if path is None:
         return None
-    from chromanoise.study.runs import read_study, study_as_json
+    from chromanoise.page.studies import served_data
+    from chromanoise.study.runs import read_study
 
-    return study_as_json(read_study(path))
+    study = read_study(path)
+    try:
+        return served_data(study)
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from None

@@ -166,7 +166,12 @@ def lmmse(
 
 
 def lmmse_over_light(
-    sensor: Sensor, exposure: Exposure, training: Training, level_lux: Float[Array, " k"]
+    sensor: Sensor,
+    exposure: Exposure,
+    training: Training,
+    level_lux: Float[Array, " k"],
+    *,
+    weight: float = 1.0,
 ) -> Float[Array, "k 3 p"]:
     """The LMMSE matrices of many light levels at once, as `lmmse` makes them one by one. [lx/e-]
 
@@ -176,20 +181,23 @@ def lmmse_over_light(
     ----------
     level_lux
         Illuminances on the set, > 0. [lx]
+    weight
+        Of the noise, as `noise_regularized`. [1]
 
     Raises
     ------
     InputError
-        As `least_squares`, or if a level is not positive.
+        As `least_squares`, or if a level is not positive or the weight negative.
     """
     levels = _check.non_negative("level_lux", "lx", level_lux)
     _check.positive("smallest level_lux", "lx", float(levels.min()))
+    share = _check.not_negative("weight of the noise", "1", weight)
     seen = training_response(training, sensor, exposure, level_lux=1.0)
     scale, root = white_scale(seen), np.sqrt(seen.share)[:, None]
     q, r = np.linalg.qr(root * seen.electrons / scale)
     light = levels[:, None, None]
     mean_e2 = levels[:, None] * (seen.share @ seen.electrons)  # shot noise of the mean
-    noise = np.sqrt(mean_e2 + sensor.pixel.read_noise_e**2) / scale
+    noise = np.sqrt(share * (mean_e2 + sensor.pixel.read_noise_e**2)) / scale
     left = np.concatenate([light * r, noise[..., None] * np.eye(scale.size)], axis=1)
     right = np.concatenate(
         [light * (q.T @ (root * seen.xyz)), np.zeros((levels.size, scale.size, 3))], axis=1

@@ -20,10 +20,9 @@ from chromanoise.study import (
     Curve,
     compared,
     crossovers,
-    swept_values,
 )
 from chromanoise.study.drawings import Shown, coordinate_budget, drawing
-from chromanoise.study.drawings.levels import HIGHEST_LUX, LOWEST_LUX, POINTS
+from chromanoise.study.drawings.levels import drawn_lux
 
 _WIDE_IN = 6.4
 
@@ -73,7 +72,7 @@ def _sensitivities(of: Shown) -> Figure:
 
 def _comparison(of: Shown) -> Figure:
     sweep, quantity = SWEEPS["lux"], QUANTITIES["snr-y"]
-    values = swept_values(sweep, LOWEST_LUX, HIGHEST_LUX, POINTS)
+    values = drawn_lux(of)
     curves = compared(of.situations, of.makers, values, sweep=sweep, quantity=quantity)
     figure = _framed(5.6)
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=(2, 1))

@@ -61,17 +61,50 @@ def chart_lab(
 
     Parameters, errors and ``None`` as `chart_color_error`.
     """
-    chart = np.vstack([np.ones(sensor.grid.n), colorchecker(sensor.grid).values.T])
-    scene = Scene(illuminant=illuminant, level_lux=1.0, reflectance=chart)
+    scene = _white_and_chart(illuminant)
     truth = light(scene, "energy") @ color_axes(sensor.grid, "energy")
     seen = expected_electrons(scene, sensor, exposure) @ matrix.matrix.T
     if not (seen[0] > 0).all():
         return None
-    neutral = np.array([1 / 3, 1 / 3])  # chromaticity of XYZ = (1, 1, 1)
-    to_lab = colour_science().XYZ_to_Lab
-    return np.asarray(to_lab(truth[1:] / truth[0], neutral)), np.asarray(
-        to_lab(seen[1:] / seen[0], neutral)
+    return _lab(truth[1:] / truth[0]), _lab(seen[1:] / seen[0])
+
+
+def mean_chart_errors(
+    sensor: Sensor, matrices: Float[Array, "k 3 p"], exposure: Exposure, illuminant: Illuminant
+) -> Float[Array, " k"]:
+    """Mean of `chart_color_error` for many matrices at once; NaN where it is ``None``. [Delta E*ab]
+
+    Parameters
+    ----------
+    matrices
+        Of that sensor and exposure. [lx/e-]
+
+    Raises
+    ------
+    InputError
+        As `chart_color_error`.
+    """
+    scene = _white_and_chart(illuminant)
+    truth = light(scene, "energy") @ color_axes(sensor.grid, "energy")
+    seen = expected_electrons(scene, sensor, exposure) @ np.swapaxes(matrices, -1, -2)
+    known = (seen[:, 0] > 0).all(axis=-1)
+    white = np.where(known[:, None], seen[:, 0], 1.0)
+    lab = _lab(seen[:, 1:] / white[:, None])
+    errors = _differences().delta_E_CIE1976(
+        np.broadcast_to(_lab(truth[1:] / truth[0]), lab.shape), lab
     )
+    return np.where(known, errors.mean(axis=-1), np.nan)
+
+
+def _white_and_chart(illuminant: Illuminant) -> Scene:
+    grid = illuminant.grid
+    chart = np.vstack([np.ones(grid.n), colorchecker(grid).values.T])
+    return Scene(illuminant=illuminant, level_lux=1.0, reflectance=chart)
+
+
+def _lab(balanced: Float[Array, "*px 3"]) -> Float[Array, "*px 3"]:
+    neutral = np.array([1 / 3, 1 / 3])  # chromaticity of XYZ = (1, 1, 1)
+    return np.asarray(colour_science().XYZ_to_Lab(balanced, neutral))
 
 
 def _differences() -> Any:

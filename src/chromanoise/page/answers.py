@@ -8,9 +8,9 @@ from typing import Any
 
 from chromanoise._check import InputError
 from chromanoise.exposure import Situation
-from chromanoise.page.asked import QuestionError, field
+from chromanoise.page.asked import QuestionError, field, malformed
 from chromanoise.page.remembered import Remembered
-from chromanoise.page.studies import Studies, spoken
+from chromanoise.page.studies import Studies, labeled, spoken
 from chromanoise.page.uploads import Upload
 from chromanoise.study.drawings import PARTS, Look, Shown, drawing, shown
 from chromanoise.study.runs import (
@@ -18,7 +18,6 @@ from chromanoise.study.runs import (
     study_as_command,
     study_as_python,
     study_as_toml,
-    study_hash,
 )
 
 _LOG = logging.getLogger("chromanoise.page")
@@ -52,12 +51,13 @@ class Answers:
         look = look_of(field(question, "look", dict, {}))
         study, used = self._studies.read(field(question, "study", dict, {}))
         situations = self._studies.situations(study, used)
+        hashed = self._studies.hash_of(study, used)
         parts = ", ".join(
             f'"{part}": {self._part(part, study, situations, look, used)}' for part in wanted
         )
         told = {
             "number": number,
-            "hash": study_hash(study),
+            "hash": hashed,
             "seconds": round(time.perf_counter() - start, 6),
         }
         return f'{json.dumps(told)[:-1]}, "parts": {{{parts}}}}}'
@@ -70,18 +70,13 @@ class Answers:
         QuestionError
             With all faults of the study.
         """
-        told = field(question, "study", dict, {})
-        _, used = self._studies.read(told)
-        study = self._studies.as_told(told)
+        study = labeled(*self._studies.read(field(question, "study", dict, {})))
         makers = {
             "toml": study_as_toml,
             "python": study_as_python,
             "command": study_as_command,
         }
-        texts = {name: make(study) for name, make in makers.items()}
-        for upload in used:  # a file is named as its person calls it
-            texts = {name: text.replace(upload.id, upload.label) for name, text in texts.items()}
-        return texts
+        return {name: make(study) for name, make in makers.items()}
 
     def _part(
         self,
@@ -93,14 +88,16 @@ class Answers:
     ) -> str:
         looked = tuple(getattr(look, name) for name in _LOOKS.get(part, ()))
         nouns = tuple((one.sensor, one.illuminant) for one in situations)
-        if part == "sensitivities":  # the one that neither level nor exposure changes
+        # sensitivities are the one that neither level nor exposure changes
+        words = "" if part == "sensitivities" else study.model_dump_json(exclude=_BESIDE)
+        try:
             return self._parts.of(
-                (part, nouns), lambda: self._drawn(part, study, situations, look, used)
+                (part, looked, nouns, words),
+                lambda: self._drawn(part, study, situations, look, used),
             )
-        words = study.model_dump_json(exclude=_BESIDE)
-        return self._parts.of(
-            (part, looked, nouns, words), lambda: self._drawn(part, study, situations, look, used)
-        )
+        except Exception:  # and not remembered: the next question may find memory enough
+            _LOG.exception("the drawing %s failed", part)
+            return json.dumps({"fault": f"{part} could not be computed for this study"})
 
     def _drawn(
         self,
@@ -119,9 +116,6 @@ class Answers:
             return json.dumps(drawing(part, seen, look), allow_nan=False)
         except InputError as error:
             return json.dumps({"fault": spoken(str(error), used)})
-        except Exception:
-            _LOG.exception("the drawing %s failed", part)
-            return json.dumps({"fault": f"{part} could not be computed for this study"})
 
 
 def look_of(told: Mapping[str, Any]) -> Look:
@@ -134,7 +128,7 @@ def look_of(told: Mapping[str, Any]) -> Look:
     """
     magnification = told.get("magnification")
     if magnification is not None and not _is_number(magnification):
-        raise QuestionError(("look.magnification", "magnification must be a JSON number or null"))
+        raise malformed("look.magnification", "magnification must be a JSON number or null")
     try:
         return Look(
             coordinate=field(told, "coordinate", str, "Y"),
@@ -153,7 +147,7 @@ def _wanted(question: Mapping[str, Any]) -> list[str]:
     wanted = field(question, "want", list, list(PARTS))
     for part in wanted:
         if not isinstance(part, str) or part not in PARTS:
-            raise QuestionError(
-                ("want", f"unknown part {str(part)[:40]!r}; known are {', '.join(PARTS)}")
+            raise malformed(
+                "want", f"unknown part {str(part)[:40]!r}; known are {', '.join(PARTS)}"
             )
     return list(dict.fromkeys(wanted))

@@ -22,12 +22,18 @@ class QuestionError(Exception):
     faults
         Pairs of where (``sensors.0.name``) and sentence.
     status
-        Of HTTP.
+        Of HTTP: 200 where a question that is well formed holds a value that cannot be, for it got
+        its answer, and browsers log every other status as an error of the page.
     """
 
-    def __init__(self, *faults: tuple[str, str], status: int = 400) -> None:
+    def __init__(self, *faults: tuple[str, str], status: int = 200) -> None:
         super().__init__("; ".join(sentence for _, sentence in faults))
         self.faults, self.status = faults, status
+
+
+def malformed(where: str, sentence: str) -> QuestionError:
+    """The error of a question that no page of ours would ask."""
+    return QuestionError((where, sentence), status=400)
 
 
 async def body_of(request: Request, *, most_bytes: int, turns: asyncio.Semaphore) -> bytes:
@@ -66,11 +72,11 @@ def data_of(body: bytes) -> dict[str, Any]:
     try:
         told = json.loads(body, parse_constant=_no_number)
     except RecursionError:
-        raise QuestionError(("", "the question nests too deep to be one of this page")) from None
+        raise malformed("", "the question nests too deep to be one of this page") from None
     except ValueError as error:  # of encoding, of grammar, or of a number of thousands of digits
-        raise QuestionError(("", f"the question is no JSON: {str(error)[:200]}")) from None
+        raise malformed("", f"the question is no JSON: {str(error)[:200]}") from None
     if not isinstance(told, dict):
-        raise QuestionError(("", f"the question must be a JSON object, but is a {_kind(told)}"))
+        raise malformed("", f"the question must be a JSON object, but is a {_kind(told)}")
     return told
 
 
@@ -86,9 +92,7 @@ def field(told: Mapping[str, Any], name: str, kind: type, default: Any) -> Any:
     if value is not default and (
         not isinstance(value, kind) or (isinstance(value, bool) and kind is not bool)
     ):
-        raise QuestionError(
-            (name, f"{name} must be a JSON {_NAMES[kind]}, but is a {_kind(value)}")
-        )
+        raise malformed(name, f"{name} must be a JSON {_NAMES[kind]}, but is a {_kind(value)}")
     return value
 
 
@@ -108,7 +112,7 @@ def _kind(value: Any) -> str:
 
 
 def _no_number(word: str) -> NoReturn:
-    raise QuestionError(("", f"the question holds {word}, which is no number of JSON"))
+    raise malformed("", f"the question holds {word}, which is no number of JSON")
 
 
 def _too_long(most_bytes: int) -> QuestionError:
@@ -160,5 +164,6 @@ async def question_of(request: Request, turns: asyncio.Semaphore) -> dict[str, A
     """
     kind = request.headers.get("content-type", "").partition(";")[0].strip().lower()
     if kind != "application/json":
+        await _passed_over(request)
         raise QuestionError(("", "a question is sent as application/json"), status=415)
     return data_of(await body_of(request, most_bytes=JSON_BYTES, turns=turns))

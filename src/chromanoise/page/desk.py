@@ -36,7 +36,7 @@ class Desk:
         files = files_of(study_from_data(self._study, source="study"))
         studies = Studies(uploads, files=files)
         self.answers = Answers(studies)
-        self.pictures = Pictures(studies, uploads)
+        self.pictures = Pictures(studies)
 
     def choices(self) -> str:
         """The JSON of ``/api/choices``."""

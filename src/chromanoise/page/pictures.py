@@ -10,25 +10,31 @@ from chromanoise._check import InputError
 from chromanoise.exposure import Situation
 from chromanoise.imaging import Work, rendered
 from chromanoise.imaging.writers import picture_summary, png_bytes
-from chromanoise.page.asked import QuestionError, field
+from chromanoise.page.asked import QuestionError, field, malformed
 from chromanoise.page.remembered import Remembered
-from chromanoise.page.studies import Studies, spoken
-from chromanoise.page.uploads import Upload, Uploads
-from chromanoise.scene import Cube, builtin_cube, read_cube
+from chromanoise.page.studies import Studies, spoken, stamps_of
+from chromanoise.page.uploads import Upload
+from chromanoise.scene import Cube
 from chromanoise.scene.rows import row_source
 from chromanoise.study.makers import matrix_makers
 from chromanoise.study.runs import Study
+from chromanoise.study.runs.document import PicturePart
+from chromanoise.study.runs.hashes import FileWord
+from chromanoise.study.runs.named import cube_of, told_apart
+from chromanoise.study.runs.pictures import asked_of
+from chromanoise.study.words import file_of
 
 MOST_VALUES = 64_000_000
-_BUILTIN = "builtin:checker"
 _UNPACKED_BYTES = 512_000_000
+_OF_CUBE = {"cube", "key", "shape", "wavelengths", "scale"}
+_BESIDE = {"outputs", "sweeps", "pictures", "title"}
 
 
 class Pictures:
     """Cubes that were asked for lately, and the latest pictures of them."""
 
-    def __init__(self, studies: Studies, uploads: Uploads) -> None:
-        self._studies, self._uploads = studies, uploads
+    def __init__(self, studies: Studies) -> None:
+        self._studies = studies
         self._cubes: Remembered[Cube] = Remembered(2)
         self._taken: Remembered[tuple[bytes, str]] = Remembered(16)
 
@@ -47,26 +53,34 @@ class Pictures:
             raise QuestionError(
                 ("sensor", f"the study has no sensor {which}; counting starts at 0")
             )
-        word = question.get("cube") or _BUILTIN
-        if not isinstance(word, str):
-            raise QuestionError(("cube", "cube must be the id of an upload, a scene, or null"))
-        situation = situations[which]
-        key = (word, noisy, situation.sensor, study.model_dump_json(exclude={"outputs", "sweeps"}))
+        where, part = self._part(study, question.get("cube"), used)
+        nouns = (situations[which].sensor, situations[which].illuminant)
+        situation = told_apart(situations)[which]
         try:
-            return self._taken.of(
-                key, lambda: _taken(self._cube(word, used), study, situation, noisy=noisy)
+            stamps = stamps_of(study.model_copy(update={"pictures": (part,)}), "pictures.")
+            about = (part.model_dump_json(include=_OF_CUBE), stamps)
+            cube = self._cubes.of(about, lambda: bounded_cube(part))
+            words = (part.model_dump_json(), study.model_dump_json(exclude=_BESIDE), stamps)
+            png, summary = self._taken.of(
+                (noisy, situation.sensor.name, nouns, *words),
+                lambda: _taken(cube, part, study, situation, noisy=noisy),
             )
         except InputError as error:
-            raise QuestionError(("cube", spoken(str(error), used))) from None
+            raise QuestionError((where, spoken(str(error), used))) from None
+        return png, spoken(summary, used)
 
-    def _cube(self, word: str, used: list[Upload]) -> Cube:
-        if word.startswith("builtin:"):
-            return self._cubes.of(word, lambda: builtin_cube(word))
-        found = self._uploads.named(word)
-        if found is None or found.kind not in ("cube", "either"):
-            raise QuestionError(("cube", f"{word[:80]!r}: drop the file of a cube onto the page"))
-        used.append(found)
-        return self._cubes.of(word, lambda: cube_of_upload(found))
+    def _part(self, study: Study, cube: Any, used: list[Upload]) -> tuple[str, PicturePart]:
+        """Where it stands and what it is: the study's first picture, or its cube alone."""
+        if cube is not None and not isinstance(cube, str):
+            raise malformed("cube", "cube must be the id of an upload, a scene, or null")
+        own = study.pictures[0] if study.pictures else PicturePart()
+        word = own.cube
+        if cube:
+            word = self._studies.word(FileWord(where="cube", kind="cube", word=cube), used)
+        part = own if word == own.cube else PicturePart(cube=word)
+        if "beyond" not in part.model_fields_set:  # nobody was asked, and a note tells of it
+            part = part.model_copy(update={"beyond": "hold"})
+        return "cube" if cube else "pictures.0.cube", part
 
 
 def cube_of_upload(upload: Upload) -> Cube:
@@ -75,36 +89,58 @@ def cube_of_upload(upload: Upload) -> Cube:
     Raises
     ------
     InputError
+        As `bounded_cube`.
+    """
+    return bounded_cube(PicturePart(cube=str(upload.path)))
+
+
+def bounded_cube(part: PicturePart) -> Cube:
+    """The cube of a picture, if it is of a size for a page.
+
+    Raises
+    ------
+    InputError
         If it holds no cube, or too large a one; a packed file is asked for its size first.
     """
-    if zipfile.is_zipfile(upload.path):
-        with zipfile.ZipFile(upload.path) as packed:
+    path = file_of(part.cube)
+    if not part.cube.startswith("builtin:") and path.is_file() and zipfile.is_zipfile(path):
+        with zipfile.ZipFile(path) as packed:
             size = sum(one.file_size for one in packed.infolist())
         if size > _UNPACKED_BYTES:
             raise InputError(
-                f"{upload.label}: unpacks to {size / 1e6:.0f} MB; the page takes "
+                f"{path}: unpacks to {size / 1e6:.0f} MB; the page takes "
                 f"{_UNPACKED_BYTES / 1e6:g} MB, chromanoise simulate any size"
             )
-    cube = read_cube(upload.path)
+    cube = cube_of(part)
     values = math.prod(row_source(cube.stored).shape)
     if values > MOST_VALUES:
         raise InputError(
-            f"{upload.label}: {values} reflectances; the page takes {MOST_VALUES}, chromanoise "
+            f"{path}: {values} reflectances; the page takes {MOST_VALUES}, chromanoise "
             "simulate any number"
         )
     return cube
 
 
-def _taken(cube: Cube, study: Study, situation: Situation, *, noisy: bool) -> tuple[bytes, str]:
+def _taken(
+    cube: Cube, part: PicturePart, study: Study, situation: Situation, *, noisy: bool
+) -> tuple[bytes, str]:
     makers = matrix_makers(study.matrices[:1], study.metric, prior=study.prior)  # type: ignore[arg-type]
     (maker,) = makers.values()
+    asked = asked_of(part, seed=study.seed)
     picture = rendered(
         cube,
         situation,
         matrix=maker(situation),
         seed=study.seed,
+        imperfections=asked.imperfections,
         noisy=noisy,
-        beyond="hold",
+        clip=part.clip,
+        beyond=part.beyond,
+        bad_pixels=part.bad_pixels,
         work=Work(threads=1),
     )
-    return png_bytes(picture.srgb), json.dumps(picture_summary(picture))
+    summary = picture_summary(picture)
+    if part.mosaic is not None:
+        note = f"all channels at every pixel; a run takes it through its mosaic {part.mosaic}"
+        summary["notes"] = [*summary["notes"], note]
+    return png_bytes(picture.srgb), json.dumps(summary)

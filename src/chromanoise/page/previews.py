@@ -111,17 +111,24 @@ def _kind(told: Understood) -> str:
     return "light" if told.quantity is None and len(told.curves.names) == 1 else "sensor"
 
 
+def _documented(told: Understood) -> bool:
+    """A table of the documented form: absolute QE per photon unless it says otherwise."""
+    return told.own_form and told.quantity is None
+
+
 def _sentences(told: Understood, kind: str) -> list[str]:
     curves: Spectra = told.curves
     names = ", ".join(curves.names[:_MOST_NAMES])
     more = ", ..." if len(curves.names) > _MOST_NAMES else ""
     what = "A light" if kind == "light" else "A sensor"
     count = f"{len(curves.names)} curve{'s' if len(curves.names) > 1 else ''}"
+    own = kind == "sensor" and _documented(told)
     step = f", step {told.step_nm:g} nm" if told.step_nm is not None else ""
     return [
         f"{what}: {count} {names}{more}, {curves.wavelength_nm[0]:g}-"
         f"{curves.wavelength_nm[-1]:g} nm{step}.",
         f"Values {curves.values.min():.4g} to {curves.values.max():.4g}, {told.scale}.",
+        *(["Headed wavelength_nm, so taken as absolute QE per photon."] if own else []),
         *told.notes,
         *(f"Looks wrong: {defect}" for defect in told.defects),
     ]
@@ -130,6 +137,8 @@ def _sentences(told: Understood, kind: str) -> list[str]:
 def _asks(told: Understood, kind: str) -> list[Told]:
     asked = []
     for question in told.questions:
+        if kind == "sensor" and _documented(told) and question.about in ("level", "per"):
+            continue
         key, choices = _ASKS.get(question.about, (None, []))
         if kind == "light":
             key = _OF_LIGHT.get(question.about)

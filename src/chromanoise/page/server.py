@@ -18,7 +18,7 @@ from starlette.responses import JSONResponse, Response
 from starlette.routing import Route
 from starlette.types import ASGIApp
 
-from chromanoise.page.asked import QuestionError, body_of, question_of
+from chromanoise.page.asked import QuestionError, body_of, malformed, question_of
 from chromanoise.page.files import asset_reply, index, page_policy
 from chromanoise.page.guard import UPLOAD_BYTES, fault_reply, guarded
 from chromanoise.page.uploads import Uploads
@@ -158,7 +158,7 @@ def _refusing(error: QuestionError) -> Response:
         {"where": where, "sentence": told[:_LONGEST_SENTENCE]} for where, told in error.faults
     ]
     # what follows of a body that was not read to its end is not read either
-    headers = {} if error.status in (400, 503) else {"Connection": "close"}
+    headers = {} if error.status in (200, 400, 503) else {"Connection": "close"}
     return JSONResponse({"faults": faults}, status_code=error.status, headers=headers)
 
 
@@ -188,7 +188,7 @@ async def _upload(request: Request, server: _Server) -> Response:
         raise QuestionError(("file", "a file is sent as application/octet-stream"), status=415)
     name = unquote(request.headers.get("x-filename", ""))
     if not name:
-        raise QuestionError(("file", "a file is sent with its name in the header X-Filename"))
+        raise malformed("file", "a file is sent with its name in the header X-Filename")
     content = await body_of(request, most_bytes=UPLOAD_BYTES, turns=server.turns)
     return JSONResponse(await server.workers.done(lambda: server.desk().previewed(name, content)))
 

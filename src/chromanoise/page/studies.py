@@ -1,6 +1,8 @@
 """The study in a question: its words checked, its files found, its sensors made once."""
 
-from collections.abc import Callable, Mapping
+import os
+import stat
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -13,10 +15,19 @@ from chromanoise.page.remembered import Remembered
 from chromanoise.page.uploads import Upload, Uploads, in_path, in_words
 from chromanoise.sensor import Sensor
 from chromanoise.spectra import Illuminant, infrared_parts
-from chromanoise.study.runs import Study, study_from_data
+from chromanoise.study.runs import Study, study_as_json, study_from_data, study_hash
 from chromanoise.study.runs.document import SensorPart
+from chromanoise.study.runs.hashes import (
+    FileWord,
+    digests_of,
+    file_words,
+    files_of_word,
+    with_file_words,
+)
 from chromanoise.study.runs.named import illuminant_of, sensor_of, situations_in
-from chromanoise.study.words import is_file_name, sensor_files
+from chromanoise.study.words import file_of, is_file_name, is_sensor_file
+
+Stamps = tuple[tuple[str, tuple[int, int] | None], ...]
 
 T = TypeVar("T")
 
@@ -41,6 +52,7 @@ class Studies:
         self._uploads, self._files = uploads, files
         self._lights: Remembered[Illuminant] = Remembered(32)
         self._sensors: Remembered[Sensor] = Remembered(128)
+        self._digests: Remembered[dict[str, str]] = Remembered(128)
 
     def read(self, told: Mapping[str, Any]) -> tuple[Study, list[Upload]]:
         """The study, with paths in place of the ids of uploads, and those uploads.
@@ -50,24 +62,20 @@ class Studies:
         QuestionError
             All faults of what it says, each with its key.
         """
-        study = self.as_told(told)
         used: list[Upload] = []
-        light = study.light.model_copy(
-            update={
-                "illuminant": self._word(
-                    "light.illuminant", study.light.illuminant, used, light=True
-                )
-            }
-        )
-        sensors = []
-        for i, part in enumerate(study.sensors):
-            word = self._word(f"sensors.{i}.name", part.name, used)
-            file = part.pixel.file
-            if file is not None:
-                file = self._file(f"sensors.{i}.pixel.file", file, used)
-            pixel = part.pixel.model_copy(update={"file": file})
-            sensors.append(part.model_copy(update={"name": word, "pixel": pixel}))
-        return study.model_copy(update={"light": light, "sensors": tuple(sensors)}), used
+        faults: list[tuple[str, str]] = []
+
+        def found(one: FileWord) -> str:
+            try:
+                return self.word(one, used)
+            except QuestionError as error:
+                faults.extend(error.faults)
+                return one.word
+
+        study = with_file_words(self.as_told(told), found)
+        if faults:
+            raise QuestionError(*faults)
+        return study, used
 
     def as_told(self, told: Mapping[str, Any]) -> Study:
         """The study in the words of the question, bounded in what it asks.
@@ -81,14 +89,10 @@ class Studies:
             study = study_from_data(told, source=_SOURCE)
         except InputError as error:
             raise QuestionError(*map(_placed, str(error).splitlines())) from None
-        if len(study.sensors) > MOST_SENSORS:
-            raise QuestionError(
-                ("sensors", f"the page shows {MOST_SENSORS} sensors at most; leave some away")
-            )
-        if len(study.matrices) > MOST_MATRICES:
-            raise QuestionError(
-                ("matrices", f"the page shows {MOST_MATRICES} matrices at most; leave some away")
-            )
+        try:
+            refuse_too_many(study)
+        except InputError as error:
+            raise QuestionError(_placed(str(error))) from None
         return study
 
     def situations(self, study: Study, used: list[Upload]) -> list[Situation]:
@@ -99,57 +103,189 @@ class Studies:
         QuestionError
             If one of them cannot be made, each with its key.
         """
-        lamp = study.light
-        key = (lamp.model_dump_json(exclude={"level_lux"}), _stamp(lamp.illuminant))
-        illuminant = _at(
-            "light.illuminant",
-            used,
-            lambda: self._lights.of(key, lambda: _light_named(study, used)),
-        )
-        sensors = [
-            _at(f"sensors.{i}.name", used, partial(self._sensor, part, used))
-            for i, part in enumerate(study.sensors)
-        ]
+        illuminant = _at("light.illuminant", used, lambda: self._light(study, used))
+        sensors = [self._sensor(study, i, used) for i in range(len(study.sensors))]
         return _at("exposure", used, lambda: situations_in(study, illuminant, sensors))
 
-    def _sensor(self, part: SensorPart, used: list[Upload]) -> Sensor:
-        key = (part.model_dump_json(), _stamp(part.name), _stamp(part.pixel.file or ""))
-        return self._sensors.of(key, lambda: _sensor_named(part, used))
+    def hash_of(self, study: Study, used: list[Upload]) -> str:
+        """The hash that a run of the study has beside files of the names that were dropped.
 
-    def _word(self, where: str, word: str, used: list[Upload], *, light: bool = False) -> str:
-        if len(word) > _LONGEST_WORD:
-            raise QuestionError((where, f"no name has {len(word)} letters"))
+        Raises
+        ------
+        QuestionError
+            If one of its files cannot be read, with its key.
+        """
+        digests: dict[str, str] = {}
+        for one in file_words(study):
+            digests |= _at(one.where, used, partial(self._digests_of, one))
+        return study_hash(
+            labeled(study, used), {spoken(name, used): told for name, told in digests.items()}
+        )
+
+    def word(self, one: FileWord, used: list[Upload]) -> str:
+        """A word with the path of the upload that it names, which is noted as used.
+
+        Raises
+        ------
+        QuestionError
+            If it names a file that is neither an upload nor of the study that was served.
+        """
+        if len(one.word) > _LONGEST_WORD:
+            raise QuestionError((one.where, f"no name has {len(one.word)} letters"))
+        base = _at(one.where, used, partial(_without_diodes, one))
         try:
-            found = self._uploads.named(word)
+            found = self._uploads.named(base)
         except QuestionError as error:
-            raise QuestionError((where, str(error))) from None
-        if found is not None:
-            used.append(found)
-            return in_path(word, found)
-        if word not in self._files and _names_a_file(word, light=light):
-            raise QuestionError((where, f"{word[:80]!r}: drop the file onto the page to use it"))
-        return word
+            raise QuestionError((one.where, str(error))) from None
+        if found is not None and found.id == base:
+            return in_path(one.word, _noted(found, used))
+        if base not in self._files and _names_a_file(one, base):
+            told = f"{one.word[:80]!r}: drop the file onto the page to use it"
+            raise QuestionError((one.where, told))
+        _at(one.where, used, partial(_refuse_irregular, one))
+        return one.word
 
-    def _file(self, where: str, word: str, used: list[Upload]) -> str:
-        found = self._uploads.named(word)
-        if found is None and word not in self._files:
-            raise QuestionError((where, f"{word[:80]!r}: drop the file onto the page to use it"))
-        return word if found is None else self._word(where, word, used)
+    def _digests_of(self, one: FileWord) -> dict[str, str]:
+        files = files_of_word(one)
+        return self._digests.of(_stamps(files), lambda: digests_of(files))
+
+    def _light(self, study: Study, used: list[Upload]) -> Illuminant:
+        words = study.light.model_dump_json(exclude={"level_lux"})
+        key = (words, stamps_of(study, "light."), _labels(used))
+        return self._lights.of(key, lambda: _light_named(study, used))
+
+    def _sensor(self, study: Study, i: int, used: list[Upload]) -> Sensor:
+        part = study.sensors[i]
+        place = f"sensors.{i}."
+        stamps = _at(f"{place}name", used, partial(stamps_of, study, place))
+        key = (part.model_dump_json(), stamps, _labels(used))
+        try:
+            return self._sensors.of(key, lambda: _sensor_named(part, used))
+        except InputError as error:
+            where = f"{place}filter" if _is_of_filter(part) else f"{place}name"
+            raise QuestionError((where, spoken(str(error), used))) from None
+
+
+def refuse_too_many(study: Study) -> None:
+    """Refuse more than a page shows at once.
+
+    Raises
+    ------
+    InputError
+        If there are more sensors or matrices than fit.
+    """
+    for key, most in (("sensors", MOST_SENSORS), ("matrices", MOST_MATRICES)):
+        if len(getattr(study, key)) > most:
+            raise InputError(
+                f"{key}: the page shows {most} {key} at most, but there are "
+                f"{len(getattr(study, key))}; leave some away"
+            )
+
+
+def served_data(study: Study) -> dict[str, Any]:
+    """The study as the page starts with it; what the page does not show stays in it.
+
+    Raises
+    ------
+    InputError
+        If it is more than the page shows.
+    """
+    refuse_too_many(study)
+    return study_as_json(study)
+
+
+def labeled(study: Study, used: list[Upload]) -> Study:
+    """The study with the names of dropped files in place of where they lie."""
+    return with_file_words(study, lambda one: spoken(one.word, used))
 
 
 def files_of(study: Study) -> frozenset[str]:
-    """The words of a study that name files."""
-    words = [(study.light.illuminant, True), *((part.name, False) for part in study.sensors)]
-    named = [word for word, light in words if _names_a_file(word, light=light)]
-    pixels = [part.pixel.file for part in study.sensors if part.pixel.file]
-    return frozenset([*named, *pixels])
+    """The words of a study that name files, lights without the diodes beside them."""
+    named = [(one, _without_diodes(one)) for one in file_words(study)]
+    return frozenset(base for one, base in named if _names_a_file(one, base))
 
 
-def _names_a_file(word: str, *, light: bool) -> bool:
-    if not light:
-        return sensor_files(word) == (Path(word),)
-    parts = infrared_parts(word)
-    return is_file_name(word if parts is None else parts[0])
+def stamps_of(study: Study, place: str) -> Stamps:
+    """What tells that a file was written anew, of all that a part of the study names.
+
+    Parameters
+    ----------
+    study
+        With paths in place of ids.
+    place
+        With which the keys of that part begin.
+
+    Raises
+    ------
+    InputError
+        If a word cannot be understood.
+    """
+    words = [one for one in file_words(study) if one.where.startswith(place)]
+    return _stamps([file for one in words for file in files_of_word(one)])
+
+
+def _stamps(files: Iterable[Path]) -> Stamps:
+    told = [(str(file), _state(file)) for file in files]
+    return tuple((name, state and (state.st_mtime_ns, state.st_size)) for name, state in told)
+
+
+def _state(file: Path) -> os.stat_result | None:
+    try:
+        return file.stat()
+    except (OSError, ValueError):
+        return None
+
+
+def _without_diodes(one: FileWord) -> str:
+    base = one.word
+    while one.kind == "light" and (parts := infrared_parts(base)) is not None:
+        base = parts[0]
+    return base
+
+
+def _names_a_file(one: FileWord, base: str) -> bool:
+    if one.kind == "cube":
+        return not base.startswith("builtin:")
+    if one.kind == "sensor":
+        return is_sensor_file(base)
+    return one.kind == "pixel" or is_file_name(base)
+
+
+def _refuse_irregular(one: FileWord) -> None:
+    """A pipe would be waited for; of folders, only a cube may be one."""
+    is_cube = one.kind == "cube"
+    for file in [file_of(one.word)] if is_cube else files_of_word(one):
+        mode = getattr(_state(file), "st_mode", None)
+        if mode and not stat.S_ISREG(mode) and not (is_cube and stat.S_ISDIR(mode)):
+            raise InputError(f"{str(file)[:80]}: is no regular file; name one that is")
+
+
+def _is_of_filter(part: SensorPart) -> bool:
+    """Whether a sensor that cannot be made can be made without its filter."""
+    if part.filter is None:
+        return False
+    try:
+        sensor_of(part.model_copy(update={"filter": None}))
+    except InputError:
+        return False
+    return True
+
+
+def _noted(found: Upload, used: list[Upload]) -> Upload:
+    """Put among the used; of two files with one label, the later gets a number."""
+    for one in used:
+        if one.id == found.id:
+            return one
+    label, count = Path(found.label), 1
+    while found.label in _labels(used):
+        count += 1
+        found = replace(found, label=f"{label.stem} ({count}){label.suffix}")
+    used.append(found)
+    return found
+
+
+def _labels(used: list[Upload]) -> tuple[str, ...]:
+    return tuple(one.label for one in used)
 
 
 def _light_named(study: Study, used: list[Upload]) -> Illuminant:
@@ -181,12 +317,3 @@ def _placed(line: str) -> tuple[str, str]:
     """``study: sensors.0.name: is missing`` to where and sentence."""
     where, _, sentence = line.removeprefix(f"{_SOURCE}: ").partition(": ")
     return where, sentence
-
-
-def _stamp(word: str) -> tuple[int, int] | None:
-    """What tells that a file was written anew."""
-    try:
-        told = Path(word).stat()
-    except (OSError, ValueError):
-        return None
-    return told.st_mtime_ns, told.st_size

@@ -33,7 +33,8 @@ function outlined(packed) {
   const { circle, patches } = data.chart_of;
   const laid = ([center, right, up]) =>
     circle.map(([c, s]) => [0, 1].map((k) => center[k] + c * right[k] + s * up[k]));
-  const whole = (each) => each.map((one, i) => ({ ...patches[i], center: one[0], outline: laid(one) }));
+  const patch = (one, i) => ({ ...patches[i], center: one[0], reach: one[3], outline: laid(one) });
+  const whole = (each) => each.map(patch);
   return { ...packed, sensors: packed.sensors.map((s) => ({ ...s, patches: whole(s.patches) })) };
 }
 

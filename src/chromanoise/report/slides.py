@@ -11,6 +11,7 @@ from chromanoise.exposure import Situation, white_scene
 from chromanoise.spectra import INFRARED_FROM_NM
 from chromanoise.study import SWEEPS, analyzed
 from chromanoise.study.drawings import Shown
+from chromanoise.study.drawings.levels import level_in_words
 
 _STEP = 10.0 ** (1 / 8)  # of the light level: eight answers per decade
 _MOST_ABOVE = 12
@@ -90,7 +91,7 @@ def _level(of: Shown, count: int) -> Slide:
         above += 1
     steps = range(above - count + 1, above + 1)
     values = [float(f"{own * _STEP**i:.3g}") if i else own for i in steps]
-    told = [f"{value:.3g} lx" if value < 1000 else f"{value:.0f} lx" for value in values]
+    told = [level_in_words(value) for value in values]
     return replace(slide, values=tuple(values), told=tuple(told), own=count - 1 - above)
 
 

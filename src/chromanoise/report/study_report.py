@@ -202,12 +202,13 @@ def _circle(points: int) -> np.ndarray:
     return np.stack([np.cos(turn), np.sin(turn)], axis=1)
 
 
-def _half_axes(patch: dict[str, Any]) -> list[list[float]]:
-    """Center and two conjugate half axes of an outline of points that are turned evenly."""
+def _half_axes(patch: dict[str, Any]) -> list[Any]:
+    """Center, two conjugate half axes of an outline of evenly turned points, and its reach."""
     center = np.array(patch["center"])
     outline = np.array(patch["outline"]) - center
     axes = np.linalg.lstsq(_circle(len(outline)), outline, rcond=None)[0]
-    return [*shortened([patch["center"]]), *shortened(axes.tolist(), digits=_EXACT)]
+    exact = shortened([*axes.tolist(), patch["reach"]], digits=_EXACT)
+    return [*shortened([patch["center"]]), *exact]
 
 
 def _chart_of(answers: Sequence[dict[str, Any]]) -> dict[str, Any]:

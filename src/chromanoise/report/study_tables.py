@@ -205,8 +205,7 @@ def _ellipses(data: Data) -> Table:
         if not sensor["patches"]:
             rows.append([sensor["name"], sensor["why_not"] or "saturated", *[_NONE] * 5])
         for patch in sensor["patches"]:
-            reach = max(math.dist(patch["center"], at) for at in patch["outline"])
-            told = (*patch["truth"], *patch["center"], reach)
+            told = (*patch["truth"], *patch["center"], patch["reach"])
             rows.append([sensor["name"], patch["name"], *(decimal(v, digits) for v in told)])
     return Table(head=[*head, f"measured {up}", f"reach of {data['sigmas']:g} sigma"], rows=rows)
 

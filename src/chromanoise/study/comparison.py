@@ -11,11 +11,12 @@ from jaxtyping import Bool, Float
 from chromanoise import __version__, _check
 from chromanoise._check import Array
 from chromanoise.exposure import Situation
-from chromanoise.study.makers import MatrixMaker
+from chromanoise.study.makers import MatrixMaker, matrices_over_levels
 from chromanoise.study.quantities import (
     SNR_Y,
     Quantity,
     color_error,
+    color_errors,
     is_saturated,
     is_saturated_over_levels,
 )
@@ -170,18 +171,11 @@ def _curve(
     sweep: Sweep,
     quantity: Quantity,
 ) -> Curve:
-    situations = [sweep.at(contestant, value) for value in values.tolist()]
-    matrices = [maker(situation) for situation in situations]
-    one = all(matrix is matrices[0] for matrix in matrices)  # it looks at no light
-    if one and quantity.over_levels is not None and sweep.name == SWEEPS["lux"].name:
-        asked = quantity.over_levels(contestant, matrices[0], values)
-        errors = np.full(values.size, color_error(contestant, matrices[0]))
-        full = is_saturated_over_levels(contestant, values)
-    else:
-        pairs = list(zip(situations, matrices, strict=True))
-        asked = np.array([quantity.of(*pair) for pair in pairs])
-        errors = np.array([color_error(*pair) for pair in pairs])
-        full = np.array([is_saturated(situation) for situation in situations])
+    asked, errors, full = (
+        _over_levels(contestant, maker, values, quantity)
+        if sweep.name == SWEEPS["lux"].name
+        else None
+    ) or _one_by_one([sweep.at(contestant, value) for value in values.tolist()], maker, quantity)
     return Curve(
         sensor=contestant.sensor.name,
         matrix=name,
@@ -193,6 +187,34 @@ def _curve(
         saturated=full,
         color_error=errors,
     )
+
+
+_Asked = tuple[Float[Array, " k"], Float[Array, " k"], Bool[Array, " k"]]
+
+
+def _over_levels(
+    contestant: Situation, maker: MatrixMaker, values: Float[Array, " k"], quantity: Quantity
+) -> _Asked | None:
+    """All levels at once; ``None`` where quantity or maker can only be asked one by one."""
+    if quantity.over_levels is None:
+        return None
+    full = is_saturated_over_levels(contestant, values)
+    lit = [SWEEPS["lux"].at(contestant, value) for value in values.tolist()]
+    first, matrices = maker(lit[0]), matrices_over_levels(maker, contestant, values)
+    if matrices is not None:
+        asked = quantity.over_levels(contestant, first, values, matrices=matrices)
+        return asked, color_errors(contestant, matrices), full
+    if any(maker(each) is not first for each in lit):
+        return None
+    error = color_error(contestant, first)  # of the one matrix that looks at no light
+    return quantity.over_levels(contestant, first, values), np.full(values.size, error), full
+
+
+def _one_by_one(situations: Sequence[Situation], maker: MatrixMaker, quantity: Quantity) -> _Asked:
+    pairs = [(situation, maker(situation)) for situation in situations]
+    asked = np.array([quantity.of(*pair) for pair in pairs])
+    errors = np.array([color_error(*pair) for pair in pairs])
+    return asked, errors, np.array([is_saturated(situation) for situation in situations])
 
 
 def _asked(
@@ -341,7 +363,7 @@ def _defined(values: Float[Array, " k"]) -> list[float | None]:
 def crossover_sentence(crossover: Crossover) -> str:
     """Who wins where, in words."""
     first, second, unit = crossover.first, crossover.second, crossover.sweep.unit
-    span = f"{crossover.first_at:.4g} to {crossover.last_at:.4g} {unit}"
+    span = f"{_told(crossover.first_at, 4)} to {_told(crossover.last_at, 4)} {unit}"
     other = second if crossover.better_first == first else first
     if crossover.better_first is None:
         return (
@@ -355,7 +377,7 @@ def crossover_sentence(crossover: Crossover) -> str:
     )
     if not crossover.at:
         return f"{leads} than {other} at every {crossover.sweep.what} from {span}."
-    told = [f"{value:.3g}" if value < 100 else f"{value:.4g}" for value in crossover.at]
+    told = [_told(value, 3 if value < 100 else 4) for value in crossover.at]
     between = [f"from {low} to {high}" for low, high in pairwise(told)]
     leaders = (other, crossover.better_first) * len(told)
     rest = (f"{who} {where}" for who, where in zip(leaders, (*between, "above"), strict=False))
@@ -365,3 +387,8 @@ def crossover_sentence(crossover: Crossover) -> str:
         f"{span}); where they change places the mean color errors of {first} and {second} are "
         f"{colors} Delta E*ab."
     )
+
+
+def _told(value: float, digits: int) -> str:
+    told = f"{value:.{digits}g}"
+    return f"{float(told):.0f}" if "e+" in told and value < 1e6 else told  # 10000, not 1e+04

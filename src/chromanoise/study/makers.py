@@ -5,13 +5,18 @@ from dataclasses import dataclass
 from functools import lru_cache, partial
 from typing import Any
 
+from jaxtyping import Float
+
 from chromanoise import _check
+from chromanoise._check import Array
 from chromanoise.color import (
     ColorMatrix,
+    Training,
     bounded_psi,
     kernel,
     least_squares,
     lmmse,
+    lmmse_over_light,
     noise_regularized,
     ridge,
     white_preserving,
@@ -37,20 +42,25 @@ class Method:
         Its own parameter, if it has one.
     trained
         Whether it looks at the prior.
+    over_light
+        Its matrices at many light levels at once; ``None`` where light changes nothing.
     """
 
     make: Callable[..., ColorMatrix]
     parameter: str | None = None
     trained: bool = True
+    over_light: Callable[..., Array] | None = None
 
 
 METHODS: Mapping[str, Method] = {
     "kernel": Method(make=kernel, trained=False),
     "least-squares": Method(make=least_squares),
     "white-preserving": Method(make=white_preserving),
-    "lmmse": Method(make=lmmse),
+    "lmmse": Method(make=lmmse, over_light=lmmse_over_light),
     "ridge": Method(make=ridge, parameter="strength"),
-    "noise-regularized": Method(make=noise_regularized, parameter="weight"),
+    "noise-regularized": Method(
+        make=noise_regularized, parameter="weight", over_light=lmmse_over_light
+    ),
     "bounded-psi": Method(make=bounded_psi, parameter="limit"),
 }
 
@@ -77,6 +87,40 @@ def matrix_makers(
     _check.one_of("prior", prior, tuple(PRIORS))
     wanted = _check.distinct("names of matrices", [name.strip() for name in names])
     return {name: _maker(name, metric, prior) for name in wanted}
+
+
+def matrices_over_levels(
+    maker: MatrixMaker, situation: Situation, level_lux: Float[Array, " k"]
+) -> Float[Array, "k c p"] | None:
+    """What a maker makes at many light levels, all at once. [lx/e-]
+
+    ``None`` where it has to be asked level by level: it makes one matrix for all of them, or is
+    not of `matrix_makers`.
+
+    Parameters
+    ----------
+    maker
+        Of `matrix_makers`, or your own.
+    situation
+        Whose level is not looked at.
+    level_lux
+        Illuminances, > 0. [lx]
+
+    Raises
+    ------
+    InputError
+        If a level is not positive.
+    """
+    if not isinstance(maker, partial) or maker.func is not _made:
+        return None
+    method: Method = maker.keywords["method"]
+    if method.over_light is None:
+        return None
+    training = training_named(maker.keywords["prior"], situation.illuminant)
+    parameters = maker.keywords["parameters"]
+    return method.over_light(
+        situation.sensor, situation.exposure, training, level_lux, **parameters
+    )
 
 
 def trained_names(names: Sequence[str]) -> list[str]:
@@ -128,21 +172,29 @@ def _made(
     metric: Metric,
     parameters: dict[str, Any],
 ) -> ColorMatrix:
-    if not method.trained:
-        return _untrained(method.make, situation.sensor, situation.exposure, metric)
+    training = training_named(prior, situation.illuminant) if method.trained else None
+    if method.over_light is None:
+        own = tuple(parameters.items())
+        sensor, exposure = situation.sensor, situation.exposure
+        return _of_any_light(method.make, sensor, exposure, training, metric, own)
     return method.make(
         situation.sensor,
         situation.exposure,
-        training_named(prior, situation.illuminant),
+        training,
         level_lux=situation.level_lux,
         metric=metric,
         **parameters,
     )
 
 
-@lru_cache(maxsize=32)
-def _untrained(
-    make: Callable[..., ColorMatrix], sensor: Sensor, exposure: Exposure, metric: Metric
+@lru_cache(maxsize=64)
+def _of_any_light(
+    make: Callable[..., ColorMatrix],
+    sensor: Sensor,
+    exposure: Exposure,
+    training: Training | None,
+    metric: Metric,
+    parameters: tuple[tuple[str, Any], ...],
 ) -> ColorMatrix:
-    """One per exposure: it looks at no light, so a sweep of the light asks for the same one."""
-    return make(sensor, exposure, None, level_lux=1.0, metric=metric)
+    """One per exposure: light only scales it all, so a sweep of the light asks for the same one."""
+    return make(sensor, exposure, training, level_lux=1.0, metric=metric, **dict(parameters))

@@ -11,7 +11,8 @@ from chromanoise._check import Array
 from chromanoise.color import LAB, ColorMatrix, colored, perceived_noise, scene_xyz
 from chromanoise.exposure import Situation, expected_electrons, white_scene
 from chromanoise.merit import bound_db, chart_color_error, signal_snr_db
-from chromanoise.noise import saturated, with_noise
+from chromanoise.merit.accuracy import mean_chart_errors
+from chromanoise.noise import Measurement, saturated, with_noise
 from chromanoise.scene import Scene, flat_field
 from chromanoise.study.perceived import GREY
 
@@ -33,8 +34,8 @@ class Quantity:
     of
         The number; NaN where it is not defined: a channel is saturated, a color is no signal.
     over_levels
-        The same for many light levels [lx] and one matrix at once; ``None`` where it is asked one
-        by one.
+        The same for many light levels [lx] at once, as `color_snr_over_levels`; ``None`` where it
+        is asked one by one.
     """
 
     name: str
@@ -42,7 +43,7 @@ class Quantity:
     unit: str
     more_is_better: bool
     of: Callable[[Situation, ColorMatrix], float]
-    over_levels: Callable[[Situation, ColorMatrix, Array], Array] | None = None
+    over_levels: Callable[..., Array] | None = None
 
 
 def color_snr(situation: Situation, matrix: ColorMatrix, *, coordinate: str) -> float:
@@ -56,16 +57,25 @@ def color_snr(situation: Situation, matrix: ColorMatrix, *, coordinate: str) -> 
 
 
 def color_snr_over_levels(
-    situation: Situation, matrix: ColorMatrix, level_lux: Float[Array, " k"], *, coordinate: str
+    situation: Situation,
+    matrix: ColorMatrix,
+    level_lux: Float[Array, " k"],
+    *,
+    coordinate: str,
+    matrices: Float[Array, "k c p"] | None = None,
 ) -> Float[Array, " k"]:
-    """`color_snr` at many light levels, time and matrix being kept. [dB]
+    """`color_snr` at many light levels, the time being kept. [dB]
 
     Parameters
     ----------
+    matrix
+        Of all levels.
     level_lux
         Illuminances on the white, > 0. [lx]
     coordinate
         X, Y or Z.
+    matrices
+        One per level, in place of the numbers of ``matrix``. [lx/e-]
     """
     flat = np.ones(situation.illuminant.grid.n)
     white = Scene(
@@ -73,20 +83,46 @@ def color_snr_over_levels(
     )
     electrons = expected_electrons(white, situation.sensor, situation.exposure)
     full = saturated(electrons, situation.sensor.pixel).any(axis=-1)
-    color = colored(with_noise(electrons, situation.sensor), matrix)
+    raw = with_noise(electrons, situation.sensor)
+    color = colored(raw, matrix) if matrices is None else _colored_each(raw, matrix, matrices)
     decibels = signal_snr_db(color, scene_xyz(white, matrix.metric))
     return np.where(full, np.nan, decibels[:, matrix.coordinates.index(coordinate)])
+
+
+def _colored_each(
+    raw: Measurement, matrix: ColorMatrix, matrices: Float[Array, "k c p"]
+) -> Measurement:
+    return Measurement(
+        mean=(matrices @ raw.mean[..., None])[..., 0],
+        covariance=matrices @ raw.covariance @ np.swapaxes(matrices, -1, -2),
+        names=matrix.coordinates,
+        kind="".join(matrix.coordinates),
+        unit="lx",
+        metric=matrix.metric,
+    )
 
 
 def is_saturated_over_levels(
     situation: Situation, level_lux: Float[Array, " k"]
 ) -> Bool[Array, " k"]:
     """`is_saturated` at many light levels, the time being kept."""
-    one = expected_electrons(
-        flat_field(situation.illuminant, level_lux=1.0), situation.sensor, situation.exposure
-    )
-    full = saturated(level_lux[:, None] * one, situation.sensor.pixel)
+    full = saturated(level_lux[:, None] * _electrons_of_a_lux(situation), situation.sensor.pixel)
     return np.asarray(full.any(axis=-1))
+
+
+def fullest_level_lux(situation: Situation) -> float | None:
+    """Up to which illuminance on a perfect white no channel is saturated, the time kept. [lx]
+
+    ``None`` where no channel sees the light. Electrons are linear in light, so it is the full
+    well over the electrons of one lux in the channel that gets most.
+    """
+    most = float(_electrons_of_a_lux(situation).max())
+    return situation.sensor.pixel.full_well_e / most if most > 0 else None
+
+
+def _electrons_of_a_lux(situation: Situation) -> np.ndarray:
+    white = flat_field(situation.illuminant, level_lux=1.0)
+    return expected_electrons(white, situation.sensor, situation.exposure)
 
 
 def raw_bound(situation: Situation, matrix: ColorMatrix) -> float:
@@ -106,6 +142,11 @@ def color_error(situation: Situation, matrix: ColorMatrix) -> float:
     """Mean over the ColorChecker, without noise; NaN where the white is no color. [Delta E*ab]"""
     error = chart_color_error(situation.sensor, matrix, situation.exposure, situation.illuminant)
     return float("nan") if error is None else float(error.mean())
+
+
+def color_errors(situation: Situation, matrices: Float[Array, "k c p"]) -> Float[Array, " k"]:
+    """`color_error` of many matrices of one sensor and time. [Delta E*ab]"""
+    return mean_chart_errors(situation.sensor, matrices, situation.exposure, situation.illuminant)
 
 
 def grey_delta_e(situation: Situation, matrix: ColorMatrix) -> float:

@@ -5,7 +5,9 @@ from typing import Any
 
 from chromanoise import _check
 from chromanoise.color import LAB
+from chromanoise.exposure import expected_electrons
 from chromanoise.merit import Budget, color_budget, contravariant_budget, lab_budget
+from chromanoise.merit.budget_chain import without_infrared
 from chromanoise.scene import flat_field
 from chromanoise.study.analysis import Analysis, color_snr_db
 from chromanoise.study.drawings.shown import Look, Shown, saturation_sentence
@@ -81,9 +83,27 @@ def _why_not(analysis: Analysis, coordinate: str) -> str:
     channel = coordinate.removeprefix("M^")
     if coordinate.startswith("M^") and channel not in analysis.sensor.names:
         return f"{name} has no channel {channel}"
+    if color_snr_db(analysis).get(coordinate) is not None:
+        return _why_no_budget(analysis, coordinate)
     return (
         f"{name} has no SNR of {coordinate}: its channels and this matrix make no signal of it in "
         "this light; take another matrix or another light"
+    )
+
+
+def _why_no_budget(analysis: Analysis, coordinate: str) -> str:
+    """Of a coordinate that has an SNR: a budget counts what the visible light makes of it."""
+    seen = without_infrared(analysis.scene)
+    electrons = expected_electrons(seen, analysis.sensor, analysis.exposure)
+    row = analysis.matrix.matrix[analysis.matrix.coordinates.index(coordinate)]
+    if row @ electrons > 0:
+        return (
+            f"{analysis.sensor.name}: its channels one by one make no {coordinate} of this light, "
+            "so there is no budget of it; take another light"
+        )
+    return (
+        f"{analysis.sensor.name}: its {coordinate} comes from the infrared; the visible part of it "
+        "is not above 0, so it has no budget; take an IR-cut, another matrix or another light"
     )
 
 

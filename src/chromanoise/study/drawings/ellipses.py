@@ -20,7 +20,7 @@ _NONE = 1e-9  # of the plane's unit: a spread below it is rounding
 
 
 def drawn_ellipses(shown: Shown, look: Look) -> dict[str, Any]:
-    """The truth, the mean and the closed outline of 48 points, per patch and sensor."""
+    """The truth, the mean, the longer half axis and the closed outline, per patch and sensor."""
     return {
         "plane": look.plane,
         "names": list(_NAMES[look.plane]),
@@ -59,6 +59,9 @@ def _sensor(analysis: Analysis, plane: str) -> dict[str, Any]:
     # an ellipse that is a line or a point is drawn all the same
     spread = covariance + _NONE**2 * np.eye(2)
     outline = ellipse_outline(center, spread, sigmas=SIGMAS, points=POINTS)
+    reach = SIGMAS * np.sqrt(
+        np.linalg.eigvalsh(covariance)[:, -1].clip(min=0.0)
+    )  # not of 48 points
     drawn = outline.round(_DECIMALS[plane]).tolist()  # as fine as any screen, for drawing only
     return {
         "name": name,
@@ -68,6 +71,7 @@ def _sensor(analysis: Analysis, plane: str) -> dict[str, Any]:
                 "srgb": colors[i],
                 "truth": truth[i].tolist(),
                 "center": center[i].tolist(),
+                "reach": float(reach[i]),
                 "outline": drawn[i],
             }
             for i, patch in enumerate(seen.names)

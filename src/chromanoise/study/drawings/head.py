@@ -11,7 +11,7 @@ def drawn_head(shown: Shown, look: Look) -> dict[str, Any]:
     """The verdict in sentences, the light, and what each sensor is set to."""
     first = shown.analyses[0].scene
     return {
-        "verdict": verdict_sentences(shown.analyses),
+        "verdict": verdict_sentences(shown.analyses, equal=shown.study.exposure.equal),
         "light": {"name": first.illuminant.name, "level_lux": first.level_lux},
         "sensors": [_sensor(analysis) for analysis in shown.analyses],
     }

@@ -1,21 +1,25 @@
 """SNR over the light level, and where sensors change places."""
 
+import math
 from collections.abc import Mapping
 from itertools import combinations
 from typing import Any
 
 import numpy as np
+from jaxtyping import Float
 
-from chromanoise._check import InputError
+from chromanoise._check import Array, InputError
 from chromanoise.exposure import Situation
 from chromanoise.study.comparison import Curve, compared, crossover_as_json, crossovers
 from chromanoise.study.drawings.shown import Look, Shown
 from chromanoise.study.makers import MatrixMaker
-from chromanoise.study.quantities import QUANTITIES, Quantity
+from chromanoise.study.quantities import QUANTITIES, Quantity, fullest_level_lux
 from chromanoise.study.sweeps import SWEEPS, swept_values
 
-LOWEST_LUX, HIGHEST_LUX, POINTS = 0.01, 1000.0, 61
-"""The sweep of ``chromanoise compare``."""
+LOWEST_LUX, HIGHEST_LUX = 0.01, 10_000.0
+"""Of the curves, and of the page's slider: moonlight to a cloudy day."""
+_PER_DECADE = 12  # the points of ``chromanoise compare`` are among them
+_SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 def drawn_levels(shown: Shown, look: Look) -> dict[str, Any]:
@@ -25,9 +29,10 @@ def drawn_levels(shown: Shown, look: Look) -> dict[str, Any]:
     """
     sweep = SWEEPS["lux"]
     quantity = _quantity(look)
-    values = swept_values(sweep, LOWEST_LUX, HIGHEST_LUX, POINTS)
+    values = drawn_lux(shown)
     makers = shown.makers
     curves = compared(shown.situations, makers, values, sweep=sweep, quantity=quantity)
+    fullest = [fullest_level_lux(one) for one in shown.situations for _ in makers]
     return {
         "lux": values.tolist(),
         "now_lux": shown.study.light.level_lux,
@@ -38,22 +43,50 @@ def drawn_levels(shown: Shown, look: Look) -> dict[str, Any]:
                 "sensor": curve.sensor,
                 "matrix": curve.matrix,
                 "values": [v if np.isfinite(v) else None for v in curve.value.tolist()],
-                "saturated_from_lux": _saturated_from(curve),
+                "saturated_from_lux": full if full is not None and full < values[-1] else None,
             }
-            for curve in curves
+            for curve, full in zip(curves, fullest, strict=True)
         ],
         "crossovers": _crossed(shown.situations, makers, curves),
     }
 
 
+def drawn_lux(shown: Shown) -> Float[Array, " k"]:
+    """The light levels of the curves, to whole decades beyond a level that stands outside. [lx]"""
+    sweep, level = SWEEPS["lux"], shown.study.light.level_lux
+    first = min(LOWEST_LUX, 10.0 ** math.floor(math.log10(level)))
+    last = max(HIGHEST_LUX, 10.0 ** math.ceil(math.log10(level)))
+    points = 1 + _PER_DECADE * round(math.log10(last / first))
+    return swept_values(sweep, max(first, sweep.lowest), min(last, sweep.highest), points)
+
+
+def level_in_words(level_lux: float, digits: int = 3) -> str:
+    """A light level as people write it, with a power of ten where zeros would have to be counted.
+
+    Parameters
+    ----------
+    level_lux
+        > 0. [lx]
+    digits
+        That count.
+
+    Examples
+    --------
+    >>> level_in_words(12.34), level_in_words(0.0000133), level_in_words(20000.0)
+    ('12.3 lx', '1.33·10⁻⁵ lx', '20000 lx')
+    """
+    mantissa, _, power = f"{level_lux:.{digits - 1}e}".partition("e")
+    told = float(f"{mantissa}e{power}")
+    if 1e-3 <= told < 1e6:
+        return f"{told:.15g} lx"
+    factor = f"{float(mantissa):g}"
+    ten = f"10{str(int(power)).translate(_SUPERSCRIPT)} lx"
+    return ten if factor == "1" else f"{factor}·{ten}"
+
+
 def _quantity(look: Look) -> Quantity:
     """Of X, Y or Z where one of them is looked at, else of Y."""
     return QUANTITIES.get(f"snr-{look.coordinate.lower()}", QUANTITIES["snr-y"])
-
-
-def _saturated_from(curve: Curve) -> float | None:
-    full = np.flatnonzero(curve.saturated)
-    return float(curve.at[full[0]]) if full.size else None
 
 
 def _crossed(

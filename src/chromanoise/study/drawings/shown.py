@@ -1,14 +1,14 @@
 """What a page shows of a study: its situations, their matrices and every stage, computed once."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from chromanoise import _check
 from chromanoise.exposure import Situation, white_scene
 from chromanoise.study.analysis import Analysis, analyzed
 from chromanoise.study.makers import MatrixMaker, matrix_makers
 from chromanoise.study.runs.document import Study
-from chromanoise.study.runs.named import situations_of
+from chromanoise.study.runs.named import situations_of, told_apart
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -75,7 +75,7 @@ def shown(study: Study, *, situations: Sequence[Situation] | None = None) -> Sho
     InputError
         If a name names nothing, a file cannot be read, or a matrix cannot be made.
     """
-    situations = _told_apart(situations_of(study) if situations is None else situations)
+    situations = situations_of(study) if situations is None else told_apart(situations)
     makers = matrix_makers(study.matrices, study.metric, prior=study.prior)  # type: ignore[arg-type]
     first = next(iter(makers.values()))
     analyses = [
@@ -101,16 +101,3 @@ def saturated_names(analysis: Analysis) -> list[str]:
     """The channels that a perfect white fills beyond full well."""
     full = zip(analysis.sensor.names, analysis.saturated, strict=True)
     return [name for name, hit in full if hit]
-
-
-def _told_apart(situations: Sequence[Situation]) -> list[Situation]:
-    """Sensors of one name get a number: a sensor is often compared with a changed self."""
-    seen: dict[str, int] = {}
-    told = []
-    for one in situations:
-        name = one.sensor.name
-        seen[name] = seen.get(name, 0) + 1
-        if seen[name] > 1:
-            one = replace(one, sensor=replace(one.sensor, name=f"{name} ({seen[name]})"))
-        told.append(one)
-    return told

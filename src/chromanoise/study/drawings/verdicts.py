@@ -1,11 +1,12 @@
 """Who has the better raw signal, who the better color, by how much and why: in sentences."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from chromanoise import _check
 from chromanoise.merit import Budget
-from chromanoise.merit.budget import CAUSES, FILTERS
+from chromanoise.merit.budget import CORRELATION, FILTERS, INFRARED, READ_NOISE, REST, WEIGHTS
 from chromanoise.study.analysis import (
     Analysis,
     color_snr_db,
@@ -13,25 +14,46 @@ from chromanoise.study.analysis import (
     raw_snr_db,
 )
 from chromanoise.study.drawings.budget import coordinate_budget
+from chromanoise.study.drawings.levels import level_in_words
 from chromanoise.study.drawings.shown import saturation_sentence
 
 _TIE_DB = 0.05  # what one decimal cannot tell apart
 _WORTH_DB = 0.3  # a cause that costs less is no reason
 _WHY = {
-    "read noise": "read noise",
-    "weights": "weighting its channels for the eye",
-    "correlation": "unmixing its correlated channels",
-    "infrared": "infrared that carries no color",
-    "filters": "light that its filters take away",
+    READ_NOISE: "read noise",
+    WEIGHTS: "weighting its channels for the eye",
+    CORRELATION: "unmixing its correlated channels",
+    INFRARED: "infrared that carries no color",
+    FILTERS: "light that its filters take away",
+}
+_PHOTONS = "photons"
+_BELOW_THE_BOUND = (WEIGHTS, CORRELATION, INFRARED)  # the bound is that of the noisy channels
+_TERMS: Mapping[str, str] = {
+    "exposure": "",
+    "saturation": ", with times set to fill each sensor alike,",
+    "light": ", with times set for the same photons on each set of pixels,",
 }
 
 
-def verdict_sentences(analyses: Sequence[Analysis]) -> list[str]:
+def verdict_sentences(analyses: Sequence[Analysis], *, equal: str = "exposure") -> list[str]:
     """What an engineer would say of these sensors side by side.
 
     First who has the better raw signal and who the better luminance, then why, then what the
     color is worth; sensors that are saturated or have no luminance are told apart.
+
+    Parameters
+    ----------
+    analyses
+        Of one light.
+    equal
+        Of `chromanoise.exposure.EQUAL_TERMS`: told where it is not one time for all.
+
+    Raises
+    ------
+    InputError
+        If there are no such terms.
     """
+    _check.one_of("terms of a comparison", equal, tuple(_TERMS))
     told = [sentence for a in analyses if (sentence := _left_out(a))]
     able = [a for a in analyses if _left_out(a) is None]
     if len(able) == 1:
@@ -44,7 +66,7 @@ def verdict_sentences(analyses: Sequence[Analysis]) -> list[str]:
         best_color = best_raw  # equals: who leads in raw is named once
     others = [a for a in able if a is not best_color]
     rival = best_raw if best_raw is not best_color else max(others, key=_luminance_db)
-    first = _contest(best_color, rival, best_raw, able)
+    first = _setting(best_color) + _TERMS[equal] + _contest(best_color, rival, best_raw, able)
     return [first, *_reasons(best_color, rival), _colors(able), *told]
 
 
@@ -61,13 +83,10 @@ def _left_out(analysis: Analysis) -> str | None:
 
 
 def _alone(analysis: Analysis) -> str:
-    budget = coordinate_budget(analysis, "Y")
-    most = _largest(budget)
-    why = f", most of it for {_WHY[most[0]]} ({most[1]:.1f} dB)" if most else ""
     return (
         f"{_setting(analysis)} {analysis.sensor.name} has {_luminance_db(analysis):.1f} dB of "
-        f"luminance SNR, {analysis.price_db:.1f} dB below what its raw channels hold together"
-        f"{why}; {_error(analysis)}."
+        f"luminance SNR, {_told(analysis.price_db)} dB below what its raw channels hold together"
+        f"{_largest(analysis)}; {_error(analysis)}."
     )
 
 
@@ -79,13 +98,13 @@ def _contest(winner: Analysis, rival: Analysis, best_raw: Analysis, able: list[A
         ahead = "level with" if raw < _TIE_DB else f"{raw:.1f} dB better than"
         color = "level with it" if abs(gap) < _TIE_DB else f"{gap:.1f} dB better"
         return (
-            f"{_setting(winner)} {winner.sensor.name} is {ahead} {rival.sensor.name} in raw "
+            f" {winner.sensor.name} is {ahead} {rival.sensor.name} in raw "
             f"({measure}) and {color} in luminance ({_pair(winner, rival)})."
         )
     raw = _raw_db(rival, able) - _raw_db(winner, able)
     ahead = "level with" if raw < _TIE_DB else f"{raw:.1f} dB better than"
     return (
-        f"{_setting(winner)} {rival.sensor.name} is {ahead} {winner.sensor.name} in raw "
+        f" {rival.sensor.name} is {ahead} {winner.sensor.name} in raw "
         f"({measure}) but {gap:.1f} dB worse in luminance ({_pair(rival, winner)})."
     )
 
@@ -95,14 +114,31 @@ def _pair(first: Analysis, second: Analysis) -> str:
 
 
 def _reasons(winner: Analysis, loser: Analysis) -> list[str]:
-    """The causes that cost the loser most beyond what they cost the winner."""
+    """What costs the loser more than the winner: two causes, or as many as the gap takes."""
+    gap = _luminance_db(winner) - _luminance_db(loser)
     good, bad = (_costs(coordinate_budget(a, "Y")) for a in (winner, loser))
-    beyond = {cause: bad[cause] - good[cause] for cause in bad if cause in good}
-    worst = sorted((c for c in beyond if beyond[c] >= _WORTH_DB), key=lambda c: -beyond[c])[:2]
-    if not worst or _luminance_db(winner) - _luminance_db(loser) < _TIE_DB:
+    if gap < _TIE_DB or not (good and bad):
         return []
-    parts = [f"{_WHY[c]} costs {bad[c]:.1f} dB (there {good[c]:.1f})" for c in worst]
-    return [f"What {loser.sensor.name} loses to {winner.sensor.name}: {' and '.join(parts)}."]
+    parts: list[str] = []
+    explained = 0.0
+    for cause in sorted(bad, key=lambda c: good[c] - bad[c]):
+        beyond = bad[cause] - good[cause]
+        if beyond < _WORTH_DB or (len(parts) > 1 and explained > gap - _WORTH_DB):
+            break
+        explained += beyond
+        parts.append(_reason(cause, bad[cause], good[cause]))
+    if not parts:
+        return []
+    return [f"What {loser.sensor.name} loses to {winner.sensor.name}: {'; '.join(parts)}."]
+
+
+def _reason(cause: str, loss_db: float, there_db: float) -> str:
+    beyond = f"{loss_db - there_db:.1f} dB"
+    if cause == _PHOTONS:
+        return f"fewer photons reach its pixels: {beyond}"
+    if min(loss_db, there_db) < -_TIE_DB:  # a cause that helps has no cost to be told
+        return f"{_WHY[cause]}: {beyond} more than there"
+    return f"{_WHY[cause]} costs {_told(loss_db)} dB (there {_told(there_db)})"
 
 
 def _colors(able: Sequence[Analysis]) -> str:
@@ -112,19 +148,35 @@ def _colors(able: Sequence[Analysis]) -> str:
 
 
 def _costs(budget: Budget | None) -> dict[str, float]:
-    costs = budget.costs if budget else ()
-    return {cost.cause: cost.loss_db for cost in costs if cost.cause in CAUSES}
+    """What each cause takes, with the photons that never came: they add up to minus the SNR.
+
+    Infrared that passes for luminance is the rest of a budget; here it makes up for its noise.
+    """
+    if budget is None:
+        return {}
+    costs = {cost.cause: cost.loss_db for cost in budget.costs}
+    costs[INFRARED] = costs.get(INFRARED, 0.0) + costs.pop(REST)
+    return {_PHOTONS: -budget.photons_db} | costs
 
 
-def _largest(budget: Budget | None) -> tuple[str, float] | None:
-    """The largest cause beyond the filters, which every color sensor has."""
-    costs = {c: loss for c, loss in _costs(budget).items() if c != FILTERS and loss >= _WORTH_DB}
-    return max(costs.items(), key=lambda item: item[1]) if costs else None
+def _largest(analysis: Analysis) -> str:
+    """What takes most of what the raw channels hold together; read noise is in that already."""
+    costs, price_db = _costs(coordinate_budget(analysis, "Y")), analysis.price_db
+    found = [(costs[cause], cause) for cause in _BELOW_THE_BOUND if cause in costs]
+    if not found or min(price_db, max(found)[0]) < _WORTH_DB:
+        return ""
+    loss_db, cause = max(found)
+    how = "most of it" if price_db / 2 < loss_db <= price_db + _TIE_DB else "above all"
+    return f", {how} for {_WHY[cause]} ({loss_db:.1f} dB)"
+
+
+def _told(decibels: float) -> str:
+    return f"{round(decibels, 1) + 0.0:.1f}"  # no minus before a zero
 
 
 def _setting(analysis: Analysis) -> str:
     scene = analysis.scene
-    return f"At {scene.level_lux:.4g} lx of {scene.illuminant.name}"
+    return f"At {level_in_words(scene.level_lux, 4)} of {scene.illuminant.name}"
 
 
 def _shared(able: Sequence[Analysis]) -> list[str]:

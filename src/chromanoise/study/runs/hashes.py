@@ -2,9 +2,10 @@
 
 import hashlib
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 from chromanoise import __version__
 from chromanoise._check import InputError
@@ -13,16 +14,114 @@ from chromanoise.study.catalog import catalog_folder
 from chromanoise.study.runs.document import Study
 from chromanoise.study.words import file_of, filter_files, illuminant_files, sensor_files
 
+Kind = Literal["light", "sensor", "filter", "pixel", "cube"]
+"""Of what a word of a study may name a file."""
 
-def study_hash(study: Study) -> str:
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FileWord:
+    """A word of a study that may name a file.
+
+    Attributes
+    ----------
+    where
+        Its key: ``sensors.0.pixel.file``.
+    kind
+        What it names.
+    word
+        As the study has it.
+    """
+
+    where: str
+    kind: Kind
+    word: str
+
+
+def with_file_words(study: Study, told: Callable[[FileWord], str]) -> Study:
+    """The study with other words in place of all that may name a file: the list of those keys.
+
+    Examples
+    --------
+    >>> from chromanoise.study.runs.document import SensorPart
+    >>> study = Study(sensors=(SensorPart(name="a.csv", filter="b.csv"),))
+    >>> other = with_file_words(study, lambda one: f"{one.kind}-{one.word}").sensors[0]
+    >>> other.name, other.filter, other.pixel.file
+    ('sensor-a.csv', 'filter-b.csv', None)
+    """
+
+    def word(where: str, kind: Kind, was: str | None) -> str | None:
+        return None if was is None else told(FileWord(where=where, kind=kind, word=was))
+
+    light = {"illuminant": word("light.illuminant", "light", study.light.illuminant)}
+    sensors = []
+    for i, part in enumerate(study.sensors):
+        file = word(f"sensors.{i}.pixel.file", "pixel", part.pixel.file)
+        words = {
+            "name": word(f"sensors.{i}.name", "sensor", part.name),
+            "filter": word(f"sensors.{i}.filter", "filter", part.filter),
+            "pixel": part.pixel.model_copy(update={"file": file}),
+        }
+        sensors.append(part.model_copy(update=words))
+    cubes = [word(f"pictures.{i}.cube", "cube", p.cube) for i, p in enumerate(study.pictures)]
+    pictures = [
+        part.model_copy(update={"cube": cube})
+        for part, cube in zip(study.pictures, cubes, strict=True)
+    ]
+    parts = {"sensors": tuple(sensors), "pictures": tuple(pictures)}
+    return study.model_copy(update=parts | {"light": study.light.model_copy(update=light)})
+
+
+def file_words(study: Study) -> list[FileWord]:
+    """All words of a study that may name a file, in the order of the study."""
+    found: list[FileWord] = []
+
+    def listed(one: FileWord) -> str:
+        found.append(one)
+        return one.word
+
+    with_file_words(study, listed)
+    return found
+
+
+def files_of_word(one: FileWord) -> tuple[Path, ...]:
+    """The files whose content decides what a word means; none if it is built in.
+
+    Raises
+    ------
+    InputError
+        If the word cannot be understood, or is too long for the name of a file.
+    """
+    try:
+        if one.kind == "pixel":
+            return (file_of(one.word),)
+        if one.kind == "cube":
+            built_in = one.word.startswith("builtin:")
+            return () if built_in else tuple(cube_files(file_of(one.word)))
+        return _FILES[one.kind](one.word)
+    except OSError as error:  # a name that is too long to ask for
+        told = str(error.filename)[:60]
+        raise InputError(f"{told}: cannot be read ({error.strerror})") from None
+
+
+_FILES = {"light": illuminant_files, "sensor": sensor_files, "filter": filter_files}
+
+
+def study_hash(study: Study, digests: Mapping[str, str] | None = None) -> str:
     """SHA-256 of the version, the study, and what stands in the files that it names.
+
+    Parameters
+    ----------
+    study
+        Of which the words are told.
+    digests
+        Of its files, where they are known already; `file_digests` otherwise.
 
     Raises
     ------
     InputError
         If one of the files cannot be read.
     """
-    return _hash_of(study, file_digests(study))
+    return _hash_of(study, file_digests(study) if digests is None else digests)
 
 
 def file_digests(study: Study) -> dict[str, str]:
@@ -33,7 +132,18 @@ def file_digests(study: Study) -> dict[str, str]:
     InputError
         If one of the files cannot be read.
     """
-    return {_told(file): _digest(file) for file in dict.fromkeys(_files(study))}
+    return digests_of(_files(study))
+
+
+def digests_of(files: Iterable[Path]) -> dict[str, str]:
+    """SHA-256 of files by the names under which results tell of them.
+
+    Raises
+    ------
+    InputError
+        If one of the files cannot be read.
+    """
+    return {_told(file): _digest(file) for file in dict.fromkeys(files)}
 
 
 def changes_since(study: Study, before: Mapping[str, str]) -> tuple[str, ...]:
@@ -72,19 +182,7 @@ def _told(file: Path) -> str:
 
 
 def _files(study: Study) -> list[Path]:
-    try:
-        files = list(illuminant_files(study.light.illuminant))
-        for sensor in study.sensors:
-            files += sensor_files(sensor.name)
-            files += filter_files(sensor.filter) if sensor.filter else []
-            files += [file_of(sensor.pixel.file)] if sensor.pixel.file else []
-        for picture in study.pictures:
-            if not picture.cube.startswith("builtin:"):
-                files += cube_files(file_of(picture.cube))
-    except OSError as error:  # a name that is too long to ask for
-        told = str(error.filename)[:60]
-        raise InputError(f"{told}: cannot be read ({error.strerror})") from None
-    return files
+    return [file for one in file_words(study) for file in files_of_word(one)]
 
 
 def cube_files(path: Path) -> list[Path]:
@@ -97,8 +195,8 @@ def cube_files(path: Path) -> list[Path]:
     return pair
 
 
-def _hash_of(study: Study, digests: dict[str, str]) -> str:
-    told = [__version__, study_as_json(study), digests]
+def _hash_of(study: Study, digests: Mapping[str, str]) -> str:
+    told = [__version__, study_as_json(study), dict(digests)]
     return hashlib.sha256(json.dumps(told, sort_keys=True).encode()).hexdigest()
 
 

@@ -1,6 +1,7 @@
 """What a study names, as nouns: lights, sensors, exposures, pictures."""
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -18,6 +19,9 @@ from chromanoise.study.runs.document import PicturePart, SensorPart, Study
 from chromanoise.study.runs.pixel_files import sensor_with_pixel
 from chromanoise.study.words import behind_filter_of_word, file_of, illuminant_of_word
 
+Key = tuple[str | int, ...]
+"""Where a value of a study stands: ("sensors", 0, "name")."""
+
 
 def situations_of(study: Study) -> list[Situation]:
     """Each sensor of the study in its light, with its exposure.
@@ -27,7 +31,38 @@ def situations_of(study: Study) -> list[Situation]:
     InputError
         If a name names nothing, a file cannot be read, or no light reaches a sensor.
     """
-    return situations_in(study, illuminant_of(study), [sensor_of(part) for part in study.sensors])
+    sensors = [sensor_of(part) for part in study.sensors]
+    return told_apart(situations_in(study, illuminant_of(study), sensors))
+
+
+def told_apart(situations: Sequence[Situation]) -> list[Situation]:
+    """Sensors of one name get a number: a sensor is often compared with a changed self.
+
+    ``cam``, ``cam`` become ``cam`` and ``cam (2)``; a number that is a name already is passed over.
+    """
+    names = [one.sensor.name for one in situations]
+    told: list[Situation] = []
+    for i, (one, name) in enumerate(zip(situations, names, strict=True)):
+        taken = {before.sensor.name for before in told}
+        taken |= {later for later in names[i + 1 :] if later != name}
+        count = 1
+        while name in taken:
+            count += 1
+            name = f"{names[i]} ({count})"
+        told.append(one if count == 1 else replace(one, sensor=replace(one.sensor, name=name)))
+    return told
+
+
+def twins(study: Study) -> list[tuple[Key, str]]:
+    """The sensors that stand there a second time with nothing changed, each with its key and why.
+
+    A page shows them, for one of them is about to be changed; a run would compute all of it twice.
+    """
+    return [
+        (("sensors", i, "name"), f"{part.name!r} stands twice; change one or leave it away")
+        for i, part in enumerate(study.sensors)
+        if part in study.sensors[:i]
+    ]
 
 
 def situations_in(
@@ -91,9 +126,6 @@ def sensor_of(part: SensorPart) -> Sensor:
     return sensor if part.ircut_nm is None else behind_ir_cut(sensor, part.ircut_nm)
 
 
-Key = tuple[str | int, ...]
-"""Where a value of a study stands: ("sensors", 0, "name")."""
-
 _OPTIONS = {
     "(--beyond, for an illuminant --illuminant-beyond)": '(beyond = "zero" or "hold")',
     "--illuminant-energy or --illuminant-photons": 'per = "energy" or "photon"',
@@ -129,13 +161,10 @@ def unmade(study: Study) -> list[tuple[Key, str]]:
         tried(("sensors", i, "name"), partial(sensor_of, part))
         for i, part in enumerate(study.sensors)
     ]
-    made = [sensor.name if sensor else "" for sensor in sensors]
-    for i, name in enumerate(made):
-        if name and name in made[:i]:
-            found.append((("sensors", i, "name"), f"{name!r} stands twice; leave one away"))
-    for i, part in enumerate(study.pictures):
-        if part.mosaic not in (None, "sensor"):
-            tried(("pictures", i, "mosaic"), partial(_fitting_mosaic, part, sensors))
+    found += twins(study)
+    for i, picture in enumerate(study.pictures):
+        if picture.mosaic not in (None, "sensor"):
+            tried(("pictures", i, "mosaic"), partial(_fitting_mosaic, picture, sensors))
     return found
 
 

@@ -19,6 +19,7 @@ from chromanoise.study.makers import METHODS
 from chromanoise.study.priors import PRIORS
 from chromanoise.study.quantities import QUANTITIES
 from chromanoise.study.runs.document import Study
+from chromanoise.study.runs.hashes import with_file_words
 from chromanoise.study.runs.named import Key, unmade
 from chromanoise.study.sweeps import SWEEPS
 from chromanoise.study.words import file_of, sensor_word_beside, word_beside
@@ -68,22 +69,8 @@ def read_study(path: Path | str, changes: Sequence[str] = ()) -> Study:
 
 def _told_from(folder: Path, study: Study) -> Study:
     """The study with the names of its files as they are seen from the working folder."""
-    light = {"illuminant": word_beside(study.light.illuminant, folder)}
-    sensors = []
-    for part in study.sensors:
-        file = part.pixel.file
-        pixel = {"file": None if file is None else _file_beside(file, folder)}
-        words = {
-            "name": sensor_word_beside(part.name, folder),
-            "filter": None if part.filter is None else word_beside(part.filter, folder),
-            "pixel": part.pixel.model_copy(update=pixel),
-        }
-        sensors.append(part.model_copy(update=words))
-    pictures = [
-        part.model_copy(update={"cube": _file_beside(part.cube, folder)}) for part in study.pictures
-    ]
-    told = {"sensors": tuple(sensors), "pictures": tuple(pictures)}
-    return study.model_copy(update=told | {"light": study.light.model_copy(update=light)})
+    beside = {"sensor": sensor_word_beside, "light": word_beside, "filter": word_beside}
+    return with_file_words(study, lambda one: beside.get(one.kind, _file_beside)(one.word, folder))
 
 
 def _file_beside(name: str, folder: Path) -> str:

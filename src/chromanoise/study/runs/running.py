@@ -17,7 +17,7 @@ from chromanoise.study.pareto import matrix_as_json, noise_weights, pareto_of
 from chromanoise.study.quantities import QUANTITIES
 from chromanoise.study.runs.analyses import outcome_of, outcomes_as_json
 from chromanoise.study.runs.document import Study, SweepPart
-from chromanoise.study.runs.named import situations_of
+from chromanoise.study.runs.named import situations_of, twins
 from chromanoise.study.runs.pictures import file_word, pictures_taken, prepared_cameras
 from chromanoise.study.sweeps import SWEEPS, swept_values
 
@@ -52,8 +52,9 @@ def study_steps(study: Study, *, work: Work | None = None) -> list[Step]:
     InputError
         If a name names nothing or a file cannot be read; before anything is computed.
     """
+    for key, why in twins(study):
+        raise InputError(f"{'.'.join(map(str, key))}: {why}")
     situations = situations_of(study)
-    distinct("names of sensors", [situation.sensor.name for situation in situations])
     distinct("file names of sensors", [file_word(s.sensor.name) for s in situations])
     makers = matrix_makers(study.matrices, study.metric, prior=study.prior)  # type: ignore[arg-type]
     steps = [

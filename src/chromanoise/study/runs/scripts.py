@@ -1,6 +1,7 @@
 """A study as a short script on the public library; its numbers are those of the run."""
 
 import re
+from pathlib import Path
 from typing import Any
 
 from chromanoise.study.runs.document import PicturePart, SensorPart, Study, SweepPart
@@ -26,6 +27,7 @@ _IMPORTS = {
         *("swept_values",),
     ),
     "chromanoise.study.runs": ("file_word", "sensor_with_pixel"),
+    "chromanoise.study.runs.named": ("told_apart",),
     "chromanoise.study.words": ("behind_filter_of_word", "illuminant_of_word"),
 }
 
@@ -88,10 +90,18 @@ def _start(study: Study) -> list[str]:
         "    )",
         "    for sensor, exposure in zip(sensors, exposures, strict=True)",
         "]",
+        *(["situations = told_apart(situations)"] if _may_share_a_name(study) else []),
         f"makers = matrix_makers({matrices})",
         "results = []",
         "",
     ]
+
+
+def _may_share_a_name(study: Study) -> bool:
+    """A sensor of a file is called as the file, or as its own JSON says."""
+    stems = [Path(part.name).stem for part in study.sensors]
+    own = any(part.name.lower().endswith(".json") for part in study.sensors)
+    return len(set(stems)) < len(stems) or (own and len(stems) > 1)
 
 
 def _sensor(part: SensorPart) -> str:

@@ -12,9 +12,13 @@ export function encoded(state) {
 export function decoded(text) {
   const state = json(text);
   const sensors = state?.study?.sensors;
-  const named = Array.isArray(sensors) && sensors.length > 0;
-  if (!named || !sensors.every((sensor) => typeof sensor?.name === "string")) {
+  if (!Array.isArray(sensors) || sensors.length === 0) {
     throw new Error("This link holds no study, so the default study is shown.");
+  }
+  const odd = Object.entries(KINDS).filter(([key, fits]) => !fits(state.study[key]));
+  if (odd.length) {
+    const keys = odd.map(([key]) => key).join(" and ");
+    throw new Error(`This link holds ${keys} of another kind, so the default study is shown.`);
   }
   return { study: state.study, look: isRecord(state.look) ? state.look : {} };
 }
@@ -27,6 +31,34 @@ function json(text) {
   } catch {
     throw new Error("This link is cut or mistyped, so the default study is shown.");
   }
+}
+
+/** What the controls read must be of these kinds; what it says is the server's to judge. */
+const KINDS = {
+  light: (light) => unsaid(light) || (isRecord(light) && isText(light.illuminant)),
+  exposure: (exposure) => unsaid(exposure) || isRecord(exposure),
+  sensors: (sensors) => sensors.every(isSensor),
+  matrices: (names) => unsaid(names) || (Array.isArray(names) && names.every((name) => typeof name === "string")),
+  pictures: (pictures) => unsaid(pictures) || (Array.isArray(pictures) && pictures.every(isPicture)),
+  prior: isText,
+};
+
+function isSensor(sensor) {
+  if (!isRecord(sensor) || typeof sensor.name !== "string") return false;
+  const tables = [sensor.pixel, sensor.answers];
+  return isText(sensor.filter) && tables.every((table) => unsaid(table) || isRecord(table));
+}
+
+function isPicture(picture) {
+  return isRecord(picture) && isText(picture.cube);
+}
+
+function unsaid(value) {
+  return value === undefined;
+}
+
+function isText(value) {
+  return value === undefined || value === null || typeof value === "string";
 }
 
 /** Whether a value is a plain record of keys. */

@@ -33,13 +33,15 @@ export async function understood(reply) {
   throw new Refused(faults ?? [{ where: "", sentence }]);
 }
 
+/** Of all questions, so that no two have the same. */
+let asked = 0;
+
 /**
  * Asks `/api/answer` for what `question()` says when its turn comes, `null` for nothing.
  * `answered(reply, question)`, `refused(faults, question)`, `lost(sentence)`, `found()` and
  * `rested(question)`, when nothing is under way, tell what became of it.
  */
 export class Asker {
-  #number = 0;
   #wanted = false;
   #flying = null;
   #retry = null;
@@ -63,8 +65,7 @@ export class Asker {
     this.#wanted = false;
     const question = this.tells.question();
     if (question === null) return;
-    this.#number += 1;
-    question.number = this.#number;
+    question.number = asked += 1;
     this.#flying = { abort: new AbortController(), idle: question.idle };
     this.#send(question, this.#flying.abort.signal);
   }

@@ -19,11 +19,22 @@ export function complain(row, sentence) {
   if (subject) subject.setAttribute("aria-describedby", told.id);
 }
 
+/** Nobody can write an option of the command line into this page. */
+export const OPTION = /(^|\s)--[a-z]/;
+
+/** A sentence without its last clause where that tells an option of the command line. */
+function spoken(sentence) {
+  const clauses = sentence.split("; ");
+  return clauses.length > 1 && OPTION.test(clauses.at(-1)) ? clauses.slice(0, -1).join("; ") : sentence;
+}
+
 /** Shows the server's faults beside their controls; those that belong to none come back. */
 export function showFaults(faults) {
   clearFaults();
   const homeless = [];
-  for (const { where, sentence } of faults) {
+  for (const fault of faults) {
+    const { where } = fault;
+    const sentence = spoken(fault.sentence);
     const row = rowOf(String(where ?? ""));
     if (row) {
       complain(row, sentence);

@@ -22,13 +22,20 @@ export function lightName({ base, ratio, diode }) {
   return ratio > 0 ? `${base}+${ratio}x${diode ?? DIODES[0]}` : base;
 }
 
+/** Of a light, what stays when the lamp is another: how its file was to be read belongs to that. */
+export function lampless(light = {}) {
+  return light.level_lux === undefined ? {} : { level_lux: light.level_lux };
+}
+
 /** The group of controls: `node` and `show(state)`. */
 export function lightControls(choices) {
   let diode = DIODES[0];
   const change = (part, how) =>
     changeStudy((study) => {
       const now = lightParts(saidAt(study, "light.illuminant"));
-      study.light = { ...study.light, illuminant: lightName({ ...now, diode, ...part }) };
+      const next = { ...now, diode, ...part };
+      const own = next.base === now.base ? study.light : lampless(study.light);
+      study.light = { ...own, illuminant: lightName(next) };
     }, how);
   const base = baseChoice(choices, (name) => change({ base: name }, "step"));
   const ratio = slider({

@@ -3,10 +3,11 @@
 import { Asker, understood } from "app/ask.js";
 import { controls } from "app/controls.js";
 import { copyButtons } from "app/copy.js";
-import { say } from "app/dom.js";
+import { attribute, say } from "app/dom.js";
 import { useEquations } from "app/equations.js";
 import { clearFaults, showFaults } from "app/faults.js";
 import { showHead } from "app/head.js";
+import { isTrained } from "app/matrix.js";
 import { PARTS, panels, showTable } from "app/panels.js";
 import { picturePanel } from "app/picture.js";
 import { askedLook, snapshots } from "app/snapshots.js";
@@ -18,12 +19,17 @@ import { uploads } from "app/upload.js";
 /** How long nothing moves before the parts that nobody sees are asked for. */
 const IDLE_MS = 300;
 
+/** Parts that a trained matrix makes so slow that nothing else shall wait for them. */
+const SLOW = new Set(["levels", "pareto", "chart", "vectors"]);
+
 const root = document.documentElement;
 const byId = (id) => document.getElementById(id);
 
 const page = {
   version: 0,
   headVersion: -1,
+  calm: false,
+  answered: null,
   failedVersion: -1,
   level: null,
   idle: null,
@@ -40,29 +46,55 @@ function notice(id, sentence) {
   if (node.hidden === Boolean(sentence)) node.hidden = !sentence;
 }
 
+/** The first of two questions: the numbers, and what is seen and quick. */
 function question() {
-  const stale = PARTS.filter((part) => page.panels.get(part).version < page.version);
   if (page.failedVersion === page.version) return null;
-  const visible = stale.filter((part) => page.panels.get(part).visible);
-  const fresh = page.headVersion < page.version;
-  const idle = !fresh && visible.length === 0;
-  // one at a time, so that what is hidden never keeps what is seen waiting
-  const parts = idle ? stale.slice(0, 1) : visible;
-  if (!fresh && parts.length === 0) return null;
   const { study, look } = current();
-  const want = fresh ? ["head", ...parts] : parts;
-  return { study, want, look: askedLook(look), version: page.version, idle };
+  const parts = stale(page.version).filter((part) => page.panels.get(part).visible && !isSlow(part, study));
+  const want = page.headVersion < page.version ? ["head", ...parts] : parts;
+  return want.length ? { study, want, look: askedLook(look), version: page.version } : null;
 }
 
-function answered(reply, { version, study, want }) {
+/** The second, of what the first has answered: what is seen and slow, at rest what nobody sees. */
+function laterQuestion() {
+  if (!page.answered || page.failedVersion >= page.answered.version) return null;
+  const { study, look, version } = page.answered;
+  const parts = stale(version);
+  const seen = parts.filter((part) => page.panels.get(part).visible && isSlow(part, study));
+  // one at a time, so that what is hidden never keeps what is seen waiting
+  const idle = seen.length === 0 && page.calm;
+  const want = idle ? parts.slice(0, 1) : seen;
+  return want.length ? { study, want, look, version, idle } : null;
+}
+
+const stale = (version) => PARTS.filter((part) => page.panels.get(part).version < version);
+const isSlow = (part, study) => SLOW.has(part) && isTrained(study);
+
+function answered(reply, asked) {
+  const { version, study, want } = asked;
   performance.mark("answered", { detail: reply.number });
-  clearFaults();
-  notice("faults", null);
-  page.level = study.light?.level_lux ?? null;
+  // a later answer to an older study mends nothing
+  if (version > page.failedVersion) {
+    clearFaults();
+    notice("faults", null);
+  }
+  if (want.includes("head")) {
+    page.answered = asked;
+    page.level = study.light?.level_lux ?? null;
+    say(byId("hash"), reply.hash ? `study ${reply.hash.slice(0, 12)}` : "");
+  }
   for (const part of want) show(part, reply.parts[part] ?? null, version);
-  say(byId("hash"), reply.hash ? `study ${reply.hash.slice(0, 12)}` : "");
+  markStale();
   performance.mark("drawn", { detail: reply.number });
   requestAnimationFrame(() => afterPaint.postMessage(reply.number));
+  page.later.ask();
+}
+
+/** Drawings that are older than the numbers say so until their own answer comes. */
+function markStale() {
+  for (const { section, version, data } of page.panels.values()) {
+    if (data) attribute(section, "aria-busy", version < page.headVersion ? "true" : null);
+  }
 }
 
 function show(part, data, version) {
@@ -74,28 +106,35 @@ function show(part, data, version) {
     return page.showControls(current(), data);
   }
   const panel = page.panels.get(part);
+  // of two questions under way the newer one may be back first
+  if (version < panel.version) return undefined;
   panel.version = version;
   if (part === "budget") page.tools.coordinates(data);
-  return panel.show(data, drawingOptions(part));
+  return panel.show(data, drawingOptions(part, data));
 }
 
-function drawingOptions(part) {
+function drawingOptions(part, data) {
   const { look } = current();
   const told = page.level === null ? look : { ...look, level_lux: page.level };
-  return { ghosts: page.ghosts.ghosts(part), look: told, tables: page.printing };
+  return { ghosts: page.ghosts.ghosts(part, data), look: told, tables: page.printing };
 }
 
 function refused(faults, { version }) {
+  if (version < page.headVersion) return;
   page.failedVersion = version;
+  // nothing newer will come, and the sentence says that it is older
+  for (const { section, data } of page.panels.values()) if (data) attribute(section, "aria-busy", null);
   const homeless = showFaults(faults);
   const where = homeless.length < faults.length ? "What is shown is older than the controls. " : "";
   notice("faults", (where + homeless.join(" ")).trim());
 }
 
-function rested({ idle }) {
+function rested() {
   clearTimeout(page.idle);
-  // once the rest has begun, one hidden part follows the other
-  page.idle = setTimeout(() => page.asker.ask(), idle ? 0 : IDLE_MS);
+  page.idle = setTimeout(() => {
+    page.calm = true;
+    page.later.ask();
+  }, IDLE_MS);
 }
 
 /** A message after a frame's callback arrives when the frame was handed over to be painted. */
@@ -103,13 +142,15 @@ const channel = new MessageChannel();
 const afterPaint = channel.port2;
 channel.port1.onmessage = ({ data: number }) => {
   performance.mark("painted", { detail: number });
-  root.dataset.painted = String(number);
+  root.dataset.painted = String(Math.max(number, Number(root.dataset.painted ?? 0)));
   if (number % 500 === 0) performance.clearMarks();
 };
 
 function redraw(part) {
   const panel = page.panels.get(part);
-  if (panel.data) panel.show(panel.data, drawingOptions(part));
+  if (!panel.data) return;
+  panel.show(panel.data, drawingOptions(part, panel.data));
+  markStale();
 }
 
 let askedBefore = "";
@@ -118,6 +159,7 @@ function changed(state, what) {
   const asked = JSON.stringify(askedLook(state.look));
   if (what !== "look" || asked !== askedBefore) {
     page.version += 1;
+    page.calm = false;
     clearTimeout(page.idle);
     // first of all, so that the server computes while the controls are drawn
     page.asker.ask();
@@ -175,10 +217,13 @@ function listen() {
   window.addEventListener("afterprint", unprinted);
 }
 
+/** For so long a server may think before its silence is told. */
+const PATIENCE_MS = 10_000;
+
 async function choicesOfServer() {
   for (;;) {
     try {
-      const choices = await understood(await fetch("/api/choices"));
+      const choices = await understood(await fetch("/api/choices", { signal: AbortSignal.timeout(PATIENCE_MS) }));
       notice("lost", null);
       return choices;
     } catch {
@@ -201,17 +246,20 @@ async function start() {
   copyButtons(byId("copy"));
   uploads(byId("bring"));
   page.ghosts = snapshots(byId("snapshots"), () => PARTS.forEach(redraw));
-  page.asker = new Asker({
-    question,
+  const told = {
     answered,
     refused,
-    rested,
     lost: (sentence) => notice("lost", sentence),
     found: () => notice("lost", null),
-  });
+  };
+  page.asker = new Asker({ ...told, question, rested });
+  page.later = new Asker({ ...told, question: laterQuestion, rested: () => page.later.ask() });
   page.panels = panels({
     tools: page.tools.nodes,
-    seen: () => page.asker.ask(),
+    seen: () => {
+      page.asker.ask();
+      page.later.ask();
+    },
     resized: (panel) => redraw(panel.part),
   });
   page.picture = picturePanel();

@@ -17,6 +17,11 @@ export function matrixParts(name) {
   return { method, value: value === undefined ? null : Number(value) };
 }
 
+/** Whether one of the study's matrices has to be trained on a prior. */
+export function isTrained({ matrices = [] }) {
+  return matrices.some((name) => matrixParts(name).method !== "kernel");
+}
+
 /** The group of controls: `node` and `show(state)`. */
 export function matrixControls(choices) {
   const place = el("div");

@@ -2,8 +2,8 @@
 
 import { Refused } from "app/ask.js";
 import { brief, button, choice, el, fillChoice, say } from "app/dom.js";
-import { cubeOf } from "app/scene.js";
 import { changeStudy, current } from "app/state.js";
+import { shownName } from "app/uploads.js";
 import { draw } from "draw/picture.js";
 
 const REST_MS = 350;
@@ -23,7 +23,7 @@ class View {
   #abort = null;
   #shown = null;
   #visible = false;
-  #addresses = [];
+  #pair = null;
 
   constructor(section) {
     this.section = section;
@@ -55,10 +55,8 @@ class View {
 
   /** What can stand on each side: every sensor, with its noise and without. */
   #offer({ sensors, seed = 0 }) {
-    const options = sensors.flatMap((sensor, i) => [
-      [`${i} noisy`, `${sensor.name}, noisy`],
-      [`${i} still`, `${sensor.name}, without noise`],
-    ]);
+    const kinds = sensors.flatMap((_, i) => [`${i} noisy`, `${i} still`]);
+    const options = kinds.map((value) => [value, sideName({ sensors }, value)]);
     this.sides.forEach(({ select }, side) => {
       const here = select.value || `${side} noisy`;
       const held = options.some(([value]) => value === here) ? here : options[0][0];
@@ -78,12 +76,14 @@ class View {
     this.#abort?.abort();
     this.#abort = new AbortController();
     const { signal } = this.#abort;
+    // what was asked for, not what the choices say once it has come
+    const labels = this.sides.map(({ select }) => sideName(study, select.value));
     try {
       const asked = this.sides.map(({ select }) => picture(study, select.value, signal));
       const pictures = await Promise.all(asked);
       this.#shown = key;
-      this.#replace(pictures.map(({ blob }) => URL.createObjectURL(blob)));
-      say(this.said, [...new Set(pictures.map(summed))].join(" "));
+      this.#replace(pictures.map(({ blob }) => URL.createObjectURL(blob)), labels);
+      say(this.said, [...new Set(pictures.flatMap(summed))].join(" "));
     } catch (error) {
       if (signal.aborted) return;
       this.said.textContent =
@@ -91,29 +91,36 @@ class View {
     }
   }
 
-  #replace(addresses) {
-    const old = this.#addresses;
-    this.#addresses = addresses;
+  #replace(addresses, labels) {
+    const old = this.#pair?.addresses ?? [];
+    this.#pair = { addresses, labels };
     this.#drawn();
     this.section.removeAttribute("aria-busy");
     setTimeout(() => old.forEach((address) => URL.revokeObjectURL(address)), 1000);
   }
 
   #drawn() {
-    if (!this.#addresses.length) return;
-    const labels = this.sides.map(({ select }) => select.selectedOptions[0].textContent);
-    const [left, right] = this.#addresses;
+    if (!this.#pair) return;
+    const { addresses, labels } = this.#pair;
+    const [left, right] = addresses;
     draw(this.body, { left, right, labels }, { zoom: Number(this.zoom.select.value), look: current().look });
   }
 }
 
-/** What the server tells of a picture: its size, and which channels do not fit into the pixel. */
+/** What stands on a side: a sensor, with its noise or without. */
+function sideName({ sensors }, side) {
+  const [sensor, kind] = side.split(" ");
+  return `${shownName("sensor", sensors[sensor].name)}, ${kind === "noisy" ? "noisy" : "without noise"}`;
+}
+
+/** What the server tells of a picture: its size, what does not fit into the pixel, its notes. */
 function summed({ summary }) {
-  if (!summary.width_px) return "";
+  const notes = (summary.notes ?? []).map((note) => (/[.!?]$/.test(note) ? note : `${note}.`));
+  if (!summary.width_px) return notes;
   const size = `${summary.sensor}: ${summary.width_px} \u00d7 ${summary.height_px} pixels`;
   const over = Object.entries(summary.above_full_well_share ?? {}).filter(([, share]) => share > 0);
   const told = over.map(([name, share]) => `${name} ${brief(100 * share, 2)} %`);
-  return told.length ? `${size}, above full well ${told.join(", ")}.` : `${size}.`;
+  return [told.length ? `${size}, above full well ${told.join(", ")}.` : `${size}.`, ...notes];
 }
 
 function nextSeed(study) {
@@ -122,19 +129,14 @@ function nextSeed(study) {
 
 async function picture(study, side, signal) {
   const [sensor, kind] = side.split(" ");
-  const cube = cubeOf(study);
   const reply = await fetch("/api/picture", {
     method: "POST",
     headers: { "Content-Type": "application/json" },
-    body: JSON.stringify({
-      study,
-      sensor: Number(sensor),
-      noisy: kind === "noisy",
-      cube: cube.startsWith("upload:") ? cube : null,
-    }),
+    // no cube is named: it is that of the study's own first picture, with all that it says of it
+    body: JSON.stringify({ study, sensor: Number(sensor), noisy: kind === "noisy", cube: null }),
     signal,
   });
-  if (reply.ok) {
+  if (reply.ok && reply.headers.get("Content-Type")?.startsWith("image/")) {
     const summary = reply.headers.get("X-Chromanoise-Summary");
     return { blob: await reply.blob(), summary: summary ? JSON.parse(summary) : {} };
   }

@@ -1,10 +1,10 @@
 /** Controls of the sensors: two or more, each with its pixel and its filters. */
 
-import { attribute, brief, button, choice, el, fillChoice, say } from "app/dom.js";
+import { attribute, brief, button, choice, el, fillChoice, freshId, say } from "app/dom.js";
 import { setAt, valueAt } from "app/paths.js";
 import { shownUnit, slider } from "app/slider.js";
 import { changeStudy } from "app/state.js";
-import { uploaded } from "app/uploads.js";
+import { asksFor, uploaded } from "app/uploads.js";
 
 const FEWEST = 2;
 const MOST = 6;
@@ -69,11 +69,14 @@ function sensorCard(choices, i) {
     class: "square",
   });
   pick.row.append(up, away);
+  const front = filterChoice(choices, i);
   const inner = innerSliders(choices, i);
+  const peak = sensorSlider(PEAK, i);
   const drawer = el(
     "details",
     { class: "drawer" },
     el("summary", { text: "Pixel and filters" }),
+    front.row,
     ...inner.map((one) => one.row),
   );
   const node = el("fieldset", { class: "card" }, legend, pick.row, what, drawer);
@@ -82,7 +85,11 @@ function sensorCard(choices, i) {
     const names = choices.sensors.map((one) => one.name);
     fillChoice(pick.select, [...names, ...uploaded("sensor")], sensor.name);
     say(what, known ? described(known, told) : "");
+    front.show(sensor);
     for (const one of inner) one.show(sensor, told);
+    peak.show(sensor, told);
+    const asked = asksForPeak(sensor);
+    if (asked !== peak.row.isConnected) asked ? drawer.append(peak.row) : peak.row.remove();
     attribute(up, "disabled", i === 0);
     attribute(away, "disabled", count <= FEWEST);
   };
@@ -102,11 +109,12 @@ function remove(i, node) {
   list.children[Math.min(i, list.children.length - 1)]?.querySelector("select").focus();
 }
 
-function exchange(study, i, name) {
+/** Puts another sensor in the place of one; `more` is what its own file must be told. */
+export function exchange(study, i, name, more = {}) {
   // answers belong to one file, changes of the pixel to the question
-  const { pixel, ircut_nm, shift_nm } = study.sensors[i];
-  const kept = Object.entries({ pixel, ircut_nm, shift_nm });
-  study.sensors[i] = { name, ...Object.fromEntries(kept.filter(([, value]) => value !== undefined)) };
+  const { pixel, filter, ircut_nm, shift_nm } = study.sensors[i];
+  const kept = Object.entries({ pixel, filter, ircut_nm, shift_nm });
+  study.sensors[i] = { name, ...more, ...Object.fromEntries(kept.filter(([, value]) => value !== undefined)) };
 }
 
 function swap(study, i) {
@@ -117,24 +125,62 @@ function swap(study, i) {
 /** Sliders of everything that the server says a sensor has. */
 function innerSliders(choices, i) {
   const own = choices.sliders.filter((one) => one.key.startsWith("sensors."));
-  return [...own, PEAK].map((range) => {
-    const path = range.key.slice("sensors.".length);
-    const control = slider({
-      label: range.label,
-      unit: shownUnit(range),
-      range,
-      where: `sensors.${i}.${path}`,
-      own: path === "shift_nm" ? "none" : "as built",
-      on: (value) =>
-        changeStudy((study) => setAt(study.sensors[i], path, value), value === null ? "step" : "slide"),
-    });
-    const show = (sensor, told) => {
-      const value = valueAt(sensor, path);
-      if (path === "pixel.read_noise_e") control.show(value, told?.read_noise_e ?? null);
-      else control.show(value, UNTOUCHED[path] ?? range.high, path === "shift_nm" ? null : "own");
-    };
-    return { row: control.row, show };
+  return own.map((range) => sensorSlider(range, i));
+}
+
+function sensorSlider(range, i) {
+  const path = range.key.slice("sensors.".length);
+  const control = slider({
+    label: range.label,
+    unit: shownUnit(range),
+    range,
+    where: `sensors.${i}.${path}`,
+    own: path === "shift_nm" ? "none" : "as built",
+    on: (value) =>
+      changeStudy((study) => setAt(study.sensors[i], path, value), value === null ? "step" : "slide"),
   });
+  const show = (sensor, told) => {
+    const value = valueAt(sensor, path);
+    if (path === "pixel.read_noise_e") control.show(value, told?.read_noise_e ?? null);
+    else control.show(value, UNTOUCHED[path] ?? range.high, path === "shift_nm" ? null : "own");
+  };
+  return { row: control.row, show };
+}
+
+/** Curves that are relative in their file, or were said to be, need their highest QE. */
+function asksForPeak({ name, answers }) {
+  const said = answers?.peak_qe !== undefined || answers?.level === "relative";
+  return said || asksFor("sensor", name, "answers.peak_qe");
+}
+
+/** What stands in front of the sensor: of the catalogue where that is told, else a word. */
+function filterChoice(choices, i) {
+  const where = `sensors.${i}.filter`;
+  const on = (name) => changeStudy((study) => setAt(study.sensors[i], "filter", name.trim() || null));
+  if (choices.filters?.length) {
+    const pick = choice({ label: "Filter before it", options: [], where, on });
+    const names = [["", "none"], ...choices.filters];
+    return { row: pick.row, show: ({ filter }) => fillChoice(pick.select, names, filter ?? "") };
+  }
+  const id = freshId("filter");
+  const typed = el("input", {
+    id,
+    type: "text",
+    "data-where": where,
+    placeholder: "none; as ircut-650",
+    autocomplete: "off",
+    spellcheck: "false",
+    class: "word",
+    on: { change: () => on(typed.value) },
+  });
+  const named = el("label", { for: id, class: "label", text: "Filter before it" });
+  const row = el("div", { class: "row" }, named, typed);
+  let shown = "";
+  // an answer that comes while somebody types must not take the letters away
+  const show = ({ filter }) => {
+    if (shown !== (filter ?? "")) typed.value = shown = filter ?? "";
+  };
+  return { row, show };
 }
 
 /** Where a slider stands that changes nothing: an edge at its end cuts nothing off. */

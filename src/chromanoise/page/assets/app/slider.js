@@ -124,11 +124,19 @@ function stepsInField(event, { scale, track }, on) {
 }
 
 function readField({ field, back, row, label }, on) {
-  const text = field.value.trim().replace("\u2212", "-").replace(",", ".");
+  const text = field.value.trim().replace("\u2212", "-");
   if (text === "" && back) return on(null);
-  const value = Number(text);
-  const wrong = text === "" || !Number.isFinite(value);
+  const value = Number(text.replace(",", "."));
+  const wrong = whyNoNumber(text, value);
   attribute(field, "aria-invalid", wrong ? "true" : null);
-  complain(row, wrong ? `${label} has to be a number, such as 0.5 or 10.` : null);
+  complain(row, wrong && `${label} ${wrong}`);
   return wrong ? undefined : on(value);
+}
+
+/** What is wrong with a typed number: "1,000" is one for some and a thousand for others. */
+function whyNoNumber(text, value) {
+  if (/^-?[1-9]\d*,\d{3}$/.test(text)) {
+    return `may be ${text.replace(",", "")} or ${text.replace(",", ".")}; write it without a comma.`;
+  }
+  return text === "" || !Number.isFinite(value) ? "has to be a number, such as 0.5 or 10." : null;
 }

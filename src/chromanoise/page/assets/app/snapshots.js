@@ -14,7 +14,8 @@ export function askedLook({ coordinate, plane, magnification }) {
 
 /**
  * The row of ghosts in `place`; `changed()` is called when what stands behind the drawings changed.
- * Gives `ghosts(part)`, the earlier data of a part, and `look()`, to be called when that changed.
+ * Gives `ghosts(part, data)`, the earlier data that can stand behind these, and `look()`, to be
+ * called when that changed.
  */
 export function snapshots(place, changed) {
   let kept = [];
@@ -27,7 +28,7 @@ export function snapshots(place, changed) {
   const take = async () => {
     count += 1;
     const { study } = current();
-    const ghost = { study, name: `${count}: ${shortName(study)}`, parts: {} };
+    const ghost = { study, name: `${count}: ${shortName(study)}`, parts: {}, turn: 0 };
     keep.disabled = true;
     said.textContent = await refreshed(ghost);
     if (said.textContent === "") kept = [...kept, ghost];
@@ -48,15 +49,26 @@ export function snapshots(place, changed) {
     await Promise.all(kept.map(refreshed));
     if (kept.length) changed();
   };
-  const ghosts = (part) => kept.map((ghost) => ghost.parts[part]).filter((data) => data && !data.fault);
+  const ghosts = (part, data) => kept.map((ghost) => ghost.parts[part]).filter((old) => comparable(old, data));
   return { ghosts, look };
+}
+
+/** What two drawings must share to stand on the same axes. */
+const AXES = ["coordinate", "plane", "quantity", "unit"];
+
+function comparable(old, data) {
+  return Boolean(old && data && !old.fault && AXES.every((key) => old[key] === data[key]));
 }
 
 /** Asks for all parts of a ghost's study; gives a sentence where that failed, else "". */
 async function refreshed(ghost) {
   const look = askedLook(current().look);
+  const turn = (ghost.turn += 1);
   try {
     const reply = await posted("/api/answer", { number: 0, study: ghost.study, want: PARTS, look });
+    // a newer question about this ghost is under way, and its answer is the one that counts
+    if (turn !== ghost.turn) return "";
+    if (JSON.stringify(look) !== JSON.stringify(askedLook(current().look))) return refreshed(ghost);
     ghost.parts = reply.parts;
     return "";
   } catch (error) {

@@ -2,7 +2,11 @@
 
 import { Refused, understood } from "app/ask.js";
 import { button, choice, el, fillChoice } from "app/dom.js";
+import { OPTION } from "app/faults.js";
+import { lampless } from "app/light.js";
 import { setCube } from "app/scene.js";
+import { complain } from "app/faults.js";
+import { exchange } from "app/sensors.js";
 import { changeStudy, current, replaceStudy } from "app/state.js";
 import { remember } from "app/uploads.js";
 
@@ -46,7 +50,10 @@ function dropAnywhere(take) {
   });
 }
 
+let latest = 0;
+
 async function bring(file, report) {
+  const turn = (latest += 1);
   report.replaceChildren(el("p", { text: `Reading ${file.name} …` }));
   try {
     if (file.size > LARGEST) throw new Refused([{ sentence: tooLarge(file) }]);
@@ -55,8 +62,12 @@ async function bring(file, report) {
       headers: { "Content-Type": "application/octet-stream", "X-Filename": encodeURIComponent(file.name) },
       body: file,
     });
-    show(report, file.name, await understood(reply));
+    const answer = await understood(reply);
+    // a slow file must not write over what was brought after it
+    if (turn !== latest) return;
+    show(report, file.name, answer);
   } catch (error) {
+    if (turn !== latest) return;
     const sentence = error instanceof Refused ? error.message : UNHEARD;
     report.replaceChildren(el("p", { class: "fault", role: "alert", text: named(file.name, sentence) }));
   }
@@ -64,7 +75,13 @@ async function bring(file, report) {
 }
 
 /** Some sentences name the file already. */
-const named = (name, sentence) => (sentence.startsWith(name) ? sentence : `${name}: ${sentence}`);
+const named = (name, sentence) => {
+  const told = OPTION.test(sentence) ? OPEN : sentence;
+  return told.startsWith(name) ? told : `${name}: ${told}`;
+};
+
+const OPEN =
+  "The page cannot ask what this file leaves open; bring a file with one array, or use chromanoise simulate in a terminal.";
 
 const tooLarge = ({ size }) =>
   `The file has ${(size / 1e6).toFixed(1)} MB and 12 MB are the most; bring a part of it.`;
@@ -72,16 +89,17 @@ const tooLarge = ({ size }) =>
 /** What was understood, what is still to be answered, and what to do with it. */
 function show(report, name, answer) {
   if (answer.kind === "study" && answer.study) replaceStudy(answer.study);
-  else remember(answer.kind, answer.id, name);
-  const lines = (answer.preview ?? []).map((text) => el("li", { text }));
+  else remember(answer.kind, answer.id, name, (answer.asks ?? []).map(({ key }) => key));
+  const lines = (answer.preview ?? []).filter((text) => !OPTION.test(text)).map((text) => el("li", { text }));
   const title = el("p", { class: "strong", text: `${name}: a ${answer.kind}` });
   const asks = (answer.asks ?? []).map(question);
   const answers = () => Object.fromEntries(asks.map((ask) => ask.answer()).filter(([, value]) => value !== ""));
+  const unanswered = () => asks.find((ask) => ask.answer()[1] === "");
   const form = el(
     "form",
     { class: "asks", on: { submit: (event) => event.preventDefault() } },
     ...asks.map((ask) => ask.row),
-    ...uses(answer, answers, () => report.replaceChildren()),
+    ...uses(answer, answers, () => report.replaceChildren(), unanswered),
   );
   report.replaceChildren(title, el("ul", { class: "notes" }, ...lines), form);
 }
@@ -98,23 +116,35 @@ function question({ key, question: text, choices }) {
   return { row, answer: () => [key, typed(field.value.trim())] };
 }
 
+/** Whether a question of the file is still open; then it says so and stands under the cursor. */
+function asksFor(ask) {
+  if (!ask) return false;
+  complain(ask.row, "The file does not say this; answer it first.");
+  ask.row.querySelector("select, input").focus();
+  return true;
+}
+
 const typed = (text) => (text === "" || Number.isNaN(Number(text)) ? text : Number(text));
 
-function uses(answer, answers, done) {
-  const use = (text, edit) => button(text, () => (changeStudy(edit), done()), { class: "wide" });
+function uses(answer, answers, done, unanswered) {
+  const use = (text, edit) => button(text, () => (asksFor(unanswered()) ? null : (changeStudy(edit), done())), { class: "wide" });
   if (answer.kind === "light") {
     return [use("Use as the light", (study) => useLight(study, answer.id, answers()))];
   }
   if (answer.kind === "cube") return [use("Show in the picture", (study) => setCube(study, answer.id))];
   if (answer.kind !== "sensor") return [];
   const exchanges = current().study.sensors.map((sensor, i) =>
-    use(`Exchange sensor ${i + 1}`, (study) => (study.sensors[i] = withAnswers(answer.id, answers()))),
+    use(`Exchange sensor ${i + 1}`, (study) => exchangeFor(study, i, withAnswers(answer.id, answers()))),
   );
   return [use("Add as a sensor", (study) => study.sensors.push(withAnswers(answer.id, answers()))), ...exchanges];
 }
 
 function useLight(study, id, told) {
-  study.light = { ...study.light, illuminant: id, ...stripped(told, "light.") };
+  study.light = { ...lampless(study.light), illuminant: id, ...stripped(told, "light.") };
+}
+
+function exchangeFor(study, i, { name, ...answers }) {
+  exchange(study, i, name, answers);
 }
 
 /** A sensor of a file: most answers are about its curves, a few about the sensor itself. */

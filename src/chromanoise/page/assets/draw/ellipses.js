@@ -138,8 +138,9 @@ function description(data) {
   return `${what} ${each.join(" ")}`;
 }
 
-/** The outline's farthest point from the center, as drawn. */
+/** The longer half axis, as it is told; else the outline's farthest point from the center. */
 function reach(patch) {
+  if (known(patch.reach)) return patch.reach;
   const [cx, cy] = patch.center;
   return Math.max(...patch.outline.map(([px, py]) => Math.hypot(px - cx, py - cy)));
 }

@@ -11,6 +11,11 @@ export function draw(element, data, options = {}) {
   const ghosts = options.ghosts ?? [];
   const names = data.sensors.map((sensor) => sensor.name);
   const dashes = sensorDashes(names);
+  if (!data.sensors.some((sensor) => [...sensor.points, sensor.now].some(whole))) {
+    const why = data.sensors.map((sensor) => sensor.why_not ?? `${sensor.name}: no SNR to trade.`);
+    element.replaceChildren(...[...new Set(why)].map((sentence) => note(sentence)));
+    return;
+  }
   const { x, y, height } = plane(data, ghosts, width);
   const nodes = axes(x, y, { x: "SNR of Y [dB]", y: "color error, mean ΔE*ab", xRoom: 80 });
   nodes.push(words(x.to - 4, y.from - 8, "better ↘", "d-quiet d-rim", "end"));

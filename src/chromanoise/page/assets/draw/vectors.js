@@ -125,10 +125,15 @@ function paint(view) {
     const { scene, description, told } = view.solids[i];
     const before = ghosts.map((ghost) => sameSensor(ghost, sensor, i)).filter(Boolean);
     scene.replaceChildren(...content(data, sensor, before, at));
-    told.textContent = shares(data, sensor);
-    description.textContent = `${describe(data, sensor)} ${HELP}`;
+    say(told, shares(data, sensor));
+    say(description, `${describe(data, sensor)} ${HELP}`);
   });
-  view.status.textContent = `Turned ${turn[0]}° about, ${decimal(turn[1], 0)}° up. ${HELP}`;
+  say(view.status, `Turned ${turn[0]}° about, ${decimal(turn[1], 0)}° up. ${HELP}`);
+}
+
+/** Text is told aloud whenever it is written, so only what changed is written. */
+function say(node, text) {
+  if (node.textContent !== text) node.textContent = text;
 }
 
 function content(data, sensor, before, at) {
