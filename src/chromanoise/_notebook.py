@@ -27,8 +27,8 @@ def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
 
     Examples
     --------
-    >>> table(["", "mean [e-]"], [["R", "12"]]).count("<th")
-    3
+    >>> table(["", "mean [e-]"], [["R", "12"]]).count("<td")
+    1
     """
     top = "".join(f'<th scope="col">{escape(cell)}</th>' for cell in head)
     body = "".join(

@@ -244,7 +244,7 @@ def test_the_highest_qe_is_asked_only_of_a_file_of_relative_curves(page, watch):
     watch.forgive("status of 400")
     label = page.get_by_label("Highest QE, of relative curves", exact=True)
     assert label.count() == 0
-    report = brought(page, "mine.csv", "wavelength_nm,R,G,B\n" + CURVES)
+    report = brought(page, "mine.csv", "nm,R,G,B\n" + CURVES)
     exchange = report.get_by_role("button", name="Exchange sensor 1")
     exchange.wait_for()
     for choice in report.locator("select").all():

@@ -44,7 +44,7 @@ def _products(electrons, n, p, rows, colors):
 @njit(cache=True, nogil=True, error_model="numpy")
 @no_type_check
 def _side_by_side(first, second, third, out):
-    """Three colors of each pixel beside each other: in one go, or each would be a scattered store."""
+    """Three colors of each pixel beside each other; one by one, each store would be scattered."""
     for i in range(first.size):
         out[i, 0] = first[i]
         out[i, 1] = second[i]

@@ -13,8 +13,8 @@ export function cubeOf(study) {
 
 /** Puts another cube into a study's first picture; the standard one needs no picture at all. */
 export function setCube(study, cube) {
-  const [first = {}, ...rest] = study.pictures ?? [];
-  const picture = { ...first, cube };
+  const [{ key, shape, wavelengths, scale, ...first } = {}, ...rest] = study.pictures ?? [];
+  const picture = { ...first, cube }; // how the former cube was to be read says nothing of this one
   const plain = cube === STANDARD && Object.keys(picture).length === 1;
   const pictures = plain ? rest : [picture, ...rest];
   if (pictures.length) study.pictures = pictures;
