@@ -222,8 +222,11 @@ def test_the_fitting_magnification_is_round_and_makes_the_ellipse_a_quarter_of_t
 def test_the_widest_and_the_narrowest_pair_enclose_all_angles(study):
     analysis = study.columns[RGBW_12]
     angles = analysis.between_deg[np.triu_indices(4, k=1)]
-    assert channel_plane(analysis, widest_pair(analysis)).angle_deg == pytest.approx(angles.max(), abs=1e-9)
-    assert channel_plane(analysis, narrowest_pair(analysis)).angle_deg == pytest.approx(angles.min(), abs=1e-9)
+    widest, narrowest = (
+        channel_plane(analysis, f(analysis)) for f in (widest_pair, narrowest_pair)
+    )
+    assert widest.angle_deg == pytest.approx(angles.max(), abs=1e-9)
+    assert narrowest.angle_deg == pytest.approx(angles.min(), abs=1e-9)
 
 
 def test_a_plane_is_that_of_the_sensor_that_has_these_two_channels_only(study):

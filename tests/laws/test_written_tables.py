@@ -240,7 +240,7 @@ def test_colour_science_reads_our_tm_27_to_the_last_digit(tmp_path, quantity):
     assert read.spectral_quantity == {"QE": "other"}.get(quantity, quantity.lower())
     assert read.header.description == 'leaf <&> "wet"'
     assert read.header.document_creation_date == "2026-01-31"
-    assert read.header.comments == f"{quantity} [1]; held beyond 412 nm"
+    assert read.header.comments == f"{quantity} [1]; source: a field; held beyond 412 nm"
 
 
 @given(spectra=any_spectra())
