@@ -1,6 +1,6 @@
 """Options by which a user answers what a file of spectra cannot tell."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, TypeVar
 
 import click
@@ -18,11 +18,35 @@ _ANSWERS = (
     click.option("--um/--nm", "micrometers", default=None, help="The unit of its wavelengths."),
     click.option("--peak-qe", type=float, help="Highest QE of a sensor with relative curves."),
 )
+_OF_ONE_FILE = (
+    click.option(
+        "--quantity",
+        type=click.Choice(["QE", "response", "reflectance", "transmittance", "power"]),
+        help="What the curves of the file are.",
+    ),
+    click.option("--column", "columns", multiple=True, help="Only this curve; may be repeated."),
+    click.option(
+        "--beyond",
+        type=click.Choice(["refuse", "zero", "hold"]),
+        default="refuse",
+        show_default=True,
+        help="What a curve is where others of the file go on.",
+    ),
+)
 
 
 def answering(command: Command) -> Command:
     """Add the options that answer what a file of spectra cannot tell."""
-    for option in reversed(_ANSWERS):
+    return _with(command, _ANSWERS)
+
+
+def of_one_file(command: Command) -> Command:
+    """Add the options of a command whose subject is one file, whatever it holds."""
+    return _with(command, _OF_ONE_FILE)
+
+
+def _with(command: Command, options: Sequence[Callable[[Command], Command]]) -> Command:
+    for option in reversed(options):
         command = option(command)
     return command
 

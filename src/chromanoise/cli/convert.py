@@ -9,7 +9,7 @@ import click
 
 from chromanoise._check import InputError, one_of
 from chromanoise._files import write_whole
-from chromanoise.cli.answers import answering, answers_of
+from chromanoise.cli.answers import answering, answers_of, of_one_file
 from chromanoise.cli.options import refuse_idle_answers
 from chromanoise.cli.output import refuse_inputs
 from chromanoise.sensor import Sensor
@@ -47,19 +47,7 @@ _ENDINGS = (".csv", ".json", ".spdx")
     show_default=True,
     help="Which JSON: own keeps everything, rawtoaces is R, G, B of a camera.",
 )
-@click.option(
-    "--quantity",
-    type=click.Choice(["QE", "response", "reflectance", "transmittance", "power"]),
-    help="What the curves of a file are.",
-)
-@click.option("--column", "columns", multiple=True, help="Only this curve; may be repeated.")
-@click.option(
-    "--beyond",
-    type=click.Choice(["refuse", "zero", "hold"]),
-    default="refuse",
-    show_default=True,
-    help="What a curve is where others of the file go on.",
-)
+@of_one_file
 @click.option(
     "--created",
     metavar="DATE",

@@ -8,7 +8,7 @@ import click
 import numpy as np
 
 from chromanoise._check import InputError
-from chromanoise.cli.answers import answering, answers_of
+from chromanoise.cli.answers import answering, answers_of, of_one_file
 from chromanoise.cli.output import refuse_inputs, write_json
 from chromanoise.sensor import Sensor
 from chromanoise.spectra import Spectra
@@ -24,19 +24,7 @@ _MOST_NAMES = 12
 @click.command()
 @click.argument("file", type=click.Path(path_type=Path))
 @answering
-@click.option(
-    "--quantity",
-    type=click.Choice(["QE", "response", "reflectance", "transmittance", "power"]),
-    help="What it holds.",
-)
-@click.option("--column", "columns", multiple=True, help="Only this curve; may be repeated.")
-@click.option(
-    "--beyond",
-    type=click.Choice(["refuse", "zero", "hold"]),
-    default="refuse",
-    show_default=True,
-    help="What a curve is where others of the file go on.",
-)
+@of_one_file
 @click.option("--json", "json_target", metavar="FILE", help="The same as JSON, - for the screen.")
 def inspect(file: Path, json_target: str | None, **options: Any) -> None:
     """What was understood of a FILE of spectra, what looks wrong in it, and what it cannot tell.

@@ -33,7 +33,6 @@ from chromanoise.spectra.illuminants import (
 )
 from chromanoise.spectra.metric import METRICS, Metric
 from chromanoise.spectra.mixtures import (
-    ILLUMINANT_NAMES,
     illuminant_named,
     infrared_parts,
     mixed,
@@ -46,7 +45,6 @@ from chromanoise.spectra.reflectances import colorchecker, reflectance_named
 __all__ = [
     "ASK",
     "DEFAULT_GRID",
-    "ILLUMINANT_NAMES",
     "INFRARED_FROM_NM",
     "METRICS",
     "Answers",

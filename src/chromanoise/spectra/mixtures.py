@@ -27,9 +27,6 @@ from chromanoise.spectra.observers import cie_1931_table
 from chromanoise.spectra.tables import catalogue_curves, catalogue_tables
 from chromanoise.units import LUMEN_PER_WATT
 
-ILLUMINANT_NAMES = ("E", "A", "G173", "D65", "D50", "FL2", "LED-B3", "3200K", "LED660")
-"""Examples of what `illuminant_named` understands."""
-
 _FORMULAS: dict[str, Callable[[Grid], Illuminant]] = {
     "E": equal_energy,
     "A": cie_a,
