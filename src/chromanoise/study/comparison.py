@@ -139,7 +139,7 @@ def crossovers(
 ) -> tuple[Crossover, ...]:
     """For each pair of sensors and each matrix, where their order changes.
 
-    Signs are read off the curves; each change is then refined by bisection on the closed form.
+    Signs are read off the curves; each change is then refined on the closed form.
 
     Parameters
     ----------
