@@ -1,7 +1,7 @@
 """The noise kernel in plain numpy: a line per step, all values at once.
 
 Every product, sum, quotient and root stands in the same order and precision as in the compiled
-kernel, so the two agree bit for bit.
+kernel, so the two agree bit for bit. ``a b + c`` in one rounding is made from float64.
 """
 
 import math
@@ -45,6 +45,20 @@ def light_words(shape, *, seed, frame=0, first_row=0, first_column=0, width=None
     return tuple(w.reshape(padded)[..., :channels].astype(np.uint32) for w in (shot, read))
 
 
+def fused(a, b, c):
+    """a b + c rounded once: the product is exact in float64, the sum there is rounded to odd.
+
+    Boldo & Melquiond, "Emulation of a FMA and correctly rounded sums", IEEE TC 57 (2008) 462.
+    """
+    product, c = np.multiply(a, b, dtype=np.float64), np.float64(c)
+    total = np.atleast_1d(product + c)
+    back = total - product
+    rest = (product - (total - back)) + (c - back)  # what the sum has lost
+    even = (total.view(np.int64) & 1) == 0
+    odd = np.nextafter(total, np.where(rest > 0, np.inf, -np.inf))
+    return np.where(even & (rest != 0), odd, total).astype(F)
+
+
 def normal_quantiles(words):
     """Standard normal variates of 32-bit words, in float32."""
     signed = words.view(np.int32)
@@ -58,17 +72,17 @@ def normal_quantiles(words):
         0.1987304861918, -0.1733347148318, 0.1641997547084, -0.1010220041,
     ]  # fmt: skip
     f2 = f * f
-    log = quartet(log[:4], f, f2) + quartet(log[4:], f, f2) * (f2 * f2)
-    w = -(exponent.astype(F) * F(0.6931471805599453) + log * f)
-    w2 = w * w
-    above = [1.2533142805743616, 0.4528931760819228, 0.08998653582631565, 0.011902043399865366]
-    above = quartet(above, w, w2) + (F(0.0010024744612763129) + F(2.921249561208359e-05) * w) * (
-        w2 * w2
-    )
-    below = [1.0, 0.09955993205337688, 0.03269102304549773, 0.002291294635803468]
-    below = quartet(below, w, w2) + (F(0.00016975149536817527) + F(1.0038387061978881e-06) * w) * (
-        w2 * w2
-    )
+    log = fused(fused_quartet(log[4:], f, f2), f2 * f2, fused_quartet(log[:4], f, f2))
+    w = fused(exponent.astype(F), -F(0.6931471805599453), -(log * f))
+    above = [
+        1.2533142805743616, 0.4528931760819228, 0.08998653582631565, 0.011902043399865366,
+        0.0010024744612763129, 2.921249561208359e-05,
+    ]  # fmt: skip
+    below = [
+        1.0, 0.09955993205337688, 0.03269102304549773, 0.002291294635803468,
+        0.00016975149536817527, 1.0038387061978881e-06,
+    ]  # fmt: skip
+    above, below = fused_sextet(above, w), fused_sextet(below, w)
     z = away * above / below
     return np.where(signed < 0, z, -z)
 
@@ -79,14 +93,30 @@ def quartet(c, x, x2):
     return (c0 + c1 * x) + (c2 + c3 * x) * x2
 
 
+def fused_pair(c, x):
+    return fused(x, F(c[1]), F(c[0]))
+
+
+def fused_quartet(c, x, x2):
+    """As `quartet`, each product fused with its sum."""
+    return fused(fused_pair(c[2:], x), x2, fused_pair(c[:2], x))
+
+
+def fused_sextet(c, x):
+    """A polynomial of six coefficients, lowest first."""
+    x2 = x * x
+    return fused(fused_pair(c[4:], x), x2 * x2, fused_quartet(c[:4], x, x2))
+
+
 def many_electrons(mean, z):
     """Cornish-Fisher to the order mean^-3/2, in float32."""
     root = np.sqrt(mean)
     i, s, whole = F(1) / root, z * z, np.floor(mean)
-    second = z * (F(-1 / 36) + s * F(-1 / 72))
-    third = F(-8 / 405) + s * (F(7 / 810) + s * F(1 / 270))
-    fourth = z * (F(671 / 38880) + s * (F(-137 / 38880) + s * F(-23 / 17280)))
-    away = root * z + (F(1 / 3) + s * F(1 / 6)) + i * (second + i * (third + i * fourth))
+    second = z * fused_pair([-1 / 36, -1 / 72], s)
+    third = fused(s, fused_pair([7 / 810, 1 / 270], s), F(-8 / 405))
+    fourth = z * fused(s, fused_pair([-137 / 38880, -23 / 17280], s), F(671 / 38880))
+    away = fused(root, z, fused_pair([1 / 3, 1 / 6], s))
+    away = fused(i, fused(i, fused(i, fourth, third), second), away)
     return np.maximum(whole + np.floor((mean - whole) + away), F(0))
 
 

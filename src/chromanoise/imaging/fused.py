@@ -26,7 +26,7 @@ from chromanoise.imaging.means import (
     means_of_planes,
     weights_over_columns,
 )
-from chromanoise.imaging.noise_blocks import noise_of_block
+from chromanoise.imaging.noise_blocks import noise_of_block, room_for
 from chromanoise.imaging.philox import LIGHT, PIXEL_GAIN, PIXEL_OFFSET, ROW, words_at
 from chromanoise.imaging.variates import normal_quantile
 
@@ -188,7 +188,7 @@ def raw_rows(
     sums = np.empty(weights.shape[0] * TILE, np.float32)
     electrons = np.empty(RUN, np.float32)
     shot, read = np.empty(RUN, np.uint32), np.empty(RUN, np.uint32)
-    lanes = np.empty(RUN, np.int64)
+    room = room_for(RUN)
     over = _over_rows(tile, columns)
     repeats = lay[2] == 1 and RUN_LANES % tile.shape[1] == 0
     tables = weights_over_columns(weights, over, lay[0] if repeats else 0)
@@ -215,7 +215,7 @@ def raw_rows(
                     light,
                     shot,
                     read,
-                    lanes,
+                    room,
                     pixel,
                     m,
                     own.reshape(1, -1),
@@ -251,7 +251,7 @@ def _count_means(mean, channel, period, counts):
 
 @njit(cache=True, nogil=True, error_model="numpy")
 @no_type_check
-def _acquire(mean, shot, read, lanes, pixel, n, channels, noise, row_e, seed, electrons):
+def _acquire(mean, shot, read, room, pixel, n, channels, noise, row_e, seed, electrons):
     """One noisy acquisition of ``n`` pixels: electrons (n * p,) from mean (n * p,).
 
     channels (p, n or more) int64: which one each of the p values of a pixel is.
@@ -261,7 +261,7 @@ def _acquire(mean, shot, read, lanes, pixel, n, channels, noise, row_e, seed, el
     if prnu > _ZERO or dark_e > _ZERO:
         _imperfect_means(mean, pixel, n, channels, prnu, dark_e, seed)
     if noisy:
-        noise_of_block(mean, shot, read, n * p, read_noise_e, lanes, electrons)
+        noise_of_block(mean, shot, read, n * p, read_noise_e, room, electrons)
     else:
         for j in range(n * p):
             electrons[j] = mean[j]
@@ -319,7 +319,7 @@ def color_rows(
         every[c] = c
     mean, electrons = np.empty(RUN * p, np.float32), np.empty(RUN * p, np.float32)
     shot, read = np.empty(RUN * p, np.uint32), np.empty(RUN * p, np.uint32)
-    lanes, spare = np.empty(RUN * p, np.int64), np.empty((2, RUN), np.uint32)
+    room, spare = room_for(RUN * p), np.empty((2, RUN), np.uint32)
     for row in range(rows):
         at_row = first_row + row
         row_e = _ZERO
@@ -337,7 +337,7 @@ def color_rows(
                 pixel = at_row * columns + first + run
                 if noise[5]:
                     _words_of_all(pixel, m, p, np.uint64(frame), seed, shot, read, spare)
-                _acquire(mean, shot, read, lanes, pixel, m, every, noise, row_e, seed, electrons)
+                _acquire(mean, shot, read, room, pixel, m, every, noise, row_e, seed, electrons)
                 _at_well(electrons, m, p, well, counts[row])
                 at = first + run
                 colors_of_run(

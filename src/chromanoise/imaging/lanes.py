@@ -7,9 +7,12 @@ multiply-add, and the lanes are folded in halves. The smallest and the largest s
 found on the way, because each number is read only once.
 """
 
+from typing import no_type_check
+
 from llvmlite import ir
 from numba import types
 from numba.core import cgutils
+from numba.extending import intrinsic
 
 from chromanoise.imaging.blocks import LANES
 
@@ -21,6 +24,18 @@ def multiply_add(builder, lanes):
     kind, name = vector_of(lanes), "f32" if lanes == 1 else f"v{lanes}f32"
     signature = ir.FunctionType(kind, [kind] * 3)
     return cgutils.get_or_insert_function(builder.module, signature, f"llvm.fma.{name}")
+
+
+@intrinsic
+@no_type_check
+def fused(typing_context, factor, other, term):
+    """factor * other + term of float32, rounded once; for compiled functions."""
+    number = types.float32
+
+    def generate(context, builder, signature, arguments):
+        return builder.call(multiply_add(builder, 1), arguments)
+
+    return number(number, number, number), generate
 
 
 def pointer_at(context, builder, kind, array, offset):

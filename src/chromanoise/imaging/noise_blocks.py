@@ -14,8 +14,9 @@ from chromanoise.imaging.philox import LIGHT, words_at
 from chromanoise.imaging.variates import (
     FEW_E,
     chance_of_none,
-    normal_quantile,
+    middle_and_log,
     poisson_quantile_of_many,
+    quantile_of_log,
 )
 
 LANES = 1024
@@ -43,7 +44,7 @@ def fill_noise(mean, electrons, start, stop, tile_width, origin, width, frame, s
     pair = np.empty(most * pairs, np.uint64)
     shot = np.empty(2 * most * pairs, np.uint32)
     read = np.empty(2 * most * pairs, np.uint32)
-    lanes = np.empty(most * channels, np.int32)
+    room = room_for(most * channels)
     refused = 0
     for q in range(most * pairs):
         pair[q] = q % pairs
@@ -57,8 +58,15 @@ def fill_noise(mean, electrons, start, stop, tile_width, origin, width, frame, s
         here = mean[first : first + count].reshape(-1)
         there = electrons[first : first + count].reshape(-1)
         refused += count_refused(here)
-        noise_of_block(here, shot, read, count * channels, read_noise_e, lanes, there)
+        noise_of_block(here, shot, read, count * channels, read_noise_e, room, there)
     return refused
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+@no_type_check
+def room_for(count):
+    """Scratch of `noise_of_block` for so many lanes: which are low, variates, logarithms."""
+    return np.empty(count, np.int32), np.empty(count, np.float32), np.empty(count, np.float32)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -178,13 +186,12 @@ def _count_together(low, left, chance, found):
 @no_type_check
 def list_low(mean, count, lanes):
     """How many means are low; their lanes come first in ``lanes``, which has room for all."""
+    if _count_few(mean[:count]) == 0:
+        return 0
     few = 0
     for start in range(0, count, GROUP):
         stop = min(start + GROUP, count)
-        any_low = 0
-        for j in range(start, stop):
-            any_low += 1 if mean[j] < FEW_E else 0
-        if any_low:
+        if _count_few(mean[start:stop]) > 0:
             for j in range(start, stop):
                 lanes[few] = j
                 few += 1 if mean[j] < FEW_E else 0
@@ -193,14 +200,40 @@ def list_low(mean, count, lanes):
 
 @njit(cache=True, nogil=True, error_model="numpy")
 @no_type_check
-def noise_of_block(mean, shot, read, count, read_noise_e, lanes, electrons):
-    """Noisy electrons of ``count`` lanes from their means and words; all arrays but lanes f4/u4."""
+def _count_few(mean):
+    """How many means are low; counted in 32 bits, as wide as the means, to vectorize."""
+    few = np.int32(0)
+    for j in range(mean.size):
+        few = np.int32(few + np.int32(mean[j] < FEW_E))
+    return few
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+@no_type_check
+def normal_of_words(words, count, normal, logs):
+    """Standard normal variates of ``count`` words; logs has room for as many.
+
+    In two loops, because one alone has more numbers to keep than the processor has registers.
+    """
+    for j in range(count):
+        normal[j], logs[j] = middle_and_log(words[j])
+    for j in range(count):
+        normal[j] = quantile_of_log(normal[j], logs[j])
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+@no_type_check
+def noise_of_block(mean, shot, read, count, read_noise_e, room, electrons):
+    """Noisy electrons of ``count`` lanes from their means and words; means and electrons f4."""
+    lanes, normal, logs = room
     few = list_low(mean, count, lanes)
     if few < count:
+        normal_of_words(shot, count, normal, logs)
         for j in range(count):
-            electrons[j] = poisson_quantile_of_many(mean[j], normal_quantile(shot[j]))
+            electrons[j] = poisson_quantile_of_many(mean[j], normal[j])
     if few > 0:
         count_low(mean, shot, electrons, lanes, few)
     if read_noise_e > _ZERO:
+        normal_of_words(read, count, normal, logs)
         for j in range(count):
-            electrons[j] = electrons[j] + read_noise_e * normal_quantile(read[j])
+            electrons[j] = electrons[j] + read_noise_e * normal[j]

@@ -1,8 +1,8 @@
 """From one random word to one variate: quantile functions without a branch.
 
 Each variate takes one word u of 32 bits, the share (u + 1/2) / 2^32, and rises with it; the
-complement of the word gives the opposite normal variate. Only + - * /, square root and floor are
-used, each rounded by itself, so the bits are the same on every processor and in numpy.
+complement of the word gives the opposite normal variate. Only + - * /, square root, floor and fused
+multiply-add are used, whose roundings are fixed, so the bits are the same on every processor.
 
 Functions without annotations are compiled; ``f4`` is float32, ``u4`` uint32. Polynomials are summed
 in pairs: the processor waits for a chain of products, not for their number. A function that calls
@@ -14,6 +14,8 @@ from typing import no_type_check
 
 import numpy as np
 from numba import njit
+
+from chromanoise.imaging.lanes import fused
 
 FEW_E = np.float32(20.0)
 """From this mean on the expansion is used; below, the distribution function is summed. [e-]"""
@@ -58,27 +60,40 @@ def minus_log(y):
     exponent = np.int32(np.int32(bits - _ROOT_HALF) >> _EXPONENT_AT)
     f = np.int32(bits - np.int32(exponent << _EXPONENT_AT)).view(np.float32) - _ONE
     f2 = f * f
-    low = (_L0 + _L1 * f) + (_L2 + _L3 * f) * f2
-    high = (_L4 + _L5 * f) + (_L6 + _L7 * f) * f2
-    series = low + high * (f2 * f2)
-    return -(_F(exponent) * _LN_2 + series * f)
+    low = fused(fused(f, _L3, _L2), f2, fused(f, _L1, _L0))
+    high = fused(fused(f, _L7, _L6), f2, fused(f, _L5, _L4))
+    series = fused(high, f2 * f2, low)
+    return fused(_F(exponent), -_LN_2, -(series * f))
+
+
+@njit(inline="always", error_model="numpy")
+@no_type_check
+def middle_and_log(word):
+    """Of a word (u4), its share being t: 2t - 1 and w = -ln 4t(1 - t), both f4."""
+    signed = np.int32(word)
+    folded = np.int32(signed ^ np.int32(signed >> _HIGH_BIT))  # the word or its complement
+    tail = (_F(folded) + _HALF) * _TO_SHARE
+    away = _ONE - (tail + tail)
+    return away if signed < 0 else -away, minus_log((tail + tail) * (_ONE + away))
+
+
+@njit(inline="always", error_model="numpy")
+@no_type_check
+def quantile_of_log(middle, w):
+    """Standard normal variate (f4) from what `middle_and_log` gives."""
+    w2 = w * w
+    w4 = w2 * w2
+    above = fused(fused(w, _P5, _P4), w4, fused(fused(w, _P3, _P2), w2, fused(w, _P1, _P0)))
+    below = fused(fused(w, _Q5, _Q4), w4, fused(fused(w, _Q3, _Q2), w2, fused(w, _Q1, _ONE)))
+    return middle * above / below
 
 
 @njit(inline="always", error_model="numpy")
 @no_type_check
 def normal_quantile(word):
     """Standard normal variate (f4) of a word (u4), -6.3 to 6.3; errs by 4e-7 of it."""
-    signed = np.int32(word)
-    folded = np.int32(signed ^ np.int32(signed >> _HIGH_BIT))  # the word or its complement
-    tail = (_F(folded) + _HALF) * _TO_SHARE
-    away = _ONE - (tail + tail)
-    w = minus_log((tail + tail) * (_ONE + away))
-    w2 = w * w
-    w4 = w2 * w2
-    above = ((_P0 + _P1 * w) + (_P2 + _P3 * w) * w2) + (_P4 + _P5 * w) * w4
-    below = ((_ONE + _Q1 * w) + (_Q2 + _Q3 * w) * w2) + (_Q4 + _Q5 * w) * w4
-    z = away * above / below
-    return z if signed < 0 else -z
+    middle, w = middle_and_log(word)
+    return quantile_of_log(middle, w)
 
 
 _C1, _THIRD = _F(1 / 6), _F(1 / 3)
@@ -100,10 +115,11 @@ def poisson_quantile_of_many(mean, z):
     i = _ONE / root
     whole = _F(np.floor(mean))
     s = z * z
-    order_2 = z * (_A1 + s * _A3)
-    order_3 = _B0 + s * (_B2 + s * _B4)
-    order_4 = z * (_D1 + s * (_D3 + s * _D5))
-    away = root * z + (_THIRD + s * _C1) + i * (order_2 + i * (order_3 + i * order_4))
+    order_2 = z * fused(s, _A3, _A1)
+    order_3 = fused(s, fused(s, _B4, _B2), _B0)
+    order_4 = z * fused(s, fused(s, _D5, _D3), _D1)
+    away = fused(root, z, fused(s, _C1, _THIRD))
+    away = fused(i, fused(i, fused(i, order_4, order_3), order_2), away)
     return max(whole + _F(np.floor((mean - whole) + away)), _ZERO)
 
 
