@@ -41,7 +41,7 @@ def pixel_adder():
     ``stored`` is a flat array of any number type; a pixel is ``bands`` numbers from ``start``, the
     next one begins ``pitch`` further. ``weights`` is float32, (channels, bands rounded up to 16,
     the rest 0); the sums of the four channels from ``channel`` on go to the flat ``out``, those of
-    pixel i from ``first + i * step`` on. ``seen`` float32 keeps the least and, behind, the greatest
+    pixel i to ``first + i * step`` and behind. ``seen`` float32 keeps the least and, behind, the greatest
     stored number of each lane.
     """
 
@@ -59,7 +59,7 @@ def pixel_adder():
             kinds = signature.args
             x, start, pitch, n, bands, w, channel, out, first, step, seen = arguments
             begin = pointer_at(context, builder, kinds[0], x, start)
-            goal = pointer_at(context, builder, kinds[7], out, builder.add(first, channel))
+            goal = pointer_at(context, builder, kinds[7], out, first)
             numbers = [builder.add(channel, ir.Constant(I64, c)) for c in range(4)]
             rows = weight_rows(context, builder, kinds[5], w, numbers)
             extremes = Extremes(builder, context.make_array(kinds[10])(context, builder, seen).data)

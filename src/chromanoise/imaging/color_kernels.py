@@ -9,6 +9,8 @@ from typing import no_type_check
 import numpy as np
 from numba import njit
 
+from chromanoise.imaging.layout import three_together
+
 ENCODED = 16384
 """Entries of the table of sRGB codes."""
 
@@ -25,7 +27,7 @@ def colors_of_run(electrons, n, p, matrices, table, colors, entry, xyz, srgb):
     colors f4 and entry i4 have room for three values of each pixel.
     """
     _products(electrons, n, p, matrices[:3], colors)
-    _side_by_side(colors[:n], colors[n : 2 * n], colors[2 * n : 3 * n], xyz)
+    three_together(colors[:n], colors[n : 2 * n], colors[2 * n : 3 * n], xyz.reshape(-1))
     _products(electrons, n, p, matrices[3:], colors)
     _entries(colors[: 3 * n], entry[: 3 * n])
     _codes(table, entry[:n], entry[n : 2 * n], entry[2 * n : 3 * n], srgb)
@@ -39,16 +41,6 @@ def _products(electrons, n, p, rows, colors):
         _weighted(electrons[:n], rows[k, 0], colors[k * n : (k + 1) * n])
         for c in range(1, p):
             _add_weighted(electrons[c * n : (c + 1) * n], rows[k, c], colors[k * n : (k + 1) * n])
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-@no_type_check
-def _side_by_side(first, second, third, out):
-    """Three colors of each pixel beside each other; one by one, each store would be scattered."""
-    for i in range(first.size):
-        out[i, 0] = first[i]
-        out[i, 1] = second[i]
-        out[i, 2] = third[i]
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

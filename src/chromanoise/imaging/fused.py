@@ -18,6 +18,7 @@ from numba import njit
 
 from chromanoise.imaging.blocks import RUN_LANES
 from chromanoise.imaging.color_kernels import colors_of_run
+from chromanoise.imaging.layout import four_apart, four_together
 from chromanoise.imaging.means import (
     TILE,
     means_of_mosaic,
@@ -28,6 +29,7 @@ from chromanoise.imaging.means import (
 )
 from chromanoise.imaging.noise_blocks import noise_of_block, room_for
 from chromanoise.imaging.philox import LIGHT, PIXEL_GAIN, PIXEL_OFFSET, ROW, words_at
+from chromanoise.imaging.tallies import count_means, hold_at_well, strands_for, total_means
 from chromanoise.imaging.variates import normal_quantile
 
 RUN = 256
@@ -39,16 +41,44 @@ _ZERO, _ONE, _HALF = _F(0.0), _F(1.0), _F(0.5)
 
 @njit(cache=True, nogil=True, error_model="numpy")
 @no_type_check
-def _all_means(flat, start, lay, n, weights, sums, out, seen):
-    """All channels of a tile: out (n, p rounded up to 4)."""
+def _means_by_pixel(flat, start, lay, n, weights, sums, fours, seen):
+    """All channels of a tile, four side by side at each pixel: fours (p / 4, n or more, 4)."""
     bands, _, pixel_pitch, band_pitch = lay
     if pixel_pitch != 1:
-        means_of_pixels(flat, start, pixel_pitch, n, bands, weights, out, seen)
+        means_of_pixels(flat, start, pixel_pitch, n, bands, weights, fours, seen)
         return
     means_of_planes(flat, start, band_pitch, n, bands, weights, sums, seen)
-    for i in range(n):
-        for c in range(weights.shape[0]):
-            out[i, c] = sums[c * TILE + i]
+    planes = sums.reshape(-1, TILE)
+    for g in range(fours.shape[0]):
+        c = 4 * g
+        four_together(
+            planes[c, :n],
+            planes[c + 1, :n],
+            planes[c + 2, :n],
+            planes[c + 3, :n],
+            fours[g].reshape(-1),
+        )
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+@no_type_check
+def _means_by_channel(flat, start, lay, n, weights, sums, fours, seen):
+    """All channels of a tile, one after the other: sums (p * TILE,)."""
+    bands, _, pixel_pitch, band_pitch = lay
+    if pixel_pitch == 1:
+        means_of_planes(flat, start, band_pitch, n, bands, weights, sums, seen)
+        return
+    means_of_pixels(flat, start, pixel_pitch, n, bands, weights, fours, seen)
+    planes = sums.reshape(-1, TILE)
+    for g in range(fours.shape[0]):
+        c = 4 * g
+        four_apart(
+            fours[g].reshape(-1),
+            planes[c, :n],
+            planes[c + 1, :n],
+            planes[c + 2, :n],
+            planes[c + 3, :n],
+        )
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -156,19 +186,20 @@ def _words_of_mosaic(pixel, n, channel, frame, seed, shot, read):
 def electron_rows(flat, lay, rows, columns, weights, channels, out, seen):
     """Expected electrons of all channels: out (rows, columns, p). Nothing but eq. 2."""
     padded = weights.shape[0]
-    mean = np.empty((TILE, padded), np.float32)
+    fours = np.empty((padded // 4, TILE, 4), np.float32)
     sums = np.empty(padded * TILE, np.float32)
     for row in range(rows):
         for first in range(0, columns, TILE):
             n = min(TILE, columns - first)
             start = _start_of(row, first, lay)
-            if channels == padded:
-                _all_means(flat, start, lay, n, weights, sums, out[row, first : first + n], seen)
+            if channels == 4:
+                there = out[row, first : first + n].reshape(1, n, 4)
+                _means_by_pixel(flat, start, lay, n, weights, sums, there, seen)
                 continue
-            _all_means(flat, start, lay, n, weights, sums, mean, seen)
+            _means_by_pixel(flat, start, lay, n, weights, sums, fours, seen)
             for i in range(n):
                 for c in range(channels):
-                    out[row, first + i, c] = mean[i, c]
+                    out[row, first + i, c] = fours[c // 4, i, c % 4]
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -189,6 +220,7 @@ def raw_rows(
     electrons = np.empty(RUN, np.float32)
     shot, read = np.empty(RUN, np.uint32), np.empty(RUN, np.uint32)
     room = room_for(RUN)
+    strands = strands_for(tile.shape[1])
     over = _over_rows(tile, columns)
     repeats = lay[2] == 1 and RUN_LANES % tile.shape[1] == 0
     tables = weights_over_columns(weights, over, lay[0] if repeats else 0)
@@ -204,7 +236,7 @@ def raw_rows(
             _mosaic_means(
                 flat, start, lay, n, weights, own, tables[at_row % tile.shape[0]], sums, mean, seen
             )
-            _count_means(mean, own, tile.shape[1], counts[row])
+            count_means(mean[:n], own, strands, counts[row])
             for run in range(0, n, RUN):
                 m = min(RUN, n - run)
                 own = channel[first + run : first + run + m]
@@ -236,17 +268,6 @@ def _over_rows(tile, columns):
         for column in range(columns):
             over[row, column] = tile[row, column % tile.shape[1]]
     return over
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-@no_type_check
-def _count_means(mean, channel, period, counts):
-    """Expected electrons of each channel, place after place of the period."""
-    for k in range(min(period, channel.size)):
-        total = 0.0
-        for i in range(k, channel.size, period):
-            total += mean[i]
-        counts[0, channel[k]] += total
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -312,8 +333,8 @@ def color_rows(
     """
     row_noise_e, p = noise[4], channels
     colors, entry = np.empty(3 * RUN, np.float32), np.empty(3 * RUN, np.int32)
-    means = np.empty((TILE, weights.shape[0]), np.float32)
-    sums = np.empty(weights.shape[0] * TILE, np.float32)
+    fours = np.empty((weights.shape[0] // 4, TILE, 4), np.float32)
+    sums, strands = np.empty(weights.shape[0] * TILE, np.float32), strands_for(1)
     every = np.empty((p, RUN), np.int64)
     for c in range(p):
         every[c] = c
@@ -327,61 +348,20 @@ def color_rows(
             row_e = row_noise_e * _normal(at_row, ROW, frame, 0, seed)
         for first in range(0, columns, TILE):
             n = min(TILE, columns - first)
-            _all_means(flat, _start_of(row, first, lay), lay, n, weights, sums, means, seen)
+            start = _start_of(row, first, lay)
+            _means_by_channel(flat, start, lay, n, weights, sums, fours, seen)
+            for c in range(p):
+                counts[row, 0, c] += total_means(sums[c * TILE : c * TILE + n], strands)
             for run in range(0, n, RUN):
                 m = min(RUN, n - run)
                 for c in range(p):
-                    for i in range(m):
-                        mean[c * m + i] = means[run + i, c]
-                    counts[row, 0, c] += _total(mean[c * m : (c + 1) * m])
+                    mean[c * m : (c + 1) * m] = sums[c * TILE + run : c * TILE + run + m]
                 pixel = at_row * columns + first + run
                 if noise[5]:
                     _words_of_all(pixel, m, p, np.uint64(frame), seed, shot, read, spare)
                 _acquire(mean, shot, read, room, pixel, m, every, noise, row_e, seed, electrons)
-                _at_well(electrons, m, p, well, counts[row])
+                hold_at_well(electrons, m, p, well, counts[row])
                 at = first + run
                 colors_of_run(
                     electrons, m, p, matrices, table, colors, entry, xyz[row, at:], srgb[row, at:]
                 )
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-@no_type_check
-def _total(values):
-    """Sum in eight strands: one strand waits for each addition before the next."""
-    a = b = c = d = e = f = g = h = 0.0
-    whole = values.size - values.size % 8
-    for i in range(0, whole, 8):
-        a += values[i]
-        b += values[i + 1]
-        c += values[i + 2]
-        d += values[i + 3]
-        e += values[i + 4]
-        f += values[i + 5]
-        g += values[i + 6]
-        h += values[i + 7]
-    for i in range(whole, values.size):
-        a += values[i]
-    return ((a + b) + (c + d)) + ((e + f) + (g + h))
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-@no_type_check
-def _count_above(electrons, full_well_e):
-    """How many exceed full well; counted in 32 bits, as wide as the electrons, to vectorize."""
-    above = np.int32(0)
-    for i in range(electrons.size):
-        above = np.int32(above + np.int32(electrons[i] > full_well_e))
-    return above
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-@no_type_check
-def _at_well(electrons, n, p, well, counts):
-    """Count what lies above full well, and hold it between 0 and full well if asked."""
-    full_well_e, held = well
-    for c in range(p):
-        counts[1, c] += _count_above(electrons[c * n : (c + 1) * n], full_well_e)
-    if held:
-        for j in range(n * p):
-            electrons[j] = min(max(electrons[j], _ZERO), full_well_e)

@@ -30,18 +30,19 @@ _add_some_own, _add_own = own_band_adder(BANDS_AT_ONCE), own_band_adder(1)
 
 @njit(nogil=True, inline="never", error_model="numpy")
 @no_type_check
-def means_of_pixels(flat, start, pitch, n, bands, weights, out, seen):
+def means_of_pixels(flat, start, pitch, n, bands, weights, fours, seen):
     """All channels of ``n`` pixels, ``pitch`` apart, whose bands lie together from ``flat[start]``.
 
-    weights (p rounded up to 4, bands rounded up to 16) float32, the rest 0; out (n, same p)
-    float32; seen (2 * `LANES`,) float32: least and greatest stored numbers so far.
+    weights (p rounded up to 4, bands rounded up to 16) float32, the rest 0; fours (p / 4, n or
+    more, 4) float32: four channels side by side at each pixel; seen (2 * `LANES`,) float32: least
+    and greatest stored numbers so far.
     """
-    every, channels = out.reshape(-1), weights.shape[0]
+    every, step = fours.reshape(-1), CHANNELS_AT_ONCE
     for i in range(0, n, _AGAIN):
         at, some = start + i * pitch, min(_AGAIN, n - i)
-        for c in range(0, channels, CHANNELS_AT_ONCE):
-            first = i * channels
-            _add_pixels(flat, at, pitch, some, bands, weights, c, every, first, channels, seen)
+        for c in range(0, weights.shape[0], step):
+            first = c * fours.shape[1] + step * i
+            _add_pixels(flat, at, pitch, some, bands, weights, c, every, first, step, seen)
 
 
 @njit(nogil=True, inline="never", error_model="numpy")

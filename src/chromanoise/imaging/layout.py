@@ -1,0 +1,48 @@
+# mypy: disable-error-code="no-untyped-def,no-untyped-call,misc"
+"""Channels side by side at each pixel, or one after the other: from one to the other in a run.
+
+Unsigned indices spare the question whether they are negative, and the loops become shuffles of
+whole vectors; with an index for the channel each number would be moved by itself.
+"""
+
+from typing import no_type_check
+
+import numpy as np
+from numba import njit
+
+_1, _2, _3, _4 = np.uintp(1), np.uintp(2), np.uintp(3), np.uintp(4)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+@no_type_check
+def four_apart(pixels, a, b, c, d):
+    """pixels (4 n,), four numbers each, to four arrays (n,)."""
+    for i in range(a.size):
+        j = _4 * np.uintp(i)
+        a[i] = pixels[j]
+        b[i] = pixels[j + _1]
+        c[i] = pixels[j + _2]
+        d[i] = pixels[j + _3]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+@no_type_check
+def four_together(a, b, c, d, pixels):
+    """Four arrays (n,) to pixels (4 n,), four numbers each."""
+    for i in range(a.size):
+        j = _4 * np.uintp(i)
+        pixels[j] = a[i]
+        pixels[j + _1] = b[i]
+        pixels[j + _2] = c[i]
+        pixels[j + _3] = d[i]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+@no_type_check
+def three_together(a, b, c, pixels):
+    """Three arrays (n,) to pixels (3 n,), three numbers each."""
+    for i in range(a.size):
+        j = _3 * np.uintp(i)
+        pixels[j] = a[i]
+        pixels[j + _1] = b[i]
+        pixels[j + _2] = c[i]

@@ -1,0 +1,77 @@
+# mypy: disable-error-code="no-untyped-def,no-untyped-call,misc"
+"""What the summary of a picture counts, row by row: expected electrons and what exceeds full well.
+
+Sums are kept in float64 and in many strands: one strand waits for each addition before the next.
+The strands begin anew with every tile of a row, so no choice of blocks or threads changes a bit.
+"""
+
+from typing import no_type_check
+
+import numpy as np
+from numba import njit
+
+STRANDS = 256
+"""At most, if the columns of a mosaic do not repeat later."""
+
+_ZERO = np.float32(0.0)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+@no_type_check
+def strands_for(period):
+    """Strands of a row whose channels repeat after ``period`` pixels: a whole number of periods."""
+    return np.empty(max(STRANDS // period, 1) * period)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+@no_type_check
+def total_means(mean, strands):
+    """Sum of the means of one channel."""
+    _fill_strands(mean, strands)
+    total = 0.0
+    for k in range(min(strands.size, mean.size)):
+        total += strands[k]
+    return total
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+@no_type_check
+def count_means(mean, channel, strands, counts):
+    """Add the means of pixels to those of the channel over each: counts (3, p)."""
+    _fill_strands(mean, strands)
+    for k in range(min(strands.size, mean.size)):
+        counts[0, channel[k]] += strands[k]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+@no_type_check
+def _fill_strands(mean, strands):
+    """Strand k: the sum of values k, k + size, k + 2 size ..."""
+    for k in range(strands.size):
+        strands[k] = 0.0
+    for first in range(0, mean.size, strands.size):
+        here = mean[first : first + strands.size]
+        for k in range(here.size):
+            strands[k] += here[k]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+@no_type_check
+def _count_above(electrons, full_well_e):
+    """How many exceed full well; counted in 32 bits, as wide as the electrons, to vectorize."""
+    above = np.int32(0)
+    for i in range(electrons.size):
+        above = np.int32(above + np.int32(electrons[i] > full_well_e))
+    return above
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+@no_type_check
+def hold_at_well(electrons, n, p, well, counts):
+    """Count what lies above full well, and hold it between 0 and full well if asked."""
+    full_well_e, held = well
+    for c in range(p):
+        counts[1, c] += _count_above(electrons[c * n : (c + 1) * n], full_well_e)
+    if held:
+        for j in range(n * p):
+            electrons[j] = min(max(electrons[j], _ZERO), full_well_e)
