@@ -113,7 +113,7 @@ def test_the_color_picture_is_its_noisy_electrons_times_the_matrix(channels):
     noisy = noisy_electrons(
         electrons_of_cube(cube, situation),
         read_noise_e=situation.sensor.pixel.read_noise_e,
-        seed=draw_of(situation, seed=11).key,
+        seed=int(draw_of(situation, seed=11).key),
         frame=3,
     ).astype(float)
     white = matrix.matrix @ expected_electrons(
@@ -151,7 +151,7 @@ def test_each_pixel_of_the_mosaic_has_the_noise_that_its_channel_has_there(tile,
     noisy = noisy_electrons(
         electrons_of_cube(cube, situation),
         read_noise_e=situation.sensor.pixel.read_noise_e,
-        seed=draw_of(situation, seed=5).key,
+        seed=int(draw_of(situation, seed=5).key),
         frame=1,
     )
     names = situation.sensor.names

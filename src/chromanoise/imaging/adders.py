@@ -41,8 +41,8 @@ def pixel_adder():
     ``stored`` is a flat array of any number type; a pixel is ``bands`` numbers from ``start``, the
     next one begins ``pitch`` further. ``weights`` is float32, (channels, bands rounded up to 16,
     the rest 0); the sums of the four channels from ``channel`` on go to the flat ``out``, those of
-    pixel i to ``first + i * step`` and behind. ``seen`` float32 keeps the least and, behind, the greatest
-    stored number of each lane.
+    pixel i to ``first + i * step`` and behind. ``seen`` float32 keeps the least and, behind, the
+    greatest stored number of each lane.
     """
 
     @intrinsic

@@ -6,10 +6,8 @@ import numpy as np
 from jaxtyping import Num, Shaped, UInt8
 
 from chromanoise._check import Array
+from chromanoise.imaging.records import Layout
 from chromanoise.scene.rows import RowSource
-
-Layout = tuple[int, int, int, int]
-"""Bands, and the steps from row to row, pixel to pixel and band to band. [numbers]"""
 
 LANES = 8
 """Bands of a pixel that are added side by side."""
@@ -79,4 +77,4 @@ def flattened(
     band = (band if bands > 1 else pixels) if planar else 1
     span = 1 + (rows - 1) * row + (pixels - 1) * pixel + (bands - 1) * band
     flat = np.lib.stride_tricks.as_strided(block, (span,), (block.itemsize,), writeable=False)
-    return flat, (bands, row, pixel, band)
+    return flat, Layout(bands, row, pixel, band)

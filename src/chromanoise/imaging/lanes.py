@@ -29,7 +29,7 @@ def multiply_add(builder, lanes):
 @intrinsic
 @no_type_check
 def fused(typing_context, factor, other, term):
-    """factor * other + term of float32, rounded once; for compiled functions."""
+    """Factor * other + term of float32, rounded once; for compiled functions."""
     number = types.float32
 
     def generate(context, builder, signature, arguments):

@@ -16,7 +16,7 @@ _1, _2, _3, _4 = np.uintp(1), np.uintp(2), np.uintp(3), np.uintp(4)
 @njit(cache=True, nogil=True, error_model="numpy")
 @no_type_check
 def four_apart(pixels, a, b, c, d):
-    """pixels (4 n,), four numbers each, to four arrays (n,)."""
+    """Pixels (4 n,), four numbers each, to four arrays (n,)."""
     for i in range(a.size):
         j = _4 * np.uintp(i)
         a[i] = pixels[j]

@@ -18,8 +18,8 @@ from chromanoise.imaging.blocks import CHANNELS_AT_ONCE, RUN_LANES
 
 BANDS_AT_ONCE = 8
 """So many streams the memory follows; the sums are kept and fetched an eighth as often."""
-TILE = 2048
-"""Pixels of a run whose sums are kept in the cache while the bands go by."""
+TILE = 4096
+"""Pixels whose sums are kept in the second cache while the bands go by, a long way each."""
 
 _AGAIN = 128  # pixels that stay in the cache until all channels have seen them
 _ZERO = np.float32(0.0)
@@ -92,15 +92,22 @@ def weights_over_columns(weights, over, bands):
 
 @njit(nogil=True, inline="never", error_model="numpy")
 @no_type_check
-def means_of_mosaic_planes(flat, start, band_pitch, n, bands, table, out, seen):
-    """Only the channel over each of ``n`` pixels whose neighbors lie together: out (n,).
+def means_of_mosaic_planes(flat, start, lay, rows, n, tables, phase, out, seen):
+    """Only the channel over each of ``n`` pixels of some rows: out (rows * n,).
 
-    table: a row of `weights_over_columns`; the first pixel stands at a multiple of its columns.
+    tables: of `weights_over_columns`, its row ``phase`` for the first one; the first pixel of a row
+    stands at a multiple of their columns.
     """
-    for i in range(n):
+    for i in range(rows * n):
         out[i] = _ZERO
-    whole = bands - bands % BANDS_AT_ONCE
+    whole = lay.bands - lay.bands % BANDS_AT_ONCE
     for b in range(0, whole, BANDS_AT_ONCE):
-        _add_some_own(flat, start + b * band_pitch, band_pitch, n, table, b, out, seen)
-    for b in range(whole, bands):
-        _add_own(flat, start + b * band_pitch, band_pitch, n, table, b, out, seen)
+        for row in range(rows):
+            at, there = start + b * lay.band_pitch + row * lay.row_pitch, out[row * n :]
+            table = tables[(phase + row) % tables.shape[0]]
+            _add_some_own(flat, at, lay.band_pitch, n, table, b, there, seen)
+    for b in range(whole, lay.bands):
+        for row in range(rows):
+            at, there = start + b * lay.band_pitch + row * lay.row_pitch, out[row * n :]
+            table = tables[(phase + row) % tables.shape[0]]
+            _add_own(flat, at, lay.band_pitch, n, table, b, there, seen)

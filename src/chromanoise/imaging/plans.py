@@ -16,8 +16,9 @@ from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise.color import ColorMatrix, linear_srgb, srgb_from_linear
 from chromanoise.exposure import Situation, expected_electrons, white_scene
-from chromanoise.imaging.blocks import Layout, Scratch
+from chromanoise.imaging.blocks import Scratch
 from chromanoise.imaging.light import Light, on_rows
+from chromanoise.imaging.records import Converter, Draw, Layout, Well
 from chromanoise.imaging.work import Block, row_pieces
 from chromanoise.scene.rows import ArrayRows
 from chromanoise.sensor import Adc, Imperfections, Mosaic
@@ -26,25 +27,6 @@ _MOST_E = 1e15  # beyond, float32 holds no electron
 
 Counts = Float64[Array, "rows 3 p"]
 """Per row and channel: sum of expected electrons, pixels above full well, bad pixels. [e-, 1, 1]"""
-
-Noise = tuple[np.float32, np.float32, np.float32, np.float32, np.float32, bool]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Draw:
-    """Which noise: its strengths, and where its random words come from.
-
-    Attributes
-    ----------
-    noise
-        Read noise, PRNU, dark electrons, DSNU, row noise; whether there is shot noise. [e-]
-    key, frame
-        Of the random words.
-    """
-
-    noise: Noise
-    key: int
-    frame: int
 
 
 def draw_of(
@@ -75,17 +57,16 @@ def draw_of(
         0.0,
         _MOST_E,
     )
-    strengths = (
-        situation.sensor.pixel.read_noise_e,
-        more.prnu,
-        dark_e,
-        more.dsnu_e,
-        more.row_noise_e,
-    )
     who = zlib.crc32(situation.sensor.name.encode())
-    read, prnu, dark, dsnu, row = (np.float32(value) for value in strengths)
     return Draw(
-        noise=(read, prnu, dark, dsnu, row, noisy), key=(who << 32) | int(seed), frame=int(frame)
+        read_noise_e=np.float32(situation.sensor.pixel.read_noise_e),
+        prnu=np.float32(more.prnu),
+        dark_e=np.float32(dark_e),
+        dsnu_e=np.float32(more.dsnu_e),
+        row_noise_e=np.float32(more.row_noise_e),
+        noisy=noisy,
+        key=np.uint64((who << 32) | seed),
+        frame=np.uint64(frame),
     )
 
 
@@ -100,13 +81,13 @@ class RawPlan:
     tile
         Numbers of channels in one period of the mosaic.
     adc
-        Full well [e-], codes per electron, black level, top code. [DN]
+        From electrons to codes.
     """
 
     light: Light
     draw: Draw
     tile: Int64[Array, "ty tx"]
-    adc: tuple[np.float32, np.float32, np.float32, np.float32]
+    adc: Converter
 
 
 def raw_plan(light: Light, draw: Draw, situation: Situation, mosaic: Mosaic, adc: Adc) -> RawPlan:
@@ -114,10 +95,8 @@ def raw_plan(light: Light, draw: Draw, situation: Situation, mosaic: Mosaic, adc
     names, well = situation.sensor.names, situation.sensor.pixel.full_well_e
     tile = [[names.index(name) for name in row] for row in mosaic.pattern]
     numbers = (well, 1.0 / adc.gain_e_per_dn, adc.black_level_dn, adc.top_code)
-    full, gain, black, top = (np.float32(number) for number in numbers)
-    return RawPlan(
-        light=light, draw=draw, tile=np.array(tile, np.int64), adc=(full, gain, black, top)
-    )
+    converter = Converter(*(np.float32(number) for number in numbers))
+    return RawPlan(light=light, draw=draw, tile=np.array(tile, np.int64), adc=converter)
 
 
 def raw_block(
@@ -135,21 +114,8 @@ def raw_block(
     counts = np.zeros((stop - start, 3, plan.light.channels))
 
     def fill(flat: Num[Array, " numbers"], lay: Layout, seen: Float32[Array, "16"]) -> None:
-        raw_rows(
-            flat,
-            lay,
-            *codes.shape,
-            plan.light.weights,
-            plan.tile,
-            start,
-            plan.draw.noise,
-            plan.draw.frame,
-            np.uint64(plan.draw.key),
-            plan.adc,
-            codes,
-            counts,
-            seen,
-        )
+        weights, tile = plan.light.weights, plan.tile
+        raw_rows(flat, lay, weights, tile, start, plan.draw, plan.adc, codes, counts, seen)
 
     counts[:, 2] = on_rows(plan.light, start, stop, scratch, counts, fill)[:, None]
     return counts
@@ -164,14 +130,14 @@ class ColorPlan:
     light, draw
         Expected electrons, and noise.
     well
-        Full well, and whether electrons are held between 0 and it. [e-]
+        Full well, and whether electrons are held between 0 and it.
     matrices
         To XYZ of which a perfect white has Y = 1, and to linear sRGB, three rows each. [1/e-]
     """
 
     light: Light
     draw: Draw
-    well: tuple[np.float32, bool]
+    well: Well
     matrices: Float32[Array, "6 p"]
 
 
@@ -184,7 +150,7 @@ def color_plan(
     clip: bool,
 ) -> ColorPlan:
     """The plan of a picture; ``matrices`` of `color_matrices`."""
-    well = (np.float32(situation.sensor.pixel.full_well_e), clip)
+    well = Well(np.float32(situation.sensor.pixel.full_well_e), clip)
     return ColorPlan(light=light, draw=draw, well=well, matrices=matrices)
 
 
@@ -247,13 +213,9 @@ def color_block(
         color_rows(
             flat,
             lay,
-            *xyz.shape[:2],
             plan.light.weights,
-            plan.light.channels,
             start,
-            plan.draw.noise,
-            plan.draw.frame,
-            np.uint64(plan.draw.key),
+            plan.draw,
             plan.well,
             plan.matrices,
             srgb_table(),
@@ -314,7 +276,6 @@ def electron_block(
     from chromanoise.imaging.fused import electron_rows
 
     def fill(flat: Num[Array, " numbers"], lay: Layout, seen: Float32[Array, "16"]) -> None:
-        light = plan.light
-        electron_rows(flat, lay, *out.shape[:2], light.weights, light.channels, out, seen)
+        electron_rows(flat, lay, plan.light.weights, out, seen)
 
     on_rows(plan.light, start, stop, scratch, out, fill)

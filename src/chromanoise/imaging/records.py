@@ -1,0 +1,48 @@
+"""Numbers with names that the compiled functions take as they are: tuples, not dataclasses."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+
+class Layout(NamedTuple):
+    """How a block of rows lies in memory: its bands, and the steps between neighbors. [numbers]
+
+    Where the step from pixel to pixel is 1, the pixels of a band lie together; otherwise the bands
+    of a pixel do.
+    """
+
+    bands: int
+    row_pitch: int
+    pixel_pitch: int
+    band_pitch: int
+
+
+class Draw(NamedTuple):
+    """Which noise: its strengths, and where its random words come from."""
+
+    read_noise_e: np.float32
+    prnu: np.float32
+    dark_e: np.float32
+    dsnu_e: np.float32
+    row_noise_e: np.float32
+    noisy: bool
+    """Whether there are shot noise and read noise; the imperfections stay."""
+    key: np.uint64
+    frame: np.uint64
+
+
+class Converter(NamedTuple):
+    """From electrons to codes."""
+
+    full_well_e: np.float32
+    dn_per_e: np.float32
+    black_dn: np.float32
+    top_dn: np.float32
+
+
+class Well(NamedTuple):
+    """Full well, and whether electrons are held between 0 and it."""
+
+    full_well_e: np.float32
+    held: bool
