@@ -9,6 +9,7 @@ from typing import no_type_check
 import numpy as np
 from numba import njit
 
+from chromanoise.imaging.lanes import fused
 from chromanoise.imaging.layout import three_together
 
 ENCODED = 16384
@@ -37,10 +38,37 @@ def colors_of_run(electrons, n, p, matrices, table, colors, entry, xyz, srgb):
 @no_type_check
 def _products(electrons, n, p, rows, colors):
     """Three rows of a matrix times the channels: colors (3 * n,), one color after the other."""
+    odd = p % 2
     for k in range(3):
-        _weighted(electrons[:n], rows[k, 0], colors[k * n : (k + 1) * n])
-        for c in range(1, p):
-            _add_weighted(electrons[c * n : (c + 1) * n], rows[k, c], colors[k * n : (k + 1) * n])
+        color, row = colors[k * n : (k + 1) * n], rows[k]
+        if odd:
+            _weighted(electrons[:n], row[0], color)
+        else:
+            _weighted_pair(electrons[:n], electrons[n : 2 * n], row[0], row[1], color)
+        for c in range(2 - odd, p, 2):
+            here, next_one = electrons[c * n : (c + 1) * n], electrons[(c + 1) * n : (c + 2) * n]
+            _add_weighted_pair(here, next_one, row[c], row[c + 1], color)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+@no_type_check
+def _weighted(values, weight, out):
+    for i in range(out.size):
+        out[i] = values[i] * weight
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+@no_type_check
+def _weighted_pair(values, others, weight, other, out):
+    for i in range(out.size):
+        out[i] = fused(others[i], other, values[i] * weight)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+@no_type_check
+def _add_weighted_pair(values, others, weight, other, out):
+    for i in range(out.size):
+        out[i] = fused(others[i], other, fused(values[i], weight, out[i]))
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -68,20 +96,6 @@ def color_of_electrons(electrons, matrices, table, xyz, srgb):
             colors_of_run(
                 run, n, p, matrices, table, colors, entry, xyz[row, first:], srgb[row, first:]
             )
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-@no_type_check
-def _weighted(values, weight, out):
-    for i in range(values.size):
-        out[i] = values[i] * weight
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-@no_type_check
-def _add_weighted(values, weight, out):
-    for i in range(values.size):
-        out[i] += values[i] * weight
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

@@ -10,7 +10,7 @@ from typing import no_type_check
 import numpy as np
 from numba import njit
 
-STRANDS = 256
+STRANDS = 64
 """At most, if the columns of a mosaic do not repeat later."""
 
 _ZERO = np.float32(0.0)
