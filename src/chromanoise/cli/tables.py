@@ -32,7 +32,8 @@ from chromanoise.study import (
     verdict,
 )
 from chromanoise.study.bands import CrossoverBand, band_sentence
-from chromanoise.study.comparison import Crossover, Curve, crossover_sentence
+from chromanoise.study.comparison import Curve
+from chromanoise.study.crossing import Crossover, crossover_sentence
 from chromanoise.study.paper import PRINTED_TIMES_MS, WELL_SHARE
 from chromanoise.study.perceived import GREY
 

@@ -20,15 +20,20 @@ from chromanoise.study.bands import (
 )
 from chromanoise.study.catalog import Entry, catalog_entries, catalog_entry, catalog_file_of
 from chromanoise.study.chart import ChartNoise, chart_as_json, chart_noise
-from chromanoise.study.comparison import (
+from chromanoise.study.comparison import Curve, compared
+from chromanoise.study.crossing import (
     Crossover,
-    Curve,
-    compared,
-    comparison_as_json,
+    Incomparable,
     crossover_sentence,
     crossovers,
+    crossovers_or_reasons,
 )
-from chromanoise.study.export import analyses_as_json, budgets_as_json, reproduction_as_json
+from chromanoise.study.export import (
+    analyses_as_json,
+    budgets_as_json,
+    comparison_as_json,
+    reproduction_as_json,
+)
 from chromanoise.study.findings import (
     luminance_budget,
     metric_remark,
@@ -71,6 +76,7 @@ __all__ = [
     "Curve",
     "Entry",
     "GreyNoise",
+    "Incomparable",
     "MatrixMaker",
     "Merit",
     "Merits",
@@ -104,6 +110,7 @@ __all__ = [
     "crossover_bands",
     "crossover_sentence",
     "crossovers",
+    "crossovers_or_reasons",
     "diagnosis",
     "grey_noise",
     "grey_noise_as_json",

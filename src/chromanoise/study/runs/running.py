@@ -11,7 +11,9 @@ from chromanoise.exposure import Situation
 from chromanoise.imaging import Work
 from chromanoise.merit import matrix_report
 from chromanoise.study.bands import bands_as_json, crossover_bands
-from chromanoise.study.comparison import compared, comparison_as_json, crossovers
+from chromanoise.study.comparison import compared
+from chromanoise.study.crossing import crossovers
+from chromanoise.study.export import comparison_as_json
 from chromanoise.study.makers import MatrixMaker, matrix_makers
 from chromanoise.study.pareto import matrix_as_json, noise_weights, pareto_of
 from chromanoise.study.quantities import QUANTITIES
