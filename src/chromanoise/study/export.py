@@ -17,13 +17,13 @@ from chromanoise.study.analysis import (
     mean_color_error,
     raw_snr_db,
 )
-from chromanoise.study.comparison import Curve
-from chromanoise.study.crossing import Crossover, crossover_as_json
+from chromanoise.study.comparing.crossing import Crossover, crossover_as_json
+from chromanoise.study.comparing.curves import Curve
 from chromanoise.study.defined import defined
-from chromanoise.study.findings import set_aside_reasons, table_5_finding, verdict
 from chromanoise.study.grey_budget import lab_budgets
-from chromanoise.study.paper import PRINTED_TIMES_MS
-from chromanoise.study.reproduction import Reproduction
+from chromanoise.study.paper.findings import set_aside_reasons, table_5_finding, verdict
+from chromanoise.study.paper.reproduction import Reproduction
+from chromanoise.study.paper.study import PRINTED_TIMES_MS
 
 
 def analyses_as_json(analyses: Sequence[Analysis]) -> dict[str, Any]:

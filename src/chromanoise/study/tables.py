@@ -9,9 +9,9 @@ from chromanoise._check import InputError
 from chromanoise.color import ColorMatrix
 from chromanoise.merit import MatrixReport
 from chromanoise.study.analysis import Analysis, color_price_db, color_snr_db, mean_color_error
-from chromanoise.study.comparison import Curve
+from chromanoise.study.comparing.curves import Curve
 from chromanoise.study.defined import defined
-from chromanoise.study.layout import PaperTable
+from chromanoise.study.paper.layout import PaperTable
 
 Entry = float | int | str | bool | None
 """One cell; ``None`` where a quantity is not defined."""

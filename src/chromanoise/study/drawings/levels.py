@@ -6,17 +6,17 @@ from typing import Any
 from jaxtyping import Float
 
 from chromanoise._check import Array
-from chromanoise.study.comparison import compared
-from chromanoise.study.crossing import (
+from chromanoise.study.comparing.crossing import (
     Crossover,
     Incomparable,
     crossover_sentence,
     crossovers_or_reasons,
 )
+from chromanoise.study.comparing.curves import compared
+from chromanoise.study.comparing.quantities import QUANTITIES, Quantity, fullest_level_lux
+from chromanoise.study.comparing.sweeps import SWEEPS, swept_values
 from chromanoise.study.defined import defined
 from chromanoise.study.drawings.shown import Look, Shown
-from chromanoise.study.quantities import QUANTITIES, Quantity, fullest_level_lux
-from chromanoise.study.sweeps import SWEEPS, swept_values
 
 LOWEST_LUX, HIGHEST_LUX = 0.01, 10_000.0
 """Of the curves, and of the page's slider: moonlight to a cloudy day."""

@@ -11,11 +11,11 @@ from jaxtyping import Float
 from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise.exposure import Situation
-from chromanoise.study.comparison import Curve
+from chromanoise.study.comparing.curves import Curve
+from chromanoise.study.comparing.quantities import Quantity, color_error
+from chromanoise.study.comparing.sweeps import Sweep
 from chromanoise.study.defined import defined
 from chromanoise.study.makers import MatrixMaker
-from chromanoise.study.quantities import Quantity, color_error
-from chromanoise.study.sweeps import Sweep
 
 _TIE = 1e-9  # of the unit of a quantity: rounding
 _CROSSING_TOLERANCE = 1e-9  # of the logarithm of the value, or of the span of a linear sweep

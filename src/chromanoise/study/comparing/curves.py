@@ -9,8 +9,7 @@ from jaxtyping import Bool, Float
 from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise.exposure import Situation
-from chromanoise.study.makers import MatrixMaker, matrices_over_levels
-from chromanoise.study.quantities import (
+from chromanoise.study.comparing.quantities import (
     SNR_Y,
     Quantity,
     color_error,
@@ -18,7 +17,8 @@ from chromanoise.study.quantities import (
     is_saturated,
     is_saturated_over_levels,
 )
-from chromanoise.study.sweeps import SWEEPS, Sweep
+from chromanoise.study.comparing.sweeps import SWEEPS, Sweep
+from chromanoise.study.makers import MatrixMaker, matrices_over_levels
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -14,7 +14,7 @@ from typing import Any
 
 from chromanoise import __version__
 from chromanoise._check import InputError
-from chromanoise.study.spectra_json import named
+from chromanoise.study.files.spectra_json import named
 from chromanoise.study.tables import Column, Entry, Table, written
 
 SCHEMA = "chromanoise table"

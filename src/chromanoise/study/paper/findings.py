@@ -7,7 +7,6 @@ from chromanoise.merit import Budget, color_budget
 from chromanoise.merit.budget import CORRELATION, INFRARED
 from chromanoise.scene import Scene
 from chromanoise.spectra import INFRARED_FROM_NM
-from chromanoise.study import paper
 from chromanoise.study.analysis import (
     Analysis,
     color_snr_db,
@@ -15,7 +14,8 @@ from chromanoise.study.analysis import (
     mix_sentence,
     raw_snr_db,
 )
-from chromanoise.study.paper import PaperStudy
+from chromanoise.study.paper import study as paper
+from chromanoise.study.paper.study import PaperStudy
 
 
 def verdict(study: PaperStudy) -> str:
