@@ -102,7 +102,7 @@ def _lamp_metamerism(analysis: Analysis) -> float:
 
 
 def chart_merits(analysis: Analysis) -> tuple[Merit, ...]:
-    """General figure of merit and information, the patches of a ColorChecker being likely alike."""
+    """General figure of merit and information; each patch of a ColorChecker is equally likely."""
     return (
         merit_or_reason(
             "figure_of_merit",

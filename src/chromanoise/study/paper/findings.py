@@ -49,7 +49,7 @@ def _cost(budget: Budget, cause: str) -> float:
 
 
 def metric_remark(study: PaperStudy) -> str:
-    """What to think of printed beside ours in this metric."""
+    """Whether printed and computed values can be compared in this metric."""
     if study.metric == "quanta":
         return "Metric quanta, in which the reconstruction was fitted."
     return (
