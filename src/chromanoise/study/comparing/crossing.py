@@ -241,7 +241,7 @@ def crossover_as_json(crossover: Crossover) -> dict[str, Any]:
 
 
 def crossover_sentence(crossover: Crossover) -> str:
-    """Who wins where, in words."""
+    """Who leads over which values of the sweep, and the color errors where places change."""
     first, second, unit = crossover.first, crossover.second, crossover.sweep.unit
     span = f"{_told(crossover.first_at, 4)} to {_told(crossover.last_at, 4)} {unit}"
     other = second if crossover.better_first == first else first
