@@ -22,7 +22,7 @@ from chromanoise.noise import monte_carlo, with_noise
 from chromanoise.scene import Scene
 from chromanoise.sensor import SENSOR_NAMES, Sensor, sensor_named
 from chromanoise.spectra import DEFAULT_GRID, colorchecker, equal_energy
-from chromanoise.study.paper import RGBW_12, paper_study
+from chromanoise.study.paper.study import RGBW_12, paper_study
 
 DRAWS = 1_000_000
 LEVELS_LUX = np.geomspace(0.01, 1000, 200)

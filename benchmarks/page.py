@@ -8,21 +8,18 @@ to be painted: the page marks both.
 import argparse
 import datetime
 import os
-import shutil
-import signal
 import statistics
-import subprocess
 import sys
 import time
-import urllib.error
 import urllib.request
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from document import _disturbed, _processor
+
+sys.path.append(str(Path(__file__).parents[1] / "tools"))
+from served_page import chromium_path, served
 
 TARGET = Path(__file__).parents[1] / "docs" / "page_speed.md"
 PRESSES = 40
@@ -54,30 +51,12 @@ class Line:
         return more if self.at_least else self.measured <= self.asked
 
 
-@contextmanager
-def served() -> Iterator[tuple[str, float]]:
-    """A server, and how long it took from its start to its first response. [s]"""
-    script = "from chromanoise.cli import main; main()"
+def start_s() -> float:
+    """From the start of a server to its first response. [s]"""
     began = time.perf_counter()
-    process = subprocess.Popen(
-        [sys.executable, "-c", script, "serve", "--port", "0"],
-        stdout=subprocess.PIPE,
-        text=True,
-        env=os.environ | {"PYTHONUNBUFFERED": "1"},
-    )
-    try:
-        assert process.stdout is not None
-        address = process.stdout.readline().split()[0]
-        while True:
-            try:
-                urllib.request.urlopen(address, timeout=10).read()
-                break
-            except urllib.error.URLError:
-                time.sleep(0.01)
-        yield address, time.perf_counter() - began
-    finally:
-        process.send_signal(signal.SIGINT)
-        process.communicate(timeout=60)
+    with served() as (address, _):
+        urllib.request.urlopen(address, timeout=60).read()
+        return time.perf_counter() - began
 
 
 def opened(browser: Any, address: str, size: dict[str, int]) -> Any:
@@ -161,10 +140,7 @@ def first_sight(browser: Any, address: str) -> tuple[float, float, float]:
 
 def measured(browser: Any) -> list[Line]:
     """All lines of the table."""
-    starts = []
-    for _ in range(STARTS):
-        with served() as (_, start_s):
-            starts.append(start_s)
+    starts = [start_s() for _ in range(STARTS)]
     with served() as (address, _):
         page = opened(browser, address, SEEN)
         latencies_ms(page, 5)  # what is computed once is not what is asked
@@ -232,7 +208,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--write", action="store_true", help=f"write {TARGET.name}")
     arguments = parser.parse_args()
-    program = shutil.which("chromium") or shutil.which("chromium-browser")
+    program = chromium_path()
     if program is None:
         print("skipped: there is no chromium; apt-get install chromium")
         return

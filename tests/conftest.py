@@ -11,7 +11,8 @@ from jaxtyping import install_import_hook
 from chromanoise._colour import colour_science
 
 colour_science()  # first of all: imported bare it sets numpy's print options to those of 1.13
-sys.path.insert(0, str(Path(__file__).parent))  # for `from strategies import ...`
+TESTS = Path(__file__).parent
+sys.path[:0] = [str(TESTS), str(TESTS.parent / "tools")]  # for `from strategies import ...`
 
 # An int may stand for a float (PEP 484).
 checked = beartype(conf=BeartypeConf(is_pep484_tower=True))

@@ -17,8 +17,8 @@ from chromanoise.study import (
     matrix_makers,
     paper_study,
 )
-from chromanoise.study.paper import RGB_12, RGBW_12
-from chromanoise.study.pictures import paper_pictures
+from chromanoise.study.paper.pictures import paper_pictures
+from chromanoise.study.paper.study import RGB_12, RGBW_12
 
 PICTURES = Path(__file__).parent.parent / "docs" / "pictures"
 GAP_PX = 16

@@ -3,18 +3,13 @@
 Needs a chromium, and playwright of the dev extra: ``python tools/photograph_page.py``.
 """
 
-import os
-import shutil
-import signal
-import subprocess
-import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
 from io import BytesIO
 from pathlib import Path
 from typing import Any
 
 from PIL import Image
+
+from served_page import chromium_path, served
 
 PICTURES = Path(__file__).parents[1] / "docs" / "pictures"
 WIDE = {"width": 1280, "height": 1640}
@@ -26,24 +21,6 @@ _REST = f"""() => new Promise((done) => {{
         && document.querySelectorAll("{_DRAWN}").length === 0 ? done() : setTimeout(look, 20);
     look();
 }})"""
-
-
-@contextmanager
-def served() -> Iterator[str]:
-    """The address of a server that lives as long as the context."""
-    script = "from chromanoise.cli import main; main()"
-    process = subprocess.Popen(
-        [sys.executable, "-c", script, "serve", "--port", "0"],
-        stdout=subprocess.PIPE,
-        text=True,
-        env=os.environ | {"PYTHONUNBUFFERED": "1"},
-    )
-    try:
-        assert process.stdout is not None
-        yield process.stdout.readline().split()[0]
-    finally:
-        process.send_signal(signal.SIGINT)
-        process.communicate(timeout=60)
 
 
 def photograph(browser: Any, address: str, size: dict[str, int], scheme: str) -> bytes:
@@ -67,9 +44,8 @@ def main() -> None:
     """Write all photographs."""
     from playwright.sync_api import sync_playwright
 
-    program = shutil.which("chromium") or shutil.which("chromium-browser")
-    with served() as address, sync_playwright() as started:
-        browser = started.chromium.launch(executable_path=program, args=["--no-sandbox"])
+    with served() as (address, _), sync_playwright() as started:
+        browser = started.chromium.launch(executable_path=chromium_path(), args=["--no-sandbox"])
         for name, size, scheme in SHOTS:
             save(photograph(browser, address, size, scheme), PICTURES / f"{name}.png")
         browser.close()

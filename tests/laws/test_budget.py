@@ -23,7 +23,7 @@ from chromanoise.scene import flat_field
 from chromanoise.sensor import Pixel, Sensor, sensor_named, with_channels
 from chromanoise.spectra import DEFAULT_GRID, equal_energy
 from chromanoise.study import paper_study
-from chromanoise.study.paper import RGB_12, RGBW_12
+from chromanoise.study.paper.study import RGB_12, RGBW_12
 
 AT = DEFAULT_GRID.wavelength_nm
 WHITE = flat_field(equal_energy(DEFAULT_GRID), level_lux=10.0)

@@ -18,6 +18,7 @@ from chromanoise.study import (
     crossover_bands,
     crossover_sentence,
     crossovers,
+    crossovers_or_reasons,
     matrix_makers,
     swept_values,
 )
@@ -100,6 +101,16 @@ def test_sensors_without_a_common_level_are_refused():
     small = one_channel("small", 0.5, 2.0, full_well_e=1.0)
     with pytest.raises(InputError, match="no illuminance"):
         compare(small, one_channel("large", 0.5, 2.0), levels=np.array([100.0, 1000.0]))
+
+
+def test_a_pair_that_cannot_be_compared_does_not_silence_the_others():
+    full = one_channel("full", 0.5, 2.0, full_well_e=1e-3)
+    three = [full, one_channel("good", 0.8, 2.0), one_channel("poor", 0.4, 20.0)]
+    makers = {"kernel": kernel}
+    *apart, crossed = crossovers_or_reasons(three, makers, compared(three, makers, LEVELS))
+    assert [(one.first, one.second) for one in apart] == [("full", "good"), ("full", "poor")]
+    assert all("saturated" in one.why for one in apart)
+    assert crossed.better_first == "good"
 
 
 def test_each_pair_and_matrix_is_compared_once():

@@ -28,6 +28,7 @@ from chromanoise.study import (
     noise_weights,
     swept_values,
 )
+from chromanoise.study.comparing.quantities import fullest_level_lux, is_saturated
 from chromanoise.study.drawings import PARTS, Look, Shown, drawing, shown
 from chromanoise.study.drawings.ellipses import in_plane
 from chromanoise.study.drawings.levels import level_in_words
@@ -36,7 +37,6 @@ from chromanoise.study.drawings.vectors import color_frame, half_axes, round_mag
 from chromanoise.study.drawings.verdicts import verdict_sentences
 from chromanoise.study.makers import METHODS, matrix_makers
 from chromanoise.study.priors import training_named
-from chromanoise.study.quantities import fullest_level_lux, is_saturated
 from chromanoise.study.runs import OutputsPart, outcome_of, outcomes_as_json, study_from_data
 from chromanoise.study.runs.named import sensor_of, situations_of
 

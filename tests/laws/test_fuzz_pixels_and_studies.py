@@ -18,6 +18,9 @@ from chromanoise.sensor import (
     sensor_named,
 )
 from chromanoise.spectra import Grid, Spectra
+from chromanoise.study.files.spectra import sensor_spectra
+from chromanoise.study.files.spectra_json import sensor_json, spectra_json
+from chromanoise.study.files.tables import table_from_json, table_json
 from chromanoise.study.runs import (
     STARTER,
     Study,
@@ -28,9 +31,6 @@ from chromanoise.study.runs import (
     study_from_text,
     study_of_output,
 )
-from chromanoise.study.spectra_files import sensor_spectra
-from chromanoise.study.spectra_json import sensor_json, spectra_json
-from chromanoise.study.table_files import table_from_json, table_json
 from chromanoise.study.tables import Column, Table
 
 SHEET = """# a camera

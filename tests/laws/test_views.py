@@ -11,8 +11,8 @@ from chromanoise.scene import Scene, flat_field, light
 from chromanoise.sensor import with_channels
 from chromanoise.spectra import METRICS, color_axes, equal_energy
 from chromanoise.study import analyzed, paper_study
-from chromanoise.study.paper import RGB_59, RGBW_12
-from chromanoise.study.views import (
+from chromanoise.study.paper.study import RGB_59, RGBW_12
+from chromanoise.study.paper.views import (
     channel_plane,
     fitting_magnification,
     magnified_noise,

@@ -21,20 +21,20 @@ from chromanoise.sensor import Mosaic, Pixel, Sensor, read_sensor_csv, sensor_na
 from chromanoise.spectra import DEFAULT_GRID, Grid, Spectra, equal_energy, read_spectra_csv
 from chromanoise.spectra.files import read_curves
 from chromanoise.study import compared, paper_study, paper_tables, reproduced
-from chromanoise.study.spectra_files import (
+from chromanoise.study.files.spectra import (
     sensor_csv,
     sensor_rawtoaces_json,
     sensor_spectra,
     spectra_csv,
     spectra_spdx,
 )
-from chromanoise.study.spectra_json import (
+from chromanoise.study.files.spectra_json import (
     sensor_from_json,
     sensor_json,
     spectra_from_json,
     spectra_json,
 )
-from chromanoise.study.table_files import (
+from chromanoise.study.files.tables import (
     table_csv,
     table_from_json,
     table_json,

@@ -15,7 +15,7 @@ from chromanoise.study import (
     table_5_finding,
     verdict,
 )
-from chromanoise.study.findings import nir_share
+from chromanoise.study.paper.findings import nir_share
 
 
 @pytest.fixture(scope="module")

@@ -6,15 +6,11 @@ anybody but its own server.
 
 import base64
 import json
-import os
 import re
-import shutil
-import signal
-import subprocess
-import sys
-from contextlib import contextmanager
 
 import pytest
+
+from served_page import chromium_path, served
 
 TIMEOUT_MS = 15_000  # generous: the machine may be busy
 DRAWN = "section.panel[data-part]:not([data-part=picture])"
@@ -25,29 +21,6 @@ EVERYTHING = {  # a study in which every control has something to change
     "sensors": [{"name": "onyx-rgbw"}, {"name": "onyx-rgb-ircut"}, {"name": "onyx-rgb"}],
     "matrices": ["noise-regularized=1"],
 }
-
-
-@contextmanager
-def served(*arguments, port=0):
-    """A server of its own process: its address, and the process."""
-    script = "from chromanoise.cli import main; main()"
-    process = subprocess.Popen(
-        [sys.executable, "-c", script, "serve", "--port", str(port), *map(str, arguments)],
-        stdout=subprocess.PIPE,
-        text=True,
-        env=os.environ | {"PYTHONUNBUFFERED": "1"},
-    )
-    try:
-        yield process.stdout.readline().split()[0], process
-    finally:
-        stopped(process)
-
-
-def stopped(process):
-    """End a server as Ctrl-C does."""
-    if process.poll() is None:
-        process.send_signal(signal.SIGINT)
-    process.communicate(timeout=60)
 
 
 @pytest.fixture(scope="module")
@@ -61,7 +34,7 @@ def address():
 def browser():
     """Chromium without a window, one for all tests of a module."""
     playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
-    program = shutil.which("chromium") or shutil.which("chromium-browser")
+    program = chromium_path()
     if program is None:
         pytest.skip("there is no chromium; apt-get install chromium")
     playwright.expect.set_options(timeout=TIMEOUT_MS)

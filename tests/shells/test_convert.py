@@ -10,8 +10,8 @@ import pytest
 from chromanoise.sensor import PAPER_PIXEL, sensor_named
 from chromanoise.spectra import DEFAULT_GRID
 from chromanoise.spectra.files import read_curves
-from chromanoise.study.spectra_json import sensor_from_json, spectra_from_json
-from chromanoise.study.table_files import table_from_json
+from chromanoise.study.files.spectra_json import sensor_from_json, spectra_from_json
+from chromanoise.study.files.tables import table_from_json
 from outcomes import refused
 
 

@@ -31,8 +31,8 @@ from chromanoise.figures.writing import figure_bytes
 from chromanoise.sensor import bayer, sensor_named
 from chromanoise.spectra import DEFAULT_GRID
 from chromanoise.study import analyzed, color_snr_db, paper_planes, paper_study
-from chromanoise.study.paper import RGB_12, RGB_59, RGBW_12
-from chromanoise.study.views import channel_plane, magnified_noise
+from chromanoise.study.paper.study import RGB_12, RGB_59, RGBW_12
+from chromanoise.study.paper.views import channel_plane, magnified_noise
 
 STILL = ("figure-03-measurement", "figure-04-contravariant", "figure-06-projection")
 NOISY = ("figure-09-correlation", "figure-10-color-axis")

@@ -14,7 +14,7 @@ from chromanoise.exposure import Exposure, expected_electrons
 from chromanoise.scene import flat_field
 from chromanoise.sensor import sensor_named
 from chromanoise.spectra import DEFAULT_GRID, equal_energy
-from chromanoise.study.matrix_files import MadeMatrix, balanced, matrix_clf
+from chromanoise.study.files.matrices import MadeMatrix, balanced, matrix_clf
 
 EXPOSURE = Exposure(time_s=0.0119)
 

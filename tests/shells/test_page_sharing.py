@@ -7,15 +7,14 @@ import sys
 
 import pytest
 
+from served_page import served, stopped
 from shells.browser import (
     FIXTURES,
     answer_to,
     at_rest,
     packed,
-    served,
     shown,
     state_of,
-    stopped,
     study_of,
     until,
 )

@@ -3,7 +3,6 @@
 import base64
 import json
 import re
-import shutil
 from decimal import ROUND_HALF_UP, Decimal
 from html.parser import HTMLParser
 from pathlib import Path
@@ -23,6 +22,7 @@ from chromanoise.report.study_tables import table_of
 from chromanoise.study import color_snr_db
 from chromanoise.study.drawings import PARTS, drawing, shown
 from chromanoise.study.runs import study_from_text, study_hash
+from shells.browser import FIXTURES
 
 TITLE = 'Is "1 < 2" & 3 > 2? </script><script>alert(1)</script><!--'
 TWO = '[[sensors]]\nname = "onyx-rgb-ircut"\n[[sensors]]\nname = "onyx-rgbw"\n'
@@ -300,16 +300,7 @@ def test_a_report_that_cannot_be_is_refused_in_one_sentence_and_nothing_is_writt
     assert Path("study.toml").read_text(encoding="utf-8") == TWO
 
 
-@pytest.fixture(scope="module")
-def browser():
-    api = pytest.importorskip("playwright.sync_api", reason="no playwright to drive a browser")
-    program = shutil.which("chromium")
-    if program is None:
-        pytest.skip("no chromium to open the report with")
-    with api.sync_playwright() as playwright:
-        opened = playwright.chromium.launch(executable_path=program, args=["--no-sandbox"])
-        yield opened
-        opened.close()
+_, browser, *_ = FIXTURES
 
 
 @pytest.fixture

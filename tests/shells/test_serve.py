@@ -1,7 +1,6 @@
 """The page's server: what it answers, whom it refuses, and that nothing brings it down."""
 
 import json
-import os
 import re
 import signal
 import socket
@@ -20,6 +19,7 @@ from chromanoise.page.server import listening_socket, page_server
 from chromanoise.page.uploads import MOST_FILES, Uploads
 from chromanoise.study.drawings import PARTS, drawing, shown
 from chromanoise.study.runs import study_from_data, study_from_text
+from served_page import started
 
 BOTH = {
     "light": {"illuminant": "E", "level_lux": 10.0},
@@ -417,22 +417,11 @@ def test_what_is_asked_in_another_way_is_told_so(client):
     assert sentence_of(client.post("/api/nothing", json={}), 404)
 
 
-def started(*arguments):
-    script = "from chromanoise.cli import main; main()"
-    return subprocess.Popen(
-        [sys.executable, "-c", script, "serve", "--port", "0", *arguments],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        env=os.environ | {"PYTHONUNBUFFERED": "1"},
-    )
-
-
 def test_serve_tells_its_address_answers_soon_and_ends_with_ctrl_c(tmp_path):
     study = tmp_path / "study.toml"
     study.write_text('title = "T"\n[[sensors]]\nname = "model-rgbir"\n', encoding="utf-8")
     start = time.monotonic()
-    with started(str(study)) as process:
+    with started(study, stderr=subprocess.PIPE) as process:
         address = process.stdout.readline().split()[0]
         assert re.fullmatch(r"http://localhost:\d+/", address)
         assert httpx.get(address, timeout=60).status_code == 200

@@ -31,7 +31,7 @@ from chromanoise.sensor import (
     sensor_named,
 )
 from chromanoise.spectra import DEFAULT_GRID, equal_energy
-from chromanoise.study.spectra_json import sensor_json
+from chromanoise.study.files.spectra_json import sensor_json
 from outcomes import refused
 
 ROWS, COLUMNS = 27, 23  # no whole number of tiles; DNG needs 22

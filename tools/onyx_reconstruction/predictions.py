@@ -19,7 +19,7 @@ from chromanoise.noise import Measurement, with_noise
 from chromanoise.scene import Scene, flat_field
 from chromanoise.sensor import PAPER_PIXEL, Sensor, behind_filter, with_channels
 from chromanoise.spectra import Metric, color_axes, equal_energy
-from chromanoise.study import paper
+from chromanoise.study.paper import study as paper
 from onyx_reconstruction.curves import GRID, RGB, Curves, ir_cut, rgbw_qe
 
 METRIC: Metric = "quanta"

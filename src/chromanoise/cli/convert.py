@@ -15,8 +15,7 @@ from chromanoise.cli.output import refuse_inputs
 from chromanoise.sensor import Sensor
 from chromanoise.spectra import Spectra
 from chromanoise.spectra.files import Understood, read_curves
-from chromanoise.study.runs import own_json_of
-from chromanoise.study.spectra_files import (
+from chromanoise.study.files.spectra import (
     photons_as_energy,
     rawtoaces_header,
     rawtoaces_json,
@@ -26,7 +25,8 @@ from chromanoise.study.spectra_files import (
     spectra_csv,
     spectra_spdx,
 )
-from chromanoise.study.spectra_json import sensor_json, spectra_json
+from chromanoise.study.files.spectra_json import sensor_json, spectra_json
+from chromanoise.study.runs import own_json_of
 from chromanoise.study.words import file_of, is_sensor_file, sensor_of_word
 
 Converted = tuple[str, list[str]]

@@ -13,7 +13,7 @@ from chromanoise.page.equations import EQUATIONS
 from chromanoise.report import Sight, demo_page, study_report
 from chromanoise.study import paper_planes, paper_study, reproduced, reproduction_as_json
 from chromanoise.study.drawings import shown
-from chromanoise.study.pictures import paper_pictures
+from chromanoise.study.paper.pictures import paper_pictures
 from chromanoise.study.runs import study_from_text
 
 STUDY = """\

@@ -14,9 +14,9 @@ from chromanoise.sensor import Sensor
 from chromanoise.spectra import Spectra
 from chromanoise.spectra.files import Understood, read_curves
 from chromanoise.spectra.files.merging import gaps_nm, step_nm
+from chromanoise.study.files.spectra import mosaic_text, sensor_spectra
+from chromanoise.study.files.spectra_json import sensor_json, spectra_json
 from chromanoise.study.runs import own_json_of
-from chromanoise.study.spectra_files import mosaic_text, sensor_spectra
-from chromanoise.study.spectra_json import sensor_json, spectra_json
 
 _MOST_NAMES = 12
 

@@ -36,7 +36,7 @@ from chromanoise.study import (
     noise_weights,
     pareto_of,
 )
-from chromanoise.study.matrix_files import (
+from chromanoise.study.files.matrices import (
     MadeMatrix,
     matrix_clf,
     matrix_csv,

@@ -9,7 +9,7 @@ import click
 
 from chromanoise._check import InputError
 from chromanoise._files import write_whole
-from chromanoise.study.table_files import table_writer
+from chromanoise.study.files.tables import table_writer
 from chromanoise.study.tables import Table
 
 

@@ -40,7 +40,7 @@ def reproduce(
         tables.print_reproduction(result)
     if out:
         from chromanoise.figures import paper_figures, write_figures
-        from chromanoise.study.pictures import paper_pictures
+        from chromanoise.study.paper.pictures import paper_pictures
 
         first, second = (p.srgb for p in paper_pictures(result.study, seed=seed))
         planes = paper_planes(result.study, seed=seed)

@@ -31,9 +31,10 @@ from chromanoise.study import (
     table_5_finding,
     verdict,
 )
-from chromanoise.study.bands import CrossoverBand, band_sentence
-from chromanoise.study.comparison import Crossover, Curve, crossover_sentence
-from chromanoise.study.paper import PRINTED_TIMES_MS, WELL_SHARE
+from chromanoise.study.comparing.bands import CrossoverBand, band_sentence
+from chromanoise.study.comparing.crossing import Crossover, crossover_sentence
+from chromanoise.study.comparing.curves import Curve
+from chromanoise.study.paper.study import PRINTED_TIMES_MS, WELL_SHARE
 from chromanoise.study.perceived import GREY
 
 _WIDE = 6  # channels that stand beside each other

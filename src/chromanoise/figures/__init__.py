@@ -1,4 +1,7 @@
-"""Results to matplotlib Axes: the ten figures of the paper and those of a study."""
+"""Results to matplotlib Axes: the ten figures of the paper and those of a study.
+
+The folder ``draw`` holds the drawing modules of page and report: the same results to SVG.
+"""
 
 from chromanoise.figures.budget import draw_budget
 from chromanoise.figures.comparison import draw_comparison

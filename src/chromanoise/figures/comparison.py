@@ -17,6 +17,15 @@ def draw_comparison(
     """The quantity on the first axes and mean color error on the second, over the sweep.
 
     One color per matrix, one dash pattern per sensor; circles mark the crossovers.
+
+    Parameters
+    ----------
+    curves
+        Of `chromanoise.study.compared`, all of one sweep and quantity.
+    crossed
+        Of `chromanoise.study.crossovers`.
+    axes
+        Above and below, which share their abscissa.
     """
     above, below = axes
     matrices = list(dict.fromkeys(curve.matrix for curve in curves))

@@ -33,7 +33,7 @@ from chromanoise.figures.vectors import (
     write_at,
 )
 from chromanoise.study import raw_snr_db
-from chromanoise.study.views import ChannelPlane, MagnifiedNoise
+from chromanoise.study.paper.views import ChannelPlane, MagnifiedNoise
 
 _ORIGIN = np.zeros(2)
 _AXIS_DASHES = (0, (7, 2, 1.5, 2))  # of a color axis: no channel and no sensor has it

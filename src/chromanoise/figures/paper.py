@@ -24,9 +24,9 @@ from chromanoise.figures.sensitivities import draw_sensitivities
 from chromanoise.figures.style import chromanoise_style, sensor_label
 from chromanoise.sensor import bayer, rgbw_sparse_4x4
 from chromanoise.spectra import cie_1931
-from chromanoise.study.paper import RGB_12, RGBW_12, PaperStudy
-from chromanoise.study.planes import PaperPlanes
-from chromanoise.study.views import ChannelPlane
+from chromanoise.study.paper.planes import PaperPlanes
+from chromanoise.study.paper.study import RGB_12, RGBW_12, PaperStudy
+from chromanoise.study.paper.views import ChannelPlane
 
 CAPTIONS = {
     "figure-01-mosaics": (

@@ -1,26 +1,17 @@
 """The figures of a study: what its report draws, for papers and slides."""
 
 from collections.abc import Mapping
-from itertools import combinations
 
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
-from chromanoise._check import InputError
 from chromanoise.figures.budget import draw_budget
 from chromanoise.figures.comparison import draw_comparison
 from chromanoise.figures.ellipses import draw_ellipses
 from chromanoise.figures.pareto import draw_pareto
 from chromanoise.figures.sensitivities import draw_sensitivities
 from chromanoise.figures.style import chromanoise_style
-from chromanoise.study import (
-    QUANTITIES,
-    SWEEPS,
-    Crossover,
-    Curve,
-    compared,
-    crossovers,
-)
+from chromanoise.study import QUANTITIES, SWEEPS, Crossover, compared, crossovers_or_reasons
 from chromanoise.study.drawings import Shown, coordinate_budget, drawing
 from chromanoise.study.drawings.levels import drawn_lux
 
@@ -76,21 +67,10 @@ def _comparison(of: Shown) -> Figure:
     curves = compared(of.situations, of.makers, values, sweep=sweep, quantity=quantity)
     figure = _framed(5.6)
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=(2, 1))
-    draw_comparison(curves, _crossed(of, curves), (above, below))
+    pairs = crossovers_or_reasons(of.situations, of.makers, curves)
+    crossed = [pair for pair in pairs if isinstance(pair, Crossover)]
+    draw_comparison(curves, crossed, (above, below))
     return figure
-
-
-def _crossed(of: Shown, curves: tuple[Curve, ...]) -> list[Crossover]:
-    """Each pair by itself, so that one without a common level does not silence the others."""
-    found: list[Crossover] = []
-    for name, maker in of.makers.items():
-        mine = [curve for curve in curves if curve.matrix == name]
-        for (a, of_a), (b, of_b) in combinations(zip(of.situations, mine, strict=True), 2):
-            try:
-                found += crossovers([a, b], {name: maker}, [of_a, of_b])
-            except InputError:
-                continue  # two that are never usable together do not change places
-    return found
 
 
 def _budget(of: Shown) -> Figure | None:

@@ -66,12 +66,12 @@ def draw_bar(ax: Axes, ends: Float[Array, "2 2"], color: str) -> None:
 
 
 def draw_point(ax: Axes, point: Float[Array, " 2"], color: str) -> None:
-    """A foot on an axis."""
+    """A point of an axis: where a projection ends."""
     ax.plot(*point, "o", color=color, markersize=5.5, zorder=6)
 
 
 def draw_area(ax: Axes, corners: Float[Array, "k 2"]) -> None:
-    """A quiet grey area."""
+    """A filled polygon in the palest gray, under all else."""
     ax.add_patch(Polygon(corners, closed=True, facecolor=FAINT, edgecolor="none", zorder=1))
 
 

@@ -1,4 +1,4 @@
-"""The page's own files, from inside the package."""
+"""The files of the page, and the drawing modules of the figures as its folder ``draw``."""
 
 import hashlib
 import re
@@ -21,6 +21,7 @@ _TYPES = {
 }
 _STEP = re.compile(r"[A-Za-z0-9_-][A-Za-z0-9_.-]*")  # no way up, no hidden file
 _INDEX = "index.html"
+_OWN, _DRAW = "page/assets", "figures/draw"  # the second is shared with the report
 
 
 def asset(path: str) -> bytes | None:
@@ -34,8 +35,9 @@ def asset(path: str) -> bytes | None:
     steps = path.split("/")
     if not all(_STEP.fullmatch(step) for step in steps) or path.rpartition(".")[2] not in _TYPES:
         return None
-    place: Traversable = files("chromanoise.page").joinpath("assets")
-    for step in steps:
+    shared = steps[0] == "draw"
+    place: Traversable = files("chromanoise").joinpath(_DRAW if shared else _OWN)
+    for step in steps[1:] if shared else steps:
         place = place.joinpath(step)
     return place.read_bytes() if place.is_file() else None
 

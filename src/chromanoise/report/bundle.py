@@ -7,7 +7,7 @@ from functools import partial
 from importlib import resources
 from typing import Any
 
-_DRAW = "page/assets/draw"
+_DRAW = "figures/draw"
 
 
 def drawing_style() -> str:

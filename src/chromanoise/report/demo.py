@@ -18,7 +18,7 @@ from chromanoise.study import (
     table_5_finding,
     verdict,
 )
-from chromanoise.study.paper import PRINTED_TIMES_MS, RGB_12, RGBW_12, WELL_SHARE
+from chromanoise.study.paper.study import PRINTED_TIMES_MS, RGB_12, RGBW_12, WELL_SHARE
 
 
 def demo_page(

@@ -61,7 +61,16 @@ def slides_of(of: Shown) -> tuple[Slide, ...]:
 
 
 def at_value(of: Shown, slide: Slide, value: float | None) -> Shown:
-    """The study with one thing changed, time and all else kept; ``None`` changes nothing.
+    """The study with one thing changed, time and all else kept.
+
+    Parameters
+    ----------
+    of
+        The study as it is.
+    slide
+        What is changed; its key is one of `chromanoise.study.SWEEPS`.
+    value
+        To what; ``None`` changes nothing. [unit of the sweep]
 
     Raises
     ------

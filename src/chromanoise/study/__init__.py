@@ -1,4 +1,12 @@
-"""One reproducible run: the analysis of sensors, and the paper's own study."""
+"""One reproducible run: the analysis of sensors, and the paper's own study.
+
+In the order of reading: ``words`` and ``catalog`` name sensors and lights, ``priors`` and
+``makers`` color matrices; ``analysis`` takes one sensor through every stage, with ``perceived``,
+``chart``, ``grey_budget`` and ``pareto`` for its noise as seen, and ``merits`` for all its figures
+of merit; ``comparing`` sets sensors against each other; ``paper`` is the paper's own study;
+``export``, ``tables`` and ``files`` tell results to programs and people; ``runs`` is a study in a
+TOML file, and ``drawings`` what is drawn of it.
+"""
 
 from chromanoise.study.analysis import (
     Analysis,
@@ -12,32 +20,31 @@ from chromanoise.study.analysis import (
     mean_color_error,
     raw_snr_db,
 )
-from chromanoise.study.bands import (
+from chromanoise.study.catalog import Entry, catalog_entries, catalog_entry, catalog_file_of
+from chromanoise.study.chart import ChartNoise, chart_as_json, chart_noise
+from chromanoise.study.comparing.bands import (
     CrossoverBand,
     band_sentence,
     bands_as_json,
     crossover_bands,
 )
-from chromanoise.study.catalog import Entry, catalog_entries, catalog_entry, catalog_file_of
-from chromanoise.study.chart import ChartNoise, chart_as_json, chart_noise
-from chromanoise.study.comparison import (
+from chromanoise.study.comparing.crossing import (
     Crossover,
-    Curve,
-    compared,
-    comparison_as_json,
+    Incomparable,
     crossover_sentence,
     crossovers,
+    crossovers_or_reasons,
 )
-from chromanoise.study.export import analyses_as_json, budgets_as_json, reproduction_as_json
-from chromanoise.study.findings import (
-    luminance_budget,
-    metric_remark,
-    set_aside_reasons,
-    table_5_finding,
-    verdict,
+from chromanoise.study.comparing.curves import Curve, compared
+from chromanoise.study.comparing.quantities import QUANTITIES, Quantity
+from chromanoise.study.comparing.sweeps import SWEEPS, Sweep, swept_values
+from chromanoise.study.export import (
+    analyses_as_json,
+    budgets_as_json,
+    comparison_as_json,
+    reproduction_as_json,
 )
 from chromanoise.study.grey_budget import lab_budgets, missing_lab_budgets
-from chromanoise.study.layout import PaperTable, as_printed, paper_tables
 from chromanoise.study.makers import (
     METHODS,
     MatrixMaker,
@@ -46,16 +53,22 @@ from chromanoise.study.makers import (
     matrix_makers,
     trained_names,
 )
-from chromanoise.study.merit_entries import Merit, Viewing
-from chromanoise.study.merits import Merits, merits_as_json, merits_of
-from chromanoise.study.paper import PaperStudy, paper_study
+from chromanoise.study.merits.entries import Merit, Viewing
+from chromanoise.study.merits.listed import Merits, merits_as_json, merits_of
+from chromanoise.study.paper.findings import (
+    luminance_budget,
+    metric_remark,
+    set_aside_reasons,
+    table_5_finding,
+    verdict,
+)
+from chromanoise.study.paper.layout import PaperTable, as_printed, paper_tables
+from chromanoise.study.paper.planes import PaperPlanes, paper_planes
+from chromanoise.study.paper.reproduction import Cell, Reproduction, reproduced
+from chromanoise.study.paper.study import PaperStudy, paper_study
 from chromanoise.study.pareto import matrix_as_json, noise_weights, pareto_of, white_snr_db
 from chromanoise.study.perceived import GreyNoise, grey_noise, grey_noise_as_json
-from chromanoise.study.planes import PaperPlanes, paper_planes
 from chromanoise.study.priors import DEFAULT_PRIOR, PRIORS, Prior
-from chromanoise.study.quantities import QUANTITIES, Quantity
-from chromanoise.study.reproduction import Cell, Reproduction, reproduced
-from chromanoise.study.sweeps import SWEEPS, Sweep, swept_values
 
 __all__ = [
     "DEFAULT_PRIOR",
@@ -71,6 +84,7 @@ __all__ = [
     "Curve",
     "Entry",
     "GreyNoise",
+    "Incomparable",
     "MatrixMaker",
     "Merit",
     "Merits",
@@ -104,6 +118,7 @@ __all__ = [
     "crossover_bands",
     "crossover_sentence",
     "crossovers",
+    "crossovers_or_reasons",
     "diagnosis",
     "grey_noise",
     "grey_noise_as_json",

@@ -189,7 +189,10 @@ def _db(value: float | None) -> str:
 
 
 def mean_color_error(analysis: Analysis) -> float | None:
-    """Mean CIE 1976 difference over the ColorChecker, without noise; ``None`` for a lost white."""
+    """Mean CIE 1976 difference over the ColorChecker, without noise. [Delta E*ab]
+
+    ``None`` where the white is no color, so that there is nothing to hold the patches against.
+    """
     error = chart_color_error(
         analysis.sensor, analysis.matrix, analysis.exposure, analysis.scene.illuminant
     )

@@ -25,6 +25,7 @@ from chromanoise.noise import Readout, measured
 from chromanoise.scene import Scene
 from chromanoise.spectra import colorchecker
 from chromanoise.study.analysis import Analysis, color_snr_db
+from chromanoise.study.defined import defined
 
 _POINTS = 2**13  # per patch: a standard deviation is known to half a thousandth
 
@@ -118,7 +119,7 @@ def chart_as_json(chart: ChartNoise | None) -> list[dict[str, Any]] | None:
             "patch": name,
             "color_error": float(chart.color_error[i]),
             "ciede2000": float(chart.ciede2000[i]),
-            "snr_y_db": float(snr) if np.isfinite(snr := chart.snr_y_db[i]) else None,
+            "snr_y_db": defined(float(chart.snr_y_db[i])),
             "sd": dict(zip(noise.noisy.names, sd[i].tolist(), strict=True)),
             "chroma_sd": float(noise.chroma_sd[i]),
             "noise_delta_e": float(noise.delta_e[i]),

@@ -1,6 +1,5 @@
 """Results as plain data, ready for ``json.dumps``: what is not defined is ``None``."""
 
-import math
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict
 from typing import Any
@@ -18,10 +17,13 @@ from chromanoise.study.analysis import (
     mean_color_error,
     raw_snr_db,
 )
-from chromanoise.study.findings import set_aside_reasons, table_5_finding, verdict
+from chromanoise.study.comparing.crossing import Crossover, crossover_as_json
+from chromanoise.study.comparing.curves import Curve
+from chromanoise.study.defined import defined
 from chromanoise.study.grey_budget import lab_budgets
-from chromanoise.study.paper import PRINTED_TIMES_MS
-from chromanoise.study.reproduction import Reproduction
+from chromanoise.study.paper.findings import set_aside_reasons, table_5_finding, verdict
+from chromanoise.study.paper.reproduction import Reproduction
+from chromanoise.study.paper.study import PRINTED_TIMES_MS
 
 
 def analyses_as_json(analyses: Sequence[Analysis]) -> dict[str, Any]:
@@ -32,6 +34,33 @@ def analyses_as_json(analyses: Sequence[Analysis]) -> dict[str, Any]:
         "illuminant": analyses[0].scene.illuminant.name,
         "level_lux": analyses[0].scene.level_lux,
         "sensors": [_analysis(analysis) for analysis in analyses],
+    }
+
+
+def comparison_as_json(curves: Sequence[Curve], crossed: Sequence[Crossover]) -> dict[str, Any]:
+    """Curves and crossovers as plain data; what is not defined is ``None``."""
+    sweep, quantity = curves[0].sweep, curves[0].quantity
+    return {
+        "version": __version__,
+        "sweep": {
+            "name": sweep.name,
+            "what": sweep.what,
+            "unit": sweep.unit,
+            "values": curves[0].at.tolist(),
+        },
+        "quantity": {"name": quantity.name, "what": quantity.what, "unit": quantity.unit},
+        "curves": [
+            {
+                "sensor": curve.sensor,
+                "matrix": curve.matrix,
+                "time_ms": 1e3 * curve.time_s,
+                "value": [defined(value) for value in curve.value.tolist()],
+                "saturated": curve.saturated.tolist(),
+                "color_error": [defined(value) for value in curve.color_error.tolist()],
+            }
+            for curve in curves
+        ],
+        "crossovers": [crossover_as_json(c) for c in crossed],
     }
 
 
@@ -71,15 +100,15 @@ def _analysis(analysis: Analysis) -> dict[str, Any]:
         "time_ms": 1e3 * analysis.exposure.time_s,
         "f_number": analysis.exposure.f_number,
         "channels": _channels(analysis),
-        "spectral_snr_db": _finite(analysis.spectral_snr_db) if usable else None,
+        "spectral_snr_db": defined(analysis.spectral_snr_db) if usable else None,
         "color": {
             "snr_db": color_snr_db(analysis),
             "mean_lux": _named(axes, analysis.color.mean),
             "covariance_lux2": analysis.color.covariance.tolist(),
         },
-        "bound_db": _finite(analysis.bound_db) if usable else None,
+        "bound_db": defined(analysis.bound_db) if usable else None,
         "price_db": color_price_db(analysis),
-        "condition": _finite(analysis.matrix.frame.condition),
+        "condition": defined(analysis.matrix.frame.condition),
         "rank": analysis.matrix.frame.rank,
         "nearest_mix": asdict(analysis.mix) if analysis.mix else None,
         "matrix": analysis.matrix.matrix.tolist(),
@@ -99,7 +128,7 @@ def _channels(analysis: Analysis) -> list[dict[str, Any]]:
             "mean_e": float(analysis.raw.mean[i]),
             "snr_db": raw[name],
             "contravariant_snr_db": contravariant[name],
-            "vif": _finite(float(analysis.vif[i])),
+            "vif": defined(float(analysis.vif[i])),
             "saturated": bool(analysis.saturated[i]),
             "full_share": float(analysis.full_share[i]),
             "angle_deg": _named(names, analysis.between_deg[i]),
@@ -111,7 +140,3 @@ def _channels(analysis: Analysis) -> list[dict[str, Any]]:
 
 def _named(names: Iterable[str], values: Iterable[float]) -> dict[str, float]:
     return {name: float(value) for name, value in zip(names, values, strict=True)}
-
-
-def _finite(value: float) -> float | None:
-    return value if math.isfinite(value) else None

@@ -1,6 +1,5 @@
 """The trade of color error against noise for a sensor in use, and what a matrix is, as data."""
 
-import math
 from dataclasses import asdict
 from typing import Any
 
@@ -12,6 +11,7 @@ from chromanoise._check import Array
 from chromanoise.color import ColorMatrix, ParetoCurve, pareto
 from chromanoise.exposure import Situation
 from chromanoise.merit import MatrixReport
+from chromanoise.study.defined import defined
 from chromanoise.study.priors import DEFAULT_PRIOR, PRIORS, training_named
 
 _LIGHTEST, _HEAVIEST = 1e-15, 1e15  # weights beyond which double precision tells nothing
@@ -73,7 +73,7 @@ def white_snr_db(curve: ParetoCurve, report: MatrixReport) -> tuple[float | None
     """SNR of Y along the curve; ``None`` while a channel is saturated on the white. [dB]"""
     if report.snr_db is None:
         return (None,) * curve.weight.size
-    return tuple(_finite(float(value)) for value in curve.snr_y_db)
+    return tuple(defined(float(value)) for value in curve.snr_y_db)
 
 
 def matrix_as_json(
@@ -100,8 +100,8 @@ def matrix_as_json(
         },
         "report": {
             **told,
-            "condition": _finite(report.condition),
-            "snr_db": {name: _finite(value) for name, value in snr.items()} or None,
+            "condition": defined(report.condition),
+            "snr_db": {name: defined(value) for name, value in snr.items()} or None,
         },
         "pareto": None if curve is None else _points(curve, report),
         "notes": [*situation.sensor.notes, *situation.illuminant.notes],
@@ -121,7 +121,3 @@ def _points(curve: ParetoCurve, report: MatrixReport) -> list[dict[str, Any]]:
         }
         for i, weight in enumerate(curve.weight)
     ]
-
-
-def _finite(value: float | None) -> float | None:
-    return value if value is not None and math.isfinite(value) else None

@@ -77,7 +77,7 @@ def grey_noise(
     space
         E.g. `chromanoise.color.LAB`.
     reflectance
-        Of the grey.
+        Of the grey. [1]
     readout
         What holds and rounds the values; ``None`` for none. The white stays that of the electrons.
     """

@@ -9,8 +9,9 @@ from chromanoise._check import InputError
 from chromanoise.color import ColorMatrix
 from chromanoise.merit import MatrixReport
 from chromanoise.study.analysis import Analysis, color_price_db, color_snr_db, mean_color_error
-from chromanoise.study.comparison import Curve
-from chromanoise.study.layout import PaperTable
+from chromanoise.study.comparing.curves import Curve
+from chromanoise.study.defined import defined
+from chromanoise.study.paper.layout import PaperTable
 
 Entry = float | int | str | bool | None
 """One cell; ``None`` where a quantity is not defined."""
@@ -171,7 +172,7 @@ def matrix_as_table(matrix: ColorMatrix, report: MatrixReport, sensor_name: str)
     notes = [
         f"mean color error without noise {written(report.color_error_mean, '.4g') or 'not defined'}"
         " Delta E*ab over the ColorChecker",
-        f"condition {written(_defined(report.condition), '.4g') or 'not defined'}",
+        f"condition {written(defined(report.condition), '.4g') or 'not defined'}",
     ]
     for name, snr in (report.snr_db or {}).items():
         notes.append(f"SNR {name} of a perfect white {written(snr, '.2f') or 'not defined'} dB")
@@ -210,7 +211,7 @@ def curves_as_table(curves: Sequence[Curve]) -> Table:
     for i, at in enumerate(first.at.tolist()):
         row: list[Entry] = [at]
         for curve in curves:
-            row += [_defined(float(curve.value[i])), _defined(float(curve.color_error[i]))]
+            row += [defined(float(curve.value[i])), defined(float(curve.color_error[i]))]
         rows.append(tuple(row))
     return Table(
         title=f"{first.quantity.what} over {first.sweep.what}",
@@ -226,12 +227,8 @@ def _analysis_row(analysis: Analysis) -> tuple[Entry, ...]:
         analysis.sensor.name,
         1e3 * analysis.exposure.time_s,
         *(snr[axis] for axis in analysis.color.names),
-        _defined(analysis.bound_db) if usable else None,
+        defined(analysis.bound_db) if usable else None,
         color_price_db(analysis),
-        _defined(analysis.matrix.frame.condition),
+        defined(analysis.matrix.frame.condition),
         mean_color_error(analysis),
     )
-
-
-def _defined(value: float) -> float | None:
-    return value if math.isfinite(value) else None

@@ -103,7 +103,9 @@ def sensor_files(word: str) -> tuple[Path, ...]:
 
 
 def illuminant_files(word: str) -> tuple[Path, ...]:
-    """The same for the word of a light, with or without an infrared diode beside it.
+    """The files whose content decides what a light's word means; none if it is built in.
+
+    An infrared diode beside the light adds none.
 
     Raises
     ------
@@ -117,7 +119,7 @@ def illuminant_files(word: str) -> tuple[Path, ...]:
 
 
 def filter_files(word: str) -> tuple[Path, ...]:
-    """The same for the word of a filter.
+    """The files whose content decides what a filter's word means; none if it is built in.
 
     Raises
     ------
@@ -205,12 +207,14 @@ def asked_of_name(word: str) -> tuple[str, ...]:
 
 
 def is_file_name(word: str) -> bool:
-    """A file is named by its ending or its folder, so that no file hides a name of ours."""
+    """Whether a word names a file, by its ending or folder: no file hides a name of ours."""
     return word.lower().endswith(_ENDINGS) or word.startswith((".", "/", "~"))
 
 
 def is_sensor_file(word: str) -> bool:
-    """Or, of a sensor, by being there, where nothing of the catalogue has that name.
+    """Whether a sensor's word names a file.
+
+    By ending or folder, or by being there where nothing of the catalogue has that name.
 
     Raises
     ------
@@ -249,7 +253,9 @@ def word_beside(word: str, folder: Path) -> str:
 
 
 def sensor_word_beside(word: str, folder: Path) -> str:
-    """The same for a sensor, whose file needs no ending (`is_sensor_file`).
+    """A sensor of a study that lies in ``folder``: a file's name is told from there.
+
+    The file of a sensor needs no ending (`is_sensor_file`).
 
     Raises
     ------

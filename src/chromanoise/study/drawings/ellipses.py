@@ -3,6 +3,7 @@
 from typing import Any
 
 import numpy as np
+from jaxtyping import Float
 
 from chromanoise._check import Array
 from chromanoise.color import XYY, cielab, gaussian_cubature, through_space_sampled, xyy
@@ -29,11 +30,20 @@ def drawn_ellipses(shown: Shown, look: Look) -> dict[str, Any]:
     }
 
 
-def in_plane(seen: Patches, plane: str) -> tuple[Array, Array, Array]:
+def in_plane(
+    seen: Patches, plane: str
+) -> tuple[Float[Array, "k 2"], Float[Array, "k 2"], Float[Array, "k 2 2"]]:
     """Truth, mean and covariance of each patch in the plane, averaged over the whole Gaussian.
 
     In ``ab`` both sides are relative to their own white. In ``xy`` the sensor's X, Y, Z are
     scaled so that its white is that of the light.
+
+    Parameters
+    ----------
+    seen
+        The chart as one sensor sees it, ``k`` patches.
+    plane
+        ``ab`` of CIELAB (CIE 15:2018), or ``xy`` of the CIE 1931 chromaticities.
     """
     if plane == "ab":
         noise = seen.noise.second_route

@@ -1,20 +1,22 @@
 """SNR over the light level, and where sensors change places."""
 
 import math
-from collections.abc import Mapping
-from itertools import combinations
 from typing import Any
 
-import numpy as np
 from jaxtyping import Float
 
-from chromanoise._check import Array, InputError
-from chromanoise.exposure import Situation
-from chromanoise.study.comparison import Curve, compared, crossover_as_json, crossovers
+from chromanoise._check import Array
+from chromanoise.study.comparing.crossing import (
+    Crossover,
+    Incomparable,
+    crossover_sentence,
+    crossovers_or_reasons,
+)
+from chromanoise.study.comparing.curves import compared
+from chromanoise.study.comparing.quantities import QUANTITIES, Quantity, fullest_level_lux
+from chromanoise.study.comparing.sweeps import SWEEPS, swept_values
+from chromanoise.study.defined import defined
 from chromanoise.study.drawings.shown import Look, Shown
-from chromanoise.study.makers import MatrixMaker
-from chromanoise.study.quantities import QUANTITIES, Quantity, fullest_level_lux
-from chromanoise.study.sweeps import SWEEPS, swept_values
 
 LOWEST_LUX, HIGHEST_LUX = 0.01, 10_000.0
 """Of the curves, and of the page's slider: moonlight to a cloudy day."""
@@ -32,6 +34,7 @@ def drawn_levels(shown: Shown, look: Look) -> dict[str, Any]:
     values = drawn_lux(shown)
     makers = shown.makers
     curves = compared(shown.situations, makers, values, sweep=sweep, quantity=quantity)
+    pairs = crossovers_or_reasons(shown.situations, makers, curves)
     fullest = [fullest_level_lux(one) for one in shown.situations for _ in makers]
     return {
         "lux": values.tolist(),
@@ -42,12 +45,12 @@ def drawn_levels(shown: Shown, look: Look) -> dict[str, Any]:
             {
                 "sensor": curve.sensor,
                 "matrix": curve.matrix,
-                "values": [v if np.isfinite(v) else None for v in curve.value.tolist()],
+                "values": [defined(value) for value in curve.value.tolist()],
                 "saturated_from_lux": full if full is not None and full < values[-1] else None,
             }
             for curve, full in zip(curves, fullest, strict=True)
         ],
-        "crossovers": _crossed(shown.situations, makers, curves),
+        "crossovers": [entry for pair in pairs for entry in _crossed(pair)],
     }
 
 
@@ -89,26 +92,10 @@ def _quantity(look: Look) -> Quantity:
     return QUANTITIES.get(f"snr-{look.coordinate.lower()}", QUANTITIES["snr-y"])
 
 
-def _crossed(
-    situations: tuple[Situation, ...],
-    makers: Mapping[str, MatrixMaker],
-    curves: tuple[Curve, ...],
-) -> list[dict[str, Any]]:
-    """Each pair by itself, so that one without a common level does not silence the others."""
-    told = []
-    for name, maker in makers.items():
-        mine = [curve for curve in curves if curve.matrix == name]
-        for (a, of_a), (b, of_b) in combinations(zip(situations, mine, strict=True), 2):
-            try:
-                (found,) = crossovers([a, b], {name: maker}, [of_a, of_b])
-            except InputError as error:
-                told.append(_entry(of_a, of_b, None, str(error)))
-                continue
-            sentence = crossover_as_json(found)["sentence"]
-            told += [_entry(of_a, of_b, at, sentence) for at in found.at or (None,)]
-    return told
-
-
-def _entry(first: Curve, second: Curve, lux: float | None, sentence: str) -> dict[str, Any]:
-    between = {"first": first.sensor, "second": second.sensor, "matrix": first.matrix}
-    return {"lux": lux, "sentence": sentence, **between}
+def _crossed(pair: Crossover | Incomparable) -> list[dict[str, Any]]:
+    """One entry for each level at which two change places, else one that says why there is none."""
+    between = {"first": pair.first, "second": pair.second, "matrix": pair.matrix}
+    if isinstance(pair, Incomparable):
+        return [{"lux": None, "sentence": pair.why, **between}]
+    sentence = crossover_sentence(pair)
+    return [{"lux": at, "sentence": sentence, **between} for at in pair.at or (None,)]

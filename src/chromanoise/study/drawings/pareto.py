@@ -1,11 +1,11 @@
 """Color error against noise, over the weight of the noise in the matrix."""
 
-import math
 from typing import Any
 
 from chromanoise.color import ParetoCurve, training_color_error
 from chromanoise.exposure import Situation
 from chromanoise.study.analysis import Analysis, color_snr_db
+from chromanoise.study.defined import defined
 from chromanoise.study.drawings.shown import Look, Shown, saturation_sentence
 from chromanoise.study.makers import trained_names
 from chromanoise.study.pareto import noise_weights, pareto_of
@@ -41,7 +41,7 @@ def _sensor(
         {
             "weight": float(weight),
             "color_error": curve.delta_e[i],
-            "snr_db": _finite(float(curve.snr_y_db[i])) if full is None else None,
+            "snr_db": defined(float(curve.snr_y_db[i])) if full is None else None,
         }
         for i, weight in enumerate(curve.weight)
     ]
@@ -54,7 +54,3 @@ def _sensor(
     )
     now = {"color_error": error, "snr_db": color_snr_db(analysis)["Y"]}
     return {"name": situation.sensor.name, "points": points, "now": now, "why_not": full}
-
-
-def _finite(value: float) -> float | None:
-    return value if math.isfinite(value) else None

@@ -1,6 +1,5 @@
 """SNR of raw, contravariant and color coordinates, and noise in CIELAB."""
 
-import math
 from typing import Any
 
 import numpy as np
@@ -16,6 +15,7 @@ from chromanoise.study.analysis import (
     contravariant_snr_db,
     raw_snr_db,
 )
+from chromanoise.study.defined import defined
 from chromanoise.study.drawings.shown import Look, Shown, saturation_sentence
 from chromanoise.study.perceived import GREY
 
@@ -42,7 +42,7 @@ def drawn_stages(shown: Shown, look: Look) -> dict[str, Any]:
 
 
 def _where_usable(analysis: Analysis, value: float) -> float | None:
-    return value if math.isfinite(value) and not analysis.saturated.any() else None
+    return None if analysis.saturated.any() else defined(value)
 
 
 def _gray_sd(analysis: Analysis) -> dict[str, float | None]:

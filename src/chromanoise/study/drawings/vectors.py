@@ -48,7 +48,13 @@ def light_covariance(analysis: Analysis, frame: Float[Array, "n 3"]) -> Float[Ar
 
 
 def half_axes(covariance: Float[Array, "3 3"]) -> Float[Array, "3 3"]:
-    """The half axes of the ellipsoid at one standard deviation, one per row, longest first."""
+    """The half axes of the ellipsoid at one standard deviation, one per row, longest first.
+
+    Parameters
+    ----------
+    covariance
+        Symmetric; the half axes are in the root of its unit.
+    """
     variance, directions = np.linalg.eigh(covariance)
     return (directions * np.sqrt(np.maximum(variance, 0.0))).T[::-1]
 

@@ -11,7 +11,7 @@ from chromanoise.study.analysis import Analysis, analyzed
 from chromanoise.study.chart import ChartNoise, chart_as_json, chart_noise
 from chromanoise.study.export import analyses_as_json, budgets_as_json
 from chromanoise.study.makers import MatrixMaker
-from chromanoise.study.merits import Merits, merits_as_json, merits_of
+from chromanoise.study.merits.listed import Merits, merits_as_json, merits_of
 from chromanoise.study.perceived import GreyNoise, grey_noise, grey_noise_as_json
 from chromanoise.study.runs.document import OutputsPart
 

@@ -13,10 +13,10 @@ from chromanoise.imaging.shots import FORMATS
 from chromanoise.scene import BUILTIN_CUBES
 from chromanoise.sensor import MOSAIC_NAMES
 from chromanoise.spectra import METRICS
+from chromanoise.study.comparing.quantities import QUANTITIES
+from chromanoise.study.comparing.sweeps import SWEEPS
 from chromanoise.study.makers import METHODS
 from chromanoise.study.priors import DEFAULT_PRIOR, PRIORS
-from chromanoise.study.quantities import QUANTITIES
-from chromanoise.study.sweeps import SWEEPS
 
 SCHEMA = 1
 """Number of this schema; a later one that reads differently gets another."""

@@ -95,12 +95,18 @@ def situations_in(
 
 
 def illuminant_of(study: Study) -> Illuminant:
-    """The light of the study."""
+    """The light of the study.
+
+    Raises
+    ------
+    InputError
+        If its name names nothing, or a file cannot be read.
+    """
     return illuminant_of_word(study.light.illuminant, answers=light_answers_of(study))
 
 
 def light_answers_of(study: Study) -> Answers:
-    """What is said of the light's file."""
+    """What the study says of the file of its light, where the file cannot tell."""
     light = study.light
     return Answers(
         quantity="power",
@@ -195,7 +201,13 @@ _CURES = ("key", "shape", "wavelengths", "scale")
 
 
 def cube_of(part: PicturePart) -> Cube:
-    """The cube of a picture."""
+    """The cube of which a part of a study takes pictures.
+
+    Raises
+    ------
+    InputError
+        If a built-in name names nothing or is told what it says itself, or a file cannot be read.
+    """
     if part.cube.startswith("builtin:"):
         cures = [name for name in _CURES if getattr(part, name) is not None]
         if cures:

@@ -20,7 +20,8 @@ from chromanoise.sensor.photon_transfer_csv import is_photon_transfer_text
 from chromanoise.sensor.source_text import source_json, source_text
 from chromanoise.spectra import Spectra
 from chromanoise.spectra.files import ASK, Answers, read_curves
-from chromanoise.study.spectra_json import named, sensor_from_json, spectra_from_json
+from chromanoise.study.files.own_json import named
+from chromanoise.study.files.spectra_json import sensor_from_json, spectra_from_json
 from chromanoise.study.words import asked_of_name, file_of, is_sensor_file, sensor_of_word
 
 _HEAD_BYTES = 200  # of our own JSON, in which its schema is named

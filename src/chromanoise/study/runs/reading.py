@@ -15,13 +15,13 @@ from chromanoise.color import SPACES
 from chromanoise.imaging import DEMOSAICING
 from chromanoise.imaging.shots import FORMATS
 from chromanoise.spectra import METRICS
+from chromanoise.study.comparing.quantities import QUANTITIES
+from chromanoise.study.comparing.sweeps import SWEEPS
 from chromanoise.study.makers import METHODS
 from chromanoise.study.priors import PRIORS
-from chromanoise.study.quantities import QUANTITIES
 from chromanoise.study.runs.document import Study
 from chromanoise.study.runs.hashes import with_file_words
 from chromanoise.study.runs.named import Key, unmade
-from chromanoise.study.sweeps import SWEEPS
 from chromanoise.study.words import file_of, sensor_word_beside, word_beside
 
 _LARGEST_BYTES = 1 << 20

@@ -12,10 +12,10 @@ from chromanoise import __version__
 from chromanoise._check import InputError
 from chromanoise._files import refuse_unwritable, whole_folder
 from chromanoise.imaging import Work
+from chromanoise.study.files.own_json import named
 from chromanoise.study.runs.document import Study
 from chromanoise.study.runs.hashes import changes_since, provenance, study_as_json, study_hash
 from chromanoise.study.runs.running import study_steps
-from chromanoise.study.spectra_json import named
 
 STUDY_FILE = "study.json"
 _LARGEST_BYTES = 256 << 20

@@ -10,16 +10,18 @@ from chromanoise._check import InputError, distinct
 from chromanoise.exposure import Situation
 from chromanoise.imaging import Work
 from chromanoise.merit import matrix_report
-from chromanoise.study.bands import bands_as_json, crossover_bands
-from chromanoise.study.comparison import compared, comparison_as_json, crossovers
+from chromanoise.study.comparing.bands import bands_as_json, crossover_bands
+from chromanoise.study.comparing.crossing import crossovers
+from chromanoise.study.comparing.curves import compared
+from chromanoise.study.comparing.quantities import QUANTITIES
+from chromanoise.study.comparing.sweeps import SWEEPS, swept_values
+from chromanoise.study.export import comparison_as_json
 from chromanoise.study.makers import MatrixMaker, matrix_makers
 from chromanoise.study.pareto import matrix_as_json, noise_weights, pareto_of
-from chromanoise.study.quantities import QUANTITIES
 from chromanoise.study.runs.analyses import outcome_of, outcomes_as_json
 from chromanoise.study.runs.document import Study, SweepPart
 from chromanoise.study.runs.named import situations_of, twins
 from chromanoise.study.runs.pictures import file_word, pictures_taken, prepared_cameras
-from chromanoise.study.sweeps import SWEEPS, swept_values
 
 Makers = Mapping[str, MatrixMaker]
 Result = dict[str, Any]

@@ -18,7 +18,7 @@ from chromanoise import __version__
 from chromanoise._check import InputError
 from chromanoise.sensor import Mosaic, Sensor
 from chromanoise.spectra import Spectra
-from chromanoise.study.spectra_json import as_json
+from chromanoise.study.files.own_json import as_json
 
 _TM27_QUANTITIES = (
     *("flux", "absorptance", "transmittance", "reflectance", "intensity", "irradiance"),

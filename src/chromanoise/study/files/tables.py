@@ -14,11 +14,10 @@ from typing import Any
 
 from chromanoise import __version__
 from chromanoise._check import InputError
-from chromanoise.study.spectra_json import named
+from chromanoise.study.files.own_json import SCHEMA_VERSION, held_json, named
 from chromanoise.study.tables import Column, Entry, Table, written
 
 SCHEMA = "chromanoise table"
-SCHEMA_VERSION = 1
 
 _FORMULA = ("=", "+", "-", "@", "\t", "＝", "＋", "－", "＠")
 _MARKDOWN = re.compile(r"([\\`*_\[\]<>#|~&])")
@@ -115,17 +114,7 @@ def table_from_json(text: str, *, source: str = "table") -> Table:
     InputError
         If the text is no JSON, is of another schema or version, or no table.
     """
-    try:
-        held = json.loads(text)
-    except (ValueError, RecursionError):
-        raise InputError(f"{source}: not JSON; give a file that was written as a table") from None
-    if not isinstance(held, dict) or held.get("schema") != SCHEMA:
-        raise InputError(f"{source}: not a table; its schema must be {SCHEMA!r}")
-    if held.get("schema_version") != SCHEMA_VERSION:
-        raise InputError(
-            f"{source}: schema_version must be {SCHEMA_VERSION}, but is "
-            f"{str(held.get('schema_version'))[:20]}; read it with the version that wrote it"
-        )
+    held = held_json(text, SCHEMA, source=source)
     try:
         return Table(
             title=_word(held["title"]),

@@ -26,7 +26,7 @@ from chromanoise.merit import (
 from chromanoise.merit.visual_noise import pixels_per_degree
 from chromanoise.study.analysis import Analysis
 from chromanoise.study.makers import MatrixMaker
-from chromanoise.study.merit_entries import (
+from chromanoise.study.merits.entries import (
     Merit,
     Viewing,
     merit_or_reason,

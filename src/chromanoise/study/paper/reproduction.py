@@ -7,14 +7,14 @@ import numpy as np
 
 from chromanoise.merit import snr_db
 from chromanoise.noise import Estimate, monte_carlo, with_noise
-from chromanoise.study import paper
 from chromanoise.study.analysis import (
     Analysis,
     color_snr_db,
     contravariant_snr_db,
     raw_snr_db,
 )
-from chromanoise.study.paper import PaperStudy
+from chromanoise.study.paper import study as paper
+from chromanoise.study.paper.study import PaperStudy
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -2,8 +2,8 @@
 
 from dataclasses import dataclass
 
-from chromanoise.study.paper import RGB_59, RGBW_12, PaperStudy
-from chromanoise.study.views import (
+from chromanoise.study.paper.study import RGB_59, RGBW_12, PaperStudy
+from chromanoise.study.paper.views import (
     ChannelPlane,
     MagnifiedNoise,
     channel_plane,

@@ -1,7 +1,5 @@
 """Sensors and spectra in JSON of our own, with a version: all that they hold, and back again."""
 
-import json
-from collections.abc import Mapping
 from typing import Any, cast, get_args
 
 import numpy as np
@@ -11,8 +9,8 @@ from chromanoise._check import Array, InputError
 from chromanoise.sensor import Mosaic, Pixel, Sensor
 from chromanoise.sensor.sensor import Origin
 from chromanoise.spectra import Grid, Spectra
+from chromanoise.study.files.own_json import SCHEMA_VERSION, as_json, held_json, named
 
-SCHEMA_VERSION = 1
 _SENSOR_SCHEMA = "chromanoise sensor"
 _SPECTRA_SCHEMA = "chromanoise spectra"
 _LARGEST_GRID = 1_000_000
@@ -69,7 +67,7 @@ def spectra_from_json(text: str, *, source: str = "spectra") -> Spectra:
     InputError
         If the text is no JSON, is of another schema or version, or the spectra are wrong.
     """
-    held = _held(text, _SPECTRA_SCHEMA, source)
+    held = held_json(text, _SPECTRA_SCHEMA, source=source)
     try:
         return Spectra(
             wavelength_nm=_array(held["wavelength_nm"], 1),
@@ -94,7 +92,7 @@ def sensor_from_json(text: str, *, source: str = "sensor") -> Sensor:
     InputError
         If the text is no JSON, is of another schema or version, or the sensor is wrong.
     """
-    held = _held(text, _SENSOR_SCHEMA, source)
+    held = held_json(text, _SENSOR_SCHEMA, source=source)
     try:
         grid, pixel, mosaic = held["grid_nm"], held["pixel"], held["mosaic"]
         wells = {k: _number(pixel[k]) for k in ("pitch_um", "full_well_e", "read_noise_e")}
@@ -116,32 +114,6 @@ def sensor_from_json(text: str, *, source: str = "sensor") -> Sensor:
         raise named(error, source) from None
     except (KeyError, TypeError, OverflowError) as error:
         raise _unfit(source, "sensor", error) from None
-
-
-def as_json(told: Mapping[str, Any]) -> str:
-    """Text with all digits; what is not finite is an error."""
-    return json.dumps(told, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
-
-
-def named(error: InputError, source: str) -> InputError:
-    """The complaint of a noun, with the file from which the noun was to be made."""
-    told = str(error)
-    return InputError(told if source in told else f"{source}: {told}")
-
-
-def _held(text: str, schema: str, source: str) -> dict[str, Any]:
-    try:
-        held = json.loads(text)
-    except (ValueError, RecursionError):
-        raise InputError(f"{source}: not JSON; give a file with the schema {schema!r}") from None
-    if not isinstance(held, dict) or held.get("schema") != schema:
-        raise InputError(f"{source}: its schema must be {schema!r}")
-    if held.get("schema_version") != SCHEMA_VERSION:
-        raise InputError(
-            f"{source}: schema_version must be {SCHEMA_VERSION}, but is "
-            f"{str(held.get('schema_version'))[:20]}; read it with the version that wrote it"
-        )
-    return held
 
 
 def _unfit(source: str, what: str, error: Exception) -> InputError:

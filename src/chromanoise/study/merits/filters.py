@@ -21,7 +21,7 @@ from chromanoise.scene import Scene, light
 from chromanoise.spectra import cie_1931, color_axes, colorchecker
 from chromanoise.spectra.metric import photons_per_unit
 from chromanoise.study.analysis import Analysis
-from chromanoise.study.merit_entries import Merit, merit_or_reason, refuse_full, situation_of
+from chromanoise.study.merits.entries import Merit, merit_or_reason, refuse_full, situation_of
 
 _COLORED_PATCHES = 18  # of the chart's 24; the gray row tells nothing of metamerism
 
@@ -102,7 +102,7 @@ def _lamp_metamerism(analysis: Analysis) -> float:
 
 
 def chart_merits(analysis: Analysis) -> tuple[Merit, ...]:
-    """General figure of merit and information, the patches of a ColorChecker being likely alike."""
+    """General figure of merit and information; each patch of a ColorChecker is equally likely."""
     return (
         merit_or_reason(
             "figure_of_merit",

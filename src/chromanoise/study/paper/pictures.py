@@ -3,8 +3,8 @@
 from chromanoise.exposure import Situation
 from chromanoise.imaging import Picture, rendered
 from chromanoise.scene import checker_cube
-from chromanoise.study import paper
-from chromanoise.study.paper import PaperStudy
+from chromanoise.study.paper import study as paper
+from chromanoise.study.paper.study import PaperStudy
 
 
 def paper_pictures(study: PaperStudy, *, seed: int = 0) -> tuple[Picture, Picture]:

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from chromanoise.study.reproduction import Cell, Reproduction
+from chromanoise.study.paper.reproduction import Cell, Reproduction
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

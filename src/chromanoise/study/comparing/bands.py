@@ -9,16 +9,12 @@ from jaxtyping import Float
 from chromanoise._check import Array
 from chromanoise.exposure import Situation
 from chromanoise.spectra import Metric
-from chromanoise.study.comparison import (
-    Crossover,
-    compared,
-    crossover_as_json,
-    crossovers,
-)
+from chromanoise.study.comparing.crossing import Crossover, crossover_as_json, crossovers
+from chromanoise.study.comparing.curves import compared
+from chromanoise.study.comparing.quantities import SNR_Y, Quantity
+from chromanoise.study.comparing.sweeps import SWEEPS, Sweep
 from chromanoise.study.makers import matrix_makers, trained_names
 from chromanoise.study.priors import PRIORS
-from chromanoise.study.quantities import SNR_Y, Quantity
-from chromanoise.study.sweeps import SWEEPS, Sweep
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

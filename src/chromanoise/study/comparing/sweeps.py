@@ -140,6 +140,17 @@ SWEEPS: Mapping[str, Sweep] = {
 def swept_values(sweep: Sweep, first: float, last: float, points: int) -> Float[Array, " k"]:
     """Values from first to last, equally far apart. [unit of the sweep]
 
+    In a logarithmic sweep their ratios are equal, else their differences.
+
+    Parameters
+    ----------
+    sweep
+        One of `SWEEPS`, or your own.
+    first, last
+        The ends, both among the values. [unit of the sweep]
+    points
+        How many. [1]
+
     Raises
     ------
     InputError

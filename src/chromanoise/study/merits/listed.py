@@ -5,16 +5,16 @@ from typing import Any
 
 from chromanoise import _check
 from chromanoise.study.analysis import Analysis
-from chromanoise.study.filter_merits import chart_merits, filter_merits, metamerism_merits
-from chromanoise.study.light_merits import (
+from chromanoise.study.makers import MatrixMaker
+from chromanoise.study.merits.entries import Merit, Viewing
+from chromanoise.study.merits.filters import chart_merits, filter_merits, metamerism_merits
+from chromanoise.study.merits.light import (
     level_merits,
     matrix_merits,
     speed_merits,
     viewed_pixels_per_degree,
     visual_merits,
 )
-from chromanoise.study.makers import MatrixMaker
-from chromanoise.study.merit_entries import Merit, Viewing
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -105,7 +105,15 @@ def _colored_each(
 def is_saturated_over_levels(
     situation: Situation, level_lux: Float[Array, " k"]
 ) -> Bool[Array, " k"]:
-    """`is_saturated` at many light levels, the time being kept."""
+    """Whether a channel is saturated on a perfect white, at many light levels, the time kept.
+
+    Parameters
+    ----------
+    situation
+        A sensor in use; its own light level is not asked.
+    level_lux
+        Illuminance. [lx]
+    """
     full = saturated(level_lux[:, None] * _electrons_of_a_lux(situation), situation.sensor.pixel)
     return np.asarray(full.any(axis=-1))
 

@@ -120,13 +120,13 @@ def situation_of(analysis: Analysis) -> Situation:
 
 
 def white_electrons(analysis: Analysis) -> Float[Array, " p"]:
-    """Of a perfect white in the light of the analysis, unclipped. [e-]"""
+    """Expected electrons of a perfect white in the light of the analysis, unclipped. [e-]"""
     situation = situation_of(analysis)
     return expected_electrons(white_scene(situation), situation.sensor, situation.exposure)
 
 
 def white_color(analysis: Analysis) -> Float[Array, " 3"]:
-    """What the matrix makes of them. [lx]
+    """X, Y and Z that the matrix makes of a perfect white's electrons (eq. 6). [lx]
 
     Raises
     ------
@@ -145,7 +145,13 @@ def white_color(analysis: Analysis) -> Float[Array, " 3"]:
 
 
 def refuse_full(analysis: Analysis) -> None:
-    """Refuse an exposure in which a perfect white fills a channel: eq. 7 does not hold there."""
+    """Refuse an exposure in which a perfect white fills a channel: eq. 7 does not hold there.
+
+    Raises
+    ------
+    InputError
+        If it does; the channels are told.
+    """
     full = saturated(white_electrons(analysis), analysis.sensor.pixel)
     held = [name for name, is_full in zip(analysis.sensor.names, full, strict=True) if is_full]
     if held:

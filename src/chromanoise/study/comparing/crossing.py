@@ -1,66 +1,24 @@
-"""Sensors against each other while one thing varies: curves, crossovers and the verdict."""
+"""Where sensors change places while one thing varies: found on the closed form, told in words."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations, pairwise
 from typing import Any
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Float
 
-from chromanoise import __version__, _check
+from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise.exposure import Situation
-from chromanoise.study.makers import MatrixMaker, matrices_over_levels
-from chromanoise.study.quantities import (
-    SNR_Y,
-    Quantity,
-    color_error,
-    color_errors,
-    is_saturated,
-    is_saturated_over_levels,
-)
-from chromanoise.study.sweeps import SWEEPS, Sweep
+from chromanoise.study.comparing.curves import Curve
+from chromanoise.study.comparing.quantities import Quantity, color_error
+from chromanoise.study.comparing.sweeps import Sweep
+from chromanoise.study.defined import defined
+from chromanoise.study.makers import MatrixMaker
 
 _TIE = 1e-9  # of the unit of a quantity: rounding
 _CROSSING_TOLERANCE = 1e-9  # of the logarithm of the value, or of the span of a linear sweep
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Curve:
-    """One sensor with one matrix over the sweep.
-
-    Attributes
-    ----------
-    sensor, matrix
-        Names.
-    time_s
-        Integration time before the sweep. [s]
-    sweep, quantity
-        What varies, and what was asked.
-    at
-        Where it was computed. [unit of the sweep]
-    value
-        NaN where it is not defined: a channel is saturated, a color is no signal. [unit of the
-        quantity]
-    saturated
-        Where a channel is saturated on a perfect white.
-    color_error
-        Mean over the ColorChecker, without noise; NaN where it is not defined. [Delta E*ab]
-    """
-
-    sensor: str
-    matrix: str
-    time_s: float
-    sweep: Sweep
-    quantity: Quantity
-    at: Float[Array, " k"]
-    value: Float[Array, " k"]
-    saturated: Bool[Array, " k"]
-    color_error: Float[Array, " k"]
-
-    def __post_init__(self) -> None:
-        _check.freeze(self, "at", "value", "saturated", "color_error")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -96,48 +54,28 @@ class Crossover:
     last_at: float
 
 
-def compared(
-    contestants: Sequence[Situation],
-    makers: Mapping[str, MatrixMaker],
-    at: Float[Array, " k"],
-    *,
-    sweep: Sweep = SWEEPS["lux"],
-    quantity: Quantity = SNR_Y,
-) -> tuple[Curve, ...]:
-    """Every sensor with every matrix over the sweep.
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Incomparable:
+    """Two sensors that are never usable together, so that none leads.
 
-    Parameters
+    Attributes
     ----------
-    contestants
-        Sensors with their exposures and their light; each keeps all that the sweep does not vary.
-    makers
-        Matrix methods by name; each is asked anew at every value.
-    at
-        Increasing. [unit of the sweep]
-    sweep
-        What varies: one of `SWEEPS`, or your own.
-    quantity
-        What is asked: one of `QUANTITIES`, or your own.
-
-    Raises
-    ------
-    InputError
-        If the values do not increase or leave what makes sense.
+    first, second, matrix
+        Names.
+    why
+        A sentence.
     """
-    values = _check.increasing(f"values of {sweep.name}", sweep.unit, at)
-    for end in (values[0], values[-1]):
-        _check.within(f"sweep of {sweep.name}", sweep.unit, end, sweep.lowest, sweep.highest)
-    return tuple(
-        _curve(contestant, name, maker, values, sweep, quantity)
-        for contestant in contestants
-        for name, maker in makers.items()
-    )
+
+    first: str
+    second: str
+    matrix: str
+    why: str
 
 
 def crossovers(
     contestants: Sequence[Situation], makers: Mapping[str, MatrixMaker], curves: Sequence[Curve]
 ) -> tuple[Crossover, ...]:
-    """For each pair of sensors and each matrix, where their order changes.
+    """For each matrix and each pair of sensors, where their order changes.
 
     Signs are read off the curves; each change is then refined on the closed form.
 
@@ -146,75 +84,49 @@ def crossovers(
     contestants, makers
         As they were compared.
     curves
-        Of `compared`.
+        Of `chromanoise.study.compared`.
 
     Raises
     ------
     InputError
         If a pair has no value of the sweep at which both have the quantity.
     """
-    found = []
+    return tuple(_crossover(*pair) for pair in _pairs(contestants, makers, curves))
+
+
+def crossovers_or_reasons(
+    contestants: Sequence[Situation], makers: Mapping[str, MatrixMaker], curves: Sequence[Curve]
+) -> tuple[Crossover | Incomparable, ...]:
+    """As `crossovers`, but a pair that cannot be compared does not silence the others.
+
+    Parameters
+    ----------
+    contestants, makers, curves
+        As for `crossovers`.
+    """
+    return tuple(_crossover_or_reason(*pair) for pair in _pairs(contestants, makers, curves))
+
+
+_Side = tuple[Situation, Curve]
+
+
+def _pairs(
+    contestants: Sequence[Situation], makers: Mapping[str, MatrixMaker], curves: Sequence[Curve]
+) -> Iterator[tuple[MatrixMaker, _Side, _Side]]:
     for name, maker in makers.items():
         mine = [curve for curve in curves if curve.matrix == name]
-        found += [
-            _crossover(a, b, maker, curve_a, curve_b)
-            for (a, curve_a), (b, curve_b) in combinations(zip(contestants, mine, strict=True), 2)
-        ]
-    return tuple(found)
+        for one, other in combinations(zip(contestants, mine, strict=True), 2):
+            yield maker, one, other
 
 
-def _curve(
-    contestant: Situation,
-    name: str,
-    maker: MatrixMaker,
-    values: Float[Array, " k"],
-    sweep: Sweep,
-    quantity: Quantity,
-) -> Curve:
-    asked, errors, full = (
-        _over_levels(contestant, maker, values, quantity)
-        if sweep.name == SWEEPS["lux"].name
-        else None
-    ) or _one_by_one([sweep.at(contestant, value) for value in values.tolist()], maker, quantity)
-    return Curve(
-        sensor=contestant.sensor.name,
-        matrix=name,
-        time_s=contestant.exposure.time_s,
-        sweep=sweep,
-        quantity=quantity,
-        at=values,
-        value=asked,
-        saturated=full,
-        color_error=errors,
-    )
-
-
-_Asked = tuple[Float[Array, " k"], Float[Array, " k"], Bool[Array, " k"]]
-
-
-def _over_levels(
-    contestant: Situation, maker: MatrixMaker, values: Float[Array, " k"], quantity: Quantity
-) -> _Asked | None:
-    """All levels at once; ``None`` where quantity or maker can only be asked one by one."""
-    if quantity.over_levels is None:
-        return None
-    full = is_saturated_over_levels(contestant, values)
-    lit = [SWEEPS["lux"].at(contestant, value) for value in values.tolist()]
-    first, matrices = maker(lit[0]), matrices_over_levels(maker, contestant, values)
-    if matrices is not None:
-        asked = quantity.over_levels(contestant, first, values, matrices=matrices)
-        return asked, color_errors(contestant, matrices), full
-    if any(maker(each) is not first for each in lit):
-        return None
-    error = color_error(contestant, first)  # of the one matrix that looks at no light
-    return quantity.over_levels(contestant, first, values), np.full(values.size, error), full
-
-
-def _one_by_one(situations: Sequence[Situation], maker: MatrixMaker, quantity: Quantity) -> _Asked:
-    pairs = [(situation, maker(situation)) for situation in situations]
-    asked = np.array([quantity.of(*pair) for pair in pairs])
-    errors = np.array([color_error(*pair) for pair in pairs])
-    return asked, errors, np.array([is_saturated(situation) for situation in situations])
+def _crossover_or_reason(maker: MatrixMaker, one: _Side, other: _Side) -> Crossover | Incomparable:
+    try:
+        return _crossover(maker, one, other)
+    except _check.InputError as error:
+        first, second = one[1], other[1]
+        return Incomparable(
+            first=first.sensor, second=second.sensor, matrix=first.matrix, why=str(error)
+        )
 
 
 def _asked(
@@ -228,9 +140,8 @@ def _asked(
     return of(situation, maker(situation))
 
 
-def _crossover(
-    a: Situation, b: Situation, maker: MatrixMaker, first: Curve, second: Curve
-) -> Crossover:
+def _crossover(maker: MatrixMaker, one: _Side, other: _Side) -> Crossover:
+    (a, first), (b, second) = one, other
     sweep, quantity = first.sweep, first.quantity
     sign = 1.0 if quantity.more_is_better else -1.0
     lead = sign * (first.value - second.value)
@@ -318,50 +229,19 @@ def _next_share(a: Point, b: Point, c: Point, tolerance: float) -> float:
     return min(1 - least, max(least, share)) if least < 0.5 else 0.5
 
 
-def comparison_as_json(curves: Sequence[Curve], crossed: Sequence[Crossover]) -> dict[str, Any]:
-    """Curves and crossovers as plain data; what is not defined is ``None``."""
-    sweep, quantity = curves[0].sweep, curves[0].quantity
-    return {
-        "version": __version__,
-        "sweep": {
-            "name": sweep.name,
-            "what": sweep.what,
-            "unit": sweep.unit,
-            "values": curves[0].at.tolist(),
-        },
-        "quantity": {"name": quantity.name, "what": quantity.what, "unit": quantity.unit},
-        "curves": [
-            {
-                "sensor": curve.sensor,
-                "matrix": curve.matrix,
-                "time_ms": 1e3 * curve.time_s,
-                "value": _defined(curve.value),
-                "saturated": curve.saturated.tolist(),
-                "color_error": _defined(curve.color_error),
-            }
-            for curve in curves
-        ],
-        "crossovers": [crossover_as_json(c) for c in crossed],
-    }
-
-
 def crossover_as_json(crossover: Crossover) -> dict[str, Any]:
     """One crossover as plain data, with its sentence."""
     told = {
         key: getattr(crossover, key)
         for key in ("first", "second", "matrix", "better_first", "first_at", "last_at")
     }
-    errors = [_defined(np.array(pair)) for pair in crossover.color_error]
+    errors = [[defined(ours), defined(theirs)] for ours, theirs in crossover.color_error]
     sentence = crossover_sentence(crossover)
     return told | {"at": list(crossover.at), "color_error": errors, "sentence": sentence}
 
 
-def _defined(values: Float[Array, " k"]) -> list[float | None]:
-    return [value if np.isfinite(value) else None for value in values.tolist()]
-
-
 def crossover_sentence(crossover: Crossover) -> str:
-    """Who wins where, in words."""
+    """Who leads over which values of the sweep, and the color errors where places change."""
     first, second, unit = crossover.first, crossover.second, crossover.sweep.unit
     span = f"{_told(crossover.first_at, 4)} to {_told(crossover.last_at, 4)} {unit}"
     other = second if crossover.better_first == first else first

@@ -7,7 +7,6 @@ from chromanoise.merit import Budget, color_budget
 from chromanoise.merit.budget import CORRELATION, INFRARED
 from chromanoise.scene import Scene
 from chromanoise.spectra import INFRARED_FROM_NM
-from chromanoise.study import paper
 from chromanoise.study.analysis import (
     Analysis,
     color_snr_db,
@@ -15,7 +14,8 @@ from chromanoise.study.analysis import (
     mix_sentence,
     raw_snr_db,
 )
-from chromanoise.study.paper import PaperStudy
+from chromanoise.study.paper import study as paper
+from chromanoise.study.paper.study import PaperStudy
 
 
 def verdict(study: PaperStudy) -> str:
@@ -49,7 +49,7 @@ def _cost(budget: Budget, cause: str) -> float:
 
 
 def metric_remark(study: PaperStudy) -> str:
-    """What to think of printed beside ours in this metric."""
+    """Whether printed and computed values can be compared in this metric."""
     if study.metric == "quanta":
         return "Metric quanta, in which the reconstruction was fitted."
     return (

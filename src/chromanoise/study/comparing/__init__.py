@@ -1,0 +1,1 @@
+"""Sensors against each other while one thing varies: sweeps, quantities, curves, crossovers."""
