@@ -130,12 +130,19 @@ def window(browser, address, watch):
         page.goto(where + ("" if state is None else f"#{packed(state)}"))
         if wait:
             at_rest(page)
+        for old in page.context.pages:
+            if old not in pages:
+                old.close()
         return page
 
     yield opened
     for page in pages:
         page.context.clear_permissions()
-        page.close()
+        if page is pages[-1] and page.url.startswith(address):
+            page.unroute_all(behavior="ignoreErrors")
+            page.goto("about:blank")  # its process stays for the next window, and what it compiled
+        else:
+            page.close()
 
 
 @pytest.fixture
