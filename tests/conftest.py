@@ -27,6 +27,14 @@ def pytest_configure(config: pytest.Config) -> None:
     )
 
 
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config: pytest.Config, log: object) -> object:
+    """With ``-n``: each process gets a run of neighbors, so that few modules are prepared twice."""
+    from xdist.scheduler import WorkStealingScheduling
+
+    return WorkStealingScheduling(config, log) if config.getvalue("dist") == "load" else None
+
+
 settings.register_profile(
     "laws", max_examples=25, deadline=None, derandomize=True, database=None, print_blob=False
 )

@@ -1,5 +1,7 @@
 """The chart: color error and noise of every patch, side by side."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 
@@ -16,9 +18,15 @@ LAMP = equal_energy(DEFAULT_GRID)
 DRAWS = 20_000
 
 
+@cache
 def seen(name="onyx-rgb-ircut", level_lux=10.0, time_s=0.0119):
     white = flat_field(LAMP, level_lux=level_lux)
     return analyzed(white, sensor_named(name, DEFAULT_GRID), Exposure(time_s=time_s))
+
+
+@cache
+def charted():
+    return chart_noise(seen())
 
 
 def test_patches_drawn_and_taken_to_lab_scatter_as_predicted():
@@ -28,7 +36,7 @@ def test_patches_drawn_and_taken_to_lab_scatter_as_predicted():
     from chromanoise.exposure import expected_electrons
 
     analysis = seen()
-    chart = chart_noise(analysis)
+    chart = charted()
     rho = colorchecker(DEFAULT_GRID).values.T
     scene = Scene(illuminant=LAMP, level_lux=10.0, reflectance=rho)
     electrons = expected_electrons(scene, analysis.sensor, analysis.exposure)
@@ -46,7 +54,7 @@ def test_patches_drawn_and_taken_to_lab_scatter_as_predicted():
 
 def test_an_error_free_patch_exists_only_where_sensor_and_eye_agree():
     """White balance makes the neutral patches right within a few Delta E; colors are not."""
-    chart = chart_noise(seen())
+    chart = charted()
     neutral = chart.color_error[18:]
     assert neutral.max() < 4 < chart.color_error.max()
     assert chart.ciede2000.mean() < chart.color_error.mean()
@@ -56,11 +64,11 @@ def test_the_mean_of_the_chart_is_the_color_error_of_the_analysis():
     from chromanoise.study import mean_color_error
 
     analysis = seen()
-    assert chart_noise(analysis).color_error.mean() == pytest.approx(mean_color_error(analysis))
+    assert charted().color_error.mean() == pytest.approx(mean_color_error(analysis))
 
 
 def test_less_light_is_more_noise_on_every_patch():
-    bright, dim = chart_noise(seen(level_lux=10.0)), chart_noise(seen(level_lux=1.0))
+    bright, dim = charted(), chart_noise(seen(level_lux=1.0))
     assert (dim.noise.delta_e > bright.noise.delta_e).all()
     assert dim.color_error == pytest.approx(bright.color_error)
 

@@ -12,7 +12,7 @@ import pytest
 
 from served_page import chromium_path, served
 
-TIMEOUT_MS = 15_000  # generous: the machine may be busy
+TIMEOUT_MS = 60_000  # generous: the machine may be busy
 DRAWN = "section.panel[data-part]:not([data-part=picture])"
 
 
@@ -32,7 +32,10 @@ def address():
 
 @pytest.fixture(scope="module")
 def browser():
-    """Chromium without a window, one for all tests of a module."""
+    """Chromium, one for all tests of a module: from settings the context that has them.
+
+    The windows of a context share what it has fetched and compiled, so they open in half the time.
+    """
     playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
     program = chromium_path()
     if program is None:
@@ -40,7 +43,16 @@ def browser():
     playwright.expect.set_options(timeout=TIMEOUT_MS)
     with playwright.sync_playwright() as started:
         one = started.chromium.launch(executable_path=program, args=["--no-sandbox"])
-        yield one
+        contexts = {}
+
+        def context(settings):
+            key = json.dumps(settings, sort_keys=True)
+            if key not in contexts:
+                contexts[key] = one.new_context(**settings)
+                contexts[key].set_default_timeout(TIMEOUT_MS)
+            return contexts[key]
+
+        yield context
         one.close()
 
 
@@ -78,27 +90,32 @@ def watch():
 
 @pytest.fixture
 def window(browser, address, watch):
-    """Open the page in a context of its own and wait for its first numbers."""
-    contexts = []
+    """Open the page in a new window and wait for its first numbers."""
+    pages = []
 
     def opened(state=None, *, at=None, wait=True, **settings):
-        settings = {"viewport": {"width": 1280, "height": 900}} | settings
-        context = browser.new_context(**settings)
-        contexts.append(context)
-        context.set_default_timeout(TIMEOUT_MS)
+        page = browser({"viewport": {"width": 1280, "height": 900}} | settings).new_page()
+        pages.append(page)
         where = at or address
-        context.route(re.compile(f"^(?!{re.escape(where)}|blob:|data:)"), watch.refuse)
-        context.on("console", lambda told: watch.hear(told.type, told.text))
-        context.on("weberror", lambda told: watch.hear("error", str(told.error)))
-        page = context.new_page()
+        page.route(re.compile(f"^(?!{re.escape(where)}|blob:|data:)"), watch.refuse)
+        page.on("console", lambda told: watch.hear(told.type, told.text))
+        page.on("pageerror", lambda error: watch.hear("error", str(error)))
         page.goto(where + ("" if state is None else f"#{packed(state)}"))
         if wait:
             at_rest(page)
+        for old in page.context.pages:
+            if old not in pages:
+                old.close()
         return page
 
     yield opened
-    for context in contexts:
-        context.close()
+    for page in pages:
+        page.context.clear_permissions()
+        if page is pages[-1] and page.url.startswith(address):
+            page.unroute_all(behavior="ignoreErrors")
+            page.goto("about:blank")  # its process stays for the next window, and what it compiled
+        else:
+            page.close()
 
 
 @pytest.fixture

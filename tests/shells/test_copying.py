@@ -1,6 +1,7 @@
 """``--copy-as``: what it prints computes the digits of the command that printed it."""
 
 import json
+import runpy
 import shlex
 import subprocess
 import sys
@@ -222,7 +223,7 @@ OWN = "own camera.json"
 
 @pytest.mark.parametrize("more", [(), ("--read-noise-e", 2), ("--filter", "ircut-700")])
 def test_a_copied_script_knows_a_users_file_and_a_sensor_of_our_own_json(
-    run, tmp_path, curves, more
+    run, tmp_path, curves, more, capsys, monkeypatch
 ):
     own = tmp_path / OWN
     assert run("convert", "model-rgb", own)[0] == 0
@@ -230,11 +231,9 @@ def test_a_copied_script_knows_a_users_file_and_a_sensor_of_our_own_json(
     code, out, err = run("analyze", *options, "--copy-as", "python")
     assert code == 0, err
     (tmp_path / "s.py").write_text(out)
-    done = subprocess.run(
-        [sys.executable, "s.py"], cwd=tmp_path, capture_output=True, text=True, check=False
-    )
-    assert done.returncode == 0, done.stderr
-    assert json.loads(done.stdout) == [told_by(run, "analyze", *options)]
+    monkeypatch.chdir(tmp_path)
+    runpy.run_path("s.py", run_name="__main__")
+    assert json.loads(capsys.readouterr().out) == [told_by(run, "analyze", *options)]
 
 
 @pytest.mark.parametrize("more", [(), ("--copy-as", "toml")])

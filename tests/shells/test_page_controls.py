@@ -36,14 +36,18 @@ def moved_by_mouse(page, track):
     page.mouse.click(box["x"] + share * box["width"], box["y"] + box["height"] / 2)
 
 
+def is_of_another_card(where):
+    return where.startswith(("sensors.1.", "sensors.2."))
+
+
 @pytest.mark.parametrize("way", [moved_by_mouse, moved_by_key])
 def test_every_slider_moves_the_number_beside_it_the_question_the_drawings_and_the_address(
     page, way
 ):
     moved = []
     for i, where, disabled in sliders(page):
-        if disabled:
-            continue
+        if disabled or (way is moved_by_mouse and is_of_another_card(where)):
+            continue  # the cards of the sensors are alike: one of them is enough for the mouse
         track = page.locator(TRACKS).nth(i)
         number = track.locator("xpath=..").locator("input.field")
         before = (number.input_value(), shown(page), painted(page))
@@ -65,7 +69,9 @@ def test_every_slider_moves_the_number_beside_it_the_question_the_drawings_and_t
         "exposure.f_number",
         "sensors.pixel.read_noise_e",
     ]
-    assert {"sensors.2.ircut_nm", "sensors.0.shift_nm", "sensors.1.pixel.read_noise_e"} < set(moved)
+    assert "sensors.0.shift_nm" in moved
+    others = {"sensors.2.ircut_nm", "sensors.1.pixel.read_noise_e"}
+    assert others & set(moved) == (set() if way is moved_by_mouse else others)
     assert moved[-1] == "matrices.0"
 
 
@@ -109,23 +115,24 @@ def test_a_number_out_of_reason_is_told_beside_its_control_until_it_is_mended(pa
     assert page.locator("#faults").is_hidden()
 
 
-@pytest.mark.parametrize(
-    ("label", "value", "key", "told"),
-    [
-        ("Light", "3200K", "light", {"illuminant": "3200K+0.5xLED850", "level_lux": 8.0}),
-        ("Infrared diode", "LED940", "light", {"illuminant": "E+0.5xLED940", "level_lux": 8.0}),
-        ("Color matrix", "kernel", "matrices", ["kernel"]),
-        ("Prior of trained matrices", "chart", "prior", "chart"),
-        ("Sensor 2", "model-rgbir", "sensors", None),
-    ],
-)
-def test_every_choice_is_asked_for_and_drawn(page, label, value, key, told):
-    select = page.get_by_label(label, exact=True).and_(page.locator("select"))
-    before = shown(page)
-    question, _ = answer_to(page, lambda: select.select_option(value))
-    assert question["study"][key] == told or told is None
-    assert shown(page) != before
-    in_address(page, question["study"])
+CHOICES = [  # one after the other: label, value, key of the study and what it says then
+    ("Infrared diode", "LED940", "light", {"illuminant": "E+0.5xLED940", "level_lux": 8.0}),
+    ("Light", "3200K", "light", {"illuminant": "3200K+0.5xLED940", "level_lux": 8.0}),
+    ("Color matrix", "kernel", "matrices", ["kernel"]),
+    ("Color matrix", "lmmse", "matrices", ["lmmse"]),
+    ("Prior of trained matrices", "chart", "prior", "chart"),
+    ("Sensor 2", "model-rgbir", "sensors", None),
+]
+
+
+def test_every_choice_is_asked_for_and_drawn(page):
+    for label, value, key, told in CHOICES:
+        select = page.get_by_label(label, exact=True).and_(page.locator("select"))
+        before = shown(page)
+        question, _ = answer_to(page, lambda one=select, to=value: one.select_option(to))
+        assert question["study"][key] == told or told is None, label
+        assert shown(page) != before, label
+        in_address(page, question["study"])
 
 
 def test_a_choice_is_made_by_the_keyboard_alone(page):
@@ -144,15 +151,17 @@ def test_another_light_is_typed(page):
     assert question["study"]["light"]["illuminant"] == "3200K+0.5xLED850"
 
 
-@pytest.mark.parametrize("way", ["mouse", "keyboard"])
-def test_the_terms_of_comparison_change_the_times(page, way):
+def test_the_terms_of_comparison_change_the_times(page):
     times = page.locator("#electrons td:nth-child(2)")
     assert len(set(times.all_inner_texts())) == 1
-    if way == "mouse":
-        question, _ = answer_to(page, page.get_by_role("radio", name="saturation").click)
-    else:
-        page.get_by_role("radio", name="exposure").focus()
-        question, _ = answer_to(page, lambda: page.keyboard.press("ArrowRight"))
+    saturation = page.get_by_role("radio", name="saturation")
+    question, _ = answer_to(page, saturation.click)
+    assert question["study"]["exposure"]["equal"] == "saturation"
+    assert len(set(times.all_inner_texts())) == 3
+    saturation.focus()
+    answer_to(page, lambda: page.keyboard.press("ArrowLeft"))
+    assert len(set(times.all_inner_texts())) == 1
+    question, _ = answer_to(page, lambda: page.keyboard.press("ArrowRight"))
     assert question["study"]["exposure"]["equal"] == "saturation"
     assert len(set(times.all_inner_texts())) == 3
 
@@ -189,41 +198,42 @@ def test_six_sensors_are_the_most(page):
     assert page.get_by_text("as many as can be told apart").is_visible()
 
 
-@pytest.mark.parametrize(
-    ("label", "part", "value"),
-    [
-        ("Coordinate", "budget", "X"),
-        ("Plane", "ellipses", "xy"),
-        ("Magnification of the ellipsoid", "vectors", "2"),
-    ],
-)
-def test_how_it_is_looked_at_changes_one_drawing_and_the_address_not_the_study(
-    page, label, part, value
-):
-    panel = page.locator(f"[data-part={part}]").first
-    panel.scroll_into_view_if_needed()
-    before, study = panel.inner_text(), state_of(page)["study"]
-    select = page.get_by_role("combobox", name=label)
-    answer_to(page, lambda: select.select_option(value), changes="look")
-    until(
-        page,
-        "([part, before]) => document.querySelector(`[data-part=${part}]`).innerText !== before",
-        [part, before],
-    )
-    page.wait_for_url(lambda _: value in map(str, state_of(page)["look"].values()))
-    assert state_of(page)["study"] == study
+LOOKS = [
+    ("Coordinate", "budget", "X"),
+    ("Plane", "ellipses", "xy"),
+    ("Magnification of the ellipsoid", "vectors", "2"),
+]
 
 
-@pytest.mark.parametrize("way", ["mouse", "keyboard"])
-def test_light_and_dark_can_be_chosen(page, way):
+def test_how_it_is_looked_at_changes_one_drawing_and_the_address_not_the_study(page):
+    study = state_of(page)["study"]
+    for label, part, value in LOOKS:
+        panel = page.locator(f"[data-part={part}]").first
+        panel.scroll_into_view_if_needed()
+        before = panel.inner_text()
+        select = page.get_by_role("combobox", name=label)
+        answer_to(page, lambda one=select, to=value: one.select_option(to), changes="look")
+        until(
+            page,
+            "([part, old]) => document.querySelector(`[data-part=${part}]`).innerText !== old",
+            [part, before],
+        )
+        page.wait_for_url(lambda _, to=value: to in map(str, state_of(page)["look"].values()))
+        assert state_of(page)["study"] == study
+
+
+def test_light_and_dark_can_be_chosen(page):
     paper = "getComputedStyle(document.querySelector('.panel')).backgroundColor"
+    dark = page.get_by_role("radio", name="Dark")
     bright = page.evaluate(paper)
-    if way == "mouse":
-        page.get_by_role("radio", name="Dark").click()
-    else:
-        page.get_by_role("radio", name="Auto").focus()
-        page.keyboard.press("ArrowLeft")
-    assert page.get_by_role("radio", name="Dark").is_checked()
+    dark.click()
+    assert page.evaluate(paper) != bright
+    dark.focus()
+    page.keyboard.press("ArrowRight")
+    assert page.get_by_role("radio", name="Auto").is_checked()
+    assert page.evaluate(paper) == bright
+    page.keyboard.press("ArrowLeft")
+    assert dark.is_checked()
     assert page.evaluate(paper) != bright
     page.wait_for_url(lambda _: state_of(page)["look"].get("theme") == "dark")
 
