@@ -6,6 +6,7 @@ import pickle
 import signal
 import sys
 from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,7 +15,7 @@ import tifffile
 from chromanoise._check import InputError
 from chromanoise.cli import main
 from chromanoise.exposure import Situation
-from chromanoise.imaging import Work, acquired, electrons_of_cube, rendered
+from chromanoise.imaging import Work, acquired, electrons_of_cube, rendered, shared_rows
 from chromanoise.imaging import distributed as on_clusters
 from chromanoise.imaging.distributed import cluster
 from chromanoise.imaging.light import light_of
@@ -113,6 +114,32 @@ def test_a_cluster_makes_the_bits_of_threads(executor, tmp_path, interleave, kep
     assert (here.srgb == away.srgb).all()
     here, away = (electrons_of_cube(cube, SITUATION, work=w) for w in one_and(there))
     assert (here == away).all()
+
+
+@pytest.mark.parametrize("room", [True, False], ids=["in place", "no room to share"])
+def test_workers_of_this_machine_fill_the_picture_in_place(executor, tmp_path, monkeypatch, room):
+    monkeypatch.setattr(shared_rows, "_has_room", lambda size: room and own_room(size))
+    before = set(Path("/dev/shm").iterdir())
+    cube = read_cube(envi_file(tmp_path))
+    asked = {"seed": 6, "imperfections": Imperfections(dsnu_e=3.0, prnu=0.01)}
+    there = Work(executor=executor, tile_rows=9, same_machine=True)
+    here, beside = (rendered(cube, SITUATION, **asked, work=w) for w in one_and(there))
+    assert (here.xyz == beside.xyz).all()
+    assert (here.srgb == beside.srgb).all()
+    assert (here.mean_e == beside.mean_e).all()
+    assert type(beside.xyz) is np.ndarray
+    assert set(Path("/dev/shm").iterdir()) == before
+
+
+own_room = shared_rows._has_room
+
+
+def test_a_worker_of_another_machine_cannot_fill_in_place_and_says_so(tmp_path):
+    elsewhere = shared_rows.SharedRows(
+        path=str(tmp_path / "none"), shape=(2, 3), dtype=np.dtype(np.uint8)
+    )
+    with pytest.raises(InputError, match="same_machine only where all workers are"):
+        elsewhere.mapped()
 
 
 def one_and(there):

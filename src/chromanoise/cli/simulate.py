@@ -144,7 +144,8 @@ def simulate(cube: str, sensors: tuple[str, ...], out: Path, **options: Any) -> 
             executor = stack.enter_context(
                 cluster(options["scheduler"], workers=options["threads"])
             )
-            work = replace(work, executor=executor)
+            here = options["scheduler"] == "local"
+            work = replace(work, executor=executor, same_machine=here)
         rows = row_source(source.stored).shape[0] * options["frames"] * len(cameras)
         work = replace(work, progress=stack.enter_context(row_progress(rows)))
         for camera in cameras:

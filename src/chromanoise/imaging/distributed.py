@@ -7,7 +7,15 @@ from contextlib import ExitStack, contextmanager
 
 from chromanoise._check import InputError
 
-_BLOCKS_ARE_LARGE = {"distributed.admin.large-graph-warning-threshold": "1 GiB"}
+_QUIET = {
+    "distributed.admin.large-graph-warning-threshold": "1 GiB",  # blocks are
+    # all cores have work: what watches them many times a second would take its share
+    "distributed.worker.profile.enabled": False,
+    "distributed.admin.tick.interval": "1s",
+    "distributed.admin.system-monitor.interval": "5s",
+    "distributed.worker.memory.monitor-interval": "1s",
+    "distributed.scheduler.work-stealing-interval": "1s",
+}
 _ANSWERS_WITHIN_S = 10.0
 
 
@@ -38,7 +46,7 @@ def cluster(scheduler: str, *, workers: int | None = None) -> Iterator[Executor]
             "away for the threads of this machine"
         ) from None
     with ExitStack() as stack:
-        stack.enter_context(dask.config.set(_BLOCKS_ARE_LARGE))
+        stack.enter_context(dask.config.set(_QUIET))
         if scheduler == "local":
             processes = LocalCluster(  # type: ignore[no-untyped-call]
                 n_workers=workers,

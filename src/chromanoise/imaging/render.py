@@ -21,7 +21,7 @@ from chromanoise.imaging.plans import (
     raw_block,
     raw_plan,
 )
-from chromanoise.imaging.work import Work, filled, row_blocks
+from chromanoise.imaging.work import Work, made, row_blocks
 from chromanoise.scene import Cube, bands_within
 from chromanoise.sensor import Adc, Imperfections, Mosaic, Sensor, adc_to_full_well
 from chromanoise.spectra import Beyond, Illuminant, Metric
@@ -185,11 +185,9 @@ def rendered(
     matrices, white = color_matrices(matrix, situation)
     plan = color_plan(light, draw, situation, matrices, clip=clip)
     height, width, _ = light.source.shape
-    xyz = np.empty((height, width, 3), dtype=np.float32)
-    srgb = np.empty((height, width, 3), dtype=np.uint8)
-    counts = filled(
-        color_block, plan, row_blocks(light.source, work), (xyz, srgb), work, part=plan_for_rows
-    )
+    kinds = (((height, width, 3), np.float32), ((height, width, 3), np.uint8))
+    blocks = row_blocks(light.source, work)
+    (xyz, srgb), counts = made(color_block, plan, plan_for_rows, blocks, kinds, work)
     total, above, bad = np.concatenate(counts).sum(axis=0)
     return Picture(
         situation=situation,
@@ -244,10 +242,9 @@ def acquired(
     draw = draw_of(situation, seed=seed, frame=frame, imperfections=imperfections, noisy=noisy)
     plan = raw_plan(light, draw, situation, mosaic, adc)
     height, width, _ = light.source.shape
-    codes = np.empty((height, width), dtype=np.uint16)
-    counts = filled(
-        raw_block, plan, row_blocks(light.source, work), (codes,), work, part=plan_for_rows
-    )
+    kinds = (((height, width), np.uint16),)
+    blocks = row_blocks(light.source, work)
+    (codes,), counts = made(raw_block, plan, plan_for_rows, blocks, kinds, work)
     own = _pixels_of_channels(plan.tile, height, width, light.channels)
     total, above, bad = np.concatenate(counts).sum(axis=0)
     return RawPicture(
@@ -278,11 +275,9 @@ def electrons_of_cube(
     cube = bands_within(cube, situation.sensor.grid)
     light = light_of(cube, situation, beyond=beyond, bad_pixels=bad_pixels)
     height, width, _ = light.source.shape
-    electrons = np.empty((height, width, light.channels), dtype=np.float32)
-    plan = ElectronPlan(light=light)
-    filled(
-        electron_block, plan, row_blocks(light.source, work), (electrons,), work, part=plan_for_rows
-    )
+    kinds = (((height, width, light.channels), np.float32),)
+    plan, blocks = ElectronPlan(light=light), row_blocks(light.source, work)
+    (electrons,), _ = made(electron_block, plan, plan_for_rows, blocks, kinds, work)
     return electrons
 
 

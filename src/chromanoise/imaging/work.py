@@ -8,6 +8,7 @@ import math
 import os
 from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
+from contextlib import ExitStack
 from dataclasses import dataclass
 from functools import partial
 from itertools import islice
@@ -18,6 +19,7 @@ import numpy as np
 from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise.imaging.blocks import Scratch
+from chromanoise.imaging.shared_rows import Kind, SharedRows, shared_rows
 from chromanoise.scene.rows import RowSource
 
 Block = tuple[int, int]
@@ -30,8 +32,8 @@ Part = Callable[[Any, int, int], tuple[Any, list[Block]]]
 """The plan as another process needs it for the rows of a block, and the pieces to fill it in."""
 
 _SENT_AHEAD = 16  # blocks that wait at an executor
-_SENT_BLOCK_BYTES = 64 << 20  # by a worker elsewhere: sending a task takes some milliseconds
-_MOST_BLOCK_BYTES = 256 << 20
+_LARGE_BLOCK_BYTES = 64 << 20  # of what is in memory, or is sent
+_MOST_BLOCK_BYTES = 256 << 20  # of a file, for a worker elsewhere: a task costs ten milliseconds
 _TURNS = 8
 _BLOCK_BYTES = 8 << 20  # read at a time: large for the disk, small for the memory
 
@@ -50,6 +52,9 @@ class Work:
         Takes the blocks instead of threads of this process: of `concurrent.futures`, or
         ``dask.distributed.Client.get_executor()``. Its workers must reach the cube's file; a cube
         in memory is sent to them.
+    same_machine
+        Whether the executor's workers are processes of this machine, which fill the picture in
+        place instead of sending their rows.
     progress
         Is told how many more rows are done.
 
@@ -62,6 +67,7 @@ class Work:
     threads: int | None = None
     tile_rows: int | None = None
     executor: Executor | None = None
+    same_machine: bool = False
     progress: Callable[[int], None] | None = None
 
     def __post_init__(self) -> None:
@@ -97,29 +103,24 @@ def _rows_of(source: RowSource, size_bytes: int) -> int:
 
 def _block_bytes(source: RowSource, work: Work) -> int:
     """Large where nothing is copied: handing a block over costs as much as a megabyte of it."""
+    in_file = source.scratch_bytes(1) > 0
     if work.executor is not None:
-        return _SENT_BLOCK_BYTES
-    if source.scratch_bytes(1) > 0:
+        return _MOST_BLOCK_BYTES if in_file else _LARGE_BLOCK_BYTES
+    if in_file:
         return _BLOCK_BYTES
     whole = math.prod(source.shape) * source.dtype.itemsize
     turns = _TURNS * _threads(work)  # of each thread, so that all end together
-    return min(max(whole // turns, _BLOCK_BYTES), _SENT_BLOCK_BYTES)
+    return min(max(whole // turns, _BLOCK_BYTES), _LARGE_BLOCK_BYTES)
 
 
 def _threads(work: Work) -> int:
     return work.threads or os.cpu_count() or 1
 
 
-def filled(
-    fill: FillBlock,
-    plan: Any,
-    blocks: list[Block],
-    outputs: tuple[Array, ...],
-    work: Work,
-    *,
-    part: Part | None = None,
-) -> list[Any]:
-    """Fill the rows of ``outputs`` block by block; what was told of each block, in their order.
+def made(
+    fill: FillBlock, plan: Any, part: Part, blocks: list[Block], kinds: tuple[Kind, ...], work: Work
+) -> tuple[tuple[Array, ...], list[Any]]:
+    """New arrays filled block by block, and what was told of each block, in their order.
 
     Parameters
     ----------
@@ -127,19 +128,34 @@ def filled(
         A function of plan and block alone.
     plan
         All that it needs.
+    part
+        What is sent of it to an executor.
     blocks
         Of `row_blocks`.
-    outputs
-        Arrays whose first axis is the rows.
+    kinds
+        Shapes and types of the arrays; their first axis is the rows.
     work
         Who does it. The first fault ends it all.
-    part
-        What is sent to an executor; without it all work is done here.
     """
-    if work.executor is not None and part is not None:
-        there = partial(_remote, work.executor, fill, plan, part, outputs)
-        nested = _in_order(there, blocks, work, _SENT_AHEAD)
-        return [told for block in nested for told in block]
+    if work.executor is None:
+        outputs = tuple(np.empty(shape, dtype) for shape, dtype in kinds)
+        return outputs, filled(fill, plan, blocks, outputs, work)
+    with ExitStack() as stack:
+        shared = stack.enter_context(shared_rows(*kinds)) if work.same_machine else None
+        if shared is None:
+            outputs = tuple(np.empty(shape, dtype) for shape, dtype in kinds)
+            submit = partial(_sent, work.executor, fill, plan, part, outputs)
+        else:
+            outputs = tuple(rows.mapped() for rows in shared)
+            submit = partial(_in_place, work.executor, fill, plan, part, shared)
+        nested = _in_order(submit, blocks, work, _SENT_AHEAD)
+    return outputs, [told for block in nested for told in block]
+
+
+def filled(
+    fill: FillBlock, plan: Any, blocks: list[Block], outputs: tuple[Array, ...], work: Work
+) -> list[Any]:
+    """Fill the rows of ``outputs`` by threads of this process; else as `made`."""
     threads = _threads(work)
     scratch = Scratch()
 
@@ -163,7 +179,7 @@ def _submitted(
     return pool.submit(here, start, stop), lambda told: told
 
 
-def _remote(
+def _sent(
     executor: Executor,
     fill: FillBlock,
     plan: Any,
@@ -172,6 +188,7 @@ def _remote(
     start: int,
     stop: int,
 ) -> tuple["Future[Any]", Callable[[Any], Any]]:
+    """The rows come back with what is told of them."""
     kinds = [((stop - start, *out.shape[1:]), out.dtype) for out in outputs]
     own, pieces = part(plan, start, stop)
 
@@ -181,20 +198,47 @@ def _remote(
             out[start:stop] = rows
         return told
 
-    return executor.submit(_filled_there, fill, own, pieces, kinds), place
+    return executor.submit(_filled_and_sent, fill, own, pieces, kinds), place
 
 
-def _filled_there(fill: FillBlock, plan: Any, pieces: list[Block], kinds: list[Any]) -> Any:
+def _filled_and_sent(fill: FillBlock, plan: Any, pieces: list[Block], kinds: list[Any]) -> Any:
     """In another process: arrays of its own, that are sent back."""
-    parts = [np.empty(shape, dtype) for shape, dtype in kinds]
+    parts = tuple(np.empty(shape, dtype) for shape, dtype in kinds)
+    return _filled_there(fill, plan, pieces, parts), parts
+
+
+def _in_place(
+    executor: Executor,
+    fill: FillBlock,
+    plan: Any,
+    part: Part,
+    shared: tuple[SharedRows, ...],
+    start: int,
+    stop: int,
+) -> tuple["Future[Any]", Callable[[Any], Any]]:
+    """The rows are where they belong; a block that is filled twice has the same bits both times."""
+    own, pieces = part(plan, start, stop)
+    return executor.submit(_filled_in_place, fill, own, pieces, shared), lambda told: told
+
+
+def _filled_in_place(
+    fill: FillBlock, plan: Any, pieces: list[Block], shared: tuple[SharedRows, ...]
+) -> Any:
+    """In another process of the same machine."""
+    start, stop = pieces[0][0], pieces[-1][1]
+    return _filled_there(fill, plan, pieces, tuple(rows.mapped()[start:stop] for rows in shared))
+
+
+def _filled_there(
+    fill: FillBlock, plan: Any, pieces: list[Block], parts: tuple[Array, ...]
+) -> list[Any]:
     first = pieces[0][0]
-    told = [
+    return [
         fill(
             plan, start, stop, _scratch_there, *(out[start - first : stop - first] for out in parts)
         )
         for start, stop in pieces
     ]
-    return told, parts
 
 
 _scratch_there = Scratch()
