@@ -19,6 +19,9 @@ import { uploads } from "app/upload.js";
 /** How long nothing moves before the parts that nobody sees are asked for. */
 const IDLE_MS = 300;
 
+/** Questions of the newest states that are under way at once. */
+const IN_FLIGHT = 2;
+
 /** Parts that a trained matrix makes so slow that nothing else shall wait for them. */
 const SLOW = new Set(["levels", "pareto", "chart", "vectors"]);
 
@@ -78,7 +81,8 @@ function answered(reply, asked) {
     clearFaults();
     notice("faults", null);
   }
-  if (want.includes("head")) {
+  // of two questions under way the newer one may be back first
+  if (want.includes("head") && version >= page.headVersion) {
     page.answered = asked;
     page.level = study.light?.level_lux ?? null;
     say(byId("hash"), reply.hash ? `study ${reply.hash.slice(0, 12)}` : "");
@@ -99,6 +103,7 @@ function markStale() {
 
 function show(part, data, version) {
   if (part === "head") {
+    if (version < page.headVersion) return undefined;
     page.headVersion = version;
     if (!data?.sensors) return notice("faults", data?.fault ?? "The server told no verdict.");
     page.head = data;
@@ -106,7 +111,6 @@ function show(part, data, version) {
     return page.showControls(current(), data);
   }
   const panel = page.panels.get(part);
-  // of two questions under way the newer one may be back first
   if (version < panel.version) return undefined;
   panel.version = version;
   if (part === "budget") page.tools.coordinates(data);
@@ -252,7 +256,7 @@ async function start() {
     lost: (sentence) => notice("lost", sentence),
     found: () => notice("lost", null),
   };
-  page.asker = new Asker({ ...told, question, rested });
+  page.asker = new Asker({ ...told, question, rested }, IN_FLIGHT);
   page.later = new Asker({ ...told, question: laterQuestion, rested: () => page.later.ask() });
   page.panels = panels({
     tools: page.tools.nodes,

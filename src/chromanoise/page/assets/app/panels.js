@@ -7,6 +7,7 @@ import * as chart from "draw/chart.js";
 import * as ellipses from "draw/ellipses.js";
 import * as levels from "draw/levels.js";
 import * as pareto from "draw/pareto.js";
+import { refill } from "draw/refill.js";
 import * as sensitivities from "draw/sensitivities.js";
 import * as stages from "draw/stages.js";
 import * as vectors from "draw/vectors.js";
@@ -127,11 +128,7 @@ export function showTable(panel, open) {
   attribute(panel.toggle, "aria-expanded", open ? "true" : "false");
   panel.table.hidden = !open;
   if (!open || panel.data === null) return panel.table.replaceChildren();
-  const at = panel.table.firstElementChild?.scrollTop ?? 0;
-  panel.table.replaceChildren(tableOf(DRAWN[panel.part].rows(panel.data), panel.title));
-  // a table that is read must not jump to its top with every answer
-  if (at) panel.table.firstElementChild.scrollTop = at;
-  return undefined;
+  return refill(panel.table, tableOf(DRAWN[panel.part].rows(panel.data), panel.title));
 }
 
 /** A real table; a wide or long one scrolls by itself, by keyboard as well. */
