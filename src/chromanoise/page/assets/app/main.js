@@ -15,6 +15,7 @@ import { changeLook, current, readAddress, startFrom, subscribe } from "app/stat
 import { themeChoice } from "app/theme.js";
 import { headingTools } from "app/tools.js";
 import { uploads } from "app/upload.js";
+import { learn } from "app/uploads.js";
 
 /** How long nothing moves before the parts that nobody sees are asked for. */
 const IDLE_MS = 300;
@@ -88,6 +89,10 @@ function answered(reply, asked) {
     say(byId("hash"), reply.hash ? `study ${reply.hash.slice(0, 12)}` : "");
   }
   for (const part of want) show(part, reply.parts[part] ?? null, version);
+  if (learn(reply.files)) {
+    page.showControls(current(), page.head);
+    page.picture(current());
+  }
   markStale();
   performance.mark("drawn", { detail: reply.number });
   requestAnimationFrame(() => afterPaint.postMessage(reply.number));
