@@ -61,7 +61,23 @@ export function panels({ seen, tools, resized }) {
     watcher.observe(panel.section);
     sizes.observe(panel.body);
   }
+  pack(document.querySelectorAll("main > .panel"));
   return made;
+}
+
+/** Rows of the style sheet's grid, and the space below a panel. */
+const ROW_PX = 8;
+const GAP_ROWS = 2;
+
+/** Lets each panel take as many rows as its height needs. */
+function pack(sections) {
+  const heights = new ResizeObserver((entries) => {
+    for (const { target, borderBoxSize } of entries) {
+      const rows = Math.ceil(borderBoxSize[0].blockSize / ROW_PX) + GAP_ROWS;
+      target.style.setProperty("--span", String(rows));
+    }
+  });
+  for (const section of sections) heights.observe(section);
 }
 
 function panelOf(part, tool) {
