@@ -23,6 +23,9 @@ const IDLE_MS = 300;
 /** Questions of the newest states that are under way at once. */
 const IN_FLIGHT = 2;
 
+/** Of one of two columns of A4, where the style of print makes 0.7 of it. */
+const PAPER_PX = 476;
+
 /** Parts that a trained matrix makes so slow that nothing else shall wait for them. */
 const SLOW = new Set(["levels", "pareto", "chart", "vectors"]);
 
@@ -125,7 +128,7 @@ function show(part, data, version) {
 function drawingOptions(part, data) {
   const { look } = current();
   const told = page.level === null ? look : { ...look, level_lux: page.level };
-  return { ghosts: page.ghosts.ghosts(part, data), look: told, tables: page.printing };
+  return { ghosts: page.ghosts.ghosts(part, data), look: told, ...(page.printing ? { width: PAPER_PX } : {}) };
 }
 
 function refused(faults, { version }) {

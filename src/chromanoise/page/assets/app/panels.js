@@ -122,7 +122,7 @@ function show(panel, data, options) {
   panel.fault.textContent = complaint ?? "";
   panel.body.hidden = complaint !== null;
   panel.section.removeAttribute("aria-busy");
-  showTable(panel, options.look.open.includes(panel.part) || options.tables === true);
+  showTable(panel, options.look.open.includes(panel.part));
 }
 
 function faultOf(data) {
@@ -132,7 +132,7 @@ function faultOf(data) {
 
 function drawn(panel, data, options) {
   try {
-    DRAWN[panel.part].draw(panel.body, data, { ...options, width: panel.width });
+    DRAWN[panel.part].draw(panel.body, data, { width: panel.width, ...options });
     return null;
   } catch (error) {
     return `This could not be drawn (${error.message}); the table may still tell.`;
