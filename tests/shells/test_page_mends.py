@@ -289,7 +289,7 @@ def test_slow_drawings_of_a_trained_matrix_never_hold_back_the_numbers(page):
     levels.scroll_into_view_if_needed()
     before = levels.locator(".body").inner_html()
     waiting = held(page, slow)
-    track = page.get_by_label("f-number", exact=True)
+    track = page.get_by_label("Light level", exact=True)
     for step in (1, 2):
         track.focus()
         question, parts = answer_to(page, lambda: page.keyboard.press("Shift+ArrowUp"))

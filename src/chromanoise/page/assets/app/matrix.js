@@ -147,7 +147,7 @@ function weightSlider(choices, method, i) {
     label: i ? `${parameter.label}, matrix ${i + 1}` : parameter.label,
     unit: "",
     range: parameter,
-    where: `matrices.${i}.parameter`,
+    where: `matrices.${i}`,
     on: (value) => changeStudy((study) => put(study, i, `${method}=${value}`), "slide"),
   });
 }
