@@ -31,9 +31,7 @@ class QuestionError(Exception):
         Whether the body still comes: it is answered first, and passed over then.
     """
 
-    def __init__(
-        self, *faults: tuple[str, str], status: int = 200, unread: bool = False
-    ) -> None:
+    def __init__(self, *faults: tuple[str, str], status: int = 200, unread: bool = False) -> None:
         super().__init__("; ".join(sentence for _, sentence in faults))
         self.faults, self.status, self.unread = faults, status, unread
 
@@ -124,7 +122,9 @@ def _no_number(word: str) -> NoReturn:
 
 def _whole(digits: str) -> int:
     if len(digits) > _MOST_DIGITS:
-        raise malformed("", f"the question holds a whole number of {len(digits)} digits; write fewer")
+        raise malformed(
+            "", f"the question holds a whole number of {len(digits)} digits; write fewer"
+        )
     return int(digits)
 
 

@@ -84,9 +84,7 @@ def _sensors() -> list[dict[str, Any]]:
 
 def _filters() -> list[str]:
     """Those that a name alone makes, and a few edges of the family that takes any number."""
-    names = [
-        entry.provenance.name for entry in catalog_entries("filters", folder=catalog_folder())
-    ]
+    names = [entry.provenance.name for entry in catalog_entries("filters", folder=catalog_folder())]
     return [*(name for name in names if "<" not in name), *_EDGES]
 
 

@@ -86,15 +86,19 @@ def _cube(upload: Upload) -> Told:
     ]
     first, last = DEFAULT_GRID.wavelength_nm[[0, -1]]
     short = [end for end, is_short in ((at[0], at[0] > first), (at[-1], at[-1] < last)) if is_short]
-    return {"kind": "cube", "preview": lines, "asks": [_beyond(short, first, last)] if short else []}
+    return {
+        "kind": "cube",
+        "preview": lines,
+        "asks": [_beyond(short, first, last)] if short else [],
+    }
 
 
 def _beyond(ends_nm: list[float], first_nm: float, last_nm: float) -> Told:
     """What a cube is asked whose bands do not reach over what sensors answer to."""
     ends = " and ".join(f"{end:g}" for end in ends_nm)
     question = (
-        f"its bands end at {ends} nm, and sensors answer from {first_nm:g} to {last_nm:g} nm: is it "
-        "there as at its end (hold), or black (zero)?"
+        f"its bands end at {ends} nm, and sensors answer from {first_nm:g} to {last_nm:g} nm: is "
+        "it there as at its end (hold), or black (zero)?"
     )
     return {"key": "beyond", "question": question, "choices": ["hold", "zero"]}
 

@@ -131,8 +131,8 @@ def listening_socket(port: int) -> socket.socket:
     OSError
         If the port is taken or may not be used.
     """
-    # only of a socket that is told to be TCP does asyncio send what is short at once: a header alone
-    # would keep its answer waiting for the browser's delayed acknowledgement, some 40 ms
+    # only of a socket that is told to be TCP does asyncio send what is short at once: a header
+    # alone would keep its answer waiting for the browser's delayed acknowledgement, some 40 ms
     listening = socket.socket(socket.AF_INET, socket.SOCK_STREAM, socket.IPPROTO_TCP)
     try:
         if sys.platform != "win32":  # where it would let two servers share a port
