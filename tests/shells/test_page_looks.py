@@ -1,5 +1,6 @@
 """How the page looks: for every eye, at every size, in light and dark, on paper."""
 
+import re
 from importlib.resources import files
 
 import pytest

@@ -131,13 +131,17 @@ function drawingOptions(part, data) {
   return { ghosts: page.ghosts.ghosts(part, data), look: told, ...(page.printing ? { width: PAPER_PX } : {}) };
 }
 
+const OLDER = "What is shown is older than the controls. ";
+const NOTHING_YET = "Nothing can be shown before what stands in red beside the controls is mended. ";
+
 function refused(faults, { version }) {
   if (version < page.headVersion) return;
   page.failedVersion = version;
   // nothing newer will come, and the sentence says that it is older
   for (const { section, data } of page.panels.values()) if (data) attribute(section, "aria-busy", null);
   const homeless = showFaults(faults);
-  const where = homeless.length < faults.length ? "What is shown is older than the controls. " : "";
+  const beside = page.head ? OLDER : NOTHING_YET;
+  const where = homeless.length < faults.length ? beside : "";
   notice("faults", (where + homeless.join(" ")).trim());
 }
 

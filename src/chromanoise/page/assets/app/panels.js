@@ -66,8 +66,8 @@ export function panels({ seen, tools, resized }) {
 }
 
 /** Rows of the style sheet's grid, and the space below a panel. */
-const ROW_PX = 8;
-const GAP_ROWS = 2;
+const ROW_PX = 4;
+const GAP_ROWS = 4;
 
 /** Lets each panel take as many rows as its height needs. */
 function pack(sections) {
