@@ -130,7 +130,7 @@ def _sees_diode(situations: Sequence[Situation]) -> bool:
         np.interp(_DIODE_NM, one.sensor.grid.wavelength_nm, one.sensor.qe.max(axis=1))
         for one in situations
     )
-    return max(seen) > _SEES_INFRARED
+    return bool(max(seen) > _SEES_INFRARED)
 
 
 def _sees_infrared(situations: Sequence[Situation]) -> bool:

@@ -7,8 +7,9 @@ import { shownName } from "app/uploads.js";
 import { draw } from "draw/picture.js";
 
 const REST_MS = 350;
-/** Unseen it comes too, for it may be printed; what is seen comes before. */
-const UNSEEN_REST_MS = 1500;
+/** Unseen it comes too, for it may be printed, but once nobody waits for anything else. */
+const UNSEEN_REST_MS = 4000;
+const BUSY = ".panel[aria-busy]:not([data-part=picture])";
 const SIDES = ["Left", "Right"];
 
 /** Fills the panel; gives `later(state)`, which fetches once nothing has moved for a while. */
@@ -75,6 +76,7 @@ class View {
   async #fetch(study) {
     const key = JSON.stringify([study, ...this.sides.map(({ select }) => select.value)]);
     if (key === this.#shown) return;
+    if (!this.#visible && document.querySelector(BUSY)) return this.later({ study });
     this.#abort?.abort();
     this.#abort = new AbortController();
     const { signal } = this.#abort;
