@@ -4,6 +4,7 @@ Plain HTML and SVG without style sheets or scripts, so that any notebook shows i
 still does.
 """
 
+import re
 from collections.abc import Iterable, Sequence
 from html import escape
 
@@ -18,8 +19,13 @@ _WIDTH, _HEIGHT, _EDGE = 320, 120, 14
 
 def shown(caption: str, *parts: str, notes: Iterable[str] = ()) -> str:
     """A caption, tables and drawings one under the other, and notes in small."""
-    told = "".join(f"<div><small>{escape(note)}</small></div>" for note in notes)
-    return f"<div><div><b>{escape(caption)}</b></div>{''.join(parts)}{told}</div>"
+    told = "".join(f"<div><small>{_text(note)}</small></div>" for note in notes)
+    return f"<div><div><b>{_text(caption)}</b></div>{''.join(parts)}{told}</div>"
+
+
+def _text(told: str) -> str:
+    """Words as HTML, with the signs of electrons and micrometers that a terminal may not have."""
+    return re.sub(r"\bum\b", "µm", re.sub(r"\be-(?!\w)", "e⁻", escape(told)))
 
 
 def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
@@ -30,10 +36,10 @@ def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     >>> table(["", "mean [e-]"], [["R", "12"]]).count("<td")
     1
     """
-    top = "".join(f'<th scope="col">{escape(cell)}</th>' for cell in head)
+    top = "".join(f'<th scope="col">{_text(cell)}</th>' for cell in head)
     body = "".join(
-        f'<tr><th scope="row" style="text-align:left">{escape(first)}</th>'
-        + "".join(f'<td style="text-align:{_side(cell)}">{escape(cell)}</td>' for cell in rest)
+        f'<tr><th scope="row" style="text-align:left">{_text(first)}</th>'
+        + "".join(f'<td style="text-align:{_side(cell)}">{_text(cell)}</td>' for cell in rest)
         + "</tr>"
         for first, *rest in rows
     )
@@ -69,7 +75,7 @@ def curves(
     )
     return (
         f'<svg role="img" width="{_WIDTH}" height="{_HEIGHT}" viewBox="0 0 {_WIDTH} {_HEIGHT}" '
-        f'fill="currentColor"><title>{escape(what)}, 0 to {top:.3g}</title>{drawn}{ends}</svg>'
+        f'fill="currentColor"><title>{_text(what)}, 0 to {top:.3g}</title>{drawn}{ends}</svg>'
     )
 
 

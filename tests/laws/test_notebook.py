@@ -6,6 +6,7 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 
+from chromanoise._notebook import table
 from chromanoise.exposure import Exposure
 from chromanoise.noise import Measurement
 from chromanoise.scene import flat_field
@@ -107,3 +108,11 @@ def test_the_shown_costs_lead_from_all_photons_to_the_coordinate():
     (end,) = re.findall(r"SNR of Y\s+(\d+\.\d\d)", told)
     assert len(costs) == 6
     assert float(start) + sum(map(float, costs)) == pytest.approx(float(end), abs=0.05)
+
+
+def test_electrons_and_micrometers_have_their_signs_and_numbers_keep_theirs():
+    told = table(["", "mean [e-]", "1e-05 um"], [["R", "12 e-/photon", "number"]])
+    assert "mean [e⁻]" in told
+    assert "12 e⁻/photon" in told
+    assert "1e-05 µm" in told
+    assert "number" in told

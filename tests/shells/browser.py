@@ -209,9 +209,10 @@ def in_address(page, study):
 
 
 def shown(page):
-    """All words and numbers of the drawings."""
+    """All words and numbers of the drawings; the picture comes when all else is at rest."""
+    drawn = "#panels .panel:not([data-part=picture]) .body"
     return page.evaluate(
-        "[...document.querySelectorAll('#verdict, #reasons, #panels .body')]"
+        f"[...document.querySelectorAll('#verdict, #reasons, {drawn}')]"
         ".map((node) => node.textContent).join('\\n')"
     )
 

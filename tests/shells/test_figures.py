@@ -157,7 +157,14 @@ def test_the_two_sensors_differ_in_dashes():
     ]
     assert not lines[0].is_dashed()
     assert lines[1].is_dashed()
-    assert sensor_dashes("onyx-rgbw") != sensor_dashes("someone's own")
+
+
+def test_as_many_sensors_as_a_page_shows_have_each_a_dash_of_its_own():
+    names = ["onyx-rgbw", "mine", "yours", "onyx-rgb", "theirs", "a", "b", "c"]
+    patterns = sensor_dashes([*names, "mine"])
+    assert list(patterns) == names
+    assert len({str(pattern) for pattern in patterns.values()}) == len(names)
+    assert patterns["onyx-rgbw"] == "solid"
 
 
 def test_the_flow_shows_the_luminance_snr_of_both_sensors(figures, study):

@@ -191,6 +191,27 @@ def test_sensors_are_added_moved_and_removed(page, way):
     assert named("Move sensor 1 up").is_disabled()
 
 
+def test_matrices_are_added_changed_moved_and_removed_by_the_keyboard(page):
+    def press(name):
+        page.get_by_role("button", name=name).focus()
+        page.keyboard.press("Enter")
+
+    question, _ = answer_to(page, lambda: press("Add a matrix"))
+    assert question["study"]["matrices"] == ["noise-regularized=1", "kernel"]
+    second = page.get_by_label("Color matrix 2", exact=True)
+    question, _ = answer_to(page, lambda: second.select_option("ridge"))
+    assert question["study"]["matrices"] == ["noise-regularized=1", "ridge=0.01"]
+    track = page.get_by_label("Strength of the ridge, matrix 2", exact=True)
+    question, _ = answer_to(page, lambda: moved_by_key(page, track))
+    assert question["study"]["matrices"][1] not in ("ridge=0.01", "ridge=0")
+    question, _ = answer_to(page, lambda: press("Move matrix 2 up"))
+    assert question["study"]["matrices"][0].startswith("ridge=")
+    question, _ = answer_to(page, lambda: press("Remove matrix 1"))
+    assert question["study"]["matrices"] == ["noise-regularized=1"]
+    assert page.evaluate("document.activeElement.tagName") == "SELECT"
+    assert page.get_by_role("button", name="Remove matrix 1").is_disabled()
+
+
 def test_six_sensors_are_the_most(page):
     for _ in range(3):
         answer_to(page, page.get_by_role("button", name="Add a sensor").click)

@@ -289,7 +289,7 @@ def test_slow_drawings_of_a_trained_matrix_never_hold_back_the_numbers(page):
     levels.scroll_into_view_if_needed()
     before = levels.locator(".body").inner_html()
     waiting = held(page, slow)
-    track = page.get_by_label("f-number", exact=True)
+    track = page.get_by_label("Light level", exact=True)
     for step in (1, 2):
         track.focus()
         question, parts = answer_to(page, lambda: page.keyboard.press("Shift+ArrowUp"))
@@ -366,3 +366,32 @@ def test_no_option_of_the_command_line_is_told_on_the_page(page):
     assert "--" not in alert.inner_text()
     assert alert.inner_text().startswith("two.npz: ")
     assert "one array" in alert.inner_text()
+
+
+def test_an_answer_that_comes_after_a_newer_one_is_not_shown(window):
+    page = window({"study": {"sensors": PAIR}, "look": {}})
+    numbers = page.locator("#electrons")
+    before = numbers.inner_text()
+    waiting = held(page, lambda request: request.url.endswith("/api/answer"))
+    page.get_by_label("Share of full well", exact=True).focus()
+    for count in (1, 2):  # the second question leaves before the first is answered
+        page.keyboard.press("Shift+ArrowDown")
+        comes(page, waiting, count)
+    older, newer = waiting[0], waiting[1]
+    let_go(waiting[1:])
+    until(page, "(b) => document.querySelector('#electrons').innerText !== b", before)
+    last = numbers.inner_text()
+    told = f"{newer[1].json()['parts']['head']['sensors'][0]['mean_e']['G']:.4g}"
+    assert told in last
+    older[0].fulfill(response=older[1])
+    page.wait_for_timeout(300)
+    assert numbers.inner_text() == last
+
+
+def test_a_sensor_that_stands_there_twice_has_two_pictures_of_two_names(window):
+    twice = [PAIR[0], PAIR[0] | {"ircut_nm": 700.0}]
+    page = window({"study": {"sensors": twice}, "look": {}})
+    left = page.locator("[data-part=picture]").get_by_label("Left")
+    names = left.locator("option").all_inner_texts()
+    assert names[0] == "onyx-rgbw, noisy"
+    assert names[2] == "onyx-rgbw (2), noisy"

@@ -1,9 +1,13 @@
 """What comes into the page and goes out of it: files, links, texts; and a server that goes away."""
 
+import base64
+import io
 import json
 import os
 import subprocess
 import sys
+
+import numpy as np
 
 from served_page import served, stopped
 from shells.browser import (
@@ -71,11 +75,76 @@ def test_a_dropped_lamp_becomes_the_light(window):
     assert shown(page) != before
 
 
-def test_a_dropped_study_is_shown_at_once(window):
+def test_a_dropped_study_is_told_first_and_shown_when_it_is_opened(window):
     page = window()
-    answer_to(page, lambda: bring(page, "mine.toml", TOML))
+    before = page.url
+    brought = bring(page, "mine.toml", TOML)
+    assert "onyx-rgb, onyx-rgbw in E at 2.5 lx" in brought.inner_text()
+    assert page.url == before
+    brought.get_by_role("button", name="Open this study").focus()
+    answer_to(page, lambda: page.keyboard.press("Enter"))
     assert page.locator("#electrons tbody th").all_inner_texts() == ["onyx-rgb", "onyx-rgbw"]
     assert "2.5 lx" in page.locator("#verdict").inner_text()
+
+
+def test_every_fault_of_a_dropped_study_is_a_sentence_of_its_own(window):
+    page = window()
+    brought = bring(page, "a.toml", TOML.replace("2.5", "-2.5") + "shift_nm = 900\n")
+    assert brought.get_by_role("alert").locator("p").count() == 2
+    brought = bring(page, "b.toml", TOML.replace("onyx-rgb", "nobody"))
+    wrong = [line for line in brought.locator("li").all_inner_texts() if "Looks wrong" in line]
+    assert ["sensors.0.name" in wrong[0], "sensors.1.name" in wrong[1]] == [True, True]
+
+
+CUBE = """(content) => {
+    const bytes = Uint8Array.from(atob(content), (letter) => letter.charCodeAt(0));
+    const dataTransfer = new DataTransfer();
+    dataTransfer.items.add(new File([bytes], "leaf.npz"));
+    document.body.dispatchEvent(new DragEvent("drop", { dataTransfer, bubbles: true }));
+}"""
+
+
+def test_a_cube_dropped_on_the_page_says_what_it_leaves_open_and_becomes_the_picture(window):
+    page = window()
+    packed_cube = io.BytesIO()
+    bands_nm = np.arange(400.0, 701.0, 50.0)
+    np.savez(packed_cube, reflectance=np.full((5, 9, bands_nm.size), 0.4), wavelength_nm=bands_nm)
+    page.evaluate(CUBE, base64.b64encode(packed_cube.getvalue()).decode())
+    brought = page.locator(".brought")
+    show = brought.get_by_role("button", name="Show in the picture")
+    show.wait_for()
+    assert "5 x 9 pixels, 7 bands from 400 to 700 nm" in brought.inner_text()
+    show.click()
+    assert "answer it first" in brought.locator(".fault").inner_text()
+    brought.get_by_label("its bands end at 700 nm").select_option("zero")
+    show.click()
+    until(page, "() => document.querySelector('[data-part=picture] img')?.naturalWidth === 9")
+    (picture,) = study_of(page)["pictures"]
+    assert picture["beyond"] == "zero"
+    ends = page.get_by_label("Beyond the bands of its cube")
+    assert ends.locator("option:checked").inner_text() == "black"
+
+
+def test_a_dropped_file_is_called_by_its_name_in_another_window_and_missed_on_another_server(
+    window,
+):
+    page = window()
+    brought = bring(page, "lamp.csv", LAMP)
+    answer_to(page, brought.get_by_role("button", name="Use as the light").click)
+    other = window(page.url.partition("#")[2])
+    light = other.get_by_label("Light", exact=True)
+    assert light.locator("option:checked").inner_text() == "lamp.csv (your file)"
+    other.locator("#keep").click()
+    name = other.get_by_label("Name of this ghost")
+    name.wait_for()
+    assert "lamp.csv" in name.input_value()
+    with served() as (elsewhere, _):
+        there = window(page.url.partition("#")[2], at=elsewhere, wait=False)
+        told = there.locator(".row", has=there.get_by_label("Light", exact=True)).locator(".fault")
+        told.wait_for()
+        assert "drop the file again" in told.inner_text()
+        assert "upload:" not in there.locator("body").inner_text()
+        there.context.close()  # before its server ends, so that it misses nobody
 
 
 UNREADABLE = [
@@ -141,6 +210,7 @@ def test_the_copied_study_and_the_copied_command_give_the_digits_of_the_page(win
     page.evaluate(NO_CLIPBOARD)
     (tmp_path / "study.toml").write_text(copied(page, "TOML"), encoding="utf-8")
     command = copied(page, "Command")
+    (tmp_path / "study.py").write_text(copied(page, "Python"), encoding="utf-8")
     page.get_by_role("button", name="Table: SNR from raw to color").click()
     table = page.get_by_role("region", name="Table: SNR from raw to color").inner_text()
     drawn = {tuple(row.split("\t")) for row in table.splitlines()}
@@ -149,10 +219,14 @@ def test_the_copied_study_and_the_copied_command_give_the_digits_of_the_page(win
     script = "from chromanoise.cli import main; main()"
     program.write_text(f"#!/bin/sh\nexec {sys.executable} -c '{script}' \"$@\"\n")
     program.chmod(0o755)
-    for way in ("chromanoise run study.toml --out told", command):
-        answer = run_in_shell(way, tmp_path)
-        assert answer["hash"].startswith(digest)
-        rgbw, rgbir = answer["result"]["sensors"]
+    ways = ("chromanoise run study.toml --out told", command)
+    answers = [run_in_shell(way, tmp_path) for way in ways]
+    assert all(answer["hash"].startswith(digest) for answer in answers)
+    script = [sys.executable, str(tmp_path / "study.py")]
+    printed = subprocess.run(script, cwd=tmp_path, capture_output=True, text=True, check=True)
+    results = [*(answer["result"] for answer in answers), json.loads(printed.stdout)[0]]
+    for result in results:
+        rgbw, rgbir = result["sensors"]
         for kind in ("color", "bound", "price", "spectral"):
             for row in rows_of(kind, rgbw, rgbir):
                 assert row in drawn

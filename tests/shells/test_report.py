@@ -173,26 +173,32 @@ def answered(data, slide, i):
     }
 
 
-def fresh(level_lux, time_ms, ircut_nm=None):
+def fresh(level_lux, time_ms, ircut_nm=None, light="E"):
     """Asked as a study of its own, the time given and not solved."""
     cut = "" if ircut_nm is None else f"ircut_nm = {ircut_nm!r}\n"
     sensors = TWO.replace('"\n', f'"\n{cut}')
-    rest = f"[light]\nlevel_lux = {level_lux!r}\n[exposure]\ntime_ms = {time_ms!r}\n"
+    lit = f"[light]\nilluminant = '{light}'\nlevel_lux = {level_lux!r}\n"
+    rest = f"{lit}[exposure]\ntime_ms = {time_ms!r}\n"
     return shown(study_from_text(sensors + rest, source="a test"))
 
 
-@pytest.mark.parametrize(("slide", "i"), [(0, 3), (0, -1), (1, 2)])
+@pytest.mark.parametrize(("slide", "i"), [(0, 3), (0, -1), (1, 2), (2, 3)])
 def test_what_a_slider_shows_is_a_fresh_analysis_at_that_value(page, there, slide, i):
     data = block(page)
     value = data["slides"][slide]["values"][i]
     time_ms = 1e3 * there.situations[0].exposure.time_s
-    asked = fresh(value, time_ms) if slide == 0 else fresh(10.0, time_ms, value)
+    asked = {
+        0: lambda: fresh(value, time_ms),
+        1: lambda: fresh(10.0, time_ms, value),
+        2: lambda: fresh(10.0, time_ms, light=f"E+{value}xLED850"),
+    }[slide]()
     answer = answered(data, slide, i)
     for part in ("stages", "budget", "levels", "chart", "pareto", "sensitivities", "vectors"):
         assert table_of(part, answer[part]) == table_of(part, drawing(part, asked))
     assert answer["levels"]["now_lux"] == pytest.approx(asked.study.light.level_lux, rel=1e-4)
     head = drawing("head", asked)
-    assert answer["head"]["verdict"] == head["verdict"]
+    light, called = f"E + {value} x 850 nm LED, 20 nm wide", f"E+{value}xLED850"
+    assert [one.replace(light, called) for one in answer["head"]["verdict"]] == head["verdict"]
     assert answer["head"]["rows"] == table_of("head", head).rows
     pairs = zip(answer["ellipses"]["sensors"], drawing("ellipses", asked)["sensors"], strict=True)
     for packed, sensor in pairs:
@@ -203,8 +209,8 @@ def test_what_a_slider_shows_is_a_fresh_analysis_at_that_value(page, there, slid
 
 def test_the_study_itself_is_a_position_of_every_slider_and_changes_nothing(page, there):
     data = block(page)
-    assert [slide["key"] for slide in data["slides"]] == ["lux", "ircut-nm"]
-    assert [len(slide["values"]) for slide in data["slides"]] == [25, 13]
+    assert [slide["key"] for slide in data["slides"]] == ["lux", "ircut-nm", "infrared"]
+    assert [len(slide["values"]) for slide in data["slides"]] == [25, 13, 7]
     assert data["slides"][0]["values"][data["slides"][0]["own"]] == 10.0
     for i, slide in enumerate(slides_of(there)):
         assert data["slides"][i]["answers"][slide.own] == {}
@@ -374,16 +380,15 @@ def test_sliders_answer_by_key_with_the_digits_of_the_library(seen, there):
     )
 
 
-def test_it_prints_with_tables_open_and_sliders_gone(seen):
+def test_it_prints_on_few_pages_with_the_tables_that_stand_open_and_no_sliders(seen):
+    seen.click("section[data-part=budget] summary:text-is('Table')")
     seen.emulate_media(media="print")
     assert not seen.locator("#sliders").is_visible()
-    seen.evaluate("dispatchEvent(new Event('beforeprint'))")
-    assert seen.locator("details:not([open])").count() == 0
-    wide = seen.evaluate("document.documentElement.scrollWidth")
-    assert wide <= 1280
-    assert seen.pdf(format="A4").startswith(b"%PDF")
-    seen.evaluate("dispatchEvent(new Event('afterprint'))")
-    assert seen.locator("section[data-part=budget] details[open]").count() == 0
+    tables = "section[data-part] .scroll"
+    assert seen.locator(tables).count() > 1
+    assert [one.is_visible() for one in seen.locator(tables).all()].count(True) == 1
+    paper = seen.pdf(format="A4")
+    assert len(re.findall(rb"/Type\s*/Page\b", paper)) <= 8
 
 
 def test_it_fits_a_telephone_and_a_wide_screen(seen):

@@ -9,6 +9,7 @@ import sys
 import threading
 import time
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import closing
 
 import httpx
 import pytest
@@ -103,6 +104,37 @@ def test_choices_hold_sensors_lights_sliders_and_equations(client):
     assert {"light.level_lux", "sensors.ircut_nm"} <= {s["key"] for s in told["sliders"]}
     assert {"raw", "contravariant", "color", "bound", "price"} <= set(told["equations"])
     assert study_from_data(told["study"], source="the page's own").sensors
+
+
+def test_a_body_that_says_it_is_too_long_is_refused_before_it_comes(address):
+    host, _, port = address.removeprefix("http://").partition(":")
+    for path, kind in (("upload", "octet-stream"), ("answer", "json")):
+        with socket.create_connection((host, int(port)), timeout=10) as asking:
+            head = f"POST /api/{path} HTTP/1.1\r\nHost: {host}:{port}\r\nX-Filename: a.csv\r\n"
+            kinds = f"Content-Type: application/{kind}\r\nContent-Length: {10**12}\r\n\r\n"
+            asking.sendall((head + kinds).encode())
+            told = b""
+            while b"taken at once" not in told:
+                piece = asking.recv(4096)
+                assert piece, told
+                told += piece
+            assert told.startswith(b"HTTP/1.1 413")
+
+
+def test_a_number_of_thousands_of_digits_is_one_sentence(client):
+    body = b'{"number": ' + b"1" * 6000 + b"}"
+    reply = client.post("/api/answer", content=body, headers={"Content-Type": "application/json"})
+    assert "6000 digits" in sentence_of(reply, 400)
+    told = uploaded(client, "a.toml", "seed = " + "1" * 6000).json()["faults"]
+    assert [fault["sentence"] for fault in told] == [
+        "a.toml: no TOML: a whole number of too many digits"
+    ]
+
+
+def test_no_header_waits_for_its_answer_on_the_socket():
+    with closing(listening_socket(0)) as listening:
+        # what asyncio asks for before it sends short answers at once
+        assert listening.proto == socket.IPPROTO_TCP
 
 
 def test_texts_are_the_study_again(client):

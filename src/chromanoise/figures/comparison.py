@@ -29,9 +29,10 @@ def draw_comparison(
     """
     above, below = axes
     matrices = list(dict.fromkeys(curve.matrix for curve in curves))
+    patterns = sensor_dashes(curve.sensor for curve in curves)
     for curve in curves:
         color = _SHADES[matrices.index(curve.matrix) % len(_SHADES)]
-        dashes = sensor_dashes(curve.sensor)
+        dashes = patterns[curve.sensor]
         label = f"{curve.sensor}, {curve.matrix}"
         above.plot(curve.at, curve.value, color=color, linestyle=dashes, label=label)
         below.plot(curve.at, curve.color_error, color=color, linestyle=dashes)

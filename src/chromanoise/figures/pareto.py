@@ -17,8 +17,9 @@ def draw_pareto(data: dict[str, Any], ax: Axes) -> Axes:
     data
         The drawing ``pareto`` of `chromanoise.study.drawings`.
     """
+    patterns = sensor_dashes(sensor["name"] for sensor in data["sensors"])
     for i, sensor in enumerate(data["sensors"]):
-        name, dashes = sensor["name"], sensor_dashes(sensor["name"])
+        name, dashes = sensor["name"], patterns[sensor["name"]]
         known = [p for p in sensor["points"] if None not in (p["snr_db"], p["color_error"])]
         at = [(p["snr_db"], p["color_error"]) for p in known]
         snr, error = [one[0] for one in at], [one[1] for one in at]

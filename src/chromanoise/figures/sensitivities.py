@@ -21,18 +21,22 @@ _GAP, _HEIGHT = 0.02, 0.075  # of the scale: under the letter, and of the letter
 _CENTERED: dict[str, Any] = {"ha": "center", "va": "center_baseline"}
 
 
-def draw_sensitivities(sensor: Sensor, ax: Axes, *, top: float | None = None) -> Axes:
+def draw_sensitivities(
+    sensor: Sensor, ax: Axes, *, top: float | None = None, dashes: Any = None
+) -> Axes:
     """Quantum efficiency over wavelength, each curve with its letter, the near infrared shaded.
 
     Parameters
     ----------
     sensor
-        Its curves are drawn with the sensor's own dash pattern.
+        Its curves are drawn with one dash pattern.
     top
         Upper end of the scale, where panels share one. [e-/photon]
+    dashes
+        That pattern, where several sensors share a figure: of `sensor_dashes`.
     """
     wavelength_nm = sensor.grid.wavelength_nm
-    dashes = sensor_dashes(sensor.name)
+    dashes = dashes or sensor_dashes([sensor.name])[sensor.name]
     for i, name in enumerate(sensor.names):
         ax.plot(wavelength_nm, sensor.qe[:, i], color=channel_color(name), linestyle=dashes)
     shade_nir(ax, wavelength_nm[-1])

@@ -10,8 +10,14 @@ from chromanoise.figures.comparison import draw_comparison
 from chromanoise.figures.ellipses import draw_ellipses
 from chromanoise.figures.pareto import draw_pareto
 from chromanoise.figures.sensitivities import draw_sensitivities
-from chromanoise.figures.style import chromanoise_style
-from chromanoise.study import QUANTITIES, SWEEPS, Crossover, compared, crossovers_or_reasons
+from chromanoise.figures.style import chromanoise_style, sensor_dashes
+from chromanoise.study import (
+    QUANTITIES,
+    SWEEPS,
+    Crossover,
+    compared,
+    crossovers_or_reasons,
+)
 from chromanoise.study.drawings import Shown, coordinate_budget, drawing
 from chromanoise.study.drawings.levels import drawn_lux
 
@@ -54,8 +60,9 @@ def _sensitivities(of: Shown) -> Figure:
     figure = _framed(2.8 * len(sensors))
     highest = 1.15 * max(float(sensor.qe.max()) for sensor in sensors)
     panels = figure.subplots(len(sensors), 1, sharex=True, squeeze=False)[:, 0]
+    patterns = sensor_dashes(sensor.name for sensor in sensors)
     for sensor, ax in zip(sensors, panels, strict=True):
-        draw_sensitivities(sensor, ax, top=highest)
+        draw_sensitivities(sensor, ax, top=highest, dashes=patterns[sensor.name])
     for ax in panels[:-1]:
         ax.set_xlabel("")
     return figure

@@ -1,8 +1,9 @@
 """One look for all figures: colors that color-blind eyes tell apart, dashes, letters."""
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
+from itertools import cycle
 from typing import Any
 
 import matplotlib.style
@@ -28,7 +29,16 @@ SENSOR_DASHES: dict[str, Any] = {
     "onyx-rgb": (0, (2, 1.2)),
     "onyx-rgbw-ircut": (0, (6, 2, 1.5, 2)),
 }
-_OTHER_DASHES = (0, (10, 2))
+_OTHER_DASHES: tuple[Any, ...] = (
+    (0, (10, 2)),
+    (0, (1, 2.5)),
+    (0, (10, 2, 2, 2, 2, 2)),
+    (0, (4, 1.2)),
+    (0, (1, 1)),
+    (0, (10, 2, 1, 2)),
+    (0, (4, 4)),
+    (0, (2, 1, 6, 1)),
+)
 
 _RC = {
     "font.family": "sans-serif",
@@ -85,9 +95,27 @@ def as_index(name: str) -> str:
     return rf"\mathrm{{{escaped}}}"
 
 
-def sensor_dashes(name: str) -> Any:
-    """The dash pattern of a sensor by its name, so that no curve is told by color alone."""
-    return SENSOR_DASHES.get(name, _OTHER_DASHES)
+def sensor_dashes(names: Iterable[str]) -> dict[str, Any]:
+    """The dash pattern of each sensor of a figure, so that no curve is told by color alone.
+
+    Those of the paper have their own; the others take those that are left, in their order, and
+    begin anew where all are taken.
+
+    Parameters
+    ----------
+    names
+        Of the sensors; one that comes twice counts once.
+
+    Examples
+    --------
+    >>> told = sensor_dashes(["mine", "onyx-rgbw", "yours"])
+    >>> told["onyx-rgbw"], told["mine"] == told["yours"]
+    ('solid', False)
+    """
+    distinct = dict.fromkeys(names)
+    others = (name for name in distinct if name not in SENSOR_DASHES)
+    free = dict(zip(others, cycle(_OTHER_DASHES), strict=False))
+    return {name: SENSOR_DASHES.get(name, free.get(name)) for name in distinct}
 
 
 def sensor_label(sensor_name: str, origin: str) -> str:

@@ -59,6 +59,7 @@ class Answers:
             "number": number,
             "hash": hashed,
             "seconds": round(time.perf_counter() - start, 6),
+            "files": {one.id: one.label for one in used},
         }
         return f'{json.dumps(told)[:-1]}, "parts": {{{parts}}}}}'
 

@@ -6,11 +6,14 @@ from collections.abc import Mapping
 from typing import Any, NoReturn
 
 from starlette.requests import Request
+from starlette.types import Receive
 
 from chromanoise.page.guard import JSON_BYTES
 
 _PATIENCE_S = 30.0
 _PASSED_OVER_BYTES = 32_000_000
+_LONGEST_LENGTH = 18  # digits of a Content-Length that may be a number of bytes
+_MOST_DIGITS = 300  # of a whole number: no quantity needs more, and a float holds no more
 _LONG = 65_536  # bytes above which a body waits for its turn to be held in memory
 
 
@@ -24,11 +27,13 @@ class QuestionError(Exception):
     status
         Of HTTP: 200 where a question that is well formed holds a value that cannot be, for it got
         its answer, and browsers log every other status as an error of the page.
+    unread
+        Whether the body still comes: it is answered first, and passed over then.
     """
 
-    def __init__(self, *faults: tuple[str, str], status: int = 200) -> None:
+    def __init__(self, *faults: tuple[str, str], status: int = 200, unread: bool = False) -> None:
         super().__init__("; ".join(sentence for _, sentence in faults))
-        self.faults, self.status = faults, status
+        self.faults, self.status, self.unread = faults, status, unread
 
 
 def malformed(where: str, sentence: str) -> QuestionError:
@@ -52,10 +57,10 @@ async def body_of(request: Request, *, most_bytes: int, turns: asyncio.Semaphore
         If it is too long, or does not come.
     """
     told = request.headers.get("content-length", "")
-    if told.isdecimal() and int(told) > most_bytes:
-        await _passed_over(request)
-        raise _too_long(most_bytes)
-    if told.isdecimal() and int(told) <= _LONG:
+    known = told.isascii() and told.isdecimal()
+    if known and (len(told) > _LONGEST_LENGTH or int(told) > most_bytes):
+        raise _too_long(most_bytes, unread=True)
+    if known and int(told) <= _LONG:
         return await _read(request, most_bytes)
     async with turns:
         return await _read(request, most_bytes)
@@ -70,10 +75,10 @@ def data_of(body: bytes) -> dict[str, Any]:
         If it is none, is nested too deep, or holds a number that JSON does not have.
     """
     try:
-        told = json.loads(body, parse_constant=_no_number)
+        told = json.loads(body, parse_constant=_no_number, parse_int=_whole)
     except RecursionError:
         raise malformed("", "the question nests too deep to be one of this page") from None
-    except ValueError as error:  # of encoding, of grammar, or of a number of thousands of digits
+    except ValueError as error:  # of encoding or of grammar
         raise malformed("", f"the question is no JSON: {str(error)[:200]}") from None
     if not isinstance(told, dict):
         raise malformed("", f"the question must be a JSON object, but is a {_kind(told)}")
@@ -115,10 +120,17 @@ def _no_number(word: str) -> NoReturn:
     raise malformed("", f"the question holds {word}, which is no number of JSON")
 
 
-def _too_long(most_bytes: int) -> QuestionError:
-    return QuestionError(
-        ("", f"that is more than the {most_bytes / 1e6:g} MB which are taken at once"), status=413
-    )
+def _whole(digits: str) -> int:
+    if len(digits) > _MOST_DIGITS:
+        raise malformed(
+            "", f"the question holds a whole number of {len(digits)} digits; write fewer"
+        )
+    return int(digits)
+
+
+def _too_long(most_bytes: int, *, unread: bool = False) -> QuestionError:
+    told = f"that is more than the {most_bytes / 1e6:g} MB which are taken at once; send less"
+    return QuestionError(("", told), status=413, unread=unread)
 
 
 async def _read(request: Request, most_bytes: int) -> bytes:
@@ -135,18 +147,24 @@ async def _read(request: Request, most_bytes: int) -> bytes:
         raise QuestionError(("", told), status=408) from None
     if length > most_bytes:
         pieces.clear()
-        await _passed_over(request)
+        await passed_over(request.receive)
         raise _too_long(most_bytes)
     return b"".join(pieces)
 
 
-async def _passed_over(request: Request) -> None:
-    """Let go by what still comes, up to a bound: who is cut off while speaking hears no answer."""
+async def passed_over(receive: Receive) -> None:
+    """Let go by what still comes, up to a bound: who is cut off while speaking hears no answer.
+
+    Parameters
+    ----------
+    receive
+        Of a request whose body is not read to its end.
+    """
     length = 0
     try:
         async with asyncio.timeout(_PATIENCE_S):
             while length < _PASSED_OVER_BYTES:
-                message = await request.receive()
+                message = await receive()
                 length += len(message.get("body", b""))
                 if message["type"] != "http.request" or not message.get("more_body", False):
                     return
@@ -164,6 +182,6 @@ async def question_of(request: Request, turns: asyncio.Semaphore) -> dict[str, A
     """
     kind = request.headers.get("content-type", "").partition(";")[0].strip().lower()
     if kind != "application/json":
-        await _passed_over(request)
-        raise QuestionError(("", "a question is sent as application/json"), status=415)
+        told = "a question is sent as application/json"
+        raise QuestionError(("", told), status=415, unread=True)
     return data_of(await body_of(request, most_bytes=JSON_BYTES, turns=turns))

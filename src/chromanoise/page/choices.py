@@ -17,6 +17,7 @@ from chromanoise.study.priors import PRIORS
 from chromanoise.study.words import illuminant_of_word, sensor_of_word
 
 _FORMULAS = ("3200K", "5000K", "6500K", "LED660")  # of the lamps that are a formula
+_EDGES = ("ircut-650", "ircut-700")  # of the filters that are a formula
 _SLIDERS = (
     ("light.level_lux", "Light level", "lx", 0.01, 10_000.0, "log", 0.01),
     ("light.infrared", "Infrared in the light", "W/W", 0.0, 5.0, "linear", 0.05),
@@ -40,6 +41,7 @@ def choices() -> dict[str, Any]:
         "version": __version__,
         "sensors": _sensors(),
         "illuminants": _illuminants(),
+        "filters": _filters(),
         "scenes": list(BUILTIN_CUBES),
         "matrices": [{"name": name, "parameter": m.parameter} for name, m in METHODS.items()],
         "priors": list(PRIORS),
@@ -78,6 +80,12 @@ def _sensors() -> list[dict[str, Any]]:
             }
         )
     return told
+
+
+def _filters() -> list[str]:
+    """Those that a name alone makes, and a few edges of the family that takes any number."""
+    names = [entry.provenance.name for entry in catalog_entries("filters", folder=catalog_folder())]
+    return [*(name for name in names if "<" not in name), *_EDGES]
 
 
 def _illuminants() -> list[str]:

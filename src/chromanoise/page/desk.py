@@ -34,9 +34,9 @@ class Desk:
     def __init__(self, uploads: Uploads, *, study: dict[str, Any] | None = None) -> None:
         self._uploads, self._study = uploads, STUDY if study is None else study
         files = files_of(study_from_data(self._study, source="study"))
-        studies = Studies(uploads, files=files)
-        self.answers = Answers(studies)
-        self.pictures = Pictures(studies)
+        self._studies = Studies(uploads, files=files)
+        self.answers = Answers(self._studies)
+        self.pictures = Pictures(self._studies)
 
     def choices(self) -> str:
         """The JSON of ``/api/choices``."""
@@ -50,7 +50,11 @@ class Desk:
         QuestionError
             If it is none that the page reads.
         """
-        return preview_of(self._uploads.keep(name, content))
+        told = preview_of(self._uploads.keep(name, content))
+        if told["study"] is not None:
+            wrong = self._studies.complaints(told["study"])
+            told["preview"] += [f"Looks wrong: {sentence}" for sentence in wrong]
+        return told
 
     def warm(self) -> None:
         """Compute once what the page will ask first, so that its first answer is quick."""

@@ -8,7 +8,7 @@ from chromanoise.page.pictures import cube_of_upload
 from chromanoise.page.uploads import Upload, in_words
 from chromanoise.scene.rows import row_source
 from chromanoise.sensor import Sensor
-from chromanoise.spectra import Spectra
+from chromanoise.spectra import DEFAULT_GRID, Spectra
 from chromanoise.spectra.files import Understood, read_curves
 from chromanoise.study.runs import own_json_of, study_as_json, study_from_text
 
@@ -36,7 +36,9 @@ def preview_of(upload: Upload) -> Told:
     try:
         told = _preview(upload)
     except InputError as error:
-        raise QuestionError(("file", in_words(str(error), upload))) from None
+        # of a study all faults are told, a line each
+        told_lines = str(error).splitlines() if upload.kind == "study" else [str(error)]
+        raise QuestionError(*(("file", in_words(line, upload)) for line in told_lines)) from None
     lines = [in_words(line, upload) for line in told["preview"]]
     return {"asks": [], "study": None} | told | {"id": upload.id, "preview": lines}
 
@@ -82,7 +84,23 @@ def _cube(upload: Upload) -> Told:
         f"A cube of {height} x {width} pixels, {at.size} bands from {at[0]:g} to {at[-1]:g} nm.",
         *cube.notes,
     ]
-    return {"kind": "cube", "preview": lines}
+    first, last = DEFAULT_GRID.wavelength_nm[[0, -1]]
+    short = [end for end, is_short in ((at[0], at[0] > first), (at[-1], at[-1] < last)) if is_short]
+    return {
+        "kind": "cube",
+        "preview": lines,
+        "asks": [_beyond(short, first, last)] if short else [],
+    }
+
+
+def _beyond(ends_nm: list[float], first_nm: float, last_nm: float) -> Told:
+    """What a cube is asked whose bands do not reach over what sensors answer to."""
+    ends = " and ".join(f"{end:g}" for end in ends_nm)
+    question = (
+        f"its bands end at {ends} nm, and sensors answer from {first_nm:g} to {last_nm:g} nm: is "
+        "it there as at its end (hold), or black (zero)?"
+    )
+    return {"key": "beyond", "question": question, "choices": ["hold", "zero"]}
 
 
 def _spectra(upload: Upload) -> Told:

@@ -16,9 +16,15 @@ from starlette.exceptions import HTTPException
 from starlette.requests import ClientDisconnect, Request
 from starlette.responses import JSONResponse, Response
 from starlette.routing import Route
-from starlette.types import ASGIApp
+from starlette.types import ASGIApp, Receive, Scope, Send
 
-from chromanoise.page.asked import QuestionError, body_of, malformed, question_of
+from chromanoise.page.asked import (
+    QuestionError,
+    body_of,
+    malformed,
+    passed_over,
+    question_of,
+)
 from chromanoise.page.files import asset_reply, index, page_policy
 from chromanoise.page.guard import UPLOAD_BYTES, fault_reply, guarded
 from chromanoise.page.uploads import Uploads
@@ -125,7 +131,9 @@ def listening_socket(port: int) -> socket.socket:
     OSError
         If the port is taken or may not be used.
     """
-    listening = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
+    # only of a socket that is told to be TCP does asyncio send what is short at once: a header
+    # alone would keep its answer waiting for the browser's delayed acknowledgement, some 40 ms
+    listening = socket.socket(socket.AF_INET, socket.SOCK_STREAM, socket.IPPROTO_TCP)
     try:
         if sys.platform != "win32":  # where it would let two servers share a port
             listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
@@ -159,7 +167,19 @@ def _refusing(error: QuestionError) -> Response:
     ]
     # what follows of a body that was not read to its end is not read either
     headers = {} if error.status in (200, 400, 503) else {"Connection": "close"}
-    return JSONResponse({"faults": faults}, status_code=error.status, headers=headers)
+    kind = _ToldFirst if error.unread else JSONResponse
+    return kind({"faults": faults}, status_code=error.status, headers=headers)
+
+
+class _ToldFirst(JSONResponse):
+    """An answer that is whole before the body of its question has come, and passes over that."""
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        head = {"status": self.status_code, "headers": self.raw_headers}
+        await send({"type": "http.response.start", **head})
+        await send({"type": "http.response.body", "body": self.body, "more_body": True})
+        await passed_over(receive)
+        await send({"type": "http.response.body", "body": b""})
 
 
 async def _choices(request: Request, server: _Server) -> Response:
@@ -185,7 +205,8 @@ async def _picture(request: Request, server: _Server) -> Response:
 async def _upload(request: Request, server: _Server) -> Response:
     kind = request.headers.get("content-type", "").partition(";")[0].strip().lower()
     if kind != "application/octet-stream":
-        raise QuestionError(("file", "a file is sent as application/octet-stream"), status=415)
+        told = "a file is sent as application/octet-stream"
+        raise QuestionError(("file", told), status=415, unread=True)
     name = unquote(request.headers.get("x-filename", ""))
     if not name:
         raise malformed("file", "a file is sent with its name in the header X-Filename")

@@ -24,7 +24,7 @@ from chromanoise.study.runs.hashes import (
     files_of_word,
     with_file_words,
 )
-from chromanoise.study.runs.named import illuminant_of, sensor_of, situations_in
+from chromanoise.study.runs.named import illuminant_of, sensor_of, situations_in, unmade
 from chromanoise.study.words import file_of, is_file_name, is_sensor_file
 
 Stamps = tuple[tuple[str, tuple[int, int] | None], ...]
@@ -106,6 +106,24 @@ class Studies:
         illuminant = _at("light.illuminant", used, lambda: self._light(study, used))
         sensors = [self._sensor(study, i, used) for i in range(len(study.sensors))]
         return _at("exposure", used, lambda: situations_in(study, illuminant, sensors))
+
+    def complaints(self, told: Mapping[str, Any]) -> list[str]:
+        """What of a study cannot be made here, a sentence each with its key; empty where all can.
+
+        Parameters
+        ----------
+        told
+            A study as plain data.
+        """
+        try:
+            study, used = self.read(told)
+            unknown = [(".".join(map(str, key)), why) for key, why in unmade(study)]
+            found = [(where, spoken(why, used)) for where, why in unknown]
+            if not found:
+                self.situations(study, used)
+        except QuestionError as error:
+            found = list(error.faults)
+        return [f"{where}: {sentence}" for where, sentence in found]
 
     def hash_of(self, study: Study, used: list[Upload]) -> str:
         """The hash that a run of the study has beside files of the names that were dropped.

@@ -98,7 +98,11 @@ class Uploads:
             found = self._kept.get(match[0])
         if found is None:
             raise QuestionError(
-                ("", f"{match[0]} is not on the server any more; drop the file again")
+                (
+                    "",
+                    "this was a file that somebody dropped, and this server does not have it (any "
+                    "more); drop the file again and use it here",
+                )
             )
         return found
 

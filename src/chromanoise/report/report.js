@@ -12,7 +12,7 @@ import { html } from "draw/svg.js";
 import * as vectors from "draw/vectors.js";
 
 const MODULES = { budget, vectors, stages, levels, ellipses, chart, pareto, sensitivities };
-const PAPER_PX = 960; // between the margins of A4, where the style of print makes 0.71 of it
+const PAPER_PX = 476; // of one of two columns of A4, where the style of print makes 0.7 of it
 const data = JSON.parse(document.getElementById("data").textContent);
 const shown = new Map(); // what stands in each section, drawn or not yet
 let width = null;
@@ -142,15 +142,5 @@ addEventListener("resize", () => {
   last = document.documentElement.clientWidth;
   again(width);
 });
-const closed = [];
-addEventListener("beforeprint", () => {
-  for (const details of document.querySelectorAll("details:not([open])")) {
-    details.open = true;
-    closed.push(details);
-  }
-  again(PAPER_PX);
-});
-addEventListener("afterprint", () => {
-  closed.splice(0).forEach((details) => (details.open = false));
-  again(null);
-});
+addEventListener("beforeprint", () => again(PAPER_PX));
+addEventListener("afterprint", () => again(null));

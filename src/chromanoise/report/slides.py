@@ -18,6 +18,8 @@ _MOST_ABOVE = 12
 _MOST_ANSWERS = 25
 _ROOM = 50  # answers of one sensor: more sensors have fewer each, so that the file stays small
 _EDGES_NM = (600.0, 620.0, 640.0, 660.0, 680.0, 700.0, 725.0, 750.0, 800.0, 850.0, 900.0, 950.0)
+_RATIOS = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0)  # of infrared to light. [W/W]
+_DIODE_NM = 850.0
 _SEES_INFRARED = 0.02  # QE below which a channel is blind to it. [e-/photon]
 
 
@@ -50,14 +52,16 @@ class Slide:
 
 
 def slides_of(of: Shown) -> tuple[Slide, ...]:
-    """The sliders that make sense for a study: the light level, and an IR-cut where one matters.
+    """The sliders that make sense for a study: the light level, an IR-cut where one matters, and
+    infrared in the light where a sensor sees it.
 
     The light level goes up to where every sensor is saturated, for the time is the study's own.
     """
     count = max(5, min(_MOST_ANSWERS, _ROOM // len(of.situations)))
     step = (len(of.situations) + 1) // 2
     infrared = (_ir_cut(_EDGES_NM[::step]),) if _sees_infrared(of.situations) else ()
-    return (_level(of, count), *infrared)
+    more = (_infrared(_RATIOS[:: (step + 1) // 2]),) if _sees_diode(of.situations) else ()
+    return (_level(of, count), *infrared, *more)
 
 
 def at_value(of: Shown, slide: Slide, value: float | None) -> Shown:
@@ -118,6 +122,24 @@ def _ir_cut(edges_nm: Sequence[float]) -> Slide:
         told=(*told, "none"),
         own=len(edges_nm),
     )
+
+
+def _infrared(ratios: Sequence[float]) -> Slide:
+    return Slide(
+        key="infrared",
+        label="Infrared added to the light, 850 nm",
+        values=(None, *ratios),
+        told=("none", *(f"{ratio:g} W per W of light" for ratio in ratios)),
+        own=0,
+    )
+
+
+def _sees_diode(situations: Sequence[Situation]) -> bool:
+    seen = (
+        np.interp(_DIODE_NM, one.sensor.grid.wavelength_nm, one.sensor.qe.max(axis=1))
+        for one in situations
+    )
+    return bool(max(seen) > _SEES_INFRARED)
 
 
 def _sees_infrared(situations: Sequence[Situation]) -> bool:

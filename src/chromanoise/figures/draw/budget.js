@@ -2,6 +2,7 @@
 
 import { fitting, linear, niceRange, panels, textWidth, wrapped } from "draw/axes.js";
 import { note, sameSensor } from "draw/look.js";
+import { refill } from "draw/refill.js";
 import { decimal, figure, figureWidth, known, signed, svg, tenth, words } from "draw/svg.js";
 
 const KEY =
@@ -28,7 +29,7 @@ export function draw(element, data, options = {}) {
   const title = `Budget of the SNR of ${data.coordinate}`;
   const drawn = figure(width, tops.height, title, description(data), nodes);
   const any = data.sensors.some((sensor) => sensor.steps?.length);
-  element.replaceChildren(drawn, ...(any ? [note(KEY)] : []));
+  refill(element, drawn, ...(any ? [note(KEY)] : []));
 }
 
 function range(data, ghosts) {

@@ -2,6 +2,7 @@
 
 import { textWidth } from "draw/axes.js";
 import { legend, note, sameSensor } from "draw/look.js";
+import { refill } from "draw/refill.js";
 import { decimal, figure, figureWidth, known, svg, words } from "draw/svg.js";
 
 const COLUMNS = 6;
@@ -16,12 +17,12 @@ export function draw(element, data, options = {}) {
   const height = across * (plan.tall + GAP) - GAP;
   if (!data.patches.length) {
     const why = data.sensors.map((sensor) => sensor.why_not ?? `${sensor.name}: saturated`);
-    element.replaceChildren(...why.map((sentence) => note(sentence)));
+    refill(element, ...why.map((sentence) => note(sentence)));
     return;
   }
   const title = "Color error and noise of the chart's patches";
   const told = figure(width, height, title, description(data), nodes);
-  element.replaceChildren(...key(data, plan, ghosts), told);
+  refill(element, ...key(data, plan, ghosts), told);
 }
 
 /** Sensors side by side where four digits fit twice, else one under the other. */

@@ -2,6 +2,7 @@
 
 import { axes, fitting, linear, niceStep, panels, wrapped } from "draw/axes.js";
 import { legend, note, sameSensor } from "draw/look.js";
+import { refill } from "draw/refill.js";
 import { decimal, figure, figureWidth, known, line, svg, tenth, words } from "draw/svg.js";
 
 const ROOM = { left: 44, right: 10, top: 44, bottom: 46 };
@@ -12,7 +13,7 @@ export function draw(element, data, options = {}) {
   const ghosts = (options.ghosts ?? []).filter((ghost) => ghost.plane === data.plane);
   if (!data.sensors.some((sensor) => sensor.patches.length)) {
     const why = data.sensors.map((sensor) => note(sensor.why_not ?? `${sensor.name}: saturated`));
-    element.replaceChildren(...why);
+    refill(element, ...why);
     return;
   }
   const grid = panels(data.sensors.length, width, 340);
@@ -28,7 +29,7 @@ export function draw(element, data, options = {}) {
   const ellipse = `Ellipse: ${data.sigmas} standard deviations of the noise.`;
   const key = `Cross: the true color. Line: from it to the color that is measured. ${ellipse}`;
   const kept = ghosts.length ? [legend([], "line", ghosts.length)] : [];
-  element.replaceChildren(...kept, drawn, note(key));
+  refill(element, ...kept, drawn, note(key));
 }
 
 /** The part of the plane that is shown, the same for all sensors, and pixels per unit. */

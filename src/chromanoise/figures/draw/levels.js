@@ -2,6 +2,7 @@
 
 import { axes, fitting, linear, logarithmic, niceRange, spread, textWidth } from "draw/axes.js";
 import { legend, note, sensorDashes } from "draw/look.js";
+import { refill } from "draw/refill.js";
 import {
   brief,
   decimal,
@@ -43,7 +44,7 @@ export function draw(element, data, options = {}) {
       ? [legend([], "line", ghosts.length)]
       : []
     : [narrowLegend(curves, ghosts)];
-  element.replaceChildren(...key, told, ...sentences(data));
+  refill(element, ...key, told, ...sentences(data));
 }
 
 /** Each curve with its name and its line: a dash per sensor, a stroke per matrix. */

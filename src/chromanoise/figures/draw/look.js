@@ -10,7 +10,7 @@ const OWN_DASH = {
   "onyx-rgb": "3 2",
   "onyx-rgbw-ircut": "9 3 2 3",
 };
-const DASHES = ["", "9 3", "3 2", "9 3 2 3", "16 3", "1.5 4", "16 3 3 3 3 3"];
+const DASHES = ["", "9 3", "3 2", "9 3 2 3", "16 3", "1.5 4", "16 3 3 3 3 3", "6 6"];
 
 /** The color of a channel by its name; ink for one that the palette does not know. */
 export function channelColor(name) {

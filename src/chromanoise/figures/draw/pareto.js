@@ -2,6 +2,7 @@
 
 import { axes, linear, niceRange, textWidth } from "draw/axes.js";
 import { legend, mark, markPath, note, sameSensor, sensorDashes } from "draw/look.js";
+import { refill } from "draw/refill.js";
 import { brief, decimal, figure, figureWidth, known, line, svg, tenth, words } from "draw/svg.js";
 
 const ROOM = { left: 44, right: 28, top: 34, bottom: 44 };
@@ -13,7 +14,7 @@ export function draw(element, data, options = {}) {
   const dashes = sensorDashes(names);
   if (!data.sensors.some((sensor) => [...sensor.points, sensor.now].some(whole))) {
     const why = data.sensors.map((sensor) => sensor.why_not ?? `${sensor.name}: no SNR to trade.`);
-    element.replaceChildren(...[...new Set(why)].map((sentence) => note(sentence)));
+    refill(element, ...[...new Set(why)].map((sentence) => note(sentence)));
     return;
   }
   const { x, y, height } = plane(data, ghosts, width);
@@ -33,7 +34,7 @@ export function draw(element, data, options = {}) {
   const told = figure(width, height, title, description(data), nodes);
   const made = data.matrix ? ` (${data.matrix})` : "";
   const key = `Numbers: the weight of the noise in the matrix. Large mark: the matrix now${made}.`;
-  element.replaceChildren(legend(names, "both", ghosts.length), told, note(key));
+  refill(element, legend(names, "both", ghosts.length), told, note(key));
 }
 
 function plane(data, ghosts, width) {

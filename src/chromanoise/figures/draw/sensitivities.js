@@ -2,6 +2,7 @@
 
 import { axes, fitting, linear, niceRange, panels, textWidth } from "draw/axes.js";
 import { channelColor, legend, sameSensor, sensorDashes } from "draw/look.js";
+import { refill } from "draw/refill.js";
 import { decimal, figure, figureWidth, known, line, listed, svg, words } from "draw/svg.js";
 
 const TITLES = { x: "wavelength [nm]", y: "quantum efficiency [e⁻/photon]", levelOnly: true };
@@ -22,7 +23,7 @@ export function draw(element, data, options = {}) {
   const height = grid.rows * (tall + 12) - 12;
   const title = "Sensitivities over the spectrum";
   const told = figure(width, height, title, description(data), nodes);
-  element.replaceChildren(...(ghosts.length ? [legend([], "line", ghosts.length)] : []), told);
+  refill(element, ...(ghosts.length ? [legend([], "line", ghosts.length)] : []), told);
 }
 
 function highest(data, ghosts) {

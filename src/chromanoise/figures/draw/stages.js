@@ -2,10 +2,9 @@
 
 import { fitting, linear, niceRange, panels, textWidth } from "draw/axes.js";
 import { channelColor, ghostMark, legend, mark, sameSensor } from "draw/look.js";
+import { refill } from "draw/refill.js";
 import { brief, decimal, figure, figureWidth, html, known, svg, words } from "draw/svg.js";
 
-// the headings stay when new data comes, so that their buttons keep the focus
-const views = new WeakMap();
 const HEAD = 20;
 const ROW = 24;
 const KINDS = [
@@ -30,18 +29,8 @@ export function draw(element, data, options = {}) {
     ghosts.length,
   );
   const figures = shown.map((kind) => section(data, kind, plan));
-  const shape = shown.map((kind) => `${kind.key} ${kind.of}`).join("|");
-  const before = views.get(element);
-  if (before?.shape === shape && before.root.parentNode === element) {
-    before.key.replaceWith(key);
-    before.figures.forEach((old, k) => old.replaceWith(figures[k]));
-    Object.assign(before, { key, figures });
-    return;
-  }
   const boxes = shown.map((kind, k) => html("div", { class: "d-view" }, [heading(kind), figures[k]]));
-  const root = html("div", {}, [key, html("div", { class: "d-views d-kinds" }, boxes)]);
-  views.set(element, { shape, root, key, figures });
-  element.replaceChildren(root);
+  refill(element, html("div", {}, [key, html("div", { class: "d-views d-kinds" }, boxes)]));
 }
 
 function patchOf(kind, data) {

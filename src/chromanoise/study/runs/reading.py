@@ -122,8 +122,10 @@ def _toml(text: str, source: str) -> dict[str, Any]:
         return tomllib.loads(text)
     except RecursionError:
         raise InputError(f"{source}: no TOML: nests too deep") from None
-    except ValueError as error:  # a number of thousands of digits is one too
+    except tomllib.TOMLDecodeError as error:
         raise InputError(f"{source}: no TOML: {str(error)[:200]}") from None
+    except ValueError:  # that the parser lets through
+        raise InputError(f"{source}: no TOML: a whole number of too many digits") from None
 
 
 def study_from_data(told: Mapping[str, Any], *, source: str) -> Study:

@@ -1,4 +1,4 @@
-/** Questions to the server: one in flight, the latest state waits, an old answer is never shown. */
+/** Questions to the server: few in flight, the latest state waits, an old answer is never shown. */
 
 /** What the server has against a question: `faults` of {where, sentence}. */
 export class Refused extends Error {
@@ -39,44 +39,52 @@ let asked = 0;
 /**
  * Asks `/api/answer` for what `question()` says when its turn comes, `null` for nothing.
  * `answered(reply, question)`, `refused(faults, question)`, `lost(sentence)`, `found()` and
- * `rested(question)`, when nothing is under way, tell what became of it.
+ * `rested(question)`, when nothing is under way, tell what became of it. With `most` above one the
+ * server computes the next state while the browser still paints the one before.
  */
 export class Asker {
   #wanted = false;
-  #flying = null;
+  #flying = new Set();
   #retry = null;
   #pause = 250;
 
-  constructor(tells) {
+  constructor(tells, most = 1) {
     this.tells = tells;
+    this.most = most;
   }
 
-  /** A newer state is there: it is asked now, or as soon as the question in flight is back. */
+  /** A newer state is there: it is asked now, or as soon as a question in flight is back. */
   ask() {
     this.#wanted = true;
     // what nobody sees yet must not keep waiting what somebody drags
-    if (this.#flying?.idle) this.#flying.abort.abort();
-    if (!this.#flying) this.#next();
+    for (const { abort, question } of this.#flying) if (question.idle) abort.abort();
+    this.#next();
   }
 
   #next() {
+    if (this.#flying.size >= this.most) return;
     clearTimeout(this.#retry);
     this.#retry = null;
-    this.#wanted = false;
     const question = this.tells.question();
+    // of one state what is missing is only known when its answer is back
+    const twice = question && [...this.#flying].some(({ question: { version } }) => version === question.version);
+    if (twice) return;
+    this.#wanted = false;
     if (question === null) return;
     question.number = asked += 1;
-    this.#flying = { abort: new AbortController(), idle: question.idle };
-    this.#send(question, this.#flying.abort.signal);
+    const flight = { abort: new AbortController(), question };
+    this.#flying.add(flight);
+    this.#send(flight);
   }
 
-  async #send(question, signal) {
-    const outcome = await this.#outcome(question, signal);
-    this.#flying = null;
+  async #send(flight) {
+    const { question } = flight;
+    const outcome = await this.#outcome(question, flight.abort.signal);
+    this.#flying.delete(flight);
     // the next question leaves before this answer is drawn: the server works while we draw
     if (this.#wanted && !this.#retry) this.#next();
     outcome?.();
-    if (!this.#flying && !this.#wanted) this.tells.rested(question);
+    if (!this.#flying.size && !this.#wanted) this.tells.rested(question);
   }
 
   async #outcome(question, signal) {
@@ -96,9 +104,17 @@ export class Asker {
 
   #lose(error) {
     this.#wanted = true;
-    this.#pause = Math.min(2 * this.#pause, 4000);
-    this.#retry = setTimeout(() => this.#next(), this.#pause);
+    // of two that were lost, one asks again
+    if (this.#retry === null) {
+      this.#pause = Math.min(2 * this.#pause, 4000);
+      this.#retry = setTimeout(() => this.#again(), this.#pause);
+    }
     return () => this.tells.lost(error.message === BUSY ? BUSY : LOST);
+  }
+
+  #again() {
+    this.#retry = null;
+    this.#next();
   }
 
   #recover() {

@@ -15,11 +15,12 @@ let dialog = null;
 
 /** Puts the buttons into their place. */
 export function copyButtons(place) {
-  const said = el("span", { class: "said", role: "status" });
+  // it is there from the start, so that readers of the screen listen to it
+  const said = document.getElementById("copied");
   const buttons = KINDS.map(([kind, name]) =>
     button(name, () => copy(kind, name, said), { "aria-label": `Copy as ${name}`, "data-copy": kind }),
   );
-  place.replaceChildren(el("span", { class: "label", text: "Copy as" }), ...buttons, said);
+  place.replaceChildren(el("span", { class: "label", text: "Copy as" }), ...buttons);
 }
 
 async function copy(kind, name, said) {

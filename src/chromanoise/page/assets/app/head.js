@@ -2,6 +2,7 @@
 
 import { brief, el, say } from "app/dom.js";
 import { tableOf } from "app/panels.js";
+import { refill } from "draw/refill.js";
 
 const REST_MS = 500;
 let telling = null;
@@ -38,7 +39,7 @@ function showSensors(head) {
   const notes = head.sensors.flatMap(({ name, notes: own }) => (own ?? []).map((note) => `${name}: ${note}`));
   const list = el("ul", { class: "notes" });
   lines(list, notes);
-  document.getElementById("electrons").replaceChildren(table, list);
+  refill(document.getElementById("electrons"), table, list);
 }
 
 /** A list of sentences; those that stay are not written again. */

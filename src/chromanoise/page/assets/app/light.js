@@ -104,7 +104,7 @@ function baseChoice(choices, on) {
     typed.focus();
   };
   const show = (name) => {
-    const options = [...choices.illuminants, ...uploaded("light"), [OTHER, OTHER]];
+    const options = [...choices.illuminants, ...uploaded("light", name), [OTHER, OTHER]];
     fillChoice(pick.select, options, name);
     if (document.activeElement !== typed) typed.hidden = true;
   };

@@ -15,9 +15,16 @@ import { changeLook, current, readAddress, startFrom, subscribe } from "app/stat
 import { themeChoice } from "app/theme.js";
 import { headingTools } from "app/tools.js";
 import { uploads } from "app/upload.js";
+import { learn } from "app/uploads.js";
 
 /** How long nothing moves before the parts that nobody sees are asked for. */
 const IDLE_MS = 300;
+
+/** Questions of the newest states that are under way at once. */
+const IN_FLIGHT = 2;
+
+/** Of one of two columns of A4, where the style of print makes 0.7 of it. */
+const PAPER_PX = 476;
 
 /** Parts that a trained matrix makes so slow that nothing else shall wait for them. */
 const SLOW = new Set(["levels", "pareto", "chart", "vectors"]);
@@ -78,12 +85,17 @@ function answered(reply, asked) {
     clearFaults();
     notice("faults", null);
   }
-  if (want.includes("head")) {
+  // of two questions under way the newer one may be back first
+  if (want.includes("head") && version >= page.headVersion) {
     page.answered = asked;
     page.level = study.light?.level_lux ?? null;
     say(byId("hash"), reply.hash ? `study ${reply.hash.slice(0, 12)}` : "");
   }
   for (const part of want) show(part, reply.parts[part] ?? null, version);
+  if (learn(reply.files)) {
+    page.showControls(current(), page.head);
+    page.picture(current());
+  }
   markStale();
   performance.mark("drawn", { detail: reply.number });
   requestAnimationFrame(() => afterPaint.postMessage(reply.number));
@@ -99,6 +111,7 @@ function markStale() {
 
 function show(part, data, version) {
   if (part === "head") {
+    if (version < page.headVersion) return undefined;
     page.headVersion = version;
     if (!data?.sensors) return notice("faults", data?.fault ?? "The server told no verdict.");
     page.head = data;
@@ -106,7 +119,6 @@ function show(part, data, version) {
     return page.showControls(current(), data);
   }
   const panel = page.panels.get(part);
-  // of two questions under way the newer one may be back first
   if (version < panel.version) return undefined;
   panel.version = version;
   if (part === "budget") page.tools.coordinates(data);
@@ -116,8 +128,11 @@ function show(part, data, version) {
 function drawingOptions(part, data) {
   const { look } = current();
   const told = page.level === null ? look : { ...look, level_lux: page.level };
-  return { ghosts: page.ghosts.ghosts(part, data), look: told, tables: page.printing };
+  return { ghosts: page.ghosts.ghosts(part, data), look: told, ...(page.printing ? { width: PAPER_PX } : {}) };
 }
+
+const OLDER = "What is shown is older than the controls. ";
+const NOTHING_YET = "Nothing can be shown before what stands in red beside the controls is mended. ";
 
 function refused(faults, { version }) {
   if (version < page.headVersion) return;
@@ -125,7 +140,8 @@ function refused(faults, { version }) {
   // nothing newer will come, and the sentence says that it is older
   for (const { section, data } of page.panels.values()) if (data) attribute(section, "aria-busy", null);
   const homeless = showFaults(faults);
-  const where = homeless.length < faults.length ? "What is shown is older than the controls. " : "";
+  const beside = page.head ? OLDER : NOTHING_YET;
+  const where = homeless.length < faults.length ? beside : "";
   notice("faults", (where + homeless.join(" ")).trim());
 }
 
@@ -252,7 +268,7 @@ async function start() {
     lost: (sentence) => notice("lost", sentence),
     found: () => notice("lost", null),
   };
-  page.asker = new Asker({ ...told, question, rested });
+  page.asker = new Asker({ ...told, question, rested }, IN_FLIGHT);
   page.later = new Asker({ ...told, question: laterQuestion, rested: () => page.later.ask() });
   page.panels = panels({
     tools: page.tools.nodes,

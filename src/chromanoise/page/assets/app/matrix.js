@@ -1,9 +1,12 @@
-/** Controls of the color matrix: how it is made, with which parameter, from which prior. */
+/** Controls of the color matrices: how each is made, with which parameter, from which prior. */
 
-import { choice, el, fillChoice } from "app/dom.js";
+import { attribute, button, choice, el, fillChoice, say } from "app/dom.js";
 import { rangeOf } from "app/paths.js";
 import { slider } from "app/slider.js";
 import { changeStudy } from "app/state.js";
+
+const MOST = 4;
+const STANDARD = "kernel";
 
 const PARAMETERS = {
   weight: { label: "Weight of the noise", low: 0.001, high: 1000, start: 1 },
@@ -19,45 +22,114 @@ export function matrixParts(name) {
 
 /** Whether one of the study's matrices has to be trained on a prior. */
 export function isTrained({ matrices = [] }) {
-  return matrices.some((name) => matrixParts(name).method !== "kernel");
+  return matrices.some((name) => matrixParts(name).method !== STANDARD);
 }
+
+const namesOf = ({ matrices }) => (matrices?.length ? matrices : [STANDARD]);
 
 /** The group of controls: `node` and `show(state)`. */
 export function matrixControls(choices) {
-  const place = el("div");
-  let drawn = null;
-  const set = (name, how) => changeStudy((study) => setMatrix(study, name), how);
-  const method = choice({
-    label: "Color matrix",
-    options: choices.matrices.map((one) => one.name),
-    where: "matrices",
-    on: (name) => {
-      const parameter = parameterOf(choices, name);
-      set(parameter ? `${name}=${parameter.start}` : name, "step");
-    },
-  });
+  const list = el("div");
+  const add = button("Add a matrix", () => changeStudy((study) => added(study, choices)), { class: "wide" });
+  const said = el("p", { class: "hint" });
   const prior = choice({
     label: "Prior of trained matrices",
     options: choices.priors,
     where: "prior",
     on: (name) => changeStudy((study) => (study.prior = name)),
   });
+  let cards = [];
   const show = ({ study }) => {
-    const now = matrixParts(study.matrices?.[0] ?? "kernel");
-    fillChoice(method.select, choices.matrices.map((one) => one.name), now.method);
+    const names = namesOf(study);
+    if (cards.length !== names.length) {
+      cards = names.map((_, i) => matrixCard(choices, i));
+      list.replaceChildren(...cards.map((card) => card.node));
+    }
+    names.forEach((_, i) => cards[i].show(names));
+    attribute(add, "disabled", names.length >= MOST);
+    say(said, names.length > 1 ? "The curves over the light show all; what shows one takes the first." : "");
     fillChoice(prior.select, choices.priors, study.prior ?? choices.prior ?? "chart-nir");
+  };
+  return { node: el("div", {}, list, add, said, prior.row), show };
+}
+
+function matrixCard(choices, i) {
+  const label = i ? `Color matrix ${i + 1}` : "Color matrix";
+  const pick = choice({
+    label,
+    options: [],
+    where: i ? `matrices.${i}` : "matrices", // the first also stands for all of them
+    on: (method) => changeStudy((study) => put(study, i, fresh(choices, method, namesOf(study)))),
+  });
+  const up = button("\u2191", () => changeStudy((study) => raised(study, i)), {
+    "aria-label": `Move matrix ${i + 1} up`,
+    title: "Move up",
+    class: "square",
+  });
+  const away = button("\u00d7", () => removed(node, i), {
+    "aria-label": `Remove matrix ${i + 1}`,
+    title: "Remove",
+    class: "square",
+  });
+  pick.row.append(up, away);
+  const place = el("div");
+  const node = el("div", { class: "matrix" }, pick.row, place);
+  let drawn = null;
+  const show = (names) => {
+    const now = matrixParts(names[i]);
+    fillChoice(pick.select, methodsFor(choices, names, i), now.method);
+    attribute(up, "disabled", i === 0);
+    attribute(away, "disabled", names.length < 2);
     if (drawn?.method !== now.method) {
-      drawn = { method: now.method, weight: weightSlider(choices, now.method, set) };
+      drawn = { method: now.method, weight: weightSlider(choices, now.method, i) };
       place.replaceChildren(...(drawn.weight ? [drawn.weight.row] : []));
     }
     drawn.weight?.show(now.value ?? parameterOf(choices, now.method).start);
   };
-  return { node: el("div", {}, method.row, place, prior.row), show };
+  return { node, show };
 }
 
-function setMatrix(study, name) {
-  const others = (study.matrices ?? []).slice(1).filter((other) => other !== name);
-  study.matrices = [name, ...others];
+/** Methods that a matrix may have: one without a parameter stands there once. */
+function methodsFor(choices, names, i) {
+  const taken = new Set(names.filter((_, k) => k !== i));
+  return choices.matrices.map((one) => one.name).filter((name) => !taken.has(name));
+}
+
+/** A name of a method that no other matrix has: its parameter is doubled until it is free. */
+function fresh(choices, method, names) {
+  const parameter = parameterOf(choices, method);
+  if (!parameter) return method;
+  let value = parameter.start;
+  while (names.includes(`${method}=${value}`) && 2 * value <= parameter.high) value *= 2;
+  return `${method}=${value}`;
+}
+
+/** Puts a matrix in the place of one; never the same twice, for each stands for its own curve. */
+function put(study, i, name) {
+  const names = [...namesOf(study)];
+  if (names.some((other, k) => k !== i && other === name)) return;
+  names[i] = name;
+  study.matrices = names;
+}
+
+function added(study, choices) {
+  const names = namesOf(study);
+  const methods = choices.matrices.map((one) => fresh(choices, one.name, names));
+  const free = methods.find((name) => !names.includes(name));
+  if (free) study.matrices = [...names, free];
+}
+
+function raised(study, i) {
+  const names = [...namesOf(study)];
+  [names[i - 1], names[i]] = [names[i], names[i - 1]];
+  study.matrices = names;
+}
+
+/** Takes a matrix away; the focus goes on to what is left, not back to the top of the page. */
+function removed(node, i) {
+  const list = node.parentElement;
+  changeStudy((study) => (study.matrices = namesOf(study).filter((_, k) => k !== i)));
+  list.children[Math.min(i, list.children.length - 1)]?.querySelector("select").focus();
 }
 
 function parameterOf(choices, method) {
@@ -68,14 +140,14 @@ function parameterOf(choices, method) {
   return { scale: "log", ...known, ...told, start: known.start };
 }
 
-function weightSlider(choices, method, set) {
+function weightSlider(choices, method, i) {
   const parameter = parameterOf(choices, method);
   if (!parameter) return null;
   return slider({
-    label: parameter.label,
+    label: i ? `${parameter.label}, matrix ${i + 1}` : parameter.label,
     unit: "",
     range: parameter,
-    where: "matrices.0",
-    on: (value) => set(`${method}=${value}`, "slide"),
+    where: `matrices.${i}`,
+    on: (value) => changeStudy((study) => put(study, i, `${method}=${value}`), "slide"),
   });
 }

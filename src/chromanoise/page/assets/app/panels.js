@@ -7,6 +7,7 @@ import * as chart from "draw/chart.js";
 import * as ellipses from "draw/ellipses.js";
 import * as levels from "draw/levels.js";
 import * as pareto from "draw/pareto.js";
+import { refill } from "draw/refill.js";
 import * as sensitivities from "draw/sensitivities.js";
 import * as stages from "draw/stages.js";
 import * as vectors from "draw/vectors.js";
@@ -60,7 +61,23 @@ export function panels({ seen, tools, resized }) {
     watcher.observe(panel.section);
     sizes.observe(panel.body);
   }
+  pack(document.querySelectorAll("main > .panel"));
   return made;
+}
+
+/** Rows of the style sheet's grid, and the space below a panel. */
+const ROW_PX = 4;
+const GAP_ROWS = 4;
+
+/** Lets each panel take as many rows as its height needs. */
+function pack(sections) {
+  const heights = new ResizeObserver((entries) => {
+    for (const { target, borderBoxSize } of entries) {
+      const rows = Math.ceil(borderBoxSize[0].blockSize / ROW_PX) + GAP_ROWS;
+      target.style.setProperty("--span", String(rows));
+    }
+  });
+  for (const section of sections) heights.observe(section);
 }
 
 function panelOf(part, tool) {
@@ -105,7 +122,7 @@ function show(panel, data, options) {
   panel.fault.textContent = complaint ?? "";
   panel.body.hidden = complaint !== null;
   panel.section.removeAttribute("aria-busy");
-  showTable(panel, options.look.open.includes(panel.part) || options.tables === true);
+  showTable(panel, options.look.open.includes(panel.part));
 }
 
 function faultOf(data) {
@@ -115,7 +132,7 @@ function faultOf(data) {
 
 function drawn(panel, data, options) {
   try {
-    DRAWN[panel.part].draw(panel.body, data, { ...options, width: panel.width });
+    DRAWN[panel.part].draw(panel.body, data, { width: panel.width, ...options });
     return null;
   } catch (error) {
     return `This could not be drawn (${error.message}); the table may still tell.`;
@@ -127,11 +144,7 @@ export function showTable(panel, open) {
   attribute(panel.toggle, "aria-expanded", open ? "true" : "false");
   panel.table.hidden = !open;
   if (!open || panel.data === null) return panel.table.replaceChildren();
-  const at = panel.table.firstElementChild?.scrollTop ?? 0;
-  panel.table.replaceChildren(tableOf(DRAWN[panel.part].rows(panel.data), panel.title));
-  // a table that is read must not jump to its top with every answer
-  if (at) panel.table.firstElementChild.scrollTop = at;
-  return undefined;
+  return refill(panel.table, tableOf(DRAWN[panel.part].rows(panel.data), panel.title));
 }
 
 /** A real table; a wide or long one scrolls by itself, by keyboard as well. */

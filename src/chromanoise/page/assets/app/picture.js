@@ -7,6 +7,9 @@ import { shownName } from "app/uploads.js";
 import { draw } from "draw/picture.js";
 
 const REST_MS = 350;
+/** Unseen it comes too, for it may be printed, but once nobody waits for anything else. */
+const UNSEEN_REST_MS = 4000;
+const BUSY = ".panel[aria-busy]:not([data-part=picture])";
 const SIDES = ["Left", "Right"];
 
 /** Fills the panel; gives `later(state)`, which fetches once nothing has moved for a while. */
@@ -50,7 +53,7 @@ class View {
   later(state) {
     this.#offer(state.study);
     clearTimeout(this.#waiting);
-    this.#waiting = setTimeout(() => this.#fetch(state.study), REST_MS);
+    this.#waiting = setTimeout(() => this.#fetch(state.study), this.#visible ? REST_MS : UNSEEN_REST_MS);
   }
 
   /** What can stand on each side: every sensor, with its noise and without. */
@@ -72,7 +75,8 @@ class View {
 
   async #fetch(study) {
     const key = JSON.stringify([study, ...this.sides.map(({ select }) => select.value)]);
-    if (!this.#visible || key === this.#shown) return;
+    if (key === this.#shown) return;
+    if (!this.#visible && document.querySelector(BUSY)) return this.later({ study });
     this.#abort?.abort();
     this.#abort = new AbortController();
     const { signal } = this.#abort;
@@ -110,7 +114,14 @@ class View {
 /** What stands on a side: a sensor, with its noise or without. */
 function sideName({ sensors }, side) {
   const [sensor, kind] = side.split(" ");
-  return `${shownName("sensor", sensors[sensor].name)}, ${kind === "noisy" ? "noisy" : "without noise"}`;
+  return `${sensorName(sensors, Number(sensor))}, ${kind === "noisy" ? "noisy" : "without noise"}`;
+}
+
+/** The sensor as people know it; one that stands there twice gets a number, as in a run. */
+function sensorName(sensors, i) {
+  const { name } = sensors[i];
+  const before = sensors.slice(0, i).filter((other) => other.name === name).length;
+  return before ? `${shownName(name)} (${before + 1})` : shownName(name);
 }
 
 /** What the server tells of a picture: its size, what does not fit into the pixel, its notes. */

@@ -83,7 +83,7 @@ function sensorCard(choices, i) {
   const show = (sensor, told, count) => {
     const known = choices.sensors.find((one) => one.name === sensor.name);
     const names = choices.sensors.map((one) => one.name);
-    fillChoice(pick.select, [...names, ...uploaded("sensor")], sensor.name);
+    fillChoice(pick.select, [...names, ...uploaded("sensor", sensor.name)], sensor.name);
     say(what, known ? described(known, told) : "");
     front.show(sensor);
     for (const one of inner) one.show(sensor, told);
@@ -153,28 +153,23 @@ function asksForPeak({ name, answers }) {
   return said || asksFor("sensor", name, "answers.peak_qe");
 }
 
-/** What stands in front of the sensor: of the catalogue where that is told, else a word. */
+/** What stands in front of the sensor: a word, with those of the catalogue offered. */
 function filterChoice(choices, i) {
-  const where = `sensors.${i}.filter`;
-  const on = (name) => changeStudy((study) => setAt(study.sensors[i], "filter", name.trim() || null));
-  if (choices.filters?.length) {
-    const pick = choice({ label: "Filter before it", options: [], where, on });
-    const names = [["", "none"], ...choices.filters];
-    return { row: pick.row, show: ({ filter }) => fillChoice(pick.select, names, filter ?? "") };
-  }
   const id = freshId("filter");
+  const offered = el("datalist", { id: `${id}-known` }, ...(choices.filters ?? []).map((value) => el("option", { value })));
   const typed = el("input", {
     id,
     type: "text",
-    "data-where": where,
+    list: offered.id,
+    "data-where": `sensors.${i}.filter`,
     placeholder: "none; as ircut-650",
     autocomplete: "off",
     spellcheck: "false",
     class: "word",
-    on: { change: () => on(typed.value) },
+    on: { change: () => changeStudy((study) => setAt(study.sensors[i], "filter", typed.value.trim() || null)) },
   });
   const named = el("label", { for: id, class: "label", text: "Filter before it" });
-  const row = el("div", { class: "row" }, named, typed);
+  const row = el("div", { class: "row" }, named, typed, offered);
   let shown = "";
   // an answer that comes while somebody types must not take the letters away
   const show = ({ filter }) => {

@@ -4,6 +4,7 @@ import { posted, Refused } from "app/ask.js";
 import { brief, button, el } from "app/dom.js";
 import { PARTS } from "app/panels.js";
 import { current } from "app/state.js";
+import { shownName } from "app/uploads.js";
 
 const MOST = 3;
 
@@ -77,7 +78,7 @@ async function refreshed(ghost) {
 }
 
 function shortName({ light = {}, exposure = {}, sensors }) {
-  const level = `${brief(light.level_lux ?? 10, 3)} lx ${light.illuminant ?? "E"}`;
+  const level = `${brief(light.level_lux ?? 10, 3)} lx ${shownName(light.illuminant ?? "E")}`;
   return `${level}, f/${brief(exposure.f_number ?? 1.8, 2)}, ${sensors.length} sensors`;
 }
 

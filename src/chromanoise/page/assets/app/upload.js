@@ -68,8 +68,9 @@ async function bring(file, report) {
     show(report, file.name, answer);
   } catch (error) {
     if (turn !== latest) return;
-    const sentence = error instanceof Refused ? error.message : UNHEARD;
-    report.replaceChildren(el("p", { class: "fault", role: "alert", text: named(file.name, sentence) }));
+    const sentences = error instanceof Refused ? error.faults.map((fault) => fault.sentence) : [UNHEARD];
+    const lines = sentences.map((sentence) => el("p", { text: named(file.name, sentence) }));
+    report.replaceChildren(el("div", { class: "fault", role: "alert" }, ...lines));
   }
   report.scrollIntoView({ block: "nearest" });
 }
@@ -88,8 +89,7 @@ const tooLarge = ({ size }) =>
 
 /** What was understood, what is still to be answered, and what to do with it. */
 function show(report, name, answer) {
-  if (answer.kind === "study" && answer.study) replaceStudy(answer.study);
-  else remember(answer.kind, answer.id, name, (answer.asks ?? []).map(({ key }) => key));
+  if (answer.kind !== "study") remember(answer.kind, answer.id, name, (answer.asks ?? []).map(({ key }) => key));
   const lines = (answer.preview ?? []).filter((text) => !OPTION.test(text)).map((text) => el("li", { text }));
   const title = el("p", { class: "strong", text: `${name}: a ${answer.kind}` });
   const asks = (answer.asks ?? []).map(question);
@@ -131,7 +131,10 @@ function uses(answer, answers, done, unanswered) {
   if (answer.kind === "light") {
     return [use("Use as the light", (study) => useLight(study, answer.id, answers()))];
   }
-  if (answer.kind === "cube") return [use("Show in the picture", (study) => setCube(study, answer.id))];
+  if (answer.kind === "cube") return [use("Show in the picture", (study) => setCube(study, answer.id, answers()))];
+  if (answer.kind === "study") {
+    return [button("Open this study", () => (replaceStudy(answer.study), done()), { class: "wide primary" })];
+  }
   if (answer.kind !== "sensor") return [];
   const exchanges = current().study.sensors.map((sensor, i) =>
     use(`Exchange sensor ${i + 1}`, (study) => exchangeFor(study, i, withAnswers(answer.id, answers()))),

@@ -1,23 +1,34 @@
 /** Files that were brought: which stand in the lists of sensors, lights and scenes. */
 
+const ID = /upload:[0-9a-f]{16}/g;
 const brought = { sensor: new Map(), light: new Map(), cube: new Map() };
+const labels = new Map();
 
 /** Remembers, for the id that the server gave, the file's own name and the keys of what it asks. */
 export function remember(kind, id, label, asks) {
-  brought[kind]?.set(id, { label, asks });
+  labels.set(id, label);
+  brought[kind]?.set(id, asks);
 }
 
-/** A name as people know it: the file's own for the id of an upload. */
-export function shownName(kind, name) {
-  return brought[kind].get(name)?.label ?? name;
+/** Takes the names of files that the server knows; tells whether one of them is new. */
+export function learn(files = {}) {
+  const fresh = Object.entries(files).filter(([id]) => !labels.has(id));
+  for (const [id, label] of fresh) labels.set(id, label);
+  return fresh.length > 0;
+}
+
+/** A word of a study as people know it: the file's own name in place of the id of an upload. */
+export function shownName(word) {
+  return word.replace(ID, (id) => labels.get(id) ?? "a dropped file");
 }
 
 /** Whether a file leaves this open: its level, its highest QE ... */
 export function asksFor(kind, id, key) {
-  return brought[kind].get(id)?.asks.includes(key) ?? false;
+  return brought[kind].get(id)?.includes(key) ?? false;
 }
 
-/** The files of one kind as [id, name] pairs for a list. */
-export function uploaded(kind) {
-  return [...brought[kind]].map(([id, { label }]) => [id, `${label} (your file)`]);
+/** The files of one kind as [id, name] pairs for a list; `now` may be one that a link brought. */
+export function uploaded(kind, now = "") {
+  const ids = new Set([...brought[kind].keys(), ...(now.match(ID) ?? [])]);
+  return [...ids].map((id) => [id, labels.has(id) ? `${labels.get(id)} (your file)` : "a file that was dropped elsewhere"]);
 }
