@@ -13,7 +13,8 @@ import pytest
 from scipy import stats
 
 from chromanoise.spectra.tables import packaged_table
-from chromanoise.study import PaperStudy, Reproduction, paper, paper_study, reproduced
+from chromanoise.study import PaperStudy, Reproduction, paper_study, reproduced
+from chromanoise.study.paper import study as paper
 
 REPOSITORY = Path(__file__).parents[2]
 TOOLS = REPOSITORY / "tools"

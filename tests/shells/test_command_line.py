@@ -261,9 +261,6 @@ def test_demo_writes_one_page_that_needs_nothing_from_elsewhere(run, tmp_path, m
     assert "reconstruction" in page
     outside = [part for part in ('src="http', 'href="http', "url(http", "@import") if part in page]
     assert outside == []
-    report = (tmp_path / "demo" / "report.html").read_text(encoding="utf-8")
-    assert "Can the IR-cut be dropped?" in report
-    assert report.count("<img") == 2
     names = {path.stem for path in Path(tmp_path / "demo").glob("figure-*.svg")}
     assert len(names) == 10
 

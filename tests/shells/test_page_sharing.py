@@ -144,7 +144,7 @@ def test_a_dropped_file_is_called_by_its_name_in_another_window_and_missed_on_an
         told.wait_for()
         assert "drop the file again" in told.inner_text()
         assert "upload:" not in there.locator("body").inner_text()
-        there.context.close()  # before its server ends, so that it misses nobody
+        there.close()  # before its server ends, so that it misses nobody
 
 
 UNREADABLE = [
