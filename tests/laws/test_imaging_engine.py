@@ -1,6 +1,7 @@
 """The compiled way of a cube against plain numpy, bit by bit where bits are promised."""
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -394,6 +395,22 @@ def test_no_bit_depends_on_blocks_however_the_cube_lies(layout, width):
     for tile_rows in (1, 2, 5):
         tiled = electrons_of_cube(cube, situation, work=Work(tile_rows=tile_rows, threads=2))
         assert (tiled == whole).all()
+
+
+@pytest.mark.parametrize("layout", ["bands together", "pixels of a band together"])
+@pytest.mark.parametrize(("height", "width"), [(9, 1500), (2, 4101)])
+def test_rows_that_share_a_tile_and_rows_of_several_tiles_are_like_any_other(height, width, layout):
+    situation, mosaic = used(5), TILES["odd"]
+    cube = cube_of(LAYOUTS[layout](stored(height, width)[0]))
+    expected = electrons_by_numpy(cube, situation)
+    assert electrons_of_cube(cube, situation) == pytest.approx(expected, rel=2e-6)
+    asked = {"seed": 3, "imperfections": Imperfections(row_noise_e=4.0, prnu=0.01)}
+    row_by_row = Work(tile_rows=1, threads=1)
+    for make in (rendered, partial(acquired, mosaic=mosaic)):
+        whole, rows = (make(cube, situation, work=w, **asked) for w in (Work(), row_by_row))
+        picture = "codes" if make is not rendered else "xyz"
+        assert (getattr(whole, picture) == getattr(rows, picture)).all()
+        assert whole.mean_e == pytest.approx(rows.mean_e, rel=1e-12)
 
 
 def spread_of(**strengths):
