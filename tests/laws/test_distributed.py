@@ -1,12 +1,12 @@
 """On a cluster: the bits are those of one machine, and what goes wrong is one sentence."""
 
+import errno
 import logging
 import os
 import pickle
 import signal
 import sys
 from concurrent.futures import ThreadPoolExecutor
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -20,7 +20,9 @@ from chromanoise.imaging import distributed as on_clusters
 from chromanoise.imaging.distributed import cluster
 from chromanoise.imaging.light import light_of
 from chromanoise.imaging.plans import ElectronPlan, plan_for_rows
+from chromanoise.imaging.work import row_blocks
 from chromanoise.scene import Cube, read_cube
+from chromanoise.scene.file_rows import FileRows
 from chromanoise.sensor import Imperfections, bayer
 from chromanoise.spectra import equal_energy
 from strategies import EXPOSURE, GRID, bell_qe, sensor_of
@@ -116,22 +118,50 @@ def test_a_cluster_makes_the_bits_of_threads(executor, tmp_path, interleave, kep
     assert (here == away).all()
 
 
+def no_room(*_):
+    raise OSError(errno.ENOSPC, "no room")
+
+
 @pytest.mark.parametrize("room", [True, False], ids=["in place", "no room to share"])
 def test_workers_of_this_machine_fill_the_picture_in_place(executor, tmp_path, monkeypatch, room):
-    monkeypatch.setattr(shared_rows, "_has_room", lambda size: room and own_room(size))
-    before = set(Path("/dev/shm").iterdir())
+    if not room:
+        monkeypatch.setattr(os, "posix_fallocate", no_room)
     cube = read_cube(envi_file(tmp_path))
     asked = {"seed": 6, "imperfections": Imperfections(dsnu_e=3.0, prnu=0.01)}
     there = Work(executor=executor, tile_rows=9, same_machine=True)
+    sent = []
+    monkeypatch.setattr(executor, "submit", recorded(executor.submit, sent))
     here, beside = (rendered(cube, SITUATION, **asked, work=w) for w in one_and(there))
     assert (here.xyz == beside.xyz).all()
     assert (here.srgb == beside.srgb).all()
     assert (here.mean_e == beside.mean_e).all()
     assert type(beside.xyz) is np.ndarray
-    assert set(Path("/dev/shm").iterdir()) == before
+    assert {task.__name__ for task in sent} == {"_filled_in_place" if room else "_filled_and_sent"}
 
 
-own_room = shared_rows._has_room
+def recorded(submit, tasks):
+    def submitted(task, *arguments):
+        tasks.append(task)
+        return submit(task, *arguments)
+
+    return submitted
+
+
+@pytest.mark.parametrize("workers", [1, 2, 8])
+def test_every_worker_has_its_share_of_a_file_however_large_the_blocks_may_be(tmp_path, workers):
+    gigabyte = tmp_path / "cube.raw"
+    gigabyte.touch()
+    os.truncate(gigabyte, 10**9)  # nothing is stored, nothing is read
+    source = FileRows(
+        path=gigabyte,
+        offset=0,
+        stored=np.dtype("f4"),
+        shape=(1000, 1000, 250),
+        strides=(1_000_000, 1000, 4),
+    )
+    blocks = row_blocks(source, Work(executor=ThreadPoolExecutor(1), threads=workers))
+    assert len(blocks) >= 4 * workers
+    assert max(stop - start for start, stop in blocks) <= 256
 
 
 def test_a_worker_of_another_machine_cannot_fill_in_place_and_says_so(tmp_path):

@@ -411,6 +411,8 @@ def test_rows_that_share_a_tile_and_rows_of_several_tiles_are_like_any_other(hei
         picture = "codes" if make is not rendered else "xyz"
         assert (getattr(whole, picture) == getattr(rows, picture)).all()
         assert whole.mean_e == pytest.approx(rows.mean_e, rel=1e-12)
+        if make is rendered:
+            assert whole.mean_e == pytest.approx(expected.mean(axis=(0, 1)), rel=1e-6)
 
 
 def spread_of(**strengths):

@@ -13,12 +13,10 @@ from typing import no_type_check
 import numpy as np
 from numba import njit
 
+from chromanoise.imaging.blocks import RUN
 from chromanoise.imaging.noise_blocks import noise_of_block, room_for
 from chromanoise.imaging.philox import LIGHT, PIXEL_GAIN, PIXEL_OFFSET, ROW, words_at
 from chromanoise.imaging.variates import normal_quantile
-
-RUN = 256
-"""Pixels of a run; with four channels 1024 lanes of noise."""
 
 _F = np.float32
 _ZERO, _ONE = _F(0.0), _F(1.0)
@@ -116,20 +114,20 @@ def _imperfect_readout(electrons, pixel, n, channels, draw, row_e):
 
 @njit(cache=True, nogil=True, inline="always")
 @no_type_check
-def _normal(pixel, purpose, frame, channel, seed):
+def _normal(pixel, purpose, frame, channel, key):
     """A standard normal variate (f4) that belongs to a pixel, or a row, a purpose and a channel."""
     pair = np.uint64(channel >> 1)
-    words = words_at(np.uint64(pixel), np.uint64(purpose), np.uint64(frame), pair, seed)
+    words = words_at(np.uint64(pixel), np.uint64(purpose), np.uint64(frame), pair, key)
     return normal_quantile(np.uint32(words[0] if channel & 1 == 0 else words[2]))
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 @no_type_check
-def _words_of_pair(pixel, pair, frame, seed, shot, read, odd_shot, odd_read):
+def _words_of_pair(pixel, pair, frame, key, shot, read, odd_shot, odd_read):
     """Words of two channels of as many pixels as ``shot`` has."""
     purpose = np.uint64(LIGHT)
     for i in range(shot.size):
-        w0, w1, w2, w3 = words_at(np.uint64(pixel + i), purpose, frame, np.uint64(pair), seed)
+        w0, w1, w2, w3 = words_at(np.uint64(pixel + i), purpose, frame, np.uint64(pair), key)
         shot[i] = w0
         read[i] = w1
         odd_shot[i] = w2
@@ -138,26 +136,26 @@ def _words_of_pair(pixel, pair, frame, seed, shot, read, odd_shot, odd_read):
 
 @njit(cache=True, nogil=True, error_model="numpy")
 @no_type_check
-def _words_of_all(pixel, n, p, frame, seed, shot, read, spare):
+def _words_of_all(pixel, n, p, frame, key, shot, read, spare):
     """Words of every channel of ``n`` pixels, one channel after the other."""
     for c in range(0, p, 2):
         even, odd = slice(c * n, (c + 1) * n), slice((c + 1) * n, (c + 2) * n)
         if c + 1 < p:
-            _words_of_pair(pixel, c // 2, frame, seed, shot[even], read[even], shot[odd], read[odd])
+            _words_of_pair(pixel, c // 2, frame, key, shot[even], read[even], shot[odd], read[odd])
         else:
             _words_of_pair(
-                pixel, c // 2, frame, seed, shot[even], read[even], spare[0, :n], spare[1, :n]
+                pixel, c // 2, frame, key, shot[even], read[even], spare[0, :n], spare[1, :n]
             )
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 @no_type_check
-def _words_of_mosaic(pixel, n, channel, frame, seed, shot, read):
+def _words_of_mosaic(pixel, n, channel, frame, key, shot, read):
     """Words of the one channel of each pixel: those that it has when all are rendered."""
     purpose = np.uint64(LIGHT)
     for i in range(n):
         c = channel[i]
-        w0, w1, w2, w3 = words_at(np.uint64(pixel + i), purpose, frame, np.uint64(c >> 1), seed)
+        w0, w1, w2, w3 = words_at(np.uint64(pixel + i), purpose, frame, np.uint64(c >> 1), key)
         odd = (c & 1) == 1
         shot[i] = w2 if odd else w0
         read[i] = w3 if odd else w1

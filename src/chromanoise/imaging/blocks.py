@@ -15,6 +15,8 @@ RUN_LANES = 16
 """Pixels of a band that are."""
 CHANNELS_AT_ONCE = 4
 """Channels that are summed side by side; weights are filled up with zeros to a multiple of it."""
+RUN = 256
+"""Pixels of a row that get their noise and color together; with four channels 1024 lanes."""
 PADDED_BANDS = 16
 """Weights have a multiple of so many bands, zeros at the end."""
 

@@ -9,13 +9,13 @@ from typing import no_type_check
 import numpy as np
 from numba import njit
 
+from chromanoise.imaging.blocks import RUN
 from chromanoise.imaging.lanes import fused
 from chromanoise.imaging.layout import three_together
 
 ENCODED = 16384
 """Entries of the table of sRGB codes."""
 
-_RUN = 256  # pixels whose colors stay in the first cache
 _F = np.float32
 _ZERO, _ONE, _HALF = _F(0.0), _F(1.0), _F(0.5)
 
@@ -85,11 +85,11 @@ def _codes(table, first, second, third, srgb):
 def color_of_electrons(electrons, matrices, table, xyz, srgb):
     """Eq. 5 for rows of electrons (rows, columns, p): xyz and srgb as `color_rows`."""
     rows, columns, p = electrons.shape
-    run = np.empty(_RUN * p, np.float32)
-    colors, entry = np.empty(3 * _RUN, np.float32), np.empty(3 * _RUN, np.int32)
+    run = np.empty(RUN * p, np.float32)
+    colors, entry = np.empty(3 * RUN, np.float32), np.empty(3 * RUN, np.int32)
     for row in range(rows):
-        for first in range(0, columns, _RUN):
-            n = min(_RUN, columns - first)
+        for first in range(0, columns, RUN):
+            n = min(RUN, columns - first)
             for i in range(n):
                 for c in range(p):
                     run[c * n + i] = electrons[row, first + i, c]

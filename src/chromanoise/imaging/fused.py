@@ -17,12 +17,12 @@ import numpy as np
 from numba import njit
 
 from chromanoise.imaging.acquisition import (
-    RUN,
     acquire_channels,
     acquire_mosaic,
     room_for_run,
     row_offset_e,
 )
+from chromanoise.imaging.blocks import RUN
 from chromanoise.imaging.color_kernels import colors_of_run
 from chromanoise.imaging.means import TILE
 from chromanoise.imaging.tallies import count_means, hold_at_well, strands_for, total_means

@@ -5,7 +5,7 @@ The cube is read once, as it lies. Where the bands of a pixel lie together (BIP)
 summed by `adders`; where the pixels of a band lie together (BIL, BSQ) a run of them is summed band
 by band. Both orders are fixed, so no choice of blocks changes a bit.
 
-Functions without annotations are compiled; ``n`` pixels of one row are a run.
+Functions without annotations are compiled; ``n`` pixels that follow each other are a tile.
 """
 
 from typing import no_type_check

@@ -30,11 +30,8 @@ from typing import no_type_check
 import numpy as np
 from numba import njit
 
-LIGHT, PIXEL_GAIN, PIXEL_OFFSET, ROW, COLUMN, DARK = range(6)
-"""Purposes: shot and read noise, PRNU, DSNU, row noise, column noise, dark current."""
-
-PIXEL_BITS = 48
-WORD_BITS = 32
+LIGHT, PIXEL_GAIN, PIXEL_OFFSET, ROW = range(4)
+"""Purposes: shot and read noise, PRNU, DSNU, row noise."""
 
 _WORD = np.uint64(0xFFFFFFFF)
 _HALF = np.uint64(32)

@@ -234,7 +234,9 @@ def srgb_table() -> UInt8[Array, " entries"]:
     """8-bit codes of linear values, evenly from 0 to 1."""
     from chromanoise.imaging.color_kernels import ENCODED
 
-    return np.round(255 * srgb_from_linear(np.linspace(0, 1, ENCODED))).astype(np.uint8)
+    codes = np.round(255 * srgb_from_linear(np.linspace(0, 1, ENCODED))).astype(np.uint8)
+    codes.flags.writeable = False  # all pictures share it
+    return codes
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

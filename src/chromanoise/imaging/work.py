@@ -45,9 +45,9 @@ class Work:
     Attributes
     ----------
     threads
-        Working at once; as many as there are cores if ``None``.
+        Working at once, here or at the executor; as many as there are cores here if ``None``.
     tile_rows
-        Rows that one takes at a time; some megabytes if ``None``.
+        Rows that one takes at a time; what suits memory, file and workers if ``None``.
     executor
         Takes the blocks instead of threads of this process: of `concurrent.futures`, or
         ``dask.distributed.Client.get_executor()``. Its workers must reach the cube's file; a cube
@@ -104,13 +104,12 @@ def _rows_of(source: RowSource, size_bytes: int) -> int:
 def _block_bytes(source: RowSource, work: Work) -> int:
     """Large where nothing is copied: handing a block over costs as much as a megabyte of it."""
     in_file = source.scratch_bytes(1) > 0
-    if work.executor is not None:
-        return _MOST_BLOCK_BYTES if in_file else _LARGE_BLOCK_BYTES
-    if in_file:
+    if in_file and work.executor is None:
         return _BLOCK_BYTES
     whole = math.prod(source.shape) * source.dtype.itemsize
-    turns = _TURNS * _threads(work)  # of each thread, so that all end together
-    return min(max(whole // turns, _BLOCK_BYTES), _LARGE_BLOCK_BYTES)
+    turns = _TURNS * _threads(work)  # of each of them, so that all end together
+    most = _MOST_BLOCK_BYTES if in_file else _LARGE_BLOCK_BYTES
+    return min(max(whole // turns, _BLOCK_BYTES), most)
 
 
 def _threads(work: Work) -> int:
