@@ -147,7 +147,14 @@ def test_a_dropped_file_is_called_by_its_name_in_another_window_and_missed_on_an
         there.close()  # before its server ends, so that it misses nobody
 
 
+def array_file():
+    content = io.BytesIO()
+    np.save(content, np.full((5, 6, 66), 0.5))
+    return content.getvalue()
+
+
 UNREADABLE = [
+    ("bands.npy", array_file(), "does not tell the wavelengths of its 66 bands; the page cannot"),
     ("junk.csv", b"\x00\xff\x13" * 700, ""),
     ("empty.csv", b"", "empty"),
     ("page.exe", b"MZ", ""),

@@ -325,6 +325,20 @@ def test_a_dropped_light_answers_with_infrared_beside_it(client):
     assert head["parts"]["head"]["light"]["name"].startswith("lamp")
 
 
+def test_a_lamp_that_is_1_at_its_peak_is_no_wrong_lamp_and_keeps_the_name_of_its_file(client):
+    lamp = b"wavelength_nm,power\n" + b"".join(
+        b"%d,%.2f\n" % (w, w / 1050) for w in range(400, 1051, 10)
+    )
+    told = uploaded(client, "night.csv", lamp).json()
+    assert told["kind"] == "light"
+    assert not any("Looks wrong" in line for line in told["preview"])
+    light = {"illuminant": f"{told['id']}+0.3xLED850", "per": "energy"}
+    reply = answered(client, {"number": 1, "study": BOTH | {"light": light}})
+    assert "exactly 1" not in reply.text
+    assert "night.csv" in reply.text
+    assert told["id"].removeprefix("upload:") not in json.dumps(reply.json()["parts"])
+
+
 def test_a_dropped_study_comes_back_as_data(client):
     told = uploaded(client, "a.toml", b'title = "T"\n[[sensors]]\nname = "onyx-rgb"\n').json()
     assert told["kind"] == "study"

@@ -6,7 +6,7 @@ from matplotlib.axes import Axes
 
 from chromanoise.figures.style import INK, QUIET, sensor_dashes
 
-_MARKS = "osD^"
+_MARKS = "osD^vP"
 
 
 def draw_pareto(data: dict[str, Any], ax: Axes) -> Axes:
@@ -28,7 +28,8 @@ def draw_pareto(data: dict[str, Any], ax: Axes) -> Axes:
         for point, side in zip((*known[:1], *known[-1:]), (-1, 1), strict=False):
             _write_weight(ax, point, side)
         now = sensor["now"]
-        mark, fill = _MARKS[i % len(_MARKS)], INK if i % 2 == 0 else "white"
+        turn, shape = divmod(i, len(_MARKS))
+        mark, fill = _MARKS[shape], INK if shape % 2 == turn % 2 else "white"
         where = ([], []) if None in now.values() else ([now["snr_db"]], [now["color_error"]])
         ax.plot(*where, mark, color=INK, markerfacecolor=fill, linestyle=dashes, label=name)
     ax.grid(visible=True, alpha=0.25)

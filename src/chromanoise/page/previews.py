@@ -10,6 +10,7 @@ from chromanoise.scene.rows import row_source
 from chromanoise.sensor import Sensor
 from chromanoise.spectra import DEFAULT_GRID, Spectra
 from chromanoise.spectra.files import Understood, read_curves
+from chromanoise.spectra.files.defects import defects_of_a_light
 from chromanoise.study.runs import own_json_of, study_as_json, study_from_text
 
 MOST_SPECTRUM_BYTES = 1_000_000  # some 50,000 rows, which are understood in half a second
@@ -72,7 +73,7 @@ def _study(upload: Upload) -> Told:
         f"matrix {', '.join(study.matrices)}."
     ]
     if study.title:
-        lines.insert(0, f"{study.title}.")
+        lines.insert(0, study.title if study.title[-1] in ".?!" else f"{study.title}.")
     return {"kind": "study", "preview": lines, "study": study_as_json(study)}
 
 
@@ -141,6 +142,7 @@ def _sentences(told: Understood, kind: str) -> list[str]:
     what = "A light" if kind == "light" else "A sensor"
     count = f"{len(curves.names)} curve{'s' if len(curves.names) > 1 else ''}"
     own = kind == "sensor" and _documented(told)
+    wrong = defects_of_a_light(told.defects) if kind == "light" else told.defects
     step = f", step {told.step_nm:g} nm" if told.step_nm is not None else ""
     return [
         f"{what}: {count} {names}{more}, {curves.wavelength_nm[0]:g}-"
@@ -148,7 +150,7 @@ def _sentences(told: Understood, kind: str) -> list[str]:
         f"Values {curves.values.min():.4g} to {curves.values.max():.4g}, {told.scale}.",
         *(["Headed wavelength_nm, so taken as absolute QE per photon."] if own else []),
         *told.notes,
-        *(f"Looks wrong: {defect}" for defect in told.defects),
+        *(f"Looks wrong: {defect}" for defect in wrong),
     ]
 
 

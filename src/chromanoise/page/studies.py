@@ -308,7 +308,8 @@ def _labels(used: list[Upload]) -> tuple[str, ...]:
 
 def _light_named(study: Study, used: list[Upload]) -> Illuminant:
     lamp = illuminant_of(study)
-    return replace(lamp, name=spoken(lamp.name, used))
+    notes = tuple(spoken(note, used) for note in lamp.notes)
+    return replace(lamp, name=spoken(lamp.name, used), notes=notes)
 
 
 def _sensor_named(part: SensorPart, used: list[Upload]) -> Sensor:

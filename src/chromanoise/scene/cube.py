@@ -87,7 +87,10 @@ def _cure(value: float, cube: Cube) -> str:
     if np.isnan(value) or value < 0:
         ignored = any("data ignore value" in note for note in cube.notes)
         told = " (its header names a data ignore value, which is not applied)" if ignored else ""
-        return f"set pixels without a value to 0 and noise below 0 to 0, or cut them off{told}"
+        return (
+            f"set pixels without a value to 0 and noise below 0 to 0, or cut them off{told}; "
+            "--bad-pixels zero does the first"
+        )
     return (
         "radiance or counts must be turned into reflectance first (divide by a white reference), "
         "or scaled with --scale"

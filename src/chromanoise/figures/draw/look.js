@@ -34,20 +34,24 @@ export function sensorDashes(names) {
   });
 }
 
-/** The outline of a sensor's mark: disc, square, diamond, triangle, in turn. */
+/** The outline of a sensor's mark: disc, square, diamond, triangle up and down, cross, in turn. */
 export function markPath(i, x, y, r = 5) {
   const [cx, cy] = [tenth(x), tenth(y)];
   const s = r * 0.9;
   const t = r * 1.25;
-  if (i % 4 === 0) return `M${cx - r} ${cy}a${r} ${r} 0 1 0 ${2 * r} 0a${r} ${r} 0 1 0 ${-2 * r} 0Z`;
-  if (i % 4 === 1) return `M${cx - s} ${cy - s}h${2 * s}v${2 * s}h${-2 * s}Z`;
-  if (i % 4 === 2) return `M${cx} ${cy - t}l${t} ${t}l${-t} ${t}l${-t} ${-t}Z`;
-  return `M${cx} ${cy - t}l${t} ${2 * t - 1}h${-2 * t}Z`;
+  if (i % 6 === 0) return `M${cx - r} ${cy}a${r} ${r} 0 1 0 ${2 * r} 0a${r} ${r} 0 1 0 ${-2 * r} 0Z`;
+  if (i % 6 === 1) return `M${cx - s} ${cy - s}h${2 * s}v${2 * s}h${-2 * s}Z`;
+  if (i % 6 === 2) return `M${cx} ${cy - t}l${t} ${t}l${-t} ${t}l${-t} ${-t}Z`;
+  if (i % 6 === 3) return `M${cx} ${cy - t}l${t} ${2 * t - 1}h${-2 * t}Z`;
+  if (i % 6 === 4) return `M${cx} ${cy + t}l${t} ${1 - 2 * t}h${-2 * t}Z`;
+  const a = r * 0.4; // half an arm of the cross
+  return `M${cx - a} ${cy - r}h${2 * a}v${r - a}h${r - a}v${2 * a}h${a - r}v${r - a}h${-2 * a}v${a - r}h${a - r}v${-2 * a}h${r - a}Z`;
 }
 
-/** A sensor's mark in a color: full for the first, third ..., hollow for those between. */
+/** A sensor's mark in a color: full for the first, third ..., hollow for those between; 12 differ. */
 export function mark(i, x, y, color = "var(--ink)", r = 5) {
-  const fill = i % 2 === 0 ? color : "var(--paper)";
+  const full = i % 2 === Math.floor(i / 6) % 2;
+  const fill = full ? color : "var(--paper)";
   return svg("path", { d: markPath(i, x, y, r), fill, stroke: color, "stroke-width": 2 });
 }
 

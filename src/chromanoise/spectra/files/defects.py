@@ -17,6 +17,9 @@ _VISIBLE_NM = (500.0, 650.0)
 _RATIOS = ("QE", "reflectance", "transmittance")
 
 
+_RELATIVE = "the curves look relative"
+
+
 def defects_of(
     curves: Spectra,
     quantity: Quantity | None,
@@ -45,6 +48,17 @@ def defects_of(
         *_short_ends(curves, beyond),
         *_gaps(curves, points),
     )
+
+
+def defects_of_a_light(defects: tuple[str, ...]) -> tuple[str, ...]:
+    """Those that matter for a light, whose heights are relative anyhow.
+
+    Examples
+    --------
+    >>> defects_of_a_light(("the highest value is exactly 1: the curves look relative", "2 gaps"))
+    ('2 gaps',)
+    """
+    return tuple(defect for defect in defects if not defect.endswith(_RELATIVE))
 
 
 def looks_normalized(curves: Spectra) -> bool:
@@ -106,7 +120,7 @@ def _normalized(curves: Spectra) -> Iterator[str]:
         row, column = np.unravel_index(int(curves.values.argmax()), curves.values.shape)
         yield (
             f"the highest value is exactly {curves.values.max():g} ({curves.names[column]} at "
-            f"{curves.wavelength_nm[row]:g} nm): the curves look relative"
+            f"{curves.wavelength_nm[row]:g} nm): {_RELATIVE}"
         )
 
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from chromanoise import _check
 from chromanoise.spectra.curves import Spectra
-from chromanoise.spectra.files.defects import looks_normalized
+from chromanoise.spectra.files.defects import defects_of_a_light, looks_normalized
 from chromanoise.spectra.files.understood import Answers, Understood
 from chromanoise.units import photons_per_joule
 
@@ -128,7 +128,7 @@ def power_of(told: Understood) -> Spectra:
             "does not say whether it counts light as energy or in photons",
             "--illuminant-energy or --illuminant-photons",
         )
-    notes = _said(told)
+    notes = _said(replace(told, defects=defects_of_a_light(told.defects)))
     if told.per == "photon":
         curves = power_of_photons(curves)
     return replace(curves, quantity="power", unit="relative", notes=(*curves.notes, *notes))

@@ -23,7 +23,7 @@ export function complain(row, sentence) {
 export const OPTION = /(^|\s)--[a-z]/;
 
 /** A sentence without its last clause where that tells an option of the command line. */
-function spoken(sentence) {
+export function spoken(sentence) {
   const clauses = sentence.split("; ");
   return clauses.length > 1 && OPTION.test(clauses.at(-1)) ? clauses.slice(0, -1).join("; ") : sentence;
 }

@@ -2,7 +2,7 @@
 
 import { Refused, understood } from "app/ask.js";
 import { button, choice, el, fillChoice } from "app/dom.js";
-import { OPTION } from "app/faults.js";
+import { OPTION, spoken } from "app/faults.js";
 import { lampless } from "app/light.js";
 import { setCube } from "app/scene.js";
 import { complain } from "app/faults.js";
@@ -77,12 +77,10 @@ async function bring(file, report) {
 
 /** Some sentences name the file already. */
 const named = (name, sentence) => {
-  const told = OPTION.test(sentence) ? OPEN : sentence;
+  const cause = spoken(sentence);
+  const told = cause === sentence ? sentence : `${cause}; the page cannot ask that: write it into the file`;
   return told.startsWith(name) ? told : `${name}: ${told}`;
 };
-
-const OPEN =
-  "The page cannot ask what this file leaves open; bring a file with one array, or use chromanoise simulate in a terminal.";
 
 const tooLarge = ({ size }) =>
   `The file has ${(size / 1e6).toFixed(1)} MB and 12 MB are the most; bring a part of it.`;
