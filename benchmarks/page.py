@@ -127,7 +127,8 @@ def distinct_in_burst(page: Any, between_ms: float) -> tuple[int, bool]:
     ends = page.evaluate(
         """() => {
             const lux = Number(document.querySelector("#controls .field").value).toPrecision(4);
-            return document.querySelector("#verdict").textContent.startsWith(`At ${Number(lux)}`);
+            const verdict = document.querySelector("#verdict").textContent;
+            return verdict.startsWith(`At ${Number(lux)} lx `);
         }"""
     )
     return page.evaluate("window.seen.size"), ends

@@ -217,6 +217,35 @@ def shown(page):
     )
 
 
+def held(page, is_it):
+    """Replies whose question fits are kept back: the list of those that wait to be let go."""
+    waiting = []
+
+    def keep(route):
+        if is_it(route.request):
+            waiting.append((route, route.fetch()))
+        else:
+            route.fallback()
+
+    page.route("**/api/**", keep)
+    return waiting
+
+
+def let_go(waiting, count=1):
+    for _ in range(count):
+        route, reply = waiting.pop(0)
+        route.fulfill(response=reply)
+
+
+def comes(page, waiting, count=1):
+    """Wait until so many replies are held back."""
+    for _ in range(1500):
+        if len(waiting) >= count:
+            return
+        page.wait_for_timeout(10)
+    raise AssertionError(f"{len(waiting)} replies came, not {count}")
+
+
 def moved_by_key(page, track):
     """Ten places up or, from the end, down."""
     track.focus()

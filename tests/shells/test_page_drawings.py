@@ -2,7 +2,7 @@
 
 import pytest
 
-from shells.browser import FIXTURES, answer_to, moved_by_key, state_of, until
+from shells.browser import FIXTURES, answer_to, comes, held, moved_by_key, state_of, until
 
 address, browser, watch, window, page = FIXTURES
 
@@ -154,3 +154,37 @@ def test_the_picture_is_drawn_again_and_its_divider_moves_by_keyboard(page):
     before = page.evaluate(at)
     page.keyboard.press("ArrowLeft")
     assert page.evaluate(at) != before
+
+
+def test_a_picture_of_a_state_that_was_left_never_stands_under_the_one_before(page):
+    panel = page.locator("[data-part=picture]")
+    panel.scroll_into_view_if_needed()
+    panel.locator("img").first.wait_for()
+    until(page, "() => !document.querySelector('[data-part=picture]').hasAttribute('aria-busy')")
+
+    def seen():
+        sources = panel.locator("img").evaluate_all("(all) => all.map((one) => one.src)")
+        return sources, panel.get_by_role("status").inner_text(), panel.get_attribute("aria-busy")
+
+    def back():
+        page.evaluate("history.back()")
+        panel.get_by_text("seed 0").wait_for()
+
+    before = seen()
+    again = panel.get_by_role("button", name="Draw the noise again")
+    waiting = held(page, lambda request: request.url.endswith("/api/picture"))
+    again.click()
+    assert panel.get_attribute("aria-busy") == "true"  # at once, not when it is asked for
+    comes(page, waiting, 2)
+    back()
+    for route, reply in waiting:
+        route.fulfill(response=reply)
+    page.wait_for_timeout(1000)
+    assert seen() == before
+    fault = {"faults": [{"where": "", "sentence": "Too bright to be drawn."}]}
+    page.route("**/api/picture", lambda route: route.fulfill(json=fault))
+    again.click()
+    panel.get_by_text("Too bright to be drawn.").wait_for()
+    assert panel.get_attribute("aria-busy") is None  # nothing newer comes
+    back()
+    assert seen() == before

@@ -144,10 +144,8 @@ def test_a_unit_of_the_ellipses_is_as_long_across_as_up(window, size):
     lab_or_luv = scales_of_the_ellipses(page)
     select = page.get_by_role("combobox", name="Plane")
     answer_to(page, lambda: select.select_option("xy"), changes="look")
-    until(
-        page,
-        "() => document.querySelector('[data-part=ellipses] svg').textContent.includes('x')",
-    )
+    words = "[...document.querySelectorAll('[data-part=ellipses] svg text')]"
+    until(page, f"() => {words}.some((one) => one.textContent === 'x')")  # the title of the axis
     chromaticity = scales_of_the_ellipses(page)
     assert chromaticity[0] > 10 * lab_or_luv[0]  # x and y reach over less than 1
     for across, up in (lab_or_luv, chromaticity):
@@ -206,7 +204,7 @@ def test_on_paper_there_are_no_controls_but_all_drawings_and_the_tables_that_are
     assert page.evaluate("getComputedStyle(document.body).backgroundColor") == "rgb(255, 255, 255)"
     paper = page.pdf(format="A4")
     assert len(paper) > 50_000
-    assert len(re.findall(rb"/Type\s*/Page\b", paper)) <= 8
+    assert 1 <= len(re.findall(rb"/Type\s*/Page\b", paper)) <= 8
 
 
 def test_saturated_channels_say_so_in_words(window):

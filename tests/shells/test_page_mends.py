@@ -2,7 +2,19 @@
 
 import json
 
-from shells.browser import EVERYTHING, FIXTURES, answer_to, asked_last, packed, study_of, until
+from shells.browser import (
+    EVERYTHING,
+    FIXTURES,
+    answer_to,
+    asked_last,
+    at_rest,
+    comes,
+    held,
+    let_go,
+    packed,
+    study_of,
+    until,
+)
 
 address, browser, watch, window, page = FIXTURES
 
@@ -13,35 +25,6 @@ CURVES = "\n".join(
     for nm in range(400, 1051, 10)
 )
 QUICK = {"head", "sensitivities", "stages", "budget", "ellipses"}
-
-
-def held(page, is_it):
-    """Replies whose question fits are kept back: the list of those that wait to be let go."""
-    waiting = []
-
-    def keep(route):
-        if is_it(route.request):
-            waiting.append((route, route.fetch()))
-        else:
-            route.fallback()
-
-    page.route("**/api/**", keep)
-    return waiting
-
-
-def let_go(waiting, count=1):
-    for _ in range(count):
-        route, reply = waiting.pop(0)
-        route.fulfill(response=reply)
-
-
-def comes(page, waiting, count=1):
-    """Wait until so many replies are held back."""
-    for _ in range(1500):
-        if len(waiting) >= count:
-            return
-        page.wait_for_timeout(10)
-    raise AssertionError(f"{len(waiting)} replies came, not {count}")
 
 
 def brought(page, name, content):
@@ -386,6 +369,66 @@ def test_an_answer_that_comes_after_a_newer_one_is_not_shown(window):
     older[0].fulfill(response=older[1])
     page.wait_for_timeout(300)
     assert numbers.inner_text() == last
+
+
+FILTER = "[data-where='sensors.0.filter']"
+
+
+def asks_of(word, other="othername"):
+    def is_it(request):
+        told = request.post_data or ""
+        return request.url.endswith("answer") and word in told and other not in told
+
+    return is_it
+
+
+def test_a_refusal_that_comes_after_a_newer_one_is_not_told(page):
+    waiting = held(page, asks_of("nosuchone"))
+    field, told = page.locator(FILTER), page.locator(".row", has=page.locator(FILTER))
+    field.fill("nosuchone")
+    field.press("Enter")
+    comes(page, waiting)
+    field.fill("othername")
+    field.press("Enter")
+    told.locator(".fault", has_text="othername").wait_for()
+    let_go(waiting)
+    page.wait_for_timeout(300)
+    assert "othername" in told.locator(".fault").inner_text()
+
+
+def test_an_answer_that_comes_after_a_newer_refusal_leaves_no_drawing_waiting(page):
+    waiting = held(page, asks_of('"f_number":2.8'))
+    field = page.get_by_label("f-number, as a number")
+    field.fill("2.8")
+    field.press("Enter")
+    comes(page, waiting)
+    before = page.locator("#electrons").inner_text()
+    page.locator(FILTER).fill("othername")
+    page.locator(FILTER).press("Enter")
+    page.locator(".fault", has_text="othername").wait_for()
+    let_go(waiting)
+    until(page, "(b) => document.querySelector('#electrons').innerText !== b", before)
+    at_rest(page)
+
+
+def test_of_two_questions_the_older_may_be_lost_once_the_newer_is_answered(page, watch):
+    watch.forgive("status of 503")
+    first = iter(range(2))
+    waiting = held(
+        page, lambda one: one.url.endswith("/api/answer") and next(first, None) is not None
+    )
+    page.get_by_label("Light level", exact=True).focus()
+    for count in (1, 2):
+        page.keyboard.press("Shift+ArrowUp")
+        comes(page, waiting, count)
+    older = waiting.pop(0)[0]
+    before = page.locator("#electrons").inner_text()
+    let_go(waiting)
+    until(page, "(b) => document.querySelector('#electrons').innerText !== b", before)
+    older.fulfill(status=503, json={})
+    page.locator("#lost", has_text="busy").wait_for()
+    page.locator("#lost").wait_for(state="hidden")
+    at_rest(page)  # what nobody sees has been asked for, too
 
 
 def test_a_sensor_that_stands_there_twice_has_two_pictures_of_two_names(window):

@@ -39,7 +39,7 @@ let asked = 0;
 /**
  * Asks `/api/answer` for what `question()` says when its turn comes, `null` for nothing.
  * `answered(reply, question)`, `refused(faults, question)`, `lost(sentence)`, `found()` and
- * `rested(question)`, when nothing is under way, tell what became of it. With `most` above one the
+ * `rested()`, when nothing is under way, tell what became of it. With `most` above one the
  * server computes the next state while the browser still paints the one before.
  */
 export class Asker {
@@ -61,16 +61,17 @@ export class Asker {
     this.#next();
   }
 
-  #next() {
-    if (this.#flying.size >= this.most) return;
+  /** Asks what is missing; of one state that is only known once its answer is back and drawn. */
+  #next(undrawn = null) {
+    const lost = this.#retry !== null;
     clearTimeout(this.#retry);
     this.#retry = null;
+    if (this.#flying.size >= this.most) return;
     const question = this.tells.question();
-    // of one state what is missing is only known when its answer is back
-    const twice = question && [...this.#flying].some(({ question: { version } }) => version === question.version);
-    if (twice) return;
+    const awaited = [undrawn, ...[...this.#flying].map((flight) => flight.question.version)];
+    if (question && awaited.includes(question.version)) return;
     this.#wanted = false;
-    if (question === null) return;
+    if (question === null) return lost ? this.#settle() : undefined;
     question.number = asked += 1;
     const flight = { abort: new AbortController(), question };
     this.#flying.add(flight);
@@ -82,9 +83,10 @@ export class Asker {
     const outcome = await this.#outcome(question, flight.abort.signal);
     this.#flying.delete(flight);
     // the next question leaves before this answer is drawn: the server works while we draw
-    if (this.#wanted && !this.#retry) this.#next();
+    if (this.#wanted && !this.#retry) this.#next(question.version);
     outcome?.();
-    if (!this.#flying.size && !this.#wanted) this.tells.rested(question);
+    if (this.#wanted && !this.#retry) this.#next();
+    if (!this.#flying.size && !this.#wanted) this.tells.rested();
   }
 
   async #outcome(question, signal) {
@@ -107,14 +109,16 @@ export class Asker {
     // of two that were lost, one asks again
     if (this.#retry === null) {
       this.#pause = Math.min(2 * this.#pause, 4000);
-      this.#retry = setTimeout(() => this.#again(), this.#pause);
+      this.#retry = setTimeout(() => this.#next(), this.#pause);
     }
     return () => this.tells.lost(error.message === BUSY ? BUSY : LOST);
   }
 
-  #again() {
-    this.#retry = null;
-    this.#next();
+  /** Of a question that was lost nothing is missing any more: a newer one has brought it. */
+  #settle() {
+    if (this.#flying.size) return;
+    this.#recover();
+    this.tells.rested();
   }
 
   #recover() {

@@ -102,10 +102,12 @@ function answered(reply, asked) {
   page.later.ask();
 }
 
-/** Drawings that are older than the numbers say so until their own answer comes. */
+/** Drawings that are older than the numbers say so until their own answer comes, if one will. */
 function markStale() {
+  // after a refusal nothing newer comes, and its sentence says that what is shown is older
+  const awaited = page.failedVersion < page.headVersion;
   for (const { section, version, data } of page.panels.values()) {
-    if (data) attribute(section, "aria-busy", version < page.headVersion ? "true" : null);
+    if (data) attribute(section, "aria-busy", awaited && version < page.headVersion ? "true" : null);
   }
 }
 
@@ -135,10 +137,10 @@ const OLDER = "What is shown is older than the controls. ";
 const NOTHING_YET = "Nothing can be shown before what stands in red beside the controls is mended. ";
 
 function refused(faults, { version }) {
-  if (version < page.headVersion) return;
+  // of two questions under way the newer one may be back first
+  if (version < Math.max(page.headVersion, page.failedVersion)) return;
   page.failedVersion = version;
-  // nothing newer will come, and the sentence says that it is older
-  for (const { section, data } of page.panels.values()) if (data) attribute(section, "aria-busy", null);
+  markStale();
   const homeless = showFaults(faults);
   const beside = page.head ? OLDER : NOTHING_YET;
   const where = homeless.length < faults.length ? beside : "";

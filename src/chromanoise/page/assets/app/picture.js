@@ -1,7 +1,7 @@
 /** The panel of the noisy picture: two of them with a divider, fetched after the numbers. */
 
 import { Refused } from "app/ask.js";
-import { brief, button, choice, el, fillChoice, say } from "app/dom.js";
+import { attribute, brief, button, choice, el, fillChoice, say } from "app/dom.js";
 import { changeStudy, current } from "app/state.js";
 import { shownName } from "app/uploads.js";
 import { draw } from "draw/picture.js";
@@ -24,7 +24,9 @@ export function picturePanel() {
 class View {
   #waiting = null;
   #abort = null;
+  #asked = null;
   #shown = null;
+  #told = "";
   #visible = false;
   #pair = null;
 
@@ -32,7 +34,7 @@ class View {
     this.section = section;
     this.body = section.querySelector(".body");
     this.said = el("p", { class: "hint", role: "status" });
-    this.sides = SIDES.map((label) => choice({ label, options: [], on: () => this.#again() }));
+    this.sides = SIDES.map((label) => choice({ label, options: [], on: () => this.later(current()) }));
     this.zoom = choice({
       label: "Zoom",
       options: [1, 2, 4].map((times) => [String(times), `${times}:1`]),
@@ -50,10 +52,27 @@ class View {
     if (visible) this.later(current());
   }
 
-  later(state) {
-    this.#offer(state.study);
+  later({ study }) {
+    this.#offer(study);
+    const key = this.#key(study);
+    if (key === this.#asked) return;
+    // what is under way belongs to an earlier state
+    this.#abort?.abort();
+    this.#asked = null;
     clearTimeout(this.#waiting);
-    this.#waiting = setTimeout(() => this.#fetch(state.study), this.#visible ? REST_MS : UNSEEN_REST_MS);
+    const here = key === this.#shown;
+    attribute(this.section, "aria-busy", here ? null : "true");
+    if (here) say(this.said, this.#told);
+    else this.#waiting = setTimeout(() => this.#fetch(study), this.#visible ? REST_MS : UNSEEN_REST_MS);
+  }
+
+  /** What the pictures of a study depend on, names of files that come later included. */
+  #key(study) {
+    return JSON.stringify([study, this.sides.map(({ select }) => select.value), this.#labels(study)]);
+  }
+
+  #labels(study) {
+    return this.sides.map(({ select }) => sideName(study, select.value));
   }
 
   /** What can stand on each side: every sensor, with its noise and without. */
@@ -68,38 +87,33 @@ class View {
     say(this.seed, `seed ${seed}`);
   }
 
-  #again() {
-    this.#shown = null;
-    this.later(current());
-  }
-
   async #fetch(study) {
-    const key = JSON.stringify([study, ...this.sides.map(({ select }) => select.value)]);
-    if (key === this.#shown) return;
     if (!this.#visible && document.querySelector(BUSY)) return this.later({ study });
-    this.#abort?.abort();
     this.#abort = new AbortController();
     const { signal } = this.#abort;
     // what was asked for, not what the choices say once it has come
-    const labels = this.sides.map(({ select }) => sideName(study, select.value));
+    const [key, labels] = [this.#key(study), this.#labels(study)];
+    this.#asked = key;
     try {
       const asked = this.sides.map(({ select }) => picture(study, select.value, signal));
       const pictures = await Promise.all(asked);
       this.#shown = key;
+      this.#told = [...new Set(pictures.flatMap(summed))].join(" ");
       this.#replace(pictures.map(({ blob }) => URL.createObjectURL(blob)), labels);
-      say(this.said, [...new Set(pictures.flatMap(summed))].join(" "));
+      say(this.said, this.#told);
     } catch (error) {
       if (signal.aborted) return;
-      this.said.textContent =
-        error instanceof Refused ? error.message : "The picture did not come; it is asked again with the next change.";
+      const lost = "The picture did not come; it is asked again with the next change.";
+      say(this.said, error instanceof Refused ? error.message : lost);
     }
+    this.#asked = null;
+    attribute(this.section, "aria-busy", null);
   }
 
   #replace(addresses, labels) {
     const old = this.#pair?.addresses ?? [];
     this.#pair = { addresses, labels };
     this.#drawn();
-    this.section.removeAttribute("aria-busy");
     setTimeout(() => old.forEach((address) => URL.revokeObjectURL(address)), 1000);
   }
 
