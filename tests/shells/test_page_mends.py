@@ -348,7 +348,7 @@ def test_no_option_of_the_command_line_is_told_on_the_page(page):
     alert.wait_for()
     assert "--" not in alert.inner_text()
     assert alert.inner_text().startswith("two.npz: ")
-    assert "one array" in alert.inner_text()
+    assert "holds 2 arrays: a, b; the page cannot ask that" in alert.inner_text()
 
 
 def test_an_answer_that_comes_after_a_newer_one_is_not_shown(window):

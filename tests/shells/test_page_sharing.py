@@ -158,7 +158,6 @@ UNREADABLE = [
     ("junk.csv", b"\x00\xff\x13" * 700, ""),
     ("empty.csv", b"", "empty"),
     ("page.exe", b"MZ", ""),
-    ("large.csv", b"wavelength_nm,G\n" + b"500.123456,0.123456789\n" * 454_500, "MB"),
     ("huge.csv", b"x" * 12_000_001, "12 MB are the most"),
     ("study.toml", b"[[sensors]]\nnam = 3\n", "study.toml:2"),
     ("<img src=x onerror=alert(1)>.csv", b"1;2", "<img"),
