@@ -22,10 +22,10 @@ export function complain(row, sentence) {
 /** Nobody can write an option of the command line into this page. */
 export const OPTION = /(^|\s)--[a-z]/;
 
-/** A sentence without its last clause where that tells an option of the command line. */
+/** A sentence without the clauses that tell an option of the command line. */
 export function spoken(sentence) {
-  const clauses = sentence.split("; ");
-  return clauses.length > 1 && OPTION.test(clauses.at(-1)) ? clauses.slice(0, -1).join("; ") : sentence;
+  const kept = sentence.split("; ").filter((clause) => !OPTION.test(clause));
+  return kept.length > 0 ? kept.join("; ") : sentence;
 }
 
 /** Shows the server's faults beside their controls; those that belong to none come back. */
