@@ -13,9 +13,17 @@ from typing import no_type_check
 import numpy as np
 from numba import njit
 
-from chromanoise.imaging.blocks import RUN
-from chromanoise.imaging.noise_blocks import noise_of_block, room_for
-from chromanoise.imaging.philox import LIGHT, PIXEL_GAIN, PIXEL_OFFSET, ROW, words_at
+from chromanoise.imaging.blocks import CHANNELS_AT_ONCE, RUN
+from chromanoise.imaging.noise_blocks import draw_light, draw_readout, room_for
+from chromanoise.imaging.philox import (
+    LIGHT,
+    PIXEL_GAIN,
+    PIXEL_OFFSET,
+    READOUT,
+    ROW,
+    word_at,
+    words_at,
+)
 from chromanoise.imaging.variates import normal_quantile
 
 _F = np.float32
@@ -25,10 +33,9 @@ _ZERO, _ONE = _F(0.0), _F(1.0)
 @njit(cache=True, nogil=True, error_model="numpy")
 @no_type_check
 def room_for_run(channels):
-    """Scratch of a run: words of shot and read noise, words to spare, what noise needs."""
-    lanes = RUN * channels
-    shot, read = np.empty(lanes, np.uint32), np.empty(lanes, np.uint32)
-    return shot, read, np.empty((2, RUN), np.uint32), room_for(lanes)
+    """Scratch of a run: words, channels being rounded up to 4, and what noise needs."""
+    groups = (channels + CHANNELS_AT_ONCE - 1) // CHANNELS_AT_ONCE
+    return np.empty(groups * CHANNELS_AT_ONCE * RUN, np.uint32), room_for(RUN * channels)
 
 
 @njit(cache=True, nogil=True, inline="always")
@@ -42,40 +49,22 @@ def row_offset_e(at_row, draw):
 
 @njit(cache=True, nogil=True, error_model="numpy")
 @no_type_check
-def acquire_mosaic(mean, pixel, channel, draw, row_e, room, electrons):
-    """One value of each pixel, of the channel over it: electrons (n,) from mean and channel (n,).
+def acquire(mean, pixel, n, channels, draw, row_e, room, electrons):
+    """Electrons (n * p,) from mean (n * p,): p values of ``n`` pixels, one after the other.
 
-    pixel: number of the first one in the whole picture.
+    channels (p, n or more) int64: which channel each value is; one, the one over each pixel, or
+    all. pixel: number of the first one in the whole picture.
     """
-    shot, read, _, block = room
-    n = mean.size
-    if draw.noisy:
-        _words_of_mosaic(pixel, n, channel, draw.frame, draw.key, shot, read)
-    _acquire(mean, shot, read, block, pixel, n, channel.reshape(1, -1), draw, row_e, electrons)
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-@no_type_check
-def acquire_channels(mean, pixel, n, every, draw, row_e, room, electrons):
-    """All channels of ``n`` pixels, one after the other: electrons (n * p,) from mean (n * p,).
-
-    every (p, n or more) int64: the number of the channel, for each of its values.
-    """
-    shot, read, spare, block = room
-    if draw.noisy:
-        _words_of_all(pixel, n, every.shape[0], draw.frame, draw.key, shot, read, spare)
-    _acquire(mean, shot, read, block, pixel, n, every, draw, row_e, electrons)
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-@no_type_check
-def _acquire(mean, shot, read, room, pixel, n, channels, draw, row_e, electrons):
-    """Channels (p, n or more) int64: which one each of the p values of a pixel is."""
+    words, block = room
     lanes = n * channels.shape[0]
     if draw.prnu > _ZERO or draw.dark_e > _ZERO:
         _imperfect_means(mean, pixel, n, channels, draw)
     if draw.noisy:
-        noise_of_block(mean, shot, read, lanes, draw.read_noise_e, room, electrons)
+        _fill_words(pixel, n, channels, LIGHT, draw, words)
+        waiting = draw_light(mean, words, lanes, draw.read_noise_e, block, electrons)
+        if waiting > 0:
+            _fill_words(pixel, n, channels, READOUT, draw, words)
+            draw_readout(words, waiting, lanes, draw.read_noise_e, block, electrons)
     else:
         for j in range(lanes):
             electrons[j] = mean[j]
@@ -116,46 +105,39 @@ def _imperfect_readout(electrons, pixel, n, channels, draw, row_e):
 @no_type_check
 def _normal(pixel, purpose, frame, channel, key):
     """A standard normal variate (f4) that belongs to a pixel, or a row, a purpose and a channel."""
-    pair = np.uint64(channel >> 1)
-    words = words_at(np.uint64(pixel), np.uint64(purpose), np.uint64(frame), pair, key)
-    return normal_quantile(np.uint32(words[0] if channel & 1 == 0 else words[2]))
+    word = word_at(np.uint64(pixel), np.uint64(purpose), np.uint64(frame), channel, key)
+    return normal_quantile(np.uint32(word))
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 @no_type_check
-def _words_of_pair(pixel, pair, frame, key, shot, read, odd_shot, odd_read):
-    """Words of two channels of as many pixels as ``shot`` has."""
-    purpose = np.uint64(LIGHT)
-    for i in range(shot.size):
-        w0, w1, w2, w3 = words_at(np.uint64(pixel + i), purpose, frame, np.uint64(pair), key)
-        shot[i] = w0
-        read[i] = w1
-        odd_shot[i] = w2
-        odd_read[i] = w3
+def _fill_words(pixel, n, channels, purpose, draw, words):
+    """A word for each value, in their order."""
+    if channels.shape[0] == 1:
+        _words_of_one(pixel, channels[0, :n], purpose, draw.frame, draw.key, words)
+        return
+    for c in range(0, channels.shape[0], CHANNELS_AT_ONCE):
+        w0, w1 = words[c * n : (c + 1) * n], words[(c + 1) * n : (c + 2) * n]
+        w2, w3 = words[(c + 2) * n : (c + 3) * n], words[(c + 3) * n : (c + 4) * n]
+        group = np.uint64(c // CHANNELS_AT_ONCE)
+        _words_of_group(pixel, group, purpose, draw.frame, draw.key, w0, w1, w2, w3)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 @no_type_check
-def _words_of_all(pixel, n, p, frame, key, shot, read, spare):
-    """Words of every channel of ``n`` pixels, one channel after the other."""
-    for c in range(0, p, 2):
-        even, odd = slice(c * n, (c + 1) * n), slice((c + 1) * n, (c + 2) * n)
-        if c + 1 < p:
-            _words_of_pair(pixel, c // 2, frame, key, shot[even], read[even], shot[odd], read[odd])
-        else:
-            _words_of_pair(
-                pixel, c // 2, frame, key, shot[even], read[even], spare[0, :n], spare[1, :n]
-            )
+def _words_of_group(pixel, group, purpose, frame, key, w0, w1, w2, w3):
+    """Words of four channels of as many pixels as ``w0`` has."""
+    for i in range(w0.size):
+        four = words_at(np.uint64(pixel + i), np.uint64(purpose), frame, group, key)
+        w0[i] = four[0]
+        w1[i] = four[1]
+        w2[i] = four[2]
+        w3[i] = four[3]
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 @no_type_check
-def _words_of_mosaic(pixel, n, channel, frame, key, shot, read):
-    """Words of the one channel of each pixel: those that it has when all are rendered."""
-    purpose = np.uint64(LIGHT)
-    for i in range(n):
-        c = channel[i]
-        w0, w1, w2, w3 = words_at(np.uint64(pixel + i), purpose, frame, np.uint64(c >> 1), key)
-        odd = (c & 1) == 1
-        shot[i] = w2 if odd else w0
-        read[i] = w3 if odd else w1
+def _words_of_one(pixel, channel, purpose, frame, key, words):
+    """The word of the one channel of each pixel: that which it has when all are rendered."""
+    for i in range(channel.size):
+        words[i] = word_at(np.uint64(pixel + i), np.uint64(purpose), frame, channel[i], key)

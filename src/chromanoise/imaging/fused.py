@@ -16,12 +16,7 @@ from typing import no_type_check
 import numpy as np
 from numba import njit
 
-from chromanoise.imaging.acquisition import (
-    acquire_channels,
-    acquire_mosaic,
-    room_for_run,
-    row_offset_e,
-)
+from chromanoise.imaging.acquisition import acquire, room_for_run, row_offset_e
 from chromanoise.imaging.blocks import RUN
 from chromanoise.imaging.color_kernels import colors_of_run
 from chromanoise.imaging.means import TILE
@@ -98,7 +93,8 @@ def raw_rows(flat, lay, weights, tile, first_row, draw, adc, codes, counts, seen
                 for run in range(0, n, RUN):
                     stop = min(run + RUN, n)
                     pixel, channel = at_row * columns + first + run, own[run:stop]
-                    acquire_mosaic(light[run:stop], pixel, channel, draw, row_e, room, electrons)
+                    some_light, one = light[run:stop], channel.reshape(1, -1)
+                    acquire(some_light, pixel, stop - run, one, draw, row_e, room, electrons)
                     _codes(electrons, channel, adc, counts[row], codes[row, first + run :])
 
 
@@ -152,7 +148,7 @@ def color_rows(flat, lay, weights, first_row, draw, well, matrices, table, xyz, 
                     for c in range(p):
                         _copy(sums[c * TILE + k * n + run :], mean[c * m : (c + 1) * m])
                     at, pixel = first + run, at_row * columns + first + run
-                    acquire_channels(mean, pixel, m, every, draw, row_e, room, electrons)
+                    acquire(mean, pixel, m, every, draw, row_e, room, electrons)
                     hold_at_well(electrons, m, p, well, counts[row])
                     there, shown = xyz[row, at:], srgb[row, at:]
                     colors_of_run(electrons, m, p, matrices, table, colors, entry, there, shown)

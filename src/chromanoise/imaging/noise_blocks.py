@@ -1,8 +1,9 @@
 """Shot and read noise of a block of pixels: every loop over lanes is one that vectorizes.
 
 A lane is one channel of one pixel, in the order of memory. A block goes through: words of all
-lanes; their normal quantiles; electrons as if all means were high; then the lanes of low mean are
-collected, counted side by side, and put in place. Blocks stay in the first cache.
+lanes; their normal quantiles; what is read as if all means were high; then the lanes of low mean
+are collected, counted side by side, and put in place. Only what has no read noise yet draws words
+for it. Blocks stay in the first cache.
 """
 
 from typing import no_type_check
@@ -10,13 +11,16 @@ from typing import no_type_check
 import numpy as np
 from numba import njit
 
-from chromanoise.imaging.philox import LIGHT, words_at
+from chromanoise.imaging.blocks import CHANNELS_AT_ONCE
+from chromanoise.imaging.philox import LIGHT, READOUT, words_at
 from chromanoise.imaging.variates import (
     FEW_E,
+    SMOOTH_E,
     chance_of_none,
     middle_and_log,
     poisson_quantile_of_many,
     quantile_of_log,
+    read_quantile_of_many,
 )
 
 LANES = 1024
@@ -38,27 +42,27 @@ def fill_noise(mean, electrons, start, stop, tile_width, origin, width, frame, s
     ``origin`` of a picture ``width`` wide.
     """
     channels = mean.shape[1]
-    pairs = (channels + 1) // 2
-    most = max(1, LANES // (2 * pairs))
-    pixel = np.empty(most * pairs, np.uint64)
-    pair = np.empty(most * pairs, np.uint64)
-    shot = np.empty(2 * most * pairs, np.uint32)
-    read = np.empty(2 * most * pairs, np.uint32)
+    groups = (channels + CHANNELS_AT_ONCE - 1) // CHANNELS_AT_ONCE
+    most = max(1, LANES // (CHANNELS_AT_ONCE * groups))
+    pixel = np.empty(most * groups, np.uint64)
+    group = np.empty(most * groups, np.uint64)
+    words = np.empty(CHANNELS_AT_ONCE * most * groups, np.uint32)
     room = room_for(most * channels)
     refused = 0
-    for q in range(most * pairs):
-        pair[q] = q % pairs
+    for q in range(most * groups):
+        group[q] = q % groups
     for first in range(start, stop, most):
         count = min(most, stop - first)
-        name_pixels(pixel, first, count, pairs, tile_width, origin, width)
-        fill_words(pixel, pair, count * pairs, frame, seed, shot, read)
-        if channels % 2:
-            drop_padding(shot, count, channels)
-            drop_padding(read, count, channels)
+        lanes = count * channels
         here = mean[first : first + count].reshape(-1)
         there = electrons[first : first + count].reshape(-1)
         refused += count_refused(here)
-        noise_of_block(here, shot, read, count * channels, read_noise_e, room, there)
+        name_pixels(pixel, first, count, groups, tile_width, origin, width)
+        fill_words(pixel, group, count, channels, LIGHT, frame, seed, words)
+        waiting = draw_light(here, words, lanes, read_noise_e, room, there)
+        if waiting > 0:
+            fill_words(pixel, group, count, channels, READOUT, frame, seed, words)
+            draw_readout(words, waiting, lanes, read_noise_e, room, there)
     return refused
 
 
@@ -71,13 +75,13 @@ def room_for(count):
 
 @njit(cache=True, nogil=True, error_model="numpy")
 @no_type_check
-def name_pixels(pixel, first, count, pairs, tile_width, origin, width):
-    """Index of the pixel in the whole picture, once for each pair of its channels."""
+def name_pixels(pixel, first, count, groups, tile_width, origin, width):
+    """Index of the pixel in the whole picture, once for each group of its channels."""
     row, column = first // tile_width, first % tile_width
     q = 0
     for _ in range(count):
         index = np.uint64(origin + row * width + column)
-        for _ in range(pairs):
+        for _ in range(groups):
             pixel[q] = index
             q += 1
         column += 1
@@ -87,11 +91,21 @@ def name_pixels(pixel, first, count, pairs, tile_width, origin, width):
 
 @njit(cache=True, nogil=True, error_model="numpy")
 @no_type_check
-def drop_padding(words, count, channels):
-    """Close the gap that the last pair of an odd number of channels leaves at each pixel."""
-    for i in range(1, count):
-        for c in range(channels):
-            words[i * channels + c] = words[i * (channels + 1) + c]
+def fill_words(pixel, group, count, channels, purpose, frame, seed, words):
+    """A word for each channel of ``count`` pixels, in order; pixel, group: of each four words."""
+    groups = (channels + CHANNELS_AT_ONCE - 1) // CHANNELS_AT_ONCE
+    purpose = np.uint64(purpose)
+    for q in range(count * groups):
+        w0, w1, w2, w3 = words_at(pixel[q], purpose, frame, group[q], seed)
+        words[4 * q] = w0
+        words[4 * q + 1] = w1
+        words[4 * q + 2] = w2
+        words[4 * q + 3] = w3
+    padded = groups * CHANNELS_AT_ONCE
+    if padded > channels:  # close the gaps
+        for i in range(1, count):
+            for c in range(channels):
+                words[i * channels + c] = words[i * padded + c]
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -102,19 +116,6 @@ def count_refused(mean):
     for j in range(mean.size):
         refused += 0 if (mean[j] >= _ZERO) & (mean[j] < _INFINITE) else 1
     return refused
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-@no_type_check
-def fill_words(pixel, pair, count, frame, seed, shot, read):
-    """Words of shot and read noise for ``count`` channel pairs; two lanes each, in order."""
-    purpose = np.uint64(LIGHT)
-    for q in range(count):
-        w0, w1, w2, w3 = words_at(pixel[q], purpose, frame, pair[q], seed)
-        shot[2 * q] = w0
-        read[2 * q] = w1
-        shot[2 * q + 1] = w2
-        read[2 * q + 1] = w3
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -223,17 +224,44 @@ def normal_of_words(words, count, normal, logs):
 
 @njit(cache=True, nogil=True, error_model="numpy")
 @no_type_check
-def noise_of_block(mean, shot, read, count, read_noise_e, room, electrons):
-    """Noisy electrons of ``count`` lanes from their means and words; means and electrons f4."""
+def draw_light(mean, words, count, read_noise_e, room, electrons):
+    """Electrons of ``count`` lanes; how many of them, listed in ``room``, lack their read noise.
+
+    mean and electrons f4, words of `LIGHT`. Where means are high and the read noise smooths the
+    steps of whole electrons, one word makes their sum.
+    """
     lanes, normal, logs = room
     few = list_low(mean, count, lanes)
+    together = read_noise_e >= SMOOTH_E
     if few < count:
-        normal_of_words(shot, count, normal, logs)
-        for j in range(count):
-            electrons[j] = poisson_quantile_of_many(mean[j], normal[j])
+        normal_of_words(words, count, normal, logs)
+        if together:
+            variance_e2 = read_noise_e * read_noise_e
+            for j in range(count):
+                electrons[j] = read_quantile_of_many(mean[j], variance_e2, normal[j])
+        else:
+            for j in range(count):
+                electrons[j] = poisson_quantile_of_many(mean[j], normal[j])
     if few > 0:
-        count_low(mean, shot, electrons, lanes, few)
-    if read_noise_e > _ZERO:
-        normal_of_words(read, count, normal, logs)
+        count_low(mean, words, electrons, lanes, few)
+    if read_noise_e == _ZERO:
+        return 0
+    return few if together else count
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+@no_type_check
+def draw_readout(words, waiting, count, read_noise_e, room, electrons):
+    """Add read noise to the ``waiting`` of ``count`` lanes; words of `READOUT`, not kept."""
+    lanes, normal, logs = room
+    if waiting == count:
+        normal_of_words(words, count, normal, logs)
         for j in range(count):
             electrons[j] = electrons[j] + read_noise_e * normal[j]
+        return
+    for j in range(waiting):
+        words[j] = words[np.uintp(lanes[j])]
+    normal_of_words(words, waiting, normal, logs)
+    for j in range(waiting):
+        lane = np.uintp(lanes[j])
+        electrons[lane] = electrons[lane] + read_noise_e * normal[j]

@@ -11,12 +11,11 @@ word  bits     what
 1     16 .. 31 purpose: ``LIGHT``, ``PIXEL_GAIN`` ..., so that options that are
                switched on leave all other noise as it was
 2     0 .. 31  frame
-3     0 .. 14  pair of channels: channel // 2; the rest is 0
+3     0 .. 13  group of four channels: channel // 4; the rest is 0
 ====  =======  ==================================================================
 
 The key is the seed, low half first. The pixel index counts along the rows of the whole picture.
-For ``LIGHT`` the four words are: electrons and readout of the even channel, electrons and readout
-of the odd one.
+The four words belong to the four channels of the group, in their order.
 
 Salmon, Moraes, Dror & Shaw, "Parallel random numbers: as easy as 1, 2, 3", SC11 (2011),
 doi:10.1145/2063384.2063405.
@@ -30,8 +29,8 @@ from typing import no_type_check
 import numpy as np
 from numba import njit
 
-LIGHT, PIXEL_GAIN, PIXEL_OFFSET, ROW = range(4)
-"""Purposes: shot and read noise, PRNU, DSNU, row noise."""
+LIGHT, READOUT, PIXEL_GAIN, PIXEL_OFFSET, ROW = range(5)
+"""Purposes: shot noise, read noise that is drawn by itself, PRNU, DSNU, row noise."""
 
 _WORD = np.uint64(0xFFFFFFFF)
 _HALF = np.uint64(32)
@@ -83,7 +82,17 @@ def philox4x32(c0, c1, c2, c3, k0, k1):
 
 @njit(inline="always")
 @no_type_check
-def words_at(pixel, purpose, frame, pair, seed):
-    """The four words of a pixel (all arguments uint64) for one purpose, frame and channel pair."""
+def words_at(pixel, purpose, frame, group, seed):
+    """The four words of a pixel (all arguments uint64) for one purpose, frame and group."""
     high = (pixel >> _HALF) | (purpose << _PURPOSE_AT)
-    return philox4x32(pixel, high, frame, pair, seed & _WORD, seed >> _HALF)
+    return philox4x32(pixel, high, frame, group, seed & _WORD, seed >> _HALF)
+
+
+@njit(inline="always")
+@no_type_check
+def word_at(pixel, purpose, frame, channel, seed):
+    """The one word of a pixel that belongs to a channel (int64)."""
+    w0, w1, w2, w3 = words_at(pixel, purpose, frame, np.uint64(channel >> 2), seed)
+    odd, later = (channel & 1) == 1, (channel & 2) == 2
+    low, high = (w1 if odd else w0), (w3 if odd else w2)
+    return high if later else low

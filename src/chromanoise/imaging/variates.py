@@ -20,6 +20,10 @@ from chromanoise.imaging.lanes import fused
 FEW_E = np.float32(20.0)
 """From this mean on the expansion is used; below, the distribution function is summed. [e-]"""
 
+SMOOTH_E = np.float32(0.75)
+"""From this read noise s on the steps of whole electrons are smoothed out: they ripple the density
+by 2 exp(-2 pi^2 s^2) = 3e-5 of it, which 10^8 draws do not show. [e-]"""
+
 _F = np.float32
 _ONE = _F(1.0)
 _HALF = _F(0.5)
@@ -121,6 +125,32 @@ def poisson_quantile_of_many(mean, z):
     away = fused(root, z, fused(s, _C1, _THIRD))
     away = fused(i, fused(i, fused(i, order_4, order_3), order_2), away)
     return max(whole + _F(np.floor((mean - whole) + away)), _ZERO)
+
+
+_G0, _G1 = _F(-3 / 24), _F(1 / 24)
+_H0, _H1 = _F(-5 / 36), _F(2 / 36)
+_I0, _I1, _I2 = _F(3 / 120), _F(-6 / 120), _F(1 / 120)
+_J0, _J1, _J2 = _F(2 / 24), _F(-5 / 24), _F(1 / 24)
+_K0, _K1, _K2 = _F(17 / 324), _F(-53 / 324), _F(12 / 324)
+_SIXTH = _F(1 / 6)
+
+
+@njit(inline="always", error_model="numpy")
+@no_type_check
+def read_quantile_of_many(mean, variance_e2, z):
+    """Poisson variate of mean >= ``FEW_E`` plus normal read noise (f4) at the normal quantile z.
+
+    Cornish-Fisher for a sum whose cumulants are M, V = M + s^2, M, M, M: with q = M / V the terms
+    of order V^-k/2 are polynomials in q and z. To V^-1, which is enough: at M = 20 e- the chances
+    err by 5e-6.
+    """
+    inverse = _ONE / (mean + variance_e2)
+    i, q, s = _F(math.sqrt(inverse)), mean * inverse, z * z
+    order_1 = z * fused(-q, fused(s, _H1, _H0), fused(s, _G1, _G0))
+    of_q = fused(-q, fused(s, fused(s, _K2, _K1), _K0), fused(s, fused(s, _J2, _J1), _J0))
+    order_2 = fused(-q, of_q, fused(s, fused(s, _I2, _I1), _I0))
+    away = fused(i, fused(i, order_2, order_1), fused(s, _SIXTH, -_SIXTH))
+    return mean + fused(q, away, (mean + variance_e2) * i * z)
 
 
 # e^-x for 0 <= x <= 5/8: its Taylor series to x^9, which errs by 3e-9 x^9 < 4e-11 ...
