@@ -14,7 +14,7 @@ from chromanoise.imaging.lanes import (
     I32,
     I64,
     Extremes,
-    ask_memory,
+    ask_ahead,
     folded,
     loaded,
     loop,
@@ -30,8 +30,12 @@ from chromanoise.imaging.lanes import (
 )
 
 _UNROLLED = 4  # times that a loop over the bands of a pixel is written out
-_AHEAD = 8  # pixels for which the memory is asked in advance
 _LINE = 16  # numbers of a cache line, if they are float32
+# How many numbers ahead memory is asked for, cache by cache. The far one keeps memory busy while
+# sums are made, the near one has them at hand. In pixels of a band there is no near one: sixteen
+# lines of eight bands may fall on one place of the first cache.
+_AHEAD = {1: 1024, 2: 8192}
+_AHEAD_OF_BAND = {2: 768}
 
 
 def pixel_adder():
@@ -64,7 +68,6 @@ def pixel_adder():
             rows = weight_rows(context, builder, kinds[5], w, numbers)
             extremes = Extremes(builder, context.make_array(kinds[10])(context, builder, seen).data)
             counter = variable(builder, ir.Constant(I64, 0))
-            ahead = builder.mul(pitch, ir.Constant(I64, _AHEAD))
 
             def sums_of(at, *, into_next):
                 pixel = builder.gep(begin, [builder.mul(at, pitch)])
@@ -76,7 +79,6 @@ def pixel_adder():
                     rows,
                     extremes,
                     into_next=into_next,
-                    ahead=ahead,
                 )
                 place = builder.gep(goal, [builder.mul(at, step)])
                 four = ir.VectorType(F32, 4).as_pointer()
@@ -97,11 +99,10 @@ def pixel_adder():
     return add
 
 
-def _pixel_sums(builder, pixel, kind, bands, rows, extremes, *, into_next, ahead):
+def _pixel_sums(builder, pixel, kind, bands, rows, extremes, *, into_next):
     """Lanes of the sums of one pixel, one vector for each row of weights.
 
-    The memory is asked for what lies ``ahead``. Only where the loop is written out, and only then,
-    does it arrive in time.
+    The memory is asked where the loop is written out: only there do answers come in time.
     """
     zero = ir.Constant(vector_of(LANES), [0.0] * LANES)
     totals = [variable(builder, zero) for _ in rows]
@@ -121,7 +122,7 @@ def _pixel_sums(builder, pixel, kind, bands, rows, extremes, *, into_next, ahead
         for k in range(0, _UNROLLED * LANES, LANES):
             here = builder.add(at, ir.Constant(I64, k))
             if k % _LINE == 0:
-                ask_memory(builder, builder.gep(pixel, [builder.add(here, ahead)]))
+                ask_ahead(builder, builder.gep(pixel, [here]), _AHEAD)
             add(here, whole)
 
     counter = variable(builder, ir.Constant(I64, 0))
@@ -148,10 +149,9 @@ def weighted_sum(typing_context, stored, start, pitch, bands, weights, row, seen
         x, start, pitch, bands, w, row, seen = arguments
         pixel = pointer_at(context, builder, kinds[0], x, start)
         rows = weight_rows(context, builder, kinds[4], w, [row])
-        ahead = builder.mul(pitch, ir.Constant(I64, _AHEAD))
         extremes = Extremes(builder, context.make_array(kinds[6])(context, builder, seen).data)
         totals = _pixel_sums(
-            builder, pixel, kinds[0].dtype, bands, rows, extremes, into_next=False, ahead=ahead
+            builder, pixel, kinds[0].dtype, bands, rows, extremes, into_next=False
         )
         extremes.keep()
         return builder.extract_element(folded(builder, totals), ir.Constant(I32, 0))
@@ -262,7 +262,9 @@ def _add_bands(builder, counter, n, lanes, planes, kind, totals, factor, least):
         ]
         now = [builder.load(place, align=4) for place in places]
         for k, plane in enumerate(planes):
-            value = loaded(builder, builder.gep(plane, [at]), kind, lanes)
+            here = builder.gep(plane, [at])
+            ask_ahead(builder, here, _AHEAD_OF_BAND)
+            value = loaded(builder, here, kind, lanes)
             now = [
                 builder.call(fma, [value, factor(c, k, at, lanes), total])
                 for c, total in enumerate(now)

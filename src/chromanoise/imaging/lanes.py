@@ -193,10 +193,16 @@ def spread(builder, value, lanes):
     return builder.shuffle_vector(one, undefined, mask)
 
 
-def ask_memory(builder, pointer):
-    """Ask the memory for the cache line at ``pointer``; beyond the array nothing happens."""
+def ask_memory(builder, pointer, cache):
+    """Ask for the line at ``pointer``, into this cache; beyond the array nothing happens."""
     pointer = builder.bitcast(pointer, ir.IntType(8).as_pointer())
     kind = ir.FunctionType(ir.VoidType(), [pointer.type, I32, I32, I32])
     function = cgutils.get_or_insert_function(builder.module, kind, "llvm.prefetch.p0")
-    read, keep, data = (ir.Constant(I32, v) for v in (0, 3, 1))
-    builder.call(function, [pointer, read, keep, data])
+    read, near, data = (ir.Constant(I32, v) for v in (0, 4 - cache, 1))
+    builder.call(function, [pointer, read, near, data])
+
+
+def ask_ahead(builder, pointer, distances):
+    """Ask for what lies so many numbers behind ``pointer``, into the caches of ``distances``."""
+    for cache, numbers in distances.items():
+        ask_memory(builder, builder.gep(pointer, [ir.Constant(I64, numbers)]), cache)
