@@ -9,7 +9,9 @@
 #include <stdint.h>
 #include <string.h>
 
-enum { P = 4, RUN = 256, LANES = RUN * P, TILE = 2048, AHEAD = 8, BATCH = 8, ENTRIES = 16384 };
+enum { P = 4, RUN = 256, LANES = RUN * P, TILE = 2048, BATCH = 8, ENTRIES = 16384 };
+/* how far ahead memory is asked for: pixels, numbers into the second cache, and these of a band */
+enum { AHEAD = 8, FAR = 8192, FAR_OF_BAND = 768 };
 #if defined __AVX512F__
 #include <immintrin.h>
 enum { W = 16 };
@@ -59,7 +61,10 @@ static inline float folded(wide v) {
 }
 
 static inline void ask(const float *x, int64_t bands, int64_t step) {
-    for (int64_t b = 0; b < bands; b += 16) __builtin_prefetch(x + AHEAD * step + b);
+    for (int64_t b = 0; b < bands; b += 16) {
+        __builtin_prefetch(x + AHEAD * step + b);
+        __builtin_prefetch(x + FAR + b, 0, 2);
+    }
 }
 
 /* The last bands are read with some before them, whose weights are 0 the second time. */
@@ -109,15 +114,21 @@ static void means_by_band(const job *j, const float *x, int64_t n, float *restri
     const float *w = j->weights;
     memset(mean, 0, sizeof(float) * P * n);
     for (; b + 4 <= j->bands; b += 4, x += 4 * step)
-        for (int64_t i = 0; i < n; i++) {
-            float v0 = x[i], v1 = x[step + i], v2 = x[2 * step + i], v3 = x[3 * step + i];
-            for (int c = 0; c < P; c++) {
-                const float *f = w + c * pitch + b;
-                mean[c * n + i] += v0 * f[0] + v1 * f[1] + v2 * f[2] + v3 * f[3];
+        for (int64_t first = 0; first < n; first += RUN) {
+            int64_t stop = first + RUN < n ? first + RUN : n;
+            for (int64_t i = first; i < stop; i += 16)
+                for (int k = 0; k < 4; k++)
+                    __builtin_prefetch(x + k * step + i + FAR_OF_BAND, 0, 2);
+            for (int64_t i = first; i < stop; i++) {
+                float v0 = x[i], v1 = x[step + i], v2 = x[2 * step + i], v3 = x[3 * step + i];
+                for (int c = 0; c < P; c++) {
+                    const float *f = w + c * pitch + b;
+                    mean[c * n + i] += v0 * f[0] + v1 * f[1] + v2 * f[2] + v3 * f[3];
+                }
+                float l01 = v0 < v1 ? v0 : v1, l23 = v2 < v3 ? v2 : v3, l = l01 < l23 ? l01 : l23;
+                float m01 = v0 > v1 ? v0 : v1, m23 = v2 > v3 ? v2 : v3, m = m01 > m23 ? m01 : m23;
+                least[i] = l < least[i] ? l : least[i], most[i] = m > most[i] ? m : most[i];
             }
-            float l01 = v0 < v1 ? v0 : v1, l23 = v2 < v3 ? v2 : v3, l = l01 < l23 ? l01 : l23;
-            float m01 = v0 > v1 ? v0 : v1, m23 = v2 > v3 ? v2 : v3, m = m01 > m23 ? m01 : m23;
-            least[i] = l < least[i] ? l : least[i], most[i] = m > most[i] ? m : most[i];
         }
     for (; b < j->bands; b++, x += step)
         for (int64_t i = 0; i < n; i++) {
@@ -127,10 +138,10 @@ static void means_by_band(const job *j, const float *x, int64_t n, float *restri
         }
 }
 
-static inline void philox(uint64_t pixel, uint64_t frame, uint64_t pair, uint64_t key,
+static inline void philox(uint64_t pixel, uint32_t purpose, uint64_t frame, uint64_t key,
                           uint32_t *w0, uint32_t *w1, uint32_t *w2, uint32_t *w3) {
-    uint32_t c0 = (uint32_t)pixel, c1 = (uint32_t)(pixel >> 32);
-    uint32_t c2 = (uint32_t)frame, c3 = (uint32_t)pair;
+    uint32_t c0 = (uint32_t)pixel, c1 = (uint32_t)(pixel >> 32) | purpose << 16;
+    uint32_t c2 = (uint32_t)frame, c3 = 0;
     uint32_t k0 = (uint32_t)key, k1 = (uint32_t)(key >> 32);
 #pragma GCC unroll 10
     for (int r = 0; r < 10; r++) {
@@ -166,14 +177,15 @@ static inline float normal(uint32_t word) {
     return sign < 0 ? z : -z;
 }
 
-static inline float many(float mean, float z) {
-    float root = sqrtf(mean), i = 1 / root, whole = floorf(mean), s = z * z;
-    float order_2 = z * (-1 / 36.f - s / 72.f);
-    float order_3 = -8 / 405.f + s * (7 / 810.f + s / 270.f);
-    float order_4 = z * (671 / 38880.f + s * (-137 / 38880.f - s * (23 / 17280.f)));
-    float away = root * z + (1 / 3.f + s / 6.f) + i * (order_2 + i * (order_3 + i * order_4));
-    float count = whole + floorf((mean - whole) + away);
-    return count > 0 ? count : 0;
+/* Shot and read noise together: read noise must be .75 e- or more. */
+static inline float many(float mean, float variance, float z) {
+    float inverse = 1 / (mean + variance), i = sqrtf(inverse), q = mean * inverse, s = z * z;
+    float order_1 = z * ((s - 3) * (1 / 24.f) - q * (2 * s - 5) * (1 / 36.f));
+    float of_q2 = 17 / 324.f + s * (-53 / 324.f + s * (12 / 324.f));
+    float of_q = 2 / 24.f + s * (-5 / 24.f + s * (1 / 24.f));
+    float order_2 = 3 / 120.f + s * (-6 / 120.f + s * (1 / 120.f)) - q * (of_q - q * of_q2);
+    float away = (s - 1) * (1 / 6.f) + i * (order_1 + i * order_2);
+    return mean + (mean + variance) * i * z + q * away;
 }
 
 static float few(float mean, uint32_t word) {
@@ -183,31 +195,54 @@ static float few(float mean, uint32_t word) {
     return (float)k;
 }
 
-static void noise(const float *restrict mean, const uint32_t *restrict shot,
-                  const uint32_t *restrict read, int n, float read_noise_e,
-                  float *restrict electrons) {
+/* How many means are low: their read noise is still to be added. */
+static int noise(const float *restrict mean, const uint32_t *restrict words, int n,
+                 float read_noise_e, float *restrict electrons) {
     int low = 0;
     for (int k = 0; k < n; k++) {
-        electrons[k] = many(mean[k], normal(shot[k]));
+        electrons[k] = many(mean[k], read_noise_e * read_noise_e, normal(words[k]));
         low += mean[k] < 20;
     }
     if (low)
         for (int k = 0; k < n; k++)
-            if (mean[k] < 20) electrons[k] = few(mean[k], shot[k]);
-    for (int k = 0; k < n; k++) electrons[k] += read_noise_e * normal(read[k]);
+            if (mean[k] < 20) electrons[k] = few(mean[k], words[k]);
+    return low;
+}
+
+static void read_out(const float *restrict mean, const uint32_t *restrict words, int n,
+                     float read_noise_e, float *restrict electrons) {
+    for (int k = 0; k < n; k++)
+        if (mean[k] < 20) electrons[k] += read_noise_e * normal(words[k]);
+}
+
+static void words_of_all(const job *j, int64_t pixel, int n, uint32_t purpose,
+                         uint32_t *restrict words) {
+#pragma GCC ivdep
+    for (int i = 0; i < n; i++)
+        philox(pixel + i, purpose, j->frame, j->key, words + i, words + n + i, words + 2 * n + i,
+               words + 3 * n + i);
+}
+
+static void words_of_one(const job *j, int64_t pixel, int n, uint32_t purpose,
+                         const int32_t *restrict lane, uint32_t *restrict words) {
+    uint32_t w[LANES];
+    words_of_all(j, pixel, n, purpose, w);
+    for (int i = 0; i < n; i++) {
+        uint32_t even = lane[i] & 2 ? w[2 * n + i] : w[i];
+        uint32_t odd = lane[i] & 2 ? w[3 * n + i] : w[n + i];
+        words[i] = lane[i] & 1 ? odd : even;
+    }
 }
 
 static void run_to_color(const job *j, int64_t row, int64_t first, int n, const float *mean) {
     float electrons[LANES], colors[RUN];
-    uint32_t shot[LANES], read[LANES];
-    for (int pair = 0; pair < 2; pair++) {
-        uint32_t *s0 = shot + 2 * pair * n, *s1 = s0 + n, *r0 = read + 2 * pair * n, *r1 = r0 + n;
-#pragma GCC ivdep
-        for (int i = 0; i < n; i++)
-            philox(row * j->width + first + i, j->frame, pair, j->key, s0 + i, r0 + i, s1 + i,
-                   r1 + i);
+    uint32_t words[LANES];
+    int64_t pixel = row * j->width + first;
+    words_of_all(j, pixel, n, 0, words);
+    if (noise(mean, words, n * P, j->read_noise_e, electrons)) {
+        words_of_all(j, pixel, n, 1, words);
+        read_out(mean, words, n * P, j->read_noise_e, electrons);
     }
-    noise(mean, shot, read, n * P, j->read_noise_e, electrons);
     for (int c = 0; c < P; c++) {
         float sum = 0;
         int beyond = 0;
@@ -239,18 +274,15 @@ static void run_to_color(const job *j, int64_t row, int64_t first, int n, const 
 static void run_to_codes(const job *j, int64_t row, int64_t first, int n, const int64_t *channel,
                          const float *mean) {
     float electrons[RUN];
-    uint32_t shot[RUN], read[RUN], w0[RUN], w1[RUN], w2[RUN], w3[RUN];
+    uint32_t words[RUN];
+    int64_t pixel = row * j->width + first;
     int32_t lane[RUN];
     for (int i = 0; i < n; i++) lane[i] = (int32_t)channel[i];
-#pragma GCC ivdep
-    for (int i = 0; i < n; i++)
-        philox(row * j->width + first + i, j->frame, lane[i] >> 1, j->key, w0 + i, w1 + i, w2 + i,
-               w3 + i);
-    for (int i = 0; i < n; i++) {
-        shot[i] = lane[i] & 1 ? w2[i] : w0[i];
-        read[i] = lane[i] & 1 ? w3[i] : w1[i];
+    words_of_one(j, pixel, n, 0, lane, words);
+    if (noise(mean, words, n, j->read_noise_e, electrons)) {
+        words_of_one(j, pixel, n, 1, lane, words);
+        read_out(mean, words, n, j->read_noise_e, electrons);
     }
-    noise(mean, shot, read, n, j->read_noise_e, electrons);
     uint16_t *codes = j->codes + row * j->width + first;
     for (int i = 0; i < n; i++) {
         float held = electrons[i] < j->full_well_e ? electrons[i] : j->full_well_e;

@@ -29,20 +29,29 @@ def philox4x32(counter, key):
     return c0, c1, c2, c3
 
 
-def light_words(shape, *, seed, frame=0, first_row=0, first_column=0, width=None):
-    """The words of shot noise and of read noise, each (h, w, p) of uint32."""
+def light_words(shape, **place):
+    """The words of shot noise, and of shot and read noise drawn as one: (h, w, p) of uint32."""
+    return words_for(0, shape, **place)
+
+
+def readout_words(shape, **place):
+    """The words of read noise that is drawn by itself: (h, w, p) of uint32."""
+    return words_for(1, shape, **place)
+
+
+def words_for(purpose, shape, *, seed, frame=0, first_row=0, first_column=0, width=None):
+    """One word for each channel of each pixel; four channels share a counter."""
     height, own_width, channels = shape
     width = own_width if width is None else width
     rows = first_row + np.arange(height, dtype=np.uint64)[:, None, None]
     columns = first_column + np.arange(own_width, dtype=np.uint64)[:, None]
     pixel = rows * np.uint64(width) + columns
-    pair = np.arange((channels + 1) // 2, dtype=np.uint64)
-    pixel, pair, frames = np.broadcast_arrays(pixel, pair, np.uint64(frame))
-    counter = (pixel & LOW_WORD, pixel >> HALF_WORD, frames, pair)
-    words = philox4x32(counter, (seed & 0xFFFFFFFF, seed >> 32))
-    shot, read = (np.stack(pair_of, axis=-1) for pair_of in (words[::2], words[1::2]))
-    padded = (height, own_width, -1)
-    return tuple(w.reshape(padded)[..., :channels].astype(np.uint32) for w in (shot, read))
+    group = np.arange((channels + 3) // 4, dtype=np.uint64)
+    pixel, group, frames = np.broadcast_arrays(pixel, group, np.uint64(frame))
+    high = pixel >> HALF_WORD | np.uint64(purpose << 16)
+    words = philox4x32((pixel & LOW_WORD, high, frames, group), (seed & 0xFFFFFFFF, seed >> 32))
+    padded = np.stack(words, axis=-1).reshape(height, own_width, -1)
+    return padded[..., :channels].astype(np.uint32)
 
 
 def fused(a, b, c):
@@ -120,6 +129,25 @@ def many_electrons(mean, z):
     return np.maximum(whole + np.floor((mean - whole) + away), F(0))
 
 
+def many_read_electrons(mean, read_noise_e, z):
+    """Cornish-Fisher of electrons plus read noise to the order variance^-1, in float32."""
+    variance = mean + read_noise_e * read_noise_e
+    inverse = F(1) / variance
+    i, q, s = np.sqrt(inverse), mean * inverse, z * z
+    first = z * fused(-q, fused_pair([-5 / 36, 2 / 36], s), fused_pair([-3 / 24, 1 / 24], s))
+    constant, linear, square = (
+        fused(s, fused_pair(c[1:], s), F(c[0]))
+        for c in (
+            [3 / 120, -6 / 120, 1 / 120],
+            [2 / 24, -5 / 24, 1 / 24],
+            [17 / 324, -53 / 324, 12 / 324],
+        )
+    )
+    second = fused(-q, fused(-q, square, linear), constant)
+    away = fused(i, fused(i, second, first), fused_pair([-1 / 6, 1 / 6], s))
+    return mean + fused(q, away, variance * i * z)
+
+
 def few_electrons(mean, words):
     """The distribution function summed from 0 electrons on, in float64."""
     mean = mean.astype(np.float64)
@@ -142,12 +170,16 @@ def few_electrons(mean, words):
 
 def noisy_electrons(mean_e, *, read_noise_e, seed, **place):
     """What chromanoise.imaging.noisy_electrons returns."""
-    mean = np.asarray(mean_e, F)
-    shot, read = light_words(mean.shape, seed=seed, **place)
-    many = mean >= 20
-    electrons = np.empty_like(mean)
-    electrons[many] = many_electrons(mean[many], normal_quantiles(shot[many]))
-    electrons[~many] = few_electrons(mean[~many], shot[~many])
-    if read_noise_e > 0:
-        electrons = electrons + F(read_noise_e) * normal_quantiles(read)
+    mean, noise = np.asarray(mean_e, F), F(read_noise_e)
+    light = light_words(mean.shape, seed=seed, **place)
+    read = normal_quantiles(readout_words(mean.shape, seed=seed, **place))
+    many, smooth = mean >= 20, noise >= 0.75
+    z, electrons = normal_quantiles(light[many]), np.empty_like(mean)
+    if smooth:
+        electrons[many] = many_read_electrons(mean[many], noise, z)
+    else:
+        electrons[many] = many_electrons(mean[many], z)
+    electrons[~many] = few_electrons(mean[~many], light[~many])
+    apart = ~many if smooth else np.full(mean.shape, noise > 0)
+    electrons[apart] += noise * read[apart]
     return electrons

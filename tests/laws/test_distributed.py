@@ -125,7 +125,7 @@ def no_room(*_):
 @pytest.mark.parametrize("room", [True, False], ids=["in place", "no room to share"])
 def test_workers_of_this_machine_fill_the_picture_in_place(executor, tmp_path, monkeypatch, room):
     if not room:
-        monkeypatch.setattr(os, "posix_fallocate", no_room)
+        monkeypatch.setattr(os, "truncate", no_room)
     cube = read_cube(envi_file(tmp_path))
     asked = {"seed": 6, "imperfections": Imperfections(dsnu_e=3.0, prnu=0.01)}
     there = Work(executor=executor, tile_rows=9, same_machine=True)
@@ -169,7 +169,7 @@ def test_a_worker_of_another_machine_cannot_fill_in_place_and_says_so(tmp_path):
         path=str(tmp_path / "none"), shape=(2, 3), dtype=np.dtype(np.uint8)
     )
     with pytest.raises(InputError, match="same_machine only where all workers are"):
-        elsewhere.mapped()
+        elsewhere.put(0, np.zeros((2, 3), np.uint8))
 
 
 def one_and(there):

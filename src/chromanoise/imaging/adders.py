@@ -139,20 +139,18 @@ def _pixel_sums(builder, pixel, kind, bands, rows, extremes, *, into_next):
 
 @intrinsic
 @no_type_check
-def weighted_sum(typing_context, stored, start, pitch, bands, weights, row, seen):
+def weighted_sum(typing_context, stored, start, bands, weights, row, seen):
     """The sum of one pixel with one row of weights; arguments as `pixel_adder` has them."""
     whole = types.int64
-    signature = types.float32(stored, whole, whole, whole, weights, whole, seen)
+    signature = types.float32(stored, whole, whole, weights, whole, seen)
 
     def generate(context, builder, signature, arguments):
         kinds = signature.args
-        x, start, pitch, bands, w, row, seen = arguments
+        x, start, bands, w, row, seen = arguments
         pixel = pointer_at(context, builder, kinds[0], x, start)
-        rows = weight_rows(context, builder, kinds[4], w, [row])
-        extremes = Extremes(builder, context.make_array(kinds[6])(context, builder, seen).data)
-        totals = _pixel_sums(
-            builder, pixel, kinds[0].dtype, bands, rows, extremes, into_next=False
-        )
+        rows = weight_rows(context, builder, kinds[3], w, [row])
+        extremes = Extremes(builder, context.make_array(kinds[5])(context, builder, seen).data)
+        totals = _pixel_sums(builder, pixel, kinds[0].dtype, bands, rows, extremes, into_next=False)
         extremes.keep()
         return builder.extract_element(folded(builder, totals), ir.Constant(I32, 0))
 

@@ -51,7 +51,7 @@ def means_of_mosaic(flat, start, pitch, n, bands, weights, channel, out, seen):
     """Only the channel over each pixel: channel (n,) int64, out (n,)."""
     for i in range(n):
         at = start + i * pitch
-        out[i] = weighted_sum(flat, at, pitch, bands, weights, channel[i], seen)
+        out[i] = weighted_sum(flat, at, bands, weights, channel[i], seen)
 
 
 @njit(nogil=True, inline="never", error_model="numpy")

@@ -1,9 +1,11 @@
-"""Rows that several processes of one machine fill in place: memory that all of them map.
+"""Rows that several processes of one machine put into the same memory.
 
 Sending a picture back costs as much as making it: it is packed, copied through sockets and
-unpacked, each time into fresh memory.
+unpacked, each time into fresh memory. Nor is the memory mapped where it is filled: to write a few
+rows at a time, as into a file, spares the worker a fault for every page.
 """
 
+import math
 import os
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
@@ -20,7 +22,7 @@ Kind = tuple[tuple[int, ...], type[np.generic]]
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class SharedRows:
-    """An array of rows in memory; another process takes it along as a name.
+    """An array of rows in memory, 0 at first; another process takes it along as a name.
 
     Attributes
     ----------
@@ -35,32 +37,47 @@ class SharedRows:
     dtype: np.dtype
 
     def mapped(self) -> Shaped[Array, "rows ..."]:
-        """The array; what is written into it, all processes see.
+        """The array; what any process puts into it shows."""
+        return np.asarray(np.memmap(self.path, self.dtype, "r+", shape=self.shape))
+
+    def put(self, first: int, rows: Shaped[Array, "some ..."]) -> None:
+        """Put rows where they belong, the first of them at ``first``.
 
         Raises
         ------
         InputError
-            If it is not there.
+            If the memory is not there, or there is no room for them.
         """
         try:
-            return np.asarray(np.memmap(self.path, self.dtype, "r+", shape=self.shape))
+            memory = os.open(self.path, os.O_WRONLY)
         except OSError:
             raise InputError(
-                f"a worker cannot open {self.path}, where the rows are to be filled; set "
+                f"a worker cannot open {self.path}, where the rows are to be put; set "
                 "same_machine only where all workers are processes of this machine"
             ) from None
+        at, left = first * rows[:1].nbytes, rows.data.cast("B")
+        try:
+            while left:
+                written = os.pwrite(memory, left, at)
+                at, left = at + written, left[written:]
+        except OSError as error:
+            raise InputError(
+                f"the picture cannot be kept in memory ({error}); make a part of it at a time"
+            ) from None
+        finally:
+            os.close(memory)
 
 
 @contextmanager
 def shared_rows(*kinds: Kind) -> Iterator[tuple[SharedRows, ...] | None]:
     """Memory for these arrays, which ends with this process; arrays that are mapped by then stay.
 
-    ``None`` where the system cannot share memory by name, or has not room enough for these.
+    ``None`` where the system cannot share memory by name, or not so much of it.
     """
     with ExitStack() as stack:
         try:
             shared = tuple(_reserved(stack, shape, np.dtype(kind)) for shape, kind in kinds)
-        except (OSError, AttributeError):  # no room; no Linux
+        except (OSError, AttributeError):  # too large; no Linux
             shared = None
         yield shared
 
@@ -68,6 +85,5 @@ def shared_rows(*kinds: Kind) -> Iterator[tuple[SharedRows, ...] | None]:
 def _reserved(stack: ExitStack, shape: tuple[int, ...], dtype: np.dtype) -> SharedRows:
     memory = os.memfd_create("chromanoise")
     stack.callback(os.close, memory)
-    # reserved now: whoever writes into memory that is not there is ended without a word
-    os.posix_fallocate(memory, 0, int(np.prod(shape)) * dtype.itemsize)
+    os.truncate(memory, math.prod(shape) * dtype.itemsize)
     return SharedRows(path=f"/proc/{os.getpid()}/fd/{memory}", shape=shape, dtype=dtype)

@@ -34,7 +34,7 @@ Part = Callable[[Any, int, int], tuple[Any, list[Block]]]
 _SENT_AHEAD = 16  # blocks that wait at an executor
 _LARGE_BLOCK_BYTES = 64 << 20  # of what is in memory, or is sent
 _MOST_BLOCK_BYTES = 256 << 20  # of a file, for a worker elsewhere: a task costs ten milliseconds
-_TURNS = 8
+_TURNS = 4
 _BLOCK_BYTES = 8 << 20  # read at a time: large for the disk, small for the memory
 
 
@@ -202,8 +202,12 @@ def _sent(
 
 def _filled_and_sent(fill: FillBlock, plan: Any, pieces: list[Block], kinds: list[Any]) -> Any:
     """In another process: arrays of its own, that are sent back."""
-    parts = tuple(np.empty(shape, dtype) for shape, dtype in kinds)
-    return _filled_there(fill, plan, pieces, parts), parts
+    rows, first = tuple(np.empty(shape, dtype) for shape, dtype in kinds), pieces[0][0]
+    told = []
+    for start, stop in pieces:
+        parts = (one[start - first : stop - first] for one in rows)
+        told.append(fill(plan, start, stop, _scratch_there, *parts))
+    return told, rows
 
 
 def _in_place(
@@ -224,20 +228,15 @@ def _filled_in_place(
     fill: FillBlock, plan: Any, pieces: list[Block], shared: tuple[SharedRows, ...]
 ) -> Any:
     """In another process of the same machine."""
-    start, stop = pieces[0][0], pieces[-1][1]
-    return _filled_there(fill, plan, pieces, tuple(rows.mapped()[start:stop] for rows in shared))
-
-
-def _filled_there(
-    fill: FillBlock, plan: Any, pieces: list[Block], parts: tuple[Array, ...]
-) -> list[Any]:
-    first = pieces[0][0]
-    return [
-        fill(
-            plan, start, stop, _scratch_there, *(out[start - first : stop - first] for out in parts)
-        )
-        for start, stop in pieces
-    ]
+    most = max(stop - start for start, stop in pieces)
+    room = tuple(np.empty((most, *rows.shape[1:]), rows.dtype) for rows in shared)
+    told = []
+    for start, stop in pieces:
+        parts = tuple(rows[: stop - start] for rows in room)
+        told.append(fill(plan, start, stop, _scratch_there, *parts))
+        for rows, part in zip(shared, parts, strict=True):
+            rows.put(start, part)
+    return told
 
 
 _scratch_there = Scratch()
