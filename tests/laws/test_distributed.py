@@ -7,6 +7,7 @@ import pickle
 import signal
 import sys
 from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -170,6 +171,13 @@ def test_a_worker_of_another_machine_cannot_fill_in_place_and_says_so(tmp_path):
     )
     with pytest.raises(InputError, match="same_machine only where all workers are"):
         elsewhere.put(0, np.zeros((2, 3), np.uint8))
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="no device that is always full")
+def test_a_picture_that_finds_no_room_in_memory_says_so():
+    full = shared_rows.SharedRows(path="/dev/full", shape=(2, 3), dtype=np.dtype(np.uint8))
+    with pytest.raises(InputError, match="cannot be kept in memory .*make a part of it"):
+        full.put(0, np.zeros((2, 3), np.uint8))
 
 
 def one_and(there):

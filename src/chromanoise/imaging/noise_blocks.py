@@ -111,11 +111,11 @@ def fill_words(pixel, group, count, channels, purpose, frame, seed, words):
 @njit(cache=True, nogil=True, error_model="numpy")
 @no_type_check
 def count_refused(mean):
-    """How many means are negative, infinite or not a number."""
-    refused = 0
+    """How many means are negative, infinite or not a number; counted as `_count_few` does."""
+    right = np.int32(0)
     for j in range(mean.size):
-        refused += 0 if (mean[j] >= _ZERO) & (mean[j] < _INFINITE) else 1
-    return refused
+        right = np.int32(right + np.int32((mean[j] >= _ZERO) & (mean[j] < _INFINITE)))
+    return mean.size - right
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
