@@ -176,7 +176,7 @@ def test_a_worker_of_another_machine_cannot_fill_in_place_and_says_so(tmp_path):
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="no device that is always full")
 def test_a_picture_that_finds_no_room_in_memory_says_so():
     full = shared_rows.SharedRows(path="/dev/full", shape=(2, 3), dtype=np.dtype(np.uint8))
-    with pytest.raises(InputError, match="cannot be kept in memory .*make a part of it"):
+    with pytest.raises(InputError, match=r"cannot be kept in memory .*make a part of it"):
         full.put(0, np.zeros((2, 3), np.uint8))
 
 
