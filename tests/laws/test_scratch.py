@@ -5,7 +5,7 @@ import mmap
 import numpy as np
 import pytest
 
-from chromanoise.imaging.blocks import Scratch, in_large_pages
+from chromanoise.imaging.blocks import Scratch, in_large_pages, new_rows
 
 
 def refused(*_):
@@ -36,6 +36,17 @@ def test_memory_is_as_large_as_asked_for_and_may_be_written(size):
 @pytest.mark.skipif(not hasattr(mmap, "MADV_HUGEPAGE"), reason="no large pages here")
 def test_large_pages_begin_where_a_page_does():
     assert in_large_pages(5).ctypes.data % (2 << 20) == 0
+
+
+@pytest.mark.usefixtures("system")
+@pytest.mark.parametrize("shape", [(3, 2, 5), (0, 7), (1200, 1000, 3)])
+def test_new_rows_have_the_shape_and_type_that_is_asked_for(shape):
+    rows = new_rows(shape, np.float32)
+    rows[...] = 1.5
+    assert rows.shape == shape
+    assert rows.dtype == np.float32
+    assert rows.flags.c_contiguous
+    assert float(rows.sum()) == 1.5 * rows.size
 
 
 def test_scratch_is_kept_as_long_as_it_is_large_enough():

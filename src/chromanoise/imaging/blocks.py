@@ -1,11 +1,13 @@
 """How a block of rows lies in memory, and memory that is used again."""
 
 import contextlib
+import math
 import mmap
 import threading
 
 import numpy as np
 from jaxtyping import Num, Shaped, UInt8
+from numpy.typing import DTypeLike
 
 from chromanoise._check import Array
 from chromanoise.imaging.records import Layout
@@ -27,18 +29,29 @@ _NATIVE = "bBhHiIfd"  # types that the kernels read as they are
 
 
 def in_large_pages(size_bytes: int) -> UInt8[Array, " bytes"]:
-    """New memory in pages of 2 MB, if the system has them: a file is copied there in 2/3 the time.
+    """New memory in pages of 2 MB, if the system has them; those at its ends may be small.
 
-    numpy asks for them too, but may get memory that was in small pages before.
+    Each page that is touched first costs a fault, and a file is copied into large ones in 2/3 of
+    the time. numpy asks for them too, but may get memory that was in small pages before.
     """
     if not hasattr(mmap, "MADV_HUGEPAGE"):
         return np.empty(size_bytes, np.uint8)
-    room = mmap.mmap(-1, size_bytes + _LARGE_PAGE_BYTES)
+    own = mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS  # Python shares by default, in small pages
+    room = mmap.mmap(-1, size_bytes + _LARGE_PAGE_BYTES, flags=own)
     with contextlib.suppress(OSError):  # a system without them
         room.madvise(mmap.MADV_HUGEPAGE)
     memory = np.frombuffer(room, np.uint8)
     first = -memory.ctypes.data % _LARGE_PAGE_BYTES
     return memory[first : first + size_bytes]
+
+
+def new_rows(shape: tuple[int, ...], dtype: DTypeLike) -> Shaped[Array, "rows ..."]:
+    """An array to be filled; a large one in large pages."""
+    kind = np.dtype(dtype)
+    size_bytes = math.prod(shape) * kind.itemsize
+    if size_bytes < 2 * _LARGE_PAGE_BYTES:
+        return np.empty(shape, kind)
+    return in_large_pages(size_bytes).view(kind).reshape(shape)
 
 
 class Scratch(threading.local):

@@ -10,7 +10,7 @@ from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise.color import ColorMatrix, kernel_matrix
 from chromanoise.exposure import Situation, expected_electrons
-from chromanoise.imaging.blocks import Scratch
+from chromanoise.imaging.blocks import Scratch, new_rows
 from chromanoise.imaging.demosaic import FilterBank
 from chromanoise.imaging.demosaic_noise import demosaicked_covariance
 from chromanoise.imaging.plans import color_matrices, srgb_table
@@ -75,8 +75,8 @@ def developed(
         bank=bank,
         matrices=matrices,
     )
-    xyz = np.empty((height, width, 3), dtype=np.float32)
-    srgb = np.empty((height, width, 3), dtype=np.uint8)
+    xyz = new_rows((height, width, 3), np.float32)
+    srgb = new_rows((height, width, 3), np.uint8)
     rows = work.tile_rows or _BLOCK_ROWS
     blocks = [(start, min(start + rows, height)) for start in range(0, height, rows)]
     filled(_developed_block, plan, blocks, (xyz, srgb), replace(work, executor=None))

@@ -8,6 +8,7 @@ from jaxtyping import Float, Float32
 
 from chromanoise import _check
 from chromanoise._check import Array, InputError
+from chromanoise.imaging.blocks import new_rows
 
 _CHUNK_LANES = 1 << 16  # values that a thread takes at a time: a millisecond
 _PIXEL_BITS, _FRAME_BITS, _SEED_BITS = 48, 32, 64  # what the counter holds, see philox.py
@@ -87,7 +88,7 @@ def noisy_electrons(
     _demand_room(mean_e.shape, first_row, first_column, width)
     with np.errstate(over="ignore"):  # what float32 cannot hold is refused as infinite
         mean = np.ascontiguousarray(mean_e, dtype=np.float32).reshape(-1, channels)
-    electrons = np.empty_like(mean)
+    electrons = new_rows(mean.shape, np.float32)
     if electrons.size:
         place = (own_width, first_row * width + first_column, width)
         refused = _fill(mean, electrons, place, frame, seed, noise, threads)

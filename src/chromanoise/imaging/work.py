@@ -14,11 +14,9 @@ from functools import partial
 from itertools import islice
 from typing import Any
 
-import numpy as np
-
 from chromanoise import _check
 from chromanoise._check import Array
-from chromanoise.imaging.blocks import Scratch
+from chromanoise.imaging.blocks import Scratch, new_rows
 from chromanoise.imaging.shared_rows import Kind, SharedRows, shared_rows
 from chromanoise.scene.rows import RowSource
 
@@ -137,12 +135,12 @@ def made(
         Who does it. The first fault ends it all.
     """
     if work.executor is None:
-        outputs = tuple(np.empty(shape, dtype) for shape, dtype in kinds)
+        outputs = tuple(new_rows(shape, dtype) for shape, dtype in kinds)
         return outputs, filled(fill, plan, blocks, outputs, work)
     with ExitStack() as stack:
         shared = stack.enter_context(shared_rows(*kinds)) if work.same_machine else None
         if shared is None:
-            outputs = tuple(np.empty(shape, dtype) for shape, dtype in kinds)
+            outputs = tuple(new_rows(shape, dtype) for shape, dtype in kinds)
             submit = partial(_sent, work.executor, fill, plan, part, outputs)
         else:
             outputs = tuple(rows.mapped() for rows in shared)
@@ -202,7 +200,7 @@ def _sent(
 
 def _filled_and_sent(fill: FillBlock, plan: Any, pieces: list[Block], kinds: list[Any]) -> Any:
     """In another process: arrays of its own, that are sent back."""
-    rows, first = tuple(np.empty(shape, dtype) for shape, dtype in kinds), pieces[0][0]
+    rows, first = tuple(new_rows(shape, dtype) for shape, dtype in kinds), pieces[0][0]
     told = []
     for start, stop in pieces:
         parts = (one[start - first : stop - first] for one in rows)
@@ -229,7 +227,7 @@ def _filled_in_place(
 ) -> Any:
     """In another process of the same machine."""
     most = max(stop - start for start, stop in pieces)
-    room = tuple(np.empty((most, *rows.shape[1:]), rows.dtype) for rows in shared)
+    room = tuple(new_rows((most, *rows.shape[1:]), rows.dtype) for rows in shared)
     told = []
     for start, stop in pieces:
         parts = tuple(rows[: stop - start] for rows in room)
