@@ -216,54 +216,6 @@ def test_codes_of_a_flat_field_scatter_as_the_exact_moments_say(level_lux):
     assert abs((spread**2).mean() - variance) < 5 * se_variance + 1e-4
 
 
-def imperfect(frame, **strengths):
-    cube = flat_cube(GRID.wavelength_nm, 0.5, height=200, width=200)
-    picture = acquired(
-        cube,
-        used(1, read_noise_e=0.0, level_lux=500.0),
-        mosaic=Mosaic((("R",),)),
-        adc=Adc(bits=16, gain_e_per_dn=1.0, black_level_dn=1000),
-        frame=frame,
-        imperfections=Imperfections(**strengths),
-        noisy=False,
-    )
-    return picture.codes.astype(float) - 1000, float(picture.mean_e[0])
-
-
-def test_prnu_scales_with_the_light_and_stays_from_frame_to_frame():
-    codes, mean = imperfect(0, prnu=0.02)
-    again, _ = imperfect(1, prnu=0.02)
-    assert (codes == again).all()
-    assert codes.std() / mean == pytest.approx(0.02, rel=5 / np.sqrt(2 * codes.size))
-
-
-def test_dsnu_adds_its_electrons_and_stays_from_frame_to_frame():
-    codes, _ = imperfect(0, dsnu_e=50.0)
-    assert (codes == imperfect(1, dsnu_e=50.0)[0]).all()
-    assert codes.std() == pytest.approx(50.0, rel=5 / np.sqrt(2 * codes.size))
-
-
-def test_row_noise_is_shared_by_a_row_and_new_in_each_frame():
-    codes, _ = imperfect(0, row_noise_e=50.0)
-    assert (codes == codes[:, :1]).all()
-    assert codes[:, 0].std() == pytest.approx(50.0, rel=5 / np.sqrt(2 * len(codes)))
-    assert not (codes == imperfect(1, row_noise_e=50.0)[0]).all()
-
-
-def test_dark_current_adds_electrons_for_the_time_of_the_exposure():
-    codes, mean = imperfect(0, dark_current_e_per_s=10_000.0)
-    assert codes.mean() - mean == pytest.approx(200.0, abs=0.6)  # 10,000 e-/s for 20 ms
-
-
-def test_options_that_are_switched_on_leave_the_shot_noise_as_it_was():
-    cube, situation = cube_of(stored()[0]), used()
-    plain = acquired(cube, situation, mosaic=bayer(), seed=3)
-    shifted = acquired(
-        cube, situation, mosaic=bayer(), seed=3, imperfections=Imperfections(dsnu_e=1e-9)
-    )
-    assert np.abs(plain.codes.astype(int) - shifted.codes).max() <= 1
-
-
 @pytest.mark.parametrize("value", [np.nan, -0.1, 3.0, np.inf])
 @pytest.mark.parametrize("layout", ["bands together", "pixels of a band together"])
 @pytest.mark.parametrize("make", [rendered, acquired, electrons_of_cube])

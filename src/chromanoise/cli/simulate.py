@@ -78,7 +78,12 @@ _REAL_PIXELS = ("dark_current_e_per_s", "dsnu_e", "prnu", "row_noise_e")
 @click.option("--frames", type=int, default=1, show_default=True, help="Pictures of a burst.")
 @click.option("--seed", type=int, default=0, show_default=True, help="Of the noise.")
 @click.option("--clip", is_flag=True, help="Hold electrons between 0 and full well.")
-@click.option("--dark-current-e-per-s", type=float, default=0.0, help="Dark current [e-/s].")
+@click.option(
+    "--dark-current-e-per-s",
+    type=float,
+    default=0.0,
+    help="Dark current [e-/s]; its mean is taken off.",
+)
 @click.option("--dsnu-e", type=float, default=0.0, help="Dark signal non-uniformity [e-].")
 @click.option("--prnu", type=float, default=0.0, help="Photo response non-uniformity, e.g. 0.01.")
 @click.option("--row-noise-e", type=float, default=0.0, help="Noise that a row shares [e-].")

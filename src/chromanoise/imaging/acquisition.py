@@ -68,7 +68,7 @@ def acquire(mean, pixel, n, channels, draw, row_e, room, electrons):
     else:
         for j in range(lanes):
             electrons[j] = mean[j]
-    if draw.dsnu_e > _ZERO or row_e != _ZERO:
+    if draw.dark_e > _ZERO or draw.dsnu_e > _ZERO or row_e != _ZERO:
         _imperfect_readout(electrons, pixel, n, channels, draw, row_e)
 
 
@@ -91,10 +91,13 @@ def _imperfect_means(mean, pixel, n, channels, draw):
 @njit(cache=True, nogil=True, error_model="numpy")
 @no_type_check
 def _imperfect_readout(electrons, pixel, n, channels, draw, row_e):
-    """The dark signal that differs from pixel to pixel, and what the row shares."""
+    """The dark signal that differs from pixel to pixel, and what the row shares.
+
+    What the dark gives on average is taken off: shielded pixels tell it to the sensor.
+    """
     for c in range(channels.shape[0]):
         for i in range(n):
-            offset = row_e
+            offset = row_e - draw.dark_e
             if draw.dsnu_e > _ZERO:
                 z = _normal(pixel + i, PIXEL_OFFSET, 0, channels[c, i], draw.key)
                 offset = offset + draw.dsnu_e * z

@@ -21,7 +21,8 @@ from chromanoise._check import Array, InputError
 from chromanoise.color import ColorMatrix
 from chromanoise.exposure import Situation, expected_electrons, white_scene
 from chromanoise.imaging.row_files import PutRows, tiff_rows
-from chromanoise.sensor import Adc, Mosaic
+from chromanoise.sensor import Adc, Imperfections, Mosaic
+from chromanoise.sensor.imperfections import NONE
 from chromanoise.sensor.noise_profile import noise_profile
 
 _COLOR_CODES = {"R": 0, "G": 1, "B": 2, "C": 3, "M": 4, "Y": 5, "W": 6}  # tag 50710
@@ -88,7 +89,12 @@ class RawProfile:
 
 
 def raw_profile(
-    situation: Situation, matrix: ColorMatrix, *, mosaic: Mosaic, adc: Adc
+    situation: Situation,
+    matrix: ColorMatrix,
+    *,
+    mosaic: Mosaic,
+    adc: Adc,
+    imperfections: Imperfections = NONE,
 ) -> RawProfile:
     """What a raw developer must know of a sensor in its light, as its color is made here.
 
@@ -99,8 +105,9 @@ def raw_profile(
         name has no number in Exif is told as unknown.
     matrix
         From electrons to XYZ, made for that light.
-    mosaic, adc
-        Those that made the codes.
+    mosaic, adc, imperfections
+        Those that made the codes. NoiseProfile holds what they add in the dark; it has no term for
+        PRNU.
 
     Raises
     ------
@@ -112,7 +119,9 @@ def raw_profile(
     white = expected_electrons(white_scene(situation), sensor, situation.exposure)
     if not white.max() > 0:
         raise InputError(f"{sensor.name}: a perfect white under {lamp.name} gives no electrons")
-    noise = noise_profile(adc, read_noise_e=sensor.pixel.read_noise_e)
+    time_s = situation.exposure.time_s
+    dark_e = imperfections.noise_without_light_e(sensor.pixel.read_noise_e, time_s=time_s)
+    noise = noise_profile(adc, read_noise_e=dark_e)
     return RawProfile(
         sensor_name=sensor.name,
         channels=sensor.names,

@@ -70,6 +70,24 @@ def draw_of(
     )
 
 
+def _well_for_light_e(situation: Situation, draw: Draw) -> float:
+    """What dark electrons leave of the full well.
+
+    Raises
+    ------
+    InputError
+        If they leave nothing.
+    """
+    full_well_e = situation.sensor.pixel.full_well_e
+    if draw.dark_e >= full_well_e:
+        raise _check.InputError(
+            f"{situation.sensor.name}: {draw.dark_e:g} dark electrons in "
+            f"{situation.exposure.time_s:g} s fill the well of {full_well_e:g} e-; expose for less "
+            "time, or give a smaller dark current"
+        )
+    return full_well_e - float(draw.dark_e)
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class RawPlan:
     """From rows to codes of a mosaic.
@@ -92,7 +110,7 @@ class RawPlan:
 
 def raw_plan(light: Light, draw: Draw, situation: Situation, mosaic: Mosaic, adc: Adc) -> RawPlan:
     """The plan of one frame of a mosaic."""
-    names, well = situation.sensor.names, situation.sensor.pixel.full_well_e
+    names, well = situation.sensor.names, _well_for_light_e(situation, draw)
     tile = [[names.index(name) for name in row] for row in mosaic.pattern]
     numbers = (well, 1.0 / adc.gain_e_per_dn, adc.black_level_dn, adc.top_code)
     converter = Converter(*(np.float32(number) for number in numbers))
@@ -150,7 +168,7 @@ def color_plan(
     clip: bool,
 ) -> ColorPlan:
     """The plan of a picture; ``matrices`` of `color_matrices`."""
-    well = Well(np.float32(situation.sensor.pixel.full_well_e), clip)
+    well = Well(np.float32(_well_for_light_e(situation, draw)), clip)
     return ColorPlan(light=light, draw=draw, well=well, matrices=matrices)
 
 

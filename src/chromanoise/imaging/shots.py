@@ -157,7 +157,7 @@ def prepared(cube: Cube, situation: Situation, matrix: ColorMatrix, asked: Asked
         method = DEMOSAICING[one_of("demosaicing", asked.demosaic, tuple(DEMOSAICING))]
         bank = method(mosaic, situation)
         color_matrices(matrix, situation)
-    profile, untold = _profile(situation, matrix, mosaic, adc, insisted)
+    profile, untold = _profile(situation, matrix, mosaic, adc, asked)
     if "dng" in insisted:
         height, width, _ = row_source(cube.stored).shape
         refuse_dng_size(f"DNG of {situation.sensor.name}", height=height, width=width)
@@ -178,15 +178,16 @@ def _profile(
     matrix: ColorMatrix,
     mosaic: Mosaic,
     adc: Adc,
-    insisted: tuple[str, ...],
+    asked: Asked,
 ) -> tuple[RawProfile | None, str]:
     """Of a DNG, or why there is none; refused only where somebody insists on one."""
-    if "dng" not in (insisted or _RAW):
+    if "dng" not in (asked.formats or _RAW):
         return None, ""
+    flaws = asked.imperfections
     try:
-        return raw_profile(situation, matrix, mosaic=mosaic, adc=adc), ""
+        return raw_profile(situation, matrix, mosaic=mosaic, adc=adc, imperfections=flaws), ""
     except InputError as error:
-        if insisted:
+        if asked.formats:
             raise
         return None, str(error)
 

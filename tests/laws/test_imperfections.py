@@ -1,0 +1,121 @@
+"""What real pixels add: PRNU, DSNU, row noise and dark current."""
+
+import numpy as np
+import pytest
+
+from chromanoise._check import InputError
+from chromanoise.exposure import Exposure, Situation
+from chromanoise.imaging import acquired, rendered
+from chromanoise.scene import Cube, flat_cube
+from chromanoise.sensor import Adc, Imperfections, Mosaic, bayer
+from chromanoise.spectra import cie_a
+from strategies import GRID, bell_qe, pixel_with, sensor_of
+
+RED_ONLY = Mosaic((("R",),))
+
+
+def used(channels=3, *, level_lux=10.0, read_noise_e=5.0, full_well_e=1e6):
+    """A toy of this many channels, 20 ms in the light of a lamp."""
+    qe = bell_qe(np.linspace(430, 670, channels), np.full(channels, 35.0), np.full(channels, 0.6))
+    pixel = pixel_with(read_noise_e, full_well_e=full_well_e)
+    return Situation(
+        sensor=sensor_of(qe, names=tuple("RGB"[:channels]), pixel=pixel, name="toy"),
+        exposure=Exposure(time_s=0.02),
+        illuminant=cie_a(GRID),
+        level_lux=level_lux,
+    )
+
+
+def varied_cube():
+    rho = np.random.default_rng(1).uniform(0.02, 0.98, (7, 300, GRID.n)).astype(np.float32)
+    return Cube(wavelength_nm=GRID.wavelength_nm, stored=rho, scale=1.0, source="a cube")
+
+
+def imperfect(frame, *, noisy=False, read_noise_e=0.0, rho=0.5, **strengths):
+    """Codes above black, a code for each electron, and the mean electrons of a gray."""
+    cube = flat_cube(GRID.wavelength_nm, rho, height=200, width=200)
+    picture = acquired(
+        cube,
+        used(1, read_noise_e=read_noise_e, level_lux=500.0),
+        mosaic=RED_ONLY,
+        adc=Adc(bits=16, gain_e_per_dn=1.0, black_level_dn=1000),
+        frame=frame,
+        imperfections=Imperfections(**strengths),
+        noisy=noisy,
+    )
+    return picture.codes.astype(float) - 1000, float(picture.mean_e[0])
+
+
+def test_prnu_scales_with_the_light_and_stays_from_frame_to_frame():
+    codes, mean = imperfect(0, prnu=0.02)
+    again, _ = imperfect(1, prnu=0.02)
+    assert (codes == again).all()
+    assert codes.std() / mean == pytest.approx(0.02, rel=5 / np.sqrt(2 * codes.size))
+
+
+def test_dsnu_adds_its_electrons_and_stays_from_frame_to_frame():
+    codes, _ = imperfect(0, dsnu_e=50.0)
+    assert (codes == imperfect(1, dsnu_e=50.0)[0]).all()
+    assert codes.std() == pytest.approx(50.0, rel=5 / np.sqrt(2 * codes.size))
+
+
+def test_row_noise_is_shared_by_a_row_and_new_in_each_frame():
+    codes, _ = imperfect(0, row_noise_e=50.0)
+    assert (codes == codes[:, :1]).all()
+    assert codes[:, 0].std() == pytest.approx(50.0, rel=5 / np.sqrt(2 * len(codes)))
+    assert not (codes == imperfect(1, row_noise_e=50.0)[0]).all()
+
+
+@pytest.mark.parametrize("read_noise_e", [0.0, 5.0])
+def test_dark_current_adds_noise_for_the_time_of_the_exposure_and_its_mean_is_taken_off(
+    read_noise_e,
+):
+    codes, mean = imperfect(0, noisy=True, read_noise_e=read_noise_e, dark_current_e_per_s=1e5)
+    variance = mean + 2000.0 + read_noise_e**2 + 1 / 12  # 100,000 e-/s for 20 ms
+    assert codes.mean() - mean == pytest.approx(0.0, abs=5 * np.sqrt(variance / codes.size))
+    assert codes.var() == pytest.approx(variance, rel=5 * np.sqrt(2 / codes.size))
+
+
+def test_dark_electrons_leave_less_of_the_well():
+    cube = flat_cube(GRID.wavelength_nm, 1.0, height=20, width=20)
+    situation = used(1, level_lux=1e7, full_well_e=5000.0)
+    more = Imperfections(dark_current_e_per_s=100_000.0)  # 2,000 e- in 20 ms
+    adc = Adc(bits=16, gain_e_per_dn=1.0, black_level_dn=1000)
+    raw = acquired(cube, situation, mosaic=RED_ONLY, adc=adc, imperfections=more)
+    assert (raw.codes == 1000 + 5000 - 2000).all()
+    assert raw.above_full_well == pytest.approx([1.0])
+    with pytest.raises(InputError, match=r"5000 dark electrons in 0\.02 s fill the well of 5000"):
+        acquired(
+            cube,
+            situation,
+            mosaic=RED_ONLY,
+            imperfections=Imperfections(dark_current_e_per_s=250_000.0),
+        )
+
+
+def test_codes_without_light_scatter_as_told_for_them():
+    flaws = {"dark_current_e_per_s": 1e5, "dsnu_e": 30.0, "row_noise_e": 10.0}
+    codes = np.stack(
+        [imperfect(frame, noisy=True, read_noise_e=20.0, rho=0.0, **flaws)[0] for frame in range(3)]
+    )
+    told_e = Imperfections(**flaws).noise_without_light_e(20.0, time_s=0.02)
+    # a row's noise is drawn 600 times, the dark signal 40,000 times, the rest 120,000 times
+    error = np.sqrt(2 * (2400.0**2 / 120_000 + 900.0**2 / 40_000 + 100.0**2 / 600))
+    assert codes.var() == pytest.approx(told_e**2 + 1 / 12, abs=5 * error)
+
+
+def test_a_picture_with_dark_current_has_the_colors_of_one_without():
+    cube, situation = varied_cube(), used()
+    asked = {"noisy": False, "seed": 3}
+    plain = rendered(cube, situation, **asked)
+    warm = rendered(cube, situation, **asked, imperfections=Imperfections(dark_current_e_per_s=1e4))
+    assert warm.xyz == pytest.approx(plain.xyz, rel=1e-4, abs=1e-5)
+
+
+def test_options_that_are_switched_on_leave_the_shot_noise_as_it_was():
+    cube, situation = varied_cube(), used()
+    plain = acquired(cube, situation, mosaic=bayer(), seed=3)
+    shifted = acquired(
+        cube, situation, mosaic=bayer(), seed=3, imperfections=Imperfections(dsnu_e=1e-9)
+    )
+    assert np.abs(plain.codes.astype(int) - shifted.codes).max() <= 1
