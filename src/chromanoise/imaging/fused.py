@@ -5,8 +5,7 @@ A block is taken in tiles for the expected electrons (`tiles`), and these in run
 noise (`acquisition`) and codes or color (`color_kernels`). Functions without annotations are
 compiled, serial and free of the interpreter's lock; what threads share is only read.
 
-``flat`` is the block as it lies in memory, its first pixel first; ``lay`` its `Layout`; ``weights``
-float32, (p rounded up to 4, bands rounded up to 16), the rest 0. They are copied because a copy
+``stored`` is the block as it lies in memory, `RowsInMemory`. Its weights are copied because a copy
 begins where the processor's vectors do: read across a cache line they take twice as long.
 """
 
@@ -30,6 +29,7 @@ from chromanoise.imaging.tiles import (
     rows_of_tile,
     start_of,
     tables_over,
+    with_own_weights,
 )
 
 _F = np.float32
@@ -38,23 +38,23 @@ _ZERO, _HALF = _F(0.0), _F(0.5)
 
 @njit(cache=True, nogil=True, error_model="numpy")
 @no_type_check
-def electron_rows(flat, lay, weights, out, seen):
+def electron_rows(stored, out):
     """Expected electrons of all channels: out (rows, columns, p). Nothing but eq. 2."""
-    weights = weights.copy()
+    stored = with_own_weights(stored)
     rows, columns, channels = out.shape
     every = out.reshape(rows * columns, channels)
-    sums, fours = room_for_tile(weights.shape[0])
-    together = rows_of_tile(lay, columns)
+    sums, fours = room_for_tile(stored)
+    together = rows_of_tile(stored.lay, columns)
     for top in range(0, rows, together):
         some = min(together, rows - top)
         for first in range(0, columns, TILE):
             n = some * min(TILE, columns - first)
-            start, at = start_of(top, first, lay), top * columns + first
+            start, at = start_of(top, first, stored.lay), top * columns + first
             there = every[at : at + n]
             if channels == 4:
-                means_by_pixel(flat, start, lay, n, weights, sums, there.reshape(1, n, 4), seen)
+                means_by_pixel(stored, start, n, sums, there.reshape(1, n, 4))
                 continue
-            means_by_pixel(flat, start, lay, n, weights, sums, fours, seen)
+            means_by_pixel(stored, start, n, sums, fours)
             for i in range(n):
                 for c in range(channels):
                     there[i, c] = fours[c // 4, i, c % 4]
@@ -62,29 +62,27 @@ def electron_rows(flat, lay, weights, out, seen):
 
 @njit(cache=True, nogil=True, error_model="numpy")
 @no_type_check
-def raw_rows(flat, lay, weights, tile, first_row, draw, adc, codes, counts, seen):
+def raw_rows(stored, tile, first_row, draw, adc, codes, counts):
     """Codes of the mosaic: codes (rows, columns) uint16.
 
     tile (tile rows, tile columns) int64 of channels; draw: `Draw`; adc: `Converter`; counts (rows,
     3, p) float64: expected electrons, pixels beyond full well, and one to spare.
     """
-    weights = weights.copy()
+    stored = with_own_weights(stored)
     rows, columns = codes.shape
-    sums, _ = room_for_tile(weights.shape[0])
+    sums, _ = room_for_tile(stored)
     mean, electrons = np.empty(TILE, np.float32), np.empty(RUN, np.float32)
     room, strands = room_for_run(1), strands_for(tile.shape[1])
     over = channels_over(tile, columns)
-    tables = tables_over(over, tile.shape[1], lay, weights)
-    together = rows_of_tile(lay, columns)
+    tables = tables_over(over, tile.shape[1], stored)
+    together = rows_of_tile(stored.lay, columns)
     for top in range(0, rows, together):
         some = min(together, rows - top)
         phase = (first_row + top) % tile.shape[0]
         for first in range(0, columns, TILE):
             n = min(TILE, columns - first)
-            start = start_of(top, first, lay)
-            means_by_filter(
-                flat, start, lay, some, first, n, weights, over, phase, tables, sums, mean, seen
-            )
+            start = start_of(top, first, stored.lay)
+            means_by_filter(stored, start, some, first, n, over, phase, tables, sums, mean)
             for k in range(some):
                 row, own = top + k, over[(phase + k) % tile.shape[0]][first : first + n]
                 at_row, light = first_row + row, mean[k * n : (k + 1) * n]
@@ -114,29 +112,29 @@ def _codes(electrons, channel, adc, counts, codes):
 
 @njit(cache=True, nogil=True, error_model="numpy")
 @no_type_check
-def color_rows(flat, lay, weights, first_row, draw, well, matrices, table, xyz, srgb, counts, seen):
+def color_rows(stored, first_row, draw, well, matrices, table, xyz, srgb, counts):
     """Every channel at every pixel, then color: xyz (rows, columns, 3) f4, srgb the same uint8.
 
     draw, counts as `raw_rows`; well: `Well`; matrices (6, p): to XYZ and to linear sRGB; table:
     `color_kernels.ENCODED` codes of sRGB.
     """
-    weights = weights.copy()
+    stored = with_own_weights(stored)
     rows, columns, _ = xyz.shape
     p = matrices.shape[1]
-    sums, fours = room_for_tile(weights.shape[0])
+    sums, fours = room_for_tile(stored)
     mean, electrons = np.empty(RUN * p, np.float32), np.empty(RUN * p, np.float32)
     colors, entry = np.empty(3 * RUN, np.float32), np.empty(3 * RUN, np.int32)
     room, strands = room_for_run(p), strands_for(1)
     every = np.empty((p, RUN), np.int64)
     for c in range(p):
         every[c] = c
-    together = rows_of_tile(lay, columns)
+    together = rows_of_tile(stored.lay, columns)
     for top in range(0, rows, together):
         some = min(together, rows - top)
         for first in range(0, columns, TILE):
             n = min(TILE, columns - first)
-            start = start_of(top, first, lay)
-            means_by_channel(flat, start, lay, some * n, weights, sums, fours, seen)
+            start = start_of(top, first, stored.lay)
+            means_by_channel(stored, start, some * n, sums, fours)
             for k in range(some):
                 row, at_row = top + k, first_row + top + k
                 row_e = row_offset_e(at_row, draw)

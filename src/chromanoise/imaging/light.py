@@ -18,6 +18,7 @@ from chromanoise.imaging.blocks import (
     flattened,
     is_planar,
 )
+from chromanoise.imaging.records import RowsInMemory
 from chromanoise.scene import Cube
 from chromanoise.scene.cube import BRIGHTEST, reflectance_rows
 from chromanoise.scene.rows import RowSource, row_source
@@ -98,7 +99,12 @@ def _up_to(multiple: int, count: int) -> int:
 
 
 def on_rows(
-    light: Light, start: int, stop: int, scratch: Scratch, sums: Array, fill: Callable[..., None]
+    light: Light,
+    start: int,
+    stop: int,
+    scratch: Scratch,
+    sums: Array,
+    fill: Callable[[RowsInMemory], None],
 ) -> Int64[Array, " rows"]:
     """Read the rows and do the work, which fills ``sums``; pixels of each row that were bad.
 
@@ -123,11 +129,13 @@ def on_rows(
     return bad
 
 
-def _were_reflectances(light: Light, block: Array, sums: Array, fill: Callable[..., None]) -> bool:
+def _were_reflectances(
+    light: Light, block: Array, sums: Array, fill: Callable[[RowsInMemory], None]
+) -> bool:
     """Do the work; whether all numbers were reflectances."""
     flat, lay = flattened(block, planar=light.planar)
     seen = np.repeat(np.array([3e38, -3e38], np.float32), LANES)
-    fill(flat, lay, seen)
+    fill(RowsInMemory(flat=flat, lay=lay, weights=light.weights, seen=seen))
     lowest, highest = float(seen[:LANES].min()), float(seen[LANES:].max())
     known = lowest >= 0 and highest * light.cube.scale <= BRIGHTEST
     return bool(known and np.isfinite(sums).all())

@@ -10,7 +10,7 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float, Float32, Float64, Int64, Num, UInt8, UInt16
+from jaxtyping import Float, Float32, Float64, Int64, UInt8, UInt16
 
 from chromanoise import _check
 from chromanoise._check import Array
@@ -18,7 +18,7 @@ from chromanoise.color import ColorMatrix, linear_srgb, srgb_from_linear
 from chromanoise.exposure import Situation, expected_electrons, white_scene
 from chromanoise.imaging.blocks import Scratch
 from chromanoise.imaging.light import Light, on_rows
-from chromanoise.imaging.records import Converter, Draw, Layout, Well
+from chromanoise.imaging.records import Converter, Draw, RowsInMemory, Well
 from chromanoise.imaging.work import Block, row_pieces
 from chromanoise.scene.rows import ArrayRows
 from chromanoise.sensor import Adc, Imperfections, Mosaic
@@ -131,9 +131,8 @@ def raw_block(
 
     counts = np.zeros((stop - start, 3, plan.light.channels))
 
-    def fill(flat: Num[Array, " numbers"], lay: Layout, seen: Float32[Array, "16"]) -> None:
-        weights, tile = plan.light.weights, plan.tile
-        raw_rows(flat, lay, weights, tile, start, plan.draw, plan.adc, codes, counts, seen)
+    def fill(stored: RowsInMemory) -> None:
+        raw_rows(stored, plan.tile, start, plan.draw, plan.adc, codes, counts)
 
     counts[:, 2] = on_rows(plan.light, start, stop, scratch, counts, fill)[:, None]
     return counts
@@ -227,21 +226,9 @@ def color_block(
 
     counts = np.zeros((stop - start, 3, plan.light.channels))
 
-    def fill(flat: Num[Array, " numbers"], lay: Layout, seen: Float32[Array, "16"]) -> None:
-        color_rows(
-            flat,
-            lay,
-            plan.light.weights,
-            start,
-            plan.draw,
-            plan.well,
-            plan.matrices,
-            srgb_table(),
-            xyz,
-            srgb,
-            counts,
-            seen,
-        )
+    def fill(stored: RowsInMemory) -> None:
+        table = srgb_table()
+        color_rows(stored, start, plan.draw, plan.well, plan.matrices, table, xyz, srgb, counts)
 
     counts[:, 2] = on_rows(plan.light, start, stop, scratch, counts, fill)[:, None]
     return counts
@@ -295,7 +282,7 @@ def electron_block(
     """
     from chromanoise.imaging.fused import electron_rows
 
-    def fill(flat: Num[Array, " numbers"], lay: Layout, seen: Float32[Array, "16"]) -> None:
-        electron_rows(flat, lay, plan.light.weights, out, seen)
+    def fill(stored: RowsInMemory) -> None:
+        electron_rows(stored, out)
 
     on_rows(plan.light, start, stop, scratch, out, fill)

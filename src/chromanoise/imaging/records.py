@@ -3,6 +3,9 @@
 from typing import NamedTuple
 
 import numpy as np
+from jaxtyping import Float32, Num
+
+from chromanoise._check import Array
 
 
 class Layout(NamedTuple):
@@ -16,6 +19,18 @@ class Layout(NamedTuple):
     row_pitch: int
     pixel_pitch: int
     band_pitch: int
+
+
+class RowsInMemory(NamedTuple):
+    """Rows of a cube as they lie in memory, and what makes electrons of their numbers."""
+
+    flat: Num[Array, " numbers"]
+    """From the first band of the first pixel on."""
+    lay: Layout
+    weights: Float32[Array, "channels bands"]
+    """Channels rounded up to 4, bands rounded up to 16, the rest 0."""
+    seen: Float32[Array, "16"]
+    """The least number so far in each of eight lanes, then the greatest."""
 
 
 class Draw(NamedTuple):

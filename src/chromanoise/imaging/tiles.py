@@ -2,9 +2,9 @@
 """Expected electrons of a tile, in the order that its noise and color want.
 
 A tile is some thousand pixels of a row, or of several short rows that follow each other in memory:
-the longer it goes on with a band, the better the memory keeps up. ``flat`` is the block as it lies
-in memory, its first pixel first, and ``lay`` the `Layout` of it; ``sums`` (p * `TILE`,) and
-``fours`` (p / 4, `TILE`, 4), p being rounded up to 4, are room for all channels.
+the longer it goes on with a band, the better the memory keeps up. ``stored`` is the block as it
+lies in memory, `RowsInMemory`; ``sums`` (p * `TILE`,) and ``fours`` (p / 4, `TILE`, 4), p being
+rounded up to 4, are room for all channels.
 
 Functions without annotations are compiled, serial and free of the interpreter's lock.
 """
@@ -24,6 +24,14 @@ from chromanoise.imaging.means import (
     means_of_planes,
     weights_over_columns,
 )
+from chromanoise.imaging.records import RowsInMemory
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+@no_type_check
+def with_own_weights(stored):
+    """The same rows with a copy of their weights."""
+    return RowsInMemory(stored.flat, stored.lay, stored.weights.copy(), stored.seen)
 
 
 @njit(cache=True, nogil=True, inline="always")
@@ -43,15 +51,17 @@ def start_of(row, first, lay):
 
 @njit(cache=True, nogil=True, error_model="numpy")
 @no_type_check
-def room_for_tile(channels):
-    """``sums`` and ``fours`` for p channels, a multiple of 4."""
+def room_for_tile(stored):
+    """``sums`` and ``fours`` for all channels."""
+    channels = stored.weights.shape[0]
     return np.empty(channels * TILE, np.float32), np.empty((channels // 4, TILE, 4), np.float32)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 @no_type_check
-def means_by_pixel(flat, start, lay, n, weights, sums, fours, seen):
+def means_by_pixel(stored, start, n, sums, fours):
     """All channels of ``n`` pixels, four side by side at each: fours (p / 4, n or more, 4)."""
+    flat, lay, weights, seen = stored
     if lay.pixel_pitch != 1:
         means_of_pixels(flat, start, lay.pixel_pitch, n, lay.bands, weights, fours, seen)
         return
@@ -63,8 +73,9 @@ def means_by_pixel(flat, start, lay, n, weights, sums, fours, seen):
 
 @njit(cache=True, nogil=True, error_model="numpy")
 @no_type_check
-def means_by_channel(flat, start, lay, n, weights, sums, fours, seen):
+def means_by_channel(stored, start, n, sums, fours):
     """All channels of ``n`` pixels, one after the other: channel c in sums[c * TILE :]."""
+    flat, lay, weights, seen = stored
     if lay.pixel_pitch == 1:
         means_of_planes(flat, start, lay.band_pitch, n, lay.bands, weights, sums, seen)
         return
@@ -88,14 +99,13 @@ def _four_planes(sums, g, n):
 
 @njit(cache=True, nogil=True, error_model="numpy")
 @no_type_check
-def means_by_filter(
-    flat, start, lay, rows, first, n, weights, over, phase, tables, sums, out, seen
-):
+def means_by_filter(stored, start, rows, first, n, over, phase, tables, sums, out):
     """The one channel over each of ``n`` pixels of some rows from column ``first`` on.
 
     out (rows * n,); over (tile rows, columns) int64: the channel over each pixel; phase: which of
     its rows is over the first one; tables: of `weights_over_columns`, a row for each, or empty.
     """
+    flat, lay, weights, seen = stored
     if lay.pixel_pitch != 1:
         for row in range(rows):
             own = over[(phase + row) % over.shape[0]][first : first + n]
@@ -124,7 +134,7 @@ def channels_over(tile, columns):
 
 @njit(cache=True, nogil=True, error_model="numpy")
 @no_type_check
-def tables_over(over, period, lay, weights):
+def tables_over(over, period, stored):
     """`weights_over_columns` where pixels lie together and columns repeat in time; else empty."""
-    repeats = lay.pixel_pitch == 1 and RUN_LANES % period == 0
-    return weights_over_columns(weights, over, lay.bands if repeats else 0)
+    repeats = stored.lay.pixel_pitch == 1 and RUN_LANES % period == 0
+    return weights_over_columns(stored.weights, over, stored.lay.bands if repeats else 0)
