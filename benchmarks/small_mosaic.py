@@ -43,7 +43,7 @@ def small_paths(cube: Cube) -> tuple[dict[str, Doing], list[str]]:
         try:
             paths[name] = peer(electrons, at)
         except ImportError:
-            missing.append(f"{name} is not installed (pip install {name})")
+            missing.append(f"{name} is not installed (it is in the extra `bench`)")
     return paths, missing
 
 

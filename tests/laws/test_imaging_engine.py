@@ -142,6 +142,7 @@ TILES = {
     "bayer": bayer(),
     "three by two": Mosaic((("R", "G", "B"), ("B", "R", "R"))),
     "odd": Mosaic((("R", "G", "B", "G", "R"),)),
+    "seven channels": Mosaic((tuple("RGBWC"), tuple("MYRGB"))),
 }
 
 
@@ -150,7 +151,8 @@ TILES = {
 def test_each_pixel_of_the_mosaic_has_the_noise_that_its_channel_has_there(tile, layout):
     """Bit by bit: numpy picks the channel from the full picture and converts."""
     cube = cube_of(LAYOUTS[layout](stored()[0]))
-    situation, mosaic = used(full_well_e=900.0), TILES[tile]
+    channels = 7 if tile == "seven channels" else 3
+    situation, mosaic = used(channels, full_well_e=900.0), TILES[tile]
     adc = Adc(bits=10, gain_e_per_dn=1.3, black_level_dn=64)
     raw = acquired(cube, situation, mosaic=mosaic, adc=adc, seed=5, frame=1)
     noisy = noisy_electrons(
@@ -168,7 +170,7 @@ def test_each_pixel_of_the_mosaic_has_the_noise_that_its_channel_has_there(tile,
     expected = np.clip(np.floor(scaled + np.float32(0.5)), 0, 1023)
     assert (raw.codes == expected).all()
     assert (raw.codes == 1023).mean() < 1
-    above = [(own > 900)[over == c].mean() for c in range(3)]
+    above = [(own > 900)[over == c].mean() for c in range(channels)]
     assert raw.above_full_well == pytest.approx(above)
 
 

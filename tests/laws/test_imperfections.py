@@ -7,8 +7,9 @@ from chromanoise._check import InputError
 from chromanoise.exposure import Exposure, Situation
 from chromanoise.imaging import acquired, rendered
 from chromanoise.scene import Cube, flat_cube
-from chromanoise.sensor import Adc, Imperfections, Mosaic, bayer
+from chromanoise.sensor import Adc, Imperfections, Mosaic, bayer, noise_without_light_e
 from chromanoise.spectra import cie_a
+from goodness import correlation_z
 from strategies import GRID, bell_qe, pixel_with, sensor_of
 
 RED_ONLY = Mosaic((("R",),))
@@ -93,12 +94,50 @@ def test_dark_electrons_leave_less_of_the_well():
         )
 
 
+@pytest.mark.parametrize(
+    ("flaw", "other"),
+    [
+        ({"prnu": 0.05}, {}),
+        ({"dsnu_e": 50.0}, {}),
+        ({"prnu": 0.05}, {"dsnu_e": 50.0}),
+        ({"row_noise_e": 50.0}, {"dsnu_e": 50.0}),
+        ({"row_noise_e": 50.0}, {"prnu": 0.05}),
+    ],
+    ids=str,
+)
+def test_one_imperfection_says_nothing_of_another_or_of_the_light(flaw, other):
+    clean, _ = imperfect(0, noisy=not other)
+    beside = imperfect(0, noisy=not other, **other)[0] if other else clean
+    alone = imperfect(0, **flaw)[0]
+    for pixels in (np.s_[:, :], np.s_[0, :], np.s_[:, 0]):  # row noise stands at a row's number
+        one, two = (part[pixels] - part[pixels].mean() for part in (alone, beside))
+        if one.std() > 0:
+            assert np.abs(correlation_z(one, two)) < 5
+
+
+def test_a_clipped_picture_is_held_at_what_dark_electrons_leave_of_the_well():
+    situation, dark = used(full_well_e=1600.0), Imperfections(dark_current_e_per_s=10_000.0)
+    less = used(full_well_e=1400.0)  # 200 dark electrons in 20 ms
+    asked = {"noisy": False, "clip": True}
+    held = rendered(varied_cube(), situation, **asked, imperfections=dark)
+    assert 0.1 < held.above_full_well[1] < 0.9
+    np.testing.assert_array_equal(held.xyz, rendered(varied_cube(), less, **asked).xyz)
+
+
+def test_an_unclipped_picture_is_not_refused_for_its_well():
+    dark = Imperfections(dark_current_e_per_s=1e6)
+    seen = rendered(varied_cube(), used(full_well_e=600.0), imperfections=dark)
+    assert (seen.above_full_well == 1).all()
+    with pytest.raises(InputError, match="fill the well"):
+        rendered(varied_cube(), used(full_well_e=600.0), imperfections=dark, clip=True)
+
+
 def test_codes_without_light_scatter_as_told_for_them():
     flaws = {"dark_current_e_per_s": 1e5, "dsnu_e": 30.0, "row_noise_e": 10.0}
     codes = np.stack(
         [imperfect(frame, noisy=True, read_noise_e=20.0, rho=0.0, **flaws)[0] for frame in range(3)]
     )
-    told_e = Imperfections(**flaws).noise_without_light_e(20.0, time_s=0.02)
+    told_e = noise_without_light_e(Imperfections(**flaws), read_noise_e=20.0, time_s=0.02)
     # a row's noise is drawn 600 times, the dark signal 40,000 times, the rest 120,000 times
     error = np.sqrt(2 * (2400.0**2 / 120_000 + 900.0**2 / 40_000 + 100.0**2 / 600))
     assert codes.var() == pytest.approx(told_e**2 + 1 / 12, abs=5 * error)

@@ -111,7 +111,7 @@ def test_another_law_would_be_noticed(fake):
 
 
 @given(st.floats(20.0, 1e5), st.floats(1e-6, 1e3), st.floats(0.75, 100.0), st.integers(0, 99))
-def test_more_light_never_gives_a_lower_reading(mean, more, noise, frame):
+def test_from_20_electrons_on_more_light_never_gives_a_lower_reading(mean, more, noise, frame):
     low, high = (
         drawn(level, read_noise_e=noise, side=16, frame=frame)
         for level in (mean, mean * (1 + more) + 1e-3)

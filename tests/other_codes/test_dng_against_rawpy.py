@@ -21,9 +21,9 @@ from chromanoise.imaging.dng import (
     write_dng,
 )
 from chromanoise.scene import Scene, flat_cube
-from chromanoise.sensor import Adc, Mosaic, bayer, rgbw_2x2, rgbw_sparse_4x4
+from chromanoise.sensor import Adc, Imperfections, Mosaic, bayer, rgbw_2x2, rgbw_sparse_4x4
 from chromanoise.spectra import cie_illuminant
-from strategies import GRID, bell_qe, sensor_of
+from strategies import GRID, bell_qe, pixel_with, sensor_of
 
 rawpy = pytest.importorskip("rawpy")
 
@@ -67,6 +67,7 @@ def profile_of(mosaic, adc=ADC, **changed):
             "channels": names,
             "mosaic": mosaic,
             "adc": adc,
+            "white_level_dn": adc.top_code,
             "color_matrix": matrix,
             "as_shot_neutral": np.linspace(0.5, 1, p),
             "noise_profile": np.full((p, 2), 1e-4),
@@ -266,6 +267,36 @@ def test_the_noise_profile_is_the_variance_of_codes(tmp_path):
         # kurtosis of a Poisson variate adds mean / n to the relative variance of a variance
         se = told * np.sqrt(2 / n + 1 / (n * max(mean_e, 1.0)))
         assert abs(x.var(ddof=1) - told) < 5 * se
+
+
+def test_the_white_level_is_where_pixels_saturate_and_the_noise_profile_knows_the_dark(tmp_path):
+    flaws = Imperfections(dark_current_e_per_s=100_000.0, row_noise_e=15.0)  # 2,000 e- in 20 ms
+    situation = seen_by("RGB", pixel=pixel_with(20.0, full_well_e=5000.0))
+    adc = Adc(bits=14, gain_e_per_dn=2.0, black_level_dn=300)
+    profile = raw_profile(
+        situation, matrix_of(situation), mosaic=bayer(), adc=adc, imperfections=flaws
+    )
+
+    def codes(rho, level_lux):
+        cube = flat_cube(GRID.wavelength_nm, rho, height=400, width=400)
+        lit = replace(situation, level_lux=level_lux)
+        return acquired(cube, lit, mosaic=bayer(), adc=adc, imperfections=flaws).codes
+
+    full, dark = codes(1.0, 1e6), codes(0.0, 1.0).astype(float)
+    write_dng(tmp_path / "a.dng", full, profile)
+    with rawpy.imread(str(tmp_path / "a.dng")) as seen:
+        assert (full == seen.white_level).all()
+    assert profile.white_level_dn == 300 + (5000 - 2000) / 2
+    offset = profile.noise_profile[0, 1]
+    error = np.sqrt(2 / dark.size + 2 * (15.0**2 / 2625) ** 2 / 400)  # of pixels and of rows
+    assert (dark / 1500).var() == pytest.approx(offset, rel=5 * error)
+
+
+def test_a_gain_that_hides_the_full_well_is_refused():
+    situation = seen_by("RGB", pixel=pixel_with(20.0, full_well_e=5000.0))
+    adc = Adc(bits=8, gain_e_per_dn=20_000.0, black_level_dn=50)
+    with pytest.raises(InputError, match="code 50, not above the black level 50; lower the gain"):
+        raw_profile(situation, matrix_of(situation), mosaic=bayer(), adc=adc)
 
 
 def test_noise_of_a_code_by_hand():

@@ -106,7 +106,7 @@ def time_to_saturation(
     f_number, magnification
         As `Exposure`.
     share
-        Of full well; the paper takes 0.99.
+        Of full well, by light alone; the paper takes 0.99.
 
     Raises
     ------

@@ -2,7 +2,8 @@
 """One noisy acquisition of a run of pixels: from expected electrons to those that are read.
 
 In the order of the light: sensitivity that differs from pixel to pixel, dark electrons, shot noise
-and read noise (`noise_blocks`), offsets that differ from pixel to pixel and from row to row.
+and read noise (`noise_blocks`), offsets that differ from pixel to pixel and from row to row. What
+the dark gives on average is taken off: shielded pixels tell it to the sensor.
 
 Functions without annotations are compiled, serial and free of the interpreter's lock; ``draw`` is
 a `Draw`.
@@ -57,8 +58,10 @@ def acquire(mean, pixel, n, channels, draw, row_e, room, electrons):
     """
     words, block = room
     lanes = n * channels.shape[0]
-    if draw.prnu > _ZERO or draw.dark_e > _ZERO:
-        _imperfect_means(mean, pixel, n, channels, draw)
+    # without noise dark electrons would only be added and taken off again
+    dark_e = draw.dark_e if draw.noisy else _ZERO
+    if draw.prnu > _ZERO or dark_e > _ZERO:
+        _imperfect_means(mean, pixel, n, channels, draw, dark_e)
     if draw.noisy:
         _fill_words(pixel, n, channels, LIGHT, draw, words)
         waiting = draw_light(mean, words, lanes, draw.read_noise_e, block, electrons)
@@ -68,13 +71,13 @@ def acquire(mean, pixel, n, channels, draw, row_e, room, electrons):
     else:
         for j in range(lanes):
             electrons[j] = mean[j]
-    if draw.dark_e > _ZERO or draw.dsnu_e > _ZERO or row_e != _ZERO:
-        _imperfect_readout(electrons, pixel, n, channels, draw, row_e)
+    if dark_e > _ZERO or draw.dsnu_e > _ZERO or row_e != _ZERO:
+        _imperfect_readout(electrons, pixel, n, channels, draw, row_e - dark_e)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 @no_type_check
-def _imperfect_means(mean, pixel, n, channels, draw):
+def _imperfect_means(mean, pixel, n, channels, draw, dark_e):
     """Sensitivity that differs from pixel to pixel, then the dark electrons.
 
     channels (p, n) int64: which one each of the p values of a pixel is.
@@ -85,19 +88,16 @@ def _imperfect_means(mean, pixel, n, channels, draw):
             if draw.prnu > _ZERO:
                 z = _normal(pixel + i, PIXEL_GAIN, 0, channels[c, i], draw.key)
                 gain = max(_ONE + draw.prnu * z, _ZERO)
-            mean[c * n + i] = mean[c * n + i] * gain + draw.dark_e
+            mean[c * n + i] = mean[c * n + i] * gain + dark_e
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 @no_type_check
-def _imperfect_readout(electrons, pixel, n, channels, draw, row_e):
-    """The dark signal that differs from pixel to pixel, and what the row shares.
-
-    What the dark gives on average is taken off: shielded pixels tell it to the sensor.
-    """
+def _imperfect_readout(electrons, pixel, n, channels, draw, shared_e):
+    """The dark signal that differs from pixel to pixel, and what the whole row shares."""
     for c in range(channels.shape[0]):
         for i in range(n):
-            offset = row_e - draw.dark_e
+            offset = shared_e
             if draw.dsnu_e > _ZERO:
                 z = _normal(pixel + i, PIXEL_OFFSET, 0, channels[c, i], draw.key)
                 offset = offset + draw.dsnu_e * z

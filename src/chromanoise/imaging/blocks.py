@@ -29,7 +29,7 @@ _NATIVE = "bBhHiIfd"  # types that the kernels read as they are
 
 
 def in_large_pages(size_bytes: int) -> UInt8[Array, " bytes"]:
-    """New memory in pages of 2 MB, if the system has them; those at its ends may be small.
+    """New memory in pages of 2 MB, if the system has them; the last may be small.
 
     Each page that is touched first costs a fault, and a file is copied into large ones in 2/3 of
     the time. numpy asks for them too, but may get memory that was in small pages before.
@@ -37,7 +37,10 @@ def in_large_pages(size_bytes: int) -> UInt8[Array, " bytes"]:
     if not hasattr(mmap, "MADV_HUGEPAGE"):
         return np.empty(size_bytes, np.uint8)
     own = mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS  # Python shares by default, in small pages
-    room = mmap.mmap(-1, size_bytes + _LARGE_PAGE_BYTES, flags=own)
+    try:
+        room = mmap.mmap(-1, size_bytes + _LARGE_PAGE_BYTES, flags=own)
+    except (OSError, OverflowError):
+        return np.empty(size_bytes, np.uint8)  # which says that there is no memory
     with contextlib.suppress(OSError):  # a system without them
         room.madvise(mmap.MADV_HUGEPAGE)
     memory = np.frombuffer(room, np.uint8)
@@ -61,7 +64,7 @@ class Scratch(threading.local):
         self._memory = np.empty(0, np.uint8)
 
     def of(self, size_bytes: int) -> UInt8[Array, " bytes"] | None:
-        """At least ``size_bytes`` that belong to this thread; ``None`` for none."""
+        """So many bytes that belong to this thread; ``None`` for none."""
         if size_bytes == 0:
             return None
         if self._memory.size < size_bytes:

@@ -147,7 +147,8 @@ def developed_color(
 
     Notes
     -----
-    C K D K^T C^T with D of eq. 7 (nothing is held at black or full well) and K the filters.
+    C K D K^T C^T with D of eq. 7 and K the filters. Nothing is held at black or full well, and
+    pixels have no imperfections.
     """
     sensor = situation.sensor
     _check.same_names("development", sensor=sensor.names, filters=bank.names)

@@ -8,6 +8,7 @@ any other it opens the file, takes wrong colors for right and says nothing, so t
 Adobe, Digital Negative (DNG) Specification, 1.4.0.0 (2012); tag numbers are those of its chapter 4.
 """
 
+import math
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from pathlib import Path
@@ -23,7 +24,7 @@ from chromanoise.exposure import Situation, expected_electrons, white_scene
 from chromanoise.imaging.row_files import PutRows, tiff_rows
 from chromanoise.sensor import Adc, Imperfections, Mosaic
 from chromanoise.sensor.imperfections import NONE
-from chromanoise.sensor.noise_profile import noise_profile
+from chromanoise.sensor.noise_profile import noise_profile, noise_without_light_e
 
 _COLOR_CODES = {"R": 0, "G": 1, "B": 2, "C": 3, "M": 4, "Y": 5, "W": 6}  # tag 50710
 _LIGHT_SOURCES = {"A": 17, "D55": 20, "D65": 21, "D75": 22, "D50": 23}  # Exif LightSource
@@ -49,12 +50,14 @@ class RawProfile:
         Which channel sits over which pixel.
     adc
         Black level and top code.
+    white_level_dn
+        Code of a pixel that is full, or the top code if that comes first. [DN]
     color_matrix
         From XYZ (Y = 1 for a perfect white) to the channels, in any unit common to them.
     as_shot_neutral
         What a gray gives, the largest 1.
     noise_profile
-        S and O of each channel, variance = S x + O, with x = 0 at black and 1 at the top code.
+        S and O of each channel, variance = S x + O, with x = 0 at black and 1 at the white level.
     illuminant
         The light that ``color_matrix`` was made for.
 
@@ -68,6 +71,7 @@ class RawProfile:
     channels: tuple[str, ...]
     mosaic: Mosaic
     adc: Adc
+    white_level_dn: int
     color_matrix: Float[Array, "p 3"]
     as_shot_neutral: Float[Array, " p"]
     noise_profile: Float[Array, "p 2"]
@@ -119,19 +123,44 @@ def raw_profile(
     white = expected_electrons(white_scene(situation), sensor, situation.exposure)
     if not white.max() > 0:
         raise InputError(f"{sensor.name}: a perfect white under {lamp.name} gives no electrons")
-    time_s = situation.exposure.time_s
-    dark_e = imperfections.noise_without_light_e(sensor.pixel.read_noise_e, time_s=time_s)
-    noise = noise_profile(adc, read_noise_e=dark_e)
+    white_level_dn = _white_level_dn(situation, adc, imperfections)
+    noise_e = noise_without_light_e(
+        imperfections,
+        read_noise_e=sensor.pixel.read_noise_e,
+        time_s=situation.exposure.time_s,
+    )
+    noise = noise_profile(adc, read_noise_e=noise_e, white_level_dn=white_level_dn)
     return RawProfile(
         sensor_name=sensor.name,
         channels=sensor.names,
         mosaic=mosaic,
         adc=adc,
+        white_level_dn=white_level_dn,
         color_matrix=camera_matrix(matrix.matrix, white),
         as_shot_neutral=white / white.max(),
         noise_profile=np.tile(noise, (len(sensor.names), 1)),
         illuminant=lamp.name,
     )
+
+
+def _white_level_dn(situation: Situation, adc: Adc, imperfections: Imperfections) -> int:
+    """Code of full well, dark electrons taken off, or the top code if that comes first.
+
+    Raises
+    ------
+    InputError
+        If a full pixel cannot be told from a dark one.
+    """
+    sensor = situation.sensor
+    dark_e = imperfections.dark_current_e_per_s * situation.exposure.time_s
+    full_dn = adc.black_level_dn + (sensor.pixel.full_well_e - dark_e) / adc.gain_e_per_dn
+    white_level_dn = math.floor(min(full_dn + 0.5, adc.top_code))
+    if white_level_dn <= adc.black_level_dn:
+        raise InputError(
+            f"{sensor.name}: a full well has the code {white_level_dn}, not above the black level "
+            f"{adc.black_level_dn}; lower the gain of {adc.gain_e_per_dn:g} e-/DN"
+        )
+    return white_level_dn
 
 
 def camera_matrix(to_xyz: Float[Array, "3 p"], white: Float[Array, " p"]) -> Float[Array, "p 3"]:
@@ -256,7 +285,7 @@ def _tags(profile: RawProfile) -> tuple[tuple[Any, ...], ...]:
             (50711, _SHORT, 1, 1),  # CFALayout: rectangular
             (50713, _SHORT, 2, (1, 1)),  # BlackLevelRepeatDim
             (50714, _LONG, 1, profile.adc.black_level_dn),  # BlackLevel
-            (50717, _LONG, 1, profile.adc.top_code),  # WhiteLevel
+            (50717, _LONG, 1, profile.white_level_dn),  # WhiteLevel
             (50721, _SIGNED_RATIONAL, len(matrix) // 2, matrix),  # ColorMatrix1
             (50728, _RATIONAL, len(neutral) // 2, neutral),  # AsShotNeutral
             (50778, _SHORT, 1, light),  # CalibrationIlluminant1

@@ -101,12 +101,12 @@ def raw_rows(stored, tile, first_row, draw, adc, codes, counts):
 def _codes(electrons, channel, adc, counts, codes):
     """Held at full well, converted, rounded, and held to the range of the converter."""
     for i in range(channel.size):
-        held = min(electrons[i], adc.full_well_e)
+        held = min(electrons[i], adc.most_e)
         code = _F(math.floor(held * adc.dn_per_e + adc.black_dn + _HALF))
         code = code if code > _ZERO else _ZERO  # NaN too
         codes[i] = np.uint16(np.int32(code if code < adc.top_dn else adc.top_dn))
     for i in range(channel.size):
-        if electrons[i] > adc.full_well_e:
+        if electrons[i] > adc.most_e:
             counts[1, channel[i]] += 1.0
 
 

@@ -203,6 +203,6 @@ def ask_memory(builder, pointer, cache):
 
 
 def ask_ahead(builder, pointer, distances):
-    """Ask for what lies so many numbers behind ``pointer``, into the caches of ``distances``."""
+    """Ask for what lies so many numbers after ``pointer``, into the caches of ``distances``."""
     for cache, numbers in distances.items():
         ask_memory(builder, builder.gep(pointer, [ir.Constant(I64, numbers)]), cache)

@@ -2,8 +2,8 @@
 
 A lane is one channel of one pixel, in the order of memory. A block goes through: words of all
 lanes; their normal quantiles; what is read as if all means were high; then the lanes of low mean
-are collected, counted side by side, and put in place. Only what has no read noise yet draws words
-for it. Blocks stay in the first cache.
+are collected, counted side by side, and put in place. If any lane has no read noise yet, words for
+it are made for the whole block, and that lane takes its own. Blocks stay in the first cache.
 """
 
 from typing import no_type_check
@@ -69,7 +69,7 @@ def fill_noise(mean, electrons, start, stop, tile_width, origin, width, frame, s
 @njit(cache=True, nogil=True, error_model="numpy")
 @no_type_check
 def room_for(count):
-    """Scratch of `noise_of_block` for so many lanes: which are low, variates, logarithms."""
+    """Scratch of `draw_light` and `draw_readout`: which lanes are low, variates, logarithms."""
     return np.empty(count, np.int32), np.empty(count, np.float32), np.empty(count, np.float32)
 
 

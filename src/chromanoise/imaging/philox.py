@@ -9,7 +9,7 @@ word  bits     what
 0     0 .. 31  pixel index, low half
 1     0 .. 15  pixel index, high half: 2^48 pixels
 1     16 .. 31 purpose: ``LIGHT``, ``PIXEL_GAIN`` ..., so that options that are
-               switched on leave all other noise as it was
+               switched on leave the words of all other noise as they were
 2     0 .. 31  frame
 3     0 .. 13  group of four channels: channel // 4; the rest is 0
 ====  =======  ==================================================================
@@ -30,7 +30,7 @@ import numpy as np
 from numba import njit
 
 LIGHT, READOUT, PIXEL_GAIN, PIXEL_OFFSET, ROW = range(5)
-"""Purposes: shot noise, read noise that is drawn by itself, PRNU, DSNU, row noise."""
+"""Purposes: shot noise, also with read noise as one sum; read noise by itself; PRNU; DSNU; rows."""
 
 _WORD = np.uint64(0xFFFFFFFF)
 _HALF = np.uint64(32)

@@ -70,13 +70,13 @@ def draw_of(
     )
 
 
-def _well_for_light_e(situation: Situation, draw: Draw) -> float:
-    """What dark electrons leave of the full well.
+def demand_well(situation: Situation, draw: Draw) -> None:
+    """Where electrons are held at full well, dark ones must leave some of it.
 
     Raises
     ------
     InputError
-        If they leave nothing.
+        If they do not.
     """
     full_well_e = situation.sensor.pixel.full_well_e
     if draw.dark_e >= full_well_e:
@@ -85,7 +85,11 @@ def _well_for_light_e(situation: Situation, draw: Draw) -> float:
             f"{situation.exposure.time_s:g} s fill the well of {full_well_e:g} e-; expose for less "
             "time, or give a smaller dark current"
         )
-    return full_well_e - float(draw.dark_e)
+
+
+def _most_e(situation: Situation, draw: Draw) -> float:
+    """What dark electrons leave of the full well."""
+    return situation.sensor.pixel.full_well_e - float(draw.dark_e)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -110,9 +114,10 @@ class RawPlan:
 
 def raw_plan(light: Light, draw: Draw, situation: Situation, mosaic: Mosaic, adc: Adc) -> RawPlan:
     """The plan of one frame of a mosaic."""
-    names, well = situation.sensor.names, _well_for_light_e(situation, draw)
+    demand_well(situation, draw)
+    names, most_e = situation.sensor.names, _most_e(situation, draw)
     tile = [[names.index(name) for name in row] for row in mosaic.pattern]
-    numbers = (well, 1.0 / adc.gain_e_per_dn, adc.black_level_dn, adc.top_code)
+    numbers = (most_e, 1.0 / adc.gain_e_per_dn, adc.black_level_dn, adc.top_code)
     converter = Converter(*(np.float32(number) for number in numbers))
     return RawPlan(light=light, draw=draw, tile=np.array(tile, np.int64), adc=converter)
 
@@ -167,7 +172,9 @@ def color_plan(
     clip: bool,
 ) -> ColorPlan:
     """The plan of a picture; ``matrices`` of `color_matrices`."""
-    well = Well(np.float32(_well_for_light_e(situation, draw)), clip)
+    if clip:
+        demand_well(situation, draw)
+    well = Well(np.float32(_most_e(situation, draw)), clip)
     return ColorPlan(light=light, draw=draw, well=well, matrices=matrices)
 
 

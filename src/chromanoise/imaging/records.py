@@ -30,7 +30,7 @@ class RowsInMemory(NamedTuple):
     weights: Float32[Array, "channels bands"]
     """Channels rounded up to 4, bands rounded up to 16, the rest 0."""
     seen: Float32[Array, "16"]
-    """The least number so far in each of eight lanes, then the greatest."""
+    """The least number so far in each of `LANES`, then the greatest."""
 
 
 class Draw(NamedTuple):
@@ -50,14 +50,15 @@ class Draw(NamedTuple):
 class Converter(NamedTuple):
     """From electrons to codes."""
 
-    full_well_e: np.float32
+    most_e: np.float32
+    """What dark electrons leave of the full well."""
     dn_per_e: np.float32
     black_dn: np.float32
     top_dn: np.float32
 
 
 class Well(NamedTuple):
-    """Full well, and whether electrons are held between 0 and it."""
+    """What dark electrons leave of the full well, and whether electrons are held at 0 and there."""
 
-    full_well_e: np.float32
+    most_e: np.float32
     held: bool

@@ -47,7 +47,7 @@ class Picture:
     mean_e
         Mean expected electrons of light per channel over the picture, dark ones left out. [e-]
     above_full_well
-        Share of the noisy values per channel that exceed full well.
+        Share of the noisy values per channel that, dark electrons counted in, exceed full well.
     clipped
         Whether these were held at full well, and negative ones at 0.
     notes
@@ -112,7 +112,7 @@ class RawPicture:
     mean_e
         Mean expected electrons of light per channel, over its own pixels. [e-]
     above_full_well
-        Share of the noisy values per channel that exceed full well.
+        Share of the noisy values per channel that, dark electrons counted in, exceed full well.
     notes
         What was assumed on the way.
     """
@@ -161,7 +161,7 @@ def rendered(
     imperfections
         Of real pixels; none by default, as in the paper.
     noisy
-        False for no shot and no read noise; imperfections stay.
+        False for no shot and no read noise, of dark electrons neither; other imperfections stay.
     clip
         Hold electrons between 0 and full well, as a real sensor does. The paper does not.
     beyond

@@ -13,6 +13,7 @@ from chromanoise.imaging.blocks import new_rows
 _CHUNK_LANES = 1 << 16  # values that a thread takes at a time: a millisecond
 _PIXEL_BITS, _FRAME_BITS, _SEED_BITS = 48, 32, 64  # what the counter holds, see philox.py
 _MOST_CHANNELS = 1 << 16
+_MOST_E = 1e12  # its square is still a float32
 
 
 def noisy_electrons(
@@ -53,8 +54,8 @@ def noisy_electrons(
     Notes
     -----
     Salmon, Moraes, Dror & Shaw, SC11 (2011), for the counter-based words; each variate takes one
-    word of 32 bits through its quantile function, so it rises with the mean and chances below
-    2^-32 are not met.
+    word of 32 bits through its quantile function, so it rises with the mean on either side of
+    20 e-, and chances below 2^-32 are not met.
 
     Below 20 e- the Poisson quantile is exact, and read noise takes a word of its own. From 20 e- on
     quantiles are Cornish-Fisher expansions. Of Poisson(M) alone: to the order M^-3/2 (its first
@@ -78,7 +79,7 @@ def noisy_electrons(
     >>> float(noisy_electrons(np.zeros((2, 2, 1)), read_noise_e=0.0, seed=7).max())
     0.0
     """
-    noise = _check.within("read_noise_e", "e-", read_noise_e, 0.0, 1e30)
+    noise = _check.within("read_noise_e", "e-", read_noise_e, 0.0, _MOST_E)
     height, own_width, channels = mean_e.shape
     width = own_width if width is None else width
     _whole("seed", seed, _SEED_BITS)

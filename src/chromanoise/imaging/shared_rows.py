@@ -5,6 +5,7 @@ unpacked, each time into fresh memory. Nor is the memory mapped where it is fill
 rows at a time, as into a file, spares the worker a fault for every page.
 """
 
+import errno
 import math
 import os
 from collections.abc import Iterator
@@ -28,11 +29,14 @@ class SharedRows:
     ----------
     path
         Where other processes of this machine open the memory.
+    memory
+        Which memory it is: what is found there later may be another.
     shape, dtype
         Of the array.
     """
 
     path: str
+    memory: tuple[int, int]
     shape: tuple[int, ...]
     dtype: np.dtype
 
@@ -41,21 +45,15 @@ class SharedRows:
         return np.asarray(np.memmap(self.path, self.dtype, "r+", shape=self.shape))
 
     def put(self, first: int, rows: Shaped[Array, "some ..."]) -> None:
-        """Put rows where they belong, the first of them at ``first``.
+        """Put rows where they belong, the first of them at ``first``; they lie together in memory.
 
         Raises
         ------
         InputError
-            If the memory is not there, or there is no room for them.
+            If the memory is not there any more, or there is no room for them.
         """
-        try:
-            memory = os.open(self.path, os.O_WRONLY)
-        except OSError:
-            raise InputError(
-                f"a worker cannot open {self.path}, where the rows are to be put; set "
-                "same_machine only where all workers are processes of this machine"
-            ) from None
         at, left = first * rows[:1].nbytes, rows.data.cast("B")
+        memory = self._opened()
         try:
             while left:
                 written = os.pwrite(memory, left, at)
@@ -67,12 +65,31 @@ class SharedRows:
         finally:
             os.close(memory)
 
+    def _opened(self) -> int:
+        """The memory as a file; a picture that was given up may have left its name to another."""
+        try:
+            memory = os.open(self.path, os.O_WRONLY)
+        except OSError:
+            raise InputError(
+                f"a worker cannot open {self.path}, where the rows are to be put; set "
+                "same_machine only where all workers are processes of this machine"
+            ) from None
+        if _identity(memory) != self.memory:
+            os.close(memory)
+            raise InputError("the picture that a worker makes rows of was given up meanwhile")
+        return memory
+
+
+def _identity(memory: int) -> tuple[int, int]:
+    status = os.fstat(memory)
+    return status.st_dev, status.st_ino
+
 
 @contextmanager
 def shared_rows(*kinds: Kind) -> Iterator[tuple[SharedRows, ...] | None]:
     """Memory for these arrays, which ends with this process; arrays that are mapped by then stay.
 
-    ``None`` where the system cannot share memory by name, or not so much of it.
+    ``None`` where the system cannot share memory by name, or has not so much of it.
     """
     with ExitStack() as stack:
         try:
@@ -83,7 +100,11 @@ def shared_rows(*kinds: Kind) -> Iterator[tuple[SharedRows, ...] | None]:
 
 
 def _reserved(stack: ExitStack, shape: tuple[int, ...], dtype: np.dtype) -> SharedRows:
+    size_bytes = math.prod(shape) * dtype.itemsize
+    if size_bytes > os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"):
+        raise OSError(errno.ENOMEM, f"{size_bytes} bytes are more than this machine's memory")
     memory = os.memfd_create("chromanoise")
     stack.callback(os.close, memory)
-    os.truncate(memory, math.prod(shape) * dtype.itemsize)
-    return SharedRows(path=f"/proc/{os.getpid()}/fd/{memory}", shape=shape, dtype=dtype)
+    os.truncate(memory, size_bytes)
+    path = f"/proc/{os.getpid()}/fd/{memory}"
+    return SharedRows(path=path, memory=_identity(memory), shape=shape, dtype=dtype)

@@ -15,7 +15,7 @@ from chromanoise.imaging.develop import developed
 from chromanoise.imaging.dng import RawProfile, raw_profile, refuse_dng_size, write_dng
 from chromanoise.imaging.exr import openexr, write_linear_exr
 from chromanoise.imaging.light import BadPixels
-from chromanoise.imaging.plans import color_matrices
+from chromanoise.imaging.plans import color_matrices, demand_well, draw_of
 from chromanoise.imaging.render import Picture, RawPicture, acquired, mosaic_of, rendered
 from chromanoise.imaging.work import Work
 from chromanoise.imaging.writers import (
@@ -145,6 +145,8 @@ def prepared(cube: Cube, situation: Situation, matrix: ColorMatrix, asked: Asked
     insisted = asked.formats or ()
     if "exr" in insisted:
         openexr()
+    if asked.raw or asked.clip:
+        demand_well(situation, draw_of(situation, seed=0, imperfections=asked.imperfections))
     if not asked.raw:
         color_matrices(matrix, situation)
         return Prepared(situation=situation, matrix=matrix, asked=asked)

@@ -57,11 +57,11 @@ def _fill_strands(mean, strands):
 
 @njit(cache=True, nogil=True, error_model="numpy")
 @no_type_check
-def _count_above(electrons, full_well_e):
+def _count_above(electrons, most_e):
     """How many exceed full well; counted in 32 bits, as wide as the electrons, to vectorize."""
     above = np.int32(0)
     for i in range(electrons.size):
-        above = np.int32(above + np.int32(electrons[i] > full_well_e))
+        above = np.int32(above + np.int32(electrons[i] > most_e))
     return above
 
 
@@ -69,9 +69,9 @@ def _count_above(electrons, full_well_e):
 @no_type_check
 def hold_at_well(electrons, n, p, well, counts):
     """Count what lies above full well, and hold it between 0 and full well if asked."""
-    full_well_e, held = well
+    most_e, held = well
     for c in range(p):
-        counts[1, c] += _count_above(electrons[c * n : (c + 1) * n], full_well_e)
+        counts[1, c] += _count_above(electrons[c * n : (c + 1) * n], most_e)
     if held:
         for j in range(n * p):
-            electrons[j] = min(max(electrons[j], _ZERO), full_well_e)
+            electrons[j] = min(max(electrons[j], _ZERO), most_e)

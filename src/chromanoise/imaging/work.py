@@ -51,8 +51,8 @@ class Work:
         ``dask.distributed.Client.get_executor()``. Its workers must reach the cube's file; a cube
         in memory is sent to them.
     same_machine
-        Whether the executor's workers are processes of this machine, which fill the picture in
-        place instead of sending their rows.
+        Whether the executor's workers are processes of this machine, which put their rows in place
+        instead of sending them.
     progress
         Is told how many more rows are done.
 
@@ -144,7 +144,7 @@ def made(
             submit = partial(_sent, work.executor, fill, plan, part, outputs)
         else:
             outputs = tuple(rows.mapped() for rows in shared)
-            submit = partial(_in_place, work.executor, fill, plan, part, shared)
+            submit = partial(_put, work.executor, fill, plan, part, shared)
         nested = _in_order(submit, blocks, work, _SENT_AHEAD)
     return outputs, [told for block in nested for told in block]
 
@@ -208,7 +208,7 @@ def _filled_and_sent(fill: FillBlock, plan: Any, pieces: list[Block], kinds: lis
     return told, rows
 
 
-def _in_place(
+def _put(
     executor: Executor,
     fill: FillBlock,
     plan: Any,
@@ -219,10 +219,10 @@ def _in_place(
 ) -> tuple["Future[Any]", Callable[[Any], Any]]:
     """The rows are where they belong; a block that is filled twice has the same bits both times."""
     own, pieces = part(plan, start, stop)
-    return executor.submit(_filled_in_place, fill, own, pieces, shared), lambda told: told
+    return executor.submit(_filled_and_put, fill, own, pieces, shared), lambda told: told
 
 
-def _filled_in_place(
+def _filled_and_put(
     fill: FillBlock, plan: Any, pieces: list[Block], shared: tuple[SharedRows, ...]
 ) -> Any:
     """In another process of the same machine."""

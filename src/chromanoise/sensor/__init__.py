@@ -23,6 +23,7 @@ from chromanoise.sensor.mosaic import (
 )
 from chromanoise.sensor.noise_profile import (
     noise_profile,
+    noise_without_light_e,
     pixel_from_noise_profile,
     read_noise_profile,
 )
@@ -60,6 +61,7 @@ __all__ = [
     "ir_cut",
     "mosaic_named",
     "noise_profile",
+    "noise_without_light_e",
     "open_questions",
     "photon_transfer_fit",
     "pixel_from",

@@ -5,7 +5,6 @@ new in every row and frame; dark current adds electrons with their own shot nois
 taken off, as shielded pixels tell it to a sensor.
 """
 
-import math
 from dataclasses import dataclass
 
 from chromanoise import _check
@@ -44,17 +43,6 @@ class Imperfections:
         _check.within("dsnu_e", "e-", self.dsnu_e, 0.0, _MOST)
         _check.within("row_noise_e", "e-", self.row_noise_e, 0.0, _MOST)
         _check.within("prnu (0.01 is one percent)", "1", self.prnu, 0.0, 0.2)
-
-    def noise_without_light_e(self, read_noise_e: float, *, time_s: float) -> float:
-        """Standard deviation of a dark pixel: readout, dark electrons, DSNU and row noise. [e-]
-
-        Examples
-        --------
-        >>> Imperfections(dark_current_e_per_s=16).noise_without_light_e(3.0, time_s=1.0)
-        5.0
-        """
-        dark_e = self.dark_current_e_per_s * time_s
-        return math.sqrt(read_noise_e**2 + dark_e + self.dsnu_e**2 + self.row_noise_e**2)
 
 
 NONE = Imperfections()

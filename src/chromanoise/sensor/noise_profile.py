@@ -3,6 +3,7 @@
 x is 0 at the black level and 1 at the white level; the variance is in the square of that unit.
 """
 
+import math
 import re
 from collections.abc import Sequence
 from pathlib import Path
@@ -13,6 +14,7 @@ from jaxtyping import Float
 from chromanoise import _check
 from chromanoise._check import Array, InputError
 from chromanoise.sensor.adc import Adc
+from chromanoise.sensor.imperfections import Imperfections
 from chromanoise.sensor.pixel_source import PixelSource
 from chromanoise.sensor.source_text import finite_number, source_json, source_text
 
@@ -27,8 +29,40 @@ _TAG, _BLACK, _WHITE = (
 _KEYS = ("S", "O", "black_level_dn", "white_level_dn")
 
 
-def noise_profile(adc: Adc, *, read_noise_e: float) -> Float[Array, " 2"]:
-    """S and O of the noise of a code, variance = S x + O, x = 0 at black and 1 at the top code.
+def noise_without_light_e(
+    imperfections: Imperfections, *, read_noise_e: float, time_s: float
+) -> float:
+    """Standard deviation of a pixel that sees no light. [e-]
+
+    Parameters
+    ----------
+    imperfections
+        Of the pixel.
+    read_noise_e
+        Standard deviation of its readout. [e-]
+    time_s
+        In which dark electrons come. [s]
+
+    Notes
+    -----
+    Root of s^2 + I t + DSNU^2 + row^2: readout, shot noise of dark electrons, and two spreads, all
+    independent (EMVA 1288, release 4.0).
+
+    Examples
+    --------
+    >>> flaws = Imperfections(dark_current_e_per_s=16)
+    >>> noise_without_light_e(flaws, read_noise_e=3.0, time_s=1.0)
+    5.0
+    """
+    dark_e = imperfections.dark_current_e_per_s * time_s
+    spread_e2 = imperfections.dsnu_e**2 + imperfections.row_noise_e**2
+    return math.sqrt(read_noise_e**2 + dark_e + spread_e2)
+
+
+def noise_profile(
+    adc: Adc, *, read_noise_e: float, white_level_dn: int | None = None
+) -> Float[Array, " 2"]:
+    """S and O of the noise of a code, variance = S x + O, x = 0 at black and 1 at the white level.
 
     Parameters
     ----------
@@ -36,6 +70,8 @@ def noise_profile(adc: Adc, *, read_noise_e: float) -> Float[Array, " 2"]:
         Gain, black level and top code.
     read_noise_e
         Standard deviation of all noise that comes without light. [e-]
+    white_level_dn
+        Code at which the pixel saturates; the top code if ``None``. [DN]
 
     Raises
     ------
@@ -46,7 +82,7 @@ def noise_profile(adc: Adc, *, read_noise_e: float) -> Float[Array, " 2"]:
     -----
     DNG 1.4, tag 51041. Shot noise of y codes above black has the variance y / K (codes squared),
     readout (sigma / K)^2 and rounding 1 / 12, with K electrons per code (EMVA 1288, release 4.0,
-    the linear camera model); y = R x, with R codes from black to the top.
+    the linear camera model); y = R x, with R codes from black to white.
 
     Examples
     --------
@@ -54,7 +90,8 @@ def noise_profile(adc: Adc, *, read_noise_e: float) -> Float[Array, " 2"]:
     array([0.0025, 0.01  ])
     """
     read = _check.not_negative("read_noise_e", "e-", read_noise_e) / adc.gain_e_per_dn
-    range_dn = adc.top_code - adc.black_level_dn
+    white_level_dn = adc.top_code if white_level_dn is None else white_level_dn
+    range_dn = white_level_dn - adc.black_level_dn
     return np.array([1 / (adc.gain_e_per_dn * range_dn), (read**2 + ROUNDING_DN2) / range_dn**2])
 
 

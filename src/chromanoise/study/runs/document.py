@@ -161,7 +161,9 @@ class PicturePart(_Part):
         None, description=f"Of {', '.join(FORMATS)}; png and xyz, raw and dng where not given."
     )
     clip: bool = Field(False, description="Hold electrons between 0 and full well.")
-    dark_current_e_per_s: NotNegative = Field(0.0, description="Dark current [e-/s].")
+    dark_current_e_per_s: NotNegative = Field(
+        0.0, description="Dark current [e-/s]; its mean is taken off."
+    )
     dsnu_e: NotNegative = Field(0.0, description="Dark signal non-uniformity [e-].")
     prnu: Annotated[float, Field(ge=0, le=0.2)] = Field(
         0.0, description="Photo response non-uniformity."
