@@ -309,6 +309,19 @@ def test_the_share_above_full_well_is_told_and_what_was_done_with_it(take):
         assert f"W lies above full well ({words})" in err
 
 
+def test_a_dng_of_warm_pixels_tells_more_noise_and_an_earlier_white(take):
+    asked = ("model-rgb", "--mosaic", "bayer", "--raw-only", "--format", "dng", "--time-ms", 12)
+    told = []
+    for name, warm in (("cold", ()), ("warm", ("--dark-current-e-per-s", 1e5))):
+        folder, _, _, _ = take(name, *asked, *warm)
+        with tifffile.TiffFile(folder / "model-rgb.dng") as file:
+            tags = file.pages[0].tags
+            told.append((tags["NoiseProfile"].value[1], tags["WhiteLevel"].value))
+    (cold_noise, cold_white), (warm_noise, warm_white) = told
+    assert warm_noise > 2 * cold_noise
+    assert 0 < warm_white < cold_white
+
+
 def test_a_mosaic_that_dng_cannot_hold_is_written_as_tiff_with_a_word(take):
     folder, (told,), _, err = take("o", "onyx-rgbw", "--mosaic", "sensor", "--raw-only")
     assert names_in(folder) == ["onyx-rgbw.raw.tiff", "summary.json"]
