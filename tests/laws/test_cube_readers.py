@@ -357,6 +357,8 @@ def test_a_fault_of_an_envi_header_is_said_in_one_sentence(tmp_path, changed, se
 
 
 def test_a_cube_of_one_band_is_refused(tmp_path):
+    with pytest.raises(InputError, match="mine has 1 band, but a cube needs at least 2"):
+        Cube(wavelength_nm=np.array([550.0]), stored=np.ones((3, 4, 1)), source="mine")
     path = write_envi(tmp_path, numbers(bands=1), wavelength="{500}")
     with pytest.raises(InputError, match="has 1 band, but a cube needs at least 2"):
         read_cube(path)

@@ -30,6 +30,7 @@ from chromanoise.imaging import DEMOSAICING, Work
 from chromanoise.imaging.distributed import cluster
 from chromanoise.imaging.shots import (
     FORMATS,
+    MOST_FRAMES,
     Asked,
     Shot,
     any_picture,
@@ -76,13 +77,19 @@ _REAL_PIXELS = ("dark_current_e_per_s", "dsnu_e", "prnu", "row_noise_e")
 @click.option("--bits", type=int, help="Of the ADC, 8 to 16. [default: 12]")
 @click.option("--black-level", type=int, help="Code of no light. [default: 0]")
 @click.option("--frames", type=int, default=1, show_default=True, help="Pictures of a burst.")
-@click.option("--seed", type=int, default=0, show_default=True, help="Of the noise.")
+@click.option(
+    "--seed",
+    type=int,
+    default=0,
+    show_default=True,
+    help="Of the noise; sensors of other names draw other noise.",
+)
 @click.option("--clip", is_flag=True, help="Hold electrons between 0 and full well.")
 @click.option(
     "--dark-current-e-per-s",
     type=float,
     default=0.0,
-    help="Dark current [e-/s]; its mean is taken off.",
+    help="Dark current [e-/s]; its mean is taken off, and lowers the full well.",
 )
 @click.option("--dsnu-e", type=float, default=0.0, help="Dark signal non-uniformity [e-].")
 @click.option("--prnu", type=float, default=0.0, help="Photo response non-uniformity, e.g. 0.01.")
@@ -106,7 +113,7 @@ _REAL_PIXELS = ("dark_current_e_per_s", "dsnu_e", "prnu", "row_noise_e")
 )
 @click.option("--threads", type=int, help="Working at once. [default: one per core]")
 @click.option(
-    "--tile", type=int, help="Rows that are held at a time. [default: 8 to 256 MB of them]"
+    "--tile", type=int, help="Rows that are held at a time. [default: what fills 8 to 256 MB]"
 )
 @click.option(
     "--scheduler",
@@ -173,8 +180,8 @@ def simulate(cube: str, sensors: tuple[str, ...], out: Path, **options: Any) -> 
 
 
 def _asked(options: dict[str, Any]) -> Asked:
-    if options["frames"] < 1:
-        raise InputError(f"--frames must be at least 1, but is {options['frames']}")
+    if not 1 <= options["frames"] <= MOST_FRAMES:
+        raise InputError(f"--frames must be 1 to {MOST_FRAMES}, but is {options['frames']}")
     _refuse_idle(options)
     own = options["mosaic"] == "sensor"
     return Asked(

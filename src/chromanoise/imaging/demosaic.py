@@ -207,7 +207,7 @@ def malvar_filters(mosaic: Mosaic, names: Sequence[str] | None = None) -> Filter
         raise _check.InputError(
             "Malvar's filters are for a Bayer array (2 x 2, one channel on a diagonal, two others "
             f"beside it), but the mosaic is {'/'.join(' '.join(row) for row in mosaic.pattern)}; "
-            "use gradient_corrected_filters"
+            "take the gradient-corrected ones (`gradient`, gradient_corrected_filters)"
         )
     tile = channel_tile(mosaic, wanted)
     around = channels_around(tile, 1)

@@ -1,9 +1,11 @@
 """A picture on the machines of a dask cluster; the bits are those of one machine."""
 
 import logging
+import signal
 from collections.abc import Iterator
 from concurrent.futures import CancelledError, Executor
 from contextlib import ExitStack, contextmanager
+from multiprocessing import resource_tracker
 
 from chromanoise._check import InputError
 
@@ -48,13 +50,14 @@ def cluster(scheduler: str, *, workers: int | None = None) -> Iterator[Executor]
     with ExitStack() as stack:
         stack.enter_context(dask.config.set(_QUIET))
         if scheduler == "local":
-            processes = LocalCluster(  # type: ignore[no-untyped-call]
-                n_workers=workers,
-                threads_per_worker=1,
-                dashboard_address="127.0.0.1:0",  # any free port, for this machine only
-                silence_logs=logging.CRITICAL,  # a fault is told once, by who asked
-            )
-            scheduler = stack.enter_context(processes).scheduler_address
+            with _stop_waiting():
+                processes = LocalCluster(  # type: ignore[no-untyped-call]
+                    n_workers=workers,
+                    threads_per_worker=1,
+                    dashboard_address="127.0.0.1:0",  # any free port, for this machine only
+                    silence_logs=logging.CRITICAL,  # a fault is told once, by who asked
+                )
+                scheduler = stack.enter_context(processes).scheduler_address
         stack.enter_context(_lost_workers_told(scheduler))
         try:
             client = Client(scheduler, timeout=_ANSWERS_WITHIN_S)  # type: ignore[no-untyped-call]
@@ -64,6 +67,25 @@ def cluster(scheduler: str, *, workers: int | None = None) -> Iterator[Executor]
                 "tcp://host:port, or local"
             ) from None
         yield stack.enter_context(client).get_executor(pure=False)
+
+
+@contextmanager
+def _stop_waiting() -> Iterator[None]:
+    """Ctrl-C waits until the workers have started, and they never hear it.
+
+    A terminal sends it to every process, but only the one that asked for the picture should end,
+    and end its workers; of themselves they die with a trace each, and half a cluster may not end
+    at all. What is blocked here stays blocked in processes that are started here.
+    """
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    resource_tracker.ensure_running()  # or its own start would let Ctrl-C through again
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 @contextmanager

@@ -158,6 +158,8 @@ def rendered(
         From electrons to XYZ; the kernel (eq. 6, quanta) if ``None``.
     seed, frame
         Whole numbers to 2^32 - 1: the same give the same picture, whatever threads and tiles.
+        Sensors of other names draw other noise: that of `noisy_electrons` with the seed
+        crc32(name) 2^32 + seed.
     imperfections
         Of real pixels; none by default, as in the paper.
     noisy
@@ -313,6 +315,7 @@ def _pixels_of_channels(tile: Array, height: int, width: int, channels: int) -> 
 
 
 def _notes(situation: Situation, light: Light, bad: int) -> tuple[str, ...]:
-    mended = f"{bad} pixels held what is no reflectance; 0 was taken instead"
+    pixels = "1 pixel" if bad == 1 else f"{bad} pixels"
+    mended = f"{pixels} held what is no reflectance; 0 was taken instead"
     notes = (*situation.sensor.notes, *situation.illuminant.notes, *light.cube.notes, *light.notes)
     return (*notes, mended) if bad else notes

@@ -350,3 +350,5 @@ FORMATS: Mapping[str, Callable[[Path, Shot], str]] = {
     "dng": _dng,
 }
 _RAW = ("raw", "dng")
+MOST_FRAMES = 1_000_000
+"""Of a burst."""

@@ -37,6 +37,8 @@ class Cube:
     notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
+        if np.size(self.wavelength_nm) == 1:
+            raise _check.InputError(f"{self.source} has 1 band, but a cube needs at least 2")
         wavelength = _check.increasing(f"wavelength_nm of {self.source}", "nm", self.wavelength_nm)
         if len(self.stored.shape) != 3 or 0 in self.stored.shape:
             raise _check.InputError(

@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from chromanoise.imaging import DEMOSAICING
-from chromanoise.imaging.shots import FORMATS
+from chromanoise.imaging.shots import FORMATS, MOST_FRAMES
 from chromanoise.scene import BUILTIN_CUBES
 from chromanoise.sensor import MOSAIC_NAMES
 from chromanoise.spectra import METRICS
@@ -156,7 +156,7 @@ class PicturePart(_Part):
     black_level: Annotated[int, Field(ge=0, lt=2**16)] | None = Field(
         None, description="Code of no light; 0 where a mosaic is named."
     )
-    frames: Annotated[int, Field(ge=1, le=1_000_000)] = Field(1, description="Of a burst.")
+    frames: Annotated[int, Field(ge=1, le=MOST_FRAMES)] = Field(1, description="Of a burst.")
     formats: Annotated[tuple[str, ...], Field(strict=False, min_length=1)] | None = Field(
         None, description=f"Of {', '.join(FORMATS)}; png and xyz, raw and dng where not given."
     )
