@@ -60,7 +60,11 @@ def cluster(scheduler: str, *, workers: int | None = None) -> Iterator[Executor]
                 scheduler = stack.enter_context(processes).scheduler_address
         stack.enter_context(_lost_workers_told(scheduler))
         try:
-            client = Client(scheduler, timeout=_ANSWERS_WITHIN_S)  # type: ignore[no-untyped-call]
+            client = Client(  # type: ignore[no-untyped-call]
+                scheduler,
+                timeout=_ANSWERS_WITHIN_S,
+                set_as_default=False,  # or one that fails would stay the scheduler of all of dask
+            )
         except (OSError, TimeoutError, ValueError) as error:
             raise InputError(
                 f"the scheduler {scheduler!r} does not answer ({error}); give its address as "

@@ -31,8 +31,11 @@ Part = Callable[[Any, int, int], tuple[Any, list[Block]]]
 
 _SENT_AHEAD = 16  # blocks that wait at an executor
 _LARGE_BLOCK_BYTES = 64 << 20  # of what is in memory, or is sent
-_MOST_BLOCK_BYTES = 256 << 20  # of a file, for a worker elsewhere: a task costs ten milliseconds
+_MOST_BLOCK_BYTES = 512 << 20  # of a file, for a worker elsewhere: a task costs ten milliseconds
+_MOST_CHUNK_BYTES = 256 << 20  # that are decoded together
 _TURNS = 4
+_HANDFUL = 4  # blocks at most that a thread takes at a time: asking for them, it waits for others
+_HANDFULS = 16  # of each thread at least
 _BLOCK_BYTES = 8 << 20  # read at a time: large for the disk, small for the memory
 
 
@@ -96,7 +99,8 @@ def _rows_of(source: RowSource, size_bytes: int) -> int:
     row_bytes = width * bands * source.dtype.itemsize
     together = max(source.chunk_rows, 1)
     rows = max(1, size_bytes // row_bytes // together) * together
-    return min(rows, max(1, _MOST_BLOCK_BYTES // row_bytes))  # then chunks are decoded again
+    most_bytes = max(size_bytes, _MOST_CHUNK_BYTES)  # then chunks are decoded again
+    return min(rows, max(1, most_bytes // row_bytes))
 
 
 def _block_bytes(source: RowSource, work: Work) -> int:
@@ -155,13 +159,20 @@ def filled(
     """Fill the rows of ``outputs`` by threads of this process; else as `made`."""
     threads = _threads(work)
     scratch = Scratch()
+    size = max(1, min(_HANDFUL, len(blocks) // (_HANDFULS * threads)))
+    handfuls = {blocks[i][0]: blocks[i : i + size] for i in range(0, len(blocks), size)}
 
-    def here(start: int, stop: int) -> Any:
-        return fill(plan, start, stop, scratch, *(out[start:stop] for out in outputs))
+    def here(first: int, _: int) -> list[Any]:
+        return [
+            fill(plan, start, stop, scratch, *(out[start:stop] for out in outputs))
+            for start, stop in handfuls[first]
+        ]
 
     pool = ThreadPoolExecutor(threads)
     try:
-        return _in_order(partial(_submitted, pool, here), blocks, work, 2 * threads)
+        spans = [(first, some[-1][1]) for first, some in handfuls.items()]
+        nested = _in_order(partial(_submitted, pool, here), spans, work, 2 * threads)
+        return [told for handful in nested for told in handful]
     finally:
         pool.shutdown(cancel_futures=True)
 
