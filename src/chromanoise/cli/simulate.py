@@ -113,7 +113,7 @@ _REAL_PIXELS = ("dark_current_e_per_s", "dsnu_e", "prnu", "row_noise_e")
 )
 @click.option("--threads", type=int, help="Working at once. [default: one per core]")
 @click.option(
-    "--tile", type=int, help="Rows that are held at a time. [default: what fills 8 to 512 MB]"
+    "--tile", type=int, help="Rows that are held at a time. [default: what fills 8 MB to 1 GB]"
 )
 @click.option(
     "--scheduler",

@@ -31,9 +31,10 @@ Part = Callable[[Any, int, int], tuple[Any, list[Block]]]
 
 _SENT_AHEAD = 16  # blocks that wait at an executor
 _LARGE_BLOCK_BYTES = 64 << 20  # of what is in memory, or is sent
-_MOST_BLOCK_BYTES = 512 << 20  # of a file, for a worker elsewhere: a task costs ten milliseconds
+_MOST_BLOCK_BYTES = 1 << 30  # of a file, for a worker elsewhere: a task costs ten milliseconds
 _MOST_CHUNK_BYTES = 256 << 20  # that are decoded together
-_TURNS = 4
+_TURNS = 4  # of each worker at least, so that all end together
+_TURNS_OF_EQUALS = 2  # of workers of one machine
 _HANDFUL = 4  # blocks at most that a thread takes at a time: asking for them, it waits for others
 _HANDFULS = 16  # of each thread at least
 _BLOCK_BYTES = 8 << 20  # read at a time: large for the disk, small for the memory
@@ -98,7 +99,7 @@ def _rows_of(source: RowSource, size_bytes: int) -> int:
     _, width, bands = source.shape
     row_bytes = width * bands * source.dtype.itemsize
     together = max(source.chunk_rows, 1)
-    rows = max(1, size_bytes // row_bytes // together) * together
+    rows = max(1, round(size_bytes / row_bytes / together)) * together
     most_bytes = max(size_bytes, _MOST_CHUNK_BYTES)  # then chunks are decoded again
     return min(rows, max(1, most_bytes // row_bytes))
 
@@ -109,7 +110,7 @@ def _block_bytes(source: RowSource, work: Work) -> int:
     if in_file and work.executor is None:
         return _BLOCK_BYTES
     whole = math.prod(source.shape) * source.dtype.itemsize
-    turns = _TURNS * _threads(work)  # of each of them, so that all end together
+    turns = (_TURNS_OF_EQUALS if work.same_machine else _TURNS) * _threads(work)
     most = _MOST_BLOCK_BYTES if in_file else _LARGE_BLOCK_BYTES
     return min(max(whole // turns, _BLOCK_BYTES), most)
 
