@@ -72,7 +72,8 @@ def cluster(scheduler: str, *, workers: int | None = None) -> Iterator[Executor]
                 "tcp://host:port, or local"
             ) from None
         stack.enter_context(client)
-        client.scheduler_comm.interval = _SENDS_EVERY_S
+        if client.scheduler_comm is not None:
+            client.scheduler_comm.interval = _SENDS_EVERY_S
         yield client.get_executor(pure=False)  # type: ignore[no-untyped-call]
 
 
