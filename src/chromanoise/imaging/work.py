@@ -31,7 +31,8 @@ Part = Callable[[Any, int, int], tuple[Any, list[Block]]]
 
 _SENT_AHEAD = 16  # blocks that wait at an executor
 _LARGE_BLOCK_BYTES = 64 << 20  # of what is in memory, or is sent
-_MOST_BLOCK_BYTES = 1 << 30  # of a file, for a worker elsewhere: a task costs ten milliseconds
+_BLOCK_BESIDE_BYTES = 1 << 30  # of a file, for a process beside: a task costs ten milliseconds
+_BLOCK_ELSEWHERE_BYTES = 256 << 20  # for one elsewhere, whose rows come back
 _MOST_CHUNK_BYTES = 256 << 20  # that are decoded together
 _TURNS = 4  # of each worker at least, so that all end together
 _TURNS_OF_EQUALS = 2  # of workers of one machine
@@ -111,7 +112,8 @@ def _block_bytes(source: RowSource, work: Work) -> int:
         return _BLOCK_BYTES
     whole = math.prod(source.shape) * source.dtype.itemsize
     turns = (_TURNS_OF_EQUALS if work.same_machine else _TURNS) * _threads(work)
-    most = _MOST_BLOCK_BYTES if in_file else _LARGE_BLOCK_BYTES
+    most = _BLOCK_BESIDE_BYTES if work.same_machine else _BLOCK_ELSEWHERE_BYTES
+    most = most if in_file else _LARGE_BLOCK_BYTES
     return min(max(whole // turns, _BLOCK_BYTES), most)
 
 
