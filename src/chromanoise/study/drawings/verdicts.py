@@ -23,7 +23,7 @@ _WHY = {
     READ_NOISE: "read noise",
     WEIGHTS: "weighting its channels for the eye",
     CORRELATION: "unmixing its correlated channels",
-    INFRARED: "infrared that carries no color",
+    INFRARED: "infrared without color (net of what passes for luminance)",
     FILTERS: "light that its filters take away",
 }
 _PHOTONS = "photons"
