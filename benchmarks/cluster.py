@@ -31,10 +31,8 @@ def cluster_race(path: Path, *, workers: int, rounds: int) -> Times:
         return rendered(cube, at, seed=SEED, work=work)
 
     with cluster("local", workers=workers) as executor:
-        threads, processes = (
-            Work(threads=workers),
-            Work(executor=executor, threads=workers, same_machine=True),
-        )
+        threads = Work(threads=workers)
+        processes = Work(executor=executor, threads=workers, same_machine=True)
         one, other = by(threads), by(processes)
         if not (np.array_equal(one.xyz, other.xyz) and np.array_equal(one.srgb, other.srgb)):
             raise OtherBitsError("threads and dask gave pictures that differ")

@@ -14,14 +14,16 @@ from typing import no_type_check
 import numpy as np
 from numba import njit
 
-from chromanoise.imaging.blocks import CHANNELS_AT_ONCE, RUN
+from chromanoise.imaging.blocks import RUN
 from chromanoise.imaging.noise_blocks import draw_light, draw_readout, room_for
 from chromanoise.imaging.philox import (
     LIGHT,
+    PER_CALL,
     PIXEL_GAIN,
     PIXEL_OFFSET,
     READOUT,
     ROW,
+    groups_of,
     word_at,
     words_at,
 )
@@ -35,8 +37,7 @@ _ZERO, _ONE = _F(0.0), _F(1.0)
 @no_type_check
 def room_for_run(channels):
     """Scratch of a run: words, channels being rounded up to 4, and what noise needs."""
-    groups = (channels + CHANNELS_AT_ONCE - 1) // CHANNELS_AT_ONCE
-    return np.empty(groups * CHANNELS_AT_ONCE * RUN, np.uint32), room_for(RUN * channels)
+    return np.empty(groups_of(channels) * PER_CALL * RUN, np.uint32), room_for(RUN * channels)
 
 
 @njit(cache=True, nogil=True, inline="always")
@@ -119,10 +120,10 @@ def _fill_words(pixel, n, channels, purpose, draw, words):
     if channels.shape[0] == 1:
         _words_of_one(pixel, channels[0, :n], purpose, draw.frame, draw.key, words)
         return
-    for c in range(0, channels.shape[0], CHANNELS_AT_ONCE):
+    for c in range(0, channels.shape[0], PER_CALL):
         w0, w1 = words[c * n : (c + 1) * n], words[(c + 1) * n : (c + 2) * n]
         w2, w3 = words[(c + 2) * n : (c + 3) * n], words[(c + 3) * n : (c + 4) * n]
-        group = np.uint64(c // CHANNELS_AT_ONCE)
+        group = np.uint64(c // PER_CALL)
         _words_of_group(pixel, group, purpose, draw.frame, draw.key, w0, w1, w2, w3)
 
 

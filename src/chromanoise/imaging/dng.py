@@ -23,7 +23,7 @@ from chromanoise.color import ColorMatrix
 from chromanoise.exposure import Situation, expected_electrons, white_scene
 from chromanoise.imaging.row_files import PutRows, tiff_rows
 from chromanoise.sensor import Adc, Imperfections, Mosaic
-from chromanoise.sensor.imperfections import NONE
+from chromanoise.sensor.imperfections import NONE, dark_electrons_e
 from chromanoise.sensor.noise_profile import noise_profile, noise_without_light_e
 
 _COLOR_CODES = {"R": 0, "G": 1, "B": 2, "C": 3, "M": 4, "Y": 5, "W": 6}  # tag 50710
@@ -152,7 +152,7 @@ def _white_level_dn(situation: Situation, adc: Adc, imperfections: Imperfections
         If a full pixel cannot be told from a dark one.
     """
     sensor = situation.sensor
-    dark_e = imperfections.dark_current_e_per_s * situation.exposure.time_s
+    dark_e = dark_electrons_e(imperfections, time_s=situation.exposure.time_s)
     full_dn = adc.black_level_dn + (sensor.pixel.full_well_e - dark_e) / adc.gain_e_per_dn
     white_level_dn = math.floor(min(full_dn + 0.5, adc.top_code))
     if white_level_dn <= adc.black_level_dn:

@@ -11,8 +11,7 @@ from typing import no_type_check
 import numpy as np
 from numba import njit
 
-from chromanoise.imaging.blocks import CHANNELS_AT_ONCE
-from chromanoise.imaging.philox import LIGHT, READOUT, words_at
+from chromanoise.imaging.philox import LIGHT, PER_CALL, READOUT, groups_of, words_at
 from chromanoise.imaging.variates import (
     FEW_E,
     SMOOTH_E,
@@ -42,11 +41,11 @@ def fill_noise(mean, electrons, start, stop, tile_width, origin, width, frame, s
     ``origin`` of a picture ``width`` wide.
     """
     channels = mean.shape[1]
-    groups = (channels + CHANNELS_AT_ONCE - 1) // CHANNELS_AT_ONCE
-    most = max(1, LANES // (CHANNELS_AT_ONCE * groups))
+    groups = groups_of(channels)
+    most = max(1, LANES // (PER_CALL * groups))
     pixel = np.empty(most * groups, np.uint64)
     group = np.empty(most * groups, np.uint64)
-    words = np.empty(CHANNELS_AT_ONCE * most * groups, np.uint32)
+    words = np.empty(PER_CALL * most * groups, np.uint32)
     room = room_for(most * channels)
     refused = 0
     for q in range(most * groups):
@@ -93,7 +92,7 @@ def name_pixels(pixel, first, count, groups, tile_width, origin, width):
 @no_type_check
 def fill_words(pixel, group, count, channels, purpose, frame, seed, words):
     """A word for each channel of ``count`` pixels, in order; pixel, group: of each four words."""
-    groups = (channels + CHANNELS_AT_ONCE - 1) // CHANNELS_AT_ONCE
+    groups = groups_of(channels)
     purpose = np.uint64(purpose)
     for q in range(count * groups):
         w0, w1, w2, w3 = words_at(pixel[q], purpose, frame, group[q], seed)
@@ -101,7 +100,7 @@ def fill_words(pixel, group, count, channels, purpose, frame, seed, words):
         words[4 * q + 1] = w1
         words[4 * q + 2] = w2
         words[4 * q + 3] = w3
-    padded = groups * CHANNELS_AT_ONCE
+    padded = groups * PER_CALL
     if padded > channels:  # close the gaps
         for i in range(1, count):
             for c in range(channels):

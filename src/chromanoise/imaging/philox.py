@@ -32,6 +32,9 @@ from numba import njit
 LIGHT, READOUT, PIXEL_GAIN, PIXEL_OFFSET, ROW = range(5)
 """Purposes: shot noise, also with read noise as one sum; read noise by itself; PRNU; DSNU; rows."""
 
+PER_CALL = 4
+"""Channels that share one call of the cipher: a word each."""
+
 _WORD = np.uint64(0xFFFFFFFF)
 _HALF = np.uint64(32)
 _PURPOSE_AT = np.uint64(16)
@@ -78,6 +81,13 @@ def philox4x32(c0, c1, c2, c3, k0, k1):
     k0, k1 = k0 + two * _WEYL_0, k1 + two * _WEYL_1
     w0, w1, w2, w3 = _two_rounds(w0, w1, w2, w3, k0, k1)
     return w0 & _WORD, w1 & _WORD, w2 & _WORD, w3 & _WORD
+
+
+@njit(inline="always")
+@no_type_check
+def groups_of(channels):
+    """So many groups these channels need."""
+    return (channels + PER_CALL - 1) // PER_CALL
 
 
 @njit(inline="always")

@@ -22,6 +22,7 @@ from chromanoise.imaging.records import Converter, Draw, RowsInMemory, Well
 from chromanoise.imaging.work import Block, row_pieces
 from chromanoise.scene.rows import ArrayRows
 from chromanoise.sensor import Adc, Imperfections, Mosaic
+from chromanoise.sensor.imperfections import dark_electrons_e
 
 _MOST_E = 1e15  # beyond, float32 holds no electron
 
@@ -53,7 +54,7 @@ def draw_of(
     dark_e = _check.within(
         "electrons of the dark current",
         "e-",
-        more.dark_current_e_per_s * situation.exposure.time_s,
+        dark_electrons_e(more, time_s=situation.exposure.time_s),
         0.0,
         _MOST_E,
     )

@@ -45,5 +45,10 @@ class Imperfections:
         _check.within("prnu (0.01 is one percent)", "1", self.prnu, 0.0, 0.2)
 
 
+def dark_electrons_e(imperfections: Imperfections, *, time_s: float) -> float:
+    """Mean electrons that come without light in ``time_s``. [e-]"""
+    return imperfections.dark_current_e_per_s * time_s
+
+
 NONE = Imperfections()
 """The pixel of the paper."""

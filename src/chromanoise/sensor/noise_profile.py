@@ -14,7 +14,7 @@ from jaxtyping import Float
 from chromanoise import _check
 from chromanoise._check import Array, InputError
 from chromanoise.sensor.adc import Adc
-from chromanoise.sensor.imperfections import Imperfections
+from chromanoise.sensor.imperfections import Imperfections, dark_electrons_e
 from chromanoise.sensor.pixel_source import PixelSource
 from chromanoise.sensor.source_text import finite_number, source_json, source_text
 
@@ -54,7 +54,7 @@ def noise_without_light_e(
     >>> noise_without_light_e(flaws, read_noise_e=3.0, time_s=1.0)
     5.0
     """
-    dark_e = imperfections.dark_current_e_per_s * time_s
+    dark_e = dark_electrons_e(imperfections, time_s=time_s)
     spread_e2 = imperfections.dsnu_e**2 + imperfections.row_noise_e**2
     return math.sqrt(read_noise_e**2 + dark_e + spread_e2)
 
