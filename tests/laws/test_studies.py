@@ -263,6 +263,8 @@ OTHER = {
     "scale": "percent",
     "level": "relative",
     "wavelength_unit": "um",
+    "filter_wavelength_unit": "um",
+    "negatives": "zero",
     "peak_qe": 0.5,
     "file": "p.txt",
     "pitch_um": 3.0,

@@ -243,7 +243,7 @@ def test_a_copied_script_knows_a_users_file_and_a_sensor_of_our_own_json(
         (("onyx-rgbw", "--peak-qe", 0.3, "--energy"), ("--energy and --peak-qe: nothing of onyx",)),
         (("onyx-rgbw", "mt9m131", "--photons"), ("--photons: nothing of onyx-rgbw, mt9m131",)),
         (("ar0132at-rgbw", "--peak-qe", 0.5, "--percent"), ("--percent: nothing",)),
-        (("nikon-d5100", "--energy", "--um"), ("--um: nothing",)),
+        (("nikon-d5100", "--energy", "--um"), ("--wavelength-unit: nothing",)),
         (("own.json", "--relative"), ("--relative: nothing of own.json",)),
         (("qe.csv", "--absolute", "--peak-qe", 0.5), ("--peak-qe: nothing of qe.csv",)),
     ],

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from chromanoise.sensor import sensor_named
-from chromanoise.spectra import DEFAULT_GRID
+from chromanoise.spectra import DEFAULT_GRID, Answers
 from chromanoise.study.runs import (
     provenance,
     study_as_command,
@@ -68,7 +68,9 @@ def test_behind_a_gray_glass_the_time_of_saturation_is_four_times_as_long(run, f
 
 
 def test_a_measured_filter_brings_its_source_and_a_model_says_that_it_is_one():
-    assert "Schott" in " ".join(filter_of_word("ircut-schott", beyond="hold").notes)
+    assert "Schott" in " ".join(
+        filter_of_word("ircut-schott", answers=Answers(beyond="hold")).notes
+    )
     (note,) = filter_of_word("ircut-650/20").notes
     assert "model" in note
 

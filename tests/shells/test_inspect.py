@@ -26,9 +26,9 @@ def test_the_preview_of_every_format_names_its_facts_and_asks(run, sample, name)
     assert (code, err) == (0, "")
     for part in (str(path), "format", "400-700 nm, step 100 nm", "quantity", "scale", "gaps"):
         assert part in out
-    assert "DEFECT         ends at 700 nm" in out
-    assert "ASK            the curves end at 700 nm" in out
-    assert "--beyond zero, hold or refuse" in out
+    assert "DEFECT" not in out
+    assert "ASK            the curves cover 400-700 nm of 400-1050 nm" in out
+    assert "--beyond zero or hold" in out
 
 
 def test_the_preview_names_delimiter_decimal_unit_and_what_was_done(run, sample):
@@ -52,7 +52,8 @@ def test_json_of_the_preview_has_the_curves_to_the_last_digit(run, sample):
 
 
 def test_answers_on_the_command_line_are_no_longer_asked(run, sample):
-    answers = ("--quantity", "response", "--relative", "--energy", "--beyond", "zero", "--nm")
+    answers = ("--quantity", "response", "--relative", "--energy", "--beyond", "zero", "--nm",
+               "--peak-qe", 0.5)  # fmt: skip
     _, out, _ = run("inspect", sample("bench.csv"), *answers, "--column", "G", "--json", "-")
     told = json.loads(out)
     assert told["questions"] == []

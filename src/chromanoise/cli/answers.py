@@ -1,11 +1,13 @@
 """Options by which a user answers what a file of spectra cannot tell."""
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, TypeVar
+from typing import Any, TypeVar, get_args
 
 import click
 
+from chromanoise._check import InputError
 from chromanoise.spectra.files import Answers
+from chromanoise.spectra.files.understood import Negatives, Unit
 
 Command = TypeVar("Command", bound=Callable[..., Any])
 
@@ -15,7 +17,19 @@ _ANSWERS = (
     click.option(
         "--photons/--energy", default=None, help="How the curves of the file count light."
     ),
-    click.option("--um/--nm", "micrometers", default=None, help="The unit of its wavelengths."),
+    click.option(
+        "--wavelength-unit",
+        type=click.Choice(get_args(Unit)),
+        help="Of its wavelengths, where the file does not declare it.",
+    ),
+    click.option("--um/--nm", "micrometers", default=None, hidden=True),
+    click.option(
+        "--negatives",
+        type=click.Choice(get_args(Negatives)),
+        default="refuse",
+        show_default=True,
+        help="Small negative values, as of digitizing: refuse them, or take them as 0.",
+    ),
     click.option("--peak-qe", type=float, help="Highest QE of a sensor with relative curves."),
 )
 _OF_ONE_FILE = (
@@ -58,7 +72,8 @@ def answers_of(options: Mapping[str, Any]) -> Answers:
         scale=_either(options.get("percent"), "percent", "fraction"),
         level=_either(options.get("relative"), "relative", "absolute"),
         per=_either(options.get("photons"), "photon", "energy"),
-        wavelength_unit=_either(options.get("micrometers"), "um", "nm"),
+        wavelength_unit=_wavelength_unit(options),
+        negatives=options.get("negatives", "refuse"),
         beyond=options.get("beyond", "refuse"),
         columns=tuple(options.get("columns", ())),
         peak_qe=options.get("peak_qe"),
@@ -71,9 +86,30 @@ def illuminant_answers_of(options: Mapping[str, Any]) -> Answers:
     return Answers(
         quantity="power",
         per=_either(options.get("illuminant_photons"), "photon", "energy"),
+        wavelength_unit=options.get("illuminant_wavelength_unit"),
+        negatives=options.get("negatives", "refuse"),
         beyond=options.get("illuminant_beyond", "refuse"),
         columns=(column,) if column else (),
     )
+
+
+def filter_answers_of(options: Mapping[str, Any]) -> Answers:
+    """The same for the file of the filter, which is one curve of transmittance."""
+    return Answers(
+        quantity="transmittance",
+        wavelength_unit=options.get("filter_wavelength_unit"),
+        negatives=options.get("negatives", "refuse"),
+        beyond=options.get("beyond", "refuse"),
+    )
+
+
+def _wavelength_unit(options: Mapping[str, Any]) -> Any:
+    """Of ``--wavelength-unit``, or of ``--um`` and ``--nm``, its older names."""
+    unit = options.get("wavelength_unit")
+    older = _either(options.get("micrometers"), "um", "nm")
+    if unit and older and unit != older:
+        raise InputError(f"--wavelength-unit {unit} and --{older} exclude each other; give one")
+    return unit or older
 
 
 def _either(given: bool | None, yes: Any, no: Any) -> Any:

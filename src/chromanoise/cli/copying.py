@@ -106,8 +106,11 @@ def _common(options: Options, names: Any, matrices: list[str], *, equal: str) ->
     sensor = {
         "beyond": options["beyond"],
         "answers": _given(**{name: getattr(answers, name) for name in kept}),
+        "negatives": options["negatives"],
         "pixel": pixel,
-        **_given(filter=options["filter_word"]),
+        **_given(
+            filter=options["filter_word"], filter_wavelength_unit=options["filter_wavelength_unit"]
+        ),
     }
     per = {None: None, True: "photon", False: "energy"}[options["illuminant_photons"]]
     return {
@@ -120,6 +123,8 @@ def _common(options: Options, names: Any, matrices: list[str], *, equal: str) ->
             beyond=options["illuminant_beyond"],
             per=per,
             column=options["illuminant_column"] or None,
+            wavelength_unit=options["illuminant_wavelength_unit"],
+            negatives=options["negatives"],
         ),
         "exposure": _given(
             equal="exposure" if timed else equal,

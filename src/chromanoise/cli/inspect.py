@@ -48,7 +48,7 @@ def inspect(file: Path, json_target: str | None, **options: Any) -> None:
 
 def _refuse_answers(options: dict[str, Any]) -> None:
     """Our own JSON leaves nothing open that an answer could change."""
-    unset = {"beyond": "refuse", "columns": ()}
+    unset = {"beyond": "refuse", "columns": (), "negatives": "refuse"}
     given = [name for name, value in options.items() if value not in (None, unset.get(name))]
     if given:
         words = {"micrometers": "--um/--nm", "columns": "--column", "peak_qe": "--peak-qe"}

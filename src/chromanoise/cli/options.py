@@ -2,12 +2,17 @@
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, TypeVar, get_args
 
 import click
 
 from chromanoise._check import InputError, not_negative, positive, within
-from chromanoise.cli.answers import answering, answers_of, illuminant_answers_of
+from chromanoise.cli.answers import (
+    answering,
+    answers_of,
+    filter_answers_of,
+    illuminant_answers_of,
+)
 from chromanoise.exposure import Exposure, saturating_exposure
 from chromanoise.scene import Scene, flat_field
 from chromanoise.sensor import Sensor
@@ -17,6 +22,7 @@ from chromanoise.spectra import (
     infrared_parts,
 )
 from chromanoise.spectra.files import Answers
+from chromanoise.spectra.files.understood import Unit
 from chromanoise.study import DEFAULT_PRIOR, PRIORS, known_matrices, trained_names
 from chromanoise.study.runs import idle_answers, sensor_with_pixel
 from chromanoise.study.words import behind_filter_of_word, illuminant_of_word, is_file_name
@@ -69,6 +75,11 @@ _SHARED = (
     ),
     click.option("--illuminant-column", help="Which curve of its file is the illuminant."),
     click.option(
+        "--illuminant-wavelength-unit",
+        type=click.Choice(get_args(Unit)),
+        help="Of the wavelengths in the illuminant's file, where it does not declare it.",
+    ),
+    click.option(
         "--magnification",
         type=float,
         help="Take the camera equation 1/(1 + 4 f#^2 (1 + |m|)^2) instead of the paper's distant "
@@ -80,6 +91,11 @@ _SHARED = (
         metavar="NAME|FILE",
         help="In front of all sensors: ircut-650, ircut-650/20, ircut-schott, another of "
         "`chromanoise catalog filters`, or a file of one transmittance.",
+    ),
+    click.option(
+        "--filter-wavelength-unit",
+        type=click.Choice(get_args(Unit)),
+        help="Of the wavelengths in the filter's file, where it does not declare it.",
     ),
     click.option(
         "--pixel",
@@ -177,12 +193,15 @@ def the_sensors(names: tuple[str, ...], options: dict[str, Any]) -> list[Sensor]
     refuse_idle_answers(names, options)
     answers, word = answers_of(options), options["filter_word"]
     bare = [the_sensor(name, answers=answers, **only(options, PIXEL)) for name in names]
+    _refuse_idle_filter_unit(options)
     if word is None:
         return bare
-    return [behind_filter_of_word(sensor, word, beyond=answers.beyond) for sensor in bare]
+    return [
+        behind_filter_of_word(sensor, word, answers=filter_answers_of(options)) for sensor in bare
+    ]
 
 
-_WORDS = {"percent": "percent", "photon": "photons"}  # whose options are called otherwise
+_WORDS = {"photon": "photons"}  # whose options are called otherwise
 
 
 def refuse_idle_answers(names: Sequence[str], options: dict[str, Any]) -> None:
@@ -190,7 +209,10 @@ def refuse_idle_answers(names: Sequence[str], options: dict[str, Any]) -> None:
     answers = answers_of({key: value for key, value in options.items() if key != "quantity"})
     idle = idle_answers(names, answers)
     if idle:
-        words = ["peak-qe" if name == "peak_qe" else getattr(answers, name) for name in idle]
+        whole = ("peak_qe", "wavelength_unit")
+        words = [
+            name.replace("_", "-") if name in whole else getattr(answers, name) for name in idle
+        ]
         told = " and ".join(f"--{_WORDS.get(word, word)}" for word in words)
         raise InputError(
             f"{told}: nothing of {', '.join(names)} asks for that, so it would change nothing; "
@@ -206,9 +228,19 @@ def _refuse_idle_illuminant(options: dict[str, Any]) -> None:
         return
     given = {True: ["--illuminant-photons"], False: ["--illuminant-energy"]}.get(photons, [])
     given += ["--illuminant-column"] if options["illuminant_column"] else []
+    given += ["--illuminant-wavelength-unit"] if options["illuminant_wavelength_unit"] else []
     if given:
         raise InputError(
             f"{' and '.join(given)}: only a file of a light needs that, but {word} is a name; "
+            "leave it away"
+        )
+
+
+def _refuse_idle_filter_unit(options: dict[str, Any]) -> None:
+    word = options["filter_word"]
+    if options["filter_wavelength_unit"] and (word is None or not is_file_name(word)):
+        raise InputError(
+            "--filter-wavelength-unit: only a filter's file needs that; name one with --filter, or "
             "leave it away"
         )
 

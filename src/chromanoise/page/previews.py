@@ -19,6 +19,7 @@ _ASKS = {
     "scale": ("answers.scale", ["fraction", "percent"]),
     "level": ("answers.level", ["absolute", "relative"]),
     "per": ("answers.per", ["photon", "energy"]),
+    "peak_qe": ("answers.peak_qe", []),
     "beyond": ("beyond", ["zero", "hold"]),
 }
 _OF_LIGHT = {"per": "per", "beyond": "beyond"}
@@ -130,18 +131,13 @@ def _kind(told: Understood) -> str:
     return "light" if told.quantity is None and len(told.curves.names) == 1 else "sensor"
 
 
-def _documented(told: Understood) -> bool:
-    """A table of the documented form: absolute QE per photon unless it says otherwise."""
-    return told.own_form and told.quantity is None
-
-
 def _sentences(told: Understood, kind: str) -> list[str]:
     curves: Spectra = told.curves
     names = ", ".join(curves.names[:_MOST_NAMES])
     more = ", ..." if len(curves.names) > _MOST_NAMES else ""
     what = "A light" if kind == "light" else "A sensor"
     count = f"{len(curves.names)} curve{'s' if len(curves.names) > 1 else ''}"
-    own = kind == "sensor" and _documented(told)
+    own = kind == "sensor" and told.own_form and told.quantity is None
     wrong = defects_of_a_light(told.defects) if kind == "light" else told.defects
     step = f", step {told.step_nm:g} nm" if told.step_nm is not None else ""
     return [
@@ -157,8 +153,6 @@ def _sentences(told: Understood, kind: str) -> list[str]:
 def _asks(told: Understood, kind: str) -> list[Told]:
     asked = []
     for question in told.questions:
-        if kind == "sensor" and _documented(told) and question.about in ("level", "per"):
-            continue
         key, choices = _ASKS.get(question.about, (None, []))
         if kind == "light":
             key = _OF_LIGHT.get(question.about)
@@ -166,7 +160,4 @@ def _asks(told: Understood, kind: str) -> list[Told]:
                 key, choices = "column", list(told.curves.names)
         if key is not None:
             asked.append({"key": key, "question": question.asks, "choices": choices})
-    if kind == "sensor" and told.level == "relative":
-        what = "the curves are relative: which is the highest quantum efficiency?"
-        asked.append({"key": "answers.peak_qe", "question": what, "choices": []})
     return asked

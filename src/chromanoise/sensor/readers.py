@@ -7,12 +7,14 @@ import numpy as np
 from chromanoise.sensor.pixel import Pixel
 from chromanoise.sensor.sensor import Sensor
 from chromanoise.spectra import (
+    SMALL_NEGATIVES,
     Beyond,
     Grid,
     Spectra,
     means_on_grid,
     read_spectra_csv,
     refuse_outside,
+    used_on_grid,
 )
 from chromanoise.spectra.files import ASK, Answers, qe_of, read_curves
 
@@ -42,7 +44,7 @@ def read_sensor(path: Path | str, grid: Grid, pixel: Pixel, *, answers: Answers 
     path = Path(path)
     told = read_curves(path, answers=answers)
     curves = qe_of(told, answers)
-    cure = "; say --percent if it is percent" if told.factor == 1 else "; set it to 0"
+    cure = "; say --percent if it is percent" if curves.values.max() > 1 else SMALL_NEGATIVES
     return _sensor(path, curves, grid, pixel, answers.beyond, cure=cure)
 
 
@@ -71,7 +73,7 @@ def read_sensor_csv(
     """
     path = Path(path)
     curves = read_spectra_csv(path, quantity="QE", unit="e-/photon")
-    percent = "; divide percent by 100" if curves.values.max() > 1 else "; set it to 0"
+    percent = "; divide percent by 100" if curves.values.max() > 1 else SMALL_NEGATIVES
     return _sensor(path, curves, grid, pixel, beyond, cure=percent)
 
 
@@ -84,7 +86,8 @@ def _sensor(
     *,
     cure: str,
 ) -> Sensor:
-    refuse_outside(curves, high=1.0, cure=cure)
+    used = used_on_grid(curves.wavelength_nm, grid)
+    refuse_outside(curves, high=1.0, cure=cure, used=used)
     resampled = means_on_grid(curves, grid, beyond=beyond)
     return Sensor(
         name=path.stem,

@@ -1,12 +1,14 @@
 """One wavelength grid; curves, illuminants, observers, reflectances, and their metric."""
 
 from chromanoise.spectra.curves import (
+    SMALL_NEGATIVES,
     Beyond,
     Spectra,
     interpolation_matrix,
     means_on_grid,
     on_grid,
     refuse_outside,
+    used_on_grid,
 )
 from chromanoise.spectra.files import (
     ASK,
@@ -47,6 +49,7 @@ __all__ = [
     "DEFAULT_GRID",
     "INFRARED_FROM_NM",
     "METRICS",
+    "SMALL_NEGATIVES",
     "Answers",
     "Beyond",
     "Grid",
@@ -80,5 +83,6 @@ __all__ = [
     "read_spectra_csv",
     "reflectance_named",
     "refuse_outside",
+    "used_on_grid",
     "with_infrared",
 ]

@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 from typing import Literal, get_args
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 
 from chromanoise import _check
 from chromanoise._check import Array
@@ -12,6 +12,9 @@ from chromanoise.spectra.grid import Grid
 
 Beyond = Literal["refuse", "zero", "hold"]
 """What a curve is taken to be where it was not measured."""
+
+SMALL_NEGATIVES = "; --negatives zero takes small ones as 0"
+"""The way out of a refusal of small negative values, as digitizing and dark readings leave them."""
 
 _SLACK_NM = 1e-6  # wavelengths read from text may miss the grid's end by rounding
 
@@ -147,10 +150,53 @@ def means_on_grid(spectra: Spectra, grid: Grid, *, beyond: Beyond = "refuse") ->
     return replace(sampled, values=values)
 
 
+def used_on_grid(
+    wavelength_nm: Float[Array, " m"], grid: Grid, *, from_nm: float | None = None
+) -> Bool[Array, " m"]:
+    """Which points of a curve `means_on_grid` looks at; the others may hold anything.
+
+    Parameters
+    ----------
+    wavelength_nm
+        Of the curve, increasing. [nm]
+    grid
+        Where it is wanted: points in its cells count, and the next one beyond each end.
+    from_nm
+        A lower start than the grid's, where more of the curve is integrated. [nm]
+
+    Examples
+    --------
+    >>> used_on_grid(np.array([300.0, 390.0, 400.0, 402.0, 500.0]), Grid.uniform(401, 403, 1))
+    array([False, False,  True,  True,  True])
+    """
+    low, high = grid.wavelength_nm[[0, -1]] + np.array([-0.5, 0.5]) * grid.step_nm
+    low = min(low, low if from_nm is None else from_nm)
+    first = np.searchsorted(wavelength_nm, low, side="right") - 1
+    last = np.searchsorted(wavelength_nm, high, side="left")
+    rows = np.arange(wavelength_nm.size)
+    return np.asarray((rows >= first) & (rows <= last))
+
+
 def refuse_outside(
-    spectra: Spectra, *, low: float = 0.0, high: float = np.inf, cure: str = ""
+    spectra: Spectra,
+    *,
+    low: float = 0.0,
+    high: float = np.inf,
+    cure: str = "",
+    used: Bool[Array, " m"] | None = None,
 ) -> None:
-    """Refuse curves with a value outside ``low`` to ``high``; the first is told with its place.
+    """Refuse curves with a value outside ``low`` to ``high``, and name the first one.
+
+    Parameters
+    ----------
+    spectra
+        The curves.
+    low, high
+        The values that are allowed, in the unit of the curves.
+    cure
+        What the user can do, for the end of the sentence.
+    used
+        At which wavelengths the values matter, of `used_on_grid`; ``None`` for all.
 
     Raises
     ------
@@ -158,6 +204,8 @@ def refuse_outside(
         Names source, curve, wavelength and value, and ``cure``.
     """
     bad = (spectra.values < low) | (spectra.values > high)
+    if used is not None:
+        bad &= used[:, None]
     if not bad.any():
         return
     row, column = (int(i) for i in np.argwhere(bad)[0])

@@ -10,7 +10,14 @@ from jaxtyping import Float
 from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._colour import colour_science
-from chromanoise.spectra.curves import Beyond, Spectra, means_on_grid, refuse_outside
+from chromanoise.spectra.curves import (
+    SMALL_NEGATIVES,
+    Beyond,
+    Spectra,
+    means_on_grid,
+    refuse_outside,
+    used_on_grid,
+)
 from chromanoise.spectra.grid import Grid
 from chromanoise.spectra.observers import cie_1931_table
 from chromanoise.spectra.tables import packaged_table
@@ -28,6 +35,7 @@ Power = Callable[[Float[Array, " m"]], Float[Array, " m"]]
 _HALOGEN_K = 3200.0
 _HALOGEN_NOTE = "halogen: a black body of 3200 K, without the emissivity of tungsten"
 _WHITE_NOTE = "led-white: a model of a blue diode and a phosphor, 4167 K, not a lamp"
+_OBSERVER_START_NM = 360.0
 _DARKEST_LM_PER_W = 1e-3  # a source below this gives no light that lux could measure
 
 
@@ -199,7 +207,10 @@ def illuminant_from(
             f"illuminant {name} must be one curve, but {spectrum.source} holds "
             f"{len(spectrum.names)}: {', '.join(spectrum.names)}"
         )
-    refuse_outside(spectrum)
+    used = used_on_grid(spectrum.wavelength_nm, grid, from_nm=_OBSERVER_START_NM)
+    refuse_outside(spectrum, cure=SMALL_NEGATIVES, used=used)
+    # what lies outside the grid and the observer's range is not used, so it may hold anything
+    spectrum = replace(spectrum, values=np.where(used[:, None], spectrum.values, 0.0))
     known, power = spectrum.wavelength_nm, spectrum.values[:, 0]
     resampled = means_on_grid(spectrum, grid, beyond=beyond)
     ends = {} if beyond == "hold" else {"left": 0.0, "right": 0.0}

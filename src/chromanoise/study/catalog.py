@@ -243,7 +243,7 @@ def _of_table(told: Provenance, curves: Spectra) -> Entry:
     found: tuple[str, ...] = ()
     if told.quantity in _FOUND_IN:
         kind: Any = told.quantity
-        found = defects_of(curves, kind, "fraction", (), level=None, beyond="refuse")
+        found = defects_of(curves, kind, "fraction", (), level=None)
     asks = tuple(_asks(told, start, stop))
     return Entry(
         provenance=told,

@@ -16,7 +16,7 @@ from chromanoise.sensor import (
 )
 from chromanoise.spectra import (
     DEFAULT_GRID,
-    Beyond,
+    SMALL_NEGATIVES,
     Illuminant,
     Spectra,
     illuminant_from,
@@ -25,6 +25,7 @@ from chromanoise.spectra import (
     means_on_grid,
     mixed,
     refuse_outside,
+    used_on_grid,
 )
 from chromanoise.spectra.files import ASK, Answers, power_of, read_curves
 from chromanoise.spectra.tables.folder import SOURCES, user_curves
@@ -129,37 +130,38 @@ def filter_files(word: str) -> tuple[Path, ...]:
     return (file_of(word),) if is_file_name(word) else _own_files(word)
 
 
-def filter_of_word(word: str, *, beyond: Beyond = "refuse") -> Spectra:
+def filter_of_word(word: str, *, answers: Answers = ASK) -> Spectra:
     """The transmittance of a filter by name, of the user's own folder or from a file of one curve.
 
     Raises
     ------
     InputError
         If nothing is called that, the file cannot be read or holds several curves, it ends short
-        of 400-1050 nm and ``beyond`` refuses, or a transmittance lies outside 0 .. 1.
+        of 400-1050 nm and ``answers.beyond`` refuses, or a transmittance lies outside 0 .. 1.
     """
     own = None if is_file_name(word) else own_table(word, "filter")
     if own is not None:
         told = own.provenance
         curve = replace(user_curves(own), source=word, notes=(told.source,))
     elif is_file_name(word):
-        answers = Answers(quantity="transmittance", beyond=beyond)
-        read = read_curves(file_of(word), answers=answers)
+        read = read_curves(file_of(word), answers=replace(answers, quantity="transmittance"))
         curve = replace(read.curves, notes=(*read.curves.notes, *read.notes, *read.defects))
     else:
         tables = own_tables(catalog_folder())
         own_names = [name for name, table in tables.items() if table.provenance.kind == "filter"]
-        return filter_named(word, DEFAULT_GRID, beyond=beyond, others=own_names)
+        return filter_named(word, DEFAULT_GRID, beyond=answers.beyond, others=own_names)
     if len(curve.names) != 1:
         raise InputError(
             f"{curve.source}: holds {len(curve.names)} curves ({', '.join(curve.names[:8])}), but "
             "a filter is one; leave the others out of the file"
         )
-    refuse_outside(curve, high=1.0, cure="; divide percent by 100")
-    return means_on_grid(curve, DEFAULT_GRID, beyond=beyond)
+    cure = "; divide percent by 100" if curve.values.max() > 1 else SMALL_NEGATIVES
+    used = used_on_grid(curve.wavelength_nm, DEFAULT_GRID)
+    refuse_outside(curve, high=1.0, cure=cure, used=used)
+    return means_on_grid(curve, DEFAULT_GRID, beyond=answers.beyond)
 
 
-def behind_filter_of_word(sensor: Sensor, word: str, *, beyond: Beyond = "refuse") -> Sensor:
+def behind_filter_of_word(sensor: Sensor, word: str, *, answers: Answers = ASK) -> Sensor:
     """The same sensor behind one more filter: ``onyx-rgb`` becomes ``onyx-rgb+ircut-650``.
 
     Parameters
@@ -168,8 +170,8 @@ def behind_filter_of_word(sensor: Sensor, word: str, *, beyond: Beyond = "refuse
         On the grid of 400-1050 nm that all words share.
     word
         As `filter_of_word`.
-    beyond
-        What the filter is where its table ends.
+    answers
+        What the user knows of the filter's file; ``beyond`` holds for a name too.
 
     Raises
     ------
@@ -184,7 +186,7 @@ def behind_filter_of_word(sensor: Sensor, word: str, *, beyond: Beyond = "refuse
     >>> cut.name, (cut.qe[half] / bare.qe[half]).round(6)
     ('onyx-rgb+ircut-650', array([[0.5, 0.5, 0.5]]))
     """
-    curve = filter_of_word(word, beyond=beyond)
+    curve = filter_of_word(word, answers=answers)
     name = Path(word).stem if is_file_name(word) else word
     note = "; ".join((f"behind the filter {name}", *curve.notes))
     return behind_filter(sensor, curve.values[:, 0], name=f"{sensor.name}+{name}", note=note)

@@ -2,15 +2,16 @@
 
 import re
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import Literal
 
 import numpy as np
 
-from chromanoise.spectra.curves import Beyond, Spectra
+from chromanoise.spectra.curves import Spectra
 from chromanoise.spectra.files.merging import Sorted, gaps_nm
 from chromanoise.spectra.files.understood import Level, Quantity
 
-_INFRARED_END_NM, _VISIBLE_START_NM = 1050.0, 400.0
+_JUDGED_NM = (400.0, 1050.0)
 _CHART_PATCHES = 24
 _PUBLISHED_WHITE = 0.881
 _VISIBLE_NM = (500.0, 650.0)
@@ -27,15 +28,18 @@ def defects_of(
     points: Sequence[Sorted],
     *,
     level: Level | None,
-    beyond: Beyond,
 ) -> tuple[str, ...]:
-    """One sentence per defect: range, sign, height, order of channels, ends.
+    """One sentence per kind of defect: sign, height, order of channels, gaps.
+
+    Only wavelengths of 400-1050 nm are judged, for no other is used, unless the file has no two
+    of these.
 
     Notes
     -----
     The white of a ColorChecker reflects 0.881: L* 95.19 for D50 (X-Rite, charts made since
     November 2014), and Y = ((L* + 16) / 116)^3.
     """
+    curves = judged(curves)
     return (
         *_conflicts(points),
         *_out_of_range(curves, quantity, scale),
@@ -45,9 +49,25 @@ def defects_of(
         *_dark_white_patch(curves, quantity),
         *_guard_values(curves),
         *_rounded_wavelengths(curves),
-        *_short_ends(curves, beyond),
-        *_gaps(curves, points),
+        *_gaps(points),
     )
+
+
+def judged(curves: Spectra) -> Spectra:
+    """The curves at 400-1050 nm, where sensors use them; all where fewer than two points lie there.
+
+    Examples
+    --------
+    >>> curves = Spectra(wavelength_nm=np.array([350.0, 400.0, 500.0]), unit="1", source="s",
+    ...                  values=np.array([[-9.0], [0.1], [0.2]]), names=("a",), quantity="QE")
+    >>> judged(curves).values.ravel()
+    array([0.1, 0.2])
+    """
+    at = curves.wavelength_nm
+    here = (at >= _JUDGED_NM[0]) & (at <= _JUDGED_NM[1])
+    if np.count_nonzero(here) < 2:
+        return curves
+    return replace(curves, wavelength_nm=at[here], values=curves.values[here])
 
 
 def defects_of_a_light(defects: tuple[str, ...]) -> tuple[str, ...]:
@@ -74,12 +94,13 @@ def looks_normalized(curves: Spectra) -> bool:
 
 
 def _conflicts(points: Sequence[Sorted]) -> Iterator[str]:
-    for point in points:
-        if point.conflicts_nm:
-            yield (
-                f"{point.name} has different values at the same wavelength, first at "
-                f"{point.conflicts_nm[0]:g} nm ({len(point.conflicts_nm)} in all)"
-            )
+    wrong = [point for point in points if point.conflicts_nm]
+    if wrong:
+        others = f" and of {len(wrong) - 1} more curves" if len(wrong) > 1 else ""
+        yield (
+            f"different values at the same wavelength, first of {wrong[0].name} at "
+            f"{wrong[0].conflicts_nm[0]:g} nm ({len(wrong[0].conflicts_nm)} in all){others}"
+        )
 
 
 def _out_of_range(
@@ -184,25 +205,21 @@ def _rounded_wavelengths(curves: Spectra) -> Iterator[str]:
         yield f"wavelengths look rounded to whole nm: steps of {told}"
 
 
-def _short_ends(curves: Spectra, beyond: Beyond) -> Iterator[str]:
-    def then(study: str) -> str:
-        return f"a study {study} asks --beyond" if beyond == "refuse" else f"{beyond} beyond"
-
-    low, high = float(curves.wavelength_nm[0]), float(curves.wavelength_nm[-1])
-    if high < _INFRARED_END_NM:
-        yield f"ends at {high:g} nm, short of 1050 nm: {then('into the infrared')}"
-    if low > _VISIBLE_START_NM:
-        yield f"begins at {low:g} nm, after 400 nm: {then('from 400 nm')}"
-
-
-def _gaps(curves: Spectra, points: Sequence[Sorted]) -> Iterator[str]:
-    shared = gaps_nm(curves.wavelength_nm)
-    for start, stop in shared:
-        yield f"a gap from {start:g} to {stop:g} nm: a straight line is a guess there"
-    for point in points:
-        for start, stop in gaps_nm(point.wavelength_nm):
-            if (start, stop) not in shared:
-                yield (
-                    f"a gap of {point.name} from {start:g} to {stop:g} nm: a straight line is a "
-                    "guess there"
-                )
+def _gaps(points: Sequence[Sorted]) -> Iterator[str]:
+    """One sentence for all gaps that reach into what sensors use."""
+    gaps = sorted(
+        {
+            (start, stop)
+            for point in points
+            for start, stop in gaps_nm(point.wavelength_nm)
+            if stop > _JUDGED_NM[0] and start < _JUDGED_NM[1]
+        },
+        key=lambda gap: (gap[0] - gap[1], gap[0]),
+    )
+    if not gaps:
+        return
+    start, stop = gaps[0]
+    what = f"a gap from {start:g} to {stop:g} nm"
+    if len(gaps) > 1:
+        what = f"{len(gaps)} gaps, the widest from {start:g} to {stop:g} nm"
+    yield f"{what}: straight lines are a guess there"

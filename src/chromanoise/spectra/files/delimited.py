@@ -7,6 +7,12 @@ from dataclasses import replace
 from typing import Any
 
 from chromanoise import _check
+from chromanoise.spectra.files.declared import (
+    ecsv_units,
+    is_row_of_units,
+    is_wavelength_heading,
+    with_units,
+)
 from chromanoise.spectra.files.tables import Row, is_number, table_of
 from chromanoise.spectra.files.understood import Found
 
@@ -35,11 +41,12 @@ def read_delimited(text: str, source: str) -> Found:
         if len(line) > _LONGEST_LINE:
             raise _check.InputError(f"{source}: line {number} has {len(line)} characters: no row")
         if bare.startswith(_COMMENT):
-            comments.append(Row(number=number, cells=(bare.lstrip("#%/; "),)))
+            comments.append(Row(number=number, cells=(_comment_text(bare),)))
         elif bare:
             lines.append((number, line))
     delimiter = _delimiter(lines[:_JUDGED_LINES])
     rows = [Row(number=i, cells=_cells(line, i, delimiter, source)) for i, line in lines]
+    rows = _with_ecsv_units(rows, [c.cells[0] for c in comments])
     head = _heading_comment(comments, rows)
     decimal = _decimal(rows, delimiter, source)
     found = table_of(
@@ -52,6 +59,12 @@ def read_delimited(text: str, source: str) -> Found:
         decimal=decimal,
     )
     return replace(found, **_said([c.cells[0] for c in comments]))
+
+
+def _comment_text(line: str) -> str:
+    """A comment without its marks; ``%ECSV`` names the format of the file."""
+    text = line.lstrip("#/; ")
+    return text if text.startswith("%ECSV") else text.lstrip("#%/; ")
 
 
 def _said(comments: list[str]) -> dict[str, Any]:
@@ -97,16 +110,37 @@ def _cells(line: str, number: int, delimiter: str, source: str) -> tuple[str, ..
 
 
 def _heading_comment(comments: list[Row], rows: list[Row]) -> tuple[str, ...]:
-    """The last comment before the numbers that names a wavelength and enough columns."""
+    """The last comment before the numbers that is a heading, with the units of the one below it."""
     if not rows:
         return ()
     width = max(len(row.cells) for row in rows[:_JUDGED_LINES])
-    for comment in reversed([c for c in comments if c.number < rows[0].number]):
+    above = [c for c in comments if c.number < rows[0].number]
+    for i, comment in reversed(list(enumerate(above))):
         for sign in (",", ";", "\t", None):
-            cells = tuple(cell.strip() for cell in comment.cells[0].split(sign))
-            if len(cells) >= width > 1 and re.match(r"(?i)wave|lambda|λ|wl\b|nm\b", cells[0]):
+            cells = _parted(comment, sign)
+            above_it = _parted(above[i - 1], sign) if i else ()
+            if is_row_of_units(cells) and len(above_it) == len(cells):
+                continue  # the names stand above the units
+            fits = len(cells) == width if sign is None else len(cells) >= width
+            if fits and width > 1 and is_wavelength_heading(cells[0]):
+                units = _parted(above[i + 1], sign) if i + 1 < len(above) else ()
+                if len(units) == len(cells) and is_row_of_units(units):
+                    cells = with_units(cells, units)
                 return cells[:width]
     return ()
+
+
+def _parted(comment: Row, sign: str | None) -> tuple[str, ...]:
+    return tuple(cell.strip() for cell in comment.cells[0].split(sign))
+
+
+def _with_ecsv_units(rows: list[Row], comments: list[str]) -> list[Row]:
+    """The heading of an ECSV file with the unit of each column beside its name."""
+    units = ecsv_units(comments)
+    if not rows or not set(rows[0].cells) & set(units):
+        return rows
+    cells = tuple(with_units(rows[0].cells, (units.get(name, "") for name in rows[0].cells)))
+    return [Row(number=rows[0].number, cells=cells), *rows[1:]]
 
 
 def _decimal(rows: list[Row], delimiter: str, source: str) -> str:

@@ -1,6 +1,7 @@
 """ISETCam's spectra: ``wavelength``, ``data`` and ``filterNames`` in a MATLAB file."""
 
 import math
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -62,11 +63,18 @@ def read_isetcam(path: Path) -> Found:
             for k, (name, here) in enumerate(zip(names, known, strict=True))
         ),
         words=told,
+        keys=_keys(words),
         per="photon" if words.get("units") == ("photons",) else None,
         wavelength_unit=None,
         defects=tuple(missing),
         notes=(*notes, *square, *((f"the file says: {comment}",) if comment else ())),
     )
+
+
+def _keys(words: Mapping[str, tuple[str, ...]]) -> dict[str, str]:
+    """``type`` says the quantity and ``units`` the unit; ``comment`` and ``name`` are free text."""
+    fields = {"quantity": "type", "unit": "units"}
+    return {key: " ".join(words[field]) for key, field in fields.items() if field in words}
 
 
 def _real(path: Path, name: str, declared: tuple[tuple[int, ...], np.dtype]) -> Array:

@@ -1,6 +1,7 @@
 """From what stands in a file to curves in nm: units, scale, quantity, and what stays open."""
 
 import re
+from dataclasses import replace
 from typing import Literal
 
 import numpy as np
@@ -8,6 +9,13 @@ import numpy as np
 from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise.spectra.curves import Spectra
+from chromanoise.spectra.files.declared import (
+    level_of_key,
+    per_of_key,
+    quantity_of_key,
+    scale_of_key,
+    wavelength_unit_of,
+)
 from chromanoise.spectra.files.defects import defects_of
 from chromanoise.spectra.files.merging import Sorted, gaps_nm, on_common, sorted_points, step_nm
 from chromanoise.spectra.files.questions import questions_of
@@ -23,22 +31,23 @@ from chromanoise.spectra.files.understood import (
 )
 
 _WORDS: tuple[tuple[Quantity, str], ...] = (
-    ("QE", r"(?<![a-z])qe(?![a-z])|quantum.efficiency|e-?/photon|electrons per photon"),
-    ("response", r"responsivity|sensitivit|spectral response|\ba/w\b"),
+    ("QE", r"(?<![a-z])qe(?![a-z])|quantum.efficiency|e-?/(photon|ph)\b|electrons per photon"),
+    ("response", r"responsivity|sensitivit|spectral response|\ba\s*/\s*w\b"),
     ("reflectance", r"reflect"),
-    ("transmittance", r"transmi[ts]|ir[- ]?cut filter"),
+    ("transmittance", r"transmi[ts]|throughput|ir[- ]?cut filter"),
     (
         "power",
         r"irradiance|radiance|power|(?<![a-z])spd(?![a-z])|\bflux|\bw\s*/?\s*m\^?-?2|extraterrestrial"
-        r"|emission|illuminant|\blamp",
+        r"|emission|illuminant|\blamp|\b(flam|photlam)\b",
     ),
 )
 _PERCENT = r"%|(?<![a-z])(percent|pct)(?![a-z])"
 _DEVIATION = r"(?i)(?<![a-z])(standard[ _]deviation|std|stdev|s\.?d\.?|sigma|uncertainty)(?![a-z])"
-_NM = r"(?i)(?<![a-z])(nm|nanomet\w*)(?![a-z])"
-_UM = r"(?i)(?<![a-z])(um|µm|μm|microns?|micromet\w*)(?![a-z])"
 _MOST_UM, _LEAST_NM = 20.0, 100.0
+_SENSITIVE_NM = (400.0, 1050.0)
+_SMALL_NEGATIVE = 0.01  # of the highest value of its curve
 _FRACTION_AT_MOST, _PERCENT_AT_MOST = 1.5, 100.0
+_MOST_SENTENCES = 3
 
 
 def meaning_of(found: Found, answers: Answers) -> Understood:
@@ -53,12 +62,17 @@ def meaning_of(found: Found, answers: Answers) -> Understood:
     columns, deviations = _chosen(found, answers)
     unit, unit_note = _wavelength_unit(found, answers, columns)
     quantity = _quantity(found, answers, columns)
-    scale, factor, scale_note = _scale(found, answers, columns, quantity)
     points = [sorted_points(column, unit, found.source) for column in columns]
+    scale, factor, scale_note = _scale(found, answers, columns, points, quantity)
     level = _level(found, answers, columns)
     common, cut = on_common(points, answers.beyond, found.source)
-    curves = _spectra(found, common, points, factor, quantity)
-    notes = (*found.notes, *unit_note, *scale_note, *_merge_notes(points), *cut)
+    curves, zeroed = _without_small_negatives(
+        _spectra(found, common, points, factor, quantity), answers
+    )
+    notes = (
+        *(*found.notes, *unit_note, *scale_note, *_merge_notes(points), *cut, *zeroed),
+        *_unnamed(found, columns, answers),
+    )
     spread = [sorted_points(column, unit, found.source) for column in deviations]
     told = Understood(
         curves=curves,
@@ -77,15 +91,15 @@ def meaning_of(found: Found, answers: Answers) -> Understood:
         deviations=_deviations(found, curves, spread, factor),
         notes=notes,
         defects=(
-            *found.defects,
-            *defects_of(curves, quantity, scale, points, level=level, beyond=answers.beyond),
+            *_few(found.defects),
+            *defects_of(curves, quantity, scale, points, level=level),
         ),
         questions=(),
         own_form=found.heading == "wavelength_nm",
         said_source=found.said_source,
         said_notes=found.said_notes,
     )
-    return questions_of(told, found.named, answers)
+    return questions_of(told, found.words, answers)
 
 
 def _chosen(found: Found, answers: Answers) -> tuple[list[Column], list[Column]]:
@@ -111,6 +125,7 @@ def _chosen(found: Found, answers: Answers) -> tuple[list[Column], list[Column]]
 def _wavelength_unit(
     found: Found, answers: Answers, columns: list[Column]
 ) -> tuple[Unit, tuple[str, ...]]:
+    """The declared unit; else the answered one; else the only one that fits the numbers."""
     known = [c.wavelength for c in columns if c.wavelength.size]
     if not known:
         raise _check.InputError(f"{found.source}: its curves have no points")
@@ -118,93 +133,160 @@ def _wavelength_unit(
     high = max(float(at.max()) for at in known)
     if low <= 0:
         raise _check.InputError(f"{found.source}: a wavelength must be > 0, but one is {low:g}")
-    said: Unit | None = found.wavelength_unit
-    if re.search(_UM, found.heading):
-        said = "um"
-    elif re.search(_NM, found.heading):
-        said = "nm"
-    unit = answers.wavelength_unit or said
-    if answers.wavelength_unit is None and unit == "nm" and high < _MOST_UM:
+    declared, answer = _declared_unit(found), answers.wavelength_unit
+    span = f"{low:g}-{high:g}"
+    if declared == "nm" and high < _MOST_UM:
+        if answer is None:
+            raise _check.InputError(
+                f"{found.source}: its wavelengths are {span} nm by its heading; are they in nm? "
+                "if they are in um, say --wavelength-unit um"
+            )
+        declared = answer  # the numbers contradict the heading
+    if answer and declared and answer != declared:
         raise _check.InputError(
-            f"{found.source}: its wavelengths are {low:g}-{high:g} nm by its heading; are they in "
-            "nm? if they are in um, say --um"
+            f"{found.source}: declares its wavelengths in {declared}, but --wavelength-unit says "
+            f"{answer}; leave the option away, or correct the file"
         )
-    if unit is not None:
-        return unit, ()
-    if high < _MOST_UM:
-        return "um", (f"wavelengths of {low:g}-{high:g} are taken as um",)
-    if low >= _LEAST_NM:
-        return "nm", (f"wavelengths of {low:g}-{high:g} are taken as nm",)
+    if declared or answer:
+        return declared or answer or "nm", ()
+    whole = all(bool((at == np.round(at)).all()) for at in known)
+    if high < _MOST_UM and 1e3 * low < _SENSITIVE_NM[1] and not whole:
+        return "um", (f"wavelengths of {span} are taken as um",)
+    if low >= _LEAST_NM and _fits(low, high) and not _fits(low / 10, high / 10):
+        return "nm", (f"wavelengths of {span} are taken as nm",)
     raise _check.InputError(
-        f"{found.source}: wavelengths of {low:g}-{high:g} may be nm or um; say --nm or --um"
+        f"{found.source}: does not declare the unit of its wavelengths, {span}; say "
+        "--wavelength-unit nm, um, angstrom or 1/cm"
     )
 
 
+def _fits(low_nm: float, high_nm: float) -> bool:
+    """Whether wavelengths reach into those to which silicon answers."""
+    return low_nm < _SENSITIVE_NM[1] and high_nm > _SENSITIVE_NM[0]
+
+
+def _declared_unit(found: Found) -> Unit | None:
+    """The unit that format, heading or key declares; two that differ are refused."""
+    try:
+        units = {
+            "its format": found.wavelength_unit,
+            "its heading": wavelength_unit_of(found.heading),
+            "its key": wavelength_unit_of(found.keys.get("wavelength_unit", "")),
+        }
+    except _check.InputError as error:
+        raise _check.InputError(f"{found.source}: {error}") from None
+    said = {where: unit for where, unit in units.items() if unit}
+    if len(set(said.values())) > 1:
+        told = ", ".join(f"{unit} by {where}" for where, unit in said.items())
+        raise _check.InputError(f"{found.source}: its wavelengths are in {told}; correct one")
+    return next(iter(said.values()), None)
+
+
 def _quantity(found: Found, answers: Answers, columns: list[Column]) -> Quantity | None:
-    if answers.quantity or found.quantity:
-        return answers.quantity or found.quantity
-    heads = " ".join([found.heading, *(f"{c.name} {c.unit}" for c in columns)])
-    for text in (heads.lower(), found.words.lower()):
-        for quantity, words in _WORDS:
-            if re.search(words, text):
-                return quantity
+    given = answers.quantity or found.quantity or quantity_of_key(found.keys)
+    if given:
+        return given
+    for quantity, words in _WORDS:
+        if re.search(words, _heads(found, columns)):
+            return quantity
     return None
 
 
+def _heads(found: Found, columns: list[Column]) -> str:
+    """Headings and declared units, in small letters: what decides."""
+    heads = (f"{c.name} [{c.unit}]" if c.unit else c.name for c in columns)
+    return " ; ".join([*heads, found.keys.get("unit", "")]).lower()
+
+
 def _scale(
-    found: Found, answers: Answers, columns: list[Column], quantity: Quantity | None
+    found: Found,
+    answers: Answers,
+    columns: list[Column],
+    points: list[Sorted],
+    quantity: Quantity | None,
 ) -> tuple[Literal["fraction", "percent", "as written"], float, tuple[str, ...]]:
     if answers.scale:
         return answers.scale, (0.01 if answers.scale == "percent" else 1.0), ()
     if quantity in ("power", "response"):
         return "as written", 1.0, ()
-    heads = " ".join(f"{c.name} {c.unit}" for c in columns).lower()
-    highest = max(float(c.values.max(initial=0.0)) for c in columns)
-    if re.search(_PERCENT, heads):
-        return "percent", 0.01, ("its heading says percent: divided by 100",)
+    highs = [_highest(p) for p in points]
+    highest = max(highs)
+    declared = scale_of_key(found.keys)
+    if declared == "percent" or re.search(_PERCENT, _heads(found, columns)):
+        return "percent", 0.01, ("declared as percent: divided by 100",)
+    if declared == "fraction":
+        return "fraction", 1.0, ()
     if highest <= _FRACTION_AT_MOST:
         return "fraction", 1.0, ()
-    lowest = min(float(c.values.max(initial=0.0)) for c in columns)
-    said = re.search(_PERCENT, found.words.lower())
-    if highest <= _PERCENT_AT_MOST and lowest <= 1 and not said:
+    if highest <= _PERCENT_AT_MOST and min(highs) <= 1:
         return "fraction", 1.0, ()  # a curve of fractions beside it: no file mixes the two
-    if highest <= _PERCENT_AT_MOST and said:
-        return (
-            "percent",
-            0.01,
-            (f"highest value {highest:g}, and its text says percent: divided by 100",),
-        )
     if highest <= _PERCENT_AT_MOST and quantity is not None:
         note = f"no {quantity} is {highest:g}: taken as percent, divided by 100"
         return "percent", 0.01, (note,)
     return "as written", 1.0, ()
 
 
+def _highest(points: Sorted) -> float:
+    """The highest value where sensors use it, else anywhere; at least 0."""
+    at = points.wavelength_nm
+    here = points.values[(at >= _SENSITIVE_NM[0]) & (at <= _SENSITIVE_NM[1])]
+    return float((here if here.size else points.values).max(initial=0.0))
+
+
 def _level(found: Found, answers: Answers, columns: list[Column]) -> Level | None:
-    if answers.level or found.level:
-        return answers.level or found.level
-    if answers.peak_qe is not None:
+    given = answers.level or found.level
+    if given or answers.peak_qe is not None:
+        return given or "relative"
+    if level_of_key(found.keys):
+        return level_of_key(found.keys)
+    heads = _heads(found, columns)
+    if re.search(r"relative|normali[sz]ed|arbitrary|\ba\.?u\.?(?![a-z])", heads):
         return "relative"
-    text = " ".join([found.heading, found.words, *(f"{c.name} {c.unit}" for c in columns)]).lower()
-    if re.search(r"relative|normali[sz]ed|arbitrary|\ba\.?u\.?(?![a-z])", text):
-        return "relative"
-    return "absolute" if re.search(r"absolute|e-?/photon|\ba/w\b", text) else None
+    return "absolute" if re.search(r"absolute|e-?/photon|\ba\s*/\s*w\b", heads) else None
 
 
 def _per(
     found: Found, answers: Answers, columns: list[Column], quantity: Quantity | None
 ) -> Per | None:
-    if answers.per or found.per:
-        return answers.per or found.per
-    text = " ".join([found.heading, *(f"{c.name} {c.unit}" for c in columns)]).lower()
-    if quantity == "QE" or re.search(r"photon|quanta", text):
+    given = answers.per or found.per or per_of_key(found.keys)
+    if given:
+        return given
+    heads = _heads(found, columns)
+    if quantity == "QE" or re.search(r"photon|quanta|photlam", heads):
         return "photon"
-    if "light counted per photon" in found.words:
-        return "photon"
-    units = " ".join(c.unit for c in columns).lower()  # W as a name is a white channel
-    watt = re.search(r"\bm?w\b|\bj\b", units)
-    words = re.search(r"watt|\ba/w\b|power|radiance|energy", f"{text} {found.words.lower()}")
+    units = " ; ".join([*(c.unit for c in columns), found.keys.get("unit", "")]).lower()
+    watt = re.search(r"\bm?w\b|\bj\b|\bflam\b", units)  # W as a name is a white channel
+    named = f"{heads} {found.keys.get('quantity', '').lower()}"
+    words = re.search(r"watt|\ba\s*/\s*w\b|power|radiance|energy", named)
     return "energy" if quantity in ("power", "response") and (watt or words) else None
+
+
+def _without_small_negatives(curves: Spectra, answers: Answers) -> tuple[Spectra, tuple[str, ...]]:
+    """Small negative values as 0, where the user wants that; larger ones stay as they are."""
+    small = (curves.values < 0) & (
+        curves.values >= -_SMALL_NEGATIVE * curves.values.max(axis=0, keepdims=True)
+    )
+    if answers.negatives == "refuse" or not small.any():
+        return curves, ()
+    note = (
+        f"{int(small.sum())} small negative values taken as 0, the lowest "
+        f"{curves.values[small].min():.3g}"
+    )
+    return replace(curves, values=np.where(small, 0.0, curves.values)), (note,)
+
+
+def _unnamed(found: Found, columns: list[Column], answers: Answers) -> tuple[str, ...]:
+    if found.named or len(columns) < 2 or answers.columns:
+        return ()
+    return ("its columns have no names: each is taken as a curve, none as a deviation",)
+
+
+def _few(sentences: tuple[str, ...]) -> tuple[str, ...]:
+    """The first of many sentences of a kind, and how many follow."""
+    more = len(sentences) - _MOST_SENTENCES
+    if more <= 1:
+        return sentences
+    return (*sentences[:_MOST_SENTENCES], f"and {more} more like these")
 
 
 def _spectra(

@@ -10,7 +10,6 @@ from chromanoise._check import Array
 from chromanoise.spectra.curves import Beyond
 from chromanoise.spectra.files.understood import Column, Unit
 
-_NM_PER_UM = 1000.0
 _WIDE, _WIDE_NM = 2.5, 5.0
 _MOST_VALUES = 4_000_000
 
@@ -47,6 +46,24 @@ class Sorted:
         _check.freeze(self, "wavelength_nm", "values")
 
 
+def in_nm(wavelength: Float[Array, " m"], unit: Unit) -> Float[Array, " m"]:
+    """Wavelengths of a unit, or wavenumbers in 1/cm, as nm in the same order. [nm]
+
+    Examples
+    --------
+    >>> in_nm(np.array([0.4]), "um"), in_nm(np.array([5500.0]), "angstrom")
+    (array([400.]), array([550.]))
+    >>> in_nm(np.array([20000.0]), "1/cm")
+    array([500.])
+    """
+    if unit == "nm":
+        return wavelength
+    if unit == "1/cm":
+        return np.round(1e7 / wavelength, 9)
+    # 0.4 * 1000 is not always 400
+    return np.round(wavelength * 1000 if unit == "um" else wavelength / 10, 9)
+
+
 def sorted_points(column: Column, unit: Unit, source: str) -> Sorted:
     """A curve in the order of its wavelengths, repeated ones merged to their mean.
 
@@ -62,9 +79,7 @@ def sorted_points(column: Column, unit: Unit, source: str) -> Sorted:
     >>> sorted_points(column, "um", "a file").values
     array([1., 4.])
     """
-    at = column.wavelength
-    if unit == "um":
-        at = np.round(at * _NM_PER_UM, 9)  # 0.4 * 1000 is not always 400
+    at = in_nm(column.wavelength, unit)
     order = np.argsort(at, kind="stable")
     rising, values = at[order], column.values[order]
     distinct, first, count = np.unique(rising, return_index=True, return_counts=True)

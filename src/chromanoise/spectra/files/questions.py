@@ -1,32 +1,116 @@
-"""What neither a file nor its user has said, as questions with the options that answer them."""
+"""What neither a file nor its user has said, as questions with the options that answer them.
 
+The questions of a use are those on which a command stops: `chromanoise inspect` shows them, and
+`qe_of` and `power_of` refuse with the same words.
+"""
+
+import re
 from collections.abc import Iterator
 from dataclasses import replace
+from typing import Literal
 
-from chromanoise.spectra.files.defects import looks_normalized
-from chromanoise.spectra.files.understood import Answers, Question, Understood
+from chromanoise.spectra.files.defects import judged, looks_normalized
+from chromanoise.spectra.files.understood import Answers, Quantity, Question, Understood
 
-_INFRARED_END_NM = 1050.0
+_GRID_NM = (400.0, 1050.0)
+_MENTIONED = r"(?i)\b(qe|quantum efficiency|responsivity|sensitivity|reflect\w*|transmi\w*|A/W)\b"
 
 
-def questions_of(told: Understood, named: bool, answers: Answers) -> Understood:
-    """The same with its open questions."""
+Use = Literal["sensor", "light", "filter", "reflectance"]
+"""What curves are read for."""
+
+
+def use_of(quantity: Quantity | None) -> Use:
+    """What curves of a quantity are for; what names none may be a sensor's."""
+    others: dict[Quantity | None, Use] = {
+        "power": "light",
+        "transmittance": "filter",
+        "reflectance": "reflectance",
+    }
+    return others.get(quantity, "sensor")
+
+
+def questions_of(told: Understood, words: str, answers: Answers) -> Understood:
+    """The same with its open questions, as the use asks them that its quantity suggests.
+
+    Parameters
+    ----------
+    told
+        What was understood of the file.
+    words
+        The file's free text: it is quoted in a question, and answers none.
+    answers
+        What the user said.
+    """
+    use = use_of(told.quantity)
+    own = tuple(sensor_questions(told, answers)) if use == "sensor" else ()
     asked = (
-        *_quantity(told),
+        *(_quantity(told, words) if own else ()),
         *_scale(told, answers),
-        *_level(told),
-        *_per(told),
-        *_columns(told, named, answers),
+        *own,
+        *(light_questions(told) if use == "light" else ()),
         *_beyond(told, answers),
     )
     return replace(told, questions=asked)
 
 
-def _quantity(told: Understood) -> Iterator[Question]:
-    if told.quantity is None:
+def sensor_questions(told: Understood, answers: Answers) -> Iterator[Question]:
+    """What no sensor can be made without: how light was counted, and how high the curves are."""
+    if told.per is None and not _documented(told):
+        yield Question(
+            about="per",
+            asks="its response may be per energy or per photon",
+            options="--energy or --photons",
+        )
+    if told.level == "relative" or (told.level is None and looks_normalized(told.curves)):
+        if answers.peak_qe is None:
+            yield _peak(told)
+    elif told.level is None and told.quantity != "QE" and not _documented(told):
+        yield Question(
+            about="level",
+            asks="it does not say whether its heights are absolute or relative",
+            options="--absolute or --relative",
+        )
+
+
+def light_questions(told: Understood) -> Iterator[Question]:
+    """What no illuminant can be made without: which curve it is, and how light was counted."""
+    names = told.curves.names
+    if len(names) != 1:
+        yield Question(
+            about="columns",
+            asks=f"it holds {len(names)} curves, {', '.join(names[:8])}: which is the light?",
+            options="--illuminant-column",
+        )
+    if told.per is None:
+        yield Question(
+            about="per",
+            asks="it does not say whether it counts light as energy or in photons",
+            options="--illuminant-energy or --illuminant-photons",
+        )
+
+
+def _documented(told: Understood) -> bool:
+    """A table headed ``wavelength_nm``: absolute QE per photon unless it says otherwise."""
+    return told.own_form and told.quantity is None
+
+
+def _peak(told: Understood) -> Question:
+    if told.level == "relative":
+        why, options = "its curves are relative", "--peak-qe"
+    else:
+        why = "its highest value is exactly 1 or 100"
+        options = "--peak-qe, or --absolute if they are QE as they are"
+    return Question(about="peak_qe", asks=f"{why}; which QE is the highest?", options=options)
+
+
+def _quantity(told: Understood, words: str) -> Iterator[Question]:
+    if told.quantity is None and not _documented(told):
+        found = re.search(_MENTIONED, words)
+        hint = f" (its text mentions {found[1]!r}, which decides nothing)" if found else ""
         yield Question(
             about="quantity",
-            asks="what are the curves?",
+            asks=f"what are the curves?{hint}",
             options="--quantity QE, response, reflectance, transmittance or power",
         )
 
@@ -34,7 +118,7 @@ def _quantity(told: Understood) -> Iterator[Question]:
 def _scale(told: Understood, answers: Answers) -> Iterator[Question]:
     if answers.scale or told.quantity in ("power", "response"):
         return
-    highest = float(told.curves.values.max()) / told.factor
+    highest = float(judged(told.curves).values.max()) / told.factor
     unclear = told.scale == "fraction" and highest > 1
     if unclear or told.scale == "as written":
         yield Question(
@@ -44,40 +128,11 @@ def _scale(told: Understood, answers: Answers) -> Iterator[Question]:
         )
 
 
-def _level(told: Understood) -> Iterator[Question]:
-    ratio = told.quantity in ("reflectance", "transmittance")
-    if told.level or told.quantity == "power" or (ratio and not looks_normalized(told.curves)):
-        return
-    yield Question(
-        about="level",
-        asks="are the curves absolute, or relative (e.g. to their peak)?",
-        options="--absolute or --relative",
-    )
-
-
-def _per(told: Understood) -> Iterator[Question]:
-    if told.per is None and told.quantity in (None, "power", "response"):
-        yield Question(
-            about="per",
-            asks="is light counted as energy (W) or in photons?",
-            options="--energy or --photons",
-        )
-
-
-def _columns(told: Understood, named: bool, answers: Answers) -> Iterator[Question]:
-    if not named and len(told.curves.names) > 1 and not answers.columns:
-        yield Question(
-            about="columns",
-            asks="the file does not name its columns: is each a curve, or is one a deviation?",
-            options=f"--column {told.curves.names[0]!r}",
-        )
-
-
 def _beyond(told: Understood, answers: Answers) -> Iterator[Question]:
-    end = float(told.curves.wavelength_nm[-1])
-    if end < _INFRARED_END_NM and answers.beyond == "refuse":
+    low, high = (float(end) for end in told.curves.wavelength_nm[[0, -1]])
+    if answers.beyond == "refuse" and (low > _GRID_NM[0] or high < _GRID_NM[1]):
         yield Question(
             about="beyond",
-            asks=f"the curves end at {end:g} nm: what follows up to 1050 nm?",
-            options="--beyond zero, hold or refuse",
+            asks=f"the curves cover {low:g}-{high:g} nm of 400-1050 nm: what are they beyond?",
+            options="--beyond zero or hold",
         )

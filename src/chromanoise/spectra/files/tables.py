@@ -9,6 +9,7 @@ import numpy as np
 
 from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise.spectra.files.declared import declared_keys, is_row_of_units, with_units
 from chromanoise.spectra.files.understood import Column, Found
 
 _POINT = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eEdD][+-]?\d{1,4})?\s*%?", re.ASCII)
@@ -85,14 +86,16 @@ def table_of(
             f"{source}: needs at least 2 rows of a wavelength and a value, but {len(body)} of its "
             f"{len(rows)} {where}s is one"
         )
-    heads = [_bare(row.cells) for row in rows[:first]]
+    heads = _with_row_of_units([_bare(row.cells) for row in rows[:first]])
     width = _width(body, rows[:first], head)
     numbers, ragged = _numbers(body, _head(heads, head, width), decimal, source, where)
     _refuse_no_wavelengths(numbers, body, _in_pairs(heads, numbers), f"{source}: {where}")
-    words = " ".join([*comments, *(" ".join(cells) for cells in heads)])
-    words += " %" if any("%" in cell for cell in body[0].cells) else ""
+    words = " ".join([*comments, *(" ".join(cells) for cells in heads[:-1])])
+    keys = dict(declared_keys([*comments, *(": ".join(h) for h in heads if len(h) == 2)]))
+    if any("%" in cell for cell in body[0].cells):
+        keys["scale"] = "percent"
     found = {
-        "source": source, "format": form, "words": words,
+        "source": source, "format": form, "words": words, "keys": keys,
         "delimiter": delimiter, "decimal": decimal, "defects": ragged,
     }  # fmt: skip
     if _in_pairs(heads, numbers):
@@ -106,6 +109,13 @@ def _first_row_of_numbers(rows: Sequence[Row], comma: bool) -> int:
         if len(cells) > 1 and all(is_number(c, decimal_comma=comma) for c in cells[:2]):
             return i
     return len(rows)
+
+
+def _with_row_of_units(heads: list[tuple[str, ...]]) -> list[tuple[str, ...]]:
+    """A row of units below the names becomes part of them."""
+    if len(heads) > 1 and len(heads[-1]) == len(heads[-2]) and is_row_of_units(heads[-1]):
+        return [*heads[:-2], with_units(heads[-2], heads[-1])]
+    return heads
 
 
 def _bare(cells: tuple[str, ...]) -> tuple[str, ...]:

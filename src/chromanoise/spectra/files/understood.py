@@ -1,6 +1,7 @@
 """What a file of spectra says, what its user adds, and what was understood of both."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import Literal, get_args
 
 import numpy as np
@@ -14,7 +15,8 @@ Quantity = Literal["QE", "response", "reflectance", "transmittance", "power"]
 Scale = Literal["fraction", "percent"]
 Level = Literal["absolute", "relative"]
 Per = Literal["photon", "energy"]
-Unit = Literal["nm", "um"]
+Unit = Literal["nm", "um", "angstrom", "1/cm"]
+Negatives = Literal["refuse", "zero"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -39,6 +41,8 @@ class Answers:
         The curves that are wanted; none: all.
     peak_qe
         Of relative curves of a sensor: the highest quantum efficiency. [e-/photon]
+    negatives
+        Whether small negative values, as of digitizing or of a dark reading, are taken as 0.
     """
 
     quantity: Quantity | None = None
@@ -49,10 +53,12 @@ class Answers:
     beyond: Beyond = "refuse"
     columns: tuple[str, ...] = ()
     peak_qe: float | None = None
+    negatives: Negatives = "refuse"
 
     def __post_init__(self) -> None:
         kinds = (("quantity", Quantity), ("scale", Scale), ("level", Level), ("per", Per))
-        for name, kind in (*kinds, ("wavelength_unit", Unit), ("beyond", Beyond)):
+        more = (("wavelength_unit", Unit), ("beyond", Beyond), ("negatives", Negatives))
+        for name, kind in (*kinds, *more):
             given = getattr(self, name)
             if given is not None:
                 _check.one_of(name, given, get_args(kind))
@@ -125,7 +131,9 @@ class Found:
     heading
         What stands over the column of wavelengths.
     words
-        Titles, comments and fields that may tell what the curves are.
+        Titles and comments: free text, which decides nothing.
+    keys
+        What the file declares, as `declared_keys` names it.
     delimiter, decimal
         How a text parts cells and fractions; empty where that does not apply.
     quantity, level, per, wavelength_unit
@@ -143,6 +151,7 @@ class Found:
     columns: tuple[Column, ...]
     heading: str = ""
     words: str = ""
+    keys: Mapping[str, str] = field(default_factory=dict)
     delimiter: str = ""
     decimal: str = ""
     quantity: Quantity | None = None

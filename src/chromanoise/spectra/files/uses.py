@@ -1,5 +1,6 @@
 """Curves for a purpose: quantum efficiencies per photon, or power; no question left open."""
 
+from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
 
@@ -8,7 +9,8 @@ import numpy as np
 from chromanoise import _check
 from chromanoise.spectra.curves import Spectra
 from chromanoise.spectra.files.defects import defects_of_a_light, looks_normalized
-from chromanoise.spectra.files.understood import Answers, Understood
+from chromanoise.spectra.files.questions import light_questions, sensor_questions
+from chromanoise.spectra.files.understood import Answers, Question, Understood
 from chromanoise.units import photons_per_joule
 
 _ELEMENTARY_CHARGE_C = 1.602176634e-19
@@ -51,56 +53,36 @@ def qe_of(told: Understood, answers: Answers) -> Spectra:
         raise _check.InputError(
             f"{source}: holds {told.quantity}, but a sensor needs quantum efficiencies"
         )
-    _refuse_unsaid(told, answers)
+    _refuse_open(told, sensor_questions(told, answers))
     curves, notes = told.curves, _said(told)
     if told.per == "energy":
         per_photon = 1.0 / photons_per_joule(curves.wavelength_nm)[:, None] / _ELEMENTARY_CHARGE_C
         curves = replace(curves, values=curves.values * per_photon)
         notes = (*notes, "counted per energy: divided by the photons in it")
-    relative = told.level == "relative"
-    if relative or (told.level is None and looks_normalized(told.curves)):
-        curves, notes = _with_height(curves, answers, notes, relative)
+    if told.level == "relative" or (told.level is None and looks_normalized(told.curves)):
+        curves, notes = _with_height(curves, answers, notes)
     elif told.level is None:
         why = "a table headed wavelength_nm" if told.quantity is None else "QE by its own words"
         notes = (*notes, f"{_name(told)}: {why}, taken as absolute QE per photon")
     return replace(curves, quantity="QE", unit="e-/photon", notes=(*curves.notes, *notes))
 
 
-def _refuse_unsaid(told: Understood, answers: Answers) -> None:
-    """Ask, in one sentence, for all that no sensor's curves can be used without."""
-    if told.quantity is None and told.own_form:
-        return  # the documented table of absolute QE
-    asked = []
-    if told.per is None:
-        asked.append(("its response may be per energy or per photon", "--energy or --photons"))
-    if told.level is None and told.quantity != "QE" and answers.peak_qe is None:
-        if looks_normalized(told.curves):
-            asked.append(
-                (
-                    "its highest value is exactly 1 or 100; which QE is the highest?",
-                    "--peak-qe, or --absolute if the curves are as high as they are",
-                )
-            )
-        else:
-            asked.append(
-                (
-                    "it does not say whether its heights are absolute or relative",
-                    "--absolute or --relative",
-                )
-            )
+def _refuse_open(told: Understood, questions: Iterable[Question]) -> None:
+    """Ask, in one sentence, for all that the curves cannot be used without."""
+    asked = tuple(questions)
     if asked:
-        why, options = ("; ".join(parts) for parts in zip(*asked, strict=True))
-        raise _asked(told.curves.source, why, options.replace("; ", ", and "))
+        why = "; ".join(question.asks for question in asked)
+        raise _check.InputError(
+            f"{told.curves.source}: {why}; say "
+            + ", and ".join(question.options for question in asked)
+        )
 
 
 def _with_height(
-    curves: Spectra, answers: Answers, notes: tuple[str, ...], relative: bool
+    curves: Spectra, answers: Answers, notes: tuple[str, ...]
 ) -> tuple[Spectra, tuple[str, ...]]:
     highest = float(curves.values.max())
-    if answers.peak_qe is None:
-        why = "its curves are relative" if relative else "its highest value is exactly 1 or 100"
-        option = "--peak-qe" if relative else "--peak-qe, or --absolute if they are QE as they are"
-        raise _asked(curves.source, f"{why}; which QE is the highest?", option)
+    assert answers.peak_qe is not None  # asked for by `sensor_questions`
     if highest <= 0:
         raise _check.InputError(f"{curves.source}: its curves are nowhere above 0")
     told = f"relative curves, scaled to a highest QE of {answers.peak_qe:g}"
@@ -116,18 +98,7 @@ def power_of(told: Understood) -> Spectra:
         If it is not one curve, or not known whether light was counted as energy or in photons.
     """
     curves = told.curves
-    if len(curves.names) != 1:
-        raise _asked(
-            curves.source,
-            f"holds {len(curves.names)} curves: {', '.join(curves.names[:8])}; which is the light?",
-            "--illuminant-column",
-        )
-    if told.per is None:
-        raise _asked(
-            curves.source,
-            "does not say whether it counts light as energy or in photons",
-            "--illuminant-energy or --illuminant-photons",
-        )
+    _refuse_open(told, light_questions(told))
     notes = _said(replace(told, defects=defects_of_a_light(told.defects)))
     if told.per == "photon":
         curves = power_of_photons(curves)
@@ -176,7 +147,3 @@ def _said(told: Understood) -> tuple[str, ...]:
 
 def _name(told: Understood) -> str:
     return Path(told.curves.source).name
-
-
-def _asked(source: str, why: str, option: str) -> _check.InputError:
-    return _check.InputError(f"{source}: {why}; say {option}")

@@ -13,6 +13,7 @@ from chromanoise.imaging.shots import FORMATS, MOST_FRAMES
 from chromanoise.scene import BUILTIN_CUBES
 from chromanoise.sensor import MOSAIC_NAMES
 from chromanoise.spectra import METRICS
+from chromanoise.spectra.files.understood import Negatives, Unit
 from chromanoise.study.comparing.quantities import QUANTITIES
 from chromanoise.study.comparing.sweeps import SWEEPS
 from chromanoise.study.makers import METHODS
@@ -25,6 +26,7 @@ Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 Finite = Annotated[float, Field(allow_inf_nan=False)]
 Beyond = Literal["refuse", "zero", "hold"]
+_NEGATIVES = "Small negative values of its file, as of digitizing: refused, or taken as 0."
 
 
 class _Part(BaseModel):
@@ -45,6 +47,10 @@ class LightPart(_Part):
         None, description="How its file counts light, where it does not say."
     )
     column: str | None = Field(None, description="Which curve of its file.")
+    wavelength_unit: Unit | None = Field(
+        None, description="Of the wavelengths in its file, where it does not declare it."
+    )
+    negatives: Negatives = Field("refuse", description=_NEGATIVES)
 
 
 class PixelPart(_Part):
@@ -68,7 +74,9 @@ class AnswersPart(_Part):
         None, description="Whether heights mean something."
     )
     per: Literal["photon", "energy"] | None = Field(None, description="How light was counted.")
-    wavelength_unit: Literal["um", "nm"] | None = Field(None, description="Of its wavelengths.")
+    wavelength_unit: Unit | None = Field(
+        None, description="Of its wavelengths, where the file does not declare it."
+    )
     peak_qe: Annotated[float, Field(gt=0, le=1)] | None = Field(
         None, description="Highest QE of relative curves [e-/photon]."
     )
@@ -86,6 +94,10 @@ class SensorPart(_Part):
     filter: str | None = Field(
         None, description="In front of it: ircut-650 or another of the catalogue, or a file."
     )
+    filter_wavelength_unit: Unit | None = Field(
+        None, description="Of the wavelengths in the filter's file, where it does not declare it."
+    )
+    negatives: Negatives = Field("refuse", description=_NEGATIVES)
     ircut_nm: Annotated[float, Field(ge=450, le=2000)] | None = Field(
         None, description="Edge of an added model IR-cut [nm]."
     )

@@ -113,6 +113,8 @@ def light_answers_of(study: Study) -> Answers:
         per=light.per,
         beyond=light.beyond,
         columns=() if light.column is None else (light.column,),
+        wavelength_unit=light.wavelength_unit,
+        negatives=light.negatives,
     )
 
 
@@ -124,11 +126,13 @@ def sensor_of(part: SensorPart) -> Sensor:
     InputError
         If its name names nothing, or a file cannot be read.
     """
-    answers = Answers(beyond=part.beyond, **part.answers.model_dump())
+    shared: dict[str, Any] = {"beyond": part.beyond, "negatives": part.negatives}
+    answers = Answers(**shared, **part.answers.model_dump())
     sensor = sensor_with_pixel(part.name, answers=answers, **part.pixel.model_dump())
     sensor = with_shifted_curves(sensor, part.shift_nm)
     if part.filter is not None:
-        sensor = behind_filter_of_word(sensor, part.filter, beyond=part.beyond)
+        answers = Answers(**shared, wavelength_unit=part.filter_wavelength_unit)
+        sensor = behind_filter_of_word(sensor, part.filter, answers=answers)
     return sensor if part.ircut_nm is None else behind_ir_cut(sensor, part.ircut_nm)
 
 
@@ -142,7 +146,8 @@ _OPTIONS = {
     "--absolute": 'answers.level = "absolute"',
     "--fraction or --percent": 'answers.scale = "fraction" or "percent"',
     "--percent": 'answers.scale = "percent"',
-    "--nm or --um": 'answers.wavelength_unit = "nm" or "um"',
+    "--wavelength-unit": "answers.wavelength_unit",
+    "--negatives zero": 'negatives = "zero"',
     "--peak-qe": "answers.peak_qe",
     "--beyond": "beyond",
 }

@@ -65,7 +65,13 @@ def _start(study: Study) -> list[str]:
     light, rule = study.light, study.exposure
     columns = (light.column,) if light.column is not None else None
     answers = _call(
-        "Answers", quantity="power", per=light.per, beyond=light.beyond, columns=columns
+        "Answers",
+        quantity="power",
+        per=light.per,
+        beyond=light.beyond,
+        columns=columns,
+        wavelength_unit=light.wavelength_unit,
+        **_unless_refused(negatives=light.negatives),
     )
     lens = {"f_number": rule.f_number, "magnification": rule.magnification}
     exposures = f"EQUAL_TERMS[{rule.equal!r}](white, sensors, "
@@ -106,16 +112,24 @@ def _may_share_a_name(study: Study) -> bool:
 
 def _sensor(part: SensorPart) -> str:
     told = {key: value for key, value in part.answers.model_dump().items() if value is not None}
-    if part.beyond != "refuse":
-        told["beyond"] = part.beyond
+    shared = _unless_refused(beyond=part.beyond, negatives=part.negatives)
+    told |= shared
     answers = {"answers": _Code(_call("Answers", **told))} if told else {}
     pixel = part.pixel.model_dump()
     made = _call("sensor_with_pixel", _Code(repr(part.name)), **answers, **pixel)
     if part.shift_nm:
         made = f"with_shifted_curves({made}, {part.shift_nm!r})"
     if part.filter is not None:
-        made = f"behind_filter_of_word({made}, {part.filter!r}, beyond={part.beyond!r})"
+        unit = part.filter_wavelength_unit
+        told = shared | ({} if unit is None else {"wavelength_unit": unit})
+        own = {"answers": _Code(_call("Answers", **told))} if told else {}
+        made = _call("behind_filter_of_word", _Code(made), _Code(repr(part.filter)), **own)
     return made if part.ircut_nm is None else f"behind_ir_cut({made}, {part.ircut_nm!r})"
+
+
+def _unless_refused(**given: str) -> dict[str, str]:
+    """What stands otherwise than by default."""
+    return {name: value for name, value in given.items() if value != "refuse"}
 
 
 def _analysis(study: Study) -> list[str]:

@@ -77,8 +77,13 @@ def study_as_command(study: Study) -> str:
 
 
 def _changed(study: Study) -> bool:
-    """Whether curves are changed, for which no command has a word."""
-    return any(sensor.shift_nm or sensor.ircut_nm is not None for sensor in study.sensors)
+    """Whether curves are changed in a way for which no command has an option."""
+    return any(
+        sensor.shift_nm
+        or sensor.ircut_nm is not None
+        or sensor.negatives != study.light.negatives  # one option is for both
+        for sensor in study.sensors
+    )
 
 
 def _but_name(sensor: SensorPart) -> str:
@@ -185,7 +190,7 @@ def _each_its_own_time(study: Study) -> bool:
 def _shared(study: Study) -> list[str]:
     light, exposure, sensor = study.light, study.exposure, study.sensors[0]
     either = {"photon": "illuminant-photons", "energy": "illuminant-energy"}
-    answers = [sensor.answers.scale, sensor.answers.level, sensor.answers.wavelength_unit]
+    answers = [sensor.answers.scale, sensor.answers.level]
     per = {"photon": "photons", "energy": "energy"}.get(sensor.answers.per or "")
     flags = [either.get(light.per or ""), *answers, per]
     return [
@@ -199,10 +204,14 @@ def _shared(study: Study) -> list[str]:
             beyond=_unless("refuse", sensor.beyond),
             illuminant_beyond=_unless("refuse", light.beyond),
             illuminant_column=light.column,
+            illuminant_wavelength_unit=light.wavelength_unit,
+            wavelength_unit=sensor.answers.wavelength_unit,
+            negatives=_unless("refuse", sensor.negatives),
             magnification=exposure.magnification,
             pixel=sensor.pixel.file,
             **sensor.pixel.model_dump(exclude={"file"}),
             filter=sensor.filter,
+            filter_wavelength_unit=sensor.filter_wavelength_unit,
             peak_qe=sensor.answers.peak_qe,
         ),
         *(f"--{flag}" for flag in flags if flag),

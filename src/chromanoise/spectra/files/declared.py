@@ -1,0 +1,193 @@
+"""What a file declares: units in headings, and ``key: value`` lines of a closed vocabulary.
+
+Headings and these keys decide what curves are. Free text never does: a title or a comment about
+the bench would otherwise change units or scale.
+"""
+
+import re
+from collections.abc import Iterable, Mapping
+from types import MappingProxyType
+from typing import get_args
+
+from chromanoise import _check
+from chromanoise.spectra.files.understood import Level, Per, Quantity, Scale, Unit
+
+_KEY = re.compile(r"\s*([A-Za-z][A-Za-z _-]{0,40}?)\s*[:=]\s*(\S.*)")
+_OF_WAVELENGTHS = r"(?:wave(?:length)?s?|lambda|x(?:[ _]axis)?)"
+_KEYS = {
+    "quantity": r"quantity",
+    "unit": r"(?:y[ _]?)?units?",
+    "scale": r"scale",
+    "level": r"level",
+    "per": r"per",
+    "wavelength_unit": rf"{_OF_WAVELENGTHS}[ _]?units?|units? of {_OF_WAVELENGTHS}",
+}
+_QUANTITIES: tuple[tuple[Quantity, str], ...] = (
+    ("QE", r"(?:absolute |relative )?(?:qe|quantum[ _]efficiency)"),
+    ("response", r"(?:spectral )?(?:responsivity|sensitivity|response)"),
+    ("reflectance", r"(?:spectral )?(?:reflectance|reflectivity)(?: factor)?"),
+    ("transmittance", r"(?:spectral )?(?:transmittance|transmission|throughput)"),
+    ("power", r"(?:spectral )?(?:power|irradiance|radiance|exitance|flux|spd)"),
+)
+_UNITS: dict[str, Unit] = {
+    **dict.fromkeys(("nm", "nanometer", "nanometre"), "nm"),
+    **dict.fromkeys(("um", "µm", "μm", "micron", "micrometer", "micrometre"), "um"),
+    **dict.fromkeys(("angstrom", "ångström", "ångstrom", "angström", "å", "ang"), "angstrom"),
+    **dict.fromkeys(("1/cm", "cm-1", "cm^-1", "cm⁻¹", "wavenumber", "kayser"), "1/cm"),
+}  # fmt: skip
+_NOT_READ = ("m", "mm", "ev", "kev", "hz", "ghz", "thz", "phz", "pixel", "px")
+_WORD = re.compile(r"1/cm|cm\^?-1|cm⁻¹|[^\W\d_]+")
+_BRACKETS = re.compile(r"[\[(]\s*([^\[\]()]+?)\s*[\])]\s*$")
+_OF_VALUES = re.compile(
+    r"(?:|1|-|%|percent|pct|dimensionless|none|a\s*/\s*w|e-?\s*/\s*(?:photon|ph)|counts?|dn|"
+    r"flam|fnu|photlam|photnu|[µumk]?w.*(?:m|nm|um|sr).*)",
+    re.IGNORECASE,
+)
+
+
+def declared_keys(comments: Iterable[str]) -> Mapping[str, str]:
+    """The lines of a file that declare something, by our names of the keys.
+
+    Examples
+    --------
+    >>> dict(declared_keys(["Wavelength units: Angstrom", "bench: 0.2 A/W", "scale = percent"]))
+    {'wavelength_unit': 'Angstrom', 'scale': 'percent'}
+    """
+    found: dict[str, str] = {}
+    for match in filter(None, map(_KEY.fullmatch, comments)):
+        for key, words in _KEYS.items():
+            if re.fullmatch(words, match[1], re.IGNORECASE):
+                found.setdefault(key, match[2].strip().strip("'\""))
+    return MappingProxyType(found)
+
+
+def quantity_of_key(keys: Mapping[str, str]) -> Quantity | None:
+    """The quantity that a key names; a value that is no such name declares nothing.
+
+    Examples
+    --------
+    >>> quantity_of_key({"quantity": "QE [e-/photon]"})
+    'QE'
+    >>> quantity_of_key({"quantity": "three sensors, reflectance standard used"})
+    """
+    name = _BRACKETS.sub("", keys.get("quantity", "")).strip()
+    for quantity, words in _QUANTITIES:
+        if re.fullmatch(words, name, re.IGNORECASE):
+            return quantity
+    return None
+
+
+def scale_of_key(keys: Mapping[str, str]) -> Scale | None:
+    """``percent`` or ``fraction``, where a key says so."""
+    text = f"{keys.get('scale', '')} {keys.get('unit', '')}".lower().split()
+    if {"percent", "%", "pct"} & set(text):
+        return "percent"
+    return "fraction" if "fraction" in text else None
+
+
+def level_of_key(keys: Mapping[str, str]) -> Level | None:
+    """``absolute`` or ``relative``, where a key says so."""
+    word = keys.get("level", "").lower()
+    return next((level for level in get_args(Level) if level == word), None)
+
+
+def per_of_key(keys: Mapping[str, str]) -> Per | None:
+    """``photon`` or ``energy``, where a key says so."""
+    word = keys.get("per", "").lower()
+    return next((per for per in get_args(Per) if per == word), None)
+
+
+def wavelength_unit_of(heading: str) -> Unit | None:
+    """The unit that the heading of the wavelengths, or a declared unit, names.
+
+    Raises
+    ------
+    InputError
+        If it names two units, or one in which wavelengths are not read.
+
+    Examples
+    --------
+    >>> [wavelength_unit_of(h) for h in ("Wavelength [um]", "wave_nm", "lambda (A)", "x", "cm-1")]
+    ['um', 'nm', 'angstrom', None, '1/cm']
+    """
+    bracket = _BRACKETS.search(heading)
+    unit = bracket[1] if bracket else heading.strip()
+    if unit in ("A", "A.") and (bracket or heading.strip() == "A."):
+        return "angstrom"
+    if unit.lower() in _NOT_READ:
+        raise _check.InputError(
+            f"wavelengths are in {unit!r} by their heading; give them in nm, um, angstrom or 1/cm"
+        )
+    words = [word.lower().rstrip("s") for word in _WORD.findall(heading)]
+    units = {_UNITS[word] for word in words if word in _UNITS}
+    if re.search(r"_A$", heading):
+        units.add("angstrom")
+    if len(units) > 1:
+        raise _check.InputError(
+            f"the heading {heading[:60]!r} names the units {' and '.join(sorted(units))}; keep one"
+        )
+    return next(iter(units), None)
+
+
+def is_wavelength_heading(cell: str) -> bool:
+    """Whether a cell says that wavelengths stand below it, and nothing else.
+
+    Examples
+    --------
+    >>> [is_wavelength_heading(c) for c in ("Wavelength in nm", "wl", "wavelength error 1 nm")]
+    [True, True, False]
+    """
+    words = [w for w in _WORD.findall(cell.lower()) if w not in ("in", "vac", "vacuum", "air")]
+    names = {"wavelength", "wave", "lambda", "λ", "wl", "wvl", "a"}
+    known = [w for w in words if w in names or w.rstrip("s") in names or w.rstrip("s") in _UNITS]
+    return bool(words) and len(known) == len(words) and words != ["a"]
+
+
+def is_row_of_units(cells: Iterable[str]) -> bool:
+    """Whether cells hold the unit of a wavelength and, beside it, units of values only.
+
+    Examples
+    --------
+    >>> is_row_of_units(["nm", "%", "%"]), is_row_of_units(["ANGSTROM", "FLAM"])
+    (True, True)
+    >>> is_row_of_units(["nm", "R", "G"]), is_row_of_units(["wavelength", "%"])
+    (False, False)
+    """
+    first, *rest = (cell.strip().strip("[]()").strip() for cell in cells)
+    known = first.lower() in _UNITS or first.lower().rstrip("s") in _UNITS
+    return known and bool(rest) and all(map(_OF_VALUES.fullmatch, rest)) and any(rest)
+
+
+def with_units(names: Iterable[str], units: Iterable[str]) -> tuple[str, ...]:
+    """Headings with the units that stand below them: ``wavelength``, ``nm`` become one cell."""
+    return tuple(
+        f"{name} [{bare}]" if (bare := unit.strip().strip("[]()")) else name
+        for name, unit in zip(names, units, strict=True)
+    )
+
+
+def ecsv_units(comments: Iterable[str]) -> Mapping[str, str]:
+    """The unit of each column that the header of an ECSV file declares.
+
+    Notes
+    -----
+    Enhanced CSV, Astropy Proposal for Enhancement 6: comment lines that begin with ``%ECSV`` and
+    hold YAML with ``name`` and ``unit`` of each column, in flow or in block style.
+
+    Examples
+    --------
+    >>> dict(ecsv_units(["%ECSV 1.0", "---", "- {name: wave, unit: Angstrom, datatype: float64}"]))
+    {'wave': 'Angstrom'}
+    """
+    lines = list(comments)
+    if not any(line.startswith(("%ECSV", "ECSV")) for line in lines):
+        return MappingProxyType({})
+    found: dict[str, str] = {}
+    for entry in re.split(r"(?m)^\s*-\s", "\n".join(lines)):
+        facts = {
+            key: value.strip().strip("'\"")
+            for key, value in re.findall(r"\b(name|unit):\s*('[^']*'|\"[^\"]*\"|[^,}\n]*)", entry)
+        }
+        if facts.get("name") and facts.get("unit"):
+            found[facts["name"]] = facts["unit"]
+    return MappingProxyType(found)

@@ -1,0 +1,305 @@
+"""Headings and declared keys decide what curves are; free text decides nothing."""
+
+import io
+import json
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from scipy.io import savemat
+
+from chromanoise._check import InputError
+from chromanoise.sensor import PAPER_PIXEL, read_sensor
+from chromanoise.spectra import DEFAULT_GRID
+from chromanoise.spectra.files import Answers, power_of, read_curves
+from chromanoise.study.words import filter_of_word, illuminant_of_word
+
+AT_NM = np.arange(380.0, 1071.0, 10.0)
+QE = 0.1 + 0.5 * np.exp(-(((AT_NM - 550) / 120) ** 2))
+
+# Of real files: what people write beside a table. Each once changed the electrons or was refused.
+COMMENTS = [
+    "bench reference diode: 0.21 A/W at 550 nm", "relative error 1e-3", "lamp power 100 W",
+    "transmission of the lens not included", "reflectance standard used",
+    "QE in percent is in the other file", "normalized to the monitor diode", "spectral response",
+    "radiance of the sphere: 12 W m-2 sr-1", "photon counting head, 2e5 counts/s",
+    "wavelength accuracy 0.3 nm", "wavelengths in Angstrom in the other file", "step 0.01 um",
+    "units of the lamp file: uW/cm2/nm", "a.u. in the plot only", "100 % = full scale",
+    "irradiance, not radiance", "S/N 1234, W. Smith", "arbitrary title", "emission line at 546 nm",
+    "IR-cut filter removed", "standard deviation 0.002", "relative humidity 40 %", "per energy?",
+    "absolute calibration of 2019", "illuminant A at 2856 K", "flux: 3 lm", "level 3, room 2",
+    "quantity: see sheet 2, reflectance", "scale of the drawing 1:2", "unit 7 of the batch",
+    "quantum efficiency of the reference 0.65", "watt meter: type 3", "energy 2.27 eV at 546 nm",
+    "sensitivity class A", "transmittance of the window 0.92 (not divided out)", "µm, nm, Å",
+    "wavenumber scan, 20000 1/cm at the start", "beam power 3.2 mW", "dark counts 12 e-",
+    "date: 2024-01-31", "source: a bench", "notes: percent; relative", "see https://example.org/qe",
+    "sd of three runs 0.001", "spd of the lamp was flat", "extraterrestrial curve not used",
+    "percentages were rounded", "level: unknown", "per: request",
+]  # fmt: skip
+
+
+def _text(comments, sign, decimal=".", mark="#"):
+    def cell(value):
+        return repr(float(value)).replace(".", decimal)
+
+    rows = [f"{cell(w)}{sign}{cell(q)}" for w, q in zip(AT_NM, QE, strict=True)]
+    return "\n".join([*(f"{mark} {c}" for c in comments), f"wavelength_nm{sign}QE", *rows]).encode()
+
+
+def _mat(comments):
+    names = np.empty((1, 1), dtype=object)
+    names[0, 0] = "QE"
+    file = io.BytesIO()
+    arrays = {"wavelength": AT_NM, "data": QE[:, None], "filterNames": names}
+    savemat(file, arrays | {"comment": "; ".join(comments)})
+    return file.getvalue()
+
+
+def _json(comments):
+    main = {f"{w:g}": [float(q)] * 3 for w, q in zip(AT_NM, QE, strict=True)}
+    spectral = {"units": "relative", "index": {"main": ["R", "G", "B"]}, "data": {"main": main}}
+    header = {f"comment{i}": comment for i, comment in enumerate(comments)}
+    return json.dumps({"header": header, "spectral_data": spectral}).encode()
+
+
+def _xlsx(comments):
+    from openpyxl import Workbook
+
+    book = Workbook()
+    for comment in comments:
+        book.active.append([comment])
+    book.active.append(["wavelength_nm", "QE"])
+    for row in zip(AT_NM.tolist(), QE.tolist(), strict=True):
+        book.active.append(list(row))
+    file = io.BytesIO()
+    book.save(file)
+    return file.getvalue()
+
+
+FORMS = {
+    "comma.csv": (lambda c: _text(c, ","), Answers()),
+    "german.csv": (lambda c: _text(c, ";", decimal=","), Answers()),
+    "blanks.dat": (lambda c: _text(c, " ", mark="%"), Answers()),
+    "isetcam.mat": (_mat, Answers()),
+    "camera.json": (_json, Answers(peak_qe=0.5)),
+    "sheet.xlsx": (_xlsx, Answers()),
+}
+
+
+def _qe(path, answers):
+    return read_sensor(path, DEFAULT_GRID, PAPER_PIXEL, answers=answers).qe
+
+
+@pytest.mark.parametrize("form", FORMS)
+@settings(
+    max_examples=25, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+)
+@given(st.lists(st.sampled_from(COMMENTS), min_size=1, max_size=6, unique=True))
+def test_free_text_leaves_quantum_efficiencies_as_they_are_to_the_last_digit(
+    tmp_path, form, comments
+):
+    written, answers = FORMS[form]
+    path = tmp_path / form
+    path.write_bytes(written([]))
+    bare = _qe(path, answers)
+    path.write_bytes(written(comments))
+    assert _qe(path, answers).tolist() == bare.tolist()
+
+
+@pytest.mark.parametrize("comment", COMMENTS)
+def test_no_comment_alone_answers_a_question(tmp_path, comment):
+    path = tmp_path / "bare.csv"
+    path.write_text(f"# {comment}\nx,y\n400.5,0.2\n700.5,0.4\n")
+    told = read_curves(path)
+    assert (told.quantity, told.level, told.per, told.scale) == (None, None, None, "fraction")
+    assert told.curves.values.ravel().tolist() == [0.2, 0.4]
+    assert {q.about for q in told.questions} == {"quantity", "per", "level", "beyond"}
+
+
+UNITS = {"nm": AT_NM, "um": AT_NM / 1000, "angstrom": 10 * AT_NM, "1/cm": 1e7 / AT_NM}
+SPELLINGS = {
+    "nm": ("nm", "nanometers", "NM"),
+    "um": ("um", "µm", "micron", "micrometer"),
+    "angstrom": ("Angstrom", "A", "Å", "angstroms", "ANGSTROM"),
+    "1/cm": ("1/cm", "cm-1", "cm^-1"),
+}
+HEADS = {
+    "bracket": "wavelength [{unit}],transmittance\n",
+    "parenthesis": "Wavelength ({unit}),transmittance\n",
+    "key": "# wavelength_unit: {unit}\nwavelength,transmittance\n",
+    "words of a key": "# Wavelength units = {unit}\nwavelength,transmittance\n",
+    "units below": "wavelength,transmittance\n{unit},-\n",
+    "comment": "# wavelength [{unit}], transmittance\n",
+    "ECSV, flow": "# %ECSV 1.0\n# ---\n# datatype:\n"
+    "# - {{name: wavelength, unit: {unit}, datatype: float64}}\n"
+    "# - {{name: transmittance, datatype: float64}}\nwavelength,transmittance\n",
+    "ECSV, block": "# %ECSV 1.0\n# ---\n# datatype:\n# - name: wavelength\n#   unit: {unit}\n"
+    "#   datatype: float64\n# - name: transmittance\n#   datatype: float64\n"
+    "wavelength,transmittance\n",
+}
+
+
+@pytest.mark.parametrize("head", HEADS)
+@pytest.mark.parametrize(
+    ("unit", "spelling"), [(unit, s) for unit, all_ in SPELLINGS.items() for s in all_]
+)
+def test_every_declared_unit_of_wavelengths_gives_the_same_curve(tmp_path, unit, spelling, head):
+    if spelling == "A" and head in ("key", "words of a key", "units below"):
+        pytest.skip("A alone is a unit only in brackets or in a table of ECSV")
+    rows = [f"{w!r},{q!r}" for w, q in zip(UNITS[unit].tolist(), QE.tolist(), strict=True)]
+    path = tmp_path / "filter.ecsv"
+    path.write_text(HEADS[head].format(unit=spelling) + "\n".join(rows), encoding="utf-8")
+    told = read_curves(path)
+    assert told.wavelength_unit == unit
+    assert told.quantity == "transmittance"
+    np.testing.assert_allclose(told.curves.wavelength_nm, AT_NM, rtol=1e-12)
+    np.testing.assert_allclose(told.curves.values.ravel(), QE, rtol=1e-12)
+
+
+def test_a_table_of_spectral_flux_in_angstrom_is_a_light(tmp_path):
+    # the form of synthetic photometry: names, and units below them, in comments
+    path = tmp_path / "star.dat"
+    path.write_text("# WAVELENGTH FLUX\n# ANGSTROMS FLAM\n3500. 1.\n5500. 2.\n11000. 1.\n")
+    told = read_curves(path)
+    assert (told.quantity, told.per, told.wavelength_unit) == ("power", "energy", "angstrom")
+    assert power_of(told).wavelength_nm.tolist() == [350.0, 550.0, 1100.0]
+
+
+@pytest.mark.parametrize(
+    "at", [(3000, 11000), (300, 11000), (1, 2, 3), (30, 40), (1100, 2500), (9500, 26000)]
+)
+def test_no_unit_is_guessed_where_another_could_be_meant(tmp_path, at):
+    path = tmp_path / "filter.dat"
+    path.write_text("\n".join(f"{w} 0.5" for w in at))
+    with pytest.raises(InputError) as refused:
+        read_curves(path)
+    assert f"{at[0]}-{at[-1]}" in str(refused.value)
+    assert "--wavelength-unit" in str(refused.value)
+    if at == (3000, 11000):
+        told = read_curves(path, answers=Answers(wavelength_unit="angstrom"))
+        assert told.curves.wavelength_nm.tolist() == [300.0, 1100.0]
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "# wavelength_unit: um\nwavelength_nm,QE\n400,.1\n1050,.2\n",
+        "wavelength [nm or um],QE\n400,.1\n1050,.2\n",
+        "wavelength [eV],QE\n1.2,.1\n3.1,.2\n",
+        "wavelength [m],QE\n4e-7,.1\n1.05e-6,.2\n",
+    ],
+)
+def test_two_units_or_one_that_is_not_read_are_refused(tmp_path, text):
+    path = tmp_path / "two.csv"
+    path.write_text(text)
+    with pytest.raises(InputError, match=r"two\.csv"):
+        read_curves(path)
+
+
+def test_an_answer_never_overrules_a_heading_that_fits(tmp_path):
+    path = tmp_path / "cam.csv"
+    path.write_text("wavelength_nm,QE\n400,.1\n1050,.2\n")
+    with pytest.raises(InputError, match=r"cam\.csv.*nm.*angstrom"):
+        read_curves(path, answers=Answers(wavelength_unit="angstrom"))
+    path.write_text("wavelength_nm,QE\n0.4,.1\n1.05,.2\n")  # the heading does not fit
+    told = read_curves(path, answers=Answers(wavelength_unit="um"))
+    assert told.curves.wavelength_nm.tolist() == [400.0, 1050.0]
+
+
+def _curve(path, heading, values):
+    rows = [f"{w:g},{v!r}" for w, v in zip(np.arange(300, 1101, 10), values, strict=True)]
+    path.write_text("\n".join([heading, *rows]))
+    return path
+
+
+def _values(**at):
+    values = np.full(81, 0.5)
+    for wavelength, value in at.items():
+        values[(int(wavelength[1:]) - 300) // 10] = value
+    return values.tolist()
+
+
+def test_negative_values_outside_the_grid_do_not_matter(tmp_path):
+    clean = _curve(tmp_path / "clean.csv", "wavelength_nm,QE", _values())
+    noisy = _curve(tmp_path / "noisy.csv", "wavelength_nm,QE", _values(w320=-0.7, w1090=-0.2))
+    assert _qe(noisy, Answers()).tolist() == _qe(clean, Answers()).tolist()
+    for path in (clean, noisy):
+        path.write_text(path.read_text().replace("QE", "transmittance"))
+    one, two = (filter_of_word(str(path)).values for path in (clean, noisy))
+    assert one.tolist() == two.tolist()
+    for path in (clean, noisy):
+        path.write_text(path.read_text().replace("transmittance", "power"))
+    one, two = (illuminant_of_word(str(path)).irradiance for path in (clean, noisy))
+    assert one.tolist() == two.tolist()
+
+
+@pytest.mark.parametrize("heading", ["wavelength_nm,QE", "wavelength_nm,transmittance",
+                                     "wavelength_nm,power"])  # fmt: skip
+def test_small_negative_values_are_refused_or_taken_as_0_and_said(tmp_path, heading):
+    path = _curve(tmp_path / "digitized.csv", heading, _values(w980=-0.0003))
+    zero = _curve(tmp_path / "zero.csv", heading, _values(w980=0.0))
+
+    def used(path, answers):
+        if heading.endswith("QE"):
+            sensor = read_sensor(path, DEFAULT_GRID, PAPER_PIXEL, answers=answers)
+            return sensor.qe, sensor.notes
+        if heading.endswith("transmittance"):
+            curve = filter_of_word(str(path), answers=answers)
+            return curve.values, curve.notes
+        light = illuminant_of_word(str(path), answers=answers)
+        return light.irradiance, light.notes
+
+    with pytest.raises(InputError, match=r"digitized\.csv.*-0\.0003.*--negatives zero"):
+        used(path, Answers())
+    values, notes = used(path, Answers(negatives="zero"))
+    assert values.tolist() == used(zero, Answers())[0].tolist()
+    assert any("1 small negative value" in note and "-0.0003" in note for note in notes)
+
+
+def test_a_large_negative_value_is_refused_whatever_is_answered(tmp_path):
+    path = _curve(tmp_path / "wrong.csv", "wavelength_nm,QE", _values(w600=-0.01))
+    with pytest.raises(InputError, match=r"wrong\.csv.*-0\.01"):
+        _qe(path, Answers(negatives="zero"))
+
+
+def test_many_gaps_are_one_defect_and_only_where_sensors_answer(tmp_path):
+    path = tmp_path / "gaps.csv"
+    at = [w for w in range(400, 1051, 2) if (w // 10) % 3]
+    path.write_text("wavelength_nm,QE\n" + "".join(f"{w},0.5\n" for w in at))
+    (defect,) = read_curves(path).defects
+    assert defect.startswith("21 gaps, the widest from 418 to 430 nm")
+    path.write_text(
+        "wavelength_nm,QE\n200,0.1\n" + "".join(f"{w},0.5\n" for w in range(390, 1060, 10))
+    )
+    assert read_curves(path).defects == ()
+
+
+QUESTIONS = [
+    ("wavelength_nm,R,G", ()), ("wavelength_nm,QE", ()), ("Wavelength [nm],QE (%)", ()),
+    ("nm,A", ("per", "level")), ("nm,sensitivity", ("per", "level")), ("nm,R [A/W]", ()),
+    ("nm,relative QE", ("peak_qe",)),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("heading", "abouts"), QUESTIONS)
+@pytest.mark.parametrize("answers", [
+    Answers(), Answers(per="photon"), Answers(level="absolute"), Answers(peak_qe=0.5),
+    Answers(per="photon", level="absolute"), Answers(per="energy", peak_qe=0.3),
+])  # fmt: skip
+def test_a_preview_asks_exactly_where_a_sensor_is_refused(tmp_path, heading, abouts, answers):
+    path = tmp_path / "curves.csv"
+    columns = len(heading.split(",")) - 1
+    factor = 100 if "%" in heading else 1
+    path.write_text("\n".join([heading, *(
+        ",".join([f"{w}", *[f"{factor * 0.3 * w / 1050}"] * columns]) for w in range(400, 1051, 10)
+    )]))  # fmt: skip
+    asked = {q.about for q in read_curves(path, answers=answers).questions}
+    if answers == Answers():
+        assert asked - {"quantity"} == set(abouts)
+    try:
+        read_sensor(path, DEFAULT_GRID, PAPER_PIXEL, answers=answers)
+    except InputError:
+        assert asked
+    else:
+        assert not asked
