@@ -156,7 +156,8 @@ def _wavelength_unit(
         return "nm", (f"wavelengths of {span} are taken as nm",)
     raise _check.InputError(
         f"{found.source}: does not declare the unit of its wavelengths, {span}; say "
-        "--wavelength-unit nm, um, angstrom or 1/cm"
+        "--wavelength-unit nm, um, angstrom or 1/cm (for a filter --filter-wavelength-unit, for an "
+        "illuminant --illuminant-wavelength-unit)"
     )
 
 

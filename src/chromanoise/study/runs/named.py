@@ -146,6 +146,9 @@ _OPTIONS = {
     "--absolute": 'answers.level = "absolute"',
     "--fraction or --percent": 'answers.scale = "fraction" or "percent"',
     "--percent": 'answers.scale = "percent"',
+    " (for a filter --filter-wavelength-unit, for an illuminant --illuminant-wavelength-unit)": (
+        " (filter_wavelength_unit for a filter, light.wavelength_unit for the illuminant)"
+    ),
     "--wavelength-unit": "answers.wavelength_unit",
     "--negatives zero": 'negatives = "zero"',
     "--peak-qe": "answers.peak_qe",
