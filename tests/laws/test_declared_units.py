@@ -303,3 +303,10 @@ def test_a_preview_asks_exactly_where_a_sensor_is_refused(tmp_path, heading, abo
         assert asked
     else:
         assert not asked
+
+
+def test_light_per_wavenumber_is_refused_as_a_light(tmp_path):
+    path = tmp_path / "lamp.csv"
+    path.write_text("wavenumber [1/cm],power\n9000,1\n26000,1\n")
+    with pytest.raises(InputError, match=r"lamp\.csv.*per nm"):
+        power_of(read_curves(path))

@@ -95,10 +95,16 @@ def power_of(told: Understood) -> Spectra:
     Raises
     ------
     InputError
-        If it is not one curve, or not known whether light was counted as energy or in photons.
+        If it is not one curve, not known whether light was counted as energy or in photons, or
+        given per wavenumber.
     """
     curves = told.curves
     _refuse_open(told, light_questions(told))
+    if told.wavelength_unit == "1/cm":
+        raise _check.InputError(
+            f"{curves.source}: gives light over wavenumbers, where each 1/cm holds another number "
+            "of nm; convert it to light per nm over wavelengths"
+        )
     notes = _said(replace(told, defects=defects_of_a_light(told.defects)))
     if told.per == "photon":
         curves = power_of_photons(curves)
