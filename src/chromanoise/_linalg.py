@@ -1,12 +1,54 @@
-"""The small linear algebra of sensor space: products that broadcast over pixels, ranks, angles."""
+"""The small linear algebra of sensor space: products that broadcast over pixels, ranks, angles.
+
+Every solver of the package is called here: LAPACK may loop for ever, with the interpreter locked,
+over a number that is not finite.
+"""
+
+from collections.abc import Callable
+from functools import partial
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float
 
-from chromanoise._check import Array
+from chromanoise._check import Array, InputError
 
 RANK_TOLERANCE = 1e-10
 """Singular values of unit-norm columns below this share of the largest count as zero."""
+
+
+def _of_finite(solver: Callable[..., Any], what: str, *arrays: Array, **options: Any) -> Any:
+    """What a solver of numpy returns for ``arrays``; ``what`` names them in the message.
+
+    Raises
+    ------
+    InputError
+        If a number is not finite, or the solver finds no solution.
+    """
+    for array in arrays:
+        bad = ~np.isfinite(array)
+        if bad.any():
+            raise InputError(
+                f"{what}: {int(bad.sum())} of {bad.size} numbers overflow double precision, the "
+                f"first is {np.asarray(array)[bad][0]:g}; choose less extreme values of the light, "
+                "the exposure, the pixel or the matrix"
+            )
+    try:
+        return solver(*arrays, **options)
+    except np.linalg.LinAlgError as error:
+        raise InputError(f"{what}: no solution in double precision ({error})") from None
+
+
+cholesky = partial(_of_finite, np.linalg.cholesky)
+eigh = partial(_of_finite, np.linalg.eigh)
+eigvalsh = partial(_of_finite, np.linalg.eigvalsh)
+inv = partial(_of_finite, np.linalg.inv)
+lstsq = partial(_of_finite, np.linalg.lstsq)
+matrix_rank = partial(_of_finite, np.linalg.matrix_rank)
+pinv = partial(_of_finite, np.linalg.pinv)
+qr = partial(_of_finite, np.linalg.qr)
+solve = partial(_of_finite, np.linalg.solve)
+svd = partial(_of_finite, np.linalg.svd)
 
 
 def congruence(a: Float[Array, "q p"], s: Float[Array, "*px p p"]) -> Float[Array, "*px q q"]:

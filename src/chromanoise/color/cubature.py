@@ -9,6 +9,7 @@ from jaxtyping import Float
 
 from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise._linalg import eigh
 
 _VALUES_PER_CHUNK = 500_000  # cubature points at once: some 50 MB, however large the picture
 _EMPTY = 64 * np.finfo(float).eps  # eigenvalues below this share of the largest are rounding
@@ -116,7 +117,7 @@ def covariance_root(covariance: Float[Array, "*px 3 3"], scale: Float[Array, " 3
 
     Taken in units of ``scale``: the white, so that noise common to X, Y, Z is one clean direction.
     """
-    values, vectors = np.linalg.eigh(covariance / (scale[:, None] * scale))
+    values, vectors = eigh("covariance over the white", covariance / (scale[:, None] * scale))
     largest = np.abs(values).max(axis=-1, keepdims=True)
     if (values < -1e-6 * largest).any():
         raise _check.InputError(
@@ -180,5 +181,6 @@ def _radius_rule(count: int) -> tuple[Array, Array]:
         widths.append(square / last)
         before, now = now, (r - centers[-1]) * now - widths[-1] * before
     off = np.sqrt(widths[1:])
-    nodes, vectors = np.linalg.eigh(np.diag(centers) + np.diag(off, 1) + np.diag(off, -1))
+    jacobi = np.diag(centers) + np.diag(off, 1) + np.diag(off, -1)
+    nodes, vectors = eigh("rule of Gauss", jacobi)
     return nodes, vectors[0] ** 2

@@ -15,6 +15,7 @@ from jaxtyping import Float
 
 from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise._linalg import qr
 from chromanoise.color.spaces import LAB, Space
 from chromanoise.noise import (
     Measurement,
@@ -230,7 +231,7 @@ def _turned(
     moments = read_moments(mean_e, read_noise_e=read_noise_e, readout=readout)
     slope = space.jacobian(matrix @ moments.mean, white)
     moving = slope @ matrix * np.sqrt(moments.variance)
-    return np.asarray(np.linalg.qr(moving.T, mode="complete")[0])
+    return np.asarray(qr(f"noise in {space.name}", moving.T, mode="complete")[0])
 
 
 @lru_cache(maxsize=2)

@@ -14,7 +14,7 @@ from jaxtyping import Float
 from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._colour import colour_science
-from chromanoise._linalg import RANK_TOLERANCE
+from chromanoise._linalg import RANK_TOLERANCE, lstsq, pinv, qr, svd
 from chromanoise.color.matrices import ColorMatrix, kernel_matrix
 from chromanoise.color.training import (
     Training,
@@ -93,7 +93,7 @@ def least_squares(
     """
     seen = training_response(training, sensor, exposure, level_lux=level_lux)
     made_by = f"least squares ({training.source})"
-    return _made(sensor, exposure, metric, _penalized(seen, np.zeros_like(seen.noise_e2)), made_by)
+    return _penalized(sensor, exposure, metric, seen, np.zeros_like(seen.noise_e2), made_by)
 
 
 def white_preserving(
@@ -124,13 +124,13 @@ def white_preserving(
     relative = seen.electrons / white_scale(seen)  # the white is a row of ones
     ones = (seen.white_e > 0).astype(np.float64)
     direction = ones / np.linalg.norm(ones)
-    free = np.linalg.svd(direction[None])[2][1:].T  # spans what the white does not see
+    free = svd("white", direction[None])[2][1:].T  # spans what the white does not see
     fixed = np.outer(seen.white_xyz, ones / ones.sum())
-    rest, *_ = np.linalg.lstsq(
-        root * (relative @ free), root * (seen.xyz - relative @ fixed.T), rcond=RANK_TOLERANCE
-    )
+    made_by = f"white-preserving ({training.source})"
+    left, right = root * (relative @ free), root * (seen.xyz - relative @ fixed.T)
+    rest, *_ = lstsq(_over_white(made_by, sensor, seen), left, right, rcond=RANK_TOLERANCE)
     matrix = (fixed + (free @ rest).T) / white_scale(seen)
-    return _made(sensor, exposure, metric, matrix, f"white-preserving ({training.source})")
+    return _made(sensor, exposure, metric, matrix, made_by)
 
 
 def lmmse(
@@ -162,7 +162,7 @@ def lmmse(
     """
     seen = training_response(training, sensor, exposure, level_lux=level_lux)
     made_by = f"LMMSE at {level_lux:g} lx ({training.source})"
-    return _made(sensor, exposure, metric, _penalized(seen, seen.noise_e2), made_by)
+    return _penalized(sensor, exposure, metric, seen, seen.noise_e2, made_by)
 
 
 def lmmse_over_light(
@@ -194,15 +194,15 @@ def lmmse_over_light(
     share = _check.not_negative("weight of the noise", "1", weight)
     seen = training_response(training, sensor, exposure, level_lux=1.0)
     scale, root = white_scale(seen), np.sqrt(seen.share)[:, None]
-    q, r = np.linalg.qr(root * seen.electrons / scale)
+    what = _over_white("LMMSE over light", sensor, seen)
+    q, r = qr(what, root * seen.electrons / scale)
     light = levels[:, None, None]
     mean_e2 = levels[:, None] * (seen.share @ seen.electrons)  # shot noise of the mean
     noise = np.sqrt(share * (mean_e2 + sensor.pixel.read_noise_e**2)) / scale
     left = np.concatenate([light * r, noise[..., None] * np.eye(scale.size)], axis=1)
-    right = np.concatenate(
-        [light * (q.T @ (root * seen.xyz)), np.zeros((levels.size, scale.size, 3))], axis=1
-    )
-    solution = np.linalg.pinv(left, rcond=RANK_TOLERANCE) @ right
+    nothing = np.zeros((levels.size, scale.size, 3))
+    right = np.concatenate([light * (q.T @ (root * seen.xyz)), nothing], axis=1)
+    solution = pinv(what, left, rcond=RANK_TOLERANCE) @ right
     return np.asarray(np.swapaxes(solution, -1, -2) / scale)
 
 
@@ -233,7 +233,7 @@ def ridge(
     square = float((seen.share @ seen.electrons**2).mean())
     made_by = f"ridge {strength:g} ({training.source})"
     penalty = np.full_like(seen.noise_e2, share * square)
-    return _made(sensor, exposure, metric, _penalized(seen, penalty), made_by)
+    return _penalized(sensor, exposure, metric, seen, penalty, made_by)
 
 
 def noise_regularized(
@@ -265,7 +265,7 @@ def noise_regularized(
     _check.not_negative("weight of the noise", "1", weight)
     seen = training_response(training, sensor, exposure, level_lux=level_lux)
     made_by = f"noise weighted {weight:g} at {level_lux:g} lx ({training.source})"
-    return _made(sensor, exposure, metric, _penalized(seen, weight * seen.noise_e2), made_by)
+    return _penalized(sensor, exposure, metric, seen, weight * seen.noise_e2, made_by)
 
 
 def pareto(
@@ -295,7 +295,7 @@ def pareto(
     weight = _check.non_negative("weights of the noise", "1", weights)
     seen = training_response(training, sensor, exposure, level_lux=level_lux)
     _refuse_unseen(sensor, training, seen)
-    matrices = _along(seen, weight)
+    matrices = _along(seen, weight, _over_white("curve of matrices", sensor, seen))
     error = seen.electrons @ np.swapaxes(matrices, -1, -2) - seen.xyz
     luminance = matrices[:, 1]
     white_variance = luminance**2 @ (seen.white_e + sensor.pixel.read_noise_e**2)
@@ -351,7 +351,14 @@ def _refuse_unseen(sensor: Sensor, training: Training, seen: TrainingResponse) -
         )
 
 
-def _penalized(seen: TrainingResponse, penalty_e2: Float[Array, " p"]) -> Float[Array, "3 p"]:
+def _penalized(
+    sensor: Sensor,
+    exposure: Exposure,
+    metric: Metric,
+    seen: TrainingResponse,
+    penalty_e2: Float[Array, " p"],
+    made_by: str,
+) -> ColorMatrix:
     """C of least E|C M - XYZ|^2 + sum_i penalty_i |C e_i|^2.
 
     As stacked equations, because the normal equations would square the condition.
@@ -359,32 +366,34 @@ def _penalized(seen: TrainingResponse, penalty_e2: Float[Array, " p"]) -> Float[
     scale, root = white_scale(seen), np.sqrt(seen.share)[:, None]
     left = np.vstack([root * seen.electrons, np.diag(np.sqrt(penalty_e2))]) / scale
     right = np.vstack([root * seen.xyz, np.zeros((scale.size, 3))])
-    solution, *_ = np.linalg.lstsq(left, right, rcond=RANK_TOLERANCE)
-    return np.asarray(solution.T / scale)
+    solution, *_ = lstsq(_over_white(made_by, sensor, seen), left, right, rcond=RANK_TOLERANCE)
+    return _made(sensor, exposure, metric, solution.T / scale, made_by)
 
 
-def _along(seen: TrainingResponse, weight: Float[Array, " q"]) -> Float[Array, "q 3 p"]:
+def _over_white(made_by: str, sensor: Sensor, seen: TrainingResponse) -> str:
+    """The name of the equations of a matrix, in messages."""
+    return f"{made_by} for {sensor.name}, whose white has {seen.white_e.min():.3g} e- at least"
+
+
+def _along(seen: TrainingResponse, weight: Float[Array, " q"], what: str) -> Array:
     """The matrices of least E|C M - XYZ|^2 + w tr(C D C^T)."""
     noisy = seen.noise_e2 > 0  # a channel without noise has no signal either
     whitening = np.where(noisy, 1.0 / np.sqrt(np.where(noisy, seen.noise_e2, 1.0)), 0.0)
     root = np.sqrt(seen.share)[:, None]
-    u, s, vt = np.linalg.svd(root * seen.electrons * whitening, full_matrices=False)
+    u, s, vt = svd(what, root * seen.electrons * whitening, full_matrices=False)
     kept = s > RANK_TOLERANCE * s[0]
     gain = np.where(kept, s, 0.0) / np.where(kept, s**2 + weight[:, None], 1.0)
     cross = (root * seen.xyz).T @ u
     return np.asarray((cross * gain[:, None, :]) @ vt * whitening)
 
 
-def _mean_delta_e(
-    seen: TrainingResponse, matrices: Float[Array, "q 3 p"]
-) -> tuple[float | None, ...]:
+def _mean_delta_e(seen: TrainingResponse, matrices: Array) -> tuple[float | None, ...]:
     colour = colour_science()
     whites = matrices @ seen.white_e
     known = (whites > 0).all(axis=1) & (seen.white_xyz > 0).all()
     neutral = np.array([1 / 3, 1 / 3])  # chromaticity of XYZ = (1, 1, 1)
-    balanced = (
-        seen.electrons @ np.swapaxes(matrices, -1, -2) / np.where(whites > 0, whites, 1.0)[:, None]
-    )
+    white = np.where(whites > 0, whites, 1.0)[:, None]
+    balanced = seen.electrons @ np.swapaxes(matrices, -1, -2) / white
     truth = colour.XYZ_to_Lab(seen.xyz / np.where(seen.white_xyz > 0, seen.white_xyz, 1.0), neutral)
     errors = colour.difference.delta_E_CIE1976(truth, colour.XYZ_to_Lab(balanced, neutral))
     means = (errors @ seen.share).tolist()

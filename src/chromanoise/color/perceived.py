@@ -14,6 +14,7 @@ from jaxtyping import Bool, Float
 from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._colour import colour_science
+from chromanoise._linalg import eigvalsh, svd
 from chromanoise.color.cubature import (
     Cubature,
     covariance_root,
@@ -297,7 +298,7 @@ def _chroma_sd(first: Measurement) -> Float[Array, "*px"]:
     chroma = np.linalg.norm(ab, axis=-1)
     hue = ab / np.where(chroma > 0, chroma, 1.0)[..., None]
     along = np.einsum("...i,...ij,...j->...", hue, covariance, hue)
-    worst = np.linalg.eigvalsh(covariance)[..., -1]
+    worst = eigvalsh("covariance of chroma", covariance)[..., -1]
     colored = chroma > 1e-9  # below, a hue is rounding
     return np.asarray(np.sqrt(np.maximum(np.where(colored, along, worst), 0.0)))
 
@@ -324,5 +325,5 @@ def _in(space: Space, mean: Array, covariance: Array) -> Measurement:
 def _aligned(xyz: Measurement, space: Space, white: Array) -> Array:
     """The root turned so that its columns are orthogonal in ``space``, the longest first."""
     root = covariance_root(xyz.covariance, white)
-    turn = np.linalg.svd(space.jacobian(_xyz(xyz).mean, white) @ root)[2]
+    turn = svd(f"noise in {space.name}", space.jacobian(_xyz(xyz).mean, white) @ root)[2]
     return root @ np.swapaxes(turn, -1, -2)

@@ -5,6 +5,7 @@ from jaxtyping import Float
 
 from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise._linalg import inv
 
 D65_WHITE = np.array([0.95047, 1.0, 1.08883])
 """XYZ of the sRGB white (IEC 61966-2-1)."""
@@ -50,7 +51,7 @@ def adapted_to_d65(xyz: Float[Array, "*px 3"], white: Float[Array, " 3"]) -> Flo
             "could adapt to: the sensor and its matrix do not see this light"
         )
     gain = (BRADFORD @ D65_WHITE) / cones
-    return xyz @ (np.linalg.inv(BRADFORD) @ np.diag(gain) @ BRADFORD).T
+    return xyz @ (inv("BRADFORD", BRADFORD) @ np.diag(gain) @ BRADFORD).T
 
 
 def srgb_from_xyz(xyz: Float[Array, "*px 3"]) -> Float[Array, "*px 3"]:

@@ -13,7 +13,7 @@ from jaxtyping import Float
 
 from chromanoise import _check
 from chromanoise._check import Array
-from chromanoise._linalg import RANK_TOLERANCE
+from chromanoise._linalg import RANK_TOLERANCE, lstsq
 from chromanoise.color.matrices import XYZ
 from chromanoise.color.training import Training, training_response
 from chromanoise.exposure import Exposure
@@ -157,7 +157,8 @@ def root_polynomial(
             f"{training.source} has {len(terms)}; take a larger set or degree 1"
         )
     scale, root = np.where(white > 0, white, 1.0), np.sqrt(seen.share)[:, None]
-    solution, *_ = np.linalg.lstsq(root * terms / scale, root * seen.xyz, rcond=RANK_TOLERANCE)
+    what = f"root polynomial of {sensor.name}"
+    solution, *_ = lstsq(what, root * terms / scale, root * seen.xyz, rcond=RANK_TOLERANCE)
     return RootPolynomial(
         matrix=solution.T / scale,
         channels=sensor.names,

@@ -9,11 +9,13 @@ from jaxtyping import Float
 
 from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise._linalg import eigh
 from chromanoise.exposure import Exposure, expected_electrons
 from chromanoise.scene import Scene, flat_field, light
 from chromanoise.sensor import Sensor
 from chromanoise.spectra import INFRARED_FROM_NM, Illuminant, Metric, color_axes, colorchecker
 
+_FEWEST_E = 1e-280  # of a white; noise over fewer electrons leaves double precision
 _KEPT_VARIANCE = 1e-12  # of the largest component of a smoothness prior; less is rounding
 
 
@@ -156,7 +158,8 @@ def smooth_training(
     at = illuminant.grid.wavelength_nm
     width = _check.positive("width_nm of the smoothness prior", "nm", width_nm)
     spread = _check.not_negative("sd of the smoothness prior", "1", sd)
-    variance, directions = np.linalg.eigh(np.exp(-0.5 * ((at[:, None] - at) / width) ** 2))
+    prior = np.exp(-0.5 * ((at[:, None] - at) / width) ** 2)
+    variance, directions = eigh("smoothness prior", prior)
     kept = variance > _KEPT_VARIANCE * variance[-1]
     components = (directions[:, kept] * np.sqrt(variance[kept])).T
     signs = _balanced_signs(len(components))
@@ -260,17 +263,26 @@ def training_response(
     Raises
     ------
     InputError
-        If the set and the sensor are not on one grid.
+        If the set and the sensor are not on one grid, or a channel sees next to nothing of the
+        lamp.
     """
     scene, grid = _scene(training, level_lux), training.illuminant.grid
     white = flat_field(training.illuminant, level_lux=level_lux)
     electrons, share = expected_electrons(scene, sensor, exposure), shares(training)
+    white_e = expected_electrons(white, sensor, exposure)
+    for name, mean_e in zip(sensor.names, white_e, strict=True):
+        if 0 < mean_e < _FEWEST_E:
+            raise _check.InputError(
+                f"channel {name} of {sensor.name}: {mean_e:.3g} e- of a white in "
+                f"{training.illuminant.name} are too few to train a matrix; choose more light, a "
+                "longer time or a wider aperture, or leave the channel out"
+            )
     axes = color_axes(grid, "energy")
     return TrainingResponse(
         share=share,
         electrons=electrons,
         xyz=light(scene, "energy") @ axes,
-        white_e=expected_electrons(white, sensor, exposure),
+        white_e=white_e,
         white_xyz=light(white, "energy") @ axes,
         noise_e2=share @ electrons + sensor.pixel.read_noise_e**2,
     )

@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from chromanoise._check import Array
-from chromanoise._linalg import RANK_TOLERANCE, angles_deg, unit_columns
+from chromanoise._linalg import RANK_TOLERANCE, angles_deg, lstsq, matrix_rank, unit_columns
 from chromanoise.geometry.frame import Frame
 
 
@@ -73,7 +73,8 @@ def _mix(frame: Frame, i: int) -> NearestMix:
     others = np.delete(frame.basis, i, axis=1)
     names = [name for k, name in enumerate(frame.names) if k != i]
     directions, lengths = unit_columns(others)
-    weights = np.linalg.lstsq(directions, target, rcond=None)[0] / lengths
+    what = f"channel {frame.names[i]} as a mix of others"
+    weights = lstsq(what, directions, target, rcond=None)[0] / lengths
     # sine from the residual and cosine from the fit: accurate at both ends
     fit = others @ weights
     angle = float(np.degrees(np.arctan2(np.linalg.norm(target - fit), np.linalg.norm(fit))))
@@ -90,9 +91,8 @@ def _in_span_of_others(frame: Frame) -> Bool[Array, " p"]:
     directions, _ = unit_columns(frame.basis)
     p = directions.shape[1]
     smallest = RANK_TOLERANCE * np.linalg.norm(directions, 2)  # what the frame itself calls zero
-    return np.array(
-        [
-            np.linalg.matrix_rank(np.delete(directions, i, axis=1), tol=smallest) == frame.rank
-            for i in range(p)
-        ]
-    )
+    ranks = [
+        matrix_rank("channels but one", np.delete(directions, i, axis=1), tol=smallest)
+        for i in range(p)
+    ]
+    return np.array(ranks) == frame.rank

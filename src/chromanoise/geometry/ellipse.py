@@ -7,6 +7,7 @@ from jaxtyping import Float
 
 from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise._linalg import cholesky
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -61,5 +62,5 @@ def ellipse_outline(
     """
     turn = np.linspace(0, 2 * np.pi, points)
     circle = np.stack([np.cos(turn), np.sin(turn)], axis=1)
-    root = np.linalg.cholesky(covariance)
+    root = cholesky("covariance of an ellipse", covariance)
     return center[..., None, :] + sigmas * circle @ np.swapaxes(root, -1, -2)

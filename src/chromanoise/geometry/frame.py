@@ -7,7 +7,7 @@ from jaxtyping import Float
 
 from chromanoise import _check
 from chromanoise._check import Array
-from chromanoise._linalg import RANK_TOLERANCE, unit_columns
+from chromanoise._linalg import RANK_TOLERANCE, svd, unit_columns
 from chromanoise.spectra import Metric
 
 
@@ -80,7 +80,7 @@ def dual_frame(basis: Float[Array, "n p"], *, names: tuple[str, ...], metric: Me
             raise _check.InputError(
                 f"channel {name} is zero at every wavelength, so it spans nothing; leave it out"
             )
-    u, singular, vt = np.linalg.svd(directions, full_matrices=False)
+    u, singular, vt = svd(f"channels {', '.join(names)}", directions, full_matrices=False)
     kept = singular > RANK_TOLERANCE * singular[0]
     inverse = np.where(kept, 1.0 / np.where(kept, singular, 1.0), 0.0)
     dual = (u * inverse) @ vt / lengths

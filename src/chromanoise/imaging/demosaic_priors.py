@@ -13,6 +13,7 @@ from jaxtyping import Float
 
 from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise._linalg import eigvalsh, pinv, solve
 from chromanoise.imaging.demosaic import (
     FilterBank,
     bank_of,
@@ -64,10 +65,11 @@ class PicturePrior:
         for name, value in zip(self.names, spread, strict=True):
             _check.positive(f"standard deviation of {name} over the pictures", "e-", value)
         unit = covariance / np.outer(spread, spread)
-        if np.abs(unit - unit.T).max() > 1e-9 or np.linalg.eigvalsh(unit).min() < -1e-9:
+        least = eigvalsh("covariance_e2", unit).min()
+        if np.abs(unit - unit.T).max() > 1e-9 or least < -1e-9:
             raise _check.InputError(
                 "covariance_e2 must be symmetric and positive semidefinite [e-^2], but its least "
-                f"eigenvalue, channels scaled to 1, is {np.linalg.eigvalsh(unit).min():.3g}"
+                f"eigenvalue, channels scaled to 1, is {least:.3g}"
             )
         _check.freeze(self, "covariance_e2", "noise_e2")
 
@@ -263,7 +265,7 @@ def _unbiased(prior: PicturePrior, window: Array) -> Float[Array, "p k k"]:
         [[pixels / np.outer(pixel_scale, pixel_scale), member], [member.T, np.zeros((p, p))]]
     )
     sought = np.concatenate([(wanted / scale[:, None] / pixel_scale).T, np.eye(p)])
-    weights = np.linalg.solve(system, sought)[: window.size].T
+    weights = solve("demosaicing filters", system, sought)[: window.size].T
     return (weights * scale[:, None] / pixel_scale).reshape(p, *window.shape)
 
 
@@ -320,5 +322,6 @@ def _best_detail(
     pixels, wanted = _moments(prior, window)
     filters = details.reshape(len(details), -1)
     error = wanted[channel] - estimate.ravel() @ pixels
-    gains = np.linalg.pinv(filters @ pixels @ filters.T, hermitian=True) @ (filters @ error)
+    spread = filters @ pixels @ filters.T
+    gains = pinv("demosaicing filters", spread, hermitian=True) @ (filters @ error)
     return np.tensordot(gains, details, axes=1)

@@ -19,6 +19,7 @@ from jaxtyping import Float, UInt16
 
 from chromanoise import _check
 from chromanoise._check import Array, InputError
+from chromanoise._linalg import matrix_rank, pinv
 from chromanoise.color import ColorMatrix
 from chromanoise.exposure import Situation, expected_electrons, white_scene
 from chromanoise.imaging.row_files import PutRows, tiff_rows
@@ -192,7 +193,7 @@ def camera_matrix(to_xyz: Float[Array, "3 p"], white: Float[Array, " p"]) -> Flo
            [0.  , 0.25, 0.  ],
            [0.  , 0.  , 1.  ]])
     """
-    if np.linalg.matrix_rank(to_xyz) < 3:
+    if matrix_rank("matrix of a DNG", to_xyz) < 3:
         raise InputError(
             "a matrix to XYZ of a rank below 3 has no inverse, which a DNG needs; take a sensor "
             "with three channels that differ"
@@ -200,7 +201,7 @@ def camera_matrix(to_xyz: Float[Array, "3 p"], white: Float[Array, " p"]) -> Flo
     luminance = to_xyz[1] @ white
     if not luminance > 0:
         raise InputError(f"the white of a DNG needs a luminance above 0, but has {luminance:g}")
-    return np.linalg.pinv(to_xyz) * (luminance / white.max())
+    return pinv("matrix of a DNG", to_xyz) * (luminance / white.max())
 
 
 def dng_rows(

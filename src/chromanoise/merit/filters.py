@@ -15,7 +15,7 @@ from jaxtyping import Float
 
 from chromanoise import _check
 from chromanoise._check import Array
-from chromanoise._linalg import RANK_TOLERANCE, unit_columns
+from chromanoise._linalg import RANK_TOLERANCE, eigh, pinv, svd, unit_columns
 
 NEGATIVE_TOLERANCE = 1e-9
 """Eigenvalues of a covariance below minus this share of the largest are no rounding."""
@@ -76,8 +76,8 @@ def principal_angles_deg(
     if larger.shape[1] < smaller.shape[1]:
         larger, smaller = smaller, larger
     overlap = larger.T @ smaller
-    cosine = np.clip(np.linalg.svd(overlap, compute_uv=False), 0.0, 1.0)
-    outside = np.linalg.svd(smaller - larger @ overlap, compute_uv=False)
+    cosine = np.clip(svd("sensor and eye", overlap, compute_uv=False), 0.0, 1.0)
+    outside = svd("sensor and eye", smaller - larger @ overlap, compute_uv=False)
     sine = np.clip(outside[::-1], 0.0, 1.0)
     angle = np.where(cosine**2 > 0.5, np.arcsin(sine), np.arccos(cosine))
     return np.asarray(np.degrees(angle))
@@ -143,7 +143,7 @@ def best_readout(
     """
     seen, wanted = _extended(filters, eye, light_moment, noise_covariance)
     directions, lengths = unit_columns(seen)
-    solution = np.linalg.pinv(directions, rcond=RANK_TOLERANCE) @ wanted
+    solution = pinv("filters and their noise", directions, rcond=RANK_TOLERANCE) @ wanted
     return np.asarray((solution / np.where(lengths > 0, lengths, 1.0)[:, None]).T)
 
 
@@ -277,7 +277,7 @@ def _spanning(filters: Array, eye: Array) -> tuple[Array, Array]:
 
 def _orthonormal(columns: Array) -> Array:
     """An orthonormal basis of what the columns span."""
-    u, singular, _ = np.linalg.svd(unit_columns(columns)[0], full_matrices=False)
+    u, singular, _ = svd("filters", unit_columns(columns)[0], full_matrices=False)
     return u[:, singular > RANK_TOLERANCE * singular[0]]
 
 
@@ -308,7 +308,7 @@ def _root(name: str, values: Array, size: int) -> Array:
             f"{name} must be symmetric, but two mirrored entries differ by {off:g}; give "
             "(S + S^T) / 2"
         )
-    eigenvalue, vector = np.linalg.eigh(0.5 * (matrix + matrix.T))
+    eigenvalue, vector = eigh(name, 0.5 * (matrix + matrix.T))
     if eigenvalue[0] < -NEGATIVE_TOLERANCE * scale:
         raise _check.InputError(
             f"{name} must have no negative eigenvalue, but one is {eigenvalue[0]:g}; no "

@@ -32,7 +32,7 @@ from jaxtyping import Float
 
 from chromanoise import _check
 from chromanoise._check import Array
-from chromanoise._linalg import RANK_TOLERANCE, unit_columns
+from chromanoise._linalg import RANK_TOLERANCE, inv, svd, unit_columns
 from chromanoise.color import LAB, ColorMatrix
 from chromanoise.color.matrices import XYZ
 from chromanoise.exposure import Exposure, expected_electrons, measurement_vectors
@@ -100,7 +100,7 @@ def faintest_change(
     """
     root = np.sqrt(_check.non_negative("light", "photons", light))
     directions, lengths = unit_columns(axes * root[:, None])
-    u, singular, vt = np.linalg.svd(directions, full_matrices=False)
+    u, singular, vt = svd("axes of color in light", directions, full_matrices=False)
     rank = int((singular > RANK_TOLERANCE * singular[0]).sum())
     if rank < axes.shape[1]:
         return None
@@ -145,7 +145,8 @@ def lab_budget(
     if point is None:
         return None
     i = LAB.coordinates.index(coordinate)
-    change = faintest_change(point.light, point.axes, np.linalg.inv(point.slope)[:, i])
+    step = inv(f"slope of {coordinate} of {sensor.name}", point.slope)[:, i]
+    change = faintest_change(point.light, point.axes, step)
     if change is None:
         return None
     chain = _chain(point, sensor, exposure, matrix, change, i)

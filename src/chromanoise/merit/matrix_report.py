@@ -7,7 +7,7 @@ from jaxtyping import Bool, Float
 
 from chromanoise import _check
 from chromanoise._check import Array
-from chromanoise._linalg import RANK_TOLERANCE
+from chromanoise._linalg import RANK_TOLERANCE, svd
 from chromanoise.color import ColorMatrix, colored
 from chromanoise.color.noise_gain import noise_gain, white_normalized
 from chromanoise.exposure import Exposure, expected_electrons, measurement_vectors
@@ -129,7 +129,7 @@ def _told(names: tuple[str, ...], decibels: Float[Array, " c"]) -> dict[str, flo
 
 
 def _condition(matrix: Float[Array, "c p"]) -> float:
-    singular = np.linalg.svd(matrix, compute_uv=False)
+    singular = svd("color matrix", matrix, compute_uv=False)
     full = singular[-1] > RANK_TOLERANCE * singular[0]
     return float(singular[0] / singular[-1]) if full else float("inf")
 

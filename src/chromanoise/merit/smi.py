@@ -8,6 +8,7 @@ from jaxtyping import Float
 from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._colour import colour_science
+from chromanoise._linalg import lstsq
 from chromanoise.sensor import Sensor
 from chromanoise.spectra import cie_1931
 from chromanoise.spectra.metric import photons_per_unit
@@ -83,7 +84,8 @@ def metamerism(
     """
     raw = _white_balanced("filters", filters, illuminant, reflectance)
     wanted = _lab(_white_balanced("eye", eye, illuminant, reflectance))
-    start = np.linalg.lstsq(raw, _white_balanced("eye", eye, illuminant, reflectance), rcond=None)
+    seen = _white_balanced("eye", eye, illuminant, reflectance)
+    start = lstsq("white-balanced patches", raw, seen, rcond=None)
     matrix = _descended(raw, wanted, np.asarray(start[0].T))
     error = np.linalg.norm(_lab(raw @ matrix.T) - wanted, axis=-1)
     return Metamerism(index=float(100.0 - PENALTY * error.mean()), color_error=error, matrix=matrix)

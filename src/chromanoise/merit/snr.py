@@ -4,6 +4,7 @@ import numpy as np
 from jaxtyping import Float
 
 from chromanoise._check import Array
+from chromanoise._linalg import solve
 from chromanoise.noise import Measurement
 from chromanoise.units import decibel
 
@@ -62,7 +63,7 @@ def bound_db(raw: Measurement) -> Float[Array, "*px"]:
     """
     silent = raw.variance == 0  # neither signal nor noise adds nothing; signal alone is endless
     covariance = raw.covariance + silent[..., None] * np.eye(len(raw.names))
-    whitened = np.linalg.solve(covariance, raw.mean[..., None])[..., 0]
+    whitened = solve("covariance of the raw channels", covariance, raw.mean[..., None])[..., 0]
     endless = (silent & (raw.mean != 0)).any(axis=-1)
     bound = np.sqrt((raw.mean * whitened).sum(axis=-1))
     return decibel(np.asarray(np.where(endless, np.inf, bound)))

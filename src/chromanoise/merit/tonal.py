@@ -5,6 +5,7 @@ from jaxtyping import Float
 
 from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise._linalg import cholesky, eigh, solve, svd
 
 
 def tonal_levels(
@@ -147,24 +148,23 @@ def information_bits(
     noise = _check.finite("noise_covariance", "e-^2", noise_covariance)
     _check.same_length("wavelengths", basis=f.shape[0], light_covariance=prior.shape[0])
     _check.same_length("channels", basis=f.shape[1], noise_covariance=noise.shape[-1])
-    value, vector = np.linalg.eigh(0.5 * (prior + prior.T))
+    value, vector = eigh("light_covariance", 0.5 * (prior + prior.T))
     if value[0] < -1e-9 * np.abs(value).max():
         raise _check.InputError(
             f"light_covariance must have no negative eigenvalue, but one is {value[0]:g}; no "
             "covariance has"
         )
     signal = f.T @ (vector * np.sqrt(np.maximum(value, 0.0)))
-    whitened = np.linalg.solve(
-        _lower(noise), np.broadcast_to(signal, (*noise.shape[:-1], f.shape[0]))
-    )
-    singular = np.linalg.svd(whitened, compute_uv=False)
+    wide = np.broadcast_to(signal, (*noise.shape[:-1], f.shape[0]))
+    whitened = solve("noise_covariance", _lower(noise), wide)
+    singular = svd("channels over their noise", whitened, compute_uv=False)
     return np.asarray(0.5 * np.log2(1.0 + singular**2).sum(axis=-1))
 
 
 def _lower(noise: Array) -> Array:
     try:
-        return np.linalg.cholesky(0.5 * (noise + np.swapaxes(noise, -1, -2)))
-    except np.linalg.LinAlgError:
+        return cholesky("noise_covariance", 0.5 * (noise + np.swapaxes(noise, -1, -2)))
+    except _check.InputError:
         raise _check.InputError(
             "noise_covariance must be positive definite [e-^2], but has an eigenvalue <= 0: a mix "
             "of channels without noise would tell infinitely much; add read noise"

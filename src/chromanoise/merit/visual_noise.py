@@ -12,6 +12,7 @@ from jaxtyping import Float
 
 from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise._linalg import inv, matrix_rank
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -45,10 +46,10 @@ class VisualNoiseModel:
         for name in ("luminance", "red_green", "blue_yellow"):
             _check.positive(f"K of {name} of {self.edition}", "1", getattr(self, name)[-1])
         matrix = _check.finite("opponent_from_xyz", "1", self.opponent_from_xyz)
-        if matrix.shape != (3, 3) or np.linalg.matrix_rank(matrix) < 3:
+        if matrix.shape != (3, 3) or matrix_rank("opponent_from_xyz", matrix) < 3:
             raise _check.InputError(
                 f"opponent_from_xyz of {self.edition} must be an invertible 3 x 3 matrix, got "
-                f"{matrix.shape} of rank {np.linalg.matrix_rank(matrix)}"
+                f"{matrix.shape} of rank {matrix_rank('opponent_from_xyz', matrix)}"
             )
 
 
@@ -264,7 +265,7 @@ def visual_noise_of_picture(
     opponent = np.asarray(model.opponent_from_xyz)
     mean = patch.mean(axis=(0, 1))
     ripples = np.fft.fft2((patch - mean) @ opponent.T, axes=(0, 1)) * _passed(at, model)
-    filtered = np.fft.ifft2(ripples, axes=(0, 1)).real @ np.linalg.inv(opponent).T
+    filtered = np.fft.ifft2(ripples, axes=(0, 1)).real @ inv("opponent_from_xyz", opponent).T
     return _weighted(np.std(luv(mean + filtered), axis=(0, 1)), model)
 
 
@@ -276,7 +277,7 @@ def _passed(frequency_cpd: Array, model: VisualNoiseModel) -> Array:
 
 def _seen(opponent_covariance: Array, luv_from_xyz: Array, model: VisualNoiseModel) -> VisualNoise:
     jacobian = _check.finite("luv_from_xyz", "1", luv_from_xyz)
-    into = jacobian @ np.linalg.inv(np.asarray(model.opponent_from_xyz))
+    into = jacobian @ inv("opponent_from_xyz", np.asarray(model.opponent_from_xyz))
     variance = np.einsum("ia,ab,ib->i", into, opponent_covariance, into)
     return _weighted(np.sqrt(np.maximum(variance, 0.0)), model)
 

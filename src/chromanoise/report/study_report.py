@@ -10,6 +10,7 @@ import numpy as np
 
 from chromanoise import __version__
 from chromanoise._check import InputError
+from chromanoise._linalg import lstsq
 from chromanoise.imaging import png_bytes
 from chromanoise.report.bundle import (
     data_address,
@@ -206,7 +207,7 @@ def _half_axes(patch: dict[str, Any]) -> list[Any]:
     """Center, two conjugate half axes of an outline of evenly turned points, and its reach."""
     center = np.array(patch["center"])
     outline = np.array(patch["outline"]) - center
-    axes = np.linalg.lstsq(_circle(len(outline)), outline, rcond=None)[0]
+    axes = lstsq("outline of an ellipse", _circle(len(outline)), outline, rcond=None)[0]
     exact = shortened([*axes.tolist(), patch["reach"]], digits=_EXACT)
     return [*shortened([patch["center"]]), *exact]
 

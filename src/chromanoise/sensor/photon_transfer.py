@@ -15,6 +15,7 @@ from jaxtyping import Bool, Float
 
 from chromanoise import _check
 from chromanoise._check import Array, InputError
+from chromanoise._linalg import inv, lstsq
 from chromanoise.sensor.adc import Adc
 from chromanoise.sensor.imperfections import Imperfections
 from chromanoise.sensor.noise_profile import ROUNDING_DN2
@@ -273,7 +274,7 @@ class _Polynomial:
 def _curve(
     x: Array, table: PhotonTransfer, fitted: Array, *, terms: int, dark_known: bool
 ) -> _Polynomial:
-    scale = float(x[fitted].max())
+    scale, what = float(x[fitted].max()), f"photon transfer of {table.source}"
     powers = (x[:, None] / scale) ** np.arange(terms)
     samples = table.samples if table.samples is not None else np.full(x.size, np.inf)
     known = table.samples is not None
@@ -286,7 +287,7 @@ def _curve(
         slope, dark = values[1] / scale, max(values[0], 0.0) if dark_known else 0.0
         error2 = 2 * expected**2 / (n - 1) + slope**2 * dark / n
         root = 1 / np.sqrt(error2[fitted])
-        values = np.linalg.lstsq(powers[fitted] * root[:, None], variance[fitted] * root)[0]
+        values = lstsq(what, powers[fitted] * root[:, None], variance[fitted] * root)[0]
         expected = np.maximum(powers @ values, 1e-3 * expected)
     z = (variance - powers @ values) / np.sqrt(error2)
     free = int(fitted.sum()) - terms
@@ -294,7 +295,7 @@ def _curve(
     spread = 1.0 if known else chi2
     normal = powers[fitted].T @ (powers[fitted] / error2[fitted, None])
     unscale = scale ** -np.arange(terms, dtype=float)
-    covariance = spread * np.linalg.inv(normal) * np.outer(unscale, unscale)
+    covariance = spread * inv(what, normal) * np.outer(unscale, unscale)
     if not known:
         z = z / np.sqrt(spread) if spread > 0 else 0 * z
         chi2 = 1.0

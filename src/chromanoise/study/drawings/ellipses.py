@@ -6,6 +6,7 @@ import numpy as np
 from jaxtyping import Float
 
 from chromanoise._check import Array
+from chromanoise._linalg import eigvalsh
 from chromanoise.color import XYY, cielab, gaussian_cubature, through_space_sampled, xyy
 from chromanoise.geometry import ellipse_outline
 from chromanoise.noise import Measurement, through
@@ -70,7 +71,7 @@ def _sensor(analysis: Analysis, plane: str) -> dict[str, Any]:
     spread = covariance + _NONE**2 * np.eye(2)
     outline = ellipse_outline(center, spread, sigmas=SIGMAS, points=POINTS)
     reach = SIGMAS * np.sqrt(
-        np.linalg.eigvalsh(covariance)[:, -1].clip(min=0.0)
+        eigvalsh("covariance of a patch", covariance)[:, -1].clip(min=0.0)
     )  # not of 48 points
     drawn = outline.round(_DECIMALS[plane]).tolist()  # as fine as any screen, for drawing only
     return {

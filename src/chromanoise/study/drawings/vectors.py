@@ -12,6 +12,7 @@ import numpy as np
 from jaxtyping import Float
 
 from chromanoise._check import Array
+from chromanoise._linalg import eigh, qr
 from chromanoise.geometry import reconstructed_light
 from chromanoise.scene import light
 from chromanoise.spectra import color_axes
@@ -37,7 +38,7 @@ def color_frame(axes: Float[Array, "n 3"]) -> Float[Array, "n 3"]:
            [ 0., -1.,  0.],
            [ 0.,  0.,  1.]])
     """
-    frame, corner = np.linalg.qr(axes)
+    frame, corner = qr("axes of color in light", axes)
     return frame * np.where(np.diag(corner) < 0, -1.0, 1.0)
 
 
@@ -55,7 +56,7 @@ def half_axes(covariance: Float[Array, "3 3"]) -> Float[Array, "3 3"]:
     covariance
         Symmetric; the half axes are in the root of its unit.
     """
-    variance, directions = np.linalg.eigh(covariance)
+    variance, directions = eigh("covariance of the rebuilt light", covariance)
     return (directions * np.sqrt(np.maximum(variance, 0.0))).T[::-1]
 
 

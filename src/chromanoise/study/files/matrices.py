@@ -16,6 +16,7 @@ from jaxtyping import Float
 
 from chromanoise import __version__, _check
 from chromanoise._check import Array
+from chromanoise._linalg import inv, matrix_rank
 from chromanoise.color import ColorMatrix
 
 
@@ -131,14 +132,14 @@ def matrix_profile_json(made: MadeMatrix) -> str:
     """
     _refuse_not_three(made, "a camera profile")
     to_xyz, neutral = balanced(made), made.white_e / made.white_e.max()
-    if np.linalg.matrix_rank(to_xyz) < 3:
+    what = f"{made.matrix.made_by} matrix of {made.sensor}"
+    if matrix_rank(what, to_xyz) < 3:
         raise _check.InputError(
-            f"the {made.matrix.made_by} matrix of {made.sensor} has no inverse, which a camera "
-            "profile asks for; export it as CSV or JSON"
+            f"the {what} has no inverse, which a camera profile asks for; export it as CSV or JSON"
         )
     told: dict[str, Any] = {
         "header": {"schema": "chromanoise camera profile", **_facts(made)},
-        "ColorMatrix1": (neutral[:, None] * np.linalg.inv(to_xyz)).tolist(),
+        "ColorMatrix1": (neutral[:, None] * inv(what, to_xyz)).tolist(),
         "AsShotNeutral": neutral.tolist(),
         "CameraToXYZ": to_xyz.tolist(),
     }

@@ -11,6 +11,7 @@ import numpy as np
 from jaxtyping import Float
 
 from chromanoise._check import Array, InputError, one_of
+from chromanoise._linalg import eigvalsh
 from chromanoise.geometry import PlaneView, ellipse_outline, plane_view
 from chromanoise.noise import Measurement, sample_electrons, through
 from chromanoise.rng import stream
@@ -230,7 +231,7 @@ def fitting_magnification(*planes: ChannelPlane, span: float = 0.25) -> float:
     diameters = [
         2
         * SIGMAS
-        * np.sqrt(np.linalg.eigvalsh(plane.measured.covariance)[-1])
+        * np.sqrt(eigvalsh("covariance in a plane", plane.measured.covariance)[-1])
         / np.linalg.norm(plane.measured.mean)
         for plane in planes
     ]
