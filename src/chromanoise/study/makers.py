@@ -44,12 +44,16 @@ class Method:
         Whether it looks at the prior.
     over_light
         Its matrices at many light levels at once; ``None`` where light changes nothing.
+    bounds
+        Lowest and highest value of the parameter: beyond the highest, the gains are so small that
+        double precision ends.
     """
 
     make: Callable[..., ColorMatrix]
     parameter: str | None = None
     trained: bool = True
     over_light: Callable[..., Array] | None = None
+    bounds: tuple[float, float] = (0.0, 1e15)
 
 
 METHODS: Mapping[str, Method] = {
@@ -57,11 +61,11 @@ METHODS: Mapping[str, Method] = {
     "least-squares": Method(make=least_squares),
     "white-preserving": Method(make=white_preserving),
     "lmmse": Method(make=lmmse, over_light=lmmse_over_light),
-    "ridge": Method(make=ridge, parameter="strength"),
+    "ridge": Method(make=ridge, parameter="strength", bounds=(0.0, 1e6)),
     "noise-regularized": Method(
         make=noise_regularized, parameter="weight", over_light=lmmse_over_light
     ),
-    "bounded-psi": Method(make=bounded_psi, parameter="limit"),
+    "bounded-psi": Method(make=bounded_psi, parameter="limit", bounds=(1e-15, 1e15)),
 }
 
 
@@ -82,7 +86,8 @@ def matrix_makers(
     Raises
     ------
     InputError
-        If nothing is called that, or a parameter is missing, no number or one too many.
+        If nothing is called that, or a parameter is missing, no number, out of bounds or one too
+        many.
     """
     _check.one_of("prior", prior, tuple(PRIORS))
     wanted = _check.distinct("names of matrices", [name.strip() for name in names])
@@ -148,7 +153,10 @@ def _maker(name: str, metric: Metric, prior: str) -> MatrixMaker:
     if bool(given) != (method.parameter is not None):
         wanted = f"{word}=<{method.parameter}>" if method.parameter else word
         raise _check.InputError(f"a {word} matrix is asked for as {wanted}, but is {name!r}")
-    parameters = {method.parameter: _number(text, name)} if method.parameter else {}
+    parameters = {}
+    if method.parameter:
+        what, value = f"{method.parameter} of a {word} matrix", _number(text, name)
+        parameters = {method.parameter: _check.within(what, "1", value, *method.bounds)}
     return partial(_made, method=method, prior=prior, metric=metric, parameters=parameters)
 
 

@@ -15,6 +15,7 @@ from chromanoise.scene import Cube, Scene, builtin_cube, flat_field, read_cube
 from chromanoise.sensor import Sensor, behind_ir_cut, mosaic_named, with_shifted_curves
 from chromanoise.spectra import Illuminant
 from chromanoise.spectra.files import Answers
+from chromanoise.study.makers import METHODS, matrix_makers
 from chromanoise.study.runs.document import PicturePart, SensorPart, Study
 from chromanoise.study.runs.pixel_files import sensor_with_pixel
 from chromanoise.study.words import behind_filter_of_word, file_of, illuminant_of_word
@@ -176,6 +177,9 @@ def unmade(study: Study) -> list[tuple[Key, str]]:
         for i, part in enumerate(study.sensors)
     ]
     found += twins(study)
+    for i, name in enumerate(study.matrices):
+        if name.partition("=")[0].strip() in METHODS:  # else it is refused as unknown already
+            tried(("matrices", i), partial(matrix_makers, [name], "quanta"))
     for i, picture in enumerate(study.pictures):
         if picture.mosaic not in (None, "sensor"):
             tried(("pictures", i, "mosaic"), partial(_fitting_mosaic, picture, sensors))
