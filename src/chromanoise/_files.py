@@ -1,5 +1,6 @@
 """Outputs appear whole or not at all."""
 
+import errno
 import os
 import shutil
 import tempfile
@@ -32,6 +33,10 @@ def whole_folder(folder: Path) -> Iterator[Path]:
         yield scratch
         _move_all(scratch, folder)
         missing = None
+    except OSError as error:
+        if error.filename is not None:
+            raise
+        raise InputError(f"{folder}: cannot be written ({error.strerror or error})") from None
     finally:
         shutil.rmtree(scratch, ignore_errors=True)
         if missing is not None:
@@ -46,7 +51,7 @@ def refuse_unwritable(folder: Path) -> None:
     InputError
         If ``folder`` is a file, or it or the folder that would hold it may not be written.
     """
-    if folder.exists() and not folder.is_dir():
+    if os.path.lexists(folder) and not folder.is_dir():
         raise InputError(f"{folder}: the output folder is an existing file; name another")
     there = next(p for p in (folder, *folder.absolute().parents) if p.exists())
     if not there.is_dir():
@@ -71,7 +76,10 @@ def write_whole(path: Path, content: bytes) -> None:
         if path.exists() and not path.is_file():
             path.write_bytes(content)
             return
-        _replaced(Path(os.path.realpath(path)), content)
+        goal = Path(os.path.realpath(path))
+        if goal.is_symlink():  # a loop of links leads nowhere
+            raise OSError(errno.ELOOP, os.strerror(errno.ELOOP))
+        _replaced(goal, content)
     except OSError as error:
         raise InputError(f"{path}: cannot be written ({error.strerror})") from None
 

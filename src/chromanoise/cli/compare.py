@@ -11,6 +11,7 @@ from chromanoise.cli.copying import compare_told, print_copy
 from chromanoise.cli.options import (
     EXPOSURE,
     LENS,
+    WHOLE,
     copy_option,
     json_option,
     only,
@@ -59,7 +60,7 @@ from chromanoise.study.tables import curves_as_table
     metavar="NAME=FIRST:LAST",
     help=f"What varies: {', '.join(f'{s.name} [{s.unit}]' for s in SWEEPS.values())}.",
 )
-@click.option("--points", type=int, default=61, show_default=True, help="Values of the sweep.")
+@click.option("--points", type=WHOLE, default=61, show_default=True, help="Values of the sweep.")
 @click.option(
     "--quantity",
     type=click.Choice(list(QUANTITIES)),

@@ -1,8 +1,14 @@
 """The command ``chromanoise`` and the one place where complaints become exit codes."""
 
+import codecs
+import json
+import os
 import signal
 import sys
 import threading
+import unicodedata
+import warnings
+from collections.abc import Sequence
 from difflib import get_close_matches
 from importlib import import_module
 
@@ -70,8 +76,17 @@ def run(arguments: list[str] | None = None) -> None:
     """Run the command line; bad input ends with one sentence and exit code 2."""
     if threading.current_thread() is threading.main_thread():
         signal.signal(signal.SIGTERM, _stop)
+    _prepare_output()
+    _prepare_libraries()
+    given = sys.argv[1:] if arguments is None else arguments
     try:
-        result = commands.main(args=arguments, prog_name="chromanoise", standalone_mode=False)
+        _refuse_unreadable(given)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of libraries, to people who write programs
+            warnings.filterwarnings("error", "overflow|divide by zero|invalid value")  # numpy's
+            result = commands.main(
+                args=given or ["--help"], prog_name="chromanoise", standalone_mode=False
+            )
     except click.ClickException as error:
         _leave(error.format_message())
     except InputError as error:
@@ -81,6 +96,11 @@ def run(arguments: list[str] | None = None) -> None:
         sys.exit(1)
     except OSError as error:
         _leave(f"{error.filename or 'standard output'}: {error.strerror or error}")
+    except (ArithmeticError, RuntimeWarning) as error:
+        _leave(
+            f"a number leaves double precision ({error}); choose less extreme values of the "
+            "light, the exposure, the pixel or the matrix"
+        )
     except MemoryError:
         _leave("this machine has not enough memory for that; take a smaller cube or fewer bands")
     except (click.Abort, KeyboardInterrupt):
@@ -94,7 +114,44 @@ def _stop(*_: object) -> None:
     raise KeyboardInterrupt
 
 
+def _prepare_output() -> None:
+    """Characters that the output's encoding lacks are escaped as in JSON and TOML."""
+    codecs.register_error("json-escape", _escaped)
+    for stream in (sys.stdout, sys.stderr):
+        if hasattr(stream, "reconfigure"):
+            stream.reconfigure(errors="json-escape")
+
+
+def _escaped(error: UnicodeError) -> tuple[str, int]:
+    assert isinstance(error, UnicodeEncodeError)
+    return json.dumps(error.object[error.start : error.end])[1:-1], error.end
+
+
+def _prepare_libraries() -> None:
+    """Settings of libraries for uses that this command does not make of them."""
+    os.environ["MPLBACKEND"] = "agg"  # figures go to files, never to a window
+    os.environ.pop("NUMBA_NUM_THREADS", None)  # of numba's own threads, which are not used
+
+
+def _refuse_unreadable(arguments: Sequence[str]) -> None:
+    """Refuse arguments that name nothing, or that no message and no file could repeat."""
+    for before, word in zip(["chromanoise", *arguments], arguments, strict=False):
+        option, equals, value = word.partition("=")
+        if not word or (equals and not value and option.startswith("--")):
+            name = option or f"the argument after {before}"
+            raise InputError(f"{name}: is empty; give a value, or leave it away")
+        strange = next((c for c in word if unicodedata.category(c) in _NO_TEXT), None)
+        if strange is not None:
+            raise InputError(
+                f"the argument {word!a}: holds {strange!a}, which is a control character "
+                f"or no {sys.getfilesystemencoding()} text; rename the file or retype the word"
+            )
+
+
+_NO_TEXT = ("Cc", "Cs", "Zl", "Zp")  # control characters, half characters, ends of line
+
+
 def _leave(sentence: str) -> None:
-    for line in sentence.splitlines():
+    for line in sentence.split("\n"):
         click.echo(f"chromanoise: {' '.join(line.split())}", err=True)
     sys.exit(2)

@@ -1,6 +1,7 @@
 """Options that several commands share, and the nouns they stand for."""
 
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Any, TypeVar, get_args
 
@@ -28,6 +29,22 @@ from chromanoise.study.runs import idle_answers, sensor_with_pixel
 from chromanoise.study.words import behind_filter_of_word, illuminant_of_word, is_file_name
 
 Command = TypeVar("Command", bound=Callable[..., Any])
+
+
+class _WholeNumber(click.ParamType):
+    """A whole number, also as 1e6."""
+
+    name = "integer"
+
+    def convert(self, value: Any, param: Any, ctx: Any) -> int:
+        for read in (int, float):
+            with suppress(ValueError, OverflowError):  # no number; more than 1e308 or infinite
+                if int(read(value)) == read(value):
+                    return int(read(value))
+        raise click.BadParameter(f"{str(value)[:80]!r} is not a whole number.", ctx, param)
+
+
+WHOLE = _WholeNumber()
 
 _SHARED = (
     click.option(

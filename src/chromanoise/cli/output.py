@@ -1,6 +1,7 @@
 """JSON to a file or to standard output."""
 
 import json
+import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -15,8 +16,6 @@ from chromanoise.study.tables import Table
 
 def write_json(data: dict[str, Any], target: str) -> None:
     """JSON to a file, whole or not at all, or to standard output where ``target`` is ``-``."""
-    if not target:
-        raise InputError("--json needs the name of a file, or - for standard output")
     text = json.dumps(data, indent=2, allow_nan=False, ensure_ascii=False) + "\n"
     if target == "-":
         click.echo(text, nl=False)
@@ -28,19 +27,19 @@ def refuse_inputs(target: str | Path | None, option: str, *inputs: str) -> None:
     """Say before anything is computed that a result would take the place of what it is made of."""
     if target is None or str(target) == "-":
         return
-    goal = Path(target).resolve()
+    goal = os.path.realpath(target)
     for name in inputs:
-        if Path(name).exists() and Path(name).resolve() == goal:
+        if Path(name).exists() and os.path.realpath(name) == goal:
             raise InputError(f"{option} {target}: is the file that is read; name another one")
 
 
 def refuse_same(targets: Mapping[str, str | Path | None]) -> None:
     """Say before anything is computed that one result would take the place of another."""
-    seen: dict[Path, str] = {}
+    seen: dict[str, str] = {}
     for option, target in targets.items():
         if target is None or str(target) == "-":
             continue
-        first = seen.setdefault(Path(target).resolve(), option)
+        first = seen.setdefault(os.path.realpath(target), option)
         if first != option:
             raise InputError(f"{option} {target}: is the file of {first} too; name another one")
 

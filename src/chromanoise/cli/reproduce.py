@@ -6,14 +6,15 @@ import click
 
 from chromanoise._files import refuse_unwritable, whole_folder
 from chromanoise.cli import tables
+from chromanoise.cli.options import WHOLE
 from chromanoise.cli.output import write_json
 from chromanoise.spectra import METRICS, Metric
 from chromanoise.study import paper_planes, paper_study, reproduced, reproduction_as_json
 
 
 @click.command()
-@click.option("--draws", type=int, default=5000, show_default=True, help="Acquisitions.")
-@click.option("--seed", type=int, default=0, show_default=True, help="Of the Monte Carlo.")
+@click.option("--draws", type=WHOLE, default=5000, show_default=True, help="Acquisitions.")
+@click.option("--seed", type=WHOLE, default=0, show_default=True, help="Of the Monte Carlo.")
 @click.option(
     "--metric",
     type=click.Choice(METRICS),

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import click
 
+from chromanoise.cli.options import WHOLE
 from chromanoise.cli.running import print_run
 from chromanoise.study.runs import read_study
 
@@ -20,7 +21,7 @@ from chromanoise.study.runs import read_study
     metavar="KEY=VALUE",
     help="Change one value, e.g. light.level_lux=3 or sensors.0.name=onyx-rgb; repeatable.",
 )
-@click.option("--threads", type=int, help="For pictures. [default: one per core]")
+@click.option("--threads", type=WHOLE, help="For pictures. [default: one per core]")
 def run(study: Path, out: Path | None, changes: tuple[str, ...], threads: int | None) -> None:
     """Run all of STUDY, a TOML file as `chromanoise init` writes it.
 

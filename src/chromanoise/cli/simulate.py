@@ -14,6 +14,7 @@ from chromanoise._files import refuse_unwritable, whole_folder
 from chromanoise.cli.copying import print_copy, simulate_told
 from chromanoise.cli.options import (
     EXPOSURE,
+    WHOLE,
     copy_option,
     matrix_option,
     only,
@@ -74,12 +75,12 @@ _REAL_PIXELS = ("dark_current_e_per_s", "dsnu_e", "prnu", "row_noise_e")
     "[default: bilinear]",
 )
 @click.option("--raw-only", is_flag=True, help="Codes of the mosaic, no color.")
-@click.option("--bits", type=int, help="Of the ADC, 8 to 16. [default: 12]")
-@click.option("--black-level", type=int, help="Code of no light. [default: 0]")
-@click.option("--frames", type=int, default=1, show_default=True, help="Pictures of a burst.")
+@click.option("--bits", type=WHOLE, help="Of the ADC, 8 to 16. [default: 12]")
+@click.option("--black-level", type=WHOLE, help="Code of no light. [default: 0]")
+@click.option("--frames", type=WHOLE, default=1, show_default=True, help="Pictures of a burst.")
 @click.option(
     "--seed",
-    type=int,
+    type=WHOLE,
     default=0,
     show_default=True,
     help="Of the noise; sensors of other names draw other noise.",
@@ -111,9 +112,9 @@ _REAL_PIXELS = ("dark_current_e_per_s", "dsnu_e", "prnu", "row_noise_e")
     show_default=True,
     help="What is no reflectance (NaN, negative, above 2): refuse it, or take 0 and say so.",
 )
-@click.option("--threads", type=int, help="Working at once. [default: one per core]")
+@click.option("--threads", type=WHOLE, help="Working at once. [default: one per core]")
 @click.option(
-    "--tile", type=int, help="Rows that are held at a time. [default: what fills 8 MB to 1 GB]"
+    "--tile", type=WHOLE, help="Rows that are held at a time. [default: what fills 8 MB to 1 GB]"
 )
 @click.option(
     "--scheduler",

@@ -14,6 +14,8 @@ from functools import partial
 from itertools import islice
 from typing import Any
 
+import numba
+
 from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise.imaging.blocks import Scratch, new_rows
@@ -38,6 +40,7 @@ _TURNS = 4  # of each worker at least, so that all end together
 _TURNS_OF_EQUALS = 2  # of workers of one machine
 _HANDFUL = 4  # blocks at most that a thread takes at a time: asking for them, it waits for others
 _HANDFULS = 16  # of each thread at least
+_MOST_THREADS = 1024
 _BLOCK_BYTES = 8 << 20  # read at a time: large for the disk, small for the memory
 
 
@@ -64,7 +67,7 @@ class Work:
     Raises
     ------
     InputError
-        If threads or rows are less than 1.
+        If threads are not 1 to 1024, or rows less than 1.
     """
 
     threads: int | None = None
@@ -74,8 +77,10 @@ class Work:
     progress: Callable[[int], None] | None = None
 
     def __post_init__(self) -> None:
-        if self.threads is not None and self.threads < 1:
-            raise _check.InputError(f"threads must be at least 1, but is {self.threads}")
+        if self.threads is not None and not 1 <= self.threads <= _MOST_THREADS:
+            raise _check.InputError(
+                f"threads must be 1 to {_MOST_THREADS}, but {self.threads} are asked for"
+            )
         if self.tile_rows is not None and self.tile_rows < 1:
             raise _check.InputError(
                 f"a tile must have at least 1 row, but {self.tile_rows} are asked for"
@@ -141,6 +146,10 @@ def made(
     work
         Who does it. The first fault ends it all.
     """
+    if numba.config.DISABLE_JIT:
+        raise _check.InputError(
+            "NUMBA_DISABLE_JIT is set, but pictures need compiled kernels; unset it"
+        )
     if work.executor is None:
         outputs = tuple(new_rows(shape, dtype) for shape, dtype in kinds)
         return outputs, filled(fill, plan, blocks, outputs, work)

@@ -1,5 +1,6 @@
 """A user's own folder of tables, with the same provenance as the package's own."""
 
+import os
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -87,7 +88,7 @@ def _table(folder: Path, name: str, provenance: Provenance) -> UserTable:
     path = folder / f"{name}.csv"
     if not path.is_file():
         raise _check.InputError(f"{where}: its table {path.name} is not beside it")
-    if path.resolve().parent != folder.resolve():
+    if Path(os.path.realpath(path)).parent != Path(os.path.realpath(folder)):
         raise _check.InputError(f"{path}: leads out of its folder; copy the table into it")
     return UserTable(provenance=provenance, path=path)
 
