@@ -1,5 +1,7 @@
 """Questions asked of arrays at the public border; the only wording of complaints."""
 
+import re
+import struct
 from collections.abc import Callable, Sequence
 from difflib import get_close_matches
 from typing import Any
@@ -12,6 +14,31 @@ Array = np.ndarray
 
 class InputError(ValueError):
     """Something that came in from outside cannot be used; one sentence says what and where."""
+
+
+_LONGEST_REASON = 120
+_OF_THE_PARSER = (
+    ArithmeticError, AssertionError, AttributeError, ImportError, IndexError, NameError,
+    NotImplementedError, RecursionError, StopIteration, TypeError, struct.error,
+)  # fmt: skip
+_INTERNALS = re.compile(r"[<>]|0x[0-9a-f]|__|NoneType|' object\b|\bargument\b|\battribute '", re.I)
+
+
+def reason(error: Exception) -> str:
+    r"""What the error of a foreign parser says about the file, on one line.
+
+    Empty if it says something about the parser instead: names of classes, addresses, arguments.
+
+    Examples
+    --------
+    >>> reason(ValueError("Bad magic\n number")), reason(ValueError("not <ast.Name object>"))
+    ('Bad magic number', '')
+    """
+    text = " ".join(str(getattr(error, "strerror", None) or error).split())
+    bare_key = isinstance(error, KeyError) and " " not in text
+    if bare_key or isinstance(error, _OF_THE_PARSER) or _INTERNALS.search(text):
+        return ""
+    return text[:_LONGEST_REASON]
 
 
 def finite(name: str, unit: str, values: Any) -> Array:

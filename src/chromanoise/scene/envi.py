@@ -11,6 +11,7 @@ from jaxtyping import Float, Shaped
 
 from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise.scene.wavelength_lists import NAMED_WAVELENGTH, NM_PER, nanometers
 
 DATA_SUFFIXES = (".img", ".raw", ".dat", ".bin", ".bsq", ".bil", ".bip")
 _LARGEST_HEADER_BYTES = 16 * 2**20
@@ -35,17 +36,6 @@ _GAINS = (
     "data offset values",
     "data reflectance gain values",
     "data reflectance offset values",
-)
-NM_PER = {
-    **dict.fromkeys(("nm", "nanometer", "nanometers", "nanometre", "nanometres"), 1.0),
-    **dict.fromkeys(("um", "\u00b5m", "\u03bcm", "micron", "microns"), 1000.0),
-    **dict.fromkeys(("micrometer", "micrometers", "micrometre", "micrometres"), 1000.0),
-}
-NAMED_WAVELENGTH = re.compile(
-    r"(?<![\w.])(\d{1,6}\.?\d{0,9}|\.\d{1,9})\s{0,4}("
-    + "|".join(sorted(NM_PER, key=len, reverse=True))
-    + r")\b",
-    re.I,
 )
 
 
@@ -327,10 +317,9 @@ def envi_wavelengths(header: EnviHeader) -> tuple[Float[Array, " m"], tuple[str,
     named = _named_wavelengths(header)
     if not header.fields.get("wavelength") and named is not None:
         return named, ("wavelengths taken from the header's 'band names'",)
-    values = _listed_wavelengths(header)
-    unit = header.fields.get("wavelength units", "").strip().lower()
-    nm_per, notes = (NM_PER[unit], ()) if unit in NM_PER else _guessed_unit(header, values, unit)
-    return np.array([value * nm_per for value in values]), notes
+    values = np.array(_listed_wavelengths(header))
+    unit = header.fields.get("wavelength units", "")
+    return nanometers(header.source, "wavelength", values, unit, unit_key="'wavelength units'")
 
 
 def _listed_wavelengths(header: EnviHeader) -> list[float]:
@@ -341,22 +330,6 @@ def _listed_wavelengths(header: EnviHeader) -> list[float]:
             "FIRST:LAST in nm if the bands are evenly spaced"
         )
     return [_number(header, f"entry {i} of 'wavelength'", cell) for i, cell in enumerate(cells)]
-
-
-def _guessed_unit(
-    header: EnviHeader, values: list[float], unit: str
-) -> tuple[float, tuple[str, ...]]:
-    """Nanometers per unit of values whose unit is not told; band numbers are no guess."""
-    told = f"'wavelength units' {unit[:20]!r}" if unit else "no 'wavelength units'"
-    if unit in ("", "unknown", "index") and min(values) >= 100 and max(values) <= 20000:
-        return 1.0, (f"the header has {told}: wavelengths taken as nm",)
-    if unit in ("", "unknown") and max(values) < 100:
-        return 1000.0, (f"the header has {told}: wavelengths taken as micrometers",)
-    raise _check.InputError(
-        f"{header.source}: the header has {told} for wavelengths {min(values):g} .. "
-        f"{max(values):g}, so they cannot be turned into nm; say nm or um there, or give "
-        "--wavelengths FIRST:LAST in nm"
-    )
 
 
 def _named_wavelengths(header: EnviHeader) -> Float[Array, " m"] | None:

@@ -3,16 +3,48 @@
 import importlib
 import warnings
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
 from chromanoise import _check
+from chromanoise._check import reason
 
 IN_PLACE = "store it as ENVI or .npy, which are read in place"
+_SIGNATURES = {
+    b"PK\x03\x04": "a zip archive",
+    b"\x93NUMPY": "a NumPy array (.npy)",
+    b"\x89HDF\r\n\x1a\n": "an HDF5 file",
+    b"CDF": "a NetCDF-3 file",
+    b"MATLAB 5.0": "a MATLAB 5 file",
+    b"MATLAB 7.3": "a MATLAB 7.3 file",
+    b"II*\0": "a TIFF file",
+    b"MM\0*": "a TIFF file",
+    b"II+\0": "a BigTIFF file",
+    b"MM\0+": "a BigTIFF file",
+    b"\x89PNG\r\n": "a PNG picture",
+    b"\xff\xd8\xff": "a JPEG picture",
+    b"GIF8": "a GIF picture",
+    b"%PDF": "a PDF document",
+    b"\x1f\x8b": "a gzip file",
+    b"BZh": "a bzip2 file",
+    b"\xfd7zXZ": "an xz file",
+    b"(\xb5/\xfd": "a Zstandard file",
+    b"7z\xbc\xaf": "a 7-Zip archive",
+    b"ENVI": "an ENVI header",
+    **{bytes((0x80, version)): "a Python pickle, which is never loaded" for version in range(2, 6)},
+}
+_OWN = {
+    "NumPy": ("a zip archive", "a NumPy array (.npy)"),
+    "MATLAB": ("a MATLAB 5 file",),
+    "MATLAB 7.3": ("an HDF5 file", "a MATLAB 7.3 file"),
+    "HDF5": ("an HDF5 file",),
+    "TIFF": ("a TIFF file", "a BigTIFF file"),
+    "PNG": ("a PNG picture",),
+}
 
 
-def library(name: str, what: str) -> Any:
+def library(name: str, what: str, *, extra: str = "cubes") -> Any:
     """A package that only some cubes need.
 
     Raises
@@ -25,7 +57,7 @@ def library(name: str, what: str) -> Any:
     except ImportError:
         raise _check.InputError(
             f"{what}: needs the package {name}, which is not installed; "
-            "pip install 'chromanoise[cubes]'"
+            f"pip install 'chromanoise[{extra}]'"
         ) from None
 
 
@@ -49,13 +81,26 @@ def reading_rows(path: Path, kind: str) -> Iterator[None]:
             f"{path}: too large for this machine's memory; {IN_PLACE}"
         ) from None
     except Exception as error:  # parsers throw anything
-        raise _check.InputError(
-            f"{path}: not a readable {kind} file ({reason(error)}); it is damaged or cut short, "
-            "save it again"
-        ) from None
+        raise _unreadable(path, kind, error) from None
 
 
-def reason(error: Exception) -> str:
-    """What an error says, on one line."""
-    text = getattr(error, "strerror", None) or str(error) or type(error).__name__
-    return " ".join(str(text).split())[:120]
+def _unreadable(path: Path, kind: str, error: Exception) -> _check.InputError:
+    other = _content_of(path)
+    if other and other not in _OWN.get(kind, ()):
+        return _check.InputError(
+            f"{path}: holds {other}, not a {kind} file; give it the ending of what it holds, or "
+            "name another file"
+        )
+    told = reason(error)
+    return _check.InputError(
+        f"{path}: not a readable {kind} file{f' ({told})' if told else ''}; it is damaged or cut "
+        "short, save it again"
+    )
+
+
+def _content_of(path: Path) -> str:
+    """What the first bytes of a file say that it is; empty if nothing."""
+    start = b""
+    with suppress(OSError), path.open("rb") as file:
+        start = file.read(16)
+    return next((kind for sign, kind in _SIGNATURES.items() if start.startswith(sign)), "")

@@ -16,8 +16,7 @@ import numpy as np
 from jaxtyping import Shaped, UInt8
 
 from chromanoise import _check
-from chromanoise._check import Array
-from chromanoise.scene.faults import reason
+from chromanoise._check import Array, reason
 
 _MOST_UNUSED = 4  # times the bytes wanted: beyond, what is between is not kept
 

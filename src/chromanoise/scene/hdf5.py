@@ -21,12 +21,13 @@ from jaxtyping import Int64, Shaped, UInt8
 from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise.scene import hdf5_child
-from chromanoise.scene.arrays import printable
+from chromanoise.scene.bounds import printable
 from chromanoise.scene.faults import IN_PLACE, library, reading, reading_rows
 from chromanoise.scene.file_rows import FileRows, refuse_other_rows
 from chromanoise.scene.hdf5_chunks import ChunkRows
 from chromanoise.scene.labeled import Axes, Labeled, Store
 from chromanoise.scene.rows import RowSource, block
+from chromanoise.scene.wavelength_lists import SPECTRAL_NAMES
 
 ENDINGS = (".h5", ".hdf5", ".hdf", ".he5", ".nc", ".nc4", ".cdf")
 _SIGNATURE = b"\x89HDF\r\n\x1a\n"
@@ -37,10 +38,9 @@ _MATLAB_NUMBERS = frozenset({
 })  # fmt: skip
 _READ = frozenset({
     "units", "long_name", "standard_name", "description", "scale_factor", "add_offset",
-    "_fillvalue", "missing_value", "valid_range", "valid_min", "valid_max", "wavelength",
-    "wavelengths", "wavelength_nm", "wavelengths_nm", "wavelength_units", "matlab_class",
-    "matlab_sparse", "matlab_empty",
-})  # fmt: skip
+    "_fillvalue", "missing_value", "valid_range", "valid_min", "valid_max", "wavelength_units",
+    "matlab_class", "matlab_sparse", "matlab_empty",
+}) | SPECTRAL_NAMES  # fmt: skip
 _MOST_ARRAYS = 10_000
 _LIMIT_S = 20.0  # how long libhdf5 may be busy with one array, or one part of it
 

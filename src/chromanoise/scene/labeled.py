@@ -12,23 +12,32 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float
 
 from chromanoise import _check
 from chromanoise._check import Array
-from chromanoise.scene.arrays import memory_bytes, printable, refuse_impossible, refuse_not_numbers
-from chromanoise.scene.envi import NM_PER
+from chromanoise.scene.bounds import (
+    MOST_INFLATED,
+    kind_of,
+    memory_bytes,
+    printable,
+    refuse_impossible,
+    refuse_not_numbers,
+)
 from chromanoise.scene.found import Found, Notes, by, refuse_other_shape
 from chromanoise.scene.picture import picture
 from chromanoise.scene.rows import RowSource
+from chromanoise.scene.wavelength_lists import (
+    BAND_NAMES,
+    NM_PER,
+    SPECTRAL_NAMES,
+    Listed,
+    fitting,
+    is_list,
+    listed_wavelengths,
+)
 
 _MOST_LISTED = 20
-_MOST_WAVELENGTHS = 100_000
-SPECTRAL_NAMES = frozenset({
-    "wavelength", "wavelengths", "wavelength_nm", "wavelengths_nm", "wvl", "wl", "wave",
-    "lambda", "lambda_nm", "center_wavelength", "center_wavelengths",
-})  # fmt: skip
-BAND_NAMES = SPECTRAL_NAMES | {"band", "bands", "channel", "channels", "spectral", "spectrum"}
+_HARMLESS_BYTES = 64 * 2**20
 _REFLECTANCE_NAMES = ("reflectance", "hymage")
 _PERCENT = ("%", "percent")
 _CLAMPED = ("_fillvalue", "missing_value", "valid_range", "valid_min", "valid_max")
@@ -104,7 +113,7 @@ def labeled_cube(store: Store, key: str | None, shape: tuple[int, int] | None) -
     if len(array.shape) == 3:
         axes, notes = _cube_axes(store, name, count)
         source = store.source(name, axes)
-        _refuse_large_rows(store.path, name, source)
+        _refuse_large_rows(store, name, source)
         pixels: Array | RowSource = source
         refuse_other_shape(store.path, pixels, shape)
     else:
@@ -142,15 +151,11 @@ def _chosen(store: Store, key: str | None) -> tuple[str, Notes]:
 
 def _no_such(store: Store, key: str) -> _check.InputError:
     listed = list(store.arrays.items())[:_MOST_LISTED]
-    told = ", ".join(f"{printable(n)} {by(a.shape)} {_kind(a.dtype)}" for n, a in listed)
+    told = ", ".join(f"{printable(n)} {by(a.shape)} {kind_of(a.dtype)}" for n, a in listed)
     return _check.InputError(
         f"{store.path}: has no array {key!r}; it holds {told or 'no arrays'}"
         + ("; name the cube with --key" if listed else "")
     )
-
-
-def _kind(dtype: np.dtype) -> str:
-    return "object" if dtype.hasobject else dtype.name
 
 
 def _cube_axes(store: Store, name: str, count: int | None) -> tuple[Axes, Notes]:
@@ -158,9 +163,9 @@ def _cube_axes(store: Store, name: str, count: int | None) -> tuple[Axes, Notes]
     array = store.arrays[name]
     if store.matlab:
         return (0, 1, 2), ()
-    named = [i for i, axis in enumerate(array.axes) if _last(axis).lower() in BAND_NAMES]
-    if len(named) == 1:
-        return _bands_last(named[0]), ()
+    named = _named_band_axis(array)
+    if named is not None:
+        return _bands_last(named), ()
     fits = [i for i, n in enumerate(array.shape) if n == count]
     if len(fits) > 1:
         raise _check.InputError(
@@ -174,63 +179,101 @@ def _cube_axes(store: Store, name: str, count: int | None) -> tuple[Axes, Notes]
     return axes, (f"axis {fits[0]} of {name!r} taken as bands, for it has {count} wavelengths",)
 
 
+def _named_band_axis(array: Labeled) -> int | None:
+    named = [i for i, axis in enumerate(array.axes) if _last(axis).lower() in BAND_NAMES]
+    return named[0] if len(named) == 1 else None
+
+
 def _bands_last(band: int) -> Axes:
     row, column = (axis for axis in range(3) if axis != band)
     return row, column, band
 
 
-def _refuse_large_rows(path: Path, name: str, source: RowSource) -> None:
+def _refuse_large_rows(store: Store, name: str, source: RowSource) -> None:
+    """Refuse rows that are stored together and need more memory than there is, or make no sense.
+
+    Chunks that are absent or filled with one number may declare any size; small ones harm nobody.
+    """
     _, width, bands = source.shape
     needed = width * bands * source.chunk_rows * source.dtype.itemsize
     if needed > memory_bytes() // 2:
         raise _check.InputError(
-            f"{path}: array {name!r} needs {needed / 2**30:.1f} GiB of memory for the rows that "
-            "are stored together; store it with smaller chunks, or as ENVI"
+            f"{store.path}: array {name!r} needs {needed / 2**30:.1f} GiB of memory for the rows "
+            "that are stored together; store it with smaller chunks, or as ENVI"
+        )
+    if needed > max(_HARMLESS_BYTES, store.bytes * MOST_INFLATED):
+        raise _check.InputError(
+            f"{store.path}: array {name!r} declares {needed / 2**20:.0f} MiB for the rows that are "
+            f"stored together, which {store.bytes} bytes cannot hold; it is damaged, save it again"
         )
 
 
 def _wavelengths(
     store: Store, name: str
 ) -> tuple[Callable[[], tuple[Array, Notes]] | None, int | None]:
-    """What reads the wavelengths, and how many there are; None where the file has none."""
-    for attributes in (store.arrays[name].attributes, store.attributes):
-        for key in sorted(SPECTRAL_NAMES & attributes.keys()):
-            listed = np.atleast_1d(np.asarray(attributes[key]))
-            if listed.ndim == 1 and listed.dtype.kind in "fiu" and listed.size > 1:
-                unit = _text(attributes.get("wavelength_units", ""))
-                return partial(nanometers, store.path, key, listed, unit), listed.size
-    found = _wavelength_array(store, name)
-    if found is None:
-        return None, None
-    array = store.arrays[found]
+    """What reads the wavelengths, and how many there are; None where the file has none.
 
-    def read() -> tuple[Array, Notes]:
-        if not 1 <= _size(array) <= _MOST_WAVELENGTHS:
-            raise _check.InputError(
-                f"{store.path}: array {found!r} lists {_size(array)} wavelengths; mend it, or "
-                "give --wavelengths FIRST:LAST in nm"
-            )
-        refuse_impossible(store.path, found, array.shape, array.dtype, size=store.bytes)
-        unit = _text(array.attributes.get("units", ""))
-        return nanometers(store.path, found, store.numbers(found).ravel(), unit)
-
-    return read, math.prod(array.shape)
+    What is closest to the array decides: its attributes, the coordinates of its axes, the
+    attributes of the file, lists in its folder or at the top.
+    """
+    array = store.arrays[name]
+    band = 2 if store.matlab and len(array.shape) == 3 else _named_band_axis(array)
+    lengths = array.shape if band is None else array.shape[band : band + 1]
+    for lists in (
+        _in_attributes(array.attributes),
+        _of_axes(store, name),
+        _in_attributes(store.attributes),
+        _in_folder(store, name),
+    ):
+        if lists:
+            fit = fitting(lists, lengths)
+            return partial(listed_wavelengths, store.path, fit), fit[0].size
+    return None, None
 
 
-def _wavelength_array(store: Store, name: str) -> str | None:
-    """The list that belongs to an axis of the array, or lies in its folder, or at the top."""
+def _in_attributes(attributes: Mapping[str, Any]) -> list[Listed]:
+    unit = _text(attributes.get("wavelength_units", ""))
+    found = {key: np.atleast_1d(np.asarray(attributes[key])) for key in sorted(attributes)
+             if key in SPECTRAL_NAMES}  # fmt: skip
+    return [
+        Listed(name=key, size=values.size, numbers=partial(np.asarray, values), unit=unit)
+        for key, values in found.items()
+        if values.ndim == 1 and values.dtype.kind in "fiu" and values.size > 1
+    ]
+
+
+def _of_axes(store: Store, name: str) -> list[Listed]:
+    """Coordinates of the axes that hold wavelengths."""
     folder = name.rpartition("/")[0]
-    lists = {
-        n: a for n, a in store.arrays.items() if n != name and a.shape and max(a.shape) == _size(a)
-    }
     for axis in store.arrays[name].axes:
-        within = {axis, f"{folder}/{axis}".strip("/")} & lists.keys()
-        for known in sorted(within, key=len, reverse=True):
-            if _last(known).lower() in BAND_NAMES and _is_spectral(known, lists[known]):
-                return known
-    near = [n for n in lists if n.rpartition("/")[0] in (folder, "")]
-    named = [n for n in near if _last(n).lower() in SPECTRAL_NAMES]
-    return max(named, key=len) if named else None
+        for known in (f"{folder}/{axis}".strip("/"), axis):
+            array = store.arrays.get(known)
+            if array is None or known == name or not is_list(array.shape):
+                continue
+            if _last(known).lower() in BAND_NAMES and _is_spectral(known, array):
+                return [_listed(store, known)]
+    return []
+
+
+def _in_folder(store: Store, name: str) -> list[Listed]:
+    folder = name.rpartition("/")[0]
+    return [
+        _listed(store, known)
+        for known, array in store.arrays.items()
+        if known != name and is_list(array.shape) and array.dtype.kind in "fiu"
+        if known.rpartition("/")[0] in (folder, "") and _last(known).lower() in SPECTRAL_NAMES
+    ]
+
+
+def _listed(store: Store, name: str) -> Listed:
+    array = store.arrays[name]
+
+    def numbers() -> Array:
+        refuse_impossible(store.path, name, array.shape, array.dtype, size=store.bytes)
+        return store.numbers(name)
+
+    unit = _text(array.attributes.get("units", ""))
+    return Listed(name=name, size=math.prod(array.shape), numbers=numbers, unit=unit)
 
 
 def _is_spectral(name: str, array: Labeled) -> bool:
@@ -242,39 +285,6 @@ def _is_spectral(name: str, array: Labeled) -> bool:
 def _last(name: str) -> str:
     """The name without its folders."""
     return name.rsplit("/", 1)[-1]
-
-
-def _size(array: Labeled) -> int:
-    return math.prod(array.shape)
-
-
-def nanometers(
-    path: Path | str, name: str, values: Array, unit: str
-) -> tuple[Float[Array, " m"], Notes]:
-    """Wavelengths in nm, from the unit told, else from the name or the size of the numbers.
-
-    Raises
-    ------
-    InputError
-        If the unit is not told and cannot be guessed.
-    """
-    with np.errstate(all="ignore"):
-        listed = np.asarray(values, dtype=np.float64)
-    word = unit.strip().lower()
-    if word in NM_PER:
-        return listed * NM_PER[word], ()
-    told = f"unit {printable(word)!r}" if word else "no unit"
-    if word in ("", "unknown", "1"):
-        if name.lower().endswith("_nm"):
-            return listed, ()
-        if listed.min() >= 100 and listed.max() <= 20000:
-            return listed, (f"{name!r} has {told}: wavelengths taken as nm",)
-        if listed.min() >= 0.1 and listed.max() < 100:
-            return listed * 1000, (f"{name!r} has {told}: wavelengths taken as micrometers",)
-    raise _check.InputError(
-        f"{path}: {name!r} has {told} for wavelengths {listed.min():g} .. {listed.max():g}, so "
-        "they cannot be turned into nm; say nm or um there, or give --wavelengths FIRST:LAST in nm"
-    )
 
 
 def _scale(path: Path, name: str, array: Labeled) -> float | None:

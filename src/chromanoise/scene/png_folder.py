@@ -9,7 +9,7 @@ from jaxtyping import Float, Shaped
 
 from chromanoise import _check
 from chromanoise._check import Array
-from chromanoise.scene.arrays import refuse_impossible
+from chromanoise.scene.bounds import refuse_impossible
 from chromanoise.scene.faults import reading
 from chromanoise.scene.found import Found, Notes, refuse_other_shape
 

@@ -5,6 +5,8 @@ from functools import partial
 from pathlib import Path
 
 from chromanoise import _check
+from chromanoise._check import reason
+from chromanoise._files import regular_file
 from chromanoise.scene.arrays import NAMED, named_arrays
 from chromanoise.scene.cube import Cube
 from chromanoise.scene.envi import (
@@ -16,7 +18,7 @@ from chromanoise.scene.envi import (
     has_envi_wavelengths,
     read_envi_header,
 )
-from chromanoise.scene.faults import reading, reason
+from chromanoise.scene.faults import reading
 from chromanoise.scene.found import Found, refuse_other_shape, unused_key
 from chromanoise.scene.hdf5 import ENDINGS as HDF5_ENDINGS
 from chromanoise.scene.hdf5 import hdf5_store, is_hdf5
@@ -90,15 +92,10 @@ def read_cube(
 
 
 def _refuse_no_file(path: Path) -> None:
-    try:
-        size = path.stat().st_size
-    except (OSError, ValueError) as error:
-        raise _check.InputError(f"{path}: cannot be read ({reason(error)})") from None
+    status = regular_file(path, folder=True)
     if path.is_dir():
         return
-    if not path.is_file():
-        raise _check.InputError(f"{path}: is not a regular file")
-    if size == 0:
+    if status.st_size == 0:
         raise _check.InputError(f"{path}: the file is empty; copy or save it again")
     try:
         path.open("rb").close()

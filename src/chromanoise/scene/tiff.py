@@ -11,16 +11,14 @@ from jaxtyping import Float, Shaped
 
 from chromanoise import _check
 from chromanoise._check import Array
-from chromanoise.scene.arrays import refuse_impossible, refuse_not_numbers
-from chromanoise.scene.envi import NAMED_WAVELENGTH, NM_PER
+from chromanoise.scene.bounds import refuse_impossible, refuse_not_numbers
 from chromanoise.scene.faults import reading
 from chromanoise.scene.file_rows import FileRows, PlaneRows
 from chromanoise.scene.found import Found, Notes, by, refuse_other_shape
-from chromanoise.scene.labeled import nanometers
 from chromanoise.scene.rows import RowSource
+from chromanoise.scene.wavelength_lists import NAMED_WAVELENGTH, NM_PER, SPECTRAL_NAMES, nanometers
 
 ENDINGS = (".tif", ".tiff")
-_KEYS = ("wavelength_nm", "wavelengths_nm", "wavelength", "wavelengths")
 _LISTED = re.compile(
     r"\bwavelengths?(?:_nm)?\s{0,4}[=:]\s{0,4}[\[{(]([^\]})]{1,100000})[\]})]", re.I
 )
@@ -194,8 +192,8 @@ def _listed(text: str) -> tuple[str, Array] | None:
     except (ValueError, RecursionError):
         told = None
     if isinstance(told, dict):
-        for key in _KEYS:
-            if key in told:
+        for key in told:
+            if key.lower() in SPECTRAL_NAMES:
                 return _numbers(key, told[key])
     match = _LISTED.search(text)
     return None if match is None else _numbers("wavelength", match[1].replace(",", " ").split())

@@ -8,17 +8,12 @@ from jaxtyping import Float, UInt8
 from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise.scene.cube import Cube
-from chromanoise.scene.envi import NM_PER
 from chromanoise.scene.faults import library
 from chromanoise.scene.found import Found, Notes, by
-from chromanoise.scene.labeled import (
-    BAND_NAMES,
-    SPECTRAL_NAMES,
-    attribute_scale,
-    nanometers,
-)
+from chromanoise.scene.labeled import attribute_scale
 from chromanoise.scene.meaning import rising, scale_and_notes, wavelengths_and_notes
 from chromanoise.scene.rows import ArrayRows, RowSource
+from chromanoise.scene.wavelength_lists import BAND_NAMES, NM_PER, SPECTRAL_NAMES, nanometers
 
 
 @runtime_checkable

@@ -1,0 +1,155 @@
+"""Lists of wavelengths in files: their usual names, their unit, and which of several is meant."""
+
+import re
+from collections.abc import Callable, Collection, Sequence
+from dataclasses import dataclass
+from itertools import product
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import Float
+
+from chromanoise import _check
+from chromanoise._check import Array
+from chromanoise.scene.bounds import printable
+from chromanoise.scene.found import Notes
+
+NM_PER = {
+    **dict.fromkeys(("nm", "nanometer", "nanometers", "nanometre", "nanometres"), 1.0),
+    **dict.fromkeys(("um", "\u00b5m", "\u03bcm", "micron", "microns"), 1000.0),
+    **dict.fromkeys(("micrometer", "micrometers", "micrometre", "micrometres"), 1000.0),
+    **dict.fromkeys(("angstrom", "angstroms", "\u00e5", "\u212b"), 0.1),
+}
+"""Nanometers per unit, by the unit's names in lower case."""
+
+_UNITS = "|".join(sorted(NM_PER, key=len, reverse=True))
+NAMED_WAVELENGTH = re.compile(
+    rf"(?<![\w.])(\d{{1,6}}\.?\d{{0,9}}|\.\d{{1,9}})\s{{0,4}}({_UNITS})\b", re.I
+)
+UNIT_IN_TEXT = re.compile(rf"(?<![^\W_])({_UNITS})(?![^\W_])", re.I)
+
+_ALONE = (
+    "wavelength", "wavelengths", "wavelen", "wave", "waves", "wl", "wls", "wvl", "wvls", "wlen",
+    "lambda", "lambdas", "lam", "center_wavelength", "center_wavelengths", "centre_wavelength",
+    "centre_wavelengths", "central_wavelength", "central_wavelengths", "band_wavelength",
+    "band_wavelengths", "band_center", "band_centers", "band_centre", "band_centres",
+)  # fmt: skip
+_WITH_UNIT = (*_ALONE, "band", "bands", "center", "centers", "centre", "centres", "channels")
+SPECTRAL_NAMES = frozenset(_ALONE) | {f"{n}_{u}" for n, u in product(_WITH_UNIT, NM_PER)}
+"""Names, in lower case, of lists that hold wavelengths; band numbers have other names."""
+
+BAND_NAMES = SPECTRAL_NAMES | {"band", "bands", "channel", "channels", "spectral", "spectrum"}
+_MOST_WAVELENGTHS = 100_000
+_SAME = 1e-5  # single precision and rounded units
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Listed:
+    """One list in a file that may hold the wavelengths, numbers unread.
+
+    Attributes
+    ----------
+    name
+        In the file; a unit may end it (``bands_nm``).
+    size
+        How many numbers it holds.
+    numbers
+        Reads them.
+    unit
+        As the file declares it beside the list; empty where it does not.
+    """
+
+    name: str
+    size: int
+    numbers: Callable[[], Array]
+    unit: str = ""
+
+
+def is_list(shape: tuple[int, ...]) -> bool:
+    """Whether an array of this shape holds its numbers along one axis."""
+    return len(shape) > 0 and max(shape) == np.prod(shape, dtype=object)
+
+
+def fitting(lists: Sequence[Listed], lengths: Collection[int]) -> tuple[Listed, ...]:
+    """The lists of one of these lengths; else the first, of which it is said that it fits none."""
+    fit = tuple(one for one in lists if one.size in lengths)
+    return fit or tuple(lists[:1])
+
+
+def listed_wavelengths(
+    path: Path | str, lists: Sequence[Listed]
+) -> tuple[Float[Array, " m"], Notes]:
+    """The wavelengths in one list, or in several that agree. [nm]
+
+    Raises
+    ------
+    InputError
+        If the unit of a list cannot be told, or two lists differ.
+    """
+    (first, notes), *others = [_nanometers_of(path, one) for one in lists]
+    for one, (other, _) in zip(lists[1:], others, strict=True):
+        if first.shape != other.shape or not np.allclose(first, other, rtol=_SAME, atol=0):
+            raise _check.InputError(
+                f"{path}: {printable(lists[0].name)!r} and {printable(one.name)!r} both list "
+                "wavelengths, but differ; give --wavelengths FIRST:LAST in nm, or a file of them"
+            )
+    return first, notes
+
+
+def _nanometers_of(path: Path | str, one: Listed) -> tuple[Float[Array, " m"], Notes]:
+    if not 1 <= one.size <= _MOST_WAVELENGTHS:
+        raise _check.InputError(
+            f"{path}: array {printable(one.name)!r} lists {one.size} wavelengths; mend it, or "
+            "give --wavelengths FIRST:LAST in nm, or a file of them"
+        )
+    return nanometers(path, one.name, np.ravel(one.numbers()), one.unit)
+
+
+@np.errstate(all="ignore")  # what overflows is refused as no light
+def nanometers(
+    path: Path | str, name: str, values: Array, unit: str, *, unit_key: str = "unit"
+) -> tuple[Float[Array, " m"], Notes]:
+    """Wavelengths in nm, from the unit declared, else from the name or the size of the numbers.
+
+    Numbers that could be nm as well as Angstrom are not guessed.
+
+    Parameters
+    ----------
+    path, name
+        Used in messages; the name may end in a unit.
+    values
+        The numbers, in any unit.
+    unit
+        As the file declares it; empty where it does not.
+    unit_key
+        What the file calls the place of its unit.
+
+    Raises
+    ------
+    InputError
+        If the unit is neither declared nor unmistakable.
+
+    Examples
+    --------
+    >>> nanometers("a file", "wl_um", np.array([0.4, 0.7]), "")
+    (array([400., 700.]), ())
+    """
+    listed = np.asarray(values, dtype=np.float64)
+    word = unit.strip().lower()
+    in_name = name.lower().rpartition("_")[2]
+    told = f"{unit_key} {printable(word)!r}" if word else f"no {unit_key}"
+    low, high = listed.min(), listed.max()
+    if word in NM_PER:
+        return listed * NM_PER[word], ()
+    if word in ("", "unknown", "1", "index"):
+        if in_name in NM_PER:
+            return listed * NM_PER[in_name], ()
+        if low >= 100 and high <= 20000 and low < 2000:  # Angstrom would be below 200 nm
+            return listed, (f"{name!r} has {told}: wavelengths taken as nm",)
+        if low >= 0.1 and high < 100 and word != "index":
+            return listed * 1000, (f"{name!r} has {told}: wavelengths taken as micrometers",)
+    raise _check.InputError(
+        f"{path}: {printable(name)!r} has {told} for wavelengths {low:g} .. {high:g}, so they "
+        "cannot be turned into nm; say nm or um there, or give --wavelengths FIRST:LAST in nm, or "
+        "a file of them"
+    )
