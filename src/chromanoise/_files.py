@@ -52,7 +52,7 @@ def regular_file(path: Path, *, folder: bool = False, pipe: bool = False) -> os.
     ):
         return status
     kind = next((word for test, word in _KINDS if test(mode)), "no file")
-    raise InputError(f"{path}: is {kind}, which is not a regular file; name a regular file")
+    raise InputError(f"{path}: cannot be read (it is {kind}, which is not a regular file)")
 
 
 @contextmanager

@@ -145,7 +145,7 @@ def test_decimal_commas_between_commas_are_said_to_be_ragged_or_refused(file):
 
 def test_a_missing_file_a_folder_and_a_large_file_are_refused(tmp_path, file):
     assert "No such file" in refusal(tmp_path / "none.csv")
-    assert "no file" in refusal(tmp_path)
+    assert "directory" in refusal(tmp_path)
     assert "too large" in refusal(file(b"1" * (4 * 2**20 + 1)))
     assert "save it with -v7" in refusal(file(b"\x89HDF\r\n\x1a\n" + bytes(200)))
     assert "UTF-8" in refusal(file(bytes(range(256))))

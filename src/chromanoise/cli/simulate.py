@@ -46,6 +46,7 @@ from chromanoise.scene.rows import row_source
 from chromanoise.sensor import MOSAIC_NAMES, Imperfections, mosaic_named
 from chromanoise.study import matrix_makers
 from chromanoise.study.runs import file_word
+from chromanoise.study.words import file_of
 
 _REAL_PIXELS = ("dark_current_e_per_s", "dsnu_e", "prnu", "row_noise_e")
 
@@ -103,7 +104,12 @@ _REAL_PIXELS = ("dark_current_e_per_s", "dsnu_e", "prnu", "row_noise_e")
 )
 @click.option("--key", help="Name of the array in a MAT, NPZ, HDF5, NetCDF or Zarr cube.")
 @click.option("--shape", metavar="ROWSxCOLUMNS", help="Of a cube stored as a 2-D array.")
-@click.option("--wavelengths", metavar="FIRST:LAST", help="[nm], where the file does not say.")
+@click.option(
+    "--wavelengths",
+    metavar="FIRST:LAST|FILE",
+    help="Of the bands, where the cube does not say: evenly spaced [nm], or a text file that "
+    "lists one per band (nm, or the unit in its heading).",
+)
 @click.option("--scale", type=float, help="Reflectance per stored unit, e.g. 0.0001.")
 @click.option(
     "--bad-pixels",
@@ -240,7 +246,10 @@ def _the_cube(name: str, options: dict[str, Any]) -> Cube:
         if cures:
             raise InputError(f"{name} says all of itself; leave {' and '.join(cures)} away")
         return builtin_cube(name)
-    return read_cube(name, **_reading(options))
+    how = _reading(options)
+    if isinstance(how["wavelengths"], str):
+        how["wavelengths"] = file_of(how["wavelengths"])
+    return read_cube(name, **how)
 
 
 def _reading(options: dict[str, Any]) -> dict[str, Any]:
@@ -248,9 +257,22 @@ def _reading(options: dict[str, Any]) -> dict[str, Any]:
     return {
         "key": options["key"],
         "shape": _pair("--shape", options["shape"], "x", int),
-        "wavelengths": _pair("--wavelengths", options["wavelengths"], ":", float),
+        "wavelengths": _wavelengths(options["wavelengths"]),
         "scale": options["scale"],
     }
+
+
+def _wavelengths(text: str | None) -> tuple[float, float] | str | None:
+    """Both ends of an even series, else the name of a file."""
+    try:
+        return _pair("--wavelengths", text, ":", float)
+    except InputError:
+        if text and file_of(text).exists():
+            return text
+        raise InputError(
+            f"--wavelengths takes FIRST:LAST in nm or a file that lists them, but {text!r} is "
+            "neither"
+        ) from None
 
 
 def _pair(option: str, text: str | None, separator: str, kind: Any) -> Any:

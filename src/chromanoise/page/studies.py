@@ -266,7 +266,7 @@ def _names_a_file(one: FileWord, base: str) -> bool:
         return not base.startswith("builtin:")
     if one.kind == "sensor":
         return is_sensor_file(base)
-    return one.kind == "pixel" or is_file_name(base)
+    return one.kind in ("pixel", "wavelengths") or is_file_name(base)
 
 
 def _refuse_irregular(one: FileWord) -> None:

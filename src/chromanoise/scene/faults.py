@@ -1,6 +1,8 @@
 """How the faults of foreign readers are told."""
 
 import importlib
+import os
+import threading
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -35,7 +37,8 @@ _SIGNATURES = {
     **{bytes((0x80, version)): "a Python pickle, which is never loaded" for version in range(2, 6)},
 }
 _OWN = {
-    "NumPy": ("a zip archive", "a NumPy array (.npy)"),
+    "NPZ": ("a zip archive",),
+    "NumPy": ("a NumPy array (.npy)",),
     "MATLAB": ("a MATLAB 5 file",),
     "MATLAB 7.3": ("an HDF5 file", "a MATLAB 7.3 file"),
     "HDF5": ("an HDF5 file",),
@@ -82,6 +85,28 @@ def reading_rows(path: Path, kind: str) -> Iterator[None]:
         ) from None
     except Exception as error:  # parsers throw anything
         raise _unreadable(path, kind, error) from None
+
+
+_STDERR, _ONE_AT_A_TIME = 2, threading.Lock()
+
+
+@contextmanager
+def without_chatter() -> Iterator[None]:
+    """Keeps what libraries in C write to stderr from it; libtiff does where it finds a fault."""
+    with _ONE_AT_A_TIME:
+        try:
+            kept = os.dup(_STDERR)
+        except OSError:  # a program may run without a stderr
+            yield
+            return
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(nowhere, _STDERR)
+        os.close(nowhere)
+        try:
+            yield
+        finally:
+            os.dup2(kept, _STDERR)
+            os.close(kept)
 
 
 def _unreadable(path: Path, kind: str, error: Exception) -> _check.InputError:

@@ -19,6 +19,7 @@ from typing import Any
 
 _LONGEST_ATTRIBUTE = 100_000
 _PIECE_BYTES = 2**24
+_PACKING_BYTES = 4096  # tables and checksums that packing may add to a chunk
 _END = object()
 
 DEFLATE, SHUFFLE = 1, 2  # as HDF5 numbers its filters
@@ -177,9 +178,27 @@ def _place(asked: dict[str, Any]) -> Iterator[dict[str, Any] | bytes | None]:
         index = None if filters is None else _index(dataset, filters, file.userblock_size)
         yield None
         if index is None:
+            _refuse_long_chunks(dataset)
             dataset[tuple(slice(0, n) for n in dataset.chunks or (1,) * dataset.ndim)]
         yield place | {"filters": None if index is None else filters}
         yield b"" if index is None else index.tobytes()
+
+
+def _refuse_long_chunks(dataset: Any) -> None:
+    """Refuse packed chunks that are longer than unpacked ones: libhdf5 inflates all that is there.
+
+    Raises
+    ------
+    ValueError
+        If there is one.
+    """
+    if dataset.chunks is None:
+        return
+    whole = math.prod(dataset.chunks) * dataset.dtype.itemsize
+    lengths = []
+    dataset.id.chunk_iter(lambda chunk: lengths.append(chunk.size))
+    if max(lengths, default=0) > whole + whole // 8 + _PACKING_BYTES:
+        raise ValueError(f"a packed chunk holds {max(lengths)} bytes, an unpacked one {whole}")
 
 
 def _storage(dataset: Any) -> dict[str, Any]:

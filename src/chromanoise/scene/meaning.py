@@ -10,6 +10,7 @@ from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise.scene.found import Found, Notes
 from chromanoise.scene.rows import RowSource, with_bands
+from chromanoise.scene.wavelength_file import read_wavelengths
 
 _SHORTEST_NM, _LONGEST_NM = 100.0, 20000.0
 _RADIANCE = re.compile(r"radiance|(?<![a-z])rdn(?![a-z])", re.I)
@@ -55,26 +56,28 @@ def _radiance_words(path: Path | str, found: Found) -> str:
 
 
 def wavelengths_and_notes(
-    path: Path | str, found: Found, ends: tuple[float, float] | None
+    path: Path | str, found: Found, said: tuple[float, float] | Path | str | None
 ) -> tuple[Float[Array, " m"], Notes]:
     """Centers of the bands [nm]: the caller's word, else the file's."""
     bands = found.pixels.shape[2]
     if bands < 2:
         raise _check.InputError(f"{path}: has {bands} band, but a cube needs at least 2")
-    if ends is not None:
+    if said is not None:
         over = "; those in the file are not used" if found.wavelengths else ""
-        spread, note = _spread(ends, bands)
+        if isinstance(said, str | Path):
+            return read_wavelengths(Path(said), bands), (f"wavelengths listed in {said}{over}",)
+        spread, note = _spread(said, bands)
         return spread, (note + over,)
     if found.wavelengths is None:
         raise _check.InputError(
             f"{path}: does not tell the wavelengths of its {bands} bands; give --wavelengths "
-            "FIRST:LAST in nm if they are evenly spaced"
+            "FIRST:LAST in nm if they are evenly spaced, or a file that lists them"
         )
     wavelength, notes = found.wavelengths()
     if wavelength.size != bands:
         raise _check.InputError(
             f"{path}: has {bands} bands but {wavelength.size} wavelengths; mend the list, or give "
-            "--wavelengths FIRST:LAST in nm if they are evenly spaced"
+            "--wavelengths FIRST:LAST in nm if they are evenly spaced, or a file that lists them"
         )
     return wavelength, notes
 

@@ -140,6 +140,6 @@ def _size_and_kind(file: Path) -> tuple[tuple[int, int], np.dtype]:
 
 
 def _image(file: Path) -> Any:
-    from PIL import Image
+    from PIL.PngImagePlugin import PngImageFile
 
-    return Image.open(file, formats=("PNG",))
+    return PngImageFile(file)  # its size is bounded here, not by Pillow

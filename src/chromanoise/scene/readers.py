@@ -37,7 +37,7 @@ def read_cube(
     *,
     key: str | None = None,
     shape: tuple[int, int] | None = None,
-    wavelengths: tuple[float, float] | None = None,
+    wavelengths: tuple[float, float] | Path | str | None = None,
     scale: float | None = None,
 ) -> Cube:
     """The cube of reflectances in a file or folder.
@@ -55,8 +55,8 @@ def read_cube(
     shape
         Rows and columns of an array that stores pixels in one axis. [pixels]
     wavelengths
-        Centers of the first and the last band, the others evenly between; wins over the
-        file. [nm]
+        Centers of the first and the last band, the others evenly between; or a text file that
+        lists them all (`chromanoise.scene.wavelength_file`). Wins over the cube's file. [nm]
     scale
         Reflectance per stored unit; wins over the file, and over its saying that it is radiance.
 

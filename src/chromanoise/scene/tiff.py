@@ -1,6 +1,8 @@
 """TIFF files of one page per band, or of pages with many samples."""
 
 import json
+import logging
+import math
 import re
 from collections.abc import Callable
 from pathlib import Path
@@ -11,11 +13,12 @@ from jaxtyping import Float, Shaped
 
 from chromanoise import _check
 from chromanoise._check import Array
-from chromanoise.scene.bounds import refuse_impossible, refuse_not_numbers
+from chromanoise.scene.bounds import refuse_not_numbers
 from chromanoise.scene.faults import reading
 from chromanoise.scene.file_rows import FileRows, PlaneRows
 from chromanoise.scene.found import Found, Notes, by, refuse_other_shape
 from chromanoise.scene.rows import RowSource
+from chromanoise.scene.tiff_pages import decoded_pages
 from chromanoise.scene.wavelength_lists import NAMED_WAVELENGTH, NM_PER, SPECTRAL_NAMES, nanometers
 
 ENDINGS = (".tif", ".tiff")
@@ -24,6 +27,8 @@ _LISTED = re.compile(
 )
 _MOST_PAGES = 20_000
 _UNCOMPRESSED = 1
+
+logging.getLogger("tifffile").addHandler(logging.NullHandler())  # what it logs is told here
 
 
 def tiff_cube(path: Path, shape: tuple[int, int] | None) -> Found:
@@ -98,7 +103,7 @@ def _pixels(
         notes = ("pages taken as bands",)
         if all(_is_plain(page) for page in pages):
             return PlaneRows(planes=tuple(_plane(path, page) for page in pages)), notes
-        return np.stack([_decoded(path, page, len(pages)) for page in pages], axis=2), notes
+        return decoded_pages(path, pages).transpose(1, 2, 0), notes
     if many or len(first.shape) != 3 or first.axes not in ("YXS", "SYX"):
         raise _check.InputError(
             f"{path}: must have one page per band, or one page of many samples, but has "
@@ -108,12 +113,12 @@ def _pixels(
     notes = ("samples of the page taken as bands",)
     if _is_plain(first):
         return _in_place(path, first, order), notes
-    return _decoded(path, first, 1).transpose(order), notes
+    return decoded_pages(path, pages)[0].transpose(order), notes
 
 
 def _is_plain(page: Any) -> bool:
     """Whether the numbers lie uncompressed and one after the other."""
-    told = int(np.prod(page.shape, dtype=object)) * np.dtype(page.dtype).itemsize
+    told = math.prod(page.shape) * np.dtype(page.dtype).itemsize
     offsets, counts = page.dataoffsets, page.databytecounts
     joined = all(a + n == b for a, n, b in zip(offsets[:-1], counts[:-1], offsets[1:], strict=True))
     whole_bytes = page.bitspersample == np.dtype(page.dtype).itemsize * 8
@@ -158,16 +163,6 @@ def _plane(path: Path, page: Any) -> FileRows:
         shape=(height, width, 1),
         strides=(width * size, size, size),
     )
-
-
-def _decoded(path: Path, page: Any, count: int) -> Shaped[Array, "..."]:
-    dtype = np.dtype(page.dtype)
-    told = (count, *(int(n) for n in page.shape))
-    refuse_impossible(path, "of all pages", told, dtype)
-    numbers = np.asarray(page.asarray())
-    if numbers.shape != page.shape:
-        raise _check.InputError(f"{path}: a page is not as large as it says; save it again")
-    return numbers
 
 
 def _wavelengths(

@@ -1,5 +1,6 @@
 """Labeled arrays of xarray: in as cubes, out as pictures."""
 
+from pathlib import Path
 from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
@@ -40,7 +41,7 @@ class ColorPicture(Protocol):
 def cube_from_xarray(
     array: Any,
     *,
-    wavelengths: tuple[float, float] | None = None,
+    wavelengths: tuple[float, float] | Path | str | None = None,
     scale: float | None = None,
 ) -> Cube:
     """The cube of reflectances in an ``xarray.DataArray``; nothing is copied or computed yet.
@@ -52,8 +53,8 @@ def cube_from_xarray(
         the unit of its coordinate (nm, um); the others are rows and columns in their order. A dask
         array is computed when its rows are asked for.
     wavelengths
-        Centers of the first and the last band, the others evenly between; wins over the
-        coordinate. [nm]
+        Centers of the first and the last band, the others evenly between; or a text file that
+        lists them all. Wins over the coordinate. [nm]
     scale
         Reflectance per stored unit; wins over ``scale_factor``.
 

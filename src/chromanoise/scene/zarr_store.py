@@ -18,6 +18,7 @@ from jaxtyping import Shaped, UInt8
 
 from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise._files import regular_file
 from chromanoise.scene.bounds import memory_bytes, printable
 from chromanoise.scene.faults import library, reading, reading_rows
 from chromanoise.scene.file_rows import refuse_other_rows
@@ -33,6 +34,8 @@ _CODECS = frozenset({
 })  # fmt: skip
 _LARGEST_HEADER_BYTES = 16 * 2**20
 _MOST_ARRAYS = 10_000
+_TEXTS = (*_HEADERS, ".zgroup", ".zattrs", ".zmetadata")
+_PACKING_BYTES = 2**20  # index of a shard, tables and checksums
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -138,6 +141,8 @@ def _folders(path: Path) -> Iterator[tuple[Path, list[str], int]]:
                 f"{linked}: is a link, which a Zarr folder may not hold, for it could lead out of "
                 "it; copy the files themselves"
             )
+        for entry in entries:
+            regular_file(Path(entry), folder=True)
         inner.sort()
         yield Path(folder), names, sum(e.stat().st_size for e in entries if e.is_file())
 
@@ -248,11 +253,20 @@ def _absent_chunks(path: Path, name: str) -> Notes:
 
 
 def _refuse_large_chunks(path: Path, name: str) -> None:
+    """Refuse chunks beyond the memory, and files that are longer packed than they are unpacked."""
     with reading(path, "Zarr"):
         array = _opened(path, name)
         size = math.prod(array.shards or array.chunks) * array.dtype.itemsize
+        longest = max(
+            (f.stat().st_size for f in (path / name).rglob("*") if f.name not in _TEXTS), default=0
+        )
     if size > memory_bytes() // 2:
         raise _check.InputError(
             f"{path}: the chunks of array {printable(name)!r} need {size / 2**30:.1f} GiB of "
             "memory each; store it with smaller chunks"
+        )
+    if longest > size + size // 8 + _PACKING_BYTES:
+        raise _check.InputError(
+            f"{path}: a chunk of array {printable(name)!r} holds {longest} bytes, but unpacked it "
+            f"would have {size}; it is damaged, save it again"
         )

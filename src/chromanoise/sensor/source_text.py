@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from chromanoise._check import InputError
+from chromanoise._files import regular_file
 
 _LARGEST_BYTES = 64 * 2**20
 
@@ -17,12 +18,12 @@ def source_text(path: Path) -> str:
     InputError
         If it cannot be read, is too large, or is not text.
     """
+    regular_file(path)
     try:
         with path.open("rb") as file:
             content = file.read(_LARGEST_BYTES + 1)
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or error
-        raise InputError(f"{path}: cannot be read ({reason})") from None
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror})") from None
     if len(content) > _LARGEST_BYTES:
         raise InputError(f"{path}: more than {_LARGEST_BYTES // 2**20} MiB are no table of a pixel")
     try:

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from chromanoise import _check
+from chromanoise._files import regular_file
 from chromanoise.spectra.curves import Spectra
 
 _LARGEST_BYTES = 64 * 2**20
@@ -30,9 +31,10 @@ def read_spectra_csv(path: Path | str, *, quantity: str, unit: str) -> Spectra:
     """
     path = Path(path)
     try:
-        if path.stat().st_size > _LARGEST_BYTES:
+        size = regular_file(path).st_size
+        if size > _LARGEST_BYTES:
             raise _check.InputError(
-                f"{path}: {path.stat().st_size / 2**20:.0f} MiB is too large for a table of spectra"
+                f"{path}: {size / 2**20:.0f} MiB is too large for a table of spectra"
             )
         text = path.read_text(encoding="utf-8-sig")
     except UnicodeDecodeError as error:

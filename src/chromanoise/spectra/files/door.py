@@ -7,6 +7,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from chromanoise import _check
+from chromanoise._files import regular_file
 from chromanoise.spectra.files.cgats import is_cgats, read_cgats
 from chromanoise.spectra.files.delimited import read_delimited
 from chromanoise.spectra.files.isetcam import is_matlab, read_isetcam
@@ -55,11 +56,7 @@ def read_curves(path: Path | str, *, answers: Answers = ASK) -> Understood:
 
 
 def _content(path: Path) -> bytes:
-    if not path.exists():
-        raise _check.InputError(f"{path}: cannot be read (No such file or directory)")
-    if not path.is_file():
-        raise _check.InputError(f"{path}: cannot be read (it is no file)")
-    size = path.stat().st_size
+    size = regular_file(path).st_size
     if size > _LARGEST_BYTES:
         raise _check.InputError(
             f"{path}: {size / 2**20:.0f} MiB is too large for a table of spectra "
@@ -114,8 +111,8 @@ def _faults_told(path: Path) -> Iterator[None]:
     except MemoryError:
         raise _check.InputError(f"{path}: too large for this machine's memory") from None
     except Exception as error:  # parsers throw anything
-        told = " ".join(str(error).split())[:120] or type(error).__name__
+        told = _check.reason(error)
         raise _check.InputError(
-            f"{path}: not a readable file of spectra ({told}); it is damaged or cut short, "
-            "save it again"
+            f"{path}: not a readable file of spectra{f' ({told})' if told else ''}; it is damaged "
+            "or cut short, save it again"
         ) from None

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from chromanoise import _check
+from chromanoise._files import regular_file
 from chromanoise.spectra.curves import Spectra
 from chromanoise.spectra.readers import read_spectra_csv
 from chromanoise.spectra.tables.provenance import Provenance, table_provenances
@@ -95,9 +96,7 @@ def _table(folder: Path, name: str, provenance: Provenance) -> UserTable:
 
 def _text(path: Path) -> str:
     try:
-        if path.exists() and not path.is_file():
-            raise _check.InputError(f"{path}: cannot be read (it is no file)")
-        if path.stat().st_size > _LARGEST_BYTES:
+        if regular_file(path).st_size > _LARGEST_BYTES:
             raise _check.InputError(f"{path}: is larger than 1 MiB, too large to tell of sources")
         return path.read_text(encoding="utf-8-sig")
     except UnicodeDecodeError as error:

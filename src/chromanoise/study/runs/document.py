@@ -6,7 +6,7 @@ the folder of the study.
 
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
 
 from chromanoise.imaging import DEMOSAICING
 from chromanoise.imaging.shots import FORMATS, MOST_FRAMES
@@ -145,8 +145,10 @@ class PicturePart(_Part):
     shape: Annotated[tuple[int, int], Field(strict=False)] | None = Field(
         None, description="Rows and columns of a cube stored as a 2-D array."
     )
-    wavelengths: Annotated[tuple[float, float], Field(strict=False)] | None = Field(
-        None, description="Of the first and the last band [nm], where the file does not say."
+    wavelengths: Annotated[tuple[float, float], Field(strict=False)] | str | None = Field(
+        None,
+        description="Where the cube does not say: of the first and the last band [nm], or a text "
+        "file that lists one per band.",
     )
     scale: Positive | None = Field(None, description="Reflectance per stored unit.")
     beyond: Beyond = Field("refuse", description="What reflectances are beyond the cube's end.")
@@ -181,6 +183,16 @@ class PicturePart(_Part):
         0.0, description="Photo response non-uniformity."
     )
     row_noise_e: NotNegative = Field(0.0, description="Noise that a row shares [e-].")
+
+    @field_validator("wavelengths", mode="before")
+    @classmethod
+    def _ends_or_a_file(cls, told: Any) -> Any:
+        """One sentence, where the schema alone would have one for each kind of value."""
+        pair = isinstance(told, list | tuple) and len(told) == 2
+        numbers = pair and all(isinstance(n, int | float) for n in told)
+        if told is None or isinstance(told, str) or numbers:
+            return told
+        raise ValueError("must be [FIRST, LAST] in nm, or the name of a file that lists them all")
 
     @model_validator(mode="after")
     def _of_a_mosaic(self) -> "PicturePart":

@@ -9,12 +9,13 @@ from typing import Any, Literal
 
 from chromanoise import __version__
 from chromanoise._check import InputError
+from chromanoise._files import regular_file
 from chromanoise.scene.envi import DATA_SUFFIXES, envi_pair
 from chromanoise.study.catalog import catalog_folder
 from chromanoise.study.runs.document import Study
 from chromanoise.study.words import file_of, filter_files, illuminant_files, sensor_files
 
-Kind = Literal["light", "sensor", "filter", "pixel", "cube"]
+Kind = Literal["light", "sensor", "filter", "pixel", "cube", "wavelengths"]
 """Of what a word of a study may name a file."""
 
 
@@ -62,11 +63,13 @@ def with_file_words(study: Study, told: Callable[[FileWord], str]) -> Study:
             "pixel": part.pixel.model_copy(update={"file": file}),
         }
         sensors.append(part.model_copy(update=words))
-    cubes = [word(f"pictures.{i}.cube", "cube", p.cube) for i, p in enumerate(study.pictures)]
-    pictures = [
-        part.model_copy(update={"cube": cube})
-        for part, cube in zip(study.pictures, cubes, strict=True)
-    ]
+    pictures = []
+    for i, picture in enumerate(study.pictures):
+        words = {"cube": word(f"pictures.{i}.cube", "cube", picture.cube)}
+        if isinstance(picture.wavelengths, str):
+            where = f"pictures.{i}.wavelengths"
+            words["wavelengths"] = word(where, "wavelengths", picture.wavelengths)
+        pictures.append(picture.model_copy(update=words))
     parts = {"sensors": tuple(sensors), "pictures": tuple(pictures)}
     return study.model_copy(update=parts | {"light": study.light.model_copy(update=light)})
 
@@ -92,7 +95,7 @@ def files_of_word(one: FileWord) -> tuple[Path, ...]:
         If the word cannot be understood, or is too long for the name of a file.
     """
     try:
-        if one.kind == "pixel":
+        if one.kind in ("pixel", "wavelengths"):
             return (file_of(one.word),)
         if one.kind == "cube":
             built_in = one.word.startswith("builtin:")
@@ -201,6 +204,7 @@ def _hash_of(study: Study, digests: Mapping[str, str]) -> str:
 
 
 def _digest(file: Path) -> str:
+    regular_file(file)
     try:
         with file.open("rb") as opened:
             return hashlib.file_digest(opened, "sha256").hexdigest()

@@ -225,7 +225,10 @@ def cube_of(part: PicturePart) -> Cube:
         if cures:
             raise InputError(f"{part.cube} says all of itself; leave {' and '.join(cures)} away")
         return builtin_cube(part.cube)
-    return read_cube(file_of(part.cube), **{name: getattr(part, name) for name in _CURES})
+    how = {name: getattr(part, name) for name in _CURES}
+    if isinstance(part.wavelengths, str):
+        how["wavelengths"] = file_of(part.wavelengths)
+    return read_cube(file_of(part.cube), **how)
 
 
 def _exposures(study: Study, white: Scene, sensors: Sequence[Sensor]) -> list[Exposure]:

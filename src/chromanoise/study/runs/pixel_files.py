@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from chromanoise._check import InputError
+from chromanoise._files import regular_file
 from chromanoise.sensor import (
     PixelSource,
     Sensor,
@@ -73,13 +74,13 @@ def own_json_of(path: Path) -> Sensor | Spectra | None:
     InputError
         If it says that it is ours, but is of another version or wrong.
     """
+    regular_file(path)
     try:
         with path.open("rb") as file:
             if path.suffix.lower() != ".json" or b'"chromanoise s' not in file.read(_HEAD_BYTES):
                 return None
-    except (OSError, ValueError) as error:  # a name with a null byte is a ValueError
-        reason = getattr(error, "strerror", None) or error
-        raise InputError(f"{path}: cannot be read ({reason})") from None
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror})") from None
     text = source_text(path)
     if '"chromanoise sensor"' in text[:_HEAD_BYTES]:
         return sensor_from_json(text, source=str(path))

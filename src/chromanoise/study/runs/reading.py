@@ -11,6 +11,7 @@ from typing import Any
 from pydantic import BaseModel, ValidationError
 
 from chromanoise._check import InputError
+from chromanoise._files import regular_file
 from chromanoise.color import SPACES
 from chromanoise.imaging import DEMOSAICING
 from chromanoise.imaging.shots import FORMATS
@@ -46,15 +47,17 @@ def read_study(path: Path | str, changes: Sequence[str] = ()) -> Study:
         If the file cannot be read; all faults of what it says, one line each.
     """
     path = Path(path)
+    regular_file(path, pipe=True)
     try:
-        if path.stat().st_size > _LARGEST_BYTES:
-            raise InputError(f"{path}: {path.stat().st_size} bytes are too many for a study")
-        text = path.read_text(encoding="utf-8")
+        with path.open("rb") as file:
+            content = file.read(_LARGEST_BYTES + 1)
+        text = content.decode("utf-8")
     except UnicodeDecodeError:
         raise InputError(f"{path}: not a UTF-8 text file; save the study as UTF-8") from None
-    except (OSError, ValueError) as error:
-        told = getattr(error, "strerror", None) or error
-        raise InputError(f"{path}: cannot be read ({told})") from None
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror})") from None
+    if len(content) > _LARGEST_BYTES:
+        raise InputError(f"{path}: more than {_LARGEST_BYTES} bytes are too many for a study")
     # what is piped in lies nowhere: its files are told from the working folder
     here = path.parent == Path() or Path("/dev") in path.absolute().parents
 

@@ -10,7 +10,7 @@ from pydantic import ValidationError
 
 from chromanoise import __version__
 from chromanoise._check import InputError
-from chromanoise._files import refuse_unwritable, whole_folder
+from chromanoise._files import refuse_unwritable, regular_file, whole_folder
 from chromanoise.imaging import Work
 from chromanoise.study.files.own_json import named
 from chromanoise.study.runs.document import Study
@@ -176,9 +176,9 @@ def _sha256(file: Path) -> str | None:
 
 
 def _read(file: Path) -> Any:
+    if regular_file(file).st_size > _LARGEST_BYTES:
+        raise InputError(f"{file}: is too large for an output of a study")
     try:
-        if file.stat().st_size > _LARGEST_BYTES:
-            raise InputError(f"{file}: is too large for an output of a study")
         return json.loads(file.read_bytes())
     except OSError as error:
         raise InputError(f"{file}: cannot be read ({error.strerror})") from None

@@ -171,11 +171,11 @@ def _simulate(study: Study) -> list[str] | None:
 def _picture(picture: PicturePart) -> list[str]:
     apart = {"cube", "beyond", "formats", "shape", "wavelengths"}
     told = picture.model_dump(exclude=apart, exclude_defaults=True)
-    shape, ends = picture.shape, picture.wavelengths
+    shape, said = picture.shape, picture.wavelengths
     return _options(
         format=",".join(picture.formats) if picture.formats else None,
         shape=f"{shape[0]}x{shape[1]}" if shape else None,
-        wavelengths=f"{ends[0]!r}:{ends[1]!r}" if ends else None,
+        wavelengths=f"{said[0]!r}:{said[1]!r}" if isinstance(said, tuple) else said,
         **told,
     )
 
