@@ -1,90 +1,92 @@
-"""Files: outputs appear whole or not at all, and inputs are regular files."""
+"""Outputs appear whole or not at all.
 
+A run writes into a scratch folder ``.NAME-xxxxxxxx`` beside the output folder ``NAME`` and holds a
+lock on ``.NAME.chromanoise-lock``, which ends with its process. The first line of that file names
+process and scratch folder. Before the scratch folder takes the place of an existing folder, a
+second line lists what may be removed of the replaced one. Whoever clears up, this run or the next
+one after a kill, removes only what is listed there.
+"""
+
+import ctypes
 import errno
+import json
 import os
+import re
+import secrets
 import shutil
-import stat
+import sys
 import tempfile
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, contextmanager, suppress
 from pathlib import Path
+from typing import IO, Any
 
 from chromanoise._check import InputError
 
-_KINDS = (
-    (stat.S_ISFIFO, "a pipe"),
-    (stat.S_ISSOCK, "a socket"),
-    (stat.S_ISCHR, "a device"),
-    (stat.S_ISBLK, "a device"),
-    (stat.S_ISDIR, "a directory"),
-)
+if sys.platform != "win32":
+    import fcntl
 
-
-def regular_file(path: Path, *, folder: bool = False, pipe: bool = False) -> os.stat_result:
-    """The status of a file that can be read to its end without waiting for another process.
-
-    Parameters
-    ----------
-    path
-        The file. It is not opened, because opening a pipe may wait forever.
-    folder
-        Whether a folder is accepted too.
-    pipe
-        Whether a pipe that this process inherited (``/dev/stdin``, ``/dev/fd/63``) is accepted
-        too; the caller bounds how much of it is read.
-
-    Raises
-    ------
-    InputError
-        If there is no such file, or it is a pipe, a device, a socket or a folder.
-    """
-    try:
-        status = path.stat()
-    except (OSError, ValueError) as error:  # a null byte in a name is a ValueError
-        told = getattr(error, "strerror", None) or error
-        raise InputError(f"{str(path)[:200]}: cannot be read ({told})") from None
-    mode = status.st_mode
-    inherited = path.absolute().parent in (Path("/dev"), Path("/dev/fd"))
-    if (
-        stat.S_ISREG(mode)
-        or (folder and stat.S_ISDIR(mode))
-        or (pipe and inherited and stat.S_ISFIFO(mode))
-    ):
-        return status
-    kind = next((word for test, word in _KINDS if test(mode)), "no file")
-    raise InputError(f"{path}: cannot be read (it is {kind}, which is not a regular file)")
+_AT_FDCWD, _RENAME_EXCHANGE = -100, 2  # of linux/fcntl.h and linux/fs.h
 
 
 @contextmanager
 def whole_folder(folder: Path) -> Iterator[Path]:
-    """A scratch folder whose files move to ``folder`` when all are written; else nothing does.
+    """A scratch folder whose files appear in ``folder`` when all are written; else nothing does.
 
     Files of the same name are replaced; other files in ``folder`` stay.
 
     Raises
     ------
     InputError
-        If ``folder`` is a file, cannot be written, or holds a folder where a file should go.
+        As `claimed_folder`, or if ``folder`` holds a folder where a file must go.
     """
-    missing = _first_missing(folder)
-    refuse_unwritable(folder)
-    try:
-        folder.parent.mkdir(parents=True, exist_ok=True)
-        scratch = Path(tempfile.mkdtemp(prefix=f".{folder.name}-", dir=folder.parent))
-    except OSError as error:
-        raise InputError(f"{folder}: cannot be written ({error.strerror})") from None
-    try:
+    with claimed_folder(folder) as scratch_folder, scratch_folder() as scratch:
         yield scratch
-        _move_all(scratch, folder)
-        missing = None
-    except OSError as error:
-        if error.filename is not None:
-            raise
-        raise InputError(f"{folder}: cannot be written ({error.strerror or error})") from None
+
+
+@contextmanager
+def claimed_folder(folder: Path) -> Iterator[Callable[[], AbstractContextManager[Path]]]:
+    """Keep other runs out of ``folder``, and yield a function that makes a `whole_folder` of it.
+
+    The files appear by one rename: of the scratch folder where ``folder`` is missing or empty, of a
+    single file, or else by an exchange of ``folder`` with a scratch folder that also holds hard
+    links to its other files. Where that is impossible (a mount point, the working folder, a file
+    system without links or exchange) they are moved one by one.
+
+    Raises
+    ------
+    InputError
+        If ``folder`` is a file, cannot be written, or another process writes into it now.
+    """
+    refuse_unwritable(folder)
+    goal = Path(os.path.realpath(folder))
+    place = _place(goal)
+    missing = [parent for parent in (place, *place.parents) if not parent.exists()]
+    scratch = place / f".{goal.name}-{secrets.token_hex(4)}"
+
+    @contextmanager
+    def scratch_folder() -> Iterator[Path]:
+        with _told(folder):
+            scratch.mkdir()
+        try:
+            try:
+                yield scratch
+            except OSError as error:
+                if error.filename is not None:
+                    raise
+                raise InputError(f"{folder}: cannot be written ({error.strerror})") from None
+            with _told(folder):
+                _appear(scratch, goal, journal)
+        finally:
+            _clear(goal, journal)
+
+    try:
+        with _locked(place, goal, folder, scratch) as journal:
+            yield scratch_folder
     finally:
-        shutil.rmtree(scratch, ignore_errors=True)
-        if missing is not None:
-            shutil.rmtree(missing, ignore_errors=True)
+        with suppress(OSError):  # others may have put something there
+            for parent in missing:
+                parent.rmdir()
 
 
 def refuse_unwritable(folder: Path) -> None:
@@ -93,7 +95,8 @@ def refuse_unwritable(folder: Path) -> None:
     Raises
     ------
     InputError
-        If ``folder`` is a file, or it or the folder that would hold it may not be written.
+        If ``folder`` is a file, it or the folder that would hold it may not be written, or another
+        process writes into it now.
     """
     if os.path.lexists(folder) and not folder.is_dir():
         raise InputError(f"{folder}: the output folder is an existing file; name another")
@@ -102,6 +105,9 @@ def refuse_unwritable(folder: Path) -> None:
         raise InputError(f"{folder}: cannot be made, for {there} is a file; name another folder")
     if not os.access(there, os.W_OK | os.X_OK):
         raise InputError(f"{folder}: cannot be written (no permission in {there})")
+    goal = Path(os.path.realpath(folder))
+    for place in (goal, goal.parent):
+        _refuse_held(_lock_file(place, goal), folder)
 
 
 def write_whole(path: Path, content: bytes) -> None:
@@ -116,7 +122,7 @@ def write_whole(path: Path, content: bytes) -> None:
     """
     if path.is_dir():
         raise InputError(f"{path}: is a folder; name a file")
-    try:
+    with _told(path):
         if path.exists() and not path.is_file():
             path.write_bytes(content)
             return
@@ -124,6 +130,12 @@ def write_whole(path: Path, content: bytes) -> None:
         if goal.is_symlink():  # a loop of links leads nowhere
             raise OSError(errno.ELOOP, os.strerror(errno.ELOOP))
         _replaced(goal, content)
+
+
+@contextmanager
+def _told(path: Path) -> Iterator[None]:
+    try:
+        yield
     except OSError as error:
         raise InputError(f"{path}: cannot be written ({error.strerror})") from None
 
@@ -141,19 +153,235 @@ def _replaced(path: Path, content: bytes) -> None:
         scratch.unlink(missing_ok=True)
 
 
-def _move_all(scratch: Path, folder: Path) -> None:
-    moves = [
-        (p, folder / p.relative_to(scratch)) for p in sorted(scratch.rglob("*")) if p.is_file()
-    ]
-    for _, target in moves:
-        if target.is_dir():
-            raise InputError(f"{target}: is a folder where a file must go; move it away")
-    for path, target in moves:
-        target.parent.mkdir(parents=True, exist_ok=True)
-        path.replace(target)
+def _place(goal: Path) -> Path:
+    """Where lock and scratch lie: beside the folder, or in one that cannot be renamed."""
+    if not goal.is_dir():
+        return goal.parent
+    with suppress(FileNotFoundError):  # the working folder was removed
+        if Path.cwd().is_relative_to(goal):
+            return goal
+    renamed = os.access(goal.parent, os.W_OK | os.X_OK) and not _is_mount(goal)
+    return goal.parent if renamed else goal
 
 
-def _first_missing(folder: Path) -> Path | None:
-    """The outermost folder that must be made on the way to ``folder``."""
-    missing = [p for p in (folder, *folder.parents) if not p.exists()]
-    return missing[-1] if missing else None
+def _is_mount(folder: Path | str) -> bool:
+    if os.path.ismount(folder):
+        return True
+    try:  # one folder of a file system mounted within the same is known here only
+        mounts = Path("/proc/self/mountinfo").read_text(errors="surrogateescape").splitlines()
+    except OSError:
+        return False
+    return str(folder).replace(" ", "\\040") in (line.split()[4] for line in mounts)
+
+
+def _lock_file(place: Path, goal: Path) -> Path:
+    return place / f".{goal.name}.chromanoise-lock"
+
+
+@contextmanager
+def _locked(place: Path, goal: Path, folder: Path, scratch: Path) -> Iterator[IO[str]]:
+    """The lock file, held; what a killed run left beside the folder is cleared away first."""
+    path = _lock_file(place, goal)
+    with _told(folder):
+        journal = _held_file(path, folder)
+        if journal is None:  # nobody can know whether this run has ended: a file of its own
+            path = path.with_name(f"{path.name}-{secrets.token_hex(4)}")
+            journal = path.open("a+")
+    with journal:
+        try:
+            _clear_elsewhere(place, goal, folder)
+            _clear(goal, journal)
+            with _told(folder):
+                journal.truncate(0)
+                _note(journal, {"process": os.getpid(), "scratch": scratch.name})
+            yield journal
+        finally:
+            _clear(goal, journal)  # where this is stopped too, the next run goes on with it
+            path.unlink(missing_ok=True)
+
+
+def _held_file(path: Path, folder: Path) -> IO[str] | None:
+    """The lock file, locked for this process; ``None`` where the file system has no locks."""
+    while True:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        try:
+            journal = path.open("a+")
+        except FileNotFoundError:  # a run that ended has removed the parent
+            continue
+        try:
+            locked = _lock(journal, folder)
+            if locked and _is_at(path, journal):
+                return journal
+        except BaseException:
+            journal.close()
+            raise
+        journal.close()
+        if not locked:
+            path.unlink(missing_ok=True)
+            return None
+
+
+def _is_at(path: Path, opened: IO[str]) -> bool:
+    """Whether an open file still has its name: a run that ends removes its lock file."""
+    with suppress(FileNotFoundError):
+        return os.path.samestat(path.stat(), os.fstat(opened.fileno()))
+    return False
+
+
+def _lock(journal: IO[str], folder: Path) -> bool:
+    """Whether the file is locked now for this process; not where the file system has no locks."""
+    if sys.platform == "win32":
+        return False
+    try:
+        fcntl.flock(journal, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        lines = _notes(journal)
+        who = f"process {lines[0].get('process')}" if lines else "another process"
+        raise InputError(
+            f"{folder}: {who} is writing into it; wait until that ends, or name another folder"
+        ) from None
+    except OSError:
+        return False
+    return True
+
+
+def _clear_elsewhere(place: Path, goal: Path, folder: Path) -> None:
+    """The same folder may be named by a run that works in it, and then keeps its scratch there."""
+    path = _lock_file(goal if place != goal else goal.parent, goal)
+    with suppress(OSError):
+        journal = _held_file(path, folder) if path.exists() else None
+        if journal is not None:
+            with journal:
+                _clear(goal, journal)
+                path.unlink()
+
+
+def _refuse_held(path: Path, folder: Path) -> None:
+    with suppress(OSError), path.open() as journal:
+        _lock(journal, folder)
+
+
+def _note(journal: IO[str], entry: dict[str, Any]) -> None:
+    journal.write(json.dumps(entry) + "\n")
+    journal.flush()
+
+
+def _notes(journal: IO[str]) -> list[dict[str, Any]]:
+    """The whole lines of a lock file; none of a file that is not ours."""
+    journal.seek(0)
+    try:
+        lines = [json.loads(line) for line in journal.readlines() if line.endswith("\n")]
+    except ValueError:
+        return []
+    return lines if all(isinstance(line, dict) for line in lines) else []
+
+
+def _appear(scratch: Path, goal: Path, journal: IO[str]) -> None:
+    """Put the files of the scratch folder into the goal; what is replaced stays in the scratch."""
+    made = sorted(path.relative_to(scratch) for path in scratch.rglob("*"))
+    files = [name for name in made if not (scratch / name).is_dir()]
+    for name in files:
+        if (goal / name).is_dir():
+            raise InputError(f"{goal / name}: is a folder where a file must go; move it away")
+    one_step = scratch.parent != goal and not (goal.exists() and len(files) == 1)
+    if one_step and _swapped_in(scratch, goal, made, journal):
+        return
+    for name in files:
+        (goal / name).parent.mkdir(parents=True, exist_ok=True)
+        (scratch / name).replace(goal / name)
+
+
+def _swapped_in(scratch: Path, goal: Path, made: list[Path], journal: IO[str]) -> bool:
+    """Whether the scratch folder has taken the place of the goal, with all that was in it."""
+    try:
+        if goal.exists():
+            shutil.copystat(goal, scratch)
+            os.utime(scratch)
+            owner = goal.stat()
+            with suppress(PermissionError):
+                os.chown(scratch, owner.st_uid, owner.st_gid)
+            if any(goal.iterdir()):
+                linked = _link_others(goal, scratch)
+                _note(journal, {"made": [name.as_posix() for name in made], "linked": linked})
+                return _exchanged(scratch, goal)
+        scratch.rename(goal)
+    except OSError:
+        return False
+    return True
+
+
+def _link_others(goal: Path, scratch: Path, at: str = "") -> dict[str, int]:
+    """Hard links in the scratch folder to what it lacks of the goal: their names and inodes."""
+    linked: dict[str, int] = {}
+    for entry in _entries(goal):
+        target = scratch / entry.name
+        if entry.is_dir(follow_symlinks=False):
+            if _is_mount(entry.path) or not os.access(entry.path, os.W_OK | os.X_OK):
+                raise OSError(f"{entry.path} cannot be moved")
+            new = not target.exists()
+            target.mkdir(exist_ok=True)
+            linked |= _link_others(goal / entry.name, target, f"{at}{entry.name}/")
+            if new:
+                shutil.copystat(entry.path, target)
+        elif not os.path.lexists(target):
+            os.link(entry.path, target, follow_symlinks=False)
+            linked[at + entry.name] = target.lstat().st_ino
+    return linked
+
+
+def _entries(folder: Path) -> list["os.DirEntry[str]"]:
+    with os.scandir(folder) as entries:
+        return list(entries)
+
+
+def _exchanged(one: Path, other: Path) -> bool:
+    """Whether two folders have exchanged their names in one step, which Linux can."""
+    exchange = getattr(ctypes.CDLL(None), "renameat2", None) if os.name == "posix" else None
+    if exchange is None:
+        return False
+    names = os.fsencode(one), os.fsencode(other)
+    return exchange(_AT_FDCWD, names[0], _AT_FDCWD, names[1], _RENAME_EXCHANGE) == 0
+
+
+def _clear(goal: Path, journal: IO[str]) -> None:
+    """Remove the scratch folder of a lock file; what its run neither made nor linked is kept."""
+    notes = _notes(journal)
+    name = str(notes[0].get("scratch")) if notes else ""
+    scratch = Path(journal.name).parent / name
+    ours = re.fullmatch(rf"\.{re.escape(goal.name)}-[0-9a-f]{{8}}", name)
+    if not ours or scratch.is_symlink():
+        return
+    if len(notes) == 1:
+        shutil.rmtree(scratch, ignore_errors=True)
+        return
+    with suppress(OSError):
+        _empty(scratch, goal, frozenset(notes[1]["made"]), notes[1]["linked"])
+    journal.truncate(len(json.dumps(notes[0])) + 1)
+
+
+def _empty(
+    old: Path, goal: Path, made: frozenset[str], linked: dict[str, int], at: str = ""
+) -> None:
+    """Remove a folder that was replaced; what came into it meanwhile moves to the goal."""
+    for entry in _entries(old):
+        name, target = at + entry.name, goal / entry.name
+        if entry.is_dir(follow_symlinks=False):
+            if name not in made:
+                target.mkdir(exist_ok=True)
+            _empty(old / entry.name, target, made, linked, f"{name}/")
+        elif name in made or _is_kept(entry, target, linked.get(name)):
+            Path(entry.path).unlink()
+        else:
+            Path(entry.path).replace(target)
+    old.rmdir()
+
+
+def _is_kept(entry: os.DirEntry[str], target: Path, inode: int | None) -> bool:
+    """Whether a file of the replaced folder was linked, or was written anew in the goal since."""
+    found = entry.stat(follow_symlinks=False)
+    if found.st_ino == inode:
+        return True
+    with suppress(FileNotFoundError):
+        there = target.lstat()
+        return there.st_ino != inode and there.st_mtime_ns > found.st_mtime_ns
+    return False

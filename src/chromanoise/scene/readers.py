@@ -6,7 +6,7 @@ from pathlib import Path
 
 from chromanoise import _check
 from chromanoise._check import reason
-from chromanoise._files import regular_file
+from chromanoise._inputs import regular_file
 from chromanoise.scene.arrays import NAMED, named_arrays
 from chromanoise.scene.cube import Cube
 from chromanoise.scene.envi import (

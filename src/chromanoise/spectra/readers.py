@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from chromanoise import _check
-from chromanoise._files import regular_file
+from chromanoise._inputs import regular_file
 from chromanoise.spectra.curves import Spectra
 
 _LARGEST_BYTES = 64 * 2**20

@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from chromanoise import _check
-from chromanoise._files import regular_file
+from chromanoise._inputs import regular_file
 from chromanoise.spectra.files.cgats import is_cgats, read_cgats
 from chromanoise.spectra.files.delimited import read_delimited
 from chromanoise.spectra.files.isetcam import is_matlab, read_isetcam

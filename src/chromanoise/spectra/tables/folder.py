@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from chromanoise import _check
-from chromanoise._files import regular_file
+from chromanoise._inputs import regular_file
 from chromanoise.spectra.curves import Spectra
 from chromanoise.spectra.readers import read_spectra_csv
 from chromanoise.spectra.tables.provenance import Provenance, table_provenances

@@ -9,7 +9,7 @@ from typing import Any, Literal
 
 from chromanoise import __version__
 from chromanoise._check import InputError
-from chromanoise._files import regular_file
+from chromanoise._inputs import regular_file
 from chromanoise.scene.envi import DATA_SUFFIXES, envi_pair
 from chromanoise.study.catalog import catalog_folder
 from chromanoise.study.runs.document import Study

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from chromanoise._check import InputError
-from chromanoise._files import regular_file
+from chromanoise._inputs import regular_file
 from chromanoise.sensor import (
     PixelSource,
     Sensor,

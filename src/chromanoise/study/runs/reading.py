@@ -11,7 +11,7 @@ from typing import Any
 from pydantic import BaseModel, ValidationError
 
 from chromanoise._check import InputError
-from chromanoise._files import regular_file
+from chromanoise._inputs import regular_file
 from chromanoise.color import SPACES
 from chromanoise.imaging import DEMOSAICING
 from chromanoise.imaging.shots import FORMATS
