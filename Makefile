@@ -40,6 +40,7 @@ format: $(VENV)/.dev
 	$(BIN)/ruff check --fix .
 
 clean-kernels:
+	rm -rf src/chromanoise/imaging/__pycache__/kernels-*
 	find src -name '*.nb[ic]' -delete
 
 clean: clean-kernels

@@ -3,8 +3,6 @@
 Kernels are compiled on their first call and kept; importing this compiles nothing.
 """
 
-from pathlib import Path
-
 from chromanoise.imaging.demosaic import (
     FilterBank,
     bilinear_filters,
@@ -30,7 +28,6 @@ from chromanoise.imaging.render import (
     rendered,
 )
 from chromanoise.imaging.sampling import noisy_electrons
-from chromanoise.imaging.stale import drop_stale_kernels
 from chromanoise.imaging.work import Work
 from chromanoise.imaging.writers import (
     mosaic_tiff_rows,
@@ -45,8 +42,6 @@ from chromanoise.imaging.writers import (
     write_xyz_tiff,
     xyz_tiff_rows,
 )
-
-drop_stale_kernels(Path(__file__).parent)
 
 __all__ = [
     "DEMOSAICING",

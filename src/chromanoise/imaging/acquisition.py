@@ -12,9 +12,9 @@ a `Draw`.
 from typing import no_type_check
 
 import numpy as np
-from numba import njit
 
 from chromanoise.imaging.blocks import RUN
+from chromanoise.imaging.kernel_cache import kernel
 from chromanoise.imaging.noise_blocks import draw_light, draw_readout, room_for
 from chromanoise.imaging.philox import (
     LIGHT,
@@ -33,14 +33,14 @@ _F = np.float32
 _ZERO, _ONE = _F(0.0), _F(1.0)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 @no_type_check
 def room_for_run(channels):
     """Scratch of a run: words, channels being rounded up to 4, and what noise needs."""
     return np.empty(groups_of(channels) * PER_CALL * RUN, np.uint32), room_for(RUN * channels)
 
 
-@njit(cache=True, nogil=True, inline="always")
+@kernel(inline="always")
 @no_type_check
 def row_offset_e(at_row, draw):
     """What all pixels of a row share."""
@@ -49,7 +49,7 @@ def row_offset_e(at_row, draw):
     return _ZERO
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 @no_type_check
 def acquire(mean, pixel, n, channels, draw, row_e, room, electrons):
     """Electrons (n * p,) from mean (n * p,): p values of ``n`` pixels, one after the other.
@@ -76,7 +76,7 @@ def acquire(mean, pixel, n, channels, draw, row_e, room, electrons):
         _imperfect_readout(electrons, pixel, n, channels, draw, row_e - dark_e)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 @no_type_check
 def _imperfect_means(mean, pixel, n, channels, draw, dark_e):
     """Sensitivity that differs from pixel to pixel, then the dark electrons.
@@ -92,7 +92,7 @@ def _imperfect_means(mean, pixel, n, channels, draw, dark_e):
             mean[c * n + i] = mean[c * n + i] * gain + dark_e
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 @no_type_check
 def _imperfect_readout(electrons, pixel, n, channels, draw, shared_e):
     """The dark signal that differs from pixel to pixel, and what the whole row shares."""
@@ -105,7 +105,7 @@ def _imperfect_readout(electrons, pixel, n, channels, draw, shared_e):
             electrons[c * n + i] = electrons[c * n + i] + offset
 
 
-@njit(cache=True, nogil=True, inline="always")
+@kernel(inline="always")
 @no_type_check
 def _normal(pixel, purpose, frame, channel, key):
     """A standard normal variate (f4) that belongs to a pixel, or a row, a purpose and a channel."""
@@ -113,7 +113,7 @@ def _normal(pixel, purpose, frame, channel, key):
     return normal_quantile(np.uint32(word))
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 @no_type_check
 def _fill_words(pixel, n, channels, purpose, draw, words):
     """A word for each value, in their order."""
@@ -127,7 +127,7 @@ def _fill_words(pixel, n, channels, purpose, draw, words):
         _words_of_group(pixel, group, purpose, draw.frame, draw.key, w0, w1, w2, w3)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 @no_type_check
 def _words_of_group(pixel, group, purpose, frame, key, w0, w1, w2, w3):
     """Words of four channels of as many pixels as ``w0`` has."""
@@ -139,7 +139,7 @@ def _words_of_group(pixel, group, purpose, frame, key, w0, w1, w2, w3):
         w3[i] = four[3]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 @no_type_check
 def _words_of_one(pixel, channel, purpose, frame, key, words):
     """The word of the one channel of each pixel: that which it has when all are rendered."""

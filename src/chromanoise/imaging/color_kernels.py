@@ -7,9 +7,9 @@ Functions without annotations are compiled, serial and free of the interpreter's
 from typing import no_type_check
 
 import numpy as np
-from numba import njit
 
 from chromanoise.imaging.blocks import RUN
+from chromanoise.imaging.kernel_cache import kernel
 from chromanoise.imaging.lanes import fused
 from chromanoise.imaging.layout import three_together
 
@@ -20,7 +20,7 @@ _F = np.float32
 _ZERO, _ONE, _HALF = _F(0.0), _F(1.0), _F(0.5)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 @no_type_check
 def colors_of_run(electrons, n, p, matrices, table, colors, entry, xyz, srgb):
     """Eq. 5 for a run, channel after channel; sRGB codes are looked up.
@@ -34,7 +34,7 @@ def colors_of_run(electrons, n, p, matrices, table, colors, entry, xyz, srgb):
     _codes(table, entry[:n], entry[n : 2 * n], entry[2 * n : 3 * n], srgb)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 @no_type_check
 def _products(electrons, n, p, rows, colors):
     """Three rows of a matrix times the channels: colors (3 * n,), one color after the other."""
@@ -50,28 +50,28 @@ def _products(electrons, n, p, rows, colors):
             _add_weighted_pair(here, next_one, row[c], row[c + 1], color)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 @no_type_check
 def _weighted(values, weight, out):
     for i in range(out.size):
         out[i] = values[i] * weight
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 @no_type_check
 def _weighted_pair(values, others, weight, other, out):
     for i in range(out.size):
         out[i] = fused(others[i], other, values[i] * weight)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 @no_type_check
 def _add_weighted_pair(values, others, weight, other, out):
     for i in range(out.size):
         out[i] = fused(others[i], other, fused(values[i], weight, out[i]))
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 @no_type_check
 def _codes(table, first, second, third, srgb):
     for i in range(first.size):
@@ -80,7 +80,7 @@ def _codes(table, first, second, third, srgb):
         srgb[i, 2] = table[np.uint32(third[i])]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 @no_type_check
 def color_of_electrons(electrons, matrices, table, xyz, srgb):
     """Eq. 5 for rows of electrons (rows, columns, p): xyz and srgb as `color_rows`."""
@@ -98,7 +98,7 @@ def color_of_electrons(electrons, matrices, table, xyz, srgb):
             )
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 @no_type_check
 def _entries(screen, entry):
     """Where in the table of codes a linear value stands; held to 0 .. 1."""

@@ -13,11 +13,11 @@ import math
 from typing import no_type_check
 
 import numpy as np
-from numba import njit
 
 from chromanoise.imaging.acquisition import acquire, room_for_run, row_offset_e
 from chromanoise.imaging.blocks import RUN
 from chromanoise.imaging.color_kernels import colors_of_run
+from chromanoise.imaging.kernel_cache import kernel
 from chromanoise.imaging.means import TILE
 from chromanoise.imaging.tallies import count_means, hold_at_well, strands_for, total_means
 from chromanoise.imaging.tiles import (
@@ -36,7 +36,7 @@ _F = np.float32
 _ZERO, _HALF = _F(0.0), _F(0.5)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 @no_type_check
 def electron_rows(stored, out):
     """Expected electrons of all channels: out (rows, columns, p). Nothing but eq. 2."""
@@ -60,7 +60,7 @@ def electron_rows(stored, out):
                     there[i, c] = fours[c // 4, i, c % 4]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 @no_type_check
 def raw_rows(stored, tile, first_row, draw, adc, codes, counts):
     """Codes of the mosaic: codes (rows, columns) uint16.
@@ -96,7 +96,7 @@ def raw_rows(stored, tile, first_row, draw, adc, codes, counts):
                     _codes(electrons, channel, adc, counts[row], codes[row, first + run :])
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 @no_type_check
 def _codes(electrons, channel, adc, counts, codes):
     """Held at full well, converted, rounded, and held to the range of the converter."""
@@ -110,7 +110,7 @@ def _codes(electrons, channel, adc, counts, codes):
             counts[1, channel[i]] += 1.0
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 @no_type_check
 def color_rows(stored, first_row, draw, well, matrices, table, xyz, srgb, counts):
     """Every channel at every pixel, then color: xyz (rows, columns, 3) f4, srgb the same uint8.
@@ -152,7 +152,7 @@ def color_rows(stored, first_row, draw, well, matrices, table, xyz, srgb, counts
                     colors_of_run(electrons, m, p, matrices, table, colors, entry, there, shown)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 @no_type_check
 def _copy(values, out):
     """Written out, because assigning a slice takes five times as long."""

@@ -12,10 +12,10 @@ from typing import no_type_check
 
 import numpy as np
 from jaxtyping import Float32, Int, Num
-from numba import njit
 
 from chromanoise._check import Array
 from chromanoise.imaging.demosaic import FilterBank, border_pixels
+from chromanoise.imaging.kernel_cache import kernel
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -117,7 +117,7 @@ def demosaicked_rows(
     return out
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 @no_type_check
 def demosaic_block(surrounded, starts, tap_rows, tap_columns, weights, first_row, out):
     """Fill ``out`` (rows, columns, p) from the rows with their surroundings, both float32."""
@@ -136,7 +136,7 @@ def demosaic_block(surrounded, starts, tap_rows, tap_columns, weights, first_row
                     out[row, b + i * tx, c] = sums[i]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 @no_type_check
 def _apart(surrounded, tx):
     """Each row with the columns of one place of the tile together: (rows, tx, columns / tx)."""
@@ -148,7 +148,7 @@ def _apart(surrounded, tx):
     return apart
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 @no_type_check
 def _sum_taps(apart, row, b, first, last, tap_rows, tap_columns, weights, sums, count):
     """One filter along a row, four taps a time: each sum still takes them one by one."""

@@ -8,12 +8,13 @@ whole vectors; with an index for the channel each number would be moved by itsel
 from typing import no_type_check
 
 import numpy as np
-from numba import njit
+
+from chromanoise.imaging.kernel_cache import kernel
 
 _1, _2, _3, _4 = np.uintp(1), np.uintp(2), np.uintp(3), np.uintp(4)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 @no_type_check
 def four_apart(pixels, a, b, c, d):
     """Pixels (4 n,), four numbers each, to four arrays (n,)."""
@@ -25,7 +26,7 @@ def four_apart(pixels, a, b, c, d):
         d[i] = pixels[j + _3]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 @no_type_check
 def four_together(a, b, c, d, pixels):
     """Four arrays (n,) to pixels (4 n,), four numbers each."""
@@ -37,7 +38,7 @@ def four_together(a, b, c, d, pixels):
         pixels[j + _3] = d[i]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 @no_type_check
 def three_together(a, b, c, pixels):
     """Three arrays (n,) to pixels (3 n,), three numbers each."""

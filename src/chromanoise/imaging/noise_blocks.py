@@ -11,6 +11,7 @@ from typing import no_type_check
 import numpy as np
 from numba import njit
 
+from chromanoise.imaging.kernel_cache import kernel
 from chromanoise.imaging.philox import LIGHT, PER_CALL, READOUT, groups_of, words_at
 from chromanoise.imaging.variates import (
     FEW_E,
@@ -32,7 +33,7 @@ _ZERO, _INFINITE = np.float32(0.0), np.float32(np.inf)
 _PER = np.array([0.0] + [1.0 / k for k in range(1, 81)])
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 @no_type_check
 def fill_noise(mean, electrons, start, stop, tile_width, origin, width, frame, seed, read_noise_e):
     """Fill pixels ``start`` to ``stop`` of ``electrons`` (pixels, p); how many means are refused.
@@ -65,14 +66,14 @@ def fill_noise(mean, electrons, start, stop, tile_width, origin, width, frame, s
     return refused
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 @no_type_check
 def room_for(count):
     """Scratch of `draw_light` and `draw_readout`: which lanes are low, variates, logarithms."""
     return np.empty(count, np.int32), np.empty(count, np.float32), np.empty(count, np.float32)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 @no_type_check
 def name_pixels(pixel, first, count, groups, tile_width, origin, width):
     """Index of the pixel in the whole picture, once for each group of its channels."""
@@ -88,7 +89,7 @@ def name_pixels(pixel, first, count, groups, tile_width, origin, width):
             row, column = row + 1, 0
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 @no_type_check
 def fill_words(pixel, group, count, channels, purpose, frame, seed, words):
     """A word for each channel of ``count`` pixels, in order; pixel, group: of each four words."""
@@ -107,7 +108,7 @@ def fill_words(pixel, group, count, channels, purpose, frame, seed, words):
                 words[i * channels + c] = words[i * padded + c]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 @no_type_check
 def count_refused(mean):
     """How many means are negative, infinite or not a number; counted as `_count_few` does."""
@@ -117,7 +118,7 @@ def count_refused(mean):
     return mean.size - right
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 @no_type_check
 def count_low(mean, words, electrons, lanes, count):
     """Poisson electrons of the ``count`` lanes listed in ``lanes``, whose means are low.
@@ -182,7 +183,7 @@ def _count_together(low, left, chance, found):
             left[j], chance[j], found[j] = r, c, f
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 @no_type_check
 def list_low(mean, count, lanes):
     """How many means are low; their lanes come first in ``lanes``, which has room for all."""
@@ -198,7 +199,7 @@ def list_low(mean, count, lanes):
     return few
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 @no_type_check
 def _count_few(mean):
     """How many means are low; counted in 32 bits, as wide as the means, to vectorize."""
@@ -208,7 +209,7 @@ def _count_few(mean):
     return few
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 @no_type_check
 def normal_of_words(words, count, normal, logs):
     """Standard normal variates of ``count`` words; logs has room for as many.
@@ -221,7 +222,7 @@ def normal_of_words(words, count, normal, logs):
         normal[j] = quantile_of_log(normal[j], logs[j])
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 @no_type_check
 def draw_light(mean, words, count, read_noise_e, room, electrons):
     """Electrons of ``count`` lanes; how many of them, listed in ``room``, lack their read noise.
@@ -248,7 +249,7 @@ def draw_light(mean, words, count, read_noise_e, room, electrons):
     return few if together else count
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 @no_type_check
 def draw_readout(words, waiting, count, read_noise_e, room, electrons):
     """Add read noise to the ``waiting`` of ``count`` lanes; words of `READOUT`, not kept."""

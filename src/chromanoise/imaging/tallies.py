@@ -8,7 +8,8 @@ The strands begin anew with every tile of a row, so no choice of blocks or threa
 from typing import no_type_check
 
 import numpy as np
-from numba import njit
+
+from chromanoise.imaging.kernel_cache import kernel
 
 STRANDS = 64
 """At most, if the columns of a mosaic do not repeat later."""
@@ -16,14 +17,14 @@ STRANDS = 64
 _ZERO = np.float32(0.0)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 @no_type_check
 def strands_for(period):
     """Strands of a row whose channels repeat after ``period`` pixels: a whole number of periods."""
     return np.empty(max(STRANDS // period, 1) * period)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 @no_type_check
 def total_means(mean, strands):
     """Sum of the means of one channel."""
@@ -34,7 +35,7 @@ def total_means(mean, strands):
     return total
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 @no_type_check
 def count_means(mean, channel, strands, counts):
     """Add the means of pixels to those of the channel over each: counts (3, p)."""
@@ -43,7 +44,7 @@ def count_means(mean, channel, strands, counts):
         counts[0, channel[k]] += strands[k]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 @no_type_check
 def _fill_strands(mean, strands):
     """Strand k: the sum of values k, k + size, k + 2 size ..."""
@@ -55,7 +56,7 @@ def _fill_strands(mean, strands):
             strands[k] += here[k]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 @no_type_check
 def _count_above(electrons, most_e):
     """How many exceed full well; counted in 32 bits, as wide as the electrons, to vectorize."""
@@ -65,7 +66,7 @@ def _count_above(electrons, most_e):
     return above
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 @no_type_check
 def hold_at_well(electrons, n, p, well, counts):
     """Count what lies above full well, and hold it between 0 and full well if asked."""

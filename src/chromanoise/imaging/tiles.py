@@ -12,9 +12,9 @@ Functions without annotations are compiled, serial and free of the interpreter's
 from typing import no_type_check
 
 import numpy as np
-from numba import njit
 
 from chromanoise.imaging.blocks import RUN_LANES
+from chromanoise.imaging.kernel_cache import kernel
 from chromanoise.imaging.layout import four_apart, four_together
 from chromanoise.imaging.means import (
     TILE,
@@ -27,14 +27,14 @@ from chromanoise.imaging.means import (
 from chromanoise.imaging.records import RowsInMemory
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 @no_type_check
 def with_own_weights(stored):
     """The same rows with a copy of their weights."""
     return RowsInMemory(stored.flat, stored.lay, stored.weights.copy(), stored.seen)
 
 
-@njit(cache=True, nogil=True, inline="always")
+@kernel(inline="always")
 @no_type_check
 def rows_of_tile(lay, columns):
     """Rows of a tile: several if they are short and follow each other."""
@@ -42,14 +42,14 @@ def rows_of_tile(lay, columns):
     return max(1, TILE // columns) if follow else 1
 
 
-@njit(cache=True, nogil=True, inline="always")
+@kernel(inline="always")
 @no_type_check
 def start_of(row, first, lay):
     """Where a pixel's first band lies in the flat array."""
     return row * lay.row_pitch + first * lay.pixel_pitch
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 @no_type_check
 def room_for_tile(stored):
     """``sums`` and ``fours`` for all channels."""
@@ -57,7 +57,7 @@ def room_for_tile(stored):
     return np.empty(channels * TILE, np.float32), np.empty((channels // 4, TILE, 4), np.float32)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 @no_type_check
 def means_by_pixel(stored, start, n, sums, fours):
     """All channels of ``n`` pixels, four side by side at each: fours (p / 4, n or more, 4)."""
@@ -71,7 +71,7 @@ def means_by_pixel(stored, start, n, sums, fours):
         four_together(a, b, c, d, fours[g].reshape(-1))
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 @no_type_check
 def means_by_channel(stored, start, n, sums, fours):
     """All channels of ``n`` pixels, one after the other: channel c in sums[c * TILE :]."""
@@ -85,7 +85,7 @@ def means_by_channel(stored, start, n, sums, fours):
         four_apart(fours[g].reshape(-1), a, b, c, d)
 
 
-@njit(cache=True, nogil=True, inline="always")
+@kernel(inline="always")
 @no_type_check
 def _four_planes(sums, g, n):
     at = 4 * g * TILE
@@ -97,7 +97,7 @@ def _four_planes(sums, g, n):
     )
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 @no_type_check
 def means_by_filter(stored, start, rows, first, n, over, phase, tables, sums, out):
     """The one channel over each of ``n`` pixels of some rows from column ``first`` on.
@@ -121,7 +121,7 @@ def means_by_filter(stored, start, rows, first, n, over, phase, tables, sums, ou
                 out[i] = sums[own[i - row * n] * TILE + i]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 @no_type_check
 def channels_over(tile, columns):
     """The channel over every pixel of the rows of one period: (tile rows, columns)."""
@@ -132,7 +132,7 @@ def channels_over(tile, columns):
     return over
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 @no_type_check
 def tables_over(over, period, stored):
     """`weights_over_columns` where pixels lie together and columns repeat in time; else empty."""

@@ -1,0 +1,92 @@
+"""Where compiled kernels are kept: in a folder named by the content of all their sources.
+
+numba asks only whether the file of a kernel has changed, some versions by its date, and not the
+files of what the kernel calls. The name of the folder holds a hash of every source of this package
+and numba's version, so no kernel outlives a change of either.
+"""
+
+import hashlib
+import os
+import shutil
+import stat
+import tempfile
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numba
+from numba import config, njit
+from numba.misc.appdirs import AppDirs
+
+SOURCES = Path(__file__).parent
+
+
+def kernel(**options: Any) -> Callable[[Callable[..., Any]], Any]:
+    """`numba.njit` of a function that is compiled on its first call and kept for later processes.
+
+    Parameters
+    ----------
+    options
+        Of ``njit``, beyond ``cache`` and ``nogil``.
+    """
+
+    def compiled(function: Callable[..., Any]) -> Any:
+        folder, before = kernel_folder(), config.CACHE_DIR
+        config.CACHE_DIR = "" if folder is None else str(folder)
+        try:
+            return njit(cache=folder is not None, nogil=True, **options)(function)
+        finally:
+            config.CACHE_DIR = before
+
+    return compiled
+
+
+@cache
+def kernel_folder() -> Path | None:
+    """The first that can be written: ``None`` where there is none, or no sources to be read.
+
+    ``NUMBA_CACHE_DIR``, ``__pycache__`` of the installation, the user's cache, or a folder for
+    temporary files that nobody else may write. Folders of earlier sources of this installation are
+    removed from it.
+    """
+    sources = sorted(SOURCES.glob("*.py"))
+    if not sources:
+        return None
+    told = hashlib.sha256(numba.__version__.encode())
+    for source in sources:
+        content = source.read_bytes()
+        told.update(f"\n{source.name} {len(content)}\n".encode() + content)
+    ours = f"kernels-{hashlib.sha256(os.fsencode(SOURCES)).hexdigest()[:8]}-"
+    for place in _places():
+        folder = place / f"{ours}{told.hexdigest()[:16]}"
+        with suppress(OSError):
+            folder.mkdir(parents=True, exist_ok=True)
+            tempfile.TemporaryFile(dir=folder).close()
+            for other in place.glob(f"{ours}*"):
+                if other != folder:
+                    shutil.rmtree(other, ignore_errors=True)
+            return folder
+    return None
+
+
+def _places() -> Iterator[Path]:
+    if config.CACHE_DIR:
+        yield Path(config.CACHE_DIR) / "chromanoise"
+    yield SOURCES / "__pycache__"
+    yield Path(AppDirs(appname="chromanoise", appauthor=False).user_cache_dir)
+    if hasattr(os, "getuid"):
+        shared = Path(tempfile.gettempdir()) / f"chromanoise-{os.getuid()}"
+        if _is_private(shared):
+            yield shared
+
+
+def _is_private(folder: Path) -> bool:
+    """Whether it is a folder of this user alone: what others put there would be run."""
+    with suppress(OSError):
+        folder.mkdir(mode=0o700, exist_ok=True)
+        found = folder.lstat()
+        own = stat.S_ISDIR(found.st_mode) and found.st_uid == os.getuid()
+        return own and not found.st_mode & 0o077
+    return False
