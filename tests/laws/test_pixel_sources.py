@@ -301,6 +301,7 @@ def drawn(rng, *, samples=2000, prnu=0.0, lights=LIGHTS_E, full_e=np.inf):
         variance_dn2=variance,
         dark=lights == 0,
         samples=np.full(lights.size, float(samples)),
+        spatial=True,
     )
 
 
@@ -398,7 +399,8 @@ def test_a_variance_that_bends_down_is_no_pattern_and_is_told():
                        samples=table.samples)
     )  # fmt: skip
     assert fit.prnu is None
-    assert fit.gain_dn_per_e == pytest.approx(GAIN, rel=1e-9)
+    assert fit.low_light_gain_dn_per_e == pytest.approx(GAIN, rel=1e-9)
+    assert fit.high_light_gain_dn_per_e == pytest.approx(GAIN - 2e-4 * 1600, rel=1e-9)
     assert any("bends down" in note for note in fit.notes)
 
 
@@ -511,7 +513,7 @@ def test_a_variance_that_does_not_grow_is_no_photon_transfer():
 
 
 def test_two_black_levels_or_one_above_the_codes_are_refused():
-    with pytest.raises(InputError, match=r"dark rows tell a black level of 100 DN, but 99"):
+    with pytest.raises(InputError, match=r"dark rows give a black level of 100 DN, but 99"):
         photon_transfer_fit(exact(LIGHTS_E), black_dn=99.0)
     with pytest.raises(InputError, match=r"above the lowest mean"):
         photon_transfer_fit(exact(LIGHTS_E[1:]), black_dn=1000.0)

@@ -13,11 +13,14 @@ from chromanoise.noise import Readout, read_moments, sample_electrons, with_nois
 from chromanoise.rng import stream
 from chromanoise.scene import flat_field
 from chromanoise.sensor import Pixel, Sensor
+from chromanoise.sensor.photon_transfer import PhotonTransfer, photon_transfer_fit
 from chromanoise.spectra import Grid, Illuminant
 from chromanoise.units import photons_per_joule
 
 NEEDS = "needs the package emva1288"
 camera = pytest.importorskip("emva1288.camera.routines", reason=NEEDS)
+virtual = pytest.importorskip("emva1288.camera.camera", reason=NEEDS)
+points = pytest.importorskip("emva1288.camera.points_generator", reason=NEEDS)
 data = pytest.importorskip("emva1288.process.data", reason=NEEDS)
 results = pytest.importorskip("emva1288.process.results", reason=NEEDS)
 routines = pytest.importorskip("emva1288.process.routines", reason=NEEDS)
@@ -152,6 +155,57 @@ def test_its_threshold_is_our_snr_1_but_for_the_term_that_the_standard_leaves_ou
     assert 0.99 / (8 * sigma) < QE * (own - found.u_p_min) < 1 / (8 * sigma)
     dynamic_range = found.DR
     assert dynamic_range == pytest.approx(found.u_p_sat / own, rel=1e-2)
+
+
+# photon transfer of its own virtual camera
+
+
+def reference_run(exposure_ns, *, gain, bits, seed=1):
+    """Mean and variance of two pictures per point that its camera takes at its own test points.
+
+    Over exposure times, each with its dark, or over photons at one time.
+    """
+    own = virtual.Camera(width=80, height=60, K=gain, bit_depth=bits, seed=seed)
+    own.exposure = own.exposure_min
+    asked = points.PointsGenerator(own, exposure_fixed=exposure_ns, steps=40).points["temporal"]
+    sums = {}
+    for time_ns, radiances in asked.items():
+        own.exposure, sums[time_ns] = time_ns, {}
+        for radiance in radiances:
+            pair = routines.get_int_imgs([own.grab(radiance).astype(np.int64) for _ in (0, 1)])
+            sums[time_ns][float(np.mean(own.get_photons(radiance)))] = {
+                "sum": float(pair["sum"].sum()),
+                "pvar": float(pair["pvar"].sum()),
+                "dmean": pair["dmean"],
+            }
+    reader = object.__new__(data.Data1288)  # without its spatial pictures
+    reader.pixels = 80 * 60
+    return reader._get_temporal(sums)
+
+
+@pytest.mark.parametrize("exposure_ns", [None, 1_000_000])
+@pytest.mark.parametrize(("gain", "bits"), [(0.1, 8), (0.5, 12)])
+def test_our_evaluation_of_its_reference_run_is_its_own(exposure_ns, gain, bits):
+    run = reference_run(exposure_ns, gain=gain, bits=bits)
+    same = run["u_y"].size
+    ours = photon_transfer_fit(
+        PhotonTransfer(
+            mean_dn=run["u_y"],
+            variance_dn2=run["s2_y"],
+            dark=np.zeros(same, dtype=bool),
+            samples=np.full(same, 80.0 * 60),
+            time_ms=1e-6 * run["texp"],
+            dark_mean_dn=run["u_ydark"],
+            dark_variance_dn2=run["s2_ydark"],
+        )
+    )
+    theirs = analyzed(run)
+    assert ours.gain_dn_per_e == pytest.approx(theirs.K, rel=1e-3)
+    assert ours.read_noise_e == pytest.approx(theirs.sigma_d, rel=1e-3)
+    # it takes response times photons at saturation, where clipping has begun; ours is the mean
+    assert ours.full_well_e == pytest.approx(theirs.u_e_sat, rel=5e-3)
+    assert ours.saturation_dn == run["u_y"][theirs.index_u_ysat]
+    assert abs(ours.gain_dn_per_e - gain) < 5 * ours.gain_se + 0.01 * gain  # its gain is rounded
 
 
 # photon transfer of draws

@@ -1,8 +1,7 @@
-"""Photon transfer: gain, read noise, PRNU and full well from the variance over the mean.
+"""Photon transfer: gain, read noise, full well, QE and PRNU from the variance over the mean.
 
-Of codes above black, x, the variance is sigma^2 + K x + (PRNU x)^2: readout, shot noise, pattern.
-The last term is there where the variance is taken over the pixels of one picture; that of the
-difference of two pictures has none.
+Of codes above their dark, x, the temporal variance above that of the dark is K x: shot noise. EMVA
+1288 fits it with a straight line; a variance over the pixels of one picture has (PRNU x)^2 more.
 
 EMVA Standard 1288, Release 4.0 Linear (2021), chapters 2 and 6; Janesick, Photon Transfer (SPIE,
 2007).
@@ -11,151 +10,66 @@ EMVA Standard 1288, Release 4.0 Linear (2021), chapters 2 and 6; Janesick, Photo
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Bool, Float
 
-from chromanoise import _check
 from chromanoise._check import Array, InputError
-from chromanoise._linalg import inv, lstsq
 from chromanoise.sensor.adc import Adc
 from chromanoise.sensor.imperfections import Imperfections
 from chromanoise.sensor.noise_profile import ROUNDING_DN2
 from chromanoise.sensor.pixel_source import PixelSource
+from chromanoise.sensor.transfer_levels import Levels, levels_of, saturated_row
+from chromanoise.sensor.transfer_regression import (
+    Regression,
+    mean_error2,
+    residuals_z,
+    slope_through_origin,
+    straight_fit,
+    variance_error2,
+    weighted_fit,
+)
+from chromanoise.sensor.transfer_table import PhotonTransfer, TransferFit
+
+__all__ = ["PhotonTransfer", "TransferFit", "photon_transfer_fit", "pixel_from_photon_transfer"]
 
 _FIT_SHARE = 0.7  # of saturation: where EMVA 1288 ends its fit of the gain
-_FALLEN = 0.5  # of the largest variance: below, the codes are held
-_TOLD_Z = 5.0  # a row that lies further off is named
+_NAMED_Z = 5.0  # a row that lies further off is named
 _SCATTERED = 4.0  # of squared residuals per degree of freedom: twice the scatter expected
-_CURVED_Z = 3.0  # a curvature beyond is taken for real
-_MOST_SAMPLES = 1e12
-_ROUNDS = 20  # of weights; they settle in about five
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class PhotonTransfer:
-    """Mean and variance of codes at several lights.
-
-    Attributes
-    ----------
-    mean_dn
-        Mean code, black level included. [DN]
-    variance_dn2
-        Its variance: of one picture over its pixels, or half that of a difference of two. [DN^2]
-    dark
-        Which rows were taken without light.
-    samples
-        Pixels behind each variance; ``None`` where not known. [1]
-    source
-        Where the numbers come from.
-
-    Raises
-    ------
-    InputError
-        If values are not finite, a variance is not above 0, or there are fewer than 3 rows.
-    """
-
-    mean_dn: Float[Array, " m"]
-    variance_dn2: Float[Array, " m"]
-    dark: Bool[Array, " m"]
-    samples: Float[Array, " m"] | None = None
-    source: str = "photon transfer"
-
-    def __post_init__(self) -> None:
-        mean = _check.finite(f"mean_dn of {self.source}", "DN", self.mean_dn)
-        variance = _check.non_negative(f"variance_dn2 of {self.source}", "DN^2", self.variance_dn2)
-        _check.same_length("rows", mean=mean.size, variance=variance.size, dark=self.dark.size)
-        if self.samples is not None:
-            _check.same_length("rows", mean=mean.size, samples=self.samples.size)
-            if not ((self.samples >= 2) & (self.samples <= _MOST_SAMPLES)).all():
-                raise InputError(
-                    f"{self.source}: a variance needs at least 2 samples in every row, and at most "
-                    f"{_MOST_SAMPLES:g}"
-                )
-            _check.freeze(self, "samples")
-        _check.within(f"largest |mean_dn| of {self.source}", "DN", _largest(mean), 0, 1e9)
-        _check.within(f"largest variance_dn2 of {self.source}", "DN^2", _largest(variance), 0, 1e18)
-        if np.unique(mean.round(9)).size < 3:
-            raise InputError(
-                f"{self.source}: a photon transfer needs at least 3 rows of different mean, "
-                f"but has {np.unique(mean.round(9)).size}"
-            )
-        object.__setattr__(self, "mean_dn", _check.frozen(mean))
-        object.__setattr__(self, "variance_dn2", _check.frozen(variance))
-        _check.freeze(self, "dark")
-
-
-def _largest(values: Array) -> float:
-    return float(np.abs(values).max(initial=0.0))
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class TransferFit:
-    """What a photon transfer tells, with standard errors; ``None`` where it does not tell.
-
-    Attributes
-    ----------
-    source
-        Of the table.
-    gain_dn_per_e, gain_se
-        The gain K. [DN/e-]
-    read_noise_e, read_noise_se
-        Without rounding to codes. [e-]
-    prnu, prnu_se
-        ``None`` where the variance does not bend up. [1]
-    black_dn
-        Code of no light, where a dark row or the caller told it. [DN]
-    saturation_dn, full_well_e
-        Mean code of the largest variance, where it falls behind, and its electrons. [DN], [e-]
-    fitted
-        Which rows were fitted.
-    residual_z
-        Variance minus fit over its standard error, per row.
-    chi2_per_row
-        Squared residuals per degree of freedom: about 1 where the samples are known. [1]
-    notes
-        What was found odd.
-    """
-
-    source: str
-    gain_dn_per_e: float
-    gain_se: float
-    read_noise_e: float | None
-    read_noise_se: float | None
-    prnu: float | None
-    prnu_se: float | None
-    black_dn: float | None
-    saturation_dn: float | None
-    full_well_e: float | None
-    fitted: Bool[Array, " m"]
-    residual_z: Float[Array, " m"]
-    chi2_per_row: float
-    notes: tuple[str, ...]
-
-    def __post_init__(self) -> None:
-        _check.freeze(self, "fitted", "residual_z")
+_CURVED_Z = 3.0  # a quadratic term beyond is significant
+_LEAST_DARK_DN2 = 0.24  # EMVA 1288: below, the dark noise is that of quantization
 
 
 def photon_transfer_fit(table: PhotonTransfer, *, black_dn: float | None = None) -> TransferFit:
-    """Gain, read noise, PRNU and full well, by weighted least squares.
+    """Gain, read noise, full well, QE and PRNU, as EMVA 1288 evaluates a photon transfer.
 
     Parameters
     ----------
     table
         Mean and variance at several lights.
     black_dn
-        Code of no light, where no dark row tells it; without, the read noise stays unknown. [DN]
+        Code of no light, where the table has no dark; without, the read noise stays unknown. [DN]
 
     Raises
     ------
     InputError
-        If fewer than 3 rows lie below 70 % of saturation, or the variance does not grow.
+        If fewer than 3 rows, the dark included, lie below 70 % of saturation, the variance does
+        not grow, or the photons are too few for the electrons.
 
     Notes
     -----
+    EMVA 1288, Release 4.0 Linear, chapter 6: K is the slope of variance minus dark variance over
+    mean minus dark mean, by least squares without weights, through the origin, from 0 to 70 % of
+    saturation. sigma_d^2 = (dark variance - 1/12) / K^2; a dark variance below 0.24 DN^2 is that of
+    quantization, and 0.24 gives an upper limit. With darks at three or more exposure times the dark
+    variance is extrapolated to time 0. Saturation is the maximum of the variance; the full well is
+    its mean less the dark over K. QE is the slope of the mean over the photons, over K. A table
+    without a dark gets a weighted line with an intercept.
+
+    A second, weighted fit has a quadratic term. Of temporal variances a significant one is a bend:
+    its slopes are reported beside K, and their difference enters the error of K. Of spatial
+    variances a positive one is PRNU^2, and K is the slope of this fit at the dark.
+
     A variance v of n samples has the standard error v sqrt(2 / (n - 1)); that the mean is measured
-    too adds K^2 sigma^2 / n once the fourth cumulant of Poisson's law is counted. Weights come from
-    the fit itself, for those from noisy variances would pull it down. Without the number of samples
-    the scatter about the fit gives the scale. Rows above 70 % of saturation are left out (EMVA
-    1288). The bend is kept where it is over three standard errors.
+    too adds K^2 times the dark variance over the pixels read, once the fourth cumulant of Poisson's
+    law is counted. Without the number of samples the scatter about the fit gives the scale.
 
     Examples
     --------
@@ -165,27 +79,60 @@ def photon_transfer_fit(table: PhotonTransfer, *, black_dn: float | None = None)
     >>> round(fit.gain_dn_per_e, 6), round(fit.read_noise_e, 6)
     (0.5, 4.0)
     """
-    black = _black(table, black_dn)
-    saturation = _saturation_dn(table)
-    base = black if black is not None else float(table.mean_dn.min())
-    x = table.mean_dn - base
-    fitted = np.ones(x.size, dtype=bool)
-    if saturation is not None:
-        fitted = np.asarray(x <= _FIT_SHARE * (saturation - base))
-    if np.unique(x[fitted]).size < 3:
-        raise InputError(
-            f"{table.source}: only {np.unique(x[fitted]).size} rows lie below 70 % of saturation "
-            f"({saturation:g} DN); a fit needs 3, so measure with less light"
-        )
-    line = _curve(x, table, fitted, terms=2, dark_known=black is not None)
-    curve = line
-    if np.unique(x[fitted]).size > 3:
-        bent = _curve(x, table, fitted, terms=3, dark_known=black is not None)
-        bend = abs(bent.values[2])
-        by_rounding = 1e-6 * abs(bent.values[1]) / x[fitted].max()
-        if bend > max(_CURVED_Z * bent.errors[2], by_rounding):
-            curve = bent
-    return _fit(table, curve, x=x, fitted=fitted, black=black, saturation=saturation)
+    source, levels = table.source, levels_of(table, black_dn)
+    lit = np.flatnonzero(~table.dark)
+    full = saturated_row(table)
+    saturation = None if full is None else float(table.mean_dn[lit[full]])
+    low = np.ones(lit.size, dtype=bool)
+    if full is not None:
+        low = np.asarray(levels.x <= _FIT_SHARE * levels.x[full])
+    _demand_three(source, levels, low, saturation)
+    curves = _curves(levels.of(low), source, spatial=table.spatial)
+    bend = _bend(
+        levels,
+        curves,
+        float(levels.x[low].max() if full is None else _FIT_SHARE * levels.x[full]),
+    )
+    gain, gain_se = curves.gain, float(np.hypot(curves.gain_se, bend.misfit))
+    notes = [*table.notes, *_bend_notes(table, curves, bend)]
+    read, read_se = _read_noise(levels, curves, gain_se, source, notes)
+    current, current_se = _dark_current(levels, curves, gain_se)
+    photons = None if table.photons is None else table.photons[lit[low]]
+    qe, qe_se = _qe(levels.of(low), photons, gain, gain_se, source)
+    prnu, prnu_se = _prnu(curves)
+    if full is None:
+        notes.append(f"{source}: the variance never falls, so the full well is unknown")
+    residual_z, fitted = np.zeros(table.dark.size), np.zeros(table.dark.size, dtype=bool)
+    residual_z[lit], fitted[lit] = residuals_z(levels, curves.best), low
+    chi2 = 1.0 if table.samples is None else curves.best.chi2_per_row
+    notes += _oddities(table, residual_z, fitted, chi2)
+    return TransferFit(
+        source=source,
+        gain_dn_per_e=gain,
+        gain_se=gain_se,
+        low_light_gain_dn_per_e=bend.low,
+        low_light_gain_se=bend.low_se,
+        high_light_gain_dn_per_e=bend.high,
+        high_light_gain_se=bend.high_se,
+        bend_z=bend.z,
+        read_noise_e=read,
+        read_noise_se=read_se,
+        dark_current_e_per_s=current,
+        dark_current_se=current_se,
+        prnu=prnu,
+        prnu_se=prnu_se,
+        qe=qe,
+        qe_se=qe_se,
+        black_dn=_black_dn(levels, black_dn),
+        saturation_dn=saturation,
+        full_well_e=None
+        if full is None or not levels.black_known
+        else float(levels.x[full]) / gain,
+        fitted=fitted,
+        residual_z=residual_z,
+        chi2_per_row=chi2,
+        notes=tuple(notes),
+    )
 
 
 def pixel_from_photon_transfer(fit: TransferFit, *, bits: int | None = None) -> PixelSource:
@@ -208,188 +155,241 @@ def pixel_from_photon_transfer(fit: TransferFit, *, bits: int | None = None) -> 
         f"{fit.source}: K = {fit.gain_dn_per_e:.4g} +- {fit.gain_se:.2g} DN/e-",
         *fit.notes,
     ]
-    if fit.read_noise_e is not None and fit.read_noise_se is not None:
-        notes.append(
-            f"{fit.source}: read noise {fit.read_noise_e:.4g} +- {fit.read_noise_se:.2g} e-"
-        )
-    adc = None
-    if bits is not None and fit.black_dn is not None:
-        black = round(fit.black_dn)
+    for what, value, error, unit in (
+        ("read noise", fit.read_noise_e, fit.read_noise_se, "e-"),
+        ("dark current", fit.dark_current_e_per_s, fit.dark_current_se, "e-/s"),
+        ("PRNU", fit.prnu, fit.prnu_se, "of the signal"),
+        ("QE", fit.qe, fit.qe_se, "e-/photon"),
+    ):
+        if value is not None and error is not None:
+            notes.append(f"{fit.source}: {what} {value:.4g} +- {error:.2g} {unit}")
+    adc, black = None, None if fit.black_dn is None else round(fit.black_dn)
+    if black is not None and black < 0:
+        black = None
+        notes.append(f"{fit.source}: the black level of {fit.black_dn:.6g} DN is no code, not used")
+    elif black is not None and black != fit.black_dn:
+        notes.append(f"{fit.source}: black level of {fit.black_dn:.6g} DN rounded to {black}")
+    if bits is not None and black is not None:
         adc = Adc(bits=bits, gain_e_per_dn=gain, black_level_dn=black)
-        if black != fit.black_dn:
-            notes.append(f"{fit.source}: black level of {fit.black_dn:.6g} DN rounded to {black}")
     return PixelSource(
         source=fit.source,
         full_well_e=fit.full_well_e,
         read_noise_e=fit.read_noise_e,
         gain_e_per_dn=gain,
+        black_level_dn=black,
         adc=adc,
-        imperfections=Imperfections(prnu=fit.prnu or 0.0),
+        imperfections=Imperfections(
+            prnu=fit.prnu or 0.0, dark_current_e_per_s=fit.dark_current_e_per_s or 0.0
+        ),
+        qe=fit.qe,
         notes=tuple(notes),
     )
 
 
-def _black(table: PhotonTransfer, given: float | None) -> float | None:
-    rows = table.mean_dn[table.dark]
-    if given is None:
-        return float(rows.mean()) if rows.size else None
-    if rows.size:
+def _demand_three(source: str, levels: Levels, low: Array, saturation: float | None) -> None:
+    at = levels.x[low] if levels.darks is None else np.append(levels.x[low], 0.0)
+    count = np.unique(at.round(9)).size
+    if count < 3 and saturation is not None:
         raise InputError(
-            f"{table.source}: the dark rows tell a black level of {rows.mean():g} DN, but "
-            f"{given:g} is given too; leave it out"
+            f"{source}: only {count} rows lie below 70 % of saturation ({saturation:g} DN); a fit "
+            "needs 3, so measure with less light"
         )
-    black = _check.not_negative("black_dn", "DN", given)
-    if black > float(table.mean_dn.min()):
-        raise InputError(
-            f"{table.source}: black_dn is {black:g}, above the lowest mean of "
-            f"{table.mean_dn.min():g} DN; give the code of no light"
-        )
-    return black
+    if count < 3:
+        raise _undetermined(source)
 
 
-def _saturation_dn(table: PhotonTransfer) -> float | None:
-    """Mean of the largest variance, if brighter rows fall to less than half of it."""
-    top = int(np.argmax(table.variance_dn2))
-    peak = float(table.variance_dn2[top])
-    brighter = table.variance_dn2[table.mean_dn > table.mean_dn[top]]
-    if brighter.size and float(brighter.min()) < _FALLEN * peak:
-        return float(table.mean_dn[top])
-    return None
+def _undetermined(source: str) -> InputError:
+    return InputError(
+        f"{source}: its means differ too little for a slope; a photon transfer needs at least 3 "
+        "rows of different mean, the dark included"
+    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class _Polynomial:
-    """Coefficients of 1, x, x^2 with their covariance, and all rows' residuals over their error."""
+class _Curves:
+    """The line, the fit with a quadratic term where there is one, and the gain of the right one."""
 
-    values: Array
-    covariance: Array
-    residual_z: Array
-    chi2_per_row: float
+    line: Regression
+    bent: Regression | None
+    bend_z: float | None
+    significant: bool
+    pattern: bool
+    gain: float
+    gain_se: float
+    gain_fit: Regression
 
     @property
-    def errors(self) -> Array:
-        return np.sqrt(np.diag(self.covariance))
+    def best(self) -> Regression:
+        return self.bent if self.significant and self.bent is not None else self.line
 
 
-def _curve(
-    x: Array, table: PhotonTransfer, fitted: Array, *, terms: int, dark_known: bool
-) -> _Polynomial:
-    scale, what = float(x[fitted].max()), f"photon transfer of {table.source}"
-    powers = (x[:, None] / scale) ** np.arange(terms)
-    samples = table.samples if table.samples is not None else np.full(x.size, np.inf)
-    known = table.samples is not None
-    n = samples if known else np.full(x.size, 1e4)
-    variance = table.variance_dn2
-    expected = np.maximum(variance, 1e-9 * max(float(variance.max()), 1e-12))
-    values = np.zeros(terms)
-    error2 = np.ones(x.size)
-    for _ in range(_ROUNDS):
-        slope, dark = values[1] / scale, max(values[0], 0.0) if dark_known else 0.0
-        error2 = 2 * expected**2 / (n - 1) + slope**2 * dark / n
-        root = 1 / np.sqrt(error2[fitted])
-        values = lstsq(what, powers[fitted] * root[:, None], variance[fitted] * root)[0]
-        expected = np.maximum(powers @ values, 1e-3 * expected)
-    z = (variance - powers @ values) / np.sqrt(error2)
-    free = int(fitted.sum()) - terms
-    chi2 = float((z[fitted] ** 2).sum()) / free
-    spread = 1.0 if known else chi2
-    normal = powers[fitted].T @ (powers[fitted] / error2[fitted, None])
-    unscale = scale ** -np.arange(terms, dtype=float)
-    covariance = spread * inv(what, normal) * np.outer(unscale, unscale)
-    if not known:
-        z = z / np.sqrt(spread) if spread > 0 else 0 * z
-        chi2 = 1.0
-    return _Polynomial(
-        values=values * unscale, covariance=covariance, residual_z=z, chi2_per_row=chi2
-    )
-
-
-def _fit(
-    table: PhotonTransfer,
-    curve: _Polynomial,
-    *,
-    x: Array,
-    fitted: Array,
-    black: float | None,
-    saturation: float | None,
-) -> TransferFit:
-    gain, gain_se = float(curve.values[1]), float(curve.errors[1])
+def _curves(levels: Levels, source: str, *, spatial: bool) -> _Curves:
+    slope = levels.slope_at
+    line = weighted_fit(levels, bend=False)
+    if line is None:
+        raise _undetermined(source)
+    bent, z, significant = None, None, False
+    if np.unique(levels.x).size > slope + 2:
+        bent = weighted_fit(levels, bend=True)
+    if bent is not None:
+        curvature, error = float(bent.values[-1]), float(bent.errors[-1])
+        by_rounding = 1e-6 * abs(float(bent.values[slope])) / float(levels.x.max())
+        error = max(error, by_rounding / _CURVED_Z)
+        z = curvature / error if error else 0.0
+        significant = abs(z) > _CURVED_Z
+    best = bent if significant and bent is not None else line
+    pattern = spatial and significant and float(best.values[-1]) > 0
+    own = best if pattern else line
+    if levels.darks is not None and not pattern:
+        own = straight_fit(levels, best) or line
+    gain = float(own.values[slope])
     if not gain > 0:
         raise InputError(
-            f"{table.source}: the variance does not grow with the mean (slope {gain:g} DN); are "
+            f"{source}: the variance does not grow with the mean (slope {gain:g} DN); are "
             "the columns mean and variance, and was the light changed?"
         )
-    notes: list[str] = []
-    read, read_se = _read_noise(curve, table.source, notes, black_known=black is not None)
-    prnu, prnu_se = _prnu(curve, table.source, notes)
-    if saturation is None:
-        notes.append(f"{table.source}: the variance never falls, so the full well is unknown")
-    well = None if saturation is None or black is None else (saturation - black) / gain
-    notes += _oddities(table, curve, fitted)
-    return TransferFit(
-        source=table.source,
-        gain_dn_per_e=gain,
-        gain_se=gain_se,
-        read_noise_e=read,
-        read_noise_se=read_se,
-        prnu=prnu,
-        prnu_se=prnu_se,
-        black_dn=black,
-        saturation_dn=saturation,
-        full_well_e=well,
-        fitted=fitted,
-        residual_z=curve.residual_z,
-        chi2_per_row=curve.chi2_per_row,
-        notes=tuple(notes),
+    return _Curves(
+        line=line,
+        bent=bent,
+        bend_z=z,
+        significant=significant,
+        pattern=pattern,
+        gain=gain,
+        gain_se=float(own.errors[slope]),
+        gain_fit=own,
     )
 
 
-def _oddities(table: PhotonTransfer, curve: _Polynomial, fitted: Array) -> list[str]:
-    """Rows far off the fit, and scatter beyond what so many samples have."""
-    odd = np.flatnonzero(fitted & (np.abs(curve.residual_z) > _TOLD_Z))
-    notes = [
-        f"{table.source}: the row of mean {table.mean_dn[i]:g} DN lies "
-        f"{curve.residual_z[i]:+.1f} standard errors off the fit"
-        for i in odd[:5]
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Bend:
+    """Slopes at both ends of the fit, and what K misses of the first."""
+
+    z: float | None
+    low: float | None = None
+    low_se: float | None = None
+    high: float | None = None
+    high_se: float | None = None
+    misfit: float = 0.0
+
+
+def _bend(levels: Levels, curves: _Curves, high_x: float) -> _Bend:
+    if curves.bent is None or curves.pattern:
+        return _Bend(z=curves.bend_z)
+    weights = np.zeros(curves.bent.values.size)
+    weights[levels.slope_at] = 1.0
+    low, low_se = curves.bent.combined(weights)
+    weights[-1] = 2 * high_x
+    high, high_se = curves.bent.combined(weights)
+    misfit = abs(curves.gain - low) if curves.significant else 0.0
+    return _Bend(z=curves.bend_z, low=low, low_se=low_se, high=high, high_se=high_se, misfit=misfit)
+
+
+def _bend_notes(table: PhotonTransfer, curves: _Curves, bend: _Bend) -> list[str]:
+    if not curves.significant or bend.low is None or bend.high is None:
+        return []
+    up = bend.high > bend.low and not table.spatial
+    spatial = (
+        "; if the variance is over the pixels of one picture, call its column spatial_variance_dn2"
+    )
+    return [
+        f"{table.source}: the variance bends {'up' if bend.high > bend.low else 'down'} "
+        f"(z = {bend.z:+.1f}): its slope is {bend.low:.4g} +- {bend.low_se:.2g} DN/e- at low light "
+        f"and {bend.high:.4g} +- {bend.high_se:.2g} DN/e- at the end of the fit; the error of K "
+        f"includes the difference to low light{spatial if up else ''}"
     ]
-    if curve.chi2_per_row > _SCATTERED:
-        notes.append(
-            f"{table.source}: rows scatter {np.sqrt(curve.chi2_per_row):.2g} times as far as their "
-            "samples let expect, so standard errors are too small; did light or gain change?"
-        )
-    return notes
 
 
 def _read_noise(
-    curve: _Polynomial, source: str, notes: list[str], *, black_known: bool
+    levels: Levels, curves: _Curves, gain_se: float, source: str, notes: list[str]
 ) -> tuple[float | None, float | None]:
     """Square root of the dark variance less rounding, over the gain; error by the delta method."""
-    if not black_known:
+    gain, fit = curves.gain, curves.gain_fit
+    if not levels.black_known:
         notes.append(
             f"{source}: no dark row and no black level, so the read noise is unknown and K is the "
             "slope at the lowest mean"
         )
         return None, None
-    dark, gain = float(curve.values[0]) - ROUNDING_DN2, float(curve.values[1])
-    if dark <= 0:
+    if levels.darks is None:
+        variance, error2, common = float(fit.values[0]), fit.covariance[0, 0], fit.covariance[0, 1]
+    else:
+        weights, _ = levels.darks.at_no_time()
+        error2s = fit.spread * variance_error2(levels.darks.variance_dn2, levels.darks.samples)
+        variance = float(weights @ levels.darks.variance_dn2)
+        error2, common = weights**2 @ error2s, -(fit.dark_lever[0] * weights) @ error2s
+    dark = variance - ROUNDING_DN2
+    if variance < _LEAST_DARK_DN2:
+        limit = float(np.sqrt(_LEAST_DARK_DN2 - ROUNDING_DN2)) / gain
         notes.append(
-            f"{source}: the variance at black is {curve.values[0]:.3g} DN^2, not more than "
-            f"rounding makes ({ROUNDING_DN2:.3g}), so the read noise is not resolved"
+            f"{source}: the dark variance of {variance:.3g} DN^2 is that of quantization (below "
+            f"{_LEAST_DARK_DN2} DN^2), so the read noise of {limit:.3g} e- is an upper limit"
         )
-        return None, None
-    slope = np.array([1 / (2 * dark), -1 / gain])
-    read = np.sqrt(dark) / gain
-    return float(read), float(read * np.sqrt(slope @ curve.covariance[:2, :2] @ slope))
+        return limit, None
+    relative2 = error2 / (2 * dark) ** 2 + (gain_se / gain) ** 2 - common / (dark * gain)
+    read = float(np.sqrt(dark)) / gain
+    return read, read * float(np.sqrt(max(relative2, 0.0)))
 
 
-def _prnu(curve: _Polynomial, source: str, notes: list[str]) -> tuple[float | None, float | None]:
-    if curve.values.size < 3:
+def _dark_current(
+    levels: Levels, curves: _Curves, gain_se: float
+) -> tuple[float | None, float | None]:
+    """Slope of the dark means over the exposure time, over the gain."""
+    slope = None if levels.darks is None else levels.darks.at_no_time()[1]
+    if levels.darks is None or slope is None:
         return None, None
-    bend, error = float(curve.values[2]), float(curve.errors[2])
-    if bend < 0:
-        notes.append(
-            f"{source}: the variance bends down ({bend:.3g} +- {error:.2g} per DN); codes are "
-            "held, or the response is not linear, and the gain holds for little light only"
+    darks, per_s = levels.darks, 1e3 / curves.gain
+    errors2 = curves.gain_fit.spread * mean_error2(darks.variance_dn2, darks.samples, levels.frames)
+    current, error = float(slope @ darks.mean_dn) * per_s, float(np.sqrt(slope**2 @ errors2))
+    if current < 0:
+        return None, None
+    return current, float(np.hypot(error * per_s, current * gain_se / curves.gain))
+
+
+def _black_dn(levels: Levels, given: float | None) -> float | None:
+    if levels.darks is None:
+        return given
+    return float(levels.darks.at_no_time()[0] @ levels.darks.mean_dn)
+
+
+def _qe(
+    levels: Levels, photons: Array | None, gain: float, gain_se: float, source: str
+) -> tuple[float | None, float | None]:
+    """Responsivity over gain; the error of the first from the scatter about its line."""
+    if photons is None or not levels.black_known:
+        return None, None
+    if not photons.max() > 0:
+        raise InputError(f"{source}: the photons of all lit rows are 0; leave the column out")
+    response, error = slope_through_origin(photons, levels.x)
+    qe = response / gain
+    qe_se = abs(qe) * float(np.hypot(error / response, gain_se / gain)) if response else error
+    if not 0 <= qe <= 1:
+        raise InputError(
+            f"{source}: the photons give a quantum efficiency of {qe:.4g} +- {qe_se:.2g}; it must "
+            "be 0 to 1, so give mean photons per pixel and exposure, or leave the column out"
         )
+    return qe, qe_se
+
+
+def _prnu(curves: _Curves) -> tuple[float | None, float | None]:
+    """Of spatial variances that bend up: the root of the quadratic term."""
+    if not curves.pattern:
         return None, None
-    return float(np.sqrt(bend)), error / (2 * float(np.sqrt(bend)))
+    root = float(np.sqrt(curves.best.values[-1]))
+    return root, float(curves.best.errors[-1]) / (2 * root)
+
+
+def _oddities(
+    table: PhotonTransfer, residual_z: Array, fitted: Array, chi2_per_row: float
+) -> list[str]:
+    """Rows far off the fit, and scatter beyond what so many samples have."""
+    notes = [
+        f"{table.source}: the row of mean {table.mean_dn[i]:g} DN lies "
+        f"{residual_z[i]:+.1f} standard errors off the fit"
+        for i in np.flatnonzero(fitted & (np.abs(residual_z) > _NAMED_Z))[:5]
+    ]
+    if chi2_per_row > _SCATTERED:
+        notes.append(
+            f"{table.source}: rows scatter {np.sqrt(chi2_per_row):.2g} times as far as their "
+            "samples let expect, so standard errors are too small; did light or gain change?"
+        )
+    return notes

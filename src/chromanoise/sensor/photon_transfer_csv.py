@@ -1,35 +1,58 @@
-"""A photon-transfer table from CSV: ``mean_dn,variance_dn2``, perhaps ``samples`` and ``light``."""
+"""A photon-transfer table from delimited text: a mean, a variance and what belongs to them."""
 
-import csv
 import math
 import re
 from pathlib import Path
 
 import numpy as np
 
-from chromanoise._check import InputError
-from chromanoise.sensor.photon_transfer import PhotonTransfer
+from chromanoise._check import Array, InputError
 from chromanoise.sensor.source_text import source_text
+from chromanoise.sensor.transfer_table import PhotonTransfer
+from chromanoise.spectra.files.delimited import (
+    DELIMITERS,
+    cells_of_line,
+    decimal_sign,
+    split_line,
+)
+from chromanoise.spectra.files.tables import Row, is_number
 
 _NEEDED = ("mean_dn", "variance_dn2")
-_KNOWN = (*_NEEDED, "samples", "light")
-_ALIASES = {"mean": "mean", "signal": "mean", "variance": "variance", "var": "variance"}
-_CODES = {"dn": "dn", "adu": "dn", "dn^2": "dn2", "dn2": "dn2", "dn²": "dn2", "adu^2": "dn2"}
+_SPATIAL = "spatial_variance_dn2"
+_NUMBERS = (*_NEEDED, "samples", "time_ms", "dark_mean_dn", "dark_variance_dn2", "photons")
+_UNITS = {"dn": "dn", "adu": "dn", "dn^2": "dn2", "dn2": "dn2", "dn²": "dn2", "adu^2": "dn2"}
+_QUANTITIES = {
+    "mean": "mean",
+    "signal": "mean",
+    "variance": "variance",
+    "var": "variance",
+    "temporal variance": "variance",
+    "spatial variance": "spatial_variance",
+    "dark mean": "dark_mean",
+    "dark variance": "dark_variance",
+    "time": "time",
+    "exposure time": "time",
+}
 _WITH_UNIT = re.compile(
-    rf"({'|'.join(_ALIASES)})[\s_]*[\[(]?({'|'.join(map(re.escape, _CODES))})[\])]?"
+    rf"({'|'.join(_QUANTITIES)})[ ]*[\[(]?({'|'.join(map(re.escape, (*_UNITS, 'ms')))})[\])]?"
 )
+_PHOTONS = ("photons", "photons per pixel")
 _LARGEST_ROWS = 100_000
 
 
 def read_photon_transfer_csv(path: Path | str) -> PhotonTransfer:
-    """The photon transfer of a CSV file, one row per light.
+    """The photon transfer of a text file, one row per light.
 
     Parameters
     ----------
     path
-        The first row names the columns: ``mean_dn`` and ``variance_dn2`` (or with the unit in
-        brackets, ``mean [DN]`` and ``variance [DN^2]``), perhaps ``samples`` (pixels behind each
-        variance) and ``light`` (``dark`` or ``light``). ``#`` starts a comment.
+        The first row names the columns, parted by commas, semicolons, tabulators or blanks:
+        ``mean_dn`` and ``variance_dn2`` (or with the unit in brackets, ``mean [DN]`` and
+        ``variance [DN^2]``), or ``spatial_variance_dn2`` where the variance is over the pixels of
+        one picture; perhaps ``samples`` (pixels behind each variance), ``light`` (``dark`` or
+        ``light``), ``time_ms``, ``dark_mean_dn`` and ``dark_variance_dn2``, and
+        ``photons_per_pixel``, where 0 is a dark row. ``#`` starts a comment. Other columns are
+        named in the notes.
 
     Raises
     ------
@@ -48,22 +71,22 @@ def read_photon_transfer_csv(path: Path | str) -> PhotonTransfer:
             f"{path}: a photon transfer has a header {','.join(_NEEDED)} and at most "
             f"{_LARGEST_ROWS} rows, but this file has {len(lines)} lines"
         )
-    header = _header(lines[0], path)
-    rows = [_row(line, number, header, path) for number, line in lines[1:]]
+    sign = _delimiter(lines[0][1])
+    header = _header(lines[0], sign, path)
+    rows = [Row(number=i, cells=cells_of_line(line, i, sign, str(path))) for i, line in lines[1:]]
+    decimal = decimal_sign(rows, sign, str(path))
+    columns = _columns(rows, header, decimal, path)
+    unused = [name for name in header if name not in (*_NUMBERS, _SPATIAL, "light")]
     return PhotonTransfer(
-        mean_dn=np.array([row["mean_dn"] for row in rows]),
-        variance_dn2=np.array([row["variance_dn2"] for row in rows]),
-        dark=np.array([row["light"] == 0.0 for row in rows], dtype=bool),
-        samples=np.array([row["samples"] for row in rows]) if "samples" in header else None,
+        mean_dn=columns["mean_dn"],
+        variance_dn2=columns.get(_SPATIAL, columns.get("variance_dn2", np.array([]))),
+        dark=_dark(rows, header, columns.get("photons"), path),
+        samples=columns.get("samples"),
         source=path.name,
+        spatial=_SPATIAL in header,
+        **{name: columns.get(name) for name in _NUMBERS[3:]},
+        notes=(f"{path.name}: columns not used: {', '.join(unused)[:200]}",) if unused else (),
     )
-
-
-def _cells(line: str, where: str) -> list[str]:
-    try:
-        return [cell.strip() for cell in next(csv.reader([line], strict=True))]
-    except csv.Error as error:
-        raise InputError(f"{where} is no row of a CSV ({error})") from None
 
 
 def is_photon_transfer_text(text: str) -> bool:
@@ -71,32 +94,54 @@ def is_photon_transfer_text(text: str) -> bool:
 
     Examples
     --------
-    >>> is_photon_transfer_text("# a bench\nMean [DN],Variance [DN^2]")
+    >>> is_photon_transfer_text("# a bench\nMean [DN];Variance [DN^2]")
     True
     """
-    lines = (line.strip().lower() for line in text.splitlines())
+    lines = (line.strip() for line in text.splitlines())
     first = next((line for line in lines if line and not line.startswith("#")), "")
-    names = [_name(cell) for cell in first.split(",")]
-    return any(name in names for name in _NEEDED) or {"mean", "variance"} <= set(names)
+    names = _names(first, _delimiter(first))
+    found = {name.removeprefix("spatial_") for name in names}
+    return any(name in found for name in _NEEDED) or {"mean", "variance"} <= found
+
+
+def _delimiter(header: str) -> str:
+    """The sign that parts the header into the most columns of a photon transfer."""
+    known = {*_NUMBERS, _SPATIAL, "light", "mean", "variance"}
+    return max(DELIMITERS, key=lambda sign: len(known.intersection(_names(header, sign))))
+
+
+def _names(header: str, sign: str) -> list[str]:
+    return [_name(cell) for cell in split_line(header, sign)]
 
 
 def _name(cell: str) -> str:
     """``mean_dn`` for ``Mean [DN]``, ``variance_dn2`` for ``var (DN^2)``."""
-    match = _WITH_UNIT.fullmatch(cell.strip().lower())
-    return f"{_ALIASES[match[1]]}_{_CODES[match[2]]}" if match else cell.strip().lower()
+    words = " ".join(cell.strip().lower().replace("_", " ").split())
+    if words in _PHOTONS:
+        return "photons"
+    match = _WITH_UNIT.fullmatch(words)
+    if match is None or (match[2] == "ms") != (_QUANTITIES[match[1]] == "time"):
+        return cell.strip().lower()
+    return f"{_QUANTITIES[match[1]]}_{_UNITS.get(match[2], match[2])}"
 
 
-def _header(first: tuple[int, str], path: Path) -> list[str]:
+def _header(first: tuple[int, str], sign: str, path: Path) -> list[str]:
     where = f"{path}: line {first[0]}"
-    header = [_name(cell) for cell in _cells(first[1], where)]
+    cells_of_line(first[1], first[0], sign, str(path))
+    header = _names(first[1], sign)
     bare = [name for name in ("mean", "variance") if name in header]
     if bare:
         raise InputError(
             f"{where} names {' and '.join(bare)} without a unit; if they are in codes, write "
             f"{','.join(_NEEDED)}"
         )
-    missing = [name for name in _NEEDED if name not in header]
-    if missing or len(set(header)) < len(header):
+    variances = [name for name in (_NEEDED[1], _SPATIAL) if name in header]
+    if len(variances) == 2:
+        raise InputError(
+            f"{where} names a temporal and a spatial variance; keep variance_dn2, which gives the "
+            f"gain, or {_SPATIAL}"
+        )
+    if "mean_dn" not in header or not variances or len(set(header)) < len(header):
         raise InputError(
             f"{where} must name each column once, {' and '.join(_NEEDED)} among them, "
             f"but is {first[1].strip()[:60]!r}"
@@ -104,27 +149,41 @@ def _header(first: tuple[int, str], path: Path) -> list[str]:
     return header
 
 
-def _row(line: str, number: int, header: list[str], path: Path) -> dict[str, float]:
-    where = f"{path}: line {number}"
-    cells = _cells(line, where)
-    if len(cells) != len(header):
-        raise InputError(f"{where} has {len(cells)} cells, but the header names {len(header)}")
-    row = {"light": 1.0}
-    for name, cell in zip(header, cells, strict=True):
-        if name == "light":
-            if cell.lower() not in ("dark", "light"):
-                raise InputError(f"{where}, column light: {cell[:40]!r} is neither dark nor light")
-            row[name] = float(cell.lower() == "light")
-        elif name in _KNOWN:
-            row[name] = _number(cell, f"{where}, column {name}")
-    return row
+def _columns(rows: list[Row], header: list[str], decimal: str, path: Path) -> dict[str, Array]:
+    """The numbers of each known column."""
+    wanted = [(k, name) for k, name in enumerate(header) if name in (*_NUMBERS, _SPATIAL)]
+    columns: dict[str, Array] = {name: np.empty(len(rows)) for _, name in wanted}
+    for i, row in enumerate(rows):
+        where = f"{path}: line {row.number}"
+        if len(row.cells) != len(header):
+            raise InputError(
+                f"{where} has {len(row.cells)} cells, but the header names {len(header)}; where "
+                "commas part the fractions, part the cells with semicolons"
+            )
+        for k, name in wanted:
+            columns[name][i] = _number(row.cells[k], decimal, f"{where}, column {name}")
+    return columns
 
 
-def _number(cell: str, where: str) -> float:
-    try:
-        value = math.nan if "_" in cell else float(cell)
-    except ValueError:
-        value = math.nan
+def _dark(rows: list[Row], header: list[str], photons: Array | None, path: Path) -> Array:
+    """The rows without light: those of the column light, or of 0 photons."""
+    none = np.zeros(len(rows), dtype=bool) if photons is None else photons == 0
+    if "light" not in header:
+        return none
+    at = header.index("light")
+    for row, without in zip(rows, none, strict=True):
+        where, cell = f"{path}: line {row.number}, column light", row.cells[at].lower()
+        if cell not in ("dark", "light"):
+            raise InputError(f"{where}: {row.cells[at][:40]!r} is neither dark nor light")
+        if photons is not None and (cell == "dark") != without:
+            raise InputError(f"{where}: {cell!r} contradicts the photons of its row")
+    return np.array([row.cells[at].lower() == "dark" for row in rows], dtype=bool)
+
+
+def _number(cell: str, decimal: str, where: str) -> float:
+    value = math.nan
+    if "%" not in cell and is_number(cell, decimal_comma=decimal == ","):
+        value = float(re.sub("[dD]", "e", cell.replace(",", ".")))
     if not math.isfinite(value):
         raise InputError(f"{where}: {cell[:40]!r} is not a finite number; mend it or leave it out")
     return value

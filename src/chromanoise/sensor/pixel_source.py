@@ -28,8 +28,10 @@ class PixelSource:
         Standard deviation of the readout, rounding to codes not included. [e-]
     gain_e_per_dn
         Electrons per code. [e-/DN]
+    bits, black_level_dn
+        Of the converter. [1], [DN]
     adc
-        The converter, where its bits are known too.
+        The converter, where both gain and bits are known.
     imperfections
         Of the pixels; zero where the source says nothing, which `notes` tell.
     qe, qe_at_nm
@@ -48,6 +50,8 @@ class PixelSource:
     full_well_e: float | None = None
     read_noise_e: float | None = None
     gain_e_per_dn: float | None = None
+    bits: int | None = None
+    black_level_dn: int | None = None
     adc: Adc | None = None
     imperfections: Imperfections = NONE
     qe: float | None = None

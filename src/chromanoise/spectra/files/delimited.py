@@ -17,7 +17,9 @@ from chromanoise.spectra.files.tables import Row, is_number, table_of
 from chromanoise.spectra.files.understood import Found
 
 _COMMENT = ("#", "%", "//", ";")
-_DELIMITERS = {"semicolon": ";", "tab": "\t", "comma": ",", "blanks": None}
+DELIMITERS = {"semicolon": ";", "tab": "\t", "comma": ",", "blanks": None}
+"""The signs that part cells, by name."""
+
 _FACT = re.compile(r"(source|notes):\s*(.+)")
 _JUDGED_LINES = 200
 _LONGEST_LINE = 2**16
@@ -45,10 +47,10 @@ def read_delimited(text: str, source: str) -> Found:
         elif bare:
             lines.append((number, line))
     delimiter = _delimiter(lines[:_JUDGED_LINES])
-    rows = [Row(number=i, cells=_cells(line, i, delimiter, source)) for i, line in lines]
+    rows = [Row(number=i, cells=cells_of_line(line, i, delimiter, source)) for i, line in lines]
     rows = _with_ecsv_units(rows, [c.cells[0] for c in comments])
     head = _heading_comment(comments, rows)
-    decimal = _decimal(rows, delimiter, source)
+    decimal = decimal_sign(rows, delimiter, source)
     found = table_of(
         source=source,
         form="delimited text",
@@ -80,10 +82,10 @@ def _delimiter(lines: list[tuple[int, str]]) -> str:
 
     def rows_of_numbers(name: str) -> int:
         comma = name != "comma"
-        cells = (_split(line, name) for _, line in lines)
+        cells = (split_line(line, name) for _, line in lines)
         return sum(_is_row(row, decimal_comma=comma) for row in cells)
 
-    return max(_DELIMITERS, key=rows_of_numbers)
+    return max(DELIMITERS, key=rows_of_numbers)
 
 
 def _is_row(cells: list[str], *, decimal_comma: bool) -> bool:
@@ -91,8 +93,9 @@ def _is_row(cells: list[str], *, decimal_comma: bool) -> bool:
     return len(filled) > 1 and all(is_number(c, decimal_comma=decimal_comma) for c in filled)
 
 
-def _split(line: str, delimiter: str) -> list[str]:
-    sign = _DELIMITERS[delimiter]
+def split_line(line: str, delimiter: str) -> list[str]:
+    """The cells of a line, delimiter by its name; quoted cells are kept whole."""
+    sign = DELIMITERS[delimiter]
     if sign is None:
         return line.split()
     if '"' not in line:
@@ -103,10 +106,11 @@ def _split(line: str, delimiter: str) -> list[str]:
         return line.split(sign)
 
 
-def _cells(line: str, number: int, delimiter: str, source: str) -> tuple[str, ...]:
+def cells_of_line(line: str, number: int, delimiter: str, source: str) -> tuple[str, ...]:
+    """The cells of a line, blanks around them dropped; an open quotation is refused."""
     if line.count('"') % 2:
         raise _check.InputError(f"{source}: line {number} opens a quotation that it does not close")
-    return tuple(cell.strip() for cell in _split(line, delimiter))
+    return tuple(cell.strip() for cell in split_line(line, delimiter))
 
 
 def _heading_comment(comments: list[Row], rows: list[Row]) -> tuple[str, ...]:
@@ -143,7 +147,7 @@ def _with_ecsv_units(rows: list[Row], comments: list[str]) -> list[Row]:
     return [Row(number=rows[0].number, cells=cells), *rows[1:]]
 
 
-def _decimal(rows: list[Row], delimiter: str, source: str) -> str:
+def decimal_sign(rows: list[Row], delimiter: str, source: str) -> str:
     """How the cells part their fractions; both ways in one file are refused."""
     if delimiter == "comma":
         return "."

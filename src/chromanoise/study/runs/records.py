@@ -10,7 +10,8 @@ from pydantic import ValidationError
 
 from chromanoise import __version__
 from chromanoise._check import InputError
-from chromanoise._files import refuse_unwritable, regular_file, whole_folder
+from chromanoise._files import refuse_unwritable, whole_folder
+from chromanoise._inputs import regular_file
 from chromanoise.imaging import Work
 from chromanoise.study.files.own_json import named
 from chromanoise.study.runs.document import Study

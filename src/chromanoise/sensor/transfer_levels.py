@@ -1,0 +1,193 @@
+"""The rows of a photon transfer above their darks."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from chromanoise import _check
+from chromanoise._check import Array, InputError
+from chromanoise._linalg import pinv
+from chromanoise.sensor.transfer_table import PhotonTransfer
+
+_FALLEN = 0.5  # of the largest variance: below, codes are clipped
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Darks:
+    """The dark measurements of a table, one entry each.
+
+    Attributes
+    ----------
+    mean_dn, variance_dn2
+        Of each dark. [DN], [DN^2]
+    samples
+        Pixels behind each; ``None`` where not known. [1]
+    time_ms
+        Exposure time of each; ``None`` where not known. [ms]
+    """
+
+    mean_dn: Array
+    variance_dn2: Array
+    samples: Array | None
+    time_ms: Array | None
+
+    def at_no_time(self) -> tuple[Array, Array | None]:
+        """Weights of the darks that give their value at exposure time 0, and their slope per ms.
+
+        A straight line over at least three times (EMVA 1288, section 6.6); otherwise the dark of
+        the shortest time, or the first one, and no slope.
+        """
+        n = self.mean_dn.size
+        if self.time_ms is None or np.unique(self.time_ms).size < 3:
+            first = 0 if self.time_ms is None else int(np.argmin(self.time_ms))
+            return np.eye(n)[first], None
+        intercept, slope = pinv(
+            "the darks of a photon transfer", np.stack([np.ones(n), self.time_ms], axis=1)
+        )
+        return intercept, slope
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Levels:
+    """The lit rows of a table, above their dark.
+
+    Attributes
+    ----------
+    x, y
+        Mean and variance above the dark; without darks above the black level, and the variance
+        itself. [DN], [DN^2]
+    samples
+        Pixels behind each; ``None`` where not known. [1]
+    frames
+        2 for the difference of two pictures (temporal), 1 for one picture (spatial).
+    darks
+        ``None`` where the table has none: then the line has an intercept.
+    dark_of
+        Which dark belongs to each level.
+    black_known
+        Whether ``x`` is counted from the code of no light.
+    """
+
+    x: Array
+    y: Array
+    samples: Array | None
+    frames: int
+    darks: Darks | None
+    dark_of: Array
+    black_known: bool
+
+    def __len__(self) -> int:
+        return self.x.size
+
+    def of(self, rows: Array) -> "Levels":
+        """Some of the levels."""
+        return replace(
+            self,
+            x=self.x[rows],
+            y=self.y[rows],
+            samples=None if self.samples is None else self.samples[rows],
+            dark_of=self.dark_of[rows],
+        )
+
+    def powers(self, bend: bool) -> Array:
+        """Columns of the model: an intercept where no dark is known, x, and x^2 for a bend."""
+        first = 1 if self.darks is not None else 0
+        return self.x[:, None] ** np.arange(first, 3 if bend else 2)
+
+    @property
+    def slope_at(self) -> int:
+        """Which coefficient is the slope."""
+        return 0 if self.darks is not None else 1
+
+
+def levels_of(table: PhotonTransfer, black_dn: float | None) -> Levels:
+    """The lit rows, each above its own dark."""
+    found = _darks(table)
+    if found is None:
+        lowest = float(table.mean_dn.min())
+        base = lowest if black_dn is None else _check.not_negative("black_dn", "DN", black_dn)
+        if base > lowest:
+            raise InputError(
+                f"{table.source}: black_dn is {base:g}, above the lowest mean of {lowest:g} DN; "
+                "give the code of no light"
+            )
+        return Levels(
+            x=table.mean_dn - base,
+            y=table.variance_dn2,
+            samples=table.samples,
+            frames=1 if table.spatial else 2,
+            darks=None,
+            dark_of=np.zeros(table.dark.size, dtype=int),
+            black_known=black_dn is not None,
+        )
+    darks, dark_of = found
+    if black_dn is not None:
+        raise InputError(
+            f"{table.source}: its dark rows give a black level of {darks.mean_dn[0]:g} DN, but "
+            f"{black_dn:g} is given too; leave it out"
+        )
+    lit = ~table.dark
+    return Levels(
+        x=table.mean_dn[lit] - darks.mean_dn[dark_of],
+        y=table.variance_dn2[lit] - darks.variance_dn2[dark_of],
+        samples=None if table.samples is None else table.samples[lit],
+        frames=1 if table.spatial else 2,
+        darks=darks,
+        dark_of=dark_of,
+        black_known=True,
+    )
+
+
+def _darks(table: PhotonTransfer) -> tuple[Darks, Array] | None:
+    """The different darks, and which of them belongs to each lit row; `None` for a table of none.
+
+    Dark rows of one exposure time are averaged, and without times all of them; in columns a dark
+    that repeats is one measurement.
+    """
+    lit, samples, time = ~table.dark, table.samples, table.time_ms
+    if table.dark_mean_dn is not None and table.dark_variance_dn2 is not None:
+        no_time = np.zeros(lit.size) if time is None else time
+        keys = np.stack([table.dark_mean_dn, table.dark_variance_dn2, no_time], axis=1)
+        _, first, dark_of = np.unique(keys, axis=0, return_index=True, return_inverse=True)
+        return Darks(
+            mean_dn=table.dark_mean_dn[first],
+            variance_dn2=table.dark_variance_dn2[first],
+            samples=None if samples is None else samples[first],
+            time_ms=None if time is None else time[first],
+        ), dark_of.reshape(-1)
+    if not table.dark.any():
+        return None
+    at = np.zeros(lit.size) if time is None else time
+    times, dark_at = np.unique(at[table.dark], return_inverse=True)
+    count = np.bincount(dark_at)
+    mean, variance = (
+        np.bincount(dark_at, weights=of[table.dark]) / count
+        for of in (table.mean_dn, table.variance_dn2)
+    )
+    return Darks(
+        mean_dn=mean,
+        variance_dn2=variance,
+        samples=None if samples is None else np.bincount(dark_at, weights=samples[table.dark]),
+        time_ms=None if time is None else times,
+    ), np.searchsorted(times, at[lit])
+
+
+def saturated_row(table: PhotonTransfer) -> int | None:
+    """Which of the lit rows has the largest variance; ``None`` where brighter rows do not fall.
+
+    Scanned from the brightest row down to the first maximum that two rows in succession stay
+    below, as the reference code of EMVA 1288 does. Brighter rows must fall to less than half of
+    it, or the last rows of a table that ends early would be taken for saturation.
+    """
+    lit = ~table.dark
+    light = (table.mean_dn if table.photons is None else table.photons)[lit]
+    order = np.argsort(light, kind="stable")
+    variance = table.variance_dn2[lit][order]
+    best, least = variance.size - 1, _FALLEN * float(variance.max())
+    for i in range(variance.size - 1, -1, -1):
+        if variance[i] >= variance[best]:
+            best = i
+        elif variance[max(i - 1, 0)] < variance[best] >= least:
+            break
+    falls = bool((variance[best + 1 :] < _FALLEN * variance[best]).any())
+    return int(order[best]) if falls else None

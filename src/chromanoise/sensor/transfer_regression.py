@@ -1,0 +1,179 @@
+"""Least squares for photon transfer: lines and bends with their errors.
+
+Sampling errors follow each level and each dark measurement through the fit, so that a dark that
+several levels share makes their errors common.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from chromanoise._check import Array
+from chromanoise._linalg import matrix_rank, pinv
+from chromanoise.sensor.transfer_levels import Levels
+
+_ROUNDS = 20  # of weights; they settle in about five
+_UNKNOWN_SAMPLES = 1e4  # stands for an unknown number; the scatter about the fit gives the scale
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Regression:
+    """A fit that is linear in the measured values.
+
+    Attributes
+    ----------
+    values, covariance
+        Coefficients, and what sampling leaves uncertain of them.
+    dark_lever
+        Minus the change of each coefficient with the variance of each dark.
+    error2
+        Squared error of each level's variance. [DN^4]
+    spread
+        Factor of all squared errors: 1 where the samples are known, else from the scatter.
+    chi2_per_row
+        Squared residuals per degree of freedom, before ``spread``.
+    """
+
+    values: Array
+    covariance: Array
+    dark_lever: Array
+    error2: Array
+    spread: float
+    chi2_per_row: float
+
+    @property
+    def errors(self) -> Array:
+        """Standard errors of the coefficients."""
+        return np.sqrt(np.diag(self.covariance))
+
+    def combined(self, weights: Array) -> tuple[float, float]:
+        """A weighted sum of the coefficients and its standard error."""
+        return float(weights @ self.values), float(np.sqrt(weights @ self.covariance @ weights))
+
+
+def weighted_fit(levels: Levels, *, bend: bool) -> Regression | None:
+    """Weighted least squares; ``None`` where the levels do not determine the coefficients.
+
+    Weights come from the fit itself, for those from noisy variances would pull it down.
+    """
+    dark, design = _dark_variance(levels), levels.powers(bend)
+    expected = np.maximum(levels.y + dark, 1e-9 * max(float((levels.y + dark).max()), 1e-12))
+    values = np.zeros(design.shape[1])
+    lever: Array = np.empty(0)
+    for _ in range(_ROUNDS):
+        found = _lever(design, 1 / np.sqrt(_level_error2(levels, expected, values)))
+        if found is None:
+            return None
+        lever, values = found, found @ levels.y
+        expected = np.maximum(design @ values + dark, 1e-3 * expected)
+    error2 = _level_error2(levels, expected, values)
+    free = len(levels) - values.size
+    slope = float(values[levels.slope_at])
+    z2 = (levels.y - design @ values) ** 2 / (error2 + _dark_error2(levels, slope)[levels.dark_of])
+    chi2 = float(z2.sum()) / free if free else 1.0
+    spread = 1.0 if levels.samples is not None else chi2
+    return _regression(levels, lever, error2, slope, spread=spread, chi2=chi2)
+
+
+def straight_fit(levels: Levels, judged: Regression) -> Regression | None:
+    """EMVA 1288's line through the origin by unweighted least squares.
+
+    Parameters
+    ----------
+    levels
+        Above their darks.
+    judged
+        A fit whose errors of the levels are taken.
+    """
+    lever = _lever(levels.powers(bend=False), np.ones(len(levels)))
+    if lever is None:
+        return None
+    slope = float(lever[0] @ levels.y)
+    return _regression(
+        levels, lever, judged.error2, slope, spread=judged.spread, chi2=judged.chi2_per_row
+    )
+
+
+def slope_through_origin(x: Array, y: Array) -> tuple[float, float]:
+    """Slope of y = a x by unweighted least squares; its error from the scatter about the line."""
+    slope = float(x @ y) / float(x @ x)
+    scatter = (x * (y - slope * x)) ** 2
+    return slope, float(np.sqrt(scatter.sum() * x.size / max(x.size - 1, 1))) / float(x @ x)
+
+
+def residuals_z(levels: Levels, fit: Regression) -> Array:
+    """Of all levels, fitted or not: variance minus fit over its standard error."""
+    model = levels.powers(bend=fit.values.size > levels.slope_at + 1) @ fit.values
+    dark, slope = _dark_variance(levels), float(fit.values[levels.slope_at])
+    expected = np.maximum(model + dark, 1e-3 * np.abs(levels.y + dark))
+    error2 = _level_error2(levels, expected, fit.values)
+    error2 = fit.spread * (error2 + _dark_error2(levels, slope)[levels.dark_of])
+    return np.divide(levels.y - model, np.sqrt(error2), out=np.zeros(len(levels)), where=error2 > 0)
+
+
+def variance_error2(variance: Array, samples: Array | None) -> Array:
+    """Squared sampling error of a variance of Gaussian values. [DN^4]"""
+    n = np.full(variance.shape, _UNKNOWN_SAMPLES) if samples is None else samples
+    return np.asarray(2 * variance**2 / (n - 1))
+
+
+def mean_error2(variance: Array, samples: Array | None, frames: int) -> Array:
+    """Squared sampling error of a mean over as many frames. [DN^2]"""
+    n = np.full(variance.shape, _UNKNOWN_SAMPLES) if samples is None else samples
+    return np.asarray(variance / (frames * n))
+
+
+def _dark_variance(levels: Levels) -> Array:
+    """Variance of the dark of each level, 0 where none is known."""
+    if levels.darks is None:
+        return np.zeros(len(levels))
+    return np.asarray(levels.darks.variance_dn2[levels.dark_of])
+
+
+def _level_error2(levels: Levels, expected: Array, values: Array) -> Array:
+    """Of variance - slope mean: the fourth cumulant of Poisson's law cancels against the mean."""
+    dark = _dark_variance(levels)
+    if levels.darks is None and levels.black_known:
+        dark = np.full(len(levels), max(float(values[0]), 0.0))
+    own = mean_error2(dark, levels.samples, levels.frames)
+    return variance_error2(expected, levels.samples) + values[levels.slope_at] ** 2 * own
+
+
+def _dark_error2(levels: Levels, slope: float) -> Array:
+    if levels.darks is None:
+        return np.zeros(1)
+    variance, n = levels.darks.variance_dn2, levels.darks.samples
+    return variance_error2(variance, n) + slope**2 * mean_error2(variance, n, levels.frames)
+
+
+def _lever(design: Array, root_weights: Array) -> Array | None:
+    """The matrix that makes coefficients of values; ``None`` where they are not determined."""
+    scale = np.abs(design).max(axis=0)
+    if not (scale > 0).all():
+        return None
+    weighted = design / scale * (root_weights / root_weights.max())[:, None]
+    if matrix_rank("a fit of a photon transfer", weighted) < design.shape[1]:
+        return None
+    return np.asarray(
+        pinv("a fit of a photon transfer", weighted)
+        * (root_weights / root_weights.max())
+        / scale[:, None]
+    )
+
+
+def _regression(
+    levels: Levels, lever: Array, error2: Array, slope: float, *, spread: float, chi2: float
+) -> Regression:
+    dark_error2 = _dark_error2(levels, slope)
+    dark_lever = np.stack(
+        [np.bincount(levels.dark_of, weights=row, minlength=dark_error2.size) for row in lever]
+    )
+    covariance = (lever * error2) @ lever.T + (dark_lever * dark_error2) @ dark_lever.T
+    return Regression(
+        values=lever @ levels.y,
+        covariance=spread * covariance,
+        dark_lever=dark_lever,
+        error2=error2,
+        spread=spread,
+        chi2_per_row=chi2,
+    )

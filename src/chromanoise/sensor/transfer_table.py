@@ -1,0 +1,192 @@
+"""The table of a photon transfer, and what a fit of it tells."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from chromanoise import _check
+from chromanoise._check import Array, InputError
+
+_MOST_SAMPLES = 1e12
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class PhotonTransfer:
+    """Mean and variance of codes at several lights.
+
+    Attributes
+    ----------
+    mean_dn
+        Mean code, black level included. [DN]
+    variance_dn2
+        Its variance: temporal, which is half that of the difference of two pictures, or spatial.
+        [DN^2]
+    dark
+        Which rows were taken without light.
+    samples
+        Pixels behind each variance; ``None`` where not known. [1]
+    source
+        Where the numbers come from.
+    spatial
+        Whether the variances are over the pixels of one picture, so that they contain PRNU.
+    time_ms
+        Exposure time of each row: a lit row is then evaluated with the dark rows of its time. [ms]
+    dark_mean_dn, dark_variance_dn2
+        The dark of each row, instead of dark rows. [DN], [DN^2]
+    photons
+        Mean photons that reach a pixel, of each row. [1]
+    notes
+        What a reader of the result must know.
+
+    Raises
+    ------
+    InputError
+        If values are not finite, a variance is negative, there are fewer than 3 rows of different
+        mean, or a lit row has no dark of its own although others have.
+    """
+
+    mean_dn: Float[Array, " m"]
+    variance_dn2: Float[Array, " m"]
+    dark: Bool[Array, " m"]
+    samples: Float[Array, " m"] | None = None
+    source: str = "photon transfer"
+    spatial: bool = False
+    time_ms: Float[Array, " m"] | None = None
+    dark_mean_dn: Float[Array, " m"] | None = None
+    dark_variance_dn2: Float[Array, " m"] | None = None
+    photons: Float[Array, " m"] | None = None
+    notes: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        for name, unit, most in _COLUMNS:
+            values = getattr(self, name)
+            if values is None:
+                continue
+            signed = name.endswith("mean_dn")
+            check = _check.finite if signed else _check.non_negative
+            values = check(f"{name} of {self.source}", unit, values)
+            _check.same_length("rows", dark=self.dark.size, **{name: values.size})
+            what = f"|{name}|" if signed else name
+            _check.within(f"largest {what} of {self.source}", unit, _largest(values), 0, most)
+            object.__setattr__(self, name, _check.frozen(values))
+        if self.samples is not None:
+            _check.same_length("rows", mean_dn=self.mean_dn.size, samples=self.samples.size)
+            if not ((self.samples >= 2) & (self.samples <= _MOST_SAMPLES)).all():
+                raise InputError(
+                    f"{self.source}: a variance needs at least 2 samples in every row, and at most "
+                    f"{_MOST_SAMPLES:g}"
+                )
+            _check.freeze(self, "samples")
+        if np.unique(self.mean_dn.round(9)).size < 3:
+            raise InputError(
+                f"{self.source}: a photon transfer needs at least 3 rows of different mean, "
+                f"but has {np.unique(self.mean_dn.round(9)).size}"
+            )
+        _check.freeze(self, "dark")
+        _refuse_odd_darks(self)
+
+
+_COLUMNS = (
+    ("mean_dn", "DN", 1e9),
+    ("variance_dn2", "DN^2", 1e18),
+    ("dark_mean_dn", "DN", 1e9),
+    ("dark_variance_dn2", "DN^2", 1e18),
+    ("time_ms", "ms", 1e12),
+    ("photons", "1", 1e15),
+)
+
+
+def _largest(values: Array) -> float:
+    return float(np.abs(values).max(initial=0.0))
+
+
+def _refuse_odd_darks(table: PhotonTransfer) -> None:
+    """Refuse darks that are given twice, by half, or not for every exposure time."""
+    if table.dark.all():
+        raise InputError(f"{table.source}: all rows are dark; a gain needs rows with light")
+    columns = table.dark_mean_dn is not None, table.dark_variance_dn2 is not None
+    if columns[0] != columns[1]:
+        missing = "dark_mean_dn" if columns[1] else "dark_variance_dn2"
+        raise InputError(f"{table.source}: the dark of each level needs the column {missing} too")
+    if columns[0] and table.dark.any():
+        raise InputError(
+            f"{table.source}: has dark rows and the columns dark_mean_dn and dark_variance_dn2; "
+            "keep one of both"
+        )
+    if table.time_ms is None or not table.dark.any():
+        return
+    alone = ~np.isin(table.time_ms, table.time_ms[table.dark])
+    if alone.any():
+        raise InputError(
+            f"{table.source}: no dark row has the time_ms {table.time_ms[alone][0]:g} of the lit "
+            f"row of mean {table.mean_dn[alone][0]:g} DN; measure it, or leave the column time_ms "
+            "out where the dark does not depend on the time"
+        )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class TransferFit:
+    """Results of a photon transfer with standard errors; ``None`` where the table has none.
+
+    Attributes
+    ----------
+    source
+        Of the table.
+    gain_dn_per_e, gain_se
+        The gain K. Where the bend is significant the error contains the difference between K and
+        the slope at low light, added in quadrature. [DN/e-]
+    low_light_gain_dn_per_e, low_light_gain_se
+        Slope of the variance at the dark, of a fit with a quadratic term. [DN/e-]
+    high_light_gain_dn_per_e, high_light_gain_se
+        The same at 70 % of saturation, or at the brightest row where saturation is unknown. [DN/e-]
+    bend_z
+        The quadratic term over its standard error; beyond 3 the bend is significant.
+    read_noise_e, read_noise_se
+        Without rounding to codes; an upper limit, without error, where quantization dominates. [e-]
+    dark_current_e_per_s, dark_current_se
+        From dark means at three or more exposure times. [e-/s]
+    prnu, prnu_se
+        Of spatial variances only; ``None`` where they do not bend up. [1]
+    qe, qe_se
+        Electrons per photon, where the table has photons. [e-/photon]
+    black_dn
+        Code of no light at no exposure time, where darks or the caller tell it. [DN]
+    saturation_dn, full_well_e
+        Mean code of the largest variance, where it falls behind, and its electrons. [DN], [e-]
+    fitted
+        Which rows the line was fitted to; dark rows define its origin.
+    residual_z
+        Variance minus fit over its standard error, per row; 0 for dark rows.
+    chi2_per_row
+        Squared residuals per degree of freedom: about 1 where the samples are known. [1]
+    notes
+        What was found odd.
+    """
+
+    source: str
+    gain_dn_per_e: float
+    gain_se: float
+    low_light_gain_dn_per_e: float | None
+    low_light_gain_se: float | None
+    high_light_gain_dn_per_e: float | None
+    high_light_gain_se: float | None
+    bend_z: float | None
+    read_noise_e: float | None
+    read_noise_se: float | None
+    dark_current_e_per_s: float | None
+    dark_current_se: float | None
+    prnu: float | None
+    prnu_se: float | None
+    qe: float | None
+    qe_se: float | None
+    black_dn: float | None
+    saturation_dn: float | None
+    full_well_e: float | None
+    fitted: Bool[Array, " m"]
+    residual_z: Float[Array, " m"]
+    chi2_per_row: float
+    notes: tuple[str, ...]
+
+    def __post_init__(self) -> None:
+        _check.freeze(self, "fitted", "residual_z")

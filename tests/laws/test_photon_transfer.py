@@ -1,0 +1,293 @@
+"""Photon transfer as EMVA 1288 evaluates it: errors that hold, bends, darks, photons, files."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from chromanoise._check import InputError
+from chromanoise.sensor.photon_transfer import (
+    PhotonTransfer,
+    photon_transfer_fit,
+    pixel_from_photon_transfer,
+)
+from chromanoise.sensor.photon_transfer_csv import (
+    is_photon_transfer_text,
+    read_photon_transfer_csv,
+)
+
+PIXELS = 1500
+QE = 0.55
+
+
+def camera(rng, *, gain, read_e, offset_dn=100.0, bend=0.0, dark_e_per_ms=0.0, levels=24, **more):
+    """Two frames of each level and of its dark, by plain Poisson and Gaussian draws.
+
+    ``bend`` is the share by which the gain of the last electron falls at 10,000 e-.
+    """
+    photons = np.linspace(0.0, 10_500.0 / QE, levels + 1)
+    time_ms = np.full(photons.size, 10.0)
+    if dark_e_per_ms:
+        time_ms = np.linspace(1.0, 50.0, photons.size)
+    rows = []
+    for p, t in zip(photons[1:], time_ms[1:], strict=True):
+        dark_e = dark_e_per_ms * t
+        both = (frames(rng, e, gain, read_e, offset_dn, bend) for e in (p * QE + dark_e, dark_e))
+        rows.append(list(both))
+    if not dark_e_per_ms:  # one dark for all
+        rows = [[lit, rows[0][1]] for lit, _ in rows]
+    (mean, variance), (dark_mean, dark_variance) = np.moveaxis(np.array(rows), 0, -1)
+    return PhotonTransfer(
+        mean_dn=mean,
+        variance_dn2=variance,
+        dark=np.zeros(levels, dtype=bool),
+        samples=np.full(levels, float(PIXELS)),
+        dark_mean_dn=dark_mean,
+        dark_variance_dn2=dark_variance,
+        photons=photons[1:],
+        time_ms=time_ms[1:] if dark_e_per_ms else None,
+        **more,
+    )
+
+
+def frames(rng, mean_e, gain, read_e, offset_dn, bend):
+    """Mean of two frames, and half the variance of their difference."""
+    electrons = rng.poisson(mean_e, (2, PIXELS)) + read_e * rng.standard_normal((2, PIXELS))
+    electrons = np.minimum(electrons, 10_000.0)
+    a, b = np.rint(offset_dn + gain * electrons * (1 - 0.5 * bend * electrons / 10_000.0))
+    return (a.mean() + b.mean()) / 2, (a - b).var(ddof=1) / 2
+
+
+# errors
+
+
+def test_standard_errors_of_200_linear_cameras_are_those_of_their_scatter():
+    rng = np.random.default_rng(1)
+    z = {"K": [], "sigma_d": [], "qe": [], "bend": []}
+    for _ in range(200):
+        gain, read = rng.uniform(0.3, 2.0), rng.uniform(3.0, 20.0)
+        fit = photon_transfer_fit(camera(rng, gain=gain, read_e=read))
+        z["K"].append((fit.gain_dn_per_e - gain) / fit.gain_se)
+        z["sigma_d"].append((fit.read_noise_e - read) / fit.read_noise_se)
+        z["qe"].append((fit.qe - QE) / fit.qe_se)
+        z["bend"].append(fit.bend_z)
+    for name, values in z.items():
+        assert 0.9 < np.std(values, ddof=1) < 1.1, name  # its own error is 0.05
+        assert abs(np.mean(values)) < 5 / np.sqrt(200), name
+
+
+def test_a_dark_of_each_exposure_time_gives_read_noise_and_dark_current_at_no_time():
+    rng = np.random.default_rng(2)
+    fits = [
+        photon_transfer_fit(camera(rng, gain=0.8, read_e=8.0, dark_e_per_ms=4.0)) for _ in range(60)
+    ]
+    for name, error, truth in (
+        ("gain_dn_per_e", "gain_se", 0.8),
+        ("read_noise_e", "read_noise_se", 8.0),
+        ("dark_current_e_per_s", "dark_current_se", 4000.0),
+        ("qe", "qe_se", QE),
+    ):
+        z = np.array([(getattr(f, name) - truth) / getattr(f, error) for f in fits])
+        assert abs(z.mean()) < 5 / np.sqrt(60), name
+        assert abs(z.std(ddof=1) - 1) < 5 / np.sqrt(120), name
+    assert np.mean([f.black_dn for f in fits]) == pytest.approx(100.0, abs=0.05)
+
+
+def test_a_camera_whose_gain_falls_is_reported_as_bent_with_its_slopes_at_both_ends():
+    # code = K e (1 - b e / 2 / 10,000): its slope at e is K (1 - b e / 10,000), so that the
+    # variance over the mean, K^2 (1 - b u)^2 e, begins with the slope K
+    rng = np.random.default_rng(3)
+    bent = [photon_transfer_fit(camera(rng, gain=0.8, read_e=8.0, bend=0.3)) for _ in range(60)]
+    assert all(f.bend_z < -3 for f in bent)
+    assert all(abs(f.gain_dn_per_e - 0.8) < 2 * f.gain_se for f in bent)
+    assert all(
+        f.high_light_gain_dn_per_e < f.gain_dn_per_e < f.low_light_gain_dn_per_e for f in bent
+    )
+    low = np.array([(f.low_light_gain_dn_per_e - 0.8) / f.low_light_gain_se for f in bent])
+    assert abs(low.std(ddof=1) - 1) < 5 / np.sqrt(120)
+    assert all(f.prnu is None for f in bent)
+    assert all(any("bends down" in note for note in f.notes) for f in bent)
+    straight = photon_transfer_fit(camera(rng, gain=0.8, read_e=8.0))
+    assert abs(straight.bend_z) < 3
+    assert not any("bends" in note for note in straight.notes)
+
+
+# the table
+
+
+def exact(light, **more):
+    """K = 0.5 DN/e-, QE = 0.5, sigma_d = 6 e-, black 64: 0.25 DN and 0.125 DN^2 per photon."""
+    signal = 0.25 * light
+    return PhotonTransfer(
+        mean_dn=64 + signal,
+        variance_dn2=9 + 1 / 12 + 0.5 * signal,
+        dark=light == 0,
+        **more,
+    )
+
+
+PHOTONS = np.array([0.0, 400.0, 1000.0, 2000.0, 4000.0, 8000.0])
+
+
+def test_photons_give_the_quantum_efficiency_of_the_pixel():
+    fit = photon_transfer_fit(exact(PHOTONS, photons=PHOTONS))
+    assert (fit.qe, fit.gain_dn_per_e) == pytest.approx((0.5, 0.5), rel=1e-12)
+    assert pixel_from_photon_transfer(fit).qe == fit.qe
+    assert photon_transfer_fit(exact(PHOTONS)).qe is None
+
+
+def test_photons_fewer_than_electrons_are_refused():
+    with pytest.raises(InputError, match=r"quantum efficiency of 2\b"):
+        photon_transfer_fit(exact(PHOTONS, photons=PHOTONS / 4))
+
+
+def test_only_a_variance_that_is_called_spatial_gives_prnu():
+    # PRNU of 1 % adds (0.01 signal)^2: x^2 of the codes
+    plain = exact(PHOTONS, samples=np.full(PHOTONS.size, 1e5))
+    bent = replace(plain, variance_dn2=plain.variance_dn2 + (0.01 * (plain.mean_dn - 64)) ** 2)
+    fit = photon_transfer_fit(replace(bent, spatial=True))
+    assert (fit.prnu, fit.gain_dn_per_e) == pytest.approx((0.01, 0.5), rel=1e-6)
+    temporal = photon_transfer_fit(bent)
+    assert temporal.prnu is None
+    assert temporal.low_light_gain_dn_per_e == pytest.approx(0.5, rel=1e-6)
+    assert temporal.high_light_gain_dn_per_e == pytest.approx(0.5 + 2e-4 * 2000, rel=1e-6)
+    assert abs(temporal.gain_dn_per_e - 0.5) < 2 * temporal.gain_se
+
+
+def test_dark_rows_of_their_exposure_time_are_the_dark_of_the_rows_of_that_time():
+    # dark: 64 DN + 2 DN/ms = 4 e-/ms; its shot noise adds 4 e-/ms, 1 DN^2/ms
+    time = np.array([1.0, 2.0, 4.0, 8.0])
+    lit = 0.25 * np.array([500.0, 1000.0, 2000.0, 4000.0])
+    dark_mean, dark_variance = 64 + 2 * time, 9 + 1 / 12 + time
+    rows = PhotonTransfer(
+        mean_dn=np.concatenate([dark_mean, dark_mean + lit]),
+        variance_dn2=np.concatenate([dark_variance, dark_variance + 0.5 * lit]),
+        dark=np.arange(8) < 4,
+        time_ms=np.concatenate([time, time]),
+    )
+    columns = PhotonTransfer(
+        mean_dn=dark_mean + lit,
+        variance_dn2=dark_variance + 0.5 * lit,
+        dark=np.zeros(4, dtype=bool),
+        time_ms=time,
+        dark_mean_dn=dark_mean,
+        dark_variance_dn2=dark_variance,
+    )
+    for fit in (photon_transfer_fit(rows), photon_transfer_fit(columns)):
+        found = (fit.gain_dn_per_e, fit.read_noise_e, fit.dark_current_e_per_s, fit.black_dn)
+        assert found == pytest.approx((0.5, 6.0, 4000.0, 64.0), rel=1e-9)
+    pixel = pixel_from_photon_transfer(photon_transfer_fit(rows))
+    assert pixel.imperfections.dark_current_e_per_s == pytest.approx(4000.0)
+    with pytest.raises(InputError, match=r"no dark row has the time_ms 3 "):
+        photon_transfer_fit(replace(rows, time_ms=np.concatenate([time, [1.0, 2.0, 4.0, 3.0]])))
+
+
+def test_a_dark_variance_of_quantization_gives_an_upper_limit_of_the_read_noise():
+    x = np.array([0.0, 100.0, 200.0, 400.0])
+    table = PhotonTransfer(mean_dn=x, variance_dn2=0.1 + 0.5 * x, dark=x == 0)
+    fit = photon_transfer_fit(table)
+    # EMVA 1288 writes 0.40 / K
+    assert (fit.read_noise_e, fit.read_noise_se) == (pytest.approx(0.40 / 0.5, rel=0.02), None)
+    assert any("upper limit" in note for note in fit.notes)
+
+
+@pytest.mark.parametrize(
+    ("mean", "variance", "samples"),
+    [
+        ([64, 64 + 1e-8, 64 + 2e-8, 64 + 4e-8], [1, 2, 3, 4], 1e4),
+        ([1e9, 1e9, 1e9 + 1e-6, 1e9], [1, 2, 3, 4], 1e4),
+        ([64, 164, 264, 364], [0, 0, 0, 0], 1e4),
+        ([64, 164, 264, 364], [0, 0, 0, 10], 1e12),
+        ([64, 164, 264, 364], [1, 51, 101, 151], 1e12),
+        ([64, 164, 164, 164], [1, 51, 0, 1e18], 2.0),
+    ],
+)
+@pytest.mark.parametrize("known", [True, False])
+def test_a_degenerate_table_gives_numbers_or_one_sentence(mean, variance, samples, known):
+    for dark in (np.arange(4) < 1, np.zeros(4, dtype=bool)):
+        try:
+            fit = photon_transfer_fit(
+                PhotonTransfer(
+                    mean_dn=np.array(mean, dtype=float),
+                    variance_dn2=np.array(variance, dtype=float),
+                    dark=dark,
+                    samples=np.full(4, samples) if known else None,
+                )
+            )
+        except InputError as error:
+            assert "\n" not in str(error)  # noqa: PT017
+        else:
+            assert np.isfinite([fit.gain_dn_per_e, fit.gain_se, *fit.residual_z]).all()
+
+
+# files
+
+
+ROWS = [
+    (64.0, 9.25, "dark"),
+    (564.5, 259.5, "light"),
+    (1064.0, 509.25, "light"),
+    (4095.0, 2024.75, "light"),
+]
+
+
+@pytest.mark.parametrize("sign", [",", ";", "\t", " "])
+@pytest.mark.parametrize("comma", [False, True])
+def test_every_delimiter_and_decimal_sign_gives_the_same_table(tmp_path, sign, comma):
+    if sign == "," and comma:
+        return  # a comma parts cells or fractions, not both
+    lines = [sign.join(["mean_dn", "variance_dn2", "light"])]
+    lines += [sign.join(map(str, row)).replace(".", "," if comma else ".") for row in ROWS]
+    path = tmp_path / "t.csv"
+    path.write_text("# a bench\n" + "\n".join(lines), encoding="utf-8")
+    assert is_photon_transfer_text(path.read_text())
+    table = read_photon_transfer_csv(path)
+    assert table.mean_dn.tolist() == [row[0] for row in ROWS]
+    assert table.variance_dn2.tolist() == [row[1] for row in ROWS]
+    assert table.dark.tolist() == [True, False, False, False]
+
+
+def test_all_columns_of_a_table_are_read(tmp_path):
+    path = tmp_path / "t.csv"
+    path.write_text(
+        "Mean [DN];Spatial variance [DN^2];dark mean [DN];dark_variance_dn2;Exposure time [ms];"
+        "photons per pixel;samples;operator\n"
+        "100,5;20;64;1,5;1;500;1000;A\n200;70;65;2;2;1500;1000;B\n300;120;66;2,5;3;2500;1000;B\n",
+        encoding="utf-8",
+    )
+    table = read_photon_transfer_csv(path)
+    assert table.spatial
+    assert table.dark_mean_dn.tolist() == [64, 65, 66]
+    assert table.dark_variance_dn2.tolist() == [1.5, 2, 2.5]
+    assert table.time_ms.tolist() == [1, 2, 3]
+    assert table.photons.tolist() == [500, 1500, 2500]
+    assert table.samples.tolist() == [1000] * 3
+    assert any("operator" in note for note in photon_transfer_fit(table).notes)
+
+
+def test_a_row_of_no_photons_is_dark(tmp_path):
+    path = tmp_path / "t.csv"
+    path.write_text("mean_dn,variance_dn2,photons\n64,9,0\n164,59,400\n264,109,800\n364,159,1200\n")
+    fit = photon_transfer_fit(read_photon_transfer_csv(path))
+    assert (fit.black_dn, fit.gain_dn_per_e, fit.qe) == pytest.approx((64, 0.5, 0.5))
+
+
+@pytest.mark.parametrize(
+    ("text", "match"),
+    [
+        ("mean_dn;variance_dn2\n1,5;2\n2.5;3\n3;4\n", "line 2 has a decimal comma, line 3"),
+        ("mean_dn,variance_dn2\n1,5,2,0\n", "line 2 has 4 cells"),
+        ("mean_dn,variance_dn2,spatial_variance_dn2\n1,2,3\n", "temporal and a spatial"),
+        ("mean_dn,variance_dn2,dark_mean_dn\n1,2,0\n2,3,0\n3,4,0", "dark_variance_dn2 too"),
+        ("mean_dn,variance_dn2,photons,light\n1,2,5,dark\n2,3,6,light\n3,4,7,light", "line 2"),
+        ("mean_dn,variance_dn2,light\n1,2,dark\n2,3,dark\n3,4,dark", "all rows are dark"),
+        ("mean_dn,variance_dn2\n1,2 %\n2,3\n3,4", "'2 %' is not a finite"),
+    ],
+)
+def test_a_table_that_contradicts_itself_is_refused_in_one_sentence(tmp_path, text, match):
+    path = tmp_path / "t.csv"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(InputError, match=match) as refused:
+        photon_transfer_fit(read_photon_transfer_csv(path))
+    assert "\n" not in str(refused.value)
+    assert "t.csv" in str(refused.value)
