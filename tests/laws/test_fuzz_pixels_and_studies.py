@@ -32,6 +32,7 @@ from chromanoise.study.runs import (
     study_of_output,
 )
 from chromanoise.study.tables import Column, Table
+from damage import TOKENS, mutated, random_edits
 
 SHEET = """# a camera
 K = 0.5 DN/e-
@@ -96,19 +97,6 @@ SAMPLES = {
     "table": (read_table, table_json(TABLE)),
 }
 SENTENCES = ("study",)  # all its faults at once, one line each
-TOKENS = [
-    *(b"", b"\n", b",", b";", b"\t", b'"', b"'", b"nan", b"1e999", b"-", b"<", b"]", b"[", b"{"),
-    *(b"}", b"%", b"\0", b"\xff", b"99999999999", b"9" * 5000, b"0", b"true", b"null", b"=", b"."),
-    *(b"a.b.c", b"[[", b"]]", b"\\u0000", b"\\ud800", b"#", b"e-", b"DN", b"inf", b"{}", b"[]"),
-    b"[" * 3000,
-]
-
-
-def mutated(content, edits):
-    for place, length, token in edits:
-        at = int(place * len(content))
-        content = content[:at] + token + content[at + length :]
-    return content
 
 
 def right_or_refused(read, path, name):
@@ -195,16 +183,7 @@ def test_a_hundred_thousand_damaged_files_are_read_right_or_refused(tmp_path):
     for i in range(100_000):
         name = names[i % len(names)]
         read, text = SAMPLES[name]
-        changes = [
-            (
-                rng.random(),
-                int(rng.integers(0, 40)),
-                TOKENS[rng.integers(len(TOKENS))]
-                if rng.random() < 0.5
-                else rng.bytes(int(rng.integers(0, 7))),
-            )
-            for _ in range(rng.integers(1, 7))
-        ]
+        changes = random_edits(rng)
         path = tmp_path / f"{name}.json"
         path.write_bytes(mutated(text.encode(), changes))
         start = time.perf_counter()

@@ -389,7 +389,7 @@ def test_a_stop_in_the_work_leaves_nothing_not_even_the_frame_that_was_whole(
     run, cube, tmp_path, monkeypatch, rows
 ):
     monkeypatch.setattr(
-        sys.modules["chromanoise.cli.simulate"], "row_progress", lambda _: stopped_after(rows)
+        sys.modules["chromanoise.cli.simulate"], "progress_of", lambda *_: stopped_after(rows)
     )
     code, out, err = run(
         "simulate", cube, "--sensor", "model-rgb", "--mosaic", "bayer", "--frames", 3,

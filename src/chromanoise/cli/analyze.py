@@ -24,6 +24,7 @@ from chromanoise.cli.options import (
     the_sensors,
 )
 from chromanoise.cli.output import refuse_taken_inputs, write_json, write_table
+from chromanoise.cli.progress import progress_of
 from chromanoise.color import SPACES
 from chromanoise.exposure import Situation
 from chromanoise.study import color_budgets, contravariant_budgets, matrix_makers
@@ -89,12 +90,14 @@ def analyze(
     distinct("names of sensors", [camera.name for camera in cameras])
     outputs = OutputsPart(clip=clip, budget=budget, merit=merit, chart=chart, space=space)
     outcomes = []
-    for sensor in cameras:
-        exposure = the_exposure(white, sensor, **only(options, EXPOSURE))
-        situation = Situation(
-            sensor=sensor, exposure=exposure, illuminant=illuminant, level_lux=white.level_lux
-        )
-        outcomes.append(outcome_of(situation, maker, outputs))
+    with progress_of("the analysis", len(cameras), "sensors") as advance:
+        for sensor in cameras:
+            exposure = the_exposure(white, sensor, **only(options, EXPOSURE))
+            situation = Situation(
+                sensor=sensor, exposure=exposure, illuminant=illuminant, level_lux=white.level_lux
+            )
+            outcomes.append(outcome_of(situation, maker, outputs))
+            advance(1)
     if table is not None:
         write_table(analyses_as_table([outcome.analysis for outcome in outcomes]), table)
     if json_target:

@@ -24,6 +24,7 @@ from chromanoise.cli.options import (
     the_sensors,
 )
 from chromanoise.cli.output import refuse_taken_inputs, write_json, write_table
+from chromanoise.cli.progress import progress_of
 from chromanoise.exposure import EQUAL_TERMS, Situation
 from chromanoise.study import (
     DEFAULT_PRIOR,
@@ -126,7 +127,11 @@ def compare(
     names, asked = matrices.split(","), QUANTITIES[quantity]
     metric, one_prior = options["metric"], DEFAULT_PRIOR if prior == "all" else prior
     makers = matrix_makers(names, metric, prior=one_prior)
-    curves = compared(contestants, makers, values, sweep=varied, quantity=asked)
+    parts = len(contestants) * len(makers) * len(values)
+    with progress_of("the comparison", parts, "values") as advance:
+        curves = compared(
+            contestants, makers, values, sweep=varied, quantity=asked, progress=advance
+        )
     crossed = crossovers(contestants, makers, curves)
     bands = (
         crossover_bands(contestants, names, values, metric=metric, sweep=varied, quantity=asked)

@@ -25,7 +25,7 @@ from chromanoise.spectra import (
 from chromanoise.spectra.files import Answers
 from chromanoise.spectra.files.understood import Unit
 from chromanoise.study import DEFAULT_PRIOR, PRIORS, known_matrices, trained_names
-from chromanoise.study.runs import idle_answers, sensor_with_pixel
+from chromanoise.study.runs import MOST_SENSORS, idle_answers, sensor_with_pixel
 from chromanoise.study.words import behind_filter_of_word, illuminant_of_word, is_file_name
 
 Command = TypeVar("Command", bound=Callable[..., Any])
@@ -207,6 +207,10 @@ def the_light(options: dict[str, Any]) -> tuple[Illuminant, Scene]:
 
 def the_sensors(names: tuple[str, ...], options: dict[str, Any]) -> list[Sensor]:
     """Sensors by name or from files, with the pixel that the options ask for."""
+    if len(names) > MOST_SENSORS:
+        raise InputError(
+            f"{len(names)} sensors are too many for one run, which takes {MOST_SENSORS}; split them"
+        )
     refuse_idle_answers(names, options)
     answers, word = answers_of(options), options["filter_word"]
     bare = [the_sensor(name, answers=answers, **only(options, PIXEL)) for name in names]

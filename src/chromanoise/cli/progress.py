@@ -1,28 +1,63 @@
-"""A bar on the terminal with rate and time left; silent where nobody looks."""
+"""How long a computation takes: an estimate where it is long, and a bar on a terminal."""
 
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
+_MEASURED_S = 1.0  # of the work, before its whole is estimated
+_LONG_S = 30.0  # what takes less needs no estimate
+
 
 @contextmanager
-def row_progress(rows: int) -> Iterator[Callable[[int], None]]:
-    """Told of finished rows, it draws how far they are; on standard error, if that is a screen."""
-    console = Console(stderr=True)
+def progress_of(what: str, parts: int, unit: str) -> Iterator[Callable[[int], None]]:
+    """A function to call with the number of parts that are finished, out of ``parts``.
+
+    Once a second of work is measured, a line on standard error says how long all of it takes, if
+    that is more than half a minute. A terminal also shows a bar.
+    """
+    console = Console(stderr=True, highlight=False, markup=False, emoji=False, soft_wrap=True)
+    start, finished, estimated = time.monotonic(), 0, False
+
+    def advance(count: int) -> None:
+        nonlocal finished, estimated
+        finished += count
+        seconds = time.monotonic() - start
+        if not estimated and finished and seconds >= _MEASURED_S:
+            estimated = True
+            whole = seconds / finished * parts
+            if whole > _LONG_S:
+                console.print(f"{what}: takes about {duration(whole)}")
+
     if not console.is_terminal:
-        yield lambda _: None
+        yield advance
         return
-    rate = TextColumn("{task.completed}/{task.total} rows, {task.fields[speed]:.0f}/s")
+    rate = TextColumn("{task.completed}/{task.total} " + unit + ", {task.fields[speed]:.0f}/s")
     with Progress(
         BarColumn(), rate, TimeRemainingColumn(), console=console, transient=True
     ) as progress:
-        task = progress.add_task("rows", total=rows, speed=0.0)
+        task = progress.add_task(unit, total=parts, speed=0.0)
 
-        def advance(count: int) -> None:
+        def advance_bar(count: int) -> None:
+            advance(count)
             progress.advance(task, count)
             speed = progress.tasks[0].speed or 0.0
             progress.update(task, speed=speed)
 
-        yield advance
+        yield advance_bar
+
+
+def duration(seconds: float) -> str:
+    """Seconds in the unit that a person would use.
+
+    Examples
+    --------
+    >>> duration(42.3), duration(150.0), duration(90000.0), duration(2e6)
+    ('42 s', '2.5 min', '25 h', '23 days')
+    """
+    for unit, length, most in (("s", 1, 90), ("min", 60, 90 * 60), ("h", 3600, 48 * 3600)):
+        if seconds < most:
+            return f"{seconds / length:.2g} {unit}"
+    return f"{seconds / 86400:.2g} days"

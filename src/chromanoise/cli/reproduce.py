@@ -8,8 +8,15 @@ from chromanoise._files import refuse_unwritable, whole_folder
 from chromanoise.cli import tables
 from chromanoise.cli.options import WHOLE
 from chromanoise.cli.output import write_json
+from chromanoise.cli.progress import progress_of
 from chromanoise.spectra import METRICS, Metric
-from chromanoise.study import paper_planes, paper_study, reproduced, reproduction_as_json
+from chromanoise.study import (
+    paper_planes,
+    paper_study,
+    reproduced,
+    reproduction_as_json,
+    witnessed_columns,
+)
 
 
 @click.command()
@@ -34,7 +41,10 @@ def reproduce(
     """
     if out:
         refuse_unwritable(out)
-    result = reproduced(paper_study(metric), draws=draws, seed=seed, clip=clip)
+    study = paper_study(metric)
+    drawn = draws * len(witnessed_columns(study))
+    with progress_of("the Monte Carlo", drawn, "draws") as progress:
+        result = reproduced(study, draws=draws, seed=seed, clip=clip, progress=progress)
     if json_target:
         write_json(reproduction_as_json(result), json_target)
     if json_target != "-":

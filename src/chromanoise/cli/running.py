@@ -1,11 +1,14 @@
 """What `run` and `rerun` tell while they work."""
 
+from collections.abc import Callable
+from contextlib import AbstractContextManager
 from pathlib import Path
 
 import click
 
+from chromanoise.cli.progress import progress_of
 from chromanoise.imaging import Work
-from chromanoise.study.runs import Study, run_study
+from chromanoise.study.runs import Step, Study, run_study
 
 
 def print_run(study: Study, out: Path, threads: int | None) -> None:
@@ -14,5 +17,10 @@ def print_run(study: Study, out: Path, threads: int | None) -> None:
     def told(what: str, done: bool) -> None:
         click.echo(f"{what}{' (stood there)' if done else ''}", err=True)
 
-    for file in run_study(study, out, work=Work(threads=threads), told=told):
+    work = Work(threads=threads)
+    for file in run_study(study, out, work=work, told=told, progress=_progress):
         click.echo(file)
+
+
+def _progress(step: Step) -> AbstractContextManager[Callable[[int], None]]:
+    return progress_of(step.what, step.parts, step.unit)

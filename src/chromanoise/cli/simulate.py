@@ -25,7 +25,7 @@ from chromanoise.cli.options import (
     the_sensors,
 )
 from chromanoise.cli.output import write_json
-from chromanoise.cli.progress import row_progress
+from chromanoise.cli.progress import progress_of
 from chromanoise.exposure import Situation
 from chromanoise.imaging import DEMOSAICING, Work
 from chromanoise.imaging.distributed import cluster
@@ -166,7 +166,8 @@ def simulate(cube: str, sensors: tuple[str, ...], out: Path, **options: Any) -> 
             here = options["scheduler"] == "local"
             work = replace(work, executor=executor, same_machine=here)
         rows = row_source(source.stored).shape[0] * options["frames"] * len(cameras)
-        work = replace(work, progress=stack.enter_context(row_progress(rows)))
+        advance = stack.enter_context(progress_of("the pictures", rows, "rows"))
+        work = replace(work, progress=advance)
         for camera in cameras:
             for frame in range(options["frames"]):
                 start = time.perf_counter()

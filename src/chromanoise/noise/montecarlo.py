@@ -1,6 +1,7 @@
 """Monte Carlo: the witness of the closed form, with its own error bar."""
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,6 +13,7 @@ from chromanoise.noise.sampling import clipped_at_well, sample_electrons
 from chromanoise.rng import stream
 from chromanoise.sensor import Pixel
 
+MOST_DRAWS = 10**10
 _CHUNK = 65_536  # acquisitions per stream: memory stays bounded, and the chunk names its draws
 
 
@@ -60,6 +62,7 @@ def monte_carlo(
     seed: int,
     name: tuple[int, ...] = (),
     clip: bool = False,
+    progress: Callable[[int], None] = lambda _: None,
 ) -> Estimate:
     """Statistics of ``matrix @ raw`` over many noisy acquisitions of one point.
 
@@ -77,18 +80,20 @@ def monte_carlo(
         Which random numbers; see `chromanoise.rng.stream`.
     clip
         Hold each acquisition between 0 and full well, as a real sensor does. The paper does not.
+    progress
+        Called with the number of draws that are finished since the last call.
 
     Raises
     ------
     InputError
-        If there are fewer than 2 draws, a mean is negative or not finite, or the matrix has not
-        one column per channel.
+        If there are fewer than 2 draws or more than 1e10, a mean is negative or not finite, or
+        the matrix has not one column per channel.
     """
     mean_e = _check.non_negative("mean_e", "e-", mean_e)
     _check.same_length("channels", mean_e=mean_e.size, matrix=matrix.shape[1])
-    if draws < 2:
+    if not 2 <= draws <= MOST_DRAWS:
         raise _check.InputError(
-            f"draws must be at least 2 for a standard deviation, but is {draws}"
+            f"draws must be 2 (for a standard deviation) to {MOST_DRAWS:g}, but is {draws}"
         )
     expected = matrix @ mean_e
     sums = np.zeros((4, matrix.shape[0]))  # of powers of the deviation from what is expected
@@ -104,6 +109,7 @@ def monte_carlo(
             any_clipped += int(hit.any(axis=1).sum())
         deviation = raw @ matrix.T - expected
         sums += [(deviation**power).sum(axis=0) for power in (1, 2, 3, 4)]
+        progress(count)
     return _estimate(expected, sums, clipped / draws, any_clipped / draws, draws)
 
 

@@ -64,7 +64,12 @@ from chromanoise.study.paper.findings import (
 )
 from chromanoise.study.paper.layout import PaperTable, as_printed, paper_tables
 from chromanoise.study.paper.planes import PaperPlanes, paper_planes
-from chromanoise.study.paper.reproduction import Cell, Reproduction, reproduced
+from chromanoise.study.paper.reproduction import (
+    Cell,
+    Reproduction,
+    reproduced,
+    witnessed_columns,
+)
 from chromanoise.study.paper.study import PaperStudy, paper_study
 from chromanoise.study.pareto import matrix_as_json, noise_weights, pareto_of, white_snr_db
 from chromanoise.study.perceived import GreyNoise, grey_noise, grey_noise_as_json
@@ -146,4 +151,5 @@ __all__ = [
     "trained_names",
     "verdict",
     "white_snr_db",
+    "witnessed_columns",
 ]

@@ -1,6 +1,6 @@
 """Sensors against each other while one thing varies: one curve each."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -65,6 +65,7 @@ def compared(
     *,
     sweep: Sweep = SWEEPS["lux"],
     quantity: Quantity = SNR_Y,
+    progress: Callable[[int], None] = lambda _: None,
 ) -> tuple[Curve, ...]:
     """Every sensor with every matrix over the sweep.
 
@@ -80,6 +81,8 @@ def compared(
         What varies: one of `SWEEPS`, or your own.
     quantity
         What is asked: one of `QUANTITIES`, or your own.
+    progress
+        Called with the number of values that are finished, of all values of all curves.
 
     Raises
     ------
@@ -90,7 +93,7 @@ def compared(
     for end in (values[0], values[-1]):
         _check.within(f"sweep of {sweep.name}", sweep.unit, end, sweep.lowest, sweep.highest)
     return tuple(
-        _curve(contestant, name, maker, values, sweep, quantity)
+        _curve(contestant, name, maker, values, sweep, quantity, progress)
         for contestant in contestants
         for name, maker in makers.items()
     )
@@ -103,12 +106,18 @@ def _curve(
     values: Float[Array, " k"],
     sweep: Sweep,
     quantity: Quantity,
+    progress: Callable[[int], None],
 ) -> Curve:
-    asked, errors, full = (
+    together = (
         _over_levels(contestant, maker, values, quantity)
         if sweep.name == SWEEPS["lux"].name
         else None
-    ) or _one_by_one([sweep.at(contestant, value) for value in values.tolist()], maker, quantity)
+    )
+    if together is not None:
+        progress(values.size)
+    asked, errors, full = together or _one_by_one(
+        [sweep.at(contestant, value) for value in values.tolist()], maker, quantity, progress
+    )
     return Curve(
         sensor=contestant.sensor.name,
         matrix=name,
@@ -143,8 +152,17 @@ def _over_levels(
     return quantity.over_levels(contestant, first, values), np.full(values.size, error), full
 
 
-def _one_by_one(situations: Sequence[Situation], maker: MatrixMaker, quantity: Quantity) -> _Asked:
-    pairs = [(situation, maker(situation)) for situation in situations]
-    asked = np.array([quantity.of(*pair) for pair in pairs])
-    errors = np.array([color_error(*pair) for pair in pairs])
-    return asked, errors, np.array([is_saturated(situation) for situation in situations])
+def _one_by_one(
+    situations: Sequence[Situation],
+    maker: MatrixMaker,
+    quantity: Quantity,
+    progress: Callable[[int], None],
+) -> _Asked:
+    asked, errors, full = [], [], []
+    for situation in situations:
+        matrix = maker(situation)
+        asked.append(quantity.of(situation, matrix))
+        errors.append(color_error(situation, matrix))
+        full.append(is_saturated(situation))
+        progress(1)
+    return np.array(asked), np.array(errors), np.array(full)

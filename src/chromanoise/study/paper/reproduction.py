@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -70,7 +71,12 @@ class Reproduction:
 
 
 def reproduced(
-    study: PaperStudy, *, draws: int = paper.DRAWS, seed: int = 0, clip: bool = False
+    study: PaperStudy,
+    *,
+    draws: int = paper.DRAWS,
+    seed: int = 0,
+    clip: bool = False,
+    progress: Callable[[int], None] = lambda _: None,
 ) -> Reproduction:
     """Tables 2-5 of the paper.
 
@@ -84,15 +90,19 @@ def reproduced(
         Of the Monte Carlo.
     clip
         Hold each draw between black and full well; the paper does not.
+    progress
+        Called with the number of draws that are finished, of ``draws`` for each of
+        `witnessed_columns`.
 
     Raises
     ------
     InputError
-        If the seed is negative or there are fewer than 2 draws.
+        If the seed is negative, or there are fewer than 2 draws or more than 1e10.
     """
-    analyses = {**study.columns, **study.greens}
+    analyses = witnessed_columns(study)
+    drawn = partial(_witness, draws=draws, seed=seed, clip=clip, progress=progress)
     witnesses = {
-        column: _witness(analysis, draws=draws, seed=seed, number=number, clip=clip)
+        column: drawn(analysis, number=number)
         for number, (column, analysis) in enumerate(analyses.items())
     }
     cells = [
@@ -103,6 +113,11 @@ def reproduced(
     cells += list(_noiseless_cells(study))
     cells.sort(key=lambda cell: cell.table)
     return Reproduction(study=study, cells=tuple(cells), seed=seed, draws=draws, clipped=clip)
+
+
+def witnessed_columns(study: PaperStudy) -> dict[str, Analysis]:
+    """The columns of the tables that Monte Carlo repeats."""
+    return {**study.columns, **study.greens}
 
 
 _SNR_OF: dict[str, Callable[[Analysis], dict[str, float | None]]] = {
@@ -143,7 +158,15 @@ class _Witness:
     coordinates: tuple[tuple[str, str], ...]
 
 
-def _witness(analysis: Analysis, *, draws: int, seed: int, number: int, clip: bool) -> _Witness:
+def _witness(
+    analysis: Analysis,
+    *,
+    draws: int,
+    seed: int,
+    number: int,
+    clip: bool,
+    progress: Callable[[int], None],
+) -> _Witness:
     channels = analysis.sensor.names
     rows = np.vstack(
         [np.eye(len(channels)), analysis.matrix.frame.inverse_gram, analysis.matrix.matrix]
@@ -156,6 +179,7 @@ def _witness(analysis: Analysis, *, draws: int, seed: int, number: int, clip: bo
         seed=seed,
         name=(number,),
         clip=clip,
+        progress=progress,
     )
     coordinates = (
         *(("raw SNR", name) for name in channels),

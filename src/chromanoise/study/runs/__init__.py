@@ -1,7 +1,7 @@
 """A study in a file, and its run."""
 
 from chromanoise.study.runs.analyses import Outcome, outcome_of, outcomes_as_json
-from chromanoise.study.runs.document import OutputsPart, Study, study_schema
+from chromanoise.study.runs.document import MOST_SENSORS, OutputsPart, Study, study_schema
 from chromanoise.study.runs.hashes import (
     file_digests,
     provenance,
@@ -23,6 +23,7 @@ from chromanoise.study.runs.starter import STARTER
 from chromanoise.study.runs.texts import study_as_command, study_as_toml
 
 __all__ = [
+    "MOST_SENSORS",
     "STARTER",
     "Outcome",
     "OutputsPart",

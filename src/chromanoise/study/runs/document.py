@@ -19,6 +19,7 @@ from chromanoise.study.comparing.sweeps import SWEEPS
 from chromanoise.study.makers import METHODS
 from chromanoise.study.priors import DEFAULT_PRIOR, PRIORS
 
+MOST_SENSORS = 1000
 SCHEMA = 1
 """Number of this schema; a later one that reads differently gets another."""
 
@@ -256,7 +257,9 @@ class Study(_Part):
     )
     light: LightPart = Field(LightPart(), description="The light on the scene.")
     exposure: ExposurePart = Field(ExposurePart(), description="How the time is found.")
-    sensors: Annotated[tuple[SensorPart, ...], Field(min_length=1, strict=False)]
+    sensors: Annotated[
+        tuple[SensorPart, ...], Field(min_length=1, max_length=MOST_SENSORS, strict=False)
+    ]
     matrices: Annotated[tuple[str, ...], Field(min_length=1, strict=False)] = Field(
         ("kernel",), description=f"Color matrices: {', '.join(METHODS)}; ridge=0.01."
     )

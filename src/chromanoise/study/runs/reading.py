@@ -248,6 +248,10 @@ def _fault(error: Any) -> tuple[Key, str]:
         return key, f"unknown key{_meant(str(key[-1]), _fields_beside(key))}"
     if error["type"] == "missing":
         return key, "is missing"
+    if error["type"] in ("too_long", "too_short"):
+        bounds = error["ctx"]
+        demand = "at most {max_length}" if "max_length" in bounds else "at least {min_length}"
+        return key, f"takes {demand.format(**bounds)} entries, but has {bounds['actual_length']}"
     given = error.get("input")
     said = str(error["msg"]).removeprefix("Value error, ")
     shown = (

@@ -3,6 +3,7 @@
 import hashlib
 import json
 from collections.abc import Callable
+from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +17,7 @@ from chromanoise.imaging import Work
 from chromanoise.study.files.own_json import named
 from chromanoise.study.runs.document import Study
 from chromanoise.study.runs.hashes import changes_since, provenance, study_as_json, study_hash
-from chromanoise.study.runs.running import study_steps
+from chromanoise.study.runs.running import Advance, Step, study_steps
 
 STUDY_FILE = "study.json"
 _LARGEST_BYTES = 256 << 20
@@ -25,8 +26,17 @@ Told = Callable[[str, bool], None]
 """Is told of each step: what it is, and whether it stood there already."""
 
 
+Progress = Callable[[Step], AbstractContextManager[Advance]]
+"""While a step runs: a function to call with the number of its parts that are finished."""
+
+
 def run_study(
-    study: Study, folder: Path, *, work: Work | None = None, told: Told | None = None
+    study: Study,
+    folder: Path,
+    *,
+    work: Work | None = None,
+    told: Told | None = None,
+    progress: Progress = lambda _: nullcontext(lambda _: None),
 ) -> list[Path]:
     """Run all of a study; a run that was stopped goes on where it was.
 
@@ -40,6 +50,8 @@ def run_study(
         Who renders pictures.
     told
         Is told of each step.
+    progress
+        Is told how far each step is.
 
     Returns
     -------
@@ -66,8 +78,8 @@ def run_study(
             altered = file.exists() and not done
             told(step.what + ("; its file was changed or is cut short" if altered else ""), done)
         if not done:
-            with whole_folder(folder) as scratch:
-                result = step.run(scratch)
+            with whole_folder(folder) as scratch, progress(step) as advance:
+                result = step.run(scratch, advance)
                 told_of = {"step": step.name, "written": _written(scratch), "result": result}
                 whole = who | told_of
                 _write(scratch / file.name, whole | {"content": _content(whole)})

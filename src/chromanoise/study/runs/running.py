@@ -1,7 +1,7 @@
 """A study, run step by step: each step's result is plain data of its own."""
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -10,6 +10,7 @@ from chromanoise._check import InputError, distinct
 from chromanoise.exposure import Situation
 from chromanoise.imaging import Work
 from chromanoise.merit import matrix_report
+from chromanoise.scene.rows import row_source
 from chromanoise.study.comparing.bands import bands_as_json, crossover_bands
 from chromanoise.study.comparing.crossing import crossovers
 from chromanoise.study.comparing.curves import compared
@@ -25,6 +26,7 @@ from chromanoise.study.runs.pictures import file_word, pictures_taken, prepared_
 
 Makers = Mapping[str, MatrixMaker]
 Result = dict[str, Any]
+Advance = Callable[[int], None]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -37,13 +39,20 @@ class Step:
         Of its file, without ending.
     what
         In words.
+    parts
+        How many parts it has.
+    unit
+        What the parts are.
     run
-        Does it: writes pictures into the folder that it is given, and returns plain data.
+        Does it: writes pictures into the folder that it is given, calls a function with the
+        number of parts that are finished, and returns plain data.
     """
 
     name: str
     what: str
-    run: Callable[[Path], Result]
+    parts: int
+    unit: str
+    run: Callable[[Path, Advance], Result]
 
 
 def study_steps(study: Study, *, work: Work | None = None) -> list[Step]:
@@ -75,6 +84,8 @@ def _analyses(study: Study, situations: list[Situation], makers: Makers) -> Iter
         yield Step(
             name=f"analysis-{file_word(name)}",
             what=f"every stage with the {name} matrix",
+            parts=len(situations),
+            unit="sensors",
             run=partial(_analysis, study, situations, makers[name]),
         )
 
@@ -86,6 +97,8 @@ def _matrices(study: Study, situations: list[Situation], makers: Makers) -> Iter
         yield Step(
             name=f"matrix-{file_word(name)}",
             what=f"the {name} matrix of every sensor",
+            parts=len(situations),
+            unit="sensors",
             run=partial(_matrix, study, situations, makers[name], weights),
         )
 
@@ -96,6 +109,8 @@ def _sweeps(study: Study, situations: list[Situation], makers: Makers) -> Iterat
         yield Step(
             name=f"sweep-{i}-{part.vary}-{part.quantity}",
             what=f"{QUANTITIES[part.quantity].what} over {SWEEPS[part.vary].what}",
+            parts=len(situations) * len(makers) * len(values),
+            unit="values",
             run=partial(_sweep, study, situations, makers, part, values),
         )
 
@@ -108,23 +123,42 @@ def _pictures(
         yield Step(
             name=f"pictures-{i}",
             what=f"{part.cube} through every sensor",
+            parts=row_source(cube.stored).shape[0] * part.frames * sum(map(len, cameras.values())),
+            unit="rows",
             run=partial(_taken, study, i, cube, cameras, work),
         )
 
 
-def _taken(study: Study, number: int, cube: Any, cameras: Any, work: Work, folder: Path) -> Result:
+def _taken(
+    study: Study,
+    number: int,
+    cube: Any,
+    cameras: Any,
+    work: Work,
+    folder: Path,
+    advance: Advance,
+) -> Result:
+    work = replace(work, progress=advance)
     return pictures_taken(study, number, cube, cameras, work=work, folder=folder)
 
 
 def _analysis(
-    study: Study, situations: list[Situation], maker: MatrixMaker, folder: Path
+    study: Study, situations: list[Situation], maker: MatrixMaker, folder: Path, advance: Advance
 ) -> Result:
-    outcomes = [outcome_of(situation, maker, study.outputs) for situation in situations]
+    outcomes = []
+    for situation in situations:
+        outcomes.append(outcome_of(situation, maker, study.outputs))
+        advance(1)
     return outcomes_as_json(outcomes, study.outputs)
 
 
 def _matrix(
-    study: Study, situations: list[Situation], maker: MatrixMaker, weights: Any, folder: Path
+    study: Study,
+    situations: list[Situation],
+    maker: MatrixMaker,
+    weights: Any,
+    folder: Path,
+    advance: Advance,
 ) -> Result:
     told = []
     for situation in situations:
@@ -133,6 +167,7 @@ def _matrix(
         report = matrix_report(made, sensor, exposure, lamp, level_lux=situation.level_lux)
         curve = None if weights is None else pareto_of(situation, weights, prior=study.prior)
         told.append(matrix_as_json(situation, made, report, curve))
+        advance(1)
     return {"sensors": told}
 
 
@@ -143,9 +178,10 @@ def _sweep(
     part: SweepPart,
     values: Any,
     folder: Path,
+    advance: Advance,
 ) -> Result:
     sweep, quantity = SWEEPS[part.vary], QUANTITIES[part.quantity]
-    curves = compared(situations, makers, values, sweep=sweep, quantity=quantity)
+    curves = compared(situations, makers, values, sweep=sweep, quantity=quantity, progress=advance)
     told = comparison_as_json(curves, crossovers(situations, makers, curves))
     told["bands"] = []
     if part.all_priors:
