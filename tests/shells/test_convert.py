@@ -233,7 +233,7 @@ def test_a_number_that_is_given_wins_over_the_file_and_the_note_says_so(done, he
     typed, _ = sensor_told(done, "--full-well-e", 8000, "--read-noise-e", 5)
     assert told["color"] == typed["color"]
     assert "read_noise_e as given, not of p.txt" in notes
-    assert "prnu 0.01, which only pictures ask for" in notes
+    assert "read noise only: prnu 0.01 of the pixel left out" in notes
 
 
 @pytest.mark.parametrize(

@@ -29,6 +29,7 @@ from chromanoise.cli.output import refuse_taken_inputs, write_json, write_table
 from chromanoise.color import ColorMatrix
 from chromanoise.exposure import Situation, expected_electrons, white_scene
 from chromanoise.merit import matrix_report
+from chromanoise.sensor import left_out_of_closed_form
 from chromanoise.study import (
     known_matrices,
     matrix_as_json,
@@ -137,7 +138,7 @@ def _made(situation: Situation, made: ColorMatrix) -> MadeMatrix:
         matrix=made,
         white_e=white_e,
         white_lux=float(made.matrix[1] @ white_e),
-        notes=(*sensor.notes, *lamp.notes),
+        notes=(*sensor.notes, *left_out_of_closed_form(sensor), *lamp.notes),
     )
 
 

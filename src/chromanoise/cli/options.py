@@ -118,7 +118,7 @@ _SHARED = (
         "--pixel",
         metavar="FILE",
         help="EMVA 1288 sheet, DNG noise profile or photon transfer: the pixel of all sensors; "
-        "what the file does not tell stays, and the three options below win over it.",
+        "what the file does not tell stays, and options such as the three below win over it.",
     ),
     click.option("--pitch-um", type=float, help="Pixel pitch [um] instead of the sensor's own."),
     click.option("--full-well-e", type=float, help="Full well [e-] instead of the sensor's own."),

@@ -43,7 +43,7 @@ from chromanoise.imaging.shots import (
 )
 from chromanoise.scene import Cube, builtin_cube, read_cube
 from chromanoise.scene.rows import row_source
-from chromanoise.sensor import MOSAIC_NAMES, Imperfections, mosaic_named
+from chromanoise.sensor import MOSAIC_NAMES, PixelOverrides, mosaic_named
 from chromanoise.study import matrix_makers
 from chromanoise.study.runs import file_word
 from chromanoise.study.words import file_of
@@ -76,8 +76,8 @@ _REAL_PIXELS = ("dark_current_e_per_s", "dsnu_e", "prnu", "row_noise_e")
     "[default: bilinear]",
 )
 @click.option("--raw-only", is_flag=True, help="Codes of the mosaic, no color.")
-@click.option("--bits", type=WHOLE, help="Of the ADC, 8 to 16. [default: 12]")
-@click.option("--black-level", type=WHOLE, help="Code of no light. [default: 0]")
+@click.option("--bits", type=WHOLE, help="Of the ADC, 8 to 16. [default: of --pixel, else 12]")
+@click.option("--black-level", type=WHOLE, help="Code of no light. [default: of --pixel, else 0]")
 @click.option("--frames", type=WHOLE, default=1, show_default=True, help="Pictures of a burst.")
 @click.option(
     "--seed",
@@ -90,12 +90,12 @@ _REAL_PIXELS = ("dark_current_e_per_s", "dsnu_e", "prnu", "row_noise_e")
 @click.option(
     "--dark-current-e-per-s",
     type=float,
-    default=0.0,
-    help="Dark current [e-/s]; its mean is taken off, and lowers the full well.",
+    help="Dark current [e-/s]; its mean is taken off, and lowers the full well. "
+    "[default: of --pixel, else 0, as for the next three]",
 )
-@click.option("--dsnu-e", type=float, default=0.0, help="Dark signal non-uniformity [e-].")
-@click.option("--prnu", type=float, default=0.0, help="Photo response non-uniformity, e.g. 0.01.")
-@click.option("--row-noise-e", type=float, default=0.0, help="Noise that a row shares [e-].")
+@click.option("--dsnu-e", type=float, help="Dark signal non-uniformity [e-].")
+@click.option("--prnu", type=float, help="Photo response non-uniformity, e.g. 0.01.")
+@click.option("--row-noise-e", type=float, help="Noise that a row shares [e-].")
 @click.option(
     "--format",
     "formats",
@@ -196,9 +196,11 @@ def _asked(options: dict[str, Any]) -> Asked:
         mosaic=None if own or options["mosaic"] is None else mosaic_named(options["mosaic"]),
         raw=options["mosaic"] is not None,
         demosaic=None if options["raw_only"] else options["demosaic"] or "bilinear",
-        bits=12 if options["bits"] is None else options["bits"],
-        black_level_dn=options["black_level"] or 0,
-        imperfections=Imperfections(**only(options, _REAL_PIXELS)),
+        pixel=PixelOverrides(
+            bits=options["bits"],
+            black_level_dn=options["black_level"],
+            **only(options, _REAL_PIXELS),
+        ),
         seed=options["seed"],
         clip=options["clip"],
         beyond=options["beyond"],

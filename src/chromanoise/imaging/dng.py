@@ -24,7 +24,7 @@ from chromanoise.color import ColorMatrix
 from chromanoise.exposure import Situation, expected_electrons, white_scene
 from chromanoise.imaging.row_files import PutRows, tiff_rows
 from chromanoise.sensor import Adc, Imperfections, Mosaic
-from chromanoise.sensor.imperfections import NONE, dark_electrons_e
+from chromanoise.sensor.imperfections import dark_electrons_e
 from chromanoise.sensor.noise_profile import noise_profile, noise_without_light_e
 
 _COLOR_CODES = {"R": 0, "G": 1, "B": 2, "C": 3, "M": 4, "Y": 5, "W": 6}  # tag 50710
@@ -99,7 +99,7 @@ def raw_profile(
     *,
     mosaic: Mosaic,
     adc: Adc,
-    imperfections: Imperfections = NONE,
+    imperfections: Imperfections | None = None,
 ) -> RawProfile:
     """What a raw developer must know of a sensor in its light, as its color is made here.
 
@@ -111,8 +111,8 @@ def raw_profile(
     matrix
         From electrons to XYZ, made for that light.
     mosaic, adc, imperfections
-        Those that made the codes. NoiseProfile holds what they add in the dark; it has no term for
-        PRNU.
+        Those that made the codes; the sensor's own imperfections if ``None``. NoiseProfile holds
+        what they add in the dark; it has no term for PRNU.
 
     Raises
     ------
@@ -120,6 +120,7 @@ def raw_profile(
         If a perfect white gives no electrons, or `RawProfile` refuses what it is given.
     """
     sensor, lamp = situation.sensor, situation.illuminant
+    imperfections = sensor.imperfections if imperfections is None else imperfections
     _check.same_names("DNG", sensor=sensor.names, matrix=matrix.channels)
     white = expected_electrons(white_scene(situation), sensor, situation.exposure)
     if not white.max() > 0:

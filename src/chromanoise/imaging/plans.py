@@ -50,7 +50,7 @@ def draw_of(
             raise _check.InputError(
                 f"{name} must be a whole number from 0 to 2^32 - 1, but is {value}"
             )
-    more = imperfections or Imperfections()
+    more = situation.sensor.imperfections if imperfections is None else imperfections
     dark_e = _check.within(
         "electrons of the dark current",
         "e-",

@@ -23,7 +23,7 @@ from chromanoise.imaging.plans import (
 )
 from chromanoise.imaging.work import Work, made, row_blocks
 from chromanoise.scene import Cube, bands_within
-from chromanoise.sensor import Adc, Imperfections, Mosaic, Sensor, adc_to_full_well
+from chromanoise.sensor import Adc, Imperfections, Mosaic, Sensor, adc_of
 from chromanoise.spectra import Beyond, Illuminant, Metric
 
 ALL_CORES = Work()
@@ -161,7 +161,7 @@ def rendered(
         Sensors of other names draw other noise: that of `noisy_electrons` with the seed
         crc32(name) 2^32 + seed.
     imperfections
-        Of real pixels; none by default, as in the paper.
+        Of real pixels; the sensor's own if ``None``, which are none unless it says so.
     noisy
         False for no shot and no read noise, of dark electrons neither; other imperfections stay.
     clip
@@ -227,7 +227,8 @@ def acquired(
     mosaic
         The sensor's own if ``None``.
     adc
-        12 bits, top code at full well, black level 0 if ``None``.
+        The sensor's own if ``None``: where it says nothing, 12 bits, top code at full well, black
+        level 0.
     cube, situation, seed, frame, imperfections, noisy, beyond, bad_pixels, work
         As `rendered`. Each pixel has the noise that its channel has there.
 
@@ -238,7 +239,7 @@ def acquired(
     """
     sensor = situation.sensor
     mosaic = mosaic_of(situation, mosaic)
-    adc = adc or adc_to_full_well(sensor.pixel)
+    adc = adc or adc_of(sensor.converter, sensor.pixel)
     cube = bands_within(cube, sensor.grid)
     light = light_of(cube, situation, beyond=beyond, bad_pixels=bad_pixels)
     draw = draw_of(situation, seed=seed, frame=frame, imperfections=imperfections, noisy=noisy)

@@ -2,7 +2,7 @@
 
 import os
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -29,7 +29,7 @@ from chromanoise.imaging.writers import (
 )
 from chromanoise.scene import Cube
 from chromanoise.scene.rows import row_source
-from chromanoise.sensor import Adc, Imperfections, Mosaic, adc_to_full_well
+from chromanoise.sensor import Adc, Mosaic, PixelOverrides, adc_of, overridden
 from chromanoise.spectra import Beyond
 
 
@@ -45,10 +45,8 @@ class Asked:
         Codes of a mosaic; otherwise every channel is at every pixel.
     demosaic
         Of `DEMOSAICING`; ``None`` for codes without color.
-    bits, black_level_dn
-        Of the converter. [1], [DN]
-    imperfections
-        Of the pixels.
+    pixel
+        What wins over the sensor's own imperfections and converter.
     seed
         Of the noise.
     clip
@@ -67,9 +65,7 @@ class Asked:
     mosaic: Mosaic | None
     raw: bool
     demosaic: str | None
-    bits: int
-    black_level_dn: int
-    imperfections: Imperfections
+    pixel: PixelOverrides
     seed: int
     clip: bool
     beyond: Beyond
@@ -92,7 +88,8 @@ class Prepared:
     Attributes
     ----------
     situation, matrix
-        Sensor, exposure and light; from electrons to XYZ.
+        Sensor, with the imperfections and the converter that its pictures have, exposure and light;
+        from electrons to XYZ.
     asked
         What its pictures are to be.
     mosaic, adc, bank
@@ -145,14 +142,13 @@ def prepared(cube: Cube, situation: Situation, matrix: ColorMatrix, asked: Asked
     insisted = asked.formats or ()
     if "exr" in insisted:
         openexr()
+    situation = replace(situation, sensor=overridden(situation.sensor, asked.pixel, raw=asked.raw))
     if asked.raw or asked.clip:
-        demand_well(situation, draw_of(situation, seed=0, imperfections=asked.imperfections))
+        demand_well(situation, draw_of(situation, seed=0))
     if not asked.raw:
         color_matrices(matrix, situation)
         return Prepared(situation=situation, matrix=matrix, asked=asked)
-    adc = adc_to_full_well(
-        situation.sensor.pixel, bits=asked.bits, black_level_dn=asked.black_level_dn
-    )
+    adc = adc_of(situation.sensor.converter, situation.sensor.pixel)
     mosaic = mosaic_of(situation, asked.mosaic)
     bank = None
     if asked.demosaic is not None:
@@ -185,9 +181,8 @@ def _profile(
     """Of a DNG, or why there is none; refused only where somebody insists on one."""
     if "dng" not in (asked.formats or _RAW):
         return None, ""
-    flaws = asked.imperfections
     try:
-        return raw_profile(situation, matrix, mosaic=mosaic, adc=adc, imperfections=flaws), ""
+        return raw_profile(situation, matrix, mosaic=mosaic, adc=adc), ""
     except InputError as error:
         if asked.formats:
             raise
@@ -217,7 +212,6 @@ def shot(cube: Cube, camera: Prepared, *, frame: int, work: Work) -> Shot:
     common: dict[str, Any] = {
         "seed": asked.seed,
         "frame": frame,
-        "imperfections": asked.imperfections,
         "beyond": asked.beyond,
         "bad_pixels": asked.bad_pixels,
         "work": work,
@@ -252,7 +246,7 @@ def shot_summary(taken: Shot, files: list[str]) -> dict[str, Any]:
         told |= raw_summary(taken.raw)
     if taken.picture is not None:
         told |= picture_summary(taken.picture)
-    return told | {"imperfections": asdict(taken.camera.asked.imperfections)}
+    return told | {"imperfections": asdict(taken.camera.situation.sensor.imperfections)}
 
 
 def write_shot(folder: Path, stem: str, taken: Shot) -> tuple[list[str], list[str]]:

@@ -4,6 +4,7 @@ import json
 import math
 import zipfile
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 from chromanoise._check import InputError
@@ -16,6 +17,7 @@ from chromanoise.page.studies import Studies, spoken, stamps_of
 from chromanoise.page.uploads import Upload
 from chromanoise.scene import Cube
 from chromanoise.scene.rows import row_source
+from chromanoise.sensor import overridden
 from chromanoise.study.makers import matrix_makers
 from chromanoise.study.runs import Study
 from chromanoise.study.runs.document import PicturePart
@@ -126,13 +128,13 @@ def _taken(
 ) -> tuple[bytes, str]:
     makers = matrix_makers(study.matrices[:1], study.metric, prior=study.prior)  # type: ignore[arg-type]
     (maker,) = makers.values()
-    asked = asked_of(part, seed=study.seed)
+    pixel = asked_of(part, seed=study.seed).pixel
+    used = replace(situation, sensor=overridden(situation.sensor, pixel, raw=False))
     picture = rendered(
         cube,
-        situation,
+        used,
         matrix=maker(situation),
         seed=study.seed,
-        imperfections=asked.imperfections,
         noisy=noisy,
         clip=part.clip,
         beyond=part.beyond,

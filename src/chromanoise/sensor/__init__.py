@@ -1,6 +1,6 @@
 """What a camera is: channels on silicon, the pixel under them, the mosaic over them."""
 
-from chromanoise.sensor.adc import Adc, adc_to_full_well
+from chromanoise.sensor.adc import Adc, Converter, adc_of, adc_to_full_well
 from chromanoise.sensor.catalogue import KNOWN_SENSORS, SENSOR_NAMES, sensor_named
 from chromanoise.sensor.catalogue_tables import sensor_from_table
 from chromanoise.sensor.changes import behind_ir_cut, with_shifted_curves
@@ -27,6 +27,11 @@ from chromanoise.sensor.noise_profile import (
     pixel_from_noise_profile,
     read_noise_profile,
 )
+from chromanoise.sensor.overrides import (
+    PixelOverrides,
+    left_out_of_closed_form,
+    overridden,
+)
 from chromanoise.sensor.photon_transfer import (
     PhotonTransfer,
     TransferFit,
@@ -45,24 +50,29 @@ __all__ = [
     "PAPER_PIXEL",
     "SENSOR_NAMES",
     "Adc",
+    "Converter",
     "Imperfections",
     "Mosaic",
     "PhotonTransfer",
     "Pixel",
+    "PixelOverrides",
     "PixelSource",
     "RelativeNoise",
     "Sensor",
     "TransferFit",
+    "adc_of",
     "adc_to_full_well",
     "bayer",
     "behind_filter",
     "behind_ir_cut",
     "filter_named",
     "ir_cut",
+    "left_out_of_closed_form",
     "mosaic_named",
     "noise_profile",
     "noise_without_light_e",
     "open_questions",
+    "overridden",
     "photon_transfer_fit",
     "pixel_from",
     "pixel_from_darktable",

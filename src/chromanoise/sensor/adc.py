@@ -1,6 +1,6 @@
 """From electrons to codes: gain, black level, number of bits."""
 
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 
 from chromanoise import _check
 from chromanoise.sensor.pixel import Pixel
@@ -39,6 +39,64 @@ class Adc:
     def top_code(self) -> int:
         """The largest code, 2^bits - 1; brighter stays there and never wraps."""
         return 2**self.bits - 1
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Converter:
+    """What is known of a sensor's converter; ``None`` where nothing is.
+
+    Attributes
+    ----------
+    bits, gain_e_per_dn, black_level_dn
+        As `Adc`.
+
+    Raises
+    ------
+    InputError
+        If no converter has these bits.
+    """
+
+    bits: int | None = None
+    gain_e_per_dn: float | None = None
+    black_level_dn: int | None = None
+
+    def __post_init__(self) -> None:
+        bits = 16 if self.bits is None else self.bits
+        Adc(
+            bits=bits,
+            gain_e_per_dn=1.0 if self.gain_e_per_dn is None else self.gain_e_per_dn,
+            black_level_dn=self.black_level_dn or 0,
+        )
+
+    @property
+    def known(self) -> dict[str, float]:
+        """Its values by name, without those that are not known."""
+        return {name: value for name, value in asdict(self).items() if value is not None}
+
+
+UNKNOWN_CONVERTER = Converter()
+"""That of a sensor of which nobody says more."""
+
+
+def adc_of(converter: Converter, pixel: Pixel) -> Adc:
+    """The converter of a pixel: 12 bits and black level 0 where not known.
+
+    The gain counts where the bits are known too, for the gain alone says not where codes end;
+    otherwise the top code is the full well.
+
+    Examples
+    --------
+    >>> pixel = Pixel(pitch_um=10, full_well_e=4095, read_noise_e=0)
+    >>> adc_of(Converter(gain_e_per_dn=2.0), pixel).gain_e_per_dn
+    1.0
+    >>> adc_of(Converter(gain_e_per_dn=2.0, bits=12), pixel).gain_e_per_dn
+    2.0
+    """
+    bits = 12 if converter.bits is None else converter.bits
+    black = converter.black_level_dn or 0
+    if converter.bits is None or converter.gain_e_per_dn is None:
+        return adc_to_full_well(pixel, bits=bits, black_level_dn=black)
+    return Adc(bits=bits, gain_e_per_dn=converter.gain_e_per_dn, black_level_dn=black)
 
 
 def adc_to_full_well(pixel: Pixel, *, bits: int = 12, black_level_dn: int = 0) -> Adc:

@@ -254,8 +254,10 @@ def _told(found: Mapping[str, _Value], unused: list[str], source: str) -> PixelS
     electrons = {key: _electrons(found.get(key), gain) for key in ("read_noise", "dsnu")}
     current = _electrons(found.get("dark_current"), gain)
     prnu = found.get("prnu")
-    bits, black = found.get("bits"), found.get("black")
-    adc, adc_notes = _adc(gain, bits, black, source)
+    whole, level, adc_notes = _codes(found.get("bits"), found.get("black"), source)
+    adc = None
+    if gain is not None and whole is not None:
+        adc = Adc(bits=whole, gain_e_per_dn=1 / gain, black_level_dn=level or 0)
     silent = [
         name
         for name, known in (("dark current", current), ("DSNU", electrons["dsnu"]), ("PRNU", prnu))
@@ -269,10 +271,14 @@ def _told(found: Mapping[str, _Value], unused: list[str], source: str) -> PixelS
         ]
     if gain and adc is None:
         notes.append(
-            f"{source}: the gain of {1 / gain:.4g} e-/DN is not used; a converter needs "
-            "the bits too"
+            f"{source}: the gain of {1 / gain:.4g} e-/DN is used only where the bits of the "
+            "converter are given too"
         )
-    notes += [f"{source}: {', '.join(silent)} not given, taken as 0"] if silent else []
+    notes += (
+        [f"{source}: {', '.join(silent)} not given, taken as 0 where no option gives them"]
+        if silent
+        else []
+    )
     notes += [f"{source}: not used: {', '.join(n[:40] for n in unused[:8])}"] if unused else []
     return PixelSource(
         source=source,
@@ -280,6 +286,8 @@ def _told(found: Mapping[str, _Value], unused: list[str], source: str) -> PixelS
         full_well_e=_number(found, "full_well"),
         read_noise_e=electrons["read_noise"],
         gain_e_per_dn=1 / gain if gain else None,
+        bits=whole,
+        black_level_dn=level,
         adc=adc,
         imperfections=Imperfections(
             dark_current_e_per_s=current or 0.0,
@@ -316,18 +324,24 @@ def _electrons(value: _Value | None, gain: float | None) -> float | None:
     return value.number / gain
 
 
-def _adc(
-    gain: float | None, bits: _Value | None, black: _Value | None, source: str
-) -> tuple[Adc | None, tuple[str, ...]]:
-    if gain is None or bits is None:
-        return None, ()
-    if not float(bits.number).is_integer():
+def _codes(
+    bits: _Value | None, black: _Value | None, source: str
+) -> tuple[int | None, int | None, tuple[str, ...]]:
+    """Bits and black level as whole numbers, and what was done for that."""
+    if bits is not None and not float(bits.number).is_integer():
         raise InputError(f"{bits.where}: an ADC has whole bits, not {bits.number:g}")
-    level = black.number if black else 0.0
-    notes = () if black else (f"{source}: black level not given, taken as 0 DN",)
-    if not level.is_integer():
-        notes = (f"{source}: black level of {level:g} DN rounded to a whole code",)
-    return Adc(bits=int(bits.number), gain_e_per_dn=1 / gain, black_level_dn=round(level)), notes
+    whole = int(bits.number) if bits else None
+    if black is None:
+        notes = (
+            (f"{source}: black level not given, taken as 0 DN where no option gives it",)
+            if bits
+            else ()
+        )
+        return whole, None, notes
+    notes = ()
+    if not black.number.is_integer():
+        notes = (f"{source}: black level of {black.number:g} DN rounded to a whole code",)
+    return whole, round(black.number), notes
 
 
 def _in_electrons(found: Mapping[str, _Value], gain: float | None) -> dict[str, float]:

@@ -8,6 +8,8 @@ from jaxtyping import Float
 
 from chromanoise import _check, _notebook
 from chromanoise._check import Array
+from chromanoise.sensor.adc import UNKNOWN_CONVERTER, Converter
+from chromanoise.sensor.imperfections import NONE, Imperfections
 from chromanoise.sensor.mosaic import Mosaic
 from chromanoise.sensor.pixel import Pixel
 from chromanoise.spectra import Grid
@@ -36,6 +38,8 @@ class Sensor:
         Which channel sits over which pixel, where that is known.
     stacked
         Whether the channels lie one above the other and share the light of one pixel.
+    imperfections, converter
+        What pictures have beside shot and read noise; closed forms leave both out.
     origin
         What the curves are: ``given`` by the user, ``measured``, a ``model``, a
         ``reconstruction``; told wherever the sensor appears.
@@ -55,6 +59,8 @@ class Sensor:
     pixel: Pixel
     mosaic: Mosaic | None = None
     stacked: bool = False
+    imperfections: Imperfections = NONE
+    converter: Converter = UNKNOWN_CONVERTER
     origin: Origin = "given"
     notes: tuple[str, ...] = ()
 

@@ -41,7 +41,7 @@ from chromanoise.noise import (
     with_noise,
 )
 from chromanoise.scene import Scene
-from chromanoise.sensor import Sensor
+from chromanoise.sensor import Sensor, left_out_of_closed_form
 from chromanoise.spectra import Metric, color_axes
 from chromanoise.units import decibel
 
@@ -287,7 +287,8 @@ def color_price_db(analysis: Analysis) -> float | None:
 
 def diagnosis(analysis: Analysis) -> tuple[str, ...]:
     """What a reader of these numbers must know, in sentences."""
-    notes = (*analysis.sensor.notes, *analysis.scene.illuminant.notes)
+    sensor = analysis.sensor
+    notes = (*sensor.notes, *left_out_of_closed_form(sensor), *analysis.scene.illuminant.notes)
     return (*notes, *_channel_notes(analysis), *_color_notes(analysis), *_frame_notes(analysis))
 
 

@@ -11,6 +11,7 @@ from chromanoise._check import Array
 from chromanoise.color import ColorMatrix, ParetoCurve, pareto
 from chromanoise.exposure import Situation
 from chromanoise.merit import MatrixReport
+from chromanoise.sensor import left_out_of_closed_form
 from chromanoise.study.defined import defined
 from chromanoise.study.priors import DEFAULT_PRIOR, PRIORS, training_named
 
@@ -83,11 +84,11 @@ def matrix_as_json(
     curve: ParetoCurve | None = None,
 ) -> dict[str, Any]:
     """A matrix, what it is worth, and the curve on which it competes; undefined is ``None``."""
-    told = asdict(report)
+    told, sensor = asdict(report), situation.sensor
     snr = report.snr_db or {}
     return {
         "version": __version__,
-        "sensor": situation.sensor.name,
+        "sensor": sensor.name,
         "illuminant": situation.illuminant.name,
         "level_lux": situation.level_lux,
         "time_ms": 1e3 * situation.exposure.time_s,
@@ -104,7 +105,7 @@ def matrix_as_json(
             "snr_db": {name: defined(value) for name, value in snr.items()} or None,
         },
         "pareto": None if curve is None else _points(curve, report),
-        "notes": [*situation.sensor.notes, *situation.illuminant.notes],
+        "notes": [*sensor.notes, *left_out_of_closed_form(sensor), *situation.illuminant.notes],
     }
 
 

@@ -8,6 +8,7 @@ from chromanoise import _check
 from chromanoise._check import InputError
 from chromanoise.color import ColorMatrix
 from chromanoise.merit import MatrixReport
+from chromanoise.sensor import left_out_of_closed_form
 from chromanoise.study.analysis import Analysis, color_price_db, color_snr_db, mean_color_error
 from chromanoise.study.comparing.curves import Curve
 from chromanoise.study.defined import defined
@@ -161,7 +162,13 @@ def analyses_as_table(analyses: Sequence[Analysis]) -> Table:
         title="SNR of color",
         columns=columns,
         rows=tuple(_analysis_row(analysis) for analysis in analyses),
-        notes=tuple(dict.fromkeys(note for a in analyses for note in a.sensor.notes)),
+        notes=tuple(
+            dict.fromkeys(
+                note
+                for a in analyses
+                for note in (*a.sensor.notes, *left_out_of_closed_form(a.sensor))
+            )
+        ),
     )
 
 

@@ -1,18 +1,21 @@
 """Sensors and spectra in JSON of our own, with a version: all that they hold, and back again."""
 
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, fields
 from typing import Any, cast, get_args
 
 import numpy as np
 
 from chromanoise import __version__, _check
 from chromanoise._check import Array, InputError
-from chromanoise.sensor import Mosaic, Pixel, Sensor
+from chromanoise.sensor import Converter, Imperfections, Mosaic, Pixel, Sensor
 from chromanoise.sensor.sensor import Origin
 from chromanoise.spectra import Grid, Spectra
 from chromanoise.study.files.own_json import SCHEMA_VERSION, as_json, held_json, named
 
 _SENSOR_SCHEMA = "chromanoise sensor"
 _SPECTRA_SCHEMA = "chromanoise spectra"
+_FLAWS = tuple(field.name for field in fields(Imperfections))
 _LARGEST_GRID = 1_000_000
 
 
@@ -51,6 +54,8 @@ def sensor_json(sensor: Sensor) -> str:
                 "pitch_um": pixel.pitch_um,
                 "full_well_e": pixel.full_well_e,
                 "read_noise_e": pixel.read_noise_e,
+                **{name: value for name, value in asdict(sensor.imperfections).items() if value},
+                **sensor.converter.known,
             },
             "grid_nm": {"start": grid.start_nm, "stop": grid.stop_nm, "step": grid.step_nm},
             "channels": list(sensor.names),
@@ -105,6 +110,11 @@ def sensor_from_json(text: str, *, source: str = "sensor") -> Sensor:
             qe=_array(held["qe"], 2),
             names=_words(held["channels"]),
             pixel=Pixel(**wells),
+            imperfections=Imperfections(**_held(pixel, _FLAWS, _number)),
+            converter=Converter(
+                **_held(pixel, ("gain_e_per_dn",), _number),
+                **_held(pixel, ("bits", "black_level_dn"), _whole),
+            ),
             mosaic=Mosaic(tuple(_words(row) for row in mosaic)) if mosaic is not None else None,
             stacked=_flag(held["stacked"]),
             origin=_origin(held["origin"]),
@@ -142,6 +152,17 @@ def _number(value: Any) -> float:
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise TypeError(f"{str(value)[:40]} is no number")
     return float(value)
+
+
+def _whole(value: Any) -> int:
+    if not _number(value).is_integer():
+        raise TypeError(f"{str(value)[:40]} is no whole number")
+    return int(value)
+
+
+def _held(told: dict[str, Any], names: Sequence[str], kind: Callable[[Any], Any]) -> dict[str, Any]:
+    """The values of these names, where they are there."""
+    return {name: kind(told[name]) for name in names if name in told}
 
 
 def _flag(value: Any) -> bool:

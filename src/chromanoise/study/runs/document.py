@@ -166,24 +166,28 @@ class PicturePart(_Part):
     )
     raw_only: bool = Field(False, description="Codes of the mosaic, no color.")
     bits: Annotated[int, Field(ge=8, le=16)] | None = Field(
-        None, description="Of the converter; 12 where a mosaic is named."
+        None, description="Of the converter; those of pixel.file, else 12, where a mosaic is named."
     )
     black_level: Annotated[int, Field(ge=0, lt=2**16)] | None = Field(
-        None, description="Code of no light; 0 where a mosaic is named."
+        None, description="Code of no light; that of pixel.file, else 0, where a mosaic is named."
     )
     frames: Annotated[int, Field(ge=1, le=MOST_FRAMES)] = Field(1, description="Of a burst.")
     formats: Annotated[tuple[str, ...], Field(strict=False, min_length=1)] | None = Field(
         None, description=f"Of {', '.join(FORMATS)}; png and xyz, raw and dng where not given."
     )
     clip: bool = Field(False, description="Hold electrons between 0 and full well.")
-    dark_current_e_per_s: NotNegative = Field(
-        0.0, description="Dark current [e-/s]; its mean is taken off."
+    dark_current_e_per_s: NotNegative | None = Field(
+        None, description="Dark current [e-/s]; its mean is taken off. That of pixel.file, else 0."
     )
-    dsnu_e: NotNegative = Field(0.0, description="Dark signal non-uniformity [e-].")
-    prnu: Annotated[float, Field(ge=0, le=0.2)] = Field(
-        0.0, description="Photo response non-uniformity."
+    dsnu_e: NotNegative | None = Field(
+        None, description="Dark signal non-uniformity [e-]; that of pixel.file, else 0."
     )
-    row_noise_e: NotNegative = Field(0.0, description="Noise that a row shares [e-].")
+    prnu: Annotated[float, Field(ge=0, le=0.2)] | None = Field(
+        None, description="Photo response non-uniformity; that of pixel.file, else 0."
+    )
+    row_noise_e: NotNegative | None = Field(
+        None, description="Noise that a row shares [e-]; 0 where not given."
+    )
 
     @field_validator("wavelengths", mode="before")
     @classmethod

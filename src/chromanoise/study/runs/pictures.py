@@ -8,7 +8,7 @@ from chromanoise.exposure import Situation
 from chromanoise.imaging import Work
 from chromanoise.imaging.shots import Asked, Prepared, prepared, shot, shot_summary, write_shot
 from chromanoise.scene import Cube
-from chromanoise.sensor import Imperfections, mosaic_named
+from chromanoise.sensor import PixelOverrides, mosaic_named
 from chromanoise.study.makers import MatrixMaker
 from chromanoise.study.runs.document import PicturePart, Study
 from chromanoise.study.runs.named import cube_of
@@ -27,9 +27,9 @@ def asked_of(part: PicturePart, *, seed: int) -> Asked:
         mosaic=mosaic_named(part.mosaic) if named and part.mosaic is not None else None,
         raw=part.mosaic is not None,
         demosaic=None if part.raw_only else part.demosaic or "bilinear",
-        bits=12 if part.bits is None else part.bits,
-        black_level_dn=part.black_level or 0,
-        imperfections=Imperfections(
+        pixel=PixelOverrides(
+            bits=part.bits,
+            black_level_dn=part.black_level,
             dark_current_e_per_s=part.dark_current_e_per_s,
             dsnu_e=part.dsnu_e,
             prnu=part.prnu,

@@ -1,13 +1,14 @@
 """A pixel from a file of any kind that tells of one, under a sensor that has its own."""
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
 from chromanoise._check import InputError
 from chromanoise._inputs import regular_file
 from chromanoise.sensor import (
+    Converter,
     PixelSource,
     Sensor,
     photon_transfer_fit,
@@ -145,6 +146,9 @@ def sensor_with_pixel(
 ) -> Sensor:
     """A sensor as `sensor_of_word` or of our own JSON, on the pixel that a file tells of.
 
+    Pitch, full well and read noise are those of the pixel; what else the file tells, imperfections
+    and converter, the sensor carries to its pictures.
+
     Parameters
     ----------
     word, answers
@@ -164,30 +168,47 @@ def sensor_with_pixel(
         return _sensor(word, answers, given)
     source = read_pixel_source(file_of(file))
     told = {name: getattr(source, name) for name in _TOLD}
-    if all(value is None for value in told.values()):
+    flaws, converter = _flaws(source), _converter(source)
+    if all(value is None for value in told.values()) and not flaws and not converter.known:
         raise InputError(
-            f"{file}: tells neither pitch nor full well nor read noise; {'; '.join(source.notes)}"
+            f"{file}: tells neither pitch nor full well nor read noise, nor what a picture uses; "
+            f"{'; '.join(source.notes)}"
         )
     merged = {name: told[name] if given[name] is None else given[name] for name in _TOLD}
     sensor = _sensor(word, answers, merged)
-    return replace(sensor, notes=(*sensor.notes, *_notes(source, told, given)))
+    return replace(
+        sensor,
+        imperfections=replace(sensor.imperfections, **flaws),
+        converter=converter if converter.known else sensor.converter,
+        notes=(*sensor.notes, *_notes(source, told, given, {**flaws, **converter.known})),
+    )
 
 
-def _notes(source: PixelSource, told: dict[str, Any], given: dict[str, Any]) -> list[str]:
-    """Which numbers are the file's, which stay the sensor's own, and what is left lying."""
+def _flaws(source: PixelSource) -> dict[str, float]:
+    """The imperfections that the file tells; it tells no zeros."""
+    return {name: value for name, value in asdict(source.imperfections).items() if value}
+
+
+def _converter(source: PixelSource) -> Converter:
+    adc = source.adc
+    return Converter(
+        bits=adc.bits if adc else source.bits,
+        gain_e_per_dn=adc.gain_e_per_dn if adc else source.gain_e_per_dn,
+        black_level_dn=adc.black_level_dn if adc else source.black_level_dn,
+    )
+
+
+def _notes(
+    source: PixelSource, told: dict[str, Any], given: dict[str, Any], more: dict[str, float]
+) -> list[str]:
+    """Which numbers are the file's, and which stay the sensor's own."""
     taken = [name for name in _TOLD if told[name] is not None and given[name] is None]
     won = [name for name in _TOLD if told[name] is not None and given[name] is not None]
     silent = [name for name in _TOLD if told[name] is None and given[name] is None]
+    taken += more
     notes = [f"{', '.join(taken)} of {source.source}"] if taken else []
     if won:
         notes.append(f"{', '.join(won)} as given, not of {source.source}")
     if silent:
         notes.append(f"{source.source} does not tell {', '.join(silent)}: the sensor's own stay")
-    flaws = source.imperfections
-    more = {"dark_current_e_per_s": flaws.dark_current_e_per_s, "dsnu_e": flaws.dsnu_e}
-    lying = [
-        f"{name} {value:.4g}" for name, value in (more | {"prnu": flaws.prnu}).items() if value
-    ]
-    if lying:
-        notes.append(f"{source.source} also tells {', '.join(lying)}, which only pictures ask for")
     return [*notes, *source.notes]

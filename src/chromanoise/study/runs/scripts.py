@@ -16,7 +16,7 @@ _IMPORTS = {
     "chromanoise.noise": ("Readout",),
     "chromanoise.scene": ("builtin_cube", "flat_field", "read_cube"),
     "chromanoise.sensor": (
-        *("Imperfections", "behind_ir_cut", "mosaic_named", "with_shifted_curves"),
+        *("PixelOverrides", "behind_ir_cut", "mosaic_named", "with_shifted_curves"),
     ),
     "chromanoise.spectra.files": ("Answers",),
     "chromanoise.study": (
@@ -231,15 +231,18 @@ def _pictures(study: Study, i: int) -> list[str]:
 
 
 def _asked(part: PicturePart, seed: int) -> str:
-    flaws = ("dark_current_e_per_s", "dsnu_e", "prnu", "row_noise_e")
     told: dict[str, Any] = {
         "mosaic": "None",
         "raw": repr(part.mosaic is not None),
         "demosaic": repr(None if part.raw_only else part.demosaic or "bilinear"),
-        "bits": repr(12 if part.bits is None else part.bits),
-        "black_level_dn": repr(part.black_level or 0),
-        "imperfections": _call(
-            "Imperfections", **{name: getattr(part, name) for name in flaws if getattr(part, name)}
+        "pixel": _call(
+            "PixelOverrides",
+            bits=part.bits,
+            black_level_dn=part.black_level,
+            dark_current_e_per_s=part.dark_current_e_per_s,
+            dsnu_e=part.dsnu_e,
+            prnu=part.prnu,
+            row_noise_e=part.row_noise_e,
         ),
         "seed": repr(seed),
         "clip": repr(part.clip),
