@@ -161,3 +161,14 @@ def _demand(
             f"are not; the first is {array[index]:g} at index {index} (from 0)"
         )
     return array
+
+
+def printable(name: str) -> str:
+    r"""A name from a file, short and fit to be shown.
+
+    Examples
+    --------
+    >>> printable("wave\x00length")
+    'wave?length'
+    """
+    return "".join(c if c.isprintable() else "?" for c in name[:40])

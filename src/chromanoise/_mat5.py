@@ -26,6 +26,7 @@ _FLAGS, _DIMENSIONS, _NAMES = 6, (5, 6), (1, 16)  # 6 and 16: written by other p
 _CELL, _CHARS, _OPAQUE = 1, 4, 17
 _MOST_AXES = 64
 _MOST_WORDS = 10_000
+_MOST_PADDING = 2**16
 _COMPLEX_BIT, _LOGICAL_BIT = 0x800, 0x200
 _CLASSES = {
     4: "U", 6: "f8", 7: "f4", 8: "i1", 9: "u1", 10: "i2", 11: "u2", 12: "i4", 13: "u4",
@@ -117,7 +118,8 @@ def mat_texts(path: Path, name: str, *, largest_bytes: int | None = None) -> tup
         kind, count = struct.unpack_from(order + "II", body, at)
         if kind != _MATRIX or at + 8 + count > len(body):
             raise _damage(path, f"a cell of {name!r} is no array")
-        texts += _rows_of_text(path, body[at + 8 : at + 8 + count], order)[:1] or ("",)
+        inner = body[at + 8 : at + 8 + count]  # of an empty cell, MATLAB may write the tag alone
+        texts += (_rows_of_text(path, inner, order)[:1] if inner else ()) or ("",)
         at += 8 + count
     return tuple(texts)
 
@@ -150,6 +152,8 @@ def _variables(path: Path) -> Iterator[tuple[_Element, _Opening]]:
         while at < size:
             file.seek(at)
             kind, count = struct.unpack(order + "II", file.read(8).ljust(8, b"\0"))
+            if not kind and not file.read(_MOST_PADDING).strip(b"\0"):
+                return  # zeros that fill the file up
             if kind not in (_MATRIX, _COMPRESSED) or at + 8 + count > size:
                 raise _damage(path, f"byte {at} begins no array within the file's {size} bytes")
             compressed = kind == _COMPRESSED

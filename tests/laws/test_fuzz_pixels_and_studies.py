@@ -17,14 +17,15 @@ from chromanoise.sensor import (
     read_darktable_noise,
     sensor_named,
 )
-from chromanoise.spectra import Grid, Spectra
+from chromanoise.spectra import Grid, Understood
+from chromanoise.spectra.files import read_curves
 from chromanoise.study.files.spectra import sensor_spectra
 from chromanoise.study.files.spectra_json import sensor_json, spectra_json
 from chromanoise.study.files.tables import table_from_json, table_json
 from chromanoise.study.runs import (
     STARTER,
     Study,
-    own_json_of,
+    own_sensor_of,
     provenance,
     read_pixel_source,
     read_study,
@@ -92,8 +93,8 @@ SAMPLES = {
         study_of_output,
         json.dumps(provenance(study_from_text(STARTER, source="starter")), indent=1),
     ),
-    "sensor-json": (own_json_of, sensor_json(SENSOR)),
-    "spectra-json": (own_json_of, spectra_json(sensor_spectra(SENSOR))),
+    "sensor-json": (own_sensor_of, sensor_json(SENSOR)),
+    "spectra-json": (read_curves, spectra_json(sensor_spectra(SENSOR))),
     "table": (read_table, table_json(TABLE)),
 }
 SENTENCES = ("study",)  # all its faults at once, one line each
@@ -111,7 +112,8 @@ def right_or_refused(read, path, name):
             assert len(line) < 2000
         return False
     if told is None:  # of our own JSON whose head was hit: it is another's then
-        assert b'"chromanoise s' not in path.read_bytes()[:200]
+        head = path.read_bytes()[:200]
+        assert b'"chromanoise sensor"' not in head or not head.lstrip().startswith(b"{")
         return True
     assert isinstance(told, KINDS[name])
     assert all(np.isfinite(value) and value >= 0 for value in numbers_of(told))
@@ -126,7 +128,7 @@ KINDS = dict.fromkeys(("sheet", "sheet-json", "profile", "transfer"), PixelSourc
     "study": Study,
     "output": Study,
     "sensor-json": Sensor,
-    "spectra-json": Spectra,
+    "spectra-json": Understood,
     "table": Table,
 }
 
@@ -140,8 +142,8 @@ def numbers_of(told):
     if isinstance(told, Sensor):
         pixel = told.pixel
         return [pixel.pitch_um, pixel.full_well_e, pixel.read_noise_e]
-    if isinstance(told, Spectra):
-        return np.abs(told.values).ravel()
+    if isinstance(told, Understood):
+        return np.abs(told.curves.values).ravel()
     return []
 
 

@@ -26,8 +26,8 @@ from chromanoise.study.files.spectra import (
     spectra_spdx,
 )
 from chromanoise.study.files.spectra_json import sensor_json, spectra_json
-from chromanoise.study.runs import own_json_of
-from chromanoise.study.words import file_of, is_sensor_file, sensor_of_word
+from chromanoise.study.runs import own_sensor_of
+from chromanoise.study.words import file_there, is_file_word, sensor_of_word
 
 Converted = tuple[str, list[str]]
 """The text, and what it does not keep."""
@@ -87,18 +87,16 @@ def _day(created: str | None) -> str:
         raise InputError(f"--created takes a date as 2026-01-31, but is {created!r}") from None
 
 
-def _read(source: str, options: dict[str, Any]) -> Sensor | Spectra | Understood:
-    """Our own JSON, a sensor of the catalogue, or what is understood of a file."""
-    if not is_sensor_file(source):
+def _read(source: str, options: dict[str, Any]) -> Sensor | Understood:
+    """A sensor of the catalog or of a JSON of this library, or what is understood of a file."""
+    if not is_file_word(source, "sensor"):
         if options["quantity"] is not None:
             raise InputError(f"--quantity: {source} says what it is; leave it away")
         refuse_idle_answers([source], options)
         return sensor_of_word(source, answers=answers_of(options))
-    path = file_of(source)
-    own = own_json_of(path)
-    if own is not None:
-        return own
-    return read_curves(path, answers=answers_of(options))
+    path = file_there(source, "sensor")
+    own = own_sensor_of(path)
+    return own if own is not None else read_curves(path, answers=answers_of(options))
 
 
 def _of_sensor(sensor: Sensor, kind: str, day: str, columns: tuple[str, ...]) -> Converted:
@@ -120,31 +118,34 @@ def _of_sensor(sensor: Sensor, kind: str, day: str, columns: tuple[str, ...]) ->
     return text, [*pixel, *_unit_lost(sensor_spectra(sensor)), *_others(sensor.names, name)]
 
 
-def _of_spectra(
-    read: Spectra | Understood, kind: str, day: str, columns: tuple[str, ...]
-) -> Converted:
-    spectra, unsaid = (read, []) if isinstance(read, Spectra) else _with_facts(read)
-    if isinstance(read, Spectra) and kind != ".spdx":
-        _refuse_columns(columns, "chromanoise's own JSON")
+def _of_spectra(told: Understood, kind: str, day: str, columns: tuple[str, ...]) -> Converted:
+    spectra, unsaid = _with_notes(told)
+    facts = _facts(told)
     if kind == ".json":
-        return spectra_json(spectra), unsaid
+        return spectra_json(spectra, facts), unsaid
     if kind == ".csv":
-        return spectra_csv(spectra), [*unsaid, *_unit_lost(spectra)]
+        notes = ["the notes, but for comments"] if spectra.notes else []
+        return spectra_csv(spectra, facts), [*unsaid, *notes]
     if kind == "rawtoaces":
-        text = rawtoaces_json(_per_energy(read), _header(spectra, day))
+        text = rawtoaces_json(_per_energy(told), _header(spectra, day))
         left = [name for name in spectra.names if name not in "RGB"]
         lost = [f"channel {name}" for name in left]
         return text, [*unsaid, "the height of the curves: the largest is 1 now", *lost]
     name = _one(spectra.names, columns, spectra.source)
-    text = spectra_spdx(spectra, name, created=day)
+    text = spectra_spdx(spectra, name, created=day, facts=facts)
     return text, [*unsaid, *_unit_lost(spectra), *_others(spectra.names, name)]
 
 
-def _with_facts(told: Understood) -> tuple[Spectra, list[str]]:
-    """The curves with what is known of them in the notes, and what is not known."""
-    facts = [f"level: {told.level}"] if told.level else []
-    facts += [f"light counted per {told.per}"] if told.per else []
-    said = (*told.said_notes, *told.curves.notes, *facts, *told.notes, *told.defects)
+def _facts(told: Understood) -> dict[str, str]:
+    """What a format that has words for it declares; percent are fractions by now."""
+    scale = "as written" if told.scale == "as written" else "fraction"
+    facts = {"level": told.level, "per": told.per, "scale": scale}
+    return {key: fact for key, fact in facts.items() if fact is not None}
+
+
+def _with_notes(told: Understood) -> tuple[Spectra, list[str]]:
+    """The curves with what was done to them in the notes, and what is not known of them."""
+    said = (*told.said_notes, *told.curves.notes, *told.notes, *told.defects)
     notes = tuple(dict.fromkeys(said))  # what the file said already is said once
     source = told.said_source or told.curves.source
     lost = [f"what nobody said: {q.asks} ({q.options})" for q in told.questions]
@@ -153,18 +154,18 @@ def _with_facts(told: Understood) -> tuple[Spectra, list[str]]:
     return replace(told.curves, source=source, notes=notes), lost
 
 
-def _per_energy(read: Spectra | Understood) -> Spectra:
-    curves = read if isinstance(read, Spectra) else read.curves
-    quantity = curves.quantity if isinstance(read, Spectra) else read.quantity
-    per = ("photon" if quantity == "QE" else None) if isinstance(read, Spectra) else read.per
-    if quantity not in (None, "QE", "response", "unknown"):
-        raise InputError(f"{curves.source}: holds {quantity}, but a rawtoaces camera is a response")
-    if per is None:
+def _per_energy(told: Understood) -> Spectra:
+    curves = told.curves
+    if told.quantity not in (None, "QE", "response"):
+        raise InputError(
+            f"{curves.source}: holds {told.quantity}, but a rawtoaces camera is a response"
+        )
+    if told.per is None:
         raise InputError(
             f"{curves.source}: does not say whether it counts light as energy or in photons; say "
             "--energy or --photons"
         )
-    return curves if per == "energy" else photons_as_energy(curves)
+    return curves if told.per == "energy" else photons_as_energy(curves)
 
 
 def _header(spectra: Spectra, day: str) -> dict[str, Any]:

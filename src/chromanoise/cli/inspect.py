@@ -15,8 +15,8 @@ from chromanoise.spectra import Spectra
 from chromanoise.spectra.files import Understood, read_curves
 from chromanoise.spectra.files.merging import gaps_nm, step_nm
 from chromanoise.study.files.spectra import mosaic_text, sensor_spectra
-from chromanoise.study.files.spectra_json import sensor_json, spectra_json
-from chromanoise.study.runs import own_json_of
+from chromanoise.study.files.spectra_json import sensor_json
+from chromanoise.study.runs import own_sensor_of
 
 _MOST_NAMES = 12
 
@@ -33,7 +33,7 @@ def inspect(file: Path, json_target: str | None, **options: Any) -> None:
     Argyll .sp, IES TM-27 .spdx, .xlsx, and the .json that convert writes.
     """
     refuse_inputs(json_target, "--json", str(file))
-    own = own_json_of(file) if file.is_file() else None
+    own = own_sensor_of(file) if file.is_file() else None
     if own is None:
         told = read_curves(file, answers=answers_of(options))
         data, lines = told_as_json(file, told), told_as_text(file, told)
@@ -47,7 +47,7 @@ def inspect(file: Path, json_target: str | None, **options: Any) -> None:
 
 
 def _refuse_answers(options: dict[str, Any]) -> None:
-    """Our own JSON leaves nothing open that an answer could change."""
+    """The JSON of a sensor leaves nothing open that an answer could change."""
     unset = {"beyond": "refuse", "columns": (), "negatives": "refuse"}
     given = [name for name, value in options.items() if value not in (None, unset.get(name))]
     if given:
@@ -55,43 +55,32 @@ def _refuse_answers(options: dict[str, Any]) -> None:
         words |= {"percent": "--percent/--fraction", "relative": "--relative/--absolute"}
         words["photons"] = "--photons/--energy"
         told = ", ".join(words.get(name, f"--{name}") for name in given)
-        raise InputError(f"{told}: chromanoise's own JSON says all itself; leave it away")
+        raise InputError(f"{told}: the JSON of a sensor says all itself; leave it away")
 
 
-def own_as_text(file: Path, own: Sensor | Spectra) -> list[str]:
-    """What a JSON of our own holds, line by line."""
-    curves = _curves_of(own)
+def own_as_text(file: Path, own: Sensor) -> list[str]:
+    """What the JSON of a sensor holds, line by line."""
+    curves, pixel = sensor_spectra(own), own.pixel
     facts = {
-        "format": f"chromanoise's own JSON, {'a sensor' if isinstance(own, Sensor) else 'spectra'}",
+        "format": "chromanoise's own JSON, a sensor",
         "curves": f"{len(curves.names)}: {_few(curves.names)}",
         "range": f"{_ends(curves)}, {_steps(curves)}",
         "quantity": f"{curves.quantity} [{curves.unit}]",
         "values": f"{curves.values.min():.6g} to {curves.values.max():.6g}",
         "gaps": _gaps(gaps_nm(curves.wavelength_nm)),
+        "name": own.name,
+        "origin": own.origin,
+        "mosaic": mosaic_text(own.mosaic),
+        "pixel": f"{pixel.pitch_um:g} um, {pixel.full_well_e:g} e- full, read noise "
+        f"{pixel.read_noise_e:g} e-",
     }
-    if isinstance(own, Sensor):
-        pixel = own.pixel
-        facts |= {
-            "name": own.name,
-            "origin": own.origin,
-            "mosaic": mosaic_text(own.mosaic),
-            "pixel": f"{pixel.pitch_um:g} um, {pixel.full_well_e:g} e- full, read noise "
-            f"{pixel.read_noise_e:g} e-",
-        }
-    else:
-        facts["source"] = own.source
     lines = [str(file), *(f"  {name:<14} {text}" for name, text in facts.items())]
     return lines + [f"  note           {note}" for note in own.notes]
 
 
-def own_as_json(file: Path, own: Sensor | Spectra) -> dict[str, Any]:
+def own_as_json(file: Path, own: Sensor) -> dict[str, Any]:
     """The same as data: the file's own content, with its name."""
-    text = sensor_json(own) if isinstance(own, Sensor) else spectra_json(own)
-    return {"file": str(file), "format": "chromanoise JSON", **json.loads(text)}
-
-
-def _curves_of(own: Sensor | Spectra) -> Spectra:
-    return sensor_spectra(own) if isinstance(own, Sensor) else own
+    return {"file": str(file), "format": "chromanoise JSON", **json.loads(sensor_json(own))}
 
 
 def _few(names: tuple[str, ...]) -> str:
@@ -122,7 +111,10 @@ def told_as_text(file: Path, told: Understood) -> list[str]:
     }
     if told.deviations is not None:
         facts["deviations"] = ", ".join(told.deviations.names[:_MOST_NAMES])
+    if told.said_source:
+        facts["source"] = told.said_source
     lines = [str(file), *(f"  {name:<14} {text}" for name, text in facts.items())]
+    lines += [f"  note           {note}" for note in told.said_notes]
     lines += [f"  done           {note}" for note in told.notes]
     lines += [f"  DEFECT         {defect}" for defect in told.defects]
     lines += [f"  ASK            {q.asks} ({q.options})" for q in told.questions]
@@ -150,6 +142,8 @@ def told_as_json(file: Path, told: Understood) -> dict[str, Any]:
         "factor": told.factor,
         "level": told.level,
         "per": told.per,
+        "source": told.said_source,
+        "source_notes": list(told.said_notes),
         "notes": list(told.notes),
         "defects": list(told.defects),
         "questions": questions,

@@ -26,7 +26,7 @@ from chromanoise.spectra.files import Answers
 from chromanoise.spectra.files.understood import Unit
 from chromanoise.study import DEFAULT_PRIOR, PRIORS, known_matrices, trained_names
 from chromanoise.study.runs import MOST_SENSORS, idle_answers, sensor_with_pixel
-from chromanoise.study.words import behind_filter_of_word, illuminant_of_word, is_file_name
+from chromanoise.study.words import behind_filter_of_word, illuminant_of_word, is_file_word
 
 Command = TypeVar("Command", bound=Callable[..., Any])
 
@@ -245,7 +245,7 @@ def _refuse_idle_illuminant(options: dict[str, Any]) -> None:
     """What only a file of a light can need."""
     word, photons = options["illuminant"], options["illuminant_photons"]
     parts = infrared_parts(word)
-    if is_file_name(word if parts is None else parts[0]):
+    if is_file_word(word if parts is None else parts[0], "light"):
         return
     given = {True: ["--illuminant-photons"], False: ["--illuminant-energy"]}.get(photons, [])
     given += ["--illuminant-column"] if options["illuminant_column"] else []
@@ -259,7 +259,7 @@ def _refuse_idle_illuminant(options: dict[str, Any]) -> None:
 
 def _refuse_idle_filter_unit(options: dict[str, Any]) -> None:
     word = options["filter_word"]
-    if options["filter_wavelength_unit"] and (word is None or not is_file_name(word)):
+    if options["filter_wavelength_unit"] and (word is None or not is_file_word(word, "filter")):
         raise InputError(
             "--filter-wavelength-unit: only a filter's file needs that; name one with --filter, or "
             "leave it away"

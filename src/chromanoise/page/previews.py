@@ -7,11 +7,10 @@ from chromanoise.page.asked import QuestionError
 from chromanoise.page.pictures import cube_of_upload
 from chromanoise.page.uploads import Upload, in_words
 from chromanoise.scene.rows import row_source
-from chromanoise.sensor import Sensor
 from chromanoise.spectra import DEFAULT_GRID, Spectra
 from chromanoise.spectra.files import Understood, read_curves
 from chromanoise.spectra.files.defects import defects_of_a_light
-from chromanoise.study.runs import own_json_of, study_as_json, study_from_text
+from chromanoise.study.runs import own_sensor_of, study_as_json, study_from_text
 
 MOST_SPECTRUM_BYTES = 1_000_000  # some 50,000 rows, which are understood in half a second
 _MOST_NAMES = 12
@@ -111,8 +110,8 @@ def _spectra(upload: Upload) -> Told:
             f"{upload.label}: {upload.size_bytes / 1e6:.1f} MB are too much for a spectrum, the "
             f"page takes {MOST_SPECTRUM_BYTES / 1e6:g} MB; keep one row per nanometer"
         )
-    own = own_json_of(upload.path)
-    if isinstance(own, Sensor):
+    own = own_sensor_of(upload.path)
+    if own is not None:
         line = f"A sensor of this library, {own.name}: channels {', '.join(own.names)}."
         return {"kind": "sensor", "preview": [line, *own.notes]}
     told = read_curves(upload.path)

@@ -25,7 +25,7 @@ from chromanoise.study.runs.hashes import (
     with_file_words,
 )
 from chromanoise.study.runs.named import illuminant_of, sensor_of, situations_in, unmade
-from chromanoise.study.words import file_of, is_file_name, is_sensor_file
+from chromanoise.study.words import file_of, is_file_word
 
 Stamps = tuple[tuple[str, tuple[int, int] | None], ...]
 
@@ -264,9 +264,7 @@ def _without_diodes(one: FileWord) -> str:
 def _names_a_file(one: FileWord, base: str) -> bool:
     if one.kind == "cube":
         return not base.startswith("builtin:")
-    if one.kind == "sensor":
-        return is_sensor_file(base)
-    return one.kind in ("pixel", "wavelengths") or is_file_name(base)
+    return one.kind in ("pixel", "wavelengths") or is_file_word(base, one.kind)
 
 
 def _refuse_irregular(one: FileWord) -> None:

@@ -9,14 +9,14 @@ from pathlib import Path
 import numpy as np
 
 from chromanoise import _check
-from chromanoise._check import Array
+from chromanoise._check import Array, printable
 from chromanoise._mat5 import mat_array, mat_arrays
-from chromanoise.scene.bounds import kind_of, printable, refuse_impossible
+from chromanoise.scene.bounds import kind_of, refuse_impossible
 from chromanoise.scene.faults import reading
 from chromanoise.scene.found import Found, Notes, by
 from chromanoise.scene.npz import npz_array, npz_arrays
 from chromanoise.scene.picture import picture
-from chromanoise.scene.wavelength_lists import (
+from chromanoise.spectra.files.wavelength_lists import (
     SPECTRAL_NAMES,
     Listed,
     fitting,

@@ -78,11 +78,6 @@ def kind_of(dtype: np.dtype) -> str:
     return "object" if dtype.hasobject else dtype.name
 
 
-def printable(name: str) -> str:
-    """A name from a file, short and fit to be shown."""
-    return "".join(c if c.isprintable() else "?" for c in name[:40])
-
-
 def _bytes(count: int) -> str:
     for power, unit in ((3, "GiB"), (2, "MiB"), (1, "KiB")):
         if count >= 1024**power:

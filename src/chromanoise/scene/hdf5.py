@@ -19,15 +19,14 @@ import numpy as np
 from jaxtyping import Int64, Shaped, UInt8
 
 from chromanoise import _check
-from chromanoise._check import Array
+from chromanoise._check import Array, printable
 from chromanoise.scene import hdf5_child
-from chromanoise.scene.bounds import printable
 from chromanoise.scene.faults import IN_PLACE, library, reading, reading_rows
 from chromanoise.scene.file_rows import FileRows, refuse_other_rows
 from chromanoise.scene.hdf5_chunks import ChunkRows
 from chromanoise.scene.labeled import Axes, Labeled, Store
 from chromanoise.scene.rows import RowSource, block
-from chromanoise.scene.wavelength_lists import SPECTRAL_NAMES
+from chromanoise.spectra.files.wavelength_lists import SPECTRAL_NAMES
 
 ENDINGS = (".h5", ".hdf5", ".hdf", ".he5", ".nc", ".nc4", ".cdf")
 _SIGNATURE = b"\x89HDF\r\n\x1a\n"

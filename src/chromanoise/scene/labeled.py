@@ -14,19 +14,18 @@ from typing import Any
 import numpy as np
 
 from chromanoise import _check
-from chromanoise._check import Array
+from chromanoise._check import Array, printable
 from chromanoise.scene.bounds import (
     MOST_INFLATED,
     kind_of,
     memory_bytes,
-    printable,
     refuse_impossible,
     refuse_not_numbers,
 )
 from chromanoise.scene.found import Found, Notes, by, refuse_other_shape
 from chromanoise.scene.picture import picture
 from chromanoise.scene.rows import RowSource
-from chromanoise.scene.wavelength_lists import (
+from chromanoise.spectra.files.wavelength_lists import (
     BAND_NAMES,
     NM_PER,
     SPECTRAL_NAMES,

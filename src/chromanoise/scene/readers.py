@@ -9,15 +9,6 @@ from chromanoise._check import reason
 from chromanoise._inputs import regular_file
 from chromanoise.scene.arrays import NAMED, named_arrays
 from chromanoise.scene.cube import Cube
-from chromanoise.scene.envi import (
-    DATA_SUFFIXES,
-    envi_pair,
-    envi_pixels,
-    envi_scale,
-    envi_wavelengths,
-    has_envi_wavelengths,
-    read_envi_header,
-)
 from chromanoise.scene.faults import reading
 from chromanoise.scene.found import Found, refuse_other_shape, unused_key
 from chromanoise.scene.hdf5 import ENDINGS as HDF5_ENDINGS
@@ -30,6 +21,15 @@ from chromanoise.scene.png_folder import is_png_folder, png_folder_cube
 from chromanoise.scene.tiff import ENDINGS as TIFF_ENDINGS
 from chromanoise.scene.tiff import tiff_cube
 from chromanoise.scene.zarr_store import is_zarr, zarr_store
+from chromanoise.spectra.files.envi import (
+    DATA_SUFFIXES,
+    envi_pair,
+    envi_pixels,
+    envi_scale,
+    envi_wavelengths,
+    has_envi_wavelengths,
+    read_envi_header,
+)
 
 
 def read_cube(

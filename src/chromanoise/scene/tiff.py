@@ -19,7 +19,12 @@ from chromanoise.scene.file_rows import FileRows, PlaneRows
 from chromanoise.scene.found import Found, Notes, by, refuse_other_shape
 from chromanoise.scene.rows import RowSource
 from chromanoise.scene.tiff_pages import decoded_pages
-from chromanoise.scene.wavelength_lists import NAMED_WAVELENGTH, NM_PER, SPECTRAL_NAMES, nanometers
+from chromanoise.spectra.files.wavelength_lists import (
+    NAMED_WAVELENGTH,
+    NM_PER,
+    SPECTRAL_NAMES,
+    nanometers,
+)
 
 ENDINGS = (".tif", ".tiff")
 _LISTED = re.compile(

@@ -10,7 +10,7 @@ from jaxtyping import Float
 from chromanoise import _check
 from chromanoise._check import Array, reason
 from chromanoise._inputs import regular_file
-from chromanoise.scene.wavelength_lists import NM_PER, UNIT_IN_TEXT
+from chromanoise.spectra.files.wavelength_lists import NM_PER, UNIT_IN_TEXT
 
 _LARGEST_BYTES = 2**20
 _BETWEEN = re.compile(r"\s*[,;]\s*|\s+")

@@ -14,7 +14,12 @@ from chromanoise.scene.found import Found, Notes, by
 from chromanoise.scene.labeled import attribute_scale
 from chromanoise.scene.meaning import rising, scale_and_notes, wavelengths_and_notes
 from chromanoise.scene.rows import ArrayRows, RowSource
-from chromanoise.scene.wavelength_lists import BAND_NAMES, NM_PER, SPECTRAL_NAMES, nanometers
+from chromanoise.spectra.files.wavelength_lists import (
+    BAND_NAMES,
+    NM_PER,
+    SPECTRAL_NAMES,
+    nanometers,
+)
 
 
 @runtime_checkable

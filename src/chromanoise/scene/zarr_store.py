@@ -17,9 +17,9 @@ import numpy as np
 from jaxtyping import Shaped, UInt8
 
 from chromanoise import _check
-from chromanoise._check import Array
+from chromanoise._check import Array, printable
 from chromanoise._inputs import regular_file
-from chromanoise.scene.bounds import memory_bytes, printable
+from chromanoise.scene.bounds import memory_bytes
 from chromanoise.scene.faults import library, reading, reading_rows
 from chromanoise.scene.file_rows import refuse_other_rows
 from chromanoise.scene.found import Notes

@@ -10,7 +10,13 @@ from chromanoise.sensor.darktable import (
     read_darktable_noise,
 )
 from chromanoise.sensor.emva import pixel_from_emva, read_emva_sheet
-from chromanoise.sensor.filters import filter_named, ir_cut, resin_filter, silicon_qe
+from chromanoise.sensor.filters import (
+    filter_named,
+    ir_cut,
+    is_filter_name,
+    resin_filter,
+    silicon_qe,
+)
 from chromanoise.sensor.imperfections import Imperfections
 from chromanoise.sensor.mosaic import (
     MOSAIC_NAMES,
@@ -67,6 +73,7 @@ __all__ = [
     "behind_ir_cut",
     "filter_named",
     "ir_cut",
+    "is_filter_name",
     "left_out_of_closed_form",
     "mosaic_named",
     "noise_profile",

@@ -17,6 +17,7 @@ from chromanoise.spectra import Beyond, Grid, Spectra, means_on_grid
 from chromanoise.spectra.tables import catalogue_curves, catalogue_tables, packaged_table
 
 _CM_PER_UM = 1e-4
+_MODEL = r"ircut-([\d.]+)(?:/([\d.]+))?"
 
 
 def silicon_qe(
@@ -144,7 +145,7 @@ def filter_named(
     >>> filter_named("ircut-650", Grid.uniform(600, 700, 50)).values[:, 0].round(3)
     array([0.998, 0.5  , 0.002])
     """
-    if match := re.fullmatch(r"ircut-([\d.]+)(?:/([\d.]+))?", name):
+    if match := re.fullmatch(_MODEL, name):
         edge_nm, width_nm = (_number(text, name) for text in (match[1], match[2] or "8"))
         return Spectra(
             wavelength_nm=grid.wavelength_nm,
@@ -160,6 +161,17 @@ def filter_named(
     told = measured[name]
     curve = replace(catalogue_curves(told), notes=(told.source, told.defects))
     return means_on_grid(curve, grid, beyond=beyond)
+
+
+def is_filter_name(name: str) -> bool:
+    """Whether `filter_named` knows a filter by this name.
+
+    Examples
+    --------
+    >>> is_filter_name("ircut-650.5/4"), is_filter_name("glass.dat")
+    (True, False)
+    """
+    return bool(re.fullmatch(_MODEL, name)) or name in catalogue_tables("filter")
 
 
 def _number(text: str, name: str) -> float:

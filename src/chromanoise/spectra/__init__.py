@@ -37,6 +37,7 @@ from chromanoise.spectra.metric import METRICS, Metric
 from chromanoise.spectra.mixtures import (
     illuminant_named,
     infrared_parts,
+    is_light_name,
     mixed,
     with_infrared,
 )
@@ -71,6 +72,7 @@ __all__ = [
     "illuminant_named",
     "infrared_parts",
     "interpolation_matrix",
+    "is_light_name",
     "led",
     "led_white",
     "means_on_grid",

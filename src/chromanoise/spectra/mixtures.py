@@ -33,6 +33,7 @@ _FORMULAS: dict[str, Callable[[Grid], Illuminant]] = {
     "halogen": halogen,
     "led-white": led_white,
 }
+_BLACK_BODY, _LED = r"([\d.]+)\s*K", r"LED([\d.]+)(?:/([\d.]+))?"
 _MIXTURE = re.compile(r"(.+)\+([\d.]+(?:[eE]-?\d+)?)xLED([\d.]+)(?:/([\d.]+))?")
 
 
@@ -50,6 +51,22 @@ def illuminant_named(name: str, grid: Grid, *, beyond: Beyond = "refuse") -> Ill
         If nothing is called that; the nearest names are told.
     """
     return mixed(name, lambda bare: _light_named(bare, grid, beyond))
+
+
+def is_light_name(name: str) -> bool:
+    """Whether `illuminant_named` knows a light, without a diode beside it, by this name.
+
+    Examples
+    --------
+    >>> [is_light_name(name) for name in ("D65", "5500.5K", "LED850/20", "lamp.dat")]
+    [True, True, True, False]
+    """
+    by_number = re.fullmatch(_BLACK_BODY, name) or re.fullmatch(_LED, name)
+    return bool(by_number) or name in _known_lights()
+
+
+def _known_lights() -> tuple[str, ...]:
+    return (*_FORMULAS, *catalogue_tables("illuminant"), *colour_science().SDS_ILLUMINANTS)
 
 
 def mixed(name: str, light: Callable[[str], Illuminant]) -> Illuminant:
@@ -104,10 +121,10 @@ def infrared_parts(name: str) -> tuple[str, dict[str, float]] | None:
 def _light_named(name: str, grid: Grid, beyond: Beyond) -> Illuminant:
     if name in _FORMULAS:
         return _FORMULAS[name](grid)
-    if match := re.fullmatch(r"([\d.]+)\s*K", name):
+    if match := re.fullmatch(_BLACK_BODY, name):
         kelvin = _check.positive(f"temperature of illuminant {name}", "K", _number(match[1], name))
         return black_body(grid, kelvin)
-    if match := re.fullmatch(r"LED([\d.]+)(?:/([\d.]+))?", name):
+    if match := re.fullmatch(_LED, name):
         peak_nm, width_nm = (_number(text, name) for text in (match[1], match[2] or "20"))
         _check.positive(f"peak of illuminant {name}", "nm", peak_nm)
         _check.positive(f"width of illuminant {name}", "nm", width_nm)
@@ -115,8 +132,8 @@ def _light_named(name: str, grid: Grid, beyond: Beyond) -> Illuminant:
     measured = catalogue_tables("illuminant")
     if name in measured:
         return illuminant_from(catalogue_curves(measured[name]), grid, name=name, beyond=beyond)
-    known = (*_FORMULAS, *measured, *colour_science().SDS_ILLUMINANTS)
-    return cie_illuminant(_check.one_of("illuminant", name, known), grid, beyond=beyond)
+    known = _check.one_of("illuminant", name, _known_lights())
+    return cie_illuminant(known, grid, beyond=beyond)
 
 
 def with_infrared(

@@ -1,7 +1,11 @@
 """A word or a file name to a sensor or a light: what a person writes, in a study or a command."""
 
+import os
+import re
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
+from typing import Literal
 
 from chromanoise._check import InputError, one_of
 from chromanoise.sensor import (
@@ -10,6 +14,7 @@ from chromanoise.sensor import (
     Sensor,
     behind_filter,
     filter_named,
+    is_filter_name,
     read_sensor,
     sensor_from_table,
     sensor_named,
@@ -22,12 +27,13 @@ from chromanoise.spectra import (
     illuminant_from,
     illuminant_named,
     infrared_parts,
+    is_light_name,
     means_on_grid,
     mixed,
     refuse_outside,
     used_on_grid,
 )
-from chromanoise.spectra.files import ASK, Answers, power_of, read_curves
+from chromanoise.spectra.files import ASK, Answers, library_files, power_of, read_curves
 from chromanoise.spectra.tables.folder import SOURCES, user_curves
 from chromanoise.study.catalog import (
     catalog_entry,
@@ -38,7 +44,9 @@ from chromanoise.study.catalog import (
     own_tables,
 )
 
-_ENDINGS = (".csv", ".tsv", ".txt", ".mat", ".json", ".sp", ".spdx", ".xml", ".xlsx")
+_ENDING = re.compile(r"\.[A-Za-z]\w*$")  # no name of the catalog ends so: FL3.1, 5500.5K
+WordKind = Literal["sensor", "light", "filter"]
+"""What a word names, where it may name a file instead."""
 
 
 def sensor_of_word(
@@ -54,7 +62,7 @@ def sensor_of_word(
     Parameters
     ----------
     word
-        A name of the catalogue, the user's own folder included, or a file (`is_sensor_file`).
+        A name of the catalogue, the user's own folder included, or a file (`is_file_word`).
     answers
         To what the file or the catalogue's table cannot tell.
     pitch_um, full_well_e, read_noise_e
@@ -67,9 +75,9 @@ def sensor_of_word(
     """
     changes = {"pitch_um": pitch_um, "full_well_e": full_well_e, "read_noise_e": read_noise_e}
     given = {key: value for key, value in changes.items() if value is not None}
-    if not is_sensor_file(word):
+    if not is_file_word(word, "sensor"):
         return _catalogue_sensor(word, answers, given)
-    sensor = read_sensor(file_of(word), DEFAULT_GRID, PAPER_PIXEL, answers=answers)
+    sensor = read_sensor(file_there(word, "sensor"), DEFAULT_GRID, PAPER_PIXEL, answers=answers)
     missing = [key for key in changes if key not in given]
     if missing:
         note = f"the paper's pixel stands in for {', '.join(missing)} of {sensor.name}"
@@ -100,7 +108,7 @@ def sensor_files(word: str) -> tuple[Path, ...]:
     InputError
         If the user's folder cannot be understood.
     """
-    return (file_of(word),) if is_sensor_file(word) else _own_files(word)
+    return _files(word, "sensor")
 
 
 def illuminant_files(word: str) -> tuple[Path, ...]:
@@ -116,7 +124,7 @@ def illuminant_files(word: str) -> tuple[Path, ...]:
     parts = infrared_parts(word)
     if parts is not None:
         return illuminant_files(parts[0])
-    return (file_of(word),) if is_file_name(word) else _own_files(word)
+    return _files(word, "light")
 
 
 def filter_files(word: str) -> tuple[Path, ...]:
@@ -127,7 +135,7 @@ def filter_files(word: str) -> tuple[Path, ...]:
     InputError
         If the user's folder cannot be understood.
     """
-    return (file_of(word),) if is_file_name(word) else _own_files(word)
+    return _files(word, "filter")
 
 
 def filter_of_word(word: str, *, answers: Answers = ASK) -> Spectra:
@@ -139,17 +147,19 @@ def filter_of_word(word: str, *, answers: Answers = ASK) -> Spectra:
         If nothing is called that, the file cannot be read or holds several curves, it ends short
         of 400-1050 nm and ``answers.beyond`` refuses, or a transmittance lies outside 0 .. 1.
     """
-    own = None if is_file_name(word) else own_table(word, "filter")
-    if own is not None:
-        told = own.provenance
-        curve = replace(user_curves(own), source=word, notes=(told.source,))
-    elif is_file_name(word):
-        read = read_curves(file_of(word), answers=replace(answers, quantity="transmittance"))
+    if is_file_word(word, "filter"):
+        answers = replace(answers, quantity="transmittance")
+        read = read_curves(file_there(word, "filter"), answers=answers)
         curve = replace(read.curves, notes=(*read.curves.notes, *read.notes, *read.defects))
+    elif (own := own_table(word, "filter")) is not None:
+        curve = replace(user_curves(own), source=word, notes=(own.provenance.source,))
     else:
         tables = own_tables(catalog_folder())
         own_names = [name for name, table in tables.items() if table.provenance.kind == "filter"]
-        return filter_named(word, DEFAULT_GRID, beyond=answers.beyond, others=own_names)
+        try:
+            return filter_named(word, DEFAULT_GRID, beyond=answers.beyond, others=own_names)
+        except InputError as error:
+            raise _neither(error, word, "filter") from None
     if len(curve.names) != 1:
         raise InputError(
             f"{curve.source}: holds {len(curve.names)} curves ({', '.join(curve.names[:8])}), but "
@@ -187,7 +197,7 @@ def behind_filter_of_word(sensor: Sensor, word: str, *, answers: Answers = ASK) 
     ('onyx-rgb+ircut-650', array([[0.5, 0.5, 0.5]]))
     """
     curve = filter_of_word(word, answers=answers)
-    name = Path(word).stem if is_file_name(word) else word
+    name = Path(word).stem if is_file_word(word, "filter") else word
     note = "; ".join((f"behind the filter {name}", *curve.notes))
     return behind_filter(sensor, curve.values[:, 0], name=f"{sensor.name}+{name}", note=note)
 
@@ -208,65 +218,97 @@ def asked_of_name(word: str) -> tuple[str, ...]:
     return (*(["per"] if unsaid else []), *(["peak_qe"] if told.level == "relative" else []))
 
 
-def is_file_name(word: str) -> bool:
-    """Whether a word names a file, by its ending or folder: no file hides a name of ours."""
-    return word.lower().endswith(_ENDINGS) or word.startswith((".", "/", "~"))
+def is_file_word(word: str, kind: WordKind, folder: Path = Path()) -> bool:
+    """Whether a word for a sensor, light or filter names a file.
 
+    It does if it looks like a path or ends in a dot and letters, or if there is a file of that
+    name and nothing of the catalog is called so: no file hides a name of the catalog.
 
-def is_sensor_file(word: str) -> bool:
-    """Whether a sensor's word names a file.
-
-    By ending or folder, or by being there where nothing of the catalogue has that name.
+    Parameters
+    ----------
+    word
+        Of a light, without the infrared diodes beside it.
+    kind
+        What it is for.
+    folder
+        From which the file is looked for.
 
     Raises
     ------
     InputError
         If the user's folder cannot be understood.
-    """
-    return is_file_name(word) or (not _is_known(word) and _is_there(word))
-
-
-def _is_known(word: str) -> bool:
-    return word in KNOWN_SENSORS or word in own_tables(catalog_folder())
-
-
-def _is_there(word: str) -> bool:
-    try:
-        return Path(word).is_file()
-    except (OSError, ValueError):  # too long for a name, or a null byte in it
-        return False
-
-
-def word_beside(word: str, folder: Path) -> str:
-    """A light or filter of a study that lies in ``folder``: a file's name is told from there.
 
     Examples
     --------
-    >>> word_beside("cam.csv", Path("project")), word_beside("onyx-rgbw", Path("project"))
-    ('project/cam.csv', 'onyx-rgbw')
-    >>> word_beside("lamp.csv+0.5xLED850", Path("project"))
-    'project/lamp.csv+0.5xLED850'
+    >>> [is_file_word(word, "light") for word in ("lamp.dat", "lamps/a", "LED850/20", "FL3.1")]
+    [True, True, False, False]
     """
-    base = word
-    while (parts := infrared_parts(base)) is not None:
-        base = parts[0]
-    told = not is_file_name(base) or file_of(base).is_absolute()
-    return word if told else str(folder / word)
+    if word.startswith((".", "/", "~")) or _ENDING.search(word):
+        return True
+    there = os.path.isfile(folder / word)  # noqa: PTH113, which also takes names that are too long
+    return ("/" in word or os.sep in word or there) and not (
+        _BUILT_IN[kind](word) or word in own_tables(catalog_folder())
+    )
 
 
-def sensor_word_beside(word: str, folder: Path) -> str:
-    """A sensor of a study that lies in ``folder``: a file's name is told from there.
+_BUILT_IN: Mapping[WordKind, Callable[[str], bool]] = {
+    "sensor": KNOWN_SENSORS.__contains__,
+    "light": is_light_name,
+    "filter": is_filter_name,
+}
 
-    The file of a sensor needs no ending (`is_sensor_file`).
+
+def word_beside(word: str, kind: WordKind, folder: Path) -> str:
+    """A word of a study that lies in ``folder``: a file's name is told from there.
 
     Raises
     ------
     InputError
         If the user's folder cannot be understood.
+
+    Examples
+    --------
+    >>> [word_beside(word, "sensor", Path("project")) for word in ("cam.csv", "onyx-rgbw")]
+    ['project/cam.csv', 'onyx-rgbw']
+    >>> word_beside("lamp.dat+0.5xLED850", "light", Path("project"))
+    'project/lamp.dat+0.5xLED850'
     """
-    there = str(folder / word)
-    named = is_file_name(word) or _is_known(word)
-    return word_beside(word, folder) if named or not _is_there(there) else there
+    base = word
+    while kind == "light" and (parts := infrared_parts(base)) is not None:
+        base = parts[0]
+    named = not is_file_word(base, kind, folder) or file_of(base).is_absolute()
+    return word if named else str(folder / word)
+
+
+def file_there(word: str, kind: WordKind) -> Path:
+    """The file that a word names.
+
+    Raises
+    ------
+    InputError
+        If it is missing, which says that nothing of the catalog is called so either.
+    """
+    file = file_of(word)
+    if not os.path.lexists(file):
+        raise InputError(
+            f"{word}: cannot be read (No such file or directory), and no {kind} of the catalog is "
+            "called so"
+        )
+    return file
+
+
+def _neither(error: InputError, word: str, kind: WordKind) -> InputError:
+    """The complaint about a name that nothing has: there is no such file either."""
+    if _BUILT_IN[kind](word):
+        return error
+    return InputError(f"{error}; and there is no file of that name")
+
+
+def _files(word: str, kind: WordKind) -> tuple[Path, ...]:
+    if is_file_word(word, kind):
+        return library_files(file_of(word))
+    table = catalog_file_of(word)
+    return () if table is None else (table, table.with_name(SOURCES))
 
 
 def file_of(word: str) -> Path:
@@ -277,19 +319,17 @@ def file_of(word: str) -> Path:
         return Path(word)
 
 
-def _own_files(name: str) -> tuple[Path, ...]:
-    table = catalog_file_of(name)
-    return () if table is None else (table, table.with_name(SOURCES))
-
-
 def _light(word: str, answers: Answers) -> Illuminant:
-    if is_file_name(word):
-        curve = power_of(read_curves(file_of(word), answers=answers))
+    if is_file_word(word, "light"):
+        curve = power_of(read_curves(file_there(word, "light"), answers=answers))
         return illuminant_from(curve, DEFAULT_GRID, name=Path(word).stem, beyond=answers.beyond)
     own = own_table(word, "illuminant")
     if own is not None:
         return illuminant_from(own_power(own), DEFAULT_GRID, name=word, beyond=answers.beyond)
-    return illuminant_named(word, DEFAULT_GRID, beyond=answers.beyond)
+    try:
+        return illuminant_named(word, DEFAULT_GRID, beyond=answers.beyond)
+    except InputError as error:
+        raise _neither(error, word, "light") from None
 
 
 def _catalogue_sensor(word: str, answers: Answers, pixel: dict[str, float]) -> Sensor:
@@ -302,5 +342,5 @@ def _catalogue_sensor(word: str, answers: Answers, pixel: dict[str, float]) -> S
     try:
         one_of("sensor", word, (*KNOWN_SENSORS, *known))
     except InputError as error:
-        raise InputError(f"{error}; or name a file of curves (wavelength_nm,R,G,...)") from None
+        raise _neither(error, word, "sensor") from None
     return sensor_named(word, DEFAULT_GRID, answers=answers, pixel=pixel)

@@ -1,6 +1,7 @@
 """Files of spectra in the formats that people have, and what was understood of each."""
 
 from chromanoise.spectra.files.door import read_curves
+from chromanoise.spectra.files.envi_library import library_files
 from chromanoise.spectra.files.understood import ASK, Answers, Question, Understood
 from chromanoise.spectra.files.uses import power_of, power_of_photons, qe_of
 
@@ -9,6 +10,7 @@ __all__ = [
     "Answers",
     "Question",
     "Understood",
+    "library_files",
     "power_of",
     "power_of_photons",
     "qe_of",

@@ -29,12 +29,14 @@ _QUANTITIES: tuple[tuple[Quantity, str], ...] = (
     ("transmittance", r"(?:spectral )?(?:transmittance|transmission|throughput)"),
     ("power", r"(?:spectral )?(?:power|irradiance|radiance|exitance|flux|spd)"),
 )
-_UNITS: dict[str, Unit] = {
+UNITS: dict[str, Unit] = {
     **dict.fromkeys(("nm", "nanometer", "nanometre"), "nm"),
     **dict.fromkeys(("um", "µm", "μm", "micron", "micrometer", "micrometre"), "um"),
     **dict.fromkeys(("angstrom", "ångström", "ångstrom", "angström", "å", "ang"), "angstrom"),
     **dict.fromkeys(("1/cm", "cm-1", "cm^-1", "cm⁻¹", "wavenumber", "kayser"), "1/cm"),
 }  # fmt: skip
+"""Units of wavelengths by their names in small letters, singular."""
+
 _NOT_READ = ("m", "mm", "ev", "kev", "hz", "ghz", "thz", "phz", "pixel", "px")
 _WORD = re.compile(r"1/cm|cm\^?-1|cm⁻¹|[^\W\d_]+")
 _BRACKETS = re.compile(r"[\[(]\s*([^\[\]()]+?)\s*[\])]\s*$")
@@ -119,7 +121,7 @@ def wavelength_unit_of(heading: str) -> Unit | None:
             f"wavelengths are in {unit!r} by their heading; give them in nm, um, angstrom or 1/cm"
         )
     words = [word.lower().rstrip("s") for word in _WORD.findall(heading)]
-    units = {_UNITS[word] for word in words if word in _UNITS}
+    units = {UNITS[word] for word in words if word in UNITS}
     if re.search(r"_A$", heading):
         units.add("angstrom")
     if len(units) > 1:
@@ -127,6 +129,28 @@ def wavelength_unit_of(heading: str) -> Unit | None:
             f"the heading {heading[:60]!r} names the units {' and '.join(sorted(units))}; keep one"
         )
     return next(iter(units), None)
+
+
+def known_unit(unit: str, source: str) -> Unit:
+    """The unit of wavelengths that a format names.
+
+    Raises
+    ------
+    InputError
+        If wavelengths are not read in it.
+
+    Examples
+    --------
+    >>> known_unit("Micrometers", "a library")
+    'um'
+    """
+    known = wavelength_unit_of(f"[{unit.strip()}]")
+    if known is None:
+        raise _check.InputError(
+            f"{source}: wavelengths in {unit[:40]!r} are not read; write them in nm, um, angstrom "
+            "or 1/cm"
+        )
+    return known
 
 
 def is_wavelength_heading(cell: str) -> bool:
@@ -139,7 +163,7 @@ def is_wavelength_heading(cell: str) -> bool:
     """
     words = [w for w in _WORD.findall(cell.lower()) if w not in ("in", "vac", "vacuum", "air")]
     names = {"wavelength", "wave", "lambda", "λ", "wl", "wvl", "a"}
-    known = [w for w in words if w in names or w.rstrip("s") in names or w.rstrip("s") in _UNITS]
+    known = [w for w in words if w in names or w.rstrip("s") in names or w.rstrip("s") in UNITS]
     return bool(words) and len(known) == len(words) and words != ["a"]
 
 
@@ -154,7 +178,7 @@ def is_row_of_units(cells: Iterable[str]) -> bool:
     (False, False)
     """
     first, *rest = (cell.strip().strip("[]()").strip() for cell in cells)
-    known = first.lower() in _UNITS or first.lower().rstrip("s") in _UNITS
+    known = first.lower() in UNITS or first.lower().rstrip("s") in UNITS
     return known and bool(rest) and all(map(_OF_VALUES.fullmatch, rest)) and any(rest)
 
 

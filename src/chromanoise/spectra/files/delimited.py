@@ -3,24 +3,27 @@
 import csv
 import io
 import re
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
 from chromanoise import _check
 from chromanoise.spectra.files.declared import (
+    declared_keys,
     ecsv_units,
     is_row_of_units,
     is_wavelength_heading,
     with_units,
 )
-from chromanoise.spectra.files.tables import Row, is_number, table_of
+from chromanoise.spectra.files.own_json import declared
+from chromanoise.spectra.files.tables import Row, is_number, name_and_unit, table_of
 from chromanoise.spectra.files.understood import Found
 
 _COMMENT = ("#", "%", "//", ";")
 DELIMITERS = {"semicolon": ";", "tab": "\t", "comma": ",", "blanks": None}
 """The signs that part cells, by name."""
 
-_FACT = re.compile(r"(source|notes):\s*(.+)")
+_FACT = re.compile(r"(version|source|notes):\s*(.+)")
 _JUDGED_LINES = 200
 _LONGEST_LINE = 2**16
 _MOST_LINES = 200_000
@@ -48,19 +51,23 @@ def read_delimited(text: str, source: str) -> Found:
             lines.append((number, line))
     delimiter = _delimiter(lines[:_JUDGED_LINES])
     rows = [Row(number=i, cells=cells_of_line(line, i, delimiter, source)) for i, line in lines]
-    rows = _with_ecsv_units(rows, [c.cells[0] for c in comments])
+    texts = [c.cells[0] for c in comments]
+    rows = _with_ecsv_units(rows, texts)
     head = _heading_comment(comments, rows)
     decimal = decimal_sign(rows, delimiter, source)
+    facts = {str(m[1]): str(m[2]) for m in map(_FACT.fullmatch, texts) if m}
+    keys = declared_keys(texts)
     found = table_of(
         source=source,
         form="delimited text",
         rows=rows,
-        comments=tuple(c.cells[0] for c in comments),
+        comments=tuple(texts),
         head=head,
         delimiter=delimiter,
         decimal=decimal,
+        unit={"1": ""}.get(keys.get("unit", ""), keys.get("unit")) if "version" in facts else None,
     )
-    return replace(found, **_said([c.cells[0] for c in comments]))
+    return replace(found, **_said(facts, keys))
 
 
 def _comment_text(line: str) -> str:
@@ -69,12 +76,15 @@ def _comment_text(line: str) -> str:
     return text if text.startswith("%ECSV") else text.lstrip("#%/; ")
 
 
-def _said(comments: list[str]) -> dict[str, Any]:
-    """Source and notes, as the comments of our own tables tell them."""
-    found = [match for c in comments if (match := _FACT.fullmatch(c))]
-    facts = {str(match[1]): str(match[2]) for match in found}
+def _said(facts: Mapping[str, str], keys: Mapping[str, str]) -> dict[str, Any]:
+    """Source and notes, and what the keys of a table of this library declare."""
     notes = tuple(note for note in facts.get("notes", "").split("; ") if note)
-    return {"said_source": facts.get("source", ""), "said_notes": notes}
+    quantity = name_and_unit(keys.get("quantity", ""))[0]  # earlier versions wrote its unit there
+    return {
+        "said_source": facts.get("source", ""),
+        "said_notes": notes,
+        **declared({**keys, "quantity": quantity}, notes),
+    }
 
 
 def _delimiter(lines: list[tuple[int, str]]) -> str:

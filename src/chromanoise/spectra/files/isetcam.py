@@ -1,4 +1,4 @@
-"""ISETCam's spectra: ``wavelength``, ``data`` and ``filterNames`` in a MATLAB file."""
+"""MATLAB files: ISETCam's ``wavelength``, ``data``, ``filterNames``; a camera's ``r, g, b``."""
 
 import math
 from collections.abc import Mapping
@@ -16,6 +16,7 @@ _LARGEST_BYTES = 32 * 2**20
 _WAVELENGTHS = ("wavelength", "wavelength_nm", "wave")
 _WORDS = ("comment", "units", "type", "name")
 _MOST_CURVES = 2000
+_JIANG_NM = np.arange(400.0, 721.0, 10.0)
 
 
 def is_matlab(content: bytes) -> bool:
@@ -26,14 +27,17 @@ def is_matlab(content: bytes) -> bool:
 
 
 def read_isetcam(path: Path) -> Found:
-    """The curves of an ISETCam file, their names, and the words beside them.
+    """The curves of a MATLAB file, their names, and the words beside them.
 
     Raises
     ------
     InputError
-        If it lacks ``wavelength`` or ``data``, or these do not fit each other.
+        If it lacks ``wavelength`` or ``data``, or these do not fit each other, and it is no camera
+        of the database of Jiang et al. either.
     """
     arrays = mat_arrays(path)
+    if all(name in arrays for name in "rgb") and not any(w in arrays for w in _WAVELENGTHS):
+        return _camera_of_jiang(path, arrays)
     at_name = next((name for name in _WAVELENGTHS if name in arrays), None)
     if at_name is None or "data" not in arrays:
         held = ", ".join(list(arrays)[:20]) or "no arrays"
@@ -75,6 +79,43 @@ def _keys(words: Mapping[str, tuple[str, ...]]) -> dict[str, str]:
     """``type`` says the quantity and ``units`` the unit; ``comment`` and ``name`` are free text."""
     fields = {"quantity": "type", "unit": "units"}
     return {key: " ".join(words[field]) for key, field in fields.items() if field in words}
+
+
+def _camera_of_jiang(path: Path, arrays: dict) -> Found:
+    """The sensitivities ``r``, ``g``, ``b``, whose wavelengths stand in the paper only.
+
+    Notes
+    -----
+    Jiang, Liu, Gu & Suesstrunk, "What is the space of spectral sensitivity functions for digital
+    color cameras?" (WACV 2013): 400-720 nm in steps of 10 nm, the raw value divided by the radiance
+    and the exposure time, so light is counted as energy; each camera's highest value is 1.
+    """
+    curves = {name: _real(path, name, arrays[name]).ravel() for name in "rgb"}
+    if any(curve.size != _JIANG_NM.size for curve in curves.values()):
+        sizes = ", ".join(f"{curve.size}" for curve in curves.values())
+        raise _check.InputError(
+            f"{path}: has r, g and b of {sizes} values, but no wavelengths; only the "
+            f"{_JIANG_NM.size} values of the database of Jiang et al. (400-720 nm, step 10 nm) are "
+            "known without; save an array 'wavelength' beside them, or write a CSV"
+        )
+    if not all(np.isfinite(curve).all() for curve in curves.values()):
+        raise _check.InputError(f"{path}: r, g or b holds NaN; correct it")
+    return Found(
+        source=str(path),
+        format="MATLAB, a camera of Jiang et al. (2013)",
+        columns=tuple(
+            Column(name=name.upper(), unit="", wavelength=_JIANG_NM, values=curve)
+            for name, curve in curves.items()
+        ),
+        wavelength_unit="nm",
+        quantity="response",
+        per="energy",
+        level="relative",
+        notes=(
+            "the file has no wavelengths: r, g, b of 33 values each are taken for the camera "
+            "database of Jiang et al. (WACV 2013), 400-720 nm in steps of 10 nm, per energy",
+        ),
+    )
 
 
 def _real(path: Path, name: str, declared: tuple[tuple[int, ...], np.dtype]) -> Array:

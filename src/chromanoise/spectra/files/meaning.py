@@ -206,8 +206,9 @@ def _scale(
     points: list[Sorted],
     quantity: Quantity | None,
 ) -> tuple[Literal["fraction", "percent", "as written"], float, tuple[str, ...]]:
-    if answers.scale:
-        return answers.scale, (0.01 if answers.scale == "percent" else 1.0), ()
+    said = answers.scale or found.scale
+    if said:
+        return said, (0.01 if said == "percent" else 1.0), ()
     if quantity in ("power", "response"):
         return "as written", 1.0, ()
     highs = [_highest(p) for p in points]

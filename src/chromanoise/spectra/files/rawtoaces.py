@@ -1,6 +1,6 @@
 """The JSON of rawtoaces: a header, and ``spectral_data`` with ``index`` and ``data``."""
 
-import json
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -12,19 +12,18 @@ from chromanoise.spectra.files.understood import Column, Found, Level
 _LARGEST = 1e30
 
 
-def read_rawtoaces(text: str, source: str) -> Found:
+def read_rawtoaces(whole: Mapping[str, Any], source: str) -> Found:
     """The curves of a camera or an illuminant as rawtoaces keeps them.
 
     Raises
     ------
     InputError
-        If the text is no JSON, or has no ``spectral_data`` of the right form.
+        If it has no ``spectral_data`` of the right form.
 
     Notes
     -----
     rawtoaces multiplies the camera's curves by radiant power, so they count light per energy.
     """
-    whole = _parsed(text, source)
     spectral = _member(whole, "spectral_data", source)
     data = _member(_member(spectral, "data", source), "main", source)
     rows = [_row(at, values, source) for at, values in data.items()]
@@ -55,33 +54,12 @@ def read_rawtoaces(text: str, source: str) -> Found:
     )
 
 
-def _parsed(text: str, source: str) -> dict[str, Any]:
-    def once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-        members = dict(pairs)
-        if len(members) < len(pairs):
-            names = [name for name, _ in pairs]
-            twice = next(name for name in names if names.count(name) > 1)
-            raise _check.InputError(f"{source}: the key {twice[:40]!r} stands twice; drop one")
-        return members
-
-    try:
-        whole = json.loads(text, object_pairs_hook=once)
-    except json.JSONDecodeError as error:
-        raise _check.InputError(
-            f"{source}: line {error.lineno}, column {error.colno} is no JSON ({error.msg})"
-        ) from None
-    except RecursionError:
-        raise _check.InputError(f"{source}: its brackets are nested too deep") from None
-    assert isinstance(whole, dict)  # it begins with a brace
-    return whole
-
-
-def _facts(whole: dict[str, Any]) -> dict[str, str]:
+def _facts(whole: Mapping[str, Any]) -> dict[str, str]:
     header = whole.get("header")
     return {k: str(v) for k, v in header.items() if v} if isinstance(header, dict) else {}
 
 
-def _member(of: dict[str, Any], name: str, source: str) -> dict[str, Any]:
+def _member(of: Mapping[str, Any], name: str, source: str) -> dict[str, Any]:
     member = of.get(name)
     if not isinstance(member, dict):
         raise _check.InputError(

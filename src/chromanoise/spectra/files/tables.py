@@ -15,7 +15,7 @@ from chromanoise.spectra.files.understood import Column, Found
 _POINT = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eEdD][+-]?\d{1,4})?\s*%?", re.ASCII)
 _COMMA = re.compile(r"[+-]?(\d+(,\d+)?|,\d+)([eEdD][+-]?\d{1,4})?\s*%?", re.ASCII)
 _MISSING = ("", "-", "--", "na", "n/a", "#n/a", "null", "none")
-_UNIT = re.compile(r"(.*?)[\s_]*[\[(]([^\[\]()]*)[\])]")
+_UNIT = re.compile(r"(.*?)[\s_]*(?:\[([^\[\]]*)\]|\(([^()]*)\))")
 _LARGEST = 1e30
 _LONGEST_CELL = 400
 _MOST_CELLS = 2_000_000
@@ -69,8 +69,11 @@ def table_of(
     delimiter: str = "",
     decimal: str = ".",
     where: str = "line",
+    unit: str | None = None,
 ) -> Found:
     """The curves of a table: one column of wavelengths and n curves, or two columns per curve.
+
+    Where ``unit`` is given, it is that of all curves, and headings are names alone.
 
     Raises
     ------
@@ -100,7 +103,8 @@ def table_of(
     }  # fmt: skip
     if _in_pairs(heads, numbers):
         return _digitized(found, heads, numbers)
-    return _shared(found, _head(heads, head, width), numbers, [r.number for r in body], where)
+    lines = [row.number for row in body]
+    return _shared(found, _head(heads, head, width), numbers, lines, where, unit)
 
 
 def _first_row_of_numbers(rows: Sequence[Row], comma: bool) -> int:
@@ -182,7 +186,7 @@ def _in_pairs(heads: list[tuple[str, ...]], numbers: np.ndarray) -> bool:
     last = tuple(cell.lower() for cell in heads[-1]) if heads else ()
     if last == ("x", "y") * pairs:
         return True
-    if pairs < 2:
+    if pairs < 2 or (last[:1] == ("wavelength_nm",) and "wavelength_nm" not in last[1:]):
         return False
     if len(heads) and all(heads[-1][::2]) and not any(heads[-1][1::2]):
         return True
@@ -223,7 +227,12 @@ def _head(heads: list[tuple[str, ...]], comment: tuple[str, ...], width: int) ->
 
 
 def _shared(
-    found: dict, head: tuple[str, ...], numbers: np.ndarray, at_lines: list[int], where: str
+    found: dict,
+    head: tuple[str, ...],
+    numbers: np.ndarray,
+    at_lines: list[int],
+    where: str,
+    unit: str | None,
 ) -> Found:
     lost = np.flatnonzero(~np.isfinite(numbers[:, 0]))
     if lost.size:
@@ -232,7 +241,7 @@ def _shared(
         )
     if numbers.shape[1] < 2:
         raise _check.InputError(f"{found['source']}: has one column only; a curve needs two")
-    names = [name_and_unit(text) for text in head[1:]]
+    names = [name_and_unit(text) if unit is None else (text, unit) for text in head[1:]]
     columns, missing = [], []
     for k, (name, unit) in enumerate(names):
         known = np.isfinite(numbers[:, k + 1])
@@ -259,14 +268,23 @@ def missing_told(name: str, wavelength: Array, known: Array, what: str) -> list[
 
 
 def name_and_unit(text: str) -> tuple[str, str]:
-    """The name of a column and the unit that stands in brackets behind it.
+    """The name of a column and the unit in brackets behind it, or of one percent sign.
+
+    Spaces inside the unit do not matter: ``[A / W]`` is A/W, ``(nm )`` is nm.
 
     Examples
     --------
-    >>> name_and_unit("QE [%]"), name_and_unit("R")
-    (('QE', '%'), ('R', ''))
+    >>> name_and_unit("QE [ % ]"), name_and_unit("R [A / W]"), name_and_unit("R")
+    (('QE', '%'), ('R', 'A/W'), ('R', ''))
+    >>> name_and_unit("E [W m-2  nm-1 ]"), name_and_unit("QE %")
+    (('E', 'W m-2 nm-1'), ('QE', '%'))
     """
-    match = _UNIT.fullmatch(text.strip())
+    bare = " ".join(text.split())
+    match = _UNIT.fullmatch(bare)
     if match and match[1]:
-        return match[1].strip(), match[2].strip()
-    return text.strip(), ""
+        return match[1].strip(), re.sub(
+            r" ?([/^*·]) ?", r"\1", (match[2] or match[3] or "").strip()
+        )
+    if bare.endswith(" %"):
+        return bare[:-2].rstrip(), "%"
+    return bare, ""

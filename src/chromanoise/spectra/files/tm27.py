@@ -17,8 +17,9 @@ _QUANTITIES: dict[str, Quantity] = {
     "radiance": "power", "relative": "power",
 }  # fmt: skip
 _QUANTITY = r"(QE|response|reflectance|transmittance|power) \["
-_PER = r".*\blight counted per (photon|energy)\b"
-_LEVEL = r".*\blevel: (absolute|relative)\b"
+_PER = r".*?\blight counted per (photon|energy)\b"
+_LEVEL = r".*?\blevel: (absolute|relative)\b"
+_SCALE = r".*?\bscale: (fraction|as written)\b"
 _NAMES = ("Manufacturer", "CatalogNumber", "Description")
 
 
@@ -64,6 +65,7 @@ def read_tm27(text: str, source: str) -> Found:
         quantity=quantity,
         per=per,
         level=level,
+        scale=_ours(_SCALE, comments),
         notes=tuple(f"the file says: {k} {parts[k][:200]}" for k in kept if parts.get(k)),
     )
 

@@ -13,6 +13,7 @@ from chromanoise.spectra.curves import Beyond, Spectra
 
 Quantity = Literal["QE", "response", "reflectance", "transmittance", "power"]
 Scale = Literal["fraction", "percent"]
+Scaled = Literal["fraction", "percent", "as written"]
 Level = Literal["absolute", "relative"]
 Per = Literal["photon", "energy"]
 Unit = Literal["nm", "um", "angstrom", "1/cm"]
@@ -136,7 +137,7 @@ class Found:
         What the file declares, as `declared_keys` names it.
     delimiter, decimal
         How a text parts cells and fractions; empty where that does not apply.
-    quantity, level, per, wavelength_unit
+    quantity, level, per, wavelength_unit, scale
         What the format itself says.
     named
         Whether the file names its curves.
@@ -158,6 +159,7 @@ class Found:
     level: Level | None = None
     per: Per | None = None
     wavelength_unit: Unit | None = None
+    scale: Scaled | None = None
     named: bool = True
     notes: tuple[str, ...] = ()
     defects: tuple[str, ...] = ()
@@ -203,7 +205,7 @@ class Understood:
     delimiter: str
     decimal: str
     wavelength_unit: Unit
-    scale: Literal["fraction", "percent", "as written"]
+    scale: Scaled
     factor: float
     step_nm: float | None
     gaps_nm: tuple[tuple[float, float], ...]

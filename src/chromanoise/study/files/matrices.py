@@ -94,7 +94,7 @@ def matrix_clf(made: MadeMatrix) -> str:
         If the sensor has not three channels.
     """
     _refuse_not_three(made, "CLF")
-    rows = "\n".join("    " + " ".join(f"{v:.10g}" for v in row) for row in balanced(made).tolist())
+    rows = "\n".join("    " + " ".join(map(repr, row)) for row in balanced(made).tolist())
     identity = f"chromanoise-{made.sensor}-{made.matrix.made_by.split()[0]}"
     described = "\n".join(
         f"  <Description>{escape(f'{name}: {value}')}</Description>"

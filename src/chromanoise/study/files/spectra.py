@@ -6,6 +6,7 @@ is what was written.
 
 import csv
 import io
+import os
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -18,13 +19,14 @@ from chromanoise import __version__
 from chromanoise._check import InputError
 from chromanoise.sensor import Mosaic, Sensor
 from chromanoise.spectra import Spectra
-from chromanoise.study.files.own_json import as_json
+from chromanoise.spectra.files.own_json import as_json
 
 _TM27_QUANTITIES = (
     *("flux", "absorptance", "transmittance", "reflectance", "intensity", "irradiance"),
     *("radiance", "exitance", "R-Factor", "T-Factor", "relative", "other"),
 )
-_ENDINGS = (".csv", ".tsv", ".txt", ".mat", ".json", ".sp", ".spdx", ".xml", ".xlsx")
+_TM27_FACTS = {"level": "level: ", "per": "light counted per ", "scale": "scale: "}
+_QE_FACTS = {"level": "absolute", "per": "photon", "scale": "fraction"}
 
 
 def sensor_spectra(sensor: Sensor) -> Spectra:
@@ -40,15 +42,24 @@ def sensor_spectra(sensor: Sensor) -> Spectra:
     )
 
 
-def spectra_csv(spectra: Spectra) -> str:
+def spectra_csv(spectra: Spectra, facts: Mapping[str, str] | None = None) -> str:
     """``wavelength_nm,name,..`` and one row per wavelength; what they are stands in comments.
+
+    `read_curves` takes quantity, unit and facts from these comments.
+
+    Parameters
+    ----------
+    spectra
+        Any.
+    facts
+        What else is known of them: level, per and scale, in the words of `Found`.
 
     Raises
     ------
     InputError
         If a name cannot stand in the head of a CSV that is read by lines.
     """
-    return _csv(spectra, {})
+    return _csv(spectra, facts or {})
 
 
 def sensor_csv(sensor: Sensor) -> str:
@@ -66,6 +77,7 @@ def sensor_csv(sensor: Sensor) -> str:
     return _csv(
         sensor_spectra(sensor),
         {
+            **_QE_FACTS,
             "origin": sensor.origin,
             "mosaic": mosaic_text(sensor.mosaic),
             "pitch_um": repr(pixel.pitch_um),
@@ -160,7 +172,9 @@ def rawtoaces_json(per_energy: Spectra, header: Mapping[str, Any]) -> str:
     return as_json(told)
 
 
-def spectra_spdx(spectra: Spectra, name: str, *, created: str) -> str:
+def spectra_spdx(
+    spectra: Spectra, name: str, *, created: str, facts: Mapping[str, str] | None = None
+) -> str:
     """One curve as IES TM-27-14, the XML that ends in ``.spdx``.
 
     Parameters
@@ -171,6 +185,8 @@ def spectra_spdx(spectra: Spectra, name: str, *, created: str) -> str:
         Which curve.
     created
         Date of the document, e.g. ``2026-01-31``: a clock would make every file another.
+    facts
+        As `spectra_csv`; they stand in the comments.
 
     Raises
     ------
@@ -187,7 +203,8 @@ def spectra_spdx(spectra: Spectra, name: str, *, created: str) -> str:
     words = spectra.quantity.lower()
     quantity = {q.lower(): q for q in _TM27_QUANTITIES}.get(words, "other")
     what = f"{spectra.quantity} [{spectra.unit}]"
-    told = "; ".join((what, f"source: {_but_folder(spectra.source)}", *spectra.notes))
+    said = [f"{_TM27_FACTS[key]}{value}" for key, value in (facts or {}).items()]
+    told = "; ".join((what, *said, f"source: {_but_folder(spectra.source)}", *spectra.notes))
     header = {
         "Description": name,
         "DocumentCreator": f"chromanoise {__version__}",
@@ -264,7 +281,9 @@ def _csv(spectra: Spectra, facts: Mapping[str, str]) -> str:
     comments = {
         "version": __version__,
         "source": _but_folder(spectra.source),
-        "quantity": f"{spectra.quantity} [{spectra.unit}]",
+        "quantity": spectra.quantity,
+        "unit": spectra.unit,
+        "wavelength_unit": "nm",
         **facts,
         "notes": "; ".join(spectra.notes),
     }
@@ -285,7 +304,8 @@ def mosaic_text(mosaic: Mosaic | None) -> str:
 def _but_folder(source: str) -> str:
     """A source that is a file by its name: where it lay says nothing elsewhere."""
     path = Path(source)
-    return path.name if path.is_absolute() or path.suffix.lower() in _ENDINGS else source
+    there = os.path.isfile(source)  # noqa: PTH113, which also takes names that are too long
+    return path.name if path.is_absolute() or there else source
 
 
 def _xml(text: str) -> str:

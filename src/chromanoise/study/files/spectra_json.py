@@ -1,33 +1,50 @@
-"""Sensors and spectra in JSON of our own, with a version: all that they hold, and back again."""
+"""Sensors and spectra in JSON of this library: all that they hold; sensors are read here too."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, fields
 from typing import Any, cast, get_args
 
-import numpy as np
-
 from chromanoise import __version__, _check
-from chromanoise._check import Array, InputError
+from chromanoise._check import InputError
 from chromanoise.sensor import Converter, Imperfections, Mosaic, Pixel, Sensor
 from chromanoise.sensor.sensor import Origin
 from chromanoise.spectra import Grid, Spectra
-from chromanoise.study.files.own_json import SCHEMA_VERSION, as_json, held_json, named
+from chromanoise.spectra.files.own_json import (
+    SCHEMA_VERSION,
+    SPECTRA_SCHEMA,
+    array_of,
+    as_json,
+    held_json,
+    named,
+    number_of,
+    unfit,
+    word_of,
+    words_of,
+)
 
 _SENSOR_SCHEMA = "chromanoise sensor"
-_SPECTRA_SCHEMA = "chromanoise spectra"
 _FLAWS = tuple(field.name for field in fields(Imperfections))
 _LARGEST_GRID = 1_000_000
 
 
-def spectra_json(spectra: Spectra) -> str:
-    """All of the spectra; `spectra_from_json` gives them back."""
+def spectra_json(spectra: Spectra, facts: Mapping[str, str] | None = None) -> str:
+    """All of the spectra, as `read_curves` reads it.
+
+    Parameters
+    ----------
+    spectra
+        Any.
+    facts
+        What else is known of them: level, per and scale, in the words of `Found`.
+    """
     return as_json(
         {
-            "schema": _SPECTRA_SCHEMA,
+            "schema": SPECTRA_SCHEMA,
             "schema_version": SCHEMA_VERSION,
             "version": __version__,
             "quantity": spectra.quantity,
             "unit": spectra.unit,
+            **(facts or {}),
             "source": spectra.source,
             "notes": list(spectra.notes),
             "names": list(spectra.names),
@@ -64,31 +81,6 @@ def sensor_json(sensor: Sensor) -> str:
     )
 
 
-def spectra_from_json(text: str, *, source: str = "spectra") -> Spectra:
-    """The spectra that `spectra_json` wrote.
-
-    Raises
-    ------
-    InputError
-        If the text is no JSON, is of another schema or version, or the spectra are wrong.
-    """
-    held = held_json(text, _SPECTRA_SCHEMA, source=source)
-    try:
-        return Spectra(
-            wavelength_nm=_array(held["wavelength_nm"], 1),
-            values=_array(held["values"], 2),
-            names=_words(held["names"]),
-            quantity=_word(held["quantity"]),
-            unit=_word(held["unit"]),
-            source=_word(held["source"]),
-            notes=_words(held["notes"]),
-        )
-    except InputError as error:
-        raise named(error, source) from None
-    except (KeyError, TypeError, OverflowError) as error:
-        raise _unfit(source, "spectra", error) from None
-
-
 def sensor_from_json(text: str, *, source: str = "sensor") -> Sensor:
     """The sensor that `sensor_json` wrote.
 
@@ -100,62 +92,38 @@ def sensor_from_json(text: str, *, source: str = "sensor") -> Sensor:
     held = held_json(text, _SENSOR_SCHEMA, source=source)
     try:
         grid, pixel, mosaic = held["grid_nm"], held["pixel"], held["mosaic"]
-        wells = {k: _number(pixel[k]) for k in ("pitch_um", "full_well_e", "read_noise_e")}
-        own = Grid(*(_number(grid[key]) for key in ("start", "stop", "step")))
+        wells = {k: number_of(pixel[k]) for k in ("pitch_um", "full_well_e", "read_noise_e")}
+        own = Grid(*(number_of(grid[key]) for key in ("start", "stop", "step")))
         if own.n > _LARGEST_GRID:
             raise InputError(f"{source}: a grid of {own.n} wavelengths is too large")
         return Sensor(
-            name=_word(held["name"]),
+            name=word_of(held["name"]),
             grid=own,
-            qe=_array(held["qe"], 2),
-            names=_words(held["channels"]),
+            qe=array_of(held["qe"], 2),
+            names=words_of(held["channels"]),
             pixel=Pixel(**wells),
-            imperfections=Imperfections(**_held(pixel, _FLAWS, _number)),
+            imperfections=Imperfections(**_held(pixel, _FLAWS, number_of)),
             converter=Converter(
-                **_held(pixel, ("gain_e_per_dn",), _number),
+                **_held(pixel, ("gain_e_per_dn",), number_of),
                 **_held(pixel, ("bits", "black_level_dn"), _whole),
             ),
-            mosaic=Mosaic(tuple(_words(row) for row in mosaic)) if mosaic is not None else None,
+            mosaic=Mosaic(tuple(words_of(row) for row in mosaic)) if mosaic is not None else None,
             stacked=_flag(held["stacked"]),
             origin=_origin(held["origin"]),
-            notes=_words(held["notes"]),
+            notes=words_of(held["notes"]),
         )
     except InputError as error:
         raise named(error, source) from None
     except (KeyError, TypeError, OverflowError) as error:
-        raise _unfit(source, "sensor", error) from None
-
-
-def _unfit(source: str, what: str, error: Exception) -> InputError:
-    told = f"{error.args[0]!r} is missing" if isinstance(error, KeyError) else str(error)
-    told = " ".join(told.split())[:200]
-    return InputError(f"{source}: not the JSON of a {what} as chromanoise writes it ({told})")
-
-
-def _word(value: Any) -> str:
-    if not isinstance(value, str):
-        raise TypeError(f"{str(value)[:40]} is no text")
-    return value
+        raise unfit(source, "sensor", error) from None
 
 
 def _origin(value: Any) -> Origin:
-    return cast(Origin, _check.one_of("origin of curves", _word(value), get_args(Origin)))
-
-
-def _words(values: Any) -> tuple[str, ...]:
-    if not isinstance(values, list):
-        raise TypeError(f"{str(values)[:40]} is no list of text")
-    return tuple(_word(value) for value in values)
-
-
-def _number(value: Any) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        raise TypeError(f"{str(value)[:40]} is no number")
-    return float(value)
+    return cast(Origin, _check.one_of("origin of curves", word_of(value), get_args(Origin)))
 
 
 def _whole(value: Any) -> int:
-    if not _number(value).is_integer():
+    if not number_of(value).is_integer():
         raise TypeError(f"{str(value)[:40]} is no whole number")
     return int(value)
 
@@ -169,16 +137,3 @@ def _flag(value: Any) -> bool:
     if not isinstance(value, bool):
         raise TypeError(f"{str(value)[:40]} is neither true nor false")
     return value
-
-
-def _array(values: Any, depth: int) -> Array:
-    """Numbers in ``depth`` lists, the inner ones equally long."""
-    rows = values if isinstance(values, list) else None
-    if rows is None:
-        raise TypeError(f"{str(values)[:40]} is no list of numbers")
-    if depth == 1:
-        return np.array([_number(value) for value in rows], dtype=np.float64)
-    arrays = [_array(row, depth - 1) for row in rows]
-    if not arrays or len({array.size for array in arrays}) > 1:
-        raise TypeError("rows of numbers are not equally long")
-    return np.stack(arrays)

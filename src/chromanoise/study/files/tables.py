@@ -14,7 +14,7 @@ from typing import Any
 
 from chromanoise import __version__
 from chromanoise._check import InputError
-from chromanoise.study.files.own_json import SCHEMA_VERSION, held_json, named
+from chromanoise.spectra.files.own_json import SCHEMA_VERSION, held_json, named
 from chromanoise.study.tables import Column, Entry, Table, written
 
 SCHEMA = "chromanoise table"

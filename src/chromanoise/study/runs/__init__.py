@@ -11,7 +11,7 @@ from chromanoise.study.runs.hashes import (
 from chromanoise.study.runs.pictures import file_word
 from chromanoise.study.runs.pixel_files import (
     idle_answers,
-    own_json_of,
+    own_sensor_of,
     read_pixel_source,
     sensor_with_pixel,
 )
@@ -34,7 +34,7 @@ __all__ = [
     "idle_answers",
     "outcome_of",
     "outcomes_as_json",
-    "own_json_of",
+    "own_sensor_of",
     "provenance",
     "read_pixel_source",
     "read_study",

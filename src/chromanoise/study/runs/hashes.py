@@ -10,7 +10,7 @@ from typing import Any, Literal
 from chromanoise import __version__
 from chromanoise._check import InputError
 from chromanoise._inputs import regular_file
-from chromanoise.scene.envi import DATA_SUFFIXES, envi_pair
+from chromanoise.spectra.files.envi import DATA_SUFFIXES, envi_pair
 from chromanoise.study.catalog import catalog_folder
 from chromanoise.study.runs.document import Study
 from chromanoise.study.words import file_of, filter_files, illuminant_files, sensor_files

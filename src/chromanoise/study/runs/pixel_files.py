@@ -20,13 +20,13 @@ from chromanoise.sensor import (
 from chromanoise.sensor.noise_profile import is_noise_profile_text
 from chromanoise.sensor.photon_transfer_csv import is_photon_transfer_text
 from chromanoise.sensor.source_text import source_json, source_text
-from chromanoise.spectra import Spectra
 from chromanoise.spectra.files import ASK, Answers, read_curves
-from chromanoise.study.files.own_json import named
-from chromanoise.study.files.spectra_json import sensor_from_json, spectra_from_json
-from chromanoise.study.words import asked_of_name, file_of, is_sensor_file, sensor_of_word
+from chromanoise.spectra.files.own_json import named
+from chromanoise.study.files.spectra_json import sensor_from_json
+from chromanoise.study.words import asked_of_name, file_of, file_there, is_file_word, sensor_of_word
 
-_HEAD_BYTES = 200  # of our own JSON, in which its schema is named
+_HEAD_BYTES = 200  # of the JSON, in which its schema is named
+_BEFORE_JSON = b"\xef\xbb\xbf \t\r\n"
 _TOLD = ("pitch_um", "full_well_e", "read_noise_e")
 
 
@@ -67,25 +67,23 @@ def _source(path: Path, text: str) -> PixelSource:
     return read_emva_sheet(path)
 
 
-def own_json_of(path: Path) -> Sensor | Spectra | None:
-    """The sensor or the spectra in a JSON of our own schema; ``None`` for any other file.
+def own_sensor_of(path: Path) -> Sensor | None:
+    """The sensor in a JSON of the schema ``chromanoise sensor``; ``None`` for any other file.
 
     Raises
     ------
     InputError
-        If it says that it is ours, but is of another version or wrong.
+        If it has that schema, but is of another version or wrong.
     """
     regular_file(path)
     try:
         with path.open("rb") as file:
-            if path.suffix.lower() != ".json" or b'"chromanoise s' not in file.read(_HEAD_BYTES):
-                return None
+            head = file.read(_HEAD_BYTES).lstrip(_BEFORE_JSON)
     except OSError as error:
         raise InputError(f"{path}: cannot be read ({error.strerror})") from None
-    text = source_text(path)
-    if '"chromanoise sensor"' in text[:_HEAD_BYTES]:
-        return sensor_from_json(text, source=str(path))
-    return spectra_from_json(text, source=str(path))
+    if not head.startswith(b"{") or b'"chromanoise sensor"' not in head:
+        return None
+    return sensor_from_json(source_text(path), source=str(path))
 
 
 def idle_answers(words: Sequence[str], answers: Answers) -> tuple[str, ...]:
@@ -112,10 +110,10 @@ _OF_SENSORS = ("scale", "level", "per", "wavelength_unit", "peak_qe")
 
 
 def _asked_for(word: str, answers: Answers) -> tuple[str, ...]:
-    if not is_sensor_file(word):
+    if not is_file_word(word, "sensor"):
         return asked_of_name(word)
     try:
-        if isinstance(_own_json(word), Sensor):
+        if _own_sensor(word) is not None:
             return ()
         level = read_curves(file_of(word), answers=answers).level
     except InputError:
@@ -123,13 +121,15 @@ def _asked_for(word: str, answers: Answers) -> tuple[str, ...]:
     return _OF_SENSORS[:-1] if level == "absolute" else _OF_SENSORS
 
 
-def _own_json(word: str) -> Sensor | Spectra | None:
-    return own_json_of(file_of(word)) if word.lower().endswith(".json") else None
+def _own_sensor(word: str) -> Sensor | None:
+    if not is_file_word(word, "sensor"):
+        return None
+    return own_sensor_of(file_there(word, "sensor"))
 
 
 def _sensor(word: str, answers: Answers, changes: dict[str, float | None]) -> Sensor:
-    own = _own_json(word)
-    if not isinstance(own, Sensor):
+    own = _own_sensor(word)
+    if own is None:
         return sensor_of_word(word, answers=answers, **changes)
     given = {key: value for key, value in changes.items() if value is not None}
     return replace(own, pixel=replace(own.pixel, **given))

@@ -21,9 +21,9 @@ from chromanoise.study.comparing.sweeps import SWEEPS
 from chromanoise.study.makers import METHODS
 from chromanoise.study.priors import PRIORS
 from chromanoise.study.runs.document import Study
-from chromanoise.study.runs.hashes import with_file_words
+from chromanoise.study.runs.hashes import FileWord, with_file_words
 from chromanoise.study.runs.named import Key, unmade
-from chromanoise.study.words import file_of, sensor_word_beside, word_beside
+from chromanoise.study.words import file_of, word_beside
 
 _LARGEST_BYTES = 1 << 20
 _MOST_DOTS = 64
@@ -72,11 +72,13 @@ def read_study(path: Path | str, changes: Sequence[str] = ()) -> Study:
 
 def _told_from(folder: Path, study: Study) -> Study:
     """The study with the names of its files as they are seen from the working folder."""
-    beside = {"sensor": sensor_word_beside, "light": word_beside, "filter": word_beside}
-    return with_file_words(study, lambda one: beside.get(one.kind, _file_beside)(one.word, folder))
+    return with_file_words(study, lambda one: _beside(one, folder))
 
 
-def _file_beside(name: str, folder: Path) -> str:
+def _beside(one: FileWord, folder: Path) -> str:
+    if one.kind in ("sensor", "light", "filter"):
+        return word_beside(one.word, one.kind, folder)
+    name = one.word
     told = name.startswith("builtin:") or file_of(name).is_absolute()
     return name if told else str(folder / name)
 

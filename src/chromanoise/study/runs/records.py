@@ -14,7 +14,7 @@ from chromanoise._check import InputError
 from chromanoise._files import refuse_unwritable, whole_folder
 from chromanoise._inputs import regular_file
 from chromanoise.imaging import Work
-from chromanoise.study.files.own_json import named
+from chromanoise.spectra.files.own_json import named
 from chromanoise.study.runs.document import Study
 from chromanoise.study.runs.hashes import changes_since, provenance, study_as_json, study_hash
 from chromanoise.study.runs.running import Advance, Step, study_steps

@@ -11,9 +11,9 @@ from jaxtyping import Float, Shaped
 
 from chromanoise import _check
 from chromanoise._check import Array
-from chromanoise.scene.wavelength_lists import NAMED_WAVELENGTH, NM_PER, nanometers
+from chromanoise.spectra.files.wavelength_lists import NAMED_WAVELENGTH, NM_PER, nanometers
 
-DATA_SUFFIXES = (".img", ".raw", ".dat", ".bin", ".bsq", ".bil", ".bip")
+DATA_SUFFIXES = (".sli", ".img", ".raw", ".dat", ".bin", ".bsq", ".bil", ".bip")
 _LARGEST_HEADER_BYTES = 16 * 2**20
 _DTYPES = {
     1: "u1", 2: "i2", 3: "i4", 4: "f4", 5: "f8", 12: "u2", 13: "u4", 14: "i8", 15: "u8",

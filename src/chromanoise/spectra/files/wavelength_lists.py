@@ -10,15 +10,17 @@ import numpy as np
 from jaxtyping import Float
 
 from chromanoise import _check
-from chromanoise._check import Array
-from chromanoise.scene.bounds import printable
-from chromanoise.scene.found import Notes
+from chromanoise._check import Array, printable
+from chromanoise.spectra.files.declared import UNITS
 
+Notes = tuple[str, ...]
+
+_NM_PER_UNIT = {"nm": 1.0, "um": 1000.0, "angstrom": 0.1}
 NM_PER = {
-    **dict.fromkeys(("nm", "nanometer", "nanometers", "nanometre", "nanometres"), 1.0),
-    **dict.fromkeys(("um", "\u00b5m", "\u03bcm", "micron", "microns"), 1000.0),
-    **dict.fromkeys(("micrometer", "micrometers", "micrometre", "micrometres"), 1000.0),
-    **dict.fromkeys(("angstrom", "angstroms", "\u00e5", "\u212b"), 0.1),
+    word: _NM_PER_UNIT[unit]
+    for name, unit in UNITS.items()
+    for word in (name, f"{name}s")
+    if unit in _NM_PER_UNIT
 }
 """Nanometers per unit, by the unit's names in lower case."""
 

@@ -1,0 +1,81 @@
+"""Files that hold no curves as text, known by their first bytes."""
+
+import struct
+
+_EXPORT = "export the curves as CSV"
+_KINDS: tuple[tuple[bytes, str, str], ...] = (
+    (b"\x89PNG\r\n\x1a\n", "a PNG picture", "digitize its curves, and save them as CSV"),
+    (b"\xff\xd8\xff", "a JPEG picture", "digitize its curves, and save them as CSV"),
+    (b"GIF8", "a GIF picture", "digitize its curves, and save them as CSV"),
+    (b"II*\0", "a TIFF picture", "digitize its curves, and save them as CSV"),
+    (b"MM\0*", "a TIFF picture", "digitize its curves, and save them as CSV"),
+    (b"%PDF-", "a PDF document", "copy or digitize its curves, and save them as CSV"),
+    (b"{\\rtf", "an RTF document", "save it as plain text"),
+    (b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1", "an old Office file (.xls)", "save it as .xlsx or CSV"),
+    (b"\x1f\x8b", "a gzip archive", "unpack it first"),
+    (b"BZh", "a bzip2 archive", "unpack it first"),
+    (b"\xfd7zXZ\0", "an xz archive", "unpack it first"),
+    (b"7z\xbc\xaf\x27\x1c", "a 7z archive", "unpack it first"),
+    (b"SQLite format 3\0", "an SQLite database", _EXPORT),
+    (b"\x89HDF\r\n\x1a\n", "an HDF5 or MATLAB 7.3 file", "save it with -v7, or as CSV"),
+    (b"CDF\x01", "a NetCDF file", _EXPORT),
+    (b"CDF\x02", "a NetCDF file", _EXPORT),
+    (b"\x93NUMPY", "a NumPy array (.npy)", "write wavelengths and values with numpy.savetxt"),
+    (b"PAR1", "a Parquet file", _EXPORT),
+    (b"\x80\x04\x95", "a Python pickle", _EXPORT),
+    (b"\x7fELF", "a program (ELF)", "name a file of curves"),
+    (b"MZ", "a program (.exe)", "name a file of curves"),
+)
+_HTML = (b"<!doctype html", b"<html")
+_MATLAB_4 = (0, 10, 20, 30, 40, 50, 1000, 1010, 1020, 1030, 1040, 1050)
+_START = 512
+
+
+def kind_of(content: bytes) -> tuple[str, str] | None:
+    r"""What a file is by its first bytes, and what to do with it; None where it may be text.
+
+    Examples
+    --------
+    >>> kind_of(b"\x89PNG\r\n\x1a\n..."), kind_of(b"nm,R\n400,0.1\n")
+    (('a PNG picture', 'digitize its curves, and save them as CSV'), None)
+    """
+    for start, name, cure in _KINDS:
+        if content.startswith(start):
+            return name, cure
+    if content[:_START].lstrip().lower().startswith(_HTML):
+        return "an HTML page", "save the file behind it, or its table as CSV"
+    if len(content) > 20 and _is_matlab_4(content):
+        return "a MATLAB 4 file", "save it with -v7"
+    return None
+
+
+def kind_of_zip(names: list[str]) -> tuple[str, str] | None:
+    """What a ZIP archive is by the names in it; None for a workbook.
+
+    Examples
+    --------
+    >>> kind_of_zip(["r.npy"])[0], kind_of_zip(["xl/workbook.xml"])
+    ('NumPy arrays (.npz)', None)
+    """
+    if any(name.startswith("xl/") for name in names):
+        return None
+    if names and all(name.endswith(".npy") for name in names):
+        return "NumPy arrays (.npz)", "write wavelengths and values with numpy.savetxt"
+    if "content.xml" in names:
+        return "an OpenDocument file (.ods)", "save it as .xlsx or CSV"
+    if any(name.startswith("word/") for name in names):
+        return "a Word document", "save its table as CSV"
+    return "a ZIP archive", "unpack it first"
+
+
+def _is_matlab_4(content: bytes) -> bool:
+    """The type of MATLAB 4, then two sizes, a flag and the length of a name, four bytes each.
+
+    MathWorks, "MAT-File Format", level 4.
+    """
+    order = "<" if int.from_bytes(content[:4], "little") <= _MATLAB_4[-1] else ">"
+    kind, rows, columns, imaginary, length = struct.unpack_from(f"{order}5i", content)
+    if kind not in _MATLAB_4 or imaginary > 1 or not 1 < length < 65:
+        return False
+    name = content[20 : 20 + length]
+    return rows > 0 and columns > 0 and name.endswith(b"\0") and name[:-1].isalnum()
