@@ -1,0 +1,396 @@
+"""Formats of spectra beyond text: databases of cameras, ENVI libraries, FITS; and what is none."""
+
+import importlib
+import io
+import json
+import struct
+import zipfile
+
+import numpy as np
+import pytest
+from scipy.io import savemat
+
+from chromanoise._check import InputError
+from chromanoise.spectra.files import Answers, qe_of, read_curves
+from spectrum_samples import AT_NM, GREEN, RED
+
+CURVES = np.stack([RED, GREEN], axis=1)
+
+
+@pytest.fixture
+def file(tmp_path):
+    def write(name, content):
+        path = tmp_path / name
+        path.write_bytes(content if isinstance(content, bytes) else content.encode())
+        return path
+
+    return write
+
+
+def refusal(path):
+    with pytest.raises(InputError) as refused:
+        read_curves(path)
+    told = str(refused.value)
+    assert str(path) in told
+    assert "\n" not in told
+    return told
+
+
+# ISETCam
+
+
+def cells(*entries):
+    names = np.empty((1, len(entries)), dtype=object)
+    names[0, :] = entries
+    return names
+
+
+def matlab(**arrays):
+    written = io.BytesIO()
+    savemat(written, arrays)
+    return written.getvalue()
+
+
+def cmy(**changes):
+    return matlab(**{"wavelength": AT_NM[None], "data": CURVES, **changes})
+
+
+@pytest.mark.parametrize(
+    ("changes", "names"),
+    [
+        ({}, ("1", "2")),
+        ({"filterNames": np.array(["cyan   ", "magenta"])}, ("cyan", "magenta")),
+        ({"filterNames": cells("c", "m")}, ("c", "m")),
+        ({"filterNames": cells("c", "m").T}, ("c", "m")),
+        ({"filterNames": cells("c", "")}, ("1", "2")),
+        ({"filterNames": cells("c", "m"), "comment": ""}, ("c", "m")),
+        ({"filterNames": cells("c", "m"), "comment": np.array(["one", "two"])}, ("c", "m")),
+        ({"filterNames": cells("c", "m"), "info": {"maker": "nobody", "year": 2003}}, ("c", "m")),
+        ({"filterNames": cells("c", "m"), "data": CURVES.T.copy()[:, :]}, ("c", "m")),
+        ({"filterNames": cells("c", "m"), "wavelength": AT_NM.astype("u2")[:, None]}, ("c", "m")),
+    ],
+)
+def test_isetcam_may_name_its_filters_in_any_of_its_ways(file, changes, names):
+    read = read_curves(file("CMY.mat", cmy(**changes)))
+    assert read.curves.names == names
+    assert np.array_equal(read.curves.values, CURVES)
+
+
+def with_bare_cell(content: bytes) -> bytes:
+    """A second name of which MATLAB wrote the tag alone: kind 14, 0 bytes."""
+    last = content.rindex(struct.pack("<I", 14))  # the cell that holds "m", at the file's end
+    shorter = content[:last] + struct.pack("<II", 14, 0)
+    lost = len(content) - len(shorter)
+    start = shorter.index(b"filterNames") - 48  # flags, dimensions and name stand before it
+    assert struct.unpack_from("<I", shorter, start)[0] == 14
+    count = struct.unpack_from("<I", shorter, start + 4)[0]
+    return shorter[: start + 4] + struct.pack("<I", count - lost) + shorter[start + 8 :]
+
+
+def test_an_empty_cell_without_a_body_and_zeros_at_the_end_are_no_damage(file):
+    content = cmy(filterNames=cells("c", "m"))
+    read = read_curves(file("cym.mat", with_bare_cell(content)))
+    assert read.curves.names == ("1", "2")  # one of the names is empty
+    assert np.array_equal(read.curves.values, CURVES)
+    padded = read_curves(file("padded.mat", content + bytes(512)))
+    assert padded.curves.names == ("c", "m")
+
+
+# cameras
+
+
+def test_a_camera_of_jiang_has_the_wavelengths_of_its_paper_and_says_so(file):
+    curves = {name: np.linspace(0.1 * k, 1.0, 33) for k, name in enumerate("rgb")}
+    read = read_curves(file("cmf_Some.mat", matlab(**curves)))
+    assert read.curves.wavelength_nm.tolist() == list(range(400, 721, 10))
+    assert read.curves.names == ("R", "G", "B")
+    assert np.array_equal(read.curves.values, np.stack([*curves.values()], axis=1))
+    assert (read.quantity, read.per, read.level) == ("response", "energy", "relative")
+    assert any("no wavelengths" in note and "Jiang" in note for note in read.notes)
+
+
+def test_r_g_b_of_another_length_are_refused_for_nobody_says_their_wavelengths(file):
+    told = refusal(file("rgb.mat", matlab(**dict.fromkeys("rgb", np.ones(31)))))
+    assert "31, 31, 31" in told
+    assert "'wavelength'" in told
+
+
+DCAMPROF = {"camera_name": "A", "red_ssf": [0.1, 0.2, 0.9], "green_ssf": [0.1, 1, 0.2],
+            "blue_ssf": [0.8, 0.2, 0]}  # fmt: skip
+
+
+@pytest.mark.parametrize("bands", [[400, 500, 600], [400, 600, 100]])
+def test_a_camera_of_ssf_data_is_a_relative_response_per_energy(file, bands):
+    path = file("A.json", json.dumps({"ssf_bands": bands, **DCAMPROF}))
+    read = read_curves(path)
+    assert read.curves.wavelength_nm.tolist() == [400, 500, 600]
+    assert read.curves.values.T.tolist() == [DCAMPROF[f"{c}_ssf"] for c in ("red", "green", "blue")]
+    assert read.curves.names == ("R", "G", "B")
+    assert (read.quantity, read.per, read.level) == ("response", "energy", "relative")
+    qe = qe_of(read, Answers(peak_qe=0.5))
+    # per photon the blue end gains: 0.8 / 400 of 0.9 / 600 and 1 / 500, the highest of which is .5
+    assert pytest.approx(
+        np.array([DCAMPROF["red_ssf"], DCAMPROF["green_ssf"], DCAMPROF["blue_ssf"]])
+        / [4, 5, 6] / (1 / 5) * 0.5, rel=1e-12
+    ) == qe.values.T  # fmt: skip
+
+
+def test_a_spectrum_of_dcamprof_is_divided_by_its_scale(file):
+    path = file("lamp.json", json.dumps({"bands": [400, 500], "scale": 4, "spectrum": [1, 2]}))
+    assert read_curves(path).curves.values.ravel().tolist() == [0.25, 0.5]
+
+
+@pytest.mark.parametrize(
+    "form",
+    [
+        {"camera": "A", "wavelengths": [400, 500], "red": [0.1, 0.2], "green": [0.3, 0.4]},
+        {"wavelength_nm": [400, 500], "sensitivities": {"red": [0.1, 0.2], "green": [0.3, 0.4]}},
+        {"wavelength": [0.4, 0.5], "wavelength_unit": "um", "red": [0.1, 0.2],
+         "green": [0.3, 0.4], "iso": [100]},
+    ],
+)  # fmt: skip
+def test_plain_lists_of_json_are_curves_over_their_list_of_wavelengths(file, form):
+    path = file("A.json", json.dumps(form))
+    if "iso" in form:
+        assert "'iso' has 1 values" in refusal(path)
+        return
+    read = read_curves(path)
+    assert read.curves.wavelength_nm.tolist() == [400, 500]
+    assert read.curves.names == ("red", "green")
+    assert read.curves.values.tolist() == [[0.1, 0.3], [0.2, 0.4]]
+
+
+@pytest.mark.parametrize(
+    "form",
+    [
+        {"ssf_bands": [400, 500], **DCAMPROF},
+        {"ssf_bands": [400, 500, 600]},
+        {"ssf_bands": "all", **DCAMPROF},
+        {"ssf_bands": [600, 400, 100], **DCAMPROF},
+        {"bands": [400, 500], "scale": 0, "spectrum": [1, 2]},
+        {"wavelengths": [400, 500], "red": [0.1, None]},
+        {"wavelengths": [400, 500], "red": [0.1, 1e31]},
+        {"schema": "chromanoise sensor"},
+        {"schema": "chromanoise table", "schema_version": 1},
+        {"schema": "chromanoise spectra", "schema_version": 2},
+        {"schema": "chromanoise spectra", "schema_version": 1},
+    ],
+)
+def test_json_of_a_known_form_that_is_wrong_is_refused_in_one_sentence(file, form):
+    refusal(file("A.json", json.dumps(form)))
+
+
+# ENVI
+
+
+def header(**changes):
+    fields = {
+        "samples": 4, "lines": 2, "bands": 1, "header offset": 0, "data type": 4,
+        "interleave": "bsq", "file type": "ENVI Spectral Library", "byte order": 0,
+        "wavelength units": "Micrometers", "reflectance scale factor": 10000,
+        "spectra names": "{oak,\n elm}", "wavelength": "{0.4, 0.5,\n 0.6, 0.7}",
+    } | changes  # fmt: skip
+    pairs = (f"{key} = {value}" for key, value in fields.items() if value is not None)
+    return "\n".join(["ENVI", *pairs]) + "\n"
+
+
+@pytest.mark.parametrize("named", ["lib.sli", "lib.hdr", "both.sli", "both.sli.hdr"])
+@pytest.mark.parametrize(("code", "dtype"), [(4, "<f4"), (5, ">f8"), (2, ">i2"), (12, "<u2")])
+def test_an_envi_library_is_read_by_either_of_its_files(file, named, code, dtype):
+    counts = np.round(CURVES.T * 10_000)
+    order = {"<": 0, ">": 1}[dtype[0]]
+    text = header(**{"data type": code, "byte order": order})
+    for data, head in (("lib.sli", "lib.hdr"), ("both.sli", "both.sli.hdr")):
+        first = file(data, counts.astype(dtype).tobytes())
+        file(head, text)
+    read = read_curves(first.with_name(named))
+    assert read.curves.names == ("oak", "elm")
+    assert read.curves.wavelength_nm.tolist() == AT_NM.tolist()
+    assert np.array_equal(read.curves.values, counts.T / 10_000)
+    assert (read.quantity, read.wavelength_unit) == ("reflectance", "um")
+
+
+def test_an_envi_library_leaves_deleted_points_out_and_says_so(file):
+    values = CURVES.T.astype("<f4").copy()
+    values[0, 1] = -1.23e34
+    file("lib.hdr", header(**{"reflectance scale factor": None}))
+    read = read_curves(file("lib.sli", values.tobytes()))
+    # between 0.0125 and 0.45 over 200 nm
+    assert read.curves.values[1, 0] == pytest.approx((0.0125 + 0.45) / 2, rel=1e-6)
+    assert any("oak: 1 values" in defect for defect in read.defects)
+    assert read.quantity is None
+
+
+@pytest.mark.parametrize(
+    ("changes", "part"),
+    [
+        ({"wavelength units": "GHz"}, "GHz"),
+        ({"file type": "ENVI Standard"}, "ENVI Standard"),
+        ({"samples": 3}, "32 bytes"),
+        ({"wavelength": "{0.4, 0.5}"}, "2 numbers"),
+        ({"wavelength": "{0.4, 0.5, 0.6, high}"}, "high"),
+        ({"wavelength": None}, "'wavelength'"),
+        ({"reflectance scale factor": 0}, "scale factor"),
+        ({"data type": 6}, "complex"),
+        ({"data gain values": "{1, 2}"}, "data gain values"),
+    ],
+)
+def test_an_envi_library_that_contradicts_itself_is_refused(file, changes, part):
+    file("lib.hdr", header(**changes))
+    path = file("lib.sli", CURVES.T.astype("<f4").tobytes())
+    with pytest.raises(InputError, match=part) as refused:
+        read_curves(path)
+    assert "lib." in str(refused.value)
+    assert "\n" not in str(refused.value)
+
+
+def test_half_of_an_envi_library_is_refused(file):
+    assert "header" in refusal(file("lib.sli", bytes(32)))
+    with pytest.raises(InputError, match=r"other\.hdr.*data"):
+        read_curves(file("other.hdr", header()))
+
+
+# FITS
+
+
+def fits_bytes(unit: str | None = "Angstrom") -> bytes:
+    """A binary table of wavelength and flux, made by the rules of the standard alone."""
+
+    def block(cards):
+        text = "".join(card.ljust(80) for card in [*cards, "END"])
+        return text.ljust(-(-len(text) // 2880) * 2880).encode()
+
+    def card(key, value):
+        return f"{key:<8}= {value:>20}"
+
+    first = [card("SIMPLE", "T"), card("BITPIX", 8), card("NAXIS", 0), card("EXTEND", "T")]
+    rows = np.stack([AT_NM * 10, RED], axis=1).astype(">f8").tobytes()
+    table = [
+        f"{'XTENSION':<8}= 'BINTABLE'",
+        *(card("BITPIX", 8), card("NAXIS", 2), card("NAXIS1", 16), card("NAXIS2", 4)),
+        *(card("PCOUNT", 0), card("GCOUNT", 1), card("TFIELDS", 2)),
+        *(f"TTYPE1  = '{'wavelength':<8}'", f"TFORM1  = '{'D':<8}'"),
+        *((f"TUNIT1  = '{unit:<8}'",) if unit else ()),
+        *(f"TTYPE2  = '{'flux':<8}'", f"TFORM2  = '{'D':<8}'", "TUNIT2  = 'W/m2/nm'"),
+    ]
+    return block(first) + block(table) + rows.ljust(2880, b"\0")
+
+
+def test_without_astropy_a_fits_table_says_what_to_install(file, monkeypatch):
+    def absent(name):
+        raise ImportError(name)
+
+    monkeypatch.setattr(importlib, "import_module", absent)
+    assert "pip install 'chromanoise[fits]'" in refusal(file("lamp.fits", fits_bytes()))
+
+
+def test_a_fits_table_is_read_in_the_unit_of_its_column(file):
+    pytest.importorskip("astropy")
+    read = read_curves(file("lamp.fits", fits_bytes()))
+    assert read.curves.wavelength_nm == pytest.approx(AT_NM)
+    assert np.array_equal(read.curves.values[:, 0], RED)
+    assert read.curves.names == ("flux",)
+    assert read.quantity == "power"
+
+
+def test_a_fits_table_without_wavelengths_or_in_another_unit_is_refused(file):
+    pytest.importorskip("astropy")
+    assert "GHz" in refusal(file("lamp.fits", fits_bytes("GHz")))
+    nameless = fits_bytes().replace(b"'wavelength'", b"'somewhere '")
+    assert "wavelength" in refusal(file("none.fits", nameless))
+
+
+# headings
+
+
+@pytest.mark.parametrize(
+    ("heading", "quantity", "scale", "values"),
+    [
+        ("R [A / W]", "response", "as written", (10, 20)),
+        ("R ( A/W )", "response", "as written", (10, 20)),
+        ("QE [ % ]", "QE", "percent", (0.1, 0.2)),
+        ("QE % ", "QE", "percent", (0.1, 0.2)),
+        ("E [W m-2  nm-1 ]", "power", "as written", (10, 20)),
+    ],
+)
+def test_spaces_in_a_unit_do_not_hide_it(file, heading, quantity, scale, values):
+    read = read_curves(file("a.csv", f"wavelength (nm ),{heading}\n400,10\n500,20\n"))
+    assert (read.quantity, read.scale, read.wavelength_unit) == (quantity, scale, "nm")
+    assert read.curves.names == (heading[: heading.index(" ")],)
+    assert read.curves.values.ravel() == pytest.approx(values)
+    assert read.per == {"QE": "photon"}.get(quantity, "energy")
+
+
+# what is none
+
+
+def npz():
+    written = io.BytesIO()
+    np.savez(written, r=np.ones(3))
+    return written.getvalue()
+
+
+def archive(name):
+    written = io.BytesIO()
+    with zipfile.ZipFile(written, "w") as parts:
+        parts.writestr(name, "a")
+    return written.getvalue()
+
+
+def matlab_4():
+    written = io.BytesIO()
+    savemat(written, {"wavelength": AT_NM, "data": CURVES}, format="4")
+    return written.getvalue()
+
+
+KINDS = {
+    "PNG": b"\x89PNG\r\n\x1a\n" + bytes(40),
+    "JPEG": b"\xff\xd8\xff\xe0" + bytes(40),
+    "TIFF": b"II*\0" + bytes(40),
+    "PDF": b"%PDF-1.7\n%\xe2\xe3\xcf\xd3\n1 0 obj\n",
+    "RTF": b"{\\rtf1\\ansi curves}",
+    "HTML": b"\n<!DOCTYPE html>\n<html><body>400</body></html>",
+    "ZIP": archive("curves.csv"),
+    ".ods": archive("content.xml"),
+    "gzip": b"\x1f\x8b\x08\0" + bytes(40),
+    ".xls": b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1" + bytes(600),
+    "SQLite": b"SQLite format 3\0" + bytes(40),
+    "HDF5": b"\x89HDF\r\n\x1a\n" + bytes(40),
+    ".npy": b"\x93NUMPY\x01\0" + bytes(40),
+    ".npz": npz(),
+    "ELF": b"\x7fELF\x02\x01" + bytes(40),
+    "MATLAB 4": matlab_4(),
+}
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_file_of_another_kind_is_named_by_its_first_bytes(file, kind):
+    assert kind in refusal(file("curves.csv", KINDS[kind]))
+
+
+TABLE = "Wellenlänge [µm];Grün (%)\r\n0,4;12,5\r\n0,5;50,0\r\n"
+
+
+@pytest.mark.parametrize(
+    "coding", ["utf-8", "utf-8-sig", "utf-16", "utf-16-le", "utf-16-be", "cp1252"]
+)
+def test_a_table_is_read_however_its_letters_are_coded(file, coding):
+    read = read_curves(file("a.csv", TABLE.encode(coding)))
+    assert read.curves.wavelength_nm.tolist() == [400.0, 500.0]
+    assert read.curves.names == ("Grün",)
+    assert read.curves.values.ravel().tolist() == [0.125, 0.5]
+    assert any("read as" in note for note in read.notes) == (
+        coding in ("utf-16-le", "utf-16-be", "cp1252")
+    )
+
+
+def test_no_words_of_a_foreign_parser_reach_a_sentence(file, monkeypatch):
+    from chromanoise.spectra.files import door
+
+    def broken(*_):
+        raise TypeError("expected <class 'int'>")
+
+    monkeypatch.setattr(door, "meaning_of", broken)
+    told = refusal(file("a.csv", "nm,A\n400,0.1\n500,0.2\n"))
+    assert "class" not in told
+    assert "expected" not in told

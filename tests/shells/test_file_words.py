@@ -1,0 +1,131 @@
+"""A word for a sensor, a light or a filter: one rule says whether it names a file."""
+
+import json
+
+import numpy as np
+import pytest
+
+from chromanoise.spectra.files import Answers
+from chromanoise.study.runs import read_study, study_hash
+from chromanoise.study.words import (
+    filter_of_word,
+    illuminant_files,
+    illuminant_of_word,
+    is_file_word,
+)
+from outcomes import refused
+
+CAMERA = "wavelength_nm,R,G,B\n400,0.1,0.1,0.5\n700,0.6,0.2,0.1\n1050,0.1,0.1,0.1\n"
+LAMP = "wavelength [nm],power [W]\n380,1\n1060,2\n"
+GLASS = "wavelength [nm],transmittance\n380,0.9\n1060,0.5\n"
+ENDINGS = ["csv", "dat", "ecsv", "sed", "asc", "tab", "sli.txt", "DAT", ""]
+
+
+@pytest.fixture(autouse=True)
+def here(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.delenv("CHROMANOISE_CATALOG", raising=False)
+    return tmp_path
+
+
+def written(path, text):
+    path.parent.mkdir(exist_ok=True)
+    path.write_text(text)
+    return path
+
+
+@pytest.fixture
+def analysis(run):
+    def call(*arguments):
+        code, out, err = run("analyze", *arguments, "--json", "-")
+        assert code == 0, err
+        told = json.loads(out)
+        return [[sensor[part] for part in ("channels", "color")] for sensor in told["sensors"]]
+
+    return call
+
+
+@pytest.mark.parametrize("ending", ENDINGS)
+def test_every_ending_serves_for_a_sensor_a_light_and_a_filter(here, analysis, ending):
+    end = f".{ending}" if ending else ""
+    for name, text in (("cam", CAMERA), ("lamp", LAMP), ("glass", GLASS)):
+        written(here / f"{name}.csv", text)
+        written(here / f"{name}{end}", text)
+    words = lambda end: (  # noqa: E731
+        f"cam{end}", "--illuminant", f"lamp{end}+0.5xLED850", "--filter", f"glass{end}"
+    )  # fmt: skip
+    assert analysis(*words(end)) == analysis(*words(".csv"))
+
+
+@pytest.mark.parametrize(
+    ("kind", "known", "files"),
+    [
+        ("sensor", ["onyx-rgbw", "ar0132at-rgbw"], ["cam.csv", "a/cam", "./onyx-rgbw", "~/x"]),
+        ("light", ["D65", "FL3.1", "5500.5K", "LED850/20", "LED850.5/20"], ["D65.dat", "a/b"]),
+        ("filter", ["ircut-650.5/8", "ircut-schott"], ["ircut.sed", "/dev/fd/3"]),
+    ],
+)
+def test_a_word_is_a_file_where_it_looks_like_one_or_is_there_and_no_name(here, kind, known, files):
+    assert not any(is_file_word(word, kind) for word in known)
+    assert all(is_file_word(word, kind) for word in files)
+    for word in ("plain", *known):
+        if "/" not in word:
+            written(here / word, "400,1\n")
+    assert not any(is_file_word(word, kind) for word in known)  # a file hides no name
+    assert is_file_word("plain", kind)
+    assert not is_file_word("plain", kind, folder=here / "elsewhere")
+    (here / "folder").mkdir()
+    assert not is_file_word("folder", kind)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "parts"),
+    [
+        (("nothing.dat",), ("nothing.dat", "No such file", "no sensor of the catalog")),
+        (("onyx-rgbw", "--illuminant", "lamp.dat"), ("lamp.dat", "No such file", "no light")),
+        (("onyx-rgbw", "--illuminant", "lmp"), ("unknown illuminant 'lmp'", "no file of that")),
+        (("onyx-rgbw", "--filter", "glass.sed"), ("glass.sed", "No such file", "no filter")),
+        (("onyx-rgbw", "--filter", "glss"), ("unknown filter 'glss'", "no file of that name")),
+        (("onyx",), ("unknown sensor 'onyx'", "onyx-rgb", "no file of that name")),
+        (("onyx-rgbw", "--illuminant", "a/lamp"), ("a/lamp", "No such file", "no light")),
+    ],
+)
+def test_what_is_neither_a_name_nor_a_file_is_told_to_be_neither(run, arguments, parts):
+    refused(run("analyze", *arguments), *parts)
+
+
+@pytest.mark.parametrize("ending", [".dat", ""])
+def test_files_of_a_study_are_found_beside_it_whatever_their_ending(here, ending):
+    for name, text in (("cam", CAMERA), ("lamp", LAMP), ("glass", GLASS)):
+        written(here / "project" / f"{name}{ending}", text)
+    (here / "project/study.toml").write_text(
+        f'[light]\nilluminant = "lamp{ending}+0.5xLED850"\n'
+        f'[[sensors]]\nname = "cam{ending}"\nfilter = "glass{ending}"\n'
+    )
+    study = read_study("project/study.toml")
+    assert study.light.illuminant == f"project/lamp{ending}+0.5xLED850"
+    assert study.sensors[0].name == f"project/cam{ending}"
+    assert study.sensors[0].filter == f"project/glass{ending}"
+    before = study_hash(study)
+    written(here / "project" / f"glass{ending}", GLASS.replace("0.5", "0.6"))
+    assert study_hash(study) != before
+
+
+def test_the_digest_of_an_envi_library_covers_header_and_data(here):
+    written(here / "lamp.hdr", "ENVI\n")
+    written(here / "lamp.sli", "")
+    assert {path.name for path in illuminant_files("lamp.sli")} == {"lamp.hdr", "lamp.sli"}
+
+
+def test_an_envi_library_serves_as_light_and_filter(here):
+    (here / "x.hdr").write_text(
+        "ENVI\nsamples = 2\nlines = 1\nbands = 1\ndata type = 5\ninterleave = bsq\nbyte order = 0\n"
+        "file type = ENVI Spectral Library\nwavelength units = Nanometers\nz plot titles = {, W}\n"
+        "wavelength = {380, 1060}\nspectra names = {spectral power [W]}\n"
+    )
+    (here / "x.sli").write_bytes(np.array([0.25, 0.75]).tobytes())
+    passes = filter_of_word("x.sli")
+    assert passes.values[:, 0] == pytest.approx(0.25 + 0.5 * (passes.wavelength_nm - 380) / 680)
+    light = illuminant_of_word("x.hdr", answers=Answers(quantity="power", per="energy"))
+    slope = light.irradiance / (0.25 + 0.5 * (light.grid.wavelength_nm - 380) / 680)
+    assert slope == pytest.approx(slope[0])

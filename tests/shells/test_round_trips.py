@@ -1,0 +1,218 @@
+"""Whatever is written is read back to the last digit, by every reader that may be given it."""
+
+import csv
+import json
+import xml.etree.ElementTree as ElementTree
+
+import numpy as np
+import pytest
+
+from chromanoise.spectra.files import Answers, read_curves
+from chromanoise.study.files.tables import table_from_json
+from chromanoise.study.words import filter_of_word, illuminant_of_word, sensor_of_word
+
+AT_NM = np.array([400.0, 437.5, 500.0, 612.3, 700.0, 1050.0])
+SMALL = 10.0 ** np.array([-1, -3, -12, 0, -6, -2])
+
+
+@pytest.fixture(autouse=True)
+def here(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.fixture
+def done(run):
+    def call(*arguments):
+        code, out, err = run(*arguments)
+        assert code == 0, err
+        return out, err
+
+    return call
+
+
+def values(curves: int, seed: int = 1) -> np.ndarray:
+    rng = np.random.default_rng(seed)
+    return rng.random((AT_NM.size, curves)) * SMALL[:, None]
+
+
+def write_csv(path, table, names):
+    rows = [",".join(map(repr, [at, *row])) for at, row in zip(AT_NM.tolist(), table, strict=True)]
+    path.write_text("\n".join([f"wavelength_nm,{','.join(names)}", *rows]))
+
+
+SAID = {
+    "QE": ("--quantity", "QE", "--absolute"),
+    "QE that is relative": ("--quantity", "QE", "--relative"),
+    "response": ("--quantity", "response", "--energy", "--relative"),
+    "response per photon": ("--quantity", "response", "--photons", "--absolute"),
+    "reflectance": ("--quantity", "reflectance"),
+    "transmittance": ("--quantity", "transmittance", "--fraction"),
+    "power": ("--quantity", "power", "--energy"),
+    "photons": ("--quantity", "power", "--photons"),
+    "nothing": (),
+}
+KEPT = ("quantity", "level", "per", "scale")
+
+
+@pytest.mark.parametrize("said", SAID)
+@pytest.mark.parametrize("ending", [".csv", ".json", ".spdx"])
+@pytest.mark.parametrize("high", [1.0, 3.7, 81.25])
+def test_what_convert_writes_it_reads_again_with_all_that_was_said(done, here, ending, said, high):
+    table = values(1) * high
+    write_csv(here / "a.csv", table.tolist(), ["R"])
+    beside = ("--fraction",) if "power" not in SAID[said] and "response" not in SAID[said] else ()
+    done("convert", "a.csv", f"b{ending}", *SAID[said], *beside)
+    done("convert", f"b{ending}", "c.json")
+    for name in (f"b{ending}", "c.json"):
+        read = read_curves(here / name)
+        assert np.array_equal(read.curves.wavelength_nm, AT_NM)
+        assert np.array_equal(read.curves.values, table)
+        assert read.curves.names == ("R",)
+        for key in KEPT:
+            first = read_curves(here / "a.csv", answers=answers_of((*SAID[said], *beside)))
+            assert getattr(read, key) == getattr(first, key), key
+
+
+def answers_of(words):
+    either = {
+        "--absolute": {"level": "absolute"},
+        "--relative": {"level": "relative"},
+        "--energy": {"per": "energy"},
+        "--photons": {"per": "photon"},
+        "--fraction": {"scale": "fraction"},
+    }
+    told = {key: value for word in words for key, value in either.get(word, {}).items()}
+    quantity = {"quantity": words[1]} if "--quantity" in words else {}
+    return Answers(**told, **quantity)
+
+
+@pytest.mark.parametrize("ending", [".csv", ".json"])
+def test_names_that_look_like_units_and_values_that_look_like_wavelengths_survive(
+    done, here, ending
+):
+    # 300 and 90 beside each other are two digitized curves where the heading does not say more
+    names = ["clear [%]", "white (far)", "R %"]
+    table = np.stack([values(1)[:, 0] * 50, 300 + AT_NM, values(1, 2)[:, 0]], axis=1)
+    held = {
+        "schema": "chromanoise spectra", "schema_version": 1, "version": "0", "quantity": "power",
+        "unit": "1", "source": "a bench", "notes": ["one; two", "relative or %"], "names": names,
+        "wavelength_nm": AT_NM.tolist(), "values": table.tolist(),
+    }  # fmt: skip
+    (here / "a.json").write_text(json.dumps(held))
+    done("convert", "a.json", f"b{ending}")
+    read = read_curves(here / f"b{ending}")
+    assert read.curves.names == tuple(names)
+    assert np.array_equal(read.curves.values, table)
+    assert read.said_source == "a bench"
+    assert read.level is None
+
+
+@pytest.mark.parametrize("ending", [".csv", ".json"])
+def test_the_qe_that_convert_writes_is_the_sensor_that_it_read(done, here, ending):
+    write_csv(here / "cam.csv", (values(3) + 0.01).clip(max=1).tolist(), "RGB")
+    answers = ("--quantity", "QE", "--absolute")
+    done("convert", "cam.csv", f"again{ending}", *answers)
+    first = sensor_of_word("cam.csv", answers=Answers(quantity="QE", level="absolute"))
+    again = sensor_of_word(f"again{ending}")
+    assert np.array_equal(first.qe, again.qe)
+    assert first.names == again.names
+    ours = json.loads(done("analyze", f"again{ending}", "--json", "-")[0])["sensors"][0]
+    theirs = json.loads(done("analyze", "cam.csv", "--absolute", "--json", "-")[0])["sensors"][0]
+    assert ours["channels"] == theirs["channels"]
+
+
+@pytest.mark.parametrize("ending", [".csv", ".json"])
+def test_a_sensor_of_the_catalog_comes_back_from_either_file(done, here, ending):
+    done("convert", "onyx-rgbw", f"mine{ending}")
+    told = [
+        json.loads(done("analyze", name, "--json", "-")[0])["sensors"][0]
+        for name in ("onyx-rgbw", f"mine{ending}")
+    ]
+    assert told[0]["channels"] == told[1]["channels"]
+    assert told[0]["color"] == told[1]["color"]
+
+
+@pytest.mark.parametrize("ending", [".csv", ".json", ".spdx"])
+def test_a_light_that_convert_writes_is_the_light_that_it_read(done, here, ending):
+    write_csv(here / "lamp.csv", (values(1) + 0.1).tolist(), ["lamp"])
+    done("convert", "lamp.csv", f"again{ending}", "--quantity", "power", "--photons")
+    first = illuminant_of_word("lamp.csv", answers=Answers(quantity="power", per="photon"))
+    again = illuminant_of_word(f"again{ending}")
+    mixed = illuminant_of_word(f"again{ending}+0.5xLED850")
+    assert np.array_equal(first.irradiance, again.irradiance)
+    assert mixed.irradiance.sum() == pytest.approx(
+        1.5 * again.irradiance.sum(), rel=1e-3
+    )  # the diode gives no lux to speak of
+    done("analyze", "onyx-rgbw", "--illuminant", f"again{ending}")
+
+
+@pytest.mark.parametrize("ending", [".csv", ".json", ".spdx"])
+def test_a_filter_that_convert_writes_is_the_filter_that_it_read(done, here, ending):
+    write_csv(here / "glass.csv", values(1).tolist(), ["glass"])
+    done("convert", "glass.csv", f"again{ending}", "--quantity", "transmittance")
+    first, again = filter_of_word("glass.csv"), filter_of_word(f"again{ending}")
+    assert np.array_equal(first.values, again.values)
+    done("analyze", "onyx-rgbw", "--filter", f"again{ending}")
+
+
+def test_curves_that_convert_writes_serve_in_the_users_folder(done, here, monkeypatch):
+    write_csv(here / "cam.csv", values(2).tolist(), "RG")
+    folder = here / "mine"
+    folder.mkdir()
+    done("convert", "cam.csv", folder / "my-cam.csv", "--quantity", "QE", "--absolute")
+    (folder / "SOURCES.toml").write_text(
+        '[my-cam]\nkind = "sensor"\nwhat = "a camera"\nsource = "a bench"\nlicense = "mine"\n'
+        'defects = "none"\nquantity = "QE"\nunit = "e-/photon"\nlevel = "absolute"\n'
+    )
+    monkeypatch.setenv("CHROMANOISE_CATALOG", str(folder))
+    first = sensor_of_word("cam.csv", answers=Answers(quantity="QE", level="absolute"))
+    assert np.array_equal(sensor_of_word("my-cam").qe, first.qe)
+
+
+def test_a_rawtoaces_camera_that_convert_writes_it_writes_again_the_same(done, here):
+    done("convert", "onyx-rgb", "a.json", "--as", "rawtoaces", "--created", "2026-01-31")
+    data = json.loads((here / "a.json").read_text())["spectral_data"]["data"]["main"]
+    read = read_curves(here / "a.json").curves
+    assert read.wavelength_nm.tolist() == [float(at) for at in data]
+    assert read.values.tolist() == list(data.values())
+    for name in ("b.csv", "b.json"):
+        done("convert", "a.json", name)
+        done("convert", name, "again.json", "--as", "rawtoaces")
+        again = json.loads((here / "again.json").read_text())["spectral_data"]["data"]["main"]
+        assert again == data
+
+
+def test_a_table_in_json_keeps_all_digits_and_a_csv_those_of_its_columns(done, here):
+    done("analyze", "onyx-rgbw", "model-rgb", "--table", "t.json")
+    done("analyze", "onyx-rgbw", "model-rgb", "--table", "t.csv")
+    text = (here / "t.json").read_text()
+    table = table_from_json(text)
+    assert [list(row) for row in table.rows] == json.loads(text)["rows"]
+    rows = list(csv.reader((here / "t.csv").read_text().splitlines()))[1:]
+    for row, cells in zip(table.rows, rows, strict=True):
+        for column, value, cell in zip(table.columns, row, cells, strict=True):
+            if isinstance(value, float):
+                assert cell == format(value, column.digits)
+
+
+@pytest.mark.parametrize("ending", ["csv", "json", "clf", "dcp.json"])
+def test_a_matrix_that_is_exported_holds_every_digit(done, here, ending):
+    out = json.loads(done("matrix", "onyx-rgb", "--export", f"m.{ending}", "--json", "-")[0])[
+        "matrix"
+    ]
+    lux, text = np.array(out["lux_per_e"]), (here / f"m.{ending}").read_text()
+    if ending == "csv":
+        rows = [row for row in csv.reader(text.splitlines()) if not row[0].startswith("#")]
+        assert np.array_equal([[float(cell) for cell in row[1:]] for row in rows[1:]], lux)
+    elif ending == "json":
+        held = json.loads(text)
+        assert np.array_equal(held["matrix_lux_per_e"], lux)
+    else:
+        done("matrix", "onyx-rgb", "--export", "whole.json")
+        balanced = json.loads((here / "whole.json").read_text())["balanced"]
+        if ending == "clf":
+            (array,) = ElementTree.fromstring(text).iter("{urn:AMPAS:CLF:v3.0}Array")
+            assert np.array_equal(np.array(array.text.split(), float).reshape(3, 3), balanced)
+        else:
+            assert json.loads(text)["CameraToXYZ"] == balanced
