@@ -110,7 +110,13 @@ EXTREME = [
     *("0", "-1", "-0", "1e308", "-1e308", "1e-308", "5e-324", "nan", "inf", "-inf", "1e400"),
     *("99999999999999999999", "1e15", "1e-15", "2.5", "3", "0x10", "1_0", "１０", "1,5", "½"),
     *("1:1", "1:0", "0:inf", "lux=0:0", "lux=1e-300:1e300", "kernel=1", "ridge", "ridge=nan"),
-    *("ridge=1e6", "noise-regularized=1e15", "noise-regularized=0", "bounded-psi=1e-15", "9" * 5000),
+    *(
+        "ridge=1e6",
+        "noise-regularized=1e15",
+        "noise-regularized=0",
+        "bounded-psi=1e-15",
+        "9" * 5000,
+    ),
 ]
 STRANGE = [
     *("", " ", "-", "--", "=", "é", "中文.csv", "🎨", "\u202e", "\0", "\udcff", "\n", "a" * 5000),
@@ -126,7 +132,9 @@ WEIGHTS = {
 
 
 def curve_csv(names, value, step=50):
-    rows = [f"{w}," + ",".join(value(w, i) for i in range(len(names))) for w in range(400, 1051, step)]
+    rows = [
+        f"{w}," + ",".join(value(w, i) for i in range(len(names))) for w in range(400, 1051, step)
+    ]
     return ("\n".join([",".join(["wavelength_nm", *names]), *rows]) + "\n").encode()
 
 
@@ -221,7 +229,9 @@ def option_words(command, option, one):
 
 def damage(parts, command, options, line, files, rng, one):
     """One change for the worse, in place."""
-    kind = one(["value"] * 5 + ["file"] * 3 + ["drop", "double", "foreign", "swap", "join", "extra"])
+    kind = one(
+        ["value"] * 5 + ["file"] * 3 + ["drop", "double", "foreign", "swap", "join", "extra"]
+    )
     place = int(rng.integers(len(parts))) if parts else None
     if kind == "file":
         name = one(list(files))
@@ -270,8 +280,7 @@ def outcome_of(line, files):
             seconds=time.perf_counter() - start,
             resident_kib=usage.ru_maxrss,
             left=[
-                str(path.relative_to(base))
-                for path in [*folder.rglob(".*"), *scratch.rglob("*")]
+                str(path.relative_to(base)) for path in [*folder.rglob(".*"), *scratch.rglob("*")]
             ],
         )
 

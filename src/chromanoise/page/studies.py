@@ -264,7 +264,9 @@ def _without_diodes(one: FileWord) -> str:
 def _names_a_file(one: FileWord, base: str) -> bool:
     if one.kind == "cube":
         return not base.startswith("builtin:")
-    return one.kind in ("pixel", "wavelengths") or is_file_word(base, one.kind)
+    if one.kind == "pixel" or one.kind == "wavelengths":
+        return True
+    return is_file_word(base, one.kind)
 
 
 def _refuse_irregular(one: FileWord) -> None:
