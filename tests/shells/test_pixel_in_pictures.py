@@ -1,0 +1,203 @@
+"""What a pixel file tells reaches every picture, and options win over it."""
+
+import json
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+import tifffile
+from PIL import Image
+
+from chromanoise.page.pictures import Pictures
+from chromanoise.page.studies import Studies, files_of, served_data
+from chromanoise.page.uploads import Uploads
+from chromanoise.sensor import Converter
+from chromanoise.study.files.spectra_json import sensor_from_json, sensor_json
+from chromanoise.study.runs import read_study, sensor_with_pixel, study_from_data
+
+SHEET = """\
+pixel pitch = 5 um
+saturation capacity = 4000 e-
+sigma_d = 6 e-
+K = 0.5 DN/e-
+bits = 10
+black level = 64 DN
+PRNU = 5 %
+DSNU = 12 e-
+dark current = 2000 e-/s
+"""
+TOLD = {"dark_current_e_per_s": 2000.0, "dsnu_e": 12.0, "prnu": 0.05, "row_noise_e": 0.0}
+DARK_E2 = 40 + 6**2 + 12**2  # 2000 e-/s for 20 ms, read noise, DSNU
+SIDE = 160
+
+
+@pytest.fixture
+def here(tmp_path, monkeypatch):
+    """A folder with the sheet and a cube whose left half is black and right half gray."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "sheet.txt").write_text(SHEET)
+    reflectance = np.zeros((SIDE, 2 * SIDE, 14), dtype=np.float32)
+    reflectance[:, SIDE:] = 0.5
+    np.savez("cube.npz", wavelength_nm=np.linspace(400, 1050, 14), reflectance=reflectance)
+    return tmp_path
+
+
+ASKED = ("simulate", "cube.npz", "--sensor", "model-rgb", "--time-ms", 20, "--lux", 8)
+GREEN = ("--mosaic", "G", "--raw-only")
+
+
+@pytest.fixture
+def take(run, here):
+    """A simulation with the sheet; its codes, its summary and what was said."""
+
+    def call(*options, pixel=("--pixel", "sheet.txt"), name="o"):
+        code, _, err = run(*ASKED, *pixel, *options, "-o", name)
+        assert code == 0, err
+        (summary,) = json.loads((here / name / "summary.json").read_text())["pictures"]
+        raw = here / name / "model-rgb.raw.tiff"
+        return tifffile.imread(raw).astype(float) if raw.exists() else None, summary, err
+
+    return call
+
+
+def test_codes_of_a_flat_patch_have_the_mean_and_the_variance_that_the_sheet_gives(take):
+    codes, told, _ = take(*GREEN)
+    mu = 2 * told["mean_e"]["G"]
+    assert 200 < mu < 1500  # codes end at (1023 - 64) / 0.5 = 1918 e-
+    for patch, mean_e in ((codes[:, :SIDE], 0.0), (codes[:, SIDE:], mu)):
+        # mu_i + mu_dark + s_r^2 + PRNU^2 mu_i^2 + DSNU^2 in electrons, rounding in codes
+        variance = 0.25 * (mean_e + DARK_E2 + (0.05 * mean_e) ** 2) + 1 / 12
+        z = (patch.mean() - 64 - 0.5 * mean_e) / np.sqrt(variance / patch.size)
+        assert abs(z) < 5
+        assert abs(patch.var(ddof=1) / variance - 1) < 5 * np.sqrt(2 / patch.size)
+
+
+def test_the_summary_lists_the_values_used_and_no_note_says_that_they_are_not(take):
+    _, told, err = take(*GREEN)
+    assert (told["bits"], told["gain_e_per_dn"], told["black_level_dn"]) == (10, 2.0, 64)
+    assert told["imperfections"] == TOLD
+    notes = " | ".join(told["notes"])
+    for value in ("dark_current_e_per_s 2000", "dsnu_e 12", "prnu 0.05", "10 bits, 2 e-/DN"):
+        assert value in notes
+    for wrong in ("only pictures ask", "left out", "not used"):
+        assert wrong not in notes + err
+
+
+def test_every_option_wins_over_the_sheet_and_so_does_0(take):
+    zeros = {"dark_current_e_per_s": 0, "dsnu_e": 0, "prnu": 0}
+    words = [word for k, v in zeros.items() for word in (f"--{k.replace('_', '-')}", v)]
+    codes, told, _ = take(*GREEN, *words)
+    assert told["imperfections"] == dict.fromkeys(TOLD, 0.0)
+    dark = codes[:, :SIDE]
+    assert abs(dark.var(ddof=1) / (0.25 * 36 + 1 / 12) - 1) < 5 * np.sqrt(2 / dark.size)
+    assert "as given, instead of" in " | ".join(told["notes"])
+    more = ("--prnu", 0.01, "--bits", 12, "--black-level", 0)
+    _, other, _ = take(*GREEN, *more, name="p")
+    assert other["imperfections"] == TOLD | {"prnu": 0.01}
+    assert (other["bits"], other["gain_e_per_dn"], other["black_level_dn"]) == (12, 2.0, 0)
+
+
+def test_a_gain_without_bits_makes_a_converter_only_with_bits_that_are_given(take, here):
+    (here / "sheet.txt").write_text("K = 0.5 DN/e-\nmu_e.sat = 4095 e-\nblack level = 10 DN")
+    _, told, _ = take(*GREEN)
+    assert (told["bits"], told["black_level_dn"]) == (12, 10)
+    assert told["gain_e_per_dn"] == pytest.approx(4095 / 4085)
+    _, told, _ = take(*GREEN, "--bits", 14, name="p")
+    assert (told["bits"], told["gain_e_per_dn"], told["black_level_dn"]) == (14, 2.0, 10)
+
+
+def test_a_picture_without_a_mosaic_has_the_noise_of_the_sheet_and_no_converter(take, here):
+    _, told, _ = take("--format", "xyz")
+    assert told["imperfections"] == TOLD
+    notes = " | ".join(told["notes"])
+    assert "bits 10, gain_e_per_dn 2, black_level_dn 64 of the sensor's pixel not used" in notes
+    _, typed, _ = take(
+        *("--pitch-um", 5, "--full-well-e", 4000, "--read-noise-e", 6, "--prnu", 0.05),
+        *("--dsnu-e", 12, "--dark-current-e-per-s", 2000, "--format", "xyz"),
+        pixel=(),
+        name="p",
+    )
+    ours, theirs = (tifffile.imread(here / name / "model-rgb.xyz.tiff") for name in "op")
+    assert (ours == theirs).all()
+    assert typed["imperfections"] == TOLD
+
+
+def test_a_closed_form_says_which_values_of_the_sheet_it_leaves_out(run, here):
+    code, out, _ = run("analyze", "model-rgb", "--pixel", "sheet.txt", "--json", "-")
+    assert code == 0
+    (sensor,) = json.loads(out)["sensors"]
+    (note,) = [note for note in sensor["notes"] if "left out" in note]
+    for value in ("dark_current_e_per_s 2000", "dsnu_e 12", "prnu 0.05", "bits 10", "black"):
+        assert value in note
+    (here / "sheet.txt").write_text("sigma_d = 3 e-")
+    _, out, _ = run("analyze", "model-rgb", "--pixel", "sheet.txt", "--json", "-")
+    assert "left out" not in out
+
+
+@pytest.mark.parametrize(
+    ("options", "kinds"),
+    [
+        ((*GREEN, "--prnu", 0), ("toml", "python")),
+        (("--mosaic", "bayer", "--black-level", 32, "--format", "raw,png"), ("toml",)),
+        (("--clip", "--dsnu-e", 0.0, "--format", "xyz"), ("toml",)),
+    ],
+)
+def test_simulate_its_study_and_its_script_give_the_same_picture(take, run, here, options, kinds):
+    take(*options)
+    ours = sorted(p for p in (here / "o").iterdir() if p.suffix in (".tiff", ".png"))
+    for kind in kinds:
+        code, out, _ = run(*ASKED, "--pixel", "sheet.txt", *options, "--copy-as", kind)
+        assert code == 0
+        folder = here / kind
+        if kind == "toml":
+            (here / "s.toml").write_text(out)
+            assert run("run", "s.toml", "-o", kind)[0] == 0
+            (told,) = json.loads((folder / "pictures-1.json").read_text())["result"]["pictures"]
+            own = json.loads((here / "o" / "summary.json").read_text())["pictures"][0]
+            assert told["imperfections"] == own["imperfections"]
+            assert told["notes"] == own["notes"]
+        else:
+            folder.mkdir()
+            script = out.replace("'cube.npz'", "'../cube.npz'").replace(
+                "'sheet.txt'", "'../sheet.txt'"
+            )
+            subprocess.run([sys.executable, "-c", script], cwd=folder, check=True, stdout=-3)
+        theirs = sorted(
+            p
+            for p in folder.iterdir()
+            if p.suffix in (".tiff", ".png") and p.name.startswith("picture")
+        )
+        assert [p.read_bytes() for p in theirs] == [p.read_bytes() for p in ours]
+
+
+def test_a_sensor_written_as_json_keeps_what_its_pictures_use(here):
+    sensor = sensor_with_pixel("model-rgb", file="sheet.txt")
+    again = sensor_from_json(sensor_json(sensor))
+    assert (again.imperfections, again.converter) == (sensor.imperfections, sensor.converter)
+    assert again.converter == Converter(bits=10, gain_e_per_dn=2.0, black_level_dn=64)
+
+
+def test_the_picture_of_the_page_is_that_of_the_run_with_its_sheet(run, here):
+    text = (
+        '[light]\nlevel_lux = 8.0\n[exposure]\ntime_ms = 20.0\n[[sensors]]\nname = "model-rgb"\n'
+        'pixel.file = "sheet.txt"\n[[pictures]]\ncube = "cube.npz"\nprnu = 0.0\n'
+        'formats = ["png"]\n[outputs]\nanalyses = false\n'
+    )
+    (here / "s.toml").write_text(text)
+    assert run("run", "s.toml", "-o", "o")[0] == 0
+    (told,) = json.loads((here / "o" / "pictures-1.json").read_text())["result"]["pictures"]
+    assert told["imperfections"] == TOLD | {"prnu": 0.0}
+    data = served_data(read_study("s.toml"))
+    uploads = Uploads()
+    try:
+        files = files_of(study_from_data(data, source="the test"))
+        png, summary = Pictures(Studies(uploads, files=files)).picture({"study": data})
+    finally:
+        uploads.close()
+    (here / "page.png").write_bytes(png)
+    (file,) = (here / "o").glob("*.png")
+    assert (np.asarray(Image.open("page.png")) == np.asarray(Image.open(file))).all()
+    notes = " | ".join(json.loads(summary)["notes"])
+    assert "dsnu_e 12" in notes
+    assert "prnu as given" in notes
