@@ -50,11 +50,10 @@ INTERNALS = re.compile(
 def write_envi(folder, interleave="bil"):
     order = {"bsq": (2, 0, 1), "bil": (0, 2, 1), "bip": (0, 1, 2)}[interleave]
     (folder / "a.img").write_bytes(CUBE.transpose(order).astype("<f4").tobytes())
+    listed = ", ".join(map(str, NM))
     (folder / "a.hdr").write_text(
         f"ENVI\nsamples = 4\nlines = 3\nbands = 5\ndata type = 4\ninterleave = {interleave}\n"
-        f"byte order = 0\nheader offset = 0\nwavelength units = nm\nwavelength = {{{NM}}}\n".replace(
-            "{(", "{"
-        ).replace(")}", "}")
+        f"byte order = 0\nheader offset = 0\nwavelength units = nm\nwavelength = {{{listed}}}\n"
     )
     return folder / "a.hdr"
 
@@ -148,7 +147,11 @@ FORMATS = {
     "hdf5 lzf": (partial(write_hdf5, chunks=(2, 2, 5), compression="lzf"), {}, False),
     "zarr 2": (partial(write_zarr, version=2), {}, False),
     "zarr 3": (partial(write_zarr, version=3), {}, False),
-    "zarr shards": (partial(write_zarr, version=3, shards=(2, 4, 5)), {}, False),
+    "zarr blosc": (partial(write_zarr, version=3, compressors=zarr.codecs.BloscCodec()), {}, False),
+    "zarr shards": (
+        partial(write_zarr, version=3, shards=(2, 4, 5), compressors=zarr.codecs.BloscCodec()),
+        {}, False,
+    ),
     "tiff": (write_tiff, EVEN, False),
     "tiff deflate": (partial(write_tiff, compression="zlib"), EVEN, False),
     "tiff lzma": (partial(write_tiff, compression="lzma"), EVEN, False),

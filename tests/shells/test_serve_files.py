@@ -131,7 +131,7 @@ def test_a_pipe_in_a_served_study_is_refused_and_not_waited_for(uploads, tmp_pat
     path = tmp_path / "s.toml"
     path.write_text('[[sensors]]\nname = "onyx-rgb"\n[[pictures]]\ncube = "cube.npz"\n')
     told, answers, _ = serving(uploads, path)
-    assert "no regular file" in faults_of(answers.answer, {"study": told})["pictures.0.cube"]
+    assert "a pipe" in faults_of(answers.answer, {"study": told})["pictures.0.cube"]
 
 
 def test_a_served_study_whose_cube_was_moved_away_is_told_so(uploads, tmp_path):

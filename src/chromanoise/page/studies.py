@@ -1,7 +1,6 @@
 """The study in a question: its words checked, its files found, its sensors made once."""
 
 import os
-import stat
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from functools import partial
@@ -9,6 +8,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from chromanoise._check import InputError
+from chromanoise._files import regular_file
 from chromanoise.exposure import Situation
 from chromanoise.page.asked import QuestionError
 from chromanoise.page.remembered import Remembered
@@ -273,9 +273,8 @@ def _refuse_irregular(one: FileWord) -> None:
     """A pipe would be waited for; of folders, only a cube may be one."""
     is_cube = one.kind == "cube"
     for file in [file_of(one.word)] if is_cube else files_of_word(one):
-        mode = getattr(_state(file), "st_mode", None)
-        if mode and not stat.S_ISREG(mode) and not (is_cube and stat.S_ISDIR(mode)):
-            raise InputError(f"{str(file)[:80]}: is no regular file; name one that is")
+        if _state(file) is not None:
+            regular_file(file, folder=is_cube)
 
 
 def _is_of_filter(part: SensorPart) -> bool:

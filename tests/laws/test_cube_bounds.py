@@ -1,0 +1,337 @@
+"""Cubes that cannot be held, files that are something else, and compressions of TIFF."""
+
+import io
+import json
+import logging
+import os
+import pickle
+import struct
+import subprocess
+import sys
+import zipfile
+import zlib
+
+import numpy as np
+import pytest
+
+from chromanoise._check import InputError, reason
+from chromanoise.scene import bounds, read_cube
+from chromanoise.scene.rows import row_source
+
+h5py = pytest.importorskip("h5py", reason="comes with chromanoise[cubes]")
+zarr = pytest.importorskip("zarr", reason="comes with chromanoise[cubes]")
+numcodecs = pytest.importorskip("numcodecs", reason="comes with zarr")
+Image = pytest.importorskip("PIL.Image")
+tifffile = pytest.importorskip("tifffile")
+tiff_plugin = pytest.importorskip("PIL.TiffImagePlugin")
+
+EVEN = {"wavelengths": (400, 800)}
+CUBE = np.random.default_rng(5).integers(1, 128, size=(3, 4, 5)) / 128
+PNG = b"\x89PNG\r\n\x1a\n"
+
+
+def rows_of(path, **options):
+    source = row_source(read_cube(path, **options).stored)
+    return source.rows(0, source.shape[0])
+
+
+def told(path, **options):
+    """The sentence with which a cube is refused."""
+    with pytest.raises(InputError) as caught:
+        rows_of(path, **options)
+    text = str(caught.value)
+    assert "\n" not in text
+    assert path.name in text
+    return text
+
+
+# compressions of TIFF
+
+
+def by_pillow(path, planes, compression, **tags):
+    info = tiff_plugin.ImageFileDirectory_v2()
+    for name, value in tags.items():
+        info[{"predictor": 317, "orientation": 274, "photometric": 262}[name]] = value
+    first, *more = (Image.fromarray(plane) for plane in planes)
+    first.save(path, save_all=True, append_images=more, compression=compression, tiffinfo=info)
+    return path
+
+
+@pytest.mark.parametrize("compression", ["tiff_lzw", "packbits", "tiff_adobe_deflate", "zstd"])
+@pytest.mark.parametrize("dtype", ["u1", "u2", "f4"])
+@pytest.mark.parametrize("predicted", [False, True])
+def test_compressed_pages_are_what_was_written(tmp_path, compression, dtype, predicted):
+    if predicted and compression == "packbits":
+        pytest.skip("PackBits has no predictor")
+    planes = (CUBE.transpose(2, 0, 1) * 128).astype(dtype)
+    predictor = (3 if dtype == "f4" else 2) if predicted else 1
+    path = by_pillow(tmp_path / "a.tif", planes, compression, predictor=predictor)
+    rows = rows_of(path, scale=1.0, **EVEN)
+    np.testing.assert_array_equal(rows, planes.transpose(1, 2, 0))
+
+
+def test_jpeg_pages_are_what_pillow_decodes(tmp_path):
+    planes = np.full((5, 16, 16), 100, np.uint8)  # of one value JPEG loses nothing
+    path = by_pillow(tmp_path / "a.tif", planes, "jpeg")
+    assert (rows_of(path, scale=1.0, **EVEN) == 100).all()
+
+
+@pytest.mark.parametrize("tags", [{"orientation": 6}, {"photometric": 0}])
+def test_pages_that_pillow_would_change_ask_for_the_decoder(tmp_path, monkeypatch, tags):
+    monkeypatch.setitem(sys.modules, "imagecodecs", None)
+    planes = (CUBE.transpose(2, 0, 1) * 128).astype("u1")
+    path = by_pillow(tmp_path / "a.tif", planes, "tiff_lzw", **tags)
+    text = told(path, scale=1.0, **EVEN)
+    assert "LZW" in text
+    assert "imagecodecs" in text
+    assert "chromanoise[tiff]" in text
+
+
+def test_a_damaged_page_is_refused_and_nothing_else_is_printed(tmp_path, capfd):
+    planes = np.random.default_rng(1).random((2, 64, 64)).astype("f4")
+    path = by_pillow(tmp_path / "a.tif", planes, "tiff_lzw")
+    content = bytearray(path.read_bytes())
+    with tifffile.TiffFile(path) as file:
+        at = file.pages[0].dataoffsets[0]
+    content[at + 50 : at + 150] = bytes(b ^ 0x5A for b in content[at + 50 : at + 150])
+    path.write_bytes(content)
+    assert "damaged" in told(path, **EVEN)
+    empty = tmp_path / "b.tif"
+    empty.write_bytes(content[:4] + struct.pack("<I", len(content) * 2))
+    told(empty, **EVEN)
+    assert capfd.readouterr() == ("", "")
+    assert logging.getLogger("tifffile").handlers
+
+
+# files that are something else
+
+
+@pytest.mark.parametrize("name", ["a.npz", "a.npy", "a.tif"])
+@pytest.mark.parametrize(
+    ("content", "kind"),
+    [(PNG, "PNG"), (b"\xff\xd8\xff\xe0", "JPEG"), (pickle.dumps([1]), "pickle"),
+     (b"%PDF-1.7", "PDF"), (b"\x1f\x8b\x08", "gzip"), (b"7z\xbc\xaf\x27\x1c", "7-Zip")],
+)  # fmt: skip
+def test_a_file_that_is_something_else_is_named(tmp_path, name, content, kind):
+    (tmp_path / name).write_bytes(content + bytes(200))
+    assert kind in told(tmp_path / name)
+
+
+def test_an_array_named_npz_and_an_archive_named_npy_are_named(tmp_path):
+    np.save(tmp_path / "b.npy", CUBE)
+    np.savez(tmp_path / "b.npz", CUBE)
+    (tmp_path / "b.npy").rename(tmp_path / "a.npz")
+    (tmp_path / "b.npz").rename(tmp_path / "a.npy")
+    assert ".npy" in told(tmp_path / "a.npz")
+    assert "zip" in told(tmp_path / "a.npy")
+
+
+class Bomb:
+    def __reduce__(self):
+        return (print, ("unpickled",))
+
+
+def test_pickles_in_an_npz_are_never_loaded(tmp_path, capfd):
+    np.savez(tmp_path / "a.npz", reflectance=np.array([Bomb()], dtype=object))
+    assert "object" in told(tmp_path / "a.npz")
+    with zipfile.ZipFile(tmp_path / "b.npz", "w") as archive:
+        archive.writestr("reflectance.pkl", pickle.dumps(Bomb()))
+    assert "no arrays" in told(tmp_path / "b.npz")
+    assert capfd.readouterr().out == ""
+
+
+def npy(header):
+    return b"\x93NUMPY\x01\x00" + struct.pack("<H", 118) + header.ljust(117) + b"\n"
+
+
+@pytest.mark.parametrize(
+    "shape", [b"(a, 2)", b"(2-x, 2)", b"(print(1), 2)", b"[1, 2]", b"(2.5, 2)"]
+)
+@pytest.mark.parametrize("name", ["a.npy", "a.npz"])
+def test_no_sentence_speaks_of_the_parser(tmp_path, shape, name):
+    content = npy(b"{'descr': '<f8', 'fortran_order': False, 'shape': " + shape + b"}")
+    path = tmp_path / name
+    path.write_bytes(content)
+    if name == "a.npz":
+        with zipfile.ZipFile(path, "w") as archive:
+            archive.writestr("reflectance.npy", content)
+    text = told(path)
+    assert not any(word in text for word in ("<", "ast", "object", "0x"))
+
+
+@pytest.mark.parametrize(
+    ("error", "said"),
+    [
+        (ValueError("bad\nmagic"), "bad magic"),
+        (OSError(13, "Permission denied"), "Permission denied"),
+        (ValueError("expected <class 'int'>, got 'str'"), ""),
+        (ValueError("malformed node: <ast.BinOp object at 0x7f>"), ""),
+        (TypeError("unsupported operand"), ""),
+        (KeyError("shape"), ""),
+        (struct.error("unpack requires a buffer of 8 bytes"), ""),
+        (AttributeError("'NoneType' object has no attribute 'x'"), ""),
+    ],
+)
+def test_what_an_error_says_of_the_parser_is_left_away(error, said):
+    assert reason(error) == said
+
+
+# what is declared is bounded before memory is taken
+
+
+def declares(path, value, names=("ImageWidth", "ImageLength", "RowsPerStrip")):
+    """Tags of every page, edited in place."""
+    content = bytearray(path.read_bytes())
+    with tifffile.TiffFile(path) as file:
+        for page in file.pages:
+            for name in names:
+                tag = page.tags[name]
+                form = "<I" if tag.dtype == 4 else "<H"
+                struct.pack_into(form, content, tag.valueoffset, value)
+    path.write_bytes(content)
+    return path
+
+
+def large_tiff(folder):
+    """2 MB of random numbers whose tags say 3.8 GB."""
+    noise = np.random.default_rng(1).random((2, 500, 500)).astype("f4")
+    with tifffile.TiffWriter(folder / "a.tif") as file:
+        for plane in noise:
+            file.write(plane, photometric="minisblack", compression="zlib", metadata=None)
+    return declares(folder / "a.tif", 22_000)
+
+
+def overfull_tiff(folder):
+    """A strip of 64 KiB that unpacks to 256 MiB."""
+    with tifffile.TiffWriter(folder / "a.tif") as file:
+        for _ in range(2):
+            file.write(
+                iter([zlib.compress(bytes(2**28))]), shape=(256, 256), dtype="u1", rowsperstrip=256,
+                photometric="minisblack", compression="zlib", metadata=None,
+            )  # fmt: skip
+    return folder / "a.tif"
+
+
+def overfull_npz(folder):
+    """bzip2 unpacks 400 bytes to 256 MiB at once."""
+    start = io.BytesIO()
+    about = {"descr": "|u1", "fortran_order": False, "shape": (1024, 1024, 256)}
+    np.lib.format.write_array_header_1_0(start, about)
+    with zipfile.ZipFile(folder / "a.npz", "w", zipfile.ZIP_BZIP2) as archive:
+        archive.writestr("reflectance.npy", start.getvalue() + bytes(2**28))
+    return folder / "a.npz"
+
+
+def large_zarr(folder):
+    """One chunk of 10 kB, and a header that says that it is one of 4 GB."""
+    made = zarr.create_array(
+        folder / "a.zarr", shape=(20, 20_000, 10_000), chunks=(10, 100, 100), dtype="u1",
+        zarr_format=2,
+    )  # fmt: skip
+    made[:10, :100, :100] = 1
+    header = folder / "a.zarr" / ".zarray"
+    about = json.loads(header.read_text())
+    header.write_text(json.dumps(about | {"chunks": [20, 10_000, 10_000]}))
+    return folder / "a.zarr"
+
+
+def overfull_zarr(folder):
+    """A chunk of 160 bytes whose file holds 2 MB."""
+    zarr.create_array(folder / "a.zarr", data=np.ones((2, 2, 5)), chunks=(2, 2, 5), zarr_format=2)
+    (folder / "a.zarr" / "0.0.0").write_bytes(bytes(2**21))
+    return folder / "a.zarr"
+
+
+def overfull_hdf5(folder):
+    """A chunk of 64 bytes that unpacks to 256 MiB, behind a checksum that only libhdf5 knows."""
+    with h5py.File(folder / "a.h5", "w") as file:
+        options = {"chunks": (2, 4, 2), "compression": "gzip", "fletcher32": True}
+        made = file.create_dataset("a", data=np.ones((4, 4, 2), "f4"), **options)
+        made.id.write_direct_chunk((2, 0, 0), zlib.compress(bytes(2**28)))
+    return folder / "a.h5"
+
+
+def large_pngs(folder):
+    """Two pictures of 100 bytes that say that they are 900 million pixels."""
+
+    def chunk(kind, content):
+        tail = struct.pack(">I", zlib.crc32(kind + content))
+        return struct.pack(">I", len(content)) + kind + content + tail
+
+    (folder / "a.png").mkdir()
+    start = chunk(b"IHDR", struct.pack(">IIBBBBB", 30_000, 30_000, 8, 0, 0, 0, 0))
+    for k in (1, 2):
+        content = PNG + start + chunk(b"IDAT", zlib.compress(bytes(99))) + chunk(b"IEND", b"")
+        (folder / "a.png" / f"{k}.png").write_bytes(content)
+    return folder / "a.png"
+
+
+BOMBS = [
+    large_tiff,
+    overfull_tiff,
+    overfull_npz,
+    large_zarr,
+    overfull_zarr,
+    overfull_hdf5,
+    large_pngs,
+]
+READS = """
+import resource, sys
+from chromanoise._check import InputError
+from chromanoise.scene import read_cube, row_source
+import h5py, zarr, tifffile, PIL.Image
+import numpy as np
+resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+try:
+    source = row_source(read_cube(sys.argv[1], wavelengths=(400, 800), scale=0.5).stored)
+    source.rows(0, source.shape[0])
+    print("read")
+except InputError as error:
+    print(error)
+print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before)
+"""
+
+
+@pytest.mark.parametrize("bomb", BOMBS)
+def test_more_than_a_file_can_hold_is_refused_before_memory_is_taken(tmp_path, bomb):
+    path = bomb(tmp_path)
+    done = subprocess.run(
+        [sys.executable, "-c", READS, str(path)], capture_output=True, text=True, check=True
+    )
+    sentence, kib = done.stdout.splitlines()
+    assert path.name in sentence
+    assert int(kib) < 100 * 1024
+    assert done.stderr == ""
+
+
+def test_the_memory_that_counts_is_what_is_free_of_the_machine():
+    whole = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+    assert 2**26 < bounds.memory_bytes() <= whole
+
+
+def test_a_tightly_packed_cube_that_is_true_is_read(tmp_path):
+    np.savez_compressed(tmp_path / "a.npz", reflectance=np.zeros((64, 64, 500), "f4"))
+    cube = read_cube(tmp_path / "a.npz", **EVEN)
+    assert (tmp_path / "a.npz").stat().st_size * 500 < 64 * 64 * 500 * 4
+    assert (np.asarray(cube.stored) == 0).all()
+
+
+@pytest.mark.parametrize("version", [2, 3])
+@pytest.mark.parametrize("length", [2**26, 2**31 - 1])
+def test_a_blosc_chunk_shorter_than_it_says_does_not_end_the_process(tmp_path, version, length):
+    blosc = zarr.codecs.BloscCodec() if version == 3 else numcodecs.Blosc()
+    zarr.create_array(
+        tmp_path / "a.zarr", data=CUBE, chunks=CUBE.shape, zarr_format=version, compressors=blosc
+    )
+    chunk = tmp_path / "a.zarr" / ("c/0/0/0" if version == 3 else "0.0.0")
+    content = bytearray(chunk.read_bytes())
+    assert struct.unpack_from("<I", content, 12)[0] == len(content)
+    struct.pack_into("<I", content, 12, length)
+    chunk.write_bytes(content)
+    done = subprocess.run(
+        [sys.executable, "-c", READS, str(tmp_path / "a.zarr")], capture_output=True, text=True
+    )
+    assert done.returncode == 0
+    assert str(length) in done.stdout
+    assert done.stderr == ""
