@@ -118,6 +118,13 @@ EXTREME = [
         "9" * 5000,
     ),
 ]
+KEYS = [
+    *("light.level_lux", "light.illuminant", "light.column", "exposure.time_ms", "matrices.0"),
+    *("exposure.f_number", "exposure.saturate", "exposure.magnification", "exposure.equal"),
+    *("sensors.0.name", "sensors.0.shift_nm", "sensors.0.ircut_nm", "sensors.0.filter", "seed"),
+    *("sensors.0.pixel.pitch_um", "sensors.0.pixel.file", "outputs.space", "outputs.merit"),
+    *("outputs.chart", "outputs.clip", "outputs.matrix", "metric", "prior", "title", "a.b.c", ""),
+]
 STRANGE = [
     *("", " ", "-", "--", "=", "é", "中文.csv", "🎨", "\u202e", "\0", "\udcff", "\n", "a" * 5000),
     *("[bold]x[/bold]", "[/]", "{}", "%s%n", "$HOME", "~", "~nobody", ".", "a/b/c", "cam.csv/x"),
@@ -182,7 +189,7 @@ class Outcome:
 
 
 def options_of(name):
-    command = commands.get_command(None, name)
+    command = commands.get_command(click.Context(commands), name)
     return [p for p in command.params if p.name != "help"]
 
 
@@ -212,7 +219,7 @@ def random_line(seed, number, files):
     chosen += [one(options) for _ in range(int(rng.integers(0, 5)))] if options else []
     parts += [option_words(command, option, one) for option in chosen]
     line = Line([command])
-    for _ in range(int(rng.choice(4, p=[0.3, 0.5, 0.15, 0.05]))):
+    for _ in range(int(rng.choice(5, p=[0.2, 0.4, 0.2, 0.1, 0.1]))):
         damage(parts, command, options, line, files, rng, one)
     if command == SERVED and not any(p[0] == "--port" for p in parts):
         parts.append(["--port", "-1"])
@@ -229,15 +236,24 @@ def option_words(command, option, one):
 
 def damage(parts, command, options, line, files, rng, one):
     """One change for the worse, in place."""
-    kind = one(
-        ["value"] * 5 + ["file"] * 3 + ["drop", "double", "foreign", "swap", "join", "extra"]
-    )
+    often = ["value"] * 5 + ["number"] * 6 + ["file"] * 3 + ["cells"] * 3 + ["set"] * 2
+    kind = one([*often, "drop", "double", "foreign", "swap", "join", "extra"])
     place = int(rng.integers(len(parts))) if parts else None
     if kind == "file":
         name = one(list(files))
         line.damaged[name] = mutated(line.damaged.get(name, files[name]), random_edits(rng))
     elif kind == "extra" or place is None:
         parts.append([one(EXTREME + STRANGE)])
+    elif kind == "number":
+        value = f"{10 ** rng.uniform(-16, 16):.6g}"
+        numbers = [o for o in options if o.type.name in ("float", "integer")]
+        if numbers:
+            parts.append([one(numbers).opts[-1], value])
+    elif kind == "cells":
+        cells = rng.random((3, 14)) ** rng.choice([1, 40, 300])
+        line.damaged["cam.csv"] = curve_csv("RGB", lambda w, i: f"{cells[i, (w - 400) // 50]:.6g}")
+    elif kind == "set" and command in ("run", "report"):
+        parts.append(["--set", f"{one(KEYS)}={one(one([EXTREME, STRANGE, FILES]))}"])
     elif kind == "value":
         number = len(parts[place]) > 1 and parts[place][-1][:1].isdigit()
         values = EXTREME if number and rng.random() < 0.7 else one([EXTREME, STRANGE, FILES])
@@ -251,7 +267,7 @@ def damage(parts, command, options, line, files, rng, one):
         parts.append(option_words(other, one(options_of(other) or options), one))
     elif kind == "swap":
         parts[0], parts[place] = parts[place], parts[0]
-    else:
+    elif kind == "join":
         parts[place] = ["=".join(parts[place])]
     parts[:] = [part for part in parts if part]
     if command == SERVED:  # no word may make it listen
@@ -295,8 +311,10 @@ def _run_and_leave(words, base):
         for number, name in ((1, "out"), (2, "err")):
             os.dup2(os.open(Path(base, name), os.O_WRONLY | os.O_CREAT | os.O_APPEND), number)
         os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
-        sys.stdout = open(1, "w", encoding="utf-8", closefd=False)
-        sys.stderr = open(2, "w", encoding="utf-8", closefd=False)
+        sys.stdout, sys.stderr = (
+            io.TextIOWrapper(io.FileIO(number, "w", closefd=False), encoding="utf-8")
+            for number in (1, 2)
+        )
         resource.setrlimit(resource.RLIMIT_AS, (ADDRESS_SPACE_BYTES, ADDRESS_SPACE_BYTES))
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
         try:
@@ -384,10 +402,10 @@ def prepared_files():
     with tempfile.TemporaryDirectory() as base:
         study = Path(base, "study.toml")
         study.write_text('[[sensors]]\nname = "onyx-rgb"\n')
-        for words in (["run", str(study), "-o", base], ["matrix", "onyx-rgb", "--method", "lmmse"]):
-            with contextlib.suppress(SystemExit), contextlib.redirect_stdout(io.StringIO()):
-                with contextlib.redirect_stderr(io.StringIO()):
-                    run(words)
+        with contextlib.ExitStack() as silent, contextlib.suppress(SystemExit):
+            silent.enter_context(contextlib.redirect_stdout(io.StringIO()))
+            silent.enter_context(contextlib.redirect_stderr(io.StringIO()))
+            run(["run", str(study), "-o", base])
         return files | {"result.json": Path(base, "analysis-kernel.json").read_bytes()}
 
 

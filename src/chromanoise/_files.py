@@ -69,12 +69,8 @@ def claimed_folder(folder: Path) -> Iterator[Callable[[], AbstractContextManager
         with _told(folder):
             scratch.mkdir()
         try:
-            try:
+            with _named_as(folder, scratch):
                 yield scratch
-            except OSError as error:
-                if error.filename is not None:
-                    raise
-                raise InputError(f"{folder}: cannot be written ({error.strerror})") from None
             with _told(folder):
                 _appear(scratch, goal, journal)
         finally:
@@ -130,6 +126,21 @@ def write_whole(path: Path, content: bytes) -> None:
         if goal.is_symlink():  # a loop of links leads nowhere
             raise OSError(errno.ELOOP, os.strerror(errno.ELOOP))
         _replaced(goal, content)
+
+
+@contextmanager
+def _named_as(folder: Path, scratch: Path) -> Iterator[None]:
+    """Errors that name the scratch folder, or nothing as on a full disk, name the folder."""
+    try:
+        yield
+    except InputError as error:
+        raise InputError(str(error).replace(str(scratch), str(folder))) from None
+    except OSError as error:
+        name = str(error.filename or folder)
+        if error.filename is not None and not name.startswith(str(scratch)):
+            raise
+        name = name.replace(str(scratch), str(folder))
+        raise InputError(f"{name}: cannot be written ({error.strerror or error})") from None
 
 
 @contextmanager

@@ -74,8 +74,8 @@ def commands() -> None:
 
 def run(arguments: list[str] | None = None) -> None:
     """Run the command line; bad input ends with one sentence and exit code 2."""
-    if threading.current_thread() is threading.main_thread():
-        signal.signal(signal.SIGTERM, _stop)
+    stopped = threading.Event()
+    _stop_on_signals(stopped)
     _prepare_output()
     _prepare_libraries()
     given = sys.argv[1:] if arguments is None else arguments
@@ -87,31 +87,51 @@ def run(arguments: list[str] | None = None) -> None:
             result = commands.main(
                 args=given or ["--help"], prog_name="chromanoise", standalone_mode=False
             )
-    except click.ClickException as error:
-        _leave(error.format_message())
-    except InputError as error:
-        _leave(str(error))
-    except BrokenPipeError:
-        sys.stderr.close()  # the reader of our output went away: nothing is left to say
-        sys.exit(1)
-    except OSError as error:
-        _leave(f"{error.filename or 'standard output'}: {error.strerror or error}")
-    except (ArithmeticError, RuntimeWarning) as error:
-        _leave(
-            f"a number leaves double precision ({error}); choose less extreme values of the "
-            "light, the exposure, the pixel or the matrix"
-        )
-    except MemoryError:
-        _leave("this machine has not enough memory for that; take a smaller cube or fewer bands")
-    except (click.Abort, KeyboardInterrupt):
-        click.echo("chromanoise: stopped", err=True)
-        sys.exit(130)
+    except BaseException as error:
+        # while a library is imported, a stop may be raised as another exception
+        if stopped.is_set() or isinstance(error, click.Abort | KeyboardInterrupt):
+            click.echo("chromanoise: stopped", err=True)
+            sys.exit(130)
+        if isinstance(error, BrokenPipeError):
+            sys.stderr.close()  # the reader of our output went away: nothing is left to say
+            sys.exit(1)
+        sentence = _sentence(error)
+        if sentence is None:
+            raise
+        _leave(sentence)
     sys.exit(result if isinstance(result, int) else 0)
 
 
-def _stop(*_: object) -> None:
-    """End like Ctrl-C does, so that scratch files are cleared away."""
-    raise KeyboardInterrupt
+def _sentence(error: BaseException) -> str | None:
+    """What a person is told of an error; ``None`` if it is a mistake of the program."""
+    match error:
+        case click.ClickException():
+            return error.format_message()
+        case InputError():
+            return str(error)
+        case ArithmeticError() | RuntimeWarning():
+            return (
+                f"a number leaves double precision ({error}); choose less extreme values of the "
+                "light, the exposure, the pixel or the matrix"
+            )
+        case OSError():
+            return f"{error.filename or 'standard output'}: {error.strerror or error}"
+        case MemoryError():
+            return "this machine has not enough memory for that; take a smaller cube or fewer bands"
+    return None
+
+
+def _stop_on_signals(stopped: threading.Event) -> None:
+    """SIGTERM ends like Ctrl-C does, so that scratch files are cleared away."""
+
+    def stop(*_: object) -> None:
+        stopped.set()
+        raise KeyboardInterrupt
+
+    if threading.current_thread() is threading.main_thread():
+        signal.signal(signal.SIGTERM, stop)
+        if signal.getsignal(signal.SIGINT) is signal.default_int_handler:  # it may be ignored
+            signal.signal(signal.SIGINT, stop)
 
 
 def _prepare_output() -> None:

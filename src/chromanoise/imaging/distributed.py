@@ -37,8 +37,8 @@ def cluster(scheduler: str, *, workers: int | None = None) -> Iterator[Executor]
     Raises
     ------
     InputError
-        If dask is not installed or the scheduler does not answer within 10 s, or all of its
-        workers are lost.
+        If dask is not installed, the processes cannot be started, the scheduler does not answer
+        within 10 s, or all of its workers are lost.
     """
     try:
         import dask
@@ -52,12 +52,18 @@ def cluster(scheduler: str, *, workers: int | None = None) -> Iterator[Executor]
         stack.enter_context(dask.config.set(_QUIET))
         if scheduler == "local":
             with _stop_waiting():
-                processes = LocalCluster(  # type: ignore[no-untyped-call]
-                    n_workers=workers,
-                    threads_per_worker=1,
-                    dashboard_address="127.0.0.1:0",  # any free port, for this machine only
-                    silence_logs=logging.CRITICAL,  # a fault is told once, by who asked
-                )
+                try:
+                    processes = LocalCluster(  # type: ignore[no-untyped-call]
+                        n_workers=workers,
+                        threads_per_worker=1,
+                        dashboard_address="127.0.0.1:0",  # any free port, for this machine only
+                        silence_logs=logging.CRITICAL,  # a fault is told once, by who asked
+                    )
+                except (RuntimeError, OSError, TimeoutError):
+                    raise InputError(
+                        "the local cluster cannot be started, because a worker process ended at "
+                        "its start; memory is the usual cause, and fewer workers need less"
+                    ) from None
                 scheduler = stack.enter_context(processes).scheduler_address
         stack.enter_context(_lost_workers_told(scheduler))
         try:

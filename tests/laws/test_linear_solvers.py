@@ -1,0 +1,32 @@
+"""Solvers get finite numbers only: over an infinite one LAPACK may never come back."""
+
+import numpy as np
+import pytest
+
+from chromanoise import _linalg
+from chromanoise._check import InputError
+
+ONE = ("cholesky", "eigh", "eigvalsh", "inv", "matrix_rank", "pinv", "qr", "svd")
+TWO = ("lstsq", "solve")
+
+
+@pytest.mark.parametrize("name", [*ONE, *TWO])
+@pytest.mark.parametrize("bad", [np.inf, -np.inf, np.nan])
+def test_a_number_that_is_not_finite_is_refused_with_the_name_of_its_matrix(name, bad):
+    matrix = np.array([[2.0, 0.0], [0.0, bad]])
+    arrays = [matrix] if name in ONE else [np.eye(2), matrix]
+    with pytest.raises(InputError, match="the matrix of a camera: 1 of 4 numbers"):
+        getattr(_linalg, name)("the matrix of a camera", *arrays)
+
+
+def test_what_has_no_solution_is_refused_with_its_name():
+    with pytest.raises(InputError, match="a singular matrix"):
+        _linalg.inv("a singular matrix", np.zeros((2, 2)))
+
+
+def test_finite_numbers_are_solved():
+    matrix = np.array([[2.0, 1.0], [1.0, 3.0]])  # 2 x + y = 5, x + 3 y = 10: x = 1, y = 3
+    sides = np.array([5.0, 10.0])
+    np.testing.assert_allclose(_linalg.solve("two equations", matrix, sides), [1, 3], rtol=1e-14)
+    best = _linalg.lstsq("two equations", matrix, sides, rcond=None)[0]
+    np.testing.assert_allclose(best, [1, 3], rtol=1e-14)

@@ -1,0 +1,226 @@
+"""Whatever is typed: an answer, or one sentence and exit code 2."""
+
+import errno
+import json
+import os
+import signal
+import subprocess
+import sys
+from importlib import import_module
+from pathlib import Path
+
+import click
+import numpy as np
+import pytest
+
+import command_lines
+from chromanoise._check import InputError
+from chromanoise._files import whole_folder
+from chromanoise.cli import progress
+from outcomes import refused
+
+main = import_module("chromanoise.cli.main")
+TESTS = Path(__file__).parents[1]
+LINES = int(os.environ.get("CHROMANOISE_COMMAND_LINES", "300"))
+
+
+@pytest.fixture(autouse=True)
+def here(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def broken_among(count, seed):
+    done = subprocess.run(
+        [sys.executable, TESTS / "command_lines.py", str(seed), str(count)],
+        capture_output=True,
+        text=True,
+        check=False,
+        env=os.environ | {"OPENBLAS_NUM_THREADS": "1"},
+    )
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout)
+
+
+def test_a_few_random_command_lines_end_in_an_answer_or_in_sentences():
+    told = broken_among(16, seed=0)
+    assert told["broken"] == []
+    assert set(told["codes"]) == {"0", "2"}
+
+
+@pytest.mark.evidence
+def test_many_random_command_lines_end_in_an_answer_or_in_sentences():
+    told = broken_among(LINES, seed=1)
+    print({key: value for key, value in told.items() if key != "broken"})
+    assert told["broken"] == []
+
+
+def test_random_command_lines_know_a_valid_value_of_every_option():
+    for name in main._COMMANDS:
+        for param in command_lines.options_of(name):
+            if isinstance(param, click.Argument) or not param.is_flag:
+                assert command_lines.valid_values(name, param), f"{name} {param.name}"
+
+
+def test_without_arguments_the_help_is_printed(run):
+    assert run() == run("--help")
+    assert run()[0] == 0
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("analyze", "onyx-rgb", "--json", ""),
+        ("analyze", "onyx-rgb", "--json="),
+        ("analyze", "onyx-rgb", "--filter", ""),
+        ("analyze", "onyx-rgb", "--illuminant", ""),
+        ("analyze", ""),
+        ("simulate", "builtin:checker", "--sensor", "onyx-rgb", "--scheduler", ""),
+        ("simulate", "builtin:checker", "--sensor", "onyx-rgb", "-o", ""),
+        ("run", ""),
+    ],
+)
+def test_an_empty_word_is_refused(run, here, words):
+    before = words[-2] if words[-1] == "" else words[-1].rstrip("=")
+    refused(run(*words), before, "empty")
+    assert list(here.iterdir()) == []
+
+
+@pytest.mark.parametrize("word", ["\udcff.csv", "a\0.csv", "a\n.csv", "a\u2028.csv", "\x1b[2J"])
+def test_a_word_that_no_message_could_repeat_is_refused(run, word):
+    refused(run("analyze", word), ascii(word))
+
+
+def test_letters_that_the_output_cannot_show_are_escaped(here):
+    """In a process of its own, as are settings of libraries that cannot be meant."""
+    (here / "é.csv").write_text("wavelength_nm,R,G\n400,0.1,0.3\n1050,0.4,0.2\n")
+    settings = {"MPLBACKEND": "nope", "NUMBA_NUM_THREADS": "0", "PYTHONIOENCODING": "ascii"}
+    words = ["analyze", "é.csv", "--json", "j.json"]
+    done = subprocess.run(
+        [sys.executable, "-c", "from chromanoise.cli import main; main()", *words],
+        capture_output=True,
+        check=False,
+        env=os.environ | settings,
+    )
+    assert (done.returncode, done.stderr) == (0, b"")
+    assert "\\u00e9" in done.stdout.decode("ascii")
+    assert json.loads((here / "j.json").read_text("utf-8"))["sensors"][0]["name"] == "é"
+
+
+TOO_FAINT = """\
+wavelength_nm,R,G
+400,1e-300,1e-12
+1050,1e-300,1e-12
+"""
+
+
+def test_a_channel_of_next_to_no_electrons_is_refused_before_a_matrix_is_solved(run, here):
+    (here / "tiny.csv").write_text(TOO_FAINT)
+    lens = ("--f-number", 54734.5, "--pitch-um", 0.0132912)
+    light = ("--lux", 0.01, "--time-ms", 81125.6)
+    refused(run("analyze", "tiny.csv", "--matrix", "lmmse", *light, *lens), "tiny", "channel R")
+
+
+@pytest.mark.parametrize("name", ["ridge=1e308", "noise-regularized=1e16", "ridge=-1", "ridge=nan"])
+def test_a_parameter_of_a_matrix_beyond_its_bounds_is_refused_by_all_shells(run, here, name):
+    method, _, value = name.partition("=")
+    refused(run("analyze", "onyx-rgb", "--matrix", name), method, f"{float(value):g}")
+    (here / "s.toml").write_text(f'matrices = ["{name}"]\n[[sensors]]\nname = "onyx-rgb"\n')
+    refused(run("run", "s.toml"), "s.toml:1", method, f"{float(value):g}")
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("analyze", "onyx-rgb", "--json", "loop.csv"),
+        ("analyze", "onyx-rgb", "--table", "loop.csv"),
+        ("matrix", "onyx-rgb", "--export", "loop.csv"),
+        ("convert", "onyx-rgb", "loop.csv"),
+        ("run", "s.toml", "-o", "loop.csv"),
+        ("analyze", "loop.csv"),
+    ],
+)
+def test_a_loop_of_links_is_refused_and_left(run, here, words):
+    (here / "s.toml").write_text('[[sensors]]\nname = "onyx-rgb"\n')
+    (here / "loop.csv").symlink_to("loop.csv")
+    code, _, err = run(*words)
+    assert (code, err.count("\n")) == (2, 1)
+    assert "loop.csv" in err
+    assert (here / "loop.csv").is_symlink()
+
+
+@pytest.mark.parametrize("threads", ["1e20", "0", "-1", "1025"])
+def test_a_number_of_threads_that_cannot_be_is_refused(run, threads):
+    words = ("simulate", "builtin:checker", "--sensor", "onyx-rgb", "--threads", threads)
+    refused(run(*words), "threads", str(int(float(threads))))
+
+
+def test_pictures_without_compiled_kernels_are_refused(run, monkeypatch):
+    monkeypatch.setattr("numba.config.DISABLE_JIT", 1)
+    refused(run("simulate", "builtin:checker", "--sensor", "onyx-rgb"), "NUMBA_DISABLE_JIT")
+
+
+def test_a_full_disk_is_told_with_the_name_of_the_file(run, here):
+    refused(run("analyze", "onyx-rgb", "--json", "/dev/full"), "/dev/full", "No space left")
+    full = OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))  # as a write raises it, without a name
+    goal = Path("pictures")
+    with pytest.raises(InputError, match=r"^pictures: .*No space left"), whole_folder(goal):
+        raise full
+    assert list(here.iterdir()) == []
+
+
+def test_a_whole_number_may_be_written_with_an_exponent(run):
+    told = [run("reproduce", "--draws", draws, "--json", "-") for draws in ("1000", "1e3")]
+    assert told[0][0] == 0
+    assert told[0] == told[1]
+
+
+@pytest.mark.parametrize("draws", ["1e11", "1", "1.5", "inf", "x"])
+def test_a_number_of_draws_that_cannot_be_is_refused(run, draws):
+    refused(run("reproduce", "--draws", draws), "draws")
+
+
+def test_more_sensors_than_a_run_takes_are_refused_by_all_shells(run, here):
+    (here / "s.toml").write_text('[[sensors]]\nname = "onyx-rgb"\n' * 1001)
+    refused(run("run", "s.toml"), "s.toml:1: sensors", "1000", "1001")
+    refused(run("analyze", *["onyx-rgb"] * 1001), "1000", "1001")
+
+
+def test_a_number_beyond_double_precision_on_the_way_is_refused(run, monkeypatch):
+    monkeypatch.setattr(main.commands, "main", lambda **_: np.array([1e308]) * 10)
+    refused(run("catalog"), "double precision", "overflow")
+
+
+def test_a_stop_that_a_library_turns_into_another_exception_is_a_stop(run, monkeypatch):
+    def interrupted(**_):
+        try:
+            os.kill(os.getpid(), signal.SIGTERM)
+        except KeyboardInterrupt:
+            raise ImportError("initialization failed") from None
+
+    monkeypatch.setattr(main.commands, "main", interrupted)
+    code, out, err = run("catalog")
+    assert (code, out, err) == (130, "", "chromanoise: stopped\n")
+
+
+def test_a_local_cluster_whose_workers_end_at_once_is_refused(run, monkeypatch):
+    distributed = pytest.importorskip("dask.distributed")
+
+    def fails(**_):
+        raise RuntimeError("Nanny failed to start.")
+
+    monkeypatch.setattr(distributed, "LocalCluster", fails)
+    words = ("simulate", "builtin:checker", "--sensor", "onyx-rgb", "--scheduler", "local")
+    refused(run(*words), "worker")
+
+
+@pytest.mark.parametrize(
+    ("parts", "told"), [(100, "the work: takes about 3.3 min\n"), (10, "")]
+)  # 2 s each: 200 s and 20 s
+def test_only_a_long_computation_says_how_long_it_takes(capsys, monkeypatch, parts, told):
+    clock = iter(np.arange(0.0, 1000.0, 2.0))
+    monkeypatch.setattr(progress.time, "monotonic", lambda: next(clock))
+    with progress.progress_of("the work", parts, "parts") as advance:
+        for _ in range(3):
+            advance(1)
+    assert capsys.readouterr() == ("", told)
