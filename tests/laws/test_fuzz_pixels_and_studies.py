@@ -32,6 +32,7 @@ from chromanoise.study.runs import (
     study_from_text,
     study_of_output,
 )
+from chromanoise.study.runs.records import content_hash
 from chromanoise.study.tables import Column, Table
 from damage import TOKENS, mutated, random_edits
 
@@ -82,6 +83,7 @@ def read_table(path):
     return table_from_json(path.read_bytes().decode("utf-8", "replace"), source=str(path))
 
 
+RECORD = provenance(study_from_text(STARTER, source="starter"))
 SAMPLES = {
     "sheet": (read_pixel_source, SHEET),
     "sheet-json": (read_pixel_source, SHEET_JSON),
@@ -91,7 +93,7 @@ SAMPLES = {
     "study": (read_study, STUDY),
     "output": (
         study_of_output,
-        json.dumps(provenance(study_from_text(STARTER, source="starter")), indent=1),
+        json.dumps(RECORD | {"content": content_hash(RECORD)}, indent=1),
     ),
     "sensor-json": (own_sensor_of, sensor_json(SENSOR)),
     "spectra-json": (read_curves, spectra_json(sensor_spectra(SENSOR))),

@@ -24,7 +24,7 @@ _COMMANDS = {
     "matrix": "A sensor's color matrix: color error, noise, condition; to CSV, JSON, CLF, profile.",
     "init": "A commented study file to start from.",
     "run": "Run a study file: analyses, sweeps, pictures, with provenance.",
-    "rerun": "Run the study of an output once more, to the same bytes.",
+    "rerun": "Run the study of an output once more and compare the results.",
     "study": "What a study file may say; --schema for editors.",
     "catalog": "What is built in, with its source, range and known defects.",
     "inspect": "What was understood of a file of spectra, what looks wrong, what it cannot tell.",

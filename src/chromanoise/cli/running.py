@@ -11,14 +11,14 @@ from chromanoise.imaging import Work
 from chromanoise.study.runs import Step, Study, run_study
 
 
-def print_run(study: Study, out: Path, threads: int | None) -> None:
-    """Run a study and name its files."""
+def print_run(study: Study, out: Path, threads: int | None, place: Path | None = None) -> None:
+    """Run a study, whose files are named as seen from ``place``, and name its results."""
 
     def told(what: str, done: bool) -> None:
         click.echo(f"{what}{' (stood there)' if done else ''}", err=True)
 
     work = Work(threads=threads)
-    for file in run_study(study, out, work=work, told=told, progress=_progress):
+    for file in run_study(study, out, work=work, told=told, progress=_progress, place=place):
         click.echo(file)
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from chromanoise._check import InputError
-from chromanoise._files import regular_file
+from chromanoise._inputs import regular_file
 from chromanoise.exposure import Situation
 from chromanoise.page.asked import QuestionError
 from chromanoise.page.remembered import Remembered

@@ -1,5 +1,6 @@
 """A study in a file, and its run."""
 
+from chromanoise.study.runs.agreement import Agreement, agreement_of, agreement_text
 from chromanoise.study.runs.analyses import Outcome, outcome_of, outcomes_as_json
 from chromanoise.study.runs.document import MOST_SENSORS, OutputsPart, Study, study_schema
 from chromanoise.study.runs.hashes import (
@@ -16,7 +17,7 @@ from chromanoise.study.runs.pixel_files import (
     sensor_with_pixel,
 )
 from chromanoise.study.runs.reading import read_study, study_from_data, study_from_text
-from chromanoise.study.runs.records import run_study, study_of_output
+from chromanoise.study.runs.records import RecordedRun, recorded_run, run_study, study_of_output
 from chromanoise.study.runs.running import Step, study_steps
 from chromanoise.study.runs.scripts import study_as_python
 from chromanoise.study.runs.starter import STARTER
@@ -25,10 +26,14 @@ from chromanoise.study.runs.texts import study_as_command, study_as_toml
 __all__ = [
     "MOST_SENSORS",
     "STARTER",
+    "Agreement",
     "Outcome",
     "OutputsPart",
+    "RecordedRun",
     "Step",
     "Study",
+    "agreement_of",
+    "agreement_text",
     "file_digests",
     "file_word",
     "idle_answers",
@@ -38,6 +43,7 @@ __all__ = [
     "provenance",
     "read_pixel_source",
     "read_study",
+    "recorded_run",
     "run_study",
     "sensor_with_pixel",
     "study_as_command",

@@ -163,7 +163,7 @@ def changes_since(study: Study, before: Mapping[str, str]) -> tuple[str, ...]:
     now = {_told(file): file for file in dict.fromkeys(_files(study))}
     for name in dict.fromkeys((*before, *now)):
         there = name in now and now[name].exists()
-        if not there and name.startswith("catalog/"):
+        if not there and in_catalog(name):
             entry = Path(name).stem
             told.append(
                 f"unknown {entry!r}; set CHROMANOISE_CATALOG to the folder of {name[8:]}"
@@ -177,6 +177,24 @@ def changes_since(study: Study, before: Mapping[str, str]) -> tuple[str, ...]:
         elif _digest(now[name]) != before[name]:
             told.append(f"{name} has changed since")
     return tuple(sentence for sentence in told if sentence)
+
+
+def file_stamps(study: Study) -> dict[str, tuple[int, int, int] | None]:
+    """Dates and size of every file that a study names: where they are the same, it is unchanged."""
+    return {str(file): _stamp(file) for file in _files(study)}
+
+
+def _stamp(file: Path) -> tuple[int, int, int] | None:
+    try:
+        found = file.stat()
+    except (OSError, ValueError):
+        return None
+    return found.st_mtime_ns, found.st_ctime_ns, found.st_size
+
+
+def in_catalog(name: str) -> bool:
+    """Whether a name under which results tell of a file is one of the user's catalogue."""
+    return name.startswith("catalog/")
 
 
 def _told(file: Path) -> str:

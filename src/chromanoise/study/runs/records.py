@@ -2,21 +2,28 @@
 
 import hashlib
 import json
-from collections.abc import Callable
-from contextlib import AbstractContextManager, nullcontext
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import AbstractContextManager, chdir, nullcontext
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from pydantic import ValidationError
 
-from chromanoise import __version__
 from chromanoise._check import InputError
-from chromanoise._files import refuse_unwritable, whole_folder
+from chromanoise._files import claimed_folder, refuse_unwritable
 from chromanoise._inputs import regular_file
 from chromanoise.imaging import Work
 from chromanoise.spectra.files.own_json import named
 from chromanoise.study.runs.document import Study
-from chromanoise.study.runs.hashes import changes_since, provenance, study_as_json, study_hash
+from chromanoise.study.runs.hashes import (
+    changes_since,
+    file_stamps,
+    in_catalog,
+    provenance,
+    study_hash,
+)
+from chromanoise.study.runs.numerics import numerics
 from chromanoise.study.runs.running import Advance, Step, study_steps
 
 STUDY_FILE = "study.json"
@@ -30,6 +37,25 @@ Progress = Callable[[Step], AbstractContextManager[Advance]]
 """While a step runs: a function to call with the number of its parts that are finished."""
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RecordedRun:
+    """What an output says of the run that made it.
+
+    Attributes
+    ----------
+    study
+        With the names of its files as they are seen from ``place``.
+    place
+        Where its files are now: the working folder of the run, or where it was moved to.
+    folder
+        Of the results.
+    """
+
+    study: Study
+    place: Path
+    folder: Path
+
+
 def run_study(
     study: Study,
     folder: Path,
@@ -37,6 +63,7 @@ def run_study(
     work: Work | None = None,
     told: Told | None = None,
     progress: Progress = lambda _: nullcontext(lambda _: None),
+    place: Path | None = None,
 ) -> list[Path]:
     """Run all of a study; a run that was stopped goes on where it was.
 
@@ -52,6 +79,9 @@ def run_study(
         Is told of each step.
     progress
         Is told how far each step is.
+    place
+        From which the names of files are told, and the working folder of this process while the
+        study runs; the working folder as it is if ``None``.
 
     Returns
     -------
@@ -61,30 +91,38 @@ def run_study(
     Raises
     ------
     InputError
-        If something cannot be computed, or the folder not written, or it holds another study.
+        If something cannot be computed, or the folder not written, or it holds another study, or
+        a file changes while it is read.
     """
     refuse_unwritable(folder)
-    _refuse_other_study(folder, study)
-    steps = study_steps(study, work=work)
-    who = provenance(study)
-    if not (folder / STUDY_FILE).exists():
-        with whole_folder(folder) as scratch:
-            _write(scratch / STUDY_FILE, who | {"steps": [step.name for step in steps]})
-    files = []
-    for step in steps:
-        file = folder / f"{step.name}.json"
-        done = _made_by(file, who["hash"])
-        if told:
-            altered = file.exists() and not done
-            told(step.what + ("; its file was changed or is cut short" if altered else ""), done)
-        if not done:
-            with whole_folder(folder) as scratch, progress(step) as advance:
-                result = step.run(scratch, advance)
-                told_of = {"step": step.name, "written": _written(scratch), "result": result}
-                whole = who | told_of
-                _write(scratch / file.name, whole | {"content": _content(whole)})
-        files.append(file)
-    return files
+    results = folder.absolute()
+    with (
+        claimed_folder(folder) as scratch_folder,
+        nullcontext() if place is None else chdir(place),
+    ):
+        stamps = file_stamps(study)
+        who = provenance(study) | {"numerics": numerics()}
+        _refuse_other_study(results, study, who, folder)
+        steps = study_steps(study, work=work)
+        if not (results / STUDY_FILE).exists():
+            with scratch_folder() as scratch:
+                names = {"steps": [step.name for step in steps]}
+                _write(scratch / STUDY_FILE, who | _place_record(who["files"]) | names)
+        for step in steps:
+            file = results / f"{step.name}.json"
+            done = _made_by(file, who["hash"])
+            if told:
+                altered = file.exists() and not done
+                told(
+                    step.what + ("; its file was changed or is cut short" if altered else ""), done
+                )
+            if not done:
+                with scratch_folder() as scratch, progress(step) as advance:
+                    result = step.run(scratch, advance)
+                    _refuse_change_in_work(study, stamps, who["files"])
+                    told_of = {"step": step.name, "written": _written(scratch), "result": result}
+                    _write(scratch / file.name, who | told_of)
+    return [folder / f"{step.name}.json" for step in steps]
 
 
 def study_of_output(path: Path) -> Study:
@@ -93,7 +131,26 @@ def study_of_output(path: Path) -> Study:
     Raises
     ------
     InputError
-        If it is no output of a run, or of another version of chromanoise.
+        As `recorded_run`.
+    """
+    return recorded_run(path).study
+
+
+def recorded_run(path: Path) -> RecordedRun:
+    """The run that made an output, or the folder of one.
+
+    Parameters
+    ----------
+    path
+        Of a file that `run_study` wrote, or its folder. The files of the study are looked for in
+        the recorded folder, in those around the output, and in the working folder, and known
+        again by their content.
+
+    Raises
+    ------
+    InputError
+        If it is no output of a run, was changed, or is of another version of chromanoise; or the
+        files of its study have changed or are not found.
     """
     file = path / STUDY_FILE if path.is_dir() else path
     if file.suffix.lower() == ".toml":
@@ -107,9 +164,10 @@ def study_of_output(path: Path) -> Study:
         raise InputError(
             f"{file}: what it says of its study is no study of this version; run the study anew"
         ) from None
-    _refuse_changed_files(file, told, study)
+    place = _place_of(file, told, study)
     try:
-        now = study_hash(study)
+        with chdir(place):
+            now = study_hash(study)
     except InputError as error:
         raise named(error, str(file)) from None
     if now != told["hash"]:
@@ -117,41 +175,117 @@ def study_of_output(path: Path) -> Study:
             f"{file}: was made by version {told.get('version')!r} of chromanoise or was changed "
             "since, so the same digits cannot be promised; run its study anew"
         )
-    return study
+    _refuse_altered(file, told)
+    return RecordedRun(study=study, place=place, folder=file.parent)
 
 
-def _refuse_other_study(folder: Path, study: Study) -> None:
+def output_files(folder: Path) -> tuple[str, ...]:
+    """Names of all files of a whole run: its record, and each result with its pictures.
+
+    Raises
+    ------
+    InputError
+        If one of them cannot be read.
+    """
+    names = [STUDY_FILE]
+    for step in _read(folder / STUDY_FILE)["steps"]:
+        names += [f"{step}.json", *_read(folder / f"{step}.json")["written"]]
+    return tuple(names)
+
+
+def _place_record(files: Iterable[str]) -> dict[str, str]:
+    """Where the names of files are told from, if that matters."""
+    return {"place": str(Path.cwd())} if _relative(files) else {}
+
+
+def _relative(files: Iterable[str]) -> bool:
+    return any(not Path(name).is_absolute() and not in_catalog(name) for name in files)
+
+
+def _place_of(file: Path, told: dict[str, Any], study: Study) -> Path:
+    """The folder from which the study's files are seen with the content that was recorded."""
+    here, before = Path.cwd(), told.get("files")
+    if not isinstance(before, dict):
+        return here
+    if not _relative(before):
+        places = [here]
+    else:
+        beside = told if file.name == STUDY_FILE else _beside(file)
+        places = [Path(str(beside.get("place", here))), *file.resolve().parents, here]
+    faults = []
+    for place in dict.fromkeys(places):
+        try:
+            with chdir(place):
+                changed = changes_since(study, before)
+        except InputError as error:
+            raise named(error, str(file)) from None
+        except (OSError, ValueError):  # there is no such folder
+            continue
+        if not changed:
+            return place
+        faults.append(changed)
+    raise _changed(file, min(faults, key=len))
+
+
+def _beside(file: Path) -> dict[str, Any]:
+    """The record of the run that wrote the result of a step; nothing if it is not there."""
+    try:
+        told = _read(file.parent / STUDY_FILE)
+    except InputError:
+        return {}
+    return told if isinstance(told, dict) else {}
+
+
+def _refuse_other_study(folder: Path, study: Study, who: dict[str, Any], called: Path) -> None:
     file = folder / STUDY_FILE
     if not file.exists():
         return
     told = _read(file)
-    same = isinstance(told, dict) and told.get("study") == study_as_json(study)
-    if same and told.get("version") == __version__:
-        _refuse_changed_files(folder, told, study)
-    if not isinstance(told, dict) or told.get("hash") != study_hash(study):
+    if not isinstance(told, dict):
+        told = {}
+    before = told.get("files")
+    same = all(told.get(key) == who[key] for key in ("version", "study"))
+    if same and isinstance(before, dict) and before != who["files"]:
+        changed = changes_since(study, before)
+        if changed:
+            raise _changed(called, changed)
+    if told.get("hash") != who["hash"]:
         raise InputError(
-            f"{folder}: holds the results of another study or version; name another folder with "
+            f"{called}: holds the results of another study or version; name another folder with "
             "--out, or remove it"
         )
+    _refuse_altered(called / STUDY_FILE, told)
 
 
-def _refuse_changed_files(place: Path, told: dict[str, Any], study: Study) -> None:
-    """Say which of the files, before a hash says only that something is another."""
-    before = told.get("files")
-    if not isinstance(before, dict):
-        return
-    try:
-        changed = changes_since(study, before)
-    except InputError as error:
-        raise named(error, str(place)) from None
-    if changed:
+def _changed(place: Path, changed: Sequence[str]) -> InputError:
+    """Says which of the files, before a hash says only that something is another."""
+    return InputError(
+        f"{place}: {'; '.join(changed[:8])}, so the same digits cannot be promised; bring it "
+        "back, or run the study anew into another folder"
+    )
+
+
+def _refuse_altered(file: Path, told: dict[str, Any]) -> None:
+    if told.get("content") != content_hash(told):
         raise InputError(
-            f"{place}: {'; '.join(changed[:8])}, so the same digits cannot be promised; bring it "
-            "back, or run the study anew into another folder"
+            f"{file}: was changed since the run wrote it, as its content hash shows; restore it, "
+            "or run the study anew into another folder"
         )
 
 
-def _content(told: dict[str, Any]) -> str:
+def _refuse_change_in_work(study: Study, stamps: Any, before: Mapping[str, str]) -> None:
+    """A result of a file that changed while it was read mixes two states, so it is not kept."""
+    if file_stamps(study) == stamps:
+        return
+    changed = [sentence.removesuffix(" since") for sentence in changes_since(study, before)]
+    if changed:
+        raise InputError(
+            f"{'; '.join(changed[:8])} while the study ran, so the result is not kept; run the "
+            "study again when nothing writes its files"
+        )
+
+
+def content_hash(told: dict[str, Any]) -> str:
     """SHA-256 of all that a file says but this."""
     rest = {key: value for key, value in told.items() if key != "content"}
     return hashlib.sha256(json.dumps(rest, allow_nan=False).encode()).hexdigest()
@@ -164,7 +298,7 @@ def _made_by(file: Path, hash_: str) -> bool:
         told = _read(file)
         if not isinstance(told, dict) or told.get("hash") != hash_:
             return False
-        if told.get("content") != _content(told):
+        if told.get("content") != content_hash(told):
             return False
     except (InputError, ValueError):  # no JSON any longer, or not a number in it
         return False
@@ -200,4 +334,5 @@ def _read(file: Path) -> Any:
 
 
 def _write(file: Path, told: dict[str, Any]) -> None:
+    told = told | {"content": content_hash(told)}
     file.write_text(json.dumps(told, indent=1, allow_nan=False) + "\n", encoding="utf-8")

@@ -1,0 +1,143 @@
+"""How well the outputs of two runs of one study agree: in bytes, or up to which difference."""
+
+import filecmp
+import json
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import tifffile
+from PIL import Image
+
+from chromanoise._check import Array
+from chromanoise.study.runs.records import STUDY_FILE, output_files
+
+_ROUNDING = 1e-9
+"""Relative difference up to which other kernels of a BLAS were seen to change an analysis."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Agreement:
+    """Of a second run with the first.
+
+    Attributes
+    ----------
+    files
+        How many files the second run wrote.
+    other_bytes
+        Names of those that have other bytes in the first, or are not there.
+    largest
+        Largest relative difference of two numbers, ``|a - b| / max(|a|, |b|)``. [1]
+    where
+        File and place of that number; empty where no number differs.
+    incomparable
+        Files and places where not only numbers differ.
+    """
+
+    files: int
+    other_bytes: tuple[str, ...]
+    largest: float
+    where: str
+    incomparable: tuple[str, ...]
+
+
+def agreement_of(first: Path, second: Path) -> Agreement:
+    """How well the files of a whole second run agree with those of the same names in the first.
+
+    Parameters
+    ----------
+    first, second
+        The folders of the runs. Of the record of a run only the bytes are compared, of a result
+        its numbers, of a picture the values of its pixels.
+
+    Raises
+    ------
+    InputError
+        If the second run is not whole.
+    """
+    names = output_files(second)
+    other = tuple(name for name in names if not _same_bytes(first / name, second / name))
+    largest, where, incomparable = 0.0, "", []
+    for name in other:
+        if name == STUDY_FILE:
+            continue
+        try:
+            found = list(_differences(first / name, second / name))
+        except (OSError, ValueError):  # not there, or not the file that a run wrote
+            found = [(np.inf, "")]
+        for difference, place in found:
+            if not np.isfinite(difference):
+                incomparable.append(f"{name} {place}".strip())
+            elif difference > largest:
+                largest, where = difference, f"{name} {place}".strip()
+    return Agreement(
+        files=len(names),
+        other_bytes=other,
+        largest=largest,
+        where=where,
+        incomparable=tuple(incomparable),
+    )
+
+
+def agreement_text(found: Agreement) -> str:
+    """The agreement in one sentence."""
+    if not found.other_bytes:
+        return f"all {found.files} files have the same bytes as the original"
+    parts = [f"{len(found.other_bytes)} of {found.files} files have other bytes than the original"]
+    if found.incomparable:
+        more = f" and {len(found.incomparable) - 3} more" if len(found.incomparable) > 3 else ""
+        parts.append(f"not comparable: {', '.join(found.incomparable[:3])}{more}")
+    if found.where:
+        size = "no more" if found.largest <= _ROUNDING else "more"
+        parts.append(
+            f"the largest relative difference of a number is {found.largest:.1e}, at {found.where}"
+            f" ({size} than the {_ROUNDING:g} that other processors and libraries explain)"
+        )
+    elif not found.incomparable:
+        parts.append("all numbers are equal")
+    return "; ".join(parts)
+
+
+def _same_bytes(first: Path, second: Path) -> bool:
+    try:
+        return filecmp.cmp(first, second, shallow=False)
+    except OSError:
+        return False
+
+
+def _differences(first: Path, second: Path) -> Iterator[tuple[float, str]]:
+    if second.suffix == ".json":
+        one, other = (json.loads(path.read_bytes())["result"] for path in (first, second))
+        yield from _of_data(one, other, "")
+    elif second.suffix in (".tiff", ".dng", ".png"):
+        yield _of_pixels(_pixels(first), _pixels(second)), ""
+    else:
+        yield np.inf, ""
+
+
+def _of_data(one: Any, other: Any, place: str) -> Iterator[tuple[float, str]]:
+    if isinstance(one, dict) and isinstance(other, dict) and one.keys() == other.keys():
+        for key in one:
+            yield from _of_data(one[key], other[key], f"{place}/{key}")
+    elif isinstance(one, list) and isinstance(other, list) and len(one) == len(other):
+        for i, (each, its) in enumerate(zip(one, other, strict=True)):
+            yield from _of_data(each, its, f"{place}/{i}")
+    elif one != other:
+        numbers = all(type(value) in (int, float) for value in (one, other))
+        yield (abs(one - other) / max(abs(one), abs(other)) if numbers else np.inf), place
+
+
+def _pixels(path: Path) -> Array:
+    if path.suffix == ".png":
+        with Image.open(path) as image:
+            return np.asarray(image, dtype=np.float64)
+    return np.asarray(tifffile.imread(path), dtype=np.float64)
+
+
+def _of_pixels(one: Array, other: Array) -> float:
+    if one.shape != other.shape:
+        return float(np.inf)
+    most = np.maximum(np.abs(one), np.abs(other))
+    return float(np.max(np.abs(one - other) / np.where(most > 0, most, 1.0), initial=0.0))

@@ -1,0 +1,200 @@
+"""Results run again from anywhere, no input changes unseen, and agreement is measured."""
+
+import json
+import os
+import platform
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import tifffile
+
+import chromanoise
+from chromanoise._check import InputError
+from chromanoise.study.runs import agreement_of, agreement_text, read_study, run_study
+from outcomes import refused
+
+STUDY = """\
+matrices = ["kernel"]
+[light]
+illuminant = "lamp.csv"
+[[sensors]]
+name = "cam.csv"
+[[pictures]]
+cube = "cube.npz"
+formats = ["png", "xyz"]
+"""
+WAVELENGTH = np.linspace(400, 1050, 14)
+
+
+def cube_of(reflectance):
+    return {
+        "reflectance": np.full((8, 8, WAVELENGTH.size), reflectance, np.float32),
+        "wavelength_nm": WAVELENGTH,
+    }
+
+
+@pytest.fixture
+def project(tmp_path, monkeypatch):
+    """A folder with a study whose sensor, light and cube are files beside it."""
+    folder = tmp_path / "project"
+    folder.mkdir()
+    rows = [f"{w},{0.3},{0.1 + w / 9000},{0.2}" for w in range(400, 1051, 10)]
+    (folder / "cam.csv").write_text("\n".join(["wavelength_nm,A,B,C", *rows]))
+    (folder / "lamp.csv").write_text("wavelength_nm,lamp [W]\n380,1\n1060,2\n")
+    np.savez(folder / "cube.npz", **cube_of(0.5))
+    (folder / "study.toml").write_text(STUDY)
+    monkeypatch.chdir(folder)
+    return folder
+
+
+def files_of(folder):
+    return {path.name: path.read_bytes() for path in folder.iterdir()}
+
+
+@pytest.fixture
+def made(run, project):
+    code, _, err = run("run", "study.toml")
+    assert code == 0, err
+    return project / "out" / "study"
+
+
+def test_a_result_runs_again_from_any_folder_to_the_same_bytes(run, made, tmp_path, monkeypatch):
+    (tmp_path / "elsewhere").mkdir()
+    monkeypatch.chdir(tmp_path / "elsewhere")
+    for number, output in enumerate((made, made / "analysis-kernel.json")):
+        code, out, err = run("rerun", output, "-o", f"again-{number}")
+        assert code == 0, err
+        assert out.split() == [
+            f"again-{number}/{name}.json" for name in ("analysis-kernel", "pictures-1")
+        ]
+        assert files_of(Path(f"again-{number}")) == files_of(made)
+        assert "same bytes" in err.splitlines()[-1]
+    assert Path.cwd() == tmp_path / "elsewhere"
+
+
+def test_results_outside_of_the_project_find_its_files(run, project, tmp_path, monkeypatch):
+    assert run("run", "study.toml", "-o", tmp_path / "results")[0] == 0
+    monkeypatch.chdir(tmp_path)
+    assert run("rerun", "results", "-o", "again")[0] == 0
+    assert files_of(tmp_path / "again") == files_of(tmp_path / "results")
+
+
+def test_a_project_that_was_moved_whole_runs_again_with_its_own_files(run, made, project, tmp_path):
+    os.chdir(tmp_path)
+    project.rename(tmp_path / "moved")
+    project.mkdir()
+    (project / "cam.csv").write_text("another file in the old place")
+    code, _, err = run("rerun", "moved/out/study", "-o", "again")
+    assert code == 0, err
+    for name in ("analysis-kernel.json", "pictures-1.json"):
+        assert (Path("again") / name).read_bytes() == (Path("moved/out/study") / name).read_bytes()
+    assert "all numbers are equal" in err.splitlines()[-1]
+
+
+def test_a_project_whose_files_are_not_found_is_one_sentence(run, made, project, tmp_path):
+    os.chdir(tmp_path)
+    made.rename(tmp_path / "results")
+    project.rename(tmp_path / "gone")
+    refused(run("rerun", "results", "-o", "again"), "results/study.json", "cam.csv")
+    assert not (tmp_path / "again").exists()
+
+
+def changed_in_place(path):
+    np.savez(path, **cube_of(0.25))
+
+
+def grown(path):
+    path.write_bytes(path.read_bytes() + b"more")
+
+
+@pytest.mark.parametrize("change", [changed_in_place, grown, Path.unlink])
+def test_a_cube_that_changes_while_it_is_read_gives_no_result(project, change):
+    def told(what, _):
+        if "cube" in what:  # after its digest was taken, before it is read
+            change(project / "cube.npz")
+
+    with pytest.raises(InputError, match=r"cube\.npz") as error:
+        run_study(read_study("study.toml"), Path("o"), told=told)
+    assert len(str(error.value).splitlines()) == 1
+    assert set(files_of(Path("o"))) == {"study.json", "analysis-kernel.json"}
+
+
+def test_a_file_with_another_date_and_the_same_content_is_the_same_file(project):
+    study = read_study("study.toml")
+    run_study(study, Path("o"), told=lambda *_: os.utime(project / "cube.npz", (100, 100)))
+    assert run_study(study, Path("o")) == [
+        Path("o/analysis-kernel.json"),
+        Path("o/pictures-1.json"),
+    ]
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [("seed", 8), ("version", "9.9"), ("steps", []), ("place", "/"), ("numerics", {})],
+)
+def test_no_part_of_the_record_of_a_run_can_be_altered_unseen(run, made, key, value):
+    record = json.loads((made / "study.json").read_bytes())
+    assert record[key] != value
+    (made / "study.json").write_text(json.dumps(record | {key: value}, indent=1) + "\n")
+    refused(run("rerun", made, "-o", "again"), "study.json", "changed since")
+    code, _, err = run("run", "study.toml")
+    assert (code, len(err.splitlines())) == (2, 1)
+    assert not Path("again").exists()
+
+
+def test_a_run_into_a_folder_that_another_run_is_writing_is_refused(project):
+    def told(*_):
+        run_study(read_study("study.toml"), Path("o"))
+
+    with pytest.raises(InputError, match=f"^o: process {os.getpid()} is writing into it"):
+        run_study(read_study("study.toml"), Path("o"), told=told)
+
+
+def test_agreement_names_the_largest_relative_difference_and_its_place(made, tmp_path):
+    same = agreement_of(made, made)
+    assert (same.files, same.other_bytes, same.largest) == (len(files_of(made)), (), 0.0)
+    shutil.copytree(made, tmp_path / "again")
+    file = tmp_path / "again" / "analysis-kernel.json"
+    told = json.loads(file.read_bytes())
+    own = told["result"]["sensors"][0]
+    (stage,) = [key for key, value in own.items() if isinstance(value, float)][:1]
+    own[stage] *= 1 + 2e-6
+    file.write_text(json.dumps(told))
+    found = agreement_of(made, tmp_path / "again")
+    assert found.other_bytes == ("analysis-kernel.json",)
+    assert found.where == f"analysis-kernel.json /sensors/0/{stage}"
+    assert found.largest == pytest.approx(2e-6, rel=1e-5)
+    assert not found.incomparable
+    (picture,) = (tmp_path / "again").glob("*.xyz.tiff")
+    xyz = tifffile.imread(picture)
+    xyz[3, 4, 1] *= 1.5
+    tifffile.imwrite(picture, xyz, photometric="minisblack", planarconfig="contig")
+    found = agreement_of(made, tmp_path / "again")
+    assert found.where == picture.name
+    assert found.largest == pytest.approx(1 / 3, rel=1e-5)
+    (made / "pictures-1.json").unlink()
+    assert agreement_of(made, tmp_path / "again").incomparable == ("pictures-1.json",)
+    assert re.search(r"3\.3e-01", agreement_text(found))
+
+
+def record_of(folder, **variables):
+    source = Path(chromanoise.__file__).parents[1]
+    script = "from chromanoise.study.runs.numerics import numerics; print(repr(numerics()))"
+    done = subprocess.run(
+        [sys.executable, "-c", script], cwd=folder, capture_output=True, text=True, check=True,
+        env={**os.environ, "PYTHONPATH": str(source), **variables}, timeout=60,
+    )  # fmt: skip
+    return eval(done.stdout)
+
+
+def test_the_record_names_what_decides_the_last_digits(made, tmp_path):
+    record = json.loads((made / "study.json").read_bytes())["numerics"]
+    assert (record["machine"], record["numpy"]) == (platform.machine(), np.__version__)
+    if record["blas_kernel"] is None or platform.machine() != "x86_64":
+        pytest.skip("the BLAS of this numpy does not report its kernel")
+    assert record_of(tmp_path, OPENBLAS_CORETYPE="Nehalem")["blas_kernel"] == "Nehalem"
