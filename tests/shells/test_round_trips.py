@@ -43,6 +43,7 @@ def write_csv(path, table, names):
 
 SAID = {
     "QE": ("--quantity", "QE", "--absolute"),
+    "QE of unknown level": ("--quantity", "QE"),
     "QE that is relative": ("--quantity", "QE", "--relative"),
     "response": ("--quantity", "response", "--energy", "--relative"),
     "response per photon": ("--quantity", "response", "--photons", "--absolute"),

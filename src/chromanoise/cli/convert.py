@@ -57,7 +57,8 @@ def convert(source: str, target: Path, form: str, created: str | None, **options
     """Write the curves of IN, a file of spectra or a sensor of the catalogue, as OUT.
 
     OUT ends in .csv, .json (all that is known, or rawtoaces' form) or .spdx (IES TM-27, one
-    curve). Numbers keep all their digits; what the format cannot keep is told.
+    curve). All of them can be read again. Numbers keep all their digits; what the format cannot
+    keep is told.
     """
     ending = target.suffix.lower()
     if ending not in _ENDINGS:

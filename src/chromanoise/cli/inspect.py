@@ -29,8 +29,9 @@ _MOST_NAMES = 12
 def inspect(file: Path, json_target: str | None, **options: Any) -> None:
     """What was understood of a FILE of spectra, what looks wrong in it, and what it cannot tell.
 
-    CSV and other delimited text, digitized curves, ISETCam .mat, rawtoaces .json, CGATS and
-    Argyll .sp, IES TM-27 .spdx, .xlsx, and the .json that convert writes.
+    CSV and other delimited text, digitized curves, ISETCam and camera database .mat, rawtoaces,
+    DCamProf (ssf-data) and plain .json, CGATS and Argyll .sp, IES TM-27 .spdx, ENVI libraries
+    .sli with .hdr, tables of .fits, .xlsx, and the .csv and .json that convert writes.
     """
     refuse_inputs(json_target, "--json", str(file))
     own = own_sensor_of(file) if file.is_file() else None

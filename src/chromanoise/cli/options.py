@@ -52,8 +52,8 @@ _SHARED = (
         default="E",
         show_default=True,
         help="E, A, G173 (daylight to 1050 nm), D65 and other CIE names, halogen, led-white, "
-        "3200K, LED660, A+0.5xLED850 (an infrared diode beside it), a file of one curve, or "
-        "another of `chromanoise catalog illuminants`.",
+        "3200K, LED660, A+0.5xLED850 (an infrared diode beside it), a file of one curve "
+        "(any format of `chromanoise inspect`), or another of `chromanoise catalog illuminants`.",
     ),
     click.option("--lux", type=float, default=10.0, show_default=True, help="Illuminance [lx]."),
     click.option("--time-ms", type=float, help="Integration time [ms], the same for all sensors."),
@@ -107,7 +107,8 @@ _SHARED = (
         "filter_word",
         metavar="NAME|FILE",
         help="In front of all sensors: ircut-650, ircut-650/20, ircut-schott, another of "
-        "`chromanoise catalog filters`, or a file of one transmittance.",
+        "`chromanoise catalog filters`, or a file of one transmittance (any format of `chromanoise "
+        "inspect`).",
     ),
     click.option(
         "--filter-wavelength-unit",

@@ -15,7 +15,7 @@ from chromanoise.spectra.files.declared import (
     is_wavelength_heading,
     with_units,
 )
-from chromanoise.spectra.files.own_json import declared
+from chromanoise.spectra.files.own_json import UNIT_OF_COLUMN, declared
 from chromanoise.spectra.files.tables import Row, is_number, name_and_unit, table_of
 from chromanoise.spectra.files.understood import Found
 
@@ -65,7 +65,9 @@ def read_delimited(text: str, source: str) -> Found:
         head=head,
         delimiter=delimiter,
         decimal=decimal,
-        unit={"1": ""}.get(keys.get("unit", ""), keys.get("unit")) if "version" in facts else None,
+        unit=UNIT_OF_COLUMN.get(keys.get("unit", ""), keys.get("unit"))
+        if "version" in facts
+        else None,
     )
     return replace(found, **_said(facts, keys))
 

@@ -60,6 +60,8 @@ def _table(path: Path, part: Any, place: int, at_name: str) -> Found:
         )
     units = {column.name: (column.unit or "").strip() for column in part.columns}
     at = _numbers(path, part, at_name)
+    if part.data[at_name].dtype.itemsize == 4:  # 0.4 um in 4 bytes is 0.4, not 0.4000000060
+        at = np.array([float(str(np.float32(value))) for value in at])
     if not np.isfinite(at).all():
         raise _check.InputError(f"{path}: the column {at_name!r} has rows without a wavelength")
     others = [name for name in part.columns.names if name != at_name]

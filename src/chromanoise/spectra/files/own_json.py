@@ -14,6 +14,9 @@ SCHEMA_VERSION = 1
 """Of every schema; a file of another version is not read."""
 
 SPECTRA_SCHEMA = "chromanoise spectra"
+UNIT_OF_COLUMN = {"1": "", "e-/photon": ""}
+"""Units that the quantity says already: in a heading, e-/photon would mean absolute as well."""
+
 _LARGEST = 1e30  # as in all other files of spectra
 
 
@@ -89,7 +92,7 @@ def own_spectra(held: Mapping[str, Any], source: str) -> Found:
         columns=tuple(
             Column(
                 name=name,
-                unit="" if unit == "1" else unit,
+                unit=UNIT_OF_COLUMN.get(unit, unit),
                 wavelength=wavelength,
                 values=values[:, k],
             )
