@@ -5,6 +5,7 @@ or gigabytes of memory are seen and end nothing but that process. What libhdf5 i
 a further process, as in use, only forked instead of started. The summary is JSON on stdout.
 """
 
+import gc
 import json
 import os
 import re
@@ -350,6 +351,8 @@ def main(count, seed=SEED, first=0):
             told, _ = in_a_fork(path, options, checked, original)
             if told != "right" and name != "tiff jpeg":  # JPEG loses digits
                 faults.append({"format": name, "number": -1, "told": told})
+        gc.disable()  # a collection in a fork would copy all memory that it shares
+        gc.freeze()
         for number in range(first, first + count):
             rng = np.random.default_rng([seed, number])
             name = list(FORMATS)[number % len(FORMATS)]
