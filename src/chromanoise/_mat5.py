@@ -90,11 +90,15 @@ def mat_array(path: Path, name: str, *, largest_bytes: int | None = None) -> Sha
         If they do not fit the shape that the file tells, or take more than ``largest_bytes``.
     """
     element, opening = next((e, o) for e, o in _variables(path) if o.name == name)
-    body = _body(path, element, largest_bytes)
-    kind, start, count = _part(body, opening.length, element.order)
+    with path.open("rb") as file:
+        first = _first_bytes(path, file, element)
+    kind, start, count = _part(first, opening.length, element.order)
     dtype = np.dtype(element.order + _PACKED_AS[kind]) if kind in _PACKED_AS else np.dtype("O")
     told = math.prod(opening.shape) * dtype.itemsize
-    if dtype.hasobject or count != told or not 0 <= len(body) - start - count < 8:
+    if dtype.hasobject or count != told:  # seen before all of it is inflated
+        raise _damage(path, f"the numbers of array {name!r} do not fit its shape")
+    body = _body(path, element, largest_bytes, needed_bytes=start + count)
+    if not 0 <= len(body) - start - count < 8:
         raise _damage(path, f"the numbers of array {name!r} do not fit its shape")
     numbers = np.frombuffer(body, dtype=dtype, count=math.prod(opening.shape), offset=start)
     return numbers.reshape(opening.shape, order="F")
@@ -229,20 +233,24 @@ def _dtype(flags: int) -> np.dtype:
     return np.dtype(_CLASSES.get(flags & 0xFF, "O"))
 
 
-def _body(path: Path, element: _Element, largest_bytes: int | None = None) -> bytes:
-    """All bytes of a variable; compressed ones have their checksum looked at."""
+def _body(
+    path: Path, element: _Element, largest_bytes: int | None, *, needed_bytes: int | None = None
+) -> bytes:
+    """All bytes of a variable, inflated only where they are as many as its parts need."""
     with path.open("rb") as file:
         file.seek(element.start)
         raw = file.read(element.size)
     if not element.compressed:
         return raw
     inflater = zlib.decompressobj()
-    _, size = _without_tag(path, inflater.copy().decompress(raw, 8), element.order)
+    _, size = _without_tag(path, inflater.decompress(raw, 8), element.order)
     if largest_bytes is not None and size > largest_bytes:
         raise _check.InputError(
             f"{path}: an array of {size / 2**20:.0f} MiB is too large for a table of spectra"
         )
-    body, _ = _without_tag(path, inflater.decompress(raw, 8 + size + 1), element.order)
+    if needed_bytes is not None and not 0 <= size - needed_bytes < 8:
+        raise _damage(path, "a compressed array does not end where it should")
+    body = inflater.decompress(inflater.unconsumed_tail, size + 1)
     if len(body) != size or not inflater.eof:
         raise _damage(path, "a compressed array does not end where it should")
     return body

@@ -3,6 +3,7 @@
 import asyncio
 import json
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any, NoReturn
 
 from starlette.requests import Request
@@ -14,7 +15,8 @@ _PATIENCE_S = 30.0
 _PASSED_OVER_BYTES = 32_000_000
 _LONGEST_LENGTH = 18  # digits of a Content-Length that may be a number of bytes
 _MOST_DIGITS = 300  # of a whole number: no quantity needs more, and a float holds no more
-_LONG = 65_536  # bytes above which a body waits for its turn to be held in memory
+_MOST_COMING_BYTES = 64_000_000  # of all bodies that are on their way
+_REST_S = 5.0  # between two pieces of a body
 
 
 class QuestionError(Exception):
@@ -41,29 +43,75 @@ def malformed(where: str, sentence: str) -> QuestionError:
     return QuestionError((where, sentence), status=400)
 
 
-async def body_of(request: Request, *, most_bytes: int, turns: asyncio.Semaphore) -> bytes:
-    """The body, read in pieces and refused as soon as it is too long.
+@dataclass(slots=True, eq=False)
+class _Coming:
+    patience: asyncio.Timeout
+    latest_s: float
+    length: int = 0
 
-    Parameters
-    ----------
-    most_bytes
-        Of the body.
-    turns
-        How many long bodies are held at once; others wait unread.
 
-    Raises
-    ------
-    QuestionError
-        If it is too long, or does not come.
-    """
-    told = request.headers.get("content-length", "")
-    known = told.isascii() and told.isdecimal()
-    if known and (len(told) > _LONGEST_LENGTH or int(told) > most_bytes):
-        raise _too_long(most_bytes, unread=True)
-    if known and int(told) <= _LONG:
-        return await _read(request, most_bytes)
-    async with turns:
-        return await _read(request, most_bytes)
+class Bodies:
+    """Bodies on their way; where they hold too much together, the one that rested longest goes."""
+
+    def __init__(self) -> None:
+        self._coming: list[_Coming] = []
+
+    async def body_of(self, request: Request, *, most_bytes: int) -> bytes:
+        """The body, read in pieces and refused as soon as it is too long.
+
+        Parameters
+        ----------
+        most_bytes
+            Of the body.
+
+        Raises
+        ------
+        QuestionError
+            If it is too long, or does not come.
+        """
+        told = request.headers.get("content-length", "")
+        known = told.isascii() and told.isdecimal()
+        if known and (len(told) > _LONGEST_LENGTH or int(told) > most_bytes):
+            raise _too_long(most_bytes, unread=True)
+        try:
+            async with asyncio.timeout(_PATIENCE_S) as patience:
+                pieces = await self._pieces(request, most_bytes, patience)
+        except TimeoutError:
+            sentence = "the question did not arrive in time; ask again"
+            raise QuestionError(("", sentence), status=408) from None
+        if pieces is None:
+            await passed_over(request.receive)
+            raise _too_long(most_bytes)
+        return b"".join(pieces)
+
+    async def _pieces(
+        self, request: Request, most_bytes: int, patience: asyncio.Timeout
+    ) -> list[bytes] | None:
+        """What came; None if it is too long."""
+        now = asyncio.get_running_loop().time
+        end, pieces = now() + _PATIENCE_S, []
+        one = _Coming(patience, now())
+        self._coming.append(one)
+        try:
+            patience.reschedule(now() + _REST_S)
+            async for piece in request.stream():
+                one.length += len(piece)
+                if one.length > most_bytes:
+                    return None
+                pieces.append(piece)
+                one.latest_s = now()
+                patience.reschedule(min(one.latest_s + _REST_S, end))
+                self._make_room(one)
+        finally:
+            self._coming.remove(one)
+        return pieces
+
+    def _make_room(self, latest: _Coming) -> None:
+        over = sum(one.length for one in self._coming) - _MOST_COMING_BYTES
+        for one in sorted(self._coming, key=lambda one: one.latest_s):
+            if over > 0 and one is not latest and not one.patience.expired():
+                one.patience.reschedule(0)  # it is let go at once
+                over -= one.length
 
 
 def data_of(body: bytes) -> dict[str, Any]:
@@ -80,9 +128,41 @@ def data_of(body: bytes) -> dict[str, Any]:
         raise malformed("", "the question nests too deep to be one of this page") from None
     except ValueError as error:  # of encoding or of grammar
         raise malformed("", f"the question is no JSON: {str(error)[:200]}") from None
+    if b"\\u" in body.lower():
+        _refuse_surrogates(told)
     if not isinstance(told, dict):
         raise malformed("", f"the question must be a JSON object, but is a {_kind(told)}")
     return told
+
+
+def _refuse_surrogates(told: Any) -> None:
+    try:
+        json.dumps(told, ensure_ascii=False).encode()
+    except UnicodeEncodeError:
+        raise malformed(
+            "", "the question holds half of a surrogate pair, which is no letter"
+        ) from None
+
+
+def refuse_long_lists(told: Mapping | list, where: str = "") -> None:
+    """Refuse a study of which a list or an object has more entries than one of the page has.
+
+    Raises
+    ------
+    QuestionError
+        If there is one, or it nests too deep.
+    """
+    if where.count(".") > _DEEPEST:
+        raise malformed(where[:80], f"{where[:80]} nests too deep to be of a study")
+    inside = told.items() if isinstance(told, dict) else enumerate(told)
+    if len(told) > MOST_ENTRIES:
+        raise malformed(
+            where,
+            f"{where or 'the study'} has {len(told)} entries; the page takes {MOST_ENTRIES}",
+        )
+    for key, value in inside:
+        if isinstance(value, dict | list):
+            refuse_long_lists(value, f"{where}.{key}" if where else str(key))
 
 
 def field(told: Mapping[str, Any], name: str, kind: type, default: Any) -> Any:
@@ -101,6 +181,8 @@ def field(told: Mapping[str, Any], name: str, kind: type, default: Any) -> Any:
     return value
 
 
+MOST_ENTRIES = 64
+_DEEPEST = 12
 _NAMES = {
     dict: "object",
     list: "list",
@@ -133,25 +215,6 @@ def _too_long(most_bytes: int, *, unread: bool = False) -> QuestionError:
     return QuestionError(("", told), status=413, unread=unread)
 
 
-async def _read(request: Request, most_bytes: int) -> bytes:
-    pieces, length = [], 0
-    try:
-        async with asyncio.timeout(_PATIENCE_S):
-            async for piece in request.stream():
-                length += len(piece)
-                if length > most_bytes:
-                    break
-                pieces.append(piece)
-    except TimeoutError:
-        told = "the question did not arrive in time; ask again"
-        raise QuestionError(("", told), status=408) from None
-    if length > most_bytes:
-        pieces.clear()
-        await passed_over(request.receive)
-        raise _too_long(most_bytes)
-    return b"".join(pieces)
-
-
 async def passed_over(receive: Receive) -> None:
     """Let go by what still comes, up to a bound: who is cut off while speaking hears no answer.
 
@@ -172,16 +235,16 @@ async def passed_over(receive: Receive) -> None:
         return
 
 
-async def question_of(request: Request, turns: asyncio.Semaphore) -> dict[str, Any]:
-    """The JSON question of a request.
+async def question_of(request: Request, bodies: Bodies) -> bytes:
+    """The body of a request that says that it is JSON.
 
     Raises
     ------
     QuestionError
-        As `body_of` and `data_of`, or if it does not say that it is JSON.
+        As `Bodies.body_of`, or if it does not say so.
     """
     kind = request.headers.get("content-type", "").partition(";")[0].strip().lower()
     if kind != "application/json":
         told = "a question is sent as application/json"
         raise QuestionError(("", told), status=415, unread=True)
-    return data_of(await body_of(request, most_bytes=JSON_BYTES, turns=turns))
+    return await bodies.body_of(request, most_bytes=JSON_BYTES)

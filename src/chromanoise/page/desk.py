@@ -4,11 +4,12 @@ import json
 from typing import Any
 
 from chromanoise.page.answers import Answers
+from chromanoise.page.asked import data_of
 from chromanoise.page.choices import choices
 from chromanoise.page.pictures import Pictures
 from chromanoise.page.previews import preview_of
 from chromanoise.page.studies import Studies, files_of
-from chromanoise.page.uploads import Uploads
+from chromanoise.page.uploads import Kept, Upload
 from chromanoise.study.runs import study_from_data
 
 STUDY: dict[str, Any] = {
@@ -31,32 +32,44 @@ class Desk:
         To start from, as plain data.
     """
 
-    def __init__(self, uploads: Uploads, *, study: dict[str, Any] | None = None) -> None:
-        self._uploads, self._study = uploads, STUDY if study is None else study
+    def __init__(self, uploads: Kept, *, study: dict[str, Any] | None = None) -> None:
+        self.uploads, self._study = uploads, STUDY if study is None else study
         files = files_of(study_from_data(self._study, source="study"))
         self._studies = Studies(uploads, files=files)
-        self.answers = Answers(self._studies)
-        self.pictures = Pictures(self._studies)
+        self._answers = Answers(self._studies)
+        self._pictures = Pictures(self._studies)
 
     def choices(self) -> str:
         """The JSON of ``/api/choices``."""
         return json.dumps(choices() | {"study": self._study}, allow_nan=False)
 
-    def previewed(self, name: str, content: bytes) -> dict[str, Any]:
-        """A file kept, and the JSON of ``/api/upload``.
+    def answer(self, body: bytes) -> str:
+        """The JSON of ``/api/answer``.
 
         Raises
         ------
         QuestionError
-            If it is none that the page reads.
+            With all faults of the question; so with the other questions.
         """
-        told = preview_of(self._uploads.keep(name, content))
+        return self._answers.answer(data_of(body))
+
+    def texts(self, body: bytes) -> str:
+        """The JSON of ``/api/texts``."""
+        return json.dumps(self._answers.texts(data_of(body)))
+
+    def picture(self, body: bytes) -> tuple[bytes, str]:
+        """The PNG of ``/api/picture``, and its summary as JSON."""
+        return self._pictures.picture(data_of(body))
+
+    def previewed(self, upload: Upload) -> str:
+        """The JSON of ``/api/upload``."""
+        told = preview_of(upload)
         if told["study"] is not None:
             wrong = self._studies.complaints(told["study"])
             told["preview"] += [f"Looks wrong: {sentence}" for sentence in wrong]
-        return told
+        return json.dumps(told)
 
     def warm(self) -> None:
         """Compute once what the page will ask first, so that its first answer is quick."""
-        self.answers.answer({"study": self._study})
+        self._answers.answer({"study": self._study})
         self.choices()

@@ -19,7 +19,7 @@ _TYPES = {
     "svg": "image/svg+xml",
     "txt": "text/plain",
 }
-_STEP = re.compile(r"[A-Za-z0-9_-][A-Za-z0-9_.-]*")  # no way up, no hidden file
+_STEP = re.compile(r"[A-Za-z0-9_-][A-Za-z0-9_.-]{0,99}")  # no way up, no hidden file
 _INDEX = "index.html"
 _OWN, _DRAW = "page/assets", "figures/draw"  # the second is shared with the report
 

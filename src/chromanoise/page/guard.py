@@ -2,8 +2,10 @@
 
 import base64
 import hashlib
+import json
 import re
 from collections.abc import Callable
+from typing import Any
 
 from starlette.datastructures import Headers, MutableHeaders
 from starlette.responses import JSONResponse
@@ -122,6 +124,16 @@ def guarded(app: ASGIApp, *, port: int, policy: Callable[[], str]) -> ASGIApp:
     return checked
 
 
+class AsciiJSONResponse(JSONResponse):
+    """JSON with other letters as escapes: half of a surrogate pair cannot be sent otherwise."""
+
+    def render(self, content: Any) -> bytes:
+        """The bytes of the body."""
+        return json.dumps(content, allow_nan=False).encode("ascii")
+
+
 def fault_reply(status: int, sentence: str, *, where: str = "") -> JSONResponse:
     """One fault as every answer of the server tells it."""
-    return JSONResponse({"faults": [{"where": where, "sentence": sentence}]}, status_code=status)
+    return AsciiJSONResponse(
+        {"faults": [{"where": where, "sentence": sentence}]}, status_code=status
+    )

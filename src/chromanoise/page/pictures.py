@@ -16,6 +16,7 @@ from chromanoise.page.remembered import Remembered
 from chromanoise.page.studies import Studies, spoken, stamps_of
 from chromanoise.page.uploads import Upload
 from chromanoise.scene import Cube
+from chromanoise.scene.faults import reading
 from chromanoise.scene.rows import row_source
 from chromanoise.sensor import overridden
 from chromanoise.study.makers import matrix_makers
@@ -106,7 +107,7 @@ def bounded_cube(part: PicturePart) -> Cube:
     """
     path = file_of(part.cube)
     if not part.cube.startswith("builtin:") and path.is_file() and zipfile.is_zipfile(path):
-        with zipfile.ZipFile(path) as packed:
+        with reading(path, "NumPy"), zipfile.ZipFile(path) as packed:
             size = sum(one.file_size for one in packed.infolist())
         if size > _UNPACKED_BYTES:
             raise InputError(

@@ -5,12 +5,13 @@ from typing import Any
 from chromanoise._check import InputError
 from chromanoise.page.asked import QuestionError
 from chromanoise.page.pictures import cube_of_upload
+from chromanoise.page.studies import served_data
 from chromanoise.page.uploads import Upload, in_words
 from chromanoise.scene.rows import row_source
 from chromanoise.spectra import DEFAULT_GRID, Spectra
 from chromanoise.spectra.files import Understood, read_curves
 from chromanoise.spectra.files.defects import defects_of_a_light
-from chromanoise.study.runs import own_sensor_of, study_as_json, study_from_text
+from chromanoise.study.runs import own_sensor_of, study_from_text
 
 MOST_SPECTRUM_BYTES = 1_000_000  # some 50,000 rows, which are understood in half a second
 _MOST_NAMES = 12
@@ -67,6 +68,7 @@ def _study(upload: Upload) -> Told:
             f"{upload.label}: not a UTF-8 text file; save the study as UTF-8"
         ) from None
     study = study_from_text(text, source=upload.label)
+    told = served_data(study)
     names = ", ".join(part.name for part in study.sensors)
     lines = [
         f"A study of {names} in {study.light.illuminant} at {study.light.level_lux:g} lx, "
@@ -74,7 +76,7 @@ def _study(upload: Upload) -> Told:
     ]
     if study.title:
         lines.insert(0, study.title if study.title[-1] in ".?!" else f"{study.title}.")
-    return {"kind": "study", "preview": lines, "study": study_as_json(study)}
+    return {"kind": "study", "preview": lines, "study": told}
 
 
 def _cube(upload: Upload) -> Told:

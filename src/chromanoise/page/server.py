@@ -1,6 +1,7 @@
 """Routes of the page, and the server that listens on this machine only.
 
-Whatever computes is imported in the background, so that the page itself comes at once.
+Whatever computes does so in processes of its own, so that the page itself comes at once, and no
+question can bring the server down.
 """
 
 import asyncio
@@ -14,51 +15,37 @@ from urllib.parse import unquote
 from starlette.applications import Starlette
 from starlette.exceptions import HTTPException
 from starlette.requests import ClientDisconnect, Request
-from starlette.responses import JSONResponse, Response
+from starlette.responses import Response
 from starlette.routing import Route
 from starlette.types import ASGIApp, Receive, Scope, Send
 
-from chromanoise.page.asked import (
-    QuestionError,
-    body_of,
-    malformed,
-    passed_over,
-    question_of,
-)
+from chromanoise.page.asked import Bodies, QuestionError, malformed, passed_over, question_of
 from chromanoise.page.files import asset_reply, index, page_policy
-from chromanoise.page.guard import UPLOAD_BYTES, fault_reply, guarded
+from chromanoise.page.guard import UPLOAD_BYTES, AsciiJSONResponse, fault_reply, guarded
 from chromanoise.page.uploads import Uploads
 from chromanoise.page.work import Workers
 
 if TYPE_CHECKING:
     from uvicorn import Server
 
-    from chromanoise.page.desk import Desk
-
-_LONG_BODIES_AT_ONCE = 4
 _LONGEST_SENTENCE = 1000
+_MOST_FAULTS = 100  # that are told at once
 
 
 class _Server:
     """What the routes share while the server lives."""
 
     def __init__(self, study: dict[str, Any] | None) -> None:
-        self.study = study
         self.uploads = Uploads()
-        self.workers = Workers()
-        self.turns = asyncio.Semaphore(_LONG_BODIES_AT_ONCE)
-        self._desk: Desk | None = None
+        self.workers = Workers(study)
+        self.bodies = Bodies()
 
-    def desk(self) -> "Desk":
-        """All that computes; the first call imports it, so it is called by a worker."""
-        if self._desk is None:
-            from chromanoise.page.desk import Desk
-
-            self._desk = Desk(self.uploads, study=self.study)
-        return self._desk
+    async def done(self, name: str, *given: Any) -> Any:
+        """What a job returns; it may name the files that were dropped."""
+        return await self.workers.done(name, *given, kept=self.uploads.held())
 
     def close(self) -> None:
-        """Let go of threads and files."""
+        """Let go of processes and files."""
         self.workers.close()
         self.uploads.close()
 
@@ -77,11 +64,10 @@ def application(*, port: int, study: dict[str, Any] | None = None) -> ASGIApp:
     @asynccontextmanager
     async def lifespan(app: Starlette) -> AsyncIterator[None]:
         app.state.server = server = _Server(study)
-        warming = asyncio.ensure_future(server.workers.done(lambda: server.desk().warm()))
+        server.workers.begin()
         try:
             yield
         finally:
-            warming.cancel()
             server.close()
 
     app = Starlette(
@@ -163,15 +149,16 @@ def _replying(
 
 def _refusing(error: QuestionError) -> Response:
     faults = [
-        {"where": where, "sentence": told[:_LONGEST_SENTENCE]} for where, told in error.faults
+        {"where": where[:_LONGEST_SENTENCE], "sentence": told[:_LONGEST_SENTENCE]}
+        for where, told in error.faults[:_MOST_FAULTS]
     ]
     # what follows of a body that was not read to its end is not read either
     headers = {} if error.status in (200, 400, 503) else {"Connection": "close"}
-    kind = _ToldFirst if error.unread else JSONResponse
+    kind = _ToldFirst if error.unread else AsciiJSONResponse
     return kind({"faults": faults}, status_code=error.status, headers=headers)
 
 
-class _ToldFirst(JSONResponse):
+class _ToldFirst(AsciiJSONResponse):
     """An answer that is whole before the body of its question has come, and passes over that."""
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
@@ -183,22 +170,19 @@ class _ToldFirst(JSONResponse):
 
 
 async def _choices(request: Request, server: _Server) -> Response:
-    return _json(await server.workers.done(lambda: server.desk().choices()))
+    return _json(await server.done("choices"))
 
 
 async def _answer(request: Request, server: _Server) -> Response:
-    question = await question_of(request, server.turns)
-    return _json(await server.workers.done(lambda: server.desk().answers.answer(question)))
+    return _json(await server.done("answer", await question_of(request, server.bodies)))
 
 
 async def _texts(request: Request, server: _Server) -> Response:
-    question = await question_of(request, server.turns)
-    return JSONResponse(await server.workers.done(lambda: server.desk().answers.texts(question)))
+    return _json(await server.done("texts", await question_of(request, server.bodies)))
 
 
 async def _picture(request: Request, server: _Server) -> Response:
-    question = await question_of(request, server.turns)
-    png, summary = await server.workers.done(lambda: server.desk().pictures.picture(question))
+    png, summary = await server.done("picture", await question_of(request, server.bodies))
     return Response(png, media_type="image/png", headers={"X-Chromanoise-Summary": summary})
 
 
@@ -210,8 +194,10 @@ async def _upload(request: Request, server: _Server) -> Response:
     name = unquote(request.headers.get("x-filename", ""))
     if not name:
         raise malformed("file", "a file is sent with its name in the header X-Filename")
-    content = await body_of(request, most_bytes=UPLOAD_BYTES, turns=server.turns)
-    return JSONResponse(await server.workers.done(lambda: server.desk().previewed(name, content)))
+    content = await server.bodies.body_of(request, most_bytes=UPLOAD_BYTES)
+    upload = await asyncio.to_thread(server.uploads.keep, name, content)
+    del content
+    return _json(await server.done("previewed", upload))
 
 
 def _json(text: str) -> Response:

@@ -10,9 +10,9 @@ from typing import Any, TypeVar
 from chromanoise._check import InputError
 from chromanoise._inputs import regular_file
 from chromanoise.exposure import Situation
-from chromanoise.page.asked import QuestionError
+from chromanoise.page.asked import MOST_ENTRIES, QuestionError, refuse_long_lists
 from chromanoise.page.remembered import Remembered
-from chromanoise.page.uploads import Upload, Uploads, in_path, in_words
+from chromanoise.page.uploads import Kept, Upload, in_path, in_words
 from chromanoise.sensor import Sensor
 from chromanoise.spectra import Illuminant, infrared_parts
 from chromanoise.study.runs import Study, study_as_json, study_from_data, study_hash
@@ -33,6 +33,12 @@ T = TypeVar("T")
 
 MOST_SENSORS = 8
 MOST_MATRICES = 4
+_MOST = {
+    "sensors": MOST_SENSORS,
+    "matrices": MOST_MATRICES,
+    "sweeps": MOST_ENTRIES,
+    "pictures": MOST_ENTRIES,
+}
 _SOURCE = "study"
 _LONGEST_WORD = 500
 
@@ -48,7 +54,7 @@ class Studies:
         Names of files that it may name besides: those of the study that was served.
     """
 
-    def __init__(self, uploads: Uploads, *, files: frozenset[str] = frozenset()) -> None:
+    def __init__(self, uploads: Kept, *, files: frozenset[str] = frozenset()) -> None:
         self._uploads, self._files = uploads, files
         self._lights: Remembered[Illuminant] = Remembered(32)
         self._sensors: Remembered[Sensor] = Remembered(128)
@@ -86,14 +92,11 @@ class Studies:
             All faults of what it says, each with its key.
         """
         try:
-            study = study_from_data(told, source=_SOURCE)
+            refuse_too_many(told)
+            refuse_long_lists(told)
+            return study_from_data(told, source=_SOURCE)
         except InputError as error:
             raise QuestionError(*map(_placed, str(error).splitlines())) from None
-        try:
-            refuse_too_many(study)
-        except InputError as error:
-            raise QuestionError(_placed(str(error))) from None
-        return study
 
     def situations(self, study: Study, used: list[Upload]) -> list[Situation]:
         """Each sensor in its light with its exposure.
@@ -184,19 +187,25 @@ class Studies:
             raise QuestionError((where, spoken(str(error), used))) from None
 
 
-def refuse_too_many(study: Study) -> None:
+def refuse_too_many(told: Mapping[str, Any]) -> None:
     """Refuse more than a page shows at once.
+
+    Parameters
+    ----------
+    told
+        A study as plain data.
 
     Raises
     ------
     InputError
-        If there are more sensors or matrices than fit.
+        If it has more of something than fits.
     """
-    for key, most in (("sensors", MOST_SENSORS), ("matrices", MOST_MATRICES)):
-        if len(getattr(study, key)) > most:
+    for key, most in _MOST.items():
+        count = len(told[key]) if isinstance(told.get(key), list | tuple) else 0
+        if count > most:
             raise InputError(
-                f"{key}: the page shows {most} {key} at most, but there are "
-                f"{len(getattr(study, key))}; leave some away"
+                f"{key}: the page shows {most} {key} at most, but there are {count}; "
+                "leave some away"
             )
 
 
@@ -208,8 +217,9 @@ def served_data(study: Study) -> dict[str, Any]:
     InputError
         If it is more than the page shows.
     """
-    refuse_too_many(study)
-    return study_as_json(study)
+    told = study_as_json(study)
+    refuse_too_many(told)
+    return told
 
 
 def labeled(study: Study, used: list[Upload]) -> Study:

@@ -48,13 +48,53 @@ class Upload:
     size_bytes: int
 
 
-class Uploads:
+class Kept:
+    """The files that a question may name."""
+
+    def __init__(self) -> None:
+        self._kept: OrderedDict[str, Upload] = OrderedDict()
+        self._lock = threading.Lock()
+
+    def hold(self, files: tuple[Upload, ...]) -> None:
+        """These files, and no others."""
+        with self._lock:
+            self._kept = OrderedDict((one.id, one) for one in files)
+
+    def held(self) -> tuple[Upload, ...]:
+        """All of them."""
+        with self._lock:
+            return tuple(self._kept.values())
+
+    def named(self, word: str) -> Upload | None:
+        """The file that a word of a study names; ``None`` if it names none of ours.
+
+        Raises
+        ------
+        QuestionError
+            If it names one that is not here any more.
+        """
+        match = _ID.match(word)
+        if match is None:
+            return None
+        with self._lock:
+            found = self._kept.get(match[0])
+        if found is None:
+            raise QuestionError(
+                (
+                    "",
+                    "this was a file that somebody dropped, and this server does not have it (any "
+                    "more); drop the file again and use it here",
+                )
+            )
+        return found
+
+
+class Uploads(Kept):
     """A temporary folder; when it is full the oldest files go."""
 
     def __init__(self) -> None:
+        super().__init__()
         self._folder = Path(tempfile.mkdtemp(prefix="chromanoise-"))
-        self._kept: OrderedDict[str, Upload] = OrderedDict()
-        self._lock = threading.Lock()
 
     def keep(self, name: str, content: bytes) -> Upload:
         """The file, written.
@@ -83,38 +123,15 @@ class Uploads:
             self._kept[one.id] = one
         return one
 
-    def named(self, word: str) -> Upload | None:
-        """The file that a word of a study names; ``None`` if it names none of ours.
-
-        Raises
-        ------
-        QuestionError
-            If it names one that is not here any more.
-        """
-        match = _ID.match(word)
-        if match is None:
-            return None
-        with self._lock:
-            found = self._kept.get(match[0])
-        if found is None:
-            raise QuestionError(
-                (
-                    "",
-                    "this was a file that somebody dropped, and this server does not have it (any "
-                    "more); drop the file again and use it here",
-                )
-            )
-        return found
-
     def close(self) -> None:
         """Remove all of it."""
         shutil.rmtree(self._folder, ignore_errors=True)
 
     def _make_room(self, size_bytes: int) -> None:
-        def held() -> int:
+        def total() -> int:
             return sum(one.size_bytes for one in self._kept.values())
 
-        while self._kept and (len(self._kept) >= MOST_FILES or held() + size_bytes > MOST_BYTES):
+        while self._kept and (len(self._kept) >= MOST_FILES or total() + size_bytes > MOST_BYTES):
             _, oldest = self._kept.popitem(last=False)
             oldest.path.unlink(missing_ok=True)
 

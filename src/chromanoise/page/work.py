@@ -1,45 +1,209 @@
-"""Two threads that compute, and a queue that cannot grow without bound."""
+"""Who computes what is asked: few processes, and queues that cannot grow without bound."""
 
 import asyncio
-from collections.abc import Callable
+import logging
+import time
+from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
-from typing import TypeVar
+from dataclasses import dataclass
+from queue import SimpleQueue
+from typing import Any
 
 from chromanoise.page.asked import QuestionError
+from chromanoise.page.processes import Nursery, ProcessEndedError, Worker
+from chromanoise.page.uploads import Upload
 
-T = TypeVar("T")
-
-WORKERS = 2
+_LOG = logging.getLogger("chromanoise.page")
 MOST_WAITING = 48
+LONGEST_WAIT_S = 25.0  # in a queue; with the longest job an answer comes within a minute
+MOST_ANSWER_BYTES = 16_000_000
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Lane:
+    """A queue, and the processes that work on it.
+
+    Attributes
+    ----------
+    workers
+        How many processes.
+    memory_bytes
+        What each may take beyond what all of them share.
+    """
+
+    workers: int
+    memory_bytes: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Job:
+    """Something that is asked of the server.
+
+    Attributes
+    ----------
+    lane
+        Of `LANES`.
+    limit_s
+        How long it may take.
+    where
+        The key beside which a refusal is shown.
+    """
+
+    lane: str
+    limit_s: float
+    where: str = ""
+
+
+LANES: Mapping[str, Lane] = {
+    "questions": Lane(workers=2, memory_bytes=160_000_000),
+    "files": Lane(workers=1, memory_bytes=450_000_000),  # 150 MB of it for compiled kernels
+}
+JOBS: Mapping[str, Job] = {
+    "choices": Job(lane="questions", limit_s=30.0),
+    "answer": Job(lane="questions", limit_s=30.0),
+    "texts": Job(lane="questions", limit_s=30.0),
+    "picture": Job(lane="files", limit_s=30.0),
+    "previewed": Job(lane="files", limit_s=4.0, where="file"),
+}
 
 
 class Workers:
-    """A pool of two threads; what would have to wait behind too many is refused at once."""
+    """The processes, and a thread for each that waits for its answers.
 
-    def __init__(self) -> None:
-        self._pool = ThreadPoolExecutor(WORKERS, thread_name_prefix="chromanoise")
-        self._waiting = 0
+    Parameters
+    ----------
+    study
+        That the page starts with, as plain data; ``None`` for the page's own.
+    """
 
-    async def done(self, job: Callable[[], T]) -> T:
-        """What the job returns.
+    def __init__(self, study: dict[str, Any] | None) -> None:
+        self._nursery = Nursery(study)
+        self._lanes = {name: _Queue(lane, self._nursery) for name, lane in LANES.items()}
+
+    def begin(self) -> None:
+        """Start what takes a while, and do not wait for it."""
+        for queue in self._lanes.values():
+            queue.begin()
+
+    async def done(self, name: str, *given: Any, kept: tuple[Upload, ...] = ()) -> Any:
+        """What a job returns.
+
+        Parameters
+        ----------
+        name
+            Of `JOBS`.
+        kept
+            The files that it may name.
+        given
+            Its arguments.
 
         Raises
         ------
         QuestionError
-            With status 503, if too many are waiting already.
+            With all faults of the question; if it takes too long or too much memory, or its answer
+            is too long; with status 503, if too many are waiting already.
+        RuntimeError
+            If the job failed.
         """
+        return await self._lanes[JOBS[name].lane].done(name, kept, given)
+
+    def close(self) -> None:
+        """End all processes, forget what waits."""
+        for queue in self._lanes.values():
+            queue.cancel()
+        self._nursery.close()
+        for queue in self._lanes.values():
+            queue.close()
+
+
+class _Queue:
+    def __init__(self, lane: Lane, nursery: Nursery) -> None:
+        self._lane, self._nursery = lane, nursery
+        self._pool = ThreadPoolExecutor(lane.workers, thread_name_prefix="chromanoise")
+        self._idle: SimpleQueue[Worker | None] = SimpleQueue()
+        for _ in range(lane.workers):
+            self._idle.put(None)  # a process is started when the first job comes
+        self._waiting = 0
+
+    def begin(self) -> None:
+        self._pool.submit(self._begun)
+
+    async def done(self, name: str, *asked: Any) -> Any:
         if self._waiting >= MOST_WAITING:
-            raise QuestionError(("", "more is asked than can be computed; ask again"), status=503)
+            raise _too_much()
         self._waiting += 1
-        task = asyncio.get_running_loop().run_in_executor(self._pool, job)
+        since = time.monotonic()
+        loop = asyncio.get_running_loop()
+        task = loop.run_in_executor(self._pool, lambda: self._answered(name, asked, since))
         task.add_done_callback(self._left)  # also when nobody waits for it any more
         return await asyncio.shield(task)
 
-    def close(self) -> None:
-        """Finish what runs, forget what waits."""
+    def cancel(self) -> None:
         self._pool.shutdown(wait=False, cancel_futures=True)
 
-    def _left(self, task: "asyncio.Future[T]") -> None:
+    def close(self) -> None:
+        """When all processes have ended."""
+        self._pool.shutdown()
+        while not self._idle.empty():
+            if (worker := self._idle.get()) is not None:
+                worker.close()
+
+    def _left(self, task: "asyncio.Future[Any]") -> None:
         self._waiting -= 1
         if not task.cancelled():
             task.exception()  # asked for, so that no log tells of one that nobody waits for
+
+    def _answered(self, name: str, asked: tuple[Any, ...], since: float) -> Any:
+        if time.monotonic() - since > LONGEST_WAIT_S:
+            raise _too_much()
+        worker = self._idle.get()  # there are as many as threads
+        try:
+            worker = self._ready(worker)
+            return _result(worker.asked((name, *asked, JOBS[name].limit_s)), JOBS[name], self._lane)
+        except ProcessEndedError as ended:
+            raise _stopped(JOBS[name], ended, self._lane) from None
+        finally:
+            self._idle.put(None if worker is None or worker.is_spent else worker)
+
+    def _begun(self) -> None:
+        worker = self._idle.get()
+        try:
+            worker = self._ready(worker)
+        finally:
+            self._idle.put(worker)
+
+    def _ready(self, worker: Worker | None) -> Worker:
+        return worker or self._nursery.worker(self._lane.memory_bytes)
+
+
+def _result(answer: tuple[Any, ...], job: Job, lane: Lane) -> Any:
+    kind, *told = answer
+    if kind == "refused":
+        faults, status = told
+        raise QuestionError(*faults, status=status)
+    if kind == "no memory":
+        sentence = f"this takes more memory than the page gives ({lane.memory_bytes / 1e6:g} MB)"
+        raise QuestionError((job.where, f"{sentence}; ask for less"))
+    if kind == "failed":
+        _LOG.error("%s", told[0])
+        raise RuntimeError("a job failed")
+    size = len(told[0])
+    if size > MOST_ANSWER_BYTES:
+        sentence = f"the answer has {size / 1e6:.0f} MB, more than {MOST_ANSWER_BYTES / 1e6:g} MB"
+        raise QuestionError((job.where, f"{sentence}; ask for less"))
+    return told[0]
+
+
+def _stopped(job: Job, ended: ProcessEndedError, lane: Lane) -> QuestionError:
+    if ended.seconds >= job.limit_s:
+        sentence = f"this takes longer than {job.limit_s:g} s and was stopped; ask for less"
+    else:
+        sentence = (
+            "this brought its process down, perhaps for want of memory "
+            f"({lane.memory_bytes / 1e6:g} MB); ask for less"
+        )
+    return QuestionError((job.where, sentence))
+
+
+def _too_much() -> QuestionError:
+    return QuestionError(("", "more is asked than can be computed; ask again"), status=503)

@@ -9,7 +9,7 @@ from chromanoise import _check
 from chromanoise.spectra.files.tables import Row, table_of
 from chromanoise.spectra.files.understood import Found
 
-_LARGEST_BYTES = 64 * 2**20
+_LARGEST_BYTES = 16 * 2**20  # which take some seconds
 _MOST_ROWS, _MOST_COLUMNS = 20_000, 1_000
 
 
@@ -19,7 +19,7 @@ def read_workbook(path: Path) -> Found:
     Raises
     ------
     InputError
-        If openpyxl is not installed, the file inflates to more than 64 MiB or declares a document
+        If openpyxl is not installed, the file inflates to more than 16 MiB or declares a document
         type, or a cell is no number; its row is told.
     """
     _refuse_bombs(path)

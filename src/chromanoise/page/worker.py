@@ -1,0 +1,154 @@
+"""A process that computes answers, within bounds of time and memory."""
+
+import contextlib
+import faulthandler
+import os
+import pickle
+import signal
+import socket
+import struct
+import sys
+import traceback
+from pathlib import Path
+from typing import Any, BinaryIO
+
+from chromanoise._check import InputError
+from chromanoise.page.asked import QuestionError
+from chromanoise.page.desk import Desk
+from chromanoise.page.uploads import Kept, Upload
+
+_SIZE = struct.calcsize("q")
+_STATM = Path("/proc/self/statm")
+_DATA = 5  # its number there
+
+
+def main() -> None:
+    """Serve one server until it is gone: fork others, or answer questions."""
+    if sys.argv[1] == "forks":
+        _forking(socket.socket(fileno=0))
+        os._exit(0)  # at once: nothing is left to be tidied up
+    reads, writes = sys.stdin.buffer, sys.stdout.buffer
+    (size,) = struct.unpack("q", reads.read(_SIZE))
+    _Answering(Desk(Kept(), study=pickle.loads(reads.read(size))), reads, writes, None).serve()
+
+
+def _forking(control: socket.socket) -> None:
+    (size,) = struct.unpack("q", control.recv(_SIZE, socket.MSG_WAITALL))
+    desk = Desk(Kept(), study=pickle.loads(control.recv(size, socket.MSG_WAITALL)))
+    with contextlib.suppress(QuestionError, InputError):  # told to whoever asks for it
+        desk.warm()
+    children: set[int] = set()
+    while True:
+        message, ends, *_ = socket.recv_fds(control, _SIZE, 1)
+        for child in list(children):
+            if not ends or os.waitid(os.P_PID, child, os.WEXITED | os.WNOHANG | os.WNOWAIT):
+                _end_group(child)
+                children.remove(child)
+        if not ends:
+            return
+        child = os.fork()
+        if child == 0:
+            control.close()
+            _child(desk, ends[0], *struct.unpack("q", message))
+        with contextlib.suppress(OSError):  # the child may have been quicker
+            os.setpgid(child, child)
+        os.close(ends[0])
+        children.add(child)
+
+
+def _end_group(child: int) -> None:
+    """End a child, and whatever it started, as the process that asks libhdf5."""
+    with contextlib.suppress(OSError):
+        os.killpg(child, signal.SIGKILL)
+    os.waitpid(child, 0)
+
+
+def _child(desk: Desk, end: int, memory_bytes: int) -> None:
+    """Answer questions, and never return."""
+    code = 1
+    try:
+        with contextlib.suppress(OSError):
+            os.setpgid(0, 0)
+        bound = _bounded(memory_bytes)
+        with socket.socket(fileno=end) as channel:
+            reads, writes = channel.makefile("rb"), channel.makefile("wb")
+            _Answering(desk, reads, writes, bound).serve()
+        code = 0
+    finally:
+        os._exit(code)
+
+
+def _bounded(memory_bytes: int) -> int:
+    """Refuse this process more memory than so much beyond what it has.
+
+    Returns the number of bytes above which it keeps so much that another one should take its place.
+    """
+    import resource
+
+    held = _held_bytes()
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    resource.setrlimit(resource.RLIMIT_DATA, (held + memory_bytes,) * 2)
+    return held + memory_bytes // 2
+
+
+def _held_bytes() -> int:
+    return int(_STATM.read_text().split()[_DATA]) * os.sysconf("SC_PAGE_SIZE")
+
+
+class _Answering:
+    """A desk, the channel to its server, and the bytes held above which it is spent."""
+
+    def __init__(self, desk: Desk, reads: BinaryIO, writes: BinaryIO, bound: int | None) -> None:
+        self._desk, self._reads, self._writes, self._bound = desk, reads, writes, bound
+
+    def serve(self) -> None:
+        with open(os.devnull, "w") as nowhere:  # noqa: PTH123 - closed when all is done
+            while (asked := self._asked()) is not None:
+                name, kept, given, limit_s = asked
+                self._tell("begins")
+                # a thread of its own in C: it acts even while a library loops and holds the lock
+                faulthandler.dump_traceback_later(limit_s, exit=True, file=nowhere)
+                answer = answered(self._desk, name, kept, given)
+                faulthandler.cancel_dump_traceback_later()
+                is_spent = self._bound is not None and _held_bytes() > self._bound
+                self._tell((answer, is_spent))
+                if is_spent:
+                    return
+
+    def _asked(self) -> tuple[str, tuple[Upload, ...], tuple[Any, ...], float] | None:
+        try:
+            return pickle.load(self._reads)
+        except (EOFError, OSError):
+            return None
+
+    def _tell(self, what: Any) -> None:
+        with contextlib.suppress(OSError):  # the server is gone, as the next reading will tell
+            pickle.dump(what, self._writes)
+            self._writes.flush()
+
+
+def answered(
+    desk: Desk, name: str, kept: tuple[Upload, ...], given: tuple[Any, ...]
+) -> tuple[Any, ...]:
+    """How a job ended (done, refused, failed, no memory), and what it returned.
+
+    Parameters
+    ----------
+    desk
+        That computes.
+    name, given
+        One of its methods, and its arguments.
+    kept
+        The files that questions may name.
+    """
+    desk.uploads.hold(kept)
+    try:
+        return "done", getattr(desk, name)(*given)
+    except QuestionError as error:
+        return "refused", error.faults, error.status
+    except RecursionError:
+        return "refused", (("", "the question nests too deep to be one of this page"),), 400
+    except MemoryError:
+        return ("no memory",)
+    except Exception:
+        return "failed", traceback.format_exc()

@@ -1,0 +1,345 @@
+"""The page's server under attack: small malicious files, endless lists, clients that stall."""
+
+import asyncio
+import json
+import os
+import random
+import socket
+import struct
+import threading
+import tracemalloc
+import zlib
+from contextlib import ExitStack
+from dataclasses import replace
+from io import BytesIO
+
+import httpx
+import numpy as np
+import pytest
+import tifffile
+
+from attack_page import attacked, memory_bytes
+from attack_questions import FILES, damaged
+from chromanoise._check import InputError
+from chromanoise._mat5 import mat_array
+from chromanoise.page import asked, processes, work
+from chromanoise.page.asked import Bodies, QuestionError
+from chromanoise.page.work import Workers
+from served_page import served
+
+FILE = {"Content-Type": "application/octet-stream"}
+STUDY = {"sensors": [{"name": "onyx-rgb"}]}
+HEAD = json.dumps({"study": STUDY, "want": ["head"]}).encode()
+HEAVY = json.dumps(
+    {
+        "study": {
+            "sensors": [{"name": "onyx-rgbw", "shift_nm": 1.5 * i} for i in range(8)],
+            "matrices": ["lmmse", "kernel", "ridge=0.1"],
+        }
+    }
+).encode()  # takes a second
+
+
+@pytest.fixture(scope="module")
+def server():
+    with (
+        served() as (address, process),
+        httpx.Client(base_url=address.rstrip("/"), timeout=60) as client,
+    ):
+        client.post("/api/answer", content=HEAD, headers={"Content-Type": "application/json"})
+        yield client, process.pid
+
+
+def only_sentence(reply, status=200):
+    assert reply.status_code == status, reply.text[:300]
+    (fault,) = reply.json()["faults"]
+    assert fault["sentence"]
+    assert len(fault["sentence"].splitlines()) == 1
+    return fault
+
+
+def mat_of_zeros(megabytes, *, rows=None):
+    """A MATLAB array of doubles that deflates to a thousandth; with ``rows`` its shape lies."""
+    size = megabytes * 1_000_000 // 40_000 * 40_000
+    rows = rows or size // 40_000
+    parts = struct.pack("<IIII", 6, 8, 6, 0) + struct.pack("<IIiiii", 5, 12, rows, 100, 50, 0)
+    parts += struct.pack("<II", 1, 11) + b"reflectance".ljust(16, b"\0")
+    packing = zlib.compressobj(1)
+    packed = packing.compress(struct.pack("<II", 14, len(parts) + 8 + size) + parts)
+    packed += packing.compress(struct.pack("<II", 9, size))
+    for _ in range(size // 1_000_000):
+        packed += packing.compress(bytes(1_000_000))
+    packed += packing.compress(bytes(size % 1_000_000)) + packing.flush()
+    head = b"MATLAB 5.0 MAT-file".ljust(124) + b"\x00\x01IM"
+    return head + struct.pack("<II", 15, len(packed)) + packed
+
+
+def tiff_of_zeros(megabytes):
+    held = BytesIO()
+    page = np.zeros((5000, 5000), "u1")
+    with tifffile.TiffWriter(held) as writer:
+        for _ in range(megabytes // 25):
+            writer.write(page, compression="zlib", compressionargs={"level": 1}, contiguous=False)
+    return held.getvalue()
+
+
+@pytest.mark.parametrize(
+    ("name", "made"), [("bomb.mat", mat_of_zeros), ("bomb.tif", tiff_of_zeros)]
+)
+def test_a_file_that_unpacks_to_much_is_refused_and_leaves_no_memory_behind(server, name, made):
+    client, pid = server
+    content, before, largest = made(600), memory_bytes(pid), []
+    assert len(content) < 6_000_000
+    done = threading.Event()
+
+    def watch():
+        while not done.wait(0.05):
+            largest.append(memory_bytes(pid))
+
+    watching = threading.Thread(target=watch)
+    watching.start()
+    try:
+        reply = client.post("/api/upload", content=content, headers=FILE | {"X-Filename": name})
+    finally:
+        done.set()
+        watching.join()
+    assert only_sentence(reply)["where"] == "file"
+    assert max(largest, default=0) < 1e9
+    assert memory_bytes(pid) < before + 300e6
+
+
+def test_a_matlab_array_of_more_bytes_than_its_shape_needs_is_refused_before_it_is_inflated(
+    tmp_path,
+):
+    path = tmp_path / "a.mat"
+    path.write_bytes(mat_of_zeros(100, rows=1))
+    tracemalloc.start()
+    try:
+        with pytest.raises(InputError, match=r"a\.mat"):
+            mat_array(path, "reflectance")
+        assert tracemalloc.get_traced_memory()[1] < 10e6
+    finally:
+        tracemalloc.stop()
+    path.write_bytes(mat_of_zeros(2))
+    np.testing.assert_array_equal(mat_array(path, "reflectance"), np.zeros((50, 100, 50)))
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_a_damaged_file_of_any_format_is_answered_and_never_an_error_of_the_server(server, name):
+    client, _ = server
+    whole = FILES[name]()
+    rng = random.Random(name)
+    for content in (whole[: len(whole) // 2], whole[:-1], damaged(rng, whole)):
+        headers = FILE | {"X-Filename": f"a.{name}"}
+        reply = client.post("/api/upload", content=content, headers=headers)
+        assert reply.status_code == 200
+        told = reply.json()
+        assert told.get("id") or told["faults"][0]["sentence"]
+    assert client.post("/api/upload", content=whole, headers=headers).json().get("id") or name in (
+        "npy",  # does not tell its wavelengths
+    )
+
+
+@pytest.mark.parametrize(
+    ("change", "where"),
+    [
+        ({"pictures": [{}] * 100_000}, "pictures"),
+        ({"sweeps": [{}] * 65}, "sweeps"),
+        ({"sensors": [{"name": "onyx-rgb"}] * 9}, "sensors"),
+        ({"matrices": ["kernel"] * 5}, "matrices"),
+    ],
+)
+def test_a_list_that_is_longer_than_the_page_shows_is_refused_with_its_key(server, change, where):
+    for path in ("answer", "texts", "picture"):
+        reply = server[0].post(f"/api/{path}", json={"study": STUDY | change})
+        assert only_sentence(reply)["where"] == where
+
+
+def test_a_list_that_no_question_of_the_page_has_is_refused(server):
+    formats = {"pictures": [{"formats": ["x"] * 100_000}]}
+    fault = only_sentence(server[0].post("/api/answer", json={"study": STUDY | formats}), 400)
+    assert fault["where"] == "pictures.0.formats"
+    keys = {f"k{i}": 1 for i in range(1000)}
+    assert only_sentence(server[0].post("/api/answer", json={"study": STUDY | keys}), 400)
+    deep: list = []
+    for _ in range(900):
+        deep = [deep]
+    assert only_sentence(server[0].post("/api/answer", json={"study": {"title": deep}}), 400)
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        b'{"study": {"\\ud800": 1, "sensors": [{"name": "onyx-rgb"}]}}',
+        b'{"study": {"title": "\\udfff", "sensors": [{"name": "onyx-rgb"}]}}',
+        b'{"study": {"sensors": [{"name": "\\ud83d"}]}}',
+        b'{"look": {"a": "\\uDC00"}}',
+    ],
+)
+def test_half_of_a_surrogate_pair_is_refused_in_a_sentence(server, body):
+    for path in ("answer", "texts", "picture"):
+        headers = {"Content-Type": "application/json"}
+        only_sentence(server[0].post(f"/api/{path}", content=body, headers=headers), 400)
+
+
+def test_half_of_a_surrogate_pair_in_a_file_is_answered(server):
+    told = json.loads(FILES["json"]())
+    told["spectral_data"]["index"]["main"] = ["\ud800", "G"]
+    content = json.dumps(told).encode()
+    reply = server[0].post("/api/upload", content=content, headers=FILE | {"X-Filename": "a.json"})
+    assert reply.status_code == 200
+
+
+@pytest.mark.parametrize("path", ["a" * 300 + ".js", "app/" + "a" * 5000 + ".js"])
+def test_a_long_name_of_an_asset_is_not_found(server, path):
+    assert server[0].get(f"/assets/{path}").status_code == 404
+
+
+def test_clients_that_send_no_body_delay_nobody(server):
+    client, _ = server
+    port = client.base_url.port
+    head = (
+        f"POST /api/answer HTTP/1.1\r\nHost: localhost:{port}\r\n"
+        "Content-Type: application/json\r\nContent-Length: 900000\r\n\r\n{"
+    )
+    with ExitStack() as held:
+        for _ in range(60):
+            one = held.enter_context(socket.create_connection(("127.0.0.1", port)))
+            one.sendall(head.encode())
+        # four of them held all places for long bodies for half a minute
+        long = json.dumps({"study": STUDY, "want": ["head"], "look": {"x": "y" * 200_000}})
+        headers = {"Content-Type": "application/json"}
+        assert client.post("/api/answer", content=long, headers=headers).status_code == 200
+
+
+class Coming:
+    """A request whose pieces come when they are given."""
+
+    def __init__(self):
+        self.headers, self.pieces = {}, asyncio.Queue()
+
+    async def stream(self):
+        while (piece := await self.pieces.get()) is not None:
+            yield piece
+
+
+def test_of_bodies_that_hold_too_much_together_the_one_that_rested_longest_goes(monkeypatch):
+    monkeypatch.setattr(asked, "_MOST_COMING_BYTES", 2500)
+
+    async def bodies():
+        kept, requests = Bodies(), [Coming() for _ in range(3)]
+        tasks = [asyncio.ensure_future(kept.body_of(one, most_bytes=5000)) for one in requests]
+        for one in requests:
+            await one.pieces.put(b"x" * 1000)
+            await asyncio.sleep(0.01)
+        for one in requests[1:]:
+            await one.pieces.put(None)
+        return await asyncio.gather(*tasks, return_exceptions=True)
+
+    first, *others = asyncio.run(bodies())
+    assert isinstance(first, QuestionError)
+    assert first.status == 408
+    assert others == [b"x" * 1000] * 2
+
+
+def test_a_body_that_stops_coming_is_not_waited_for(monkeypatch):
+    monkeypatch.setattr(asked, "_REST_S", 0.01)
+    with pytest.raises(QuestionError) as error:
+        asyncio.run(Bodies().body_of(Coming(), most_bytes=5000))
+    assert error.value.status == 408
+
+
+# ---- the processes that compute ----
+
+
+@pytest.fixture(scope="module")
+def workers():
+    one = Workers(None)
+    yield one
+    one.close()
+    assert all(process.poll() is not None for process in one._nursery._started)
+
+
+def results(workers, *jobs):
+    """What becomes of jobs, one after the other."""
+
+    async def each():
+        return [
+            (await asyncio.gather(workers.done(*job), return_exceptions=True))[0] for job in jobs
+        ]
+
+    return asyncio.run(each())
+
+
+def test_a_computation_that_takes_too_long_is_stopped_and_the_next_is_answered(
+    workers, monkeypatch
+):
+    short = work.JOBS | {"answer": replace(work.JOBS["answer"], limit_s=0.2)}
+    monkeypatch.setattr(work, "JOBS", short)
+    stopped, answered = results(workers, ("answer", HEAVY), ("texts", HEAD))
+    assert isinstance(stopped, QuestionError)
+    assert stopped.status == 200
+    assert "0.2 s" in str(stopped)
+    assert "onyx-rgb" in json.loads(answered)["toml"]
+
+
+def test_a_computation_that_takes_too_much_memory_is_refused_in_a_sentence(workers, monkeypatch):
+    queue = workers._lanes["files"]
+    monkeypatch.setattr(queue, "_lane", replace(queue._lane, memory_bytes=3_000_000))
+    (refused,) = results(workers, ("picture", json.dumps({"study": STUDY}).encode()))
+    assert isinstance(refused, QuestionError)
+    assert "3 MB" in str(refused)
+
+
+def test_an_answer_that_is_too_long_is_refused_in_a_sentence(workers, monkeypatch):
+    monkeypatch.setattr(work, "MOST_ANSWER_BYTES", 100)
+    (refused,) = results(workers, ("texts", HEAD))
+    assert isinstance(refused, QuestionError)
+
+
+def test_who_would_wait_too_long_is_asked_to_ask_again(workers, monkeypatch):
+    monkeypatch.setattr(work, "LONGEST_WAIT_S", -1.0)
+    (refused,) = results(workers, ("texts", HEAD))
+    assert isinstance(refused, QuestionError)
+    assert refused.status == 503
+
+
+def test_where_a_process_cannot_be_forked_each_is_started_alone(monkeypatch):
+    monkeypatch.setattr(processes, "FORKS", False)
+    workers = Workers(None)
+    try:
+        answered, refused = results(workers, ("texts", HEAD), ("texts", b"{"))
+    finally:
+        workers.close()
+    assert "onyx-rgb" in json.loads(answered)["toml"]
+    assert isinstance(refused, QuestionError)
+    assert refused.status == 400
+    assert all(process.poll() is not None for process in workers._nursery._started)
+
+
+def test_no_file_of_the_working_folder_is_imported_by_a_process_that_computes(
+    tmp_path, monkeypatch
+):
+    for name in ("colour", "pickle", "numpy"):
+        (tmp_path / f"{name}.py").write_text("raise SystemExit('imported')\n")
+    monkeypatch.chdir(tmp_path)
+    workers = Workers(None)
+    try:
+        (answered,) = results(workers, ("texts", HEAD))
+    finally:
+        workers.close()
+    assert json.loads(answered)["toml"]
+
+
+# ---- all of it ----
+
+
+@pytest.mark.evidence
+def test_thousands_of_mutated_questions_and_malicious_files_are_answered_or_refused():
+    report = attacked(int(os.environ.get("CHROMANOISE_ATTACKS", "3000")), seed=1)
+    print(report)
+    assert not report.bad
+    assert report.largest_bytes < 1e9
+    # an upload takes 4 s at most, and each of the two clients may wait for the other's
+    assert report.slowest["upload"][0] < 10
+    assert report.slowest["question"][0] < 60
