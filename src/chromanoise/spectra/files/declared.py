@@ -23,7 +23,7 @@ _KEYS = {
     "wavelength_unit": rf"{_OF_WAVELENGTHS}[ _]?units?|units? of {_OF_WAVELENGTHS}",
 }
 _QUANTITIES: tuple[tuple[Quantity, str], ...] = (
-    ("QE", r"(?:absolute |relative )?(?:qe|quantum[ _]efficiency)"),
+    ("QE", r"(?:absolute |relative )?(?:qe|quantum[ _]?efficiency)"),
     ("response", r"(?:spectral )?(?:responsivity|sensitivity|response)"),
     ("reflectance", r"(?:spectral )?(?:reflectance|reflectivity)(?: factor)?"),
     ("transmittance", r"(?:spectral )?(?:transmittance|transmission|throughput)"),
@@ -177,7 +177,7 @@ def is_row_of_units(cells: Iterable[str]) -> bool:
     >>> is_row_of_units(["nm", "R", "G"]), is_row_of_units(["wavelength", "%"])
     (False, False)
     """
-    first, *rest = (cell.strip().strip("[]()").strip() for cell in cells)
+    first, *rest = [cell.strip().strip("[]()").strip() for cell in cells] or [""]
     known = first.lower() in UNITS or first.lower().rstrip("s") in UNITS
     return known and bool(rest) and all(map(_OF_VALUES.fullmatch, rest)) and any(rest)
 

@@ -16,8 +16,8 @@ from chromanoise.spectra.files.declared import (
     with_units,
 )
 from chromanoise.spectra.files.own_json import UNIT_OF_COLUMN, declared
-from chromanoise.spectra.files.tables import Row, is_number, name_and_unit, table_of
-from chromanoise.spectra.files.understood import Found
+from chromanoise.spectra.files.tables import is_number, name_and_unit, table_of
+from chromanoise.spectra.files.understood import Found, Row
 
 _COMMENT = ("#", "%", "//", ";")
 DELIMITERS = {"semicolon": ";", "tab": "\t", "comma": ",", "blanks": None}
@@ -90,28 +90,44 @@ def _said(facts: Mapping[str, str], keys: Mapping[str, str]) -> dict[str, Any]:
 
 
 def _delimiter(lines: list[tuple[int, str]]) -> str:
-    """The separator under which most lines are rows of two or more numbers; a tie: the first."""
+    """The separator under which most lines are rows of two or more numbers; a tie: the first.
 
-    def rows_of_numbers(name: str) -> int:
+    Where no line is one, as where each begins with words, the first one or two cells do not count.
+    """
+
+    def rows_of_numbers(name: str, words: int) -> int:
         comma = name != "comma"
         cells = (split_line(line, name) for _, line in lines)
-        return sum(_is_row(row, decimal_comma=comma) for row in cells)
+        return sum(_is_row(row, words, decimal_comma=comma) for row in cells)
 
-    return max(DELIMITERS, key=rows_of_numbers)
+    words = next((n for n in (0, 1, 2) if any(rows_of_numbers(s, n) for s in DELIMITERS)), 0)
+    return max(DELIMITERS, key=lambda name: rows_of_numbers(name, words))
 
 
-def _is_row(cells: list[str], *, decimal_comma: bool) -> bool:
+def _is_row(cells: list[str], words: int, *, decimal_comma: bool) -> bool:
     filled = [cell.strip() for cell in cells if cell.strip()]
-    return len(filled) > 1 and all(is_number(c, decimal_comma=decimal_comma) for c in filled)
+    numbers = filled[words:]
+    return len(filled) > max(words, 1) and all(
+        is_number(c, decimal_comma=decimal_comma) for c in numbers
+    )
 
 
 def split_line(line: str, delimiter: str) -> list[str]:
     """The cells of a line, delimiter by its name; quoted cells are kept whole."""
     sign = DELIMITERS[delimiter]
     if sign is None:
-        return line.split()
-    if '"' not in line:
-        return line.split(sign)
+        return _split_at_blanks(line)
+    return _quoted(line, sign) if '"' in line else line.split(sign)
+
+
+def _split_at_blanks(line: str) -> list[str]:
+    """Cells between blanks; quoted ones, and a unit in brackets behind its name, stay whole."""
+    if '"' in line:
+        return [cell for cell in _quoted(" ".join(line.split()), " ") if cell]
+    return re.sub(r"(?<=\w)\s+(?=[\[(])", "", line).split()
+
+
+def _quoted(line: str, sign: str) -> list[str]:
     try:
         return next(csv.reader(io.StringIO(line), delimiter=sign, skipinitialspace=True), [])
     except csv.Error:
@@ -147,7 +163,8 @@ def _heading_comment(comments: list[Row], rows: list[Row]) -> tuple[str, ...]:
 
 
 def _parted(comment: Row, sign: str | None) -> tuple[str, ...]:
-    return tuple(cell.strip() for cell in comment.cells[0].split(sign))
+    text = comment.cells[0]
+    return tuple(map(str.strip, text.split(sign) if sign else _split_at_blanks(text)))
 
 
 def _with_ecsv_units(rows: list[Row], comments: list[str]) -> list[Row]:

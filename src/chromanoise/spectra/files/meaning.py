@@ -10,6 +10,7 @@ from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise.spectra.curves import Spectra
 from chromanoise.spectra.files.declared import (
+    is_wavelength_heading,
     level_of_key,
     per_of_key,
     quantity_of_key,
@@ -19,6 +20,7 @@ from chromanoise.spectra.files.declared import (
 from chromanoise.spectra.files.defects import defects_of
 from chromanoise.spectra.files.merging import Sorted, gaps_nm, on_common, sorted_points, step_nm
 from chromanoise.spectra.files.questions import questions_of
+from chromanoise.spectra.files.tables import DIGITIZED
 from chromanoise.spectra.files.understood import (
     Answers,
     Column,
@@ -31,8 +33,8 @@ from chromanoise.spectra.files.understood import (
 )
 
 _WORDS: tuple[tuple[Quantity, str], ...] = (
-    ("QE", r"(?<![a-z])qe(?![a-z])|quantum.efficiency|e-?/(photon|ph)\b|electrons per photon"),
-    ("response", r"responsivity|sensitivit|spectral response|\ba\s*/\s*w\b"),
+    ("QE", r"(?<![a-z])qe(?![a-z])|quantum.?efficiency|e-?/(photon|ph)\b|electrons per photon"),
+    ("response", r"responsivity|sensitivit|\bresponse\b|\ba\s*/\s*w\b"),
     ("reflectance", r"reflect"),
     ("transmittance", r"transmi[ts]|throughput|ir[- ]?cut filter"),
     (
@@ -41,10 +43,11 @@ _WORDS: tuple[tuple[Quantity, str], ...] = (
         r"|emission|illuminant|\blamp|\b(flam|photlam)\b",
     ),
 )
-_PERCENT = r"%|(?<![a-z])(percent|pct)(?![a-z])"
+_PERCENT = r"%|(?<![a-z])(percent|pct)(?![a-z])|\b0\s*(\.\.|-|to)\s*100\b"
 _DEVIATION = r"(?i)(?<![a-z])(standard[ _]deviation|std|stdev|s\.?d\.?|sigma|uncertainty)(?![a-z])"
 _MOST_UM, _LEAST_NM = 20.0, 100.0
 _SENSITIVE_NM = (400.0, 1050.0)
+_MOSTLY = 0.5  # of the steps, up less down
 _SMALL_NEGATIVE = 0.01  # of the highest value of its curve
 _FRACTION_AT_MOST, _PERCENT_AT_MOST = 1.5, 100.0
 _MOST_SENTENCES = 3
@@ -135,11 +138,12 @@ def _wavelength_unit(
         raise _check.InputError(f"{found.source}: a wavelength must be > 0, but one is {low:g}")
     declared, answer = _declared_unit(found), answers.wavelength_unit
     span = f"{low:g}-{high:g}"
-    if declared == "nm" and high < _MOST_UM:
+    other = _contradicted(declared, low, high)
+    if declared and other:
         if answer is None:
             raise _check.InputError(
-                f"{found.source}: its wavelengths are {span} nm by its heading; are they in nm? "
-                "if they are in um, say --wavelength-unit um"
+                f"{found.source}: its wavelengths are {span} {declared} by its heading; are they "
+                f"in {declared}? if they are in {other}, say --wavelength-unit {other}"
             )
         declared = answer  # the numbers contradict the heading
     if answer and declared and answer != declared:
@@ -149,16 +153,38 @@ def _wavelength_unit(
         )
     if declared or answer:
         return declared or answer or "nm", ()
+    listed = is_wavelength_heading(found.heading) or found.format.endswith(DIGITIZED)
+    if not listed and not all(map(_is_ordered, known)):
+        raise _unit_wanted(found, span)
     whole = all(bool((at == np.round(at)).all()) for at in known)
     if high < _MOST_UM and 1e3 * low < _SENSITIVE_NM[1] and not whole:
         return "um", (f"wavelengths of {span} are taken as um",)
     if low >= _LEAST_NM and _fits(low, high) and not _fits(low / 10, high / 10):
         return "nm", (f"wavelengths of {span} are taken as nm",)
-    raise _check.InputError(
+    raise _unit_wanted(found, span)
+
+
+def _contradicted(declared: Unit | None, low: float, high: float) -> Unit | None:
+    """The unit that wavelengths may have which cannot have the declared one."""
+    if declared == "nm" and high < _MOST_UM:
+        return "um"
+    if declared == "um" and low >= _LEAST_NM:
+        return "nm"
+    return "nm" if declared == "angstrom" and _fits(low, high) and high < 10 * _LEAST_NM else None
+
+
+def _unit_wanted(found: Found, span: str) -> _check.InputError:
+    return _check.InputError(
         f"{found.source}: does not declare the unit of its wavelengths, {span}; say "
         "--wavelength-unit nm, um, angstrom or 1/cm (for a filter --filter-wavelength-unit, for an "
         "illuminant --illuminant-wavelength-unit)"
     )
+
+
+def _is_ordered(at: Array) -> bool:
+    """Whether most steps go one way: numbers in no order may be no wavelengths at all."""
+    signs = np.sign(np.diff(at))
+    return bool(abs(signs.sum()) >= _MOSTLY * np.count_nonzero(signs))
 
 
 def _fits(low_nm: float, high_nm: float) -> bool:

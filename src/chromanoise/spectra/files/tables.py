@@ -3,31 +3,30 @@
 import re
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from chromanoise import _check
 from chromanoise._check import Array
-from chromanoise.spectra.files.declared import declared_keys, is_row_of_units, with_units
+from chromanoise.spectra.files.declared import (
+    declared_keys,
+    is_row_of_units,
+    is_wavelength_heading,
+    with_units,
+)
+from chromanoise.spectra.files.layouts import as_columns, with_plain_wavelengths
 from chromanoise.spectra.files.understood import Column, Found
+from chromanoise.spectra.files.understood import Row as Row
 
 _POINT = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eEdD][+-]?\d{1,4})?\s*%?", re.ASCII)
 _COMMA = re.compile(r"[+-]?(\d+(,\d+)?|,\d+)([eEdD][+-]?\d{1,4})?\s*%?", re.ASCII)
 _MISSING = ("", "-", "--", "na", "n/a", "#n/a", "null", "none")
 _UNIT = re.compile(r"(.*?)[\s_]*(?:\[([^\[\]]*)\]|\(([^()]*)\))")
+DIGITIZED = "digitized curves"
 _LARGEST = 1e30
 _LONGEST_CELL = 400
 _MOST_CELLS = 2_000_000
 _NAN = float("nan")
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Row:
-    """The cells of one row, and the line of the file in which they stand."""
-
-    number: int
-    cells: tuple[str, ...]
 
 
 def is_number(cell: str, *, decimal_comma: bool) -> bool:
@@ -82,6 +81,7 @@ def table_of(
     """
     if sum(len(row.cells) for row in rows) > _MOST_CELLS:
         raise _check.InputError(f"{source}: more than {_MOST_CELLS} cells are no table of spectra")
+    rows, turned = as_columns(with_plain_wavelengths(rows))
     first = _first_row_of_numbers(rows, decimal == ",")
     body = [row for row in rows[first:] if any(row.cells)]
     if len(body) < 2:
@@ -91,7 +91,9 @@ def table_of(
         )
     heads = _with_row_of_units([_bare(row.cells) for row in rows[:first]])
     width = _width(body, rows[:first], head)
-    numbers, ragged = _numbers(body, _head(heads, head, width), decimal, source, where)
+    names = _head(heads, head, width)
+    _refuse_wavelengths_elsewhere(names, source)
+    numbers, ragged = _numbers(body, names, decimal, source, where)
     _refuse_no_wavelengths(numbers, body, _in_pairs(heads, numbers), f"{source}: {where}")
     words = " ".join([*comments, *(" ".join(cells) for cells in heads[:-1])])
     keys = dict(declared_keys([*comments, *(": ".join(h) for h in heads if len(h) == 2)]))
@@ -99,12 +101,12 @@ def table_of(
         keys["scale"] = "percent"
     found = {
         "source": source, "format": form, "words": words, "keys": keys,
-        "delimiter": delimiter, "decimal": decimal, "defects": ragged,
+        "delimiter": delimiter, "decimal": decimal, "defects": ragged, "notes": turned,
     }  # fmt: skip
     if _in_pairs(heads, numbers):
         return _digitized(found, heads, numbers)
     lines = [row.number for row in body]
-    return _shared(found, _head(heads, head, width), numbers, lines, where, unit)
+    return _shared(found, names, numbers, lines, where, unit)
 
 
 def _first_row_of_numbers(rows: Sequence[Row], comma: bool) -> int:
@@ -137,6 +139,16 @@ def _width(body: list[Row], heads: Sequence[Row], head: tuple[str, ...]) -> int:
     room = len(heads[-1].cells) if heads else len(head)
     ragged = len(lengths) > 1 and usual > room  # then the heading is right, and rows are not
     return named if ragged else max(named, usual)
+
+
+def _refuse_wavelengths_elsewhere(names: tuple[str, ...], source: str) -> None:
+    others = [k for k, name in enumerate(names) if is_wavelength_heading(name)]
+    if len(others) == 1 and others[0] > 0:
+        k = others[0]
+        raise _check.InputError(
+            f"{source}: its heading says {names[k][:40]!r} over column {k + 1}; put the "
+            "wavelengths into the first column, and leave out what is no curve"
+        )
 
 
 def _refuse_no_wavelengths(numbers: np.ndarray, body: list[Row], pairs: bool, place: str) -> None:
@@ -214,9 +226,9 @@ def _digitized(found: dict, heads: list[tuple[str, ...]], numbers: np.ndarray) -
             )
         )
     note = "each curve has its own list of wavelengths, as digitizers write"
-    form = f"{found['format']}, digitized curves"
+    form = f"{found['format']}, {DIGITIZED}"
     return Found(
-        **{**found, "format": form}, columns=tuple(columns), named=bool(names), notes=(note,)
+        **{**found, "format": form, "notes": (note,)}, columns=tuple(columns), named=bool(names)
     )
 
 

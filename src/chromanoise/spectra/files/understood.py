@@ -91,6 +91,14 @@ class Question:
     options: str
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Row:
+    """The cells of one row, and the line of the file in which they stand."""
+
+    number: int
+    cells: tuple[str, ...]
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Column:
     """One curve as it stands in the file, in the file's own units and order.

@@ -1,0 +1,109 @@
+"""Tables that are laid out otherwise give the same curves as plain ones, or are refused."""
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from chromanoise._check import InputError
+from chromanoise.spectra.files import Answers, read_curves
+
+AT_NM = np.arange(380, 1071, 10)
+CURVES = {
+    name: np.round(0.05 + height * np.exp(-(((AT_NM - middle) / 90) ** 2)), 6).tolist()
+    for name, height, middle in (("red", 0.5, 600), ("green", 0.6, 540), ("blue", 0.4, 450))
+}
+
+
+def _upright(names, heading="wavelength [nm]"):
+    rows = zip(AT_NM.tolist(), *(CURVES[name] for name in names), strict=True)
+    return "\n".join([",".join([heading, *names]), *(",".join(map(str, row)) for row in rows)])
+
+
+def _in_rows(names, corner, at="{}", first="{name}"):
+    lines = [",".join([corner, *(at.format(w) for w in AT_NM.tolist())])]
+    for number, name in enumerate(names, 1):
+        label = first.format(name=name, number=number)
+        lines.append(",".join([label, *map(str, CURVES[name])]))
+    return "\n".join(lines)
+
+
+def _read(tmp_path, text, answers=None):
+    path = tmp_path / "table.csv"
+    path.write_text(text, encoding="utf-8")
+    return read_curves(path, answers=answers or Answers(beyond="hold"))
+
+
+@settings(deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(
+    st.permutations(sorted(CURVES)).flatmap(lambda p: st.integers(1, 3).map(lambda n: p[:n])),
+    st.sampled_from(["", "name", "sample", "Wavelength (nm)", "timestamps"]),
+    st.sampled_from(["{}", "{}nm", "{} nm", "{}.0"]),
+)
+def test_spectra_in_rows_are_the_curves_of_the_same_table_in_columns(tmp_path, names, corner, at):
+    turned = _read(tmp_path, _in_rows(names, corner, at))
+    plain = _read(tmp_path, _upright(names))
+    assert turned.curves.names == plain.curves.names
+    assert turned.curves.wavelength_nm.tolist() == plain.curves.wavelength_nm.tolist()
+    assert turned.curves.values.tolist() == plain.curves.values.tolist()
+    assert any("stand in rows" in note for note in turned.notes)
+
+
+def test_spectra_in_rows_keep_all_the_words_before_their_numbers_as_names(tmp_path):
+    text = _in_rows(["red", "green"], "id,kind", first="{number},{name}")
+    assert _read(tmp_path, text).curves.names == ("1 red", "2 green")
+
+
+@pytest.mark.parametrize("heading", ["nm,1,2,3,4,5", "wavelength,450,500,550,600,650",
+                                     "x,450,500,550,600,650", "nm,R,450,500,550,600"])  # fmt: skip
+def test_curves_with_numbers_as_names_stay_in_columns(tmp_path, heading):
+    rows = [f"{w},.1,.2,.3,.4,.5" for w in AT_NM]
+    told = _read(tmp_path, "\n".join([heading, *rows]))
+    assert told.curves.names == tuple(heading.split(",")[1:])
+    assert told.curves.wavelength_nm.tolist() == AT_NM.tolist()
+
+
+def test_one_bad_wavelength_does_not_turn_a_table(tmp_path):
+    rows = [f"{w},.1,.2,.3,.4,.5".replace("400", "4oo") for w in AT_NM]
+    with pytest.raises(InputError, match=r"table\.csv"):
+        _read(tmp_path, "\n".join(["x,450,500,550,600,650", *rows]))
+
+
+@pytest.mark.parametrize(("heading", "factor"), [
+    ("# Wavelength [nm] QE [%]", 0.01), ("# Wavelength[nm] QE[0..100]", 0.01),
+    ("# Wavelength (nm) QE (0-100.0)", 0.01), ("# Wavelength [nm]  QE[0..1.0]", 1.0),
+    ("Wavelength (nm)   QE (%)", 0.01), ('"Wavelength (nm)" "QE (%)"', 0.01),
+])  # fmt: skip
+def test_a_heading_between_blanks_keeps_its_units_and_the_range_of_its_values(
+    tmp_path, heading, factor
+):
+    told = _read(tmp_path, "\n".join(["#", heading, "#", *(f"{w}  0.5" for w in AT_NM)]))
+    assert (told.quantity, told.wavelength_unit, told.factor) == ("QE", "nm", factor)
+    assert not any("taken as nm" in note for note in told.notes)
+
+
+@pytest.mark.parametrize(("heading", "unit", "first", "step"), [
+    ("wavelength [um]", "nm", 380, 10), ("wavelength [nm]", "um", 0.38, 0.01),
+    ("wavelength [Angstrom]", "nm", 380, 5),
+])  # fmt: skip
+def test_a_heading_that_no_wavelength_of_it_fits_is_asked_about(
+    tmp_path, heading, unit, first, step
+):
+    rows = [f"{first + step * k:.6g},0.5" for k in range(70)]
+    text = "\n".join([f"{heading},transmittance", *rows])
+    with pytest.raises(InputError, match=rf"table\.csv.*--wavelength-unit {unit}"):
+        _read(tmp_path, text)
+    told = _read(tmp_path, text, Answers(wavelength_unit=unit))
+    assert told.curves.wavelength_nm[0] == 380
+
+
+@settings(deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(st.permutations(AT_NM.tolist()))
+def test_no_unit_is_guessed_for_numbers_in_no_order_without_a_heading(tmp_path, order):
+    steps = np.sign(np.diff(order))
+    text = "\n".join(f"{w / 1000},0.5,0.4" for w in order)
+    if abs(steps.sum()) < 0.5 * steps.size:
+        with pytest.raises(InputError, match="--wavelength-unit"):
+            _read(tmp_path, text)
+    else:
+        assert _read(tmp_path, text).wavelength_unit == "um"
