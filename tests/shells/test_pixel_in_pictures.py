@@ -15,6 +15,7 @@ from chromanoise.page.uploads import Uploads
 from chromanoise.sensor import Converter
 from chromanoise.study.files.spectra_json import sensor_from_json, sensor_json
 from chromanoise.study.runs import read_study, sensor_with_pixel, study_from_data
+from outcomes import refused
 
 SHEET = """\
 pixel pitch = 5 um
@@ -201,3 +202,18 @@ def test_the_picture_of_the_page_is_that_of_the_run_with_its_sheet(run, here):
     notes = " | ".join(json.loads(summary)["notes"])
     assert "dsnu_e 12" in notes
     assert "prnu as given" in notes
+
+
+@pytest.mark.parametrize(
+    ("text", "part"),
+    [
+        ("mean_dn;variance_dn2\n64,5;1\n64,5;2\n64,5;3\n", "at least 3 rows"),
+        ("mean_dn,variance_dn2,light\n64,1,dark\n164,51,light\n264,-1,light\n", "-1"),
+        ("sigma_d = 3 e-\nbits = 12\nblack level = 70000 DN", "70000"),
+        ("sigma_d = 3 e-\nbits = 20", "20"),
+    ],
+)
+def test_a_pixel_file_that_no_camera_has_is_refused_in_one_sentence(run, here, text, part):
+    (here / "sheet.txt").write_text(text)
+    refused(run(*ASKED, "--pixel", "sheet.txt", "-o", "o"), "sheet.txt", part)
+    assert not (here / "o").exists()

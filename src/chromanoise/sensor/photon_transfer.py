@@ -34,6 +34,7 @@ _FIT_SHARE = 0.7  # of saturation: where EMVA 1288 ends its fit of the gain
 _NAMED_Z = 5.0  # a row that lies further off is named
 _SCATTERED = 4.0  # of squared residuals per degree of freedom: twice the scatter expected
 _CURVED_Z = 3.0  # a quadratic term beyond is significant
+_LEAST_GAIN = 1e-15  # of any converter [DN/e-]
 _LEAST_DARK_DN2 = 0.24  # EMVA 1288: below, the dark noise is that of quantization
 
 
@@ -228,12 +229,12 @@ def _curves(levels: Levels, source: str, *, spatial: bool) -> _Curves:
     line = weighted_fit(levels, bend=False)
     if line is None:
         raise _undetermined(source)
-    bent, z, significant = None, None, False
+    bent, z, significant, largest = None, None, False, float(np.abs(levels.x).max())
     if np.unique(levels.x).size > slope + 2:
         bent = weighted_fit(levels, bend=True)
     if bent is not None:
         curvature, error = float(bent.values[-1]), float(bent.errors[-1])
-        by_rounding = 1e-6 * abs(float(bent.values[slope])) / float(levels.x.max())
+        by_rounding = 1e-6 * abs(float(bent.values[slope])) / largest
         error = max(error, by_rounding / _CURVED_Z)
         z = curvature / error if error else 0.0
         significant = abs(z) > _CURVED_Z
@@ -243,7 +244,7 @@ def _curves(levels: Levels, source: str, *, spatial: bool) -> _Curves:
     if levels.darks is not None and not pattern:
         own = straight_fit(levels, best) or line
     gain = float(own.values[slope])
-    if not gain > 0:
+    if gain <= _LEAST_GAIN:
         raise InputError(
             f"{source}: the variance does not grow with the mean (slope {gain:g} DN); are "
             "the columns mean and variance, and was the light changed?"

@@ -13,6 +13,8 @@ from chromanoise._linalg import matrix_rank, pinv
 from chromanoise.sensor.transfer_levels import Levels
 
 _ROUNDS = 20  # of weights; they settle in about five
+_LEAST_SHARE = 1e-9  # of the largest variance, so that no row has an infinite weight
+_LARGEST_SLOPE = 1e15  # of any converter [DN]: beyond, the means do not differ
 _UNKNOWN_SAMPLES = 1e4  # stands for an unknown number; the scatter about the fit gives the scale
 
 
@@ -57,15 +59,16 @@ def weighted_fit(levels: Levels, *, bend: bool) -> Regression | None:
     Weights come from the fit itself, for those from noisy variances would pull it down.
     """
     dark, design = _dark_variance(levels), levels.powers(bend)
-    expected = np.maximum(levels.y + dark, 1e-9 * max(float((levels.y + dark).max()), 1e-12))
+    least = _LEAST_SHARE * max(float((levels.y + dark).max()), 1.0)
+    expected = np.maximum(levels.y + dark, least)
     values = np.zeros(design.shape[1])
     lever: Array = np.empty(0)
     for _ in range(_ROUNDS):
         found = _lever(design, 1 / np.sqrt(_level_error2(levels, expected, values)))
-        if found is None:
+        if found is None or not abs(float(found[levels.slope_at] @ levels.y)) < _LARGEST_SLOPE:
             return None
         lever, values = found, found @ levels.y
-        expected = np.maximum(design @ values + dark, 1e-3 * expected)
+        expected = np.maximum(design @ values + dark, least)
     error2 = _level_error2(levels, expected, values)
     free = len(levels) - values.size
     slope = float(values[levels.slope_at])
@@ -105,7 +108,7 @@ def residuals_z(levels: Levels, fit: Regression) -> Array:
     """Of all levels, fitted or not: variance minus fit over its standard error."""
     model = levels.powers(bend=fit.values.size > levels.slope_at + 1) @ fit.values
     dark, slope = _dark_variance(levels), float(fit.values[levels.slope_at])
-    expected = np.maximum(model + dark, 1e-3 * np.abs(levels.y + dark))
+    expected = np.maximum(model + dark, 1e-3 * (levels.y + dark))
     error2 = _level_error2(levels, expected, fit.values)
     error2 = fit.spread * (error2 + _dark_error2(levels, slope)[levels.dark_of])
     return np.divide(levels.y - model, np.sqrt(error2), out=np.zeros(len(levels)), where=error2 > 0)

@@ -191,11 +191,14 @@ def _flaws(source: PixelSource) -> dict[str, float]:
 
 def _converter(source: PixelSource) -> Converter:
     adc = source.adc
-    return Converter(
-        bits=adc.bits if adc else source.bits,
-        gain_e_per_dn=adc.gain_e_per_dn if adc else source.gain_e_per_dn,
-        black_level_dn=adc.black_level_dn if adc else source.black_level_dn,
-    )
+    try:
+        return Converter(
+            bits=adc.bits if adc else source.bits,
+            gain_e_per_dn=adc.gain_e_per_dn if adc else source.gain_e_per_dn,
+            black_level_dn=adc.black_level_dn if adc else source.black_level_dn,
+        )
+    except InputError as error:
+        raise named(error, source.source) from None
 
 
 def _notes(
