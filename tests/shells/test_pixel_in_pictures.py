@@ -108,6 +108,14 @@ def test_a_gain_without_bits_makes_a_converter_only_with_bits_that_are_given(tak
     assert (told["bits"], told["gain_e_per_dn"], told["black_level_dn"]) == (14, 2.0, 10)
 
 
+def test_a_sheet_without_a_black_level_is_not_named_as_its_source(take, here):
+    (here / "sheet.txt").write_text("K = 0.5 DN/e-\nbits = 10")
+    _, told, _ = take(*GREEN)
+    (note,) = [note for note in told["notes"] if note.endswith("of sheet.txt")]
+    assert note == "bits, gain_e_per_dn of sheet.txt"
+    assert (told["gain_e_per_dn"], told["black_level_dn"]) == (2.0, 0)
+
+
 def test_a_picture_without_a_mosaic_has_the_noise_of_the_sheet_and_no_converter(take, here):
     _, told, _ = take("--format", "xyz")
     assert told["imperfections"] == TOLD

@@ -190,12 +190,15 @@ def _flaws(source: PixelSource) -> dict[str, float]:
 
 
 def _converter(source: PixelSource) -> Converter:
-    adc = source.adc
+    """What is known of the converter: the file's own values, or those of a whole one."""
+    adc = source.adc if source.bits is None else None
     try:
+        if adc is not None:
+            return Converter(**asdict(adc))
         return Converter(
-            bits=adc.bits if adc else source.bits,
-            gain_e_per_dn=adc.gain_e_per_dn if adc else source.gain_e_per_dn,
-            black_level_dn=adc.black_level_dn if adc else source.black_level_dn,
+            bits=source.bits,
+            gain_e_per_dn=source.gain_e_per_dn,
+            black_level_dn=source.black_level_dn,
         )
     except InputError as error:
         raise named(error, source.source) from None
