@@ -144,7 +144,8 @@ def known_unit(unit: str, source: str) -> Unit:
     >>> known_unit("Micrometers", "a library")
     'um'
     """
-    known = wavelength_unit_of(f"[{unit.strip()}]")
+    bare = unit.strip()
+    known = None if bare.lower() in _NOT_READ else wavelength_unit_of(f"[{bare}]")
     if known is None:
         raise _check.InputError(
             f"{source}: wavelengths in {unit[:40]!r} are not read; write them in nm, um, angstrom "

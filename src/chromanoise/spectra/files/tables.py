@@ -99,6 +99,8 @@ def table_of(
     keys = dict(declared_keys([*comments, *(": ".join(h) for h in heads if len(h) == 2)]))
     if any("%" in cell for cell in body[0].cells):
         keys["scale"] = "percent"
+    if unit is not None:  # given beside the quantity, it says nothing of the level
+        keys.pop("unit", None)
     found = {
         "source": source, "format": form, "words": words, "keys": keys,
         "delimiter": delimiter, "decimal": decimal, "defects": ragged, "notes": turned,

@@ -1,19 +1,11 @@
 """What decides the last digits beyond study and version: processor, libraries, their kernels."""
 
-import ctypes
 import platform
 from typing import Any
 
 import numpy as np
 import scipy
-from numpy.linalg import _umath_linalg
-
-_CORE_NAMES = (
-    "scipy_openblas_get_corename64_",
-    "openblas_get_corename64_",
-    "scipy_openblas_get_corename",
-    "openblas_get_corename",
-)
+from threadpoolctl import threadpool_info
 
 
 def numerics() -> dict[str, Any]:
@@ -35,13 +27,5 @@ def numerics() -> dict[str, Any]:
 
 def _blas_kernel() -> str | None:
     """The kernel that OpenBLAS chose for this processor, or that OPENBLAS_CORETYPE names."""
-    library = ctypes.CDLL(_umath_linalg.__file__)
-    for name in _CORE_NAMES:
-        try:
-            asked = getattr(library, name)
-        except AttributeError:
-            continue
-        asked.restype = ctypes.c_char_p
-        told = asked()
-        return told.decode("ascii", "replace") if isinstance(told, bytes) else None
-    return None
+    found = [lib.get("architecture") for lib in threadpool_info() if lib["user_api"] == "blas"]
+    return next(filter(None, found), None)
