@@ -11,7 +11,12 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-_COMMAND = "from chromanoise.cli import main; main()"
+COMMAND = (
+    "import signal; signal.signal(signal.SIGINT, signal.default_int_handler); "
+    "from chromanoise.cli import main; main()"
+)
+"""The command line with Ctrl-C, which a shell takes from what it starts in the background."""
+
 _ENDING_S = 60.0
 
 
@@ -30,7 +35,7 @@ def started(
         As `subprocess.Popen` takes it.
     """
     return subprocess.Popen(
-        [sys.executable, "-c", _COMMAND, "serve", "--port", str(port), *map(str, arguments)],
+        [sys.executable, "-c", COMMAND, "serve", "--port", str(port), *map(str, arguments)],
         stdout=subprocess.PIPE,
         stderr=stderr,
         text=True,
@@ -39,10 +44,13 @@ def started(
 
 
 def stopped(process: subprocess.Popen[str]) -> None:
-    """End a server as Ctrl-C does."""
+    """End a server as Ctrl-C does, or by force where that does not end it."""
     if process.poll() is None:
         process.send_signal(signal.SIGINT)
-    process.communicate(timeout=_ENDING_S)
+    try:
+        process.communicate(timeout=_ENDING_S)
+    finally:
+        process.kill()
 
 
 @contextmanager

@@ -4,7 +4,6 @@ import logging
 import os
 import pickle
 import signal
-import subprocess
 import sys
 import time
 from concurrent.futures import ThreadPoolExecutor
@@ -14,7 +13,6 @@ import numpy as np
 import pytest
 import tifffile
 
-import chromanoise
 from chromanoise._check import InputError
 from chromanoise.cli import main
 from chromanoise.exposure import Situation
@@ -28,6 +26,7 @@ from chromanoise.scene import Cube, read_cube
 from chromanoise.scene.file_rows import FileRows
 from chromanoise.sensor import Imperfections, bayer
 from chromanoise.spectra import equal_energy
+from processes import command, wait_for
 from strategies import EXPOSURE, GRID, bell_qe, sensor_of
 
 ROWS, COLUMNS = 41, 25
@@ -258,24 +257,15 @@ def test_the_command_writes_the_same_files_on_threads_and_on_any_cluster(
 
 @pytest.mark.parametrize("after_s", [0.0, 3.0], ids="{:g} s".format)
 def test_a_stop_from_the_keyboard_ends_a_local_cluster_in_one_line(wide_file, tmp_path, after_s):
-    source = Path(chromanoise.__file__).parents[1]
-    process = subprocess.Popen(
-        [
-            sys.executable, "-c", "from chromanoise.cli import main; main()", "simulate", wide_file,
-            "--sensor", "model-rgb-ircut", "--mosaic", "bayer", "--raw-only", "--beyond", "zero",
-            "--frames", "100000", "--scheduler", "local", "--threads", "2", "-o", tmp_path / "o",
-        ],
-        env={**os.environ, "PYTHONPATH": str(source)}, stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE, text=True, start_new_session=True,
-    )  # fmt: skip
-    end = time.monotonic() + 60
-    while not list(tmp_path.glob(".o-*")):  # it has begun: the cluster comes next
-        assert process.poll() is None, process.stderr.read()
-        assert time.monotonic() < end
-        time.sleep(0.02)
-    time.sleep(after_s)
-    os.killpg(process.pid, signal.SIGINT)  # as a terminal does
-    out, err = process.communicate(timeout=60)
+    with command(
+        "simulate", wide_file, "--sensor", "model-rgb-ircut", "--mosaic", "bayer", "--raw-only",
+        "--beyond", "zero", "--frames", "100000", "--scheduler", "local", "--threads", "2",
+        "-o", tmp_path / "o",
+    ) as process:  # fmt: skip
+        wait_for(lambda: list(tmp_path.glob(".o-*")), process)  # the cluster comes next
+        time.sleep(after_s)
+        os.killpg(process.pid, signal.SIGINT)  # as a terminal does
+        out, err = process.communicate(timeout=60)
     assert (process.returncode, out, err.strip()) == (130, "", "chromanoise: stopped")
     assert not list(tmp_path.glob("*o*/"))
 

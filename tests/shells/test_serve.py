@@ -20,7 +20,7 @@ from chromanoise.page.server import listening_socket, page_server
 from chromanoise.page.uploads import MOST_FILES, Uploads
 from chromanoise.study.drawings import PARTS, drawing, shown
 from chromanoise.study.runs import study_from_data, study_from_text
-from served_page import started
+from processes import IGNORING, command
 
 BOTH = {
     "light": {"illuminant": "E", "level_lux": 10.0},
@@ -467,7 +467,7 @@ def test_serve_tells_its_address_answers_soon_and_ends_with_ctrl_c(tmp_path):
     study = tmp_path / "study.toml"
     study.write_text('title = "T"\n[[sensors]]\nname = "model-rgbir"\n', encoding="utf-8")
     start = time.monotonic()
-    with started(study, stderr=subprocess.PIPE) as process:
+    with command("serve", study, "--port", 0, PYTHONUNBUFFERED="1") as process:
         address = process.stdout.readline().split()[0]
         assert re.fullmatch(r"http://localhost:\d+/", address)
         assert httpx.get(address, timeout=60).status_code == 200
@@ -475,6 +475,19 @@ def test_serve_tells_its_address_answers_soon_and_ends_with_ctrl_c(tmp_path):
         choices = httpx.get(f"{address}api/choices", timeout=60).json()
         assert choices["study"]["sensors"][0]["name"] == "model-rgbir"
         process.send_signal(signal.SIGINT)
+        _, errors = process.communicate(timeout=30)
+    assert (process.returncode, errors) == (0, "")
+
+
+def test_a_server_that_was_started_without_ctrl_c_ends_by_a_termination_only():
+    with command("serve", "--port", 0, script=IGNORING, PYTHONUNBUFFERED="1") as process:
+        address = process.stdout.readline().split()[0]
+        assert httpx.get(address, timeout=60).status_code == 200
+        process.send_signal(signal.SIGINT)
+        with pytest.raises(subprocess.TimeoutExpired):
+            process.wait(timeout=1)
+        assert httpx.get(address, timeout=60).status_code == 200
+        process.terminate()
         _, errors = process.communicate(timeout=30)
     assert (process.returncode, errors) == (0, "")
 

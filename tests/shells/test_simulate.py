@@ -1,21 +1,16 @@
 """`simulate`: every option does what it says, and files appear whole or not at all."""
 
 import json
-import os
 import signal
-import subprocess
 import sys
-import time
 from contextlib import contextmanager
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 import tifffile
 from PIL import Image
 
-import chromanoise
 from chromanoise._check import InputError
 from chromanoise.exposure import Situation, saturating_exposure
 from chromanoise.imaging import DEMOSAICING, acquired, developed, rendered
@@ -33,6 +28,7 @@ from chromanoise.sensor import (
 from chromanoise.spectra import DEFAULT_GRID, equal_energy
 from chromanoise.study.files.spectra_json import sensor_json
 from outcomes import refused
+from processes import IGNORING, command, wait_for
 
 ROWS, COLUMNS = 27, 23  # no whole number of tiles; DNG needs 22
 IMPERFECT = {
@@ -399,32 +395,37 @@ def test_a_stop_in_the_work_leaves_nothing_not_even_the_frame_that_was_whole(
     assert nothing_left(tmp_path)
 
 
+BURST = ("--sensor", "model-rgb", "--mosaic", "bayer", "--raw-only", "--frames", "1000000")
+
+
 @pytest.mark.parametrize("sent", [signal.SIGINT, signal.SIGTERM])
 def test_a_signal_in_a_long_burst_ends_it_and_keeps_what_was_there_before(cube, tmp_path, sent):
     folder = tmp_path / "o"
     folder.mkdir()
     (folder / "summary.json").write_text("mine")
-    source = Path(chromanoise.__file__).parents[1]
-    process = subprocess.Popen(
-        [
-            sys.executable, "-c", "from chromanoise.cli import main; main()", "simulate", cube,
-            "--sensor", "model-rgb", "--mosaic", "bayer", "--raw-only", "--frames", "1000000",
-            "-o", folder,
-        ],
-        env={**os.environ, "PYTHONPATH": str(source)}, stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE, text=True,
-    )  # fmt: skip
-    end = time.monotonic() + 60
-    while not list(tmp_path.glob(".o-*/*-0001.raw.tiff")):
-        assert process.poll() is None, process.stderr.read()
-        assert time.monotonic() < end
-        time.sleep(0.02)
-    process.send_signal(sent)
-    out, err = process.communicate(timeout=60)
+    with command("simulate", cube, *BURST, "-o", folder) as process:
+        wait_for(lambda: list(tmp_path.glob(".o-*/*-0001.raw.tiff")), process)
+        process.send_signal(sent)
+        out, err = process.communicate(timeout=60)
     assert (process.returncode, out, err.strip()) == (130, "", "chromanoise: stopped")
     assert [path.name for path in tmp_path.iterdir()] == ["o"]
     assert names_in(folder) == ["summary.json"]
     assert (folder / "summary.json").read_text() == "mine"
+
+
+def test_where_ctrl_c_was_ignored_from_the_start_it_stays_so_and_a_termination_ends_cleanly(
+    cube, tmp_path
+):
+    with command("simulate", cube, *BURST, "-o", tmp_path / "o", script=IGNORING) as process:
+        wait_for(lambda: list(tmp_path.glob(".o-*/*-0001.raw.tiff")), process)
+        process.send_signal(signal.SIGINT)
+        (scratch,) = tmp_path.glob(".o-*/")
+        ahead = len(list(scratch.iterdir())) + 20
+        wait_for(lambda: len(list(scratch.iterdir())) > ahead, process)
+        process.terminate()
+        out, err = process.communicate(timeout=60)
+    assert (process.returncode, out, err.strip()) == (130, "", "chromanoise: stopped")
+    assert nothing_left(tmp_path)
 
 
 def test_on_a_screen_a_bar_tells_rows_and_goes_away(run, cube, tmp_path, monkeypatch):

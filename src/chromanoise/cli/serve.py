@@ -1,5 +1,8 @@
 """``chromanoise serve``."""
 
+import signal
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import click
@@ -37,11 +40,25 @@ def serve(study: Path | None, port: int, opened: bool) -> None:
     if opened:
         click.launch(address)
     try:
-        page_server(listening, study=told).run(sockets=[listening])
+        with _ignored_stays_ignored():
+            page_server(listening, study=told).run(sockets=[listening])
     except KeyboardInterrupt:
         pass  # how it is meant to end
     finally:
         listening.close()
+
+
+@contextmanager
+def _ignored_stays_ignored() -> Iterator[None]:
+    """The server listens to Ctrl-C, also where a shell started it in the background without."""
+    if not hasattr(signal, "pthread_sigmask") or signal.getsignal(signal.SIGINT) != signal.SIG_IGN:
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def _study(path: Path | None) -> dict[str, object] | None:

@@ -1,0 +1,40 @@
+"""The command line as a process of its own, which is ended whatever its test does."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+import chromanoise
+from served_page import COMMAND
+
+IGNORING = COMMAND.replace("signal.default_int_handler", "signal.SIG_IGN")
+"""The command as a shell starts it in the background: without Ctrl-C."""
+
+
+@contextmanager
+def command(*arguments, script=COMMAND, **variables):
+    """A process of the command, in a process group of its own that ends with the context."""
+    process = subprocess.Popen(
+        [sys.executable, "-c", script, *map(str, arguments)],
+        env={**os.environ, "PYTHONPATH": str(Path(chromanoise.__file__).parents[1]), **variables},
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True,
+    )  # fmt: skip
+    try:
+        yield process
+    finally:
+        with suppress(ProcessLookupError):
+            os.killpg(process.pid, signal.SIGKILL)
+        process.communicate()
+
+
+def wait_for(happened, process, *, seconds=60):
+    """Wait until a function of no arguments is true, while a process lives."""
+    end = time.monotonic() + seconds
+    while not happened():
+        assert process.poll() is None, process.communicate()
+        assert time.monotonic() < end
+        time.sleep(0.02)
