@@ -242,6 +242,24 @@ def overfull_zarr(folder):
     return folder / "a.zarr"
 
 
+def bomb_of_zstd(folder, sized=True):
+    """A chunk of 160 bytes whose file of 32 kB unpacks to 1 GiB."""
+    zarr.create_array(
+        folder / "a.zarr", data=np.ones((2, 2, 5)), chunks=(2, 2, 5), zarr_format=2,
+        compressors=numcodecs.Zstd(),
+    )  # fmt: skip
+    frame = bytes(numcodecs.Zstd().encode(np.zeros(2**30, np.uint8)))
+    if not sized:  # a frame may leave its size away
+        assert frame[4] == 0x80  # 4 bytes of size
+        frame = frame[:4] + b"\0" + frame[5:6] + frame[10:]
+    (folder / "a.zarr" / "0.0.0").write_bytes(frame)
+    return folder / "a.zarr"
+
+
+def bomb_of_zstd_without_a_size(folder):
+    return bomb_of_zstd(folder, sized=False)
+
+
 def overfull_hdf5(folder):
     """A chunk of 64 bytes that unpacks to 256 MiB, behind a checksum that only libhdf5 knows."""
     with h5py.File(folder / "a.h5", "w") as file:
@@ -271,6 +289,8 @@ BOMBS = [
     overfull_tiff,
     overfull_npz,
     large_zarr,
+    bomb_of_zstd,
+    bomb_of_zstd_without_a_size,
     overfull_zarr,
     overfull_hdf5,
     large_pngs,

@@ -9,7 +9,7 @@ import math
 import os
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from functools import cache, partial
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -25,6 +25,7 @@ from chromanoise.scene.file_rows import refuse_other_rows
 from chromanoise.scene.found import Notes
 from chromanoise.scene.labeled import Axes, Labeled, Store
 from chromanoise.scene.rows import RowSource, block
+from chromanoise.scene.zarr_codecs import guard_codecs
 
 _HEADERS = (".zarray", "zarr.json")
 _CODECS = frozenset({
@@ -212,31 +213,9 @@ def _codecs(header: Any) -> Iterator[str]:
 
 def _opened(path: Path, name: str) -> Any:
     zarr = library("zarr", str(path))
-    _check_blosc_lengths()
+    guard_codecs()
     store = zarr.storage.LocalStore(path, read_only=True)
     return zarr.open_array(store=store, path=name, mode="r")
-
-
-_BLOSC_HEADER_BYTES = 16  # the last four are the length of the whole
-
-
-@cache
-def _check_blosc_lengths() -> None:
-    """Make numcodecs refuse a Blosc buffer that is shorter than it says.
-
-    numcodecs (0.16) reads beyond the end of such a buffer, which ends the process.
-    """
-    blosc = library("numcodecs.blosc", "Blosc chunks of Zarr folders")
-    unchecked = blosc.Blosc.decode
-
-    def decode(codec: Any, buf: Any, out: Any = None) -> Any:
-        given = memoryview(buf).cast("B")
-        told = int.from_bytes(given[_BLOSC_HEADER_BYTES - 4 : _BLOSC_HEADER_BYTES], "little")
-        if given.nbytes < _BLOSC_HEADER_BYTES or told > given.nbytes:
-            raise ValueError(f"a chunk holds {given.nbytes} bytes, but says {told}")
-        return unchecked(codec, buf, out)
-
-    blosc.Blosc.decode = decode
 
 
 def _numbers(path: Path, name: str) -> Shaped[Array, "..."]:
