@@ -58,7 +58,8 @@ class Worker:
         Parameters
         ----------
         job
-            Its name, the files that it may name, its arguments, and how long it may take [s].
+            Its name, the files that it may name, its arguments, and for how long it may compute and
+            take [s].
 
         Raises
         ------

@@ -43,27 +43,31 @@ class Job:
     ----------
     lane
         Of `LANES`.
+    cpu_s
+        How long it may compute; whole seconds.
     limit_s
-        How long it may take.
+        How long it may take, also where the machine is busy.
     where
         The key beside which a refusal is shown.
     """
 
     lane: str
+    cpu_s: int
     limit_s: float
     where: str = ""
 
 
 LANES: Mapping[str, Lane] = {
-    "questions": Lane(workers=2, memory_bytes=160_000_000),
-    "files": Lane(workers=1, memory_bytes=450_000_000),  # 150 MB of it for compiled kernels
+    "questions": Lane(workers=2, memory_bytes=100_000_000),
+    "pictures": Lane(workers=1, memory_bytes=380_000_000),  # 150 MB of it for compiled kernels
+    "uploads": Lane(workers=1, memory_bytes=280_000_000),
 }
 JOBS: Mapping[str, Job] = {
-    "choices": Job(lane="questions", limit_s=30.0),
-    "answer": Job(lane="questions", limit_s=30.0),
-    "texts": Job(lane="questions", limit_s=30.0),
-    "picture": Job(lane="files", limit_s=30.0),
-    "previewed": Job(lane="files", limit_s=4.0, where="file"),
+    "choices": Job(lane="questions", cpu_s=15, limit_s=30.0),
+    "answer": Job(lane="questions", cpu_s=15, limit_s=30.0),
+    "texts": Job(lane="questions", cpu_s=15, limit_s=30.0),
+    "picture": Job(lane="pictures", cpu_s=25, limit_s=30.0),
+    "previewed": Job(lane="uploads", cpu_s=4, limit_s=12.0, where="file"),
 }
 
 
@@ -156,12 +160,13 @@ class _Queue:
     def _answered(self, name: str, asked: tuple[Any, ...], since: float) -> Any:
         if time.monotonic() - since > LONGEST_WAIT_S:
             raise _too_much()
+        job = JOBS[name]
         worker = self._idle.get()  # there are as many as threads
         try:
             worker = self._ready(worker)
-            return _result(worker.asked((name, *asked, JOBS[name].limit_s)), JOBS[name], self._lane)
+            return _result(worker.asked((name, *asked, job.cpu_s, job.limit_s)), job, self._lane)
         except ProcessEndedError as ended:
-            raise _stopped(JOBS[name], ended, self._lane) from None
+            raise _stopped(job, ended, self._lane) from None
         finally:
             self._idle.put(None if worker is None or worker.is_spent else worker)
 
@@ -195,8 +200,8 @@ def _result(answer: tuple[Any, ...], job: Job, lane: Lane) -> Any:
 
 
 def _stopped(job: Job, ended: ProcessEndedError, lane: Lane) -> QuestionError:
-    if ended.seconds >= job.limit_s:
-        sentence = f"this takes longer than {job.limit_s:g} s and was stopped; ask for less"
+    if ended.seconds >= min(job.cpu_s, job.limit_s):
+        sentence = f"this takes longer than {job.cpu_s} s and was stopped; ask for less"
     else:
         sentence = (
             "this brought its process down, perhaps for want of memory "

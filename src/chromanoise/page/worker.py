@@ -2,12 +2,14 @@
 
 import contextlib
 import faulthandler
+import math
 import os
 import pickle
 import signal
 import socket
 import struct
 import sys
+import time
 import traceback
 from pathlib import Path
 from typing import Any, BinaryIO
@@ -104,18 +106,33 @@ class _Answering:
     def serve(self) -> None:
         with open(os.devnull, "w") as nowhere:  # noqa: PTH123 - closed when all is done
             while (asked := self._asked()) is not None:
-                name, kept, given, limit_s = asked
+                name, kept, given, cpu_s, limit_s = asked
                 self._tell("begins")
+                self._bound_cpu(cpu_s)
                 # a thread of its own in C: it acts even while a library loops and holds the lock
                 faulthandler.dump_traceback_later(limit_s, exit=True, file=nowhere)
                 answer = answered(self._desk, name, kept, given)
                 faulthandler.cancel_dump_traceback_later()
-                is_spent = self._bound is not None and _held_bytes() > self._bound
+                is_spent = self._is_spent(cpu_s)
                 self._tell((answer, is_spent))
                 if is_spent:
                     return
 
-    def _asked(self) -> tuple[str, tuple[Upload, ...], tuple[Any, ...], float] | None:
+    def _bound_cpu(self, cpu_s: int) -> None:
+        """End where so much is computed: this process, and those that it starts from now on."""
+        if self._bound is not None:
+            import resource
+
+            limit = math.ceil(time.process_time()) + cpu_s
+            resource.setrlimit(resource.RLIMIT_CPU, (limit, resource.RLIM_INFINITY))
+
+    def _is_spent(self, cpu_s: int) -> bool:
+        """Whether another one should take its place: what it starts inherits what it has used."""
+        if self._bound is None:
+            return False
+        return _held_bytes() > self._bound or time.process_time() > cpu_s
+
+    def _asked(self) -> tuple[str, tuple[Upload, ...], tuple[Any, ...], int, float] | None:
         try:
             return pickle.load(self._reads)
         except (EOFError, OSError):
