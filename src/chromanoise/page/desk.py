@@ -1,10 +1,11 @@
 """All that computes behind the page: imported in the background, once."""
 
 import json
+from contextlib import suppress
 from typing import Any
 
 from chromanoise.page.answers import Answers
-from chromanoise.page.asked import data_of
+from chromanoise.page.asked import QuestionError, data_of
 from chromanoise.page.choices import choices
 from chromanoise.page.pictures import Pictures
 from chromanoise.page.previews import preview_of
@@ -38,6 +39,7 @@ class Desk:
         self._studies = Studies(uploads, files=files)
         self._answers = Answers(self._studies)
         self._pictures = Pictures(self._studies)
+        self._has_kernels = False
 
     def choices(self) -> str:
         """The JSON of ``/api/choices``."""
@@ -68,6 +70,19 @@ class Desk:
             wrong = self._studies.complaints(told["study"])
             told["preview"] += [f"Looks wrong: {sentence}" for sentence in wrong]
         return json.dumps(told)
+
+    def prepare(self, name: str) -> None:
+        """Do once what the first job of a name needs and no limit of time is meant for.
+
+        Parameters
+        ----------
+        name
+            Of a method. The first picture after an installation compiles for half a minute.
+        """
+        if name == "picture" and not self._has_kernels:
+            self._has_kernels = True
+            with suppress(QuestionError, MemoryError):  # told of the picture that is asked for
+                self._pictures.picture({"study": STUDY})
 
     def warm(self) -> None:
         """Compute once what the page will ask first, so that its first answer is quick."""

@@ -107,6 +107,7 @@ class _Answering:
         with open(os.devnull, "w") as nowhere:  # noqa: PTH123 - closed when all is done
             while (asked := self._asked()) is not None:
                 name, kept, given, cpu_s, limit_s = asked
+                self._desk.prepare(name)
                 self._tell("begins")
                 self._bound_cpu(cpu_s)
                 # a thread of its own in C: it acts even while a library loops and holds the lock
