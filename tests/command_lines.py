@@ -397,13 +397,15 @@ def _json_faults(text):
 
 
 def prepared_files():
-    """The input files and a result of ``run``; everything is imported after it."""
+    """The input files and a result of ``run``; everything is imported and compiled after it."""
     for name in _COMMANDS:
         import_module(f"chromanoise.cli.{name}")
     files = input_files()
     with tempfile.TemporaryDirectory() as base:
         study = Path(base, "study.toml")
-        study.write_text('[[sensors]]\nname = "onyx-rgb"\n')
+        study.write_text(
+            '[[sensors]]\nname = "onyx-rgb"\n[[pictures]]\n[[pictures]]\nmosaic = "bayer"\n'
+        )
         with contextlib.ExitStack() as silent, contextlib.suppress(SystemExit):
             silent.enter_context(contextlib.redirect_stdout(io.StringIO()))
             silent.enter_context(contextlib.redirect_stderr(io.StringIO()))

@@ -140,10 +140,10 @@ def trained_names(names: Sequence[str]) -> list[str]:
 
 
 def known_matrices() -> str:
-    """The names of the methods, with what they ask for."""
+    """The names of the methods, with the parameters and their bounds."""
     return ", ".join(
-        f"{name}=<{method.parameter}>" if method.parameter else name
-        for name, method in METHODS.items()
+        f"{name}=<{m.parameter}> ({m.bounds[0]:g} to {m.bounds[1]:g})" if m.parameter else name
+        for name, m in METHODS.items()
     )
 
 
