@@ -26,7 +26,7 @@ import numpy as np
 if __name__ == "__main__":  # run as a script, it finds its neighbors and the sources beside it
     sys.path[:0] = [str(Path(__file__).parent), str(Path(__file__).parents[1] / "src")]
 
-from chromanoise.cli.main import _COMMANDS, commands, run
+from chromanoise.cli.entry import _COMMANDS, commands, run
 from chromanoise.study.runs import STARTER
 from damage import mutated, random_edits
 

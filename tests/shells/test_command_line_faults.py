@@ -19,7 +19,7 @@ from chromanoise._files import whole_folder
 from chromanoise.cli import progress
 from outcomes import refused
 
-main = import_module("chromanoise.cli.main")
+main = import_module("chromanoise.cli.entry")
 TESTS = Path(__file__).parents[1]
 LINES = int(os.environ.get("CHROMANOISE_COMMAND_LINES", "300"))
 

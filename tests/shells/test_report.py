@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from chromanoise.cli.main import run as run_command
+from chromanoise.cli.entry import run as run_command
 from chromanoise.figures import study_figures
 from chromanoise.figures.writing import figure_bytes
 from chromanoise.page.equations import EQUATIONS

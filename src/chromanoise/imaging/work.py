@@ -14,8 +14,6 @@ from functools import partial
 from itertools import islice
 from typing import Any
 
-import numba
-
 from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise.imaging.blocks import Scratch, new_rows
@@ -146,7 +144,9 @@ def made(
     work
         Who does it. The first fault ends it all.
     """
-    if numba.config.DISABLE_JIT:
+    from numba import config
+
+    if config.DISABLE_JIT:
         raise _check.InputError(
             "NUMBA_DISABLE_JIT is set, but pictures need compiled kernels; unset it"
         )
