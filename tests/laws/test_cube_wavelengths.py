@@ -9,6 +9,7 @@ import scipy.io
 from chromanoise._check import InputError
 from chromanoise.scene import cube_from_xarray, read_cube
 from chromanoise.scene.rows import row_source
+from chromanoise.scene.wavelength_file import read_wavelengths
 
 h5py = pytest.importorskip("h5py", reason="comes with chromanoise[cubes]")
 zarr = pytest.importorskip("zarr", reason="comes with chromanoise[cubes]")
@@ -179,7 +180,7 @@ FAULTY = {
     "400\n450\nx\n600\n700\n": ("'x'",),
     "400\n450\nnan\n600\n700\n": ("'nan'",),
     "400\n450\ninf\n600\n700\n": ("'inf'",),
-    "wavelength_nm width_um\n400 1\n450 1\n500 1\n600 1\n700 1\n": ("nm", "um"),
+    "wavelength [nm or um]\n400\n450\n500\n600\n700\n": ("nm", "um"),
     "\xff\xfe": ("UTF-8",),
 }
 
@@ -202,3 +203,12 @@ def test_listed_numbers_that_are_no_series_of_light_are_refused(tmp_path, text):
     (tmp_path / "wl.txt").write_text(text)
     np.save(tmp_path / "a.npy", CUBE)
     told(tmp_path / "a.npy", wavelengths=tmp_path / "wl.txt")
+
+
+@pytest.mark.parametrize(
+    "comment", ["# Headwall camera, 2 um slit", "# FWHM 5 angstrom", "# center in nm, width in um"]
+)
+def test_a_comment_is_no_unit_of_a_list_of_wavelengths(tmp_path, comment):
+    path = tmp_path / "bands.txt"
+    path.write_text(f"{comment}\n450\n700\n")
+    assert read_wavelengths(path, 2).tolist() == [450.0, 700.0]

@@ -36,6 +36,9 @@ COMMENTS = [
     "date: 2024-01-31", "source: a bench", "notes: percent; relative", "see https://example.org/qe",
     "sd of three runs 0.001", "spd of the lamp was flat", "extraterrestrial curve not used",
     "percentages were rounded", "level: unknown", "per: request",
+    "Units: see data sheet, error 2 percent", "Unit: camera 3 (gain error 2 percent)",
+    "units: relative humidity 40 %", "Unit: bench 3, Thorlabs power meter", "scale: 1 % steps",
+    "wavelength unit: see sheet, 1 um steps", "units = W. Smith, photon lab", "unit: percent error",
 ]  # fmt: skip
 
 
@@ -121,7 +124,7 @@ UNITS = {"nm": AT_NM, "um": AT_NM / 1000, "angstrom": 10 * AT_NM, "1/cm": 1e7 / 
 SPELLINGS = {
     "nm": ("nm", "nanometers", "NM"),
     "um": ("um", "µm", "micron", "micrometer"),
-    "angstrom": ("Angstrom", "A", "Å", "angstroms", "ANGSTROM"),
+    "angstrom": ("Angstrom", "A", "AA", "Å", "angstroms", "ANGSTROM"),
     "1/cm": ("1/cm", "cm-1", "cm^-1"),
 }
 HEADS = {
@@ -145,8 +148,8 @@ HEADS = {
     ("unit", "spelling"), [(unit, s) for unit, all_ in SPELLINGS.items() for s in all_]
 )
 def test_every_declared_unit_of_wavelengths_gives_the_same_curve(tmp_path, unit, spelling, head):
-    if spelling == "A" and head in ("key", "words of a key", "units below"):
-        pytest.skip("A alone is a unit only in brackets or in a table of ECSV")
+    if spelling == "A" and head == "units below":
+        pytest.skip("A alone in a row of units may be a name")
     rows = [f"{w!r},{q!r}" for w, q in zip(UNITS[unit].tolist(), QE.tolist(), strict=True)]
     path = tmp_path / "filter.ecsv"
     path.write_text(HEADS[head].format(unit=spelling) + "\n".join(rows), encoding="utf-8")
@@ -167,7 +170,8 @@ def test_a_table_of_spectral_flux_in_angstrom_is_a_light(tmp_path):
 
 
 @pytest.mark.parametrize(
-    "at", [(3000, 11000), (300, 11000), (1, 2, 3), (30, 40), (1100, 2500), (9500, 26000)]
+    "at",
+    [(3000, 11000), (300, 11000), (1, 2, 3), (30, 40), (1100, 2500), (9500, 26000), (1000, 3950)],
 )
 def test_no_unit_is_guessed_where_another_could_be_meant(tmp_path, at):
     path = tmp_path / "filter.dat"
@@ -188,6 +192,8 @@ def test_no_unit_is_guessed_where_another_could_be_meant(tmp_path, at):
         "wavelength [nm or um],QE\n400,.1\n1050,.2\n",
         "wavelength [eV],QE\n1.2,.1\n3.1,.2\n",
         "wavelength [m],QE\n4e-7,.1\n1.05e-6,.2\n",
+        "wavelength_m,QE\n4e-7,.1\n1.05e-6,.2\n",
+        "wavelength [0.1 nm],QE\n4000,.1\n10500,.2\n",
     ],
 )
 def test_two_units_or_one_that_is_not_read_are_refused(tmp_path, text):
@@ -310,3 +316,36 @@ def test_light_per_wavenumber_is_refused_as_a_light(tmp_path):
     path.write_text("wavenumber [1/cm],power\n9000,1\n26000,1\n")
     with pytest.raises(InputError, match=r"lamp\.csv.*per nm"):
         power_of(read_curves(path))
+
+
+def test_a_description_in_an_ecsv_header_is_no_unit(tmp_path):
+    path = tmp_path / "table.ecsv"
+    path.write_text(
+        "# %ECSV 1.0\n# ---\n# datatype:\n"
+        "# - {name: wave, unit: nm, datatype: float64, description: 'original unit: um'}\n"
+        "# - {name: QE, datatype: float64}\nwave QE\n400.0 0.1\n1050.0 0.2\n"
+    )
+    assert read_curves(path).curves.wavelength_nm.tolist() == [400.0, 1050.0]
+
+
+@pytest.mark.parametrize("heading", ["wavelength,QE R,QE G", "wavelength,QE R [%],QE G [%]"])
+def test_units_inside_the_cells_of_wavelengths_leave_the_heading(tmp_path, heading):
+    factor = 100 if "%" in heading else 1
+    path = tmp_path / "cells.csv"
+    path.write_text(f"{heading}\n400nm,{factor * 0.5},{factor * 0.25}\n1050nm,{factor * 0.25},0\n")
+    told = read_curves(path)
+    assert told.curves.names == ("QE R", "QE G")
+    assert told.quantity == "QE"
+    np.testing.assert_allclose(told.curves.values, [[0.5, 0.25], [0.25, 0.0]], rtol=1e-15)
+
+
+def test_percent_of_one_column_is_not_that_of_another(tmp_path):
+    path = tmp_path / "mixed.csv"
+    path.write_text("wavelength_nm,QE G,error [%]\n400,0.5,2\n1050,0.5,2\n")
+    told = read_curves(path)
+    assert told.curves.values.ravel().tolist() == [0.5, 0.5]  # the error is a deviation
+    path.write_text("wavelength_nm,QE G,T filter [%]\n400,0.5,90\n1050,0.5,90\n")
+    with pytest.raises(InputError, match=r"mixed\.csv.*T filter.*QE G"):
+        read_curves(path)
+    path.write_text("wavelength_nm,QE R (0-100 lx)\n400,0.5\n1050,0.5\n")
+    assert read_curves(path).curves.values.ravel().tolist() == [0.5, 0.5]

@@ -124,7 +124,7 @@ def test_json_of_a_matrix_alone_has_no_curve_and_goes_to_a_file_beside_the_table
         ("2:1", "must rise"),
         ("1:2:1", "2 to 100000"),
         ("nan:2", "weight of the noise"),
-        ("", "FIRST:LAST"),
+        ("", "--pareto"),
     ],
 )
 def test_weights_that_make_no_curve_are_refused_in_a_sentence(run, asked, told):

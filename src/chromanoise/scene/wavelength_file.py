@@ -10,9 +10,16 @@ from jaxtyping import Float
 from chromanoise import _check
 from chromanoise._check import Array, reason
 from chromanoise._inputs import regular_file
-from chromanoise.spectra.files.wavelength_lists import NM_PER, UNIT_IN_TEXT
+from chromanoise.spectra.files.declared import (
+    declared_keys,
+    is_wavelength_heading,
+    wavelength_unit_of,
+)
+from chromanoise.spectra.files.understood import Unit
+from chromanoise.spectra.files.wavelength_lists import NM_PER
 
 _LARGEST_BYTES = 2**20
+_CELL = re.compile(r"[,;\t]|\s{2,}")
 _BETWEEN = re.compile(r"\s*[,;]\s*|\s+")
 
 
@@ -94,14 +101,27 @@ def _parts(path: Path, text: str) -> tuple[str, list[list[str]]]:
 
 
 def _unit(path: Path, heading: str) -> float:
-    """Nanometers per unit that the heading names."""
-    units = {NM_PER[word.lower()]: word for word in UNIT_IN_TEXT.findall(heading)}
+    """Nanometers per unit that a heading above the numbers, or a declared key, names."""
+    lines = [line.lstrip("# ").strip() for line in heading.splitlines()]
+    first = [_CELL.split(line, maxsplit=1)[0] for line in lines]
+    key = declared_keys(lines).get("wavelength_unit")
+    told = [*([f"[{key}]"] if key else []), *filter(is_wavelength_heading, first)]
+    units = {_unit_of(path, text) for text in told} - {None}
     if len(units) > 1:
         raise _check.InputError(
-            f"{path}: its heading names {' and '.join(units.values())}, so the unit of its "
-            "wavelengths is not known; name one unit"
+            f"{path}: its headings name two units, {' and '.join(map(str, units))}; name one"
         )
-    return next(iter(units), 1.0)
+    return NM_PER[next(iter(units)) or "nm"] if units else 1.0
+
+
+def _unit_of(path: Path, text: str) -> Unit | None:
+    try:
+        unit = wavelength_unit_of(text)
+    except _check.InputError as error:
+        raise _check.InputError(f"{path}: {error}") from None
+    if unit == "1/cm":
+        raise _check.InputError(f"{path}: lists wavenumbers; write wavelengths in nm")
+    return unit
 
 
 def _number(cell: str) -> float:

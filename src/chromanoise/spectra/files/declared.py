@@ -32,19 +32,28 @@ _QUANTITIES: tuple[tuple[Quantity, str], ...] = (
 UNITS: dict[str, Unit] = {
     **dict.fromkeys(("nm", "nanometer", "nanometre"), "nm"),
     **dict.fromkeys(("um", "µm", "μm", "micron", "micrometer", "micrometre"), "um"),
-    **dict.fromkeys(("angstrom", "ångström", "ångstrom", "angström", "å", "ang"), "angstrom"),
+    **dict.fromkeys(("angstrom", "ångström", "ångstrom", "angström", "å", "ang", "aa"), "angstrom"),
     **dict.fromkeys(("1/cm", "cm-1", "cm^-1", "cm⁻¹", "wavenumber", "kayser"), "1/cm"),
 }  # fmt: skip
 """Units of wavelengths by their names in small letters, singular."""
 
+_SENSITIVE_NM = (400.0, 1050.0)
+_MOST_UM = 20.0
 _NOT_READ = ("m", "mm", "ev", "kev", "hz", "ghz", "thz", "phz", "pixel", "px")
 _WORD = re.compile(r"1/cm|cm\^?-1|cm⁻¹|[^\W\d_]+")
 _BRACKETS = re.compile(r"[\[(]\s*([^\[\]()]+?)\s*[\])]\s*$")
-_OF_VALUES = re.compile(
-    r"(?:|1|-|%|percent|pct|dimensionless|none|a\s*/\s*w|e-?\s*/\s*(?:photon|ph)|counts?|dn|"
-    r"flam|fnu|photlam|photnu|[µumk]?w.*(?:m|nm|um|sr).*)",
-    re.IGNORECASE,
+_UNIT_OF_VALUES = (
+    r"%|percent|pct|fraction|1|dimensionless|none|a\s*/\s*w|e-?\s*/\s*(?:photon|ph)|counts?|dn|"
+    r"photons?|quanta|flam|fnu|photlam|photnu|(?:photons?|[µum]?[wj])"
+    r"(?:[\s/*.^·⁻¹²0-9-]|per|s(?![a-z])|sec|hz|cm|nm|um|µm|m|sr|angstroms?)*"
 )
+_OF_VALUES = re.compile(rf"|-|{_UNIT_OF_VALUES}", re.IGNORECASE)
+_FACT_OF_COLUMN = re.compile(r"\b(\w+):\s*('[^']*'|\"[^\"]*\"|[^,}\n]*)")
+_VALUES = {
+    "unit": _UNIT_OF_VALUES,
+    "scale": r"%|percent|pct|fraction|as written",
+    "wavelength_unit": r"\S{1,20}",
+}
 
 
 def declared_keys(comments: Iterable[str]) -> Mapping[str, str]:
@@ -59,7 +68,9 @@ def declared_keys(comments: Iterable[str]) -> Mapping[str, str]:
     for match in filter(None, map(_KEY.fullmatch, comments)):
         for key, words in _KEYS.items():
             if re.fullmatch(words, match[1], re.IGNORECASE):
-                found.setdefault(key, match[2].strip().strip("'\""))
+                value = match[2].strip().strip("'\"").strip("[]")
+                if re.fullmatch(_VALUES.get(key, ".*"), value, re.IGNORECASE):
+                    found.setdefault(key, value)
     return MappingProxyType(found)
 
 
@@ -113,22 +124,54 @@ def wavelength_unit_of(heading: str) -> Unit | None:
     ['um', 'nm', 'angstrom', None, '1/cm']
     """
     bracket = _BRACKETS.search(heading)
-    unit = bracket[1] if bracket else heading.strip()
-    if unit in ("A", "A.") and (bracket or heading.strip() == "A."):
-        return "angstrom"
-    if unit.lower() in _NOT_READ:
+    inside = bracket[1].strip() if bracket else ""
+    words = [word for word in re.split(r"[\s_,/]+", heading.strip("[]() ")) if word]
+    last = inside or (words[-1] if words else "")
+    if last.lower() in _NOT_READ or re.match(r"[\d.]+\s*[^\W\d]", inside):
         raise _check.InputError(
-            f"wavelengths are in {unit!r} by their heading; give them in nm, um, angstrom or 1/cm"
+            f"wavelengths are in {last!r} by their heading; give them in nm, um, angstrom or 1/cm"
         )
-    words = [word.lower().rstrip("s") for word in _WORD.findall(heading)]
-    units = {UNITS[word] for word in words if word in UNITS}
-    if re.search(r"_A$", heading):
-        units.add("angstrom")
+    if (inside or heading[-2:].strip("_")) in ("A", "A.", "AA") and (inside or "_" in heading):
+        return "angstrom"
+    found = [
+        UNITS.get(word.lower()) or UNITS.get(word.lower().rstrip("s"))
+        for word in _WORD.findall(heading)
+    ]
+    units = {unit for unit in found if unit}
     if len(units) > 1:
         raise _check.InputError(
             f"the heading {heading[:60]!r} names the units {' and '.join(sorted(units))}; keep one"
         )
     return next(iter(units), None)
+
+
+def unit_that_fits(low: float, high: float) -> Unit | None:
+    """The only unit in which numbers are wavelengths of light that silicon answers to.
+
+    Parameters
+    ----------
+    low, high
+        The smallest and the largest number.
+
+    Returns
+    -------
+    unit
+        ``None`` where none fits, or where a unit ten times smaller fits as well.
+
+    Examples
+    --------
+    >>> [unit_that_fits(*span) for span in ((380, 780), (0.38, 1.1), (3000, 11000), (1000, 3950))]
+    ['nm', 'um', None, None]
+    """
+    if 0.1 <= low < 1e-3 * _SENSITIVE_NM[1] and high < _MOST_UM:
+        return "um"
+    if 100 <= low < 1000 and _fits(low, high) and not _fits(low / 10, high / 10):
+        return "nm"
+    return None
+
+
+def _fits(low_nm: float, high_nm: float) -> bool:
+    return bool(low_nm < _SENSITIVE_NM[1] and high_nm > _SENSITIVE_NM[0])
 
 
 def known_unit(unit: str, source: str) -> Unit:
@@ -163,7 +206,7 @@ def is_wavelength_heading(cell: str) -> bool:
     [True, True, False]
     """
     words = [w for w in _WORD.findall(cell.lower()) if w not in ("in", "vac", "vacuum", "air")]
-    names = {"wavelength", "wave", "lambda", "λ", "wl", "wvl", "a"}
+    names = {"wavelength", "wave", "lambda", "λ", "wl", "wvl", "center", "centre", "band", "a"}
     known = [w for w in words if w in names or w.rstrip("s") in names or w.rstrip("s") in UNITS]
     return bool(words) and len(known) == len(words) and words != ["a"]
 
@@ -209,10 +252,9 @@ def ecsv_units(comments: Iterable[str]) -> Mapping[str, str]:
         return MappingProxyType({})
     found: dict[str, str] = {}
     for entry in re.split(r"(?m)^\s*-\s", "\n".join(lines)):
-        facts = {
-            key: value.strip().strip("'\"")
-            for key, value in re.findall(r"\b(name|unit):\s*('[^']*'|\"[^\"]*\"|[^,}\n]*)", entry)
-        }
+        facts: dict[str, str] = {}
+        for key, value in _FACT_OF_COLUMN.findall(entry):  # a description may mention a unit
+            facts.setdefault(key, value.strip().strip("'\""))
         if facts.get("name") and facts.get("unit"):
             found[facts["name"]] = facts["unit"]
     return MappingProxyType(found)

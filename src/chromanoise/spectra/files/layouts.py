@@ -50,9 +50,11 @@ def with_plain_wavelengths(rows: Sequence[Row]) -> Sequence[Row]:
         Row(number=row.number, cells=(match[1], *row.cells[1:])) if match else row
         for row, match in zip(rows[first:], at[first:], strict=True)
     ]
-    numbered = (f"column {k}" for k in range(2, len(rows[first].cells) + 1))
-    heading = Row(number=rows[first].number, cells=("wavelength [nm]", *numbered))
-    return [*rows[:first], heading, *plain]
+    width = len(rows[first].cells)
+    above = rows[first - 1].cells if first and len(rows[first - 1].cells) == width else ()
+    names = above[1:] or tuple(f"column {k}" for k in range(2, width + 1))
+    heading = Row(number=rows[first].number, cells=("wavelength [nm]", *names))
+    return [*rows[: first - bool(above)], heading, *plain]
 
 
 def _wavelength(cell: str) -> str:

@@ -15,6 +15,7 @@ from chromanoise.spectra.files.declared import (
     per_of_key,
     quantity_of_key,
     scale_of_key,
+    unit_that_fits,
     wavelength_unit_of,
 )
 from chromanoise.spectra.files.defects import defects_of
@@ -43,8 +44,10 @@ _WORDS: tuple[tuple[Quantity, str], ...] = (
         r"|emission|illuminant|\blamp|\b(flam|photlam)\b",
     ),
 )
-_PERCENT = r"%|(?<![a-z])(percent|pct)(?![a-z])|\b0\s*(\.\.|-|to)\s*100\b"
-_DEVIATION = r"(?i)(?<![a-z])(standard[ _]deviation|std|stdev|s\.?d\.?|sigma|uncertainty)(?![a-z])"
+_PERCENT = r"%|(?<![a-z])(percent|pct)(?![a-z])|[\[(]\s*0\s*(\.\.|-|to)\s*100(\.0*)?\s*[\])]"
+_DEVIATION = (
+    r"(?i)(?<![a-z])(standard[ _]deviation|std|stdev|s\.?d\.?|sigma|uncertainty|errors?)(?![a-z])"
+)
 _MOST_UM, _LEAST_NM = 20.0, 100.0
 _SENSITIVE_NM = (400.0, 1050.0)
 _MOSTLY = 0.5  # of the steps, up less down
@@ -156,12 +159,11 @@ def _wavelength_unit(
     listed = is_wavelength_heading(found.heading) or found.format.endswith(DIGITIZED)
     if not listed and not all(map(_is_ordered, known)):
         raise _unit_wanted(found, span)
-    whole = all(bool((at == np.round(at)).all()) for at in known)
-    if high < _MOST_UM and 1e3 * low < _SENSITIVE_NM[1] and not whole:
-        return "um", (f"wavelengths of {span} are taken as um",)
-    if low >= _LEAST_NM and _fits(low, high) and not _fits(low / 10, high / 10):
-        return "nm", (f"wavelengths of {span} are taken as nm",)
-    raise _unit_wanted(found, span)
+    fitting = unit_that_fits(low, high)
+    numbered = all(bool((at == np.round(at)).all()) for at in known)  # rows 1, 2, 3
+    if fitting is None or (fitting == "um" and numbered):
+        raise _unit_wanted(found, span)
+    return fitting, (f"wavelengths of {span} are taken as {fitting}",)
 
 
 def _contradicted(declared: Unit | None, low: float, high: float) -> Unit | None:
@@ -170,7 +172,7 @@ def _contradicted(declared: Unit | None, low: float, high: float) -> Unit | None
         return "um"
     if declared == "um" and low >= _LEAST_NM:
         return "nm"
-    return "nm" if declared == "angstrom" and _fits(low, high) and high < 10 * _LEAST_NM else None
+    return "nm" if declared == "angstrom" and unit_that_fits(low, high) == "nm" else None
 
 
 def _unit_wanted(found: Found, span: str) -> _check.InputError:
@@ -187,9 +189,9 @@ def _is_ordered(at: Array) -> bool:
     return bool(abs(signs.sum()) >= _MOSTLY * np.count_nonzero(signs))
 
 
-def _fits(low_nm: float, high_nm: float) -> bool:
-    """Whether wavelengths reach into those to which silicon answers."""
-    return low_nm < _SENSITIVE_NM[1] and high_nm > _SENSITIVE_NM[0]
+def _unit_of_key(found: Found) -> Unit | None:
+    unit = found.keys.get("wavelength_unit")
+    return wavelength_unit_of(f"[{unit}]") if unit else None
 
 
 def _declared_unit(found: Found) -> Unit | None:
@@ -198,7 +200,7 @@ def _declared_unit(found: Found) -> Unit | None:
         units = {
             "its format": found.wavelength_unit,
             "its heading": wavelength_unit_of(found.heading),
-            "its key": wavelength_unit_of(found.keys.get("wavelength_unit", "")),
+            "its key": _unit_of_key(found),
         }
     except _check.InputError as error:
         raise _check.InputError(f"{found.source}: {error}") from None
@@ -240,7 +242,14 @@ def _scale(
     highs = [_highest(p) for p in points]
     highest = max(highs)
     declared = scale_of_key(found.keys)
-    if declared == "percent" or re.search(_PERCENT, _heads(found, columns)):
+    percent = [c for c in columns if re.search(_PERCENT, f"{c.name} [{c.unit}]".lower())]
+    if declared is None and 0 < len(percent) < len(columns):
+        other = next(c.name for c in columns if c not in percent)
+        raise _check.InputError(
+            f"{found.source}: {percent[0].name} is in percent by its heading, but {other} is not; "
+            "give all curves one unit, or name the wanted ones (--column)"
+        )
+    if declared == "percent" or percent:
         return "percent", 0.01, ("declared as percent: divided by 100",)
     if declared == "fraction":
         return "fraction", 1.0, ()

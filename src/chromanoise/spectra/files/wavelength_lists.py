@@ -11,7 +11,7 @@ from jaxtyping import Float
 
 from chromanoise import _check
 from chromanoise._check import Array, printable
-from chromanoise.spectra.files.declared import UNITS
+from chromanoise.spectra.files.declared import UNITS, unit_that_fits
 
 Notes = tuple[str, ...]
 
@@ -28,7 +28,6 @@ _UNITS = "|".join(sorted(NM_PER, key=len, reverse=True))
 NAMED_WAVELENGTH = re.compile(
     rf"(?<![\w.])(\d{{1,6}}\.?\d{{0,9}}|\.\d{{1,9}})\s{{0,4}}({_UNITS})\b", re.I
 )
-UNIT_IN_TEXT = re.compile(rf"(?<![^\W_])({_UNITS})(?![^\W_])", re.I)
 
 _ALONE = (
     "wavelength", "wavelengths", "wavelen", "wave", "waves", "wl", "wls", "wvl", "wvls", "wlen",
@@ -146,10 +145,10 @@ def nanometers(
     if word in ("", "unknown", "1", "index"):
         if in_name in NM_PER:
             return listed * NM_PER[in_name], ()
-        if low >= 100 and high <= 20000 and low < 2000:  # Angstrom would be below 200 nm
-            return listed, (f"{name!r} has {told}: wavelengths taken as nm",)
-        if low >= 0.1 and high < 100 and word != "index":
-            return listed * 1000, (f"{name!r} has {told}: wavelengths taken as micrometers",)
+        fitting = unit_that_fits(low, high)
+        if fitting == "nm" or (fitting == "um" and word != "index"):
+            what = "nm" if fitting == "nm" else "micrometers"
+            return listed * NM_PER[fitting], (f"{name!r} has {told}: wavelengths taken as {what}",)
     raise _check.InputError(
         f"{path}: {printable(name)!r} has {told} for wavelengths {low:g} .. {high:g}, so they "
         "cannot be turned into nm; say nm or um there, or give --wavelengths FIRST:LAST in nm, or "
