@@ -180,7 +180,7 @@ FAULTY = {
     "400\n450\nx\n600\n700\n": ("'x'",),
     "400\n450\nnan\n600\n700\n": ("'nan'",),
     "400\n450\ninf\n600\n700\n": ("'inf'",),
-    "wavelength [nm or um]\n400\n450\n500\n600\n700\n": ("nm", "um"),
+    "# wavelength_unit: um\nwavelength_nm\n400\n450\n500\n600\n700\n": ("nm", "um"),
     "\xff\xfe": ("UTF-8",),
 }
 
