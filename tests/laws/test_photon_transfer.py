@@ -112,6 +112,47 @@ def test_a_camera_whose_gain_falls_is_reported_as_bent_with_its_slopes_at_both_e
     assert not any("bends" in note for note in straight.notes)
 
 
+# saturation
+
+
+@pytest.mark.parametrize("known", [True, False])
+@pytest.mark.parametrize("shares", [[0.9], [0.7], [0.55], [0.45], [0.9, 0.898, 0.897, 0.899]])
+def test_rows_beyond_the_maximum_of_the_variance_are_saturated_however_little_they_fall(
+    shares, known
+):
+    # K = 0.5 DN/e-, 20 lit rows to 2000 DN above the dark of 64 DN, then saturated ones
+    x = np.linspace(0.0, 2000.0, 21)
+    variance = np.append(4 + 1 / 12 + 0.5 * x, np.multiply(shares, 4 + 1 / 12 + 1000.0))
+    x = np.append(x, 2040.0 + np.arange(len(shares)))
+    fit = photon_transfer_fit(
+        PhotonTransfer(
+            mean_dn=64 + x,
+            variance_dn2=variance,
+            dark=x == 0,
+            samples=np.full(x.size, 1e6) if known else None,
+        )
+    )
+    assert fit.gain_dn_per_e == pytest.approx(0.5, rel=1e-12)
+    assert (fit.saturation_dn, fit.full_well_e) == pytest.approx((2064.0, 4000.0))
+    assert abs(fit.bend_z) < 3
+    assert x[fit.fitted].max() == 1400.0
+
+
+def test_scatter_of_the_brightest_rows_is_no_saturation():
+    # 1000 samples: a variance scatters by 4.5 %, rows 5 % apart
+    rng = np.random.default_rng(4)
+    x = np.linspace(0.0, 2000.0, 21)
+    for _ in range(50):
+        scatter = 1 + np.sqrt(2 / 999) * rng.standard_normal(x.size)
+        table = PhotonTransfer(
+            mean_dn=64 + x,
+            variance_dn2=(4 + 1 / 12 + 0.5 * x) * scatter,
+            dark=x == 0,
+            samples=np.full(x.size, 1000.0),
+        )
+        assert photon_transfer_fit(table).full_well_e is None
+
+
 # the table
 
 

@@ -16,7 +16,7 @@ from chromanoise.sensor.adc import Adc
 from chromanoise.sensor.imperfections import Imperfections
 from chromanoise.sensor.noise_profile import ROUNDING_DN2
 from chromanoise.sensor.pixel_source import PixelSource
-from chromanoise.sensor.transfer_levels import Levels, levels_of, saturated_row
+from chromanoise.sensor.transfer_levels import Levels, levels_of
 from chromanoise.sensor.transfer_regression import (
     Regression,
     mean_error2,
@@ -26,6 +26,7 @@ from chromanoise.sensor.transfer_regression import (
     variance_error2,
     weighted_fit,
 )
+from chromanoise.sensor.transfer_saturation import saturated_row
 from chromanoise.sensor.transfer_table import PhotonTransfer, TransferFit
 
 __all__ = ["PhotonTransfer", "TransferFit", "photon_transfer_fit", "pixel_from_photon_transfer"]
@@ -102,7 +103,10 @@ def photon_transfer_fit(table: PhotonTransfer, *, black_dn: float | None = None)
     qe, qe_se = _qe(levels.of(low), photons, gain, gain_se, source)
     prnu, prnu_se = _prnu(curves)
     if full is None:
-        notes.append(f"{source}: the variance never falls, so the full well is unknown")
+        notes.append(
+            f"{source}: the variance of the brightest rows does not fall by more than its error, "
+            "so the full well is unknown"
+        )
     residual_z, fitted = np.zeros(table.dark.size), np.zeros(table.dark.size, dtype=bool)
     residual_z[lit], fitted[lit] = residuals_z(levels, curves.best), low
     chi2 = 1.0 if table.samples is None else curves.best.chi2_per_row

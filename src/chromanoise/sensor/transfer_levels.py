@@ -9,8 +9,6 @@ from chromanoise._check import Array, InputError
 from chromanoise._linalg import pinv
 from chromanoise.sensor.transfer_table import PhotonTransfer
 
-_FALLEN = 0.5  # of the largest variance: below, codes are clipped
-
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Darks:
@@ -170,24 +168,3 @@ def _darks(table: PhotonTransfer) -> tuple[Darks, Array] | None:
         samples=None if samples is None else np.bincount(dark_at, weights=samples[table.dark]),
         time_ms=None if time is None else times,
     ), np.searchsorted(times, at[lit])
-
-
-def saturated_row(table: PhotonTransfer) -> int | None:
-    """Which of the lit rows has the largest variance; ``None`` where brighter rows do not fall.
-
-    Scanned from the brightest row down to the first maximum that two rows in succession stay
-    below, as the reference code of EMVA 1288 does. Brighter rows must fall to less than half of
-    it, or the last rows of a table that ends early would be taken for saturation.
-    """
-    lit = ~table.dark
-    light = (table.mean_dn if table.photons is None else table.photons)[lit]
-    order = np.argsort(light, kind="stable")
-    variance = table.variance_dn2[lit][order]
-    best, least = variance.size - 1, _FALLEN * float(variance.max())
-    for i in range(variance.size - 1, -1, -1):
-        if variance[i] >= variance[best]:
-            best = i
-        elif variance[max(i - 1, 0)] < variance[best] >= least:
-            break
-    falls = bool((variance[best + 1 :] < _FALLEN * variance[best]).any())
-    return int(order[best]) if falls else None
