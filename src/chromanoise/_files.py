@@ -2,9 +2,9 @@
 
 A run writes into a scratch folder ``.NAME-xxxxxxxx`` beside the output folder ``NAME`` and holds a
 lock on ``.NAME.chromanoise-lock``, which ends with its process. The first line of that file names
-process and scratch folder. Before the scratch folder takes the place of an existing folder, a
-second line lists what may be removed of the replaced one. Whoever clears up, this run or the next
-one after a kill, removes only what is listed there.
+process and scratch folder. Before the scratch folder is exchanged for an existing folder, a second
+line lists the files that are replaced. Whoever clears up, this run or the next one after a kill,
+removes the scratch folder, but moves back what others put into the folder during the exchange.
 """
 
 import ctypes
@@ -26,6 +26,7 @@ from chromanoise._check import InputError
 if sys.platform != "win32":
     import fcntl
 
+_SUMMARIES = (".json", ".html")  # of files that tell of the others
 _AT_FDCWD, _RENAME_EXCHANGE = -100, 2  # of linux/fcntl.h and linux/fs.h
 
 
@@ -48,10 +49,10 @@ def whole_folder(folder: Path) -> Iterator[Path]:
 def claimed_folder(folder: Path) -> Iterator[Callable[[], AbstractContextManager[Path]]]:
     """Keep other runs out of ``folder``, and yield a function that makes a `whole_folder` of it.
 
-    The files appear by one rename: of the scratch folder where ``folder`` is missing or empty, of a
-    single file, or else by an exchange of ``folder`` with a scratch folder that also holds hard
-    links to its other files. Where that is impossible (a mount point, the working folder, a file
-    system without links or exchange) they are moved one by one.
+    The files appear by one rename where ``folder`` is missing or empty, and by an exchange where
+    all that it holds is replaced, its owner and group stay, and the system can do it. Else they are
+    moved into it one by one: old JSON and HTML files of the same names are removed first and the
+    new ones are moved last, so that none of them is ever beside half of the files it tells of.
 
     Raises
     ------
@@ -175,7 +176,7 @@ def _place(goal: Path) -> Path:
     return goal.parent if renamed else goal
 
 
-def _is_mount(folder: Path | str) -> bool:
+def _is_mount(folder: Path) -> bool:
     if os.path.ismount(folder):
         return True
     try:  # one folder of a file system mounted within the same is known here only
@@ -194,7 +195,7 @@ def _locked(place: Path, goal: Path, folder: Path, scratch: Path) -> Iterator[IO
     """The lock file, held; what a killed run left beside the folder is cleared away first."""
     path = _lock_file(place, goal)
     with _told(folder):
-        journal = _held_file(path, folder)
+        journal = held = _held_file(path, folder)
         if journal is None:  # nobody can know whether this run has ended: a file of its own
             path = path.with_name(f"{path.name}-{secrets.token_hex(4)}")
             journal = path.open("a+")
@@ -208,6 +209,8 @@ def _locked(place: Path, goal: Path, folder: Path, scratch: Path) -> Iterator[IO
             yield journal
         finally:
             _clear(goal, journal)  # where this is stopped too, the next run goes on with it
+            if held is None:  # Windows removes no open file; a lock ends after its name
+                journal.close()
             path.unlink(missing_ok=True)
 
 
@@ -288,61 +291,44 @@ def _notes(journal: IO[str]) -> list[dict[str, Any]]:
 
 
 def _appear(scratch: Path, goal: Path, journal: IO[str]) -> None:
-    """Put the files of the scratch folder into the goal; what is replaced stays in the scratch."""
-    made = sorted(path.relative_to(scratch) for path in scratch.rglob("*"))
-    files = [name for name in made if not (scratch / name).is_dir()]
+    """Put the files of the scratch folder into the goal."""
+    made = [path.relative_to(scratch) for path in scratch.rglob("*") if not path.is_dir()]
+    files = sorted(made, key=lambda name: (name.suffix in _SUMMARIES, name))
     for name in files:
         if (goal / name).is_dir():
             raise InputError(f"{goal / name}: is a folder where a file must go; move it away")
     one_step = scratch.parent != goal and not (goal.exists() and len(files) == 1)
-    if one_step and _swapped_in(scratch, goal, made, journal):
+    if one_step and _swapped_in(scratch, goal, journal):
         return
     for name in files:
         (goal / name).parent.mkdir(parents=True, exist_ok=True)
+    for name in files if len(files) > 1 else ():
+        if name.suffix in _SUMMARIES:
+            (goal / name).unlink(missing_ok=True)
+    for name in files:
         (scratch / name).replace(goal / name)
 
 
-def _swapped_in(scratch: Path, goal: Path, made: list[Path], journal: IO[str]) -> bool:
-    """Whether the scratch folder has taken the place of the goal, with all that was in it."""
+def _swapped_in(scratch: Path, goal: Path, journal: IO[str]) -> bool:
+    """Whether the scratch folder has taken the place of a goal without files of others."""
     try:
         if goal.exists():
+            ours, old = scratch.stat(), goal.stat()
+            if (ours.st_uid, ours.st_gid) != (old.st_uid, old.st_gid):
+                return False
+            there, made = list(goal.iterdir()), sorted(path.name for path in scratch.iterdir())
+            replaced = all(path.name in made for path in there)
+            if there and (not replaced or any(path.is_dir() for path in scratch.iterdir())):
+                return False
             shutil.copystat(goal, scratch)
             os.utime(scratch)
-            owner = goal.stat()
-            with suppress(PermissionError):
-                os.chown(scratch, owner.st_uid, owner.st_gid)
-            if any(goal.iterdir()):
-                linked = _link_others(goal, scratch)
-                _note(journal, {"made": [name.as_posix() for name in made], "linked": linked})
+            if there:
+                _note(journal, {"replaced": made})
                 return _exchanged(scratch, goal)
         scratch.rename(goal)
     except OSError:
         return False
     return True
-
-
-def _link_others(goal: Path, scratch: Path, at: str = "") -> dict[str, int]:
-    """Hard links in the scratch folder to what it lacks of the goal: their names and inodes."""
-    linked: dict[str, int] = {}
-    for entry in _entries(goal):
-        target = scratch / entry.name
-        if entry.is_dir(follow_symlinks=False):
-            if _is_mount(entry.path) or not os.access(entry.path, os.W_OK | os.X_OK):
-                raise OSError(f"{entry.path} cannot be moved")
-            new = not target.exists()
-            target.mkdir(exist_ok=True)
-            linked |= _link_others(goal / entry.name, target, f"{at}{entry.name}/")
-            if new:
-                shutil.copystat(entry.path, target)
-        elif not os.path.lexists(target):
-            os.link(entry.path, target, follow_symlinks=False)
-            linked[at + entry.name] = target.lstat().st_ino
-    return linked
-
-
-def _entries(folder: Path) -> list["os.DirEntry[str]"]:
-    with os.scandir(folder) as entries:
-        return list(entries)
 
 
 def _exchanged(one: Path, other: Path) -> bool:
@@ -355,7 +341,7 @@ def _exchanged(one: Path, other: Path) -> bool:
 
 
 def _clear(goal: Path, journal: IO[str]) -> None:
-    """Remove the scratch folder of a lock file; what its run neither made nor linked is kept."""
+    """Remove the scratch folder of a lock file; what others put into a replaced folder is kept."""
     notes = _notes(journal)
     name = str(notes[0].get("scratch")) if notes else ""
     scratch = Path(journal.name).parent / name
@@ -366,33 +352,10 @@ def _clear(goal: Path, journal: IO[str]) -> None:
         shutil.rmtree(scratch, ignore_errors=True)
         return
     with suppress(OSError):
-        _empty(scratch, goal, frozenset(notes[1]["made"]), notes[1]["linked"])
+        for path in scratch.iterdir():
+            if path.name in notes[1]["replaced"]:
+                path.unlink()
+            elif not os.path.lexists(goal / path.name):
+                path.rename(goal / path.name)
+        scratch.rmdir()
     journal.truncate(len(json.dumps(notes[0])) + 1)
-
-
-def _empty(
-    old: Path, goal: Path, made: frozenset[str], linked: dict[str, int], at: str = ""
-) -> None:
-    """Remove a folder that was replaced; what came into it meanwhile moves to the goal."""
-    for entry in _entries(old):
-        name, target = at + entry.name, goal / entry.name
-        if entry.is_dir(follow_symlinks=False):
-            if name not in made:
-                target.mkdir(exist_ok=True)
-            _empty(old / entry.name, target, made, linked, f"{name}/")
-        elif name in made or _is_kept(entry, target, linked.get(name)):
-            Path(entry.path).unlink()
-        else:
-            Path(entry.path).replace(target)
-    old.rmdir()
-
-
-def _is_kept(entry: os.DirEntry[str], target: Path, inode: int | None) -> bool:
-    """Whether a file of the replaced folder was linked, or was written anew in the goal since."""
-    found = entry.stat(follow_symlinks=False)
-    if found.st_ino == inode:
-        return True
-    with suppress(FileNotFoundError):
-        there = target.lstat()
-        return there.st_ino != inode and there.st_mtime_ns > found.st_mtime_ns
-    return False

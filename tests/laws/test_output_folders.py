@@ -1,6 +1,7 @@
 """Outputs appear whole or not at all, whatever stops a run; nothing of others is touched."""
 
 import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -13,7 +14,8 @@ from chromanoise._check import InputError
 from chromanoise._files import claimed_folder, refuse_unwritable, whole_folder
 
 NEW = {"a.png": "new a", "b.png": "new b", "summary.json": "new"}
-OLD = {"b.png": "old b", "summary.json": "old", "mine.txt": "mine", "deep/mine.txt": "mine too"}
+REPLACED = {"b.png": "old b", "summary.json": "old"}
+OLD = REPLACED | {"mine.txt": "mine", "deep/mine.txt": "mine too"}
 
 
 def put(folder, files):
@@ -102,38 +104,94 @@ def test_a_link_to_a_folder_stays_a_link(tmp_path, out):
     assert tree(out) == OLD | NEW
 
 
+def test_a_folder_with_files_of_others_stays_the_working_folder_of_other_processes(out):
+    other = subprocess.Popen(
+        [sys.executable, "-c", "input(); open('result.txt', 'w').write('theirs')"],
+        cwd=out, stdin=subprocess.PIPE, text=True,
+    )  # fmt: skip
+    written(out)
+    other.communicate("\n", timeout=30)
+    assert other.returncode == 0
+    assert tree(out) == OLD | NEW | {"result.txt": "theirs"}
+
+
+@pytest.mark.skipif(not hasattr(os, "getuid") or os.getuid() != 0, reason="needs root")
+@pytest.mark.parametrize("old", [{}, REPLACED, OLD], ids=["empty", "of a run", "of others too"])
+def test_owner_and_group_of_a_folder_and_of_those_in_it_stay(tmp_path, old):
+    folder = tmp_path / "o"
+    put(folder, old)
+    folder.mkdir(exist_ok=True)
+    folders = [folder, *(path for path in folder.rglob("*") if path.is_dir())]
+    for path in folders:
+        os.chown(path, 1001, 2000)
+    written(folder)
+    found = [(path.stat().st_uid, path.stat().st_gid) for path in folders]
+    assert found == [(1001, 2000)] * len(folders)
+    assert tree(folder) == old | NEW
+
+
 def test_what_comes_into_the_folder_while_it_is_replaced_is_kept(out, monkeypatch):
     exchange = _files._exchanged
+    (out / "mine.txt").unlink()
+    shutil.rmtree(out / "deep")
 
     def exchanged(one, other):
-        put(out, {"late.txt": "late", "late/deep.txt": "late too", "deep/late.txt": "late three"})
-        (out / "editor").write_text("mine, changed")
-        (out / "editor").replace(out / "mine.txt")  # as an editor saves
+        put(out, {"late.txt": "late", "late/deep.txt": "late too"})
         return exchange(one, other)
 
     monkeypatch.setattr(_files, "_exchanged", exchanged)
     written(out)
-    late = {"late.txt": "late", "late/deep.txt": "late too", "deep/late.txt": "late three"}
-    changed = {"mine.txt": "mine, changed"}
-    assert tree(out.parent) == {f"o/{k}": v for k, v in (OLD | NEW | late | changed).items()}
+    late = {"late.txt": "late", "late/deep.txt": "late too"}
+    assert tree(out.parent) == {f"o/{name}": text for name, text in (NEW | late).items()}
 
 
-def no_links(*_, **__):
-    raise OSError("no links here")
+def test_a_file_that_fails_to_move_leaves_no_summary_beside_half_of_the_files(out, monkeypatch):
+    move = Path.replace
+
+    def moved(path, target):
+        if Path(target) == out / "b.png":
+            raise OSError(5, "a disk error")
+        return move(path, target)
+
+    monkeypatch.setattr(Path, "replace", moved)
+    with pytest.raises(InputError, match="a disk error"):
+        written(out)
+    left = {name: text for name, text in OLD.items() if name != "summary.json"}
+    assert tree(out.parent) == {f"o/{k}": v for k, v in (left | {"a.png": "new a"}).items()}
 
 
-@pytest.mark.parametrize("lacks", ["links", "exchange", "locks"])
-def test_a_file_system_that_lacks_something_gets_the_same_files(out, monkeypatch, lacks):
-    if lacks == "links":
-        monkeypatch.setattr(os, "link", no_links)
-    elif lacks == "exchange":
+def fails(*_, **__):
+    raise OSError("not on this file system")
+
+
+@pytest.mark.parametrize("lacks", ["exchange", "locks"])
+@pytest.mark.parametrize("old", [REPLACED, OLD], ids=["of a run", "of others too"])
+def test_a_file_system_that_lacks_something_gets_the_same_files(tmp_path, monkeypatch, old, lacks):
+    put(tmp_path / "o", old)
+    if lacks == "exchange":
         monkeypatch.setattr(_files, "_exchanged", lambda *_: False)
     else:
-        monkeypatch.setattr("fcntl.flock", no_links)
+        monkeypatch.setattr("fcntl.flock", fails)
+    written(tmp_path / "o")
+    assert tree(tmp_path) == {f"o/{name}": text for name, text in (old | NEW).items()}
+    fails_in(tmp_path / "o")
+    assert tree(tmp_path) == {f"o/{name}": text for name, text in (old | NEW).items()}
+
+
+@pytest.mark.skipif(not Path("/proc/self/fd").is_dir(), reason="needs the list of open files")
+def test_without_locks_no_file_is_removed_while_it_is_open(out, monkeypatch):
+    unlink = Path.unlink
+
+    def closed(path, missing_ok=False):
+        open_now = [os.readlink(one) for one in Path("/proc/self/fd").iterdir() if one.is_symlink()]
+        if str(path) in open_now:
+            raise PermissionError(13, "in use")  # as Windows says
+        unlink(path, missing_ok)
+
+    monkeypatch.setattr("fcntl.flock", fails)
+    monkeypatch.setattr(Path, "unlink", closed)
     written(out)
-    assert tree(out.parent) == {f"o/{name}": text for name, text in (OLD | NEW).items()}
-    fails_in(out)
-    assert tree(out.parent) == {f"o/{name}": text for name, text in (OLD | NEW).items()}
+    assert [path.name for path in out.parent.iterdir()] == ["o"]
 
 
 @pytest.mark.parametrize("what", ["the working folder", "a mount point"])
@@ -226,8 +284,10 @@ print(number)
 
 
 @pytest.mark.parametrize("end", ["os._exit(9)", "raise KeyboardInterrupt"])
-@pytest.mark.parametrize("old", [{}, OLD], ids=["a new folder", "a folder with files"])
-def test_a_stop_at_any_operation_leaves_the_old_state_or_the_new_one(tmp_path, old, end):
+@pytest.mark.parametrize("old", [{}, REPLACED, OLD], ids=["new", "of a run", "of others too"])
+def test_a_stop_at_any_operation_leaves_old_or_new_files_and_no_summary_of_half_of_them(
+    tmp_path, old, end
+):
     script = f"OLD = {old!r}\nNEW = {NEW!r}\n{STOPPED.replace('END', end)}"
     done = subprocess.run(
         [sys.executable, "-c", script, tmp_path],
@@ -237,8 +297,15 @@ def test_a_stop_at_any_operation_leaves_the_old_state_or_the_new_one(tmp_path, o
     number = int(done.stdout)
     assert number > 10
     states = [tree(tmp_path / f"{n:03d}" / "out" / "o") for n in range(number)]
-    assert {len(state) for state in states} == {len(old), len(old | NEW)}
-    assert all(state in (old, old | NEW) for state in states)
+    assert old in states
+    assert old | NEW in states
+    for state in states:
+        if state not in (old, old | NEW):
+            assert old == OLD, "one step would do"
+            assert "summary.json" not in state
+            assert {name: state[name] for name in OLD.keys() - NEW} == {
+                name: OLD[name] for name in OLD.keys() - NEW
+            }
     for n in range(number):
         written(tmp_path / f"{n:03d}" / "out" / "o", NEW | {"again.json": "again"})
         expected = {f"out/o/{k}": v for k, v in (old | NEW | {"again.json": "again"}).items()}
