@@ -43,6 +43,10 @@ class Report:
         Seconds and kind of question, of each kind of route (``upload``, ``question``).
     largest_bytes
         Memory of the server with all its processes, pages that they share counted once.
+    largest_while
+        Kinds of the questions that were being answered then.
+    asking
+        Kinds of the questions that are being answered now, by client.
     bad
         Questions that were answered with 500 or above, but 503, or not at all.
     refused
@@ -52,6 +56,8 @@ class Report:
     counts: Counter[int] = field(default_factory=Counter)
     slowest: dict[str, tuple[float, str]] = field(default_factory=dict)
     largest_bytes: int = 0
+    largest_while: tuple[str, ...] = ()
+    asking: dict[int, str] = field(default_factory=dict)
     bad: list[tuple[int, Question]] = field(default_factory=list)
     refused: int = 0
 
@@ -74,7 +80,8 @@ class Report:
         return (
             f"{sum(self.counts.values())} questions: {kinds}, of 2xx {self.refused} refused in a "
             f"sentence; by status {dict(sorted(self.counts.items()))}\n"
-            f"slowest: {self.slowest}\nlargest memory: {self.largest_bytes / 1e6:.0f} MB"
+            f"slowest: {self.slowest}\nlargest memory: {self.largest_bytes / 1e6:.0f} MB "
+            f"while answering {self.largest_while}"
         )
 
 
@@ -118,6 +125,9 @@ def _ask(
     asked = questions(stream[0], ids, bombs=stream[1])
     for _ in range(count):
         question = next(asked)
+        report.asking[threading.get_ident()] = (
+            f"{question.kind} {question.headers.get('X-Filename')}"
+        )
         start = time.monotonic()
         status, reply = answer_of(host, question)
         with lock:
@@ -160,7 +170,9 @@ def answer_of(host: str, question: Question) -> tuple[int, bytes]:
 
 def _watch(pid: int, report: Report, done: threading.Event) -> None:
     while not done.wait(_EVERY_S):
-        report.largest_bytes = max(report.largest_bytes, memory_bytes(pid))
+        held = memory_bytes(pid)
+        if held > report.largest_bytes:
+            report.largest_bytes, report.largest_while = held, tuple(report.asking.values())
 
 
 def memory_bytes(pid: int) -> int:

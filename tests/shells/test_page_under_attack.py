@@ -156,6 +156,14 @@ def test_a_list_that_is_longer_than_the_page_shows_is_refused_with_its_key(serve
         assert only_sentence(reply)["where"] == where
 
 
+@pytest.mark.parametrize("matrix", ["ridge=1e308", "ridge=-1", "ridge=nan", "bounded-psi=0"])
+def test_a_parameter_of_a_matrix_that_is_out_of_bounds_is_refused_beside_it(server, matrix):
+    for path in ("answer", "texts", "picture"):
+        study = STUDY | {"matrices": ["kernel", matrix]}
+        reply = server[0].post(f"/api/{path}", json={"study": study})
+        assert only_sentence(reply)["where"] == "matrices.1"
+
+
 def test_a_list_that_no_question_of_the_page_has_is_refused(server):
     formats = {"pictures": [{"formats": ["x"] * 100_000}]}
     fault = only_sentence(server[0].post("/api/answer", json={"study": STUDY | formats}), 400)

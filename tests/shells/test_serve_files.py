@@ -248,6 +248,19 @@ def test_a_drawing_that_failed_for_want_of_something_is_tried_again(answers, mon
     assert "sensors" in asked(answers, study, "stages")["parts"]["stages"]
 
 
+def test_what_is_wrong_with_one_study_is_not_said_of_the_next(answers, monkeypatch):
+    def refuses(*given, **named):
+        raise InputError("no matrix can be made")
+
+    study = {"sensors": [{"name": "onyx-rgb"}], "exposure": {"time_ms": 10.0}}
+    with monkeypatch.context() as patched:
+        patched.setattr(answering, "shown", refuses)
+        told = asked(answers, study | {"matrices": ["lmmse"]}, "sensitivities")
+        assert told["parts"]["sensitivities"]["fault"] == "no matrix can be made"
+    told = asked(answers, study, "sensitivities")  # which depend on no matrix
+    assert told["parts"]["sensitivities"]["sensors"]
+
+
 # ---- one sensor twice ----
 
 

@@ -94,29 +94,21 @@ class Answers:
         try:
             return self._parts.of(
                 (part, looked, nouns, words),
-                lambda: self._drawn(part, study, situations, look, used),
+                lambda: self._drawn(part, study, situations, look),
             )
+        except InputError as error:  # not remembered: sensitivities have the key of other studies
+            return json.dumps({"fault": spoken(str(error), used)})
         except Exception:  # and not remembered: the next question may find memory enough
             _LOG.exception("the drawing %s failed", part)
             return json.dumps({"fault": f"{part} could not be computed for this study"})
 
-    def _drawn(
-        self,
-        part: str,
-        study: Study,
-        situations: Sequence[Situation],
-        look: Look,
-        used: list[Upload],
-    ) -> str:
+    def _drawn(self, part: str, study: Study, situations: Sequence[Situation], look: Look) -> str:
         key: Hashable = (
             study.model_dump_json(exclude=_BESIDE),
             *((one.sensor, one.illuminant) for one in situations),
         )
-        try:
-            seen = self._shown.of(key, lambda: shown(study, situations=situations))
-            return json.dumps(drawing(part, seen, look), allow_nan=False)
-        except InputError as error:
-            return json.dumps({"fault": spoken(str(error), used)})
+        seen = self._shown.of(key, lambda: shown(study, situations=situations))
+        return json.dumps(drawing(part, seen, look), allow_nan=False)
 
 
 def look_of(told: Mapping[str, Any]) -> Look:

@@ -15,6 +15,7 @@ from chromanoise.page.remembered import Remembered
 from chromanoise.page.uploads import Kept, Upload, in_path, in_words
 from chromanoise.sensor import Sensor
 from chromanoise.spectra import Illuminant, infrared_parts
+from chromanoise.study.makers import matrix_makers
 from chromanoise.study.runs import Study, study_as_json, study_from_data, study_hash
 from chromanoise.study.runs.document import SensorPart
 from chromanoise.study.runs.hashes import (
@@ -94,9 +95,12 @@ class Studies:
         try:
             refuse_too_many(told)
             refuse_long_lists(told)
-            return study_from_data(told, source=_SOURCE)
+            study = study_from_data(told, source=_SOURCE)
         except InputError as error:
             raise QuestionError(*map(_placed, str(error).splitlines())) from None
+        for i, name in enumerate(study.matrices):
+            _at(f"matrices.{i}", [], partial(matrix_makers, [name], "quanta"))
+        return study
 
     def situations(self, study: Study, used: list[Upload]) -> list[Situation]:
         """Each sensor in its light with its exposure.
