@@ -3,30 +3,37 @@
 import asyncio
 import json
 import os
+import pickle
 import random
+import signal
 import socket
 import struct
 import threading
+import time
 import tracemalloc
 import zlib
 from contextlib import ExitStack
 from dataclasses import replace
 from io import BytesIO
+from pathlib import Path
 
 import httpx
 import numpy as np
 import pytest
 import tifffile
 
-from attack_page import attacked, memory_bytes
+from attack_page import _tree, attacked, memory_bytes
 from attack_questions import BOMBS, FILES, damaged
 from chromanoise._check import InputError
 from chromanoise._mat5 import mat_array
-from chromanoise.page import asked, processes, work
+from chromanoise.page import asked, processes, work, worker
 from chromanoise.page.asked import Bodies, QuestionError
-from chromanoise.page.uploads import Uploads
+from chromanoise.page.desk import Desk
+from chromanoise.page.uploads import Kept, Uploads
 from chromanoise.page.work import Workers
 from served_page import served
+
+LANE = work.LANES["questions"]
 
 FILE = {"Content-Type": "application/octet-stream"}
 STUDY = {"sensors": [{"name": "onyx-rgb"}]}
@@ -351,6 +358,145 @@ def test_no_file_of_the_working_folder_is_imported_by_a_process_that_computes(
     finally:
         workers.close()
     assert json.loads(answered)["toml"]
+
+
+def test_a_limit_of_the_processor_that_several_threads_reach_is_said_to_be_one_of_time(
+    workers, monkeypatch
+):
+    long = work.JOBS | {"previewed": replace(work.JOBS["previewed"], cpu_s=1, limit_s=60.0)}
+    monkeypatch.setattr(work, "JOBS", long)
+    # what the server sees where threads use a second of the processor in less than a second
+    for code in (-signal.SIGXCPU, processes.WATCHDOG):
+        ended = processes.ProcessEndedError(0.6, has_begun=True, exit_code=code)
+        assert "longer than 1 s" in str(work._stopped(work.JOBS["previewed"], ended, LANE))
+
+
+@pytest.mark.parametrize(
+    ("stop", "code"), [(signal.SIGKILL, -9), (signal.SIGXCPU, -24), (signal.SIGSEGV, -11)]
+)
+def test_the_signal_that_ended_a_process_is_reported(workers, stop, code):
+    one = workers._nursery.worker(LANE.memory_bytes)
+    timer = threading.Timer(0.5, lambda: [os.kill(pid, stop) for pid in new()])
+    before = set(children_of(workers))
+
+    def new():
+        return set(children_of(workers)) - before
+
+    wait_until(new)
+    timer.start()
+    with pytest.raises(processes.ProcessEndedError) as error:
+        one.asked(("answer", (), (HEAVY,), 60, 60.0))
+    assert error.value.exit_code == code
+    assert one.is_spent
+
+
+def test_a_process_that_does_not_begin_is_ended(workers, monkeypatch):
+    monkeypatch.setattr(processes, "BEGINS_S", 0.5)
+    before = set(children_of(workers))
+    one = workers._nursery.worker(LANE.memory_bytes)
+    wait_until(lambda: set(children_of(workers)) - before)
+    (child,) = set(children_of(workers)) - before
+    os.kill(child, signal.SIGSTOP)
+    with pytest.raises(processes.ProcessEndedError) as error:
+        one.asked(("texts", (), (HEAD,), 15, 30.0))
+    assert not error.value.has_begun
+    assert one.is_spent
+    assert child not in children_of(workers)
+
+
+@pytest.mark.parametrize("error", [MemoryError, AttributeError, TypeError, KeyboardInterrupt])
+def test_a_process_whose_answer_cannot_be_read_is_used_no_more(error, monkeypatch, tmp_path):
+    def fails(_):
+        raise error
+
+    monkeypatch.setattr(processes.pickle, "load", fails)
+    ended, path = [], tmp_path / "channel"
+    path.touch()
+    with path.open("rb") as reads, path.open("wb") as writes:
+        one = processes.Worker(reads, writes, interrupt=lambda: None, ended=lambda: ended.append(1))
+        with pytest.raises(error):
+            one.asked(("texts", (), (HEAD,), 15, 30.0))
+    assert one.is_spent
+    assert ended == [1]
+
+
+@pytest.mark.parametrize("error", [MemoryError, OSError(28, "No space left on device")])
+def test_a_preparation_that_fails_is_an_answer_and_ends_the_process(monkeypatch, error, tmp_path):
+    desk, calls = Desk(Kept()), []
+
+    def fails(_):
+        calls.append(1)
+        raise error
+
+    monkeypatch.setattr(desk._pictures, "picture", fails)
+    asked_twice, answers = tmp_path / "asked", tmp_path / "answers"
+    asked_twice.write_bytes(pickle.dumps(("picture", (), (b"{}",), 15, 30.0)) * 2)
+    with asked_twice.open("rb") as reads, answers.open("wb") as writes:
+        worker._Answering(desk, reads, writes, None).serve()
+    written = BytesIO(answers.read_bytes())
+    assert pickle.load(written) == "begins"
+    (kind, *told), is_spent = pickle.load(written)
+    assert (kind, is_spent) == (("no memory" if error is MemoryError else "failed"), True)
+    assert error is MemoryError or "No space left" in told[0]
+    assert not written.read()  # the second question is left to another process
+    assert not desk._has_kernels
+
+
+def test_an_error_outside_of_an_answer_is_written_out_with_an_exit_code(capfd):
+    def fails():
+        raise KeyError("lost")
+
+    def lacks():
+        raise MemoryError
+
+    codes = []
+    for served_one in (fails, lacks, lambda: None):
+        child = os.fork()
+        if child == 0:
+            worker._exit_after(served_one)
+        codes.append(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))
+    assert codes == [processes.FAILED, processes.NO_MEMORY, 0]
+    assert "KeyError: 'lost'" in capfd.readouterr().err
+
+
+def test_the_study_that_the_server_starts_with_is_not_computed_without_a_bound(monkeypatch):
+    desk, computed = Desk(Kept(), study=STUDY), []
+    monkeypatch.setattr(desk._answers, "answer", computed.append)
+    desk.warm()
+    assert computed
+    assert all(one["study"]["sensors"] != STUDY["sensors"] for one in computed)
+
+
+@pytest.mark.parametrize("stop", [signal.SIGINT, signal.SIGTERM, signal.SIGKILL])
+def test_no_process_is_left_when_the_server_ends(stop):
+    with served() as (address, process):
+        with httpx.Client(base_url=address.rstrip("/"), timeout=60) as client:
+            headers = {"Content-Type": "application/json"}
+            assert client.post("/api/answer", content=HEAD, headers=headers).status_code == 200
+        others = _tree(process.pid)[1:]
+        assert len(others) >= 2  # who forks, and who answers
+        process.send_signal(stop)
+        process.wait(30)
+        wait_until(lambda: not any(is_running(pid) for pid in others))
+
+
+def children_of(workers):
+    wait_until(lambda: workers._nursery._started)
+    return _tree(workers._nursery._started[-1].pid)[1:]
+
+
+def is_running(pid):
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except OSError:
+        return False
+
+
+def wait_until(happens, seconds=30.0):
+    end = time.monotonic() + seconds
+    while not happens():
+        assert time.monotonic() < end
+        time.sleep(0.02)
 
 
 # ---- all of it ----

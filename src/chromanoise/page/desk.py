@@ -80,11 +80,14 @@ class Desk:
             Of a method. The first picture after an installation compiles for half a minute.
         """
         if name == "picture" and not self._has_kernels:
-            self._has_kernels = True
-            with suppress(QuestionError, MemoryError):  # told of the picture that is asked for
+            with suppress(QuestionError):  # of the page's own study: not a fault of the one asked
                 self._pictures.picture({"study": STUDY})
+                self._has_kernels = True
 
     def warm(self) -> None:
-        """Compute once what the page will ask first, so that its first answer is quick."""
-        self._answers.answer({"study": self._study})
+        """Compute once what most questions need, so that the first answer is quick.
+
+        The study is the page's own: nothing bounds the time and memory of another one here.
+        """
+        self._answers.answer({"study": STUDY})
         self.choices()

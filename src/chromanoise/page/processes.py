@@ -5,6 +5,7 @@ its memory, and one that was stopped is replaced in milliseconds. Elsewhere each
 """
 
 import contextlib
+import itertools
 import os
 import pickle
 import socket
@@ -13,9 +14,16 @@ import subprocess
 import sys
 import threading
 import time
+from collections.abc import Callable
+from functools import partial
 from typing import Any, BinaryIO
 
+_SIZE = struct.calcsize("q")
 FORKS = sys.platform == "linux"
+WATCHDOG, FAILED, NO_MEMORY = 1, 70, 71
+"""Exit codes of the processes; faulthandler sets the first."""
+BEGINS_S = 120.0  # the first picture after an installation compiles for half a minute
+_REPLY_S = 10.0
 _ENDING_S = 2.0  # whoever forks needs longer only while it imports and has no children yet
 _PROGRAM = "from chromanoise.page.worker import main; main()"
 
@@ -27,11 +35,15 @@ class ProcessEndedError(Exception):
     ----------
     seconds
         After which it ended; those in which it was started do not count.
+    has_begun
+        Whether it had begun to compute.
+    exit_code
+        As `subprocess.Popen.returncode`; ``None`` where it is not known.
     """
 
-    def __init__(self, seconds: float) -> None:
+    def __init__(self, seconds: float, *, has_begun: bool, exit_code: int | None) -> None:
         super().__init__(f"the process ended after {seconds:.1f} s")
-        self.seconds = seconds
+        self.seconds, self.has_begun, self.exit_code = seconds, has_begun, exit_code
 
 
 class Worker:
@@ -40,16 +52,28 @@ class Worker:
     Attributes
     ----------
     is_spent
-        Whether it ended, or keeps much memory: another one takes its place.
+        Whether it ended, failed or keeps much memory: another one takes its place.
 
     Parameters
     ----------
     reads, writes
         Its answers, and its questions.
+    interrupt
+        Ends what it writes, from another thread.
+    ended
+        Ends the process, and returns its exit code where that is known.
     """
 
-    def __init__(self, reads: BinaryIO, writes: BinaryIO) -> None:
+    def __init__(
+        self,
+        reads: BinaryIO,
+        writes: BinaryIO,
+        *,
+        interrupt: Callable[[], None],
+        ended: Callable[[], int | None],
+    ) -> None:
         self._reads, self._writes = reads, writes
+        self._interrupt, self._ended = interrupt, ended
         self.is_spent = False
 
     def asked(self, job: tuple[Any, ...]) -> tuple[Any, ...]:
@@ -66,26 +90,39 @@ class Worker:
         ProcessEndedError
             If the process ended.
         """
-        start = time.monotonic()
+        self.is_spent = True  # until a whole answer has been read
+        start, has_begun = time.monotonic(), False
+        timer = threading.Timer(BEGINS_S, self._interrupted)
+        timer.daemon = True
+        timer.start()
         try:
             pickle.dump(job, self._writes)
             self._writes.flush()
-            pickle.load(self._reads)  # it begins
+            has_begun = pickle.load(self._reads) == "begins"
+            timer.cancel()
             start = time.monotonic()
             answer, self.is_spent = pickle.load(self._reads)
+            return answer
         except (OSError, EOFError, ValueError, pickle.UnpicklingError):
-            self.is_spent = True
-            raise ProcessEndedError(time.monotonic() - start) from None
+            seconds = time.monotonic() - start
+            raise ProcessEndedError(seconds, has_begun=has_begun, exit_code=self.close()) from None
         finally:
+            timer.cancel()
             if self.is_spent:
                 self.close()
-        return answer
 
-    def close(self) -> None:
-        """Let it go: it ends where it has nothing to do."""
+    def close(self) -> int | None:
+        """End the process; its exit code where that is known."""
+        if self._reads.closed:
+            return None
         for end in (self._writes, self._reads):
             with contextlib.suppress(OSError):
                 end.close()
+        return self._ended()
+
+    def _interrupted(self) -> None:
+        with contextlib.suppress(OSError):  # it has ended
+            self._interrupt()
 
 
 class Nursery:
@@ -101,6 +138,7 @@ class Nursery:
         self._first = pickle.dumps(study)
         self._started: list[subprocess.Popen[bytes]] = []
         self._control: socket.socket | None = None
+        self._numbers = itertools.count()
         self._lock = threading.Lock()
         self._is_closed = False
 
@@ -129,11 +167,9 @@ class Nursery:
             if self._control is not None:
                 self._control.close()
         for process in self._started:
-            try:
-                process.wait(_ENDING_S if FORKS else 0)
-            except subprocess.TimeoutExpired:
+            if not FORKS:
                 process.kill()
-                process.wait()
+            _exit_code(process)
             for end in (process.stdin, process.stdout):
                 if end is not None:
                     end.close()
@@ -144,20 +180,42 @@ class Nursery:
             for attempt in (0, 1):
                 try:
                     self._control = self._control or self._mother()
-                    message = struct.pack("q", memory_bytes)
+                    number = next(self._numbers)
+                    message = struct.pack("qq", number, memory_bytes)
                     socket.send_fds(self._control, [message], [theirs.fileno()])
                     break
                 except OSError:  # it ended: another one
                     self._control = None
                     if attempt:
                         raise RuntimeError("no process that computes can be started") from None
-        with ours:
-            return Worker(ours.makefile("rb"), ours.makefile("wb"))
+        with ours:  # the files keep it open
+            return Worker(
+                ours.makefile("rb"),
+                ours.makefile("wb"),
+                interrupt=partial(ours.shutdown, socket.SHUT_RDWR),
+                ended=partial(self._exit_code, self._control, number),
+            )
+
+    def _exit_code(self, control: socket.socket | None, number: int) -> int | None:
+        """That of a forked process, after its end; ``None`` where whoever forked it is gone."""
+        with self._lock:
+            if control is None or self._is_closed or control is not self._control:
+                return None
+            try:
+                control.sendall(struct.pack("qq", number, 0))
+                (code,) = struct.unpack("q", control.recv(_SIZE, socket.MSG_WAITALL))
+            except (OSError, struct.error):  # it ended, or does not reply in time: another one
+                control.close()
+                self._control = None
+                self._started[-1].kill()
+                return None
+            return code
 
     def _mother(self) -> socket.socket:
         ours, theirs = socket.socketpair()
         with theirs:
             self._started.append(_started("forks", stdin=theirs.fileno()))
+        ours.settimeout(_REPLY_S)
         ours.sendall(struct.pack("q", len(self._first)) + self._first)
         return ours
 
@@ -167,7 +225,20 @@ class Nursery:
         assert process.stdin is not None
         assert process.stdout is not None
         process.stdin.write(struct.pack("q", len(self._first)) + self._first)
-        return Worker(process.stdout, process.stdin)  # type: ignore[arg-type]
+        return Worker(
+            process.stdout,  # type: ignore[arg-type]
+            process.stdin,  # type: ignore[arg-type]
+            interrupt=process.kill,
+            ended=partial(_exit_code, process),
+        )
+
+
+def _exit_code(process: "subprocess.Popen[bytes]") -> int:
+    try:
+        return process.wait(_ENDING_S)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        return process.wait()
 
 
 def _started(how: str, **ends: int) -> "subprocess.Popen[bytes]":

@@ -2,6 +2,7 @@
 
 import asyncio
 import logging
+import signal
 import time
 from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
@@ -9,6 +10,7 @@ from dataclasses import dataclass
 from queue import SimpleQueue
 from typing import Any
 
+from chromanoise.page import processes
 from chromanoise.page.asked import QuestionError
 from chromanoise.page.processes import Nursery, ProcessEndedError, Worker
 from chromanoise.page.uploads import Upload
@@ -17,6 +19,8 @@ _LOG = logging.getLogger("chromanoise.page")
 MOST_WAITING = 48
 LONGEST_WAIT_S = 25.0  # in a queue; with the longest job an answer comes within a minute
 MOST_ANSWER_BYTES = 16_000_000
+_KILLED = -9  # SIGKILL, by no name on Windows
+_TOO_LONG = (processes.WATCHDOG, -getattr(signal, "SIGXCPU", 24))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -187,8 +191,7 @@ def _result(answer: tuple[Any, ...], job: Job, lane: Lane) -> Any:
         faults, status = told
         raise QuestionError(*faults, status=status)
     if kind == "no memory":
-        sentence = f"this takes more memory than the page gives ({lane.memory_bytes / 1e6:g} MB)"
-        raise QuestionError((job.where, f"{sentence}; ask for less"))
+        raise QuestionError((job.where, _no_memory(lane)))
     if kind == "failed":
         _LOG.error("%s", told[0])
         raise RuntimeError("a job failed")
@@ -200,14 +203,25 @@ def _result(answer: tuple[Any, ...], job: Job, lane: Lane) -> Any:
 
 
 def _stopped(job: Job, ended: ProcessEndedError, lane: Lane) -> QuestionError:
-    if ended.seconds >= min(job.cpu_s, job.limit_s):
+    code = ended.exit_code
+    if not ended.has_begun and ended.seconds >= processes.BEGINS_S:
+        sentence = f"the computation did not start within {processes.BEGINS_S:g} s; ask again"
+    elif code in _TOO_LONG or (code is None and ended.seconds >= min(job.cpu_s, job.limit_s)):
         sentence = f"this takes longer than {job.cpu_s} s and was stopped; ask for less"
+    elif code == processes.NO_MEMORY:
+        sentence = _no_memory(lane)
+    elif code == _KILLED:
+        sentence = "the operating system stopped this, perhaps for lack of memory; ask for less"
     else:
-        sentence = (
-            "this brought its process down, perhaps for want of memory "
-            f"({lane.memory_bytes / 1e6:g} MB); ask for less"
-        )
+        _LOG.error("a process that computes ended with exit code %s", code)
+        sentence = "the process that computed this failed; the log of the server has the reason"
     return QuestionError((job.where, sentence))
+
+
+def _no_memory(lane: Lane) -> str:
+    return (
+        f"this takes more memory than the page gives ({lane.memory_bytes / 1e6:g} MB); ask for less"
+    )
 
 
 def _too_much() -> QuestionError:

@@ -11,17 +11,21 @@ import struct
 import sys
 import time
 import traceback
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import Any, BinaryIO, NoReturn
 
 from chromanoise._check import InputError
 from chromanoise.page.asked import QuestionError
 from chromanoise.page.desk import Desk
+from chromanoise.page.processes import FAILED, NO_MEMORY
 from chromanoise.page.uploads import Kept, Upload
 
 _SIZE = struct.calcsize("q")
 _STATM = Path("/proc/self/statm")
 _DATA = 5  # its number there
+_EXIT_S = 1.0  # a process that has closed its channel needs less
 
 
 def main() -> None:
@@ -31,7 +35,10 @@ def main() -> None:
         os._exit(0)  # at once: nothing is left to be tidied up
     reads, writes = sys.stdin.buffer, sys.stdout.buffer
     (size,) = struct.unpack("q", reads.read(_SIZE))
-    _Answering(Desk(Kept(), study=pickle.loads(reads.read(size))), reads, writes, None).serve()
+    study = reads.read(size)
+    _exit_after(
+        lambda: _Answering(Desk(Kept(), study=pickle.loads(study)), reads, writes, None).serve()
+    )
 
 
 def _forking(control: socket.socket) -> None:
@@ -39,45 +46,65 @@ def _forking(control: socket.socket) -> None:
     desk = Desk(Kept(), study=pickle.loads(control.recv(size, socket.MSG_WAITALL)))
     with contextlib.suppress(QuestionError, InputError):  # told to whoever asks for it
         desk.warm()
-    children: set[int] = set()
+    children: dict[int, int] = {}
     while True:
-        message, ends, *_ = socket.recv_fds(control, _SIZE, 1)
-        for child in list(children):
-            if not ends or os.waitid(os.P_PID, child, os.WEXITED | os.WNOHANG | os.WNOWAIT):
-                _end_group(child)
-                children.remove(child)
-        if not ends:
+        message, ends, *_ = socket.recv_fds(control, 2 * _SIZE, 1)
+        if not message:
+            for child in children.values():
+                _exit_code(child, wait_s=0.0)
             return
+        number, memory_bytes = struct.unpack("qq", message)
+        if not ends:
+            code = _exit_code(children.pop(number), wait_s=_EXIT_S)
+            with contextlib.suppress(OSError):  # the server is gone, as the next message shows
+                control.sendall(struct.pack("q", code))
+            continue
         child = os.fork()
         if child == 0:
             control.close()
-            _child(desk, ends[0], *struct.unpack("q", message))
+            _exit_after(partial(_child, desk, ends[0], memory_bytes))
         with contextlib.suppress(OSError):  # the child may have been quicker
             os.setpgid(child, child)
         os.close(ends[0])
-        children.add(child)
+        children[number] = child
 
 
-def _end_group(child: int) -> None:
-    """End a child, and whatever it started, as the process that asks libhdf5."""
+def _exit_code(child: int, *, wait_s: float) -> int:
+    """End a child, and whatever it started, such as the process that reads HDF5 files.
+
+    Returns its exit code, or the negative number of the signal that ended it.
+    """
+    end = time.monotonic() + wait_s
+    while not os.waitid(os.P_PID, child, os.WEXITED | os.WNOHANG | os.WNOWAIT):
+        if time.monotonic() >= end:
+            break
+        time.sleep(0.002)
     with contextlib.suppress(OSError):
         os.killpg(child, signal.SIGKILL)
-    os.waitpid(child, 0)
+    return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+
+
+def _exit_after(served: Callable[[], None]) -> NoReturn:
+    """End this process, with a traceback on stderr where it failed."""
+    code = FAILED
+    try:
+        served()
+        code = 0
+    except MemoryError:
+        code = NO_MEMORY
+    except BaseException:
+        traceback.print_exc()
+    finally:
+        os._exit(code)
 
 
 def _child(desk: Desk, end: int, memory_bytes: int) -> None:
-    """Answer questions, and never return."""
-    code = 1
-    try:
-        with contextlib.suppress(OSError):
-            os.setpgid(0, 0)
-        bound = _bounded(memory_bytes)
-        with socket.socket(fileno=end) as channel:
-            reads, writes = channel.makefile("rb"), channel.makefile("wb")
-            _Answering(desk, reads, writes, bound).serve()
-        code = 0
-    finally:
-        os._exit(code)
+    with contextlib.suppress(OSError):
+        os.setpgid(0, 0)
+    bound = _bounded(memory_bytes)
+    with socket.socket(fileno=end) as channel:
+        reads, writes = channel.makefile("rb"), channel.makefile("wb")
+        _Answering(desk, reads, writes, bound).serve()
 
 
 def _bounded(memory_bytes: int) -> int:
@@ -107,14 +134,15 @@ class _Answering:
         with open(os.devnull, "w") as nowhere:  # noqa: PTH123 - closed when all is done
             while (asked := self._asked()) is not None:
                 name, kept, given, cpu_s, limit_s = asked
-                self._desk.prepare(name)
+                answer = answered(self._desk, "prepare", kept, (name,))
                 self._tell("begins")
-                self._bound_cpu(cpu_s)
-                # a thread of its own in C: it acts even while a library loops and holds the lock
-                faulthandler.dump_traceback_later(limit_s, exit=True, file=nowhere)
-                answer = answered(self._desk, name, kept, given)
-                faulthandler.cancel_dump_traceback_later()
-                is_spent = self._is_spent(cpu_s)
+                if answer[0] == "done":
+                    self._bound_cpu(cpu_s)
+                    # a thread in C: it acts even while a library loops and holds the lock
+                    faulthandler.dump_traceback_later(limit_s, exit=True, file=nowhere)
+                    answer = answered(self._desk, name, kept, given)
+                    faulthandler.cancel_dump_traceback_later()
+                is_spent = answer[0] in ("no memory", "failed") or self._is_spent(cpu_s)
                 self._tell((answer, is_spent))
                 if is_spent:
                     return
@@ -136,7 +164,7 @@ class _Answering:
     def _asked(self) -> tuple[str, tuple[Upload, ...], tuple[Any, ...], int, float] | None:
         try:
             return pickle.load(self._reads)
-        except (EOFError, OSError):
+        except (EOFError, OSError, pickle.UnpicklingError):  # the server is gone
             return None
 
     def _tell(self, what: Any) -> None:
