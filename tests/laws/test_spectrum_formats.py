@@ -253,7 +253,7 @@ def test_half_of_an_envi_library_is_refused(file):
 # FITS
 
 
-def fits_bytes(unit: str | None = "Angstrom") -> bytes:
+def fits_bytes(unit: str | None = "Angstrom", flux=RED, cards=()) -> bytes:
     """A binary table of wavelength and flux, made by the rules of the standard alone."""
 
     def block(cards):
@@ -264,16 +264,19 @@ def fits_bytes(unit: str | None = "Angstrom") -> bytes:
         return f"{key:<8}= {value:>20}"
 
     first = [card("SIMPLE", "T"), card("BITPIX", 8), card("NAXIS", 0), card("EXTEND", "T")]
-    rows = np.stack([AT_NM * 10, RED], axis=1).astype(">f8").tobytes()
+    form, dtype = ("I", ">i2") if flux.dtype.kind == "i" else ("D", ">f8")
+    rows = np.empty(4, dtype=[("wavelength", ">f8"), ("flux", dtype)])
+    rows["wavelength"], rows["flux"] = AT_NM * 10, flux
     table = [
         f"{'XTENSION':<8}= 'BINTABLE'",
-        *(card("BITPIX", 8), card("NAXIS", 2), card("NAXIS1", 16), card("NAXIS2", 4)),
+        *(card("BITPIX", 8), card("NAXIS", 2), card("NAXIS1", rows.itemsize), card("NAXIS2", 4)),
         *(card("PCOUNT", 0), card("GCOUNT", 1), card("TFIELDS", 2)),
         *(f"TTYPE1  = '{'wavelength':<8}'", f"TFORM1  = '{'D':<8}'"),
         *((f"TUNIT1  = '{unit:<8}'",) if unit else ()),
-        *(f"TTYPE2  = '{'flux':<8}'", f"TFORM2  = '{'D':<8}'", "TUNIT2  = 'W/m2/nm'"),
+        *(f"TTYPE2  = '{'flux':<8}'", f"TFORM2  = '{form:<8}'", "TUNIT2  = 'W/m2/nm'"),
+        *(card(key, value) for key, value in cards),
     ]
-    return block(first) + block(table) + rows.ljust(2880, b"\0")
+    return block(first) + block(table) + rows.tobytes().ljust(2880, b"\0")
 
 
 def test_without_astropy_a_fits_table_says_what_to_install(file, monkeypatch):
@@ -298,6 +301,18 @@ def test_a_fits_table_without_wavelengths_or_in_another_unit_is_refused(file):
     assert "GHz" in refusal(file("lamp.fits", fits_bytes("GHz")))
     nameless = fits_bytes().replace(b"'wavelength'", b"'somewhere '")
     assert "wavelength" in refusal(file("none.fits", nameless))
+
+
+@pytest.mark.parametrize(("scale", "zero"), [(1.0, 0.0), (1e-3, 0.0), (1, 32768)])
+def test_a_fits_cell_of_the_declared_null_number_is_no_value(file, scale, zero):
+    pytest.importorskip("astropy")
+    stored = np.array([500, -999, 400, 300])
+    cards = [("TNULL2", -999), ("TSCAL2", scale), ("TZERO2", zero)]
+    read = read_curves(file("lamp.fits", fits_bytes(flux=stored, cards=cards)))
+    known = [zero + scale * number for number in (500, 400, 300)]
+    assert read.curves.values[:, 0] == pytest.approx(known)
+    assert read.curves.wavelength_nm.tolist() == [400.0, 600.0, 700.0]
+    assert any("flux: 1 value" in told for told in read.defects)
 
 
 # headings

@@ -77,7 +77,9 @@ def _table(path: Path, part: Any, place: int, at_name: str) -> Found:
     missing = [
         told
         for name, values in curves.items()
-        for told in missing_told(name, at, np.isfinite(values), "values that are no number (NaN)")
+        for told in missing_told(
+            name, at, np.isfinite(values), "values that are no number (NaN or TNULL)"
+        )
     ]
     return Found(
         source=str(path),
@@ -102,11 +104,14 @@ def _curve(path: Path, part: Any, name: str, at: Array) -> Array | None:
 
 
 def _numbers(path: Path, part: Any, name: str) -> Array:
-    """One number per row, or the one row of a table whose cells are lists."""
+    """One number per row, or the one row of a table whose cells are lists; NaN for ``TNULLn``."""
     column = np.asarray(part.data[name])
     if column.dtype.kind not in "fiu" or (column.ndim > 1 and len(column) != 1):
         raise _check.InputError(f"{path}: the column {name!r} is no list of numbers")
     values = column.astype(np.float64).ravel()
+    stored, null = np.asarray(part.data)[name], part.columns[name].null
+    if stored.dtype.kind in "iu" and null is not None:  # TNULLn is the number before TSCALn, TZEROn
+        values[stored.ravel() == null] = np.nan
     if (np.abs(values) > _LARGEST).any():
         raise _check.InputError(f"{path}: the column {name!r} holds numbers beyond 1e30")
     return values
