@@ -15,7 +15,7 @@ from chromanoise.spectra.files.delimited import (
     decimal_sign,
     split_line,
 )
-from chromanoise.spectra.files.tables import Row, is_number
+from chromanoise.spectra.files.tables import Row, number_in
 
 _NEEDED = ("mean_dn", "variance_dn2")
 _SPATIAL = "spatial_variance_dn2"
@@ -181,9 +181,7 @@ def _dark(rows: list[Row], header: list[str], photons: Array | None, path: Path)
 
 
 def _number(cell: str, decimal: str, where: str) -> float:
-    value = math.nan
-    if "%" not in cell and is_number(cell, decimal_comma=decimal == ","):
-        value = float(re.sub("[dD]", "e", cell.replace(",", ".")))
+    value = math.nan if "%" in cell else number_in(cell, decimal_comma=decimal == ",")
     if not math.isfinite(value):
         raise InputError(f"{where}: {cell[:40]!r} is not a finite number; mend it or leave it out")
     return value
