@@ -58,6 +58,19 @@ def frames(rng, mean_e, gain, read_e, offset_dn, bend):
     return (a.mean() + b.mean()) / 2, (a - b).var(ddof=1) / 2
 
 
+def bent_line(fitted, *, gain, read_e, bend):
+    """Slope through the origin over the levels of `camera` that were fitted, by quadrature."""
+    nodes, weights = np.polynomial.hermite_e.hermegauss(9)
+    mean_e = np.linspace(0.0, 10_500.0, fitted.size + 1)[:, None]
+    electrons = mean_e + np.sqrt(mean_e + read_e**2) * nodes
+    codes = gain * electrons * (1 - 0.5 * bend * electrons / 10_000.0)
+    weights = weights / weights.sum()
+    mean = codes @ weights
+    variance = (codes - mean[:, None]) ** 2 @ weights
+    x, y = ((of[1:] - of[0])[fitted] for of in (mean, variance))
+    return np.linalg.lstsq(x[:, None], y, rcond=None)[0][0]
+
+
 # errors
 
 
@@ -99,7 +112,11 @@ def test_a_camera_whose_gain_falls_is_reported_as_bent_with_its_slopes_at_both_e
     rng = np.random.default_rng(3)
     bent = [photon_transfer_fit(camera(rng, gain=0.8, read_e=8.0, bend=0.3)) for _ in range(60)]
     assert all(f.bend_z < -3 for f in bent)
-    assert all(abs(f.gain_dn_per_e - 0.8) < 2 * f.gain_se for f in bent)
+    line = np.array([bent_line(f.fitted, gain=0.8, read_e=8.0, bend=0.3) for f in bent])
+    off = np.array([f.gain_dn_per_e for f in bent]) - line
+    assert abs(off.mean()) < 5 * off.std(ddof=1) / np.sqrt(60)
+    assert off.std(ddof=1) < 0.02 * 0.8
+    assert line.max() < 0.9 * 0.8  # the slope at low light is another number
     assert all(
         f.high_light_gain_dn_per_e < f.gain_dn_per_e < f.low_light_gain_dn_per_e for f in bent
     )
@@ -192,7 +209,9 @@ def test_only_a_variance_that_is_called_spatial_gives_prnu():
     assert temporal.prnu is None
     assert temporal.low_light_gain_dn_per_e == pytest.approx(0.5, rel=1e-6)
     assert temporal.high_light_gain_dn_per_e == pytest.approx(0.5 + 2e-4 * 2000, rel=1e-6)
-    assert abs(temporal.gain_dn_per_e - 0.5) < 2 * temporal.gain_se
+    # y = 0.5 x + 1e-4 x^2, so that the slope through the origin is 0.5 + 1e-4 sum x^3 / sum x^2
+    x = 0.25 * PHOTONS
+    assert temporal.gain_dn_per_e == pytest.approx(0.5 + 1e-4 * (x**3).sum() / (x**2).sum())
 
 
 def test_dark_rows_of_their_exposure_time_are_the_dark_of_the_rows_of_that_time():
@@ -230,6 +249,58 @@ def test_a_dark_variance_of_quantization_gives_an_upper_limit_of_the_read_noise(
     # EMVA 1288 writes 0.40 / K
     assert (fit.read_noise_e, fit.read_noise_se) == (pytest.approx(0.40 / 0.5, rel=0.02), None)
     assert any("upper limit" in note for note in fit.notes)
+
+
+def timed(dark_mean, dark_variance, *, dark_ms=(1.0, 2.0, 3.0), lit_ms=(1.0, 2.0, 3.0)):
+    """Dark rows at three times, and lit rows 200, 400 and 800 DN above them with K = 0.5 DN/e-."""
+    lit = np.array([200.0, 400.0, 800.0])
+    return PhotonTransfer(
+        mean_dn=np.concatenate([dark_mean, dark_mean + lit]),
+        variance_dn2=np.concatenate([dark_variance, dark_variance + 0.5 * lit]),
+        dark=np.arange(6) < 3,
+        samples=np.full(6, 1e6),
+        time_ms=np.array([*dark_ms, *lit_ms]),
+    )
+
+
+def test_a_dark_variance_extrapolated_below_0_is_replaced_by_that_of_the_shortest_time():
+    # a line over 1, 2, 9 DN^2 at 1, 2, 3 ms is -4 DN^2 at 0 ms
+    fit = photon_transfer_fit(timed(64 + np.arange(3.0), np.array([1.0, 2.0, 9.0])))
+    assert fit.gain_dn_per_e == pytest.approx(0.5, rel=1e-9)
+    assert fit.read_noise_e == pytest.approx(np.sqrt(1 - 1 / 12) / 0.5, rel=1e-9)
+    assert fit.read_noise_se > 0
+    assert any("-4 DN^2" in note and "shortest" in note for note in fit.notes)
+    assert not any("quantization" in note for note in fit.notes)
+
+
+def test_a_dark_mean_that_falls_with_the_exposure_time_is_named():
+    # -1 DN/ms over 0.5 DN/e- is -2000 e-/s
+    fit = photon_transfer_fit(timed(64 - np.arange(3.0), np.full(3, 4.0)))
+    assert fit.dark_current_e_per_s is None
+    assert any("-2000" in note for note in fit.notes)
+
+
+def test_a_dark_row_within_1_percent_of_an_exposure_time_is_its_dark():
+    means, variances = 64 + np.arange(3.0), 4 + np.arange(3.0)
+    for dark_ms in ((1.009, 2.01, 3.02), (0.991, 1.99, 2.98)):
+        fit = photon_transfer_fit(timed(means, variances, dark_ms=dark_ms))
+        assert fit.gain_dn_per_e == pytest.approx(0.5, rel=1e-9)
+    with pytest.raises(InputError, match=r"time_ms 2 "):
+        photon_transfer_fit(timed(means, variances, dark_ms=(1.0, 2.03, 3.0)))
+
+
+def test_a_quantum_efficiency_above_1_within_its_error_leaves_the_gain():
+    # 1.002 electrons per photon, and rows of 1000 samples: K is uncertain by about 2 %
+    table = exact(PHOTONS, photons=PHOTONS / 2 / 1.002, samples=np.full(PHOTONS.size, 1e3))
+    fit = photon_transfer_fit(table)
+    assert (fit.gain_dn_per_e, fit.qe) == pytest.approx((0.5, 1.002))
+    assert 0.002 < fit.qe_se < 0.05
+    assert any("1.002" in note for note in fit.notes)
+    pixel = pixel_from_photon_transfer(fit)
+    assert pixel.qe is None
+    assert pixel.gain_e_per_dn == pytest.approx(2.0)
+    with pytest.raises(InputError, match=r"quantum efficiency of 1\.002"):
+        photon_transfer_fit(replace(table, samples=np.full(PHOTONS.size, 1e9)))
 
 
 @pytest.mark.parametrize(
@@ -323,6 +394,7 @@ def test_a_row_of_no_photons_is_dark(tmp_path):
         ("mean_dn,variance_dn2,photons,light\n1,2,5,dark\n2,3,6,light\n3,4,7,light", "line 2"),
         ("mean_dn,variance_dn2,light\n1,2,dark\n2,3,dark\n3,4,dark", "all rows are dark"),
         ("mean_dn,variance_dn2\n1,2 %\n2,3\n3,4", "'2 %' is not a finite"),
+        ("mean_dn,variance_dn2\n1,2\n2,3\n3,1e300", "'1e300' is not a finite"),
     ],
 )
 def test_a_table_that_contradicts_itself_is_refused_in_one_sentence(tmp_path, text, match):

@@ -12,16 +12,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from chromanoise._check import Array, InputError
-from chromanoise.sensor.adc import Adc
 from chromanoise.sensor.imperfections import Imperfections
 from chromanoise.sensor.noise_profile import ROUNDING_DN2
 from chromanoise.sensor.pixel_source import PixelSource
+from chromanoise.sensor.transfer_efficiency import quantum_efficiency
 from chromanoise.sensor.transfer_levels import Levels, levels_of
 from chromanoise.sensor.transfer_regression import (
     Regression,
     mean_error2,
     residuals_z,
-    slope_through_origin,
     straight_fit,
     variance_error2,
     weighted_fit,
@@ -98,9 +97,9 @@ def photon_transfer_fit(table: PhotonTransfer, *, black_dn: float | None = None)
     gain, gain_se = curves.gain, float(np.hypot(curves.gain_se, bend.misfit))
     notes = [*table.notes, *_bend_notes(table, curves, bend)]
     read, read_se = _read_noise(levels, curves, gain_se, source, notes)
-    current, current_se = _dark_current(levels, curves, gain_se)
+    current, current_se = _dark_current(levels, curves, gain_se, source, notes)
     photons = None if table.photons is None else table.photons[lit[low]]
-    qe, qe_se = _qe(levels.of(low), photons, gain, gain_se, source)
+    qe, qe_se = quantum_efficiency(levels.of(low), photons, gain, gain_se, source, notes)
     prnu, prnu_se = _prnu(curves)
     if full is None:
         notes.append(
@@ -140,22 +139,14 @@ def photon_transfer_fit(table: PhotonTransfer, *, black_dn: float | None = None)
     )
 
 
-def pixel_from_photon_transfer(fit: TransferFit, *, bits: int | None = None) -> PixelSource:
+def pixel_from_photon_transfer(fit: TransferFit) -> PixelSource:
     """The pixel that a photon transfer tells of.
 
     Parameters
     ----------
     fit
         `photon_transfer_fit`.
-    bits
-        Of the converter, where they are known.
-
-    Raises
-    ------
-    InputError
-        If bits and black level are those of no converter.
     """
-    gain = 1 / fit.gain_dn_per_e
     notes = [
         f"{fit.source}: K = {fit.gain_dn_per_e:.4g} +- {fit.gain_se:.2g} DN/e-",
         *fit.notes,
@@ -168,25 +159,25 @@ def pixel_from_photon_transfer(fit: TransferFit, *, bits: int | None = None) -> 
     ):
         if value is not None and error is not None:
             notes.append(f"{fit.source}: {what} {value:.4g} +- {error:.2g} {unit}")
-    adc, black = None, None if fit.black_dn is None else round(fit.black_dn)
+    black = None if fit.black_dn is None else round(fit.black_dn)
     if black is not None and black < 0:
         black = None
         notes.append(f"{fit.source}: the black level of {fit.black_dn:.6g} DN is no code, not used")
     elif black is not None and black != fit.black_dn:
         notes.append(f"{fit.source}: black level of {fit.black_dn:.6g} DN rounded to {black}")
-    if bits is not None and black is not None:
-        adc = Adc(bits=bits, gain_e_per_dn=gain, black_level_dn=black)
+    possible = fit.qe is None or fit.qe <= 1
+    if not possible:
+        notes.append(f"{fit.source}: a QE above 1 is not used")
     return PixelSource(
         source=fit.source,
         full_well_e=fit.full_well_e,
         read_noise_e=fit.read_noise_e,
-        gain_e_per_dn=gain,
+        gain_e_per_dn=1 / fit.gain_dn_per_e,
         black_level_dn=black,
-        adc=adc,
         imperfections=Imperfections(
             prnu=fit.prnu or 0.0, dark_current_e_per_s=fit.dark_current_e_per_s or 0.0
         ),
-        qe=fit.qe,
+        qe=fit.qe if possible else None,
         notes=tuple(notes),
     )
 
@@ -319,8 +310,16 @@ def _read_noise(
         variance, error2, common = float(fit.values[0]), fit.covariance[0, 0], fit.covariance[0, 1]
     else:
         weights, _ = levels.darks.at_no_time()
-        error2s = fit.spread * variance_error2(levels.darks.variance_dn2, levels.darks.samples)
-        variance = float(weights @ levels.darks.variance_dn2)
+        dark_dn2 = levels.darks.variance_dn2
+        if weights @ dark_dn2 < _LEAST_DARK_DN2 <= dark_dn2.max():
+            notes.append(
+                f"{source}: the dark variance at exposure time 0 would be "
+                f"{weights @ dark_dn2:.3g} DN^2, so the read noise is that of the dark of the "
+                "shortest time, its dark current included"
+            )
+            weights = levels.darks.at_shortest_time()
+        error2s = fit.spread * variance_error2(dark_dn2, levels.darks.samples)
+        variance = float(weights @ dark_dn2)
         error2, common = weights**2 @ error2s, -(fit.dark_lever[0] * weights) @ error2s
     dark = variance - ROUNDING_DN2
     if variance < _LEAST_DARK_DN2:
@@ -336,7 +335,7 @@ def _read_noise(
 
 
 def _dark_current(
-    levels: Levels, curves: _Curves, gain_se: float
+    levels: Levels, curves: _Curves, gain_se: float, source: str, notes: list[str]
 ) -> tuple[float | None, float | None]:
     """Slope of the dark means over the exposure time, over the gain."""
     slope = None if levels.darks is None else levels.darks.at_no_time()[1]
@@ -346,6 +345,10 @@ def _dark_current(
     errors2 = curves.gain_fit.spread * mean_error2(darks.variance_dn2, darks.samples, levels.frames)
     current, error = float(slope @ darks.mean_dn) * per_s, float(np.sqrt(slope**2 @ errors2))
     if current < 0:
+        notes.append(
+            f"{source}: the dark mean falls with the exposure time ({current:.4g} +- "
+            f"{error * per_s:.2g} e-/s), so the dark current is unknown"
+        )
         return None, None
     return current, float(np.hypot(error * per_s, current * gain_se / curves.gain))
 
@@ -354,25 +357,6 @@ def _black_dn(levels: Levels, given: float | None) -> float | None:
     if levels.darks is None:
         return given
     return float(levels.darks.at_no_time()[0] @ levels.darks.mean_dn)
-
-
-def _qe(
-    levels: Levels, photons: Array | None, gain: float, gain_se: float, source: str
-) -> tuple[float | None, float | None]:
-    """Responsivity over gain; the error of the first from the scatter about its line."""
-    if photons is None or not levels.black_known:
-        return None, None
-    if not photons.max() > 0:
-        raise InputError(f"{source}: the photons of all lit rows are 0; leave the column out")
-    response, error = slope_through_origin(photons, levels.x)
-    qe = response / gain
-    qe_se = abs(qe) * float(np.hypot(error / response, gain_se / gain)) if response else error
-    if not 0 <= qe <= 1:
-        raise InputError(
-            f"{source}: the photons give a quantum efficiency of {qe:.4g} +- {qe_se:.2g}; it must "
-            "be 0 to 1, so give mean photons per pixel and exposure, or leave the column out"
-        )
-    return qe, qe_se
 
 
 def _prnu(curves: _Curves) -> tuple[float | None, float | None]:

@@ -7,7 +7,7 @@ import numpy as np
 from chromanoise import _check
 from chromanoise._check import Array, InputError
 from chromanoise._linalg import pinv
-from chromanoise.sensor.transfer_table import PhotonTransfer
+from chromanoise.sensor.transfer_table import PhotonTransfer, nearest
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -37,12 +37,16 @@ class Darks:
         """
         n = self.mean_dn.size
         if self.time_ms is None or np.unique(self.time_ms).size < 3:
-            first = 0 if self.time_ms is None else int(np.argmin(self.time_ms))
-            return np.eye(n)[first], None
+            return self.at_shortest_time(), None
         intercept, slope = pinv(
             "the darks of a photon transfer", np.stack([np.ones(n), self.time_ms], axis=1)
         )
         return intercept, slope
+
+    def at_shortest_time(self) -> Array:
+        """Weights that give the dark of the shortest time, or the first one."""
+        first = 0 if self.time_ms is None else int(np.argmin(self.time_ms))
+        return np.eye(self.mean_dn.size)[first]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -167,4 +171,4 @@ def _darks(table: PhotonTransfer) -> tuple[Darks, Array] | None:
         variance_dn2=variance,
         samples=None if samples is None else np.bincount(dark_at, weights=samples[table.dark]),
         time_ms=None if time is None else times,
-    ), np.searchsorted(times, at[lit])
+    ), nearest(times, at[lit])

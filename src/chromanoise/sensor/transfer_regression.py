@@ -97,13 +97,6 @@ def straight_fit(levels: Levels, judged: Regression) -> Regression | None:
     )
 
 
-def slope_through_origin(x: Array, y: Array) -> tuple[float, float]:
-    """Slope of y = a x by unweighted least squares; its error from the scatter about the line."""
-    slope = float(x @ y) / float(x @ x)
-    scatter = (x * (y - slope * x)) ** 2
-    return slope, float(np.sqrt(scatter.sum() * x.size / max(x.size - 1, 1))) / float(x @ x)
-
-
 def residuals_z(levels: Levels, fit: Regression) -> Array:
     """Of all levels, fitted or not: variance minus fit over its standard error."""
     model = levels.powers(bend=fit.values.size > levels.slope_at + 1) @ fit.values

@@ -9,6 +9,7 @@ from chromanoise import _check
 from chromanoise._check import Array, InputError
 
 _MOST_SAMPLES = 1e12
+_SAME_TIME = 0.01  # of an exposure time: a dark row that lies closer has the time of a lit row
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -31,7 +32,8 @@ class PhotonTransfer:
     spatial
         Whether the variances are over the pixels of one picture, so that they contain PRNU.
     time_ms
-        Exposure time of each row: a lit row is then evaluated with the dark rows of its time. [ms]
+        Exposure time of each row: a lit row is then evaluated with the dark rows of its time,
+        within 1 %. [ms]
     dark_mean_dn, dark_variance_dn2
         The dark of each row, instead of dark rows. [DN], [DN^2]
     photons
@@ -97,6 +99,11 @@ _COLUMNS = (
 )
 
 
+def nearest(times: Array, at: Array) -> Array:
+    """Which of the ascending times lies nearest to each of others."""
+    return np.searchsorted((times[1:] + times[:-1]) / 2, at)
+
+
 def _largest(values: Array) -> float:
     return float(np.abs(values).max(initial=0.0))
 
@@ -116,7 +123,9 @@ def _refuse_odd_darks(table: PhotonTransfer) -> None:
         )
     if table.time_ms is None or not table.dark.any():
         return
-    alone = ~np.isin(table.time_ms, table.time_ms[table.dark])
+    times = np.unique(table.time_ms[table.dark])
+    off = np.abs(times[nearest(times, table.time_ms)] - table.time_ms)
+    alone = off > _SAME_TIME * table.time_ms
     if alone.any():
         raise InputError(
             f"{table.source}: no dark row has the time_ms {table.time_ms[alone][0]:g} of the lit "
