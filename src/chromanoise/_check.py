@@ -25,9 +25,9 @@ _INTERNALS = re.compile(r"[<>]|0x[0-9a-f]|__|NoneType|' object\b|\bargument\b|\b
 
 
 def reason(error: Exception) -> str:
-    r"""What the error of a foreign parser says about the file, on one line.
+    r"""The reason that a third-party parser gives for refusing a file, on one line.
 
-    Empty if it says something about the parser instead: names of classes, addresses, arguments.
+    Empty if the message is about the parser itself (class names, addresses, arguments).
 
     Examples
     --------
@@ -164,7 +164,7 @@ def _demand(
 
 
 def printable(name: str) -> str:
-    r"""A name from a file, short and fit to be shown.
+    r"""A name from a file, shortened, with unprintable characters replaced.
 
     Examples
     --------

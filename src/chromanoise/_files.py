@@ -32,7 +32,7 @@ _AT_FDCWD, _RENAME_EXCHANGE = -100, 2  # of linux/fcntl.h and linux/fs.h
 
 @contextmanager
 def whole_folder(folder: Path) -> Iterator[Path]:
-    """A scratch folder whose files appear in ``folder`` when all are written; else nothing does.
+    """A scratch folder whose files appear in ``folder`` once all are written; on failure none does.
 
     Files of the same name are replaced; other files in ``folder`` stay.
 
@@ -57,7 +57,7 @@ def claimed_folder(folder: Path) -> Iterator[Callable[[], AbstractContextManager
     Raises
     ------
     InputError
-        If ``folder`` is a file, cannot be written, or another process writes into it now.
+        If ``folder`` is a file, cannot be written, or another process is writing into it.
     """
     refuse_unwritable(folder)
     goal = Path(os.path.realpath(folder))
@@ -92,8 +92,8 @@ def refuse_unwritable(folder: Path) -> None:
     Raises
     ------
     InputError
-        If ``folder`` is a file, it or the folder that would hold it may not be written, or another
-        process writes into it now.
+        If ``folder`` is a file, it or its parent folder may not be written, or another process is
+        writing into it.
     """
     if os.path.lexists(folder) and not folder.is_dir():
         raise InputError(f"{folder}: the output folder is an existing file; name another")
@@ -124,14 +124,14 @@ def write_whole(path: Path, content: bytes) -> None:
             path.write_bytes(content)
             return
         goal = Path(os.path.realpath(path))
-        if goal.is_symlink():  # a loop of links leads nowhere
+        if goal.is_symlink():  # links in a loop have no target
             raise OSError(errno.ELOOP, os.strerror(errno.ELOOP))
         _replaced(goal, content)
 
 
 @contextmanager
 def _named_as(folder: Path, scratch: Path) -> Iterator[None]:
-    """Errors that name the scratch folder, or nothing as on a full disk, name the folder."""
+    """Make errors name the output folder instead of the scratch folder, or instead of no file."""
     try:
         yield
     except InputError as error:
@@ -166,7 +166,7 @@ def _replaced(path: Path, content: bytes) -> None:
 
 
 def _place(goal: Path) -> Path:
-    """Where lock and scratch lie: beside the folder, or in one that cannot be renamed."""
+    """The folder for lock and scratch: the parent, or the folder itself if it cannot be renamed."""
     if not goal.is_dir():
         return goal.parent
     with suppress(FileNotFoundError):  # the working folder was removed
@@ -179,7 +179,7 @@ def _place(goal: Path) -> Path:
 def _is_mount(folder: Path) -> bool:
     if os.path.ismount(folder):
         return True
-    try:  # one folder of a file system mounted within the same is known here only
+    try:  # bind mounts within one file system are listed here only
         mounts = Path("/proc/self/mountinfo").read_text(errors="surrogateescape").splitlines()
     except OSError:
         return False
@@ -192,7 +192,7 @@ def _lock_file(place: Path, goal: Path) -> Path:
 
 @contextmanager
 def _locked(place: Path, goal: Path, folder: Path, scratch: Path) -> Iterator[IO[str]]:
-    """The lock file, held; what a killed run left beside the folder is cleared away first."""
+    """The lock file, locked, after what a killed run left has been removed."""
     path = _lock_file(place, goal)
     with _told(folder):
         journal = held = _held_file(path, folder)
@@ -236,14 +236,14 @@ def _held_file(path: Path, folder: Path) -> IO[str] | None:
 
 
 def _is_at(path: Path, opened: IO[str]) -> bool:
-    """Whether an open file still has its name: a run that ends removes its lock file."""
+    """Whether an open file is still at its path; a run that ends removes its lock file."""
     with suppress(FileNotFoundError):
         return os.path.samestat(path.stat(), os.fstat(opened.fileno()))
     return False
 
 
 def _lock(journal: IO[str], folder: Path) -> bool:
-    """Whether the file is locked now for this process; not where the file system has no locks."""
+    """Whether this process has locked the file; ``False`` if the file system has no locks."""
     if sys.platform == "win32":
         return False
     try:
@@ -260,7 +260,7 @@ def _lock(journal: IO[str], folder: Path) -> bool:
 
 
 def _clear_elsewhere(place: Path, goal: Path, folder: Path) -> None:
-    """The same folder may be named by a run that works in it, and then keeps its scratch there."""
+    """Clear up after a run that kept its lock and scratch folder in the other possible place."""
     path = _lock_file(goal if place != goal else goal.parent, goal)
     with suppress(OSError):
         journal = _held_file(path, folder) if path.exists() else None
@@ -281,7 +281,7 @@ def _note(journal: IO[str], entry: dict[str, Any]) -> None:
 
 
 def _notes(journal: IO[str]) -> list[dict[str, Any]]:
-    """The whole lines of a lock file; none of a file that is not ours."""
+    """The complete lines of a lock file; none if chromanoise did not write it."""
     journal.seek(0)
     try:
         lines = [json.loads(line) for line in journal.readlines() if line.endswith("\n")]
@@ -296,7 +296,9 @@ def _appear(scratch: Path, goal: Path, journal: IO[str]) -> None:
     files = sorted(made, key=lambda name: (name.suffix in _SUMMARIES, name))
     for name in files:
         if (goal / name).is_dir():
-            raise InputError(f"{goal / name}: is a folder where a file must go; move it away")
+            raise InputError(
+                f"{goal / name}: is a folder, but a file of that name must be written; move it away"
+            )
     one_step = scratch.parent != goal and not (goal.exists() and len(files) == 1)
     if one_step and _swapped_in(scratch, goal, journal):
         return
@@ -332,7 +334,7 @@ def _swapped_in(scratch: Path, goal: Path, journal: IO[str]) -> bool:
 
 
 def _exchanged(one: Path, other: Path) -> bool:
-    """Whether two folders have exchanged their names in one step, which Linux can."""
+    """Whether two folders have exchanged their names atomically, which only Linux supports."""
     exchange = getattr(ctypes.CDLL(None), "renameat2", None) if os.name == "posix" else None
     if exchange is None:
         return False

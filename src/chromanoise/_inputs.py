@@ -1,4 +1,4 @@
-"""Files that are read: regular ones, which end and wait for nobody else."""
+"""Input files: only regular files are read, because reading others may never end."""
 
 import os
 import stat
@@ -46,5 +46,5 @@ def regular_file(path: Path, *, folder: bool = False, pipe: bool = False) -> os.
         or (pipe and inherited and stat.S_ISFIFO(mode))
     ):
         return status
-    kind = next((word for test, word in _KINDS if test(mode)), "no file")
-    raise InputError(f"{path}: cannot be read (it is {kind}, which is not a regular file)")
+    kind = next((word for test, word in _KINDS if test(mode)), "of another kind")
+    raise InputError(f"{path}: cannot be read (it is {kind}, not a regular file)")

@@ -1,7 +1,7 @@
 """The small linear algebra of sensor space: products that broadcast over pixels, ranks, angles.
 
-Every solver of the package is called here: LAPACK may loop for ever, with the interpreter locked,
-over a number that is not finite.
+All linear solvers are called here, after a check for numbers that are not finite: LAPACK may loop
+forever over such a number while it holds the interpreter lock.
 """
 
 from collections.abc import Callable
@@ -18,7 +18,7 @@ RANK_TOLERANCE = 1e-10
 
 
 def _of_finite(solver: Callable[..., Any], what: str, *arrays: Array, **options: Any) -> Any:
-    """What a solver of numpy returns for ``arrays``; ``what`` names them in the message.
+    """The result of a numpy solver for ``arrays``; ``what`` names them in the message.
 
     Raises
     ------

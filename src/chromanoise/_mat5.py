@@ -95,7 +95,7 @@ def mat_array(path: Path, name: str, *, largest_bytes: int | None = None) -> Sha
     kind, start, count = _part(first, opening.length, element.order)
     dtype = np.dtype(element.order + _PACKED_AS[kind]) if kind in _PACKED_AS else np.dtype("O")
     told = math.prod(opening.shape) * dtype.itemsize
-    if dtype.hasobject or count != told:  # seen before all of it is inflated
+    if dtype.hasobject or count != told:  # checked before all of it is inflated
         raise _damage(path, f"the numbers of array {name!r} do not fit its shape")
     body = _body(path, element, largest_bytes, needed_bytes=start + count)
     if not 0 <= len(body) - start - count < 8:
@@ -122,7 +122,7 @@ def mat_texts(path: Path, name: str, *, largest_bytes: int | None = None) -> tup
         kind, count = struct.unpack_from(order + "II", body, at)
         if kind != _MATRIX or at + 8 + count > len(body):
             raise _damage(path, f"a cell of {name!r} is no array")
-        inner = body[at + 8 : at + 8 + count]  # of an empty cell, MATLAB may write the tag alone
+        inner = body[at + 8 : at + 8 + count]  # MATLAB may write only the tag of an empty cell
         texts += (_rows_of_text(path, inner, order)[:1] if inner else ()) or ("",)
         at += 8 + count
     return tuple(texts)
@@ -157,7 +157,7 @@ def _variables(path: Path) -> Iterator[tuple[_Element, _Opening]]:
             file.seek(at)
             kind, count = struct.unpack(order + "II", file.read(8).ljust(8, b"\0"))
             if not kind and not file.read(_MOST_PADDING).strip(b"\0"):
-                return  # zeros that fill the file up
+                return  # zero padding at the end of the file
             if kind not in (_MATRIX, _COMPRESSED) or at + 8 + count > size:
                 raise _damage(path, f"byte {at} begins no array within the file's {size} bytes")
             compressed = kind == _COMPRESSED
@@ -236,7 +236,7 @@ def _dtype(flags: int) -> np.dtype:
 def _body(
     path: Path, element: _Element, largest_bytes: int | None, *, needed_bytes: int | None = None
 ) -> bytes:
-    """All bytes of a variable, inflated only where they are as many as its parts need."""
+    """All bytes of a variable, inflated only if their number is what its parts need."""
     with path.open("rb") as file:
         file.seek(element.start)
         raw = file.read(element.size)

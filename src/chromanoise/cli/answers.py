@@ -20,7 +20,7 @@ _ANSWERS = (
     click.option(
         "--wavelength-unit",
         type=click.Choice(get_args(Unit)),
-        help="Of its wavelengths, where the file does not declare it.",
+        help="Unit of the wavelengths, where the file does not declare it.",
     ),
     click.option("--um/--nm", "micrometers", default=None, hidden=True),
     click.option(
@@ -28,7 +28,7 @@ _ANSWERS = (
         type=click.Choice(get_args(Negatives)),
         default="refuse",
         show_default=True,
-        help="Small negative values, as of digitizing: refuse them, or take them as 0.",
+        help="Small negative values, as digitizing leaves them: refuse them, or set them to 0.",
     ),
     click.option("--peak-qe", type=float, help="Highest QE of a sensor with relative curves."),
 )
@@ -104,7 +104,7 @@ def filter_answers_of(options: Mapping[str, Any]) -> Answers:
 
 
 def _wavelength_unit(options: Mapping[str, Any]) -> Any:
-    """Of ``--wavelength-unit``, or of ``--um`` and ``--nm``, its older names."""
+    """The unit from ``--wavelength-unit``, or from its older names ``--um`` and ``--nm``."""
     unit = options.get("wavelength_unit")
     older = _either(options.get("micrometers"), "um", "nm")
     if unit and older and unit != older:

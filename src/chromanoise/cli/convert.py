@@ -57,8 +57,8 @@ def convert(source: str, target: Path, form: str, created: str | None, **options
     """Write the curves of IN, a file of spectra or a sensor of the catalogue, as OUT.
 
     OUT ends in .csv, .json (all that is known, or rawtoaces' form) or .spdx (IES TM-27, one
-    curve). All of them can be read again. Numbers keep all their digits; what the format cannot
-    keep is told.
+    curve). All of them can be read again. Numbers keep all their digits; a message lists what
+    the format cannot keep.
     """
     ending = target.suffix.lower()
     if ending not in _ENDINGS:
@@ -89,7 +89,7 @@ def _day(created: str | None) -> str:
 
 
 def _read(source: str, options: dict[str, Any]) -> Sensor | Understood:
-    """A sensor of the catalog or of a JSON of this library, or what is understood of a file."""
+    """A sensor of the catalog or of a chromanoise JSON file, or the parsed curves of a file."""
     if not is_file_word(source, "sensor"):
         if options["quantity"] is not None:
             raise InputError(f"--quantity: {source} says what it is; leave it away")
@@ -125,7 +125,7 @@ def _of_spectra(told: Understood, kind: str, day: str, columns: tuple[str, ...])
     if kind == ".json":
         return spectra_json(spectra, facts), unsaid
     if kind == ".csv":
-        notes = ["the notes, but for comments"] if spectra.notes else []
+        notes = ["the notes, except as comments"] if spectra.notes else []
         return spectra_csv(spectra, facts), [*unsaid, *notes]
     if kind == "rawtoaces":
         text = rawtoaces_json(_per_energy(told), _header(spectra, day))
@@ -138,14 +138,14 @@ def _of_spectra(told: Understood, kind: str, day: str, columns: tuple[str, ...])
 
 
 def _facts(told: Understood) -> dict[str, str]:
-    """What a format that has words for it declares; percent are fractions by now."""
+    """The facts that a format can declare; percent values are already converted to fractions."""
     scale = "as written" if told.scale == "as written" else "fraction"
     facts = {"level": told.level, "per": told.per, "scale": scale}
     return {key: fact for key, fact in facts.items() if fact is not None}
 
 
 def _with_notes(told: Understood) -> tuple[Spectra, list[str]]:
-    """The curves with what was done to them in the notes, and what is not known of them."""
+    """The curves, with all changes made to them as notes, and a list of unknown facts."""
     said = (*told.said_notes, *told.curves.notes, *told.notes, *told.defects)
     notes = tuple(dict.fromkeys(said))  # what the file said already is said once
     source = told.said_source or told.curves.source

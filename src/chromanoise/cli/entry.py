@@ -82,18 +82,18 @@ def run(arguments: list[str] | None = None) -> None:
     try:
         _refuse_unreadable(given)
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # of libraries, to people who write programs
+            warnings.simplefilter("ignore")  # warnings of libraries are for programmers
             warnings.filterwarnings("error", "overflow|divide by zero|invalid value")  # numpy's
             result = commands.main(
                 args=given or ["--help"], prog_name="chromanoise", standalone_mode=False
             )
     except BaseException as error:
-        # while a library is imported, a stop may be raised as another exception
+        # a stop during an import may be raised as another exception
         if stopped.is_set() or isinstance(error, click.Abort | KeyboardInterrupt):
             click.echo("chromanoise: stopped", err=True)
             sys.exit(130)
         if isinstance(error, BrokenPipeError):
-            sys.stderr.close()  # the reader of our output went away: nothing is left to say
+            sys.stderr.close()  # the reader of the output is gone
             sys.exit(1)
         sentence = _sentence(error)
         if sentence is None:
@@ -103,7 +103,7 @@ def run(arguments: list[str] | None = None) -> None:
 
 
 def _sentence(error: BaseException) -> str | None:
-    """What a person is told of an error; ``None`` if it is a mistake of the program."""
+    """The message for an error; ``None`` if the error is a bug of the program."""
     match error:
         case click.ClickException():
             return error.format_message()
@@ -111,18 +111,18 @@ def _sentence(error: BaseException) -> str | None:
             return str(error)
         case ArithmeticError() | RuntimeWarning():
             return (
-                f"a number leaves double precision ({error}); choose less extreme values of the "
+                f"a number exceeds double precision ({error}); choose less extreme values of the "
                 "light, the exposure, the pixel or the matrix"
             )
         case OSError():
             return f"{error.filename or 'standard output'}: {error.strerror or error}"
         case MemoryError():
-            return "this machine has not enough memory for that; take a smaller cube or fewer bands"
+            return "this machine does not have enough memory; use a smaller cube or fewer bands"
     return None
 
 
 def _stop_on_signals(stopped: threading.Event) -> None:
-    """SIGTERM ends like Ctrl-C does, so that scratch files are cleared away."""
+    """Make SIGTERM act like Ctrl-C, so that scratch files are removed."""
 
     def stop(*_: object) -> None:
         stopped.set()
@@ -135,7 +135,7 @@ def _stop_on_signals(stopped: threading.Event) -> None:
 
 
 def _prepare_output() -> None:
-    """Characters that the output's encoding lacks are escaped as in JSON and TOML."""
+    """Escape characters that the output encoding lacks, as JSON and TOML do."""
     codecs.register_error("json-escape", _escaped)
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):
@@ -148,27 +148,27 @@ def _escaped(error: UnicodeError) -> tuple[str, int]:
 
 
 def _prepare_libraries() -> None:
-    """Settings of libraries for uses that this command does not make of them."""
+    """Override settings of libraries that do not apply to a command."""
     os.environ["MPLBACKEND"] = "agg"  # figures go to files, never to a window
-    os.environ.pop("NUMBA_NUM_THREADS", None)  # of numba's own threads, which are not used
+    os.environ.pop("NUMBA_NUM_THREADS", None)  # numba's own threads are not used
 
 
 def _refuse_unreadable(arguments: Sequence[str]) -> None:
-    """Refuse arguments that name nothing, or that no message and no file could repeat."""
+    """Refuse arguments that are empty, or are not text and so cannot be printed or recorded."""
     for before, word in zip(["chromanoise", *arguments], arguments, strict=False):
         option, equals, value = word.partition("=")
         if not word or (equals and not value and option.startswith("--")):
             name = option or f"the argument after {before}"
-            raise InputError(f"{name}: is empty; give a value, or leave it away")
+            raise InputError(f"{name}: is empty; give a value, or omit it")
         strange = next((c for c in word if unicodedata.category(c) in _NO_TEXT), None)
         if strange is not None:
             raise InputError(
                 f"the argument {word!a}: holds {strange!a}, which is a control character "
-                f"or no {sys.getfilesystemencoding()} text; rename the file or retype the word"
+                f"or not {sys.getfilesystemencoding()} text; rename the file or retype the argument"
             )
 
 
-_NO_TEXT = ("Cc", "Cs", "Zl", "Zp")  # control characters, half characters, ends of line
+_NO_TEXT = ("Cc", "Cs", "Zl", "Zp")  # control characters, surrogates, line separators
 
 
 def _leave(sentence: str) -> None:

@@ -48,7 +48,7 @@ def inspect(file: Path, json_target: str | None, **options: Any) -> None:
 
 
 def _refuse_answers(options: dict[str, Any]) -> None:
-    """The JSON of a sensor leaves nothing open that an answer could change."""
+    """Refuse options: the JSON of a sensor declares everything they could supply."""
     unset = {"beyond": "refuse", "columns": (), "negatives": "refuse"}
     given = [name for name, value in options.items() if value not in (None, unset.get(name))]
     if given:
@@ -56,11 +56,11 @@ def _refuse_answers(options: dict[str, Any]) -> None:
         words |= {"percent": "--percent/--fraction", "relative": "--relative/--absolute"}
         words["photons"] = "--photons/--energy"
         told = ", ".join(words.get(name, f"--{name}") for name in given)
-        raise InputError(f"{told}: the JSON of a sensor says all itself; leave it away")
+        raise InputError(f"{told}: the JSON of a sensor declares this already; omit the option")
 
 
 def own_as_text(file: Path, own: Sensor) -> list[str]:
-    """What the JSON of a sensor holds, line by line."""
+    """The content of a sensor JSON file, as lines of text."""
     curves, pixel = sensor_spectra(own), own.pixel
     facts = {
         "format": "chromanoise's own JSON, a sensor",

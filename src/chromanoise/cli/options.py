@@ -32,13 +32,13 @@ Command = TypeVar("Command", bound=Callable[..., Any])
 
 
 class _WholeNumber(click.ParamType):
-    """A whole number, also as 1e6."""
+    """A whole number, also in the form 1e6."""
 
     name = "integer"
 
     def convert(self, value: Any, param: Any, ctx: Any) -> int:
         for read in (int, float):
-            with suppress(ValueError, OverflowError):  # no number; more than 1e308 or infinite
+            with suppress(ValueError, OverflowError):  # not a number; infinite
                 if int(read(value)) == read(value):
                     return int(read(value))
         raise click.BadParameter(f"{str(value)[:80]!r} is not a whole number.", ctx, param)
@@ -94,7 +94,7 @@ _SHARED = (
     click.option(
         "--illuminant-wavelength-unit",
         type=click.Choice(get_args(Unit)),
-        help="Of the wavelengths in the illuminant's file, where it does not declare it.",
+        help="Unit of the wavelengths in the illuminant's file, where it does not declare it.",
     ),
     click.option(
         "--magnification",
@@ -113,13 +113,14 @@ _SHARED = (
     click.option(
         "--filter-wavelength-unit",
         type=click.Choice(get_args(Unit)),
-        help="Of the wavelengths in the filter's file, where it does not declare it.",
+        help="Unit of the wavelengths in the filter's file, where it does not declare it.",
     ),
     click.option(
         "--pixel",
         metavar="FILE",
         help="EMVA 1288 sheet, DNG noise profile or photon transfer: the pixel of all sensors; "
-        "what the file does not tell stays, and options such as the three below win over it.",
+        "values that the file lacks stay the sensor's own; options such as the three below "
+        "override it.",
     ),
     click.option("--pitch-um", type=float, help="Pixel pitch [um] instead of the sensor's own."),
     click.option("--full-well-e", type=float, help="Full well [e-] instead of the sensor's own."),
@@ -210,7 +211,7 @@ def the_sensors(names: tuple[str, ...], options: dict[str, Any]) -> list[Sensor]
     """Sensors by name or from files, with the pixel that the options ask for."""
     if len(names) > MOST_SENSORS:
         raise InputError(
-            f"{len(names)} sensors are too many for one run, which takes {MOST_SENSORS}; split them"
+            f"{len(names)} sensors are too many: a run takes at most {MOST_SENSORS}; split them"
         )
     refuse_idle_answers(names, options)
     answers, word = answers_of(options), options["filter_word"]
@@ -223,7 +224,7 @@ def the_sensors(names: tuple[str, ...], options: dict[str, Any]) -> list[Sensor]
     ]
 
 
-_WORDS = {"photon": "photons"}  # whose options are called otherwise
+_WORDS = {"photon": "photons"}  # answers whose option has another name
 
 
 def refuse_idle_answers(names: Sequence[str], options: dict[str, Any]) -> None:
@@ -262,8 +263,8 @@ def _refuse_idle_filter_unit(options: dict[str, Any]) -> None:
     word = options["filter_word"]
     if options["filter_wavelength_unit"] and (word is None or not is_file_word(word, "filter")):
         raise InputError(
-            "--filter-wavelength-unit: only a filter's file needs that; name one with --filter, or "
-            "leave it away"
+            "--filter-wavelength-unit: applies only to a filter from a file; name a file with "
+            "--filter, or omit it"
         )
 
 

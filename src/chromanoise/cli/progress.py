@@ -1,4 +1,4 @@
-"""How long a computation takes: an estimate where it is long, and a bar on a terminal."""
+"""Progress of a computation: an estimate of its time if that is long, and a bar on a terminal."""
 
 import time
 from collections.abc import Callable, Iterator
@@ -7,16 +7,16 @@ from contextlib import contextmanager
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
-_MEASURED_S = 1.0  # of the work, before its whole is estimated
-_LONG_S = 30.0  # what takes less needs no estimate
+_MEASURED_S = 1.0  # time measured before the total is estimated
+_LONG_S = 30.0  # below this, no estimate is printed
 
 
 @contextmanager
 def progress_of(what: str, parts: int, unit: str) -> Iterator[Callable[[int], None]]:
-    """A function to call with the number of parts that are finished, out of ``parts``.
+    """Yield a function to be called with each number of newly finished parts, out of ``parts``.
 
-    Once a second of work is measured, a line on standard error says how long all of it takes, if
-    that is more than half a minute. A terminal also shows a bar.
+    After the first second of work, a line on standard error gives the estimated total time if that
+    is more than half a minute. A terminal also shows a bar.
     """
     console = Console(stderr=True, highlight=False, markup=False, emoji=False, soft_wrap=True)
     start, finished, estimated = time.monotonic(), 0, False
@@ -50,7 +50,7 @@ def progress_of(what: str, parts: int, unit: str) -> Iterator[Callable[[int], No
 
 
 def duration(seconds: float) -> str:
-    """Seconds in the unit that a person would use.
+    """A duration in a readable unit.
 
     Examples
     --------

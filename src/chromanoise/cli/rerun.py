@@ -16,12 +16,12 @@ from chromanoise.study.runs import agreement_of, agreement_text, recorded_run
 @click.option("-o", "--out", type=click.Path(path_type=Path), required=True, help="Folder.")
 @click.option("--threads", type=WHOLE, help="For pictures. [default: one per core]")
 def rerun(output: Path, out: Path, threads: int | None) -> None:
-    """Run the study that OUTPUT carries once more, in another folder, and compare.
+    """Run the study of OUTPUT once more, into another folder, and compare the results.
 
-    OUTPUT is a result of `chromanoise run`, or its folder; it may be called from any folder, and
-    the project may have been moved. The same version on the same type of processor and with the
-    same numpy, scipy and BLAS kernel gives the same bytes; elsewhere analyses agree to a relative
-    1e-9. The last line says which of the two holds, or where the largest difference is.
+    OUTPUT is a result of `chromanoise run`, or its folder. The command works from any folder, also
+    after the project was moved. The same versions of chromanoise, numpy and scipy with the same
+    BLAS kernel and type of processor give the same bytes; otherwise analyses agree to a relative
+    1e-9. The last line reports the agreement, or where the largest difference is.
     """
     recorded = recorded_run(output)
     if os.path.realpath(out) == os.path.realpath(recorded.folder):

@@ -26,6 +26,6 @@ def run(study: Path, out: Path | None, changes: tuple[str, ...], threads: int | 
     """Run all of STUDY, a TOML file as `chromanoise init` writes it.
 
     A run that was stopped goes on where it was. Every result carries version, study, seed and
-    hash; `chromanoise rerun` runs the study of any of them again and compares the results.
+    hash; `chromanoise rerun` takes any of them, runs its study again and compares the results.
     """
     print_run(read_study(study, changes), out or Path("out") / study.stem, threads)

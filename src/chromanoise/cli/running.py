@@ -12,7 +12,7 @@ from chromanoise.study.runs import Step, Study, run_study
 
 
 def print_run(study: Study, out: Path, threads: int | None, place: Path | None = None) -> None:
-    """Run a study, whose files are named as seen from ``place``, and name its results."""
+    """Run a study whose file names are relative to ``place``, and print the files it writes."""
 
     def told(what: str, done: bool) -> None:
         click.echo(f"{what}{' (stood there)' if done else ''}", err=True)

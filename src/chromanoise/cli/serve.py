@@ -50,7 +50,7 @@ def serve(study: Path | None, port: int, opened: bool) -> None:
 
 @contextmanager
 def _ignored_stays_ignored() -> Iterator[None]:
-    """The server listens to Ctrl-C, also where a shell started it in the background without."""
+    """Keep SIGINT ignored if it was: a shell ignores it for commands in the background."""
     if not hasattr(signal, "pthread_sigmask") or signal.getsignal(signal.SIGINT) != signal.SIG_IGN:
         yield
         return

@@ -91,7 +91,7 @@ _REAL_PIXELS = ("dark_current_e_per_s", "dsnu_e", "prnu", "row_noise_e")
     "--dark-current-e-per-s",
     type=float,
     help="Dark current [e-/s]; its mean is taken off, and lowers the full well. "
-    "[default: of --pixel, else 0, as for the next three]",
+    "[default: of --pixel, else 0; also for the next three]",
 )
 @click.option("--dsnu-e", type=float, help="Dark signal non-uniformity [e-].")
 @click.option("--prnu", type=float, help="Photo response non-uniformity, e.g. 0.01.")
@@ -107,8 +107,8 @@ _REAL_PIXELS = ("dark_current_e_per_s", "dsnu_e", "prnu", "row_noise_e")
 @click.option(
     "--wavelengths",
     metavar="FIRST:LAST|FILE",
-    help="Of the bands, where the cube does not say: evenly spaced [nm], or a text file that "
-    "lists one per band (nm, or the unit in its heading).",
+    help="Of the bands, where the cube does not declare them: evenly spaced [nm], or a text file "
+    "that lists one per band (nm, or the unit in its heading).",
 )
 @click.option("--scale", type=float, help="Reflectance per stored unit, e.g. 0.0001.")
 @click.option(
@@ -266,7 +266,7 @@ def _reading(options: dict[str, Any]) -> dict[str, Any]:
 
 
 def _wavelengths(text: str | None) -> tuple[float, float] | str | None:
-    """Both ends of an even series, else the name of a file."""
+    """The two ends of an even series, or the name of a file."""
     try:
         return _pair("--wavelengths", text, ":", float)
     except InputError:

@@ -117,7 +117,9 @@ def covariance_root(covariance: Float[Array, "*px 3 3"], scale: Float[Array, " 3
 
     Taken in units of ``scale``: the white, so that noise common to X, Y, Z is one clean direction.
     """
-    values, vectors = eigh("covariance over the white", covariance / (scale[:, None] * scale))
+    values, vectors = eigh(
+        "covariance relative to the white", covariance / (scale[:, None] * scale)
+    )
     largest = np.abs(values).max(axis=-1, keepdims=True)
     if (values < -1e-6 * largest).any():
         raise _check.InputError(
@@ -182,5 +184,5 @@ def _radius_rule(count: int) -> tuple[Array, Array]:
         before, now = now, (r - centers[-1]) * now - widths[-1] * before
     off = np.sqrt(widths[1:])
     jacobi = np.diag(centers) + np.diag(off, 1) + np.diag(off, -1)
-    nodes, vectors = eigh("rule of Gauss", jacobi)
+    nodes, vectors = eigh("Gauss rule", jacobi)
     return nodes, vectors[0] ** 2

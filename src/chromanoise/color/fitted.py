@@ -295,7 +295,7 @@ def pareto(
     weight = _check.non_negative("weights of the noise", "1", weights)
     seen = training_response(training, sensor, exposure, level_lux=level_lux)
     _refuse_unseen(sensor, training, seen)
-    matrices = _along(seen, weight, _over_white("curve of matrices", sensor, seen))
+    matrices = _along(seen, weight, _over_white("Pareto curve", sensor, seen))
     error = seen.electrons @ np.swapaxes(matrices, -1, -2) - seen.xyz
     luminance = matrices[:, 1]
     white_variance = luminance**2 @ (seen.white_e + sensor.pixel.read_noise_e**2)
@@ -371,8 +371,8 @@ def _penalized(
 
 
 def _over_white(made_by: str, sensor: Sensor, seen: TrainingResponse) -> str:
-    """The name of the equations of a matrix, in messages."""
-    return f"{made_by} for {sensor.name}, whose white has {seen.white_e.min():.3g} e- at least"
+    """What messages call the equations of a matrix."""
+    return f"{made_by} for {sensor.name}, whose white has at least {seen.white_e.min():.3g} e-"
 
 
 def _along(seen: TrainingResponse, weight: Float[Array, " q"], what: str) -> Array:

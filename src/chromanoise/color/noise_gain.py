@@ -106,7 +106,7 @@ def _rows_within(seen: TrainingResponse, limit: float) -> Float[Array, "3 p"]:
     """The white-normalized rows of least E|C M - XYZ|^2 whose norms add up to ``limit``."""
     root = np.sqrt(seen.share)[:, None]
     relative = root * seen.electrons / white_scale(seen)
-    u, s, vt = svd("training set over the white", relative, full_matrices=False)
+    u, s, vt = svd("training set relative to the white", relative, full_matrices=False)
     kept = np.where(s > RANK_TOLERANCE * s[0], s, 0.0)  # a mix of others would amplify rounding
     answer = kept * ((root * seen.xyz / seen.white_xyz).T @ u)  # V^T E[x y]
     emptying = seen.white_xyz**2 * np.linalg.norm(answer, axis=1)  # multipliers

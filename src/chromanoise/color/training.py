@@ -15,7 +15,7 @@ from chromanoise.scene import Scene, flat_field, light
 from chromanoise.sensor import Sensor
 from chromanoise.spectra import INFRARED_FROM_NM, Illuminant, Metric, color_axes, colorchecker
 
-_FEWEST_E = 1e-280  # of a white; noise over fewer electrons leaves double precision
+_FEWEST_E = 1e-280  # of a white; noise divided by fewer electrons exceeds double precision
 _KEPT_VARIANCE = 1e-12  # of the largest component of a smoothness prior; less is rounding
 
 
@@ -263,8 +263,8 @@ def training_response(
     Raises
     ------
     InputError
-        If the set and the sensor are not on one grid, or a channel sees next to nothing of the
-        lamp.
+        If the set and the sensor are not on one grid, or a channel collects too few electrons
+        of the lamp's light.
     """
     scene, grid = _scene(training, level_lux), training.illuminant.grid
     white = flat_field(training.illuminant, level_lux=level_lux)

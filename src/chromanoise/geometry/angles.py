@@ -73,7 +73,7 @@ def _mix(frame: Frame, i: int) -> NearestMix:
     others = np.delete(frame.basis, i, axis=1)
     names = [name for k, name in enumerate(frame.names) if k != i]
     directions, lengths = unit_columns(others)
-    what = f"channel {frame.names[i]} as a mix of others"
+    what = f"channel {frame.names[i]} as a mix of the others"
     weights = lstsq(what, directions, target, rcond=None)[0] / lengths
     # sine from the residual and cosine from the fit: accurate at both ends
     fit = others @ weights
@@ -92,7 +92,7 @@ def _in_span_of_others(frame: Frame) -> Bool[Array, " p"]:
     p = directions.shape[1]
     smallest = RANK_TOLERANCE * np.linalg.norm(directions, 2)  # what the frame itself calls zero
     ranks = [
-        matrix_rank("channels but one", np.delete(directions, i, axis=1), tol=smallest)
+        matrix_rank("channels without one", np.delete(directions, i, axis=1), tol=smallest)
         for i in range(p)
     ]
     return np.array(ranks) == frame.rank

@@ -57,12 +57,12 @@ def cluster(scheduler: str, *, workers: int | None = None) -> Iterator[Executor]
                         n_workers=workers,
                         threads_per_worker=1,
                         dashboard_address="127.0.0.1:0",  # any free port, for this machine only
-                        silence_logs=logging.CRITICAL,  # a fault is told once, by who asked
+                        silence_logs=logging.CRITICAL,  # the caller reports a fault once
                     )
                 except (RuntimeError, OSError, TimeoutError):
                     raise InputError(
                         "the local cluster cannot be started, because a worker process ended at "
-                        "its start; memory is the usual cause, and fewer workers need less"
+                        "its start, usually for lack of memory; use fewer workers"
                     ) from None
                 scheduler = stack.enter_context(processes).scheduler_address
         stack.enter_context(_lost_workers_told(scheduler))

@@ -1,8 +1,8 @@
 """Where compiled kernels are kept: in a folder named by the content of all their sources.
 
-numba asks only whether the file of a kernel has changed, some versions by its date, and not the
-files of what the kernel calls. The name of the folder holds a hash of every source of this package
-and numba's version, so no kernel outlives a change of either.
+numba checks only whether the file of a kernel has changed (some versions by its date), not the
+files of the functions that the kernel calls. The name of the folder is a hash of all sources of
+this package and of numba's version, so that no outdated kernel is used after a change of either.
 """
 
 import hashlib
@@ -24,12 +24,12 @@ SOURCES = Path(__file__).parent
 
 
 def kernel(**options: Any) -> Callable[[Callable[..., Any]], Any]:
-    """`numba.njit` of a function that is compiled on its first call and kept for later processes.
+    """`numba.njit` for a function whose compiled code is kept for later processes.
 
     Parameters
     ----------
     options
-        Of ``njit``, beyond ``cache`` and ``nogil``.
+        Options of ``njit`` other than ``cache`` and ``nogil``.
     """
 
     def compiled(function: Callable[..., Any]) -> Any:
@@ -45,11 +45,11 @@ def kernel(**options: Any) -> Callable[[Callable[..., Any]], Any]:
 
 @cache
 def kernel_folder() -> Path | None:
-    """The first that can be written: ``None`` where there is none, or no sources to be read.
+    """The folder for kernels; ``None`` if none can be written, or the sources cannot be read.
 
-    ``NUMBA_CACHE_DIR``, ``__pycache__`` of the installation, the user's cache, or a folder for
-    temporary files that nobody else may write. Folders of earlier sources of this installation are
-    removed from it.
+    It is in the first of these places that can be written: ``NUMBA_CACHE_DIR``, ``__pycache__`` of
+    the installation, the user's cache, or a temporary folder that only this user can write. Folders
+    for earlier sources of this installation are removed from that place.
     """
     sources = sorted(SOURCES.glob("*.py"))
     if not sources:
@@ -83,7 +83,7 @@ def _places() -> Iterator[Path]:
 
 
 def _is_private(folder: Path) -> bool:
-    """Whether it is a folder of this user alone: what others put there would be run."""
+    """Whether only this user can write the folder: code in it is executed."""
     with suppress(OSError):
         folder.mkdir(mode=0o700, exist_ok=True)
         found = folder.lstat()

@@ -161,7 +161,7 @@ def rendered(
         Sensors of other names draw other noise: that of `noisy_electrons` with the seed
         crc32(name) 2^32 + seed.
     imperfections
-        Of real pixels; the sensor's own if ``None``, which are none unless it says so.
+        Of real pixels; if ``None``, those of the sensor, which has none by default.
     noisy
         False for no shot and no read noise, of dark electrons neither; other imperfections stay.
     clip
@@ -227,8 +227,8 @@ def acquired(
     mosaic
         The sensor's own if ``None``.
     adc
-        The sensor's own if ``None``: where it says nothing, 12 bits, top code at full well, black
-        level 0.
+        The converter; if ``None``, that of the sensor, by default 12 bits, top code at full well,
+        black level 0.
     cube, situation, seed, frame, imperfections, noisy, beyond, bad_pixels, work
         As `rendered`. Each pixel has the noise that its channel has there.
 

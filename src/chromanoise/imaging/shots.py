@@ -46,7 +46,7 @@ class Asked:
     demosaic
         Of `DEMOSAICING`; ``None`` for codes without color.
     pixel
-        What wins over the sensor's own imperfections and converter.
+        Values that override the sensor's own imperfections and converter.
     seed
         Of the noise.
     clip
@@ -88,8 +88,8 @@ class Prepared:
     Attributes
     ----------
     situation, matrix
-        Sensor, with the imperfections and the converter that its pictures have, exposure and light;
-        from electrons to XYZ.
+        Sensor (with the imperfections and converter of its pictures), exposure and light; the
+        matrix from electrons to XYZ.
     asked
         What its pictures are to be.
     mosaic, adc, bank

@@ -65,7 +65,7 @@ class Work:
     Raises
     ------
     InputError
-        If threads are not 1 to 1024, or rows less than 1.
+        If the number of threads is not 1 to 1024, or there are fewer rows than 1.
     """
 
     threads: int | None = None
@@ -76,9 +76,7 @@ class Work:
 
     def __post_init__(self) -> None:
         if self.threads is not None and not 1 <= self.threads <= _MOST_THREADS:
-            raise _check.InputError(
-                f"threads must be 1 to {_MOST_THREADS}, but {self.threads} are asked for"
-            )
+            raise _check.InputError(f"threads must be 1 to {_MOST_THREADS}, but is {self.threads}")
         if self.tile_rows is not None and self.tile_rows < 1:
             raise _check.InputError(
                 f"a tile must have at least 1 row, but {self.tile_rows} are asked for"

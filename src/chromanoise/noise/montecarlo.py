@@ -81,7 +81,7 @@ def monte_carlo(
     clip
         Hold each acquisition between 0 and full well, as a real sensor does. The paper does not.
     progress
-        Called with the number of draws that are finished since the last call.
+        Called with the number of draws finished since the last call.
 
     Raises
     ------
@@ -93,7 +93,7 @@ def monte_carlo(
     _check.same_length("channels", mean_e=mean_e.size, matrix=matrix.shape[1])
     if not 2 <= draws <= MOST_DRAWS:
         raise _check.InputError(
-            f"draws must be 2 (for a standard deviation) to {MOST_DRAWS:g}, but is {draws}"
+            f"draws must be 2 (needed for a standard deviation) to {MOST_DRAWS:g}, but is {draws}"
         )
     expected = matrix @ mean_e
     sums = np.zeros((4, matrix.shape[0]))  # of powers of the deviation from what is expected

@@ -15,8 +15,8 @@ _PATIENCE_S = 30.0
 _PASSED_OVER_BYTES = 32_000_000
 _LONGEST_LENGTH = 18  # digits of a Content-Length that may be a number of bytes
 _MOST_DIGITS = 300  # of a whole number: no quantity needs more, and a float holds no more
-_MOST_COMING_BYTES = 64_000_000  # of all bodies that are on their way
-_REST_S = 5.0  # between two pieces of a body
+_MOST_COMING_BYTES = 64_000_000  # of all bodies being received
+_REST_S = 5.0  # longest time between two chunks of a body
 
 
 class QuestionError(Exception):
@@ -51,23 +51,26 @@ class _Coming:
 
 
 class Bodies:
-    """Bodies on their way; where they hold too much together, the one that rested longest goes."""
+    """Request bodies being received.
+
+    If they hold too many bytes together, the one that has waited longest for a chunk is dropped.
+    """
 
     def __init__(self) -> None:
         self._coming: list[_Coming] = []
 
     async def body_of(self, request: Request, *, most_bytes: int) -> bytes:
-        """The body, read in pieces and refused as soon as it is too long.
+        """The body, read in chunks and refused as soon as it is too long.
 
         Parameters
         ----------
         most_bytes
-            Of the body.
+            Largest size of the body.
 
         Raises
         ------
         QuestionError
-            If it is too long, or does not come.
+            If it is too long, or does not arrive in time.
         """
         told = request.headers.get("content-length", "")
         known = told.isascii() and told.isdecimal()
@@ -87,7 +90,7 @@ class Bodies:
     async def _pieces(
         self, request: Request, most_bytes: int, patience: asyncio.Timeout
     ) -> list[bytes] | None:
-        """What came; None if it is too long."""
+        """The chunks received; None if the body is too long."""
         now = asyncio.get_running_loop().time
         end, pieces = now() + _PATIENCE_S, []
         one = _Coming(patience, now())
@@ -110,7 +113,7 @@ class Bodies:
         over = sum(one.length for one in self._coming) - _MOST_COMING_BYTES
         for one in sorted(self._coming, key=lambda one: one.latest_s):
             if over > 0 and one is not latest and not one.patience.expired():
-                one.patience.reschedule(0)  # it is let go at once
+                one.patience.reschedule(0)  # it times out at once
                 over -= one.length
 
 
@@ -140,25 +143,25 @@ def _refuse_surrogates(told: Any) -> None:
         json.dumps(told, ensure_ascii=False).encode()
     except UnicodeEncodeError:
         raise malformed(
-            "", "the question holds half of a surrogate pair, which is no letter"
+            "", "the question contains an unpaired surrogate, which is not a character"
         ) from None
 
 
 def refuse_long_lists(told: Mapping | list, where: str = "") -> None:
-    """Refuse a study of which a list or an object has more entries than one of the page has.
+    """Refuse a study in which a list or an object has more entries than the page accepts.
 
     Raises
     ------
     QuestionError
-        If there is one, or it nests too deep.
+        If there is one, or the study is nested too deeply.
     """
     if where.count(".") > _DEEPEST:
-        raise malformed(where[:80], f"{where[:80]} nests too deep to be of a study")
+        raise malformed(where[:80], f"{where[:80]} is nested too deeply for a study")
     inside = told.items() if isinstance(told, dict) else enumerate(told)
     if len(told) > MOST_ENTRIES:
         raise malformed(
             where,
-            f"{where or 'the study'} has {len(told)} entries; the page takes {MOST_ENTRIES}",
+            f"{where or 'the study'} has {len(told)} entries; the limit is {MOST_ENTRIES}",
         )
     for key, value in inside:
         if isinstance(value, dict | list):
@@ -236,12 +239,12 @@ async def passed_over(receive: Receive) -> None:
 
 
 async def question_of(request: Request, bodies: Bodies) -> bytes:
-    """The body of a request that says that it is JSON.
+    """The body of a request whose content type is JSON.
 
     Raises
     ------
     QuestionError
-        As `Bodies.body_of`, or if it does not say so.
+        As `Bodies.body_of`, or if the content type is another one.
     """
     kind = request.headers.get("content-type", "").partition(";")[0].strip().lower()
     if kind != "application/json":

@@ -51,7 +51,7 @@ class Desk:
         Raises
         ------
         QuestionError
-            With all faults of the question; so with the other questions.
+            With all faults of the question; also for the other methods.
         """
         return self._answers.answer(data_of(body))
 
@@ -72,12 +72,13 @@ class Desk:
         return json.dumps(told)
 
     def prepare(self, name: str) -> None:
-        """Do once what the first job of a name needs and no limit of time is meant for.
+        """Do the one-time preparation of a job, which must not count against its time limit.
 
         Parameters
         ----------
         name
-            Of a method. The first picture after an installation compiles for half a minute.
+            Of the method. The first picture after an installation compiles kernels for half a
+            minute.
         """
         if name == "picture" and not self._has_kernels:
             with suppress(QuestionError):  # of the page's own study: not a fault of the one asked

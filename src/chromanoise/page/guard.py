@@ -125,7 +125,7 @@ def guarded(app: ASGIApp, *, port: int, policy: Callable[[], str]) -> ASGIApp:
 
 
 class AsciiJSONResponse(JSONResponse):
-    """JSON with other letters as escapes: half of a surrogate pair cannot be sent otherwise."""
+    """JSON with escapes for all other characters; unpaired surrogates cannot be sent otherwise."""
 
     def render(self, content: Any) -> bytes:
         """The bytes of the body."""

@@ -1,7 +1,8 @@
-"""Processes that compute: started once, forked where that can be done, gone with the server.
+"""Worker processes: started once, forked on Linux, ended with the server.
 
-On Linux one process imports and computes what all questions need, and forks the others: they share
-its memory, and one that was stopped is replaced in milliseconds. Elsewhere each is started alone.
+On Linux one process imports and computes what all questions need, and forks the workers: they share
+its memory, and a worker that was stopped is replaced in milliseconds. On other systems each worker
+is started separately.
 """
 
 import contextlib
@@ -29,7 +30,7 @@ _PROGRAM = "from chromanoise.page.worker import main; main()"
 
 
 class ProcessEndedError(Exception):
-    """A process that ended in place of an answer.
+    """A worker process ended without an answer.
 
     Attributes
     ----------
@@ -82,8 +83,8 @@ class Worker:
         Parameters
         ----------
         job
-            Its name, the files that it may name, its arguments, and for how long it may compute and
-            take [s].
+            Its name, the files that it may name, its arguments, and its limits of CPU time and of
+            elapsed time [s].
 
         Raises
         ------
@@ -126,12 +127,12 @@ class Worker:
 
 
 class Nursery:
-    """Where the processes come from.
+    """Starts the worker processes.
 
     Parameters
     ----------
     study
-        That the page starts with, as plain data; ``None`` for the page's own.
+        The study that the page starts with, as plain data; ``None`` for the default.
     """
 
     def __init__(self, study: dict[str, Any] | None) -> None:
@@ -148,7 +149,7 @@ class Nursery:
         Parameters
         ----------
         memory_bytes
-            What it may take beyond what it starts with; observed on Linux only.
+            Memory beyond what it starts with; limited on Linux only.
 
         Raises
         ------
@@ -157,11 +158,11 @@ class Nursery:
         """
         with self._lock:
             if self._is_closed:
-                raise RuntimeError("the server ends")
+                raise RuntimeError("the server is shutting down")
             return self._forked(memory_bytes) if FORKS else self._alone()
 
     def close(self) -> None:
-        """End them all."""
+        """End all processes."""
         with self._lock:
             self._is_closed = True
             if self._control is not None:
@@ -184,7 +185,7 @@ class Nursery:
                     message = struct.pack("qq", number, memory_bytes)
                     socket.send_fds(self._control, [message], [theirs.fileno()])
                     break
-                except OSError:  # it ended: another one
+                except OSError:  # it has ended: start another one
                     self._control = None
                     if attempt:
                         raise RuntimeError("no process that computes can be started") from None
@@ -243,15 +244,17 @@ def _exit_code(process: "subprocess.Popen[bytes]") -> int:
 
 def _started(how: str, **ends: int) -> "subprocess.Popen[bytes]":
     if not sys.executable or getattr(sys, "frozen", False):
-        raise RuntimeError("the page is computed by a second Python, which this one cannot start")
+        raise RuntimeError(
+            "the page needs worker processes, but this Python cannot start another Python"
+        )
     return subprocess.Popen(
-        # -P: what lies in the working folder is not imported
+        # -P: do not import from the working folder
         [sys.executable, "-P", "-W", "ignore", "-c", _PROGRAM, how],
         env={
             **os.environ,
             "PYTHONPATH": os.pathsep.join(entry for entry in sys.path if entry),
             "OPENBLAS_NUM_THREADS": os.environ.get("OPENBLAS_NUM_THREADS", "1"),
         },
-        start_new_session=True,  # Ctrl-C reaches the server alone, which ends them
+        start_new_session=True,  # Ctrl-C reaches only the server, which ends them
         **ends,  # type: ignore[call-overload]
     )

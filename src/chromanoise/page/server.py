@@ -1,7 +1,7 @@
 """Routes of the page, and the server that listens on this machine only.
 
-Whatever computes does so in processes of its own, so that the page itself comes at once, and no
-question can bring the server down.
+All computation runs in worker processes, so that the page itself loads at once and no question can
+crash the server.
 """
 
 import asyncio
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from uvicorn import Server
 
 _LONGEST_SENTENCE = 1000
-_MOST_FAULTS = 100  # that are told at once
+_MOST_FAULTS = 100  # in one answer
 
 
 class _Server:
@@ -41,11 +41,11 @@ class _Server:
         self.bodies = Bodies()
 
     async def done(self, name: str, *given: Any) -> Any:
-        """What a job returns; it may name the files that were dropped."""
+        """What a job returns; it may name dropped files."""
         return await self.workers.done(name, *given, kept=self.uploads.held())
 
     def close(self) -> None:
-        """Let go of processes and files."""
+        """End the processes and remove the files."""
         self.workers.close()
         self.uploads.close()
 

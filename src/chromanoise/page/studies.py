@@ -202,14 +202,13 @@ def refuse_too_many(told: Mapping[str, Any]) -> None:
     Raises
     ------
     InputError
-        If it has more of something than fits.
+        If it has too many entries of one kind.
     """
     for key, most in _MOST.items():
         count = len(told[key]) if isinstance(told.get(key), list | tuple) else 0
         if count > most:
             raise InputError(
-                f"{key}: the page shows {most} {key} at most, but there are {count}; "
-                "leave some away"
+                f"{key}: the page shows at most {most} {key}, but there are {count}; remove some"
             )
 
 

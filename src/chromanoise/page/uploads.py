@@ -56,12 +56,12 @@ class Kept:
         self._lock = threading.Lock()
 
     def hold(self, files: tuple[Upload, ...]) -> None:
-        """These files, and no others."""
+        """Keep these files, and no others."""
         with self._lock:
             self._kept = OrderedDict((one.id, one) for one in files)
 
     def held(self) -> tuple[Upload, ...]:
-        """All of them."""
+        """All files."""
         with self._lock:
             return tuple(self._kept.values())
 

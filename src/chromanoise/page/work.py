@@ -1,4 +1,4 @@
-"""Who computes what is asked: few processes, and queues that cannot grow without bound."""
+"""Queues of bounded length, and the worker processes that compute their jobs."""
 
 import asyncio
 import logging
@@ -17,7 +17,7 @@ from chromanoise.page.uploads import Upload
 
 _LOG = logging.getLogger("chromanoise.page")
 MOST_WAITING = 48
-LONGEST_WAIT_S = 25.0  # in a queue; with the longest job an answer comes within a minute
+LONGEST_WAIT_S = 25.0  # in a queue; with the longest job, an answer takes at most a minute
 MOST_ANSWER_BYTES = 16_000_000
 _KILLED = -9  # SIGKILL, by no name on Windows
 _TOO_LONG = (processes.WATCHDOG, -getattr(signal, "SIGXCPU", 24))
@@ -32,7 +32,7 @@ class Lane:
     workers
         How many processes.
     memory_bytes
-        What each may take beyond what all of them share.
+        Memory of each process beyond what all of them share.
     """
 
     workers: int
@@ -41,18 +41,18 @@ class Lane:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Job:
-    """Something that is asked of the server.
+    """A kind of request, with its queue and limits.
 
     Attributes
     ----------
     lane
         Of `LANES`.
     cpu_s
-        How long it may compute; whole seconds.
+        Limit of CPU time; whole seconds. [s]
     limit_s
-        How long it may take, also where the machine is busy.
+        Limit of elapsed time, also on a busy machine. [s]
     where
-        The key beside which a refusal is shown.
+        The key next to which an error is shown.
     """
 
     lane: str
@@ -76,12 +76,12 @@ JOBS: Mapping[str, Job] = {
 
 
 class Workers:
-    """The processes, and a thread for each that waits for its answers.
+    """The worker processes, and one thread for each, which waits for its answers.
 
     Parameters
     ----------
     study
-        That the page starts with, as plain data; ``None`` for the page's own.
+        The study that the page starts with, as plain data; ``None`` for the default.
     """
 
     def __init__(self, study: dict[str, Any] | None) -> None:
@@ -89,7 +89,7 @@ class Workers:
         self._lanes = {name: _Queue(lane, self._nursery) for name, lane in LANES.items()}
 
     def begin(self) -> None:
-        """Start what takes a while, and do not wait for it."""
+        """Start the processes in the background."""
         for queue in self._lanes.values():
             queue.begin()
 
@@ -108,15 +108,15 @@ class Workers:
         Raises
         ------
         QuestionError
-            With all faults of the question; if it takes too long or too much memory, or its answer
-            is too long; with status 503, if too many are waiting already.
+            With all faults of the question; if it needs too much time or memory, or its answer is
+            too long; with status 503, if too many jobs are waiting.
         RuntimeError
             If the job failed.
         """
         return await self._lanes[JOBS[name].lane].done(name, kept, given)
 
     def close(self) -> None:
-        """End all processes, forget what waits."""
+        """End all processes and drop the waiting jobs."""
         for queue in self._lanes.values():
             queue.cancel()
         self._nursery.close()
@@ -150,7 +150,7 @@ class _Queue:
         self._pool.shutdown(wait=False, cancel_futures=True)
 
     def close(self) -> None:
-        """When all processes have ended."""
+        """To be called when all processes have ended."""
         self._pool.shutdown()
         while not self._idle.empty():
             if (worker := self._idle.get()) is not None:
@@ -165,7 +165,7 @@ class _Queue:
         if time.monotonic() - since > LONGEST_WAIT_S:
             raise _too_much()
         job = JOBS[name]
-        worker = self._idle.get()  # there are as many as threads
+        worker = self._idle.get()  # never blocks: there are as many entries as threads
         try:
             worker = self._ready(worker)
             return _result(worker.asked((name, *asked, job.cpu_s, job.limit_s)), job, self._lane)
@@ -197,8 +197,10 @@ def _result(answer: tuple[Any, ...], job: Job, lane: Lane) -> Any:
         raise RuntimeError("a job failed")
     size = len(told[0])
     if size > MOST_ANSWER_BYTES:
-        sentence = f"the answer has {size / 1e6:.0f} MB, more than {MOST_ANSWER_BYTES / 1e6:g} MB"
-        raise QuestionError((job.where, f"{sentence}; ask for less"))
+        sentence = (
+            f"the answer has {size / 1e6:.0f} MB; the limit is {MOST_ANSWER_BYTES / 1e6:g} MB"
+        )
+        raise QuestionError((job.where, f"{sentence}; reduce the question"))
     return told[0]
 
 
@@ -225,4 +227,4 @@ def _no_memory(lane: Lane) -> str:
 
 
 def _too_much() -> QuestionError:
-    return QuestionError(("", "more is asked than can be computed; ask again"), status=503)
+    return QuestionError(("", "too many questions are waiting; ask again"), status=503)

@@ -1,4 +1,4 @@
-"""A process that computes answers, within bounds of time and memory."""
+"""A process that computes answers, within limits of time and memory."""
 
 import contextlib
 import faulthandler
@@ -29,10 +29,10 @@ _EXIT_S = 1.0  # a process that has closed its channel needs less
 
 
 def main() -> None:
-    """Serve one server until it is gone: fork others, or answer questions."""
+    """Fork workers or answer questions until the server ends."""
     if sys.argv[1] == "forks":
         _forking(socket.socket(fileno=0))
-        os._exit(0)  # at once: nothing is left to be tidied up
+        os._exit(0)  # at once: nothing is left to clean up
     reads, writes = sys.stdin.buffer, sys.stdout.buffer
     (size,) = struct.unpack("q", reads.read(_SIZE))
     study = reads.read(size)
@@ -44,7 +44,7 @@ def main() -> None:
 def _forking(control: socket.socket) -> None:
     (size,) = struct.unpack("q", control.recv(_SIZE, socket.MSG_WAITALL))
     desk = Desk(Kept(), study=pickle.loads(control.recv(size, socket.MSG_WAITALL)))
-    with contextlib.suppress(QuestionError, InputError):  # told to whoever asks for it
+    with contextlib.suppress(QuestionError, InputError):  # reported to the request that needs it
         desk.warm()
     children: dict[int, int] = {}
     while True:
@@ -108,9 +108,9 @@ def _child(desk: Desk, end: int, memory_bytes: int) -> None:
 
 
 def _bounded(memory_bytes: int) -> int:
-    """Refuse this process more memory than so much beyond what it has.
+    """Limit the memory of this process to what it holds now plus ``memory_bytes``.
 
-    Returns the number of bytes above which it keeps so much that another one should take its place.
+    Returns the number of held bytes above which another process should replace it.
     """
     import resource
 
@@ -125,7 +125,7 @@ def _held_bytes() -> int:
 
 
 class _Answering:
-    """A desk, the channel to its server, and the bytes held above which it is spent."""
+    """A desk, the streams to its server, and the held bytes above which it is replaced."""
 
     def __init__(self, desk: Desk, reads: BinaryIO, writes: BinaryIO, bound: int | None) -> None:
         self._desk, self._reads, self._writes, self._bound = desk, reads, writes, bound
@@ -148,7 +148,7 @@ class _Answering:
                     return
 
     def _bound_cpu(self, cpu_s: int) -> None:
-        """End where so much is computed: this process, and those that it starts from now on."""
+        """Limit the CPU time of this process and of those that it starts from now on."""
         if self._bound is not None:
             import resource
 
@@ -156,7 +156,7 @@ class _Answering:
             resource.setrlimit(resource.RLIMIT_CPU, (limit, resource.RLIM_INFINITY))
 
     def _is_spent(self, cpu_s: int) -> bool:
-        """Whether another one should take its place: what it starts inherits what it has used."""
+        """Whether a new process should replace it: its child processes inherit its CPU time."""
         if self._bound is None:
             return False
         return _held_bytes() > self._bound or time.process_time() > cpu_s
@@ -168,7 +168,7 @@ class _Answering:
             return None
 
     def _tell(self, what: Any) -> None:
-        with contextlib.suppress(OSError):  # the server is gone, as the next reading will tell
+        with contextlib.suppress(OSError):  # the server has ended; the next read finds out
             pickle.dump(what, self._writes)
             self._writes.flush()
 
@@ -181,11 +181,11 @@ def answered(
     Parameters
     ----------
     desk
-        That computes.
+        The desk that computes.
     name, given
-        One of its methods, and its arguments.
+        One of its methods, and the arguments.
     kept
-        The files that questions may name.
+        Files that the question may name.
     """
     desk.uploads.hold(kept)
     try:
@@ -193,7 +193,7 @@ def answered(
     except QuestionError as error:
         return "refused", error.faults, error.status
     except RecursionError:
-        return "refused", (("", "the question nests too deep to be one of this page"),), 400
+        return "refused", (("", "the question is nested too deeply"),), 400
     except MemoryError:
         return ("no memory",)
     except Exception:

@@ -43,7 +43,7 @@ class _Format:
 NAMED = {
     ".mat": _Format(
         kind="MATLAB", arrays=mat_arrays, array=mat_array, by_columns=True, stored_item_bytes=1
-    ),  # MATLAB stores whole numbers in as few bytes as it can
+    ),  # MATLAB stores whole numbers in as few bytes as possible
     ".npz": _Format(kind="NPZ", arrays=npz_arrays, array=npz_array, by_columns=False),
 }
 

@@ -1,4 +1,4 @@
-"""What is refused before memory is taken for it: no numbers, or more than the file can hold."""
+"""Refuse arrays before memory is allocated: not numbers, or larger than the file can hold."""
 
 import math
 import os
@@ -13,9 +13,9 @@ from chromanoise.scene.faults import IN_PLACE
 from chromanoise.scene.found import by
 
 MOST_INFLATED = 1032
-"""Times that deflate can make of one byte; what claims to be packed tighter is refused."""
+"""Largest compression ratio of deflate; files that declare a larger one are refused."""
 
-_MEMORY_BYTES = 8 * 2**30  # where the machine does not tell
+_MEMORY_BYTES = 8 * 2**30  # where the system does not report it
 _GROUP_LIMITS = ("/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.limit_in_bytes")
 
 
@@ -28,19 +28,19 @@ def refuse_impossible(
     size: int | None = None,
     stored_item_bytes: int | None = None,
 ) -> None:
-    """Refuse, before it is read, what is no number, or larger than its file or the memory.
+    """Refuse, before it is read, an array that is not numeric or exceeds its file or the memory.
 
     Parameters
     ----------
     path, name
-        The file, and what in it is to be held in memory.
+        The file, and the array in it that is to be held in memory.
     shape, dtype
         As the file declares them.
     size
-        Of all that is stored, where it is not the size of ``path``. [bytes]
+        Size of all stored data, where it is not the size of ``path``. [bytes]
     stored_item_bytes
-        Of one number before it is packed, where the file may store it shorter than ``dtype``.
-        [bytes]
+        Size of one number before compression, where the file may store it in fewer bytes than
+        ``dtype`` has. [bytes]
     """
     refuse_not_numbers(path, name, dtype)
     count = math.prod(shape)
@@ -49,18 +49,18 @@ def refuse_impossible(
         raise _check.InputError(f"{path}: array {name!r} is empty ({by(shape)}); save it again")
     if count * (stored_item_bytes or dtype.itemsize) > size * MOST_INFLATED:
         raise _check.InputError(
-            f"{path}: array {name!r} says that it is {by(shape)}, which {size} bytes in the file "
-            "cannot hold; it is damaged, save it again"
+            f"{path}: array {name!r} is declared as {by(shape)}, which {size} bytes in the file "
+            "cannot hold; the file is damaged, save it again"
         )
     refuse_large(path, name, count * dtype.itemsize)
 
 
 def refuse_large(path: Path, name: str, size: int) -> None:
-    """Refuse an array of more bytes than this process can have."""
+    """Refuse an array that needs more memory than is available."""
     if size > memory_bytes():
         raise _check.InputError(
-            f"{path}: array {name!r} needs {_bytes(size)} of memory, but this "
-            f"machine has {_bytes(memory_bytes())}; {IN_PLACE}"
+            f"{path}: array {name!r} needs {_bytes(size)} of memory, but only "
+            f"{_bytes(memory_bytes())} are available; {IN_PLACE}"
         )
 
 
@@ -74,7 +74,7 @@ def refuse_not_numbers(path: Path, name: str, dtype: np.dtype) -> None:
 
 
 def kind_of(dtype: np.dtype) -> str:
-    """A type of numbers as people name it."""
+    """The name of a type of numbers, for messages."""
     return "object" if dtype.hasobject else dtype.name
 
 
@@ -86,7 +86,7 @@ def _bytes(count: int) -> str:
 
 
 def memory_bytes() -> int:
-    """Memory that this process can have, of what is free and what its group may use. [bytes]"""
+    """Memory available to this process: free memory, within the limit of its cgroup. [bytes]"""
     limits = [_installed_bytes()]
     with suppress(OSError):
         told = re.search(r"MemAvailable:\s*(\d+) kB", Path("/proc/meminfo").read_text())

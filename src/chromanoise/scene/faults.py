@@ -92,7 +92,7 @@ _STDERR, _ONE_AT_A_TIME = 2, threading.Lock()
 
 @contextmanager
 def without_chatter() -> Iterator[None]:
-    """Keeps what libraries in C write to stderr from it; libtiff does where it finds a fault."""
+    """Suppress what C libraries write to stderr, as libtiff does for damaged files."""
     with _ONE_AT_A_TIME:
         try:
             kept = os.dup(_STDERR)
@@ -113,18 +113,18 @@ def _unreadable(path: Path, kind: str, error: Exception) -> _check.InputError:
     other = _content_of(path)
     if other and other not in _OWN.get(kind, ()):
         return _check.InputError(
-            f"{path}: holds {other}, not a {kind} file; give it the ending of what it holds, or "
-            "name another file"
+            f"{path}: is {other}, not a {kind} file; correct the ending of its name, or name "
+            "another file"
         )
     told = reason(error)
     return _check.InputError(
-        f"{path}: not a readable {kind} file{f' ({told})' if told else ''}; it is damaged or cut "
-        "short, save it again"
+        f"{path}: not a readable {kind} file{f' ({told})' if told else ''}; it is damaged or "
+        "truncated, save it again"
     )
 
 
 def _content_of(path: Path) -> str:
-    """What the first bytes of a file say that it is; empty if nothing."""
+    """The format that the first bytes of a file identify; empty if they identify none."""
     start = b""
     with suppress(OSError), path.open("rb") as file:
         start = file.read(16)

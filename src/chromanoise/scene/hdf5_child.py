@@ -19,7 +19,7 @@ from typing import Any
 
 _LONGEST_ATTRIBUTE = 100_000
 _PIECE_BYTES = 2**24
-_PACKING_BYTES = 4096  # tables and checksums that packing may add to a chunk
+_PACKING_BYTES = 4096  # tables and checksums that compression may add to a chunk
 _END = object()
 
 DEFLATE, SHUFFLE = 1, 2  # as HDF5 numbers its filters
@@ -185,7 +185,7 @@ def _place(asked: dict[str, Any]) -> Iterator[dict[str, Any] | bytes | None]:
 
 
 def _refuse_long_chunks(dataset: Any) -> None:
-    """Refuse packed chunks that are longer than unpacked ones: libhdf5 inflates all that is there.
+    """Refuse compressed chunks longer than uncompressed ones: libhdf5 inflates all of a chunk.
 
     Raises
     ------
@@ -198,7 +198,9 @@ def _refuse_long_chunks(dataset: Any) -> None:
     lengths = []
     dataset.id.chunk_iter(lambda chunk: lengths.append(chunk.size))
     if max(lengths, default=0) > whole + whole // 8 + _PACKING_BYTES:
-        raise ValueError(f"a packed chunk holds {max(lengths)} bytes, an unpacked one {whole}")
+        raise ValueError(
+            f"a compressed chunk has {max(lengths)} bytes, uncompressed it would have {whole}"
+        )
 
 
 def _storage(dataset: Any) -> dict[str, Any]:

@@ -189,9 +189,9 @@ def _bands_last(band: int) -> Axes:
 
 
 def _refuse_large_rows(store: Store, name: str, source: RowSource) -> None:
-    """Refuse rows that are stored together and need more memory than there is, or make no sense.
+    """Refuse rows whose chunks need more memory than is available or than the file can hold.
 
-    Chunks that are absent or filled with one number may declare any size; small ones harm nobody.
+    Absent chunks and chunks of one repeated number may declare any size; small sizes are accepted.
     """
     _, width, bands = source.shape
     needed = width * bands * source.chunk_rows * source.dtype.itemsize
@@ -203,17 +203,18 @@ def _refuse_large_rows(store: Store, name: str, source: RowSource) -> None:
     if needed > max(_HARMLESS_BYTES, store.bytes * MOST_INFLATED):
         raise _check.InputError(
             f"{store.path}: array {name!r} declares {needed / 2**20:.0f} MiB for the rows that are "
-            f"stored together, which {store.bytes} bytes cannot hold; it is damaged, save it again"
+            f"stored together, which {store.bytes} bytes cannot hold; the file is damaged, save it "
+            "again"
         )
 
 
 def _wavelengths(
     store: Store, name: str
 ) -> tuple[Callable[[], tuple[Array, Notes]] | None, int | None]:
-    """What reads the wavelengths, and how many there are; None where the file has none.
+    """A function that reads the wavelengths, and their number; None where the file has none.
 
-    What is closest to the array decides: its attributes, the coordinates of its axes, the
-    attributes of the file, lists in its folder or at the top.
+    The first of these that has wavelengths is used: the attributes of the array, the coordinates of
+    its axes, the attributes of the file, lists in the folder of the array or at the top.
     """
     array = store.arrays[name]
     band = 2 if store.matlab and len(array.shape) == 3 else _named_band_axis(array)
@@ -242,7 +243,7 @@ def _in_attributes(attributes: Mapping[str, Any]) -> list[Listed]:
 
 
 def _of_axes(store: Store, name: str) -> list[Listed]:
-    """Coordinates of the axes that hold wavelengths."""
+    """The coordinates of an axis, if they are wavelengths."""
     folder = name.rpartition("/")[0]
     for axis in store.arrays[name].axes:
         for known in (f"{folder}/{axis}".strip("/"), axis):

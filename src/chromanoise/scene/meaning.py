@@ -70,13 +70,13 @@ def wavelengths_and_notes(
         return spread, (note + over,)
     if found.wavelengths is None:
         raise _check.InputError(
-            f"{path}: does not tell the wavelengths of its {bands} bands; give --wavelengths "
+            f"{path}: does not declare the wavelengths of its {bands} bands; give --wavelengths "
             "FIRST:LAST in nm if they are evenly spaced, or a file that lists them"
         )
     wavelength, notes = found.wavelengths()
     if wavelength.size != bands:
         raise _check.InputError(
-            f"{path}: has {bands} bands but {wavelength.size} wavelengths; mend the list, or give "
+            f"{path}: has {bands} bands but {wavelength.size} wavelengths; correct it, or give "
             "--wavelengths FIRST:LAST in nm if they are evenly spaced, or a file that lists them"
         )
     return wavelength, notes

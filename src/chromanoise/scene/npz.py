@@ -14,7 +14,7 @@ from chromanoise._check import Array
 
 Declared = tuple[tuple[int, ...], np.dtype]
 
-_METHODS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)  # all that NumPy writes
+_METHODS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)  # the methods that NumPy writes
 
 _HEADER_READERS = {  # the third, (3, 0), only serves structures
     (1, 0): np.lib.format.read_array_header_1_0,
@@ -37,8 +37,8 @@ def npz_arrays(path: Path) -> dict[str, Declared]:
                 name = info.filename.removesuffix(".npy")
                 if info.compress_type not in _METHODS:
                     raise _check.InputError(
-                        f"{path}: array {name!r} is packed in another way than NumPy does; save "
-                        "it with numpy.savez"
+                        f"{path}: array {name!r} is compressed with a method that NumPy does not "
+                        "use; save it with numpy.savez"
                     )
                 with archive.open(info) as stream:
                     arrays[name] = _declared(stream, info.file_size, f"{path}: array {name!r}")

@@ -55,8 +55,8 @@ def read_cube(
     shape
         Rows and columns of an array that stores pixels in one axis. [pixels]
     wavelengths
-        Centers of the first and the last band, the others evenly between; or a text file that
-        lists them all (`chromanoise.scene.wavelength_file`). Wins over the cube's file. [nm]
+        Centers of the first and the last band, with the others evenly spaced between; or a text
+        file that lists all (`chromanoise.scene.wavelength_file`). Overrides the cube's file. [nm]
     scale
         Reflectance per stored unit; wins over the file, and over its saying that it is radiance.
 

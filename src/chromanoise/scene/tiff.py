@@ -33,7 +33,7 @@ _LISTED = re.compile(
 _MOST_PAGES = 20_000
 _UNCOMPRESSED = 1
 
-logging.getLogger("tifffile").addHandler(logging.NullHandler())  # what it logs is told here
+logging.getLogger("tifffile").addHandler(logging.NullHandler())  # its faults are reported here
 
 
 def tiff_cube(path: Path, shape: tuple[int, int] | None) -> Found:

@@ -16,18 +16,18 @@ from chromanoise.scene.faults import library, without_chatter
 
 _HARMLESS_BYTES = 64 * 2**20
 _DEFLATE, _LZMA = (8, 32946), 34925
-_MOST_BY_LZMA = 8192  # times: what LZMA can make of one byte
+_MOST_BY_LZMA = 8192  # largest compression ratio of LZMA
 _BLACK_IS_0, _UPRIGHT, _ORIENTATION = 1, 1, 274
 
 
 def decoded_pages(path: Path, pages: list[Any]) -> Shaped[Array, "pages ..."]:
-    """The numbers of pages that are alike.
+    """The numbers of pages of equal shape and type.
 
     Raises
     ------
     InputError
-        If they need more memory than there is or than the file can hold, a page is damaged, or
-        only the package imagecodecs can decode it.
+        If they need more memory than is available or than the file can hold, a page is damaged, or
+        its compression needs the package imagecodecs, which is not installed.
     """
     first = pages[0]
     dtype = np.dtype(first.dtype)
@@ -40,13 +40,15 @@ def decoded_pages(path: Path, pages: list[Any]) -> Shaped[Array, "pages ..."]:
         _refuse_overfull(path, page)
         decoded = _decoded(path, page)
         if decoded.shape != plane.shape:
-            raise _check.InputError(f"{path}: a page is not as large as it says; save it again")
+            raise _check.InputError(
+                f"{path}: a page does not have its declared size; save it again"
+            )
         plane[...] = decoded
     return numbers
 
 
 def _refuse_overfull(path: Path, page: Any) -> None:
-    """Refuse strips that unpack to more than they should: tifffile unpacks all that there is."""
+    """Refuse strips that unpack to more than declared: tifffile unpacks them completely."""
     most: int
     unpacker: Any
     if page.compression in _DEFLATE:
@@ -63,8 +65,8 @@ def _refuse_overfull(path: Path, page: Any) -> None:
             file.seek(at)
             if len(unpacker().decompress(file.read(count), whole + 1)) > whole:
                 raise _check.InputError(
-                    f"{path}: a strip unpacks to more than its {whole} bytes; it is damaged, save "
-                    "it again"
+                    f"{path}: a strip unpacks to more than its {whole} bytes; the file is damaged, "
+                    "save it again"
                 )
 
 
@@ -84,7 +86,7 @@ def _decoded(path: Path, page: Any) -> Shaped[Array, "..."]:
 
 
 def _by_pillow(page: Any, path: Path) -> Shaped[Array, "h w"] | None:
-    """The numbers of a page of gray numbers; None where Pillow would give others, or none."""
+    """The numbers of a grayscale page; None if Pillow would change or cannot decode them."""
     from PIL.TiffImagePlugin import TiffImageFile
 
     turned = page.tags.get(_ORIENTATION)
@@ -95,7 +97,7 @@ def _by_pillow(page: Any, path: Path) -> Shaped[Array, "h w"] | None:
         try:
             image = TiffImageFile(path)
             image.seek(page.index)
-        except (SyntaxError, KeyError, ValueError):  # of a kind that it does not know
+        except (SyntaxError, KeyError, ValueError):  # a kind that Pillow does not support
             return None
         with image:
             numbers = np.asarray(image)

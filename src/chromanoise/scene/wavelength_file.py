@@ -1,4 +1,4 @@
-"""Wavelengths of the bands of a cube from a text file beside it."""
+"""Wavelengths of the bands of a cube from a separate text file."""
 
 import math
 import re
@@ -26,21 +26,22 @@ _BETWEEN = re.compile(r"\s*[,;]\s*|\s+")
 def read_wavelengths(path: Path, bands: int) -> Float[Array, " bands"]:
     r"""The wavelengths in a text file. [nm]
 
-    One on each line; or in the first column of a table; or a list over any number of lines. Comma,
-    semicolon, blank and tab separate. A heading may come first, and lines that begin with ``#``;
-    the numbers are nm unless these say um or Angstrom.
+    One per line, or in the first column of a table, or a list over any number of lines, separated
+    by comma, semicolon, blank or tab. A heading and lines that begin with ``#`` may come first; the
+    numbers are nm unless these name um or Angstrom.
 
     Parameters
     ----------
     path
         The file.
     bands
-        Of the cube: how many wavelengths there must be.
+        Number of bands of the cube, and so of wavelengths.
 
     Raises
     ------
     InputError
-        If the file cannot be read, an entry is no number, or the number of entries is another.
+        If the file cannot be read, an entry is not a number, or the number of entries is not
+        ``bands``.
 
     Examples
     --------
@@ -64,22 +65,22 @@ def read_wavelengths(path: Path, bands: int) -> Float[Array, " bands"]:
     values = [_number(cell) for cell in cells]
     if not all(math.isfinite(value) for value in values):
         wrong = next(c for c, value in zip(cells, values, strict=True) if not math.isfinite(value))
-        raise _check.InputError(f"{path}: {wrong[:40]!r} is no wavelength; write a number")
+        raise _check.InputError(f"{path}: {wrong[:40]!r} is not a wavelength; write a number")
     return np.array(values) * nm_per
 
 
 def _text(path: Path) -> str:
     if regular_file(path).st_size > _LARGEST_BYTES:
         raise _check.InputError(
-            f"{path}: more than {_LARGEST_BYTES // 2**20} MiB are no list of wavelengths; name a "
-            "text file of one wavelength per band"
+            f"{path}: is larger than {_LARGEST_BYTES // 2**20} MiB; name a text file that lists "
+            "one wavelength per band"
         )
     try:
         return path.read_text(encoding="utf-8-sig")
     except UnicodeDecodeError as error:
         raise _check.InputError(
-            f"{path}: not a UTF-8 text file (byte {error.start} is not text); name a text file of "
-            "one wavelength per band"
+            f"{path}: not a UTF-8 text file (byte {error.start} is not text); name a text file "
+            "that lists one wavelength per band"
         ) from None
     except OSError as error:
         raise _check.InputError(f"{path}: cannot be read ({reason(error)})") from None

@@ -58,8 +58,8 @@ def cube_from_xarray(
         the unit of its coordinate (nm, um); the others are rows and columns in their order. A dask
         array is computed when its rows are asked for.
     wavelengths
-        Centers of the first and the last band, the others evenly between; or a text file that
-        lists them all. Wins over the coordinate. [nm]
+        Centers of the first and the last band, with the others evenly spaced between; or a text
+        file that lists all. Overrides the coordinate. [nm]
     scale
         Reflectance per stored unit; wins over ``scale_factor``.
 

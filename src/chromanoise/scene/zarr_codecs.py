@@ -1,4 +1,4 @@
-"""Chunks of Zarr folders, looked at before numcodecs unpacks them."""
+"""Checks of Zarr chunks before numcodecs unpacks them."""
 
 from functools import cache
 from typing import Any
@@ -7,17 +7,17 @@ from chromanoise.scene.bounds import MOST_INFLATED
 from chromanoise.scene.faults import library
 
 _HARMLESS_BYTES = 64 * 2**20
-_BLOSC_HEADER_BYTES = 16  # the last four are the length of the whole
+_BLOSC_HEADER_BYTES = 16  # the last four are the length of the chunk
 _ZSTD_MAGIC = b"\x28\xb5\x2f\xfd"
 _ZSTD_BLOCK_BYTES = 2**17
 
 
 @cache
 def guard_codecs() -> None:
-    """Make numcodecs refuse chunks that are shorter than they say, or unpack to far too much.
+    """Make numcodecs refuse chunks that are shorter than declared or unpack to too many bytes.
 
-    numcodecs (0.16) reads beyond the end of a Blosc chunk that says that it is longer, which ends
-    the process, and takes whatever memory a Zstandard frame asks for.
+    numcodecs (0.16) reads beyond the end of a Blosc chunk that declares a greater length, which
+    crashes the process, and allocates as much memory as a Zstandard frame declares.
     """
     for codec, look in (("blosc.Blosc", _refuse_short_blosc), ("zstd.Zstd", _refuse_large_zstd)):
         module, _, name = codec.partition(".")
@@ -36,7 +36,7 @@ def _looked_at(unpack: Any, look: Any) -> Any:
 def _refuse_short_blosc(given: memoryview) -> None:
     told = int.from_bytes(given[_BLOSC_HEADER_BYTES - 4 : _BLOSC_HEADER_BYTES], "little")
     if given.nbytes < _BLOSC_HEADER_BYTES or told > given.nbytes:
-        raise ValueError(f"a chunk holds {given.nbytes} bytes, but says {told}")
+        raise ValueError(f"a chunk has {given.nbytes} bytes, but declares {told}")
 
 
 def _refuse_large_zstd(given: memoryview) -> None:
@@ -46,7 +46,7 @@ def _refuse_large_zstd(given: memoryview) -> None:
 
 
 def _zstd_bytes(given: memoryview) -> int:
-    """What a frame says that it unpacks to, or the most that its blocks can (RFC 8878). [bytes]"""
+    """Unpacked size that a frame declares, or the most that its blocks allow (RFC 8878). [bytes]"""
     if bytes(given[:4]) != _ZSTD_MAGIC or given.nbytes < 5:
         return 0  # numcodecs refuses it
     descriptor = given[4]

@@ -255,7 +255,7 @@ def _absent_chunks(path: Path, name: str) -> Notes:
 
 
 def _refuse_large_chunks(path: Path, name: str) -> None:
-    """Refuse chunks beyond the memory, and files that are longer packed than they are unpacked."""
+    """Refuse chunks that exceed the memory, and files that are larger packed than unpacked."""
     with reading(path, "Zarr"):
         array = _opened(path, name)
         size = math.prod(array.shards or array.chunks) * array.dtype.itemsize
@@ -269,6 +269,6 @@ def _refuse_large_chunks(path: Path, name: str) -> None:
         )
     if longest > size + size // 8 + _PACKING_BYTES:
         raise _check.InputError(
-            f"{path}: a chunk of array {printable(name)!r} holds {longest} bytes, but unpacked it "
-            f"would have {size}; it is damaged, save it again"
+            f"{path}: a chunk of array {printable(name)!r} has {longest} bytes, but unpacked it "
+            f"would have {size}; the file is damaged, save it again"
         )

@@ -43,7 +43,7 @@ class Adc:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Converter:
-    """What is known of a sensor's converter; ``None`` where nothing is.
+    """Known values of a sensor's converter; ``None`` for those that are not known.
 
     Attributes
     ----------
@@ -53,7 +53,7 @@ class Converter:
     Raises
     ------
     InputError
-        If no converter has these bits.
+        If a value is out of the range of `Adc`.
     """
 
     bits: int | None = None
@@ -70,19 +70,19 @@ class Converter:
 
     @property
     def known(self) -> dict[str, float]:
-        """Its values by name, without those that are not known."""
+        """The known values by name."""
         return {name: value for name, value in asdict(self).items() if value is not None}
 
 
 UNKNOWN_CONVERTER = Converter()
-"""That of a sensor of which nobody says more."""
+"""The converter of a sensor without any declared value."""
 
 
 def adc_of(converter: Converter, pixel: Pixel) -> Adc:
     """The converter of a pixel: 12 bits and black level 0 where not known.
 
-    The gain counts where the bits are known too, for the gain alone says not where codes end;
-    otherwise the top code is the full well.
+    The gain is used only if the bits are known too, because the gain alone does not determine the
+    top code; otherwise the top code is at the full well.
 
     Examples
     --------

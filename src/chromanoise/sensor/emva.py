@@ -275,7 +275,7 @@ def _told(found: Mapping[str, _Value], unused: list[str], source: str) -> PixelS
             "converter are given too"
         )
     notes += (
-        [f"{source}: {', '.join(silent)} not given, taken as 0 where no option gives them"]
+        [f"{source}: {', '.join(silent)} not given, taken as 0 unless an option gives them"]
         if silent
         else []
     )
@@ -327,13 +327,13 @@ def _electrons(value: _Value | None, gain: float | None) -> float | None:
 def _codes(
     bits: _Value | None, black: _Value | None, source: str
 ) -> tuple[int | None, int | None, tuple[str, ...]]:
-    """Bits and black level as whole numbers, and what was done for that."""
+    """Bits and black level as whole numbers, and notes on how they were obtained."""
     if bits is not None and not float(bits.number).is_integer():
         raise InputError(f"{bits.where}: an ADC has whole bits, not {bits.number:g}")
     whole = int(bits.number) if bits else None
     if black is None:
         notes = (
-            (f"{source}: black level not given, taken as 0 DN where no option gives it",)
+            (f"{source}: black level not given, taken as 0 DN unless an option gives it",)
             if bits
             else ()
         )

@@ -1,4 +1,4 @@
-"""What is asked of a pixel for a picture, over what its sensor brings along."""
+"""Pixel values of a picture that override those of the sensor."""
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
@@ -9,7 +9,7 @@ from chromanoise.sensor.sensor import Sensor
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PixelOverrides:
-    """Values that win over the sensor's own; ``None`` leaves those, 0 is a value.
+    """Values that override the sensor's own; ``None`` keeps the sensor's value, 0 overrides it.
 
     Attributes
     ----------
@@ -28,16 +28,16 @@ class PixelOverrides:
 
 
 def overridden(sensor: Sensor, given: PixelOverrides, *, raw: bool) -> Sensor:
-    """The sensor as a picture uses it; its notes say which of its own values count and which not.
+    """The sensor as a picture uses it; its notes list which of its own values are used.
 
     Parameters
     ----------
     sensor
-        With the imperfections and the converter that it brings along.
+        With its own imperfections and converter.
     given
-        Values that win.
+        Values that override the sensor's.
     raw
-        Whether the picture has codes; without, no converter is used.
+        Whether the picture has codes; if not, no converter is used.
 
     Raises
     ------
@@ -61,7 +61,7 @@ def overridden(sensor: Sensor, given: PixelOverrides, *, raw: bool) -> Sensor:
 
 
 def left_out_of_closed_form(sensor: Sensor) -> tuple[str, ...]:
-    """Which values of its pixel a closed form of shot noise and read noise leaves out; a sentence.
+    """A note on the pixel values that closed forms (shot noise and read noise) leave out.
 
     Examples
     --------
@@ -81,7 +81,7 @@ _CONVERTER = ("bits", "black_level_dn")
 
 
 def _told(sensor: Sensor) -> dict[str, float]:
-    """The imperfections that the sensor brings along."""
+    """The sensor's own imperfections that are not 0."""
     return {name: value for name, value in asdict(sensor.imperfections).items() if value}
 
 

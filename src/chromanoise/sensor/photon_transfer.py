@@ -1,7 +1,8 @@
 """Photon transfer: gain, read noise, full well, QE and PRNU from the variance over the mean.
 
-Of codes above their dark, x, the temporal variance above that of the dark is K x: shot noise. EMVA
-1288 fits it with a straight line; a variance over the pixels of one picture has (PRNU x)^2 more.
+For a mean code x above the dark mean, the temporal variance exceeds the dark variance by K x, which
+is shot noise. EMVA 1288 fits a straight line; a variance over the pixels of one picture also has
+the term (PRNU x)^2.
 
 EMVA Standard 1288, Release 4.0 Linear (2021), chapters 2 and 6; Janesick, Photon Transfer (SPIE,
 2007).
@@ -31,11 +32,11 @@ from chromanoise.sensor.transfer_table import PhotonTransfer, TransferFit
 __all__ = ["PhotonTransfer", "TransferFit", "photon_transfer_fit", "pixel_from_photon_transfer"]
 
 _FIT_SHARE = 0.7  # of saturation: where EMVA 1288 ends its fit of the gain
-_NAMED_Z = 5.0  # a row that lies further off is named
+_NAMED_Z = 5.0  # rows farther from the fit are named in a note
 _SCATTERED = 4.0  # of squared residuals per degree of freedom: twice the scatter expected
-_CURVED_Z = 3.0  # a quadratic term beyond is significant
+_CURVED_Z = 3.0  # a larger quadratic term is significant
 _LEAST_GAIN = 1e-15  # of any converter [DN/e-]
-_LEAST_DARK_DN2 = 0.24  # EMVA 1288: below, the dark noise is that of quantization
+_LEAST_DARK_DN2 = 0.24  # EMVA 1288: below, the dark noise is mostly quantization
 
 
 def photon_transfer_fit(table: PhotonTransfer, *, black_dn: float | None = None) -> TransferFit:
@@ -46,7 +47,8 @@ def photon_transfer_fit(table: PhotonTransfer, *, black_dn: float | None = None)
     table
         Mean and variance at several lights.
     black_dn
-        Code of no light, where the table has no dark; without, the read noise stays unknown. [DN]
+        Code without light, if the table has no dark rows; if ``None``, the read noise of such a
+        table is unknown. [DN]
 
     Raises
     ------
@@ -58,19 +60,22 @@ def photon_transfer_fit(table: PhotonTransfer, *, black_dn: float | None = None)
     -----
     EMVA 1288, Release 4.0 Linear, chapter 6: K is the slope of variance minus dark variance over
     mean minus dark mean, by least squares without weights, through the origin, from 0 to 70 % of
-    saturation. sigma_d^2 = (dark variance - 1/12) / K^2; a dark variance below 0.24 DN^2 is that of
-    quantization, and 0.24 gives an upper limit. With darks at three or more exposure times the dark
-    variance is extrapolated to time 0. Saturation is the maximum of the variance; the full well is
-    its mean less the dark over K. QE is the slope of the mean over the photons, over K. A table
-    without a dark gets a weighted line with an intercept.
+    saturation. sigma_d^2 = (dark variance - 1/12) / K^2; a dark variance below 0.24 DN^2 is mostly
+    quantization, and 0.24 gives an upper limit. With dark rows at three or more exposure times the
+    dark variance is extrapolated to time 0. Saturation is the maximum of the variance; the full
+    well is the mean there minus the dark mean, divided by K. QE is the slope of the mean over the
+    photons, divided by K. For a table without dark rows, a weighted line with an intercept is
+    fitted.
 
-    A second, weighted fit has a quadratic term. Of temporal variances a significant one is a bend:
-    its slopes are reported beside K, and their difference enters the error of K. Of spatial
-    variances a positive one is PRNU^2, and K is the slope of this fit at the dark.
+    A second, weighted fit has a quadratic term. For temporal variances a significant term is a
+    bend: the slopes at both ends are reported beside K, and the difference between K and the slope
+    at low light enters the error of K. For spatial variances a significant positive term is PRNU^2,
+    and K is the slope of this fit in the dark.
 
-    A variance v of n samples has the standard error v sqrt(2 / (n - 1)); that the mean is measured
-    too adds K^2 times the dark variance over the pixels read, once the fourth cumulant of Poisson's
-    law is counted. Without the number of samples the scatter about the fit gives the scale.
+    A variance v of n samples has the standard error v sqrt(2 / (n - 1)); the error
+    of the measured mean adds K^2 times the dark variance divided by the number of pixels read, with
+    the fourth cumulant of the Poisson distribution included. Without the number of samples the
+    scatter about the fit sets the scale.
 
     Examples
     --------
@@ -162,7 +167,9 @@ def pixel_from_photon_transfer(fit: TransferFit) -> PixelSource:
     black = None if fit.black_dn is None else round(fit.black_dn)
     if black is not None and black < 0:
         black = None
-        notes.append(f"{fit.source}: the black level of {fit.black_dn:.6g} DN is no code, not used")
+        notes.append(
+            f"{fit.source}: the black level of {fit.black_dn:.6g} DN is below 0 and not used"
+        )
     elif black is not None and black != fit.black_dn:
         notes.append(f"{fit.source}: black level of {fit.black_dn:.6g} DN rounded to {black}")
     possible = fit.qe is None or fit.qe <= 1
@@ -203,7 +210,7 @@ def _undetermined(source: str) -> InputError:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class _Curves:
-    """The line, the fit with a quadratic term where there is one, and the gain of the right one."""
+    """The line, the quadratic fit if there is one, and the gain of the one that applies."""
 
     line: Regression
     bent: Regression | None
@@ -258,7 +265,7 @@ def _curves(levels: Levels, source: str, *, spatial: bool) -> _Curves:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Bend:
-    """Slopes at both ends of the fit, and what K misses of the first."""
+    """Slopes at both ends of the fit, and the difference between K and the slope at low light."""
 
     z: float | None
     low: float | None = None
@@ -285,20 +292,20 @@ def _bend_notes(table: PhotonTransfer, curves: _Curves, bend: _Bend) -> list[str
         return []
     up = bend.high > bend.low and not table.spatial
     spatial = (
-        "; if the variance is over the pixels of one picture, call its column spatial_variance_dn2"
+        "; if the variance is over the pixels of one picture, name its column spatial_variance_dn2"
     )
     return [
         f"{table.source}: the variance bends {'up' if bend.high > bend.low else 'down'} "
         f"(z = {bend.z:+.1f}): its slope is {bend.low:.4g} +- {bend.low_se:.2g} DN/e- at low light "
         f"and {bend.high:.4g} +- {bend.high_se:.2g} DN/e- at the end of the fit; the error of K "
-        f"includes the difference to low light{spatial if up else ''}"
+        f"includes its difference from the slope at low light{spatial if up else ''}"
     ]
 
 
 def _read_noise(
     levels: Levels, curves: _Curves, gain_se: float, source: str, notes: list[str]
 ) -> tuple[float | None, float | None]:
-    """Square root of the dark variance less rounding, over the gain; error by the delta method."""
+    """Root of the dark variance minus rounding, divided by the gain; error by the delta method."""
     gain, fit = curves.gain, curves.gain_fit
     if not levels.black_known:
         notes.append(
@@ -325,7 +332,7 @@ def _read_noise(
     if variance < _LEAST_DARK_DN2:
         limit = float(np.sqrt(_LEAST_DARK_DN2 - ROUNDING_DN2)) / gain
         notes.append(
-            f"{source}: the dark variance of {variance:.3g} DN^2 is that of quantization (below "
+            f"{source}: the dark variance of {variance:.3g} DN^2 is mostly quantization (below "
             f"{_LEAST_DARK_DN2} DN^2), so the read noise of {limit:.3g} e- is an upper limit"
         )
         return limit, None
@@ -337,7 +344,7 @@ def _read_noise(
 def _dark_current(
     levels: Levels, curves: _Curves, gain_se: float, source: str, notes: list[str]
 ) -> tuple[float | None, float | None]:
-    """Slope of the dark means over the exposure time, over the gain."""
+    """Slope of the dark means over the exposure time, divided by the gain."""
     slope = None if levels.darks is None else levels.darks.at_no_time()[1]
     if levels.darks is None or slope is None:
         return None, None
@@ -360,7 +367,7 @@ def _black_dn(levels: Levels, given: float | None) -> float | None:
 
 
 def _prnu(curves: _Curves) -> tuple[float | None, float | None]:
-    """Of spatial variances that bend up: the root of the quadratic term."""
+    """PRNU, the root of the quadratic term, if spatial variances bend upward."""
     if not curves.pattern:
         return None, None
     root = float(np.sqrt(curves.best.values[-1]))
@@ -372,7 +379,7 @@ def _oddities(
 ) -> list[str]:
     """Rows far off the fit, and scatter beyond what so many samples have."""
     notes = [
-        f"{table.source}: the row of mean {table.mean_dn[i]:g} DN lies "
+        f"{table.source}: the row of mean {table.mean_dn[i]:g} DN is "
         f"{residual_z[i]:+.1f} standard errors off the fit"
         for i in np.flatnonzero(fitted & (np.abs(residual_z) > _NAMED_Z))[:5]
     ]

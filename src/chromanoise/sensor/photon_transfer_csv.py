@@ -1,4 +1,4 @@
-"""A photon-transfer table from delimited text: a mean, a variance and what belongs to them."""
+"""A photon-transfer table from delimited text."""
 
 import math
 import re
@@ -46,13 +46,13 @@ def read_photon_transfer_csv(path: Path | str) -> PhotonTransfer:
     Parameters
     ----------
     path
-        The first row names the columns, parted by commas, semicolons, tabulators or blanks:
+        The first row names the columns, separated by commas, semicolons, tabs or blanks:
         ``mean_dn`` and ``variance_dn2`` (or with the unit in brackets, ``mean [DN]`` and
-        ``variance [DN^2]``), or ``spatial_variance_dn2`` where the variance is over the pixels of
-        one picture; perhaps ``samples`` (pixels behind each variance), ``light`` (``dark`` or
+        ``variance [DN^2]``), or ``spatial_variance_dn2`` if the variance is over the pixels of one
+        picture; optionally ``samples`` (number of pixels of each variance), ``light`` (``dark`` or
         ``light``), ``time_ms``, ``dark_mean_dn`` and ``dark_variance_dn2``, and
-        ``photons_per_pixel``, where 0 is a dark row. ``#`` starts a comment. Other columns are
-        named in the notes.
+        ``photons_per_pixel``, where 0 marks a dark row. ``#`` starts a comment. A note names other
+        columns, which are not used.
 
     Raises
     ------
@@ -105,7 +105,7 @@ def is_photon_transfer_text(text: str) -> bool:
 
 
 def _delimiter(header: str) -> str:
-    """The sign that parts the header into the most columns of a photon transfer."""
+    """The delimiter that splits the header into the most known columns."""
     known = {*_NUMBERS, _SPATIAL, "light", "mean", "variance"}
     return max(DELIMITERS, key=lambda sign: len(known.intersection(_names(header, sign))))
 
@@ -138,8 +138,8 @@ def _header(first: tuple[int, str], sign: str, path: Path) -> list[str]:
     variances = [name for name in (_NEEDED[1], _SPATIAL) if name in header]
     if len(variances) == 2:
         raise InputError(
-            f"{where} names a temporal and a spatial variance; keep variance_dn2, which gives the "
-            f"gain, or {_SPATIAL}"
+            f"{where} names a temporal and a spatial variance; keep only variance_dn2 (for the "
+            f"gain) or only {_SPATIAL}"
         )
     if "mean_dn" not in header or not variances or len(set(header)) < len(header):
         raise InputError(
@@ -157,8 +157,8 @@ def _columns(rows: list[Row], header: list[str], decimal: str, path: Path) -> di
         where = f"{path}: line {row.number}"
         if len(row.cells) != len(header):
             raise InputError(
-                f"{where} has {len(row.cells)} cells, but the header names {len(header)}; where "
-                "commas part the fractions, part the cells with semicolons"
+                f"{where} has {len(row.cells)} cells, but the header names {len(header)}; with "
+                "decimal commas, separate the cells by semicolons"
             )
         for k, name in wanted:
             columns[name][i] = _number(row.cells[k], decimal, f"{where}, column {name}")
@@ -166,7 +166,7 @@ def _columns(rows: list[Row], header: list[str], decimal: str, path: Path) -> di
 
 
 def _dark(rows: list[Row], header: list[str], photons: Array | None, path: Path) -> Array:
-    """The rows without light: those of the column light, or of 0 photons."""
+    """Which rows are dark, by the column light or by 0 photons."""
     none = np.zeros(len(rows), dtype=bool) if photons is None else photons == 0
     if "light" not in header:
         return none

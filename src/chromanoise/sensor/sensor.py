@@ -39,7 +39,7 @@ class Sensor:
     stacked
         Whether the channels lie one above the other and share the light of one pixel.
     imperfections, converter
-        What pictures have beside shot and read noise; closed forms leave both out.
+        Used by pictures in addition to shot and read noise; closed forms leave both out.
     origin
         What the curves are: ``given`` by the user, ``measured``, a ``model``, a
         ``reconstruction``; told wherever the sensor appears.

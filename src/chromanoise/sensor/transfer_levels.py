@@ -1,4 +1,4 @@
-"""The rows of a photon transfer above their darks."""
+"""The lit rows of a photon transfer, above their dark values."""
 
 from dataclasses import dataclass, replace
 
@@ -12,16 +12,16 @@ from chromanoise.sensor.transfer_table import PhotonTransfer, nearest
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Darks:
-    """The dark measurements of a table, one entry each.
+    """The dark measurements of a table.
 
     Attributes
     ----------
     mean_dn, variance_dn2
-        Of each dark. [DN], [DN^2]
+        Of each dark measurement. [DN], [DN^2]
     samples
-        Pixels behind each; ``None`` where not known. [1]
+        Number of pixels of each; ``None`` if not known. [1]
     time_ms
-        Exposure time of each; ``None`` where not known. [ms]
+        Exposure time of each; ``None`` if not known. [ms]
     """
 
     mean_dn: Array
@@ -30,16 +30,16 @@ class Darks:
     time_ms: Array | None
 
     def at_no_time(self) -> tuple[Array, Array | None]:
-        """Weights of the darks that give their value at exposure time 0, and their slope per ms.
+        """Weights that give the dark value at exposure time 0, and weights of its slope per ms.
 
-        A straight line over at least three times (EMVA 1288, section 6.6); otherwise the dark of
-        the shortest time, or the first one, and no slope.
+        From a straight line over at least three times (EMVA 1288, section 6.6); otherwise the dark
+        measurement of the shortest time, or the first one, and no slope.
         """
         n = self.mean_dn.size
         if self.time_ms is None or np.unique(self.time_ms).size < 3:
             return self.at_shortest_time(), None
         intercept, slope = pinv(
-            "the darks of a photon transfer", np.stack([np.ones(n), self.time_ms], axis=1)
+            "the dark rows of a photon transfer", np.stack([np.ones(n), self.time_ms], axis=1)
         )
         return intercept, slope
 
@@ -56,18 +56,18 @@ class Levels:
     Attributes
     ----------
     x, y
-        Mean and variance above the dark; without darks above the black level, and the variance
-        itself. [DN], [DN^2]
+        Mean and variance above the dark; without dark measurements, the mean above the black
+        level and the variance itself. [DN], [DN^2]
     samples
-        Pixels behind each; ``None`` where not known. [1]
+        Number of pixels of each; ``None`` if not known. [1]
     frames
         2 for the difference of two pictures (temporal), 1 for one picture (spatial).
     darks
-        ``None`` where the table has none: then the line has an intercept.
+        ``None`` if the table has none; the line then has an intercept.
     dark_of
-        Which dark belongs to each level.
+        Index of the dark measurement of each level.
     black_known
-        Whether ``x`` is counted from the code of no light.
+        Whether ``x`` is above a known black level.
     """
 
     x: Array
@@ -92,13 +92,13 @@ class Levels:
         )
 
     def powers(self, bend: bool) -> Array:
-        """Columns of the model: an intercept where no dark is known, x, and x^2 for a bend."""
+        """Columns of the model: an intercept if no dark is known, x, and x^2 for a bend."""
         first = 1 if self.darks is not None else 0
         return self.x[:, None] ** np.arange(first, 3 if bend else 2)
 
     @property
     def slope_at(self) -> int:
-        """Which coefficient is the slope."""
+        """Index of the coefficient that is the slope."""
         return 0 if self.darks is not None else 1
 
 
@@ -111,7 +111,7 @@ def levels_of(table: PhotonTransfer, black_dn: float | None) -> Levels:
         if base > lowest:
             raise InputError(
                 f"{table.source}: black_dn is {base:g}, above the lowest mean of {lowest:g} DN; "
-                "give the code of no light"
+                "give the code without light"
             )
         return Levels(
             x=table.mean_dn - base,
@@ -126,7 +126,7 @@ def levels_of(table: PhotonTransfer, black_dn: float | None) -> Levels:
     if black_dn is not None:
         raise InputError(
             f"{table.source}: its dark rows give a black level of {darks.mean_dn[0]:g} DN, but "
-            f"{black_dn:g} is given too; leave it out"
+            f"{black_dn:g} is given too; omit it"
         )
     lit = ~table.dark
     return Levels(
@@ -141,10 +141,10 @@ def levels_of(table: PhotonTransfer, black_dn: float | None) -> Levels:
 
 
 def _darks(table: PhotonTransfer) -> tuple[Darks, Array] | None:
-    """The different darks, and which of them belongs to each lit row; `None` for a table of none.
+    """The dark measurements, and the index of that of each lit row; `None` if there are none.
 
-    Dark rows of one exposure time are averaged, and without times all of them; in columns a dark
-    that repeats is one measurement.
+    Dark rows of one exposure time are averaged; without exposure times, all are. A pair of values
+    that repeats in the columns of darks counts as one measurement.
     """
     lit, samples, time = ~table.dark, table.samples, table.time_ms
     if table.dark_mean_dn is not None and table.dark_variance_dn2 is not None:

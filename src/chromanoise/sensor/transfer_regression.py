@@ -1,7 +1,7 @@
-"""Least squares for photon transfer: lines and bends with their errors.
+"""Least squares for photon transfer: linear and quadratic fits with their errors.
 
-Sampling errors follow each level and each dark measurement through the fit, so that a dark that
-several levels share makes their errors common.
+The sampling errors of each level and of each dark measurement are propagated through the fit, so
+that levels with the same dark measurement have correlated errors.
 """
 
 from dataclasses import dataclass
@@ -14,8 +14,8 @@ from chromanoise.sensor.transfer_levels import Levels
 
 _ROUNDS = 20  # of weights; they settle in about five
 _LEAST_SHARE = 1e-9  # of the largest variance, so that no row has an infinite weight
-_LARGEST_SLOPE = 1e15  # of any converter [DN]: beyond, the means do not differ
-_UNKNOWN_SAMPLES = 1e4  # stands for an unknown number; the scatter about the fit gives the scale
+_LARGEST_SLOPE = 1e15  # of any converter [DN]: above it, the means do not differ
+_UNKNOWN_SAMPLES = 1e4  # used for an unknown number; the scatter about the fit sets the scale
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -25,9 +25,9 @@ class Regression:
     Attributes
     ----------
     values, covariance
-        Coefficients, and what sampling leaves uncertain of them.
+        Coefficients, and their covariance from sampling.
     dark_lever
-        Minus the change of each coefficient with the variance of each dark.
+        Minus the derivative of each coefficient with respect to the variance of each dark.
     error2
         Squared error of each level's variance. [DN^4]
     spread
@@ -56,7 +56,7 @@ class Regression:
 def weighted_fit(levels: Levels, *, bend: bool) -> Regression | None:
     """Weighted least squares; ``None`` where the levels do not determine the coefficients.
 
-    Weights come from the fit itself, for those from noisy variances would pull it down.
+    The weights come from the fit itself: weights from noisy variances would bias it downward.
     """
     dark, design = _dark_variance(levels), levels.powers(bend)
     least = _LEAST_SHARE * max(float((levels.y + dark).max()), 1.0)
@@ -79,14 +79,14 @@ def weighted_fit(levels: Levels, *, bend: bool) -> Regression | None:
 
 
 def straight_fit(levels: Levels, judged: Regression) -> Regression | None:
-    """EMVA 1288's line through the origin by unweighted least squares.
+    """The line through the origin of EMVA 1288, by unweighted least squares.
 
     Parameters
     ----------
     levels
         Above their darks.
     judged
-        A fit whose errors of the levels are taken.
+        A fit that provides the errors of the levels.
     """
     lever = _lever(levels.powers(bend=False), np.ones(len(levels)))
     if lever is None:
@@ -98,7 +98,7 @@ def straight_fit(levels: Levels, judged: Regression) -> Regression | None:
 
 
 def residuals_z(levels: Levels, fit: Regression) -> Array:
-    """Of all levels, fitted or not: variance minus fit over its standard error."""
+    """Variance minus fit, divided by its standard error, for all levels, fitted or not."""
     model = levels.powers(bend=fit.values.size > levels.slope_at + 1) @ fit.values
     dark, slope = _dark_variance(levels), float(fit.values[levels.slope_at])
     expected = np.maximum(model + dark, 1e-3 * (levels.y + dark))
@@ -114,20 +114,20 @@ def variance_error2(variance: Array, samples: Array | None) -> Array:
 
 
 def mean_error2(variance: Array, samples: Array | None, frames: int) -> Array:
-    """Squared sampling error of a mean over as many frames. [DN^2]"""
+    """Squared sampling error of a mean over ``frames`` pictures. [DN^2]"""
     n = np.full(variance.shape, _UNKNOWN_SAMPLES) if samples is None else samples
     return np.asarray(variance / (frames * n))
 
 
 def _dark_variance(levels: Levels) -> Array:
-    """Variance of the dark of each level, 0 where none is known."""
+    """Dark variance of each level, 0 if not known."""
     if levels.darks is None:
         return np.zeros(len(levels))
     return np.asarray(levels.darks.variance_dn2[levels.dark_of])
 
 
 def _level_error2(levels: Levels, expected: Array, values: Array) -> Array:
-    """Of variance - slope mean: the fourth cumulant of Poisson's law cancels against the mean."""
+    """Of variance - slope mean, in which the fourth cumulant of the Poisson law cancels."""
     dark = _dark_variance(levels)
     if levels.darks is None and levels.black_known:
         dark = np.full(len(levels), max(float(values[0]), 0.0))
@@ -143,7 +143,7 @@ def _dark_error2(levels: Levels, slope: float) -> Array:
 
 
 def _lever(design: Array, root_weights: Array) -> Array | None:
-    """The matrix that makes coefficients of values; ``None`` where they are not determined."""
+    """The matrix from values to coefficients; ``None`` if these are not determined."""
     scale = np.abs(design).max(axis=0)
     if not (scale > 0).all():
         return None

@@ -1,4 +1,4 @@
-"""The table of a photon transfer, and what a fit of it tells."""
+"""The table of a photon transfer, and the results of its fit."""
 
 from dataclasses import dataclass
 
@@ -14,19 +14,19 @@ _SAME_TIME = 0.01  # of an exposure time: a dark row that lies closer has the ti
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class PhotonTransfer:
-    """Mean and variance of codes at several lights.
+    """Mean and variance of codes at several light levels.
 
     Attributes
     ----------
     mean_dn
         Mean code, black level included. [DN]
     variance_dn2
-        Its variance: temporal, which is half that of the difference of two pictures, or spatial.
+        Its variance: temporal (half the variance of the difference of two pictures) or spatial.
         [DN^2]
     dark
         Which rows were taken without light.
     samples
-        Pixels behind each variance; ``None`` where not known. [1]
+        Number of pixels of each variance; ``None`` if not known. [1]
     source
         Where the numbers come from.
     spatial
@@ -35,9 +35,9 @@ class PhotonTransfer:
         Exposure time of each row: a lit row is then evaluated with the dark rows of its time,
         within 1 %. [ms]
     dark_mean_dn, dark_variance_dn2
-        The dark of each row, instead of dark rows. [DN], [DN^2]
+        Dark mean and variance of each row, instead of dark rows. [DN], [DN^2]
     photons
-        Mean photons that reach a pixel, of each row. [1]
+        Mean number of photons on a pixel, for each row. [1]
     notes
         What a reader of the result must know.
 
@@ -45,7 +45,7 @@ class PhotonTransfer:
     ------
     InputError
         If values are not finite, a variance is negative, there are fewer than 3 rows of different
-        mean, or a lit row has no dark of its own although others have.
+        mean, or no dark row has the exposure time of a lit row.
     """
 
     mean_dn: Float[Array, " m"]
@@ -109,7 +109,7 @@ def _largest(values: Array) -> float:
 
 
 def _refuse_odd_darks(table: PhotonTransfer) -> None:
-    """Refuse darks that are given twice, by half, or not for every exposure time."""
+    """Refuse dark values that are given twice, incompletely, or not for every exposure time."""
     if table.dark.all():
         raise InputError(f"{table.source}: all rows are dark; a gain needs rows with light")
     columns = table.dark_mean_dn is not None, table.dark_variance_dn2 is not None
@@ -119,7 +119,7 @@ def _refuse_odd_darks(table: PhotonTransfer) -> None:
     if columns[0] and table.dark.any():
         raise InputError(
             f"{table.source}: has dark rows and the columns dark_mean_dn and dark_variance_dn2; "
-            "keep one of both"
+            "keep one of the two"
         )
     if table.time_ms is None or not table.dark.any():
         return
@@ -129,8 +129,8 @@ def _refuse_odd_darks(table: PhotonTransfer) -> None:
     if alone.any():
         raise InputError(
             f"{table.source}: no dark row has the time_ms {table.time_ms[alone][0]:g} of the lit "
-            f"row of mean {table.mean_dn[alone][0]:g} DN; measure it, or leave the column time_ms "
-            "out where the dark does not depend on the time"
+            f"row of mean {table.mean_dn[alone][0]:g} DN; measure one, or remove the column "
+            "time_ms if the dark does not depend on the time"
         )
 
 
@@ -143,30 +143,31 @@ class TransferFit:
     source
         Of the table.
     gain_dn_per_e, gain_se
-        The gain K. Where the bend is significant the error contains the difference between K and
-        the slope at low light, added in quadrature. [DN/e-]
+        The gain K. If the bend is significant, the error includes in quadrature the difference
+        between K and the slope at low light. [DN/e-]
     low_light_gain_dn_per_e, low_light_gain_se
-        Slope of the variance at the dark, of a fit with a quadratic term. [DN/e-]
+        Slope of the variance in the dark, from a fit with a quadratic term. [DN/e-]
     high_light_gain_dn_per_e, high_light_gain_se
-        The same at 70 % of saturation, or at the brightest row where saturation is unknown. [DN/e-]
+        The same at 70 % of saturation, or at the brightest row if saturation is unknown. [DN/e-]
     bend_z
-        The quadratic term over its standard error; beyond 3 the bend is significant.
+        Quadratic term divided by its standard error; the bend is significant above 3.
     read_noise_e, read_noise_se
-        Without rounding to codes; an upper limit, without error, where quantization dominates. [e-]
+        Without quantization; an upper limit, without error, if quantization dominates. [e-]
     dark_current_e_per_s, dark_current_se
         From dark means at three or more exposure times. [e-/s]
     prnu, prnu_se
-        Of spatial variances only; ``None`` where they do not bend up. [1]
+        From spatial variances; ``None`` if they do not bend upward. [1]
     qe, qe_se
-        Electrons per photon, where the table has photons. [e-/photon]
+        Electrons per photon, if the table has photons. [e-/photon]
     black_dn
-        Code of no light at no exposure time, where darks or the caller tell it. [DN]
+        Code without light at exposure time 0, from dark rows or the caller. [DN]
     saturation_dn, full_well_e
-        Mean code of the largest variance, where it falls behind, and its electrons. [DN], [e-]
+        Mean code at the largest variance, if the variance falls above it, and its electrons.
+        [DN], [e-]
     fitted
         Which rows the line was fitted to; dark rows define its origin.
     residual_z
-        Variance minus fit over its standard error, per row; 0 for dark rows.
+        Variance minus fit, divided by its standard error, per row; 0 for dark rows.
     chi2_per_row
         Squared residuals per degree of freedom: about 1 where the samples are known. [1]
     notes

@@ -13,8 +13,8 @@ from chromanoise.spectra.grid import Grid
 Beyond = Literal["refuse", "zero", "hold"]
 """What a curve is taken to be where it was not measured."""
 
-SMALL_NEGATIVES = "; --negatives zero takes small ones as 0"
-"""The way out of a refusal of small negative values, as digitizing and dark readings leave them."""
+SMALL_NEGATIVES = "; --negatives zero sets small ones to 0"
+"""What messages advise for small negative values, as digitizing and dark readings leave them."""
 
 _SLACK_NM = 1e-6  # wavelengths read from text may miss the grid's end by rounding
 
@@ -153,16 +153,16 @@ def means_on_grid(spectra: Spectra, grid: Grid, *, beyond: Beyond = "refuse") ->
 def used_on_grid(
     wavelength_nm: Float[Array, " m"], grid: Grid, *, from_nm: float | None = None
 ) -> Bool[Array, " m"]:
-    """Which points of a curve `means_on_grid` looks at; the others may hold anything.
+    """Which points of a curve `means_on_grid` uses; the others may have any value.
 
     Parameters
     ----------
     wavelength_nm
         Of the curve, increasing. [nm]
     grid
-        Where it is wanted: points in its cells count, and the next one beyond each end.
+        The target grid: points in its cells are used, and the next one beyond each end.
     from_nm
-        A lower start than the grid's, where more of the curve is integrated. [nm]
+        A lower start than the grid's, if more of the curve is integrated. [nm]
 
     Examples
     --------
@@ -196,7 +196,7 @@ def refuse_outside(
     cure
         What the user can do, for the end of the sentence.
     used
-        At which wavelengths the values matter, of `used_on_grid`; ``None`` for all.
+        Wavelengths at which the values matter, from `used_on_grid`; ``None`` for all.
 
     Raises
     ------

@@ -209,7 +209,7 @@ def illuminant_from(
         )
     used = used_on_grid(spectrum.wavelength_nm, grid, from_nm=_OBSERVER_START_NM)
     refuse_outside(spectrum, cure=SMALL_NEGATIVES, used=used)
-    # what lies outside the grid and the observer's range is not used, so it may hold anything
+    # values outside the grid and the observer's range are not used, so they may be anything
     spectrum = replace(spectrum, values=np.where(used[:, None], spectrum.values, 0.0))
     known, power = spectrum.wavelength_nm, spectrum.values[:, 0]
     resampled = means_on_grid(spectrum, grid, beyond=beyond)

@@ -54,7 +54,7 @@ def illuminant_named(name: str, grid: Grid, *, beyond: Beyond = "refuse") -> Ill
 
 
 def is_light_name(name: str) -> bool:
-    """Whether `illuminant_named` knows a light, without a diode beside it, by this name.
+    """Whether `illuminant_named` knows a light by this name, without an added diode.
 
     Examples
     --------

@@ -45,8 +45,8 @@ class Method:
     over_light
         Its matrices at many light levels at once; ``None`` where light changes nothing.
     bounds
-        Lowest and highest value of the parameter: beyond the highest, the gains are so small that
-        double precision ends.
+        Lowest and highest value of the parameter; above it, the gains are too small for double
+        precision.
     """
 
     make: Callable[..., ColorMatrix]
@@ -86,8 +86,8 @@ def matrix_makers(
     Raises
     ------
     InputError
-        If nothing is called that, or a parameter is missing, no number, out of bounds or one too
-        many.
+        If there is no method of that name, or a parameter is missing, not a number, out of bounds
+        or superfluous.
     """
     _check.one_of("prior", prior, tuple(PRIORS))
     wanted = _check.distinct("names of matrices", [name.strip() for name in names])
@@ -140,7 +140,7 @@ def trained_names(names: Sequence[str]) -> list[str]:
 
 
 def known_matrices() -> str:
-    """The names of the methods, with the parameters and their bounds."""
+    """The names of the methods, with their parameters and bounds."""
     return ", ".join(
         f"{name}=<{m.parameter}> ({m.bounds[0]:g} to {m.bounds[1]:g})" if m.parameter else name
         for name, m in METHODS.items()

@@ -44,9 +44,9 @@ from chromanoise.study.catalog import (
     own_tables,
 )
 
-_ENDING = re.compile(r"\.[A-Za-z]\w*$")  # no name of the catalog ends so: FL3.1, 5500.5K
+_ENDING = re.compile(r"\.[A-Za-z]\w*$")  # no name in the catalog matches: FL3.1, 5500.5K
 WordKind = Literal["sensor", "light", "filter"]
-"""What a word names, where it may name a file instead."""
+"""What a word names that may also name a file."""
 
 
 def sensor_of_word(
@@ -144,8 +144,8 @@ def filter_of_word(word: str, *, answers: Answers = ASK) -> Spectra:
     Raises
     ------
     InputError
-        If nothing is called that, the file cannot be read or holds several curves, it ends short
-        of 400-1050 nm and ``answers.beyond`` refuses, or a transmittance lies outside 0 .. 1.
+        If there is no such filter, the file cannot be read or holds several curves, it does not
+        cover 400-1050 nm and ``answers.beyond`` is ``refuse``, or a transmittance is outside 0-1.
     """
     if is_file_word(word, "filter"):
         answers = replace(answers, quantity="transmittance")
@@ -181,7 +181,7 @@ def behind_filter_of_word(sensor: Sensor, word: str, *, answers: Answers = ASK) 
     word
         As `filter_of_word`.
     answers
-        What the user knows of the filter's file; ``beyond`` holds for a name too.
+        The user's answers about the filter's file; ``beyond`` also applies to filters by name.
 
     Raises
     ------
@@ -221,17 +221,17 @@ def asked_of_name(word: str) -> tuple[str, ...]:
 def is_file_word(word: str, kind: WordKind, folder: Path = Path()) -> bool:
     """Whether a word for a sensor, light or filter names a file.
 
-    It does if it looks like a path or ends in a dot and letters, or if there is a file of that
-    name and nothing of the catalog is called so: no file hides a name of the catalog.
+    It does if it looks like a path or ends in a dot and letters, or if there is a file of that name
+    and the catalog has no such name: a file never hides a name of the catalog.
 
     Parameters
     ----------
     word
-        Of a light, without the infrared diodes beside it.
+        For a light, without the added infrared diodes.
     kind
-        What it is for.
+        What the word is to name.
     folder
-        From which the file is looked for.
+        The folder to which the name of the file is relative.
 
     Raises
     ------
@@ -245,7 +245,7 @@ def is_file_word(word: str, kind: WordKind, folder: Path = Path()) -> bool:
     """
     if word.startswith((".", "/", "~")) or _ENDING.search(word):
         return True
-    there = os.path.isfile(folder / word)  # noqa: PTH113, which also takes names that are too long
+    there = os.path.isfile(folder / word)  # noqa: PTH113 - also accepts names that are too long
     return ("/" in word or os.sep in word or there) and not (
         _BUILT_IN[kind](word) or word in own_tables(catalog_folder())
     )
@@ -259,7 +259,7 @@ _BUILT_IN: Mapping[WordKind, Callable[[str], bool]] = {
 
 
 def word_beside(word: str, kind: WordKind, folder: Path) -> str:
-    """A word of a study that lies in ``folder``: a file's name is told from there.
+    """A word of a study in ``folder``; the name of a file is relative to that folder.
 
     Raises
     ------
@@ -286,19 +286,19 @@ def file_there(word: str, kind: WordKind) -> Path:
     Raises
     ------
     InputError
-        If it is missing, which says that nothing of the catalog is called so either.
+        If it is missing; the message adds that the catalog has no such name either.
     """
     file = file_of(word)
     if not os.path.lexists(file):
         raise InputError(
-            f"{word}: cannot be read (No such file or directory), and no {kind} of the catalog is "
-            "called so"
+            f"{word}: cannot be read (No such file or directory), and the catalog has no {kind} "
+            "of that name"
         )
     return file
 
 
 def _neither(error: InputError, word: str, kind: WordKind) -> InputError:
-    """The complaint about a name that nothing has: there is no such file either."""
+    """The error for an unknown name, which adds that there is no such file either."""
     if _BUILT_IN[kind](word):
         return error
     return InputError(f"{error}; and there is no file of that name")

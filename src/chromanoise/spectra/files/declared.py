@@ -1,7 +1,7 @@
 """What a file declares: units in headings, and ``key: value`` lines of a closed vocabulary.
 
-Headings and these keys decide what curves are. Free text never does: a title or a comment about
-the bench would otherwise change units or scale.
+Headings and these keys decide what the curves are. Free text does not: otherwise a title or a
+comment about the measurement could change units or scale.
 """
 
 import re
@@ -35,7 +35,7 @@ UNITS: dict[str, Unit] = {
     **dict.fromkeys(("angstrom", "ångström", "ångstrom", "angström", "å", "ang", "aa"), "angstrom"),
     **dict.fromkeys(("1/cm", "cm-1", "cm^-1", "cm⁻¹", "wavenumber", "kayser"), "1/cm"),
 }  # fmt: skip
-"""Units of wavelengths by their names in small letters, singular."""
+"""Units of wavelengths by their names in lower case, singular."""
 
 _SENSITIVE_NM = (400.0, 1050.0)
 _MOST_UM = 20.0
@@ -57,7 +57,7 @@ _VALUES = {
 
 
 def declared_keys(comments: Iterable[str]) -> Mapping[str, str]:
-    """The lines of a file that declare something, by our names of the keys.
+    """The declarations in comment lines, by standard names of the keys.
 
     Examples
     --------
@@ -75,7 +75,7 @@ def declared_keys(comments: Iterable[str]) -> Mapping[str, str]:
 
 
 def quantity_of_key(keys: Mapping[str, str]) -> Quantity | None:
-    """The quantity that a key names; a value that is no such name declares nothing.
+    """The quantity that a key names; None for any other value.
 
     Examples
     --------
@@ -91,7 +91,7 @@ def quantity_of_key(keys: Mapping[str, str]) -> Quantity | None:
 
 
 def scale_of_key(keys: Mapping[str, str]) -> Scale | None:
-    """``percent`` or ``fraction``, where a key says so."""
+    """``percent`` or ``fraction``, if a key declares it."""
     text = f"{keys.get('scale', '')} {keys.get('unit', '')}".lower().split()
     if {"percent", "%", "pct"} & set(text):
         return "percent"
@@ -99,24 +99,24 @@ def scale_of_key(keys: Mapping[str, str]) -> Scale | None:
 
 
 def level_of_key(keys: Mapping[str, str]) -> Level | None:
-    """``absolute`` or ``relative``, where a key says so."""
+    """``absolute`` or ``relative``, if a key declares it."""
     word = keys.get("level", "").lower()
     return next((level for level in get_args(Level) if level == word), None)
 
 
 def per_of_key(keys: Mapping[str, str]) -> Per | None:
-    """``photon`` or ``energy``, where a key says so."""
+    """``photon`` or ``energy``, if a key declares it."""
     word = keys.get("per", "").lower()
     return next((per for per in get_args(Per) if per == word), None)
 
 
 def wavelength_unit_of(heading: str) -> Unit | None:
-    """The unit that the heading of the wavelengths, or a declared unit, names.
+    """The unit named in the heading of the wavelengths or in a declared unit.
 
     Raises
     ------
     InputError
-        If it names two units, or one in which wavelengths are not read.
+        If it names two units, or one that is not supported for wavelengths.
 
     Examples
     --------
@@ -180,7 +180,7 @@ def known_unit(unit: str, source: str) -> Unit:
     Raises
     ------
     InputError
-        If wavelengths are not read in it.
+        If it is not supported for wavelengths.
 
     Examples
     --------
@@ -191,14 +191,14 @@ def known_unit(unit: str, source: str) -> Unit:
     known = None if bare.lower() in _NOT_READ else wavelength_unit_of(f"[{bare}]")
     if known is None:
         raise _check.InputError(
-            f"{source}: wavelengths in {unit[:40]!r} are not read; write them in nm, um, angstrom "
-            "or 1/cm"
+            f"{source}: wavelengths in {unit[:40]!r} are not supported; write them in nm, um, "
+            "angstrom or 1/cm"
         )
     return known
 
 
 def is_wavelength_heading(cell: str) -> bool:
-    """Whether a cell says that wavelengths stand below it, and nothing else.
+    """Whether a cell is the heading of a column of wavelengths, and names nothing else.
 
     Examples
     --------
@@ -212,7 +212,7 @@ def is_wavelength_heading(cell: str) -> bool:
 
 
 def is_row_of_units(cells: Iterable[str]) -> bool:
-    """Whether cells hold the unit of a wavelength and, beside it, units of values only.
+    """Whether the cells are the unit of wavelengths, followed by units of values only.
 
     Examples
     --------
@@ -227,7 +227,7 @@ def is_row_of_units(cells: Iterable[str]) -> bool:
 
 
 def with_units(names: Iterable[str], units: Iterable[str]) -> tuple[str, ...]:
-    """Headings with the units that stand below them: ``wavelength``, ``nm`` become one cell."""
+    """Headings with the units below them appended: ``wavelength``, ``nm`` become one cell."""
     return tuple(
         f"{name} [{bare}]" if (bare := unit.strip().strip("[]()")) else name
         for name, unit in zip(names, units, strict=True)

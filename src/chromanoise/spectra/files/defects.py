@@ -31,8 +31,8 @@ def defects_of(
 ) -> tuple[str, ...]:
     """One sentence per kind of defect: sign, height, order of channels, gaps.
 
-    Only wavelengths of 400-1050 nm are judged, for no other is used, unless the file has no two
-    of these.
+    Only wavelengths of 400-1050 nm are checked, because no others are used, unless the file has
+    fewer than two of these.
 
     Notes
     -----
@@ -54,7 +54,7 @@ def defects_of(
 
 
 def judged(curves: Spectra) -> Spectra:
-    """The curves at 400-1050 nm, where sensors use them; all where fewer than two points lie there.
+    """The curves at 400-1050 nm, where sensors use them; all if fewer than two points are there.
 
     Examples
     --------
@@ -206,7 +206,7 @@ def _rounded_wavelengths(curves: Spectra) -> Iterator[str]:
 
 
 def _gaps(points: Sequence[Sorted]) -> Iterator[str]:
-    """One sentence for all gaps that reach into what sensors use."""
+    """One sentence for all gaps within the wavelengths that sensors use."""
     gaps = sorted(
         {
             (start, stop)

@@ -21,7 +21,7 @@ from chromanoise.spectra.files.understood import Found, Row
 
 _COMMENT = ("#", "%", "//", ";")
 DELIMITERS = {"semicolon": ";", "tab": "\t", "comma": ",", "blanks": None}
-"""The signs that part cells, by name."""
+"""The characters that separate cells, by name."""
 
 _FACT = re.compile(r"(version|source|notes):\s*(.+)")
 _JUDGED_LINES = 200
@@ -79,7 +79,7 @@ def _comment_text(line: str) -> str:
 
 
 def _said(facts: Mapping[str, str], keys: Mapping[str, str]) -> dict[str, Any]:
-    """Source and notes, and what the keys of a table of this library declare."""
+    """Source and notes, and the keys of a table that this library wrote."""
     notes = tuple(note for note in facts.get("notes", "").split("; ") if note)
     quantity = name_and_unit(keys.get("quantity", ""))[0]  # earlier versions wrote its unit there
     return {
@@ -90,9 +90,9 @@ def _said(facts: Mapping[str, str], keys: Mapping[str, str]) -> dict[str, Any]:
 
 
 def _delimiter(lines: list[tuple[int, str]]) -> str:
-    """The separator under which most lines are rows of two or more numbers; a tie: the first.
+    """The delimiter with which most lines are rows of two or more numbers; in a tie, the first.
 
-    Where no line is one, as where each begins with words, the first one or two cells do not count.
+    If no line is such a row, the first one or two cells of each line are ignored as words.
     """
 
     def rows_of_numbers(name: str, words: int) -> int:
@@ -113,7 +113,7 @@ def _is_row(cells: list[str], words: int, *, decimal_comma: bool) -> bool:
 
 
 def split_line(line: str, delimiter: str) -> list[str]:
-    """The cells of a line, delimiter by its name; quoted cells are kept whole."""
+    """The cells of a line, for a delimiter of `DELIMITERS`; quoted cells stay whole."""
     sign = DELIMITERS[delimiter]
     if sign is None:
         return _split_at_blanks(line)
@@ -121,7 +121,7 @@ def split_line(line: str, delimiter: str) -> list[str]:
 
 
 def _split_at_blanks(line: str) -> list[str]:
-    """Cells between blanks; quoted ones, and a unit in brackets behind its name, stay whole."""
+    """Cells between blanks; a quoted cell, and a name with its unit in brackets, stay whole."""
     if '"' in line:
         return [cell for cell in _quoted(" ".join(line.split()), " ") if cell]
     return re.sub(r"(?<=\w)\s+(?=[\[(])", "", line).split()
@@ -135,14 +135,14 @@ def _quoted(line: str, sign: str) -> list[str]:
 
 
 def cells_of_line(line: str, number: int, delimiter: str, source: str) -> tuple[str, ...]:
-    """The cells of a line, blanks around them dropped; an open quotation is refused."""
+    """The cells of a line, without blanks around them; an unclosed quotation is refused."""
     if line.count('"') % 2:
         raise _check.InputError(f"{source}: line {number} opens a quotation that it does not close")
     return tuple(cell.strip() for cell in split_line(line, delimiter))
 
 
 def _heading_comment(comments: list[Row], rows: list[Row]) -> tuple[str, ...]:
-    """The last comment before the numbers that is a heading, with the units of the one below it."""
+    """The last comment before the numbers that is a heading, with units from the next comment."""
     if not rows:
         return ()
     width = max(len(row.cells) for row in rows[:_JUDGED_LINES])
@@ -152,7 +152,7 @@ def _heading_comment(comments: list[Row], rows: list[Row]) -> tuple[str, ...]:
             cells = _parted(comment, sign)
             above_it = _parted(above[i - 1], sign) if i else ()
             if is_row_of_units(cells) and len(above_it) == len(cells):
-                continue  # the names stand above the units
+                continue  # the comment above has the names
             fits = len(cells) == width if sign is None else len(cells) >= width
             if fits and width > 1 and is_wavelength_heading(cells[0]):
                 units = _parted(above[i + 1], sign) if i + 1 < len(above) else ()
@@ -168,7 +168,7 @@ def _parted(comment: Row, sign: str | None) -> tuple[str, ...]:
 
 
 def _with_ecsv_units(rows: list[Row], comments: list[str]) -> list[Row]:
-    """The heading of an ECSV file with the unit of each column beside its name."""
+    """The heading of an ECSV file, with the unit of each column after its name."""
     units = ecsv_units(comments)
     if not rows or not set(rows[0].cells) & set(units):
         return rows

@@ -34,7 +34,7 @@ def read_curves(path: Path | str, *, answers: Answers = ASK) -> Understood:
     Delimited text with any of the usual separators, digitized curves, ISETCam ``.mat``, cameras of
     Jiang et al. ``.mat``, JSON of this library, of rawtoaces, of DCamProf (ssf-data) or in plain
     lists, CGATS and Argyll ``.sp``, IES TM-27 ``.spdx``, ENVI spectral libraries ``.sli`` with
-    ``.hdr``, tables of FITS, and ``.xlsx``. The file's content decides, not its name.
+    ``.hdr``, FITS tables, and ``.xlsx``. The file's content decides, not its name.
 
     Parameters
     ----------
@@ -109,11 +109,11 @@ def _of_text(text: str, source: str) -> Found:
 
 def _refuse_kind(path: Path, kind: tuple[str, str] | None) -> None:
     if kind is not None:
-        raise _check.InputError(f"{path}: is {kind[0]}, no file of spectra; {kind[1]}")
+        raise _check.InputError(f"{path}: is {kind[0]}, not a file of spectra; {kind[1]}")
 
 
 def _decoded(path: Path, content: bytes) -> tuple[str, tuple[str, ...]]:
-    """The text, and a note where the file does not say how its characters are coded."""
+    """The text, and a note if the file does not declare its character encoding."""
     coding, notes = _coding(content)
     try:
         text = content.decode(coding)
@@ -128,18 +128,20 @@ def _decoded(path: Path, content: bytes) -> tuple[str, tuple[str, ...]]:
 
 
 def _coding(content: bytes) -> tuple[str, tuple[str, ...]]:
-    """UTF-8 unless marked as UTF-16, or shown by its bytes to be UTF-16 or of Windows."""
+    """The encoding: UTF-8, unless a mark or the bytes show UTF-16 or Windows-1252."""
     if content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
         return "utf-16", ()
     for coding, zeros in (("utf-16-le", content[1::2]), ("utf-16-be", content[::2])):
         # every other byte is zero in UTF-16 of European letters, and none in UTF-8
         count = zeros.count(0)
         if len(content) % 2 == 0 and count == content.count(0) and count > 0.8 * len(zeros) > 1:
-            return coding, (f"read as {coding.upper()}, which the file does not say",)
+            return coding, (f"read as {coding.upper()}, which the file does not declare",)
     high = len(content.translate(None, bytes(range(128))))
     if _is_utf8(content) or high > _MOST_HIGH * len(content) or _CONTROL.search(content):
         return "utf-8-sig", ()
-    return "cp1252", (f"read as Windows-1252, for {high} bytes of it are no UTF-8",)
+    return "cp1252", (
+        f"read as Windows-1252, because it is not valid UTF-8 ({high} bytes above 127)",
+    )
 
 
 def _is_utf8(content: bytes) -> bool:
@@ -163,8 +165,8 @@ def _faults_told(path: Path) -> Iterator[None]:
         raise _check.InputError(f"{path}: cannot be read ({error.strerror or error})") from None
     except MemoryError:
         raise _check.InputError(f"{path}: too large for this machine's memory") from None
-    except Exception:  # parsers throw anything, in words of their own
+    except Exception:  # parsers raise anything, with messages about themselves
         raise _check.InputError(
-            f"{path}: cannot be read as a file of spectra; it is damaged or cut short, or of a "
-            "form that is not known: save it again, or as CSV"
+            f"{path}: cannot be read as a file of spectra; it is damaged, truncated or of an "
+            "unknown format: save it again, or as CSV"
         ) from None

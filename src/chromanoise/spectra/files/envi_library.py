@@ -1,4 +1,4 @@
-"""ENVI spectral libraries: spectra in rows of a binary file, and a text header beside it."""
+"""ENVI spectral libraries: spectra in rows of a binary file, with a separate text header."""
 
 from pathlib import Path
 
@@ -18,7 +18,7 @@ _UNSAID = ("", "unknown", "index")
 
 
 def envi_library(path: Path, content: bytes) -> tuple[EnviHeader, Path] | None:
-    """Header and data of the library of which ``path`` is one; None for other files.
+    """Header and data of the library if ``path`` is either of them; None for other files.
 
     Raises
     ------
@@ -33,7 +33,7 @@ def envi_library(path: Path, content: bytes) -> tuple[EnviHeader, Path] | None:
     if pair is None and path.suffix.lower() == ".sli":
         raise _check.InputError(
             f"{path}: the header of this ENVI spectral library is missing; put "
-            f"{path.stem}.hdr beside it"
+            f"{path.stem}.hdr in the same folder"
         )
     return None if pair is None else _library(*pair)
 
@@ -44,7 +44,7 @@ def _library(header_file: Path, data: Path) -> tuple[EnviHeader, Path]:
     if kind.lower() != _LIBRARY:
         raise _check.InputError(
             f"{header_file}: its file type must be ENVI Spectral Library, but is {kind[:40]!r}; a "
-            "cube is no file of spectra"
+            "cube is not a file of spectra"
         )
     return header, data
 
@@ -81,7 +81,9 @@ def read_envi_library(header: EnviHeader, data: Path) -> Found:
     missing = [
         told
         for name, here in zip(names, known, strict=True)
-        for told in missing_told(name, wavelength, here, "values that are no number or deleted")
+        for told in missing_told(
+            name, wavelength, here, "values that are not numbers or marked as deleted"
+        )
     ]
     said = [header.fields.get(key, "") for key in ("description", "z plot titles")]
     return Found(
@@ -104,7 +106,7 @@ def read_envi_library(header: EnviHeader, data: Path) -> Found:
 
 
 def library_files(path: Path) -> tuple[Path, ...]:
-    """All files that decide what a file of spectra holds: a library's header and data, or itself.
+    """All files that a file of spectra consists of: header and data of a library, or itself.
 
     Raises
     ------
@@ -126,7 +128,7 @@ def _factor(header: EnviHeader) -> float:
 
 
 def _wavelengths(header: EnviHeader, count: int) -> tuple[Array, str]:
-    """As the header lists them, and a heading that says their unit."""
+    """The wavelengths that the header lists, and a heading with their unit."""
     cells = [cell.strip() for cell in header.word("wavelength").split(",")]
     numbers = np.array([number_in(cell) for cell in cells])
     if numbers.size != count:
@@ -135,7 +137,7 @@ def _wavelengths(header: EnviHeader, count: int) -> tuple[Array, str]:
         )
     if np.isnan(numbers).any():
         wrong = cells[int(np.isnan(numbers).argmax())]
-        raise _check.InputError(f"{header.source}: the wavelength {wrong[:40]!r} is no number")
+        raise _check.InputError(f"{header.source}: the wavelength {wrong[:40]!r} is not a number")
     unit = header.fields.get("wavelength units", "")
     if unit.lower() in _UNSAID:
         return numbers, ""

@@ -1,4 +1,4 @@
-"""Tables in FITS files, read with astropy where that is installed."""
+"""Tables in FITS files, read with astropy."""
 
 import importlib
 import io
@@ -39,7 +39,7 @@ def read_fits(path: Path, content: bytes) -> Found:
                 return _table(path, part, place, at_names[0])
     raise _check.InputError(
         f"{path}: none of its tables has a column named wavelength, wave, lambda or wl; write the "
-        "spectrum as a table with one, or as CSV"
+        "spectrum as a table with such a column, or as CSV"
     )
 
 
@@ -48,7 +48,7 @@ def _astropy_fits(path: Path) -> Any:
         return importlib.import_module("astropy.io.fits")
     except ImportError:
         raise _check.InputError(
-            f"{path}: is a FITS file, which needs the package astropy, and that is not installed; "
+            f"{path}: is a FITS file, which needs the package astropy; "
             "pip install 'chromanoise[fits]'"
         ) from None
 
@@ -70,8 +70,8 @@ def _table(path: Path, part: Any, place: int, at_name: str) -> Found:
     }
     if not 0 < len(curves) <= _MOST_CURVES:
         raise _check.InputError(
-            f"{path}: {len(curves)} columns beside {at_name!r} are as long as that; a table of "
-            f"spectra has 1 to {_MOST_CURVES}"
+            f"{path}: {len(curves)} columns have the length of {at_name!r}; a table of spectra "
+            f"needs 1 to {_MOST_CURVES}"
         )
     unit = known_unit(units[at_name], str(path)) if units[at_name] else ""
     missing = [
@@ -107,7 +107,7 @@ def _numbers(path: Path, part: Any, name: str) -> Array:
     """One number per row, or the one row of a table whose cells are lists; NaN for ``TNULLn``."""
     column = np.asarray(part.data[name])
     if column.dtype.kind not in "fiu" or (column.ndim > 1 and len(column) != 1):
-        raise _check.InputError(f"{path}: the column {name!r} is no list of numbers")
+        raise _check.InputError(f"{path}: the column {name!r} is not a list of numbers")
     values = column.astype(np.float64).ravel()
     stored, null = np.asarray(part.data)[name], part.columns[name].null
     if stored.dtype.kind in "iu" and null is not None:  # TNULLn is the number before TSCALn, TZEROn

@@ -27,13 +27,13 @@ def is_matlab(content: bytes) -> bool:
 
 
 def read_isetcam(path: Path) -> Found:
-    """The curves of a MATLAB file, their names, and the words beside them.
+    """The curves of a MATLAB file, their names, and its other texts.
 
     Raises
     ------
     InputError
-        If it lacks ``wavelength`` or ``data``, or these do not fit each other, and it is no camera
-        of the database of Jiang et al. either.
+        If it lacks ``wavelength`` or ``data``, or these do not fit each other, and it is not a
+        camera of the database of Jiang et al. either.
     """
     arrays = mat_arrays(path)
     if all(name in arrays for name in "rgb") and not any(w in arrays for w in _WAVELENGTHS):
@@ -76,13 +76,13 @@ def read_isetcam(path: Path) -> Found:
 
 
 def _keys(words: Mapping[str, tuple[str, ...]]) -> dict[str, str]:
-    """``type`` says the quantity and ``units`` the unit; ``comment`` and ``name`` are free text."""
+    """``type`` is the quantity and ``units`` the unit; ``comment`` and ``name`` are free text."""
     fields = {"quantity": "type", "unit": "units"}
     return {key: " ".join(words[field]) for key, field in fields.items() if field in words}
 
 
 def _camera_of_jiang(path: Path, arrays: dict) -> Found:
-    """The sensitivities ``r``, ``g``, ``b``, whose wavelengths stand in the paper only.
+    """The sensitivities ``r``, ``g``, ``b``, whose wavelengths are given only in the paper.
 
     Notes
     -----
@@ -96,7 +96,7 @@ def _camera_of_jiang(path: Path, arrays: dict) -> Found:
         raise _check.InputError(
             f"{path}: has r, g and b of {sizes} values, but no wavelengths; only the "
             f"{_JIANG_NM.size} values of the database of Jiang et al. (400-720 nm, step 10 nm) are "
-            "known without; save an array 'wavelength' beside them, or write a CSV"
+            "accepted without; add an array 'wavelength', or write a CSV"
         )
     if not all(np.isfinite(curve).all() for curve in curves.values()):
         raise _check.InputError(f"{path}: r, g or b holds NaN; correct it")
@@ -112,7 +112,7 @@ def _camera_of_jiang(path: Path, arrays: dict) -> Found:
         per="energy",
         level="relative",
         notes=(
-            "the file has no wavelengths: r, g, b of 33 values each are taken for the camera "
+            "the file has no wavelengths: r, g, b of 33 values each are taken as from the camera "
             "database of Jiang et al. (WACV 2013), 400-720 nm in steps of 10 nm, per energy",
         ),
     )

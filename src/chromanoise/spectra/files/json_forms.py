@@ -1,4 +1,4 @@
-"""The forms of JSON in which curves come: one is chosen by the keys that it has."""
+"""The JSON formats of curves; the keys of a file decide which one it is."""
 
 import json
 import re
@@ -21,18 +21,18 @@ _LARGEST = 1e30
 
 
 def read_json(text: str, source: str) -> Found:
-    """The curves in the JSON of this library, of rawtoaces, of DCamProf, or in plain lists.
+    """The curves in JSON of this library, of rawtoaces, of DCamProf, or in plain lists.
 
     Raises
     ------
     InputError
-        If the text is no JSON, names a key twice, or holds curves in none of these forms.
+        If the text is not JSON, has a key twice, or holds curves in none of these formats.
 
     Notes
     -----
     rawtoaces-data has ``spectral_data``; DCamProf (and the collection ssf-data) has ``ssf_bands``
     with ``red_ssf``, ``green_ssf`` and ``blue_ssf`` for a camera, ``bands`` and ``spectrum`` for a
-    light. All other JSON needs one list of wavelengths, and lists of values as long as that.
+    light. Any other JSON needs one list of wavelengths, and lists of values of the same length.
     """
     whole = _parsed(text, source)
     schema = whole.get("schema")
@@ -40,8 +40,8 @@ def read_json(text: str, source: str) -> Found:
         return own_spectra(whole, source)
     if isinstance(schema, str) and schema.startswith("chromanoise "):
         raise _check.InputError(
-            f"{source}: is JSON of the schema {schema[:40]!r}, but curves alone are in "
-            f"{SPECTRA_SCHEMA!r}; convert it to .csv, or name another file"
+            f"{source}: is JSON of the schema {schema[:40]!r}, but curves need the "
+            f"schema {SPECTRA_SCHEMA!r}; convert it to .csv, or name another file"
         )
     try:
         if "ssf_bands" in whole:
@@ -51,7 +51,7 @@ def read_json(text: str, source: str) -> Found:
         if "spectral_data" not in whole and (found := _lists(whole, source)) is not None:
             return found
     except (TypeError, OverflowError) as error:
-        raise _check.InputError(f"{source}: its lists are no curves ({error})") from None
+        raise _check.InputError(f"{source}: its lists are not curves ({error})") from None
     return read_rawtoaces(whole, source)
 
 
@@ -61,7 +61,7 @@ def _parsed(text: str, source: str) -> dict[str, Any]:
         if len(members) < len(pairs):
             names = [name for name, _ in pairs]
             twice = next(name for name in names if names.count(name) > 1)
-            raise _check.InputError(f"{source}: the key {twice[:40]!r} stands twice; drop one")
+            raise _check.InputError(f"{source}: the key {twice[:40]!r} occurs twice; remove one")
         return members
 
     try:
@@ -70,18 +70,18 @@ def _parsed(text: str, source: str) -> dict[str, Any]:
         raise
     except json.JSONDecodeError as error:
         raise _check.InputError(
-            f"{source}: line {error.lineno}, column {error.colno} is no JSON ({error.msg})"
+            f"{source}: line {error.lineno}, column {error.colno} is not JSON ({error.msg})"
         ) from None
     except (RecursionError, ValueError):  # a number of thousands of digits is a ValueError
         raise _check.InputError(
-            f"{source}: its brackets are nested too deep, or a number is too long"
+            f"{source}: its brackets are nested too deeply, or a number is too long"
         ) from None
     assert isinstance(whole, dict)  # it begins with a brace
     return whole
 
 
 def _camera_of_dcamprof(whole: Mapping[str, Any], source: str) -> Found:
-    """DCamProf multiplies the curves by spectra of power, so they count light per energy."""
+    """A camera. DCamProf multiplies the curves by spectral power, so the response is per energy."""
     missing = [key for key in _SSF.values() if key not in whole]
     if missing:
         raise _check.InputError(
@@ -100,7 +100,7 @@ def _camera_of_dcamprof(whole: Mapping[str, Any], source: str) -> Found:
         level="relative",
         notes=(
             *((f"the file says: camera_name: {str(name)[:200]}",) if name else ()),
-            "light is counted as energy, and only the shape of the curves is meant, as in DCamProf",
+            "taken as relative response per energy, as in DCamProf",
         ),
     )
 
@@ -123,7 +123,7 @@ def _spectrum_of_dcamprof(whole: Mapping[str, Any], source: str) -> Found:
 
 
 def _bands(told: Any, source: str) -> Array:
-    """Wavelengths one by one, or three numbers: first, last, step."""
+    """Wavelengths from a list of all, or from three numbers: first, last, step."""
     bands = array_of(told, 1)
     if bands.size != 3 or not 0 < bands[2] <= bands[1]:
         return bands
@@ -136,7 +136,7 @@ def _bands(told: Any, source: str) -> Array:
 
 
 def _lists(whole: Mapping[str, Any], source: str) -> Found | None:
-    """One list of wavelengths and lists beside or below it that are as long; None without."""
+    """Curves from one list of wavelengths and lists at its level or one below; else None."""
     keys = [k for k, v in whole.items() if isinstance(v, list) and _WAVELENGTHS.fullmatch(k)]
     if len(keys) != 1:
         return None

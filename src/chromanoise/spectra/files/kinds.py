@@ -1,4 +1,4 @@
-"""Files that hold no curves as text, known by their first bytes."""
+"""Files of other kinds, recognized by their first bytes."""
 
 import struct
 
@@ -32,7 +32,7 @@ _START = 512
 
 
 def kind_of(content: bytes) -> tuple[str, str] | None:
-    r"""What a file is by its first bytes, and what to do with it; None where it may be text.
+    r"""The kind of a file by its first bytes, and what to do with it; None if it may be text.
 
     Examples
     --------
@@ -43,14 +43,14 @@ def kind_of(content: bytes) -> tuple[str, str] | None:
         if content.startswith(start):
             return name, cure
     if content[:_START].lstrip().lower().startswith(_HTML):
-        return "an HTML page", "save the file behind it, or its table as CSV"
+        return "an HTML page", "download the file that it links to, or save its table as CSV"
     if len(content) > 20 and _is_matlab_4(content):
         return "a MATLAB 4 file", "save it with -v7"
     return None
 
 
 def kind_of_zip(names: list[str]) -> tuple[str, str] | None:
-    """What a ZIP archive is by the names in it; None for a workbook.
+    """The kind of a ZIP archive by the names in it; None for a workbook.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Tables that are laid out otherwise: spectra in rows, units inside the cells of wavelengths."""
+"""Other table layouts: spectra in rows, units in the cells of wavelengths."""
 
 import re
 from collections.abc import Sequence
@@ -14,13 +14,13 @@ _LEAST_NM = 100.0
 
 
 def as_columns(rows: Sequence[Row]) -> tuple[Sequence[Row], tuple[str, ...]]:
-    """The rows with one wavelength each, and a note if they had to be turned for it.
+    """Rows with one wavelength each, and a note if the table was transposed.
 
     Notes
     -----
-    Spectra stand in rows if the heading holds increasing wavelengths behind one or more cells of
-    words, and the rows below begin with words, or with whole numbers of which some are too small
-    to be wavelengths. A heading that says ``wavelength`` over numbers is that of columns.
+    Spectra are in rows if the heading has increasing wavelengths after one or more cells of words,
+    and the rows below begin with words, or with whole numbers of which some are too small to be
+    wavelengths. If the heading says ``wavelength`` above numbers, spectra are in columns.
     """
     for i, row in enumerate(rows):
         words = next((k for k, cell in enumerate(row.cells) if _wavelength(cell)), 0)
@@ -58,7 +58,7 @@ def with_plain_wavelengths(rows: Sequence[Row]) -> Sequence[Row]:
 
 
 def _wavelength(cell: str) -> str:
-    """The number of a wavelength in a heading, or nothing."""
+    """The number of a wavelength in a heading; empty if there is none."""
     match = _IN_NM.fullmatch(cell)
     return match[1] if match else cell if _PLAIN.fullmatch(cell) else ""
 
@@ -83,7 +83,7 @@ def _are_spectra(corner: tuple[str, ...], heads: Sequence[str], below: Sequence[
 
 
 def _mostly_words(column: Sequence[str]) -> bool:
-    """Whether more cells hold words than numbers: one bad number is none of the names of rows."""
+    """Whether more cells hold words than numbers; a single bad number does not count as a name."""
     return sum(1 for cell in column if not _PLAIN.fullmatch(cell)) > len(column) / 2
 
 
@@ -100,5 +100,5 @@ def _turned(
         Row(number=row.number, cells=(head, *cells))
         for head, cells in zip(heads, values, strict=True)
     ]
-    note = f"its spectra stand in rows: {len(below)} at {len(heads)} wavelengths"
+    note = f"its spectra are in rows: {len(below)} at {len(heads)} wavelengths"
     return [heading, *turned], (note,)

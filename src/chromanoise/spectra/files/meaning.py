@@ -50,7 +50,7 @@ _DEVIATION = (
 )
 _MOST_UM, _LEAST_NM = 20.0, 100.0
 _SENSITIVE_NM = (400.0, 1050.0)
-_MOSTLY = 0.5  # of the steps, up less down
+_MOSTLY = 0.5  # of the steps, ascending minus descending
 _SMALL_NEGATIVE = 0.01  # of the highest value of its curve
 _FRACTION_AT_MOST, _PERCENT_AT_MOST = 1.5, 100.0
 _MOST_SENTENCES = 3
@@ -131,7 +131,7 @@ def _chosen(found: Found, answers: Answers) -> tuple[list[Column], list[Column]]
 def _wavelength_unit(
     found: Found, answers: Answers, columns: list[Column]
 ) -> tuple[Unit, tuple[str, ...]]:
-    """The declared unit; else the answered one; else the only one that fits the numbers."""
+    """The declared unit, else that of the option, else the only one that fits the numbers."""
     known = [c.wavelength for c in columns if c.wavelength.size]
     if not known:
         raise _check.InputError(f"{found.source}: its curves have no points")
@@ -145,14 +145,14 @@ def _wavelength_unit(
     if declared and other:
         if answer is None:
             raise _check.InputError(
-                f"{found.source}: its wavelengths are {span} {declared} by its heading; are they "
-                f"in {declared}? if they are in {other}, say --wavelength-unit {other}"
+                f"{found.source}: its wavelengths are {span} {declared} by its heading, but the "
+                f"numbers look like {other}; give --wavelength-unit {other} or {declared}"
             )
         declared = answer  # the numbers contradict the heading
     if answer and declared and answer != declared:
         raise _check.InputError(
-            f"{found.source}: declares its wavelengths in {declared}, but --wavelength-unit says "
-            f"{answer}; leave the option away, or correct the file"
+            f"{found.source}: declares its wavelengths in {declared}, but --wavelength-unit is "
+            f"{answer}; omit the option, or correct the file"
         )
     if declared or answer:
         return declared or answer or "nm", ()
@@ -167,7 +167,7 @@ def _wavelength_unit(
 
 
 def _contradicted(declared: Unit | None, low: float, high: float) -> Unit | None:
-    """The unit that wavelengths may have which cannot have the declared one."""
+    """The unit that is more plausible for the numbers than the declared one; None if none is."""
     if declared == "nm" and high < _MOST_UM:
         return "um"
     if declared == "um" and low >= _LEAST_NM:
@@ -177,14 +177,14 @@ def _contradicted(declared: Unit | None, low: float, high: float) -> Unit | None
 
 def _unit_wanted(found: Found, span: str) -> _check.InputError:
     return _check.InputError(
-        f"{found.source}: does not declare the unit of its wavelengths, {span}; say "
+        f"{found.source}: does not declare the unit of its wavelengths, {span}; give "
         "--wavelength-unit nm, um, angstrom or 1/cm (for a filter --filter-wavelength-unit, for an "
         "illuminant --illuminant-wavelength-unit)"
     )
 
 
 def _is_ordered(at: Array) -> bool:
-    """Whether most steps go one way: numbers in no order may be no wavelengths at all."""
+    """Whether most steps have the same sign; unordered numbers may not be wavelengths."""
     signs = np.sign(np.diff(at))
     return bool(abs(signs.sum()) >= _MOSTLY * np.count_nonzero(signs))
 
@@ -195,7 +195,7 @@ def _unit_of_key(found: Found) -> Unit | None:
 
 
 def _declared_unit(found: Found) -> Unit | None:
-    """The unit that format, heading or key declares; two that differ are refused."""
+    """The unit that format, heading or key declares; different declarations are refused."""
     try:
         units = {
             "its format": found.wavelength_unit,
@@ -222,7 +222,7 @@ def _quantity(found: Found, answers: Answers, columns: list[Column]) -> Quantity
 
 
 def _heads(found: Found, columns: list[Column]) -> str:
-    """Headings and declared units, in small letters: what decides."""
+    """Headings and declared units in lower case, the only text that decides."""
     heads = (f"{c.name} [{c.unit}]" if c.unit else c.name for c in columns)
     return " ; ".join([*heads, found.keys.get("unit", "")]).lower()
 
@@ -264,7 +264,7 @@ def _scale(
 
 
 def _highest(points: Sorted) -> float:
-    """The highest value where sensors use it, else anywhere; at least 0."""
+    """The highest value at wavelengths that sensors use, else anywhere; at least 0."""
     at = points.wavelength_nm
     here = points.values[(at >= _SENSITIVE_NM[0]) & (at <= _SENSITIVE_NM[1])]
     return float((here if here.size else points.values).max(initial=0.0))
@@ -299,7 +299,7 @@ def _per(
 
 
 def _without_small_negatives(curves: Spectra, answers: Answers) -> tuple[Spectra, tuple[str, ...]]:
-    """Small negative values as 0, where the user wants that; larger ones stay as they are."""
+    """The curves with small negative values set to 0, if the user chose that."""
     small = (curves.values < 0) & (
         curves.values >= -_SMALL_NEGATIVE * curves.values.max(axis=0, keepdims=True)
     )
@@ -315,11 +315,11 @@ def _without_small_negatives(curves: Spectra, answers: Answers) -> tuple[Spectra
 def _unnamed(found: Found, columns: list[Column], answers: Answers) -> tuple[str, ...]:
     if found.named or len(columns) < 2 or answers.columns:
         return ()
-    return ("its columns have no names: each is taken as a curve, none as a deviation",)
+    return ("its columns have no names: each is taken as a curve, none as a standard deviation",)
 
 
 def _few(sentences: tuple[str, ...]) -> tuple[str, ...]:
-    """The first of many sentences of a kind, and how many follow."""
+    """The first sentences of a kind, and the number of the others."""
     more = len(sentences) - _MOST_SENTENCES
     if more <= 1:
         return sentences

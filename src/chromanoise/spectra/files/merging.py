@@ -47,7 +47,7 @@ class Sorted:
 
 
 def in_nm(wavelength: Float[Array, " m"], unit: Unit) -> Float[Array, " m"]:
-    """Wavelengths of a unit, or wavenumbers in 1/cm, as nm in the same order. [nm]
+    """Wavelengths in a unit, or wavenumbers in 1/cm, converted in the same order. [nm]
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""JSON in schemas of this library, with a version: all digits, and no other version is read."""
+"""JSON in versioned schemas of this library; files of other versions are refused."""
 
 import json
 from collections.abc import Mapping
@@ -15,7 +15,7 @@ SCHEMA_VERSION = 1
 
 SPECTRA_SCHEMA = "chromanoise spectra"
 UNIT_OF_COLUMN = {"1": "", "e-/photon": ""}
-"""Units that the quantity says already: in a heading, e-/photon would mean absolute as well."""
+"""Units that the quantity implies; in a heading, e-/photon would also declare absolute values."""
 
 _LARGEST = 1e30  # as in all other files of spectra
 
@@ -106,10 +106,9 @@ def own_spectra(held: Mapping[str, Any], source: str) -> Found:
 
 
 def declared(facts: Mapping[str, str], notes: tuple[str, ...] = ()) -> dict[str, Any]:
-    """Quantity, level, per and scale of `Found`, as a file written by this library declares them.
+    """Quantity, level, per and scale that a file of this library declares, as fields of `Found`.
 
-    Words that are none of the known ones declare nothing. Files of earlier versions have level and
-    per among their notes.
+    Unknown words are ignored. Files of earlier versions have level and per in their notes.
 
     Examples
     --------
@@ -130,7 +129,7 @@ def declared(facts: Mapping[str, str], notes: tuple[str, ...] = ()) -> dict[str,
 
 
 def unfit(source: str, what: str, error: Exception) -> InputError:
-    """The complaint about JSON of a known schema in which something is missing or wrong."""
+    """The error for JSON of a known schema in which something is missing or wrong."""
     told = f"{error.args[0]!r} is missing" if isinstance(error, KeyError) else str(error)
     told = " ".join(told.split())[:200]
     return InputError(f"{source}: not the JSON of a {what} as chromanoise writes it ({told})")

@@ -1,7 +1,6 @@
-"""What neither a file nor its user has said, as questions with the options that answer them.
+"""Facts that neither a file nor its user has declared, as questions with the options for them.
 
-The questions of a use are those on which a command stops: `chromanoise inspect` shows them, and
-`qe_of` and `power_of` refuse with the same words.
+`chromanoise inspect` shows the questions; `qe_of` and `power_of` refuse with the same words.
 """
 
 import re
@@ -21,7 +20,7 @@ Use = Literal["sensor", "light", "filter", "reflectance"]
 
 
 def use_of(quantity: Quantity | None) -> Use:
-    """What curves of a quantity are for; what names none may be a sensor's."""
+    """The use of curves of a quantity; without a quantity, a sensor."""
     others: dict[Quantity | None, Use] = {
         "power": "light",
         "transmittance": "filter",
@@ -31,16 +30,16 @@ def use_of(quantity: Quantity | None) -> Use:
 
 
 def questions_of(told: Understood, words: str, answers: Answers) -> Understood:
-    """The same with its open questions, as the use asks them that its quantity suggests.
+    """The same with the open questions of the use that its quantity suggests.
 
     Parameters
     ----------
     told
-        What was understood of the file.
+        The parsed file.
     words
-        The file's free text: it is quoted in a question, and answers none.
+        The file's free text, which a question may quote but which answers none.
     answers
-        What the user said.
+        The user's answers.
     """
     use = use_of(told.quantity)
     own = tuple(sensor_questions(told, answers)) if use == "sensor" else ()
@@ -55,11 +54,11 @@ def questions_of(told: Understood, words: str, answers: Answers) -> Understood:
 
 
 def sensor_questions(told: Understood, answers: Answers) -> Iterator[Question]:
-    """What no sensor can be made without: how light was counted, and how high the curves are."""
+    """Questions about a sensor: per photon or per energy, and the height of the curves."""
     if told.per is None and not _documented(told):
         yield Question(
             about="per",
-            asks="its response may be per energy or per photon",
+            asks="it does not declare whether its response is per energy or per photon",
             options="--energy or --photons",
         )
     if told.level == "relative" or (told.level is None and looks_normalized(told.curves)):
@@ -68,13 +67,13 @@ def sensor_questions(told: Understood, answers: Answers) -> Iterator[Question]:
     elif told.level is None and told.quantity != "QE" and not _documented(told):
         yield Question(
             about="level",
-            asks="it does not say whether its heights are absolute or relative",
+            asks="it does not declare whether its values are absolute or relative",
             options="--absolute or --relative",
         )
 
 
 def light_questions(told: Understood) -> Iterator[Question]:
-    """What no illuminant can be made without: which curve it is, and how light was counted."""
+    """Questions about an illuminant: which curve it is, and as energy or in photons."""
     names = told.curves.names
     if len(names) != 1:
         yield Question(
@@ -85,13 +84,13 @@ def light_questions(told: Understood) -> Iterator[Question]:
     if told.per is None:
         yield Question(
             about="per",
-            asks="it does not say whether it counts light as energy or in photons",
+            asks="it does not declare whether light is counted as energy or in photons",
             options="--illuminant-energy or --illuminant-photons",
         )
 
 
 def _documented(told: Understood) -> bool:
-    """A table headed ``wavelength_nm``: absolute QE per photon unless it says otherwise."""
+    """A table headed ``wavelength_nm``: absolute QE per photon unless it declares otherwise."""
     return told.own_form and told.quantity is None
 
 
@@ -100,14 +99,14 @@ def _peak(told: Understood) -> Question:
         why, options = "its curves are relative", "--peak-qe"
     else:
         why = "its highest value is exactly 1 or 100"
-        options = "--peak-qe, or --absolute if they are QE as they are"
-    return Question(about="peak_qe", asks=f"{why}; which QE is the highest?", options=options)
+        options = "--peak-qe, or --absolute if the values are QE"
+    return Question(about="peak_qe", asks=f"{why}; what is the highest QE?", options=options)
 
 
 def _quantity(told: Understood, words: str) -> Iterator[Question]:
     if told.quantity is None and not _documented(told):
         found = re.search(_MENTIONED, words)
-        hint = f" (its text mentions {found[1]!r}, which decides nothing)" if found else ""
+        hint = f" (its text mentions {found[1]!r}, but free text is not used)" if found else ""
         yield Question(
             about="quantity",
             asks=f"what are the curves?{hint}",
@@ -133,6 +132,6 @@ def _beyond(told: Understood, answers: Answers) -> Iterator[Question]:
     if answers.beyond == "refuse" and (low > _GRID_NM[0] or high < _GRID_NM[1]):
         yield Question(
             about="beyond",
-            asks=f"the curves cover {low:g}-{high:g} nm of 400-1050 nm: what are they beyond?",
+            asks=f"the curves cover {low:g}-{high:g} nm of 400-1050 nm: what is beyond?",
             options="--beyond zero or hold",
         )

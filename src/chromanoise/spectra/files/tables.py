@@ -72,7 +72,7 @@ def table_of(
 ) -> Found:
     """The curves of a table: one column of wavelengths and n curves, or two columns per curve.
 
-    Where ``unit`` is given, it is that of all curves, and headings are names alone.
+    If ``unit`` is given, it applies to all curves, and headings contain only names.
 
     Raises
     ------
@@ -99,7 +99,7 @@ def table_of(
     keys = dict(declared_keys([*comments, *(": ".join(h) for h in heads if len(h) == 2)]))
     if any("%" in cell for cell in body[0].cells):
         keys["scale"] = "percent"
-    if unit is not None:  # given beside the quantity, it says nothing of the level
+    if unit is not None:  # the unit of a quantity, which does not declare the level
         keys.pop("unit", None)
     found = {
         "source": source, "format": form, "words": words, "keys": keys,
@@ -149,7 +149,7 @@ def _refuse_wavelengths_elsewhere(names: tuple[str, ...], source: str) -> None:
         k = others[0]
         raise _check.InputError(
             f"{source}: its heading says {names[k][:40]!r} over column {k + 1}; put the "
-            "wavelengths into the first column, and leave out what is no curve"
+            "wavelengths into the first column, and remove columns that are not curves"
         )
 
 
@@ -282,7 +282,7 @@ def missing_told(name: str, wavelength: Array, known: Array, what: str) -> list[
 
 
 def name_and_unit(text: str) -> tuple[str, str]:
-    """The name of a column and the unit in brackets behind it, or of one percent sign.
+    """The name of a column and the unit after it, in brackets or as a percent sign.
 
     Spaces inside the unit do not matter: ``[A / W]`` is A/W, ``(nm )`` is nm.
 

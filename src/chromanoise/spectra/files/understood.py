@@ -43,7 +43,7 @@ class Answers:
     peak_qe
         Of relative curves of a sensor: the highest quantum efficiency. [e-/photon]
     negatives
-        Whether small negative values, as of digitizing or of a dark reading, are taken as 0.
+        Whether small negative values, as digitizing or a dark reading leaves them, are set to 0.
     """
 
     quantity: Quantity | None = None
@@ -93,7 +93,7 @@ class Question:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Row:
-    """The cells of one row, and the line of the file in which they stand."""
+    """The cells of one row, and its line in the file."""
 
     number: int
     cells: tuple[str, ...]
@@ -140,9 +140,9 @@ class Found:
     heading
         What stands over the column of wavelengths.
     words
-        Titles and comments: free text, which decides nothing.
+        Titles and comments: free text, which has no effect.
     keys
-        What the file declares, as `declared_keys` names it.
+        Declarations of the file, with the names of `declared_keys`.
     delimiter, decimal
         How a text parts cells and fractions; empty where that does not apply.
     quantity, level, per, wavelength_unit, scale

@@ -68,12 +68,12 @@ def qe_of(told: Understood, answers: Answers) -> Spectra:
 
 
 def _refuse_open(told: Understood, questions: Iterable[Question]) -> None:
-    """Ask, in one sentence, for all that the curves cannot be used without."""
+    """Refuse curves with open questions, in one sentence that names all of them."""
     asked = tuple(questions)
     if asked:
         why = "; ".join(question.asks for question in asked)
         raise _check.InputError(
-            f"{told.curves.source}: {why}; say "
+            f"{told.curves.source}: {why}; give "
             + ", and ".join(question.options for question in asked)
         )
 
@@ -95,15 +95,15 @@ def power_of(told: Understood) -> Spectra:
     Raises
     ------
     InputError
-        If it is not one curve, not known whether light was counted as energy or in photons, or
-        given per wavenumber.
+        If it is not one curve, is given per wavenumber, or does not declare whether light is
+        counted as energy or in photons.
     """
     curves = told.curves
     _refuse_open(told, light_questions(told))
     if told.wavelength_unit == "1/cm":
         raise _check.InputError(
-            f"{curves.source}: gives light over wavenumbers, where each 1/cm holds another number "
-            "of nm; convert it to light per nm over wavelengths"
+            f"{curves.source}: gives light per wavenumber, and 1/cm is not a constant number "
+            "of nm; convert it to light per nm"
         )
     notes = _said(replace(told, defects=defects_of_a_light(told.defects)))
     if told.per == "photon":

@@ -1,4 +1,4 @@
-"""Lists of wavelengths in files: their usual names, their unit, and which of several is meant."""
+"""Lists of wavelengths in files: their usual names, their units, and which of several applies."""
 
 import re
 from collections.abc import Callable, Collection, Sequence
@@ -46,18 +46,18 @@ _SAME = 1e-5  # single precision and rounded units
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Listed:
-    """One list in a file that may hold the wavelengths, numbers unread.
+    """A list in a file that may hold the wavelengths, not yet read.
 
     Attributes
     ----------
     name
-        In the file; a unit may end it (``bands_nm``).
+        In the file; it may end in a unit (``bands_nm``).
     size
-        How many numbers it holds.
+        Number of its entries.
     numbers
-        Reads them.
+        Function that reads them.
     unit
-        As the file declares it beside the list; empty where it does not.
+        As the file declares it for the list; empty if it does not.
     """
 
     name: str
@@ -72,7 +72,7 @@ def is_list(shape: tuple[int, ...]) -> bool:
 
 
 def fitting(lists: Sequence[Listed], lengths: Collection[int]) -> tuple[Listed, ...]:
-    """The lists of one of these lengths; else the first, of which it is said that it fits none."""
+    """The lists with one of these lengths; else the first, which the caller refuses."""
     fit = tuple(one for one in lists if one.size in lengths)
     return fit or tuple(lists[:1])
 
@@ -85,7 +85,7 @@ def listed_wavelengths(
     Raises
     ------
     InputError
-        If the unit of a list cannot be told, or two lists differ.
+        If the unit of a list is not known, or two lists differ.
     """
     (first, notes), *others = [_nanometers_of(path, one) for one in lists]
     for one, (other, _) in zip(lists[1:], others, strict=True):
@@ -100,19 +100,19 @@ def listed_wavelengths(
 def _nanometers_of(path: Path | str, one: Listed) -> tuple[Float[Array, " m"], Notes]:
     if not 1 <= one.size <= _MOST_WAVELENGTHS:
         raise _check.InputError(
-            f"{path}: array {printable(one.name)!r} lists {one.size} wavelengths; mend it, or "
+            f"{path}: array {printable(one.name)!r} lists {one.size} wavelengths; correct it, or "
             "give --wavelengths FIRST:LAST in nm, or a file of them"
         )
     return nanometers(path, one.name, np.ravel(one.numbers()), one.unit)
 
 
-@np.errstate(all="ignore")  # what overflows is refused as no light
+@np.errstate(all="ignore")  # overflows are refused later, as not in the range of light
 def nanometers(
     path: Path | str, name: str, values: Array, unit: str, *, unit_key: str = "unit"
 ) -> tuple[Float[Array, " m"], Notes]:
     """Wavelengths in nm, from the unit declared, else from the name or the size of the numbers.
 
-    Numbers that could be nm as well as Angstrom are not guessed.
+    Numbers that could be either nm or Angstrom are refused.
 
     Parameters
     ----------
@@ -121,14 +121,14 @@ def nanometers(
     values
         The numbers, in any unit.
     unit
-        As the file declares it; empty where it does not.
+        As the file declares it; empty if it does not.
     unit_key
-        What the file calls the place of its unit.
+        Name of the field in the file that declares the unit.
 
     Raises
     ------
     InputError
-        If the unit is neither declared nor unmistakable.
+        If the unit is neither declared nor clear from the numbers.
 
     Examples
     --------
@@ -151,6 +151,6 @@ def nanometers(
             return listed * NM_PER[fitting], (f"{name!r} has {told}: wavelengths taken as {what}",)
     raise _check.InputError(
         f"{path}: {printable(name)!r} has {told} for wavelengths {low:g} .. {high:g}, so they "
-        "cannot be turned into nm; say nm or um there, or give --wavelengths FIRST:LAST in nm, or "
-        "a file of them"
+        "cannot be converted to nm; declare nm or um there, or give --wavelengths FIRST:LAST in nm "
+        "or a file of them"
     )

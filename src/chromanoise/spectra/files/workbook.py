@@ -9,7 +9,7 @@ from chromanoise import _check
 from chromanoise.spectra.files.tables import Row, table_of
 from chromanoise.spectra.files.understood import Found
 
-_LARGEST_BYTES = 16 * 2**20  # which take some seconds
+_LARGEST_BYTES = 16 * 2**20  # these take some seconds to read
 _MOST_ROWS, _MOST_COLUMNS = 20_000, 1_000
 
 

@@ -82,7 +82,7 @@ def compared(
     quantity
         What is asked: one of `QUANTITIES`, or your own.
     progress
-        Called with the number of values that are finished, of all values of all curves.
+        Called with the number of newly finished values, out of all values of all curves.
 
     Raises
     ------

@@ -52,7 +52,7 @@ def spectra_csv(spectra: Spectra, facts: Mapping[str, str] | None = None) -> str
     spectra
         Any.
     facts
-        What else is known of them: level, per and scale, in the words of `Found`.
+        Other facts: level, per and scale, with the values of `Found`.
 
     Raises
     ------
@@ -186,7 +186,7 @@ def spectra_spdx(
     created
         Date of the document, e.g. ``2026-01-31``: a clock would make every file another.
     facts
-        As `spectra_csv`; they stand in the comments.
+        As for `spectra_csv`; they are written into the comments.
 
     Raises
     ------
@@ -304,7 +304,7 @@ def mosaic_text(mosaic: Mosaic | None) -> str:
 def _but_folder(source: str) -> str:
     """A source that is a file by its name: where it lay says nothing elsewhere."""
     path = Path(source)
-    there = os.path.isfile(source)  # noqa: PTH113, which also takes names that are too long
+    there = os.path.isfile(source)  # noqa: PTH113 - also accepts names that are too long
     return path.name if path.is_absolute() or there else source
 
 

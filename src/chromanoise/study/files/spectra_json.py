@@ -1,4 +1,4 @@
-"""Sensors and spectra in JSON of this library: all that they hold; sensors are read here too."""
+"""Sensors and spectra as JSON of this library, and the reader of sensors."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, fields
@@ -28,14 +28,14 @@ _LARGEST_GRID = 1_000_000
 
 
 def spectra_json(spectra: Spectra, facts: Mapping[str, str] | None = None) -> str:
-    """All of the spectra, as `read_curves` reads it.
+    """All data of the spectra, in the form that `read_curves` reads.
 
     Parameters
     ----------
     spectra
         Any.
     facts
-        What else is known of them: level, per and scale, in the words of `Found`.
+        Other facts: level, per and scale, with the values of `Found`.
     """
     return as_json(
         {
@@ -124,12 +124,12 @@ def _origin(value: Any) -> Origin:
 
 def _whole(value: Any) -> int:
     if not number_of(value).is_integer():
-        raise TypeError(f"{str(value)[:40]} is no whole number")
+        raise TypeError(f"{str(value)[:40]} is not a whole number")
     return int(value)
 
 
 def _held(told: dict[str, Any], names: Sequence[str], kind: Callable[[Any], Any]) -> dict[str, Any]:
-    """The values of these names, where they are there."""
+    """The values of these names, if present."""
     return {name: kind(told[name]) for name in names if name in told}
 
 

@@ -91,7 +91,7 @@ def reproduced(
     clip
         Hold each draw between black and full well; the paper does not.
     progress
-        Called with the number of draws that are finished, of ``draws`` for each of
+        Called with the number of newly finished draws, out of ``draws`` for each of
         `witnessed_columns`.
 
     Raises
@@ -116,7 +116,7 @@ def reproduced(
 
 
 def witnessed_columns(study: PaperStudy) -> dict[str, Analysis]:
-    """The columns of the tables that Monte Carlo repeats."""
+    """The columns of the tables that are checked by Monte Carlo."""
     return {**study.columns, **study.greens}
 
 

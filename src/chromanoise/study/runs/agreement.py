@@ -1,4 +1,4 @@
-"""How well the outputs of two runs of one study agree: in bytes, or up to which difference."""
+"""Agreement of the outputs of two runs of one study: identical bytes, or the largest difference."""
 
 import filecmp
 import json
@@ -15,25 +15,25 @@ from chromanoise._check import Array
 from chromanoise.study.runs.records import STUDY_FILE, output_files
 
 _ROUNDING = 1e-9
-"""Relative difference up to which other kernels of a BLAS were seen to change an analysis."""
+"""Largest relative difference of an analysis expected from other BLAS kernels."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Agreement:
-    """Of a second run with the first.
+    """Agreement of a second run with the first.
 
     Attributes
     ----------
     files
-        How many files the second run wrote.
+        Number of files that the second run wrote.
     other_bytes
-        Names of those that have other bytes in the first, or are not there.
+        Names of files whose bytes differ in the first run, or that it lacks.
     largest
         Largest relative difference of two numbers, ``|a - b| / max(|a|, |b|)``. [1]
     where
-        File and place of that number; empty where no number differs.
+        File and place of that number; empty if no number differs.
     incomparable
-        Files and places where not only numbers differ.
+        Files and places where something other than a number differs.
     """
 
     files: int
@@ -44,18 +44,18 @@ class Agreement:
 
 
 def agreement_of(first: Path, second: Path) -> Agreement:
-    """How well the files of a whole second run agree with those of the same names in the first.
+    """Agreement of the files of a complete second run with those of the same names in the first.
 
     Parameters
     ----------
     first, second
-        The folders of the runs. Of the record of a run only the bytes are compared, of a result
-        its numbers, of a picture the values of its pixels.
+        The folders of the runs. The record of a run is compared by its bytes, a result by its
+        numbers, a picture by its pixel values.
 
     Raises
     ------
     InputError
-        If the second run is not whole.
+        If the second run is incomplete.
     """
     names = output_files(second)
     other = tuple(name for name in names if not _same_bytes(first / name, second / name))
@@ -65,7 +65,7 @@ def agreement_of(first: Path, second: Path) -> Agreement:
             continue
         try:
             found = list(_differences(first / name, second / name))
-        except (OSError, ValueError):  # not there, or not the file that a run wrote
+        except (OSError, ValueError):  # missing, or not a file that a run wrote
             found = [(np.inf, "")]
         for difference, place in found:
             if not np.isfinite(difference):
@@ -85,15 +85,15 @@ def agreement_text(found: Agreement) -> str:
     """The agreement in one sentence."""
     if not found.other_bytes:
         return f"all {found.files} files have the same bytes as the original"
-    parts = [f"{len(found.other_bytes)} of {found.files} files have other bytes than the original"]
+    parts = [f"{len(found.other_bytes)} of {found.files} files differ from the original"]
     if found.incomparable:
         more = f" and {len(found.incomparable) - 3} more" if len(found.incomparable) > 3 else ""
         parts.append(f"not comparable: {', '.join(found.incomparable[:3])}{more}")
     if found.where:
-        size = "no more" if found.largest <= _ROUNDING else "more"
+        size = "within" if found.largest <= _ROUNDING else "above"
         parts.append(
             f"the largest relative difference of a number is {found.largest:.1e}, at {found.where}"
-            f" ({size} than the {_ROUNDING:g} that other processors and libraries explain)"
+            f" ({size} the {_ROUNDING:g} expected from other processors and libraries)"
         )
     elif not found.incomparable:
         parts.append("all numbers are equal")

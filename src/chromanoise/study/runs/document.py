@@ -27,7 +27,7 @@ Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 Finite = Annotated[float, Field(allow_inf_nan=False)]
 Beyond = Literal["refuse", "zero", "hold"]
-_NEGATIVES = "Small negative values of its file, as of digitizing: refused, or taken as 0."
+_NEGATIVES = "Small negative values of its file, as digitizing leaves them: refused, or set to 0."
 
 
 class _Part(BaseModel):
@@ -49,7 +49,7 @@ class LightPart(_Part):
     )
     column: str | None = Field(None, description="Which curve of its file.")
     wavelength_unit: Unit | None = Field(
-        None, description="Of the wavelengths in its file, where it does not declare it."
+        None, description="Unit of the wavelengths, where its file does not declare it."
     )
     negatives: Negatives = Field("refuse", description=_NEGATIVES)
 
@@ -76,7 +76,7 @@ class AnswersPart(_Part):
     )
     per: Literal["photon", "energy"] | None = Field(None, description="How light was counted.")
     wavelength_unit: Unit | None = Field(
-        None, description="Of its wavelengths, where the file does not declare it."
+        None, description="Unit of its wavelengths, where the file does not declare it."
     )
     peak_qe: Annotated[float, Field(gt=0, le=1)] | None = Field(
         None, description="Highest QE of relative curves [e-/photon]."
@@ -96,7 +96,7 @@ class SensorPart(_Part):
         None, description="In front of it: ircut-650 or another of the catalogue, or a file."
     )
     filter_wavelength_unit: Unit | None = Field(
-        None, description="Of the wavelengths in the filter's file, where it does not declare it."
+        None, description="Unit of the wavelengths, where the filter's file does not declare it."
     )
     negatives: Negatives = Field("refuse", description=_NEGATIVES)
     ircut_nm: Annotated[float, Field(ge=450, le=2000)] | None = Field(
@@ -148,8 +148,8 @@ class PicturePart(_Part):
     )
     wavelengths: Annotated[tuple[float, float], Field(strict=False)] | str | None = Field(
         None,
-        description="Where the cube does not say: of the first and the last band [nm], or a text "
-        "file that lists one per band.",
+        description="Where the cube does not declare them: of the first and the last band [nm], or "
+        "a text file that lists one per band.",
     )
     scale: Positive | None = Field(None, description="Reflectance per stored unit.")
     beyond: Beyond = Field("refuse", description="What reflectances are beyond the cube's end.")
@@ -166,10 +166,11 @@ class PicturePart(_Part):
     )
     raw_only: bool = Field(False, description="Codes of the mosaic, no color.")
     bits: Annotated[int, Field(ge=8, le=16)] | None = Field(
-        None, description="Of the converter; those of pixel.file, else 12, where a mosaic is named."
+        None, description="Of the converter, if a mosaic is named; default: of pixel.file, else 12."
     )
     black_level: Annotated[int, Field(ge=0, lt=2**16)] | None = Field(
-        None, description="Code of no light; that of pixel.file, else 0, where a mosaic is named."
+        None,
+        description="Code without light, if a mosaic is named; default: of pixel.file, else 0.",
     )
     frames: Annotated[int, Field(ge=1, le=MOST_FRAMES)] = Field(1, description="Of a burst.")
     formats: Annotated[tuple[str, ...], Field(strict=False, min_length=1)] | None = Field(
@@ -177,22 +178,23 @@ class PicturePart(_Part):
     )
     clip: bool = Field(False, description="Hold electrons between 0 and full well.")
     dark_current_e_per_s: NotNegative | None = Field(
-        None, description="Dark current [e-/s]; its mean is taken off. That of pixel.file, else 0."
+        None,
+        description="Dark current [e-/s]; its mean is subtracted. Default: of pixel.file, else 0.",
     )
     dsnu_e: NotNegative | None = Field(
-        None, description="Dark signal non-uniformity [e-]; that of pixel.file, else 0."
+        None, description="Dark signal non-uniformity [e-]; default: of pixel.file, else 0."
     )
     prnu: Annotated[float, Field(ge=0, le=0.2)] | None = Field(
-        None, description="Photo response non-uniformity; that of pixel.file, else 0."
+        None, description="Photo response non-uniformity; default: of pixel.file, else 0."
     )
     row_noise_e: NotNegative | None = Field(
-        None, description="Noise that a row shares [e-]; 0 where not given."
+        None, description="Noise common to a row [e-]; default: 0."
     )
 
     @field_validator("wavelengths", mode="before")
     @classmethod
     def _ends_or_a_file(cls, told: Any) -> Any:
-        """One sentence, where the schema alone would have one for each kind of value."""
+        """Refuse in one sentence; the schema alone would give one for each type of value."""
         pair = isinstance(told, list | tuple) and len(told) == 2
         numbers = pair and all(isinstance(n, int | float) for n in told)
         if told is None or isinstance(told, str) or numbers:

@@ -180,7 +180,7 @@ def changes_since(study: Study, before: Mapping[str, str]) -> tuple[str, ...]:
 
 
 def file_stamps(study: Study) -> dict[str, tuple[int, int, int] | None]:
-    """Dates and size of every file that a study names: where they are the same, it is unchanged."""
+    """Dates and size of every file that a study names; a file is unchanged if its own are equal."""
     return {str(file): _stamp(file) for file in _files(study)}
 
 
@@ -193,7 +193,7 @@ def _stamp(file: Path) -> tuple[int, int, int] | None:
 
 
 def in_catalog(name: str) -> bool:
-    """Whether a name under which results tell of a file is one of the user's catalogue."""
+    """Whether the name of a file in a result is in the user's catalog."""
     return name.startswith("catalog/")
 
 

@@ -178,7 +178,7 @@ def unmade(study: Study) -> list[tuple[Key, str]]:
     ]
     found += twins(study)
     for i, name in enumerate(study.matrices):
-        if name.partition("=")[0].strip() in METHODS:  # else it is refused as unknown already
+        if name.partition("=")[0].strip() in METHODS:  # others are refused elsewhere, as unknown
             tried(("matrices", i), partial(matrix_makers, [name], "quanta"))
     for i, picture in enumerate(study.pictures):
         if picture.mosaic not in (None, "sensor"):

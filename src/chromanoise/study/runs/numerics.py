@@ -1,4 +1,4 @@
-"""What decides the last digits beyond study and version: processor, libraries, their kernels."""
+"""What determines the last digits besides study and version: processor, libraries, kernels."""
 
 import platform
 from typing import Any
@@ -9,9 +9,9 @@ from threadpoolctl import threadpool_info
 
 
 def numerics() -> dict[str, Any]:
-    """Machine type, libraries and their kernels: where all agree, a study gives the same bytes.
+    """Machine type, libraries and their kernels; if all are equal, a study gives the same bytes.
 
-    ``blas_kernel`` is ``None`` where the BLAS of numpy does not report it.
+    ``blas_kernel`` is ``None`` if the BLAS of numpy does not report it.
     """
     built = np.show_config(mode="dicts")
     blas = built.get("Build Dependencies", {}).get("blas", {})

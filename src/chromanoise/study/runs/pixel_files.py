@@ -25,7 +25,7 @@ from chromanoise.spectra.files.own_json import named
 from chromanoise.study.files.spectra_json import sensor_from_json
 from chromanoise.study.words import asked_of_name, file_of, file_there, is_file_word, sensor_of_word
 
-_HEAD_BYTES = 200  # of the JSON, in which its schema is named
+_HEAD_BYTES = 200  # of the JSON, which name its schema
 _BEFORE_JSON = b"\xef\xbb\xbf \t\r\n"
 _TOLD = ("pitch_um", "full_well_e", "read_noise_e")
 
@@ -68,12 +68,12 @@ def _source(path: Path, text: str) -> PixelSource:
 
 
 def own_sensor_of(path: Path) -> Sensor | None:
-    """The sensor in a JSON of the schema ``chromanoise sensor``; ``None`` for any other file.
+    """The sensor in a JSON file of the schema ``chromanoise sensor``; ``None`` for other files.
 
     Raises
     ------
     InputError
-        If it has that schema, but is of another version or wrong.
+        If it has that schema, but is of another version or invalid.
     """
     regular_file(path)
     try:
@@ -146,8 +146,8 @@ def sensor_with_pixel(
 ) -> Sensor:
     """A sensor as `sensor_of_word` or of our own JSON, on the pixel that a file tells of.
 
-    Pitch, full well and read noise are those of the pixel; what else the file tells, imperfections
-    and converter, the sensor carries to its pictures.
+    The file gives pitch, full well and read noise of the pixel, and the imperfections and the
+    converter, which only pictures of the sensor use.
 
     Parameters
     ----------
@@ -171,7 +171,7 @@ def sensor_with_pixel(
     flaws, converter = _flaws(source), _converter(source)
     if all(value is None for value in told.values()) and not flaws and not converter.known:
         raise InputError(
-            f"{file}: tells neither pitch nor full well nor read noise, nor what a picture uses; "
+            f"{file}: gives neither pitch nor full well nor read noise, nor a value for pictures; "
             f"{'; '.join(source.notes)}"
         )
     merged = {name: told[name] if given[name] is None else given[name] for name in _TOLD}
@@ -185,12 +185,12 @@ def sensor_with_pixel(
 
 
 def _flaws(source: PixelSource) -> dict[str, float]:
-    """The imperfections that the file tells; it tells no zeros."""
+    """The imperfections that the file gives, without zeros."""
     return {name: value for name, value in asdict(source.imperfections).items() if value}
 
 
 def _converter(source: PixelSource) -> Converter:
-    """What is known of the converter: the file's own values, or those of a whole one."""
+    """The known values of the converter, from the file or from its complete converter."""
     adc = source.adc if source.bits is None else None
     try:
         if adc is not None:
@@ -207,7 +207,7 @@ def _converter(source: PixelSource) -> Converter:
 def _notes(
     source: PixelSource, told: dict[str, Any], given: dict[str, Any], more: dict[str, float]
 ) -> list[str]:
-    """Which numbers are the file's, and which stay the sensor's own."""
+    """Notes on which numbers are from the file, and which stay the sensor's own."""
     taken = [name for name in _TOLD if told[name] is not None and given[name] is None]
     won = [name for name in _TOLD if told[name] is not None and given[name] is not None]
     silent = [name for name in _TOLD if told[name] is None and given[name] is None]

@@ -34,21 +34,21 @@ Told = Callable[[str, bool], None]
 
 
 Progress = Callable[[Step], AbstractContextManager[Advance]]
-"""While a step runs: a function to call with the number of its parts that are finished."""
+"""For a step, a context that yields a function to call with the number of finished parts."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RecordedRun:
-    """What an output says of the run that made it.
+    """The run that made an output.
 
     Attributes
     ----------
     study
-        With the names of its files as they are seen from ``place``.
+        With file names relative to ``place``.
     place
-        Where its files are now: the working folder of the run, or where it was moved to.
+        Folder of its files now: the working folder of the run, or where that was moved to.
     folder
-        Of the results.
+        Folder of the results.
     """
 
     study: Study
@@ -78,10 +78,10 @@ def run_study(
     told
         Is told of each step.
     progress
-        Is told how far each step is.
+        Called for each step, to report its finished parts.
     place
-        From which the names of files are told, and the working folder of this process while the
-        study runs; the working folder as it is if ``None``.
+        The folder to which the file names are relative; it is the working folder of this process
+        while the study runs. The current working folder if ``None``.
 
     Returns
     -------
@@ -91,8 +91,8 @@ def run_study(
     Raises
     ------
     InputError
-        If something cannot be computed, or the folder not written, or it holds another study, or
-        a file changes while it is read.
+        If something cannot be computed, the folder cannot be written or holds another study, or a
+        file changes while it is read.
     """
     refuse_unwritable(folder)
     results = folder.absolute()
@@ -113,9 +113,7 @@ def run_study(
             done = _made_by(file, who["hash"])
             if told:
                 altered = file.exists() and not done
-                told(
-                    step.what + ("; its file was changed or is cut short" if altered else ""), done
-                )
+                told(step.what + ("; its file was changed or truncated" if altered else ""), done)
             if not done:
                 with scratch_folder() as scratch, progress(step) as advance:
                     result = step.run(scratch, advance)
@@ -142,15 +140,15 @@ def recorded_run(path: Path) -> RecordedRun:
     Parameters
     ----------
     path
-        Of a file that `run_study` wrote, or its folder. The files of the study are looked for in
-        the recorded folder, in those around the output, and in the working folder, and known
-        again by their content.
+        A file that `run_study` wrote, or its folder. The files of the study are searched in the
+        recorded folder, in the parent folders of the output, and in the working folder, and
+        identified by their content.
 
     Raises
     ------
     InputError
-        If it is no output of a run, was changed, or is of another version of chromanoise; or the
-        files of its study have changed or are not found.
+        If it is not an output of a run, was changed, or is of another version of chromanoise, or
+        if files of its study have changed or are not found.
     """
     file = path / STUDY_FILE if path.is_dir() else path
     if file.suffix.lower() == ".toml":
@@ -180,7 +178,7 @@ def recorded_run(path: Path) -> RecordedRun:
 
 
 def output_files(folder: Path) -> tuple[str, ...]:
-    """Names of all files of a whole run: its record, and each result with its pictures.
+    """Names of all files of a complete run: its record, and each result with its pictures.
 
     Raises
     ------
@@ -194,7 +192,7 @@ def output_files(folder: Path) -> tuple[str, ...]:
 
 
 def _place_record(files: Iterable[str]) -> dict[str, str]:
-    """Where the names of files are told from, if that matters."""
+    """The folder to which file names are relative, if any is."""
     return {"place": str(Path.cwd())} if _relative(files) else {}
 
 
@@ -203,7 +201,7 @@ def _relative(files: Iterable[str]) -> bool:
 
 
 def _place_of(file: Path, told: dict[str, Any], study: Study) -> Path:
-    """The folder from which the study's files are seen with the content that was recorded."""
+    """The folder relative to which the study's files have the recorded content."""
     here, before = Path.cwd(), told.get("files")
     if not isinstance(before, dict):
         return here
@@ -219,7 +217,7 @@ def _place_of(file: Path, told: dict[str, Any], study: Study) -> Path:
                 changed = changes_since(study, before)
         except InputError as error:
             raise named(error, str(file)) from None
-        except (OSError, ValueError):  # there is no such folder
+        except (OSError, ValueError):  # the folder does not exist
             continue
         if not changed:
             return place
@@ -228,7 +226,7 @@ def _place_of(file: Path, told: dict[str, Any], study: Study) -> Path:
 
 
 def _beside(file: Path) -> dict[str, Any]:
-    """The record of the run that wrote the result of a step; nothing if it is not there."""
+    """The record of the run that wrote the result of a step; empty if it is missing."""
     try:
         told = _read(file.parent / STUDY_FILE)
     except InputError:
@@ -258,10 +256,10 @@ def _refuse_other_study(folder: Path, study: Study, who: dict[str, Any], called:
 
 
 def _changed(place: Path, changed: Sequence[str]) -> InputError:
-    """Says which of the files, before a hash says only that something is another."""
+    """The error that names the changed files, which a hash of the study could not."""
     return InputError(
-        f"{place}: {'; '.join(changed[:8])}, so the same digits cannot be promised; bring it "
-        "back, or run the study anew into another folder"
+        f"{place}: {'; '.join(changed[:8])}, so the result cannot be reproduced; restore the "
+        "files, or run the study again into another folder"
     )
 
 
@@ -269,19 +267,19 @@ def _refuse_altered(file: Path, told: dict[str, Any]) -> None:
     if told.get("content") != content_hash(told):
         raise InputError(
             f"{file}: was changed since the run wrote it, as its content hash shows; restore it, "
-            "or run the study anew into another folder"
+            "or run the study again into another folder"
         )
 
 
 def _refuse_change_in_work(study: Study, stamps: Any, before: Mapping[str, str]) -> None:
-    """A result of a file that changed while it was read mixes two states, so it is not kept."""
+    """Refuse a result if a file changed while it was read: it may mix two states of the file."""
     if file_stamps(study) == stamps:
         return
     changed = [sentence.removesuffix(" since") for sentence in changes_since(study, before)]
     if changed:
         raise InputError(
-            f"{'; '.join(changed[:8])} while the study ran, so the result is not kept; run the "
-            "study again when nothing writes its files"
+            f"{'; '.join(changed[:8])} while the study ran, so the result was discarded; run the "
+            "study again when no program writes to its files"
         )
 
 

@@ -40,12 +40,12 @@ class Step:
     what
         In words.
     parts
-        How many parts it has.
+        Number of its parts.
     unit
-        What the parts are.
+        What the parts are, in the plural.
     run
-        Does it: writes pictures into the folder that it is given, calls a function with the
-        number of parts that are finished, and returns plain data.
+        Runs the step: writes pictures into the given folder, calls the given function with the
+        number of newly finished parts, and returns plain data.
     """
 
     name: str

@@ -128,7 +128,7 @@ def _sensor(part: SensorPart) -> str:
 
 
 def _unless_refused(**given: str) -> dict[str, str]:
-    """What stands otherwise than by default."""
+    """The values that are not the default."""
     return {name: value for name, value in given.items() if value != "refuse"}
 
 

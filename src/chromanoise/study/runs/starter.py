@@ -2,8 +2,8 @@
 
 STARTER = """\
 # A chromanoise study: `chromanoise run study.toml` computes all of it, and
-# `chromanoise rerun out/study -o out/again` computes it again and compares the results. Names of
-# files are told from the folder of this file.
+# `chromanoise rerun out/study -o out/again` computes it again and compares the results. File
+# names are relative to the folder of this file.
 schema = 1
 title = "Can the IR-cut be dropped?"
 metric = "quanta"                    # or energy: in which unit a spectrum is a vector

@@ -81,7 +81,7 @@ def _changed(study: Study) -> bool:
     return any(
         sensor.shift_nm
         or sensor.ircut_nm is not None
-        or sensor.negatives != study.light.negatives  # one option is for both
+        or sensor.negatives != study.light.negatives  # one option sets both
         for sensor in study.sensors
     )
 
