@@ -1,4 +1,4 @@
-"""Command lines for every command and option, valid and damaged, each run in a process of its own.
+"""Command lines for every command and option, valid and damaged, each run in a separate process.
 
 ``python tests/command_lines.py SEED COUNT`` prints the lines that broke a rule as JSON. Everything
 is imported once; each line is then run by a fork of that process, in a folder of its own, within
@@ -153,7 +153,7 @@ def npy(array):
 
 
 def input_files():
-    """Small files of every kind that a line may name, by their names."""
+    """Small files of every kind that a command line may name, by name."""
     return {
         "cam.csv": curve_csv("RGB", lambda w, i: f"{0.1 + 0.4 * (abs(w - 650 + 100 * i) < 80)}"),
         "lamp.csv": curve_csv(["power"], lambda w, i: f"{w / 500}"),
@@ -171,7 +171,7 @@ def input_files():
 
 @dataclass
 class Line:
-    """Words of a command line, and the files of its folder that differ from `input_files`."""
+    """Words of a command line, and the files in its folder that differ from `input_files`."""
 
     words: list[str]
     damaged: dict[str, bytes] = field(default_factory=dict)
@@ -179,7 +179,7 @@ class Line:
 
 @dataclass
 class Outcome:
-    """What a line did."""
+    """The result of a command line."""
 
     code: int | str
     out: str
@@ -201,7 +201,7 @@ def valid_values(command, param):
 
 
 def random_line(seed, number, files):
-    """The line of this number: a valid one, then most often damaged once to three times."""
+    """The command line with this number: valid, and usually damaged one to three times."""
     rng = np.random.default_rng([seed, number])
 
     def one(values):
@@ -236,7 +236,7 @@ def option_words(command, option, one):
 
 
 def damage(parts, command, options, line, files, rng, one):
-    """One change for the worse, in place."""
+    """Damage the line once, in place."""
     often = ["value"] * 5 + ["number"] * 6 + ["file"] * 3 + ["cells"] * 3 + ["set"] * 2
     kind = one([*often, "drop", "double", "foreign", "swap", "join", "extra"])
     place = int(rng.integers(len(parts))) if parts else None
@@ -276,7 +276,7 @@ def damage(parts, command, options, line, files, rng, one):
 
 
 def outcome_of(line, files):
-    """Run a line in a fork of this process, in a folder of its own."""
+    """Run a line in a fork of this process, in a new folder."""
     with tempfile.TemporaryDirectory() as base:
         folder, scratch = Path(base, "here"), Path(base, "tmp")
         scratch.mkdir()
@@ -325,7 +325,7 @@ def _run_and_leave(words, base):
             code = stop.code
         except BaseException:
             traceback.print_exc()
-        with contextlib.suppress(ValueError):  # closed where the reader went away
+        with contextlib.suppress(ValueError):  # already closed if the reader is gone
             sys.stdout.flush()
             sys.stderr.flush()
     finally:
@@ -342,7 +342,7 @@ def _waited(process, end):
             _, status, usage = os.wait4(process, 0)
         if done or late:
             with contextlib.suppress(ProcessLookupError):
-                os.killpg(process, signal.SIGKILL)  # what it started and did not end
+                os.killpg(process, signal.SIGKILL)  # processes that it started and did not end
             code = os.waitstatus_to_exitcode(status)
             if late and not done:
                 return f"not done within {WALL_SECONDS} s", usage
@@ -414,7 +414,7 @@ def prepared_files():
 
 
 def broken_lines(seed, numbers, told=lambda number, line, outcome, faults: None):
-    """The lines that break a rule, and figures of all."""
+    """The lines that break a rule, and statistics of all lines."""
     files, broken, codes, slowest, largest = prepared_files(), [], {}, 0.0, 0
     for number in numbers:
         line = random_line(seed, number, files)

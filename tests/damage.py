@@ -1,4 +1,4 @@
-"""Damaged content of files: pieces replaced by what breaks parsers."""
+"""Damaged file contents: pieces replaced by tokens that break parsers."""
 
 TOKENS = [
     *(b"", b"\n", b",", b";", b"\t", b'"', b"'", b"nan", b"1e999", b"-", b"<", b"]", b"[", b"{"),

@@ -1,8 +1,8 @@
-"""Damaged cubes of every format, each read in a process of its own: python damaged_cubes.py COUNT.
+"""Damaged cubes of every format, each read in a separate process: python damaged_cubes.py COUNT.
 
 A process is forked for each file, with limits of memory and time, so that a crash, an endless loop
-or gigabytes of memory are seen and end nothing but that process. What libhdf5 is asked is asked in
-a further process, as in use, only forked instead of started. The summary is JSON on stdout.
+or gigabytes of memory are detected and end only that process. libhdf5 runs in a further process,
+as in production, but forked instead of started. The summary is JSON on stdout.
 """
 
 import gc
@@ -34,7 +34,7 @@ NM = (400.0, 450.0, 500.0, 600.0, 700.0)
 CUBE = np.random.default_rng(5).integers(1, 128, size=(3, 4, 5)) / 128
 WHOLE = (CUBE * 128).astype(np.uint8)
 EVEN = {"wavelengths": (400, 800)}
-MEMORY_BYTES = 2**30  # beyond what the process has before
+MEMORY_BYTES = 2**30  # in addition to the memory that the process has before
 SECONDS = 30.0
 SEED = 7
 SIZES = (0, 1, 2, 5, 127, 128, 255, 2**15, 2**16 - 1, 2**24, 2**31 - 1, 2**31, 2**32 - 1, 2**40)
@@ -206,7 +206,7 @@ def damaged(content, rng):
 
 
 def asked_in_a_fork(path, what, **more):
-    """As `hdf5._asked`, with a process that is forked instead of started."""
+    """Like `hdf5._asked`, but with a forked process."""
     question = {"path": str(path.absolute()), **more}
     reader, writer = os.pipe()
     pid = os.fork()
@@ -249,7 +249,7 @@ def _write_all(handle, raw):
 
 
 def outcome(path, options, checked, original):
-    """What became of one file: right, other numbers, or a sentence; else what went wrong."""
+    """Outcome for one file: right, other numbers, an error sentence, or what went wrong."""
     try:
         cube = read_cube(path, **options)
         source = row_source(cube.stored)
@@ -340,7 +340,7 @@ def prepared(root, name):
 
 
 def main(count, seed=SEED, first=0):
-    """Damage so many files and print what became of them."""
+    """Damage this many files and print the outcomes."""
     hdf5._asked = asked_in_a_fork
     root = Path(tempfile.mkdtemp(dir="/dev/shm" if Path("/dev/shm").is_dir() else None))
     outcomes, faults, largest = {}, [], 0

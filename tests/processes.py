@@ -1,4 +1,4 @@
-"""The command line as a process of its own, which is ended whatever its test does."""
+"""The command line in its own process, which always ends with the test."""
 
 import os
 import signal
@@ -12,7 +12,7 @@ import chromanoise
 from served_page import COMMAND
 
 IGNORING = COMMAND.replace("signal.default_int_handler", "signal.SIG_IGN")
-"""The command as a shell starts it in the background: without Ctrl-C."""
+"""The command as a shell starts it in the background: with SIGINT ignored."""
 
 
 @contextmanager

@@ -50,7 +50,7 @@ def test_no_file_tells_two_stories(path):
 
 
 def test_no_module_but_one_calls_a_linear_solver():
-    """LAPACK may loop for ever over a number that is not finite; `_linalg` checks first."""
+    """LAPACK may loop forever over a number that is not finite; `_linalg` checks first."""
     found = set()
     for path in set(PACKAGE.rglob("*.py")) - {PACKAGE / "_linalg.py"}:
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):

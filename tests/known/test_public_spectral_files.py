@@ -222,7 +222,7 @@ def _cases(entries):
 
 
 @pytest.mark.parametrize("entry", _cases(READ))
-def test_a_public_file_is_read_as_it_declares_itself_and_the_rest_is_asked(tmp_path, entry):
+def test_a_public_file_is_read_as_declared_and_the_rest_is_asked(tmp_path, entry):
     told = read_curves(_written(entry, tmp_path))
     assert told.wavelength_unit == entry["unit"]
     _assert_ends_and_peak(told, entry)
@@ -242,7 +242,7 @@ def test_a_public_file_is_read_as_it_declares_itself_and_the_rest_is_asked(tmp_p
 
 
 @pytest.mark.parametrize("entry", _cases(ASKED))
-def test_a_public_file_whose_unit_is_open_asks_for_it_and_is_right_with_it(tmp_path, entry):
+def test_a_public_file_without_a_unit_asks_for_it_and_is_read_right_with_it(tmp_path, entry):
     path = _written(entry, tmp_path)
     assert "--wavelength-unit" in _refusal(path)
     if entry["unit"] != "eV" and entry.get("form") != "matrix":
@@ -251,7 +251,7 @@ def test_a_public_file_whose_unit_is_open_asks_for_it_and_is_right_with_it(tmp_p
 
 
 @pytest.mark.parametrize("entry", _cases(REFUSED))
-def test_a_public_file_that_is_no_table_of_curves_is_refused_in_one_sentence(tmp_path, entry):
+def test_a_public_file_that_is_not_a_table_of_curves_is_refused_in_one_sentence(tmp_path, entry):
     assert entry["refused"] in _refusal(_written(entry, tmp_path))
 
 
@@ -291,7 +291,7 @@ REAL = {
 
 @pytest.mark.skipif(SHARED is None, reason="needs the real files of shared/data")
 @pytest.mark.parametrize("name", REAL)
-def test_a_real_file_has_the_range_and_the_curves_that_its_readme_says(name):
+def test_a_real_file_has_the_range_and_the_curves_that_its_readme_states(name):
     assert SHARED is not None
     first, last, curves = REAL[name]
     told = read_curves(SHARED / name)

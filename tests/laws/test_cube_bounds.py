@@ -1,4 +1,4 @@
-"""Cubes that cannot be held, files that are something else, and compressions of TIFF."""
+"""Cubes too large for memory, files of other kinds, and compressions of TIFF."""
 
 import io
 import json
@@ -36,7 +36,7 @@ def rows_of(path, **options):
 
 
 def told(path, **options):
-    """The sentence with which a cube is refused."""
+    """The message with which a cube is refused."""
     with pytest.raises(InputError) as caught:
         rows_of(path, **options)
     text = str(caught.value)
@@ -71,13 +71,13 @@ def test_compressed_pages_are_what_was_written(tmp_path, compression, dtype, pre
 
 
 def test_jpeg_pages_are_what_pillow_decodes(tmp_path):
-    planes = np.full((5, 16, 16), 100, np.uint8)  # of one value JPEG loses nothing
+    planes = np.full((5, 16, 16), 100, np.uint8)  # JPEG keeps a constant value exactly
     path = by_pillow(tmp_path / "a.tif", planes, "jpeg")
     assert (rows_of(path, scale=1.0, **EVEN) == 100).all()
 
 
 @pytest.mark.parametrize("tags", [{"orientation": 6}, {"photometric": 0}])
-def test_pages_that_pillow_would_change_ask_for_the_decoder(tmp_path, monkeypatch, tags):
+def test_pages_that_pillow_would_change_need_the_package_imagecodecs(tmp_path, monkeypatch, tags):
     monkeypatch.setitem(sys.modules, "imagecodecs", None)
     planes = (CUBE.transpose(2, 0, 1) * 128).astype("u1")
     path = by_pillow(tmp_path / "a.tif", planes, "tiff_lzw", **tags)
@@ -103,7 +103,7 @@ def test_a_damaged_page_is_refused_and_nothing_else_is_printed(tmp_path, capfd):
     assert logging.getLogger("tifffile").handlers
 
 
-# files that are something else
+# files of other kinds
 
 
 @pytest.mark.parametrize("name", ["a.npz", "a.npy", "a.tif"])
@@ -112,12 +112,12 @@ def test_a_damaged_page_is_refused_and_nothing_else_is_printed(tmp_path, capfd):
     [(PNG, "PNG"), (b"\xff\xd8\xff\xe0", "JPEG"), (pickle.dumps([1]), "pickle"),
      (b"%PDF-1.7", "PDF"), (b"\x1f\x8b\x08", "gzip"), (b"7z\xbc\xaf\x27\x1c", "7-Zip")],
 )  # fmt: skip
-def test_a_file_that_is_something_else_is_named(tmp_path, name, content, kind):
+def test_a_file_of_another_kind_is_refused_with_its_kind(tmp_path, name, content, kind):
     (tmp_path / name).write_bytes(content + bytes(200))
     assert kind in told(tmp_path / name)
 
 
-def test_an_array_named_npz_and_an_archive_named_npy_are_named(tmp_path):
+def test_an_array_named_npz_and_an_archive_named_npy_are_refused_with_their_kind(tmp_path):
     np.save(tmp_path / "b.npy", CUBE)
     np.savez(tmp_path / "b.npz", CUBE)
     (tmp_path / "b.npy").rename(tmp_path / "a.npz")
@@ -148,7 +148,7 @@ def npy(header):
     "shape", [b"(a, 2)", b"(2-x, 2)", b"(print(1), 2)", b"[1, 2]", b"(2.5, 2)"]
 )
 @pytest.mark.parametrize("name", ["a.npy", "a.npz"])
-def test_no_sentence_speaks_of_the_parser(tmp_path, shape, name):
+def test_no_message_contains_words_about_the_parser(tmp_path, shape, name):
     content = npy(b"{'descr': '<f8', 'fortran_order': False, 'shape': " + shape + b"}")
     path = tmp_path / name
     path.write_bytes(content)
@@ -172,11 +172,11 @@ def test_no_sentence_speaks_of_the_parser(tmp_path, shape, name):
         (AttributeError("'NoneType' object has no attribute 'x'"), ""),
     ],
 )
-def test_what_an_error_says_of_the_parser_is_left_away(error, said):
+def test_messages_about_the_parser_itself_are_omitted(error, said):
     assert reason(error) == said
 
 
-# what is declared is bounded before memory is taken
+# declared sizes are checked before memory is allocated
 
 
 def declares(path, value, names=("ImageWidth", "ImageLength", "RowsPerStrip")):
@@ -193,7 +193,7 @@ def declares(path, value, names=("ImageWidth", "ImageLength", "RowsPerStrip")):
 
 
 def large_tiff(folder):
-    """2 MB of random numbers whose tags say 3.8 GB."""
+    """2 MB of random numbers whose tags declare 3.8 GB."""
     noise = np.random.default_rng(1).random((2, 500, 500)).astype("f4")
     with tifffile.TiffWriter(folder / "a.tif") as file:
         for plane in noise:
@@ -223,7 +223,7 @@ def overfull_npz(folder):
 
 
 def large_zarr(folder):
-    """One chunk of 10 kB, and a header that says that it is one of 4 GB."""
+    """One chunk of 10 kB, and a header that declares 4 GB."""
     made = zarr.create_array(
         folder / "a.zarr", shape=(20, 20_000, 10_000), chunks=(10, 100, 100), dtype="u1",
         zarr_format=2,
@@ -249,7 +249,7 @@ def bomb_of_zstd(folder, sized=True):
         compressors=numcodecs.Zstd(),
     )  # fmt: skip
     frame = bytes(numcodecs.Zstd().encode(np.zeros(2**30, np.uint8)))
-    if not sized:  # a frame may leave its size away
+    if not sized:  # a frame may omit its size
         assert frame[4] == 0x80  # 4 bytes of size
         frame = frame[:4] + b"\0" + frame[5:6] + frame[10:]
     (folder / "a.zarr" / "0.0.0").write_bytes(frame)
@@ -270,7 +270,7 @@ def overfull_hdf5(folder):
 
 
 def large_pngs(folder):
-    """Two pictures of 100 bytes that say that they are 900 million pixels."""
+    """Two pictures of 100 bytes that declare 900 million pixels."""
 
     def chunk(kind, content):
         tail = struct.pack(">I", zlib.crc32(kind + content))
@@ -314,7 +314,7 @@ print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before)
 
 
 @pytest.mark.parametrize("bomb", BOMBS)
-def test_more_than_a_file_can_hold_is_refused_before_memory_is_taken(tmp_path, bomb):
+def test_more_than_a_file_can_hold_is_refused_before_memory_is_allocated(tmp_path, bomb):
     path = bomb(tmp_path)
     done = subprocess.run(
         [sys.executable, "-c", READS, str(path)], capture_output=True, text=True, check=True
@@ -325,12 +325,12 @@ def test_more_than_a_file_can_hold_is_refused_before_memory_is_taken(tmp_path, b
     assert done.stderr == ""
 
 
-def test_the_memory_that_counts_is_what_is_free_of_the_machine():
+def test_the_memory_limit_is_at_most_the_free_memory_of_the_machine():
     whole = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
     assert 2**26 < bounds.memory_bytes() <= whole
 
 
-def test_a_tightly_packed_cube_that_is_true_is_read(tmp_path):
+def test_a_valid_cube_with_a_high_compression_ratio_is_read(tmp_path):
     np.savez_compressed(tmp_path / "a.npz", reflectance=np.zeros((64, 64, 500), "f4"))
     cube = read_cube(tmp_path / "a.npz", **EVEN)
     assert (tmp_path / "a.npz").stat().st_size * 500 < 64 * 64 * 500 * 4
@@ -339,7 +339,7 @@ def test_a_tightly_packed_cube_that_is_true_is_read(tmp_path):
 
 @pytest.mark.parametrize("version", [2, 3])
 @pytest.mark.parametrize("length", [2**26, 2**31 - 1])
-def test_a_blosc_chunk_shorter_than_it_says_does_not_end_the_process(tmp_path, version, length):
+def test_a_blosc_chunk_shorter_than_declared_does_not_crash_the_process(tmp_path, version, length):
     blosc = zarr.codecs.BloscCodec() if version == 3 else numcodecs.Blosc()
     zarr.create_array(
         tmp_path / "a.zarr", data=CUBE, chunks=CUBE.shape, zarr_format=version, compressors=blosc

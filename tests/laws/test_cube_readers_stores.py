@@ -735,7 +735,7 @@ def test_the_unit_of_a_coordinate_makes_it_the_bands():
     array = labeled().rename(wavelength="band")
     assert_holds(cube_from_xarray(array), numbers())
     array = array.drop_vars("band")
-    with pytest.raises(InputError, match="does not tell the wavelengths"):
+    with pytest.raises(InputError, match="does not declare the wavelengths"):
         cube_from_xarray(array)
     assert_holds(
         cube_from_xarray(array, wavelengths=(400, 800)), numbers(), [400, 500, 600, 700, 800]

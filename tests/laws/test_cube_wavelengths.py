@@ -1,4 +1,4 @@
-"""Wavelengths of a cube: under their usual names in its file, or in a text file beside it."""
+"""Wavelengths of a cube: under their usual names in its file, or in a separate text file."""
 
 from pathlib import Path
 
@@ -65,7 +65,9 @@ def test_wavelengths_are_found_under_their_usual_names(tmp_path, write, name, li
     ("listed", "per_nm"),
     [("wl", 0.001), ("wl_um", 0.001), ("bands_um", 0.001), ("wavelength_angstrom", 10), ("wl", 1)],
 )
-def test_the_unit_is_declared_by_the_name_or_unmistakable(tmp_path, write, name, listed, per_nm):
+def test_the_unit_comes_from_the_name_or_from_unambiguous_numbers(
+    tmp_path, write, name, listed, per_nm
+):
     write(tmp_path / name, reflectance=CUBE, **{listed: np.array(NM) * per_nm})
     np.testing.assert_allclose(read_cube(tmp_path / name).wavelength_nm, NM, rtol=1e-12)
 
@@ -86,7 +88,7 @@ def test_a_declared_angstrom_is_a_tenth_of_a_nm(tmp_path):
 
 
 @every
-def test_falling_wavelengths_turn_the_bands_about_and_it_is_noted(tmp_path, write, name):
+def test_falling_wavelengths_reverse_the_bands_with_a_note(tmp_path, write, name):
     write(tmp_path / name, reflectance=CUBE, wl=np.array(NM)[::-1])
     cube = read_cube(tmp_path / name)
     assert cube.wavelength_nm.tolist() == NM
@@ -109,7 +111,7 @@ def test_two_lists_that_agree_are_one(tmp_path, write, name):
 
 
 @every
-def test_a_list_of_another_length_is_not_taken(tmp_path, write, name):
+def test_a_list_of_another_length_is_not_used(tmp_path, write, name):
     write(tmp_path / name, reflectance=CUBE, wl=np.array(NM), wave=np.arange(400.0, 407))
     assert read_cube(tmp_path / name).wavelength_nm.tolist() == NM
     other = tmp_path / f"b{Path(name).suffix}"
@@ -127,7 +129,7 @@ def test_a_list_in_disorder_is_refused(tmp_path, write, name, listed):
 
 
 @every
-def test_numbers_of_bands_are_no_wavelengths(tmp_path, write, name):
+def test_band_numbers_are_not_wavelengths(tmp_path, write, name):
     write(tmp_path / name, reflectance=CUBE, bands=np.arange(1.0, 6))
     assert "--wavelengths" in told(tmp_path / name)
 
@@ -162,7 +164,7 @@ def test_a_text_file_lists_one_wavelength_per_band(tmp_path, text):
         assert any("wl.txt" in note for note in cube.notes)
 
 
-def test_a_file_of_wavelengths_wins_over_the_cube_and_serves_labeled_arrays(tmp_path):
+def test_a_file_of_wavelengths_overrides_the_cube_and_works_for_labeled_arrays(tmp_path):
     xarray = pytest.importorskip("xarray", reason="comes with chromanoise[cubes]")
     (tmp_path / "wl.txt").write_text(TEXTS[0])
     write_npz(tmp_path / "a.npz", reflectance=CUBE, wl=np.array(NM) + 7)
@@ -199,7 +201,7 @@ def test_a_faulty_file_of_wavelengths_is_refused_by_name(tmp_path, text):
 @pytest.mark.parametrize(
     "text", ["400\n500\n450\n600\n700", ".4\n.45\n.5\n.6\n.7", "1\n2\n3\n4\n5"]
 )
-def test_listed_numbers_that_are_no_series_of_light_are_refused(tmp_path, text):
+def test_listed_numbers_that_are_not_wavelengths_of_light_are_refused(tmp_path, text):
     (tmp_path / "wl.txt").write_text(text)
     np.save(tmp_path / "a.npy", CUBE)
     told(tmp_path / "a.npy", wavelengths=tmp_path / "wl.txt")

@@ -1,4 +1,4 @@
-"""Headings and declared keys decide what curves are; free text decides nothing."""
+"""Headings and declared keys decide what curves are; free text has no effect."""
 
 import io
 import json
@@ -18,7 +18,7 @@ from chromanoise.study.words import filter_of_word, illuminant_of_word
 AT_NM = np.arange(380.0, 1071.0, 10.0)
 QE = 0.1 + 0.5 * np.exp(-(((AT_NM - 550) / 120) ** 2))
 
-# Of real files: what people write beside a table. Each once changed the electrons or was refused.
+# Comments of real files. Each once changed the electrons or caused a refusal.
 COMMENTS = [
     "bench reference diode: 0.21 A/W at 550 nm", "relative error 1e-3", "lamp power 100 W",
     "transmission of the lens not included", "reflectance standard used",
@@ -196,14 +196,14 @@ def test_no_unit_is_guessed_where_another_could_be_meant(tmp_path, at):
         "wavelength [0.1 nm],QE\n4000,.1\n10500,.2\n",
     ],
 )
-def test_two_units_or_one_that_is_not_read_are_refused(tmp_path, text):
+def test_two_units_or_an_unsupported_one_are_refused(tmp_path, text):
     path = tmp_path / "two.csv"
     path.write_text(text)
     with pytest.raises(InputError, match=r"two\.csv"):
         read_curves(path)
 
 
-def test_an_answer_never_overrules_a_heading_that_fits(tmp_path):
+def test_an_option_never_overrides_a_plausible_heading(tmp_path):
     path = tmp_path / "cam.csv"
     path.write_text("wavelength_nm,QE\n400,.1\n1050,.2\n")
     with pytest.raises(InputError, match=r"cam\.csv.*nm.*angstrom"):
@@ -242,7 +242,7 @@ def test_negative_values_outside_the_grid_do_not_matter(tmp_path):
 
 @pytest.mark.parametrize("heading", ["wavelength_nm,QE", "wavelength_nm,transmittance",
                                      "wavelength_nm,power"])  # fmt: skip
-def test_small_negative_values_are_refused_or_taken_as_0_and_said(tmp_path, heading):
+def test_small_negative_values_are_refused_or_set_to_0_with_a_note(tmp_path, heading):
     path = _curve(tmp_path / "digitized.csv", heading, _values(w980=-0.0003))
     zero = _curve(tmp_path / "zero.csv", heading, _values(w980=0.0))
 

@@ -1,4 +1,4 @@
-"""Damaged cubes of every format: what is read is a cube, what is not is one sentence."""
+"""Damaged cubes of every format give a cube or an error of one sentence."""
 
 import json
 import os

@@ -1,4 +1,4 @@
-"""Compiled kernels belong to their sources: no change of one runs old code, wherever they lie."""
+"""Compiled kernels match their sources: after a change no old code runs, in any cache."""
 
 import os
 import shutil
@@ -44,7 +44,7 @@ def installed(tmp_path):
 
 
 def asked(package, **variables):
-    """What the kernel of the package answers, how often it was read, and from which folder."""
+    """Result of the kernel, how often it was loaded, and from which folder."""
     left = {name: value for name, value in os.environ.items() if name != "NUMBA_CACHE_DIR"}
     done = subprocess.run(
         [sys.executable, "-B", "-c", ASK],
@@ -68,7 +68,7 @@ def test_a_change_in_a_file_that_a_kernel_calls_is_seen_though_its_date_is_older
     assert (installed / "__pycache__" / "kernels-mine").is_dir()
 
 
-def test_a_folder_of_kernels_that_the_user_names_is_taken(installed, tmp_path):
+def test_a_folder_for_kernels_that_the_user_names_is_used(installed, tmp_path):
     named = {"NUMBA_CACHE_DIR": str(tmp_path / "named")}
     assert asked(installed, **named)[2].is_relative_to(tmp_path / "named")
 

@@ -1,4 +1,4 @@
-"""Solvers get finite numbers only: over an infinite one LAPACK may never come back."""
+"""Solvers get only finite numbers: LAPACK may never return for an infinite one."""
 
 import numpy as np
 import pytest
@@ -19,7 +19,7 @@ def test_a_number_that_is_not_finite_is_refused_with_the_name_of_its_matrix(name
         getattr(_linalg, name)("the matrix of a camera", *arrays)
 
 
-def test_what_has_no_solution_is_refused_with_its_name():
+def test_a_matrix_without_a_solution_is_refused_with_its_name():
     with pytest.raises(InputError, match="a singular matrix"):
         _linalg.inv("a singular matrix", np.zeros((2, 2)))
 

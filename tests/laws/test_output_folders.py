@@ -1,4 +1,4 @@
-"""Outputs appear whole or not at all, whatever stops a run; nothing of others is touched."""
+"""Outputs appear whole or not at all, whatever stops a run; other files are never changed."""
 
 import os
 import shutil
@@ -58,7 +58,7 @@ def out(tmp_path):
     return folder
 
 
-def test_a_run_that_fails_leaves_what_others_put_beside_it(tmp_path):
+def test_a_failed_run_keeps_files_of_others(tmp_path):
     fails_in(
         tmp_path / "out" / "a",
         lambda: written(tmp_path / "out" / "b"),
@@ -68,13 +68,13 @@ def test_a_run_that_fails_leaves_what_others_put_beside_it(tmp_path):
     assert tree(tmp_path) == expected
 
 
-def test_a_run_that_fails_removes_the_folders_that_it_made(tmp_path):
+def test_a_failed_run_removes_the_folders_that_it_made(tmp_path):
     (tmp_path / "there").mkdir()
     fails_in(tmp_path / "there" / "deep" / "o")
     assert list(tmp_path.rglob("*")) == [tmp_path / "there"]
 
 
-def test_a_new_folder_has_the_rights_of_any_new_folder_and_an_old_one_keeps_its_own(tmp_path):
+def test_a_new_folder_has_default_permissions_and_an_old_one_keeps_its_own(tmp_path):
     (tmp_path / "plain").mkdir()
     written(tmp_path / "new")
     assert (tmp_path / "new").stat().st_mode == (tmp_path / "plain").stat().st_mode

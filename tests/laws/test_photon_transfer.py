@@ -1,4 +1,4 @@
-"""Photon transfer as EMVA 1288 evaluates it: errors that hold, bends, darks, photons, files."""
+"""Photon transfer by EMVA 1288: standard errors, bends, dark rows, photons, files."""
 
 from dataclasses import replace
 
@@ -85,11 +85,11 @@ def test_standard_errors_of_200_linear_cameras_are_those_of_their_scatter():
         z["qe"].append((fit.qe - QE) / fit.qe_se)
         z["bend"].append(fit.bend_z)
     for name, values in z.items():
-        assert 0.9 < np.std(values, ddof=1) < 1.1, name  # its own error is 0.05
+        assert 0.9 < np.std(values, ddof=1) < 1.1, name  # the standard error of this ratio is 0.05
         assert abs(np.mean(values)) < 5 / np.sqrt(200), name
 
 
-def test_a_dark_of_each_exposure_time_gives_read_noise_and_dark_current_at_no_time():
+def test_dark_rows_at_each_exposure_time_give_dark_current_and_read_noise_at_time_0():
     rng = np.random.default_rng(2)
     fits = [
         photon_transfer_fit(camera(rng, gain=0.8, read_e=8.0, dark_e_per_ms=4.0)) for _ in range(60)
@@ -199,7 +199,7 @@ def test_photons_fewer_than_electrons_are_refused():
         photon_transfer_fit(exact(PHOTONS, photons=PHOTONS / 4))
 
 
-def test_only_a_variance_that_is_called_spatial_gives_prnu():
+def test_only_a_column_named_spatial_variance_gives_prnu():
     # PRNU of 1 % adds (0.01 signal)^2: x^2 of the codes
     plain = exact(PHOTONS, samples=np.full(PHOTONS.size, 1e5))
     bent = replace(plain, variance_dn2=plain.variance_dn2 + (0.01 * (plain.mean_dn - 64)) ** 2)
@@ -214,7 +214,7 @@ def test_only_a_variance_that_is_called_spatial_gives_prnu():
     assert temporal.gain_dn_per_e == pytest.approx(0.5 + 1e-4 * (x**3).sum() / (x**2).sum())
 
 
-def test_dark_rows_of_their_exposure_time_are_the_dark_of_the_rows_of_that_time():
+def test_lit_rows_use_the_dark_rows_of_the_same_exposure_time():
     # dark: 64 DN + 2 DN/ms = 4 e-/ms; its shot noise adds 4 e-/ms, 1 DN^2/ms
     time = np.array([1.0, 2.0, 4.0, 8.0])
     lit = 0.25 * np.array([500.0, 1000.0, 2000.0, 4000.0])
@@ -377,7 +377,7 @@ def test_all_columns_of_a_table_are_read(tmp_path):
     assert any("operator" in note for note in photon_transfer_fit(table).notes)
 
 
-def test_a_row_of_no_photons_is_dark(tmp_path):
+def test_a_row_with_0_photons_is_dark(tmp_path):
     path = tmp_path / "t.csv"
     path.write_text("mean_dn,variance_dn2,photons\n64,9,0\n164,59,400\n264,109,800\n364,159,1200\n")
     fit = photon_transfer_fit(read_photon_transfer_csv(path))

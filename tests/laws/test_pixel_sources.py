@@ -386,7 +386,7 @@ def test_a_row_far_off_the_line_is_named():
         mean_dn=table.mean_dn, variance_dn2=variance, dark=table.dark, samples=table.samples
     )
     notes = photon_transfer_fit(odd).notes
-    assert any(f"row of mean {table.mean_dn[4]:g} DN lies +" in note for note in notes)
+    assert any(f"row of mean {table.mean_dn[4]:g} DN is +" in note for note in notes)
     assert any("scatter" in note for note in notes)
     assert not any("scatter" in note for note in photon_transfer_fit(table).notes)
 

@@ -96,7 +96,7 @@ def test_a_heading_in_percent_is_an_answer(file):
 
 
 @pytest.mark.parametrize("beyond", ["zero", "hold"])
-def test_what_was_answered_is_no_defect_and_not_asked(file, beyond):
+def test_an_answered_question_is_neither_a_defect_nor_asked_again(file, beyond):
     path = file("nm,R\n450,.1\n700,1\n")
     asked = read_curves(path)
     assert any("look relative" in defect for defect in asked.defects)
@@ -130,7 +130,7 @@ def test_csv_of_ours_keeps_source_notes_and_how_light_is_counted(file):
 
 def test_a_sensor_that_says_nothing_is_asked_all_in_one_sentence(file):
     path = file("nm,R,G\n400,.1,.2\n700,.3,.1\n")
-    both = r"say --energy or --photons, and --absolute or --relative"
+    both = r"--energy or --photons, and --absolute or --relative"
     with pytest.raises(InputError, match=both):
         qe_of(read_curves(path), Answers())
     said = Answers(per="photon", level="absolute")

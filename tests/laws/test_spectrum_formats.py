@@ -1,4 +1,4 @@
-"""Formats of spectra beyond text: databases of cameras, ENVI libraries, FITS; and what is none."""
+"""Formats of spectra other than text: camera databases, ENVI libraries, FITS; and other files."""
 
 import importlib
 import io
@@ -77,17 +77,17 @@ def test_isetcam_may_name_its_filters_in_any_of_its_ways(file, changes, names):
 
 
 def with_bare_cell(content: bytes) -> bytes:
-    """A second name of which MATLAB wrote the tag alone: kind 14, 0 bytes."""
+    """A second name of which MATLAB wrote only the tag: kind 14, 0 bytes."""
     last = content.rindex(struct.pack("<I", 14))  # the cell that holds "m", at the file's end
     shorter = content[:last] + struct.pack("<II", 14, 0)
     lost = len(content) - len(shorter)
-    start = shorter.index(b"filterNames") - 48  # flags, dimensions and name stand before it
+    start = shorter.index(b"filterNames") - 48  # flags, dimensions and name are before it
     assert struct.unpack_from("<I", shorter, start)[0] == 14
     count = struct.unpack_from("<I", shorter, start + 4)[0]
     return shorter[: start + 4] + struct.pack("<I", count - lost) + shorter[start + 8 :]
 
 
-def test_an_empty_cell_without_a_body_and_zeros_at_the_end_are_no_damage(file):
+def test_an_empty_cell_without_a_body_and_zeros_at_the_end_are_valid(file):
     content = cmy(filterNames=cells("c", "m"))
     read = read_curves(file("cym.mat", with_bare_cell(content)))
     assert read.curves.names == ("1", "2")  # one of the names is empty
@@ -99,7 +99,7 @@ def test_an_empty_cell_without_a_body_and_zeros_at_the_end_are_no_damage(file):
 # cameras
 
 
-def test_a_camera_of_jiang_has_the_wavelengths_of_its_paper_and_says_so(file):
+def test_a_camera_of_jiang_has_the_wavelengths_of_its_paper_and_a_note(file):
     curves = {name: np.linspace(0.1 * k, 1.0, 33) for k, name in enumerate("rgb")}
     read = read_curves(file("cmf_Some.mat", matlab(**curves)))
     assert read.curves.wavelength_nm.tolist() == list(range(400, 721, 10))
@@ -109,7 +109,7 @@ def test_a_camera_of_jiang_has_the_wavelengths_of_its_paper_and_says_so(file):
     assert any("no wavelengths" in note and "Jiang" in note for note in read.notes)
 
 
-def test_r_g_b_of_another_length_are_refused_for_nobody_says_their_wavelengths(file):
+def test_r_g_b_of_another_length_are_refused_for_lack_of_wavelengths(file):
     told = refusal(file("rgb.mat", matlab(**dict.fromkeys("rgb", np.ones(31)))))
     assert "31, 31, 31" in told
     assert "'wavelength'" in told
@@ -176,7 +176,7 @@ def test_plain_lists_of_json_are_curves_over_their_list_of_wavelengths(file, for
         {"schema": "chromanoise spectra", "schema_version": 1},
     ],
 )
-def test_json_of_a_known_form_that_is_wrong_is_refused_in_one_sentence(file, form):
+def test_invalid_json_of_a_known_format_is_refused_in_one_sentence(file, form):
     refusal(file("A.json", json.dumps(form)))
 
 
@@ -210,7 +210,7 @@ def test_an_envi_library_is_read_by_either_of_its_files(file, named, code, dtype
     assert (read.quantity, read.wavelength_unit) == ("reflectance", "um")
 
 
-def test_an_envi_library_leaves_deleted_points_out_and_says_so(file):
+def test_an_envi_library_is_read_without_its_deleted_points_and_with_a_note(file):
     values = CURVES.T.astype("<f4").copy()
     values[0, 1] = -1.23e34
     file("lib.hdr", header(**{"reflectance scale factor": None}))
@@ -279,7 +279,7 @@ def fits_bytes(unit: str | None = "Angstrom", flux=RED, cards=()) -> bytes:
     return block(first) + block(table) + rows.tobytes().ljust(2880, b"\0")
 
 
-def test_without_astropy_a_fits_table_says_what_to_install(file, monkeypatch):
+def test_without_astropy_the_refusal_of_a_fits_table_names_the_package(file, monkeypatch):
     def absent(name):
         raise ImportError(name)
 
@@ -379,7 +379,7 @@ KINDS = {
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_a_file_of_another_kind_is_named_by_its_first_bytes(file, kind):
+def test_a_file_of_another_kind_is_refused_with_the_kind_of_its_first_bytes(file, kind):
     assert kind in refusal(file("curves.csv", KINDS[kind]))
 
 
@@ -389,7 +389,7 @@ TABLE = "Wellenlänge [µm];Grün (%)\r\n0,4;12,5\r\n0,5;50,0\r\n"
 @pytest.mark.parametrize(
     "coding", ["utf-8", "utf-8-sig", "utf-16", "utf-16-le", "utf-16-be", "cp1252"]
 )
-def test_a_table_is_read_however_its_letters_are_coded(file, coding):
+def test_a_table_is_read_in_every_supported_character_encoding(file, coding):
     read = read_curves(file("a.csv", TABLE.encode(coding)))
     assert read.curves.wavelength_nm.tolist() == [400.0, 500.0]
     assert read.curves.names == ("Grün",)
@@ -399,7 +399,7 @@ def test_a_table_is_read_however_its_letters_are_coded(file, coding):
     )
 
 
-def test_no_words_of_a_foreign_parser_reach_a_sentence(file, monkeypatch):
+def test_no_message_of_a_third_party_parser_is_shown(file, monkeypatch):
     from chromanoise.spectra.files import door
 
     def broken(*_):

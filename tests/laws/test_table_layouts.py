@@ -1,4 +1,4 @@
-"""Tables that are laid out otherwise give the same curves as plain ones, or are refused."""
+"""Tables with other layouts give the same curves as plain ones, or are refused."""
 
 import numpy as np
 import pytest
@@ -46,10 +46,10 @@ def test_spectra_in_rows_are_the_curves_of_the_same_table_in_columns(tmp_path, n
     assert turned.curves.names == plain.curves.names
     assert turned.curves.wavelength_nm.tolist() == plain.curves.wavelength_nm.tolist()
     assert turned.curves.values.tolist() == plain.curves.values.tolist()
-    assert any("stand in rows" in note for note in turned.notes)
+    assert any("in rows" in note for note in turned.notes)
 
 
-def test_spectra_in_rows_keep_all_the_words_before_their_numbers_as_names(tmp_path):
+def test_the_name_of_a_spectrum_in_a_row_is_all_words_before_its_numbers(tmp_path):
     text = _in_rows(["red", "green"], "id,kind", first="{number},{name}")
     assert _read(tmp_path, text).curves.names == ("1 red", "2 green")
 
@@ -63,7 +63,7 @@ def test_curves_with_numbers_as_names_stay_in_columns(tmp_path, heading):
     assert told.curves.wavelength_nm.tolist() == AT_NM.tolist()
 
 
-def test_one_bad_wavelength_does_not_turn_a_table(tmp_path):
+def test_one_bad_wavelength_does_not_transpose_a_table(tmp_path):
     rows = [f"{w},.1,.2,.3,.4,.5".replace("400", "4oo") for w in AT_NM]
     with pytest.raises(InputError, match=r"table\.csv"):
         _read(tmp_path, "\n".join(["x,450,500,550,600,650", *rows]))
@@ -86,7 +86,7 @@ def test_a_heading_between_blanks_keeps_its_units_and_the_range_of_its_values(
     ("wavelength [um]", "nm", 380, 10), ("wavelength [nm]", "um", 0.38, 0.01),
     ("wavelength [Angstrom]", "nm", 380, 5),
 ])  # fmt: skip
-def test_a_heading_that_no_wavelength_of_it_fits_is_asked_about(
+def test_a_heading_whose_unit_fits_no_wavelength_is_a_question(
     tmp_path, heading, unit, first, step
 ):
     rows = [f"{first + step * k:.6g},0.5" for k in range(70)]

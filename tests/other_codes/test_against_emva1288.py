@@ -185,7 +185,7 @@ def reference_run(exposure_ns, *, gain, bits, seed=1):
 
 @pytest.mark.parametrize("exposure_ns", [None, 1_000_000])
 @pytest.mark.parametrize(("gain", "bits"), [(0.1, 8), (0.5, 12)])
-def test_our_evaluation_of_its_reference_run_is_its_own(exposure_ns, gain, bits):
+def test_the_evaluation_of_a_reference_run_equals_that_of_emva1288(exposure_ns, gain, bits):
     run = reference_run(exposure_ns, gain=gain, bits=bits)
     same = run["u_y"].size
     ours = photon_transfer_fit(

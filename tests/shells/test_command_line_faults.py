@@ -1,4 +1,4 @@
-"""Whatever is typed: an answer, or one sentence and exit code 2."""
+"""Every input gives a result, or one sentence and exit code 2."""
 
 import errno
 import json
@@ -42,14 +42,14 @@ def broken_among(count, seed):
     return json.loads(done.stdout)
 
 
-def test_a_few_random_command_lines_end_in_an_answer_or_in_sentences():
+def test_a_few_random_command_lines_give_results_or_sentences():
     told = broken_among(16, seed=0)
     assert told["broken"] == []
     assert set(told["codes"]) == {"0", "2"}
 
 
 @pytest.mark.evidence
-def test_many_random_command_lines_end_in_an_answer_or_in_sentences():
+def test_many_random_command_lines_give_results_or_sentences():
     told = broken_among(LINES, seed=1)
     print({key: value for key, value in told.items() if key != "broken"})
     assert told["broken"] == []
@@ -87,12 +87,12 @@ def test_an_empty_word_is_refused(run, here, words):
 
 
 @pytest.mark.parametrize("word", ["\udcff.csv", "a\0.csv", "a\n.csv", "a\u2028.csv", "\x1b[2J"])
-def test_a_word_that_no_message_could_repeat_is_refused(run, word):
+def test_an_argument_that_cannot_be_printed_is_refused(run, word):
     refused(run("analyze", word), ascii(word))
 
 
-def test_letters_that_the_output_cannot_show_are_escaped(here):
-    """In a process of its own, as are settings of libraries that cannot be meant."""
+def test_characters_that_the_output_encoding_lacks_are_escaped(here):
+    """In a separate process, which also ignores unsuitable settings of libraries."""
     (here / "é.csv").write_text("wavelength_nm,R,G\n400,0.1,0.3\n1050,0.4,0.2\n")
     settings = {"MPLBACKEND": "nope", "NUMBA_NUM_THREADS": "0", "PYTHONIOENCODING": "ascii"}
     words = ["analyze", "é.csv", "--json", "j.json"]
@@ -114,7 +114,7 @@ wavelength_nm,R,G
 """
 
 
-def test_a_channel_of_next_to_no_electrons_is_refused_before_a_matrix_is_solved(run, here):
+def test_a_channel_with_almost_no_electrons_is_refused_before_a_matrix_is_solved(run, here):
     (here / "tiny.csv").write_text(TOO_FAINT)
     lens = ("--f-number", 54734.5, "--pitch-um", 0.0132912)
     light = ("--lux", 0.01, "--time-ms", 81125.6)
@@ -140,7 +140,7 @@ def test_a_parameter_of_a_matrix_beyond_its_bounds_is_refused_by_all_shells(run,
         ("analyze", "loop.csv"),
     ],
 )
-def test_a_loop_of_links_is_refused_and_left(run, here, words):
+def test_a_loop_of_links_is_refused_and_not_changed(run, here, words):
     (here / "s.toml").write_text('[[sensors]]\nname = "onyx-rgb"\n')
     (here / "loop.csv").symlink_to("loop.csv")
     code, _, err = run(*words)
@@ -150,7 +150,7 @@ def test_a_loop_of_links_is_refused_and_left(run, here, words):
 
 
 @pytest.mark.parametrize("threads", ["1e20", "0", "-1", "1025"])
-def test_a_number_of_threads_that_cannot_be_is_refused(run, threads):
+def test_an_impossible_number_of_threads_is_refused(run, threads):
     words = ("simulate", "builtin:checker", "--sensor", "onyx-rgb", "--threads", threads)
     refused(run(*words), "threads", str(int(float(threads))))
 
@@ -160,7 +160,7 @@ def test_pictures_without_compiled_kernels_are_refused(run, monkeypatch):
     refused(run("simulate", "builtin:checker", "--sensor", "onyx-rgb"), "NUMBA_DISABLE_JIT")
 
 
-def test_a_full_disk_is_told_with_the_name_of_the_file(run, here):
+def test_the_message_for_a_full_disk_names_the_file(run, here):
     refused(run("analyze", "onyx-rgb", "--json", "/dev/full"), "/dev/full", "No space left")
     full = OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))  # as a write raises it, without a name
     goal = Path("pictures")
@@ -176,7 +176,7 @@ def test_a_whole_number_may_be_written_with_an_exponent(run):
 
 
 @pytest.mark.parametrize("draws", ["1e11", "1", "1.5", "inf", "x"])
-def test_a_number_of_draws_that_cannot_be_is_refused(run, draws):
+def test_an_impossible_number_of_draws_is_refused(run, draws):
     refused(run("reproduce", "--draws", draws), "draws")
 
 
@@ -186,7 +186,7 @@ def test_more_sensors_than_a_run_takes_are_refused_by_all_shells(run, here):
     refused(run("analyze", *["onyx-rgb"] * 1001), "1000", "1001")
 
 
-def test_a_number_beyond_double_precision_on_the_way_is_refused(run, monkeypatch):
+def test_an_overflow_during_a_computation_is_refused(run, monkeypatch):
     monkeypatch.setattr(main.commands, "main", lambda **_: np.array([1e308]) * 10)
     refused(run("catalog"), "double precision", "overflow")
 
@@ -217,7 +217,7 @@ def test_a_local_cluster_whose_workers_end_at_once_is_refused(run, monkeypatch):
 @pytest.mark.parametrize(
     ("parts", "told"), [(100, "the work: takes about 3.3 min\n"), (10, "")]
 )  # 2 s each: 200 s and 20 s
-def test_only_a_long_computation_says_how_long_it_takes(capsys, monkeypatch, parts, told):
+def test_only_a_long_computation_prints_how_long_it_takes(capsys, monkeypatch, parts, told):
     clock = iter(np.arange(0.0, 1000.0, 2.0))
     monkeypatch.setattr(progress.time, "monotonic", lambda: next(clock))
     with progress.progress_of("the work", parts, "parts") as advance:

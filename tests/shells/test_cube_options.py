@@ -1,4 +1,4 @@
-"""Cubes of the command line and of a study: files of wavelengths, and files that are none."""
+"""Cubes of the command line and of a study: files of wavelengths, and irregular files."""
 
 import json
 import os
@@ -34,7 +34,7 @@ wavelengths = "wl.txt"
 """
 
 
-def test_a_study_names_a_file_of_wavelengths_beside_it_and_hashes_it(files, run, monkeypatch):
+def test_a_study_finds_a_file_of_wavelengths_in_its_folder_and_hashes_it(files, run, monkeypatch):
     (files / "study.toml").write_text(STUDY)
     assert run("run", str(files / "study.toml"), "--out", str(files / "out"))[0] == 0
     data = json.loads((files / "out" / "pictures-1.json").read_text())
@@ -52,7 +52,7 @@ def test_a_study_names_a_file_of_wavelengths_beside_it_and_hashes_it(files, run,
 
 
 @pytest.mark.parametrize("word", ["400", "none.txt", "400:x", "nan"])
-def test_neither_two_ends_nor_a_file_is_refused(files, run, word):
+def test_wavelengths_that_are_neither_two_ends_nor_a_file_are_refused(files, run, word):
     told = run("simulate", str(files / "a.npy"), "--sensor", "model-rgb", "--wavelengths", word)
     refused(told, "--wavelengths", word)
 
@@ -95,9 +95,7 @@ DOORS = {
 
 @pytest.mark.parametrize("door", DOORS)
 @pytest.mark.parametrize("kind", ["/dev/zero", "pipe", "socket"])
-def test_what_is_no_regular_file_is_refused_at_once(
-    run, tmp_path, monkeypatch, request, door, kind
-):
+def test_an_irregular_file_is_refused_at_once(run, tmp_path, monkeypatch, request, door, kind):
     name = request.getfixturevalue({"pipe": "pipe", "socket": "unix_socket"}.get(kind, "tmp_path"))
     name = kind if kind == "/dev/zero" else name
     monkeypatch.chdir(tmp_path)

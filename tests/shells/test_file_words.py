@@ -1,4 +1,4 @@
-"""A word for a sensor, a light or a filter: one rule says whether it names a file."""
+"""One rule decides whether a word for a sensor, a light or a filter names a file."""
 
 import json
 
@@ -46,7 +46,7 @@ def analysis(run):
 
 
 @pytest.mark.parametrize("ending", ENDINGS)
-def test_every_ending_serves_for_a_sensor_a_light_and_a_filter(here, analysis, ending):
+def test_every_ending_works_for_a_sensor_a_light_and_a_filter(here, analysis, ending):
     end = f".{ending}" if ending else ""
     for name, text in (("cam", CAMERA), ("lamp", LAMP), ("glass", GLASS)):
         written(here / f"{name}.csv", text)
@@ -65,13 +65,16 @@ def test_every_ending_serves_for_a_sensor_a_light_and_a_filter(here, analysis, e
         ("filter", ["ircut-650.5/8", "ircut-schott"], ["ircut.sed", "/dev/fd/3"]),
     ],
 )
-def test_a_word_is_a_file_where_it_looks_like_one_or_is_there_and_no_name(here, kind, known, files):
+def test_a_word_is_a_file_if_it_looks_like_one_or_exists_and_is_not_in_the_catalog(
+    here, kind, known, files
+):
     assert not any(is_file_word(word, kind) for word in known)
     assert all(is_file_word(word, kind) for word in files)
     for word in ("plain", *known):
         if "/" not in word:
             written(here / word, "400,1\n")
-    assert not any(is_file_word(word, kind) for word in known)  # a file hides no name
+    # a file never hides a name of the catalog
+    assert not any(is_file_word(word, kind) for word in known)
     assert is_file_word("plain", kind)
     assert not is_file_word("plain", kind, folder=here / "elsewhere")
     (here / "folder").mkdir()
@@ -81,7 +84,7 @@ def test_a_word_is_a_file_where_it_looks_like_one_or_is_there_and_no_name(here, 
 @pytest.mark.parametrize(
     ("arguments", "parts"),
     [
-        (("nothing.dat",), ("nothing.dat", "No such file", "no sensor of the catalog")),
+        (("nothing.dat",), ("nothing.dat", "No such file", "no sensor")),
         (("onyx-rgbw", "--illuminant", "lamp.dat"), ("lamp.dat", "No such file", "no light")),
         (("onyx-rgbw", "--illuminant", "lmp"), ("unknown illuminant 'lmp'", "no file of that")),
         (("onyx-rgbw", "--filter", "glass.sed"), ("glass.sed", "No such file", "no filter")),
@@ -90,12 +93,14 @@ def test_a_word_is_a_file_where_it_looks_like_one_or_is_there_and_no_name(here, 
         (("onyx-rgbw", "--illuminant", "a/lamp"), ("a/lamp", "No such file", "no light")),
     ],
 )
-def test_what_is_neither_a_name_nor_a_file_is_told_to_be_neither(run, arguments, parts):
+def test_the_refusal_of_an_unknown_word_says_that_there_is_no_such_name_and_no_such_file(
+    run, arguments, parts
+):
     refused(run("analyze", *arguments), *parts)
 
 
 @pytest.mark.parametrize("ending", [".dat", ""])
-def test_files_of_a_study_are_found_beside_it_whatever_their_ending(here, ending):
+def test_files_of_a_study_are_found_in_its_folder_with_any_ending(here, ending):
     for name, text in (("cam", CAMERA), ("lamp", LAMP), ("glass", GLASS)):
         written(here / "project" / f"{name}{ending}", text)
     (here / "project/study.toml").write_text(
@@ -117,7 +122,7 @@ def test_the_digest_of_an_envi_library_covers_header_and_data(here):
     assert {path.name for path in illuminant_files("lamp.sli")} == {"lamp.hdr", "lamp.sli"}
 
 
-def test_an_envi_library_serves_as_light_and_filter(here):
+def test_an_envi_library_works_as_light_and_filter(here):
     (here / "x.hdr").write_text(
         "ENVI\nsamples = 2\nlines = 1\nbands = 1\ndata type = 5\ninterleave = bsq\nbyte order = 0\n"
         "file type = ENVI Spectral Library\nwavelength units = Nanometers\nz plot titles = {, W}\n"

@@ -1,4 +1,4 @@
-"""A run that is killed at any moment leaves results whole or as they were; the next one works."""
+"""A run killed at any moment leaves results complete or unchanged, and the next run works."""
 
 import hashlib
 import json
@@ -43,7 +43,7 @@ mosaic = "bayer"
 
 
 def made_of(folder):
-    """Digests of the files of a folder, but of a summary only what another run repeats."""
+    """Digests of the files of a folder; of a summary, only what is equal in all runs."""
     told = {}
     for path in folder.rglob("*") if folder.exists() else ():
         content = path.read_bytes()
@@ -88,7 +88,7 @@ def test_a_kill_at_a_random_moment_leaves_a_folder_whole_or_as_it_was(kind, caps
         folder, sent = place / "o", (signal.SIGKILL, signal.SIGTERM)[moment // 2 % 2]
         place.mkdir()
         (place / "notes.txt").write_text("notes")
-        if moment % 2 and name != "a study":  # which refuses other results
+        if moment % 2 and name != "a study":  # a study refuses other results
             folder.mkdir()
             (folder / "mine.txt").write_text("mine")
             (folder / "summary.json").write_text("{}")

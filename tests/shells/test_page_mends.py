@@ -237,7 +237,7 @@ def test_the_highest_qe_is_asked_only_of_a_file_of_relative_curves(page, watch):
     label.wait_for()
     told = page.locator("fieldset.card").first.locator(".fault")
     told.wait_for()
-    assert told.inner_text().endswith("which QE is the highest?")
+    assert told.inner_text().endswith("what is the highest QE?")
     field = page.get_by_label("Highest QE, of relative curves, as a number")
     field.fill("0.6")
     question, _ = answer_to(page, lambda: field.press("Enter"))

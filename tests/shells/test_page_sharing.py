@@ -154,7 +154,11 @@ def array_file():
 
 
 UNREADABLE = [
-    ("bands.npy", array_file(), "does not tell the wavelengths of its 66 bands; the page cannot"),
+    (
+        "bands.npy",
+        array_file(),
+        "does not declare the wavelengths of its 66 bands; the page cannot",
+    ),
     ("junk.csv", b"\x00\xff\x13" * 700, ""),
     ("empty.csv", b"", "empty"),
     ("page.exe", b"MZ", ""),

@@ -67,7 +67,7 @@ def only_sentence(reply, status=200):
 
 
 def mat_of_zeros(megabytes, *, rows=None):
-    """A MATLAB array of doubles that deflates to a thousandth; with ``rows`` its shape lies."""
+    """A MATLAB array of doubles that deflates to a thousandth; with ``rows`` its shape is wrong."""
     size = megabytes * 1_000_000 // 40_000 * 40_000
     rows = rows or size // 40_000
     parts = struct.pack("<IIII", 6, 8, 6, 0) + struct.pack("<IIiiii", 5, 12, rows, 100, 50, 0)
@@ -144,7 +144,7 @@ def test_a_damaged_file_of_any_format_is_answered_and_never_an_error_of_the_serv
         told = reply.json()
         assert told.get("id") or told["faults"][0]["sentence"]
     assert client.post("/api/upload", content=whole, headers=headers).json().get("id") or name in (
-        "npy",  # does not tell its wavelengths
+        "npy",  # does not declare its wavelengths
     )
 
 
@@ -192,13 +192,13 @@ def test_a_list_that_no_question_of_the_page_has_is_refused(server):
         b'{"look": {"a": "\\uDC00"}}',
     ],
 )
-def test_half_of_a_surrogate_pair_is_refused_in_a_sentence(server, body):
+def test_an_unpaired_surrogate_is_refused_in_one_sentence(server, body):
     for path in ("answer", "texts", "picture"):
         headers = {"Content-Type": "application/json"}
         only_sentence(server[0].post(f"/api/{path}", content=body, headers=headers), 400)
 
 
-def test_half_of_a_surrogate_pair_in_a_file_is_answered(server):
+def test_an_unpaired_surrogate_in_a_file_is_answered(server):
     told = json.loads(FILES["json"]())
     told["spectral_data"]["index"]["main"] = ["\ud800", "G"]
     content = json.dumps(told).encode()
@@ -211,7 +211,7 @@ def test_a_long_name_of_an_asset_is_not_found(server, path):
     assert server[0].get(f"/assets/{path}").status_code == 404
 
 
-def test_clients_that_send_no_body_delay_nobody(server):
+def test_clients_that_send_no_body_do_not_delay_others(server):
     client, _ = server
     port = client.base_url.port
     head = (
@@ -222,7 +222,7 @@ def test_clients_that_send_no_body_delay_nobody(server):
         for _ in range(60):
             one = held.enter_context(socket.create_connection(("127.0.0.1", port)))
             one.sendall(head.encode())
-        # four of them held all places for long bodies for half a minute
+        # once, four such clients blocked all long bodies for half a minute
         long = json.dumps({"study": STUDY, "want": ["head"], "look": {"x": "y" * 200_000}})
         headers = {"Content-Type": "application/json"}
         assert client.post("/api/answer", content=long, headers=headers).status_code == 200
@@ -239,7 +239,7 @@ class Coming:
             yield piece
 
 
-def test_of_bodies_that_hold_too_much_together_the_one_that_rested_longest_goes(monkeypatch):
+def test_when_bodies_exceed_their_memory_the_one_that_waited_longest_is_dropped(monkeypatch):
     monkeypatch.setattr(asked, "_MOST_COMING_BYTES", 2500)
 
     async def bodies():
@@ -312,7 +312,7 @@ def test_a_file_that_takes_too_much_of_the_processor_is_refused(workers, monkeyp
     assert "longer than 1 s" in str(refused)
 
 
-def test_a_computation_that_takes_too_much_memory_is_refused_in_a_sentence(workers, monkeypatch):
+def test_a_computation_that_needs_too_much_memory_is_refused_in_one_sentence(workers, monkeypatch):
     queue = workers._lanes["pictures"]
     monkeypatch.setattr(queue, "_lane", replace(queue._lane, memory_bytes=3_000_000))
     (refused,) = results(workers, ("picture", json.dumps({"study": STUDY}).encode()))
@@ -320,20 +320,20 @@ def test_a_computation_that_takes_too_much_memory_is_refused_in_a_sentence(worke
     assert "3 MB" in str(refused)
 
 
-def test_an_answer_that_is_too_long_is_refused_in_a_sentence(workers, monkeypatch):
+def test_an_answer_that_is_too_long_is_refused_in_one_sentence(workers, monkeypatch):
     monkeypatch.setattr(work, "MOST_ANSWER_BYTES", 100)
     (refused,) = results(workers, ("texts", HEAD))
     assert isinstance(refused, QuestionError)
 
 
-def test_who_would_wait_too_long_is_asked_to_ask_again(workers, monkeypatch):
+def test_a_question_that_would_wait_too_long_gets_status_503(workers, monkeypatch):
     monkeypatch.setattr(work, "LONGEST_WAIT_S", -1.0)
     (refused,) = results(workers, ("texts", HEAD))
     assert isinstance(refused, QuestionError)
     assert refused.status == 503
 
 
-def test_where_a_process_cannot_be_forked_each_is_started_alone(monkeypatch):
+def test_without_fork_each_process_is_started_separately(monkeypatch):
     monkeypatch.setattr(processes, "FORKS", False)
     workers = Workers(None)
     try:
@@ -346,9 +346,7 @@ def test_where_a_process_cannot_be_forked_each_is_started_alone(monkeypatch):
     assert all(process.poll() is not None for process in workers._nursery._started)
 
 
-def test_no_file_of_the_working_folder_is_imported_by_a_process_that_computes(
-    tmp_path, monkeypatch
-):
+def test_no_file_of_the_working_folder_is_imported_by_a_worker_process(tmp_path, monkeypatch):
     for name in ("colour", "pickle", "numpy"):
         (tmp_path / f"{name}.py").write_text("raise SystemExit('imported')\n")
     monkeypatch.chdir(tmp_path)

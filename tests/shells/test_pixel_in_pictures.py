@@ -1,4 +1,4 @@
-"""What a pixel file tells reaches every picture, and options win over it."""
+"""The values of a pixel file reach every picture, and options override them."""
 
 import json
 import subprocess
@@ -50,7 +50,7 @@ GREEN = ("--mosaic", "G", "--raw-only")
 
 @pytest.fixture
 def take(run, here):
-    """A simulation with the sheet; its codes, its summary and what was said."""
+    """A simulation with the sheet: its codes, its summary and its messages."""
 
     def call(*options, pixel=("--pixel", "sheet.txt"), name="o"):
         code, _, err = run(*ASKED, *pixel, *options, "-o", name)
@@ -85,7 +85,7 @@ def test_the_summary_lists_the_values_used_and_no_note_says_that_they_are_not(ta
         assert wrong not in notes + err
 
 
-def test_every_option_wins_over_the_sheet_and_so_does_0(take):
+def test_every_option_overrides_the_sheet_also_with_0(take):
     zeros = {"dark_current_e_per_s": 0, "dsnu_e": 0, "prnu": 0}
     words = [word for k, v in zeros.items() for word in (f"--{k.replace('_', '-')}", v)]
     codes, told, _ = take(*GREEN, *words)
@@ -132,7 +132,7 @@ def test_a_picture_without_a_mosaic_has_the_noise_of_the_sheet_and_no_converter(
     assert typed["imperfections"] == TOLD
 
 
-def test_a_closed_form_says_which_values_of_the_sheet_it_leaves_out(run, here):
+def test_a_closed_form_notes_which_values_of_the_sheet_it_leaves_out(run, here):
     code, out, _ = run("analyze", "model-rgb", "--pixel", "sheet.txt", "--json", "-")
     assert code == 0
     (sensor,) = json.loads(out)["sensors"]
@@ -221,7 +221,7 @@ def test_the_picture_of_the_page_is_that_of_the_run_with_its_sheet(run, here):
         ("sigma_d = 3 e-\nbits = 20", "20"),
     ],
 )
-def test_a_pixel_file_that_no_camera_has_is_refused_in_one_sentence(run, here, text, part):
+def test_a_pixel_file_of_an_impossible_camera_is_refused_in_one_sentence(run, here, text, part):
     (here / "sheet.txt").write_text(text)
     refused(run(*ASKED, "--pixel", "sheet.txt", "-o", "o"), "sheet.txt", part)
     assert not (here / "o").exists()

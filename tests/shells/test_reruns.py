@@ -1,4 +1,4 @@
-"""Results run again from anywhere, no input changes unseen, and agreement is measured."""
+"""Results can be rerun from any folder, changed inputs are detected, agreement is measured."""
 
 import json
 import os
@@ -40,7 +40,7 @@ def cube_of(reflectance):
 
 @pytest.fixture
 def project(tmp_path, monkeypatch):
-    """A folder with a study whose sensor, light and cube are files beside it."""
+    """A folder with a study and the files of its sensor, light and cube."""
     folder = tmp_path / "project"
     folder.mkdir()
     rows = [f"{w},{0.3},{0.1 + w / 9000},{0.2}" for w in range(400, 1051, 10)]
@@ -84,7 +84,7 @@ def test_results_outside_of_the_project_find_its_files(run, project, tmp_path, m
     assert files_of(tmp_path / "again") == files_of(tmp_path / "results")
 
 
-def test_a_project_that_was_moved_whole_runs_again_with_its_own_files(run, made, project, tmp_path):
+def test_a_project_that_was_moved_is_rerun_with_its_own_files(run, made, project, tmp_path):
     os.chdir(tmp_path)
     project.rename(tmp_path / "moved")
     project.mkdir()
@@ -96,7 +96,7 @@ def test_a_project_that_was_moved_whole_runs_again_with_its_own_files(run, made,
     assert "all numbers are equal" in err.splitlines()[-1]
 
 
-def test_a_project_whose_files_are_not_found_is_one_sentence(run, made, project, tmp_path):
+def test_a_project_whose_files_are_missing_is_refused_in_one_sentence(run, made, project, tmp_path):
     os.chdir(tmp_path)
     made.rename(tmp_path / "results")
     project.rename(tmp_path / "gone")
@@ -137,7 +137,7 @@ def test_a_file_with_another_date_and_the_same_content_is_the_same_file(project)
     ("key", "value"),
     [("seed", 8), ("version", "9.9"), ("steps", []), ("place", "/"), ("numerics", {})],
 )
-def test_no_part_of_the_record_of_a_run_can_be_altered_unseen(run, made, key, value):
+def test_every_change_of_the_record_of_a_run_is_detected(run, made, key, value):
     record = json.loads((made / "study.json").read_bytes())
     assert record[key] != value
     (made / "study.json").write_text(json.dumps(record | {key: value}, indent=1) + "\n")
@@ -192,7 +192,7 @@ def record_of(folder, **variables):
     return eval(done.stdout)
 
 
-def test_the_record_names_what_decides_the_last_digits(made, tmp_path):
+def test_the_record_names_what_determines_the_last_digits(made, tmp_path):
     record = json.loads((made / "study.json").read_bytes())["numerics"]
     assert (record["machine"], record["numpy"]) == (platform.machine(), np.__version__)
     if record["blas_kernel"] is None or platform.machine() != "x86_64":

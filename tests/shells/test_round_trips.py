@@ -1,4 +1,4 @@
-"""Whatever is written is read back to the last digit, by every reader that may be given it."""
+"""Every written file is read back to the last digit, by every reader that accepts it."""
 
 import csv
 import json
@@ -59,7 +59,7 @@ KEPT = ("quantity", "level", "per", "scale")
 @pytest.mark.parametrize("said", SAID)
 @pytest.mark.parametrize("ending", [".csv", ".json", ".spdx"])
 @pytest.mark.parametrize("high", [1.0, 3.7, 81.25])
-def test_what_convert_writes_it_reads_again_with_all_that_was_said(done, here, ending, said, high):
+def test_convert_reads_what_it_writes_with_all_declarations(done, here, ending, said, high):
     table = values(1) * high
     write_csv(here / "a.csv", table.tolist(), ["R"])
     beside = ("--fraction",) if "power" not in SAID[said] and "response" not in SAID[said] else ()
@@ -142,9 +142,8 @@ def test_a_light_that_convert_writes_is_the_light_that_it_read(done, here, endin
     again = illuminant_of_word(f"again{ending}")
     mixed = illuminant_of_word(f"again{ending}+0.5xLED850")
     assert np.array_equal(first.irradiance, again.irradiance)
-    assert mixed.irradiance.sum() == pytest.approx(
-        1.5 * again.irradiance.sum(), rel=1e-3
-    )  # the diode gives no lux to speak of
+    # the diode adds almost no illuminance
+    assert mixed.irradiance.sum() == pytest.approx(1.5 * again.irradiance.sum(), rel=1e-3)
     done("analyze", "onyx-rgbw", "--illuminant", f"again{ending}")
 
 
@@ -157,7 +156,7 @@ def test_a_filter_that_convert_writes_is_the_filter_that_it_read(done, here, end
     done("analyze", "onyx-rgbw", "--filter", f"again{ending}")
 
 
-def test_curves_that_convert_writes_serve_in_the_users_folder(done, here, monkeypatch):
+def test_curves_that_convert_writes_work_in_the_users_folder(done, here, monkeypatch):
     write_csv(here / "cam.csv", values(2).tolist(), "RG")
     folder = here / "mine"
     folder.mkdir()
@@ -198,7 +197,7 @@ def test_a_table_in_json_keeps_all_digits_and_a_csv_those_of_its_columns(done, h
 
 
 @pytest.mark.parametrize("ending", ["csv", "json", "clf", "dcp.json"])
-def test_a_matrix_that_is_exported_holds_every_digit(done, here, ending):
+def test_an_exported_matrix_keeps_every_digit(done, here, ending):
     out = json.loads(done("matrix", "onyx-rgb", "--export", f"m.{ending}", "--json", "-")[0])[
         "matrix"
     ]

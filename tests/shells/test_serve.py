@@ -479,7 +479,7 @@ def test_serve_tells_its_address_answers_soon_and_ends_with_ctrl_c(tmp_path):
     assert (process.returncode, errors) == (0, "")
 
 
-def test_a_server_that_was_started_without_ctrl_c_ends_by_a_termination_only():
+def test_a_server_started_with_sigint_ignored_ends_only_by_sigterm():
     with command("serve", "--port", 0, script=IGNORING, PYTHONUNBUFFERED="1") as process:
         address = process.stdout.readline().split()[0]
         assert httpx.get(address, timeout=60).status_code == 200

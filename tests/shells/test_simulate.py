@@ -416,9 +416,7 @@ def test_a_signal_in_a_long_burst_ends_it_and_keeps_what_was_there_before(cube, 
     assert (folder / "summary.json").read_text() == "mine"
 
 
-def test_where_ctrl_c_was_ignored_from_the_start_it_stays_so_and_a_termination_ends_cleanly(
-    cube, tmp_path
-):
+def test_an_ignored_sigint_stays_ignored_and_sigterm_ends_cleanly(cube, tmp_path):
     with command("simulate", cube, *BURST, "-o", tmp_path / "o", script=IGNORING) as process:
         wait_for(lambda: list(tmp_path.glob(".o-*/*-0001.raw.tiff")), process)
         process.send_signal(signal.SIGINT)

@@ -102,7 +102,7 @@ def test_a_result_that_was_changed_is_computed_anew_and_said(run, made):
     file.write_text(json.dumps(told, indent=1) + "\n")
     code, _, err = run("run", "s.toml", "--out", "out")
     assert code == 0
-    assert "its file was changed or is cut short" in err
+    assert "its file was changed or truncated" in err
     assert file.read_bytes() == right
     file.write_bytes(right[:100])
     assert run("run", "s.toml", "--out", "out")[0] == 0
