@@ -768,7 +768,7 @@ def test_an_array_larger_than_the_memory_is_refused_before_it_is_read(tmp_path, 
     paths = [write(tmp_path / name, reflectance=np.ones((8, 8, 8))) for write, name in WRITERS]
     monkeypatch.setattr("os.sysconf", lambda _: 10)  # pages, and bytes per page
     for path in paths:
-.* 100 bytes.*ENVI"):
+        with pytest.raises(InputError, match=r"needs 4.0 KiB of memory, .* 100 bytes.*ENVI"):
             read_cube(path)
 
 
