@@ -4,6 +4,7 @@ import os
 import shutil
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
@@ -64,7 +65,12 @@ def test_a_change_in_a_file_that_a_kernel_calls_is_seen_though_its_date_is_older
     (installed / "inner.py").write_text(INNER.format(added=5))
     os.utime(installed / "inner.py", (100, 100))
     assert asked(installed)[:2] == (6, 0)
-    assert not folder.exists()
+    assert folder.exists()  # another process may work with it
+    (kept,) = (one for one in folder.parents if one.name.startswith("kernels-"))
+    for days, there in ((29, True), (31, False)):
+        os.utime(kept, (time.time() - days * 86400,) * 2)
+        assert asked(installed)[:2] == (6, 1)
+        assert kept.exists() == there
     assert (installed / "__pycache__" / "kernels-mine").is_dir()
 
 

@@ -10,6 +10,7 @@ import os
 import shutil
 import stat
 import tempfile
+import time
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from functools import cache
@@ -21,6 +22,7 @@ from numba import config, njit
 from numba.misc.appdirs import AppDirs
 
 SOURCES = Path(__file__).parent
+_UNUSED_S = 30 * 24 * 3600.0
 
 
 def kernel(**options: Any) -> Callable[[Callable[..., Any]], Any]:
@@ -49,7 +51,8 @@ def kernel_folder() -> Path | None:
 
     It is in the first of these places that can be written: ``NUMBA_CACHE_DIR``, ``__pycache__`` of
     the installation, the user's cache, or a temporary folder that only this user can write. Folders
-    for earlier sources of this installation are removed from that place.
+    for other sources of this installation are removed after 30 days without use: until then
+    another process may use them.
     """
     sources = sorted(SOURCES.glob("*.py"))
     if not sources:
@@ -64,8 +67,9 @@ def kernel_folder() -> Path | None:
         with suppress(OSError):
             folder.mkdir(parents=True, exist_ok=True)
             tempfile.TemporaryFile(dir=folder).close()
+            os.utime(folder)
             for other in place.glob(f"{ours}*"):
-                if other != folder:
+                if other.stat().st_mtime < time.time() - _UNUSED_S:
                     shutil.rmtree(other, ignore_errors=True)
             return folder
     return None
