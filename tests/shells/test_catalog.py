@@ -295,7 +295,7 @@ def test_the_same_folder_elsewhere_gives_the_same_hash(folder, tmp_path_factory,
         '[light]\nilluminant = "my-lamp"\n[[sensors]]\nname = "my-camera"', source="text"
     )
     here = provenance(study)
-    assert set(here["files"]) == {f"catalog/{p.name}" for p in folder.iterdir()}
+    assert set(here["files"]) == {f"catalog://{p.name}" for p in folder.iterdir()}
     other = tmp_path_factory.mktemp("elsewhere")
     for path in folder.iterdir():
         (other / path.name).write_bytes(path.read_bytes())

@@ -164,9 +164,10 @@ def changes_since(study: Study, before: Mapping[str, str]) -> tuple[str, ...]:
     for name in dict.fromkeys((*before, *now)):
         there = name in now and now[name].exists()
         if not there and in_catalog(name):
-            entry = Path(name).stem
+            file = name.removeprefix(_CATALOG)
+            entry = Path(file).stem
             told.append(
-                f"unknown {entry!r}; set CHROMANOISE_CATALOG to the folder of {name[8:]}"
+                f"unknown {entry!r}; set CHROMANOISE_CATALOG to the folder of {file}"
                 if entry != "SOURCES"
                 else ""
             )
@@ -192,14 +193,17 @@ def _stamp(file: Path) -> tuple[int, int, int] | None:
     return found.st_mtime_ns, found.st_ctime_ns, found.st_size
 
 
+_CATALOG = "catalog://"  # no path has this name, for paths are written with single slashes
+
+
 def in_catalog(name: str) -> bool:
     """Whether the name of a file in a result is in the user's catalog."""
-    return name.startswith("catalog/")
+    return name.startswith(_CATALOG)
 
 
 def _told(file: Path) -> str:
     """A table of the user's catalogue by its name, for that folder may lie anywhere."""
-    return f"catalog/{file.name}" if file.parent == catalog_folder() else str(file)
+    return f"{_CATALOG}{file.name}" if file.parent == catalog_folder() else str(file)
 
 
 def _files(study: Study) -> list[Path]:
