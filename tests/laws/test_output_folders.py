@@ -183,10 +183,8 @@ def test_without_locks_no_file_is_removed_while_it_is_open(out, monkeypatch):
     unlink = Path.unlink
 
     def closed(path, missing_ok=False):
-        open_now = [
-            str(one.readlink()) for one in Path("/proc/self/fd").iterdir() if one.is_symlink()
-        ]
-        if str(path) in open_now:
+        open_now = [one.readlink() for one in Path("/proc/self/fd").iterdir() if one.is_symlink()]
+        if path in open_now:
             raise PermissionError(13, "in use")  # as Windows says
         unlink(path, missing_ok)
 

@@ -93,7 +93,25 @@ def test_a_project_that_was_moved_is_rerun_with_its_own_files(run, made, project
     assert code == 0, err
     for name in ("analysis-kernel.json", "pictures-1.json"):
         assert (Path("again") / name).read_bytes() == (Path("moved/out/study") / name).read_bytes()
-    assert "all numbers are equal" in err.splitlines()[-1]
+    last = err.splitlines()[-1]
+    assert "other bytes" not in last
+    assert str(project) in last
+
+
+@pytest.mark.parametrize("name", ["catalog", "catalog:"])
+def test_a_folder_of_the_project_named_catalog_is_found_from_elsewhere(
+    run, project, tmp_path, monkeypatch, name
+):
+    (project / name).mkdir()
+    (project / "cam.csv").rename(project / name / "cam.csv")
+    (project / "study.toml").write_text(
+        f'matrices = ["kernel"]\n[[sensors]]\nname = "{name}/cam.csv"\n'
+    )
+    assert run("run", "study.toml", "-o", "results")[0] == 0
+    monkeypatch.chdir(tmp_path)
+    code, _, err = run("rerun", project / "results", "-o", "again")
+    assert code == 0, err
+    assert files_of(tmp_path / "again") == files_of(project / "results")
 
 
 def test_a_project_whose_files_are_missing_is_refused_in_one_sentence(run, made, project, tmp_path):
@@ -180,6 +198,26 @@ def test_agreement_names_the_largest_relative_difference_and_its_place(made, tmp
     (made / "pictures-1.json").unlink()
     assert agreement_of(made, tmp_path / "again").incomparable == ("pictures-1.json",)
     assert re.search(r"3\.3e-01", agreement_text(found))
+
+
+def test_only_another_place_or_machine_in_the_record_is_no_difference_of_results(made, tmp_path):
+    shutil.copytree(made, tmp_path / "again")
+    file = made / "study.json"
+    told = json.loads(file.read_bytes())
+    told["numerics"]["machine"] = "riscv128"
+    told["place"] = "/far/away"
+    file.write_text(json.dumps(told))
+    found = agreement_of(made, tmp_path / "again")
+    assert (found.other_bytes, found.incomparable, found.where) == ((), (), "")
+    assert found.place == "/far/away"
+    assert found.numerics == ("machine",)
+    text = agreement_text(found)
+    assert "/far/away" in text
+    assert "machine" in text
+    assert "same bytes" not in text
+    told["seed"] = 99
+    file.write_text(json.dumps(told))
+    assert agreement_of(made, tmp_path / "again").other_bytes == ("study.json",)
 
 
 def record_of(folder, **variables):

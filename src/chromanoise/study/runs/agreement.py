@@ -27,7 +27,12 @@ class Agreement:
     files
         Number of files that the second run wrote.
     other_bytes
-        Names of files whose bytes differ in the first run, or that it lacks.
+        Names of files whose results differ in the first run, or that it lacks. JSON files that
+        differ only in place, machine and their own hash are not among them.
+    place
+        The folder in which the first run looked for its files, if it is another; else empty.
+    numerics
+        The entries on machine and libraries that differ.
     largest
         Largest relative difference of two numbers, ``|a - b| / max(|a|, |b|)``. [1]
     where
@@ -38,6 +43,8 @@ class Agreement:
 
     files: int
     other_bytes: tuple[str, ...]
+    place: str
+    numerics: tuple[str, ...]
     largest: float
     where: str
     incomparable: tuple[str, ...]
@@ -58,7 +65,17 @@ def agreement_of(first: Path, second: Path) -> Agreement:
         If the second run is incomplete.
     """
     names = output_files(second)
-    other = tuple(name for name in names if not _same_bytes(first / name, second / name))
+    other, place, numerics = [], "", set[str]()
+    for name in names:
+        if _same_bytes(first / name, second / name):
+            continue
+        one, its = (_record(folder / name) for folder in (first, second))
+        if not one or _results(one) != _results(its):
+            other.append(name)
+        if one.get("place") != its.get("place"):
+            place = str(one.get("place", ""))
+        before, now = (told.get("numerics") or {} for told in (one, its))
+        numerics |= {key for key in before | now if before.get(key) != now.get(key)}
     largest, where, incomparable = 0.0, "", []
     for name in other:
         if name == STUDY_FILE:
@@ -67,14 +84,16 @@ def agreement_of(first: Path, second: Path) -> Agreement:
             found = list(_differences(first / name, second / name))
         except (OSError, ValueError):  # missing, or not a file that a run wrote
             found = [(np.inf, "")]
-        for difference, place in found:
+        for difference, at in found:
             if not np.isfinite(difference):
-                incomparable.append(f"{name} {place}".strip())
+                incomparable.append(f"{name} {at}".strip())
             elif difference > largest:
-                largest, where = difference, f"{name} {place}".strip()
+                largest, where = difference, f"{name} {at}".strip()
     return Agreement(
         files=len(names),
-        other_bytes=other,
+        other_bytes=tuple(other),
+        place=place,
+        numerics=tuple(sorted(numerics)),
         largest=largest,
         where=where,
         incomparable=tuple(incomparable),
@@ -83,9 +102,15 @@ def agreement_of(first: Path, second: Path) -> Agreement:
 
 def agreement_text(found: Agreement) -> str:
     """The agreement in one sentence."""
+    parts = []
+    if found.place:
+        parts.append(f"the original was made with files in {found.place}")
+    if found.numerics:
+        parts.append(f"machine or libraries of the original differ: {', '.join(found.numerics)}")
     if not found.other_bytes:
-        return f"all {found.files} files have the same bytes as the original"
-    parts = [f"{len(found.other_bytes)} of {found.files} files differ from the original"]
+        what = "the same results" if parts else "the same bytes"
+        return "; ".join([f"all {found.files} files have {what} as the original", *parts])
+    parts.insert(0, f"{len(found.other_bytes)} of {found.files} files differ from the original")
     if found.incomparable:
         more = f" and {len(found.incomparable) - 3} more" if len(found.incomparable) > 3 else ""
         parts.append(f"not comparable: {', '.join(found.incomparable[:3])}{more}")
@@ -105,6 +130,20 @@ def _same_bytes(first: Path, second: Path) -> bool:
         return filecmp.cmp(first, second, shallow=False)
     except OSError:
         return False
+
+
+def _record(path: Path) -> dict[str, Any]:
+    """What a JSON file of a run says; empty of any other file."""
+    try:
+        told = json.loads(path.read_bytes()) if path.suffix == ".json" else {}
+    except (OSError, ValueError):
+        return {}
+    return told if isinstance(told, dict) else {}
+
+
+def _results(told: dict[str, Any]) -> dict[str, Any]:
+    """All but what depends on place and machine, and the hash of all."""
+    return {key: told[key] for key in told.keys() - {"place", "numerics", "content"}}
 
 
 def _differences(first: Path, second: Path) -> Iterator[tuple[float, str]]:
