@@ -103,6 +103,20 @@ def test_a_damaged_page_is_refused_and_nothing_else_is_printed(tmp_path, capfd):
     assert logging.getLogger("tifffile").handlers
 
 
+def test_places_of_strips_that_are_no_whole_numbers_are_refused(tmp_path):
+    with tifffile.TiffWriter(tmp_path / "a.tif") as file:
+        for plane in CUBE.transpose(2, 0, 1).astype("f4"):
+            file.write(plane, photometric="minisblack", metadata=None)
+    content = bytearray((tmp_path / "a.tif").read_bytes())
+    with tifffile.TiffFile(tmp_path / "a.tif") as file:
+        tag = file.pages[0].tags["StripOffsets"]
+        place = tag.value[0]
+    struct.pack_into("<H", content, tag.offset + 2, 11)  # single precision
+    struct.pack_into("<f", content, tag.valueoffset, place)
+    (tmp_path / "a.tif").write_bytes(content)
+    assert "page 0" in told(tmp_path / "a.tif", **EVEN)
+
+
 # files of other kinds
 
 
@@ -233,6 +247,16 @@ def large_zarr(folder):
     about = json.loads(header.read_text())
     header.write_text(json.dumps(about | {"chunks": [20, 10_000, 10_000]}))
     return folder / "a.zarr"
+
+
+def test_an_array_of_which_hardly_a_chunk_is_there_is_refused(tmp_path):
+    zarr.create_array(tmp_path / "a.zarr", data=CUBE, chunks=(1, 4, 5), zarr_format=2)
+    header = tmp_path / "a.zarr" / ".zarray"
+    about = json.loads(header.read_text())
+    header.write_text(json.dumps(about | {"shape": [3, 65535, 5]}))
+    text = told(tmp_path / "a.zarr", **EVEN)
+    assert "49152" in text  # 3 rows of 16384 chunks of 4 columns
+    assert "only 3" in text
 
 
 def overfull_zarr(folder):

@@ -91,6 +91,11 @@ def _refuse_unlike(path: Path, pages: list[Any]) -> None:
 def _refuse_incomplete(path: Path, i: int, page: Any) -> None:
     """The library gives zeros for strips that are missing."""
     size = path.stat().st_size
+    places = (*page.dataoffsets, *page.databytecounts)
+    if not all(isinstance(place, int) for place in places):
+        raise _check.InputError(
+            f"{path}: page {i} (from 0) does not say where its numbers are; save it again"
+        )
     ends = [at + n for at, n in zip(page.dataoffsets, page.databytecounts, strict=True)]
     if not ends or min(page.dataoffsets) <= 0 or min(page.databytecounts) <= 0 or max(ends) > size:
         raise _check.InputError(

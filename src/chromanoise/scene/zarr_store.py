@@ -19,7 +19,7 @@ from jaxtyping import Shaped, UInt8
 from chromanoise import _check
 from chromanoise._check import Array, printable
 from chromanoise._inputs import regular_file
-from chromanoise.scene.bounds import memory_bytes
+from chromanoise.scene.bounds import MOST_INFLATED, memory_bytes
 from chromanoise.scene.faults import library, reading, reading_rows
 from chromanoise.scene.file_rows import refuse_other_rows
 from chromanoise.scene.found import Notes
@@ -249,6 +249,11 @@ def _absent_chunks(path: Path, name: str) -> Notes:
         filled = array.fill_value
     if there == 0:
         raise _check.InputError(f"{path}: array {printable(name)!r} has no chunks; save it again")
+    if whole > there * MOST_INFLATED:
+        raise _check.InputError(
+            f"{path}: array {printable(name)!r} declares {whole} chunks, but only {there} are "
+            "there; it is damaged or not complete, save it again"
+        )
     if there < whole:
         return (f"{whole - there} of {whole} chunks are absent and read as {filled}",)
     return ()
