@@ -644,7 +644,7 @@ def test_a_cut_tiff_is_refused(tmp_path):
     whole = path.read_bytes()
     for length in (len(whole) - 10, len(whole) // 2, 20):
         path.write_bytes(whole[:length])
-        with pytest.raises(InputError, match="cut short"):
+        with pytest.raises(InputError, match=r"a\.tif: (not a readable TIFF|page [24] )"):
             read_cube(path, wavelengths=(400, 800))
 
 

@@ -56,6 +56,8 @@ def test_axe_finds_no_fault_in_the_page_nor_in_its_dialogs(window, watch, axe, s
     page.locator("[data-part=picture] img").first.wait_for()
     page.locator("#keep").click()
     page.get_by_label("Name of this ghost").wait_for()
+    # a panel is dimmed while it waits for a newer answer
+    until(page, "() => !document.querySelector('.panel[aria-busy]')")
     page.evaluate("document.querySelectorAll('details').forEach((node) => (node.open = true))")
     assert faults_of_access(page, axe, rules) == []
     page.locator("button.equation").first.click()

@@ -298,7 +298,7 @@ def test_more_sensors_than_the_page_shows_are_refused_before_anything_is_served(
     )
     code, out, err = run("serve", path, "--port", 0)
     assert (code, out, len(err.splitlines())) == (2, "", 1)
-    assert "8 sensors at most, but there are 9" in err
+    assert "at most 8 sensors, but there are 9" in err
 
 
 # ---- the picture ----

@@ -68,7 +68,8 @@ def declared_keys(comments: Iterable[str]) -> Mapping[str, str]:
     for match in filter(None, map(_KEY.fullmatch, comments)):
         for key, words in _KEYS.items():
             if re.fullmatch(words, match[1], re.IGNORECASE):
-                value = match[2].strip().strip("'\"").strip("[]")
+                value = match[2].strip().strip("'\"")
+                value = value[1:-1] if value[0] + value[-1] == "[]" else value
                 if re.fullmatch(_VALUES.get(key, ".*"), value, re.IGNORECASE):
                     found.setdefault(key, value)
     return MappingProxyType(found)

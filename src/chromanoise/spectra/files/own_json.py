@@ -98,6 +98,7 @@ def own_spectra(held: Mapping[str, Any], source: str) -> Found:
             )
             for k, name in enumerate(names)
         ),
+        heading="wavelength_nm",  # as the CSV of the same curves is headed
         wavelength_unit="nm",
         said_source=said_source,
         said_notes=said_notes,

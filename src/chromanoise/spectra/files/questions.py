@@ -48,6 +48,7 @@ def questions_of(told: Understood, words: str, answers: Answers) -> Understood:
         *_scale(told, answers),
         *own,
         *(light_questions(told) if use == "light" else ()),
+        *_negatives(told, answers),
         *_beyond(told, answers),
     )
     return replace(told, questions=asked)
@@ -124,6 +125,16 @@ def _scale(told: Understood, answers: Answers) -> Iterator[Question]:
             about="scale",
             asks=f"the highest value is {highest:g}: are they fractions or percent?",
             options="--fraction or --percent",
+        )
+
+
+def _negatives(told: Understood, answers: Answers) -> Iterator[Question]:
+    negative = judged(told.curves).values < 0
+    if answers.negatives == "refuse" and negative.any():
+        yield Question(
+            about="negatives",
+            asks=f"{int(negative.sum())} values are negative: are small ones to be taken as 0?",
+            options="--negatives zero",
         )
 
 
