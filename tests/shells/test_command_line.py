@@ -219,9 +219,8 @@ def test_a_curve_that_ends_short_is_refused_until_told_what_follows(run, curve_f
 def test_disjoint_wavelengths_are_refused(run, tmp_path):
     path = tmp_path / "um.csv"
     path.write_text("wavelength_nm,R\n0.4,0.1\n0.7,0.5\n1.05,0.1\n")
-    refused(
-        run("analyze", path, "--beyond", "zero"), "um.csv", "0.4-1.05 nm", "--wavelength-unit um"
-    )
+    answer = run("analyze", path, "--beyond", "zero")
+    refused(answer, "um.csv", "0.4-1.05 nm", "--wavelength-unit um")
 
 
 def test_missing_and_binary_files_are_refused(run, tmp_path):

@@ -57,7 +57,8 @@ def test_axe_finds_no_fault_in_the_page_nor_in_its_dialogs(window, watch, axe, s
     page.locator("#keep").click()
     page.get_by_label("Name of this ghost").wait_for()
     # a panel is dimmed while it waits for a newer answer
-    until(page, "() => !document.querySelector('.panel[aria-busy]')")
+    bodies = "[...document.querySelectorAll('.panel .body')]"
+    until(page, f"() => {bodies}.every((one) => getComputedStyle(one).opacity === '1')")
     page.evaluate("document.querySelectorAll('details').forEach((node) => (node.open = true))")
     assert faults_of_access(page, axe, rules) == []
     page.locator("button.equation").first.click()
