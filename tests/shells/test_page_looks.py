@@ -35,6 +35,9 @@ def axe():
 
 def faults_of_access(page, axe, rules=RULES):
     """What axe-core finds, as rule and element."""
+    # a panel is dimmed while it waits for a newer answer
+    bodies = "[...document.querySelectorAll('.panel .body')]"
+    until(page, f"() => {bodies}.every((one) => getComputedStyle(one).opacity === '1')")
     page.evaluate(f"() => {{ if (!window.axe) {{ {axe} }} }}")
     found = page.evaluate(
         "(rules) => axe.run(document, { runOnly: rules, resultTypes: ['violations'] })", rules
@@ -56,9 +59,6 @@ def test_axe_finds_no_fault_in_the_page_nor_in_its_dialogs(window, watch, axe, s
     page.locator("[data-part=picture] img").first.wait_for()
     page.locator("#keep").click()
     page.get_by_label("Name of this ghost").wait_for()
-    # a panel is dimmed while it waits for a newer answer
-    bodies = "[...document.querySelectorAll('.panel .body')]"
-    until(page, f"() => {bodies}.every((one) => getComputedStyle(one).opacity === '1')")
     page.evaluate("document.querySelectorAll('details').forEach((node) => (node.open = true))")
     assert faults_of_access(page, axe, rules) == []
     page.locator("button.equation").first.click()
