@@ -37,7 +37,8 @@ def faults_of_access(page, axe, rules=RULES):
     """What axe-core finds, as rule and element."""
     # a panel is dimmed while it waits for a newer answer
     bodies = "[...document.querySelectorAll('.panel .body')]"
-    until(page, f"() => {bodies}.every((one) => getComputedStyle(one).opacity === '1')")
+    idle = "!document.querySelector('.panel[aria-busy]')"
+    until(page, f"() => {idle} && {bodies}.every((one) => getComputedStyle(one).opacity === '1')")
     page.evaluate(f"() => {{ if (!window.axe) {{ {axe} }} }}")
     found = page.evaluate(
         "(rules) => axe.run(document, { runOnly: rules, resultTypes: ['violations'] })", rules
