@@ -1,10 +1,10 @@
 """Outputs appear whole or not at all.
 
-A run writes into a scratch folder ``.NAME-xxxxxxxx`` beside the output folder ``NAME`` and holds a
-lock on ``.NAME.chromanoise-lock``, which ends with its process. The first line of that file names
-process and scratch folder. Before the scratch folder is exchanged for an existing folder, a second
-line lists the files that are replaced. Whoever clears up, this run or the next one after a kill,
-removes the scratch folder, but moves back what others put into the folder during the exchange.
+A run writes into a scratch folder ``.NAME-xxxxxxxx`` next to the output folder ``NAME`` and holds a
+lock on ``.NAME.chromanoise-lock``, which the system releases when the process ends. The first line
+of the lock file names the process and the scratch folder. Before the scratch folder is exchanged
+for an existing folder, a second line lists the files that are replaced. The cleanup, by this run or
+by the next one after a kill, removes the scratch folder and keeps files that others added since.
 """
 
 import ctypes
@@ -16,6 +16,7 @@ import secrets
 import shutil
 import sys
 import tempfile
+import time
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager, suppress
 from pathlib import Path
@@ -27,6 +28,7 @@ if sys.platform != "win32":
     import fcntl
 
 _SUMMARIES = (".json", ".html")  # of files that tell of the others
+_LOCK_ATTEMPTS, _LOCK_PAUSE_S = 5, 0.02
 _AT_FDCWD, _RENAME_EXCHANGE = -100, 2  # of linux/fcntl.h and linux/fs.h
 
 
@@ -49,10 +51,10 @@ def whole_folder(folder: Path) -> Iterator[Path]:
 def claimed_folder(folder: Path) -> Iterator[Callable[[], AbstractContextManager[Path]]]:
     """Keep other runs out of ``folder``, and yield a function that makes a `whole_folder` of it.
 
-    The files appear by one rename where ``folder`` is missing or empty, and by an exchange where
-    all that it holds is replaced, its owner and group stay, and the system can do it. Else they are
-    moved into it one by one: old JSON and HTML files of the same names are removed first and the
-    new ones are moved last, so that none of them is ever beside half of the files it tells of.
+    If ``folder`` is missing or empty, one rename makes it appear. If the run replaces all files in
+    it and owner and group stay the same, it is exchanged in one step, where the system supports it.
+    Otherwise the files are moved in one by one: old JSON and HTML files of the same names are
+    removed first and the new ones moved last, so that no summary describes an incomplete set.
 
     Raises
     ------
@@ -196,7 +198,7 @@ def _locked(place: Path, goal: Path, folder: Path, scratch: Path) -> Iterator[IO
     path = _lock_file(place, goal)
     with _told(folder):
         journal = held = _held_file(path, folder)
-        if journal is None:  # nobody can know whether this run has ended: a file of its own
+        if journal is None:  # without locks, each run has a lock file of its own
             path = path.with_name(f"{path.name}-{secrets.token_hex(4)}")
             journal = path.open("a+")
     with journal:
@@ -208,8 +210,8 @@ def _locked(place: Path, goal: Path, folder: Path, scratch: Path) -> Iterator[IO
                 _note(journal, {"process": os.getpid(), "scratch": scratch.name})
             yield journal
         finally:
-            _clear(goal, journal)  # where this is stopped too, the next run goes on with it
-            if held is None:  # Windows removes no open file; a lock ends after its name
+            _clear(goal, journal)  # if this is interrupted, the next run completes it
+            if held is None:  # Windows cannot remove an open file; a held lock is removed first
                 journal.close()
             path.unlink(missing_ok=True)
 
@@ -247,7 +249,7 @@ def _lock(journal: IO[str], folder: Path) -> bool:
     if sys.platform == "win32":
         return False
     try:
-        fcntl.flock(journal, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        _flock(journal, fcntl.LOCK_EX)
     except BlockingIOError:
         lines = _notes(journal)
         who = f"process {lines[0].get('process')}" if lines else "another process"
@@ -257,6 +259,16 @@ def _lock(journal: IO[str], folder: Path) -> bool:
     except OSError:
         return False
     return True
+
+
+def _flock(journal: IO[str], kind: int) -> None:
+    """Lock the file; a test by another run that starts now holds it for a moment only."""
+    for _ in range(_LOCK_ATTEMPTS):
+        with suppress(BlockingIOError):
+            fcntl.flock(journal, kind | fcntl.LOCK_NB)
+            return
+        time.sleep(_LOCK_PAUSE_S)
+    fcntl.flock(journal, kind | fcntl.LOCK_NB)
 
 
 def _clear_elsewhere(place: Path, goal: Path, folder: Path) -> None:

@@ -349,3 +349,10 @@ def test_percent_of_one_column_is_not_that_of_another(tmp_path):
         read_curves(path)
     path.write_text("wavelength_nm,QE R (0-100 lx)\n400,0.5\n1050,0.5\n")
     assert read_curves(path).curves.values.ravel().tolist() == [0.5, 0.5]
+
+
+def test_where_the_numbers_contradict_a_heading_only_the_unit_that_fits_is_an_answer(tmp_path):
+    path = tmp_path / "cam.csv"
+    path.write_text("wavelength_nm,QE\n0.4,.1\n1.05,.2\n")
+    with pytest.raises(InputError, match=r"cam\.csv.*angstrom"):
+        read_curves(path, answers=Answers(wavelength_unit="angstrom"))

@@ -16,3 +16,22 @@ def run(capsys):
         return stop.value.code, told.out, told.err
 
     return call
+
+
+@pytest.fixture
+def here(tmp_path, monkeypatch):
+    """An empty working folder."""
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.fixture
+def done(run):
+    """Run a command that succeeds; give back (standard output, standard error)."""
+
+    def call(*arguments):
+        code, out, err = run(*arguments)
+        assert code == 0, err
+        return out, err
+
+    return call

@@ -14,21 +14,7 @@ from chromanoise.study.files.spectra_json import sensor_from_json
 from chromanoise.study.files.tables import table_from_json
 from outcomes import refused
 
-
-@pytest.fixture(autouse=True)
-def here(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
-
-
-@pytest.fixture
-def done(run):
-    def call(*arguments):
-        code, out, err = run(*arguments)
-        assert code == 0, err
-        return out, err
-
-    return call
+pytestmark = pytest.mark.usefixtures("here")
 
 
 # ---- convert ----

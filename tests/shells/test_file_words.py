@@ -1,6 +1,7 @@
 """One rule decides whether a word for a sensor, a light or a filter names a file."""
 
 import json
+import os
 
 import numpy as np
 import pytest
@@ -134,3 +135,14 @@ def test_an_envi_library_works_as_light_and_filter(here):
     light = illuminant_of_word("x.hdr", answers=Answers(quantity="power", per="energy"))
     slope = light.irradiance / (0.25 + 0.5 * (light.grid.wavelength_nm - 380) / 680)
     assert slope == pytest.approx(slope[0])
+
+
+@pytest.mark.parametrize("option", ["sensor", "--filter", "--illuminant"])
+def test_a_pipe_without_an_ending_is_refused_as_a_pipe(run, tmp_path, monkeypatch, option):
+    monkeypatch.chdir(tmp_path)
+    os.mkfifo("queue")
+    words = ("queue",) if option == "sensor" else ("onyx-rgb", option, "queue")
+    code, out, err = run("analyze", *words)
+    assert (code, out, len(err.splitlines())) == (2, "", 1)
+    assert "queue" in err
+    assert "pipe" in err

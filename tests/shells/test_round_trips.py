@@ -15,20 +15,7 @@ AT_NM = np.array([400.0, 437.5, 500.0, 612.3, 700.0, 1050.0])
 SMALL = 10.0 ** np.array([-1, -3, -12, 0, -6, -2])
 
 
-@pytest.fixture(autouse=True)
-def here(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
-
-
-@pytest.fixture
-def done(run):
-    def call(*arguments):
-        code, out, err = run(*arguments)
-        assert code == 0, err
-        return out, err
-
-    return call
+pytestmark = pytest.mark.usefixtures("here")
 
 
 def values(curves: int, seed: int = 1) -> np.ndarray:

@@ -5,6 +5,7 @@ import signal
 import sys
 from contextlib import contextmanager
 from dataclasses import replace
+from importlib import import_module
 
 import numpy as np
 import pytest
@@ -385,7 +386,7 @@ def test_a_stop_in_the_work_leaves_nothing_not_even_the_frame_that_was_whole(
     run, cube, tmp_path, monkeypatch, rows
 ):
     monkeypatch.setattr(
-        sys.modules["chromanoise.cli.simulate"], "progress_of", lambda *_: stopped_after(rows)
+        import_module("chromanoise.cli.simulate"), "progress_of", lambda *_: stopped_after(rows)
     )
     code, out, err = run(
         "simulate", cube, "--sensor", "model-rgb", "--mosaic", "bayer", "--frames", 3,
@@ -513,7 +514,9 @@ def test_channels_that_the_mosaic_leaves_out_are_missed_only_by_color(run, take,
 
 def test_what_color_lacks_is_told_before_the_long_work(run, cube, tmp_path, monkeypatch):
     monkeypatch.setattr(
-        sys.modules["chromanoise.imaging.shots"], "acquired", lambda *_, **__: pytest.fail("worked")
+        import_module("chromanoise.imaging.shots"),
+        "acquired",
+        lambda *_, **__: pytest.fail("worked"),
     )
     outcome = run(
         "simulate", cube, "--sensor", "model-rgbw", "--mosaic", "bayer", "-o", tmp_path / "o"
@@ -533,7 +536,9 @@ def test_a_dng_that_nobody_could_open_is_refused_before_the_work(
     run, tmp_path, monkeypatch, sensor, options, part
 ):
     monkeypatch.setattr(
-        sys.modules["chromanoise.imaging.shots"], "acquired", lambda *_, **__: pytest.fail("worked")
+        import_module("chromanoise.imaging.shots"),
+        "acquired",
+        lambda *_, **__: pytest.fail("worked"),
     )
     small = written_cube(tmp_path / "cube.npz", rows=8, columns=8)
     outcome = run("simulate", small, "--sensor", sensor, *options, "-o", tmp_path / "o")
@@ -542,7 +547,7 @@ def test_a_dng_that_nobody_could_open_is_refused_before_the_work(
 
 
 def test_an_exr_without_its_package_is_refused_before_the_work(run, cube, tmp_path, monkeypatch):
-    shots = sys.modules["chromanoise.imaging.shots"]
+    shots = import_module("chromanoise.imaging.shots")
     monkeypatch.setattr(shots, "rendered", lambda *_, **__: pytest.fail("worked"))
     monkeypatch.setitem(sys.modules, "OpenEXR", None)
     outcome = run(

@@ -100,7 +100,7 @@ def told_as_text(file: Path, told: Understood) -> list[str]:
         "format": told.format + cells,
         "curves": f"{len(curves.names)}: {_few(curves.names)}",
         "range": f"{_ends(curves)}, {_steps(curves)}, in the file in {told.wavelength_unit}",
-        "quantity": told.quantity or "unknown",
+        "quantity": told.quantity or _undeclared(told),
         "scale": f"{told.scale}, times {told.factor:g}",
         "values": f"{curves.values.min():.6g} to {curves.values.max():.6g}",
         "level": told.level or "unknown",
@@ -120,6 +120,11 @@ def told_as_text(file: Path, told: Understood) -> list[str]:
     lines += [f"  DEFECT         {defect}" for defect in told.defects]
     lines += [f"  ASK            {q.asks} ({q.options})" for q in told.questions]
     return lines
+
+
+def _undeclared(told: Understood) -> str:
+    assumed = "not declared; a sensor takes it as absolute QE per photon (headed wavelength_nm)"
+    return assumed if told.own_form else "unknown"
 
 
 def told_as_json(file: Path, told: Understood) -> dict[str, Any]:

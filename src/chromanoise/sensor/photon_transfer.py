@@ -310,7 +310,7 @@ def _read_noise(
     if not levels.black_known:
         notes.append(
             f"{source}: no dark row and no black level, so the read noise is unknown and K is the "
-            "slope at the lowest mean"
+            "slope above the lowest mean"
         )
         return None, None
     if levels.darks is None:

@@ -245,7 +245,8 @@ def is_file_word(word: str, kind: WordKind, folder: Path = Path()) -> bool:
     """
     if word.startswith((".", "/", "~")) or _ENDING.search(word):
         return True
-    there = os.path.isfile(folder / word)  # noqa: PTH113 - also accepts names that are too long
+    path = folder / word  # os.path also accepts names that are too long
+    there = os.path.exists(path) and not os.path.isdir(path)  # noqa: PTH110, PTH112
     return ("/" in word or os.sep in word or there) and not (
         _BUILT_IN[kind](word) or word in own_tables(catalog_folder())
     )

@@ -148,7 +148,7 @@ def _wavelength_unit(
                 f"{found.source}: its wavelengths are {span} {declared} by its heading, but the "
                 f"numbers look like {other}; give --wavelength-unit {other} or {declared}"
             )
-        declared = answer  # the numbers contradict the heading
+        declared = answer if answer == other else declared  # the numbers contradict the heading
     if answer and declared and answer != declared:
         raise _check.InputError(
             f"{found.source}: declares its wavelengths in {declared}, but --wavelength-unit is "
