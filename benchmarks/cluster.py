@@ -8,7 +8,7 @@ from subject import SEED, situation
 
 from chromanoise.imaging import Picture, Work, rendered
 from chromanoise.imaging.distributed import cluster
-from chromanoise.scene import read_cube
+from chromanoise.io.cubes import read_cube
 
 
 class OtherBitsError(Exception):

@@ -16,7 +16,7 @@ from races import Times
 from subject import SEED, cube_of, situation, textured
 
 from chromanoise.imaging import Work, acquired
-from chromanoise.scene import read_cube
+from chromanoise.io.cubes import read_cube
 
 _BUFFER_BYTES = 8 << 20
 

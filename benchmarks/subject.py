@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from chromanoise.catalog import sensor_named
 from chromanoise.color import kernel_matrix
 from chromanoise.exposure import Exposure, Situation
 from chromanoise.imaging.light import Light, light_of
@@ -26,7 +27,7 @@ from chromanoise.imaging.plans import (
 )
 from chromanoise.imaging.work import Work, filled, row_blocks
 from chromanoise.scene import Cube
-from chromanoise.sensor import adc_to_full_well, rgbw_sparse_4x4, sensor_named
+from chromanoise.sensor import adc_to_full_well, rgbw_sparse_4x4
 from chromanoise.spectra import DEFAULT_GRID, equal_energy
 
 BANDS = 131

@@ -3,7 +3,7 @@
 import numpy as np
 
 from chromanoise.geometry import contravariant, dual_frame, variance_inflation
-from chromanoise.merit import snr_db
+from chromanoise.metrics import snr_db
 from chromanoise.noise import Measurement
 
 for angle_deg, printed_db in ((60.0, -6.9897), (30.0, -19.8899), (10.0, -39.3119)):

@@ -1,11 +1,11 @@
 """Can I drop the IR-cut? The paper's question for its own sensors, at 10 lx and 12 ms."""
 
+from chromanoise.catalog import sensor_named
 from chromanoise.color import colored, kernel_matrix
 from chromanoise.exposure import Exposure, expected_electrons
-from chromanoise.merit import bound_db, price_db, snr_db
+from chromanoise.metrics import bound_db, price_db, snr_db
 from chromanoise.noise import with_noise
 from chromanoise.scene import flat_field
-from chromanoise.sensor import sensor_named
 from chromanoise.spectra import DEFAULT_GRID, equal_energy
 
 scene = flat_field(equal_energy(DEFAULT_GRID), level_lux=10.0)

@@ -27,7 +27,7 @@ if __name__ == "__main__":  # run as a script, it finds its neighbors and the so
     sys.path[:0] = [str(Path(__file__).parent), str(Path(__file__).parents[1] / "src")]
 
 from chromanoise.cli.entry import _COMMANDS, commands, run
-from chromanoise.study.runs import STARTER
+from chromanoise.study import STARTER
 from damage import mutated, random_edits
 
 SECONDS = 60  # of the processor

@@ -27,7 +27,8 @@ import zarr
 from PIL import Image
 
 from chromanoise._check import InputError
-from chromanoise.scene import hdf5, hdf5_child, read_cube, row_source
+from chromanoise.io.cubes import hdf5, hdf5_child, read_cube
+from chromanoise.scene import row_source
 from chromanoise.scene.cube import reflectance_rows
 
 NM = (400.0, 450.0, 500.0, 600.0, 700.0)

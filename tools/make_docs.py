@@ -5,20 +5,14 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
+from chromanoise.analysis import compared, crossover_sentence, crossovers, matrix_makers
 from chromanoise.exposure import Situation
 from chromanoise.figures import chromanoise_style, draw_comparison
 from chromanoise.imaging import write_png
+from chromanoise.paper import PaperStudy, paper_study
+from chromanoise.paper.pictures import paper_pictures
+from chromanoise.paper.study import RGB_12, RGBW_12
 from chromanoise.spectra import DEFAULT_GRID, equal_energy
-from chromanoise.study import (
-    PaperStudy,
-    compared,
-    crossover_sentence,
-    crossovers,
-    matrix_makers,
-    paper_study,
-)
-from chromanoise.study.paper.pictures import paper_pictures
-from chromanoise.study.paper.study import RGB_12, RGBW_12
 
 PICTURES = Path(__file__).parent.parent / "docs" / "pictures"
 GAP_PX = 16

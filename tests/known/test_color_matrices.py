@@ -4,16 +4,16 @@ import colour
 import numpy as np
 import pytest
 
+from chromanoise.catalog import sensor_named
 from chromanoise.color import colored, kernel_matrix
 from chromanoise.color.fitted import least_squares, lmmse
 from chromanoise.color.noise_gain import noise_gain, white_normalized
 from chromanoise.color.root_polynomial import root_polynomial, root_polynomial_color
 from chromanoise.color.training import Training, chart_training, training_response
 from chromanoise.exposure import Exposure, expected_electrons
-from chromanoise.merit.matrix_report import matrix_report
+from chromanoise.metrics.matrix_report import matrix_report
 from chromanoise.noise import with_noise
 from chromanoise.scene import flat_field
-from chromanoise.sensor import sensor_named
 from chromanoise.spectra import DEFAULT_GRID, equal_energy, photon_irradiance
 from strategies import EXPOSURE, GRID, bell_qe, sensor_of, white_channel
 

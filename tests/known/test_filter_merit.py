@@ -6,7 +6,7 @@ import pytest
 
 from chromanoise.color import kernel_matrix
 from chromanoise.exposure import measurement_vectors
-from chromanoise.merit.filters import (
+from chromanoise.metrics.filters import (
     best_readout,
     figure_of_merit,
     filter_quality,
@@ -16,7 +16,7 @@ from chromanoise.merit.filters import (
     second_moment,
     vora_value,
 )
-from chromanoise.merit.smi import metamerism, sensor_metamerism
+from chromanoise.metrics.smi import metamerism, sensor_metamerism
 from chromanoise.spectra import Grid, color_axes
 from strategies import EXPOSURE, GRID, bell_qe, sensor_of
 

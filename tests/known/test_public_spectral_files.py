@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from chromanoise._check import InputError
-from chromanoise.spectra.files import Answers, read_curves
+from chromanoise.io.spectra import Answers, read_curves
 
 FILES: list[dict[str, Any]] = tomllib.loads(
     Path(__file__).with_name("public_spectral_files.toml").read_text(encoding="utf-8")

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from chromanoise.merit import bound_db, snr_db
+from chromanoise.metrics import bound_db, snr_db
 from chromanoise.noise import monte_carlo, raw_covariance
 from strategies import pixel_with, raw_of
 

@@ -6,21 +6,21 @@ from scipy.integrate import dblquad, quad
 
 from chromanoise.color import colored, kernel_matrix
 from chromanoise.exposure import Exposure, expected_electrons
-from chromanoise.merit import snr_db
-from chromanoise.merit.speed import (
+from chromanoise.metrics import snr_db
+from chromanoise.metrics.speed import (
     ISO_12232_2019,
     NoiseSpeedModel,
     illuminance_for_snr,
     light_for_snr,
     noise_speed,
 )
-from chromanoise.merit.tonal import (
+from chromanoise.metrics.tonal import (
     color_sensitivity_bits,
     information_bits,
     tonal_levels,
     tonal_range_bits,
 )
-from chromanoise.merit.visual_noise import contrast_sensitivity, pixels_per_degree
+from chromanoise.metrics.visual_noise import contrast_sensitivity, pixels_per_degree
 from chromanoise.noise import with_noise
 from chromanoise.scene import flat_field
 from chromanoise.sensor import Pixel

@@ -11,7 +11,7 @@ from chromanoise.geometry import (
     spectral_snr,
     variance_inflation,
 )
-from chromanoise.merit import snr_db
+from chromanoise.metrics import snr_db
 from strategies import raw_of
 
 RAW_DB = 40.0

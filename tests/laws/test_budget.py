@@ -9,21 +9,17 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from chromanoise._check import InputError
+from chromanoise.catalog import sensor_named
 from chromanoise.color import kernel_matrix
 from chromanoise.exposure import Exposure, expected_electrons
-from chromanoise.merit import bound_db
-from chromanoise.merit.budget import (
-    CAUSES,
-    color_budget,
-    contravariant_budget,
-    shapley_values,
-)
+from chromanoise.metrics import bound_db
+from chromanoise.metrics.budget import CAUSES, color_budget, contravariant_budget, shapley_values
 from chromanoise.noise import with_noise
+from chromanoise.paper import paper_study
+from chromanoise.paper.study import RGB_12, RGBW_12
 from chromanoise.scene import flat_field
-from chromanoise.sensor import Pixel, Sensor, sensor_named, with_channels
+from chromanoise.sensor import Pixel, Sensor, with_channels
 from chromanoise.spectra import DEFAULT_GRID, equal_energy
-from chromanoise.study import paper_study
-from chromanoise.study.paper.study import RGB_12, RGBW_12
 
 AT = DEFAULT_GRID.wavelength_nm
 WHITE = flat_field(equal_energy(DEFAULT_GRID), level_lux=10.0)

@@ -21,8 +21,8 @@ import pytest
 
 from chromanoise.color import kernel_matrix
 from chromanoise.exposure import Exposure
-from chromanoise.merit import bound_db, lab_budget
-from chromanoise.merit.budget import color_budget, contravariant_budget
+from chromanoise.metrics import bound_db, lab_budget
+from chromanoise.metrics.budget import color_budget, contravariant_budget
 from chromanoise.scene import flat_field
 from chromanoise.sensor import Pixel, Sensor
 from chromanoise.spectra import Grid, Illuminant

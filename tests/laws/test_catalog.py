@@ -8,14 +8,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from chromanoise._check import InputError
+from chromanoise.catalog import KNOWN_SENSORS, sensor_named
+from chromanoise.catalog.entries import KINDS, catalog_entries, catalog_entry, entries_as_json
 from chromanoise.exposure import expected_electrons, saturating_exposure
+from chromanoise.io.spectra import ASK, Answers
 from chromanoise.noise import with_noise
 from chromanoise.scene import BUILTIN_CUBES, flat_field
-from chromanoise.sensor import KNOWN_SENSORS, PAPER_PIXEL, filter_named, sensor_named
+from chromanoise.sensor import PAPER_PIXEL, filter_named
 from chromanoise.spectra import (
-    ASK,
     DEFAULT_GRID,
-    Answers,
     Grid,
     illuminant_named,
     infrared_parts,
@@ -23,7 +24,6 @@ from chromanoise.spectra import (
     with_infrared,
 )
 from chromanoise.spectra.tables import formulas, packaged_table, sources
-from chromanoise.study.catalog import KINDS, catalog_entries, catalog_entry, entries_as_json
 
 ALL = Answers(beyond="zero", peak_qe=0.5, per="energy")
 ENTRIES = catalog_entries()

@@ -5,14 +5,14 @@ from functools import cache
 import numpy as np
 import pytest
 
+from chromanoise.analysis import analyzed, chart_as_json, chart_noise, matrix_makers
+from chromanoise.catalog import sensor_named
 from chromanoise.color import kernel_matrix
 from chromanoise.exposure import Exposure, Situation
 from chromanoise.noise import sample_electrons
 from chromanoise.rng import stream
 from chromanoise.scene import Scene, flat_field
-from chromanoise.sensor import sensor_named
 from chromanoise.spectra import DEFAULT_GRID, colorchecker, equal_energy
-from chromanoise.study import analyzed, chart_as_json, chart_noise, matrix_makers
 
 LAMP = equal_energy(DEFAULT_GRID)
 DRAWS = 20_000
@@ -61,7 +61,7 @@ def test_an_error_free_patch_exists_only_where_sensor_and_eye_agree():
 
 
 def test_the_mean_of_the_chart_is_the_color_error_of_the_analysis():
-    from chromanoise.study import mean_color_error
+    from chromanoise.analysis import mean_color_error
 
     analysis = seen()
     assert charted().color_error.mean() == pytest.approx(mean_color_error(analysis))

@@ -3,11 +3,12 @@
 import numpy as np
 import pytest
 
+from chromanoise.catalog import sensor_named
 from chromanoise.color import chart_training, kernel_matrix, lmmse, nir_diverse
 from chromanoise.exposure import Exposure, expected_electrons
 from chromanoise.noise import Readout, measured, monte_carlo, with_noise
 from chromanoise.scene import flat_field
-from chromanoise.sensor import PAPER_PIXEL, Sensor, sensor_named
+from chromanoise.sensor import PAPER_PIXEL, Sensor
 from chromanoise.spectra import DEFAULT_GRID, equal_energy
 
 LAMP = equal_energy(DEFAULT_GRID)

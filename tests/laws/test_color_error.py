@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 
 from chromanoise._check import InputError
+from chromanoise.catalog import sensor_named
 from chromanoise.color import kernel_matrix
 from chromanoise.exposure import Exposure
-from chromanoise.merit import chart_color_error
-from chromanoise.sensor import PAPER_PIXEL, Sensor, sensor_named
+from chromanoise.metrics import chart_color_error
+from chromanoise.sensor import PAPER_PIXEL, Sensor
 from chromanoise.spectra import DEFAULT_GRID, Grid, cie_1931, cie_a, equal_energy
 
 EXPOSURE = Exposure(time_s=0.01)

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from scipy.optimize import minimize
 
 from chromanoise._check import InputError
+from chromanoise.catalog import sensor_named
 from chromanoise.color import colored
 from chromanoise.color.fitted import (
     kernel,
@@ -31,10 +32,10 @@ from chromanoise.color.training import (
     training_response,
 )
 from chromanoise.exposure import Exposure, measurement_vectors
-from chromanoise.merit import chart_color_error, snr_db
-from chromanoise.merit.matrix_report import effective_filters, matrix_report
+from chromanoise.metrics import chart_color_error, snr_db
+from chromanoise.metrics.matrix_report import effective_filters, matrix_report
 from chromanoise.noise import with_noise
-from chromanoise.sensor import PAPER_PIXEL, Sensor, sensor_named, with_channels
+from chromanoise.sensor import PAPER_PIXEL, Sensor, with_channels
 from chromanoise.spectra import DEFAULT_GRID, cie_1931, cie_a, color_axes, equal_energy
 from strategies import EXPOSURE, GRID, bell_qe, sensor_of, sensors
 

@@ -4,12 +4,7 @@ import numpy as np
 import pytest
 
 from chromanoise._check import InputError
-from chromanoise.color import kernel_matrix
-from chromanoise.exposure import Exposure, Situation, expected_electrons, white_scene
-from chromanoise.scene import flat_field
-from chromanoise.sensor import Pixel, Sensor, sensor_named
-from chromanoise.spectra import DEFAULT_GRID, equal_energy
-from chromanoise.study import (
+from chromanoise.analysis import (
     QUANTITIES,
     SWEEPS,
     band_sentence,
@@ -22,6 +17,12 @@ from chromanoise.study import (
     matrix_makers,
     swept_values,
 )
+from chromanoise.catalog import sensor_named
+from chromanoise.color import kernel_matrix
+from chromanoise.exposure import Exposure, Situation, expected_electrons, white_scene
+from chromanoise.scene import flat_field
+from chromanoise.sensor import Pixel, Sensor
+from chromanoise.spectra import DEFAULT_GRID, equal_energy
 
 LAMP = equal_energy(DEFAULT_GRID)
 EXPOSURE = Exposure(time_s=0.01)

@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 from chromanoise._check import InputError, reason
-from chromanoise.scene import bounds, read_cube
+from chromanoise.io.cubes import bounds, read_cube
 from chromanoise.scene.rows import row_source
 
 h5py = pytest.importorskip("h5py", reason="comes with chromanoise[cubes]")

@@ -18,7 +18,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from chromanoise._check import InputError
-from chromanoise.scene import Cube, read_cube
+from chromanoise.io.cubes import read_cube
+from chromanoise.scene import Cube
 
 REAL = Path(__file__).resolve().parents[2].parent / "shared" / "data" / "cubes"
 NM = (400.0, 450.0, 500.0, 600.0, 700.0)

@@ -16,16 +16,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from chromanoise._check import InputError
-from chromanoise.scene import (
-    cube_from_xarray,
-    hdf5,
-    hdf5_child,
-    picture_to_xarray,
-    read_cube,
-    row_source,
-)
+from chromanoise.io.cubes import cube_from_xarray, hdf5, hdf5_child, picture_to_xarray, read_cube
+from chromanoise.io.cubes.hdf5_chunks import ChunkRows
+from chromanoise.scene import row_source
 from chromanoise.scene.file_rows import FileRows, PlaneRows
-from chromanoise.scene.hdf5_chunks import ChunkRows
 
 h5py = pytest.importorskip("h5py", reason="comes with chromanoise[cubes]")
 xarray = pytest.importorskip("xarray", reason="comes with chromanoise[cubes]")
@@ -420,7 +414,7 @@ def test_a_library_that_loops_or_crashes_costs_a_sentence(
     path = write_redfish(tmp_path / "a.h5", numbers())
     (tmp_path / "h5py.py").write_text(library)  # for the other process; here it is loaded already
     monkeypatch.syspath_prepend(tmp_path)
-    monkeypatch.setattr("chromanoise.scene.hdf5._LIMIT_S", 1.5)
+    monkeypatch.setattr("chromanoise.io.cubes.hdf5._LIMIT_S", 1.5)
     refused(path, rf"not a readable HDF5 file \(libhdf5 {told}.*save it again")
 
 
@@ -441,7 +435,7 @@ def without_end(path):
 
 
 def test_a_damaged_heap_does_not_hang_the_reader(own_process, tmp_path, monkeypatch):
-    monkeypatch.setattr("chromanoise.scene.hdf5._LIMIT_S", 2.0)
+    monkeypatch.setattr("chromanoise.io.cubes.hdf5._LIMIT_S", 2.0)
     begun = time.monotonic()
     assert_cube_or_sentence(without_end(tmp_path / "a.h5"))
     assert time.monotonic() - begun < 60

@@ -7,9 +7,9 @@ import pytest
 import scipy.io
 
 from chromanoise._check import InputError
-from chromanoise.scene import cube_from_xarray, read_cube
+from chromanoise.io.cubes import cube_from_xarray, read_cube
+from chromanoise.io.cubes.wavelength_file import read_wavelengths
 from chromanoise.scene.rows import row_source
-from chromanoise.scene.wavelength_file import read_wavelengths
 
 h5py = pytest.importorskip("h5py", reason="comes with chromanoise[cubes]")
 zarr = pytest.importorskip("zarr", reason="comes with chromanoise[cubes]")

@@ -10,10 +10,11 @@ from hypothesis import strategies as st
 from scipy.io import savemat
 
 from chromanoise._check import InputError
-from chromanoise.sensor import PAPER_PIXEL, read_sensor
+from chromanoise.catalog.resolve import filter_of_word, illuminant_of_word
+from chromanoise.io import read_sensor
+from chromanoise.io.spectra import Answers, power_of, read_curves
+from chromanoise.sensor import PAPER_PIXEL
 from chromanoise.spectra import DEFAULT_GRID
-from chromanoise.spectra.files import Answers, power_of, read_curves
-from chromanoise.study.words import filter_of_word, illuminant_of_word
 
 AT_NM = np.arange(380.0, 1071.0, 10.0)
 QE = 0.1 + 0.5 * np.exp(-(((AT_NM - 550) / 120) ** 2))

@@ -6,6 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from chromanoise._check import InputError
+from chromanoise.catalog import sensor_named
 from chromanoise.exposure import Exposure, expected_electrons
 from chromanoise.imaging.demosaic import (
     FilterBank,
@@ -22,10 +23,10 @@ from chromanoise.imaging.demosaic_priors import (
     lmmse_filters,
     picture_prior,
 )
-from chromanoise.merit.visual_noise import visual_noise_from_spectrum, visual_noise_of_picture
+from chromanoise.metrics.visual_noise import visual_noise_from_spectrum, visual_noise_of_picture
 from chromanoise.rng import stream
 from chromanoise.scene import Scene
-from chromanoise.sensor import Mosaic, bayer, rgbw_2x2, rgbw_sparse_4x4, sensor_named
+from chromanoise.sensor import Mosaic, bayer, rgbw_2x2, rgbw_sparse_4x4
 from chromanoise.spectra import DEFAULT_GRID, colorchecker, equal_energy
 
 FABRY_PEROT = Mosaic(tuple(tuple(row) for row in ("abc", "def", "ghi")))

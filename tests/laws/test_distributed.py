@@ -22,7 +22,8 @@ from chromanoise.imaging.distributed import cluster
 from chromanoise.imaging.light import light_of
 from chromanoise.imaging.plans import ElectronPlan, plan_for_rows
 from chromanoise.imaging.work import row_blocks
-from chromanoise.scene import Cube, read_cube
+from chromanoise.io.cubes import read_cube
+from chromanoise.scene import Cube
 from chromanoise.scene.file_rows import FileRows
 from chromanoise.sensor import Imperfections, bayer
 from chromanoise.spectra import equal_energy

@@ -9,15 +9,7 @@ import numpy as np
 import pytest
 
 from chromanoise._check import InputError
-from chromanoise.color import LAB, XYY, encoded_srgb, exact_noise
-from chromanoise.exposure import expected_electrons, white_scene
-from chromanoise.geometry import reconstructed_light
-from chromanoise.page.choices import choices
-from chromanoise.report.slides import slides_of
-from chromanoise.report.study_tables import table_of
-from chromanoise.sensor import behind_ir_cut, sensor_named, with_shifted_curves
-from chromanoise.spectra import DEFAULT_GRID, color_axes, colorchecker
-from chromanoise.study import (
+from chromanoise.analysis import (
     QUANTITIES,
     SWEEPS,
     compared,
@@ -28,17 +20,26 @@ from chromanoise.study import (
     noise_weights,
     swept_values,
 )
-from chromanoise.study.comparing.quantities import fullest_level_lux, is_saturated
-from chromanoise.study.drawings import PARTS, Look, Shown, drawing, shown
-from chromanoise.study.drawings.ellipses import in_plane
-from chromanoise.study.drawings.levels import level_in_words
-from chromanoise.study.drawings.patches import hex_colors, patches_of
-from chromanoise.study.drawings.vectors import color_frame, half_axes, round_magnification
-from chromanoise.study.drawings.verdicts import verdict_sentences
-from chromanoise.study.makers import METHODS, matrix_makers
-from chromanoise.study.priors import training_named
-from chromanoise.study.runs import OutputsPart, outcome_of, outcomes_as_json, study_from_data
-from chromanoise.study.runs.named import sensor_of, situations_of
+from chromanoise.analysis.color_matrices import METHODS, matrix_makers
+from chromanoise.analysis.comparison.quantities import fullest_level_lux, is_saturated
+from chromanoise.analysis.priors import training_named
+from chromanoise.catalog import sensor_named
+from chromanoise.charts import PARTS, Look, Shown, drawing, shown
+from chromanoise.charts.ellipses import in_plane
+from chromanoise.charts.levels import level_in_words
+from chromanoise.charts.patches import hex_colors, patches_of
+from chromanoise.charts.vectors import color_frame, half_axes, round_magnification
+from chromanoise.charts.verdicts import verdict_sentences
+from chromanoise.color import LAB, XYY, encoded_srgb, exact_noise
+from chromanoise.exposure import expected_electrons, white_scene
+from chromanoise.geometry import reconstructed_light
+from chromanoise.page.choices import choices
+from chromanoise.report.slides import slides_of
+from chromanoise.report.study_tables import table_of
+from chromanoise.sensor import behind_ir_cut, with_shifted_curves
+from chromanoise.spectra import DEFAULT_GRID, color_axes, colorchecker
+from chromanoise.study import OutputsPart, outcome_of, outcomes_as_json, study_from_data
+from chromanoise.study.assembly import sensor_of, situations_of
 
 BOTH = ("onyx-rgbw", "onyx-rgb-ircut")
 

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from chromanoise._check import InputError
+from chromanoise.catalog import SENSOR_NAMES, sensor_named
 from chromanoise.exposure import (
     equal_exposure,
     equal_light,
@@ -12,7 +13,7 @@ from chromanoise.exposure import (
     exposure_factor,
 )
 from chromanoise.scene import flat_field
-from chromanoise.sensor import PAPER_PIXEL, SENSOR_NAMES, Sensor, sensor_named
+from chromanoise.sensor import PAPER_PIXEL, Sensor
 from chromanoise.spectra import DEFAULT_GRID, equal_energy
 
 WHITE = flat_field(equal_energy(DEFAULT_GRID), level_lux=10.0)

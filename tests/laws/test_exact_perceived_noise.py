@@ -7,6 +7,8 @@ from hypothesis import strategies as st
 from scipy import stats
 
 from chromanoise._check import InputError
+from chromanoise.analysis import analyzed, grey_noise
+from chromanoise.catalog import sensor_named
 from chromanoise.color import (
     LAB,
     LINEAR_SRGB,
@@ -26,9 +28,7 @@ from chromanoise.color.spaces import linear_srgb
 from chromanoise.exposure import Exposure, expected_electrons
 from chromanoise.noise import Measurement, Readout, electrons_of_normal, read_moments, read_values
 from chromanoise.scene import flat_field
-from chromanoise.sensor import sensor_named
 from chromanoise.spectra import DEFAULT_GRID
-from chromanoise.study import analyzed, grey_noise
 from laws.test_closed_form_against_draws import CASES, EXPOSURE, IDS, LAMP, SENSORS
 
 ONES = np.ones(3)

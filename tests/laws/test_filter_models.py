@@ -6,7 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from chromanoise._check import InputError
-from chromanoise.sensor import SENSOR_NAMES, ir_cut, resin_filter, sensor_named, silicon_qe
+from chromanoise.catalog import SENSOR_NAMES, sensor_named
+from chromanoise.sensor import ir_cut, resin_filter, silicon_qe
 from chromanoise.spectra import DEFAULT_GRID, Grid
 
 FINE = Grid.uniform(400, 1050, 1)

@@ -10,30 +10,27 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from chromanoise._check import InputError
-from chromanoise.sensor import (
-    PixelSource,
-    RelativeNoise,
-    Sensor,
-    read_darktable_noise,
-    sensor_named,
+from chromanoise.catalog import own_sensor_of, read_pixel_source, sensor_named
+from chromanoise.io.pixels import RelativeNoise, read_darktable_noise
+from chromanoise.io.spectra import Understood, read_curves
+from chromanoise.io.spectra.writing import sensor_spectra
+from chromanoise.io.spectra_json import sensor_json, spectra_json
+from chromanoise.io.table import (
+    Column,
+    Table,
 )
-from chromanoise.spectra import Grid, Understood
-from chromanoise.spectra.files import read_curves
-from chromanoise.study.files.spectra import sensor_spectra
-from chromanoise.study.files.spectra_json import sensor_json, spectra_json
-from chromanoise.study.files.tables import table_from_json, table_json
-from chromanoise.study.runs import (
+from chromanoise.io.tables import table_from_json, table_json
+from chromanoise.sensor import PixelSource, Sensor
+from chromanoise.spectra import Grid
+from chromanoise.study import (
     STARTER,
     Study,
-    own_sensor_of,
     provenance,
-    read_pixel_source,
     read_study,
     study_from_text,
     study_of_output,
 )
-from chromanoise.study.runs.records import content_hash
-from chromanoise.study.tables import Column, Table
+from chromanoise.study.records import content_hash
 from damage import TOKENS, mutated, random_edits
 
 SHEET = """# a camera

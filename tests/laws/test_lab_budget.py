@@ -7,17 +7,18 @@ from hypothesis import strategies as st
 from scipy.optimize import minimize
 
 from chromanoise._check import InputError
+from chromanoise.analysis import analyzed, budgets_as_json, lab_budgets, missing_lab_budgets
+from chromanoise.catalog import sensor_named
+from chromanoise.catalog.sensors import SENSOR_NAMES
 from chromanoise.color import LAB, colored, kernel_matrix, through_space
 from chromanoise.exposure import Exposure, expected_electrons
-from chromanoise.merit import faintest_change, lab_budget
-from chromanoise.merit.budget import CAUSES, color_budget
-from chromanoise.merit.budget_chain import counting_snr_db
+from chromanoise.metrics import faintest_change, lab_budget
+from chromanoise.metrics.budget import CAUSES, color_budget
+from chromanoise.metrics.budget_chain import counting_snr_db
 from chromanoise.noise import with_noise
 from chromanoise.scene import Scene, flat_field, light
-from chromanoise.sensor import Pixel, Sensor, sensor_named, with_channels
-from chromanoise.sensor.catalogue import SENSOR_NAMES
+from chromanoise.sensor import Pixel, Sensor, with_channels
 from chromanoise.spectra import DEFAULT_GRID, Illuminant, color_axes, equal_energy
-from chromanoise.study import analyzed, budgets_as_json, lab_budgets, missing_lab_budgets
 
 AT = DEFAULT_GRID.wavelength_nm
 LAMP = equal_energy(DEFAULT_GRID)

@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from chromanoise.catalog import sensor_named
 from chromanoise.color import kernel_matrix
 from chromanoise.exposure import Exposure, expected_electrons
-from chromanoise.merit import matrix_report
+from chromanoise.metrics import matrix_report
 from chromanoise.scene import flat_field, light
-from chromanoise.sensor import sensor_named
 from chromanoise.spectra import DEFAULT_GRID, black_body, cie_1931, equal_energy
 from strategies import sensor_of, white_channel
 

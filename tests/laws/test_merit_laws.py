@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from chromanoise._check import InputError
 from chromanoise.color import kernel_matrix
-from chromanoise.merit.filters import (
+from chromanoise.metrics.filters import (
     best_readout,
     figure_of_merit,
     filter_quality,
@@ -16,20 +16,20 @@ from chromanoise.merit.filters import (
     second_moment,
     vora_value,
 )
-from chromanoise.merit.smi import metamerism, sensor_metamerism
-from chromanoise.merit.speed import (
+from chromanoise.metrics.smi import metamerism, sensor_metamerism
+from chromanoise.metrics.speed import (
     NoiseSpeedModel,
     illuminance_for_snr,
     light_for_snr,
     noise_speed,
 )
-from chromanoise.merit.tonal import (
+from chromanoise.metrics.tonal import (
     color_sensitivity_bits,
     information_bits,
     tonal_levels,
     tonal_range_bits,
 )
-from chromanoise.merit.visual_noise import (
+from chromanoise.metrics.visual_noise import (
     ISO_15739_2017,
     VisualNoiseModel,
     contrast_sensitivity,

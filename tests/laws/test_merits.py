@@ -11,23 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from chromanoise._check import InputError
-from chromanoise.color import chart_training, cielab, colored, lmmse
-from chromanoise.exposure import Situation, expected_electrons, saturating_exposure
-from chromanoise.imaging import bilinear_filters, demosaicked
-from chromanoise.merit import matrix_report, visual_noise_of_picture
-from chromanoise.noise import with_noise
-from chromanoise.scene import Scene, flat_field
-from chromanoise.sensor import Mosaic, Pixel, bayer, sensor_named
-from chromanoise.spectra import (
-    DEFAULT_GRID,
-    Grid,
-    color_axes,
-    colorchecker,
-    equal_energy,
-    illuminant_named,
-)
-from chromanoise.spectra.metric import photons_per_unit
-from chromanoise.study import (
+from chromanoise.analysis import (
     Merit,
     Viewing,
     analyzed,
@@ -39,6 +23,23 @@ from chromanoise.study import (
     pareto_of,
     white_snr_db,
 )
+from chromanoise.catalog import sensor_named
+from chromanoise.color import chart_training, cielab, colored, lmmse
+from chromanoise.exposure import Situation, expected_electrons, saturating_exposure
+from chromanoise.imaging import bilinear_filters, demosaicked
+from chromanoise.metrics import matrix_report, visual_noise_of_picture
+from chromanoise.noise import with_noise
+from chromanoise.scene import Scene, flat_field
+from chromanoise.sensor import Mosaic, Pixel, bayer
+from chromanoise.spectra import (
+    DEFAULT_GRID,
+    Grid,
+    color_axes,
+    colorchecker,
+    equal_energy,
+    illuminant_named,
+)
+from chromanoise.spectra.metric import photons_per_unit
 from strategies import EXPOSURE, GRID, bell_qe, pixel_with, sensor_of, sensors, white_channel
 
 LAMP = equal_energy(GRID)

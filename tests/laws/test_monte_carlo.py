@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from chromanoise.color import colored, kernel_matrix
 from chromanoise.exposure import expected_electrons
-from chromanoise.merit import snr_db
+from chromanoise.metrics import snr_db
 from chromanoise.noise import (
     clipped_at_well,
     monte_carlo,

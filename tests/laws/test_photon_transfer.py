@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 
 from chromanoise._check import InputError
+from chromanoise.io.pixels.photon_transfer_csv import (
+    is_photon_transfer_text,
+    read_photon_transfer_csv,
+)
 from chromanoise.sensor.photon_transfer import (
     PhotonTransfer,
     photon_transfer_fit,
     pixel_from_photon_transfer,
-)
-from chromanoise.sensor.photon_transfer_csv import (
-    is_photon_transfer_text,
-    read_photon_transfer_csv,
 )
 
 PIXELS = 1500

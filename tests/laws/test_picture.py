@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from chromanoise.color import adapted_to_d65, colored, kernel_matrix, srgb_from_xyz
 from chromanoise.exposure import Exposure, Situation, expected_electrons
 from chromanoise.imaging import Work, rendered
-from chromanoise.merit import snr_db
+from chromanoise.metrics import snr_db
 from chromanoise.noise import with_noise
 from chromanoise.scene import BUILTIN_CUBES, Cube, builtin_cube, flat_cube, flat_field
 from chromanoise.spectra import cie_a

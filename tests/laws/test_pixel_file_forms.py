@@ -3,9 +3,14 @@
 import pytest
 
 from chromanoise._check import InputError
-from chromanoise.sensor.emva import pixel_from_emva
-from chromanoise.sensor.noise_profile import is_noise_profile_text, read_noise_profile
-from chromanoise.sensor.photon_transfer_csv import (
+from chromanoise.io.pixels import (
+    read_noise_profile,
+)
+from chromanoise.io.pixels.emva import pixel_from_emva
+from chromanoise.io.pixels.noise_profile import (
+    is_noise_profile_text,
+)
+from chromanoise.io.pixels.photon_transfer_csv import (
     is_photon_transfer_text,
     read_photon_transfer_csv,
 )

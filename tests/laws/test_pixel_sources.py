@@ -8,24 +8,26 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from chromanoise._check import InputError
-from chromanoise.sensor import Adc
-from chromanoise.sensor.darktable import (
+from chromanoise.io.pixels import (
+    read_noise_profile,
+)
+from chromanoise.io.pixels.darktable import (
     RelativeNoise,
     pixel_from_darktable,
     read_darktable_noise,
 )
-from chromanoise.sensor.emva import pixel_from_emva, read_emva_sheet
+from chromanoise.io.pixels.emva import pixel_from_emva, read_emva_sheet
+from chromanoise.io.pixels.photon_transfer_csv import read_photon_transfer_csv
+from chromanoise.sensor import Adc
 from chromanoise.sensor.noise_profile import (
     noise_profile,
     pixel_from_noise_profile,
-    read_noise_profile,
 )
 from chromanoise.sensor.photon_transfer import (
     PhotonTransfer,
     photon_transfer_fit,
     pixel_from_photon_transfer,
 )
-from chromanoise.sensor.photon_transfer_csv import read_photon_transfer_csv
 from chromanoise.sensor.pixel_source import PixelSource, open_questions, pixel_from
 
 RNG_SEED = 1288

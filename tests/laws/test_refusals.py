@@ -7,19 +7,15 @@ import numpy as np
 import pytest
 
 from chromanoise._check import InputError
+from chromanoise.analysis import analyzed
+from chromanoise.catalog import sensor_named
 from chromanoise.exposure import Exposure, Situation, expected_electrons, time_to_saturation
 from chromanoise.geometry import dual_frame
 from chromanoise.imaging import Work, rendered
+from chromanoise.io import read_sensor_csv
 from chromanoise.noise import Measurement, monte_carlo, raw_covariance
 from chromanoise.scene import Cube, Scene, builtin_cube, flat_cube, flat_field
-from chromanoise.sensor import (
-    Mosaic,
-    Pixel,
-    behind_filter,
-    read_sensor_csv,
-    sensor_named,
-    with_channels,
-)
+from chromanoise.sensor import Mosaic, Pixel, behind_filter, with_channels
 from chromanoise.spectra import (
     DEFAULT_GRID,
     Grid,
@@ -32,7 +28,6 @@ from chromanoise.spectra import (
     led,
     read_spectra_csv,
 )
-from chromanoise.study import analyzed
 from strategies import EXPOSURE, GRID, PIXEL, sensor_of, white_channel
 
 NAN, INF = float("nan"), float("inf")

@@ -6,8 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from chromanoise._check import InputError
+from chromanoise.io import read_sensor_csv
 from chromanoise.scene import flat_field, light
-from chromanoise.sensor import read_sensor_csv
 from chromanoise.spectra import (
     DEFAULT_GRID,
     Grid,

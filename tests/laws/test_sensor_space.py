@@ -16,7 +16,7 @@ from chromanoise.geometry import (
     spectral_snr,
     variance_inflation,
 )
-from chromanoise.merit import snr_db
+from chromanoise.metrics import snr_db
 from chromanoise.noise import through, with_noise
 from chromanoise.scene import Scene, light
 from chromanoise.spectra import METRICS, color_axes, equal_energy

@@ -8,7 +8,7 @@ from hypothesis.extra.numpy import arrays
 
 from chromanoise.color import colored, kernel_matrix
 from chromanoise.exposure import Exposure, expected_electrons
-from chromanoise.merit import bound_db, price_db, snr_db
+from chromanoise.metrics import bound_db, price_db, snr_db
 from chromanoise.noise import raw_covariance, through, with_noise
 from chromanoise.scene import flat_field
 from chromanoise.spectra import METRICS, equal_energy

@@ -5,9 +5,9 @@ import pytest
 from scipy.io import savemat
 
 from chromanoise._check import InputError
+from chromanoise.io.spectra import Answers, qe_of, read_curves
+from chromanoise.io.spectra.writing import spectra_csv, spectra_spdx
 from chromanoise.spectra import Spectra
-from chromanoise.spectra.files import Answers, qe_of, read_curves
-from chromanoise.study.files.spectra import spectra_csv, spectra_spdx
 
 AT_NM = np.arange(400.0, 701.0, 10.0)
 

@@ -11,9 +11,10 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from chromanoise._check import InputError
-from chromanoise.sensor import PAPER_PIXEL, read_sensor
+from chromanoise.io import read_sensor
+from chromanoise.io.spectra import Answers, power_of, qe_of, read_curves
+from chromanoise.sensor import PAPER_PIXEL
 from chromanoise.spectra import DEFAULT_GRID, Grid
-from chromanoise.spectra.files import Answers, power_of, qe_of, read_curves
 from spectrum_samples import AT_NM, GREEN, RED, SAMPLES, rawtoaces_text, tm27_text
 
 SHARED = next(

@@ -11,7 +11,7 @@ import pytest
 from scipy.io import savemat
 
 from chromanoise._check import InputError
-from chromanoise.spectra.files import Answers, qe_of, read_curves
+from chromanoise.io.spectra import Answers, qe_of, read_curves
 from spectrum_samples import AT_NM, GREEN, RED
 
 CURVES = np.stack([RED, GREEN], axis=1)
@@ -400,7 +400,7 @@ def test_a_table_is_read_in_every_supported_character_encoding(file, coding):
 
 
 def test_no_message_of_a_third_party_parser_is_shown(file, monkeypatch):
-    from chromanoise.spectra.files import door
+    from chromanoise.io.spectra import dispatch as door
 
     def broken(*_):
         raise TypeError("expected <class 'int'>")

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from chromanoise._check import InputError
 from chromanoise.color import ColorMatrix, chart_training, colored, kernel_matrix, lmmse
 from chromanoise.exposure import expected_electrons
-from chromanoise.merit.speed import illuminance_for_snr, illuminance_for_snr_adapted
+from chromanoise.metrics.speed import illuminance_for_snr, illuminance_for_snr_adapted
 from chromanoise.noise import with_noise
 from chromanoise.scene import flat_field
 from chromanoise.spectra import equal_energy

@@ -10,13 +10,13 @@ from hypothesis import strategies as st
 from pydantic import BaseModel
 
 from chromanoise._check import InputError
-from chromanoise.study.runs import (
+from chromanoise.catalog import sensor_with_pixel
+from chromanoise.study import (
     STARTER,
     Study,
     provenance,
     read_study,
     run_study,
-    sensor_with_pixel,
     study_as_python,
     study_as_toml,
     study_from_text,
@@ -25,7 +25,7 @@ from chromanoise.study.runs import (
     study_schema,
     study_steps,
 )
-from chromanoise.study.runs.document import (
+from chromanoise.study.document import (
     AnswersPart,
     ExposurePart,
     LightPart,
@@ -376,7 +376,7 @@ def test_the_hash_depends_on_the_bytes_of_every_file_and_on_the_version(tmp_path
         (tmp_path / name).write_text(kept + "two")
         seen.add(study_hash(study))
         (tmp_path / name).write_text(kept)
-    monkeypatch.setattr("chromanoise.study.runs.hashes.__version__", "another")
+    monkeypatch.setattr("chromanoise.study.hashes.__version__", "another")
     seen.add(study_hash(study))
     assert len(seen) == 2 + len(told["files"])
     monkeypatch.undo()
@@ -525,7 +525,7 @@ def test_an_output_that_was_changed_or_is_of_another_version_or_file_is_refused(
         with pytest.raises(InputError, match=match) as error:
             study_of_output(path)
         assert len(str(error.value).splitlines()) == 1
-    monkeypatch.setattr("chromanoise.study.runs.hashes.__version__", "0.0.0")
+    monkeypatch.setattr("chromanoise.study.hashes.__version__", "0.0.0")
     with pytest.raises(InputError, match=r"version '0\.1\.0' of chromanoise or was changed"):
         study_of_output(whole)
     with pytest.raises(InputError, match="another study or version"):

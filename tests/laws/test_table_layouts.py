@@ -6,7 +6,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from chromanoise._check import InputError
-from chromanoise.spectra.files import Answers, read_curves
+from chromanoise.io.spectra import Answers, read_curves
 
 AT_NM = np.arange(380, 1071, 10)
 CURVES = {

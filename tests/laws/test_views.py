@@ -6,19 +6,20 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from chromanoise._check import InputError
+from chromanoise.analysis import analyzed
 from chromanoise.exposure import measurement_vectors
-from chromanoise.scene import Scene, flat_field, light
-from chromanoise.sensor import with_channels
-from chromanoise.spectra import METRICS, color_axes, equal_energy
-from chromanoise.study import analyzed, paper_study
-from chromanoise.study.paper.study import RGB_59, RGBW_12
-from chromanoise.study.paper.views import (
+from chromanoise.paper import paper_study
+from chromanoise.paper.study import RGB_59, RGBW_12
+from chromanoise.paper.views import (
     channel_plane,
     fitting_magnification,
     magnified_noise,
     narrowest_pair,
     widest_pair,
 )
+from chromanoise.scene import Scene, flat_field, light
+from chromanoise.sensor import with_channels
+from chromanoise.spectra import METRICS, color_axes, equal_energy
 from strategies import EXPOSURE, GRID, bell_qe, sensor_of, sensors
 
 metrics = st.sampled_from(METRICS)

@@ -15,39 +15,42 @@ from hypothesis import strategies as st
 
 from chromanoise._check import InputError
 from chromanoise._colour import colour_science
+from chromanoise.analysis import compared
+from chromanoise.analysis.tables import (
+    analyses_as_table,
+    curves_as_table,
+)
+from chromanoise.catalog import sensor_named
 from chromanoise.color import kernel_matrix
 from chromanoise.exposure import Exposure, Situation
-from chromanoise.sensor import Mosaic, Pixel, Sensor, read_sensor_csv, sensor_named
-from chromanoise.spectra import DEFAULT_GRID, Grid, Spectra, equal_energy, read_spectra_csv
-from chromanoise.spectra.files import read_curves
-from chromanoise.study import compared, paper_study, paper_tables, reproduced
-from chromanoise.study.files.spectra import (
+from chromanoise.io import read_sensor_csv
+from chromanoise.io.spectra import read_curves
+from chromanoise.io.spectra.writing import (
     sensor_csv,
     sensor_rawtoaces_json,
     sensor_spectra,
     spectra_csv,
     spectra_spdx,
 )
-from chromanoise.study.files.spectra_json import (
-    sensor_from_json,
-    sensor_json,
-    spectra_json,
+from chromanoise.io.spectra_json import sensor_from_json, sensor_json, spectra_json
+from chromanoise.io.table import (
+    Column,
+    Table,
+    written,
 )
-from chromanoise.study.files.tables import (
+from chromanoise.io.tables import (
     table_csv,
     table_from_json,
     table_json,
     table_latex,
     table_markdown,
 )
-from chromanoise.study.tables import (
-    Column,
-    Table,
-    analyses_as_table,
-    curves_as_table,
+from chromanoise.paper import paper_study, paper_tables, reproduced
+from chromanoise.paper.tables import (
     paper_as_table,
-    written,
 )
+from chromanoise.sensor import Mosaic, Pixel, Sensor
+from chromanoise.spectra import DEFAULT_GRID, Grid, Spectra, equal_energy, read_spectra_csv
 
 SMALL = Grid.uniform(400, 420, 10)
 PIXEL = Pixel(pitch_um=2.2, full_well_e=6000.1, read_noise_e=0.1 + 0.2)

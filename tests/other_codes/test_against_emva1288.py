@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from chromanoise.exposure import Exposure, expected_electrons
-from chromanoise.merit import light_for_snr, snr_db
+from chromanoise.metrics import light_for_snr, snr_db
 from chromanoise.noise import Readout, read_moments, sample_electrons, with_noise
 from chromanoise.rng import stream
 from chromanoise.scene import flat_field

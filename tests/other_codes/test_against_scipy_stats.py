@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from scipy import stats
 
 from chromanoise.geometry import ellipse_outline
-from chromanoise.merit import bound_db
+from chromanoise.metrics import bound_db
 from chromanoise.noise import monte_carlo, sample_electrons
 from chromanoise.rng import stream
 from strategies import pixel_with, raw_of

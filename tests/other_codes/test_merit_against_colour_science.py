@@ -7,9 +7,9 @@ from hypothesis import given
 from scipy.linalg import subspace_angles
 from scipy.optimize import minimize
 
-from chromanoise.merit.filters import principal_angles_deg, vora_value
-from chromanoise.merit.smi import metamerism
-from chromanoise.merit.visual_noise import visual_noise_of_picture, visual_noise_of_white
+from chromanoise.metrics.filters import principal_angles_deg, vora_value
+from chromanoise.metrics.smi import metamerism
+from chromanoise.metrics.visual_noise import visual_noise_of_picture, visual_noise_of_white
 from strategies import GRID, sensors
 
 SHAPE = colour.SpectralShape(400, 700, 5)

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy.io import loadmat, savemat
 
 from chromanoise._colour import colour_science
-from chromanoise.spectra.files import Answers, read_curves
+from chromanoise.io.spectra import Answers, read_curves
 
 REPOSITORY = Path(__file__).parents[2]
 SHARED = next(

@@ -6,8 +6,7 @@ from itertools import permutations
 import numpy as np
 import pytest
 
-from chromanoise.spectra import cie_1931
-from chromanoise.study import (
+from chromanoise.paper import (
     paper_study,
     paper_tables,
     reproduced,
@@ -15,7 +14,8 @@ from chromanoise.study import (
     table_5_finding,
     verdict,
 )
-from chromanoise.study.paper.findings import nir_share
+from chromanoise.paper.findings import nir_share
+from chromanoise.spectra import cie_1931
 
 
 @pytest.fixture(scope="module")
@@ -61,7 +61,7 @@ def paper_light(study, column):
 def shares_by_orders(study, column):
     """What correlation and infrared cost in Y: the mean over all orders, the weights before.
 
-    From the three rows of the docs of `chromanoise.merit.budget`: D^-1 mu, h.f/|f|^2 and
+    From the three rows of the docs of `chromanoise.metrics.budget`: D^-1 mu, h.f/|f|^2 and
     h.F G^-1, infrared as signal or as noise alone, with 10 e- of readout or none.
     """
     sensor = study.columns[column].sensor

@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 from scipy import stats
 
+from chromanoise.paper import PaperStudy, Reproduction, paper_study, reproduced
+from chromanoise.paper import study as paper
 from chromanoise.spectra.tables import packaged_table
-from chromanoise.study import PaperStudy, Reproduction, paper_study, reproduced
-from chromanoise.study.paper import study as paper
 
 REPOSITORY = Path(__file__).parents[2]
 TOOLS = REPOSITORY / "tools"

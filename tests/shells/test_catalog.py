@@ -6,16 +6,16 @@ import numpy as np
 import pytest
 
 from chromanoise._check import InputError
-from chromanoise.spectra import DEFAULT_GRID, photon_irradiance
-from chromanoise.spectra.files import Answers
-from chromanoise.study.catalog import KINDS, catalog_entries, catalog_file_of
-from chromanoise.study.runs import provenance, study_from_text
-from chromanoise.study.words import (
+from chromanoise.catalog.entries import KINDS, catalog_entries, catalog_file_of
+from chromanoise.catalog.resolve import (
     illuminant_files,
     illuminant_of_word,
     sensor_files,
     sensor_of_word,
 )
+from chromanoise.io.spectra import Answers
+from chromanoise.spectra import DEFAULT_GRID, photon_irradiance
+from chromanoise.study import provenance, study_from_text
 from outcomes import refused
 
 SECTION = """[{name}]

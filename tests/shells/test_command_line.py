@@ -11,12 +11,12 @@ import tifffile
 from matplotlib.figure import Figure
 from PIL import Image
 
+from chromanoise.analysis import analyzed
+from chromanoise.catalog import sensor_named
 from chromanoise.exposure import Exposure
 from chromanoise.figures import write_figures
 from chromanoise.scene import flat_field
-from chromanoise.sensor import sensor_named
 from chromanoise.spectra import DEFAULT_GRID, equal_energy
-from chromanoise.study import analyzed
 from outcomes import refused
 
 demo = import_module("chromanoise.cli.demo")

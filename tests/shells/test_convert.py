@@ -7,11 +7,12 @@ import re
 import numpy as np
 import pytest
 
-from chromanoise.sensor import PAPER_PIXEL, sensor_named
+from chromanoise.catalog import sensor_named
+from chromanoise.io.spectra import read_curves
+from chromanoise.io.spectra_json import sensor_from_json
+from chromanoise.io.tables import table_from_json
+from chromanoise.sensor import PAPER_PIXEL
 from chromanoise.spectra import DEFAULT_GRID
-from chromanoise.spectra.files import read_curves
-from chromanoise.study.files.spectra_json import sensor_from_json
-from chromanoise.study.files.tables import table_from_json
 from outcomes import refused
 
 pytestmark = pytest.mark.usefixtures("here")

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import tifffile
 
-from chromanoise.study.runs import study_as_command, study_from_text
+from chromanoise.study import study_as_command, study_from_text
 from outcomes import refused
 
 GIVEN = ("--lux", 3, "--f-number", 2.8, "--metric", "energy")

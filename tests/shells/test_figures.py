@@ -14,6 +14,8 @@ from matplotlib.text import Text
 from PIL import Image
 
 from chromanoise._check import InputError
+from chromanoise.analysis import analyzed, color_snr_db
+from chromanoise.catalog import sensor_named
 from chromanoise.figures import (
     CAPTIONS,
     chromanoise_style,
@@ -28,11 +30,11 @@ from chromanoise.figures import (
 )
 from chromanoise.figures.style import channel_color, sensor_dashes, sensor_label
 from chromanoise.figures.writing import figure_bytes
-from chromanoise.sensor import bayer, sensor_named
+from chromanoise.paper import paper_planes, paper_study
+from chromanoise.paper.study import RGB_12, RGB_59, RGBW_12
+from chromanoise.paper.views import channel_plane, magnified_noise
+from chromanoise.sensor import bayer
 from chromanoise.spectra import DEFAULT_GRID
-from chromanoise.study import analyzed, color_snr_db, paper_planes, paper_study
-from chromanoise.study.paper.study import RGB_12, RGB_59, RGBW_12
-from chromanoise.study.paper.views import channel_plane, magnified_noise
 
 STILL = ("figure-03-measurement", "figure-04-contravariant", "figure-06-projection")
 NOISY = ("figure-09-correlation", "figure-10-color-axis")

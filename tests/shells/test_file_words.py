@@ -6,14 +6,14 @@ import os
 import numpy as np
 import pytest
 
-from chromanoise.spectra.files import Answers
-from chromanoise.study.runs import read_study, study_hash
-from chromanoise.study.words import (
+from chromanoise.catalog.resolve import (
     filter_of_word,
     illuminant_files,
     illuminant_of_word,
     is_file_word,
 )
+from chromanoise.io.spectra import Answers
+from chromanoise.study import read_study, study_hash
 from outcomes import refused
 
 CAMERA = "wavelength_nm,R,G,B\n400,0.1,0.1,0.5\n700,0.6,0.2,0.1\n1050,0.1,0.1,0.1\n"

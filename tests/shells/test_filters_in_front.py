@@ -5,17 +5,18 @@ import json
 import numpy as np
 import pytest
 
-from chromanoise.sensor import sensor_named
-from chromanoise.spectra import DEFAULT_GRID, Answers
-from chromanoise.study.runs import (
+from chromanoise.catalog import sensor_named
+from chromanoise.catalog.resolve import behind_filter_of_word, filter_files, filter_of_word
+from chromanoise.io.spectra import Answers
+from chromanoise.spectra import DEFAULT_GRID
+from chromanoise.study import (
     provenance,
     study_as_command,
     study_as_python,
     study_from_text,
     study_hash,
 )
-from chromanoise.study.runs.named import sensor_of
-from chromanoise.study.words import behind_filter_of_word, filter_files, filter_of_word
+from chromanoise.study.assembly import sensor_of
 from outcomes import refused
 
 SOURCES = """[gray-glass]

@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from chromanoise.spectra.files import read_curves
+from chromanoise.io.spectra import read_curves
 from outcomes import refused
 from spectrum_samples import AT_NM, GREEN, RED, SAMPLES
 

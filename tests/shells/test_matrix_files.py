@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 from chromanoise._check import InputError
+from chromanoise.catalog import sensor_named
 from chromanoise.cli import main
 from chromanoise.color import kernel_matrix
 from chromanoise.exposure import Exposure, expected_electrons
+from chromanoise.io.matrices import MadeMatrix, balanced, matrix_clf
 from chromanoise.scene import flat_field
-from chromanoise.sensor import sensor_named
 from chromanoise.spectra import DEFAULT_GRID, equal_energy
-from chromanoise.study.files.matrices import MadeMatrix, balanced, matrix_clf
 
 EXPOSURE = Exposure(time_s=0.0119)
 

@@ -4,11 +4,7 @@ import json
 
 import pytest
 
-from chromanoise.exposure import Exposure, Situation
-from chromanoise.scene import flat_field
-from chromanoise.sensor import sensor_named
-from chromanoise.spectra import DEFAULT_GRID, equal_energy
-from chromanoise.study import (
+from chromanoise.analysis import (
     analyzed,
     matrix_makers,
     merits_as_json,
@@ -16,6 +12,10 @@ from chromanoise.study import (
     noise_weights,
     pareto_of,
 )
+from chromanoise.catalog import sensor_named
+from chromanoise.exposure import Exposure, Situation
+from chromanoise.scene import flat_field
+from chromanoise.spectra import DEFAULT_GRID, equal_energy
 from outcomes import refused
 
 LAMP = equal_energy(DEFAULT_GRID)

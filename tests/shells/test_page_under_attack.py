@@ -25,7 +25,7 @@ import tifffile
 from attack_page import _tree, attacked, memory_bytes
 from attack_questions import BOMBS, FILES, damaged
 from chromanoise._check import InputError
-from chromanoise._mat5 import mat_array
+from chromanoise.io.mat5 import mat_array
 from chromanoise.page import asked, processes, work, worker
 from chromanoise.page.asked import Bodies, QuestionError
 from chromanoise.page.desk import Desk

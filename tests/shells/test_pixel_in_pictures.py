@@ -9,12 +9,13 @@ import pytest
 import tifffile
 from PIL import Image
 
+from chromanoise.catalog import sensor_with_pixel
+from chromanoise.io.spectra_json import sensor_from_json, sensor_json
 from chromanoise.page.pictures import Pictures
 from chromanoise.page.studies import Studies, files_of, served_data
 from chromanoise.page.uploads import Uploads
 from chromanoise.sensor import Converter
-from chromanoise.study.files.spectra_json import sensor_from_json, sensor_json
-from chromanoise.study.runs import read_study, sensor_with_pixel, study_from_data
+from chromanoise.study import read_study, study_from_data
 from outcomes import refused
 
 SHEET = """\

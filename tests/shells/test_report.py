@@ -11,6 +11,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from chromanoise.analysis import color_snr_db
+from chromanoise.charts import PARTS, drawing, shown
 from chromanoise.cli.entry import run as run_command
 from chromanoise.figures import study_figures
 from chromanoise.figures.writing import figure_bytes
@@ -19,9 +21,7 @@ from chromanoise.report import sights_of, study_report
 from chromanoise.report.bundle import shortened
 from chromanoise.report.slides import at_value, slides_of
 from chromanoise.report.study_tables import table_of
-from chromanoise.study import color_snr_db
-from chromanoise.study.drawings import PARTS, drawing, shown
-from chromanoise.study.runs import study_from_text, study_hash
+from chromanoise.study import study_from_text, study_hash
 from shells.browser import FIXTURES
 
 TITLE = 'Is "1 < 2" & 3 > 2? </script><script>alert(1)</script><!--'

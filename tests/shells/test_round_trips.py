@@ -7,9 +7,9 @@ import xml.etree.ElementTree as ElementTree
 import numpy as np
 import pytest
 
-from chromanoise.spectra.files import Answers, read_curves
-from chromanoise.study.files.tables import table_from_json
-from chromanoise.study.words import filter_of_word, illuminant_of_word, sensor_of_word
+from chromanoise.catalog.resolve import filter_of_word, illuminant_of_word, sensor_of_word
+from chromanoise.io.spectra import Answers, read_curves
+from chromanoise.io.tables import table_from_json
 
 AT_NM = np.array([400.0, 437.5, 500.0, 612.3, 700.0, 1050.0])
 SMALL = 10.0 ** np.array([-1, -3, -12, 0, -6, -2])

@@ -17,14 +17,8 @@ from chromanoise.page.desk import Desk
 from chromanoise.page.pictures import Pictures
 from chromanoise.page.studies import MOST_SENSORS, Studies, files_of, served_data
 from chromanoise.page.uploads import Uploads
-from chromanoise.study.runs import (
-    read_study,
-    run_study,
-    study_from_data,
-    study_from_text,
-    study_hash,
-)
-from chromanoise.study.runs.hashes import file_words, with_file_words
+from chromanoise.study import read_study, run_study, study_from_data, study_from_text, study_hash
+from chromanoise.study.hashes import file_words, with_file_words
 
 NM = range(400, 1051, 10)
 QE = {"level": "absolute", "per": "photon"}

@@ -13,21 +13,15 @@ import tifffile
 from PIL import Image
 
 from chromanoise._check import InputError
+from chromanoise.catalog import sensor_named
 from chromanoise.exposure import Situation, saturating_exposure
 from chromanoise.imaging import DEMOSAICING, acquired, developed, rendered
 from chromanoise.imaging.shots import write_shot
-from chromanoise.scene import flat_field, read_cube
-from chromanoise.sensor import (
-    Imperfections,
-    Mosaic,
-    bayer,
-    rgb_ir,
-    rgbw_2x2,
-    rgbw_sparse_4x4,
-    sensor_named,
-)
+from chromanoise.io.cubes import read_cube
+from chromanoise.io.spectra_json import sensor_json
+from chromanoise.scene import flat_field
+from chromanoise.sensor import Imperfections, Mosaic, bayer, rgb_ir, rgbw_2x2, rgbw_sparse_4x4
 from chromanoise.spectra import DEFAULT_GRID, equal_energy
-from chromanoise.study.files.spectra_json import sensor_json
 from outcomes import refused
 from processes import IGNORING, command, wait_for
 

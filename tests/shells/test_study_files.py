@@ -4,11 +4,11 @@ import json
 
 import pytest
 
+from chromanoise.analysis import analyses_as_json, analyzed, budgets_as_json, matrix_makers
+from chromanoise.catalog import sensor_named
 from chromanoise.exposure import Situation, saturating_exposure
 from chromanoise.scene import flat_field
-from chromanoise.sensor import sensor_named
 from chromanoise.spectra import DEFAULT_GRID, equal_energy
-from chromanoise.study import analyses_as_json, analyzed, budgets_as_json, matrix_makers
 from outcomes import refused
 
 FEW = ("--set", "sweeps.0.points=3")

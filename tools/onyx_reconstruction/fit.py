@@ -7,8 +7,8 @@ from jaxtyping import Float
 from scipy.optimize import least_squares
 
 from chromanoise._check import Array
+from chromanoise.paper import study as paper
 from chromanoise.rng import stream
-from chromanoise.study.paper import study as paper
 from chromanoise.units import from_decibel
 from onyx_reconstruction.curves import (
     FILTER_COUNT,

@@ -14,12 +14,12 @@ from chromanoise._check import Array
 from chromanoise.color import colored, kernel_matrix
 from chromanoise.exposure import Exposure, expected_electrons, saturating_exposure
 from chromanoise.geometry import Frame, angles_to_axes_deg, contravariant
-from chromanoise.merit import snr_db
+from chromanoise.metrics import snr_db
 from chromanoise.noise import Measurement, with_noise
+from chromanoise.paper import study as paper
 from chromanoise.scene import Scene, flat_field
 from chromanoise.sensor import PAPER_PIXEL, Sensor, behind_filter, with_channels
 from chromanoise.spectra import Metric, color_axes, equal_energy
-from chromanoise.study.paper import study as paper
 from onyx_reconstruction.curves import GRID, RGB, Curves, ir_cut, rgbw_qe
 
 METRIC: Metric = "quanta"

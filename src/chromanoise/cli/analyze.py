@@ -6,6 +6,8 @@ from typing import Any
 import click
 
 from chromanoise._check import InputError, distinct
+from chromanoise.analysis import color_budgets, contravariant_budgets, matrix_makers
+from chromanoise.analysis.tables import analyses_as_table
 from chromanoise.cli import tables
 from chromanoise.cli.copying import analyze_told, print_copy
 from chromanoise.cli.merit_tables import print_merits
@@ -27,9 +29,7 @@ from chromanoise.cli.output import refuse_taken_inputs, write_json, write_table
 from chromanoise.cli.progress import progress_of
 from chromanoise.color import SPACES
 from chromanoise.exposure import Situation
-from chromanoise.study import color_budgets, contravariant_budgets, matrix_makers
-from chromanoise.study.runs import Outcome, OutputsPart, outcome_of, outcomes_as_json
-from chromanoise.study.tables import analyses_as_table
+from chromanoise.study import Outcome, OutputsPart, outcome_of, outcomes_as_json
 
 
 @click.command()

@@ -6,8 +6,8 @@ from typing import Any, TypeVar, get_args
 import click
 
 from chromanoise._check import InputError
-from chromanoise.spectra.files import Answers
-from chromanoise.spectra.files.understood import Negatives, Unit
+from chromanoise.io.spectra import Answers
+from chromanoise.io.spectra.parsed import Negatives, Unit
 
 Command = TypeVar("Command", bound=Callable[..., Any])
 

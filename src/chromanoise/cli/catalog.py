@@ -10,9 +10,7 @@ from rich.table import Table
 
 from chromanoise._check import InputError
 from chromanoise._files import write_whole
-from chromanoise.cli.options import json_option
-from chromanoise.cli.output import write_json
-from chromanoise.study.catalog import (
+from chromanoise.catalog.entries import (
     KINDS,
     Entry,
     catalog_entries,
@@ -21,6 +19,8 @@ from chromanoise.study.catalog import (
     entries_as_json,
     pixel_told,
 )
+from chromanoise.cli.options import json_option
+from chromanoise.cli.output import write_json
 
 _WIDTH = 100
 

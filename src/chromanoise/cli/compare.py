@@ -6,6 +6,21 @@ from typing import Any
 import click
 
 from chromanoise._check import InputError, distinct, one_of
+from chromanoise.analysis import (
+    DEFAULT_PRIOR,
+    PRIORS,
+    QUANTITIES,
+    SWEEPS,
+    Sweep,
+    bands_as_json,
+    compared,
+    comparison_as_json,
+    crossover_bands,
+    crossovers,
+    matrix_makers,
+    swept_values,
+)
+from chromanoise.analysis.tables import curves_as_table
 from chromanoise.cli import tables
 from chromanoise.cli.copying import compare_told, print_copy
 from chromanoise.cli.options import (
@@ -26,21 +41,6 @@ from chromanoise.cli.options import (
 from chromanoise.cli.output import refuse_taken_inputs, write_json, write_table
 from chromanoise.cli.progress import progress_of
 from chromanoise.exposure import EQUAL_TERMS, Situation
-from chromanoise.study import (
-    DEFAULT_PRIOR,
-    PRIORS,
-    QUANTITIES,
-    SWEEPS,
-    Sweep,
-    bands_as_json,
-    compared,
-    comparison_as_json,
-    crossover_bands,
-    crossovers,
-    matrix_makers,
-    swept_values,
-)
-from chromanoise.study.tables import curves_as_table
 
 
 @click.command()

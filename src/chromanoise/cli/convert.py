@@ -9,13 +9,13 @@ import click
 
 from chromanoise._check import InputError, one_of
 from chromanoise._files import write_whole
+from chromanoise.catalog import own_sensor_of
+from chromanoise.catalog.resolve import file_there, is_file_word, sensor_of_word
 from chromanoise.cli.answers import answering, answers_of, of_one_file
 from chromanoise.cli.options import refuse_idle_answers
 from chromanoise.cli.output import refuse_inputs
-from chromanoise.sensor import Sensor
-from chromanoise.spectra import Spectra
-from chromanoise.spectra.files import Understood, read_curves
-from chromanoise.study.files.spectra import (
+from chromanoise.io.spectra import Understood, read_curves
+from chromanoise.io.spectra.writing import (
     photons_as_energy,
     rawtoaces_header,
     rawtoaces_json,
@@ -25,9 +25,9 @@ from chromanoise.study.files.spectra import (
     spectra_csv,
     spectra_spdx,
 )
-from chromanoise.study.files.spectra_json import sensor_json, spectra_json
-from chromanoise.study.runs import own_sensor_of
-from chromanoise.study.words import file_there, is_file_word, sensor_of_word
+from chromanoise.io.spectra_json import sensor_json, spectra_json
+from chromanoise.sensor import Sensor
+from chromanoise.spectra import Spectra
 
 Converted = tuple[str, list[str]]
 """The text, and what it does not keep."""

@@ -5,16 +5,21 @@ from pathlib import Path
 import click
 
 from chromanoise._files import refuse_unwritable, whole_folder
+from chromanoise.charts import shown
 from chromanoise.cli import tables
 from chromanoise.cli.output import write_json
 from chromanoise.figures import CAPTIONS, paper_figures, write_figures
 from chromanoise.imaging import Picture, write_png
 from chromanoise.page.equations import EQUATIONS
+from chromanoise.paper import (
+    paper_planes,
+    paper_study,
+    reproduced,
+    reproduction_as_json,
+)
+from chromanoise.paper.pictures import paper_pictures
 from chromanoise.report import Sight, demo_page, study_report
-from chromanoise.study import paper_planes, paper_study, reproduced, reproduction_as_json
-from chromanoise.study.drawings import shown
-from chromanoise.study.paper.pictures import paper_pictures
-from chromanoise.study.runs import study_from_text
+from chromanoise.study import study_from_text
 
 STUDY = """\
 title = "Can the IR-cut be dropped? The paper's two sensors"

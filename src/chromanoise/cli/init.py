@@ -6,7 +6,7 @@ import click
 
 from chromanoise._check import InputError
 from chromanoise._files import write_whole
-from chromanoise.study.runs import STARTER
+from chromanoise.study import STARTER
 
 
 @click.command()

@@ -8,15 +8,15 @@ import click
 import numpy as np
 
 from chromanoise._check import InputError
+from chromanoise.catalog import own_sensor_of
 from chromanoise.cli.answers import answering, answers_of, of_one_file
 from chromanoise.cli.output import refuse_inputs, write_json
+from chromanoise.io.spectra import Understood, read_curves
+from chromanoise.io.spectra.merging import gaps_nm, step_nm
+from chromanoise.io.spectra.writing import mosaic_text, sensor_spectra
+from chromanoise.io.spectra_json import sensor_json
 from chromanoise.sensor import Sensor
 from chromanoise.spectra import Spectra
-from chromanoise.spectra.files import Understood, read_curves
-from chromanoise.spectra.files.merging import gaps_nm, step_nm
-from chromanoise.study.files.spectra import mosaic_text, sensor_spectra
-from chromanoise.study.files.spectra_json import sensor_json
-from chromanoise.study.runs import own_sensor_of
 
 _MOST_NAMES = 12
 

@@ -9,6 +9,14 @@ from jaxtyping import Float
 
 from chromanoise._check import Array, InputError
 from chromanoise._files import write_whole
+from chromanoise.analysis import (
+    known_matrices,
+    matrix_as_json,
+    matrix_makers,
+    noise_weights,
+    pareto_of,
+)
+from chromanoise.analysis.tables import matrix_as_table
 from chromanoise.cli import tables
 from chromanoise.cli.copying import matrix_told, print_copy
 from chromanoise.cli.merit_tables import print_pareto
@@ -28,23 +36,15 @@ from chromanoise.cli.options import (
 from chromanoise.cli.output import refuse_taken_inputs, write_json, write_table
 from chromanoise.color import ColorMatrix
 from chromanoise.exposure import Situation, expected_electrons, white_scene
-from chromanoise.merit import matrix_report
-from chromanoise.sensor import left_out_of_closed_form
-from chromanoise.study import (
-    known_matrices,
-    matrix_as_json,
-    matrix_makers,
-    noise_weights,
-    pareto_of,
-)
-from chromanoise.study.files.matrices import (
+from chromanoise.io.matrices import (
     MadeMatrix,
     matrix_clf,
     matrix_csv,
     matrix_json,
     matrix_profile_json,
 )
-from chromanoise.study.tables import matrix_as_table
+from chromanoise.metrics import matrix_report
+from chromanoise.sensor import left_out_of_closed_form
 
 _WRITERS: dict[str, Callable[[MadeMatrix], str]] = {
     ".dcp.json": matrix_profile_json,

@@ -5,9 +5,9 @@ from collections.abc import Sequence
 from rich.console import Console
 from rich.table import Table
 
+from chromanoise.analysis import Merit, Merits, white_snr_db
 from chromanoise.color import ParetoCurve
-from chromanoise.merit import MatrixReport
-from chromanoise.study import Merit, Merits, white_snr_db
+from chromanoise.metrics import MatrixReport
 
 _NAMED_WEIGHTS = {0.0: "least squares", 1.0: "LMMSE"}
 

@@ -8,25 +8,17 @@ from typing import Any, TypeVar, get_args
 import click
 
 from chromanoise._check import InputError, not_negative, positive, within
-from chromanoise.cli.answers import (
-    answering,
-    answers_of,
-    filter_answers_of,
-    illuminant_answers_of,
-)
+from chromanoise.analysis import DEFAULT_PRIOR, PRIORS, known_matrices, trained_names
+from chromanoise.catalog import idle_answers, sensor_with_pixel
+from chromanoise.catalog.resolve import behind_filter_of_word, illuminant_of_word, is_file_word
+from chromanoise.cli.answers import answering, answers_of, filter_answers_of, illuminant_answers_of
 from chromanoise.exposure import Exposure, saturating_exposure
+from chromanoise.io.spectra import Answers
+from chromanoise.io.spectra.parsed import Unit
 from chromanoise.scene import Scene, flat_field
 from chromanoise.sensor import Sensor
-from chromanoise.spectra import (
-    METRICS,
-    Illuminant,
-    infrared_parts,
-)
-from chromanoise.spectra.files import Answers
-from chromanoise.spectra.files.understood import Unit
-from chromanoise.study import DEFAULT_PRIOR, PRIORS, known_matrices, trained_names
-from chromanoise.study.runs import MOST_SENSORS, idle_answers, sensor_with_pixel
-from chromanoise.study.words import behind_filter_of_word, illuminant_of_word, is_file_word
+from chromanoise.spectra import METRICS, Illuminant, infrared_parts
+from chromanoise.study import MOST_SENSORS
 
 Command = TypeVar("Command", bound=Callable[..., Any])
 

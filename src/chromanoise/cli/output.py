@@ -10,8 +10,10 @@ import click
 
 from chromanoise._check import InputError
 from chromanoise._files import write_whole
-from chromanoise.study.files.tables import table_writer
-from chromanoise.study.tables import Table
+from chromanoise.io.table import (
+    Table,
+)
+from chromanoise.io.tables import table_writer
 
 
 def write_json(data: dict[str, Any], target: str) -> None:

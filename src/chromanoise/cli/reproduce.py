@@ -9,14 +9,14 @@ from chromanoise.cli import tables
 from chromanoise.cli.options import WHOLE
 from chromanoise.cli.output import write_json
 from chromanoise.cli.progress import progress_of
-from chromanoise.spectra import METRICS, Metric
-from chromanoise.study import (
+from chromanoise.paper import (
     paper_planes,
     paper_study,
     reproduced,
     reproduction_as_json,
     witnessed_columns,
 )
+from chromanoise.spectra import METRICS, Metric
 
 
 @click.command()
@@ -51,7 +51,7 @@ def reproduce(
         tables.print_reproduction(result)
     if out:
         from chromanoise.figures import paper_figures, write_figures
-        from chromanoise.study.paper.pictures import paper_pictures
+        from chromanoise.paper.pictures import paper_pictures
 
         first, second = (p.srgb for p in paper_pictures(result.study, seed=seed))
         planes = paper_planes(result.study, seed=seed)

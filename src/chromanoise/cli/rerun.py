@@ -8,7 +8,7 @@ import click
 from chromanoise._check import InputError
 from chromanoise.cli.options import WHOLE
 from chromanoise.cli.running import print_run
-from chromanoise.study.runs import agreement_of, agreement_text, recorded_run
+from chromanoise.study import agreement_of, agreement_text, recorded_run
 
 
 @click.command()

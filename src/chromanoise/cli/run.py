@@ -6,7 +6,7 @@ import click
 
 from chromanoise.cli.options import WHOLE
 from chromanoise.cli.running import print_run
-from chromanoise.study.runs import read_study
+from chromanoise.study import read_study
 
 
 @click.command()

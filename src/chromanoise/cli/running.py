@@ -8,7 +8,7 @@ import click
 
 from chromanoise.cli.progress import progress_of
 from chromanoise.imaging import Work
-from chromanoise.study.runs import Step, Study, run_study
+from chromanoise.study import Step, Study, run_study
 
 
 def print_run(study: Study, out: Path, threads: int | None, place: Path | None = None) -> None:

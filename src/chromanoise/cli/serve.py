@@ -66,7 +66,7 @@ def _study(path: Path | None) -> dict[str, object] | None:
     if path is None:
         return None
     from chromanoise.page.studies import served_data
-    from chromanoise.study.runs import read_study
+    from chromanoise.study import read_study
 
     study = read_study(path)
     try:

@@ -11,6 +11,8 @@ import click
 from chromanoise import __version__
 from chromanoise._check import InputError, distinct
 from chromanoise._files import refuse_unwritable, whole_folder
+from chromanoise.analysis import matrix_makers
+from chromanoise.catalog.resolve import file_of
 from chromanoise.cli.copying import print_copy, simulate_told
 from chromanoise.cli.options import (
     EXPOSURE,
@@ -41,12 +43,11 @@ from chromanoise.imaging.shots import (
     shot_summary,
     write_shot,
 )
-from chromanoise.scene import Cube, builtin_cube, read_cube
+from chromanoise.io.cubes import read_cube
+from chromanoise.scene import Cube, builtin_cube
 from chromanoise.scene.rows import row_source
 from chromanoise.sensor import MOSAIC_NAMES, PixelOverrides, mosaic_named
-from chromanoise.study import matrix_makers
-from chromanoise.study.runs import file_word
-from chromanoise.study.words import file_of
+from chromanoise.study import file_word
 
 _REAL_PIXELS = ("dark_current_e_per_s", "dsnu_e", "prnu", "row_noise_e")
 

@@ -4,7 +4,7 @@ import json
 
 import click
 
-from chromanoise.study.runs import STARTER, study_schema
+from chromanoise.study import STARTER, study_schema
 
 
 @click.command()

@@ -6,36 +6,38 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from chromanoise.color import ColorMatrix
-from chromanoise.merit import Budget, MatrixReport
-from chromanoise.sensor.catalogue import RECONSTRUCTION
-from chromanoise.study import (
+from chromanoise.analysis import (
     Analysis,
-    Cell,
     ChartNoise,
     GreyNoise,
-    PaperTable,
-    Reproduction,
-    as_printed,
     color_price_db,
     color_snr_db,
     contravariant_snr_db,
     diagnosis,
     lab_budgets,
     mean_color_error,
-    metric_remark,
     missing_lab_budgets,
-    paper_tables,
     raw_snr_db,
+)
+from chromanoise.analysis.comparison.bands import CrossoverBand, band_sentence
+from chromanoise.analysis.comparison.crossing import Crossover, crossover_sentence
+from chromanoise.analysis.comparison.curves import Curve
+from chromanoise.analysis.perceived import GREY
+from chromanoise.catalog.sensors import RECONSTRUCTION
+from chromanoise.color import ColorMatrix
+from chromanoise.metrics import Budget, MatrixReport
+from chromanoise.paper import (
+    Cell,
+    PaperTable,
+    Reproduction,
+    as_printed,
+    metric_remark,
+    paper_tables,
     set_aside_reasons,
     table_5_finding,
     verdict,
 )
-from chromanoise.study.comparing.bands import CrossoverBand, band_sentence
-from chromanoise.study.comparing.crossing import Crossover, crossover_sentence
-from chromanoise.study.comparing.curves import Curve
-from chromanoise.study.paper.study import PRINTED_TIMES_MS, WELL_SHARE
-from chromanoise.study.perceived import GREY
+from chromanoise.paper.study import PRINTED_TIMES_MS, WELL_SHARE
 
 _WIDE = 6  # channels that stand beside each other
 _SHOWN = 6  # values that are printed of a sweep

@@ -17,13 +17,7 @@ from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._linalg import qr
 from chromanoise.color.spaces import LAB, Space
-from chromanoise.noise import (
-    Measurement,
-    Readout,
-    electrons_of_normal,
-    read_moments,
-    read_values,
-)
+from chromanoise.noise import Measurement, Readout, electrons_of_normal, read_moments, read_values
 from chromanoise.rng import stream
 
 UNBOUNDED = Readout()

@@ -16,12 +16,7 @@ from chromanoise._check import Array
 from chromanoise._colour import colour_science
 from chromanoise._linalg import RANK_TOLERANCE, lstsq, pinv, qr, svd
 from chromanoise.color.matrices import ColorMatrix, kernel_matrix
-from chromanoise.color.training import (
-    Training,
-    TrainingResponse,
-    training_response,
-    white_scale,
-)
+from chromanoise.color.training import Training, TrainingResponse, training_response, white_scale
 from chromanoise.exposure import Exposure
 from chromanoise.sensor import Sensor
 from chromanoise.spectra import Metric

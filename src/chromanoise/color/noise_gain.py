@@ -10,12 +10,7 @@ from chromanoise._check import Array
 from chromanoise._linalg import RANK_TOLERANCE, svd
 from chromanoise.color.fitted import least_squares
 from chromanoise.color.matrices import ColorMatrix
-from chromanoise.color.training import (
-    Training,
-    TrainingResponse,
-    training_response,
-    white_scale,
-)
+from chromanoise.color.training import Training, TrainingResponse, training_response, white_scale
 from chromanoise.exposure import Exposure
 from chromanoise.sensor import Sensor
 from chromanoise.spectra import Metric

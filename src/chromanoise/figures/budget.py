@@ -3,7 +3,7 @@
 from matplotlib.axes import Axes
 
 from chromanoise.figures.style import INK, QUIET, sensor_label
-from chromanoise.merit import Budget
+from chromanoise.metrics import Budget
 from chromanoise.sensor import Sensor
 
 _HIGH = 0.62  # of a bar, in rows

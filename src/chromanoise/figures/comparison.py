@@ -5,8 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.axes import Axes
 
+from chromanoise.analysis import Crossover, Curve
 from chromanoise.figures.style import INK, QUIET, sensor_dashes
-from chromanoise.study import Crossover, Curve
 
 _SHADES = (INK, "#0072B2", "#D55E00", "#009E73")
 
@@ -21,9 +21,9 @@ def draw_comparison(
     Parameters
     ----------
     curves
-        Of `chromanoise.study.compared`, all of one sweep and quantity.
+        Of `chromanoise.analysis.compared`, all of one sweep and quantity.
     crossed
-        Of `chromanoise.study.crossovers`.
+        Of `chromanoise.analysis.crossovers`.
     axes
         Above and below, which share their abscissa.
     """

@@ -15,7 +15,7 @@ def draw_ellipses(data: dict[str, Any], i: int, ax: Axes) -> Axes:
     Parameters
     ----------
     data
-        The drawing ``ellipses`` of `chromanoise.study.drawings`.
+        The drawing ``ellipses`` of `chromanoise.charts`.
     i
         Which of its sensors.
     """

@@ -6,8 +6,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import FancyBboxPatch
 
+from chromanoise.analysis import Analysis, color_snr_db, contravariant_snr_db, raw_snr_db
 from chromanoise.figures.style import INK, QUIET, channel_color, sensor_label
-from chromanoise.study import Analysis, color_snr_db, contravariant_snr_db, raw_snr_db
 
 _STAGES = (  # name, symbol, equation, what its numbers are
     ("Scene", r"$\mathbf{L}$", "light", "one flat patch"),

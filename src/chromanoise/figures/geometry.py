@@ -11,6 +11,7 @@ from jaxtyping import Float
 from matplotlib.axes import Axes
 
 from chromanoise._check import Array
+from chromanoise.analysis import raw_snr_db
 from chromanoise.figures.style import (
     INK,
     QUIET,
@@ -32,8 +33,7 @@ from chromanoise.figures.vectors import (
     open_side,
     write_at,
 )
-from chromanoise.study import raw_snr_db
-from chromanoise.study.paper.views import ChannelPlane, MagnifiedNoise
+from chromanoise.paper.views import ChannelPlane, MagnifiedNoise
 
 _ORIGIN = np.zeros(2)
 _AXIS_DASHES = (0, (7, 2, 1.5, 2))  # of a color axis: no channel and no sensor has it

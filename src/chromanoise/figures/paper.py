@@ -22,11 +22,11 @@ from chromanoise.figures.observers import draw_observer
 from chromanoise.figures.pictures import draw_picture
 from chromanoise.figures.sensitivities import draw_sensitivities
 from chromanoise.figures.style import chromanoise_style, sensor_label
+from chromanoise.paper.planes import PaperPlanes
+from chromanoise.paper.study import RGB_12, RGBW_12, PaperStudy
+from chromanoise.paper.views import ChannelPlane
 from chromanoise.sensor import bayer, rgbw_sparse_4x4
 from chromanoise.spectra import cie_1931
-from chromanoise.study.paper.planes import PaperPlanes
-from chromanoise.study.paper.study import RGB_12, RGBW_12, PaperStudy
-from chromanoise.study.paper.views import ChannelPlane
 
 CAPTIONS = {
     "figure-01-mosaics": (
@@ -91,9 +91,9 @@ def paper_figures(
     Parameters
     ----------
     study
-        `chromanoise.study.paper_study`.
+        `chromanoise.paper.paper_study`.
     planes
-        `chromanoise.study.paper_planes`.
+        `chromanoise.paper.paper_planes`.
     pictures
         8-bit sRGB of the RGB sensor and of the RGBW sensor; without them there is no Figure 8.
 

@@ -15,7 +15,7 @@ def draw_pareto(data: dict[str, Any], ax: Axes) -> Axes:
     Parameters
     ----------
     data
-        The drawing ``pareto`` of `chromanoise.study.drawings`.
+        The drawing ``pareto`` of `chromanoise.charts`.
     """
     patterns = sensor_dashes(sensor["name"] for sensor in data["sensors"])
     for i, sensor in enumerate(data["sensors"]):

@@ -7,12 +7,7 @@ from jaxtyping import Float
 from matplotlib.axes import Axes
 
 from chromanoise._check import Array
-from chromanoise.figures.style import (
-    channel_color,
-    sensor_dashes,
-    sensor_label,
-    shade_nir,
-)
+from chromanoise.figures.style import channel_color, sensor_dashes, sensor_label, shade_nir
 from chromanoise.sensor import Sensor
 from chromanoise.spectra import INFRARED_FROM_NM
 

@@ -5,21 +5,15 @@ from collections.abc import Mapping
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
+from chromanoise.analysis import QUANTITIES, SWEEPS, Crossover, compared, crossovers_or_reasons
+from chromanoise.charts import Shown, coordinate_budget, drawing
+from chromanoise.charts.levels import drawn_lux
 from chromanoise.figures.budget import draw_budget
 from chromanoise.figures.comparison import draw_comparison
 from chromanoise.figures.ellipses import draw_ellipses
 from chromanoise.figures.pareto import draw_pareto
 from chromanoise.figures.sensitivities import draw_sensitivities
 from chromanoise.figures.style import chromanoise_style, sensor_dashes
-from chromanoise.study import (
-    QUANTITIES,
-    SWEEPS,
-    Crossover,
-    compared,
-    crossovers_or_reasons,
-)
-from chromanoise.study.drawings import Shown, coordinate_budget, drawing
-from chromanoise.study.drawings.levels import drawn_lux
 
 _WIDE_IN = 6.4
 
@@ -32,7 +26,7 @@ def study_figures(of: Shown) -> Mapping[str, Figure]:
     Parameters
     ----------
     of
-        A study as `chromanoise.study.drawings.shown` gives it.
+        A study as `chromanoise.charts.shown` gives it.
 
     Raises
     ------

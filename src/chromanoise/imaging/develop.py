@@ -105,11 +105,7 @@ def _developed_block(
 ) -> Any:
     """Fill ``xyz`` and ``srgb`` with the rows ``start`` to ``stop``."""
     from chromanoise.imaging.color_kernels import color_of_electrons
-    from chromanoise.imaging.kernels_demosaic import (
-        demosaicked_rows,
-        surrounded_rows,
-        taps_of,
-    )
+    from chromanoise.imaging.kernels_demosaic import demosaicked_rows, surrounded_rows, taps_of
 
     adc = plan.adc
     codes = surrounded_rows(plan.codes, plan.bank, start, stop)

@@ -1,1 +1,1 @@
-"""The local page: it asks, `chromanoise.study.drawings` answers; no number is born here."""
+"""The local page: it asks, `chromanoise.charts` answers; no number is born here."""

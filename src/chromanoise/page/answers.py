@@ -7,18 +7,13 @@ from collections.abc import Hashable, Mapping, Sequence
 from typing import Any
 
 from chromanoise._check import InputError
+from chromanoise.charts import PARTS, Look, Shown, drawing, shown
 from chromanoise.exposure import Situation
 from chromanoise.page.asked import QuestionError, field, malformed
 from chromanoise.page.remembered import Remembered
 from chromanoise.page.studies import Studies, labeled, spoken
 from chromanoise.page.uploads import Upload
-from chromanoise.study.drawings import PARTS, Look, Shown, drawing, shown
-from chromanoise.study.runs import (
-    Study,
-    study_as_command,
-    study_as_python,
-    study_as_toml,
-)
+from chromanoise.study import Study, study_as_command, study_as_python, study_as_toml
 
 _LOG = logging.getLogger("chromanoise.page")
 _BESIDE = {"sweeps", "pictures", "outputs", "title", "seed"}  # no drawing depends on them

@@ -5,16 +5,16 @@ from typing import Any
 
 from chromanoise import __version__
 from chromanoise._check import InputError
+from chromanoise.analysis.color_matrices import METHODS
+from chromanoise.analysis.priors import PRIORS
+from chromanoise.catalog.entries import catalog_entries, catalog_folder
+from chromanoise.catalog.resolve import illuminant_of_word, sensor_of_word
+from chromanoise.charts import PARTS
 from chromanoise.color import SPACES
 from chromanoise.exposure import EQUAL_TERMS
 from chromanoise.page.equations import EQUATIONS
 from chromanoise.scene import BUILTIN_CUBES
 from chromanoise.spectra import INFRARED_FROM_NM, METRICS
-from chromanoise.study.catalog import catalog_entries, catalog_folder
-from chromanoise.study.drawings import PARTS
-from chromanoise.study.makers import METHODS
-from chromanoise.study.priors import PRIORS
-from chromanoise.study.words import illuminant_of_word, sensor_of_word
 
 _FORMULAS = ("3200K", "5000K", "6500K", "LED660")  # of the lamps that are a formula
 _EDGES = ("ircut-650", "ircut-700")  # of the filters that are a formula

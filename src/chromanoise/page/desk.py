@@ -11,7 +11,7 @@ from chromanoise.page.pictures import Pictures
 from chromanoise.page.previews import preview_of
 from chromanoise.page.studies import Studies, files_of
 from chromanoise.page.uploads import Kept, Upload
-from chromanoise.study.runs import study_from_data
+from chromanoise.study import study_from_data
 
 STUDY: dict[str, Any] = {
     "light": {"illuminant": "E", "level_lux": 10.0},

@@ -8,24 +8,24 @@ from dataclasses import replace
 from typing import Any
 
 from chromanoise._check import InputError
+from chromanoise.analysis.color_matrices import matrix_makers
+from chromanoise.catalog.resolve import file_of
 from chromanoise.exposure import Situation
 from chromanoise.imaging import Work, rendered
 from chromanoise.imaging.writers import picture_summary, png_bytes
+from chromanoise.io.cubes.faults import reading
 from chromanoise.page.asked import QuestionError, field, malformed
 from chromanoise.page.remembered import Remembered
 from chromanoise.page.studies import Studies, spoken, stamps_of
 from chromanoise.page.uploads import Upload
 from chromanoise.scene import Cube
-from chromanoise.scene.faults import reading
 from chromanoise.scene.rows import row_source
 from chromanoise.sensor import overridden
-from chromanoise.study.makers import matrix_makers
-from chromanoise.study.runs import Study
-from chromanoise.study.runs.document import PicturePart
-from chromanoise.study.runs.hashes import FileWord
-from chromanoise.study.runs.named import cube_of, told_apart
-from chromanoise.study.runs.pictures import asked_of
-from chromanoise.study.words import file_of
+from chromanoise.study import Study
+from chromanoise.study.assembly import cube_of, told_apart
+from chromanoise.study.document import PicturePart
+from chromanoise.study.hashes import FileWord
+from chromanoise.study.pictures import asked_of
 
 MOST_VALUES = 64_000_000
 _UNPACKED_BYTES = 512_000_000

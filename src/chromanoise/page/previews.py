@@ -3,15 +3,16 @@
 from typing import Any
 
 from chromanoise._check import InputError
+from chromanoise.catalog import own_sensor_of
+from chromanoise.io.spectra import Understood, read_curves
+from chromanoise.io.spectra.defects import defects_of_a_light
 from chromanoise.page.asked import QuestionError
 from chromanoise.page.pictures import cube_of_upload
 from chromanoise.page.studies import served_data
 from chromanoise.page.uploads import Upload, in_words
 from chromanoise.scene.rows import row_source
 from chromanoise.spectra import DEFAULT_GRID, Spectra
-from chromanoise.spectra.files import Understood, read_curves
-from chromanoise.spectra.files.defects import defects_of_a_light
-from chromanoise.study.runs import own_sensor_of, study_from_text
+from chromanoise.study import study_from_text
 
 MOST_SPECTRUM_BYTES = 1_000_000  # some 50,000 rows, which are understood in half a second
 _MOST_NAMES = 12

@@ -9,24 +9,24 @@ from typing import Any, TypeVar
 
 from chromanoise._check import InputError
 from chromanoise._inputs import regular_file
+from chromanoise.analysis.color_matrices import matrix_makers
+from chromanoise.catalog.resolve import file_of, is_file_word
 from chromanoise.exposure import Situation
 from chromanoise.page.asked import MOST_ENTRIES, QuestionError, refuse_long_lists
 from chromanoise.page.remembered import Remembered
 from chromanoise.page.uploads import Kept, Upload, in_path, in_words
 from chromanoise.sensor import Sensor
 from chromanoise.spectra import Illuminant, infrared_parts
-from chromanoise.study.makers import matrix_makers
-from chromanoise.study.runs import Study, study_as_json, study_from_data, study_hash
-from chromanoise.study.runs.document import SensorPart
-from chromanoise.study.runs.hashes import (
+from chromanoise.study import Study, study_as_json, study_from_data, study_hash
+from chromanoise.study.assembly import illuminant_of, sensor_of, situations_in, unmade
+from chromanoise.study.document import SensorPart
+from chromanoise.study.hashes import (
     FileWord,
     digests_of,
     file_words,
     files_of_word,
     with_file_words,
 )
-from chromanoise.study.runs.named import illuminant_of, sensor_of, situations_in, unmade
-from chromanoise.study.words import file_of, is_file_word
 
 Stamps = tuple[tuple[str, tuple[int, int] | None], ...]
 

@@ -7,9 +7,9 @@ from importlib import resources
 import jinja2
 
 from chromanoise import __version__
+from chromanoise.catalog.sensors import RECONSTRUCTION
 from chromanoise.imaging import Picture, png_bytes
-from chromanoise.sensor.catalogue import RECONSTRUCTION
-from chromanoise.study import (
+from chromanoise.paper import (
     Reproduction,
     as_printed,
     luminance_budget,
@@ -18,7 +18,7 @@ from chromanoise.study import (
     table_5_finding,
     verdict,
 )
-from chromanoise.study.paper.study import PRINTED_TIMES_MS, RGB_12, RGBW_12, WELL_SHARE
+from chromanoise.paper.study import PRINTED_TIMES_MS, RGB_12, RGBW_12, WELL_SHARE
 
 
 def demo_page(

@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 
 from chromanoise import _check
+from chromanoise.analysis import SWEEPS, analyzed
+from chromanoise.charts import Shown
+from chromanoise.charts.levels import level_in_words
 from chromanoise.exposure import Situation, white_scene
 from chromanoise.spectra import INFRARED_FROM_NM
-from chromanoise.study import SWEEPS, analyzed
-from chromanoise.study.drawings import Shown
-from chromanoise.study.drawings.levels import level_in_words
 
 _STEP = 10.0 ** (1 / 8)  # of the light level: eight answers per decade
 _MOST_ABOVE = 12
@@ -72,14 +72,14 @@ def at_value(of: Shown, slide: Slide, value: float | None) -> Shown:
     of
         The study as it is.
     slide
-        What is changed; its key is one of `chromanoise.study.SWEEPS`.
+        What is changed; its key is one of `chromanoise.analysis.SWEEPS`.
     value
         To what; ``None`` changes nothing. [unit of the sweep]
 
     Raises
     ------
     InputError
-        As `chromanoise.study.analyzed`.
+        As `chromanoise.analysis.analyzed`.
     """
     if value is None:
         return of

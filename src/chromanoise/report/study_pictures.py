@@ -6,10 +6,10 @@ from jaxtyping import UInt8
 
 from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise.charts import Shown
 from chromanoise.imaging import Work
 from chromanoise.imaging.shots import shot
-from chromanoise.study.drawings import Shown
-from chromanoise.study.runs.pictures import first_frame, prepared_cameras
+from chromanoise.study.pictures import first_frame, prepared_cameras
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

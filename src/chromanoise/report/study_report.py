@@ -11,6 +11,7 @@ import numpy as np
 from chromanoise import __version__
 from chromanoise._check import InputError
 from chromanoise._linalg import lstsq
+from chromanoise.charts import PARTS, Shown, drawing
 from chromanoise.imaging import png_bytes
 from chromanoise.report.bundle import (
     data_address,
@@ -24,8 +25,7 @@ from chromanoise.report.bundle import (
 from chromanoise.report.slides import Slide, at_value, slide_as_json, slides_of
 from chromanoise.report.study_pictures import Sight
 from chromanoise.report.study_tables import Table, table_of
-from chromanoise.study.drawings import PARTS, Shown, drawing
-from chromanoise.study.runs import provenance, study_as_toml
+from chromanoise.study import provenance, study_as_toml
 
 Equations = Mapping[str, Mapping[str, str]]
 

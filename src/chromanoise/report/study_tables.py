@@ -79,9 +79,9 @@ def table_of(part: str, data: Data) -> Table:
     Parameters
     ----------
     part
-        Of `chromanoise.study.drawings.PARTS`.
+        Of `chromanoise.charts.PARTS`.
     data
-        As `chromanoise.study.drawings.drawing` gives it.
+        As `chromanoise.charts.drawing` gives it.
     """
     return _TABLES[part](data)
 

@@ -1,11 +1,24 @@
 """Light leaving the world: patches under a lamp, hyperspectral cubes."""
 
-from chromanoise.scene.builtin import BUILTIN_CUBES, builtin_cube, checker_cube
-from chromanoise.scene.cube import Cube, bands_within, flat_cube
-from chromanoise.scene.readers import read_cube
-from chromanoise.scene.rows import RowSource, row_source
-from chromanoise.scene.scene import Scene, flat_field, light
-from chromanoise.scene.xarray_io import cube_from_xarray, picture_to_xarray
+from chromanoise.scene.builtin import (
+    BUILTIN_CUBES,
+    builtin_cube,
+    checker_cube,
+)
+from chromanoise.scene.cube import (
+    Cube,
+    bands_within,
+    flat_cube,
+)
+from chromanoise.scene.rows import (
+    RowSource,
+    row_source,
+)
+from chromanoise.scene.scene import (
+    Scene,
+    flat_field,
+    light,
+)
 
 __all__ = [
     "BUILTIN_CUBES",
@@ -15,11 +28,8 @@ __all__ = [
     "bands_within",
     "builtin_cube",
     "checker_cube",
-    "cube_from_xarray",
     "flat_cube",
     "flat_field",
     "light",
-    "picture_to_xarray",
-    "read_cube",
     "row_source",
 ]

@@ -10,16 +10,10 @@ from chromanoise.spectra.curves import (
     refuse_outside,
     used_on_grid,
 )
-from chromanoise.spectra.files import (
-    ASK,
-    Answers,
-    Question,
-    Understood,
-    power_of,
-    qe_of,
-    read_curves,
+from chromanoise.spectra.grid import (
+    DEFAULT_GRID,
+    Grid,
 )
-from chromanoise.spectra.grid import DEFAULT_GRID, Grid
 from chromanoise.spectra.illuminants import (
     Illuminant,
     astm_g173,
@@ -33,7 +27,10 @@ from chromanoise.spectra.illuminants import (
     led_white,
     photon_irradiance,
 )
-from chromanoise.spectra.metric import METRICS, Metric
+from chromanoise.spectra.metric import (
+    METRICS,
+    Metric,
+)
 from chromanoise.spectra.mixtures import (
     illuminant_named,
     infrared_parts,
@@ -41,24 +38,29 @@ from chromanoise.spectra.mixtures import (
     mixed,
     with_infrared,
 )
-from chromanoise.spectra.observers import INFRARED_FROM_NM, cie_1931, color_axes
-from chromanoise.spectra.readers import read_spectra_csv
-from chromanoise.spectra.reflectances import colorchecker, reflectance_named
+from chromanoise.spectra.observers import (
+    INFRARED_FROM_NM,
+    cie_1931,
+    color_axes,
+)
+from chromanoise.spectra.readers import (
+    read_spectra_csv,
+)
+from chromanoise.spectra.reflectances import (
+    colorchecker,
+    reflectance_named,
+)
 
 __all__ = [
-    "ASK",
     "DEFAULT_GRID",
     "INFRARED_FROM_NM",
     "METRICS",
     "SMALL_NEGATIVES",
-    "Answers",
     "Beyond",
     "Grid",
     "Illuminant",
     "Metric",
-    "Question",
     "Spectra",
-    "Understood",
     "astm_g173",
     "black_body",
     "cie_1931",
@@ -79,9 +81,6 @@ __all__ = [
     "mixed",
     "on_grid",
     "photon_irradiance",
-    "power_of",
-    "qe_of",
-    "read_curves",
     "read_spectra_csv",
     "reflectance_named",
     "refuse_outside",

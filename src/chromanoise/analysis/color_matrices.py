@@ -1,0 +1,208 @@
+"""Names of color matrices to functions: the one place where a word chooses a method."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import lru_cache, partial
+from typing import Any
+
+from jaxtyping import Float
+
+from chromanoise import _check
+from chromanoise._check import Array
+from chromanoise.analysis.priors import DEFAULT_PRIOR, PRIORS, training_named
+from chromanoise.color import (
+    ColorMatrix,
+    Training,
+    bounded_psi,
+    kernel,
+    least_squares,
+    lmmse,
+    lmmse_over_light,
+    noise_regularized,
+    ridge,
+    white_preserving,
+)
+from chromanoise.exposure import Exposure, Situation
+from chromanoise.sensor import Sensor
+from chromanoise.spectra import Metric
+
+MatrixMaker = Callable[[Situation], ColorMatrix]
+"""A color matrix for a situation: some adapt to the light level."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Method:
+    """How a matrix is made.
+
+    Attributes
+    ----------
+    make
+        One of the functions of `chromanoise.color` with the common signature.
+    parameter
+        Its own parameter, if it has one.
+    trained
+        Whether it looks at the prior.
+    over_light
+        Its matrices at many light levels at once; ``None`` where light changes nothing.
+    bounds
+        Lowest and highest value of the parameter; above it, the gains are too small for double
+        precision.
+    """
+
+    make: Callable[..., ColorMatrix]
+    parameter: str | None = None
+    trained: bool = True
+    over_light: Callable[..., Array] | None = None
+    bounds: tuple[float, float] = (0.0, 1e15)
+
+
+METHODS: Mapping[str, Method] = {
+    "kernel": Method(make=kernel, trained=False),
+    "least-squares": Method(make=least_squares),
+    "white-preserving": Method(make=white_preserving),
+    "lmmse": Method(make=lmmse, over_light=lmmse_over_light),
+    "ridge": Method(make=ridge, parameter="strength", bounds=(0.0, 1e6)),
+    "noise-regularized": Method(
+        make=noise_regularized, parameter="weight", over_light=lmmse_over_light
+    ),
+    "bounded-psi": Method(make=bounded_psi, parameter="limit", bounds=(1e-15, 1e15)),
+}
+
+
+def matrix_makers(
+    names: Sequence[str], metric: Metric, *, prior: str = DEFAULT_PRIOR
+) -> Mapping[str, MatrixMaker]:
+    """The matrix methods that a person names.
+
+    Parameters
+    ----------
+    names
+        Of `METHODS`; a method with a parameter as ``name=value``, e.g. ``ridge=0.01``.
+    metric
+        In which light is a vector.
+    prior
+        Of `PRIORS`: what trained matrices are trained on.
+
+    Raises
+    ------
+    InputError
+        If there is no method of that name, or a parameter is missing, not a number, out of bounds
+        or superfluous.
+    """
+    _check.one_of("prior", prior, tuple(PRIORS))
+    wanted = _check.distinct("names of matrices", [name.strip() for name in names])
+    return {name: _maker(name, metric, prior) for name in wanted}
+
+
+def matrices_over_levels(
+    maker: MatrixMaker, situation: Situation, level_lux: Float[Array, " k"]
+) -> Float[Array, "k c p"] | None:
+    """What a maker makes at many light levels, all at once. [lx/e-]
+
+    ``None`` where it has to be asked level by level: it makes one matrix for all of them, or is
+    not of `matrix_makers`.
+
+    Parameters
+    ----------
+    maker
+        Of `matrix_makers`, or your own.
+    situation
+        Whose level is not looked at.
+    level_lux
+        Illuminances, > 0. [lx]
+
+    Raises
+    ------
+    InputError
+        If a level is not positive.
+    """
+    if not isinstance(maker, partial) or maker.func is not _made:
+        return None
+    method: Method = maker.keywords["method"]
+    if method.over_light is None:
+        return None
+    training = training_named(maker.keywords["prior"], situation.illuminant)
+    parameters = maker.keywords["parameters"]
+    return method.over_light(
+        situation.sensor, situation.exposure, training, level_lux, **parameters
+    )
+
+
+def trained_names(names: Sequence[str]) -> list[str]:
+    """Those of the names whose matrix looks at the prior.
+
+    Raises
+    ------
+    InputError
+        If nothing is called that.
+    """
+    return [name.strip() for name in names if _method(name.strip()).trained]
+
+
+def known_matrices() -> str:
+    """The names of the methods, with their parameters and bounds."""
+    return ", ".join(
+        f"{name}=<{m.parameter}> ({m.bounds[0]:g} to {m.bounds[1]:g})" if m.parameter else name
+        for name, m in METHODS.items()
+    )
+
+
+def _maker(name: str, metric: Metric, prior: str) -> MatrixMaker:
+    word, given, text = name.partition("=")
+    method = _method(name)
+    if bool(given) != (method.parameter is not None):
+        wanted = f"{word}=<{method.parameter}>" if method.parameter else word
+        raise _check.InputError(f"a {word} matrix is asked for as {wanted}, but is {name!r}")
+    parameters = {}
+    if method.parameter:
+        what, value = f"{method.parameter} of a {word} matrix", _number(text, name)
+        parameters = {method.parameter: _check.within(what, "1", value, *method.bounds)}
+    return partial(_made, method=method, prior=prior, metric=metric, parameters=parameters)
+
+
+def _method(name: str) -> Method:
+    word = name.partition("=")[0].strip()
+    return METHODS[_check.one_of("matrix", word, tuple(METHODS))]
+
+
+def _number(text: str, name: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        raise _check.InputError(f"matrix {name!r}: {text!r} is not a number") from None
+
+
+def _made(
+    situation: Situation,
+    *,
+    method: Method,
+    prior: str,
+    metric: Metric,
+    parameters: dict[str, Any],
+) -> ColorMatrix:
+    training = training_named(prior, situation.illuminant) if method.trained else None
+    if method.over_light is None:
+        own = tuple(parameters.items())
+        sensor, exposure = situation.sensor, situation.exposure
+        return _of_any_light(method.make, sensor, exposure, training, metric, own)
+    return method.make(
+        situation.sensor,
+        situation.exposure,
+        training,
+        level_lux=situation.level_lux,
+        metric=metric,
+        **parameters,
+    )
+
+
+@lru_cache(maxsize=64)
+def _of_any_light(
+    make: Callable[..., ColorMatrix],
+    sensor: Sensor,
+    exposure: Exposure,
+    training: Training | None,
+    metric: Metric,
+    parameters: tuple[tuple[str, Any], ...],
+) -> ColorMatrix:
+    """One per exposure: light only scales it all, so a sweep of the light asks for the same one."""
+    return make(sensor, exposure, training, level_lux=1.0, metric=metric, **dict(parameters))

@@ -1,0 +1,274 @@
+"""Where sensors change places while one thing varies: found on the closed form, told in words."""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import combinations, pairwise
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float
+
+from chromanoise import _check
+from chromanoise._check import Array
+from chromanoise.analysis.color_matrices import MatrixMaker
+from chromanoise.analysis.comparison.curves import Curve
+from chromanoise.analysis.comparison.quantities import Quantity, color_error
+from chromanoise.analysis.comparison.sweeps import Sweep
+from chromanoise.analysis.defined import defined
+from chromanoise.exposure import Situation
+
+_TIE = 1e-9  # of the unit of a quantity: rounding
+_CROSSING_TOLERANCE = 1e-9  # of the logarithm of the value, or of the span of a linear sweep
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Crossover:
+    """Where two sensors with the same matrix change places.
+
+    Attributes
+    ----------
+    first, second, matrix
+        Names.
+    sweep, quantity
+        What varies, and what was asked.
+    at
+        Where the sign of their difference changes; empty if it never does. [unit of the sweep]
+    color_error
+        Of first and second at each of these: SNR is never told alone; NaN where it is not
+        defined. [Delta E*ab]
+    better_first
+        Who leads first, from the lowest common value of the sweep on; ``None`` for equals.
+    first_at, last_at
+        The range in which both have a value. [unit of the sweep]
+    """
+
+    first: str
+    second: str
+    matrix: str
+    sweep: Sweep
+    quantity: Quantity
+    at: tuple[float, ...]
+    color_error: tuple[tuple[float, float], ...]
+    better_first: str | None
+    first_at: float
+    last_at: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Incomparable:
+    """Two sensors that are never usable together, so that none leads.
+
+    Attributes
+    ----------
+    first, second, matrix
+        Names.
+    why
+        A sentence.
+    """
+
+    first: str
+    second: str
+    matrix: str
+    why: str
+
+
+def crossovers(
+    contestants: Sequence[Situation], makers: Mapping[str, MatrixMaker], curves: Sequence[Curve]
+) -> tuple[Crossover, ...]:
+    """For each matrix and each pair of sensors, where their order changes.
+
+    Signs are read off the curves; each change is then refined on the closed form.
+
+    Parameters
+    ----------
+    contestants, makers
+        As they were compared.
+    curves
+        Of `chromanoise.analysis.compared`.
+
+    Raises
+    ------
+    InputError
+        If a pair has no value of the sweep at which both have the quantity.
+    """
+    return tuple(_crossover(*pair) for pair in _pairs(contestants, makers, curves))
+
+
+def crossovers_or_reasons(
+    contestants: Sequence[Situation], makers: Mapping[str, MatrixMaker], curves: Sequence[Curve]
+) -> tuple[Crossover | Incomparable, ...]:
+    """As `crossovers`, but a pair that cannot be compared does not silence the others.
+
+    Parameters
+    ----------
+    contestants, makers, curves
+        As for `crossovers`.
+    """
+    return tuple(_crossover_or_reason(*pair) for pair in _pairs(contestants, makers, curves))
+
+
+_Side = tuple[Situation, Curve]
+
+
+def _pairs(
+    contestants: Sequence[Situation], makers: Mapping[str, MatrixMaker], curves: Sequence[Curve]
+) -> Iterator[tuple[MatrixMaker, _Side, _Side]]:
+    for name, maker in makers.items():
+        mine = [curve for curve in curves if curve.matrix == name]
+        for one, other in combinations(zip(contestants, mine, strict=True), 2):
+            yield maker, one, other
+
+
+def _crossover_or_reason(maker: MatrixMaker, one: _Side, other: _Side) -> Crossover | Incomparable:
+    try:
+        return _crossover(maker, one, other)
+    except _check.InputError as error:
+        first, second = one[1], other[1]
+        return Incomparable(
+            first=first.sensor, second=second.sensor, matrix=first.matrix, why=str(error)
+        )
+
+
+def _asked(
+    contestant: Situation,
+    maker: MatrixMaker,
+    sweep: Sweep,
+    of: Callable[[Situation, Any], float],
+    value: float,
+) -> float:
+    situation = sweep.at(contestant, value)
+    return of(situation, maker(situation))
+
+
+def _crossover(maker: MatrixMaker, one: _Side, other: _Side) -> Crossover:
+    (a, first), (b, second) = one, other
+    sweep, quantity = first.sweep, first.quantity
+    sign = 1.0 if quantity.more_is_better else -1.0
+    lead = sign * (first.value - second.value)
+    known = np.flatnonzero(np.isfinite(lead))
+    if not known.size:
+        _refuse_nothing_common(first, second)
+
+    def lead_at(value: float) -> float:
+        ours, theirs = (_asked(c, maker, sweep, quantity.of, value) for c in (a, b))
+        return sign * (ours - theirs)
+
+    changes = [
+        (float(first.at[i]), float(first.at[k]))
+        for i, k in pairwise(known[np.abs(lead[known]) > _TIE])  # a tie has no side
+        if lead[i] * lead[k] < 0 and np.isfinite(lead[i : k + 1]).all()
+    ]
+    at = tuple(_root(lead_at, low, high, sweep.logarithmic) for low, high in changes)
+    errors = (tuple(_asked(c, maker, sweep, color_error, value) for c in (a, b)) for value in at)
+    return Crossover(
+        first=first.sensor,
+        second=second.sensor,
+        matrix=first.matrix,
+        sweep=sweep,
+        quantity=quantity,
+        at=at,
+        color_error=tuple((ours, theirs) for ours, theirs in errors),
+        better_first=_first_leader(lead[known], first.sensor, second.sensor),
+        first_at=float(first.at[known[0]]),
+        last_at=float(first.at[known[-1]]),
+    )
+
+
+def _first_leader(lead: Float[Array, " k"], first: str, second: str) -> str | None:
+    ahead = lead[np.abs(lead) > _TIE]
+    if not ahead.size:
+        return None
+    return first if ahead[0] > 0 else second
+
+
+def _refuse_nothing_common(first: Curve, second: Curve) -> None:
+    raise _check.InputError(
+        f"{first.sensor} and {second.sensor} have no {first.sweep.what} of the sweep at which both "
+        f"have a {first.quantity.what} with the {first.matrix} matrix: they are saturated (shorten "
+        "the time, sweep less light) or the matrix cannot make that color of this light"
+    )
+
+
+def _root(function: Callable[[float], float], low: float, high: float, logarithmic: bool) -> float:
+    """Where the sign changes that differs at ``low`` and ``high``.
+
+    Notes
+    -----
+    Inverse quadratic steps where they are safe, halves elsewhere: Chandrupatla, *Adv. Eng. Softw.*
+    28 (1997) 145-149.
+    """
+    there, back = (np.log, np.exp) if logarithmic else (float, float)
+    a, b = float(there(low)), float(there(high))
+    tolerance = _CROSSING_TOLERANCE * (1.0 if logarithmic else b - a)
+    at_a, at_b = function(float(back(a))), function(float(back(b)))
+    share = 0.5
+    while abs(b - a) > tolerance and at_a != 0:
+        x = a + share * (b - a)
+        at_x = function(float(back(x)))
+        if np.sign(at_x) == np.sign(at_a):
+            c, at_c = a, at_a
+        else:
+            c, at_c, b, at_b = b, at_b, a, at_a
+        a, at_a = x, at_x
+        share = _next_share((a, at_a), (b, at_b), (c, at_c), tolerance)
+    return float(back(a if abs(at_a) < abs(at_b) else b))
+
+
+Point = tuple[float, float]
+
+
+def _next_share(a: Point, b: Point, c: Point, tolerance: float) -> float:
+    """How far from a towards b to look next; c lies behind a or b."""
+    (xa, fa), (xb, fb), (xc, fc) = a, b, c
+    place, height = (xa - xb) / (xc - xb), (fa - fb) / (fc - fb)
+    share = 0.5
+    if height**2 < place and (1 - height) ** 2 < 1 - place:
+        share = fa / (fb - fa) * fc / (fb - fc)
+        share += (xc - xa) / (xb - xa) * fa / (fc - fa) * fb / (fc - fb)
+    least = 0.5 * tolerance / abs(xb - xa) if xb != xa else 0.5
+    return min(1 - least, max(least, share)) if least < 0.5 else 0.5
+
+
+def crossover_as_json(crossover: Crossover) -> dict[str, Any]:
+    """One crossover as plain data, with its sentence."""
+    told = {
+        key: getattr(crossover, key)
+        for key in ("first", "second", "matrix", "better_first", "first_at", "last_at")
+    }
+    errors = [[defined(ours), defined(theirs)] for ours, theirs in crossover.color_error]
+    sentence = crossover_sentence(crossover)
+    return told | {"at": list(crossover.at), "color_error": errors, "sentence": sentence}
+
+
+def crossover_sentence(crossover: Crossover) -> str:
+    """Who leads over which values of the sweep, and the color errors where places change."""
+    first, second, unit = crossover.first, crossover.second, crossover.sweep.unit
+    span = f"{_told(crossover.first_at, 4)} to {_told(crossover.last_at, 4)} {unit}"
+    other = second if crossover.better_first == first else first
+    if crossover.better_first is None:
+        return (
+            f"With the {crossover.matrix} matrix {first} and {second} have the same "
+            f"{crossover.quantity.what} at every {crossover.sweep.what} from {span}."
+        )
+    better = "higher" if crossover.quantity.more_is_better else "lower"
+    leads = (
+        f"With the {crossover.matrix} matrix {crossover.better_first} has the {better} "
+        f"{crossover.quantity.what}"
+    )
+    if not crossover.at:
+        return f"{leads} than {other} at every {crossover.sweep.what} from {span}."
+    told = [_told(value, 3 if value < 100 else 4) for value in crossover.at]
+    between = [f"from {low} to {high}" for low, high in pairwise(told)]
+    leaders = (other, crossover.better_first) * len(told)
+    rest = (f"{who} {where}" for who, where in zip(leaders, (*between, "above"), strict=False))
+    colors = "; ".join(f"{a:.1f} and {b:.1f}" for a, b in crossover.color_error)
+    return (
+        f"{leads} below {told[0]} {unit} of {crossover.sweep.what}, {', '.join(rest)} (within "
+        f"{span}); where they change places the mean color errors of {first} and {second} are "
+        f"{colors} Delta E*ab."
+    )
+
+
+def _told(value: float, digits: int) -> str:
+    told = f"{value:.{digits}g}"
+    return f"{float(told):.0f}" if "e+" in told and value < 1e6 else told  # 10000, not 1e+04

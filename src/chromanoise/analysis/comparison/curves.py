@@ -1,0 +1,168 @@
+"""Sensors against each other while one thing varies: one curve each."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from chromanoise import _check
+from chromanoise._check import Array
+from chromanoise.analysis.color_matrices import MatrixMaker, matrices_over_levels
+from chromanoise.analysis.comparison.quantities import (
+    SNR_Y,
+    Quantity,
+    color_error,
+    color_errors,
+    is_saturated,
+    is_saturated_over_levels,
+)
+from chromanoise.analysis.comparison.sweeps import SWEEPS, Sweep
+from chromanoise.exposure import Situation
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Curve:
+    """One sensor with one matrix over the sweep.
+
+    Attributes
+    ----------
+    sensor, matrix
+        Names.
+    time_s
+        Integration time before the sweep. [s]
+    sweep, quantity
+        What varies, and what was asked.
+    at
+        Where it was computed. [unit of the sweep]
+    value
+        NaN where it is not defined: a channel is saturated, a color is no signal. [unit of the
+        quantity]
+    saturated
+        Where a channel is saturated on a perfect white.
+    color_error
+        Mean over the ColorChecker, without noise; NaN where it is not defined. [Delta E*ab]
+    """
+
+    sensor: str
+    matrix: str
+    time_s: float
+    sweep: Sweep
+    quantity: Quantity
+    at: Float[Array, " k"]
+    value: Float[Array, " k"]
+    saturated: Bool[Array, " k"]
+    color_error: Float[Array, " k"]
+
+    def __post_init__(self) -> None:
+        _check.freeze(self, "at", "value", "saturated", "color_error")
+
+
+def compared(
+    contestants: Sequence[Situation],
+    makers: Mapping[str, MatrixMaker],
+    at: Float[Array, " k"],
+    *,
+    sweep: Sweep = SWEEPS["lux"],
+    quantity: Quantity = SNR_Y,
+    progress: Callable[[int], None] = lambda _: None,
+) -> tuple[Curve, ...]:
+    """Every sensor with every matrix over the sweep.
+
+    Parameters
+    ----------
+    contestants
+        Sensors with their exposures and their light; each keeps all that the sweep does not vary.
+    makers
+        Matrix methods by name; each is asked anew at every value.
+    at
+        Increasing. [unit of the sweep]
+    sweep
+        What varies: one of `SWEEPS`, or your own.
+    quantity
+        What is asked: one of `QUANTITIES`, or your own.
+    progress
+        Called with the number of newly finished values, out of all values of all curves.
+
+    Raises
+    ------
+    InputError
+        If the values do not increase or leave what makes sense.
+    """
+    values = _check.increasing(f"values of {sweep.name}", sweep.unit, at)
+    for end in (values[0], values[-1]):
+        _check.within(f"sweep of {sweep.name}", sweep.unit, end, sweep.lowest, sweep.highest)
+    return tuple(
+        _curve(contestant, name, maker, values, sweep, quantity, progress)
+        for contestant in contestants
+        for name, maker in makers.items()
+    )
+
+
+def _curve(
+    contestant: Situation,
+    name: str,
+    maker: MatrixMaker,
+    values: Float[Array, " k"],
+    sweep: Sweep,
+    quantity: Quantity,
+    progress: Callable[[int], None],
+) -> Curve:
+    together = (
+        _over_levels(contestant, maker, values, quantity)
+        if sweep.name == SWEEPS["lux"].name
+        else None
+    )
+    if together is not None:
+        progress(values.size)
+    asked, errors, full = together or _one_by_one(
+        [sweep.at(contestant, value) for value in values.tolist()], maker, quantity, progress
+    )
+    return Curve(
+        sensor=contestant.sensor.name,
+        matrix=name,
+        time_s=contestant.exposure.time_s,
+        sweep=sweep,
+        quantity=quantity,
+        at=values,
+        value=asked,
+        saturated=full,
+        color_error=errors,
+    )
+
+
+_Asked = tuple[Float[Array, " k"], Float[Array, " k"], Bool[Array, " k"]]
+
+
+def _over_levels(
+    contestant: Situation, maker: MatrixMaker, values: Float[Array, " k"], quantity: Quantity
+) -> _Asked | None:
+    """All levels at once; ``None`` where quantity or maker can only be asked one by one."""
+    if quantity.over_levels is None:
+        return None
+    full = is_saturated_over_levels(contestant, values)
+    lit = [SWEEPS["lux"].at(contestant, value) for value in values.tolist()]
+    first, matrices = maker(lit[0]), matrices_over_levels(maker, contestant, values)
+    if matrices is not None:
+        asked = quantity.over_levels(contestant, first, values, matrices=matrices)
+        return asked, color_errors(contestant, matrices), full
+    if any(maker(each) is not first for each in lit):
+        return None
+    error = color_error(contestant, first)  # of the one matrix that looks at no light
+    return quantity.over_levels(contestant, first, values), np.full(values.size, error), full
+
+
+def _one_by_one(
+    situations: Sequence[Situation],
+    maker: MatrixMaker,
+    quantity: Quantity,
+    progress: Callable[[int], None],
+) -> _Asked:
+    asked, errors, full = [], [], []
+    for situation in situations:
+        matrix = maker(situation)
+        asked.append(quantity.of(situation, matrix))
+        errors.append(color_error(situation, matrix))
+        full.append(is_saturated(situation))
+        progress(1)
+    return np.array(asked), np.array(errors), np.array(full)

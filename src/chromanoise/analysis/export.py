@@ -1,0 +1,120 @@
+"""Results as plain data, ready for ``json.dumps``: what is not defined is ``None``."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import asdict
+from typing import Any
+
+from chromanoise import __version__
+from chromanoise.analysis.comparison.crossing import Crossover, crossover_as_json
+from chromanoise.analysis.comparison.curves import Curve
+from chromanoise.analysis.defined import defined
+from chromanoise.analysis.gray_budget import lab_budgets
+from chromanoise.analysis.stages import (
+    Analysis,
+    color_budgets,
+    color_price_db,
+    color_snr_db,
+    contravariant_budgets,
+    contravariant_snr_db,
+    diagnosis,
+    mean_color_error,
+    raw_snr_db,
+)
+
+
+def analyses_as_json(analyses: Sequence[Analysis]) -> dict[str, Any]:
+    """Several sensors, side by side."""
+    return {
+        "version": __version__,
+        "metric": analyses[0].matrix.metric,
+        "illuminant": analyses[0].scene.illuminant.name,
+        "level_lux": analyses[0].scene.level_lux,
+        "sensors": [_analysis(analysis) for analysis in analyses],
+    }
+
+
+def comparison_as_json(curves: Sequence[Curve], crossed: Sequence[Crossover]) -> dict[str, Any]:
+    """Curves and crossovers as plain data; what is not defined is ``None``."""
+    sweep, quantity = curves[0].sweep, curves[0].quantity
+    return {
+        "version": __version__,
+        "sweep": {
+            "name": sweep.name,
+            "what": sweep.what,
+            "unit": sweep.unit,
+            "values": curves[0].at.tolist(),
+        },
+        "quantity": {"name": quantity.name, "what": quantity.what, "unit": quantity.unit},
+        "curves": [
+            {
+                "sensor": curve.sensor,
+                "matrix": curve.matrix,
+                "time_ms": 1e3 * curve.time_s,
+                "value": [defined(value) for value in curve.value.tolist()],
+                "saturated": curve.saturated.tolist(),
+                "color_error": [defined(value) for value in curve.color_error.tolist()],
+            }
+            for curve in curves
+        ],
+        "crossovers": [crossover_as_json(c) for c in crossed],
+    }
+
+
+def budgets_as_json(analysis: Analysis) -> dict[str, Any]:
+    """Budgets of color, contravariant coordinates and a gray's L*, a*, b*; ``None`` for none."""
+    budgets = {
+        "budget": color_budgets(analysis),
+        "contravariant_budget": contravariant_budgets(analysis),
+        "lab_budget": lab_budgets(analysis),
+    }
+    return {name: [asdict(b) if b else None for b in own] for name, own in budgets.items()}
+
+
+def _analysis(analysis: Analysis) -> dict[str, Any]:
+    sensor, axes = analysis.sensor, analysis.color.names
+    usable = not bool(analysis.saturated.any())
+    return {
+        "name": sensor.name,
+        "time_ms": 1e3 * analysis.exposure.time_s,
+        "f_number": analysis.exposure.f_number,
+        "channels": _channels(analysis),
+        "spectral_snr_db": defined(analysis.spectral_snr_db) if usable else None,
+        "color": {
+            "snr_db": color_snr_db(analysis),
+            "mean_lux": _named(axes, analysis.color.mean),
+            "covariance_lux2": analysis.color.covariance.tolist(),
+        },
+        "bound_db": defined(analysis.bound_db) if usable else None,
+        "price_db": color_price_db(analysis),
+        "condition": defined(analysis.matrix.frame.condition),
+        "rank": analysis.matrix.frame.rank,
+        "nearest_mix": asdict(analysis.mix) if analysis.mix else None,
+        "matrix": analysis.matrix.matrix.tolist(),
+        "matrix_made_by": analysis.matrix.made_by,
+        "matrix_unit": "lx/e-",
+        "color_error_mean": mean_color_error(analysis),
+        "notes": list(diagnosis(analysis)),
+    }
+
+
+def _channels(analysis: Analysis) -> list[dict[str, Any]]:
+    names = analysis.sensor.names
+    raw, contravariant = raw_snr_db(analysis), contravariant_snr_db(analysis)
+    return [
+        {
+            "name": name,
+            "mean_e": float(analysis.raw.mean[i]),
+            "snr_db": raw[name],
+            "contravariant_snr_db": contravariant[name],
+            "vif": defined(float(analysis.vif[i])),
+            "saturated": bool(analysis.saturated[i]),
+            "full_share": float(analysis.full_share[i]),
+            "angle_deg": _named(names, analysis.between_deg[i]),
+            "angle_to_axis_deg": _named(("x", "y", "z"), analysis.to_axes_deg[i]),
+        }
+        for i, name in enumerate(names)
+    ]
+
+
+def _named(names: Iterable[str], values: Iterable[float]) -> dict[str, float]:
+    return {name: float(value) for name, value in zip(names, values, strict=True)}

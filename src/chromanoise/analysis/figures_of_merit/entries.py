@@ -1,0 +1,161 @@
+"""What a figure of merit is: a number with its source, or the reason why there is none."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+from chromanoise import _check
+from chromanoise._check import Array, InputError
+from chromanoise.analysis.stages import Analysis
+from chromanoise.color import scene_xyz
+from chromanoise.exposure import Situation, expected_electrons, white_scene
+from chromanoise.metrics.snr import LEAST_COLOR
+from chromanoise.noise import saturated
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Viewing:
+    """From where a picture is looked at, pixel by pixel.
+
+    Attributes
+    ----------
+    pixel_pitch_mm
+        Of the display or print. [mm]
+    distance_mm
+        Of the eye. [mm]
+    """
+
+    pixel_pitch_mm: float = 0.25
+    distance_mm: float = 600.0
+
+    def __post_init__(self) -> None:
+        _check.positive("pixel_pitch_mm", "mm", self.pixel_pitch_mm)
+        _check.positive("distance_mm", "mm", self.distance_mm)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Merit:
+    """One figure of merit.
+
+    Attributes
+    ----------
+    name
+        In JSON.
+    what
+        In words, unit not included.
+    unit
+        Of the value.
+    value
+        ``None`` where it is not defined.
+    source
+        Who defined it: standard with its edition, or paper.
+    missing
+        Why there is no value; empty where there is one.
+
+    Raises
+    ------
+    InputError
+        If the value is not finite, or a missing value has no reason.
+    """
+
+    name: str
+    what: str
+    unit: str
+    value: float | None
+    source: str
+    missing: str = ""
+
+    def __post_init__(self) -> None:
+        if self.value is not None:
+            _check.finite(self.name, self.unit, self.value)
+        if (self.value is None) != bool(self.missing):
+            raise InputError(
+                f"merit {self.name} needs either a value or the reason why it has none, but "
+                f"has {self.value} and {self.missing!r}"
+            )
+
+
+def merit_or_reason(
+    name: str,
+    what: str,
+    unit: str,
+    source: str,
+    *,
+    of: Callable[[], float | None],
+    never: str = "not defined here",
+) -> Merit:
+    """Ask for a number; a refusal of the library is the reason why there is none.
+
+    Parameters
+    ----------
+    name, what, unit, source
+        As `Merit`.
+    of
+        The number; ``None`` or infinite where it is not defined.
+    never
+        The reason for that.
+    """
+    try:
+        value = of()
+    except InputError as refusal:
+        return Merit(
+            name=name, what=what, unit=unit, value=None, source=source, missing=str(refusal)
+        )
+    if value is None or not math.isfinite(value):
+        return Merit(name=name, what=what, unit=unit, value=None, source=source, missing=never)
+    return Merit(name=name, what=what, unit=unit, value=float(value), source=source)
+
+
+def situation_of(analysis: Analysis) -> Situation:
+    """Sensor, exposure, lamp and illuminance of an analysis, without the patch."""
+    return Situation(
+        sensor=analysis.sensor,
+        exposure=analysis.exposure,
+        illuminant=analysis.scene.illuminant,
+        level_lux=analysis.scene.level_lux,
+    )
+
+
+def white_electrons(analysis: Analysis) -> Float[Array, " p"]:
+    """Expected electrons of a perfect white in the light of the analysis, unclipped. [e-]"""
+    situation = situation_of(analysis)
+    return expected_electrons(white_scene(situation), situation.sensor, situation.exposure)
+
+
+def white_color(analysis: Analysis) -> Float[Array, " 3"]:
+    """X, Y and Z that the matrix makes of a perfect white's electrons (eq. 6). [lx]
+
+    Raises
+    ------
+    InputError
+        If X, Y or Z is no signal: below 0, or next to nothing of what the eye sees.
+    """
+    white = analysis.matrix.matrix @ white_electrons(analysis)
+    truth = scene_xyz(white_scene(situation_of(analysis)), analysis.matrix.metric)
+    for name, seen, wanted in zip(analysis.matrix.coordinates, white, truth, strict=True):
+        if not seen > LEAST_COLOR * wanted:
+            raise InputError(
+                f"{name} of a perfect white comes out at {seen:.3g} lx instead of {wanted:.3g}, so "
+                "there is no white to hold colors against; take another lamp or matrix"
+            )
+    return np.asarray(white)
+
+
+def refuse_full(analysis: Analysis) -> None:
+    """Refuse an exposure in which a perfect white fills a channel: eq. 7 does not hold there.
+
+    Raises
+    ------
+    InputError
+        If it does; the channels are told.
+    """
+    full = saturated(white_electrons(analysis), analysis.sensor.pixel)
+    held = [name for name, is_full in zip(analysis.sensor.names, full, strict=True) if is_full]
+    if held:
+        raise InputError(
+            f"a perfect white saturates {', '.join(held)} of {analysis.sensor.name}; shorten the "
+            "time or close the aperture"
+        )

@@ -1,0 +1,239 @@
+"""Merits of a sensor in its light: speed, levels, visual noise, and what its matrix costs."""
+
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+from jaxtyping import Float
+
+from chromanoise._check import Array
+from chromanoise.analysis.color_matrices import MatrixMaker
+from chromanoise.analysis.figures_of_merit.entries import (
+    Merit,
+    Viewing,
+    merit_or_reason,
+    refuse_full,
+    situation_of,
+    white_color,
+    white_electrons,
+)
+from chromanoise.analysis.perceived import GREY
+from chromanoise.analysis.stages import Analysis
+from chromanoise.color import LINEAR_SRGB, LUV
+from chromanoise.exposure import Situation
+from chromanoise.imaging import bilinear_filters, noise_power_spectrum
+from chromanoise.metrics import (
+    ISO_12232_2019,
+    ISO_15739_2017,
+    MatrixReport,
+    color_sensitivity_bits,
+    illuminance_for_snr,
+    illuminance_for_snr_adapted,
+    matrix_report,
+    noise_speed,
+    tonal_range_bits,
+    visual_noise_from_spectrum,
+    visual_noise_of_white,
+)
+from chromanoise.metrics.visual_noise import pixels_per_degree
+
+_PLANE = 128  # side of the Fourier plane on which visual noise is averaged
+_SAME_MATRIX = 1e-9  # two matrices that differ by less are one
+_SPEEDS = ((10, "first acceptable"), (40, "first excellent"))
+
+
+# speed: how little light is enough
+
+
+def speed_merits(analysis: Analysis, maker: MatrixMaker | None) -> tuple[Merit, ...]:
+    """SNR10 of the matrix in use, of one that adapts, and the noise-based speeds."""
+    card = f"{100 * GREY:.0f} % gray, this exposure"
+    never = f"no light is enough: full well comes first, or Y of a gray ({card}) is no signal"
+    adapts = maker is not None and _adapts(situation_of(analysis), maker)
+    fixed = merit_or_reason(
+        "snr10",
+        f"SNR10 of Y, {card}, matrix kept",
+        "lx",
+        "Alakarhu, IISW 2007",
+        of=lambda: illuminance_for_snr(
+            analysis.sensor,
+            analysis.scene.illuminant,
+            analysis.exposure,
+            analysis.matrix,
+            reflectance=GREY,
+        ),
+        never=never,
+    )
+    adapted = merit_or_reason(
+        "snr10_adapted",
+        f"SNR10 of Y, {card}, matrix adapted",
+        "lx",
+        "Alakarhu, IISW 2007",
+        of=lambda: _adapted_light(situation_of(analysis), maker) if maker and adapts else None,
+        never=never if adapts else "this matrix does not adapt to the light; see the one kept",
+    )
+    return (fixed, adapted, *_noise_speeds(analysis))
+
+
+def _noise_speeds(analysis: Analysis) -> tuple[Merit, ...]:
+    """Per lux second on the focal plane of the lamp of the analysis."""
+
+    def speed(snr: int) -> float | None:
+        white = white_color(analysis)
+        matrix = analysis.matrix.matrix
+        to_rgb = LINEAR_SRGB.jacobian(white, white) @ matrix
+        return noise_speed(analysis.sensor, analysis.scene.illuminant, to_rgb, snr=snr)
+
+    return tuple(
+        merit_or_reason(
+            f"noise_speed_{snr}",
+            f"noise-based speed S{snr} ({quality}) in {analysis.scene.illuminant.name}",
+            "1",
+            ISO_12232_2019.edition,
+            of=partial(speed, snr),
+            never=f"no exposure is enough: full well comes before SNR {snr}",
+        )
+        for snr, quality in _SPEEDS
+    )
+
+
+def _adapted_light(situation: Situation, maker: MatrixMaker) -> float | None:
+    return illuminance_for_snr_adapted(
+        situation.sensor,
+        situation.illuminant,
+        situation.exposure,
+        lambda lux: maker(replace(situation, level_lux=lux)),
+        reflectance=GREY,
+    )
+
+
+def _adapts(situation: Situation, maker: MatrixMaker) -> bool:
+    brighter = replace(situation, level_lux=2.0 * situation.level_lux)
+    here, there = maker(situation).matrix, maker(brighter).matrix
+    return bool(np.abs(there - here).max() > _SAME_MATRIX * np.abs(here).max())
+
+
+# levels: how much a pixel tells apart
+
+
+def level_merits(analysis: Analysis) -> tuple[Merit, ...]:
+    """From black to the white of this exposure, or to full well where that comes first."""
+    pixel = analysis.sensor.pixel
+    top_e = np.minimum(white_electrons(analysis), pixel.full_well_e)
+
+    def of_channel(i: int) -> float:
+        return float(tonal_range_bits(np.asarray(top_e[i]), read_noise_e=pixel.read_noise_e))
+
+    ranges = (
+        merit_or_reason(
+            f"tonal_range_{channel}",
+            f"tonal range of {channel}, black to white",
+            "bit",
+            "DxOMark, per pixel",
+            of=partial(of_channel, i),
+        )
+        for i, channel in enumerate(analysis.sensor.names)
+    )
+    sensitivity = merit_or_reason(
+        "color_sensitivity",
+        "color sensitivity, black to white",
+        "bit",
+        "DxOMark, per pixel",
+        of=lambda: float(color_sensitivity_bits(top_e, read_noise_e=pixel.read_noise_e)),
+    )
+    return (*ranges, sensitivity)
+
+
+# visual noise of a gray, from the closed-form noise power spectrum
+
+
+def visual_merits(analysis: Analysis, viewing: Viewing) -> tuple[Merit, ...]:
+    """Visual noise with every channel in each pixel, and through bilinear demosaicing."""
+    card = f"visual noise of {100 * GREY:.0f} % gray"
+    return (
+        merit_or_reason(
+            "visual_noise",
+            f"{card}, all channels in each pixel",
+            "CIELUV",
+            ISO_15739_2017.edition,
+            of=lambda: _pixel_noise(analysis, viewing),
+        ),
+        merit_or_reason(
+            "visual_noise_bilinear",
+            f"{card}, bilinear demosaicing",
+            "CIELUV",
+            ISO_15739_2017.edition,
+            of=lambda: _mosaic_noise(analysis, viewing),
+            never=f"{analysis.sensor.name} has no mosaic to interpolate",
+        ),
+    )
+
+
+def _pixel_noise(analysis: Analysis, viewing: Viewing) -> float:
+    to_xyz, to_luv, variance_e2 = _gray_noise(analysis)
+    return visual_noise_of_white(
+        (to_xyz * variance_e2) @ to_xyz.T,
+        to_luv,
+        pixels_per_degree=viewed_pixels_per_degree(viewing),
+        samples=_PLANE,
+    ).total
+
+
+def _mosaic_noise(analysis: Analysis, viewing: Viewing) -> float | None:
+    sensor = analysis.sensor
+    if sensor.mosaic is None:
+        return None
+    to_xyz, to_luv, variance_e2 = _gray_noise(analysis)
+    bank = bilinear_filters(sensor.mosaic, sensor.names)
+    raw = noise_power_spectrum(bank, variance_e2, (_PLANE, _PLANE))
+    return visual_noise_from_spectrum(
+        to_xyz @ raw @ to_xyz.T,
+        to_luv,
+        pixels_per_degree=viewed_pixels_per_degree(viewing),
+    ).total
+
+
+def _gray_noise(
+    analysis: Analysis,
+) -> tuple[Float[Array, "3 p"], Float[Array, "3 3"], Float[Array, " p"]]:
+    """Of the gray: raw to XYZ over the sensor's white, from there to L*u*v*, raw variance."""
+    refuse_full(analysis)
+    white = white_color(analysis)
+    variance_e2 = GREY * white_electrons(analysis) + analysis.sensor.pixel.read_noise_e**2
+    to_luv = LUV.jacobian(np.full(3, GREY), np.ones(3))
+    return analysis.matrix.matrix / white[:, None], to_luv, variance_e2
+
+
+def viewed_pixels_per_degree(viewing: Viewing) -> float:
+    """Pixels in one degree of visual angle. [1/deg]"""
+    return pixels_per_degree(distance_mm=viewing.distance_mm, pixel_pitch_mm=viewing.pixel_pitch_mm)
+
+
+# the matrix
+
+
+def matrix_merits(analysis: Analysis) -> tuple[Merit, ...]:
+    """Noise gain and condition of the white-balanced matrix."""
+
+    def report() -> MatrixReport:
+        return matrix_report(
+            analysis.matrix,
+            analysis.sensor,
+            analysis.exposure,
+            analysis.scene.illuminant,
+            level_lux=analysis.scene.level_lux,
+        )
+
+    return (
+        merit_or_reason(
+            "psi", "noise gain Psi", "1", "Kodak, US 5,609,978", of=lambda: report().psi
+        ),
+        merit_or_reason(
+            "condition",
+            "condition of the white-balanced matrix",
+            "1",
+            "singular values",
+            of=lambda: report().condition,
+            never="the rank of the matrix is short: a coordinate is a mix of others",
+        ),
+    )

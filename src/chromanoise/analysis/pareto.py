@@ -1,0 +1,124 @@
+"""The trade of color error against noise for a sensor in use, and what a matrix is, as data."""
+
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float
+
+from chromanoise import __version__, _check
+from chromanoise._check import Array
+from chromanoise.analysis.defined import defined
+from chromanoise.analysis.priors import DEFAULT_PRIOR, PRIORS, training_named
+from chromanoise.color import ColorMatrix, ParetoCurve, pareto
+from chromanoise.exposure import Situation
+from chromanoise.metrics import MatrixReport
+from chromanoise.sensor import left_out_of_closed_form
+
+_LIGHTEST, _HEAVIEST = 1e-15, 1e15  # weights beyond which double precision tells nothing
+
+
+def noise_weights(first: float, last: float, *, points: int = 13) -> Float[Array, " q"]:
+    """Weights of the noise from first to last, equally far apart in their logarithm. [1]
+
+    Raises
+    ------
+    InputError
+        If they are not above 0, do not rise, or there are fewer than 2 or over 100,000.
+
+    Examples
+    --------
+    >>> noise_weights(0.01, 100.0, points=3)
+    array([1.e-02, 1.e+00, 1.e+02])
+    """
+    for value in (first, last):
+        _check.within("weight of the noise", "1", value, _LIGHTEST, _HEAVIEST)
+    if not last > first:
+        raise _check.InputError(
+            f"weights of the noise must rise, but go from {first:g} to {last:g}; exchange them"
+        )
+    if not 2 <= points <= 100_000:
+        raise _check.InputError(f"a curve takes 2 to 100000 points, but {points} are asked for")
+    return np.geomspace(first, last, points)
+
+
+def pareto_of(
+    situation: Situation, weights: Float[Array, " q"], *, prior: str = DEFAULT_PRIOR
+) -> ParetoCurve:
+    """The Pareto curve of a sensor in use, trained on a prior that has a name.
+
+    Parameters
+    ----------
+    weights
+        Of the noise: 0 is least squares, 1 LMMSE. [1]
+    prior
+        Of `PRIORS`.
+
+    Raises
+    ------
+    InputError
+        If nothing is called so, or as `chromanoise.color.pareto`.
+
+    Notes
+    -----
+    Vora & Herley (ICIP 1998), with shot noise.
+    """
+    _check.one_of("prior", prior, tuple(PRIORS))
+    training = training_named(prior, situation.illuminant)
+    return pareto(
+        situation.sensor, situation.exposure, training, weights, level_lux=situation.level_lux
+    )
+
+
+def white_snr_db(curve: ParetoCurve, report: MatrixReport) -> tuple[float | None, ...]:
+    """SNR of Y along the curve; ``None`` while a channel is saturated on the white. [dB]"""
+    if report.snr_db is None:
+        return (None,) * curve.weight.size
+    return tuple(defined(float(value)) for value in curve.snr_y_db)
+
+
+def matrix_as_json(
+    situation: Situation,
+    matrix: ColorMatrix,
+    report: MatrixReport,
+    curve: ParetoCurve | None = None,
+) -> dict[str, Any]:
+    """A matrix, what it is worth, and the curve on which it competes; undefined is ``None``."""
+    told, sensor = asdict(report), situation.sensor
+    snr = report.snr_db or {}
+    return {
+        "version": __version__,
+        "sensor": sensor.name,
+        "illuminant": situation.illuminant.name,
+        "level_lux": situation.level_lux,
+        "time_ms": 1e3 * situation.exposure.time_s,
+        "matrix": {
+            "made_by": matrix.made_by,
+            "metric": matrix.metric,
+            "channels": list(matrix.channels),
+            "coordinates": list(matrix.coordinates),
+            "lux_per_e": matrix.matrix.tolist(),
+        },
+        "report": {
+            **told,
+            "condition": defined(report.condition),
+            "snr_db": {name: defined(value) for name, value in snr.items()} or None,
+        },
+        "pareto": None if curve is None else _points(curve, report),
+        "notes": [*sensor.notes, *left_out_of_closed_form(sensor), *situation.illuminant.notes],
+    }
+
+
+def _points(curve: ParetoCurve, report: MatrixReport) -> list[dict[str, Any]]:
+    snr = white_snr_db(curve, report)
+    return [
+        {
+            "weight": float(weight),
+            "color_error_rms_lux": float(curve.color_error_rms[i]),
+            "delta_e": curve.delta_e[i],
+            "noise_rms_lux": float(curve.noise_rms[i]),
+            "snr_y_db": snr[i],
+            "lux_per_e": curve.matrix[i].tolist(),
+        }
+        for i, weight in enumerate(curve.weight)
+    ]

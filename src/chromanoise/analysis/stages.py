@@ -1,0 +1,350 @@
+"""Everything about one sensor in front of one flat patch, in closed form."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from chromanoise import _check, _notebook
+from chromanoise._check import Array
+from chromanoise.color import ColorMatrix, colored, kernel_matrix, scene_xyz
+from chromanoise.exposure import Exposure, expected_electrons
+from chromanoise.geometry import (
+    NearestMix,
+    angles_between_deg,
+    angles_to_axes_deg,
+    contravariant,
+    nearest_mix,
+    spectral_snr,
+    variance_inflation,
+)
+from chromanoise.metrics import (
+    Budget,
+    bound_db,
+    chart_color_error,
+    color_budget,
+    contravariant_budget,
+    price_db,
+    signal_snr_db,
+    snr_db,
+)
+from chromanoise.metrics.snr import LEAST_COLOR
+from chromanoise.noise import Measurement, Readout, measured, read_moments, saturated, with_noise
+from chromanoise.scene import Scene
+from chromanoise.sensor import Sensor, left_out_of_closed_form
+from chromanoise.spectra import Metric, color_axes
+from chromanoise.units import decibel
+
+_WORTH_TELLING = 1e-3  # share of held readouts
+_WORTH_NAMING = 0.005  # weight of a channel in a mix
+_NEAR_MIX_DEG = 10.0  # a channel closer than this to the span of the others is worth a sentence
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Analysis:
+    """One sensor, one exposure, every stage.
+
+    Attributes
+    ----------
+    scene, sensor, exposure
+        What was looked at, with what, and how.
+    raw, contravariant, color
+        The measurement at each stage, with its covariance.
+    matrix
+        The color matrix, the kernel unless another was given; carries the metric and the frame.
+    saturated
+        One per channel. Where one is true, no SNR that uses it is defined.
+    expected_e
+        Expected electrons per channel, before anything is held. [e-]
+    truth_xyz
+        X, Y, Z of the scene as the eye sees it. [lx]
+    black_share, full_share
+        Share of the readouts of each channel that are held at black, at full well; 0 where nothing
+        is.
+    vif
+        Variance inflation per channel; inf for a mix of others.
+    between_deg, to_axes_deg
+        Angles between channels, and to the color axes x, y, z. [deg]
+    mix
+        The channel that is most nearly a mix of the others.
+    spectral_snr_db
+        SNR of the rebuilt spectrum (eq. 4). [dB]
+    bound_db, price_db
+        Best SNR of any linear readout, and how far Y stays below it. [dB]
+    """
+
+    scene: Scene
+    sensor: Sensor
+    exposure: Exposure
+    raw: Measurement
+    contravariant: Measurement
+    color: Measurement
+    matrix: ColorMatrix
+    saturated: Bool[Array, " p"]
+    expected_e: Float[Array, " p"]
+    truth_xyz: Float[Array, " 3"]
+    black_share: Float[Array, " p"]
+    full_share: Float[Array, " p"]
+    vif: Float[Array, " p"]
+    between_deg: Float[Array, "p p"]
+    to_axes_deg: Float[Array, "p 3"]
+    mix: NearestMix | None
+    spectral_snr_db: float
+    bound_db: float
+    price_db: float
+
+    def __post_init__(self) -> None:
+        _check.freeze(self, "saturated", "expected_e", "truth_xyz", "black_share", "full_share")
+        _check.freeze(self, "vif", "between_deg", "to_axes_deg")
+
+    def _repr_html_(self) -> str:
+        raw, spectral, color = (
+            told(self) for told in (raw_snr_db, contravariant_snr_db, color_snr_db)
+        )
+        level, lit = self.scene.level_lux, self.scene.illuminant.name
+        rows = [[f"channel {n}", _db(raw[n]), _db(spectral[n]), ""] for n in raw]
+        rows += [[n, "", "", _db(value)] for n, value in color.items()]
+        return _notebook.shown(
+            f"{self.sensor.name} at {level:g} lx of {lit}, {1e3 * self.exposure.time_s:.4g} ms",
+            _notebook.table(["SNR [dB]", "raw", "contravariant", "color"], rows),
+            notes=diagnosis(self),
+        )
+
+
+def analyzed(
+    scene: Scene,
+    sensor: Sensor,
+    exposure: Exposure,
+    metric: Metric = "quanta",
+    *,
+    readout: Readout | None = None,
+    matrix: ColorMatrix | None = None,
+) -> Analysis:
+    """Take one flat patch through every stage: eq. 1 to 7.
+
+    Parameters
+    ----------
+    scene
+        A single point (`flat_field`).
+    sensor, exposure
+        What looks at it, and how.
+    metric
+        In which light is a vector.
+    readout
+        Take the exact moments of what it clips and rounds; ``None`` for eq. 7, unclipped.
+    matrix
+        To color; ``None`` for the kernel (eq. 6) in ``metric``.
+
+    Raises
+    ------
+    InputError
+        If the scene is more than one point or on another grid than the sensor, or the matrix is
+        for other channels.
+    """
+    if scene.reflectance.ndim != 1:
+        raise _check.InputError(
+            f"analyzed takes one point, got a scene of {scene.reflectance.shape}"
+        )
+    electrons = expected_electrons(scene, sensor, exposure)
+    raw = with_noise(electrons, sensor) if readout is None else measured(electrons, sensor, readout)
+    matrix = kernel_matrix(sensor, exposure, metric) if matrix is None else matrix
+    color = colored(raw, matrix)
+    frame = matrix.frame
+    black_share, full_share = _held(electrons, sensor, readout)
+    return Analysis(
+        scene=scene,
+        sensor=sensor,
+        exposure=exposure,
+        raw=raw,
+        contravariant=contravariant(raw, frame),
+        color=color,
+        matrix=matrix,
+        saturated=saturated(electrons, sensor.pixel),
+        expected_e=electrons,
+        truth_xyz=scene_xyz(scene, matrix.metric),
+        black_share=black_share,
+        full_share=full_share,
+        vif=variance_inflation(frame),
+        between_deg=angles_between_deg(frame),
+        to_axes_deg=angles_to_axes_deg(frame, color_axes(sensor.grid, matrix.metric)),
+        mix=nearest_mix(frame),
+        spectral_snr_db=float(decibel(spectral_snr(raw, frame))),
+        bound_db=float(bound_db(raw)),
+        price_db=float(price_db(raw, color)),
+    )
+
+
+def _db(value: float | None) -> str:
+    return "none" if value is None else f"{value:.1f}"
+
+
+def mean_color_error(analysis: Analysis) -> float | None:
+    """Mean CIE 1976 difference over the ColorChecker, without noise. [Delta E*ab]
+
+    ``None`` where the white is no color, so that there is nothing to hold the patches against.
+    """
+    error = chart_color_error(
+        analysis.sensor, analysis.matrix, analysis.exposure, analysis.scene.illuminant
+    )
+    return None if error is None else float(error.mean())
+
+
+def _held(
+    electrons: Float[Array, " p"], sensor: Sensor, readout: Readout | None
+) -> tuple[Float[Array, " p"], Float[Array, " p"]]:
+    """Shares that are held at black and at full well."""
+    if readout is None:
+        return np.zeros(electrons.shape), np.zeros(electrons.shape)
+    moments = read_moments(electrons, read_noise_e=sensor.pixel.read_noise_e, readout=readout)
+    return moments.black_share, moments.full_share
+
+
+def color_budgets(analysis: Analysis) -> tuple[Budget | None, ...]:
+    """Where the SNR of X, Y and Z went; ``None`` while a channel is saturated or without SNR."""
+    if analysis.saturated.any():
+        return (None,) * len(analysis.color.names)
+    has_snr = color_snr_db(analysis)
+    return tuple(
+        color_budget(
+            analysis.scene, analysis.sensor, analysis.exposure, analysis.matrix, coordinate
+        )
+        if has_snr[coordinate] is not None
+        else None
+        for coordinate in analysis.color.names
+    )
+
+
+def contravariant_budgets(analysis: Analysis) -> tuple[Budget | None, ...]:
+    """Where the SNR of each contravariant coordinate went; ``None`` where it has none."""
+    names = analysis.sensor.names
+    if analysis.saturated.any():
+        return (None,) * len(names)
+    frame = analysis.matrix.frame
+    return tuple(
+        contravariant_budget(analysis.scene, analysis.sensor, analysis.exposure, frame, name)
+        for name in names
+    )
+
+
+def mix_sentence(mix: NearestMix) -> str:
+    """How near the channel is to which mix."""
+    heavy = [item for item in mix.weights.items() if abs(item[1]) >= _WORTH_NAMING]
+    parts = " ".join(f"{weight:+.2f} {name}" for name, weight in heavy or mix.weights.items())
+    return f"{mix.channel} is {mix.angle_deg:.2g} deg from {parts.removeprefix('+')}"
+
+
+def raw_snr_db(analysis: Analysis) -> dict[str, float | None]:
+    """Raw SNR per channel; ``None`` where the channel is saturated or sees nothing. [dB]"""
+    hidden = dict(zip(analysis.sensor.names, analysis.saturated.tolist(), strict=True))
+    return _told(snr_db(analysis.raw), hidden)
+
+
+def contravariant_snr_db(analysis: Analysis) -> dict[str, float | None]:
+    """Contravariant SNR per channel; ``None`` where it is not defined. [dB]
+
+    Every coordinate mixes all channels, so one saturated channel hides them all; a channel that
+    is a mix of others has no coordinate of its own.
+    """
+    lost = bool(analysis.saturated.any())
+    hidden = {
+        name: lost or not math.isfinite(vif)
+        for name, vif in zip(analysis.sensor.names, analysis.vif, strict=True)
+    }
+    return _told(snr_db(analysis.contravariant), hidden)
+
+
+def color_snr_db(analysis: Analysis) -> dict[str, float | None]:
+    """SNR of X, Y and Z; ``None`` while a channel is saturated, or where it is no signal. [dB]
+
+    A color below 0, or next to nothing of what the eye sees, is no signal: the matrix, which does
+    not know this light, made it.
+    """
+    return dict(_color_snr_db(analysis))
+
+
+@lru_cache(maxsize=64)  # whether a color is one at all is asked at every turn
+def _color_snr_db(analysis: Analysis) -> Mapping[str, float | None]:
+    lost = bool(analysis.saturated.any())
+    decibels = signal_snr_db(analysis.color, analysis.truth_xyz)
+    named = {name: np.asarray(decibels[i]) for i, name in enumerate(analysis.color.names)}
+    return _told(named, dict.fromkeys(named, lost))
+
+
+def color_price_db(analysis: Analysis) -> float | None:
+    """How far Y stays below the bound; ``None`` where Y has no SNR. [dB]"""
+    return None if color_snr_db(analysis)["Y"] is None else analysis.price_db
+
+
+def diagnosis(analysis: Analysis) -> tuple[str, ...]:
+    """What a reader of these numbers must know, in sentences."""
+    sensor = analysis.sensor
+    notes = (*sensor.notes, *left_out_of_closed_form(sensor), *analysis.scene.illuminant.notes)
+    return (*notes, *_channel_notes(analysis), *_color_notes(analysis), *_frame_notes(analysis))
+
+
+def _channel_notes(analysis: Analysis) -> list[str]:
+    well, told = analysis.sensor.pixel.full_well_e, []
+    for i, name in enumerate(analysis.sensor.names):
+        expected, full, black = (
+            float(of[i]) for of in (analysis.expected_e, analysis.full_share, analysis.black_share)
+        )
+        if analysis.saturated[i]:
+            told.append(
+                f"channel {name} is saturated: it reaches {expected:.0f} e-, full well is "
+                f"{well:.0f} e-; shorten the time or close the aperture"
+            )
+        elif full > _WORTH_TELLING:
+            told.append(
+                f"{100 * full:.1f} % of {name} is held at full well: clipping hides noise, so its "
+                "SNR and those of the colors are flattered"
+            )
+        if black > _WORTH_TELLING:
+            told.append(
+                f"{100 * black:.1f} % of {name} is held at black, which raises its mean from "
+                f"{expected:.3g} to {analysis.raw.mean[i]:.3g} e-: what darkness gives counts as "
+                "signal here, so its SNR, the bound and those of the colors are flattered"
+            )
+        if expected == 0:
+            told.append(f"channel {name} sees none of this light")
+    return told
+
+
+def _color_notes(analysis: Analysis) -> list[str]:
+    if analysis.saturated.any():
+        return []
+    white = bool((analysis.scene.reflectance == 1).all())
+    patch = "a perfect white" if white else "this patch"
+    found = color_snr_db(analysis)
+    return [
+        f"{name} of {patch} comes out at {mean:.3g} lx instead of {truth:.3g}: the matrix cannot "
+        f"make {name} of this light from these channels, so it has no SNR"
+        for name, mean, truth in zip(found, analysis.color.mean, analysis.truth_xyz, strict=True)
+        if not mean > LEAST_COLOR * truth
+    ]
+
+
+def _frame_notes(analysis: Analysis) -> list[str]:
+    sensor, frame, mix = analysis.sensor, analysis.matrix.frame, analysis.mix
+    if frame.rank < len(sensor.names) and mix:
+        return [
+            f"singular: only {frame.rank} of {len(sensor.names)} channels are independent "
+            f"({mix_sentence(mix)}), so the coordinates of that mix are not defined and the kernel "
+            "matrix takes the pseudo-inverse"
+        ]
+    if mix and mix.angle_deg < _NEAR_MIX_DEG:
+        worst = float(analysis.vif[sensor.names.index(mix.channel)])
+        return [
+            f"nearly singular (condition {frame.condition:.4g}): {mix_sentence(mix)}, which "
+            f"multiplies the variance of its coordinate by {worst:.4g}"
+        ]
+    return []
+
+
+def _told(ratios: dict[str, Float[Array, ""]], hidden: dict[str, bool]) -> dict[str, float | None]:
+    return {
+        name: None if hidden[name] or not np.isfinite(value) else float(value)
+        for name, value in ratios.items()
+    }

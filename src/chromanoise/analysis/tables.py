@@ -1,0 +1,118 @@
+"""Results as tables: a title, columns with units and digits, rows of numbers and words."""
+
+from collections.abc import Sequence
+
+from chromanoise import _check
+from chromanoise._check import InputError
+from chromanoise.analysis.comparison.curves import Curve
+from chromanoise.analysis.defined import defined
+from chromanoise.analysis.stages import Analysis, color_price_db, color_snr_db, mean_color_error
+from chromanoise.color import ColorMatrix
+from chromanoise.io.table import Column, Entry, Table, written
+from chromanoise.metrics import MatrixReport
+from chromanoise.sensor import left_out_of_closed_form
+
+
+def analyses_as_table(analyses: Sequence[Analysis]) -> Table:
+    """One row per sensor: exposure, SNR of color, bound, price, condition, color error.
+
+    Raises
+    ------
+    InputError
+        If there are none, or they have not the same color coordinates.
+    """
+    if not analyses:
+        raise InputError("a table of analyses needs at least one")
+    axes = analyses[0].color.names
+    for analysis in analyses:
+        _check.same_names("a table of analyses", first=axes, other=analysis.color.names)
+    columns = (
+        Column(name="sensor"),
+        Column(name="time", unit="ms", digits=".4g"),
+        *(Column(name=f"SNR {axis}", unit="dB", digits=".1f") for axis in axes),
+        Column(name="bound", unit="dB", digits=".1f"),
+        Column(name="price", unit="dB", digits=".1f"),
+        Column(name="condition", digits=".4g"),
+        Column(name="color error", unit="Delta E*ab", digits=".2f"),
+    )
+    return Table(
+        title="SNR of color",
+        columns=columns,
+        rows=tuple(_analysis_row(analysis) for analysis in analyses),
+        notes=tuple(
+            dict.fromkeys(
+                note
+                for a in analyses
+                for note in (*a.sensor.notes, *left_out_of_closed_form(a.sensor))
+            )
+        ),
+    )
+
+
+def matrix_as_table(matrix: ColorMatrix, report: MatrixReport, sensor_name: str) -> Table:
+    """A color matrix, one row per coordinate; what it is worth stands in the notes."""
+    columns = [Column(name=name, unit="lx/e-") for name in matrix.channels]
+    rows = zip(matrix.coordinates, matrix.matrix.tolist(), strict=True)
+    notes = [
+        f"mean color error without noise {written(report.color_error_mean, '.4g') or 'not defined'}"
+        " Delta E*ab over the ColorChecker",
+        f"condition {written(defined(report.condition), '.4g') or 'not defined'}",
+    ]
+    for name, snr in (report.snr_db or {}).items():
+        notes.append(f"SNR {name} of a perfect white {written(snr, '.2f') or 'not defined'} dB")
+    return Table(
+        title=f"{report.made_by} of {sensor_name}",
+        columns=(Column(name="coordinate"), *columns),
+        rows=tuple((name, *row) for name, row in rows),
+        notes=tuple(notes),
+    )
+
+
+def curves_as_table(curves: Sequence[Curve]) -> Table:
+    """A comparison: one row per value of the sweep, two columns per sensor and matrix.
+
+    Raises
+    ------
+    InputError
+        If there are none, or they are not of one sweep.
+    """
+    if not curves:
+        raise InputError("a table of curves needs at least one")
+    first = curves[0]
+    for curve in curves:
+        if curve.at.tolist() != first.at.tolist() or curve.sweep.name != first.sweep.name:
+            raise InputError(
+                f"a table of curves needs one sweep, but {curve.sensor} differs from {first.sensor}"
+            )
+    columns = [Column(name=first.sweep.what, unit=first.sweep.unit, digits=".4g")]
+    for curve in curves:
+        who = f"{curve.sensor}, {curve.matrix}"
+        columns += [
+            Column(name=f"{who}: {curve.quantity.what}", unit=curve.quantity.unit, digits=".4g"),
+            Column(name=f"{who}: color error", unit="Delta E*ab", digits=".2f"),
+        ]
+    rows = []
+    for i, at in enumerate(first.at.tolist()):
+        row: list[Entry] = [at]
+        for curve in curves:
+            row += [defined(float(curve.value[i])), defined(float(curve.color_error[i]))]
+        rows.append(tuple(row))
+    return Table(
+        title=f"{first.quantity.what} over {first.sweep.what}",
+        columns=tuple(columns),
+        rows=tuple(rows),
+    )
+
+
+def _analysis_row(analysis: Analysis) -> tuple[Entry, ...]:
+    snr = color_snr_db(analysis)
+    usable = not bool(analysis.saturated.any())
+    return (
+        analysis.sensor.name,
+        1e3 * analysis.exposure.time_s,
+        *(snr[axis] for axis in analysis.color.names),
+        defined(analysis.bound_db) if usable else None,
+        color_price_db(analysis),
+        defined(analysis.matrix.frame.condition),
+        mean_color_error(analysis),
+    )

@@ -1,0 +1,37 @@
+"""From names to things: sensors, filters and illuminants of the catalog or of a file."""
+
+from chromanoise.catalog.entries import (
+    Entry,
+    catalog_entries,
+    catalog_entry,
+    catalog_file_of,
+)
+from chromanoise.catalog.pixel_files import (
+    idle_answers,
+    own_sensor_of,
+    read_pixel_source,
+    sensor_with_pixel,
+)
+from chromanoise.catalog.sensor_tables import (
+    sensor_from_table,
+)
+from chromanoise.catalog.sensors import (
+    KNOWN_SENSORS,
+    SENSOR_NAMES,
+    sensor_named,
+)
+
+__all__ = [
+    "KNOWN_SENSORS",
+    "SENSOR_NAMES",
+    "Entry",
+    "catalog_entries",
+    "catalog_entry",
+    "catalog_file_of",
+    "idle_answers",
+    "own_sensor_of",
+    "read_pixel_source",
+    "sensor_from_table",
+    "sensor_named",
+    "sensor_with_pixel",
+]

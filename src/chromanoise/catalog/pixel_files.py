@@ -1,0 +1,230 @@
+"""A pixel from a file of any kind that tells of one, under a sensor that has its own."""
+
+from collections.abc import Sequence
+from dataclasses import asdict, replace
+from pathlib import Path
+from typing import Any
+
+from chromanoise._check import InputError
+from chromanoise._inputs import regular_file
+from chromanoise.catalog.resolve import (
+    asked_of_name,
+    file_of,
+    file_there,
+    is_file_word,
+    sensor_of_word,
+)
+from chromanoise.io.pixels import (
+    read_emva_sheet,
+    read_noise_profile,
+    read_photon_transfer_csv,
+)
+from chromanoise.io.pixels.noise_profile import (
+    is_noise_profile_text,
+)
+from chromanoise.io.pixels.photon_transfer_csv import is_photon_transfer_text
+from chromanoise.io.pixels.source_text import source_json, source_text
+from chromanoise.io.spectra import ASK, Answers, read_curves
+from chromanoise.io.spectra.own_json import named
+from chromanoise.io.spectra_json import sensor_from_json
+from chromanoise.sensor import (
+    Converter,
+    PixelSource,
+    Sensor,
+    photon_transfer_fit,
+    pixel_from_photon_transfer,
+)
+
+_HEAD_BYTES = 200  # of the JSON, which name its schema
+_BEFORE_JSON = b"\xef\xbb\xbf \t\r\n"
+_TOLD = ("pitch_um", "full_well_e", "read_noise_e")
+
+
+def read_pixel_source(path: Path | str) -> PixelSource:
+    """What a file tells of a pixel: EMVA 1288 sheet, DNG noise profile, photon transfer.
+
+    Parameters
+    ----------
+    path
+        JSON with ``S`` and ``O`` or a line ``NoiseProfile: S O`` is a noise profile, a table headed
+        ``mean_dn,variance_dn2`` a photon transfer, all else a data sheet.
+
+    Raises
+    ------
+    InputError
+        As the reader of its kind, or if the file is darktable's, which is relative only.
+    """
+    path = Path(path)
+    try:
+        return _source(path, source_text(path))
+    except InputError as error:
+        raise named(error, path.name) from None
+
+
+def _source(path: Path, text: str) -> PixelSource:
+    if text.lstrip().startswith("{"):
+        held = source_json(text, str(path))
+        if "noiseprofiles" in held:
+            raise InputError(
+                f"{path}: darktable's noise profiles are relative and make no pixel; name a data "
+                "sheet or a photon transfer, or say --read-noise-e (read_noise_e in a study)"
+            )
+        return read_noise_profile(path) if {"S", "O"} <= set(held) else read_emva_sheet(path)
+    if is_noise_profile_text(text):
+        return read_noise_profile(path)
+    if is_photon_transfer_text(text):
+        return pixel_from_photon_transfer(photon_transfer_fit(read_photon_transfer_csv(path)))
+    return read_emva_sheet(path)
+
+
+def own_sensor_of(path: Path) -> Sensor | None:
+    """The sensor in a JSON file of the schema ``chromanoise sensor``; ``None`` for other files.
+
+    Raises
+    ------
+    InputError
+        If it has that schema, but is of another version or invalid.
+    """
+    regular_file(path)
+    try:
+        with path.open("rb") as file:
+            head = file.read(_HEAD_BYTES).lstrip(_BEFORE_JSON)
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror})") from None
+    if not head.startswith(b"{") or b'"chromanoise sensor"' not in head:
+        return None
+    return sensor_from_json(source_text(path), source=str(path))
+
+
+def idle_answers(words: Sequence[str], answers: Answers) -> tuple[str, ...]:
+    """The answers that no sensor of a line asks for, by the fields of `Answers`.
+
+    Of a file that cannot be read all are taken as asked for: its reader complains.
+
+    Raises
+    ------
+    InputError
+        If the user's folder cannot be understood.
+
+    Examples
+    --------
+    >>> idle_answers(["onyx-rgbw"], Answers(peak_qe=0.3, per="energy"))
+    ('per', 'peak_qe')
+    """
+    given = [name for name in _OF_SENSORS if getattr(answers, name) is not None]
+    asked = {name for word in words for name in (_asked_for(word, answers) if given else ())}
+    return tuple(name for name in given if name not in asked)
+
+
+_OF_SENSORS = ("scale", "level", "per", "wavelength_unit", "peak_qe")
+
+
+def _asked_for(word: str, answers: Answers) -> tuple[str, ...]:
+    if not is_file_word(word, "sensor"):
+        return asked_of_name(word)
+    try:
+        if _own_sensor(word) is not None:
+            return ()
+        level = read_curves(file_of(word), answers=answers).level
+    except InputError:
+        return _OF_SENSORS
+    return _OF_SENSORS[:-1] if level == "absolute" else _OF_SENSORS
+
+
+def _own_sensor(word: str) -> Sensor | None:
+    if not is_file_word(word, "sensor"):
+        return None
+    return own_sensor_of(file_there(word, "sensor"))
+
+
+def _sensor(word: str, answers: Answers, changes: dict[str, float | None]) -> Sensor:
+    own = _own_sensor(word)
+    if own is None:
+        return sensor_of_word(word, answers=answers, **changes)
+    given = {key: value for key, value in changes.items() if value is not None}
+    return replace(own, pixel=replace(own.pixel, **given))
+
+
+def sensor_with_pixel(
+    word: str,
+    *,
+    answers: Answers = ASK,
+    file: str | None = None,
+    pitch_um: float | None = None,
+    full_well_e: float | None = None,
+    read_noise_e: float | None = None,
+) -> Sensor:
+    """A sensor as `sensor_of_word` or of our own JSON, on the pixel that a file tells of.
+
+    The file gives pitch, full well and read noise of the pixel, and the imperfections and the
+    converter, which only pictures of the sensor use.
+
+    Parameters
+    ----------
+    word, answers
+        As `sensor_of_word`.
+    file
+        Of `read_pixel_source`; ``None`` for the sensor's own pixel.
+    pitch_um, full_well_e, read_noise_e
+        They win over the file, which wins over the sensor's own. [um], [e-], [e-]
+
+    Raises
+    ------
+    InputError
+        As `sensor_of_word` and `read_pixel_source`, or if the file tells none of the three.
+    """
+    given = {"pitch_um": pitch_um, "full_well_e": full_well_e, "read_noise_e": read_noise_e}
+    if file is None:
+        return _sensor(word, answers, given)
+    source = read_pixel_source(file_of(file))
+    told = {name: getattr(source, name) for name in _TOLD}
+    flaws, converter = _flaws(source), _converter(source)
+    if all(value is None for value in told.values()) and not flaws and not converter.known:
+        raise InputError(
+            f"{file}: gives neither pitch nor full well nor read noise, nor a value for pictures; "
+            f"{'; '.join(source.notes)}"
+        )
+    merged = {name: told[name] if given[name] is None else given[name] for name in _TOLD}
+    sensor = _sensor(word, answers, merged)
+    return replace(
+        sensor,
+        imperfections=replace(sensor.imperfections, **flaws),
+        converter=converter if converter.known else sensor.converter,
+        notes=(*sensor.notes, *_notes(source, told, given, {**flaws, **converter.known})),
+    )
+
+
+def _flaws(source: PixelSource) -> dict[str, float]:
+    """The imperfections that the file gives, without zeros."""
+    return {name: value for name, value in asdict(source.imperfections).items() if value}
+
+
+def _converter(source: PixelSource) -> Converter:
+    """The known values of the converter, from the file or from its complete converter."""
+    adc = source.adc if source.bits is None else None
+    try:
+        if adc is not None:
+            return Converter(**asdict(adc))
+        return Converter(
+            bits=source.bits,
+            gain_e_per_dn=source.gain_e_per_dn,
+            black_level_dn=source.black_level_dn,
+        )
+    except InputError as error:
+        raise named(error, source.source) from None
+
+
+def _notes(
+    source: PixelSource, told: dict[str, Any], given: dict[str, Any], more: dict[str, float]
+) -> list[str]:
+    """Notes on which numbers are from the file, and which stay the sensor's own."""
+    taken = [name for name in _TOLD if told[name] is not None and given[name] is None]
+    won = [name for name in _TOLD if told[name] is not None and given[name] is not None]
+    silent = [name for name in _TOLD if told[name] is None and given[name] is None]
+    taken += more
+    notes = [f"{', '.join(taken)} of {source.source}"] if taken else []
+    if won:
+        notes.append(f"{', '.join(won)} as given, not of {source.source}")
+    if silent:
+        notes.append(f"{source.source} does not tell {', '.join(silent)}: the sensor's own stay")
+    return [*notes, *source.notes]

@@ -1,0 +1,340 @@
+"""A word or a file name to a sensor or a light: what a person writes, in a study or a command."""
+
+import os
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Literal
+
+from chromanoise._check import InputError, one_of
+from chromanoise.catalog.entries import (
+    catalog_entry,
+    catalog_file_of,
+    catalog_folder,
+    own_power,
+    own_table,
+    own_tables,
+)
+from chromanoise.catalog.sensor_tables import sensor_from_table
+from chromanoise.catalog.sensors import KNOWN_SENSORS, sensor_named
+from chromanoise.io import read_sensor
+from chromanoise.io.spectra import ASK, Answers, library_files, power_of, read_curves
+from chromanoise.sensor import PAPER_PIXEL, Sensor, behind_filter, filter_named, is_filter_name
+from chromanoise.spectra import (
+    DEFAULT_GRID,
+    SMALL_NEGATIVES,
+    Illuminant,
+    Spectra,
+    illuminant_from,
+    illuminant_named,
+    infrared_parts,
+    is_light_name,
+    means_on_grid,
+    mixed,
+    refuse_outside,
+    used_on_grid,
+)
+from chromanoise.spectra.tables.folder import SOURCES, user_curves
+
+_ENDING = re.compile(r"\.[A-Za-z]\w*$")  # no name in the catalog matches: FL3.1, 5500.5K
+WordKind = Literal["sensor", "light", "filter"]
+"""What a word names that may also name a file."""
+
+
+def sensor_of_word(
+    word: str,
+    *,
+    answers: Answers = ASK,
+    pitch_um: float | None = None,
+    full_well_e: float | None = None,
+    read_noise_e: float | None = None,
+) -> Sensor:
+    """A catalogue sensor or a file of curves, with what is asked of its pixel.
+
+    Parameters
+    ----------
+    word
+        A name of the catalogue, the user's own folder included, or a file (`is_file_word`).
+    answers
+        To what the file or the catalogue's table cannot tell.
+    pitch_um, full_well_e, read_noise_e
+        Instead of the sensor's own; the paper's pixel stands in where a file has none.
+
+    Raises
+    ------
+    InputError
+        If nothing is called that, the file cannot be read, or the pixel cannot be.
+    """
+    changes = {"pitch_um": pitch_um, "full_well_e": full_well_e, "read_noise_e": read_noise_e}
+    given = {key: value for key, value in changes.items() if value is not None}
+    if not is_file_word(word, "sensor"):
+        return _catalogue_sensor(word, answers, given)
+    sensor = read_sensor(file_there(word, "sensor"), DEFAULT_GRID, PAPER_PIXEL, answers=answers)
+    missing = [key for key in changes if key not in given]
+    if missing:
+        note = f"the paper's pixel stands in for {', '.join(missing)} of {sensor.name}"
+        sensor = replace(sensor, notes=(*sensor.notes, note))
+    return replace(sensor, pixel=replace(sensor.pixel, **given))
+
+
+def illuminant_of_word(word: str, *, answers: Answers = ASK) -> Illuminant:
+    """An illuminant by name, of the user's own folder or from a file of one curve.
+
+    Each may have an infrared diode beside it, as ``A+0.5xLED850`` or ``lamp.csv+1xLED940/50``.
+
+    Raises
+    ------
+    InputError
+        If nothing is called that, or the file cannot be read.
+    """
+    return mixed(word, lambda base: _light(base, answers))
+
+
+def sensor_files(word: str) -> tuple[Path, ...]:
+    """The files whose content decides what a sensor's word means; none if it is built in.
+
+    Of a table of the user's folder also its SOURCES.toml, which tells pixel and level.
+
+    Raises
+    ------
+    InputError
+        If the user's folder cannot be understood.
+    """
+    return _files(word, "sensor")
+
+
+def illuminant_files(word: str) -> tuple[Path, ...]:
+    """The files whose content decides what a light's word means; none if it is built in.
+
+    An infrared diode beside the light adds none.
+
+    Raises
+    ------
+    InputError
+        If the user's folder cannot be understood.
+    """
+    parts = infrared_parts(word)
+    if parts is not None:
+        return illuminant_files(parts[0])
+    return _files(word, "light")
+
+
+def filter_files(word: str) -> tuple[Path, ...]:
+    """The files whose content decides what a filter's word means; none if it is built in.
+
+    Raises
+    ------
+    InputError
+        If the user's folder cannot be understood.
+    """
+    return _files(word, "filter")
+
+
+def filter_of_word(word: str, *, answers: Answers = ASK) -> Spectra:
+    """The transmittance of a filter by name, of the user's own folder or from a file of one curve.
+
+    Raises
+    ------
+    InputError
+        If there is no such filter, the file cannot be read or holds several curves, it does not
+        cover 400-1050 nm and ``answers.beyond`` is ``refuse``, or a transmittance is outside 0-1.
+    """
+    if is_file_word(word, "filter"):
+        answers = replace(answers, quantity="transmittance")
+        read = read_curves(file_there(word, "filter"), answers=answers)
+        curve = replace(read.curves, notes=(*read.curves.notes, *read.notes, *read.defects))
+    elif (own := own_table(word, "filter")) is not None:
+        curve = replace(user_curves(own), source=word, notes=(own.provenance.source,))
+    else:
+        tables = own_tables(catalog_folder())
+        own_names = [name for name, table in tables.items() if table.provenance.kind == "filter"]
+        try:
+            return filter_named(word, DEFAULT_GRID, beyond=answers.beyond, others=own_names)
+        except InputError as error:
+            raise _neither(error, word, "filter") from None
+    if len(curve.names) != 1:
+        raise InputError(
+            f"{curve.source}: holds {len(curve.names)} curves ({', '.join(curve.names[:8])}), but "
+            "a filter is one; leave the others out of the file"
+        )
+    cure = "; divide percent by 100" if curve.values.max() > 1 else SMALL_NEGATIVES
+    used = used_on_grid(curve.wavelength_nm, DEFAULT_GRID)
+    refuse_outside(curve, high=1.0, cure=cure, used=used)
+    return means_on_grid(curve, DEFAULT_GRID, beyond=answers.beyond)
+
+
+def behind_filter_of_word(sensor: Sensor, word: str, *, answers: Answers = ASK) -> Sensor:
+    """The same sensor behind one more filter: ``onyx-rgb`` becomes ``onyx-rgb+ircut-650``.
+
+    Parameters
+    ----------
+    sensor
+        On the grid of 400-1050 nm that all words share.
+    word
+        As `filter_of_word`.
+    answers
+        The user's answers about the filter's file; ``beyond`` also applies to filters by name.
+
+    Raises
+    ------
+    InputError
+        As `filter_of_word`.
+
+    Examples
+    --------
+    >>> bare = sensor_of_word("onyx-rgb")
+    >>> cut = behind_filter_of_word(bare, "ircut-650")
+    >>> half = cut.grid.wavelength_nm == 650             # the model lets half through at its edge
+    >>> cut.name, (cut.qe[half] / bare.qe[half]).round(6)
+    ('onyx-rgb+ircut-650', array([[0.5, 0.5, 0.5]]))
+    """
+    curve = filter_of_word(word, answers=answers)
+    name = Path(word).stem if is_file_word(word, "filter") else word
+    note = "; ".join((f"behind the filter {name}", *curve.notes))
+    return behind_filter(sensor, curve.values[:, 0], name=f"{sensor.name}+{name}", note=note)
+
+
+def asked_of_name(word: str) -> tuple[str, ...]:
+    """The fields of `Answers` that a sensor of the catalogue asks for; none of what it lacks.
+
+    Raises
+    ------
+    InputError
+        If the user's folder cannot be understood.
+    """
+    own = own_table(word, "sensor")
+    if word not in KNOWN_SENSORS and own is None:
+        return ("scale", "level", "per", "wavelength_unit", "peak_qe")  # its reader complains
+    told = catalog_entry(word, folder=catalog_folder()).provenance
+    unsaid = told.quantity == "response" and told.per is None
+    return (*(["per"] if unsaid else []), *(["peak_qe"] if told.level == "relative" else []))
+
+
+def is_file_word(word: str, kind: WordKind, folder: Path = Path()) -> bool:
+    """Whether a word for a sensor, light or filter names a file.
+
+    It does if it looks like a path or ends in a dot and letters, or if there is a file of that name
+    and the catalog has no such name: a file never hides a name of the catalog.
+
+    Parameters
+    ----------
+    word
+        For a light, without the added infrared diodes.
+    kind
+        What the word is to name.
+    folder
+        The folder to which the name of the file is relative.
+
+    Raises
+    ------
+    InputError
+        If the user's folder cannot be understood.
+
+    Examples
+    --------
+    >>> [is_file_word(word, "light") for word in ("lamp.dat", "lamps/a", "LED850/20", "FL3.1")]
+    [True, True, False, False]
+    """
+    if word.startswith((".", "/", "~")) or _ENDING.search(word):
+        return True
+    path = folder / word  # os.path also accepts names that are too long
+    there = os.path.exists(path) and not os.path.isdir(path)  # noqa: PTH110, PTH112
+    return ("/" in word or os.sep in word or there) and not (
+        _BUILT_IN[kind](word) or word in own_tables(catalog_folder())
+    )
+
+
+_BUILT_IN: Mapping[WordKind, Callable[[str], bool]] = {
+    "sensor": KNOWN_SENSORS.__contains__,
+    "light": is_light_name,
+    "filter": is_filter_name,
+}
+
+
+def word_beside(word: str, kind: WordKind, folder: Path) -> str:
+    """A word of a study in ``folder``; the name of a file is relative to that folder.
+
+    Raises
+    ------
+    InputError
+        If the user's folder cannot be understood.
+
+    Examples
+    --------
+    >>> [word_beside(word, "sensor", Path("project")) for word in ("cam.csv", "onyx-rgbw")]
+    ['project/cam.csv', 'onyx-rgbw']
+    >>> word_beside("lamp.dat+0.5xLED850", "light", Path("project"))
+    'project/lamp.dat+0.5xLED850'
+    """
+    base = word
+    while kind == "light" and (parts := infrared_parts(base)) is not None:
+        base = parts[0]
+    named = not is_file_word(base, kind, folder) or file_of(base).is_absolute()
+    return word if named else str(folder / word)
+
+
+def file_there(word: str, kind: WordKind) -> Path:
+    """The file that a word names.
+
+    Raises
+    ------
+    InputError
+        If it is missing; the message adds that the catalog has no such name either.
+    """
+    file = file_of(word)
+    if not os.path.lexists(file):
+        raise InputError(
+            f"{word}: cannot be read (No such file or directory), and the catalog has no {kind} "
+            "of that name"
+        )
+    return file
+
+
+def _neither(error: InputError, word: str, kind: WordKind) -> InputError:
+    """The error for an unknown name, which adds that there is no such file either."""
+    if _BUILT_IN[kind](word):
+        return error
+    return InputError(f"{error}; and there is no file of that name")
+
+
+def _files(word: str, kind: WordKind) -> tuple[Path, ...]:
+    if is_file_word(word, kind):
+        return library_files(file_of(word))
+    table = catalog_file_of(word)
+    return () if table is None else (table, table.with_name(SOURCES))
+
+
+def file_of(word: str) -> Path:
+    """The file that a word names, ``~`` being the home of its user."""
+    try:
+        return Path(word).expanduser()
+    except RuntimeError:  # no home is known
+        return Path(word)
+
+
+def _light(word: str, answers: Answers) -> Illuminant:
+    if is_file_word(word, "light"):
+        curve = power_of(read_curves(file_there(word, "light"), answers=answers))
+        return illuminant_from(curve, DEFAULT_GRID, name=Path(word).stem, beyond=answers.beyond)
+    own = own_table(word, "illuminant")
+    if own is not None:
+        return illuminant_from(own_power(own), DEFAULT_GRID, name=word, beyond=answers.beyond)
+    try:
+        return illuminant_named(word, DEFAULT_GRID, beyond=answers.beyond)
+    except InputError as error:
+        raise _neither(error, word, "light") from None
+
+
+def _catalogue_sensor(word: str, answers: Answers, pixel: dict[str, float]) -> Sensor:
+    own = own_table(word, "sensor")
+    if own is not None:
+        curves = user_curves(own)
+        return sensor_from_table(own.provenance, curves, DEFAULT_GRID, answers=answers, pixel=pixel)
+    tables = own_tables(catalog_folder())
+    known = [name for name, table in tables.items() if table.provenance.kind == "sensor"]
+    try:
+        one_of("sensor", word, (*KNOWN_SENSORS, *known))
+    except InputError as error:
+        raise _neither(error, word, "sensor") from None
+    return sensor_named(word, DEFAULT_GRID, answers=answers, pixel=pixel)

@@ -1,0 +1,116 @@
+"""Sensors by name.
+
+The four ``onyx-*`` sensors are a reconstruction consistent with the figures that the paper
+prints: its Figure 7 shows the curves of the Teledyne e2v Onyx as a picture only. They are
+neither a measurement nor an independent validation.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from types import MappingProxyType
+
+from jaxtyping import Float
+
+from chromanoise import _check
+from chromanoise._check import Array
+from chromanoise.catalog.sensor_tables import CAMERA_NAMES, DEVICE_NAMES, camera_named, device_named
+from chromanoise.io.spectra import ASK, Answers
+from chromanoise.sensor.models import MODELS
+from chromanoise.sensor.mosaic import bayer, rgbw_sparse_4x4
+from chromanoise.sensor.pixel import PAPER_PIXEL
+from chromanoise.sensor.sensor import Sensor, behind_filter, with_channels
+from chromanoise.spectra import Grid, on_grid
+from chromanoise.spectra.tables import packaged_table
+
+RECONSTRUCTION = (
+    "curves are a reconstruction consistent with the paper's printed figures, not a measurement"
+)
+
+
+def onyx_rgbw(grid: Grid) -> Sensor:
+    """The paper's RGBW_n: R, G, B and white on bare silicon, no IR-cut (reconstruction)."""
+    curves = on_grid(packaged_table("onyx_reconstruction"), grid)
+    return Sensor(
+        name="onyx-rgbw",
+        grid=grid,
+        qe=curves.values,
+        names=curves.names,
+        pixel=PAPER_PIXEL,
+        mosaic=rgbw_sparse_4x4(),
+        origin="reconstruction",
+        notes=(RECONSTRUCTION,),
+    )
+
+
+def onyx_rgb(grid: Grid) -> Sensor:
+    """R, G and B without IR-cut: the first sensor that the paper sets aside (reconstruction)."""
+    return with_channels(onyx_rgbw(grid), ("R", "G", "B"), name="onyx-rgb", mosaic=bayer())
+
+
+def onyx_rgbw_ircut(grid: Grid) -> Sensor:
+    """RGBW behind the IR-cut: the second sensor that the paper sets aside (reconstruction)."""
+    return behind_filter(onyx_rgbw(grid), _onyx_ir_cut(grid), name="onyx-rgbw-ircut")
+
+
+def onyx_rgb_ircut(grid: Grid) -> Sensor:
+    """The paper's classical RGB sensor, behind the IR-cut (reconstruction)."""
+    return behind_filter(onyx_rgb(grid), _onyx_ir_cut(grid), name="onyx-rgb-ircut")
+
+
+_MAKERS: dict[str, Callable[[Grid], Sensor]] = {
+    "onyx-rgbw": onyx_rgbw,
+    "onyx-rgb-ircut": onyx_rgb_ircut,
+    "onyx-rgb": onyx_rgb,
+    "onyx-rgbw-ircut": onyx_rgbw_ircut,
+    **MODELS,
+}
+SENSOR_NAMES = tuple(_MAKERS)
+"""The paper's sensors and the models: made on any grid within 400-1050 nm, no question asked."""
+
+KNOWN_SENSORS = (*SENSOR_NAMES, *DEVICE_NAMES, *CAMERA_NAMES)
+"""What `sensor_named` knows: those, real devices, and the cameras of colour-science."""
+
+
+def sensor_named(
+    name: str,
+    grid: Grid,
+    *,
+    answers: Answers = ASK,
+    pixel: Mapping[str, float] = MappingProxyType({}),
+) -> Sensor:
+    """The catalogue's sensor ``name`` on ``grid``.
+
+    Parameters
+    ----------
+    name
+        One of `KNOWN_SENSORS`.
+    grid
+        Where its curves are wanted.
+    answers
+        What the table of a real device cannot tell: what follows its end, the highest QE of
+        relative curves, how light was counted.
+    pixel
+        Instead of the sensor's own, by the names of `Pixel`.
+
+    Raises
+    ------
+    InputError
+        If nothing is called that (the nearest names are told), or its table asks for an answer.
+
+    Examples
+    --------
+    >>> sensor = sensor_named("mt9v024-rgbw", Grid.uniform(400, 1050, 10))
+    >>> sensor.names, sensor.qe[15].round(2)                            # at 550 nm, G above W
+    (('R', 'G', 'B', 'W'), array([0.05, 0.61, 0.07, 0.54]))
+    """
+    _check.one_of("sensor", name, KNOWN_SENSORS)
+    if name in DEVICE_NAMES:
+        return device_named(name, grid, answers, pixel)
+    if name in CAMERA_NAMES:
+        return camera_named(name, grid, answers, pixel)
+    sensor = _MAKERS[name](grid)
+    return replace(sensor, pixel=replace(sensor.pixel, **pixel))
+
+
+def _onyx_ir_cut(grid: Grid) -> Float[Array, " n"]:
+    return on_grid(packaged_table("onyx_ir_cut"), grid).values[:, 0]

@@ -1,0 +1,19 @@
+"""Results as chart records: marks, axes, table rows and their text.
+
+One module per chart; what does not exist is ``None``, with a sentence in ``why_not``.
+"""
+
+from chromanoise.charts.budget import coordinate_budget
+from chromanoise.charts.by_name import PARTS, drawing
+from chromanoise.charts.shown import Look, Shown, shown
+from chromanoise.charts.verdicts import verdict_sentences
+
+__all__ = [
+    "PARTS",
+    "Look",
+    "Shown",
+    "coordinate_budget",
+    "drawing",
+    "shown",
+    "verdict_sentences",
+]

@@ -1,0 +1,49 @@
+"""Every chart of a study, by name."""
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from chromanoise import _check
+from chromanoise.charts.budget import drawn_budget
+from chromanoise.charts.chart import drawn_chart
+from chromanoise.charts.ellipses import drawn_ellipses
+from chromanoise.charts.head import drawn_head
+from chromanoise.charts.levels import drawn_levels
+from chromanoise.charts.pareto import drawn_pareto
+from chromanoise.charts.sensitivities import drawn_sensitivities
+from chromanoise.charts.shown import Look, Shown
+from chromanoise.charts.stages import drawn_stages
+from chromanoise.charts.vectors import drawn_vectors
+
+PARTS: Mapping[str, Callable[[Shown, Look], dict[str, Any]]] = {
+    "head": drawn_head,
+    "sensitivities": drawn_sensitivities,
+    "stages": drawn_stages,
+    "budget": drawn_budget,
+    "vectors": drawn_vectors,
+    "ellipses": drawn_ellipses,
+    "levels": drawn_levels,
+    "chart": drawn_chart,
+    "pareto": drawn_pareto,
+}
+"""What can be drawn of a study."""
+
+
+def drawing(part: str, of: Shown, look: Look | None = None) -> dict[str, Any]:
+    """The data of one drawing.
+
+    Parameters
+    ----------
+    part
+        Of `PARTS`.
+    of
+        A study as `shown` gives it.
+    look
+        How it is looked at.
+
+    Raises
+    ------
+    InputError
+        If there is no such drawing, or what is looked at does not exist.
+    """
+    return PARTS[_check.one_of("part", part, tuple(PARTS))](of, look or Look())

@@ -1,0 +1,91 @@
+"""Noise of each ColorChecker patch in a plane of color: ellipses at two standard deviations."""
+
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float
+
+from chromanoise._check import Array
+from chromanoise._linalg import eigvalsh
+from chromanoise.analysis.stages import Analysis
+from chromanoise.charts.patches import Patches, hex_colors, patches_of, why_no_patches
+from chromanoise.charts.shown import Look, Shown
+from chromanoise.color import XYY, cielab, gaussian_cubature, through_space_sampled, xyy
+from chromanoise.geometry import ellipse_outline
+from chromanoise.noise import Measurement, through
+
+SIGMAS = 2.0
+POINTS = 48
+_NAMES = {"ab": ("a*", "b*"), "xy": ("x", "y")}
+_DECIMALS = {"ab": 3, "xy": 6}
+_NONE = 1e-9  # of the plane's unit: a spread below it is rounding
+
+
+def drawn_ellipses(shown: Shown, look: Look) -> dict[str, Any]:
+    """The truth, the mean, the longer half axis and the closed outline, per patch and sensor."""
+    return {
+        "plane": look.plane,
+        "names": list(_NAMES[look.plane]),
+        "sigmas": SIGMAS,
+        "sensors": [_sensor(analysis, look.plane) for analysis in shown.analyses],
+    }
+
+
+def in_plane(
+    seen: Patches, plane: str
+) -> tuple[Float[Array, "k 2"], Float[Array, "k 2"], Float[Array, "k 2 2"]]:
+    """Truth, mean and covariance of each patch in the plane, averaged over the whole Gaussian.
+
+    In ``ab`` both sides are relative to their own white. In ``xy`` the sensor's X, Y, Z are
+    scaled so that its white is that of the light.
+
+    Parameters
+    ----------
+    seen
+        The chart as one sensor sees it, ``k`` patches.
+    plane
+        ``ab`` of CIELAB (CIE 15:2018), or ``xy`` of the CIE 1931 chromaticities.
+    """
+    if plane == "ab":
+        noise = seen.noise.second_route
+        truth = cielab(seen.truth, seen.true_white)[:, 1:]
+        return truth, noise.mean[:, 1:], noise.covariance[:, 1:, 1:]
+    rule = gaussian_cubature(radii=6, latitudes=4, longitudes=8)
+    noise = through_space_sampled(_balanced(seen), XYY, seen.true_white, rule=rule)
+    truth = xyy(seen.truth, seen.true_white)[:, :2]
+    return truth, noise.mean[:, :2], noise.covariance[:, :2, :2]
+
+
+def _balanced(seen: Patches) -> Measurement:
+    gains = np.diag(seen.true_white / seen.white)
+    return through(seen.xyz, gains, names=seen.xyz.names, kind="XYZ", unit="lx")
+
+
+def _sensor(analysis: Analysis, plane: str) -> dict[str, Any]:
+    seen, name = patches_of(analysis), analysis.sensor.name
+    if seen is None:
+        return {"name": name, "patches": [], "why_not": why_no_patches(analysis)}
+    colors = hex_colors(seen.truth, seen.true_white)
+    truth, center, covariance = in_plane(seen, plane)
+    # an ellipse that is a line or a point is drawn all the same
+    spread = covariance + _NONE**2 * np.eye(2)
+    outline = ellipse_outline(center, spread, sigmas=SIGMAS, points=POINTS)
+    reach = SIGMAS * np.sqrt(
+        eigvalsh("covariance of a patch", covariance)[:, -1].clip(min=0.0)
+    )  # not of 48 points
+    drawn = outline.round(_DECIMALS[plane]).tolist()  # as fine as any screen, for drawing only
+    return {
+        "name": name,
+        "patches": [
+            {
+                "name": patch,
+                "srgb": colors[i],
+                "truth": truth[i].tolist(),
+                "center": center[i].tolist(),
+                "reach": float(reach[i]),
+                "outline": drawn[i],
+            }
+            for i, patch in enumerate(seen.names)
+        ],
+        "why_not": None,
+    }

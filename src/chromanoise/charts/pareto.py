@@ -1,0 +1,56 @@
+"""Color error against noise, over the weight of the noise in the matrix."""
+
+from typing import Any
+
+from chromanoise.analysis.color_matrices import trained_names
+from chromanoise.analysis.defined import defined
+from chromanoise.analysis.pareto import noise_weights, pareto_of
+from chromanoise.analysis.priors import training_named
+from chromanoise.analysis.stages import Analysis, color_snr_db
+from chromanoise.charts.shown import Look, Shown, saturation_sentence
+from chromanoise.color import ParetoCurve, training_color_error
+from chromanoise.exposure import Situation
+
+LIGHTEST, HEAVIEST, POINTS = 1e-3, 1e3, 13
+
+
+def drawn_pareto(shown: Shown, look: Look) -> dict[str, Any]:
+    """The curve of each sensor, and where it is now with the matrix that is looked at.
+
+    All errors are means over what the matrices are trained on.
+    """
+    weights = noise_weights(LIGHTEST, HEAVIEST, points=POINTS)
+    prior = shown.study.prior
+    return {
+        "prior": prior,
+        "unit": "Delta E*ab",
+        "matrix": shown.study.matrices[0],
+        "trained": bool(trained_names(shown.study.matrices[:1])),
+        "sensors": [
+            _sensor(situation, analysis, pareto_of(situation, weights, prior=prior), prior)
+            for situation, analysis in zip(shown.situations, shown.analyses, strict=True)
+        ],
+    }
+
+
+def _sensor(
+    situation: Situation, analysis: Analysis, curve: ParetoCurve, prior: str
+) -> dict[str, Any]:
+    full = saturation_sentence(analysis)
+    points = [
+        {
+            "weight": float(weight),
+            "color_error": curve.delta_e[i],
+            "snr_db": defined(float(curve.snr_y_db[i])) if full is None else None,
+        }
+        for i, weight in enumerate(curve.weight)
+    ]
+    error = training_color_error(
+        situation.sensor,
+        situation.exposure,
+        training_named(prior, situation.illuminant),
+        analysis.matrix,
+        level_lux=situation.level_lux,
+    )
+    now = {"color_error": error, "snr_db": color_snr_db(analysis)["Y"]}
+    return {"name": situation.sensor.name, "points": points, "now": now, "why_not": full}

@@ -1,0 +1,112 @@
+"""The patches of a ColorChecker as the eye and as a sensor sees them, with the noise."""
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from jaxtyping import Float
+
+from chromanoise import _check
+from chromanoise._check import Array
+from chromanoise.analysis.stages import Analysis, color_snr_db
+from chromanoise.charts.shown import saturation_sentence
+from chromanoise.color import (
+    LAB,
+    PerceivedNoise,
+    adapted_to_d65,
+    colored,
+    gaussian_cubature,
+    perceived_noise,
+    scene_xyz,
+    srgb_from_xyz,
+)
+from chromanoise.exposure import expected_electrons
+from chromanoise.metrics import chart_color_error
+from chromanoise.noise import Measurement, with_noise
+from chromanoise.scene import Scene
+from chromanoise.spectra import colorchecker
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Patches:
+    """Each patch of the chart, in the light and with the exposure of an analysis.
+
+    Attributes
+    ----------
+    names
+        Of the 24 patches.
+    truth, xyz
+        X, Y, Z as the eye sees them, and the sensor's with its covariance. [lx]
+    true_white, white
+        The same of a perfect white. [lx]
+    color_error
+        Without noise. [Delta E*ab]
+    noise
+        In CIELAB, relative to the sensor's own white, for noise that is normal.
+    """
+
+    names: tuple[str, ...]
+    truth: Float[Array, "24 3"]
+    true_white: Float[Array, " 3"]
+    xyz: Measurement
+    white: Float[Array, " 3"]
+    color_error: Float[Array, "24"]
+    noise: PerceivedNoise
+
+    def __post_init__(self) -> None:
+        _check.freeze(self, "truth", "true_white", "white", "color_error")
+
+
+@lru_cache(maxsize=8)
+def patches_of(analysis: Analysis) -> Patches | None:
+    """The chart of an analysis, made once for all that draw it; ``None`` where white is no color.
+
+    The noise is averaged over the whole Gaussian by 384 points per patch, which err by less than
+    3e-3 of a standard deviation; the electrons' own law (`chromanoise.analysis.chart_noise`) takes
+    seconds, and parts from it where a patch has some ten electrons.
+    """
+    sensor, exposure, matrix = analysis.sensor, analysis.exposure, analysis.matrix
+    lamp = analysis.scene.illuminant
+    errors = chart_color_error(sensor, matrix, exposure, lamp)
+    if errors is None or None in color_snr_db(analysis).values():
+        return None
+    chart = colorchecker(sensor.grid)
+    scene = Scene(illuminant=lamp, level_lux=analysis.scene.level_lux, reflectance=chart.values.T)
+    raw = with_noise(expected_electrons(scene, sensor, exposure), sensor)
+    xyz, white = colored(raw, matrix), matrix.matrix @ analysis.expected_e
+    rule = gaussian_cubature(radii=6, latitudes=4, longitudes=8)
+    return Patches(
+        names=chart.names,
+        truth=scene_xyz(scene, matrix.metric),
+        true_white=analysis.truth_xyz,
+        xyz=xyz,
+        white=white,
+        color_error=errors,
+        noise=perceived_noise(xyz, white, space=LAB, rule=rule),
+    )
+
+
+def why_no_patches(analysis: Analysis) -> str:
+    """Why the chart of a sensor cannot be shown."""
+    return saturation_sentence(analysis) or (
+        f"{analysis.sensor.name}: the matrix makes no color of white from these channels in this "
+        "light, so its chart has none either; take another matrix or another light"
+    )
+
+
+def hex_colors(xyz: Float[Array, "k 3"], white: Float[Array, " 3"]) -> list[str]:
+    """Colors as a screen shows them, out of gamut held at its border.
+
+    Parameters
+    ----------
+    xyz, white
+        In the same unit; the white is adapted to that of the screen.
+
+    Examples
+    --------
+    >>> hex_colors(np.array([[0.5, 0.5, 0.5], [0.0, 0.0, 0.0]]), np.full(3, 0.5))
+    ['#ffffff', '#000000']
+    """
+    relative = adapted_to_d65(xyz / white[1], white / white[1])
+    codes = np.rint(255 * srgb_from_xyz(relative)).astype(int)
+    return [f"#{r:02x}{g:02x}{b:02x}" for r, g, b in codes.tolist()]

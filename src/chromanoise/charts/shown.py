@@ -1,0 +1,103 @@
+"""What a page shows of a study: its situations, their matrices and every stage, computed once."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from chromanoise import _check
+from chromanoise.analysis.color_matrices import MatrixMaker, matrix_makers
+from chromanoise.analysis.stages import Analysis, analyzed
+from chromanoise.exposure import Situation, white_scene
+from chromanoise.study.assembly import situations_of, told_apart
+from chromanoise.study.document import Study
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Shown:
+    """A study with what all of its drawings share.
+
+    Attributes
+    ----------
+    study
+        What was asked.
+    situations
+        Each sensor with its exposure, in its light.
+    makers
+        Color matrices by name; drawings of one matrix take the first.
+    analyses
+        Every stage of each sensor on a perfect white, with the first matrix.
+    """
+
+    study: Study
+    situations: tuple[Situation, ...]
+    makers: Mapping[str, MatrixMaker]
+    analyses: tuple[Analysis, ...]
+
+    def __post_init__(self) -> None:
+        _check.same_length("sensors", situations=len(self.situations), analyses=len(self.analyses))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Look:
+    """How a study is looked at.
+
+    Attributes
+    ----------
+    coordinate
+        Of the budget; X, Y and Z also of the curves over the light level.
+    plane
+        Of the ellipses: ``ab`` or ``xy``.
+    magnification
+        Of the ellipsoids; ``None`` for a round number that makes them visible.
+    """
+
+    coordinate: str = "Y"
+    plane: str = "ab"
+    magnification: float | None = None
+
+    def __post_init__(self) -> None:
+        _check.one_of("plane of ellipses", self.plane, ("ab", "xy"))
+        if self.magnification is not None:
+            _check.positive("magnification of ellipsoids", "1", self.magnification)
+
+
+def shown(study: Study, *, situations: Sequence[Situation] | None = None) -> Shown:
+    """The study with every stage of each sensor.
+
+    Parameters
+    ----------
+    study
+        To be drawn.
+    situations
+        Its sensors in use, where they are known already.
+
+    Raises
+    ------
+    InputError
+        If a name names nothing, a file cannot be read, or a matrix cannot be made.
+    """
+    situations = situations_of(study) if situations is None else told_apart(situations)
+    makers = matrix_makers(study.matrices, study.metric, prior=study.prior)  # type: ignore[arg-type]
+    first = next(iter(makers.values()))
+    analyses = [
+        analyzed(white_scene(one), one.sensor, one.exposure, matrix=first(one))
+        for one in situations
+    ]
+    return Shown(study=study, situations=tuple(situations), makers=makers, analyses=tuple(analyses))
+
+
+def saturation_sentence(analysis: Analysis) -> str | None:
+    """Why a sensor has no SNR; ``None`` where no channel is saturated."""
+    hit = saturated_names(analysis)
+    if not hit:
+        return None
+    which = f"channel {hit[0]} is" if len(hit) == 1 else f"channels {', '.join(hit)} are"
+    return (
+        f"{analysis.sensor.name}: {which} saturated on the white, so there is no SNR to speak of; "
+        "shorten the time, close the aperture or take less light"
+    )
+
+
+def saturated_names(analysis: Analysis) -> list[str]:
+    """The channels that a perfect white fills beyond full well."""
+    full = zip(analysis.sensor.names, analysis.saturated, strict=True)
+    return [name for name, hit in full if hit]

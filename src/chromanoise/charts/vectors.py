@@ -1,0 +1,150 @@
+"""Channels, light and its uncertainty in the three dimensions of color.
+
+One orthonormal frame spans the color axes x, y, z. What a vector has beyond it is not seen by any
+color coordinate, so its share of the norm is told beside it. Channels are in another unit than the
+light: each kind is drawn in parts of its own longest.
+"""
+
+import math
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float
+
+from chromanoise._check import Array
+from chromanoise._linalg import eigh, qr
+from chromanoise.analysis.stages import Analysis
+from chromanoise.charts.shown import Look, Shown, saturation_sentence
+from chromanoise.geometry import reconstructed_light
+from chromanoise.scene import light
+from chromanoise.spectra import color_axes
+
+_AXES = ("x", "y", "z")
+_SIGMAS = 2.0
+_VISIBLE = 0.3  # of the longest light: how long the longest half axis is drawn at most
+_ROUND = (1.0, 2.0, 5.0)
+
+
+def color_frame(axes: Float[Array, "n 3"]) -> Float[Array, "n 3"]:
+    """An orthonormal frame of the span of three color axes.
+
+    The first column lies along the first axis, and each axis has a positive coordinate in the
+    column of its own.
+
+    Examples
+    --------
+    >>> color_frame(np.array([[2.0, 1.0, 0.0], [0.0, -3.0, 0.0], [0.0, 0.0, 5.0]])) + 0.0
+    array([[ 1.,  0.,  0.],
+           [ 0., -1.,  0.],
+           [ 0.,  0.,  1.]])
+    """
+    frame, corner = qr("axes of color in light", axes)
+    return frame * np.where(np.diag(corner) < 0, -1.0, 1.0)
+
+
+def light_covariance(analysis: Analysis, frame: Float[Array, "n 3"]) -> Float[Array, "3 3"]:
+    """Covariance of the rebuilt spectrum (eq. 4), projected into a frame. [(unit of light)^2]"""
+    to_frame = frame.T @ analysis.matrix.frame.dual
+    return np.asarray(to_frame @ analysis.raw.covariance @ to_frame.T)
+
+
+def half_axes(covariance: Float[Array, "3 3"]) -> Float[Array, "3 3"]:
+    """The half axes of the ellipsoid at one standard deviation, one per row, longest first.
+
+    Parameters
+    ----------
+    covariance
+        Symmetric; the half axes are in the root of its unit.
+    """
+    variance, directions = eigh("covariance of the rebuilt light", covariance)
+    return (directions * np.sqrt(np.maximum(variance, 0.0))).T[::-1]
+
+
+def round_magnification(largest: float, wanted: float) -> float:
+    """The largest of 1, 2, 5, 10, 20 ... that brings ``largest`` to ``wanted`` at most.
+
+    Examples
+    --------
+    >>> round_magnification(0.01, 0.3), round_magnification(2.0, 0.3)
+    (20.0, 0.1)
+    """
+    if not largest > 0:
+        return 1.0
+    power = math.floor(math.log10(wanted / largest))
+    tens = 10.0**power
+    return max(tens * digit for digit in _ROUND if tens * digit * largest <= wanted * (1 + 1e-12))
+
+
+def drawn_vectors(shown: Shown, look: Look) -> dict[str, Any]:
+    """Color axes, channels, rebuilt light and its ellipsoid in one frame."""
+    first = shown.analyses[0]
+    axes = color_axes(first.sensor.grid, first.matrix.metric)
+    frame = color_frame(axes)
+    scene = light(first.scene, first.matrix.metric)
+    rebuilt = [
+        None if a.saturated.any() else reconstructed_light(a.matrix.frame, a.raw.mean)
+        for a in shown.analyses
+    ]
+    known = [np.linalg.norm(one) for one in (scene, *rebuilt) if one is not None]
+    unit_of_light = float(max(known))
+    unit_of_channels = max(
+        float(np.linalg.norm(a.matrix.frame.basis, axis=0).max()) for a in shown.analyses
+    )
+    spreads = [
+        None if one is None else _SIGMAS * half_axes(light_covariance(a, frame)) / unit_of_light
+        for a, one in zip(shown.analyses, rebuilt, strict=True)
+    ]
+    magnification = look.magnification or _magnification(spreads)
+    unit_axes = axes / np.linalg.norm(axes, axis=0)
+    return {
+        "axes": [
+            {"name": name, "at": (frame.T @ unit_axes[:, i]).tolist()}
+            for i, name in enumerate(_AXES)
+        ],
+        "scene": _vector(frame, scene, unit_of_light),
+        "sigmas": _SIGMAS,
+        "magnification": magnification,
+        "sensors": [
+            {
+                "name": a.sensor.name,
+                "channels": [
+                    {"name": name, **_vector(frame, a.matrix.frame.basis[:, i], unit_of_channels)}
+                    for i, name in enumerate(a.sensor.names)
+                ],
+                "light": None if seen is None else _vector(frame, seen, unit_of_light),
+                "ellipsoid": None
+                if seen is None or spread is None
+                else {
+                    "center": (frame.T @ seen / unit_of_light).tolist(),
+                    "half_axes": (magnification * spread).tolist(),
+                    "norm_share": _noise_share(a, frame),
+                },
+                "magnification": magnification,
+                "why_not": saturation_sentence(a),
+            }
+            for a, seen, spread in zip(shown.analyses, rebuilt, spreads, strict=True)
+        ],
+    }
+
+
+def norm_share(frame: Float[Array, "n 3"], vector: Float[Array, " n"]) -> float:
+    """Share of the squared length of a vector that lies in the frame. [1]"""
+    whole = float(vector @ vector)
+    return float(((vector @ frame) ** 2).sum()) / whole if whole > 0 else 0.0
+
+
+def _vector(frame: Array, vector: Array, unit: float) -> dict[str, Any]:
+    return {"at": (vector @ frame / unit).tolist(), "norm_share": norm_share(frame, vector)}
+
+
+def _noise_share(analysis: Analysis, frame: Array) -> float:
+    """Share of the variance of the rebuilt spectrum that lies in the frame."""
+    g = analysis.matrix.frame.inverse_gram
+    whole = float(np.einsum("ij,ji->", g, analysis.raw.covariance))
+    inside = float(np.trace(light_covariance(analysis, frame)))
+    return inside / whole if whole > 0 else 0.0
+
+
+def _magnification(spreads: list[Any]) -> float:
+    longest = [float(np.linalg.norm(one[0])) for one in spreads if one is not None]
+    return round_magnification(max(longest, default=0.0), _VISIBLE)

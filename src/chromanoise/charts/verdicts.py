@@ -1,0 +1,203 @@
+"""Who has the better raw signal, who the better color, by how much and why: in sentences."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from chromanoise import _check
+from chromanoise.analysis.stages import Analysis, color_snr_db, mean_color_error, raw_snr_db
+from chromanoise.charts.budget import coordinate_budget
+from chromanoise.charts.levels import level_in_words
+from chromanoise.charts.shown import saturation_sentence
+from chromanoise.metrics import Budget
+from chromanoise.metrics.budget import CORRELATION, FILTERS, INFRARED, READ_NOISE, REST, WEIGHTS
+
+_TIE_DB = 0.05  # what one decimal cannot tell apart
+_WORTH_DB = 0.3  # a cause that costs less is no reason
+_WHY = {
+    READ_NOISE: "read noise",
+    WEIGHTS: "weighting its channels for the eye",
+    CORRELATION: "unmixing its correlated channels",
+    INFRARED: "infrared without color (net of what passes for luminance)",
+    FILTERS: "light that its filters take away",
+}
+_PHOTONS = "photons"
+_BELOW_THE_BOUND = (WEIGHTS, CORRELATION, INFRARED)  # the bound is that of the noisy channels
+_TERMS: Mapping[str, str] = {
+    "exposure": "",
+    "saturation": ", with times set to fill each sensor alike,",
+    "light": ", with times set for the same photons on each set of pixels,",
+}
+
+
+def verdict_sentences(analyses: Sequence[Analysis], *, equal: str = "exposure") -> list[str]:
+    """What an engineer would say of these sensors side by side.
+
+    First who has the better raw signal and who the better luminance, then why, then what the
+    color is worth; sensors that are saturated or have no luminance are told apart.
+
+    Parameters
+    ----------
+    analyses
+        Of one light.
+    equal
+        Of `chromanoise.exposure.EQUAL_TERMS`: told where it is not one time for all.
+
+    Raises
+    ------
+    InputError
+        If there are no such terms.
+    """
+    _check.one_of("terms of a comparison", equal, tuple(_TERMS))
+    told = [sentence for a in analyses if (sentence := _left_out(a))]
+    able = [a for a in analyses if _left_out(a) is None]
+    if len(able) == 1:
+        told.insert(0, _alone(able[0]))
+    if len(able) < 2:
+        return told
+    best_raw = max(able, key=lambda a: _raw_db(a, able))
+    best_color = max(able, key=_luminance_db)
+    if abs(_luminance_db(best_raw) - _luminance_db(best_color)) < _TIE_DB:
+        best_color = best_raw  # equals: who leads in raw is named once
+    others = [a for a in able if a is not best_color]
+    rival = best_raw if best_raw is not best_color else max(others, key=_luminance_db)
+    first = _setting(best_color) + _TERMS[equal] + _contest(best_color, rival, best_raw, able)
+    return [first, *_reasons(best_color, rival), _colors(able), *told]
+
+
+def _left_out(analysis: Analysis) -> str | None:
+    full = saturation_sentence(analysis)
+    if full is not None:
+        return f"{full}."
+    if color_snr_db(analysis)["Y"] is None:
+        return (
+            f"{analysis.sensor.name}: its matrix makes no luminance of this light, so it has no "
+            "color to compare."
+        )
+    return None
+
+
+def _alone(analysis: Analysis) -> str:
+    return (
+        f"{_setting(analysis)} {analysis.sensor.name} has {_luminance_db(analysis):.1f} dB of "
+        f"luminance SNR, {_told(analysis.price_db)} dB below what its raw channels hold together"
+        f"{_largest(analysis)}; {_error(analysis)}."
+    )
+
+
+def _contest(winner: Analysis, rival: Analysis, best_raw: Analysis, able: list[Analysis]) -> str:
+    measure = _measure(able)
+    gap = _luminance_db(winner) - _luminance_db(rival)
+    if best_raw is winner:
+        raw = _raw_db(winner, able) - _raw_db(rival, able)
+        ahead = "level with" if raw < _TIE_DB else f"{raw:.1f} dB better than"
+        color = "level with it" if abs(gap) < _TIE_DB else f"{gap:.1f} dB better"
+        return (
+            f" {winner.sensor.name} is {ahead} {rival.sensor.name} in raw "
+            f"({measure}) and {color} in luminance ({_pair(winner, rival)})."
+        )
+    raw = _raw_db(rival, able) - _raw_db(winner, able)
+    ahead = "level with" if raw < _TIE_DB else f"{raw:.1f} dB better than"
+    return (
+        f" {rival.sensor.name} is {ahead} {winner.sensor.name} in raw "
+        f"({measure}) but {gap:.1f} dB worse in luminance ({_pair(rival, winner)})."
+    )
+
+
+def _pair(first: Analysis, second: Analysis) -> str:
+    return f"SNR of Y {_luminance_db(first):.1f} against {_luminance_db(second):.1f} dB"
+
+
+def _reasons(winner: Analysis, loser: Analysis) -> list[str]:
+    """What costs the loser more than the winner: two causes, or as many as the gap takes."""
+    gap = _luminance_db(winner) - _luminance_db(loser)
+    good, bad = (_costs(coordinate_budget(a, "Y")) for a in (winner, loser))
+    if gap < _TIE_DB or not (good and bad):
+        return []
+    parts: list[str] = []
+    explained = 0.0
+    for cause in sorted(bad, key=lambda c: good[c] - bad[c]):
+        beyond = bad[cause] - good[cause]
+        if beyond < _WORTH_DB or (len(parts) > 1 and explained > gap - _WORTH_DB):
+            break
+        explained += beyond
+        parts.append(_reason(cause, bad[cause], good[cause]))
+    if not parts:
+        return []
+    return [f"What {loser.sensor.name} loses to {winner.sensor.name}: {'; '.join(parts)}."]
+
+
+def _reason(cause: str, loss_db: float, there_db: float) -> str:
+    beyond = f"{loss_db - there_db:.1f} dB"
+    if cause == _PHOTONS:
+        return f"fewer photons reach its pixels: {beyond}"
+    if min(loss_db, there_db) < -_TIE_DB:  # a cause that helps has no cost to be told
+        return f"{_WHY[cause]}: {beyond} more than there"
+    return f"{_WHY[cause]} costs {_told(loss_db)} dB (there {_told(there_db)})"
+
+
+def _colors(able: Sequence[Analysis]) -> str:
+    found = [(a.sensor.name, mean_color_error(a)) for a in able]
+    told = ", ".join(f"{name} {'none' if e is None else f'{e:.1f}'}" for name, e in found)
+    return f"Mean color error without noise, Delta E*ab: {told}."
+
+
+def _costs(budget: Budget | None) -> dict[str, float]:
+    """What each cause takes, with the photons that never came: they add up to minus the SNR.
+
+    Infrared that passes for luminance is the rest of a budget; here it makes up for its noise.
+    """
+    if budget is None:
+        return {}
+    costs = {cost.cause: cost.loss_db for cost in budget.costs}
+    costs[INFRARED] = costs.get(INFRARED, 0.0) + costs.pop(REST)
+    return {_PHOTONS: -budget.photons_db} | costs
+
+
+def _largest(analysis: Analysis) -> str:
+    """What takes most of what the raw channels hold together; read noise is in that already."""
+    costs, price_db = _costs(coordinate_budget(analysis, "Y")), analysis.price_db
+    found = [(costs[cause], cause) for cause in _BELOW_THE_BOUND if cause in costs]
+    if not found or min(price_db, max(found)[0]) < _WORTH_DB:
+        return ""
+    loss_db, cause = max(found)
+    how = "most of it" if price_db / 2 < loss_db <= price_db + _TIE_DB else "above all"
+    return f", {how} for {_WHY[cause]} ({loss_db:.1f} dB)"
+
+
+def _told(decibels: float) -> str:
+    return f"{round(decibels, 1) + 0.0:.1f}"  # no minus before a zero
+
+
+def _setting(analysis: Analysis) -> str:
+    scene = analysis.scene
+    return f"At {level_in_words(scene.level_lux, 4)} of {scene.illuminant.name}"
+
+
+def _shared(able: Sequence[Analysis]) -> list[str]:
+    """Channels that all sensors have and that all see something in."""
+    found = [raw_snr_db(analysis) for analysis in able]
+    return [
+        name for name in able[0].sensor.names if all(one.get(name) is not None for one in found)
+    ]
+
+
+def _raw_db(analysis: Analysis, able: Sequence[Analysis]) -> float:
+    shared, snr = _shared(able), raw_snr_db(analysis)
+    return float(np.mean([snr[name] for name in shared])) if shared else analysis.bound_db
+
+
+def _measure(able: Sequence[Analysis]) -> str:
+    shared = _shared(able)
+    return f"mean of {', '.join(shared)}" if shared else "best linear readout of all channels"
+
+
+def _luminance_db(analysis: Analysis) -> float:
+    found = color_snr_db(analysis)["Y"]
+    assert found is not None  # asked only of those that have one
+    return found
+
+
+def _error(analysis: Analysis) -> str:
+    error = mean_color_error(analysis)
+    return "no mean color error" if error is None else f"mean color error {error:.1f} Delta E*ab"

@@ -1,0 +1,104 @@
+"""Refuse arrays before memory is allocated: not numbers, or larger than the file can hold."""
+
+import math
+import os
+import re
+from contextlib import suppress
+from pathlib import Path
+
+import numpy as np
+
+from chromanoise import _check
+from chromanoise.io.cubes.faults import IN_PLACE
+from chromanoise.io.cubes.found import by
+
+MOST_INFLATED = 1032
+"""Largest compression ratio of deflate; files that declare a larger one are refused."""
+
+_MEMORY_BYTES = 8 * 2**30  # where the system does not report it
+_GROUP_LIMITS = ("/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.limit_in_bytes")
+
+
+def refuse_impossible(
+    path: Path,
+    name: str,
+    shape: tuple[int, ...],
+    dtype: np.dtype,
+    *,
+    size: int | None = None,
+    stored_item_bytes: int | None = None,
+) -> None:
+    """Refuse, before it is read, an array that is not numeric or exceeds its file or the memory.
+
+    Parameters
+    ----------
+    path, name
+        The file, and the array in it that is to be held in memory.
+    shape, dtype
+        As the file declares them.
+    size
+        Size of all stored data, where it is not the size of ``path``. [bytes]
+    stored_item_bytes
+        Size of one number before compression, where the file may store it in fewer bytes than
+        ``dtype`` has. [bytes]
+    """
+    refuse_not_numbers(path, name, dtype)
+    count = math.prod(shape)
+    size = path.stat().st_size if size is None else size
+    if min(shape, default=1) < 1:
+        raise _check.InputError(f"{path}: array {name!r} is empty ({by(shape)}); save it again")
+    if count * (stored_item_bytes or dtype.itemsize) > size * MOST_INFLATED:
+        raise _check.InputError(
+            f"{path}: array {name!r} is declared as {by(shape)}, which {size} bytes in the file "
+            "cannot hold; the file is damaged, save it again"
+        )
+    refuse_large(path, name, count * dtype.itemsize)
+
+
+def refuse_large(path: Path, name: str, size: int) -> None:
+    """Refuse an array that needs more memory than is available."""
+    if size > memory_bytes():
+        raise _check.InputError(
+            f"{path}: array {name!r} needs {_bytes(size)} of memory, but only "
+            f"{_bytes(memory_bytes())} are available; {IN_PLACE}"
+        )
+
+
+def refuse_not_numbers(path: Path, name: str, dtype: np.dtype) -> None:
+    """Refuse words, objects, complex numbers and truth values."""
+    if dtype.kind not in "fiu":
+        raise _check.InputError(
+            f"{path}: array {name!r} is of type {kind_of(dtype)}, not real numbers; save it as a "
+            "plain array of real numbers, or name another with --key"
+        )
+
+
+def kind_of(dtype: np.dtype) -> str:
+    """The name of a type of numbers, for messages."""
+    return "object" if dtype.hasobject else dtype.name
+
+
+def _bytes(count: int) -> str:
+    for power, unit in ((3, "GiB"), (2, "MiB"), (1, "KiB")):
+        if count >= 1024**power:
+            return f"{count / 1024**power:.1f} {unit}"
+    return f"{count} bytes"
+
+
+def memory_bytes() -> int:
+    """Memory available to this process: free memory, within the limit of its cgroup. [bytes]"""
+    limits = [_installed_bytes()]
+    with suppress(OSError):
+        told = re.search(r"MemAvailable:\s*(\d+) kB", Path("/proc/meminfo").read_text())
+        limits += [int(told[1]) * 1024] if told else []
+    for file in _GROUP_LIMITS:
+        with suppress(OSError, ValueError):  # "max": no limit
+            limits.append(int(Path(file).read_text()))
+    return min(limits)
+
+
+def _installed_bytes() -> int:
+    try:
+        return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+    except (AttributeError, ValueError, OSError):
+        return _MEMORY_BYTES

@@ -1,0 +1,340 @@
+"""Cubes from stores of named arrays that carry labels: HDF5, NetCDF-4, Zarr.
+
+Such files tell which axis is which by names, by a list of wavelengths, or not at all; what they do
+not tell is assumed and noted, or refused where several things could be meant.
+"""
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from chromanoise import _check
+from chromanoise._check import Array, printable
+from chromanoise.io.cubes.bounds import (
+    MOST_INFLATED,
+    kind_of,
+    memory_bytes,
+    refuse_impossible,
+    refuse_not_numbers,
+)
+from chromanoise.io.cubes.found import Found, Notes, by, refuse_other_shape
+from chromanoise.io.cubes.picture import picture
+from chromanoise.io.spectra.wavelength_lists import (
+    BAND_NAMES,
+    NM_PER,
+    SPECTRAL_NAMES,
+    Listed,
+    fitting,
+    is_list,
+    listed_wavelengths,
+)
+from chromanoise.scene.rows import RowSource
+
+_MOST_LISTED = 20
+_HARMLESS_BYTES = 64 * 2**20
+_REFLECTANCE_NAMES = ("reflectance", "hymage")
+_PERCENT = ("%", "percent")
+_CLAMPED = ("_fillvalue", "missing_value", "valid_range", "valid_min", "valid_max")
+
+Axes = tuple[int, int, int]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Labeled:
+    """One stored array, numbers unread.
+
+    Attributes
+    ----------
+    shape, dtype
+        As they are stored.
+    axes
+        Name of each axis; empty where it has none.
+    attributes
+        Texts and numbers that stand with it, by names in lower case.
+    """
+
+    shape: tuple[int, ...]
+    dtype: np.dtype
+    axes: tuple[str, ...] = ()
+    attributes: Mapping[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Store:
+    """A file of labeled arrays.
+
+    Attributes
+    ----------
+    path, kind
+        The file, and what people call its format.
+    arrays
+        By their names, ``folder/name``.
+    bytes
+        Size of the file.
+    numbers
+        Reads a whole array.
+    source
+        Rows of an array, of which rows, columns and bands are the axes told.
+    notes
+        What is to be said of an array before it is read.
+    attributes
+        What stands with the file as a whole.
+    matlab
+        Whether it is MATLAB's: axes are turned about already, and pixels run along the columns.
+    """
+
+    path: Path
+    kind: str
+    bytes: int
+    arrays: Mapping[str, Labeled]
+    numbers: Callable[[str], Array]
+    source: Callable[[str, Axes], RowSource]
+    notes: Callable[[str], Notes] = lambda _: ()
+    attributes: Mapping[str, Any] = field(default_factory=dict)
+    matlab: bool = False
+
+
+def labeled_cube(store: Store, key: str | None, shape: tuple[int, int] | None) -> Found:
+    """What stands under ``key``, or as the only picture, and what is told of it."""
+    name, chosen = _chosen(store, key)
+    array = store.arrays[name]
+    refuse_not_numbers(store.path, name, array.dtype)
+    if min(array.shape, default=1) < 1:
+        raise _check.InputError(
+            f"{store.path}: array {name!r} is empty ({by(array.shape)}); save it again"
+        )
+    wavelengths, count = _wavelengths(store, name)
+    if len(array.shape) == 3:
+        axes, notes = _cube_axes(store, name, count)
+        source = store.source(name, axes)
+        _refuse_large_rows(store, name, source)
+        pixels: Array | RowSource = source
+        refuse_other_shape(store.path, pixels, shape)
+    else:
+        refuse_impossible(store.path, name, array.shape, array.dtype, size=store.bytes)
+        numbers = store.numbers(name)
+        pixels, notes = picture(
+            store.path, f"array {name!r}", numbers, shape, by_columns=store.matlab
+        )
+    return Found(
+        pixels=pixels,
+        wavelengths=wavelengths,
+        scale=lambda: _scale(store.path, name, array),
+        description=_texts(array, "long_name", "standard_name", "description"),
+        units=_texts(array, "units"),
+        notes=(*chosen, *notes, *store.notes(name), *_passed_over(array)),
+    )
+
+
+def _chosen(store: Store, key: str | None) -> tuple[str, Notes]:
+    """The name of the cube, and how it was found."""
+    if key is not None:
+        name = key.strip("/")
+        if name in store.arrays:
+            return name, ()
+        raise _no_such(store, key)
+    names = {_last(n).lower(): n for n in reversed(list(store.arrays))}
+    for usual in _REFLECTANCE_NAMES:
+        if usual in names:
+            return names[usual], ()
+    pictures = [n for n, a in store.arrays.items() if len(a.shape) == 3 and a.dtype.kind in "fiu"]
+    if len(pictures) != 1:
+        raise _no_such(store, "reflectance")
+    return pictures[0], (f"the cube is {pictures[0]!r}, the only array with three axes",)
+
+
+def _no_such(store: Store, key: str) -> _check.InputError:
+    listed = list(store.arrays.items())[:_MOST_LISTED]
+    told = ", ".join(f"{printable(n)} {by(a.shape)} {kind_of(a.dtype)}" for n, a in listed)
+    return _check.InputError(
+        f"{store.path}: has no array {key!r}; it holds {told or 'no arrays'}"
+        + ("; name the cube with --key" if listed else "")
+    )
+
+
+def _cube_axes(store: Store, name: str, count: int | None) -> tuple[Axes, Notes]:
+    """Which axes are rows, columns and bands: by their names, else by the wavelengths."""
+    array = store.arrays[name]
+    if store.matlab:
+        return (0, 1, 2), ()
+    named = _named_band_axis(array)
+    if named is not None:
+        return _bands_last(named), ()
+    fits = [i for i, n in enumerate(array.shape) if n == count]
+    if len(fits) > 1:
+        raise _check.InputError(
+            f"{store.path}: array {name!r} is {by(array.shape)} and has {count} wavelengths, which "
+            f"fit {len(fits)} of its axes, so bands and pixels cannot be told apart; save it with "
+            "axes (rows, columns, bands) as .npy"
+        )
+    if not fits:
+        return (0, 1, 2), (f"axes of {name!r} taken as rows, columns, bands",)
+    axes = _bands_last(fits[0])
+    return axes, (f"axis {fits[0]} of {name!r} taken as bands, for it has {count} wavelengths",)
+
+
+def _named_band_axis(array: Labeled) -> int | None:
+    named = [i for i, axis in enumerate(array.axes) if _last(axis).lower() in BAND_NAMES]
+    return named[0] if len(named) == 1 else None
+
+
+def _bands_last(band: int) -> Axes:
+    row, column = (axis for axis in range(3) if axis != band)
+    return row, column, band
+
+
+def _refuse_large_rows(store: Store, name: str, source: RowSource) -> None:
+    """Refuse rows whose chunks need more memory than is available or than the file can hold.
+
+    Absent chunks and chunks of one repeated number may declare any size; small sizes are accepted.
+    """
+    _, width, bands = source.shape
+    needed = width * bands * source.chunk_rows * source.dtype.itemsize
+    if needed > memory_bytes() // 2:
+        raise _check.InputError(
+            f"{store.path}: array {name!r} needs {needed / 2**30:.1f} GiB of memory for the rows "
+            "that are stored together; store it with smaller chunks, or as ENVI"
+        )
+    if needed > max(_HARMLESS_BYTES, store.bytes * MOST_INFLATED):
+        raise _check.InputError(
+            f"{store.path}: array {name!r} declares {needed / 2**20:.0f} MiB for the rows that are "
+            f"stored together, which {store.bytes} bytes cannot hold; the file is damaged, save it "
+            "again"
+        )
+
+
+def _wavelengths(
+    store: Store, name: str
+) -> tuple[Callable[[], tuple[Array, Notes]] | None, int | None]:
+    """A function that reads the wavelengths, and their number; None where the file has none.
+
+    The first of these that has wavelengths is used: the attributes of the array, the coordinates of
+    its axes, the attributes of the file, lists in the folder of the array or at the top.
+    """
+    array = store.arrays[name]
+    band = 2 if store.matlab and len(array.shape) == 3 else _named_band_axis(array)
+    lengths = array.shape if band is None else array.shape[band : band + 1]
+    for lists in (
+        _in_attributes(array.attributes),
+        _of_axes(store, name),
+        _in_attributes(store.attributes),
+        _in_folder(store, name),
+    ):
+        if lists:
+            fit = fitting(lists, lengths)
+            return partial(listed_wavelengths, store.path, fit), fit[0].size
+    return None, None
+
+
+def _in_attributes(attributes: Mapping[str, Any]) -> list[Listed]:
+    unit = _text(attributes.get("wavelength_units", ""))
+    found = {key: np.atleast_1d(np.asarray(attributes[key])) for key in sorted(attributes)
+             if key in SPECTRAL_NAMES}  # fmt: skip
+    return [
+        Listed(name=key, size=values.size, numbers=partial(np.asarray, values), unit=unit)
+        for key, values in found.items()
+        if values.ndim == 1 and values.dtype.kind in "fiu" and values.size > 1
+    ]
+
+
+def _of_axes(store: Store, name: str) -> list[Listed]:
+    """The coordinates of an axis, if they are wavelengths."""
+    folder = name.rpartition("/")[0]
+    for axis in store.arrays[name].axes:
+        for known in (f"{folder}/{axis}".strip("/"), axis):
+            array = store.arrays.get(known)
+            if array is None or known == name or not is_list(array.shape):
+                continue
+            if _last(known).lower() in BAND_NAMES and _is_spectral(known, array):
+                return [_listed(store, known)]
+    return []
+
+
+def _in_folder(store: Store, name: str) -> list[Listed]:
+    folder = name.rpartition("/")[0]
+    return [
+        _listed(store, known)
+        for known, array in store.arrays.items()
+        if known != name and is_list(array.shape) and array.dtype.kind in "fiu"
+        if known.rpartition("/")[0] in (folder, "") and _last(known).lower() in SPECTRAL_NAMES
+    ]
+
+
+def _listed(store: Store, name: str) -> Listed:
+    array = store.arrays[name]
+
+    def numbers() -> Array:
+        refuse_impossible(store.path, name, array.shape, array.dtype, size=store.bytes)
+        return store.numbers(name)
+
+    unit = _text(array.attributes.get("units", ""))
+    return Listed(name=name, size=math.prod(array.shape), numbers=numbers, unit=unit)
+
+
+def _is_spectral(name: str, array: Labeled) -> bool:
+    """Band numbers are no wavelengths."""
+    unit = _text(array.attributes.get("units", "")).strip().lower()
+    return _last(name).lower() in SPECTRAL_NAMES or unit in NM_PER
+
+
+def _last(name: str) -> str:
+    """The name without its folders."""
+    return name.rsplit("/", 1)[-1]
+
+
+def _scale(path: Path, name: str, array: Labeled) -> float | None:
+    """Reflectance per stored unit; CEA-LETI's ReDFISh stores 65536 times the reflectance."""
+    if name.lower() == "hymage" and array.dtype == np.uint16:
+        return 1 / 65536
+    return attribute_scale(path, array.attributes)
+
+
+def attribute_scale(path: Path | str, attributes: Mapping[str, Any]) -> float | None:
+    """``scale_factor`` of the CF conventions, and percent as .01; None if neither is told.
+
+    Raises
+    ------
+    InputError
+        If an offset is asked for too, or the factor is no number > 0.
+    """
+    percent = 0.01 if _text(attributes.get("units", "")).strip().lower() in _PERCENT else None
+    if _number(path, "add_offset", attributes.get("add_offset", 0.0)) != 0:
+        raise _check.InputError(
+            f"{path}: 'add_offset' asks for an offset, which is not applied here; apply it and "
+            "save the cube again, or say --scale (reflectance per stored unit)"
+        )
+    if "scale_factor" not in attributes:
+        return percent
+    factor = _number(path, "scale_factor", attributes["scale_factor"])
+    if not (factor > 0 and math.isfinite(factor)):
+        raise _check.InputError(
+            f"{path}: 'scale_factor' must be finite and > 0, but is {factor:g}; mend it or say "
+            "--scale"
+        )
+    return factor * (percent or 1.0)
+
+
+def _number(path: Path | str, what: str, value: Any) -> float:
+    array = np.asarray(value)
+    if array.size != 1 or array.dtype.kind not in "fiu":
+        raise _check.InputError(f"{path}: {what!r} is no number; mend it or say --scale")
+    return float(array.ravel()[0])
+
+
+def _text(value: Any) -> str:
+    return value if isinstance(value, str) else ""
+
+
+def _texts(array: Labeled, *names: str) -> str:
+    return " ".join(_text(array.attributes.get(name, "")) for name in names).strip()
+
+
+def _passed_over(array: Labeled) -> Notes:
+    """Named as `cure` of the cube knows it: a value that stands for none."""
+    named = [name for name in _CLAMPED if name in array.attributes]
+    return (f"data ignore value in the file but not applied: {', '.join(named)}",) if named else ()

@@ -1,0 +1,145 @@
+"""A folder of one PNG per band, as the CAVE database has them."""
+
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float, Shaped
+
+from chromanoise import _check
+from chromanoise._check import Array
+from chromanoise.io.cubes.bounds import refuse_impossible
+from chromanoise.io.cubes.faults import reading
+from chromanoise.io.cubes.found import Found, Notes, refuse_other_shape
+
+_LAST_NUMBER = re.compile(r"(\d{1,6})(?=\D*$)")
+_CAVE = re.compile(r".*_ms_\d\d$", re.I)
+_CAVE_BANDS, _CAVE_NM = 31, (400.0, 700.0)
+_GRAY: dict[str, np.dtype] = {"L": np.dtype("u1"), "I;16": np.dtype("u2"), "I;16B": np.dtype("u2")}
+_NM_NAMES = (300, 20000)  # numbers in names that step evenly in this range are wavelengths
+_MOST_BANDS = 10_000
+
+
+def is_png_folder(path: Path) -> bool:
+    """Whether at least two PNGs lie in the folder."""
+    return len(_pngs(path)) > 1
+
+
+def png_folder_cube(path: Path, shape: tuple[int, int] | None) -> Found:
+    """The bands of a folder, in the order of the last number in the names of its PNGs.
+
+    Raises
+    ------
+    InputError
+        If a number is missing or stands twice, or the pictures differ in size or kind.
+
+    Notes
+    -----
+    Yasuma, Mitsunaga, Iso & Nayar, "Generalized Assorted Pixel Camera", IEEE Trans. Image
+    Process. 19 (2010): the CAVE database has 31 bands, 400 to 700 nm in steps of 10 nm.
+    """
+    files = _pngs(path)
+    if len(files) > _MOST_BANDS:
+        raise _check.InputError(f"{path}: holds more than {_MOST_BANDS} PNGs")
+    numbers, ordered = _ordered(path, files)
+    pixels = _stacked(path, ordered)
+    refuse_other_shape(path, pixels, shape)
+    told = _wavelengths(numbers, ordered)
+    return Found(
+        pixels=pixels,
+        wavelengths=None if told is None else lambda: told,
+        notes=(f"bands taken in the order of the numbers {numbers[0]} to {numbers[-1]} in the "
+               "names of the files",),
+    )  # fmt: skip
+
+
+def _pngs(path: Path) -> list[Path]:
+    try:
+        return sorted(p for p in path.iterdir() if p.suffix.lower() == ".png" and p.is_file())
+    except OSError:
+        return []
+
+
+def _ordered(path: Path, files: list[Path]) -> tuple[list[int], list[Path]]:
+    by_number: dict[int, Path] = {}
+    for file in files:
+        found = _LAST_NUMBER.search(file.stem)
+        if found is None:
+            raise _check.InputError(
+                f"{file}: bears no number, so its place among the bands is not known; number the "
+                "files, or move this one away"
+            )
+        number = int(found[1])
+        if number in by_number:
+            raise _check.InputError(
+                f"{path}: {by_number[number].name} and {file.name} bear the same number; move "
+                "one away"
+            )
+        by_number[number] = file
+    numbers = sorted(by_number)
+    _refuse_gaps(path, numbers)
+    return numbers, [by_number[number] for number in numbers]
+
+
+def _refuse_gaps(path: Path, numbers: list[int]) -> None:
+    steps = np.diff(numbers)
+    if not (steps == steps[0]).all() or (steps[0] > 1 and not _are_wavelengths(numbers)):
+        i = int(np.argmax(steps > steps.min()))
+        raise _check.InputError(
+            f"{path}: a band seems to be missing: number {numbers[i + 1]} follows {numbers[i]} in "
+            "the names of the files; they must step evenly"
+        )
+
+
+def _are_wavelengths(numbers: list[int]) -> bool:
+    low, high = _NM_NAMES
+    return numbers[1] - numbers[0] > 1 and low <= numbers[0] and numbers[-1] <= high
+
+
+def _wavelengths(numbers: list[int], files: list[Path]) -> tuple[Float[Array, " m"], Notes] | None:
+    if _are_wavelengths(numbers):
+        return np.array(numbers, dtype=np.float64), (
+            "numbers in the names of the files taken as wavelengths in nm",
+        )
+    if numbers == list(range(1, _CAVE_BANDS + 1)) and all(_CAVE.match(f.stem) for f in files):
+        note = "names as in the CAVE database: wavelengths 400 to 700 nm in steps of 10 nm"
+        return np.linspace(*_CAVE_NM, _CAVE_BANDS), (note,)
+    return None
+
+
+def _stacked(path: Path, files: list[Path]) -> Shaped[Array, "h w m"]:
+    """All bands in memory; PNG cannot be read from the middle."""
+    opened = [_size_and_kind(file) for file in files]
+    for file, (size, dtype) in zip(files, opened, strict=True):
+        if (size, dtype) != opened[0]:
+            raise _check.InputError(
+                f"{file}: is {size[0]}x{size[1]} {dtype.name}, but {files[0].name} is "
+                f"{opened[0][0][0]}x{opened[0][0][1]} {opened[0][1].name}; all bands must be alike"
+            )
+    (width, height), dtype = opened[0]
+    total = sum(file.stat().st_size for file in files)
+    refuse_impossible(path, "of all bands", (len(files), height, width), dtype, size=total)
+    planes = np.empty((len(files), height, width), dtype=dtype)
+    for plane, file in zip(planes, files, strict=True):
+        with reading(file, "PNG"), _image(file) as image:
+            plane[:] = np.asarray(image)
+    return planes.transpose(1, 2, 0)
+
+
+def _size_and_kind(file: Path) -> tuple[tuple[int, int], np.dtype]:
+    with reading(file, "PNG"), _image(file) as image:
+        size: tuple[int, int] = image.size
+        mode = str(image.mode)
+    if mode not in _GRAY:
+        raise _check.InputError(
+            f"{file}: has pixels of kind {mode}, but a band must be gray, 8 or 16 bit; save it "
+            "so, or move this file away"
+        )
+    return size, _GRAY[mode]
+
+
+def _image(file: Path) -> Any:
+    from PIL.PngImagePlugin import PngImageFile
+
+    return PngImageFile(file)  # its size is bounded here, not by Pillow

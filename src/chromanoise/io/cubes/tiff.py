@@ -1,0 +1,212 @@
+"""TIFF files of one page per band, or of pages with many samples."""
+
+import json
+import logging
+import math
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float, Shaped
+
+from chromanoise import _check
+from chromanoise._check import Array
+from chromanoise.io.cubes.bounds import refuse_not_numbers
+from chromanoise.io.cubes.faults import reading
+from chromanoise.io.cubes.found import Found, Notes, by, refuse_other_shape
+from chromanoise.io.cubes.tiff_pages import decoded_pages
+from chromanoise.io.spectra.wavelength_lists import (
+    NAMED_WAVELENGTH,
+    NM_PER,
+    SPECTRAL_NAMES,
+    nanometers,
+)
+from chromanoise.scene.file_rows import FileRows, PlaneRows
+from chromanoise.scene.rows import RowSource
+
+ENDINGS = (".tif", ".tiff")
+_LISTED = re.compile(
+    r"\bwavelengths?(?:_nm)?\s{0,4}[=:]\s{0,4}[\[{(]([^\]})]{1,100000})[\]})]", re.I
+)
+_MOST_PAGES = 20_000
+_UNCOMPRESSED = 1
+
+logging.getLogger("tifffile").addHandler(logging.NullHandler())  # its faults are reported here
+
+
+def tiff_cube(path: Path, shape: tuple[int, int] | None) -> Found:
+    """The bands of a TIFF: its pages, or the samples of its one page.
+
+    What is not compressed is read in place.
+
+    Raises
+    ------
+    InputError
+        If the pages differ in size or type, or parts of the file are missing.
+    """
+    import tifffile
+
+    with reading(path, "TIFF"), tifffile.TiffFile(path) as file:
+        pages = _pages(path, file)
+        _refuse_unlike(path, pages)
+        texts = [str(getattr(page, "description", "")) for page in pages]
+        pixels, notes = _pixels(path, pages)
+    refuse_other_shape(path, pixels, shape)
+    bands = pixels.shape[2]
+    return Found(
+        pixels=pixels,
+        wavelengths=_wavelengths(path, texts, bands),
+        description=" ".join(texts)[:100_000],
+        notes=notes,
+    )
+
+
+def _pages(path: Path, file: Any) -> list[Any]:
+    """The pages, thumbnails and masks left away."""
+    if len(file.pages) > _MOST_PAGES:
+        raise _check.InputError(f"{path}: holds more than {_MOST_PAGES} pages")
+    pages = [page.aspage() for page in file.pages]
+    whole = [page for page in pages if not page.is_reduced]
+    if not whole:
+        raise _check.InputError(f"{path}: holds no pages")
+    return whole
+
+
+def _refuse_unlike(path: Path, pages: list[Any]) -> None:
+    first = pages[0]
+    for i, page in enumerate(pages):
+        if page.dtype is None:
+            raise _check.InputError(f"{path}: page {i} (from 0) holds no plain numbers")
+        refuse_not_numbers(path, f"page {i}", np.dtype(page.dtype))
+        if (page.shape, page.dtype) != (first.shape, first.dtype):
+            raise _check.InputError(
+                f"{path}: its pages must be alike, but page {i} (from 0) is {by(page.shape)} "
+                f"{page.dtype} and page 0 is {by(first.shape)} {first.dtype}; save them alike"
+            )
+        _refuse_incomplete(path, i, page)
+
+
+def _refuse_incomplete(path: Path, i: int, page: Any) -> None:
+    """The library gives zeros for strips that are missing."""
+    size = path.stat().st_size
+    places = (*page.dataoffsets, *page.databytecounts)
+    if not all(isinstance(place, int) for place in places):
+        raise _check.InputError(
+            f"{path}: page {i} (from 0) does not say where its numbers are; save it again"
+        )
+    ends = [at + n for at, n in zip(page.dataoffsets, page.databytecounts, strict=True)]
+    if not ends or min(page.dataoffsets) <= 0 or min(page.databytecounts) <= 0 or max(ends) > size:
+        raise _check.InputError(
+            f"{path}: page {i} (from 0) is not complete; the file is cut short or was never "
+            "finished, save it again"
+        )
+
+
+def _pixels(
+    path: Path, pages: list[Any]
+) -> tuple[Shaped[Array, "h w m"] | RowSource, tuple[str, ...]]:
+    first = pages[0]
+    many = len(pages) > 1
+    if many and len(first.shape) == 2:
+        notes = ("pages taken as bands",)
+        if all(_is_plain(page) for page in pages):
+            return PlaneRows(planes=tuple(_plane(path, page) for page in pages)), notes
+        return decoded_pages(path, pages).transpose(1, 2, 0), notes
+    if many or len(first.shape) != 3 or first.axes not in ("YXS", "SYX"):
+        raise _check.InputError(
+            f"{path}: must have one page per band, or one page of many samples, but has "
+            f"{len(pages)} pages of {by(first.shape)}; save it so, or as ENVI"
+        )
+    order = tuple(first.axes.index(axis) for axis in "YXS")
+    notes = ("samples of the page taken as bands",)
+    if _is_plain(first):
+        return _in_place(path, first, order), notes
+    return decoded_pages(path, pages)[0].transpose(order), notes
+
+
+def _is_plain(page: Any) -> bool:
+    """Whether the numbers lie uncompressed and one after the other."""
+    told = math.prod(page.shape) * np.dtype(page.dtype).itemsize
+    offsets, counts = page.dataoffsets, page.databytecounts
+    joined = all(a + n == b for a, n, b in zip(offsets[:-1], counts[:-1], offsets[1:], strict=True))
+    whole_bytes = page.bitspersample == np.dtype(page.dtype).itemsize * 8
+    return bool(
+        page.compression == _UNCOMPRESSED
+        and page.predictor == 1
+        and page.fillorder == 1
+        and not page.is_tiled
+        and not page.is_subsampled
+        and whole_bytes
+        and joined
+        and sum(counts) == told
+    )
+
+
+def _stored(page: Any) -> np.dtype:
+    return np.dtype(page.dtype).newbyteorder(page.parent.byteorder)
+
+
+def _in_place(path: Path, page: Any, order: tuple[int, ...]) -> FileRows:
+    stored = _stored(page)
+    sizes = [int(n) for n in page.shape]
+    steps = sizes[1] * sizes[2] * stored.itemsize, sizes[2] * stored.itemsize, stored.itemsize
+    row, column, band = order
+    return FileRows(
+        path=path,
+        offset=page.dataoffsets[0],
+        stored=stored,
+        shape=(sizes[row], sizes[column], sizes[band]),
+        strides=(steps[row], steps[column], steps[band]),
+    )
+
+
+def _plane(path: Path, page: Any) -> FileRows:
+    stored = _stored(page)
+    height, width = (int(n) for n in page.shape)
+    size = stored.itemsize
+    return FileRows(
+        path=path,
+        offset=page.dataoffsets[0],
+        stored=stored,
+        shape=(height, width, 1),
+        strides=(width * size, size, size),
+    )
+
+
+def _wavelengths(
+    path: Path, texts: list[str], bands: int
+) -> Callable[[], tuple[Float[Array, " m"], Notes]] | None:
+    """Out of the description of the first page, or one out of each page's."""
+    listed = _listed(texts[0])
+    if listed is not None:
+        name, values = listed
+        return lambda: nanometers(path, name, values, "")
+    named = [NAMED_WAVELENGTH.search(text[:10_000]) for text in texts]
+    if len(texts) != bands or None in named:
+        return None
+    found = np.array([float(m[1]) * NM_PER[m[2].lower()] for m in named if m is not None])
+    return lambda: (found, ("wavelengths taken from the descriptions of the pages",))
+
+
+def _listed(text: str) -> tuple[str, Array] | None:
+    """A list called wavelength, as JSON or as ``wavelength = {400, 410}``."""
+    try:
+        told = json.loads(text)
+    except (ValueError, RecursionError):
+        told = None
+    if isinstance(told, dict):
+        for key in told:
+            if key.lower() in SPECTRAL_NAMES:
+                return _numbers(key, told[key])
+    match = _LISTED.search(text)
+    return None if match is None else _numbers("wavelength", match[1].replace(",", " ").split())
+
+
+def _numbers(name: str, values: Any) -> tuple[str, Array] | None:
+    try:
+        numbers = np.array([float(v) for v in values])
+    except (TypeError, ValueError):
+        return None
+    return (name, numbers) if numbers.size else None

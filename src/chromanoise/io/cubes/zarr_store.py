@@ -1,0 +1,279 @@
+"""Zarr folders, format 2 and 3.
+
+What stands in such a folder is vetted before the zarr package sees it: a format-2 filter may name
+``pickle``, which runs whatever the file says, and a link may lead out of the folder.
+"""
+
+import json
+import math
+import os
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from jaxtyping import Shaped, UInt8
+
+from chromanoise import _check
+from chromanoise._check import Array, printable
+from chromanoise._inputs import regular_file
+from chromanoise.io.cubes.bounds import MOST_INFLATED, memory_bytes
+from chromanoise.io.cubes.faults import library, reading, reading_rows
+from chromanoise.io.cubes.found import Notes
+from chromanoise.io.cubes.labeled import Axes, Labeled, Store
+from chromanoise.io.cubes.zarr_codecs import guard_codecs
+from chromanoise.scene.file_rows import refuse_other_rows
+from chromanoise.scene.rows import RowSource, block
+
+_HEADERS = (".zarray", "zarr.json")
+_CODECS = frozenset({
+    "blosc", "zlib", "gzip", "bz2", "lzma", "lz4", "zstd", "delta", "shuffle",
+    "fixedscaleoffset", "quantize", "bitround", "astype", "crc32", "crc32c", "adler32",
+    "fletcher32", "jenkins_lookup3", "packbits", "bytes", "transpose", "sharding_indexed",
+})  # fmt: skip
+_LARGEST_HEADER_BYTES = 16 * 2**20
+_MOST_ARRAYS = 10_000
+_TEXTS = (*_HEADERS, ".zgroup", ".zattrs", ".zmetadata")
+_PACKING_BYTES = 2**20  # index of a shard, tables and checksums
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ZarrRows:
+    """Rows of one array in a Zarr folder.
+
+    Attributes
+    ----------
+    path, name
+        The folder and the array in it; empty if the folder is the array.
+    axes
+        Which of its axes are rows, columns, bands.
+    shape
+        Rows, columns, bands.
+    bands
+        Which of the stored bands, in which order.
+    stored
+        Type of the numbers.
+    chunk_rows
+        Rows that are stored together.
+    """
+
+    path: Path
+    name: str
+    axes: Axes
+    shape: tuple[int, int, int]
+    bands: range
+    stored: np.dtype
+    chunk_rows: int
+
+    @property
+    def dtype(self) -> np.dtype:
+        """Of what ``rows`` gives; in the byte order of this machine."""
+        return self.stored.newbyteorder("=")
+
+    def rows(
+        self, start: int, stop: int, *, into: UInt8[Array, " bytes"] | None = None
+    ) -> Shaped[Array, "rows w m"]:
+        """The rows ``start`` to ``stop``, with the strides in which they are stored."""
+        refuse_other_rows(str(self.path), self.shape, start, stop)
+        with reading_rows(self.path, "Zarr"):
+            read = block(_opened(self.path, self.name), self.axes, start, stop, self.bands)
+        if read.shape != (stop - start, *self.shape[1:]):
+            raise _check.InputError(f"{self.path}: was changed while it was being read")
+        return read.astype(self.dtype, copy=False)
+
+    def scratch_bytes(self, rows: int) -> int:
+        """How large ``into`` must be for so many rows; 0 if it is not used. [bytes]"""
+        return 0
+
+    def with_bands(self, keep: slice) -> "ZarrRows":
+        """The same with some of the bands; nothing is read."""
+        bands = self.bands[keep]
+        return replace(self, bands=bands, shape=(*self.shape[:2], len(bands)))
+
+
+def is_zarr(path: Path) -> bool:
+    """Whether a folder is a Zarr array or group."""
+    return any((path / name).is_file() for name in (*_HEADERS, ".zgroup"))
+
+
+def zarr_store(path: Path) -> Store:
+    """The arrays of a Zarr folder, numbers unread.
+
+    Raises
+    ------
+    InputError
+        If zarr is not installed, or the folder holds what cannot be trusted or read.
+    """
+    library("zarr", f"{path}: Zarr folders")
+    arrays: dict[str, Labeled] = {}
+    with reading(path, "Zarr"):
+        size = 0
+        for folder, names, bytes_within in _folders(path):
+            size += bytes_within
+            if set(_HEADERS) & set(names):
+                name = folder.relative_to(path).as_posix().removeprefix(".")
+                array = _vetted(path, folder, name)
+                if array is not None:
+                    arrays[name] = array
+            if len(arrays) > _MOST_ARRAYS:
+                raise _check.InputError(f"{path}: holds more than {_MOST_ARRAYS} arrays")
+        top = _attributes(path, _header(path))
+    return Store(
+        path=path,
+        kind="Zarr",
+        bytes=size,
+        arrays=arrays,
+        numbers=partial(_numbers, path),
+        source=partial(_source, path, arrays),
+        notes=partial(_absent_chunks, path),
+        attributes=top,
+    )
+
+
+def _folders(path: Path) -> Iterator[tuple[Path, list[str], int]]:
+    """Every folder with the names and the size of its files; a link anywhere is refused."""
+    for folder, inner, names in os.walk(path):
+        entries = list(os.scandir(folder))
+        linked = next((e.path for e in entries if e.is_symlink()), None)
+        if linked is not None:
+            raise _check.InputError(
+                f"{linked}: is a link, which a Zarr folder may not hold, for it could lead out of "
+                "it; copy the files themselves"
+            )
+        for entry in entries:
+            regular_file(Path(entry), folder=True)
+        inner.sort()
+        yield Path(folder), names, sum(e.stat().st_size for e in entries if e.is_file())
+
+
+def _header(folder: Path) -> Mapping[str, Any]:
+    for name in (*_HEADERS, ".zgroup"):
+        if (folder / name).is_file():
+            return _json(folder / name)
+    return {}
+
+
+def _json(path: Path) -> Mapping[str, Any]:
+    if path.stat().st_size > _LARGEST_HEADER_BYTES:
+        raise _check.InputError(f"{path}: is too large for a header")
+    told = json.loads(path.read_bytes())
+    if not isinstance(told, dict):
+        raise _check.InputError(f"{path}: is no Zarr header; save the cube again")
+    return told
+
+
+def _attributes(folder: Path, header: Mapping[str, Any]) -> Mapping[str, Any]:
+    told = header.get("attributes", {})
+    if (folder / ".zattrs").is_file():
+        told = _json(folder / ".zattrs")
+    return {k.lower(): v for k, v in told.items()} if isinstance(told, dict) else {}
+
+
+def _vetted(path: Path, folder: Path, name: str) -> Labeled | None:
+    """What the header of one array says, if everything in it may be run; None for a group."""
+    header = _header(folder)
+    if header.get("node_type", "array") != "array":
+        return None
+    for codec in _codecs(header):
+        if codec not in _CODECS:
+            raise _check.InputError(
+                f"{path}: array {printable(name)!r} is packed with {printable(codec)!r}, which is "
+                "not trusted; store it with blosc, zstd or gzip"
+            )
+    array = _opened(path, name)
+    attributes = dict(_attributes(folder, header))
+    axes = header.get("dimension_names") or attributes.pop("_array_dimensions", None) or ()
+    if not isinstance(axes, list) or len(axes) != len(array.shape):
+        axes = [""] * len(array.shape)
+    return Labeled(
+        shape=tuple(int(n) for n in array.shape),
+        dtype=np.dtype(array.dtype),
+        axes=tuple(str(axis or "") for axis in axes),
+        attributes=attributes,
+    )
+
+
+def _codecs(header: Any) -> Iterator[str]:
+    """Names of all that unpacks the chunks, also inside shards; whatever is odd gets a name."""
+    version_2 = [header.get("compressor"), *(header.get("filters") or [])]
+    for codec in [c for c in version_2 if c is not None]:
+        yield str(codec.get("id", "nothing")) if isinstance(codec, dict) else "nothing"
+    waiting = list(header.get("codecs") or [])
+    while waiting:
+        codec = waiting.pop()
+        named = codec.get("name") if isinstance(codec, dict) else codec
+        yield str(named).removeprefix("numcodecs.")
+        inner = codec.get("configuration") if isinstance(codec, dict) else None
+        if isinstance(inner, dict):
+            waiting += inner.get("codecs") or []
+            waiting += inner.get("index_codecs") or []
+
+
+def _opened(path: Path, name: str) -> Any:
+    zarr = library("zarr", str(path))
+    guard_codecs()
+    store = zarr.storage.LocalStore(path, read_only=True)
+    return zarr.open_array(store=store, path=name, mode="r")
+
+
+def _numbers(path: Path, name: str) -> Shaped[Array, "..."]:
+    _refuse_large_chunks(path, name)
+    with reading(path, "Zarr"):
+        return np.asarray(_opened(path, name)[...])
+
+
+def _source(path: Path, arrays: Mapping[str, Labeled], name: str, axes: Axes) -> RowSource:
+    _refuse_large_chunks(path, name)
+    with reading(path, "Zarr"):
+        array = _opened(path, name)
+    sizes = arrays[name].shape
+    shape = sizes[axes[0]], sizes[axes[1]], sizes[axes[2]]
+    return ZarrRows(
+        path=path,
+        name=name,
+        axes=axes,
+        shape=shape,
+        bands=range(shape[2]),
+        stored=arrays[name].dtype,
+        chunk_rows=min(int((array.shards or array.chunks)[axes[0]]), shape[0]),
+    )
+
+
+def _absent_chunks(path: Path, name: str) -> Notes:
+    """Chunks that hold nothing but the fill value are left away by Zarr: told, not refused."""
+    with reading(path, "Zarr"):
+        array = _opened(path, name)
+        whole, there = int(array.nchunks), int(array.nchunks_initialized)
+        filled = array.fill_value
+    if there == 0:
+        raise _check.InputError(f"{path}: array {printable(name)!r} has no chunks; save it again")
+    if whole > there * MOST_INFLATED:
+        raise _check.InputError(
+            f"{path}: array {printable(name)!r} declares {whole} chunks, but only {there} are "
+            "there; it is damaged or not complete, save it again"
+        )
+    if there < whole:
+        return (f"{whole - there} of {whole} chunks are absent and read as {filled}",)
+    return ()
+
+
+def _refuse_large_chunks(path: Path, name: str) -> None:
+    """Refuse chunks that exceed the memory, and files that are larger packed than unpacked."""
+    with reading(path, "Zarr"):
+        array = _opened(path, name)
+        size = math.prod(array.shards or array.chunks) * array.dtype.itemsize
+        longest = max(
+            (f.stat().st_size for f in (path / name).rglob("*") if f.name not in _TEXTS), default=0
+        )
+    if size > memory_bytes() // 2:
+        raise _check.InputError(
+            f"{path}: the chunks of array {printable(name)!r} need {size / 2**30:.1f} GiB of "
+            "memory each; store it with smaller chunks"
+        )
+    if longest > size + size // 8 + _PACKING_BYTES:
+        raise _check.InputError(
+            f"{path}: a chunk of array {printable(name)!r} has {longest} bytes, but unpacked it "
+            f"would have {size}; the file is damaged, save it again"
+        )

@@ -1,0 +1,25 @@
+"""Pixel parameters from EMVA 1288 data sheets, noise profiles and photon-transfer tables."""
+
+from chromanoise.io.pixels.darktable import (
+    RelativeNoise,
+    pixel_from_darktable,
+    read_darktable_noise,
+)
+from chromanoise.io.pixels.emva import (
+    pixel_from_emva,
+    read_emva_sheet,
+)
+from chromanoise.io.pixels.noise_profile import read_noise_profile
+from chromanoise.io.pixels.photon_transfer_csv import (
+    read_photon_transfer_csv,
+)
+
+__all__ = [
+    "RelativeNoise",
+    "pixel_from_darktable",
+    "pixel_from_emva",
+    "read_darktable_noise",
+    "read_emva_sheet",
+    "read_noise_profile",
+    "read_photon_transfer_csv",
+]

@@ -1,0 +1,177 @@
+"""darktable's noise profiles: variance = a x + b per channel, relative only.
+
+They are made from developed pictures (demosaiced, white-balanced, filtered by a wavelet), which
+scales a and b by a factor that is nowhere told. b / a does not know that factor: with a full well
+from elsewhere it gives the read noise, and nothing gives the full well.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float
+
+from chromanoise import _check
+from chromanoise._check import Array, InputError
+from chromanoise.io.pixels.source_text import finite_number, source_json, source_text
+from chromanoise.sensor.adc import Adc
+from chromanoise.sensor.pixel_source import PixelSource
+
+_GREEN = 1  # the channel that a white balance leaves alone
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class RelativeNoise:
+    """One profile of darktable: variance = a x + b, x = 1 where the codes end.
+
+    Attributes
+    ----------
+    camera
+        Maker and model.
+    iso
+        The setting of the gain.
+    a, b
+        Of red, green and blue, up to one unknown factor. [1]
+    notes
+        What a reader of a result must know.
+
+    Raises
+    ------
+    InputError
+        If an entry is not finite or an a is not above 0.
+    """
+
+    camera: str
+    iso: float
+    a: Float[Array, " 3"]
+    b: Float[Array, " 3"]
+    notes: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        where = f"of {self.camera} at ISO {self.iso:g}"
+        _check.positive(f"ISO of {self.camera}", "1", self.iso)
+        for name in ("a", "b"):
+            values = _check.finite(f"{name} {where}", "1", getattr(self, name))
+            object.__setattr__(self, name, _check.frozen(values))
+        for value in self.a.tolist():
+            _check.positive(f"a {where}", "1", value)
+
+
+def read_darktable_noise(path: Path | str, *, maker: str, model: str, iso: float) -> RelativeNoise:
+    """The profile of one camera at one ISO from darktable's ``noiseprofiles.json``.
+
+    Parameters
+    ----------
+    path
+        The file that darktable installs.
+    maker, model
+        As they stand there, e.g. ``Canon``, ``EOS-1Ds``.
+    iso
+        One that was measured: nothing is interpolated.
+
+    Raises
+    ------
+    InputError
+        If the file is of another kind, or knows no such camera or ISO; the nearest are told.
+    """
+    path = Path(path)
+    held = source_json(source_text(path), str(path))
+    makers = _listed(held, "noiseprofiles", "maker", str(path))
+    maker = _check.one_of(f"maker in {path.name}", maker, sorted(makers))
+    models = _listed(makers[maker], "models", "model", f"{path}: {maker}")
+    model = _check.one_of(f"model of {maker} in {path.name}", model, sorted(models))
+    camera = f"{maker} {model}"
+    profiles = models[model].get("profiles")
+    entries = profiles if isinstance(profiles, list) else []
+    mine = [e for e in entries if isinstance(e, dict) and finite_number(e.get("iso")) == iso]
+    if not mine:
+        isos = sorted({str(e.get("iso")) for e in entries if isinstance(e, dict)}, key=_by_size)
+        raise InputError(
+            f"{path.name}: {camera} has no profile of ISO {iso:g}; it has {', '.join(isos[:40])}"
+        )
+    a, b = (_three(mine[0].get(key), f"{path}: {key} of {camera} at ISO {iso:g}") for key in "ab")
+    notes = [
+        f"{path.name}: {camera}, relative noise of developed pictures; it tells neither gain nor "
+        "full well"
+    ]
+    if len(mine) > 1:
+        notes.append(f"{path.name}: {len(mine)} profiles of ISO {iso:g}; the first is taken")
+    return RelativeNoise(camera=camera, iso=float(iso), a=a, b=b, notes=tuple(notes))
+
+
+def pixel_from_darktable(
+    noise: RelativeNoise, *, full_well_e: float | None = None, adc: Adc | None = None
+) -> PixelSource:
+    """The read noise of green, once something absolute is known beside the profile.
+
+    Parameters
+    ----------
+    noise
+        A profile.
+    full_well_e
+        Electrons where the codes end, at the profile's ISO. [e-]
+    adc
+        Or the converter at that ISO: its range times its gain are these electrons.
+
+    Raises
+    ------
+    InputError
+        If neither or both are given.
+
+    Notes
+    -----
+    With E electrons at x = 1 and an unknown factor c, a = c / E and b = c (sigma / E)^2, so that
+    sigma^2 = E b / a. Green is taken, which the white balance does not multiply.
+
+    Examples
+    --------
+    >>> relative = RelativeNoise(camera="a camera", iso=100, a=np.full(3, 2e-6), b=np.full(3, 2e-8))
+    >>> round(pixel_from_darktable(relative, full_well_e=10_000).read_noise_e, 6)
+    10.0
+    """
+    if (full_well_e is None) == (adc is None):
+        raise InputError(
+            f"the noise profile of {noise.camera} at ISO {noise.iso:g} is relative; give either "
+            "full_well_e (electrons where the codes end) or the converter (adc), and only one"
+        )
+    if full_well_e is None and adc is not None:
+        full_well_e = adc.gain_e_per_dn * (adc.top_code - adc.black_level_dn)
+    well = _check.positive("full_well_e", "e-", full_well_e or 0.0)
+    read2 = well * float(noise.b[_GREEN]) / float(noise.a[_GREEN])
+    told = f"{noise.camera}: read noise from b / a of green and {well:.4g} e- at the top"
+    if read2 < 0:
+        told = f"{noise.camera}: b of green is negative, so that it tells no read noise"
+    return PixelSource(
+        source=f"darktable's profile of {noise.camera} at ISO {noise.iso:g}",
+        full_well_e=well,
+        read_noise_e=float(np.sqrt(read2)) if read2 >= 0 else None,
+        gain_e_per_dn=adc.gain_e_per_dn if adc else None,
+        adc=adc,
+        notes=(*noise.notes, told),
+    )
+
+
+def _listed(held: Any, key: str, name: str, where: str) -> Mapping[str, dict[str, Any]]:
+    """The objects under ``key``, by their ``name``."""
+    entries = held.get(key) if isinstance(held, dict) else None
+    found: dict[str, dict[str, Any]] = {}
+    for entry in entries if isinstance(entries, list) else []:
+        if isinstance(entry, dict) and isinstance(entry.get(name), str):
+            found.setdefault(entry[name], entry)
+    if not found:
+        raise InputError(f"{where} holds no {key} with a {name}; is it darktable's noiseprofiles?")
+    return found
+
+
+def _three(values: Any, what: str) -> Float[Array, " 3"]:
+    entries: Sequence[Any] = values if isinstance(values, list) else []
+    numbers = [number for entry in entries if (number := finite_number(entry)) is not None]
+    if len(numbers) != 3 or len(entries) != 3:
+        raise InputError(f"{what} must be three finite numbers")
+    return np.array(numbers)
+
+
+def _by_size(text: str) -> tuple[int, str]:
+    return len(text), text

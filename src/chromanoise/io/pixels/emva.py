@@ -1,0 +1,359 @@
+"""A pixel from the values of an EMVA 1288 data sheet, each with its unit, checked by the others.
+
+EMVA Standard 1288, Release 4.0 Linear (2021): the camera model of its chapter 2, the summary sheet
+of its chapter 10.
+"""
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from chromanoise import _check
+from chromanoise._check import InputError
+from chromanoise.io.pixels.emva_checks import alike, contradictions
+from chromanoise.io.pixels.source_text import finite_number, source_json, source_text
+from chromanoise.sensor.adc import Adc
+from chromanoise.sensor.imperfections import Imperfections
+from chromanoise.sensor.pixel_source import PIXEL_FILES, PixelSource
+
+_NAMES = {
+    "qe": "qe eta quantumefficiency",
+    "qe_at_nm": "wavelength lambda centroidwavelength peakwavelength qewavelength",
+    "gain": "k gain systemgain overallsystemgain conversiongain",
+    "gain_inverse": "1k inversek inversesystemgain inversegain",
+    "read_noise": "sigmad darknoise temporaldarknoise readnoise readoutnoise",
+    "dark_noise": "sigmaydark",
+    "full_well": "muesat uesat saturationcapacity fullwell fullwellcapacity",
+    "threshold": "muemin uemin absolutesensitivitythreshold sensitivitythreshold",
+    "photons_full": "mupsat upsat",
+    "photons_threshold": "mupmin upmin",
+    "dynamic_range": "dr dynamicrange",
+    "snr_max": "snrmax maximumsnr maximumsignaltonoiseratio signaltonoiseratio",
+    "dsnu": "dsnu dsnu1288 su1288dark",
+    "prnu": "prnu prnu1288",
+    "dark_current": "mui muimean muc ui uimean darkcurrent muivar uivar",
+    "pitch": "pixelpitch pixelsize pitch",
+    "bits": "bits bitdepth adcbits adc",
+    "black": "blacklevel offset blackoffset muydark uydark",
+}
+_KEY_OF = {alias: key for key, aliases in _NAMES.items() for alias in aliases.split()}
+
+_UNITS = {
+    "e-": "e- e e⁻ electron electrons",
+    "DN": "dn lsb adu digit",
+    "DN/e-": "dn/e- dn/e adu/e- adu/e lsb/e- lsb/e dn/e⁻",
+    "e-/DN": "e-/dn e/dn e-/adu e/adu e-/lsb e/lsb e⁻/dn",
+    "e-/s": "e-/s e/s e⁻/s electrons/s",
+    "DN/s": "dn/s adu/s lsb/s",
+    "p": "p photon photons",
+    "%": "% percent",
+    "1": "1 e-/photon e-/p e/photon",
+    "dB": "db",
+    "bit": "bit bits",
+    "um": "um µm μm micron microns",
+    "nm": "nm",
+}
+_UNIT_OF = {alias: unit for unit, aliases in _UNITS.items() for alias in aliases.split()}
+
+_ALLOWED = {
+    "qe": "% 1",
+    "qe_at_nm": "nm",
+    "gain": "DN/e- e-/DN",
+    "gain_inverse": "e-/DN",
+    "read_noise": "e- DN",
+    "dark_noise": "DN e-",
+    "full_well": "e-",
+    "threshold": "e- p",
+    "photons_full": "p",
+    "photons_threshold": "p",
+    "dynamic_range": "dB bit 1",
+    "snr_max": "dB bit 1",
+    "dsnu": "e- DN",
+    "prnu": "% 1",
+    "dark_current": "e-/s DN/s",
+    "pitch": "um",
+    "bits": "bit",
+    "black": "DN",
+}
+_LINE = re.compile(
+    r"(?P<name>[^\[\]:=;,\t]+?)\s*(?:\[(?P<left>[^\]]*)\])?\s*[:=;,\t]\s*"
+    r"(?P<value>[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)(?P<right>[\s;,\t\[%a-zA-Zµμ].*)?"
+)
+
+
+@dataclass(frozen=True, slots=True)
+class _Value:
+    """One number of the sheet: what it is called there, in which unit, and where it stands."""
+
+    name: str
+    number: float
+    unit: str
+    where: str
+
+
+def read_emva_sheet(path: Path | str) -> PixelSource:
+    """The pixel of an EMVA 1288 data sheet typed into a file, one value with its unit per line.
+
+    Parameters
+    ----------
+    path
+        Lines ``name = value unit``, ``name: value unit``, ``name [unit] = value`` or
+        ``name,value,unit``; ``#`` starts a comment. Or a JSON object of name to
+        ``{"value": .., "unit": ".."}``. Names are those of the standard, as ``sigma_d``, or words,
+        as ``temporal dark noise``.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, a known value stands twice, has no unit or a wrong one, or is
+        beyond what a pixel could have.
+
+    Notes
+    -----
+    Values are held against each other: SNR_max^2 = u_e.sat, DR = u_e.sat / u_e.min, u_e.min =
+    sqrt(sigma_d^2 + 1/(12 K^2)) + 1/2, electrons = QE photons. What disagrees by more than 5 % is
+    told in the notes, not mended. The saturation capacity, where the variance peaks, stands for the
+    full well.
+    """
+    path = Path(path)
+    text = source_text(path)
+    rows = (_json_rows if text.lstrip().startswith("{") else _text_rows)(text, path)
+    return pixel_from_emva(
+        {name: (number, unit) for name, number, unit, _ in rows},
+        source=path.name,
+        where={name: place for name, _, _, place in rows},
+    )
+
+
+def pixel_from_emva(
+    values: Mapping[str, tuple[float, str]],
+    *,
+    source: str = "data sheet",
+    where: Mapping[str, str] | None = None,
+) -> PixelSource:
+    """The pixel of the named values of an EMVA 1288 data sheet.
+
+    Parameters
+    ----------
+    values
+        Number and unit of each name, e.g. ``{"sigma_d": (2.4, "e-")}``.
+    source
+        Where the numbers come from.
+    where
+        The place of each name, for messages.
+
+    Raises
+    ------
+    InputError
+        As `read_emva_sheet`.
+
+    Examples
+    --------
+    >>> told = pixel_from_emva({"K": (0.5, "DN/e-"), "sigma_d": (4.0, "DN"), "PRNU": (1.0, "%")})
+    >>> told.gain_e_per_dn, told.read_noise_e, told.imperfections.prnu
+    (2.0, 8.0, 0.01)
+    """
+    places = where or {}
+    found: dict[str, _Value] = {}
+    unused = []
+    for name, (number, unit) in values.items():
+        key = _key(name)
+        if key is None:
+            unused.append(name)
+            continue
+        value = _valued(key, name, number, unit, places.get(name, source))
+        first = found.setdefault(key, value)
+        if first.unit != value.unit or not alike(first.number, value.number):
+            raise InputError(
+                f"{value.where}: {name} = {value.number:g} {value.unit} says again what "
+                f"{first.name} = {first.number:g} {first.unit} says; keep one"
+            )
+    if not found:
+        raise InputError(
+            f"{source}: holds no value of an EMVA 1288 sheet, e.g. sigma_d = 2.4 e-; "
+            f"it names {', '.join(name[:40] for name in unused[:5]) or 'nothing'}; the file of a "
+            f"pixel is {PIXEL_FILES}"
+        )
+    return _told(found, unused, source)
+
+
+def _text_rows(text: str, path: Path) -> list[tuple[str, float, str, str]]:
+    rows: list[tuple[str, float, str, str]] = []
+    for i, raw in enumerate(text.splitlines(), 1):
+        line = raw.split("#")[0].strip().strip(",;")
+        if not line:
+            continue
+        where, name = f"{path}: line {i}", re.split(r"[\[:=;,\t]", line)[0].strip()
+        matched = _LINE.fullmatch(line)
+        if matched is None:
+            if _key(name) is None:
+                continue  # a heading, or words about the camera
+            raise InputError(
+                f"{where}: {line[:60]!r} is no value; write {name} = number unit, with a decimal "
+                "point"
+            )
+        name = matched["name"].strip().strip('"')
+        if any(name == row[0] for row in rows):
+            raise InputError(f"{where}: {name[:40]!r} stands twice; keep one")
+        unit = matched["left"] or (matched["right"] or "").strip(' ;,\t[]"')
+        rows.append((name, float(matched["value"]), unit, where))
+    return rows
+
+
+def _json_rows(text: str, path: Path) -> list[tuple[str, float, str, str]]:
+    rows = []
+    for name, entry in source_json(text, str(path)).items():
+        if _key(name) is None:
+            continue
+        number = finite_number(entry.get("value")) if isinstance(entry, dict) else None
+        unit = entry.get("unit", "") if isinstance(entry, dict) else ""
+        if number is None or not isinstance(unit, str):
+            raise InputError(
+                f'{path}: {name} must be {{"value": number, "unit": "..."}}, as '
+                '"sigma_d": {"value": 2.4, "unit": "e-"}'
+            )
+        rows.append((name, number, unit, f"{path}: {name}"))
+    return rows
+
+
+def _key(name: str) -> str | None:
+    """What a name of the sheet stands for: Greek, dots, dashes and spaces do not matter."""
+    return _KEY_OF.get(_plain(name))
+
+
+def _plain(name: str) -> str:
+    plain = name.lower()
+    for letter, word in (("µ", "mu"), ("μ", "mu"), ("σ", "sigma"), ("η", "eta"), ("λ", "lambda")):
+        plain = plain.replace(letter, word)
+    return re.sub(r"[^a-z0-9]", "", plain)
+
+
+def _valued(key: str, name: str, number: float, unit: str, where: str) -> _Value:
+    allowed = _ALLOWED[key].split()
+    if key == "bits" and not unit.strip():
+        unit = "bit"
+    known = _UNIT_OF.get(unit.strip().lower())
+    if known not in allowed:
+        had = f"has the unit {unit[:20]!r}" if unit.strip() else "has no unit"
+        raise InputError(f"{where}: {name} {had}; write it in {' or '.join(allowed)}")
+    _check.within(f"{where}: {name}", known, number, 0.0, 1e15)
+    if known == "%":
+        return _Value(name, number / 100, "1", where)
+    if known in ("dB", "bit") and key != "bits":
+        _check.within(f"{where}: {name}", known, number, 0.0, 300.0)
+        return _Value(name, 10 ** (number / 20) if known == "dB" else 2**number, "1", where)
+    if key == "gain" and known == "e-/DN":
+        inverse = _check.positive(f"{where}: {name}", known, number)
+        return _Value(name, 1 / inverse, "DN/e-", where)
+    return _Value(name, number, known, where)
+
+
+def _told(found: Mapping[str, _Value], unused: list[str], source: str) -> PixelSource:
+    gain = _gain(found)
+    electrons = {key: _electrons(found.get(key), gain) for key in ("read_noise", "dsnu")}
+    current = _electrons(found.get("dark_current"), gain)
+    prnu = found.get("prnu")
+    whole, level, adc_notes = _codes(found.get("bits"), found.get("black"), source)
+    adc = None
+    if gain is not None and whole is not None:
+        adc = Adc(bits=whole, gain_e_per_dn=1 / gain, black_level_dn=level or 0)
+    silent = [
+        name
+        for name, known in (("dark current", current), ("DSNU", electrons["dsnu"]), ("PRNU", prnu))
+        if known is None
+    ]
+    notes = []
+    if "full_well" in found and not _plain(found["full_well"].name).startswith("fullwell"):
+        notes = [
+            f"{source}: {found['full_well'].name}, the saturation capacity, is taken for the "
+            "full well"
+        ]
+    if gain and adc is None:
+        notes.append(
+            f"{source}: the gain of {1 / gain:.4g} e-/DN is used only where the bits of the "
+            "converter are given too"
+        )
+    notes += (
+        [f"{source}: {', '.join(silent)} not given, taken as 0 unless an option gives them"]
+        if silent
+        else []
+    )
+    notes += [f"{source}: not used: {', '.join(n[:40] for n in unused[:8])}"] if unused else []
+    return PixelSource(
+        source=source,
+        pitch_um=_number(found, "pitch"),
+        full_well_e=_number(found, "full_well"),
+        read_noise_e=electrons["read_noise"],
+        gain_e_per_dn=1 / gain if gain else None,
+        bits=whole,
+        black_level_dn=level,
+        adc=adc,
+        imperfections=Imperfections(
+            dark_current_e_per_s=current or 0.0,
+            dsnu_e=electrons["dsnu"] or 0.0,
+            prnu=prnu.number if prnu else 0.0,
+        ),
+        qe=_number(found, "qe"),
+        qe_at_nm=_number(found, "qe_at_nm"),
+        notes=(*notes, *adc_notes, *contradictions(_in_electrons(found, gain), source)),
+    )
+
+
+def _number(found: Mapping[str, _Value], key: str) -> float | None:
+    return found[key].number if key in found else None
+
+
+def _gain(found: Mapping[str, _Value]) -> float | None:
+    """K. [DN/e-]"""
+    for key in ("gain", "gain_inverse"):
+        if key in found:
+            number = _check.positive(found[key].where, found[key].unit, found[key].number)
+            return number if key == "gain" else 1 / number
+    return None
+
+
+def _electrons(value: _Value | None, gain: float | None) -> float | None:
+    """In electrons (per second); codes become electrons through the gain."""
+    if value is None or value.unit.startswith("e-"):
+        return value.number if value else None
+    if gain is None:
+        raise InputError(
+            f"{value.where}: {value.name} in {value.unit} needs the gain; add K = number DN/e-"
+        )
+    return value.number / gain
+
+
+def _codes(
+    bits: _Value | None, black: _Value | None, source: str
+) -> tuple[int | None, int | None, tuple[str, ...]]:
+    """Bits and black level as whole numbers, and notes on how they were obtained."""
+    if bits is not None and not float(bits.number).is_integer():
+        raise InputError(f"{bits.where}: an ADC has whole bits, not {bits.number:g}")
+    whole = int(bits.number) if bits else None
+    if black is None:
+        notes = (
+            (f"{source}: black level not given, taken as 0 DN unless an option gives it",)
+            if bits
+            else ()
+        )
+        return whole, None, notes
+    notes = ()
+    if not black.number.is_integer():
+        notes = (f"{source}: black level of {black.number:g} DN rounded to a whole code",)
+    return whole, round(black.number), notes
+
+
+def _in_electrons(found: Mapping[str, _Value], gain: float | None) -> dict[str, float]:
+    """The values that can be held against each other, in the units of `contradictions`."""
+    values = {key: value.number for key, value in found.items()}
+    if gain is not None:
+        values["gain"] = gain
+    for key in ("read_noise", "dark_noise"):
+        if key in found and found[key].unit == "DN":
+            del values[key]
+            if gain is not None:
+                values[key] = found[key].number / gain
+    if "threshold" in found and found["threshold"].unit == "p":
+        values["photons_threshold"] = values.pop("threshold")
+    return values

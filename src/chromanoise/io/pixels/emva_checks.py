@@ -1,0 +1,115 @@
+"""What the values of an EMVA 1288 data sheet must be to each other."""
+
+from collections.abc import Callable, Mapping
+from math import sqrt
+
+from chromanoise.sensor.noise_profile import ROUNDING_DN2
+
+_TOLERANCE = 0.05  # values of a sheet are rounded, and measured each on its own
+
+
+def contradictions(values: Mapping[str, float], source: str) -> tuple[str, ...]:
+    """What values of a sheet say of each other and do not agree in, one sentence each.
+
+    Parameters
+    ----------
+    values
+        By the keys of `chromanoise.io.pixels.emva`; electrons, photons, DN/e-, ratios.
+    source
+        Where they come from.
+
+    Notes
+    -----
+    EMVA Standard 1288, Release 4.0 Linear (2021), chapter 2: SNR_max^2 = u_e.sat, DR = u_e.sat /
+    u_e.min, u_e.min = sqrt(sigma_d^2 + 1/(12 K^2)) + 1/2, electrons = QE photons.
+
+    Examples
+    --------
+    >>> contradictions({"full_well": 10_000.0, "snr_max": 50.0}, "a sheet")
+    ('a sheet: SNR_max^2 = 2500, but u_e.sat [e-] gives 1e+04; one is wrong',)
+    """
+    n = values
+    notes = [
+        f"{source}: {what} = {told(n):.4g}, but {other} gives {expected(n):.4g}; one is wrong"
+        for needs, what, told, other, expected in _LAWS
+        if all(key in n for key in needs.split()) and not alike(told(n), expected(n))
+    ]
+    codes = 2 ** n["bits"] - 1 if 8 <= n.get("bits", 0) <= 16 else 0.0
+    top = n.get("gain", 0.0) * n.get("full_well", 0.0) + n.get("black", 0.0)
+    if codes and top > (1 + _TOLERANCE) * codes:
+        notes.append(
+            f"{source}: the full well makes code {top:.4g}, beyond "
+            f"the top code {codes:.0f}; gain, full well or bits are of different modes"
+        )
+    return tuple(notes)
+
+
+_Law = tuple[
+    str,
+    str,
+    Callable[[Mapping[str, float]], float],
+    str,
+    Callable[[Mapping[str, float]], float],
+]
+
+
+def _rounding_e2(n: Mapping[str, float]) -> float:
+    return ROUNDING_DN2 / n["gain"] ** 2
+
+
+_LAWS: tuple[_Law, ...] = (
+    (
+        "snr_max full_well",
+        "SNR_max^2",
+        lambda n: n["snr_max"] ** 2,
+        "u_e.sat [e-]",
+        lambda n: n["full_well"],
+    ),
+    (
+        "dynamic_range full_well threshold",
+        "DR",
+        lambda n: n["dynamic_range"],
+        "u_e.sat / u_e.min",
+        lambda n: n["full_well"] / max(n["threshold"], 1e-300),
+    ),
+    (
+        "dynamic_range full_well read_noise gain",
+        "DR",
+        lambda n: n["dynamic_range"],
+        "u_e.sat over the threshold of sigma_d",
+        lambda n: n["full_well"] / (sqrt(n["read_noise"] ** 2 + _rounding_e2(n)) + 0.5),
+    ),
+    (
+        "threshold read_noise gain",
+        "u_e.min [e-]",
+        lambda n: n["threshold"],
+        "sqrt(sigma_d^2 + 1/(12 K^2)) + 1/2",
+        lambda n: sqrt(n["read_noise"] ** 2 + _rounding_e2(n)) + 0.5,
+    ),
+    (
+        "dark_noise read_noise gain",
+        "sigma_y.dark [e-]",
+        lambda n: n["dark_noise"],
+        "sqrt(sigma_d^2 + 1/(12 K^2))",
+        lambda n: sqrt(n["read_noise"] ** 2 + _rounding_e2(n)),
+    ),
+    (
+        "full_well photons_full qe",
+        "u_e.sat [e-]",
+        lambda n: n["full_well"],
+        "QE u_p.sat",
+        lambda n: n["qe"] * n["photons_full"],
+    ),
+    (
+        "threshold photons_threshold qe",
+        "u_e.min [e-]",
+        lambda n: n["threshold"],
+        "QE u_p.min",
+        lambda n: n["qe"] * n["photons_threshold"],
+    ),
+)
+
+
+def alike(a: float, b: float) -> bool:
+    """Whether two values of a sheet agree, within 5 % of the larger."""
+    return abs(a - b) <= _TOLERANCE * max(abs(a), abs(b))

@@ -1,0 +1,183 @@
+"""A photon-transfer table from delimited text."""
+
+import math
+import re
+from pathlib import Path
+
+import numpy as np
+
+from chromanoise._check import Array, InputError
+from chromanoise.io.pixels.source_text import source_text
+from chromanoise.io.spectra.delimited import DELIMITERS, cells_of_line, decimal_sign, split_line
+from chromanoise.io.spectra.parsed import Row
+from chromanoise.io.spectra.tables import number_in
+from chromanoise.sensor.transfer_table import PhotonTransfer
+
+_NEEDED = ("mean_dn", "variance_dn2")
+_SPATIAL = "spatial_variance_dn2"
+_NUMBERS = (*_NEEDED, "samples", "time_ms", "dark_mean_dn", "dark_variance_dn2", "photons")
+_UNITS = {"dn": "dn", "adu": "dn", "dn^2": "dn2", "dn2": "dn2", "dn²": "dn2", "adu^2": "dn2"}
+_QUANTITIES = {
+    "mean": "mean",
+    "signal": "mean",
+    "variance": "variance",
+    "var": "variance",
+    "temporal variance": "variance",
+    "spatial variance": "spatial_variance",
+    "dark mean": "dark_mean",
+    "dark variance": "dark_variance",
+    "time": "time",
+    "exposure time": "time",
+}
+_WITH_UNIT = re.compile(
+    rf"({'|'.join(_QUANTITIES)})[ ]*[\[(]?({'|'.join(map(re.escape, (*_UNITS, 'ms')))})[\])]?"
+)
+_PHOTONS = ("photons", "photons per pixel")
+_LARGEST_ROWS = 100_000
+
+
+def read_photon_transfer_csv(path: Path | str) -> PhotonTransfer:
+    """The photon transfer of a text file, one row per light.
+
+    Parameters
+    ----------
+    path
+        The first row names the columns, separated by commas, semicolons, tabs or blanks:
+        ``mean_dn`` and ``variance_dn2`` (or with the unit in brackets, ``mean [DN]`` and
+        ``variance [DN^2]``), or ``spatial_variance_dn2`` if the variance is over the pixels of one
+        picture; optionally ``samples`` (number of pixels of each variance), ``light`` (``dark`` or
+        ``light``), ``time_ms``, ``dark_mean_dn`` and ``dark_variance_dn2``, and
+        ``photons_per_pixel``, where 0 marks a dark row. ``#`` starts a comment. A note names other
+        columns, which are not used.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, a column is missing, or a cell is not a number; file, line and
+        column are told.
+    """
+    path = Path(path)
+    lines = [
+        (i, line)
+        for i, line in enumerate(source_text(path).splitlines(), 1)
+        if line.strip() and not line.lstrip().startswith("#")
+    ]
+    if not lines or len(lines) > _LARGEST_ROWS:
+        raise InputError(
+            f"{path}: a photon transfer has a header {','.join(_NEEDED)} and at most "
+            f"{_LARGEST_ROWS} rows, but this file has {len(lines)} lines"
+        )
+    sign = _delimiter(lines[0][1])
+    header = _header(lines[0], sign, path)
+    rows = [Row(number=i, cells=cells_of_line(line, i, sign, str(path))) for i, line in lines[1:]]
+    decimal = decimal_sign(rows, sign, str(path))
+    columns = _columns(rows, header, decimal, path)
+    unused = [name for name in header if name not in (*_NUMBERS, _SPATIAL, "light")]
+    return PhotonTransfer(
+        mean_dn=columns["mean_dn"],
+        variance_dn2=columns.get(_SPATIAL, columns.get("variance_dn2", np.array([]))),
+        dark=_dark(rows, header, columns.get("photons"), path),
+        samples=columns.get("samples"),
+        source=path.name,
+        spatial=_SPATIAL in header,
+        **{name: columns.get(name) for name in _NUMBERS[3:]},
+        notes=(f"{path.name}: columns not used: {', '.join(unused)[:200]}",) if unused else (),
+    )
+
+
+def is_photon_transfer_text(text: str) -> bool:
+    r"""Whether the first row that is no comment names a mean and a variance.
+
+    Examples
+    --------
+    >>> is_photon_transfer_text("# a bench\nMean [DN];Variance [DN^2]")
+    True
+    """
+    lines = (line.strip() for line in text.splitlines())
+    first = next((line for line in lines if line and not line.startswith("#")), "")
+    names = _names(first, _delimiter(first))
+    found = {name.removeprefix("spatial_") for name in names}
+    return any(name in found for name in _NEEDED) or {"mean", "variance"} <= found
+
+
+def _delimiter(header: str) -> str:
+    """The delimiter that splits the header into the most known columns."""
+    known = {*_NUMBERS, _SPATIAL, "light", "mean", "variance"}
+    return max(DELIMITERS, key=lambda sign: len(known.intersection(_names(header, sign))))
+
+
+def _names(header: str, sign: str) -> list[str]:
+    return [_name(cell) for cell in split_line(header, sign)]
+
+
+def _name(cell: str) -> str:
+    """``mean_dn`` for ``Mean [DN]``, ``variance_dn2`` for ``var (DN^2)``."""
+    words = " ".join(cell.strip().lower().replace("_", " ").split())
+    if words in _PHOTONS:
+        return "photons"
+    match = _WITH_UNIT.fullmatch(words)
+    if match is None or (match[2] == "ms") != (_QUANTITIES[match[1]] == "time"):
+        return cell.strip().lower()
+    return f"{_QUANTITIES[match[1]]}_{_UNITS.get(match[2], match[2])}"
+
+
+def _header(first: tuple[int, str], sign: str, path: Path) -> list[str]:
+    where = f"{path}: line {first[0]}"
+    cells_of_line(first[1], first[0], sign, str(path))
+    header = _names(first[1], sign)
+    bare = [name for name in ("mean", "variance") if name in header]
+    if bare:
+        raise InputError(
+            f"{where} names {' and '.join(bare)} without a unit; if they are in codes, write "
+            f"{','.join(_NEEDED)}"
+        )
+    variances = [name for name in (_NEEDED[1], _SPATIAL) if name in header]
+    if len(variances) == 2:
+        raise InputError(
+            f"{where} names a temporal and a spatial variance; keep only variance_dn2 (for the "
+            f"gain) or only {_SPATIAL}"
+        )
+    if "mean_dn" not in header or not variances or len(set(header)) < len(header):
+        raise InputError(
+            f"{where} must name each column once, {' and '.join(_NEEDED)} among them, "
+            f"but is {first[1].strip()[:60]!r}"
+        )
+    return header
+
+
+def _columns(rows: list[Row], header: list[str], decimal: str, path: Path) -> dict[str, Array]:
+    """The numbers of each known column."""
+    wanted = [(k, name) for k, name in enumerate(header) if name in (*_NUMBERS, _SPATIAL)]
+    columns: dict[str, Array] = {name: np.empty(len(rows)) for _, name in wanted}
+    for i, row in enumerate(rows):
+        where = f"{path}: line {row.number}"
+        if len(row.cells) != len(header):
+            raise InputError(
+                f"{where} has {len(row.cells)} cells, but the header names {len(header)}; with "
+                "decimal commas, separate the cells by semicolons"
+            )
+        for k, name in wanted:
+            columns[name][i] = _number(row.cells[k], decimal, f"{where}, column {name}")
+    return columns
+
+
+def _dark(rows: list[Row], header: list[str], photons: Array | None, path: Path) -> Array:
+    """Which rows are dark, by the column light or by 0 photons."""
+    none = np.zeros(len(rows), dtype=bool) if photons is None else photons == 0
+    if "light" not in header:
+        return none
+    at = header.index("light")
+    for row, without in zip(rows, none, strict=True):
+        where, cell = f"{path}: line {row.number}, column light", row.cells[at].lower()
+        if cell not in ("dark", "light"):
+            raise InputError(f"{where}: {row.cells[at][:40]!r} is neither dark nor light")
+        if photons is not None and (cell == "dark") != without:
+            raise InputError(f"{where}: {cell!r} contradicts the photons of its row")
+    return np.array([row.cells[at].lower() == "dark" for row in rows], dtype=bool)
+
+
+def _number(cell: str, decimal: str, where: str) -> float:
+    value = math.nan if "%" in cell else number_in(cell, decimal_comma=decimal == ",")
+    if not math.isfinite(value):
+        raise InputError(f"{where}: {cell[:40]!r} is not a finite number; mend it or leave it out")
+    return value

@@ -1,0 +1,31 @@
+"""Spectral curves from the file formats in use, and what the file leaves open."""
+
+from chromanoise.io.spectra.dispatch import (
+    read_curves,
+)
+from chromanoise.io.spectra.envi_library import (
+    library_files,
+)
+from chromanoise.io.spectra.parsed import (
+    ASK,
+    Answers,
+    Question,
+    Understood,
+)
+from chromanoise.io.spectra.uses import (
+    power_of,
+    power_of_photons,
+    qe_of,
+)
+
+__all__ = [
+    "ASK",
+    "Answers",
+    "Question",
+    "Understood",
+    "library_files",
+    "power_of",
+    "power_of_photons",
+    "qe_of",
+    "read_curves",
+]

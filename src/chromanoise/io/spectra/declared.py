@@ -1,0 +1,261 @@
+"""What a file declares: units in headings, and ``key: value`` lines of a closed vocabulary.
+
+Headings and these keys decide what the curves are. Free text does not: otherwise a title or a
+comment about the measurement could change units or scale.
+"""
+
+import re
+from collections.abc import Iterable, Mapping
+from types import MappingProxyType
+from typing import get_args
+
+from chromanoise import _check
+from chromanoise.io.spectra.parsed import Level, Per, Quantity, Scale, Unit
+
+_KEY = re.compile(r"\s*([A-Za-z][A-Za-z _-]{0,40}?)\s*[:=]\s*(\S.*)")
+_OF_WAVELENGTHS = r"(?:wave(?:length)?s?|lambda|x(?:[ _]axis)?)"
+_KEYS = {
+    "quantity": r"quantity",
+    "unit": r"(?:y[ _]?)?units?",
+    "scale": r"scale",
+    "level": r"level",
+    "per": r"per",
+    "wavelength_unit": rf"{_OF_WAVELENGTHS}[ _]?units?|units? of {_OF_WAVELENGTHS}",
+}
+_QUANTITIES: tuple[tuple[Quantity, str], ...] = (
+    ("QE", r"(?:absolute |relative )?(?:qe|quantum[ _]?efficiency)"),
+    ("response", r"(?:spectral )?(?:responsivity|sensitivity|response)"),
+    ("reflectance", r"(?:spectral )?(?:reflectance|reflectivity)(?: factor)?"),
+    ("transmittance", r"(?:spectral )?(?:transmittance|transmission|throughput)"),
+    ("power", r"(?:spectral )?(?:power|irradiance|radiance|exitance|flux|spd)"),
+)
+UNITS: dict[str, Unit] = {
+    **dict.fromkeys(("nm", "nanometer", "nanometre"), "nm"),
+    **dict.fromkeys(("um", "µm", "μm", "micron", "micrometer", "micrometre"), "um"),
+    **dict.fromkeys(("angstrom", "ångström", "ångstrom", "angström", "å", "ang", "aa"), "angstrom"),
+    **dict.fromkeys(("1/cm", "cm-1", "cm^-1", "cm⁻¹", "wavenumber", "kayser"), "1/cm"),
+}  # fmt: skip
+"""Units of wavelengths by their names in lower case, singular."""
+
+_SENSITIVE_NM = (400.0, 1050.0)
+_MOST_UM = 20.0
+_NOT_READ = ("m", "mm", "ev", "kev", "hz", "ghz", "thz", "phz", "pixel", "px")
+_WORD = re.compile(r"1/cm|cm\^?-1|cm⁻¹|[^\W\d_]+")
+_BRACKETS = re.compile(r"[\[(]\s*([^\[\]()]+?)\s*[\])]\s*$")
+_UNIT_OF_VALUES = (
+    r"%|percent|pct|fraction|1|dimensionless|none|a\s*/\s*w|e-?\s*/\s*(?:photon|ph)|counts?|dn|"
+    r"photons?|quanta|flam|fnu|photlam|photnu|(?:photons?|[µum]?[wj])"
+    r"(?:[\s/*.^·⁻¹²0-9-]|per|s(?![a-z])|sec|hz|cm|nm|um|µm|m|sr|angstroms?)*"
+)
+_OF_VALUES = re.compile(rf"|-|{_UNIT_OF_VALUES}", re.IGNORECASE)
+_FACT_OF_COLUMN = re.compile(r"\b(\w+):\s*('[^']*'|\"[^\"]*\"|[^,}\n]*)")
+_VALUES = {
+    "unit": _UNIT_OF_VALUES,
+    "scale": r"%|percent|pct|fraction|as written",
+    "wavelength_unit": r"\S{1,20}",
+}
+
+
+def declared_keys(comments: Iterable[str]) -> Mapping[str, str]:
+    """The declarations in comment lines, by standard names of the keys.
+
+    Examples
+    --------
+    >>> dict(declared_keys(["Wavelength units: Angstrom", "bench: 0.2 A/W", "scale = percent"]))
+    {'wavelength_unit': 'Angstrom', 'scale': 'percent'}
+    """
+    found: dict[str, str] = {}
+    for match in filter(None, map(_KEY.fullmatch, comments)):
+        for key, words in _KEYS.items():
+            if re.fullmatch(words, match[1], re.IGNORECASE):
+                value = match[2].strip().strip("'\"")
+                value = value[1:-1] if value[0] + value[-1] == "[]" else value
+                if re.fullmatch(_VALUES.get(key, ".*"), value, re.IGNORECASE):
+                    found.setdefault(key, value)
+    return MappingProxyType(found)
+
+
+def quantity_of_key(keys: Mapping[str, str]) -> Quantity | None:
+    """The quantity that a key names; None for any other value.
+
+    Examples
+    --------
+    >>> quantity_of_key({"quantity": "QE [e-/photon]"})
+    'QE'
+    >>> quantity_of_key({"quantity": "three sensors, reflectance standard used"})
+    """
+    name = _BRACKETS.sub("", keys.get("quantity", "")).strip()
+    for quantity, words in _QUANTITIES:
+        if re.fullmatch(words, name, re.IGNORECASE):
+            return quantity
+    return None
+
+
+def scale_of_key(keys: Mapping[str, str]) -> Scale | None:
+    """``percent`` or ``fraction``, if a key declares it."""
+    text = f"{keys.get('scale', '')} {keys.get('unit', '')}".lower().split()
+    if {"percent", "%", "pct"} & set(text):
+        return "percent"
+    return "fraction" if "fraction" in text else None
+
+
+def level_of_key(keys: Mapping[str, str]) -> Level | None:
+    """``absolute`` or ``relative``, if a key declares it."""
+    word = keys.get("level", "").lower()
+    return next((level for level in get_args(Level) if level == word), None)
+
+
+def per_of_key(keys: Mapping[str, str]) -> Per | None:
+    """``photon`` or ``energy``, if a key declares it."""
+    word = keys.get("per", "").lower()
+    return next((per for per in get_args(Per) if per == word), None)
+
+
+def wavelength_unit_of(heading: str) -> Unit | None:
+    """The unit named in the heading of the wavelengths or in a declared unit.
+
+    Raises
+    ------
+    InputError
+        If it names two units, or one that is not supported for wavelengths.
+
+    Examples
+    --------
+    >>> [wavelength_unit_of(h) for h in ("Wavelength [um]", "wave_nm", "lambda (A)", "x", "cm-1")]
+    ['um', 'nm', 'angstrom', None, '1/cm']
+    """
+    bracket = _BRACKETS.search(heading)
+    inside = bracket[1].strip() if bracket else ""
+    words = [word for word in re.split(r"[\s_,/]+", heading.strip("[]() ")) if word]
+    last = inside or (words[-1] if words else "")
+    if last.lower() in _NOT_READ or re.match(r"[\d.]+\s*[^\W\d]", inside):
+        raise _check.InputError(
+            f"wavelengths are in {last!r} by their heading; give them in nm, um, angstrom or 1/cm"
+        )
+    if (inside or heading[-2:].strip("_")) in ("A", "A.", "AA") and (inside or "_" in heading):
+        return "angstrom"
+    found = [
+        UNITS.get(word.lower()) or UNITS.get(word.lower().rstrip("s"))
+        for word in _WORD.findall(heading)
+    ]
+    units = {unit for unit in found if unit}
+    if len(units) > 1:
+        raise _check.InputError(
+            f"the heading {heading[:60]!r} names the units {' and '.join(sorted(units))}; keep one"
+        )
+    return next(iter(units), None)
+
+
+def unit_that_fits(low: float, high: float) -> Unit | None:
+    """The only unit in which numbers are wavelengths of light that silicon answers to.
+
+    Parameters
+    ----------
+    low, high
+        The smallest and the largest number.
+
+    Returns
+    -------
+    unit
+        ``None`` where none fits, or where a unit ten times smaller fits as well.
+
+    Examples
+    --------
+    >>> [unit_that_fits(*span) for span in ((380, 780), (0.38, 1.1), (3000, 11000), (1000, 3950))]
+    ['nm', 'um', None, None]
+    """
+    if 0.1 <= low < 1e-3 * _SENSITIVE_NM[1] and high < _MOST_UM:
+        return "um"
+    if 100 <= low < 1000 and _fits(low, high) and not _fits(low / 10, high / 10):
+        return "nm"
+    return None
+
+
+def _fits(low_nm: float, high_nm: float) -> bool:
+    return bool(low_nm < _SENSITIVE_NM[1] and high_nm > _SENSITIVE_NM[0])
+
+
+def known_unit(unit: str, source: str) -> Unit:
+    """The unit of wavelengths that a format names.
+
+    Raises
+    ------
+    InputError
+        If it is not supported for wavelengths.
+
+    Examples
+    --------
+    >>> known_unit("Micrometers", "a library")
+    'um'
+    """
+    bare = unit.strip()
+    known = None if bare.lower() in _NOT_READ else wavelength_unit_of(f"[{bare}]")
+    if known is None:
+        raise _check.InputError(
+            f"{source}: wavelengths in {unit[:40]!r} are not supported; write them in nm, um, "
+            "angstrom or 1/cm"
+        )
+    return known
+
+
+def is_wavelength_heading(cell: str) -> bool:
+    """Whether a cell is the heading of a column of wavelengths, and names nothing else.
+
+    Examples
+    --------
+    >>> [is_wavelength_heading(c) for c in ("Wavelength in nm", "wl", "wavelength error 1 nm")]
+    [True, True, False]
+    """
+    words = [w for w in _WORD.findall(cell.lower()) if w not in ("in", "vac", "vacuum", "air")]
+    names = {"wavelength", "wave", "lambda", "λ", "wl", "wvl", "center", "centre", "band", "a"}
+    known = [w for w in words if w in names or w.rstrip("s") in names or w.rstrip("s") in UNITS]
+    return bool(words) and len(known) == len(words) and words != ["a"]
+
+
+def is_row_of_units(cells: Iterable[str]) -> bool:
+    """Whether the cells are the unit of wavelengths, followed by units of values only.
+
+    Examples
+    --------
+    >>> is_row_of_units(["nm", "%", "%"]), is_row_of_units(["ANGSTROM", "FLAM"])
+    (True, True)
+    >>> is_row_of_units(["nm", "R", "G"]), is_row_of_units(["wavelength", "%"])
+    (False, False)
+    """
+    first, *rest = [cell.strip().strip("[]()").strip() for cell in cells] or [""]
+    known = first.lower() in UNITS or first.lower().rstrip("s") in UNITS
+    return known and bool(rest) and all(map(_OF_VALUES.fullmatch, rest)) and any(rest)
+
+
+def with_units(names: Iterable[str], units: Iterable[str]) -> tuple[str, ...]:
+    """Headings with the units below them appended: ``wavelength``, ``nm`` become one cell."""
+    return tuple(
+        f"{name} [{bare}]" if (bare := unit.strip().strip("[]()")) else name
+        for name, unit in zip(names, units, strict=True)
+    )
+
+
+def ecsv_units(comments: Iterable[str]) -> Mapping[str, str]:
+    """The unit of each column that the header of an ECSV file declares.
+
+    Notes
+    -----
+    Enhanced CSV, Astropy Proposal for Enhancement 6: comment lines that begin with ``%ECSV`` and
+    hold YAML with ``name`` and ``unit`` of each column, in flow or in block style.
+
+    Examples
+    --------
+    >>> dict(ecsv_units(["%ECSV 1.0", "---", "- {name: wave, unit: Angstrom, datatype: float64}"]))
+    {'wave': 'Angstrom'}
+    """
+    lines = list(comments)
+    if not any(line.startswith(("%ECSV", "ECSV")) for line in lines):
+        return MappingProxyType({})
+    found: dict[str, str] = {}
+    for entry in re.split(r"(?m)^\s*-\s", "\n".join(lines)):
+        facts: dict[str, str] = {}
+        for key, value in _FACT_OF_COLUMN.findall(entry):  # a description may mention a unit
+            facts.setdefault(key, value.strip().strip("'\""))
+        if facts.get("name") and facts.get("unit"):
+            found[facts["name"]] = facts["unit"]
+    return MappingProxyType(found)

@@ -1,0 +1,172 @@
+"""The one door for files of spectra: which reader a file wants, and how its faults are told."""
+
+import codecs
+import re
+import warnings
+import zipfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+
+from chromanoise import _check
+from chromanoise._inputs import regular_file
+from chromanoise.io.spectra.cgats import is_cgats, read_cgats
+from chromanoise.io.spectra.delimited import read_delimited
+from chromanoise.io.spectra.envi_library import envi_library, read_envi_library
+from chromanoise.io.spectra.fits import read_fits
+from chromanoise.io.spectra.isetcam import is_matlab, read_isetcam
+from chromanoise.io.spectra.json_forms import read_json
+from chromanoise.io.spectra.kinds import kind_of, kind_of_zip
+from chromanoise.io.spectra.meaning import meaning_of
+from chromanoise.io.spectra.parsed import ASK, Answers, Found, Understood
+from chromanoise.io.spectra.tm27 import read_tm27
+from chromanoise.io.spectra.workbook import read_workbook
+
+_LARGEST_BYTES = 4 * 2**20
+_MOST_HIGH = 0.1
+_CONTROL = re.compile(rb"[\x00-\x08\x0e-\x1f]")
+
+
+def read_curves(path: Path | str, *, answers: Answers = ASK) -> Understood:
+    r"""The curves of a file, and what was understood of it.
+
+    Delimited text with any of the usual separators, digitized curves, ISETCam ``.mat``, cameras of
+    Jiang et al. ``.mat``, JSON of this library, of rawtoaces, of DCamProf (ssf-data) or in plain
+    lists, CGATS and Argyll ``.sp``, IES TM-27 ``.spdx``, ENVI spectral libraries ``.sli`` with
+    ``.hdr``, FITS tables, and ``.xlsx``. The file's content decides, not its name.
+
+    Parameters
+    ----------
+    path
+        The file, of 4 MiB at most.
+    answers
+        What its user knows and the file does not say.
+
+    Raises
+    ------
+    InputError
+        If nothing can be understood; the file, and the line where there are lines, are told.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> with TemporaryDirectory() as folder:
+    ...     file = Path(folder) / "lamp.csv"
+    ...     _ = file.write_text("Wavelength [um];QE (%)\n0,4;12,5\n0,5;50,0\n")
+    ...     read = read_curves(file)
+    >>> read.curves.wavelength_nm, read.curves.values.ravel(), read.delimiter, read.decimal
+    (array([400., 500.]), array([0.125, 0.5  ]), 'semicolon', ',')
+    """
+    path = Path(path)
+    with _faults_told(path):
+        return meaning_of(_found(path, _content(path)), answers)
+
+
+def _content(path: Path) -> bytes:
+    _refuse_large(path)
+    return path.read_bytes()
+
+
+def _refuse_large(path: Path) -> None:
+    size = regular_file(path).st_size
+    if size > _LARGEST_BYTES:
+        raise _check.InputError(
+            f"{path}: {size / 2**20:.0f} MiB is too large for a table of spectra "
+            f"({_LARGEST_BYTES // 2**20} MiB at most); leave out what is no curve"
+        )
+
+
+def _found(path: Path, content: bytes) -> Found:
+    if is_matlab(content):
+        return read_isetcam(path)
+    if content.startswith(b"SIMPLE  ="):
+        return read_fits(path, content)
+    library = envi_library(path, content)
+    if library is not None:
+        _refuse_large(library[1])
+        return read_envi_library(*library)
+    _refuse_kind(path, kind_of(content))
+    if content.startswith(b"PK\x03\x04"):
+        with zipfile.ZipFile(path) as archive:
+            _refuse_kind(path, kind_of_zip(archive.namelist()))
+        return read_workbook(path)
+    text, notes = _decoded(path, content)
+    found = _of_text(text, str(path))
+    return replace(found, notes=(*notes, *found.notes))
+
+
+def _of_text(text: str, source: str) -> Found:
+    start = text.lstrip()[:1]
+    if start == "{":
+        return read_json(text, source)
+    if start == "<":
+        return read_tm27(text, source)
+    if is_cgats(text):
+        return read_cgats(text, source)
+    return read_delimited(text, source)
+
+
+def _refuse_kind(path: Path, kind: tuple[str, str] | None) -> None:
+    if kind is not None:
+        raise _check.InputError(f"{path}: is {kind[0]}, not a file of spectra; {kind[1]}")
+
+
+def _decoded(path: Path, content: bytes) -> tuple[str, tuple[str, ...]]:
+    """The text, and a note if the file does not declare its character encoding."""
+    coding, notes = _coding(content)
+    try:
+        text = content.decode(coding)
+    except UnicodeDecodeError as error:
+        raise _check.InputError(
+            f"{path}: not a UTF-8 text file (byte {error.start} is not text); save it as CSV UTF-8"
+        ) from None
+    if "\0" in text:
+        line = text[: text.index("\0")].count("\n") + 1
+        raise _check.InputError(f"{path}: line {line} holds null bytes, so it is no text file")
+    return text, notes
+
+
+def _coding(content: bytes) -> tuple[str, tuple[str, ...]]:
+    """The encoding: UTF-8, unless a mark or the bytes show UTF-16 or Windows-1252."""
+    if content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+        return "utf-16", ()
+    for coding, zeros in (("utf-16-le", content[1::2]), ("utf-16-be", content[::2])):
+        # every other byte is zero in UTF-16 of European letters, and none in UTF-8
+        count = zeros.count(0)
+        if len(content) % 2 == 0 and count == content.count(0) and count > 0.8 * len(zeros) > 1:
+            return coding, (f"read as {coding.upper()}, which the file does not declare",)
+    high = len(content.translate(None, bytes(range(128))))
+    if _is_utf8(content) or high > _MOST_HIGH * len(content) or _CONTROL.search(content):
+        return "utf-8-sig", ()
+    return "cp1252", (
+        f"read as Windows-1252, because it is not valid UTF-8 ({high} bytes above 127)",
+    )
+
+
+def _is_utf8(content: bytes) -> bool:
+    try:
+        content.decode("utf-8")
+    except UnicodeDecodeError:
+        return False
+    return True
+
+
+@contextmanager
+def _faults_told(path: Path) -> Iterator[None]:
+    """Turns whatever a parser throws at a bad file into one sentence."""
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            yield
+    except _check.InputError:
+        raise
+    except OSError as error:
+        raise _check.InputError(f"{path}: cannot be read ({error.strerror or error})") from None
+    except MemoryError:
+        raise _check.InputError(f"{path}: too large for this machine's memory") from None
+    except Exception:  # parsers raise anything, with messages about themselves
+        raise _check.InputError(
+            f"{path}: cannot be read as a file of spectra; it is damaged, truncated or of an "
+            "unknown format: save it again, or as CSV"
+        ) from None

@@ -1,0 +1,153 @@
+"""ENVI spectral libraries: spectra in rows of a binary file, with a separate text header."""
+
+from pathlib import Path
+
+import numpy as np
+
+from chromanoise import _check
+from chromanoise._check import Array
+from chromanoise.io.spectra.declared import known_unit
+from chromanoise.io.spectra.envi import EnviHeader, envi_pair, envi_pixels, read_envi_header
+from chromanoise.io.spectra.parsed import Column, Found
+from chromanoise.io.spectra.tables import missing_told, number_in
+
+_LIBRARY = "envi spectral library"
+_GAINS = ("data gain values", "data offset values")
+_LARGEST = 1e30  # USGS libraries mark deleted points by -1.23e34
+_UNSAID = ("", "unknown", "index")
+
+
+def envi_library(path: Path, content: bytes) -> tuple[EnviHeader, Path] | None:
+    """Header and data of the library if ``path`` is either of them; None for other files.
+
+    Raises
+    ------
+    InputError
+        If it is the header of something else, or the other file is missing.
+    """
+    if content.lstrip()[:5].split() == [b"ENVI"]:
+        return _library(*(envi_pair(path.with_suffix(".hdr")) or (path, path)))
+    if path.suffix.lower() != ".sli" and b"\0" not in content:
+        return None
+    pair = envi_pair(path)
+    if pair is None and path.suffix.lower() == ".sli":
+        raise _check.InputError(
+            f"{path}: the header of this ENVI spectral library is missing; put "
+            f"{path.stem}.hdr in the same folder"
+        )
+    return None if pair is None else _library(*pair)
+
+
+def _library(header_file: Path, data: Path) -> tuple[EnviHeader, Path]:
+    header = read_envi_header(header_file)
+    kind = header.fields.get("file type", "")
+    if kind.lower() != _LIBRARY:
+        raise _check.InputError(
+            f"{header_file}: its file type must be ENVI Spectral Library, but is {kind[:40]!r}; a "
+            "cube is not a file of spectra"
+        )
+    return header, data
+
+
+def read_envi_library(header: EnviHeader, data: Path) -> Found:
+    """The spectra of a library, divided by its reflectance scale factor.
+
+    Raises
+    ------
+    InputError
+        If the header lacks something or contradicts the data.
+
+    Notes
+    -----
+    NV5 Geospatial, "ENVI Header Files": ``samples`` wavelengths, ``lines`` spectra, one band; the
+    data divided by the ``reflectance scale factor`` are reflectances from 0 to 1.
+    """
+    gains = [key for key in _GAINS if key in header.fields]
+    if gains:
+        raise _check.InputError(
+            f"{header.source}: {gains[0]!r} is not applied here; apply it and save the library "
+            "again"
+        )
+    pixels, notes = envi_pixels(header, data)
+    if pixels.shape[2] != 1:
+        raise _check.InputError(
+            f"{header.source}: a spectral library has 1 band, but this has {pixels.shape[2]}"
+        )
+    factor = _factor(header)
+    table = pixels[:, :, 0].astype(np.float64)
+    known = np.isfinite(table) & (np.abs(table) <= _LARGEST)
+    wavelength, heading = _wavelengths(header, table.shape[1])
+    names = _names(header, table.shape[0])
+    missing = [
+        told
+        for name, here in zip(names, known, strict=True)
+        for told in missing_told(
+            name, wavelength, here, "values that are not numbers or marked as deleted"
+        )
+    ]
+    said = [header.fields.get(key, "") for key in ("description", "z plot titles")]
+    return Found(
+        source=header.source,
+        format="ENVI spectral library",
+        columns=tuple(
+            Column(name=name, unit="", wavelength=wavelength[here], values=row[here] / factor)
+            for name, row, here in zip(names, table, known, strict=True)
+        ),
+        heading=heading,
+        words=" ".join(said),
+        quantity="reflectance" if "reflectance scale factor" in header.fields else None,
+        scale="fraction" if "reflectance scale factor" in header.fields else None,
+        notes=(
+            *notes,
+            *((f"divided by the reflectance scale factor {factor:g}",) if factor != 1 else ()),
+        ),
+        defects=tuple(missing),
+    )
+
+
+def library_files(path: Path) -> tuple[Path, ...]:
+    """All files that a file of spectra consists of: header and data of a library, or itself.
+
+    Raises
+    ------
+    InputError
+        If the data of a header are missing.
+    """
+    pair = envi_pair(path) if path.suffix.lower() in (".sli", ".hdr") and path.exists() else None
+    return pair or (path,)
+
+
+def _factor(header: EnviHeader) -> float:
+    told = header.fields.get("reflectance scale factor", "1")
+    factor = number_in(told)
+    if not factor > 0:
+        raise _check.InputError(
+            f"{header.source}: 'reflectance scale factor' must be > 0, but is {told[:40]!r}"
+        )
+    return factor
+
+
+def _wavelengths(header: EnviHeader, count: int) -> tuple[Array, str]:
+    """The wavelengths that the header lists, and a heading with their unit."""
+    cells = [cell.strip() for cell in header.word("wavelength").split(",")]
+    numbers = np.array([number_in(cell) for cell in cells])
+    if numbers.size != count:
+        raise _check.InputError(
+            f"{header.source}: 'wavelength' lists {numbers.size} numbers, but 'samples' is {count}"
+        )
+    if np.isnan(numbers).any():
+        wrong = cells[int(np.isnan(numbers).argmax())]
+        raise _check.InputError(f"{header.source}: the wavelength {wrong[:40]!r} is not a number")
+    unit = header.fields.get("wavelength units", "")
+    if unit.lower() in _UNSAID:
+        return numbers, ""
+    return numbers, f"wavelength [{known_unit(unit, header.source)}]"
+
+
+def _names(header: EnviHeader, count: int) -> tuple[str, ...]:
+    names = [name.strip() for name in header.fields.get("spectra names", "").split(",")]
+    if len(names) == count and all(names):
+        return tuple(
+            name if names.count(name) == 1 else f"{name} ({k + 1})" for k, name in enumerate(names)
+        )
+    return tuple(str(k + 1) for k in range(count))

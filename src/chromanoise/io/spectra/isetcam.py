@@ -1,0 +1,162 @@
+"""MATLAB files: ISETCam's ``wavelength``, ``data``, ``filterNames``; a camera's ``r, g, b``."""
+
+import math
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+
+from chromanoise import _check
+from chromanoise._check import Array
+from chromanoise.io.mat5 import mat_array, mat_arrays, mat_texts
+from chromanoise.io.spectra.parsed import Column, Found
+from chromanoise.io.spectra.tables import missing_told
+
+_LARGEST_BYTES = 32 * 2**20
+_WAVELENGTHS = ("wavelength", "wavelength_nm", "wave")
+_WORDS = ("comment", "units", "type", "name")
+_MOST_CURVES = 2000
+_JIANG_NM = np.arange(400.0, 721.0, 10.0)
+
+
+def is_matlab(content: bytes) -> bool:
+    """Whether these bytes begin a MATLAB file of version 5."""
+    return content.startswith(b"MATLAB 5.0") or (
+        len(content) >= 128 and content[124:128] in (b"\x00\x01IM", b"\x01\x00MI")
+    )
+
+
+def read_isetcam(path: Path) -> Found:
+    """The curves of a MATLAB file, their names, and its other texts.
+
+    Raises
+    ------
+    InputError
+        If it lacks ``wavelength`` or ``data``, or these do not fit each other, and it is not a
+        camera of the database of Jiang et al. either.
+    """
+    arrays = mat_arrays(path)
+    if all(name in arrays for name in "rgb") and not any(w in arrays for w in _WAVELENGTHS):
+        return _camera_of_jiang(path, arrays)
+    at_name = next((name for name in _WAVELENGTHS if name in arrays), None)
+    if at_name is None or "data" not in arrays:
+        held = ", ".join(list(arrays)[:20]) or "no arrays"
+        raise _check.InputError(
+            f"{path}: needs the arrays wavelength and data as ISETCam writes them, but holds {held}"
+        )
+    wavelength = _real(path, at_name, arrays[at_name]).ravel()
+    if np.isnan(wavelength).any():
+        raise _check.InputError(f"{path}: the array {at_name!r} holds NaN; mend or drop it")
+    data = _upright(path, _real(path, "data", arrays["data"]), wavelength.size)
+    square = _square_note(data.shape[1], wavelength.size)
+    words = {w: mat_texts(path, w, largest_bytes=_LARGEST_BYTES) for w in _WORDS if w in arrays}
+    names, notes = _names(path, arrays, data.shape[1], words.get("name", ()))
+    told = " ".join(" ".join(texts) for texts in words.values())
+    known = [np.isfinite(data[:, k]) for k in range(data.shape[1])]
+    missing = [
+        told
+        for name, here in zip(names, known, strict=True)
+        for told in missing_told(name, wavelength, here, "values that are no number (NaN)")
+    ]
+    comment = " ".join(" ".join(words.get("comment", ())).split())
+    return Found(
+        source=str(path),
+        format="ISETCam MAT",
+        columns=tuple(
+            Column(name=name, unit="", wavelength=wavelength[here], values=data[here, k])
+            for k, (name, here) in enumerate(zip(names, known, strict=True))
+        ),
+        words=told,
+        keys=_keys(words),
+        per="photon" if words.get("units") == ("photons",) else None,
+        wavelength_unit=None,
+        defects=tuple(missing),
+        notes=(*notes, *square, *((f"the file says: {comment}",) if comment else ())),
+    )
+
+
+def _keys(words: Mapping[str, tuple[str, ...]]) -> dict[str, str]:
+    """``type`` is the quantity and ``units`` the unit; ``comment`` and ``name`` are free text."""
+    fields = {"quantity": "type", "unit": "units"}
+    return {key: " ".join(words[field]) for key, field in fields.items() if field in words}
+
+
+def _camera_of_jiang(path: Path, arrays: dict) -> Found:
+    """The sensitivities ``r``, ``g``, ``b``, whose wavelengths are given only in the paper.
+
+    Notes
+    -----
+    Jiang, Liu, Gu & Suesstrunk, "What is the space of spectral sensitivity functions for digital
+    color cameras?" (WACV 2013): 400-720 nm in steps of 10 nm, the raw value divided by the radiance
+    and the exposure time, so light is counted as energy; each camera's highest value is 1.
+    """
+    curves = {name: _real(path, name, arrays[name]).ravel() for name in "rgb"}
+    if any(curve.size != _JIANG_NM.size for curve in curves.values()):
+        sizes = ", ".join(f"{curve.size}" for curve in curves.values())
+        raise _check.InputError(
+            f"{path}: has r, g and b of {sizes} values, but no wavelengths; only the "
+            f"{_JIANG_NM.size} values of the database of Jiang et al. (400-720 nm, step 10 nm) are "
+            "accepted without; add an array 'wavelength', or write a CSV"
+        )
+    if not all(np.isfinite(curve).all() for curve in curves.values()):
+        raise _check.InputError(f"{path}: r, g or b holds NaN; correct it")
+    return Found(
+        source=str(path),
+        format="MATLAB, a camera of Jiang et al. (2013)",
+        columns=tuple(
+            Column(name=name.upper(), unit="", wavelength=_JIANG_NM, values=curve)
+            for name, curve in curves.items()
+        ),
+        wavelength_unit="nm",
+        quantity="response",
+        per="energy",
+        level="relative",
+        notes=(
+            "the file has no wavelengths: r, g, b of 33 values each are taken as from the camera "
+            "database of Jiang et al. (WACV 2013), 400-720 nm in steps of 10 nm, per energy",
+        ),
+    )
+
+
+def _real(path: Path, name: str, declared: tuple[tuple[int, ...], np.dtype]) -> Array:
+    shape, dtype = declared
+    if dtype.kind not in "fiu" or len(shape) != 2 or min(shape) < 1:
+        raise _check.InputError(f"{path}: the array {name!r} must be a table of real numbers")
+    if math.prod(shape) * 8 > _LARGEST_BYTES:
+        raise _check.InputError(f"{path}: the array {name!r} is too large for a table of spectra")
+    array = mat_array(path, name, largest_bytes=_LARGEST_BYTES).astype(np.float64)
+    beyond = np.abs(array) > 1e30
+    if beyond.any():
+        raise _check.InputError(f"{path}: the array {name!r} holds {array[beyond][0]:g}; mend it")
+    return array
+
+
+def _upright(path: Path, data: Array, n: int) -> Array:
+    """One row per wavelength."""
+    if data.shape[0] != n and data.shape[1] == n:
+        data = data.T
+    if data.shape[0] != n or data.shape[1] > _MOST_CURVES:
+        raise _check.InputError(
+            f"{path}: wavelength has {n} entries, but data is {data.shape[0]} by {data.shape[1]}"
+        )
+    return data
+
+
+def _square_note(curves: int, n: int) -> tuple[str, ...]:
+    if curves != n:
+        return ()
+    return (f"data is {n} by {n}: its rows are taken for wavelengths, its columns for curves",)
+
+
+def _names(
+    path: Path, arrays: dict, curves: int, own: tuple[str, ...]
+) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    if "filterNames" in arrays:
+        names = mat_texts(path, "filterNames", largest_bytes=_LARGEST_BYTES)
+        if len(names) == curves and all(names):
+            return names, ()
+        numbered = tuple(str(k + 1) for k in range(curves))
+        return numbered, (f"{len(names)} names for {curves} curves: the curves are numbered",)
+    if curves == 1:
+        return (own[0] if own and own[0] else path.stem,), ()
+    return tuple(str(k + 1) for k in range(curves)), ()

@@ -1,0 +1,186 @@
+"""The JSON formats of curves; the keys of a file decide which one it is."""
+
+import json
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from chromanoise import _check
+from chromanoise._check import Array
+from chromanoise.io.spectra.own_json import SPECTRA_SCHEMA, array_of, number_of, own_spectra
+from chromanoise.io.spectra.parsed import Column, Found
+from chromanoise.io.spectra.rawtoaces import read_rawtoaces
+
+_WAVELENGTHS = re.compile(r"(?i)(wavelengths?|lambdas?|waves?|wls?|nm)([ _]?\(?\w{1,12}\)?)?")
+_UNIT = re.compile(r"(?i)wavelengths?[ _]units?")
+_SSF = {"R": "red_ssf", "G": "green_ssf", "B": "blue_ssf"}
+_LARGEST = 1e30
+
+
+def read_json(text: str, source: str) -> Found:
+    """The curves in JSON of this library, of rawtoaces, of DCamProf, or in plain lists.
+
+    Raises
+    ------
+    InputError
+        If the text is not JSON, has a key twice, or holds curves in none of these formats.
+
+    Notes
+    -----
+    rawtoaces-data has ``spectral_data``; DCamProf (and the collection ssf-data) has ``ssf_bands``
+    with ``red_ssf``, ``green_ssf`` and ``blue_ssf`` for a camera, ``bands`` and ``spectrum`` for a
+    light. Any other JSON needs one list of wavelengths, and lists of values of the same length.
+    """
+    whole = _parsed(text, source)
+    schema = whole.get("schema")
+    if schema == SPECTRA_SCHEMA:
+        return own_spectra(whole, source)
+    if isinstance(schema, str) and schema.startswith("chromanoise "):
+        raise _check.InputError(
+            f"{source}: is JSON of the schema {schema[:40]!r}, but curves need the "
+            f"schema {SPECTRA_SCHEMA!r}; convert it to .csv, or name another file"
+        )
+    try:
+        if "ssf_bands" in whole:
+            return _camera_of_dcamprof(whole, source)
+        if "bands" in whole and "spectrum" in whole:
+            return _spectrum_of_dcamprof(whole, source)
+        if "spectral_data" not in whole and (found := _lists(whole, source)) is not None:
+            return found
+    except (TypeError, OverflowError) as error:
+        raise _check.InputError(f"{source}: its lists are not curves ({error})") from None
+    return read_rawtoaces(whole, source)
+
+
+def _parsed(text: str, source: str) -> dict[str, Any]:
+    def once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+        members = dict(pairs)
+        if len(members) < len(pairs):
+            names = [name for name, _ in pairs]
+            twice = next(name for name in names if names.count(name) > 1)
+            raise _check.InputError(f"{source}: the key {twice[:40]!r} occurs twice; remove one")
+        return members
+
+    try:
+        whole = json.loads(text, object_pairs_hook=once)
+    except _check.InputError:
+        raise
+    except json.JSONDecodeError as error:
+        raise _check.InputError(
+            f"{source}: line {error.lineno}, column {error.colno} is not JSON ({error.msg})"
+        ) from None
+    except (RecursionError, ValueError):  # a number of thousands of digits is a ValueError
+        raise _check.InputError(
+            f"{source}: its brackets are nested too deeply, or a number is too long"
+        ) from None
+    assert isinstance(whole, dict)  # it begins with a brace
+    return whole
+
+
+def _camera_of_dcamprof(whole: Mapping[str, Any], source: str) -> Found:
+    """A camera. DCamProf multiplies the curves by spectral power, so the response is per energy."""
+    missing = [key for key in _SSF.values() if key not in whole]
+    if missing:
+        raise _check.InputError(
+            f"{source}: has ssf_bands as DCamProf's cameras have, but lacks {', '.join(missing)}"
+        )
+    at = _bands(whole["ssf_bands"], source)
+    name = whole.get("camera_name")
+    return Found(
+        source=source,
+        format="DCamProf JSON, a camera (as in ssf-data)",
+        columns=_columns({channel: whole[key] for channel, key in _SSF.items()}, at, source),
+        words="",
+        wavelength_unit="nm",
+        quantity="response",
+        per="energy",
+        level="relative",
+        notes=(
+            *((f"the file says: camera_name: {str(name)[:200]}",) if name else ()),
+            "taken as relative response per energy, as in DCamProf",
+        ),
+    )
+
+
+def _spectrum_of_dcamprof(whole: Mapping[str, Any], source: str) -> Found:
+    at = _bands(whole["bands"], source)
+    scale = number_of(whole.get("scale", 1))
+    if not 0 < scale <= _LARGEST:
+        raise _check.InputError(f"{source}: its scale must be > 0, but is {scale:g}")
+    (column,) = _columns({str(whole.get("name") or "spectrum"): whole["spectrum"]}, at, source)
+    return Found(
+        source=source,
+        format="DCamProf JSON, a spectrum",
+        columns=(replace(column, values=column.values / scale),),
+        words=" ".join(_words(whole)),
+        wavelength_unit="nm",
+        named=False,
+        notes=(f"divided by its scale {scale:g}",) if scale != 1 else (),
+    )
+
+
+def _bands(told: Any, source: str) -> Array:
+    """Wavelengths from a list of all, or from three numbers: first, last, step."""
+    bands = array_of(told, 1)
+    if bands.size != 3 or not 0 < bands[2] <= bands[1]:
+        return bands
+    if bands[2] > bands[1] - bands[0] or (bands[1] - bands[0]) / bands[2] > 10_000:
+        raise _check.InputError(
+            f"{source}: bands of three numbers are first, last and step, but are "
+            f"{', '.join(f'{number:g}' for number in bands)}"
+        )
+    return np.arange(bands[0], bands[1] + bands[2] / 2, bands[2])
+
+
+def _lists(whole: Mapping[str, Any], source: str) -> Found | None:
+    """Curves from one list of wavelengths and lists at its level or one below; else None."""
+    keys = [k for k, v in whole.items() if isinstance(v, list) and _WAVELENGTHS.fullmatch(k)]
+    if len(keys) != 1:
+        return None
+    at = array_of(whole[keys[0]], 1)
+    lists = {k: v for k, v in _lists_in(whole) if k != keys[0]}
+    if not lists:
+        return None
+    said = next((str(v) for k, v in whole.items() if _UNIT.fullmatch(k)), "")
+    return Found(
+        source=source,
+        format="JSON, lists of numbers",
+        columns=_columns(lists, at, source),
+        heading=" ".join([*keys[0].split("_"), f"[{said}]" if said else ""]).strip(),
+        words=" ".join(_words(whole)),
+    )
+
+
+def _lists_in(whole: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
+    for key, value in whole.items():
+        if isinstance(value, list) and _of_numbers(value):
+            yield key, value
+        elif isinstance(value, dict):
+            yield from ((k, v) for k, v in value.items() if isinstance(v, list) and _of_numbers(v))
+
+
+def _of_numbers(values: list[Any]) -> bool:
+    return bool(values) and not isinstance(values[0], str | list | dict)
+
+
+def _words(whole: Mapping[str, Any]) -> list[str]:
+    nested = [key for key, value in whole.items() if isinstance(value, dict)]
+    return [*(str(value) for value in whole.values() if isinstance(value, str)), *nested]
+
+
+def _columns(lists: Mapping[str, Any], at: Array, source: str) -> tuple[Column, ...]:
+    columns = []
+    for name, told in lists.items():
+        values = array_of(told, 1)
+        if values.size != at.size:
+            raise _check.InputError(
+                f"{source}: {name[:40]!r} has {values.size} values, but there are {at.size} "
+                "wavelengths"
+            )
+        if not (np.abs(np.append(values, at)) <= _LARGEST).all():
+            raise _check.InputError(f"{source}: {name[:40]!r} must be finite numbers below 1e30")
+        columns.append(Column(name=name, unit="", wavelength=at, values=values))
+    return tuple(columns)

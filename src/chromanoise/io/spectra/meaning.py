@@ -1,0 +1,377 @@
+"""From what stands in a file to curves in nm: units, scale, quantity, and what stays open."""
+
+import re
+from dataclasses import replace
+from typing import Literal
+
+import numpy as np
+
+from chromanoise import _check
+from chromanoise._check import Array
+from chromanoise.io.spectra.declared import (
+    is_wavelength_heading,
+    level_of_key,
+    per_of_key,
+    quantity_of_key,
+    scale_of_key,
+    unit_that_fits,
+    wavelength_unit_of,
+)
+from chromanoise.io.spectra.defects import defects_of
+from chromanoise.io.spectra.merging import Sorted, gaps_nm, on_common, sorted_points, step_nm
+from chromanoise.io.spectra.parsed import (
+    Answers,
+    Column,
+    Found,
+    Level,
+    Per,
+    Quantity,
+    Understood,
+    Unit,
+)
+from chromanoise.io.spectra.questions import questions_of
+from chromanoise.io.spectra.tables import DIGITIZED
+from chromanoise.spectra.curves import Spectra
+
+_WORDS: tuple[tuple[Quantity, str], ...] = (
+    ("QE", r"(?<![a-z])qe(?![a-z])|quantum.?efficiency|e-?/(photon|ph)\b|electrons per photon"),
+    ("response", r"responsivity|sensitivit|\bresponse\b|\ba\s*/\s*w\b"),
+    ("reflectance", r"reflect"),
+    ("transmittance", r"transmi[ts]|throughput|ir[- ]?cut filter"),
+    (
+        "power",
+        r"irradiance|radiance|power|(?<![a-z])spd(?![a-z])|\bflux|\bw\s*/?\s*m\^?-?2|extraterrestrial"
+        r"|emission|illuminant|\blamp|\b(flam|photlam)\b",
+    ),
+)
+_PERCENT = r"%|(?<![a-z])(percent|pct)(?![a-z])|[\[(]\s*0\s*(\.\.|-|to)\s*100(\.0*)?\s*[\])]"
+_DEVIATION = (
+    r"(?i)(?<![a-z])(standard[ _]deviation|std|stdev|s\.?d\.?|sigma|uncertainty|errors?)(?![a-z])"
+)
+_MOST_UM, _LEAST_NM = 20.0, 100.0
+_SENSITIVE_NM = (400.0, 1050.0)
+_MOSTLY = 0.5  # of the steps, ascending minus descending
+_SMALL_NEGATIVE = 0.01  # of the highest value of its curve
+_FRACTION_AT_MOST, _PERCENT_AT_MOST = 1.5, 100.0
+_MOST_SENTENCES = 3
+
+
+def meaning_of(found: Found, answers: Answers) -> Understood:
+    """What a file's columns are, with the user's answers where the file is silent.
+
+    Raises
+    ------
+    InputError
+        If the unit of the wavelengths cannot be told, a curve has fewer than two points, or the
+        numbers contradict what the file says of them.
+    """
+    columns, deviations = _chosen(found, answers)
+    unit, unit_note = _wavelength_unit(found, answers, columns)
+    quantity = _quantity(found, answers, columns)
+    points = [sorted_points(column, unit, found.source) for column in columns]
+    scale, factor, scale_note = _scale(found, answers, columns, points, quantity)
+    level = _level(found, answers, columns)
+    common, cut = on_common(points, answers.beyond, found.source)
+    curves, zeroed = _without_small_negatives(
+        _spectra(found, common, points, factor, quantity), answers
+    )
+    notes = (
+        *(*found.notes, *unit_note, *scale_note, *_merge_notes(points), *cut, *zeroed),
+        *_unnamed(found, columns, answers),
+    )
+    spread = [sorted_points(column, unit, found.source) for column in deviations]
+    told = Understood(
+        curves=curves,
+        format=found.format,
+        delimiter=found.delimiter,
+        decimal=found.decimal,
+        wavelength_unit=unit,
+        scale=scale,
+        factor=factor,
+        step_nm=step_nm(curves.wavelength_nm),
+        gaps_nm=_gaps_nm(curves, points),
+        merged=sum(p.merged for p in points),
+        quantity=quantity,
+        level=level,
+        per=_per(found, answers, columns, quantity),
+        deviations=_deviations(found, curves, spread, factor),
+        notes=notes,
+        defects=(
+            *_few(found.defects),
+            *defects_of(curves, quantity, scale, points, level=level),
+        ),
+        questions=(),
+        own_form=found.heading == "wavelength_nm",
+        said_source=found.said_source,
+        said_notes=found.said_notes,
+    )
+    return questions_of(told, found.words, answers)
+
+
+def _chosen(found: Found, answers: Answers) -> tuple[list[Column], list[Column]]:
+    """The curves that are wanted, and the columns of their standard deviations."""
+    spread = [c for c in found.columns if re.search(_DEVIATION, f"{c.name} {c.unit}")]
+    curves = [c for c in found.columns if c not in spread]
+    if not curves:
+        curves, spread = spread, []
+    names = [c.name for c in curves]
+    for i, name in enumerate(names):
+        if name in names[:i]:
+            raise _check.InputError(f"{found.source}: the curve {name!r} stands twice; rename one")
+    for name in answers.columns:
+        if name not in names:
+            raise _check.InputError(
+                f"{found.source}: has no curve {name!r}; it has {', '.join(names[:20])}"
+            )
+    if answers.columns:
+        curves = [curves[names.index(name)] for name in dict.fromkeys(answers.columns)]
+    return curves, spread
+
+
+def _wavelength_unit(
+    found: Found, answers: Answers, columns: list[Column]
+) -> tuple[Unit, tuple[str, ...]]:
+    """The declared unit, else that of the option, else the only one that fits the numbers."""
+    known = [c.wavelength for c in columns if c.wavelength.size]
+    if not known:
+        raise _check.InputError(f"{found.source}: its curves have no points")
+    low = min(float(at.min()) for at in known)
+    high = max(float(at.max()) for at in known)
+    if low <= 0:
+        raise _check.InputError(f"{found.source}: a wavelength must be > 0, but one is {low:g}")
+    declared, answer = _declared_unit(found), answers.wavelength_unit
+    span = f"{low:g}-{high:g}"
+    other = _contradicted(declared, low, high)
+    if declared and other:
+        if answer is None:
+            raise _check.InputError(
+                f"{found.source}: its wavelengths are {span} {declared} by its heading, but the "
+                f"numbers look like {other}; give --wavelength-unit {other} or {declared}"
+            )
+        declared = answer if answer == other else declared  # the numbers contradict the heading
+    if answer and declared and answer != declared:
+        raise _check.InputError(
+            f"{found.source}: declares its wavelengths in {declared}, but --wavelength-unit is "
+            f"{answer}; omit the option, or correct the file"
+        )
+    if declared or answer:
+        return declared or answer or "nm", ()
+    listed = is_wavelength_heading(found.heading) or found.format.endswith(DIGITIZED)
+    if not listed and not all(map(_is_ordered, known)):
+        raise _unit_wanted(found, span)
+    fitting = unit_that_fits(low, high)
+    numbered = all(bool((at == np.round(at)).all()) for at in known)  # rows 1, 2, 3
+    if fitting is None or (fitting == "um" and numbered):
+        raise _unit_wanted(found, span)
+    return fitting, (f"wavelengths of {span} are taken as {fitting}",)
+
+
+def _contradicted(declared: Unit | None, low: float, high: float) -> Unit | None:
+    """The unit that is more plausible for the numbers than the declared one; None if none is."""
+    if declared == "nm" and high < _MOST_UM:
+        return "um"
+    if declared == "um" and low >= _LEAST_NM:
+        return "nm"
+    return "nm" if declared == "angstrom" and unit_that_fits(low, high) == "nm" else None
+
+
+def _unit_wanted(found: Found, span: str) -> _check.InputError:
+    return _check.InputError(
+        f"{found.source}: does not declare the unit of its wavelengths, {span}; give "
+        "--wavelength-unit nm, um, angstrom or 1/cm (for a filter --filter-wavelength-unit, for an "
+        "illuminant --illuminant-wavelength-unit)"
+    )
+
+
+def _is_ordered(at: Array) -> bool:
+    """Whether most steps have the same sign; unordered numbers may not be wavelengths."""
+    signs = np.sign(np.diff(at))
+    return bool(abs(signs.sum()) >= _MOSTLY * np.count_nonzero(signs))
+
+
+def _unit_of_key(found: Found) -> Unit | None:
+    unit = found.keys.get("wavelength_unit")
+    return wavelength_unit_of(f"[{unit}]") if unit else None
+
+
+def _declared_unit(found: Found) -> Unit | None:
+    """The unit that format, heading or key declares; different declarations are refused."""
+    try:
+        units = {
+            "its format": found.wavelength_unit,
+            "its heading": wavelength_unit_of(found.heading),
+            "its key": _unit_of_key(found),
+        }
+    except _check.InputError as error:
+        raise _check.InputError(f"{found.source}: {error}") from None
+    said = {where: unit for where, unit in units.items() if unit}
+    if len(set(said.values())) > 1:
+        told = ", ".join(f"{unit} by {where}" for where, unit in said.items())
+        raise _check.InputError(f"{found.source}: its wavelengths are in {told}; correct one")
+    return next(iter(said.values()), None)
+
+
+def _quantity(found: Found, answers: Answers, columns: list[Column]) -> Quantity | None:
+    given = answers.quantity or found.quantity or quantity_of_key(found.keys)
+    if given:
+        return given
+    for quantity, words in _WORDS:
+        if re.search(words, _heads(found, columns)):
+            return quantity
+    return None
+
+
+def _heads(found: Found, columns: list[Column]) -> str:
+    """Headings and declared units in lower case, the only text that decides."""
+    heads = (f"{c.name} [{c.unit}]" if c.unit else c.name for c in columns)
+    return " ; ".join([*heads, found.keys.get("unit", "")]).lower()
+
+
+def _scale(
+    found: Found,
+    answers: Answers,
+    columns: list[Column],
+    points: list[Sorted],
+    quantity: Quantity | None,
+) -> tuple[Literal["fraction", "percent", "as written"], float, tuple[str, ...]]:
+    said = answers.scale or found.scale
+    if said:
+        return said, (0.01 if said == "percent" else 1.0), ()
+    if quantity in ("power", "response"):
+        return "as written", 1.0, ()
+    highs = [_highest(p) for p in points]
+    highest = max(highs)
+    declared = scale_of_key(found.keys)
+    percent = [c for c in columns if re.search(_PERCENT, f"{c.name} [{c.unit}]".lower())]
+    if declared is None and 0 < len(percent) < len(columns):
+        other = next(c.name for c in columns if c not in percent)
+        raise _check.InputError(
+            f"{found.source}: {percent[0].name} is in percent by its heading, but {other} is not; "
+            "give all curves one unit, or name the wanted ones (--column)"
+        )
+    if declared == "percent" or percent:
+        return "percent", 0.01, ("declared as percent: divided by 100",)
+    if declared == "fraction":
+        return "fraction", 1.0, ()
+    if highest <= _FRACTION_AT_MOST:
+        return "fraction", 1.0, ()
+    if highest <= _PERCENT_AT_MOST and min(highs) <= 1:
+        return "fraction", 1.0, ()  # a curve of fractions beside it: no file mixes the two
+    if highest <= _PERCENT_AT_MOST and quantity is not None:
+        note = f"no {quantity} is {highest:g}: taken as percent, divided by 100"
+        return "percent", 0.01, (note,)
+    return "as written", 1.0, ()
+
+
+def _highest(points: Sorted) -> float:
+    """The highest value at wavelengths that sensors use, else anywhere; at least 0."""
+    at = points.wavelength_nm
+    here = points.values[(at >= _SENSITIVE_NM[0]) & (at <= _SENSITIVE_NM[1])]
+    return float((here if here.size else points.values).max(initial=0.0))
+
+
+def _level(found: Found, answers: Answers, columns: list[Column]) -> Level | None:
+    given = answers.level or found.level
+    if given or answers.peak_qe is not None:
+        return given or "relative"
+    if level_of_key(found.keys):
+        return level_of_key(found.keys)
+    heads = _heads(found, columns)
+    if re.search(r"relative|normali[sz]ed|arbitrary|\ba\.?u\.?(?![a-z])", heads):
+        return "relative"
+    return "absolute" if re.search(r"absolute|e-?/photon|\ba\s*/\s*w\b", heads) else None
+
+
+def _per(
+    found: Found, answers: Answers, columns: list[Column], quantity: Quantity | None
+) -> Per | None:
+    given = answers.per or found.per or per_of_key(found.keys)
+    if given:
+        return given
+    heads = _heads(found, columns)
+    if quantity == "QE" or re.search(r"photon|quanta|photlam", heads):
+        return "photon"
+    units = " ; ".join([*(c.unit for c in columns), found.keys.get("unit", "")]).lower()
+    watt = re.search(r"\bm?w\b|\bj\b|\bflam\b", units)  # W as a name is a white channel
+    named = f"{heads} {found.keys.get('quantity', '').lower()}"
+    words = re.search(r"watt|\ba\s*/\s*w\b|power|radiance|energy", named)
+    return "energy" if quantity in ("power", "response") and (watt or words) else None
+
+
+def _without_small_negatives(curves: Spectra, answers: Answers) -> tuple[Spectra, tuple[str, ...]]:
+    """The curves with small negative values set to 0, if the user chose that."""
+    small = (curves.values < 0) & (
+        curves.values >= -_SMALL_NEGATIVE * curves.values.max(axis=0, keepdims=True)
+    )
+    if answers.negatives == "refuse" or not small.any():
+        return curves, ()
+    note = (
+        f"{int(small.sum())} small negative values taken as 0, the lowest "
+        f"{curves.values[small].min():.3g}"
+    )
+    return replace(curves, values=np.where(small, 0.0, curves.values)), (note,)
+
+
+def _unnamed(found: Found, columns: list[Column], answers: Answers) -> tuple[str, ...]:
+    if found.named or len(columns) < 2 or answers.columns:
+        return ()
+    return ("its columns have no names: each is taken as a curve, none as a standard deviation",)
+
+
+def _few(sentences: tuple[str, ...]) -> tuple[str, ...]:
+    """The first sentences of a kind, and the number of the others."""
+    more = len(sentences) - _MOST_SENTENCES
+    if more <= 1:
+        return sentences
+    return (*sentences[:_MOST_SENTENCES], f"and {more} more like these")
+
+
+def _spectra(
+    found: Found,
+    common: tuple[Array, Array],
+    points: list[Sorted],
+    factor: float,
+    quantity: Quantity | None,
+) -> Spectra:
+    return Spectra(
+        wavelength_nm=common[0],
+        values=common[1] * factor,
+        names=tuple(p.name for p in points),
+        quantity=quantity or "spectra",
+        unit="e-/photon" if quantity == "QE" else "1",
+        source=found.source,
+    )
+
+
+def _gaps_nm(curves: Spectra, points: list[Sorted]) -> tuple[tuple[float, float], ...]:
+    """Those of all curves, and of each alone."""
+    each = (gap for at in points for gap in gaps_nm(at.wavelength_nm))
+    return tuple(sorted({*gaps_nm(curves.wavelength_nm), *each}))
+
+
+def _deviations(
+    found: Found, curves: Spectra, spread: list[Sorted], factor: float
+) -> Spectra | None:
+    if not spread:
+        return None
+    at = curves.wavelength_nm
+    values = np.stack([np.interp(at, p.wavelength_nm, p.values) for p in spread], axis=1)
+    return Spectra(
+        wavelength_nm=at,
+        values=values * factor,
+        names=tuple(f"{p.name} ({k + 1})" for k, p in enumerate(spread)),
+        quantity=f"standard deviation of {curves.quantity}",
+        unit=curves.unit,
+        source=found.source,
+    )
+
+
+def _merge_notes(points: list[Sorted]) -> tuple[str, ...]:
+    notes = []
+    unsorted = [p.name for p in points if p.unsorted]
+    if unsorted:
+        notes.append(f"rows sorted by wavelength: {', '.join(unsorted[:8])}")
+    merged = sum(p.merged for p in points)
+    if merged:
+        notes.append(f"{merged} repeated wavelengths merged to their mean")
+    return tuple(notes)

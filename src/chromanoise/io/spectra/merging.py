@@ -1,0 +1,158 @@
+"""Curves with lists of wavelengths of their own, brought onto one list."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+from chromanoise import _check
+from chromanoise._check import Array
+from chromanoise.io.spectra.parsed import Column, Unit
+from chromanoise.spectra.curves import Beyond
+
+_WIDE, _WIDE_NM = 2.5, 5.0
+_MOST_VALUES = 4_000_000
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Sorted:
+    """One curve at increasing wavelengths.
+
+    Attributes
+    ----------
+    name
+        Its name.
+    wavelength_nm
+        Increasing. [nm]
+    values
+        In the file's unit.
+    unsorted
+        Whether the file has it in another order.
+    merged
+        How many points went into others at the same wavelength.
+    conflicts_nm
+        Wavelengths at which points that went together differ. [nm]
+    """
+
+    name: str
+    wavelength_nm: Float[Array, " m"]
+    values: Float[Array, " m"]
+    unsorted: bool
+    merged: int
+    conflicts_nm: tuple[float, ...]
+
+    def __post_init__(self) -> None:
+        _check.same_length("points", at=self.wavelength_nm.size, values=self.values.size)
+        _check.freeze(self, "wavelength_nm", "values")
+
+
+def in_nm(wavelength: Float[Array, " m"], unit: Unit) -> Float[Array, " m"]:
+    """Wavelengths in a unit, or wavenumbers in 1/cm, converted in the same order. [nm]
+
+    Examples
+    --------
+    >>> in_nm(np.array([0.4]), "um"), in_nm(np.array([5500.0]), "angstrom")
+    (array([400.]), array([550.]))
+    >>> in_nm(np.array([20000.0]), "1/cm")
+    array([500.])
+    """
+    if unit == "nm":
+        return wavelength
+    if unit == "1/cm":
+        return np.round(1e7 / wavelength, 9)
+    # 0.4 * 1000 is not always 400
+    return np.round(wavelength * 1000 if unit == "um" else wavelength / 10, 9)
+
+
+def sorted_points(column: Column, unit: Unit, source: str) -> Sorted:
+    """A curve in the order of its wavelengths, repeated ones merged to their mean.
+
+    Raises
+    ------
+    InputError
+        If fewer than two wavelengths remain.
+
+    Examples
+    --------
+    >>> column = Column(name="R", unit="", wavelength=np.array([0.5, 0.4, 0.5]),
+    ...                 values=np.array([3.0, 1.0, 5.0]))
+    >>> sorted_points(column, "um", "a file").values
+    array([1., 4.])
+    """
+    at = in_nm(column.wavelength, unit)
+    order = np.argsort(at, kind="stable")
+    rising, values = at[order], column.values[order]
+    distinct, first, count = np.unique(rising, return_index=True, return_counts=True)
+    if distinct.size < 2:
+        raise _check.InputError(
+            f"{source}: the curve {column.name!r} has {distinct.size} "
+            f"wavelength{'s' * (distinct.size != 1)}; it needs 2"
+        )
+    spread = np.maximum.reduceat(values, first) - np.minimum.reduceat(values, first)
+    means = np.where(spread > 0, np.add.reduceat(values, first) / count, values[first])
+    return Sorted(
+        name=column.name,
+        wavelength_nm=distinct,
+        values=means,
+        unsorted=bool((np.diff(at) < 0).any() and not (np.diff(at) < 0).all()),
+        merged=int(at.size - distinct.size),
+        conflicts_nm=tuple(float(w) for w in distinct[spread > 0]),
+    )
+
+
+def on_common(
+    points: list[Sorted], beyond: Beyond, source: str
+) -> tuple[tuple[Float[Array, " m"], Float[Array, "m k"]], tuple[str, ...]]:
+    """All curves at the wavelengths of any of them, straight lines between their own points.
+
+    Where a curve ends before the others, it is zero, holds, or (``refuse``) all are cut.
+    """
+    at = np.unique(np.concatenate([p.wavelength_nm for p in points]))
+    if at.size * len(points) > _MOST_VALUES:
+        raise _check.InputError(
+            f"{source}: {len(points)} curves at {at.size} wavelengths are too many"
+        )
+    starts = [float(p.wavelength_nm[0]) for p in points]
+    ends = [float(p.wavelength_nm[-1]) for p in points]
+    low, high = max(starts), min(ends)
+    notes: tuple[str, ...] = ()
+    if min(starts) < low or high < max(ends):
+        told = f"the curves share {low:g}-{high:g} nm of {min(starts):g}-{max(ends):g} nm"
+        if beyond == "refuse":
+            at = at[(at >= low) & (at <= high)]
+            notes = (f"{told}: cut to what they share (--beyond zero or hold keeps the rest)",)
+        else:
+            notes = (f"{told}: {beyond} beyond each curve's own end",)
+    if at.size < 2:
+        raise _check.InputError(
+            f"{source}: its curves share no two wavelengths; say --beyond zero or hold"
+        )
+    side = 0.0 if beyond == "zero" else None
+    values = [np.interp(at, p.wavelength_nm, p.values, left=side, right=side) for p in points]
+    return (at, np.stack(values, axis=1)), notes
+
+
+def step_nm(wavelength_nm: Float[Array, " m"]) -> float | None:
+    """The distance of neighbors; None where it varies by more than 0.1 %. [nm]
+
+    Examples
+    --------
+    >>> step_nm(np.array([400.0, 405.0, 410.0])), step_nm(np.array([400.0, 405.0, 420.0]))
+    (5.0, None)
+    """
+    steps = np.diff(wavelength_nm)
+    middle = float(np.median(steps))
+    return middle if np.abs(steps - middle).max() <= 1e-3 * middle else None
+
+
+def gaps_nm(wavelength_nm: Float[Array, " m"]) -> tuple[tuple[float, float], ...]:
+    """From and to of steps wider than 2.5 times the usual one, and than 5 nm. [nm]
+
+    Examples
+    --------
+    >>> gaps_nm(np.array([400.0, 410.0, 420.0, 430.0, 500.0]))
+    ((430.0, 500.0),)
+    """
+    steps = np.diff(wavelength_nm)
+    wide = np.flatnonzero(steps > max(_WIDE * float(np.median(steps)), _WIDE_NM))
+    return tuple((float(wavelength_nm[i]), float(wavelength_nm[i + 1])) for i in wide)

@@ -1,0 +1,181 @@
+"""JSON in versioned schemas of this library; files of other versions are refused."""
+
+import json
+from collections.abc import Mapping
+from typing import Any, get_args
+
+import numpy as np
+
+from chromanoise import _check
+from chromanoise._check import Array, InputError
+from chromanoise.io.spectra.parsed import Column, Found, Level, Per, Quantity, Scaled
+
+SCHEMA_VERSION = 1
+"""Of every schema; a file of another version is not read."""
+
+SPECTRA_SCHEMA = "chromanoise spectra"
+UNIT_OF_COLUMN = {"1": "", "e-/photon": ""}
+"""Units that the quantity implies; in a heading, e-/photon would also declare absolute values."""
+
+_LARGEST = 1e30  # as in all other files of spectra
+
+
+def as_json(told: Mapping[str, Any]) -> str:
+    """Text with all digits; what is not finite is an error."""
+    return json.dumps(told, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def named(error: InputError, source: str) -> InputError:
+    """The complaint of a noun, with the file from which the noun was to be made."""
+    told = str(error)
+    return InputError(told if source in told else f"{source}: {told}")
+
+
+def held_json(text: str, schema: str, *, source: str) -> dict[str, Any]:
+    """What a text in one of our own schemas holds.
+
+    Parameters
+    ----------
+    text
+        The whole file.
+    schema
+        Which one: ``chromanoise sensor``, for example.
+    source
+        Where the text is from, for the complaint.
+
+    Raises
+    ------
+    InputError
+        If it is no JSON, or of another schema or version.
+    """
+    try:
+        held = json.loads(text)
+    except (ValueError, RecursionError):
+        raise InputError(f"{source}: not JSON; give a file with the schema {schema!r}") from None
+    if not isinstance(held, dict) or held.get("schema") != schema:
+        raise InputError(f"{source}: its schema must be {schema!r}")
+    _refuse_other_version(held, source)
+    return held
+
+
+def own_spectra(held: Mapping[str, Any], source: str) -> Found:
+    """The curves in JSON of the schema ``chromanoise spectra``, as `convert` writes it.
+
+    Raises
+    ------
+    InputError
+        If it is of another version, or something in it is missing or wrong.
+    """
+    _refuse_other_version(held, source)
+    try:
+        wavelength = _check.finite("wavelength_nm", "nm", array_of(held["wavelength_nm"], 1))
+        values = array_of(held["values"], 2)
+        names = words_of(held["names"])
+        quantity, unit = word_of(held["quantity"]), word_of(held["unit"])
+        said_source, said_notes = word_of(held["source"]), words_of(held["notes"])
+    except (KeyError, TypeError, OverflowError) as error:
+        raise unfit(source, "spectra", error) from None
+    except InputError as error:
+        raise named(error, source) from None
+    if values.shape != (wavelength.size, len(names)):
+        raise InputError(
+            f"{source}: values must be {wavelength.size} rows, one per wavelength, of "
+            f"{len(names)} numbers, one per name, but are {values.shape[0]} of {values.shape[1]}"
+        )
+    if not (np.abs(values) <= _LARGEST).all():
+        raise InputError(f"{source}: the values must be finite and below 1e30; correct them")
+    ratio = quantity in ("QE", "reflectance", "transmittance")
+    facts = {"scale": "fraction" if ratio else "as written", **_texts(held)}
+    return Found(
+        source=source,
+        format="chromanoise's own JSON, spectra",
+        columns=tuple(
+            Column(
+                name=name,
+                unit=UNIT_OF_COLUMN.get(unit, unit),
+                wavelength=wavelength,
+                values=values[:, k],
+            )
+            for k, name in enumerate(names)
+        ),
+        heading="wavelength_nm",  # as the CSV of the same curves is headed
+        wavelength_unit="nm",
+        said_source=said_source,
+        said_notes=said_notes,
+        **declared(facts, said_notes),
+    )
+
+
+def declared(facts: Mapping[str, str], notes: tuple[str, ...] = ()) -> dict[str, Any]:
+    """Quantity, level, per and scale that a file of this library declares, as fields of `Found`.
+
+    Unknown words are ignored. Files of earlier versions have level and per in their notes.
+
+    Examples
+    --------
+    >>> declared({"quantity": "QE", "level": "absolute", "scale": "fraction"})
+    {'quantity': 'QE', 'level': 'absolute', 'scale': 'fraction'}
+    >>> declared({"quantity": "spectra"}, ("light counted per photon",))
+    {'per': 'photon'}
+    """
+    noted = {
+        key: note.removeprefix(before)
+        for note in notes
+        for key, before in (("level", "level: "), ("per", "light counted per "))
+        if note.startswith(before)
+    }
+    kinds = {"quantity": Quantity, "level": Level, "per": Per, "scale": Scaled}
+    found = {**noted, **facts}
+    return {key: found[key] for key, kind in kinds.items() if found.get(key) in get_args(kind)}
+
+
+def unfit(source: str, what: str, error: Exception) -> InputError:
+    """The error for JSON of a known schema in which something is missing or wrong."""
+    told = f"{error.args[0]!r} is missing" if isinstance(error, KeyError) else str(error)
+    told = " ".join(told.split())[:200]
+    return InputError(f"{source}: not the JSON of a {what} as chromanoise writes it ({told})")
+
+
+def word_of(value: Any) -> str:
+    """A text in JSON; a TypeError for anything else."""
+    if not isinstance(value, str):
+        raise TypeError(f"{str(value)[:40]} is no text")
+    return value
+
+
+def words_of(values: Any) -> tuple[str, ...]:
+    """A list of texts in JSON; a TypeError for anything else."""
+    if not isinstance(values, list):
+        raise TypeError(f"{str(values)[:40]} is no list of text")
+    return tuple(word_of(value) for value in values)
+
+
+def number_of(value: Any) -> float:
+    """A number in JSON; a TypeError for anything else."""
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise TypeError(f"{str(value)[:40]} is no number")
+    return float(value)
+
+
+def array_of(values: Any, depth: int) -> Array:
+    """Numbers in ``depth`` lists, the inner ones equally long; a TypeError for anything else."""
+    if not isinstance(values, list):
+        raise TypeError(f"{str(values)[:40]} is no list of numbers")
+    if depth == 1:
+        return np.array([number_of(value) for value in values], dtype=np.float64)
+    arrays = [array_of(row, depth - 1) for row in values]
+    if not arrays or len({array.size for array in arrays}) > 1:
+        raise TypeError("rows of numbers are not equally long")
+    return np.stack(arrays)
+
+
+def _texts(held: Mapping[str, Any]) -> dict[str, str]:
+    return {key: value for key, value in held.items() if isinstance(value, str)}
+
+
+def _refuse_other_version(held: Mapping[str, Any], source: str) -> None:
+    if held.get("schema_version") != SCHEMA_VERSION:
+        raise InputError(
+            f"{source}: schema_version must be {SCHEMA_VERSION}, but is "
+            f"{str(held.get('schema_version'))[:20]}; read it with the version that wrote it"
+        )

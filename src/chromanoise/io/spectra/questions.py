@@ -1,0 +1,148 @@
+"""Facts that neither a file nor its user has declared, as questions with the options for them.
+
+`chromanoise inspect` shows the questions; `qe_of` and `power_of` refuse with the same words.
+"""
+
+import re
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import Literal
+
+from chromanoise.io.spectra.defects import judged, looks_normalized
+from chromanoise.io.spectra.parsed import Answers, Quantity, Question, Understood
+
+_GRID_NM = (400.0, 1050.0)
+_MENTIONED = r"(?i)\b(qe|quantum efficiency|responsivity|sensitivity|reflect\w*|transmi\w*|A/W)\b"
+
+
+Use = Literal["sensor", "light", "filter", "reflectance"]
+"""What curves are read for."""
+
+
+def use_of(quantity: Quantity | None) -> Use:
+    """The use of curves of a quantity; without a quantity, a sensor."""
+    others: dict[Quantity | None, Use] = {
+        "power": "light",
+        "transmittance": "filter",
+        "reflectance": "reflectance",
+    }
+    return others.get(quantity, "sensor")
+
+
+def questions_of(told: Understood, words: str, answers: Answers) -> Understood:
+    """The same with the open questions of the use that its quantity suggests.
+
+    Parameters
+    ----------
+    told
+        The parsed file.
+    words
+        The file's free text, which a question may quote but which answers none.
+    answers
+        The user's answers.
+    """
+    use = use_of(told.quantity)
+    own = tuple(sensor_questions(told, answers)) if use == "sensor" else ()
+    asked = (
+        *(_quantity(told, words) if own else ()),
+        *_scale(told, answers),
+        *own,
+        *(light_questions(told) if use == "light" else ()),
+        *_negatives(told, answers),
+        *_beyond(told, answers),
+    )
+    return replace(told, questions=asked)
+
+
+def sensor_questions(told: Understood, answers: Answers) -> Iterator[Question]:
+    """Questions about a sensor: per photon or per energy, and the height of the curves."""
+    if told.per is None and not _documented(told):
+        yield Question(
+            about="per",
+            asks="it does not declare whether its response is per energy or per photon",
+            options="--energy or --photons",
+        )
+    if told.level == "relative" or (told.level is None and looks_normalized(told.curves)):
+        if answers.peak_qe is None:
+            yield _peak(told)
+    elif told.level is None and told.quantity != "QE" and not _documented(told):
+        yield Question(
+            about="level",
+            asks="it does not declare whether its values are absolute or relative",
+            options="--absolute or --relative",
+        )
+
+
+def light_questions(told: Understood) -> Iterator[Question]:
+    """Questions about an illuminant: which curve it is, and as energy or in photons."""
+    names = told.curves.names
+    if len(names) != 1:
+        yield Question(
+            about="columns",
+            asks=f"it holds {len(names)} curves, {', '.join(names[:8])}: which is the light?",
+            options="--illuminant-column",
+        )
+    if told.per is None:
+        yield Question(
+            about="per",
+            asks="it does not declare whether light is counted as energy or in photons",
+            options="--illuminant-energy or --illuminant-photons",
+        )
+
+
+def _documented(told: Understood) -> bool:
+    """A table headed ``wavelength_nm``: absolute QE per photon unless it declares otherwise."""
+    return told.own_form and told.quantity is None
+
+
+def _peak(told: Understood) -> Question:
+    if told.level == "relative":
+        why, options = "its curves are relative", "--peak-qe"
+    else:
+        why = "its highest value is exactly 1 or 100"
+        options = "--peak-qe, or --absolute if the values are QE"
+    return Question(about="peak_qe", asks=f"{why}; what is the highest QE?", options=options)
+
+
+def _quantity(told: Understood, words: str) -> Iterator[Question]:
+    if told.quantity is None and not _documented(told):
+        found = re.search(_MENTIONED, words)
+        hint = f" (its text mentions {found[1]!r}, but free text is not used)" if found else ""
+        yield Question(
+            about="quantity",
+            asks=f"what are the curves?{hint}",
+            options="--quantity QE, response, reflectance, transmittance or power",
+        )
+
+
+def _scale(told: Understood, answers: Answers) -> Iterator[Question]:
+    if answers.scale or told.quantity in ("power", "response"):
+        return
+    highest = float(judged(told.curves).values.max()) / told.factor
+    unclear = told.scale == "fraction" and highest > 1
+    if unclear or told.scale == "as written":
+        yield Question(
+            about="scale",
+            asks=f"the highest value is {highest:g}: are they fractions or percent?",
+            options="--fraction or --percent",
+        )
+
+
+def _negatives(told: Understood, answers: Answers) -> Iterator[Question]:
+    negative = judged(told.curves).values < 0
+    if answers.negatives == "refuse" and negative.any():
+        yield Question(
+            about="negatives",
+            asks=f"{int(negative.sum())} values are negative: are small ones to be taken as 0?",
+            options="--negatives zero",
+        )
+
+
+def _beyond(told: Understood, answers: Answers) -> Iterator[Question]:
+    low, high = (float(end) for end in told.curves.wavelength_nm[[0, -1]])
+    if answers.beyond == "refuse" and (low > _GRID_NM[0] or high < _GRID_NM[1]):
+        yield Question(
+            about="beyond",
+            asks=f"the curves cover {low:g}-{high:g} nm of 400-1050 nm: what is beyond?",
+            options="--beyond zero or hold",
+        )

@@ -1,0 +1,303 @@
+"""Tables of cells, whoever cut them out: where the numbers begin, and which column is what."""
+
+import re
+from collections import Counter
+from collections.abc import Sequence
+
+import numpy as np
+
+from chromanoise import _check
+from chromanoise._check import Array
+from chromanoise.io.spectra.declared import (
+    declared_keys,
+    is_row_of_units,
+    is_wavelength_heading,
+    with_units,
+)
+from chromanoise.io.spectra.layouts import as_columns, with_plain_wavelengths
+from chromanoise.io.spectra.parsed import Column, Found, Row
+
+_POINT = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eEdD][+-]?\d{1,4})?\s*%?", re.ASCII)
+_COMMA = re.compile(r"[+-]?(\d+(,\d+)?|,\d+)([eEdD][+-]?\d{1,4})?\s*%?", re.ASCII)
+_MISSING = ("", "-", "--", "na", "n/a", "#n/a", "null", "none")
+_UNIT = re.compile(r"(.*?)[\s_]*(?:\[([^\[\]]*)\]|\(([^()]*)\))")
+DIGITIZED = "digitized curves"
+_LARGEST = 1e30
+_LONGEST_CELL = 400
+_MOST_CELLS = 2_000_000
+_NAN = float("nan")
+
+
+def is_number(cell: str, *, decimal_comma: bool) -> bool:
+    """Whether a cell is a plain number, a percent sign allowed.
+
+    Examples
+    --------
+    >>> [is_number(c, decimal_comma=False) for c in ("1e-3", "12 %", "1_0", "inf", "0,5")]
+    [True, True, False, False, False]
+    """
+    if len(cell) > _LONGEST_CELL:
+        return False
+    pattern = _COMMA if decimal_comma and "," in cell else _POINT
+    return pattern.fullmatch(cell.strip()) is not None
+
+
+def number_in(cell: str, *, decimal_comma: bool = False) -> float:
+    """The number in a cell, percent sign dropped; NaN if it is none or beyond 1e30.
+
+    Examples
+    --------
+    >>> number_in("1,5D2", decimal_comma=True), number_in("12 %"), number_in("high")
+    (150.0, 12.0, nan)
+    """
+    if not is_number(cell, decimal_comma=decimal_comma):
+        return _NAN
+    plain = cell.strip().rstrip("% ").lower().replace("d", "e")
+    value = float(plain.replace(",", ".") if decimal_comma else plain)
+    return value if abs(value) <= _LARGEST else _NAN
+
+
+def table_of(
+    *,
+    source: str,
+    form: str,
+    rows: Sequence[Row],
+    comments: tuple[str, ...] = (),
+    head: tuple[str, ...] = (),
+    delimiter: str = "",
+    decimal: str = ".",
+    where: str = "line",
+    unit: str | None = None,
+) -> Found:
+    """The curves of a table: one column of wavelengths and n curves, or two columns per curve.
+
+    If ``unit`` is given, it applies to all curves, and headings contain only names.
+
+    Raises
+    ------
+    InputError
+        If fewer than two rows hold numbers, or a cell of them is none; its line is told.
+    """
+    if sum(len(row.cells) for row in rows) > _MOST_CELLS:
+        raise _check.InputError(f"{source}: more than {_MOST_CELLS} cells are no table of spectra")
+    rows, turned = as_columns(with_plain_wavelengths(rows))
+    first = _first_row_of_numbers(rows, decimal == ",")
+    body = [row for row in rows[first:] if any(row.cells)]
+    if len(body) < 2:
+        raise _check.InputError(
+            f"{source}: needs at least 2 rows of a wavelength and a value, but {len(body)} of its "
+            f"{len(rows)} {where}s is one"
+        )
+    heads = _with_row_of_units([_bare(row.cells) for row in rows[:first]])
+    width = _width(body, rows[:first], head)
+    names = _head(heads, head, width)
+    _refuse_wavelengths_elsewhere(names, source)
+    numbers, ragged = _numbers(body, names, decimal, source, where)
+    _refuse_no_wavelengths(numbers, body, _in_pairs(heads, numbers), f"{source}: {where}")
+    words = " ".join([*comments, *(" ".join(cells) for cells in heads[:-1])])
+    keys = dict(declared_keys([*comments, *(": ".join(h) for h in heads if len(h) == 2)]))
+    if any("%" in cell for cell in body[0].cells):
+        keys["scale"] = "percent"
+    if unit is not None:  # the unit of a quantity, which does not declare the level
+        keys.pop("unit", None)
+    found = {
+        "source": source, "format": form, "words": words, "keys": keys,
+        "delimiter": delimiter, "decimal": decimal, "defects": ragged, "notes": turned,
+    }  # fmt: skip
+    if _in_pairs(heads, numbers):
+        return _digitized(found, heads, numbers)
+    lines = [row.number for row in body]
+    return _shared(found, names, numbers, lines, where, unit)
+
+
+def _first_row_of_numbers(rows: Sequence[Row], comma: bool) -> int:
+    for i, row in enumerate(rows):
+        cells = [cell for cell in row.cells if cell]
+        if len(cells) > 1 and all(is_number(c, decimal_comma=comma) for c in cells[:2]):
+            return i
+    return len(rows)
+
+
+def _with_row_of_units(heads: list[tuple[str, ...]]) -> list[tuple[str, ...]]:
+    """A row of units below the names becomes part of them."""
+    if len(heads) > 1 and len(heads[-1]) == len(heads[-2]) and is_row_of_units(heads[-1]):
+        return [*heads[:-2], with_units(heads[-2], heads[-1])]
+    return heads
+
+
+def _bare(cells: tuple[str, ...]) -> tuple[str, ...]:
+    """Without the empty cells at the end that spreadsheets write."""
+    last = max((i for i, cell in enumerate(cells) if cell), default=-1)
+    return cells[: last + 1]
+
+
+def _width(body: list[Row], heads: Sequence[Row], head: tuple[str, ...]) -> int:
+    lengths = Counter(len(_bare(row.cells)) for row in body)
+    usual = max(lengths, key=lambda n: (lengths[n], n))
+    named = len(_bare(heads[-1].cells)) if heads else len(head)
+    if named < 2 or usual - named > 1:
+        return usual
+    room = len(heads[-1].cells) if heads else len(head)
+    ragged = len(lengths) > 1 and usual > room  # then the heading is right, and rows are not
+    return named if ragged else max(named, usual)
+
+
+def _refuse_wavelengths_elsewhere(names: tuple[str, ...], source: str) -> None:
+    others = [k for k, name in enumerate(names) if is_wavelength_heading(name)]
+    if len(others) == 1 and others[0] > 0:
+        k = others[0]
+        raise _check.InputError(
+            f"{source}: its heading says {names[k][:40]!r} over column {k + 1}; put the "
+            "wavelengths into the first column, and remove columns that are not curves"
+        )
+
+
+def _refuse_no_wavelengths(numbers: np.ndarray, body: list[Row], pairs: bool, place: str) -> None:
+    at = numbers[:, ::2] if pairs else numbers[:, :1]
+    wrong = np.argwhere(at <= 0)
+    if len(wrong):
+        i, k = (int(n) for n in wrong[0])
+        raise _check.InputError(
+            f"{place} {body[i].number}: a wavelength must be > 0, but is {at[i, k]:g}"
+        )
+
+
+def _numbers(
+    body: list[Row], names: tuple[str, ...], decimal: str, source: str, where: str
+) -> tuple[np.ndarray, tuple[str, ...]]:
+    width = len(names)
+    table = np.full((len(body), width), _NAN)
+    short: list[int] = []
+    for i, row in enumerate(body):
+        cells = _bare(row.cells)
+        if len(cells) > width:
+            raise _check.InputError(
+                f"{source}: {where} {row.number} has {len(cells)} cells, the heading has {width}"
+                "; where commas part the fractions, part the cells with semicolons"
+            )
+        if len(row.cells) < width:
+            short.append(row.number)
+        for k, cell in enumerate(cells):
+            table[i, k] = value = number_in(cell, decimal_comma=decimal == ",")
+            if value != value and cell.lower() not in _MISSING:
+                raise _check.InputError(
+                    f"{source}: {where} {row.number}, column {names[k][:40] or k + 1}: "
+                    f"{cell[:40]!r} is not a finite number below {_LARGEST:g}; mend or drop it"
+                )
+    if not short:
+        return table, ()
+    told = ", ".join(str(number) for number in short[:5]) + (", ..." if len(short) > 5 else "")
+    which = f"{where} {told} has" if len(short) == 1 else f"{where}s {told} have"
+    return table, (f"ragged rows: {which} fewer than {width} cells",)
+
+
+def _in_pairs(heads: list[tuple[str, ...]], numbers: np.ndarray) -> bool:
+    """Whether each curve has its own wavelengths: the heading says X,Y, or the numbers show it."""
+    pairs = numbers.shape[1] // 2
+    if pairs < 1 or numbers.shape[1] % 2:
+        return False
+    last = tuple(cell.lower() for cell in heads[-1]) if heads else ()
+    if last == ("x", "y") * pairs:
+        return True
+    if pairs < 2 or (last[:1] == ("wavelength_nm",) and "wavelength_nm" not in last[1:]):
+        return False
+    if len(heads) and all(heads[-1][::2]) and not any(heads[-1][1::2]):
+        return True
+    at, values = numbers[:, ::2], numbers[:, 1::2]
+    known = np.isfinite(at).any(axis=0) & np.isfinite(values).any(axis=0)
+    return bool(
+        known.all() and np.nanmin(at) >= 150 and np.nanmax(at) <= 5000 and np.nanmax(values) <= 110
+    )
+
+
+def _digitized(found: dict, heads: list[tuple[str, ...]], numbers: np.ndarray) -> Found:
+    names = [head for head in heads if {c.lower() for c in head} - {"x", "y", ""}]
+    columns = []
+    for k in range(numbers.shape[1] // 2):
+        told = names[-1][2 * k] if names and 2 * k < len(names[-1]) else ""
+        name, unit = name_and_unit(told)
+        at, values = numbers[:, 2 * k], numbers[:, 2 * k + 1]
+        both = np.isfinite(at) & np.isfinite(values)
+        columns.append(
+            Column(
+                name=name or f"curve {k + 1}",
+                unit=unit,
+                wavelength=at[both],
+                values=values[both],
+            )
+        )
+    note = "each curve has its own list of wavelengths, as digitizers write"
+    form = f"{found['format']}, {DIGITIZED}"
+    return Found(
+        **{**found, "format": form, "notes": (note,)}, columns=tuple(columns), named=bool(names)
+    )
+
+
+def _head(heads: list[tuple[str, ...]], comment: tuple[str, ...], width: int) -> tuple[str, ...]:
+    if heads and len(heads[-1]) > 1:
+        return (*heads[-1], *("",) * width)[:width]
+    return (*comment, *("",) * width)[:width]
+
+
+def _shared(
+    found: dict,
+    head: tuple[str, ...],
+    numbers: np.ndarray,
+    at_lines: list[int],
+    where: str,
+    unit: str | None,
+) -> Found:
+    lost = np.flatnonzero(~np.isfinite(numbers[:, 0]))
+    if lost.size:
+        raise _check.InputError(
+            f"{found['source']}: {where} {at_lines[int(lost[0])]} has values but no wavelength"
+        )
+    if numbers.shape[1] < 2:
+        raise _check.InputError(f"{found['source']}: has one column only; a curve needs two")
+    names = [name_and_unit(text) if unit is None else (text, unit) for text in head[1:]]
+    columns, missing = [], []
+    for k, (name, unit) in enumerate(names):
+        known = np.isfinite(numbers[:, k + 1])
+        name = name or f"column {k + 2}"
+        missing += missing_told(name, numbers[:, 0], known, "empty cells")
+        columns.append(
+            Column(name=name, unit=unit, wavelength=numbers[known, 0], values=numbers[known, k + 1])
+        )
+    return Found(
+        **{**found, "defects": (*found["defects"], *missing)},
+        columns=tuple(columns),
+        heading=head[0],
+        named=any(name for name, _ in names) or len(names) == 1,
+    )
+
+
+def missing_told(name: str, wavelength: Array, known: Array, what: str) -> list[str]:
+    """One sentence where a curve has no value at some of its wavelengths, in the file's unit."""
+    lost = wavelength[~known]
+    if not lost.size:
+        return []
+    span = f"{lost.min():g}" if lost.size == 1 else f"{lost.min():g}-{lost.max():g}"
+    return [f"{name}: {lost.size} {what} at {span}; straight lines join their neighbors"]
+
+
+def name_and_unit(text: str) -> tuple[str, str]:
+    """The name of a column and the unit after it, in brackets or as a percent sign.
+
+    Spaces inside the unit do not matter: ``[A / W]`` is A/W, ``(nm )`` is nm.
+
+    Examples
+    --------
+    >>> name_and_unit("QE [ % ]"), name_and_unit("R [A / W]"), name_and_unit("R")
+    (('QE', '%'), ('R', 'A/W'), ('R', ''))
+    >>> name_and_unit("E [W m-2  nm-1 ]"), name_and_unit("QE %")
+    (('E', 'W m-2 nm-1'), ('QE', '%'))
+    """
+    bare = " ".join(text.split())
+    match = _UNIT.fullmatch(bare)
+    if match and match[1]:
+        return match[1].strip(), re.sub(
+            r" ?([/^*·]) ?", r"\1", (match[2] or match[3] or "").strip()
+        )
+    if bare.endswith(" %"):
+        return bare[:-2].rstrip(), "%"
+    return bare, ""

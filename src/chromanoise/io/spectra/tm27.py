@@ -1,0 +1,101 @@
+"""IES TM-27: one spectrum of a lamp in XML (``.spdx``)."""
+
+import re
+from typing import Any
+from xml.etree import ElementTree
+
+import numpy as np
+
+from chromanoise import _check
+from chromanoise.io.spectra.parsed import Column, Found, Level, Per, Quantity
+from chromanoise.io.spectra.tables import number_in
+
+_QUANTITIES: dict[str, Quantity] = {
+    "reflectance": "reflectance", "r-factor": "reflectance",
+    "transmittance": "transmittance", "t-factor": "transmittance",
+    "exitance": "power", "flux": "power", "intensity": "power", "irradiance": "power",
+    "radiance": "power", "relative": "power",
+}  # fmt: skip
+_QUANTITY = r"(QE|response|reflectance|transmittance|power) \["
+_PER = r".*?\blight counted per (photon|energy)\b"
+_LEVEL = r".*?\blevel: (absolute|relative)\b"
+_SCALE = r".*?\bscale: (fraction|as written)\b"
+_NAMES = ("Manufacturer", "CatalogNumber", "Description")
+
+
+def read_tm27(text: str, source: str) -> Found:
+    """The spectrum of a TM-27 file; a document type is refused, so no entity is ever expanded.
+
+    Raises
+    ------
+    InputError
+        If it is no TM-27, or a value is no number; the line is told where XML itself is broken.
+
+    Notes
+    -----
+    ANSI/IES TM-27-20, "Standard Format for the Electronic Transfer of Spectral Data"; a
+    ``relative`` spectrum is one of power.
+    """
+    root = _root(text, source)
+    parts = {e.tag.rpartition("}")[2]: (e.text or "").strip() for e in root.iter()}
+    points = [e for e in root.iter() if e.tag.rpartition("}")[2] == "SpectralData"]
+    if len(points) < 2:
+        raise _check.InputError(f"{source}: has {len(points)} SpectralData; a curve needs 2")
+    rows = [
+        (_number(e.get("wavelength", ""), k, source), _number(e.text or "", k, source))
+        for k, e in enumerate(points, 1)
+    ]
+    table = np.array(rows, dtype=np.float64)
+    told = parts.get("SpectralQuantity", "").lower()
+    comments = parts.get("Comments", "")
+    quantity = _QUANTITIES.get(told) or _ours(_QUANTITY, comments)
+    ratio = quantity == "QE"  # electrons per photon
+    per: Per | None = "photon" if ratio else _ours(_PER, comments)
+    level: Level | None = _ours(_LEVEL, comments)
+    if quantity == "power" and told != "other":
+        per, level = per or "energy", "relative" if told == "relative" else "absolute"
+    name = " - ".join(parts[n] for n in _NAMES if parts.get(n)) or "spectrum"
+    kept = ("SpectralQuantity", "BandwidthFWHM", "BandwidthCorrected", "Comments")
+    return Found(
+        source=source,
+        format="IES TM-27",
+        columns=(Column(name=name, unit="", wavelength=table[:, 0], values=table[:, 1]),),
+        words=told,
+        wavelength_unit="nm",
+        quantity=quantity,
+        per=per,
+        level=level,
+        scale=_ours(_SCALE, comments),
+        notes=tuple(f"the file says: {k} {parts[k][:200]}" for k in kept if parts.get(k)),
+    )
+
+
+def _ours(pattern: str, comments: str) -> Any:
+    """What the comments of a file of our own say, for which TM-27 has no word."""
+    match = re.match(pattern, comments)
+    return match[1] if match else None
+
+
+def _root(text: str, source: str) -> ElementTree.Element:
+    if re.search(r"<!\s*(DOCTYPE|ENTITY)", text, re.IGNORECASE):
+        raise _check.InputError(f"{source}: declares a document type; leave it out")
+    plain = re.sub(r"\A\s*<\?xml[^>]*\?>", "", text)  # the text is decoded already
+    try:
+        root = ElementTree.fromstring(plain)
+    except ElementTree.ParseError as error:
+        line, column = error.position
+        line += text[: text.find("?>") + 2].count("\n") if plain != text else 0
+        raise _check.InputError(
+            f"{source}: line {line}, column {column + 1} is no XML ({error})"
+        ) from None
+    if not root.tag.rpartition("}")[2].upper().startswith("IESTM27"):
+        raise _check.InputError(f"{source}: is XML, but no IES TM-27 ({root.tag[:60]})")
+    return root
+
+
+def _number(text: str, k: int, source: str) -> float:
+    value = number_in(text)
+    if value != value:
+        told = text.strip()[:40]
+        raise _check.InputError(f"{source}: SpectralData {k}: {told!r} is not a finite number")
+    return value

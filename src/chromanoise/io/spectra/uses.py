@@ -1,0 +1,155 @@
+"""Curves for a purpose: quantum efficiencies per photon, or power; no question left open."""
+
+from collections.abc import Iterable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from chromanoise import _check
+from chromanoise.io.spectra.defects import defects_of_a_light, looks_normalized
+from chromanoise.io.spectra.parsed import Answers, Question, Understood
+from chromanoise.io.spectra.questions import light_questions, sensor_questions
+from chromanoise.spectra.curves import Spectra
+from chromanoise.units import photons_per_joule
+
+_ELEMENTARY_CHARGE_C = 1.602176634e-19
+
+
+def qe_of(told: Understood, answers: Answers) -> Spectra:
+    """The curves as electrons per photon; what had to be taken for granted is in the notes.
+
+    Parameters
+    ----------
+    told
+        What was understood of the file.
+    answers
+        What its user said; ``peak_qe`` gives relative curves their height.
+
+    Raises
+    ------
+    InputError
+        If the file holds something else, or a question must be answered first.
+
+    Notes
+    -----
+    A response S per energy is S h c / lambda per photon; one in A/W is divided by the elementary
+    charge e: QE = S h c / (e lambda).
+
+    Examples
+    --------
+    >>> curves = Spectra(wavelength_nm=np.array([400.0, 800.0]), values=np.array([[.5], [1.0]]),
+    ...                  names=("mono",), quantity="response", unit="1", source="a sheet")
+    >>> told = Understood(
+    ...     curves=curves, format="text", delimiter="", decimal="", wavelength_unit="nm",
+    ...     scale="as written", factor=1.0, step_nm=400.0, gaps_nm=(), merged=0,
+    ...     quantity="response", level="relative", per="energy", deviations=None, notes=(),
+    ...     defects=(), questions=())
+    >>> qe_of(told, Answers(peak_qe=0.6)).values.ravel()    # the same per photon at both
+    array([0.6, 0.6])
+    """
+    source = told.curves.source
+    if told.quantity in ("reflectance", "transmittance", "power"):
+        raise _check.InputError(
+            f"{source}: holds {told.quantity}, but a sensor needs quantum efficiencies"
+        )
+    _refuse_open(told, sensor_questions(told, answers))
+    curves, notes = told.curves, _said(told)
+    if told.per == "energy":
+        per_photon = 1.0 / photons_per_joule(curves.wavelength_nm)[:, None] / _ELEMENTARY_CHARGE_C
+        curves = replace(curves, values=curves.values * per_photon)
+        notes = (*notes, "counted per energy: divided by the photons in it")
+    if told.level == "relative" or (told.level is None and looks_normalized(told.curves)):
+        curves, notes = _with_height(curves, answers, notes)
+    elif told.level is None:
+        why = "a table headed wavelength_nm" if told.quantity is None else "QE by its own words"
+        notes = (*notes, f"{_name(told)}: {why}, taken as absolute QE per photon")
+    return replace(curves, quantity="QE", unit="e-/photon", notes=(*curves.notes, *notes))
+
+
+def _refuse_open(told: Understood, questions: Iterable[Question]) -> None:
+    """Refuse curves with open questions, in one sentence that names all of them."""
+    asked = tuple(questions)
+    if asked:
+        why = "; ".join(question.asks for question in asked)
+        raise _check.InputError(
+            f"{told.curves.source}: {why}; give "
+            + ", and ".join(question.options for question in asked)
+        )
+
+
+def _with_height(
+    curves: Spectra, answers: Answers, notes: tuple[str, ...]
+) -> tuple[Spectra, tuple[str, ...]]:
+    highest = float(curves.values.max())
+    assert answers.peak_qe is not None  # asked for by `sensor_questions`
+    if highest <= 0:
+        raise _check.InputError(f"{curves.source}: its curves are nowhere above 0")
+    told = f"relative curves, scaled to a highest QE of {answers.peak_qe:g}"
+    return replace(curves, values=curves.values * (answers.peak_qe / highest)), (*notes, told)
+
+
+def power_of(told: Understood) -> Spectra:
+    """One curve of relative power over wavelength, as `illuminant_from` wants it.
+
+    Raises
+    ------
+    InputError
+        If it is not one curve, is given per wavenumber, or does not declare whether light is
+        counted as energy or in photons.
+    """
+    curves = told.curves
+    _refuse_open(told, light_questions(told))
+    if told.wavelength_unit == "1/cm":
+        raise _check.InputError(
+            f"{curves.source}: gives light per wavenumber, and 1/cm is not a constant number "
+            "of nm; convert it to light per nm"
+        )
+    notes = _said(replace(told, defects=defects_of_a_light(told.defects)))
+    if told.per == "photon":
+        curves = power_of_photons(curves)
+    return replace(curves, quantity="power", unit="relative", notes=(*curves.notes, *notes))
+
+
+def power_of_photons(curves: Spectra) -> Spectra:
+    """Curves that count photons as relative power, straight lines of photons kept as they are.
+
+    Parameters
+    ----------
+    curves
+        Relative photons per wavelength. They are taken at every nanometer before they are
+        multiplied by the energy of a photon: what is straight in photons is bent in power.
+
+    Notes
+    -----
+    A photon has the energy h c / lambda; that at the shortest wavelength is 1 here.
+
+    Examples
+    --------
+    >>> flat = Spectra(wavelength_nm=np.array([400.0, 800.0]), values=np.ones((2, 1)),
+    ...                names=("lamp",), quantity="power", unit="1", source="a lamp")
+    >>> power = power_of_photons(flat)
+    >>> float(power.values[power.wavelength_nm == 500, 0].round(12)[0])       # 400/500
+    0.8
+    """
+    known = curves.wavelength_nm
+    at = np.union1d(known, np.arange(np.ceil(known[0]), known[-1]))
+    photons = np.stack([np.interp(at, known, curve) for curve in curves.values.T], axis=1)
+    energy = 1.0 / photons_per_joule(at)[:, None]
+    return replace(
+        curves,
+        wavelength_nm=at,
+        values=photons * energy / energy.max(),
+        quantity="power",
+        unit="relative",
+        notes=(*curves.notes, f"{curves.source}: counted in photons, multiplied by their energy"),
+    )
+
+
+def _said(told: Understood) -> tuple[str, ...]:
+    """Notes and defects, each with the name of the file."""
+    return tuple(f"{_name(told)}: {text}" for text in (*told.notes, *told.defects))
+
+
+def _name(told: Understood) -> str:
+    return Path(told.curves.source).name

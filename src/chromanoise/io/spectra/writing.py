@@ -1,0 +1,321 @@
+"""Sensors and spectra as text that other programs read: CSV, camera JSON, IES TM-27.
+
+Numbers are written with all digits that tell them from their neighbors, so that what is read back
+is what was written.
+"""
+
+import csv
+import io
+import os
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+from xml.sax.saxutils import escape
+
+import numpy as np
+
+from chromanoise import __version__
+from chromanoise._check import InputError
+from chromanoise.io.spectra.own_json import as_json
+from chromanoise.sensor import Mosaic, Sensor
+from chromanoise.spectra import Spectra
+
+_TM27_QUANTITIES = (
+    *("flux", "absorptance", "transmittance", "reflectance", "intensity", "irradiance"),
+    *("radiance", "exitance", "R-Factor", "T-Factor", "relative", "other"),
+)
+_TM27_FACTS = {"level": "level: ", "per": "light counted per ", "scale": "scale: "}
+_QE_FACTS = {"level": "absolute", "per": "photon", "scale": "fraction"}
+
+
+def sensor_spectra(sensor: Sensor) -> Spectra:
+    """The curves of a sensor, as spectra. [e-/photon]"""
+    return Spectra(
+        wavelength_nm=sensor.grid.wavelength_nm,
+        values=sensor.qe,
+        names=sensor.names,
+        quantity="QE",
+        unit="e-/photon",
+        source=sensor.name,
+        notes=sensor.notes,
+    )
+
+
+def spectra_csv(spectra: Spectra, facts: Mapping[str, str] | None = None) -> str:
+    """``wavelength_nm,name,..`` and one row per wavelength; what they are stands in comments.
+
+    `read_curves` takes quantity, unit and facts from these comments.
+
+    Parameters
+    ----------
+    spectra
+        Any.
+    facts
+        Other facts: level, per and scale, with the values of `Found`.
+
+    Raises
+    ------
+    InputError
+        If a name cannot stand in the head of a CSV that is read by lines.
+    """
+    return _csv(spectra, facts or {})
+
+
+def sensor_csv(sensor: Sensor) -> str:
+    """The QE of each channel under ``wavelength_nm,R,..``, as `read_sensor_csv` reads it.
+
+    Pixel, mosaic and origin stand in comments, which readers pass over: the pixel must be given
+    again. `sensor_json` keeps all.
+
+    Raises
+    ------
+    InputError
+        As `spectra_csv`.
+    """
+    pixel = sensor.pixel
+    return _csv(
+        sensor_spectra(sensor),
+        {
+            **_QE_FACTS,
+            "origin": sensor.origin,
+            "mosaic": mosaic_text(sensor.mosaic),
+            "pitch_um": repr(pixel.pitch_um),
+            "full_well_e": repr(pixel.full_well_e),
+            "read_noise_e": repr(pixel.read_noise_e),
+        },
+    )
+
+
+def sensor_rawtoaces_json(
+    sensor: Sensor, *, created: str, manufacturer: str = "", license_name: str = "unstated"
+) -> str:
+    """R, G and B of the sensor as rawtoaces reads a camera: relative, per energy, largest 1.
+
+    Parameters
+    ----------
+    sensor
+        With channels R, G and B; others are left out.
+    created
+        Date and time of the document, RFC 3339, e.g. ``2026-01-31T12:00:00Z``.
+    manufacturer
+        Of the camera.
+    license_name
+        Under which the curves may be used.
+
+    Raises
+    ------
+    InputError
+        If a channel is missing, all curves are zero, or a wavelength is no whole nm.
+
+    Notes
+    -----
+    Schema 1.0.0 of rawtoaces-data. rawtoaces multiplies its curves with spectra of power, so QE,
+    electrons per photon, is multiplied by the wavelength: photons per joule go as lambda. One
+    factor for all channels keeps their balance; the absolute scale is lost.
+    """
+    header = _rawtoaces_header(sensor, created, manufacturer, license_name)
+    per_energy = photons_as_energy(sensor_spectra(sensor))
+    return rawtoaces_json(per_energy, header)
+
+
+def photons_as_energy(spectra: Spectra) -> Spectra:
+    """Curves per photon as curves per energy, up to one factor: photons per joule go as lambda."""
+    values = spectra.values * spectra.wavelength_nm[:, None]
+    return replace(spectra, values=values, unit="relative, per energy")
+
+
+def rawtoaces_json(per_energy: Spectra, header: Mapping[str, Any]) -> str:
+    """R, G and B of curves per energy as rawtoaces reads a camera, the largest 1.
+
+    Parameters
+    ----------
+    per_energy
+        With channels R, G and B; others are left out.
+    header
+        Of the document, as schema 1.0.0 of rawtoaces-data names it.
+
+    Raises
+    ------
+    InputError
+        As `sensor_rawtoaces_json`.
+    """
+    source = per_energy.source
+    missing = [name for name in "RGB" if name not in per_energy.names]
+    if missing:
+        raise InputError(
+            f"{source}: a rawtoaces camera has channels R, G and B, but {', '.join(missing)} "
+            f"is missing among {', '.join(per_energy.names)}; write the sensor's own JSON"
+        )
+    wavelength = per_energy.wavelength_nm
+    if not (wavelength == np.round(wavelength)).all():
+        raise InputError(
+            f"{source}: rawtoaces names wavelengths by whole nm, but some of these are no whole nm"
+        )
+    values = per_energy.values[:, [per_energy.names.index(name) for name in "RGB"]]
+    if not values.max() > 0:
+        raise InputError(f"{source}: all of R, G and B are zero, which has no relative scale")
+    rows = (values / values.max()).tolist()
+    data = {f"{at:.0f}": row for at, row in zip(wavelength.tolist(), rows, strict=True)}
+    told = {
+        "header": dict(header),
+        "spectral_data": {
+            "units": "relative",
+            "reflection_geometry": None,
+            "transmission_geometry": None,
+            "bandwidth_FWHM": None,
+            "bandwidth_corrected": None,
+            "index": {"main": ["R", "G", "B"]},
+            "data": {"main": data},
+        },
+    }
+    return as_json(told)
+
+
+def spectra_spdx(
+    spectra: Spectra, name: str, *, created: str, facts: Mapping[str, str] | None = None
+) -> str:
+    """One curve as IES TM-27-14, the XML that ends in ``.spdx``.
+
+    Parameters
+    ----------
+    spectra
+        Any.
+    name
+        Which curve.
+    created
+        Date of the document, e.g. ``2026-01-31``: a clock would make every file another.
+    facts
+        As for `spectra_csv`; they are written into the comments.
+
+    Raises
+    ------
+    InputError
+        If there is no such curve, or words hold what XML forbids.
+
+    Notes
+    -----
+    ANSI/IES TM-27-14. What its list of quantities has no word for is ``other``, with the quantity
+    and its unit told in the comments.
+    """
+    if name not in spectra.names:
+        raise InputError(f"{spectra.source} has no curve {name!r}, but {', '.join(spectra.names)}")
+    words = spectra.quantity.lower()
+    quantity = {q.lower(): q for q in _TM27_QUANTITIES}.get(words, "other")
+    what = f"{spectra.quantity} [{spectra.unit}]"
+    said = [f"{_TM27_FACTS[key]}{value}" for key, value in (facts or {}).items()]
+    told = "; ".join((what, *said, f"source: {_but_folder(spectra.source)}", *spectra.notes))
+    header = {
+        "Description": name,
+        "DocumentCreator": f"chromanoise {__version__}",
+        "DocumentCreationDate": created,
+        "Comments": told,
+    }
+    column = spectra.values[:, spectra.names.index(name)].tolist()
+    data = (
+        f'    <SpectralData wavelength="{at!r}">{value!r}</SpectralData>'
+        for at, value in zip(spectra.wavelength_nm.tolist(), column, strict=True)
+    )
+    lines = [
+        '<?xml version="1.0" encoding="UTF-8"?>',
+        '<IESTM2714 xmlns="http://www.ies.org/iestm2714" version="1.0">',
+        "  <Header>",
+        *(f"    <{key}>{_xml(value)}</{key}>" for key, value in header.items()),
+        "  </Header>",
+        "  <SpectralDistribution>",
+        f"    <SpectralQuantity>{quantity}</SpectralQuantity>",
+        *data,
+        "  </SpectralDistribution>",
+        "</IESTM2714>",
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def _rawtoaces_header(
+    sensor: Sensor, created: str, manufacturer: str, license_name: str
+) -> dict[str, Any]:
+    return rawtoaces_header(
+        sensor.name,
+        created=created,
+        comments="; ".join((f"origin of curves: {sensor.origin}", *sensor.notes)),
+        description="camera spectral sensitivity, QE times wavelength, relative",
+        manufacturer=manufacturer,
+        license_name=license_name,
+    )
+
+
+def rawtoaces_header(
+    model: str,
+    *,
+    created: str,
+    comments: str,
+    description: str = "camera spectral sensitivity, relative",
+    manufacturer: str = "",
+    license_name: str = "unstated",
+) -> dict[str, Any]:
+    """The header of a camera in the schema 1.0.0 of rawtoaces-data."""
+    return {
+        "schema_version": "1.0.0",
+        "manufacturer": manufacturer or None,
+        "model": model,
+        "type": "camera",
+        "description": description,
+        "document_creator": f"chromanoise {__version__}",
+        "document_creation_date": created,
+        "unique_identifier": None,
+        "measurement_equipment": None,
+        "laboratory": None,
+        "comments": comments,
+        "license": license_name,
+    }
+
+
+def _csv(spectra: Spectra, facts: Mapping[str, str]) -> str:
+    for name in spectra.names:
+        if name.strip() != name or len(name.splitlines()) != 1 or "\0" in name:
+            raise InputError(
+                f"{spectra.source}: {name!r} cannot head a column of a CSV, for it has outer "
+                "spaces or a line's end; rename it, or write JSON"
+            )
+    text = io.StringIO()
+    comments = {
+        "version": __version__,
+        "source": _but_folder(spectra.source),
+        "quantity": spectra.quantity,
+        "unit": spectra.unit,
+        "wavelength_unit": "nm",
+        **facts,
+        "notes": "; ".join(spectra.notes),
+    }
+    for key, value in comments.items():
+        text.write(f"# {key}: {' '.join(value.split())}\n")
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(["wavelength_nm", *spectra.names])
+    for at, row in zip(spectra.wavelength_nm.tolist(), spectra.values.tolist(), strict=True):
+        writer.writerow([repr(at), *map(repr, row)])
+    return text.getvalue()
+
+
+def mosaic_text(mosaic: Mosaic | None) -> str:
+    """One word per row of the pattern, ``none`` where each pixel has all channels."""
+    return "/".join(" ".join(row) for row in mosaic.pattern) if mosaic else "none"
+
+
+def _but_folder(source: str) -> str:
+    """A source that is a file by its name: where it lay says nothing elsewhere."""
+    path = Path(source)
+    there = os.path.isfile(source)  # noqa: PTH113 - also accepts names that are too long
+    return path.name if path.is_absolute() or there else source
+
+
+def _xml(text: str) -> str:
+    """Escaped; refused where a letter cannot stand in XML 1.0 at all."""
+    for letter in text:
+        code = ord(letter)
+        if (
+            (code < 0x20 and letter not in "\t\n\r")
+            or 0xD800 <= code < 0xE000
+            or code >> 1 == 0x7FFF
+        ):
+            raise InputError(f"{text[:40]!r} holds {letter!r}, which XML forbids; rename it")
+    return escape(" ".join(text.split()))

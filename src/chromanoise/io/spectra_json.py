@@ -1,0 +1,139 @@
+"""Sensors and spectra as JSON of this library, and the reader of sensors."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, fields
+from typing import Any, cast, get_args
+
+from chromanoise import __version__, _check
+from chromanoise._check import InputError
+from chromanoise.io.spectra.own_json import (
+    SCHEMA_VERSION,
+    SPECTRA_SCHEMA,
+    array_of,
+    as_json,
+    held_json,
+    named,
+    number_of,
+    unfit,
+    word_of,
+    words_of,
+)
+from chromanoise.sensor import Converter, Imperfections, Mosaic, Pixel, Sensor
+from chromanoise.sensor.sensor import Origin
+from chromanoise.spectra import Grid, Spectra
+
+_SENSOR_SCHEMA = "chromanoise sensor"
+_FLAWS = tuple(field.name for field in fields(Imperfections))
+_LARGEST_GRID = 1_000_000
+
+
+def spectra_json(spectra: Spectra, facts: Mapping[str, str] | None = None) -> str:
+    """All data of the spectra, in the form that `read_curves` reads.
+
+    Parameters
+    ----------
+    spectra
+        Any.
+    facts
+        Other facts: level, per and scale, with the values of `Found`.
+    """
+    return as_json(
+        {
+            "schema": SPECTRA_SCHEMA,
+            "schema_version": SCHEMA_VERSION,
+            "version": __version__,
+            "quantity": spectra.quantity,
+            "unit": spectra.unit,
+            **(facts or {}),
+            "source": spectra.source,
+            "notes": list(spectra.notes),
+            "names": list(spectra.names),
+            "wavelength_nm": spectra.wavelength_nm.tolist(),
+            "values": spectra.values.tolist(),
+        }
+    )
+
+
+def sensor_json(sensor: Sensor) -> str:
+    """All of the sensor; `sensor_from_json` gives it back."""
+    grid, pixel = sensor.grid, sensor.pixel
+    return as_json(
+        {
+            "schema": _SENSOR_SCHEMA,
+            "schema_version": SCHEMA_VERSION,
+            "version": __version__,
+            "name": sensor.name,
+            "origin": sensor.origin,
+            "notes": list(sensor.notes),
+            "stacked": sensor.stacked,
+            "mosaic": [list(row) for row in sensor.mosaic.pattern] if sensor.mosaic else None,
+            "pixel": {
+                "pitch_um": pixel.pitch_um,
+                "full_well_e": pixel.full_well_e,
+                "read_noise_e": pixel.read_noise_e,
+                **{name: value for name, value in asdict(sensor.imperfections).items() if value},
+                **sensor.converter.known,
+            },
+            "grid_nm": {"start": grid.start_nm, "stop": grid.stop_nm, "step": grid.step_nm},
+            "channels": list(sensor.names),
+            "qe": sensor.qe.tolist(),
+        }
+    )
+
+
+def sensor_from_json(text: str, *, source: str = "sensor") -> Sensor:
+    """The sensor that `sensor_json` wrote.
+
+    Raises
+    ------
+    InputError
+        If the text is no JSON, is of another schema or version, or the sensor is wrong.
+    """
+    held = held_json(text, _SENSOR_SCHEMA, source=source)
+    try:
+        grid, pixel, mosaic = held["grid_nm"], held["pixel"], held["mosaic"]
+        wells = {k: number_of(pixel[k]) for k in ("pitch_um", "full_well_e", "read_noise_e")}
+        own = Grid(*(number_of(grid[key]) for key in ("start", "stop", "step")))
+        if own.n > _LARGEST_GRID:
+            raise InputError(f"{source}: a grid of {own.n} wavelengths is too large")
+        return Sensor(
+            name=word_of(held["name"]),
+            grid=own,
+            qe=array_of(held["qe"], 2),
+            names=words_of(held["channels"]),
+            pixel=Pixel(**wells),
+            imperfections=Imperfections(**_held(pixel, _FLAWS, number_of)),
+            converter=Converter(
+                **_held(pixel, ("gain_e_per_dn",), number_of),
+                **_held(pixel, ("bits", "black_level_dn"), _whole),
+            ),
+            mosaic=Mosaic(tuple(words_of(row) for row in mosaic)) if mosaic is not None else None,
+            stacked=_flag(held["stacked"]),
+            origin=_origin(held["origin"]),
+            notes=words_of(held["notes"]),
+        )
+    except InputError as error:
+        raise named(error, source) from None
+    except (KeyError, TypeError, OverflowError) as error:
+        raise unfit(source, "sensor", error) from None
+
+
+def _origin(value: Any) -> Origin:
+    return cast(Origin, _check.one_of("origin of curves", word_of(value), get_args(Origin)))
+
+
+def _whole(value: Any) -> int:
+    if not number_of(value).is_integer():
+        raise TypeError(f"{str(value)[:40]} is not a whole number")
+    return int(value)
+
+
+def _held(told: dict[str, Any], names: Sequence[str], kind: Callable[[Any], Any]) -> dict[str, Any]:
+    """The values of these names, if present."""
+    return {name: kind(told[name]) for name in names if name in told}
+
+
+def _flag(value: Any) -> bool:
+    if not isinstance(value, bool):
+        raise TypeError(f"{str(value)[:40]} is neither true nor false")
+    return value

@@ -1,0 +1,232 @@
+"""A table as text that other programs read: CSV, JSON, Markdown, LaTeX.
+
+CSV, Markdown and LaTeX hold numbers with the digits of their column; JSON holds them whole, so that
+what is read back is the table itself. What is not defined is an empty cell, in JSON ``null``.
+"""
+
+import csv
+import io
+import json
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from chromanoise import __version__
+from chromanoise._check import InputError
+from chromanoise.io.spectra.own_json import SCHEMA_VERSION, held_json, named
+from chromanoise.io.table import (
+    Column,
+    Entry,
+    Table,
+    written,
+)
+
+SCHEMA = "chromanoise table"
+
+_FORMULA = ("=", "+", "-", "@", "\t", "＝", "＋", "－", "＠")
+_MARKDOWN = re.compile(r"([\\`*_\[\]<>#|~&])")
+_LATEX = {
+    "\\": r"\textbackslash{}",
+    "{": r"\{",
+    "}": r"\}",
+    "$": r"\$",
+    "&": r"\&",
+    "#": r"\#",
+    "%": r"\%",
+    "_": r"\_",
+    "^": r"\textasciicircum{}",
+    "~": r"\textasciitilde{}",
+    "<": r"\textless{}",
+    ">": r"\textgreater{}",
+    "|": r"\textbar{}",
+    '"': r"\textquotedblright{}",
+    "[": "{[}",  # after a line's end it would open an option
+    "]": "{]}",
+    "*": "{*}",  # after a line's end too
+    "-": "{-}",  # two would become a dash
+    "`": r"\textasciigrave{}",
+    "'": r"\textquotesingle{}",
+    "µ": r"$\mu$",
+    "μ": r"$\mu$",
+    "λ": r"$\lambda$",
+    "σ": r"$\sigma$",
+    "Δ": r"$\Delta$",
+    "°": r"$^{\circ}$",
+    "²": "$^{2}$",
+    "³": "$^{3}$",
+    "⁻": "$^{-}$",
+    "¹": "$^{1}$",
+    "−": "$-$",
+    "±": r"$\pm$",
+    "×": r"$\times$",
+    "·": r"$\cdot$",
+}
+
+
+def table_writer(path: Path) -> Callable[[Table], str]:
+    """How a table becomes the text of a file, by the ending of its name.
+
+    Raises
+    ------
+    InputError
+        If the name ends otherwise.
+    """
+    writers = {".csv": table_csv, ".json": table_json, ".md": table_markdown, ".tex": table_latex}
+    ending = path.suffix.lower()
+    if ending not in writers:
+        raise InputError(f"{path}: a table is written as {', '.join(writers)}; end the name so")
+    return writers[ending]
+
+
+def table_csv(table: Table) -> str:
+    """One row of heads, ``name [unit]``, then the rows, as RFC 4180 but for its line ends.
+
+    Words that a spreadsheet would take for a formula get an apostrophe before them.
+    """
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow([_harmless(head(column)) for column in table.columns])
+    for row in table.rows:
+        writer.writerow(
+            [
+                _harmless(cell) if isinstance(cell, str) else written(cell, column.digits)
+                for column, cell in zip(table.columns, row, strict=True)
+            ]
+        )
+    return text.getvalue()
+
+
+def table_json(table: Table) -> str:
+    """Everything, numbers whole: `table_from_json` gives the table back."""
+    told: dict[str, Any] = {
+        "schema": SCHEMA,
+        "schema_version": SCHEMA_VERSION,
+        "version": __version__,
+        "title": table.title,
+        "columns": [{"name": c.name, "unit": c.unit, "digits": c.digits} for c in table.columns],
+        "rows": [list(row) for row in table.rows],
+        "notes": list(table.notes),
+    }
+    return json.dumps(told, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def table_from_json(text: str, *, source: str = "table") -> Table:
+    """The table that `table_json` wrote.
+
+    Raises
+    ------
+    InputError
+        If the text is no JSON, is of another schema or version, or no table.
+    """
+    held = held_json(text, SCHEMA, source=source)
+    try:
+        return Table(
+            title=_word(held["title"]),
+            columns=tuple(
+                Column(name=_word(c["name"]), unit=_word(c["unit"]), digits=_word(c["digits"]))
+                for c in held["columns"]
+            ),
+            rows=tuple(tuple(_entry(cell) for cell in row) for row in held["rows"]),
+            notes=tuple(_word(note) for note in held["notes"]),
+        )
+    except InputError as error:
+        raise named(error, source) from None
+    except (KeyError, TypeError):
+        raise InputError(
+            f"{source}: a table has title, columns (name, unit, digits), rows and notes"
+        ) from None
+
+
+def table_markdown(table: Table) -> str:
+    """A table of GitHub-flavored Markdown under its title, columns of numbers to the right."""
+    heads = " | ".join(_markdown(head(column)) for column in table.columns)
+    rules = " | ".join("---:" if _numeric(table, i) else "---" for i in range(len(table.columns)))
+    rows = [
+        " | ".join(
+            _markdown(written(cell, column.digits))
+            for column, cell in zip(table.columns, row, strict=True)
+        )
+        for row in table.rows
+    ]
+    lines = [
+        f"**{_markdown(table.title)}**",
+        "",
+        *(f"| {line} |" for line in (heads, rules, *rows)),
+    ]
+    lines += ["", *(f"* {_markdown(note)}" for note in table.notes)] if table.notes else []
+    return "\n".join(lines) + "\n"
+
+
+def table_latex(table: Table) -> str:
+    r"""A ``table`` of LaTeX's own commands, with ``\caption``; UTF-8 assumed."""
+    kinds = "".join("r" if _numeric(table, i) else "l" for i in range(len(table.columns)))
+    heads = " & ".join(_latex(head(column)) for column in table.columns)
+    rows = [
+        " & ".join(
+            _latex(cell) if isinstance(cell, str) else _latex_number(written(cell, column.digits))
+            for column, cell in zip(table.columns, row, strict=True)
+        )
+        for row in table.rows
+    ]
+    lines = [
+        r"\begin{table}",
+        rf"\caption{{{_latex(table.title)}}}",
+        rf"\begin{{tabular}}{{{kinds}}}",
+        r"\hline",
+        rf"{heads} \\",
+        r"\hline",
+        *(rf"{row} \\" for row in rows),
+        r"\hline",
+        r"\end{tabular}",
+        *(rf"\par {_latex(note)}" for note in table.notes),
+        r"\end{table}",
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def head(column: Column) -> str:
+    """Name and unit.
+
+    Examples
+    --------
+    >>> head(Column(name="time", unit="ms")), head(Column(name="sensor"))
+    ('time [ms]', 'sensor')
+    """
+    return f"{column.name} [{column.unit}]" if column.unit else column.name
+
+
+def _harmless(text: str) -> str:
+    """No formula (OWASP, CSV injection): spaces before a sign do not hide it from all programs."""
+    plain = text.replace("\r\n", "\n").replace("\r", "\n")  # csv would leave a lone \r unquoted
+    guarded = plain.startswith(_FORMULA) or plain.lstrip().startswith(_FORMULA)
+    return f"'{plain}" if guarded else plain
+
+
+def _numeric(table: Table, i: int) -> bool:
+    cells = [row[i] for row in table.rows if row[i] is not None]
+    return bool(cells) and not any(isinstance(cell, str | bool) for cell in cells)
+
+
+def _markdown(text: str) -> str:
+    return _MARKDOWN.sub(r"\\\1", " ".join(text.split()))
+
+
+def _latex(text: str) -> str:
+    return "".join(_LATEX.get(letter, letter) for letter in " ".join(text.split()))
+
+
+def _latex_number(text: str) -> str:
+    return f"${text}$" if text.startswith("-") else _latex(text)
+
+
+def _word(value: Any) -> str:
+    if not isinstance(value, str):
+        raise TypeError
+    return value
+
+
+def _entry(value: Any) -> Entry:
+    if value is not None and not isinstance(value, bool | int | float | str):
+        raise TypeError
+    return value

@@ -1,0 +1,115 @@
+"""What a measurement is worth: SNR, bound, price, budget; color error; filters, speed, bits."""
+
+from chromanoise.metrics.accuracy import (
+    chart_ciede2000,
+    chart_color_error,
+    chart_lab,
+)
+from chromanoise.metrics.budget import (
+    Budget,
+    Cost,
+    color_budget,
+    contravariant_budget,
+    shapley_values,
+)
+from chromanoise.metrics.filters import (
+    best_readout,
+    figure_of_merit,
+    filter_quality,
+    perceptual_weight,
+    principal_angles_deg,
+    readout_error,
+    second_moment,
+    vora_value,
+)
+from chromanoise.metrics.lab_budget import (
+    faintest_change,
+    lab_budget,
+)
+from chromanoise.metrics.matrix_report import (
+    MatrixReport,
+    effective_filters,
+    matrix_report,
+)
+from chromanoise.metrics.smi import (
+    Metamerism,
+    metamerism,
+    sensor_metamerism,
+)
+from chromanoise.metrics.snr import (
+    bound_db,
+    price_db,
+    signal_snr_db,
+    snr_db,
+)
+from chromanoise.metrics.speed import (
+    ISO_12232_2019,
+    NoiseSpeedModel,
+    illuminance_for_snr,
+    illuminance_for_snr_adapted,
+    light_for_snr,
+    noise_speed,
+)
+from chromanoise.metrics.tonal import (
+    color_sensitivity_bits,
+    information_bits,
+    tonal_levels,
+    tonal_range_bits,
+)
+from chromanoise.metrics.visual_noise import (
+    ISO_15739_2017,
+    VisualNoise,
+    VisualNoiseModel,
+    contrast_sensitivity,
+    visual_noise_from_spectrum,
+    visual_noise_of_picture,
+    visual_noise_of_white,
+)
+
+__all__ = [
+    "ISO_12232_2019",
+    "ISO_15739_2017",
+    "Budget",
+    "Cost",
+    "MatrixReport",
+    "Metamerism",
+    "NoiseSpeedModel",
+    "VisualNoise",
+    "VisualNoiseModel",
+    "best_readout",
+    "bound_db",
+    "chart_ciede2000",
+    "chart_color_error",
+    "chart_lab",
+    "color_budget",
+    "color_sensitivity_bits",
+    "contrast_sensitivity",
+    "contravariant_budget",
+    "effective_filters",
+    "faintest_change",
+    "figure_of_merit",
+    "filter_quality",
+    "illuminance_for_snr",
+    "illuminance_for_snr_adapted",
+    "information_bits",
+    "lab_budget",
+    "light_for_snr",
+    "matrix_report",
+    "metamerism",
+    "noise_speed",
+    "perceptual_weight",
+    "price_db",
+    "principal_angles_deg",
+    "readout_error",
+    "second_moment",
+    "sensor_metamerism",
+    "shapley_values",
+    "signal_snr_db",
+    "snr_db",
+    "tonal_levels",
+    "tonal_range_bits",
+    "visual_noise_from_spectrum",
+    "visual_noise_of_picture",
+    "visual_noise_of_white",
+    "vora_value",
+]

@@ -1,0 +1,248 @@
+"""Where the SNR of L*, a* and b* goes: from all photons to one unit of a coordinate of CIELAB.
+
+A white has a* = 0, so the signal is not a* itself but a change of it: the SNR told here is one unit
+over the standard deviation, 1 / sigma, to first order on a given point. The light that carries the
+signal is a change which moves that coordinate by one and leaves the other two alone. Of all such
+changes `faintest_change` is taken, the one that is hardest to see even for a reader that counts
+every photon with its wavelength; so no cause is charged for what no reader could know. Counting
+gives sqrt(p N) where the change is the light itself: the start of `chromanoise.metrics.budget`.
+
+============ =============================================== ==================================
+cause        off                                             on
+============ =============================================== ==================================
+filters      every photon is counted with its wavelength     the sensor's quantum efficiencies
+read noise   none                                            the pixel's
+weights      the best linear readout, D^-1 dmu               the coordinate's own weights h.f/|f|^2
+correlation  channels weighted one by one                    channels unmixed: J C
+infrared     a perfect cut at 700 nm                         its electrons are there as noise
+============ =============================================== ==================================
+
+h = H J^T is the coordinate's row in light, J the Jacobian of CIELAB at the sensor's own mean, with
+the sensor's own white. What is left, "rest", is the error of the color matrix: the change comes
+out as r.dmu units, not as one. A matrix that fades colors gains there what it did not earn: its
+sigma is small because its unit is. Orders and shares are those of `chromanoise.metrics.budget`.
+
+The infrared here carries next to no signal by construction, H being all but zero there.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+from chromanoise import _check
+from chromanoise._check import Array
+from chromanoise._linalg import RANK_TOLERANCE, inv, svd, unit_columns
+from chromanoise.color import LAB, ColorMatrix
+from chromanoise.color.matrices import XYZ
+from chromanoise.exposure import Exposure, expected_electrons, measurement_vectors
+from chromanoise.metrics.budget import weights_one_by_one
+from chromanoise.metrics.budget_chain import (
+    CAUSES,
+    FILTERS,
+    INFRARED,
+    READ_NOISE,
+    REST,
+    WEIGHTS,
+    Budget,
+    Chain,
+    Seen,
+    chain_budget,
+    chain_snr_db,
+    counting_snr_db,
+    photons_on_pixels,
+    shared_readings,
+    without_infrared,
+)
+from chromanoise.scene import Scene, flat_field, light
+from chromanoise.sensor import Sensor
+from chromanoise.spectra import INFRARED_FROM_NM, color_axes
+
+_ROUNDING = 1e-10  # of the sum of absolute terms: below, a sum is rounding
+
+
+def faintest_change(
+    light: Float[Array, " n"], axes: Float[Array, "n c"], step: Float[Array, " c"]
+) -> Float[Array, " n"] | None:
+    """The change of light that moves a color by ``step`` and is hardest to see for any reader.
+
+    Parameters
+    ----------
+    light
+        L, mean photons per wavelength, >= 0.
+    axes
+        H, one column per color coordinate.
+    step
+        dx, of the color H^T L.
+
+    Returns
+    -------
+    change
+        dL, in the unit of ``light``; ``None`` where the light cannot move all coordinates
+        independently.
+
+    Raises
+    ------
+    InputError
+        If an entry of ``light`` is negative or not finite.
+
+    Notes
+    -----
+    Counting photons, a reader sees dL with SNR^2 ~ sum dL^2 / L. Lagrange: the least such sum under
+    H^T dL = dx has 2 dL / L = H lambda, so dL = L * (H (H^T diag(L) H)^-1 dx). It is computed as
+    the shortest vector dL / sqrt(L) by singular values.
+
+    Examples
+    --------
+    >>> lamp = np.array([4.0, 0.0, 1.0])
+    >>> faintest_change(lamp, np.ones((3, 1)), np.array([5.0])).round(12)     # the light itself
+    array([4., 0., 1.])
+    """
+    root = np.sqrt(_check.non_negative("light", "photons", light))
+    directions, lengths = unit_columns(axes * root[:, None])
+    u, singular, vt = svd("axes of color in light", directions, full_matrices=False)
+    rank = int((singular > RANK_TOLERANCE * singular[0]).sum())
+    if rank < axes.shape[1]:
+        return None
+    return root * (u @ ((vt @ (step / lengths)) / singular))
+
+
+def lab_budget(
+    scene: Scene, sensor: Sensor, exposure: Exposure, matrix: ColorMatrix, coordinate: str = "a*"
+) -> Budget | None:
+    """The budget of L*, a* or b* on one point, or ``None`` where it is not defined.
+
+    It is not where X, Y or Z of the sensor's white is not above 0, where the light cannot move the
+    three coordinates independently, or where the sensor does not follow the change: one channel
+    alone has no a*, and a matrix may turn a change around.
+
+    Parameters
+    ----------
+    scene
+        A single point, e.g. a gray (`flat_field`); its white is a perfect one in the same light.
+    sensor, exposure
+        What looks at it, and how.
+    matrix
+        To X, Y, Z; any, "correlation" is the step to it from channels taken one by one.
+    coordinate
+        L*, a* or b*.
+
+    Raises
+    ------
+    InputError
+        If there is no such coordinate, the matrix does not lead to X, Y, Z, or its channels are
+        not the sensor's.
+
+    Notes
+    -----
+    First order: sigma^2 = r D r^T with r = J C (JCGM 102:2011, 6.2), as
+    `chromanoise.color.through_space`.
+    """
+    _check.one_of("coordinate", coordinate, LAB.coordinates)
+    _check.same_names("budget", sensor=sensor.names, matrix=matrix.channels)
+    _check.same_names("budget in CIELAB", needed=XYZ, matrix=matrix.coordinates)
+    point = _point(scene, sensor, exposure, matrix)
+    if point is None:
+        return None
+    i = LAB.coordinates.index(coordinate)
+    step = inv(f"slope of {coordinate} of {sensor.name}", point.slope)[:, i]
+    change = faintest_change(point.light, point.axes, step)
+    if change is None:
+        return None
+    chain = _chain(point, sensor, exposure, matrix, change, i)
+    if not _followed(chain):
+        return None
+    variance = chain.with_infrared.noise_e + chain.read_variance_e2
+    gain = float(chain.row @ chain.with_infrared.signal_e)
+    bound = chain_snr_db(chain, frozenset({FILTERS, READ_NOISE, INFRARED}))
+    return chain_budget(
+        chain,
+        coordinate,
+        CAUSES,
+        _readings(chain, matrix, point, coordinate, gain),
+        bound_db=bound,
+        snr_db=-10 * float(np.log10(chain.row**2 @ variance)),
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Point:
+    """One color: its light [photons], its electrons, and how CIELAB bends there."""
+
+    light: Float[Array, " n"]
+    axes: Float[Array, "n 3"]
+    photons_per_unit_light: float
+    all_e: Float[Array, " p"]
+    visible_e: Float[Array, " p"]
+    slope: Float[Array, "3 3"]
+
+
+def _point(scene: Scene, sensor: Sensor, exposure: Exposure, matrix: ColorMatrix) -> _Point | None:
+    """``None`` where the sensor's white is no color."""
+    white_scene = flat_field(scene.illuminant, level_lux=scene.level_lux)
+    white = matrix.matrix @ expected_electrons(white_scene, sensor, exposure)
+    if not (white > 0).all():
+        return None
+    all_e = expected_electrons(scene, sensor, exposure)
+    return _Point(
+        light=light(scene, "quanta"),
+        axes=color_axes(sensor.grid, "quanta"),
+        photons_per_unit_light=photons_on_pixels(sensor, exposure),
+        all_e=all_e,
+        visible_e=expected_electrons(without_infrared(scene), sensor, exposure),
+        slope=LAB.jacobian(matrix.matrix @ all_e, white),
+    )
+
+
+def _chain(
+    point: _Point,
+    sensor: Sensor,
+    exposure: Exposure,
+    matrix: ColorMatrix,
+    change: Float[Array, " n"],
+    i: int,
+) -> Chain:
+    basis = measurement_vectors(sensor, exposure, "quanta")
+    visible = sensor.grid.wavelength_nm <= INFRARED_FROM_NM
+    cut, whole = (change * visible) @ basis, change @ basis
+    one_by_one = [
+        weights_one_by_one(axis, matrix.frame) for axis in color_axes(sensor.grid, matrix.metric).T
+    ]
+    return Chain(
+        photons_db=counting_snr_db(point.light, change, point.photons_per_unit_light),
+        without_infrared=Seen(signal_e=cut, noise_e=point.visible_e, sought_e=cut),
+        with_infrared=Seen(signal_e=whole, noise_e=point.all_e, sought_e=whole),
+        row=_sum_of(point.slope[i, :, None] * matrix.matrix),
+        single_row=_sum_of(point.slope[i, :, None] * np.stack(one_by_one)),
+        read_variance_e2=sensor.pixel.read_noise_e**2,
+    )
+
+
+def _sum_of(terms: Float[Array, "c p"]) -> Float[Array, " p"]:
+    """Their sum, and 0 where they cancel: X/Xn - Y/Yn of a single channel is rounding."""
+    total = terms.sum(axis=0)
+    return np.where(np.abs(total) > _ROUNDING * np.abs(terms).sum(axis=0), total, 0.0)
+
+
+def _followed(chain: Chain) -> bool:
+    """Whether the coordinate moves with the change, and every readout on the way sees it.
+
+    Channels weighted one by one may turn a change around; only the size of theirs counts.
+    """
+    signals = np.stack([chain.without_infrared.signal_e, chain.with_infrared.signal_e], axis=1)
+    own, single = (_sum_of(row[:, None] * signals) for row in (chain.row, chain.single_row))
+    return bool((own > 0).all() and (single != 0).all())
+
+
+def _readings(
+    chain: Chain, matrix: ColorMatrix, point: _Point, coordinate: str, gain: float
+) -> dict[str, str]:
+    photons = point.photons_per_unit_light * float(point.light.sum())
+    readings = shared_readings(
+        chain, matrix.frame, photons=photons, all_e=point.all_e, visible_e=point.visible_e
+    )
+    h = point.axes @ point.slope[LAB.coordinates.index(coordinate)]
+    perfect = 10 * float(np.log10(point.photons_per_unit_light / (h**2 @ point.light)))
+    readings[WEIGHTS] += f"; a perfect colorimeter pays {chain.photons_db - perfect:.1f} dB"
+    readings[REST] = f"one unit of {coordinate} comes out as {gain:.2f}"
+    return readings

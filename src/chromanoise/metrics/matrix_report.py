@@ -1,0 +1,149 @@
+"""What a color matrix gives and takes: color error, noise, condition, Psi, near infrared."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from chromanoise import _check
+from chromanoise._check import Array
+from chromanoise._linalg import RANK_TOLERANCE, svd
+from chromanoise.color import ColorMatrix, colored
+from chromanoise.color.noise_gain import noise_gain, white_normalized
+from chromanoise.exposure import Exposure, expected_electrons, measurement_vectors
+from chromanoise.metrics.accuracy import chart_color_error
+from chromanoise.metrics.snr import signal_snr_db
+from chromanoise.noise import saturated, with_noise
+from chromanoise.scene import flat_field, light
+from chromanoise.sensor import Sensor
+from chromanoise.spectra import INFRARED_FROM_NM, Illuminant, color_axes
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class MatrixReport:
+    """Color error and noise of one matrix on one sensor, side by side.
+
+    Attributes
+    ----------
+    made_by
+        Of the matrix.
+    color_error_mean, color_error_max
+        CIE 1976 color difference over the ColorChecker, without noise; ``None`` where the
+        sensor's white is no color.
+    snr_db
+        Of each coordinate of a perfect white, ``None`` for one that is no signal; ``None`` where a
+        channel is saturated. [dB]
+    condition
+        Largest over smallest singular value of the white-normalized matrix; inf where the rank
+        is short.
+    psi
+        Kodak's noise gain of the white-normalized matrix. [1]
+    nir_color
+        Per coordinate, what the lamp's light beyond 700 nm adds to the white over what the
+        visible adds, with its sign: the false color of a reflectance in the near infrared.
+    nir_norm
+        Per coordinate, the norm of the effective filter beyond 700 nm over that of the visible.
+        Ripples that cancel in ``nir_color`` stay in it.
+
+    Both are ``None`` where the visible part of a coordinate is zero.
+    """
+
+    made_by: str
+    color_error_mean: float | None
+    color_error_max: float | None
+    snr_db: dict[str, float | None] | None
+    condition: float
+    psi: float
+    nir_color: dict[str, float] | None
+    nir_norm: dict[str, float] | None
+
+
+def effective_filters(
+    matrix: ColorMatrix, sensor: Sensor, exposure: Exposure
+) -> Float[Array, "n c"]:
+    """F C^T: what a color coordinate answers to each wavelength, filters and matrix together.
+
+    In lx per unit of light of the matrix's metric; a matrix without color error has the axes H.
+
+    Raises
+    ------
+    InputError
+        If the channels of sensor and matrix differ.
+    """
+    _check.same_names("effective filters", sensor=sensor.names, matrix=matrix.channels)
+    return measurement_vectors(sensor, exposure, matrix.metric) @ matrix.matrix.T
+
+
+def matrix_report(
+    matrix: ColorMatrix,
+    sensor: Sensor,
+    exposure: Exposure,
+    illuminant: Illuminant,
+    *,
+    level_lux: float,
+) -> MatrixReport:
+    """Color error, noise of a perfect white, condition, Psi and near-infrared answer of a matrix.
+
+    Parameters
+    ----------
+    matrix
+        From raw electrons to XYZ.
+    sensor, exposure
+        What looks, and how.
+    illuminant
+        The lamp on chart and white.
+    level_lux
+        Illuminance on the white. [lx]
+
+    Raises
+    ------
+    InputError
+        If the grid leaves 400-1050 nm, where the chart is measured, or channels or grids differ,
+        or the lamp's white has an X, Y or Z of 0.
+    """
+    white = flat_field(illuminant, level_lux=level_lux)
+    white_e = expected_electrons(white, sensor, exposure)
+    white_xyz = light(white, matrix.metric) @ color_axes(sensor.grid, matrix.metric)
+    normalized = white_normalized(matrix.matrix, white_e, white_xyz)
+    error = chart_color_error(sensor, matrix, exposure, illuminant)
+    decibels = signal_snr_db(colored(with_noise(white_e, sensor), matrix), white_xyz)
+    filters = effective_filters(matrix, sensor, exposure)
+    answers = filters * light(white, matrix.metric)[:, None]
+    beyond = sensor.grid.wavelength_nm > INFRARED_FROM_NM
+    full = bool(saturated(white_e, sensor.pixel).any())
+    return MatrixReport(
+        made_by=matrix.made_by,
+        color_error_mean=None if error is None else float(error.mean()),
+        color_error_max=None if error is None else float(error.max()),
+        snr_db=None if full else _told(matrix.coordinates, decibels),
+        condition=_condition(normalized),
+        psi=noise_gain(normalized),
+        nir_color=_named(matrix, answers[beyond].sum(axis=0), answers[~beyond].sum(axis=0)),
+        nir_norm=_named(matrix, *_norms(filters, beyond)),
+    )
+
+
+def _told(names: tuple[str, ...], decibels: Float[Array, " c"]) -> dict[str, float | None]:
+    values = (None if np.isnan(value) else value for value in decibels.tolist())
+    return dict(zip(names, values, strict=True))
+
+
+def _condition(matrix: Float[Array, "c p"]) -> float:
+    singular = svd("color matrix", matrix, compute_uv=False)
+    full = singular[-1] > RANK_TOLERANCE * singular[0]
+    return float(singular[0] / singular[-1]) if full else float("inf")
+
+
+def _norms(
+    filters: Float[Array, "n c"], beyond: Bool[Array, " n"]
+) -> tuple[Float[Array, " c"], Float[Array, " c"]]:
+    return (np.linalg.norm(filters[beyond], axis=0), np.linalg.norm(filters[~beyond], axis=0))
+
+
+def _named(
+    matrix: ColorMatrix, beyond: Float[Array, " c"], visible: Float[Array, " c"]
+) -> dict[str, float] | None:
+    if not visible.all():
+        return None
+    ratios = (float(ratio) for ratio in beyond / visible)
+    return dict(zip(matrix.coordinates, ratios, strict=True))

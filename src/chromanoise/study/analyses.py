@@ -1,0 +1,88 @@
+"""All that is asked of one sensor in use, by a study or a command: computed once, told as data."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from chromanoise.analysis.color_matrices import MatrixMaker
+from chromanoise.analysis.export import analyses_as_json, budgets_as_json
+from chromanoise.analysis.figures_of_merit.listed import Merits, merits_as_json, merits_of
+from chromanoise.analysis.patches import ChartNoise, chart_as_json, chart_noise
+from chromanoise.analysis.perceived import GreyNoise, grey_noise, grey_noise_as_json
+from chromanoise.analysis.stages import Analysis, analyzed
+from chromanoise.color import SPACES, UNBOUNDED
+from chromanoise.exposure import Situation, white_scene
+from chromanoise.noise import Readout
+from chromanoise.study.document import OutputsPart
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Outcome:
+    """Every stage of one sensor, and what was asked beyond.
+
+    Attributes
+    ----------
+    analysis
+        Raw, spectral and color coordinates of a perfect white.
+    grey_noise, chart
+        ``None`` where not asked for, or where a channel is saturated or white is no color.
+    merits
+        ``None`` where not asked for.
+    """
+
+    analysis: Analysis
+    grey_noise: GreyNoise | None
+    chart: ChartNoise | None
+    merits: Merits | None
+
+
+def outcome_of(situation: Situation, maker: MatrixMaker, outputs: OutputsPart) -> Outcome:
+    """All that is asked of a sensor in use.
+
+    Parameters
+    ----------
+    situation
+        Sensor, exposure and light.
+    maker
+        Of its color matrix.
+    outputs
+        What is asked; ``budget`` is told by `outcomes_as_json`.
+
+    Raises
+    ------
+    InputError
+        If the matrix cannot be made, or what is asked cannot be computed.
+    """
+    sensor = situation.sensor
+    held = None
+    if outputs.clip:
+        held = Readout(black_e=0.0, full_well_e=sensor.pixel.full_well_e)
+    analysis = analyzed(
+        white_scene(situation),
+        sensor,
+        situation.exposure,
+        readout=held,
+        matrix=maker(situation),
+    )
+    space = SPACES[outputs.space] if outputs.space is not None else None
+    return Outcome(
+        analysis=analysis,
+        grey_noise=grey_noise(analysis, space, readout=held) if space else None,
+        chart=chart_noise(analysis, readout=held or UNBOUNDED) if outputs.chart else None,
+        merits=merits_of(analysis, maker=maker) if outputs.merit else None,
+    )
+
+
+def outcomes_as_json(outcomes: Sequence[Outcome], outputs: OutputsPart) -> dict[str, Any]:
+    """The outcomes as plain data, side by side."""
+    told = analyses_as_json([outcome.analysis for outcome in outcomes])
+    for own, outcome in zip(told["sensors"], outcomes, strict=True):
+        if outputs.budget:
+            own |= budgets_as_json(outcome.analysis)
+        if outputs.space is not None:
+            own["grey_noise"] = grey_noise_as_json(outcome.grey_noise)
+        if outputs.chart:
+            own["chart"] = chart_as_json(outcome.chart)
+        if outcome.merits is not None:
+            own["merits"] = merits_as_json(outcome.merits)
+    return told

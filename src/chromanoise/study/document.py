@@ -1,0 +1,282 @@
+"""What a study file may say: light, sensors, exposure rule, matrices, sweeps, pictures, outputs.
+
+The classes are the schema: what they accept is what a study can be. Names of files are told from
+the folder of the study.
+"""
+
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
+
+from chromanoise.analysis.color_matrices import METHODS
+from chromanoise.analysis.comparison.quantities import QUANTITIES
+from chromanoise.analysis.comparison.sweeps import SWEEPS
+from chromanoise.analysis.priors import DEFAULT_PRIOR, PRIORS
+from chromanoise.imaging import DEMOSAICING
+from chromanoise.imaging.shots import FORMATS, MOST_FRAMES
+from chromanoise.io.spectra.parsed import Negatives, Unit
+from chromanoise.scene import BUILTIN_CUBES
+from chromanoise.sensor import MOSAIC_NAMES
+from chromanoise.spectra import METRICS
+
+MOST_SENSORS = 1000
+SCHEMA = 1
+"""Number of this schema; a later one that reads differently gets another."""
+
+Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
+NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+Finite = Annotated[float, Field(allow_inf_nan=False)]
+Beyond = Literal["refuse", "zero", "hold"]
+_NEGATIVES = "Small negative values of its file, as digitizing leaves them: refused, or set to 0."
+
+
+class _Part(BaseModel):
+    """Unknown keys are faults, values are not converted from other types, nothing changes later."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
+
+
+class LightPart(_Part):
+    """The light on the scene."""
+
+    illuminant: str = Field(
+        "E", description="E, A, G173, D65 ..., 3200K, LED660, A+0.5xLED850, or a file."
+    )
+    level_lux: Positive = Field(10.0, description="Illuminance [lx].")
+    beyond: Beyond = Field("refuse", description="What the curve is beyond its end.")
+    per: Literal["photon", "energy"] | None = Field(
+        None, description="How its file counts light, where it does not say."
+    )
+    column: str | None = Field(None, description="Which curve of its file.")
+    wavelength_unit: Unit | None = Field(
+        None, description="Unit of the wavelengths, where its file does not declare it."
+    )
+    negatives: Negatives = Field("refuse", description=_NEGATIVES)
+
+
+class PixelPart(_Part):
+    """What differs from the sensor's own pixel."""
+
+    file: str | None = Field(
+        None, description="EMVA 1288 sheet, DNG noise profile or photon transfer; numbers here win."
+    )
+    pitch_um: Positive | None = Field(None, description="Side of the pixel [um].")
+    full_well_e: Positive | None = Field(None, description="Electrons at saturation [e-].")
+    read_noise_e: NotNegative | None = Field(None, description="Standard deviation [e-].")
+
+
+class AnswersPart(_Part):
+    """What a file of QE curves cannot tell."""
+
+    scale: Literal["percent", "fraction"] | None = Field(
+        None, description="Whether 100 or 1 is the whole."
+    )
+    level: Literal["relative", "absolute"] | None = Field(
+        None, description="Whether heights mean something."
+    )
+    per: Literal["photon", "energy"] | None = Field(None, description="How light was counted.")
+    wavelength_unit: Unit | None = Field(
+        None, description="Unit of its wavelengths, where the file does not declare it."
+    )
+    peak_qe: Annotated[float, Field(gt=0, le=1)] | None = Field(
+        None, description="Highest QE of relative curves [e-/photon]."
+    )
+
+
+class SensorPart(_Part):
+    """One sensor."""
+
+    name: str = Field(
+        description="Of the catalogue, or a file of QE curves, told from the study's folder."
+    )
+    beyond: Beyond = Field("refuse", description="What the curves are beyond their end.")
+    answers: AnswersPart = Field(AnswersPart(), description="What its file cannot tell.")
+    pixel: PixelPart = Field(PixelPart(), description="Changes to its pixel.")
+    filter: str | None = Field(
+        None, description="In front of it: ircut-650 or another of the catalogue, or a file."
+    )
+    filter_wavelength_unit: Unit | None = Field(
+        None, description="Unit of the wavelengths, where the filter's file does not declare it."
+    )
+    negatives: Negatives = Field("refuse", description=_NEGATIVES)
+    ircut_nm: Annotated[float, Field(ge=450, le=2000)] | None = Field(
+        None, description="Edge of an added model IR-cut [nm]."
+    )
+    shift_nm: Annotated[float, Field(ge=-200, le=200)] = Field(
+        0.0, description="All curves moved along the wavelength, positive to the red [nm]."
+    )
+
+
+class ExposurePart(_Part):
+    """How long, through which lens, and on which terms the sensors are compared."""
+
+    equal: Literal["exposure", "saturation", "light"] = Field(
+        "exposure", description="One time; each filled alike; the same photons for each set."
+    )
+    time_ms: Positive | None = Field(None, description="One time for all [ms], not solved.")
+    saturate: Annotated[float, Field(gt=0, le=1)] = Field(
+        0.99, description="Share of full well that a white fills where the time is solved."
+    )
+    f_number: Positive = Field(1.8, description="Aperture.")
+    magnification: Finite | None = Field(None, description="Camera equation instead.")
+
+    @model_validator(mode="after")
+    def _one_rule(self) -> "ExposurePart":
+        if self.time_ms is not None and self.equal != "exposure":
+            raise ValueError(f"time_ms gives all sensors one time, so equal cannot be {self.equal}")
+        return self
+
+
+class SweepPart(_Part):
+    """One thing that varies, and what is asked of it."""
+
+    vary: str = Field(description=f"Of {', '.join(SWEEPS)}.")
+    first: Finite = Field(description="Lowest value, in the unit of the sweep.")
+    last: Finite = Field(description="Highest value.")
+    points: Annotated[int, Field(ge=2, le=100_000)] = Field(61, description="How many.")
+    quantity: str = Field("snr-y", description=f"Of {', '.join(QUANTITIES)}.")
+    all_priors: bool = Field(False, description="Also the band of crossovers over all priors.")
+
+
+class PicturePart(_Part):
+    """One cube through every sensor, as `chromanoise simulate` takes it."""
+
+    cube: str = Field("builtin:checker", description=f"Of {', '.join(BUILTIN_CUBES)}, or a file.")
+    key: str | None = Field(None, description="Name of the array in the cube's file.")
+    shape: Annotated[tuple[int, int], Field(strict=False)] | None = Field(
+        None, description="Rows and columns of a cube stored as a 2-D array."
+    )
+    wavelengths: Annotated[tuple[float, float], Field(strict=False)] | str | None = Field(
+        None,
+        description="Where the cube does not declare them: of the first and the last band [nm], or "
+        "a text file that lists one per band.",
+    )
+    scale: Positive | None = Field(None, description="Reflectance per stored unit.")
+    beyond: Beyond = Field("refuse", description="What reflectances are beyond the cube's end.")
+    bad_pixels: Literal["refuse", "zero"] = Field(
+        "refuse", description="What is done with a number that is no reflectance."
+    )
+    mosaic: str | None = Field(
+        None,
+        description=f"sensor (its own), {', '.join(MOSAIC_NAMES)}, or rows as RG/GB; without it "
+        "all channels are at every pixel.",
+    )
+    demosaic: str | None = Field(
+        None, description=f"Of {', '.join(DEMOSAICING)}; bilinear where a mosaic is named."
+    )
+    raw_only: bool = Field(False, description="Codes of the mosaic, no color.")
+    bits: Annotated[int, Field(ge=8, le=16)] | None = Field(
+        None, description="Of the converter, if a mosaic is named; default: of pixel.file, else 12."
+    )
+    black_level: Annotated[int, Field(ge=0, lt=2**16)] | None = Field(
+        None,
+        description="Code without light, if a mosaic is named; default: of pixel.file, else 0.",
+    )
+    frames: Annotated[int, Field(ge=1, le=MOST_FRAMES)] = Field(1, description="Of a burst.")
+    formats: Annotated[tuple[str, ...], Field(strict=False, min_length=1)] | None = Field(
+        None, description=f"Of {', '.join(FORMATS)}; png and xyz, raw and dng where not given."
+    )
+    clip: bool = Field(False, description="Hold electrons between 0 and full well.")
+    dark_current_e_per_s: NotNegative | None = Field(
+        None,
+        description="Dark current [e-/s]; its mean is subtracted. Default: of pixel.file, else 0.",
+    )
+    dsnu_e: NotNegative | None = Field(
+        None, description="Dark signal non-uniformity [e-]; default: of pixel.file, else 0."
+    )
+    prnu: Annotated[float, Field(ge=0, le=0.2)] | None = Field(
+        None, description="Photo response non-uniformity; default: of pixel.file, else 0."
+    )
+    row_noise_e: NotNegative | None = Field(
+        None, description="Noise common to a row [e-]; default: 0."
+    )
+
+    @field_validator("wavelengths", mode="before")
+    @classmethod
+    def _ends_or_a_file(cls, told: Any) -> Any:
+        """Refuse in one sentence; the schema alone would give one for each type of value."""
+        pair = isinstance(told, list | tuple) and len(told) == 2
+        numbers = pair and all(isinstance(n, int | float) for n in told)
+        if told is None or isinstance(told, str) or numbers:
+            return told
+        raise ValueError("must be [FIRST, LAST] in nm, or the name of a file that lists them all")
+
+    @model_validator(mode="after")
+    def _of_a_mosaic(self) -> "PicturePart":
+        given = {name: getattr(self, name) for name in _OF_MOSAIC}
+        idle = [name for name, value in given.items() if value is not None and value is not False]
+        if self.mosaic is None and idle:
+            raise ValueError(f"only a mosaic has {' and '.join(idle)}; name one with mosaic")
+        if self.mosaic is not None and self.clip:
+            raise ValueError("a converter holds its codes anyway; leave clip away with mosaic")
+        if self.raw_only and self.demosaic is not None:
+            raise ValueError("raw_only and demosaic exclude each other; give one of them")
+        return self
+
+
+_OF_MOSAIC = ("demosaic", "raw_only", "bits", "black_level")
+
+
+class ParetoPart(_Part):
+    """Color error against noise, over weights of the noise."""
+
+    first: Positive = Field(description="Lowest weight; 1 is LMMSE, towards 0 is least squares.")
+    last: Positive = Field(description="Highest weight.")
+    points: Annotated[int, Field(ge=2, le=100_000)] = Field(13, description="How many.")
+
+
+class OutputsPart(_Part):
+    """What is written."""
+
+    analyses: bool = Field(True, description="Every stage of each sensor, per matrix.")
+    clip: bool = Field(
+        False, description="In them, moments of electrons held between 0 and full well."
+    )
+    budget: bool = Field(True, description="dB per cause of X, Y, Z, contravariant, L*, a*, b*.")
+    merit: bool = Field(False, description="Figures of merit: Vora, SMI, ISO speed, bits ...")
+    chart: bool = Field(False, description="Color error and noise of every ColorChecker patch.")
+    space: str | None = Field(None, description="Noise of an 18 % grey in this color space.")
+    matrix: bool = Field(False, description="Each color matrix, its color error and noise.")
+    pareto: ParetoPart | None = Field(
+        None, description="With it, the curve of color error against noise."
+    )
+
+    @model_validator(mode="after")
+    def _that_go_together(self) -> "OutputsPart":
+        if self.clip and (self.budget or self.merit):
+            raise ValueError("budget and merit follow eq. 7, so clip asks for budget = false")
+        if self.pareto is not None and not self.matrix:
+            raise ValueError("pareto stands beside the matrix, so it asks for matrix = true")
+        return self
+
+
+class Study(_Part):
+    """One reproducible run; names of files are told from the folder of the study's file."""
+
+    schema_number: Annotated[int, Field(ge=SCHEMA, le=SCHEMA)] = Field(
+        SCHEMA, alias="schema", description=f"Of this format: {SCHEMA}."
+    )
+    title: str = Field("", description="For people.")
+    metric: str = Field("quanta", description=f"Light is a vector in {' or '.join(METRICS)}.")
+    seed: Annotated[int, Field(ge=0, lt=2**32)] = Field(
+        0, description="Of all noise that is drawn."
+    )
+    light: LightPart = Field(LightPart(), description="The light on the scene.")
+    exposure: ExposurePart = Field(ExposurePart(), description="How the time is found.")
+    sensors: Annotated[
+        tuple[SensorPart, ...], Field(min_length=1, max_length=MOST_SENSORS, strict=False)
+    ]
+    matrices: Annotated[tuple[str, ...], Field(min_length=1, strict=False)] = Field(
+        ("kernel",), description=f"Color matrices: {', '.join(METHODS)}; ridge=0.01."
+    )
+    prior: str = Field(DEFAULT_PRIOR, description=f"Of trained matrices: {', '.join(PRIORS)}.")
+    sweeps: Annotated[tuple[SweepPart, ...], Field(strict=False)] = ()
+    pictures: Annotated[tuple[PicturePart, ...], Field(strict=False)] = ()
+    outputs: OutputsPart = Field(OutputsPart(), description="What is written.")
+
+
+def study_schema() -> dict[str, Any]:
+    """The JSON Schema of a study file, for editors and other programs."""
+    return Study.model_json_schema(by_alias=True) | {
+        "$schema": "https://json-schema.org/draft/2020-12/schema"
+    }

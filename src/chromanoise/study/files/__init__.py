@@ -1,1 +1,0 @@
-"""Sensors, spectra, matrices and tables as text that other programs read, and back again."""

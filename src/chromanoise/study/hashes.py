@@ -1,0 +1,258 @@
+"""What decides all digits of a study: its words, the version, and what stands in its files."""
+
+import hashlib
+import json
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+from chromanoise import __version__
+from chromanoise._check import InputError
+from chromanoise._inputs import regular_file
+from chromanoise.catalog.entries import catalog_folder
+from chromanoise.catalog.resolve import file_of, filter_files, illuminant_files, sensor_files
+from chromanoise.io.spectra.envi import DATA_SUFFIXES, envi_pair
+from chromanoise.study.document import Study
+
+Kind = Literal["light", "sensor", "filter", "pixel", "cube", "wavelengths"]
+"""Of what a word of a study may name a file."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FileWord:
+    """A word of a study that may name a file.
+
+    Attributes
+    ----------
+    where
+        Its key: ``sensors.0.pixel.file``.
+    kind
+        What it names.
+    word
+        As the study has it.
+    """
+
+    where: str
+    kind: Kind
+    word: str
+
+
+def with_file_words(study: Study, told: Callable[[FileWord], str]) -> Study:
+    """The study with other words in place of all that may name a file: the list of those keys.
+
+    Examples
+    --------
+    >>> from chromanoise.study.document import SensorPart
+    >>> study = Study(sensors=(SensorPart(name="a.csv", filter="b.csv"),))
+    >>> other = with_file_words(study, lambda one: f"{one.kind}-{one.word}").sensors[0]
+    >>> other.name, other.filter, other.pixel.file
+    ('sensor-a.csv', 'filter-b.csv', None)
+    """
+
+    def word(where: str, kind: Kind, was: str | None) -> str | None:
+        return None if was is None else told(FileWord(where=where, kind=kind, word=was))
+
+    light = {"illuminant": word("light.illuminant", "light", study.light.illuminant)}
+    sensors = []
+    for i, part in enumerate(study.sensors):
+        file = word(f"sensors.{i}.pixel.file", "pixel", part.pixel.file)
+        words = {
+            "name": word(f"sensors.{i}.name", "sensor", part.name),
+            "filter": word(f"sensors.{i}.filter", "filter", part.filter),
+            "pixel": part.pixel.model_copy(update={"file": file}),
+        }
+        sensors.append(part.model_copy(update=words))
+    pictures = []
+    for i, picture in enumerate(study.pictures):
+        words = {"cube": word(f"pictures.{i}.cube", "cube", picture.cube)}
+        if isinstance(picture.wavelengths, str):
+            where = f"pictures.{i}.wavelengths"
+            words["wavelengths"] = word(where, "wavelengths", picture.wavelengths)
+        pictures.append(picture.model_copy(update=words))
+    parts = {"sensors": tuple(sensors), "pictures": tuple(pictures)}
+    return study.model_copy(update=parts | {"light": study.light.model_copy(update=light)})
+
+
+def file_words(study: Study) -> list[FileWord]:
+    """All words of a study that may name a file, in the order of the study."""
+    found: list[FileWord] = []
+
+    def listed(one: FileWord) -> str:
+        found.append(one)
+        return one.word
+
+    with_file_words(study, listed)
+    return found
+
+
+def files_of_word(one: FileWord) -> tuple[Path, ...]:
+    """The files whose content decides what a word means; none if it is built in.
+
+    Raises
+    ------
+    InputError
+        If the word cannot be understood, or is too long for the name of a file.
+    """
+    try:
+        if one.kind in ("pixel", "wavelengths"):
+            return (file_of(one.word),)
+        if one.kind == "cube":
+            built_in = one.word.startswith("builtin:")
+            return () if built_in else tuple(cube_files(file_of(one.word)))
+        return _FILES[one.kind](one.word)
+    except OSError as error:  # a name that is too long to ask for
+        told = str(error.filename)[:60]
+        raise InputError(f"{told}: cannot be read ({error.strerror})") from None
+
+
+_FILES = {"light": illuminant_files, "sensor": sensor_files, "filter": filter_files}
+
+
+def study_hash(study: Study, digests: Mapping[str, str] | None = None) -> str:
+    """SHA-256 of the version, the study, and what stands in the files that it names.
+
+    Parameters
+    ----------
+    study
+        Of which the words are told.
+    digests
+        Of its files, where they are known already; `file_digests` otherwise.
+
+    Raises
+    ------
+    InputError
+        If one of the files cannot be read.
+    """
+    return _hash_of(study, file_digests(study) if digests is None else digests)
+
+
+def file_digests(study: Study) -> dict[str, str]:
+    """SHA-256 of every file that a study names; of a folder or a pair, of all that belongs to it.
+
+    Raises
+    ------
+    InputError
+        If one of the files cannot be read.
+    """
+    return digests_of(_files(study))
+
+
+def digests_of(files: Iterable[Path]) -> dict[str, str]:
+    """SHA-256 of files by the names under which results tell of them.
+
+    Raises
+    ------
+    InputError
+        If one of the files cannot be read.
+    """
+    return {_told(file): _digest(file) for file in dict.fromkeys(files)}
+
+
+def changes_since(study: Study, before: Mapping[str, str]) -> tuple[str, ...]:
+    """What became of the files that decided a result, one sentence each; none if all are the same.
+
+    Parameters
+    ----------
+    study
+        Of which the files are looked at now.
+    before
+        The `file_digests` that the result carries.
+    """
+    told = []
+    now = {_told(file): file for file in dict.fromkeys(_files(study))}
+    for name in dict.fromkeys((*before, *now)):
+        there = name in now and now[name].exists()
+        if not there and in_catalog(name):
+            file = name.removeprefix(_CATALOG)
+            entry = Path(file).stem
+            told.append(
+                f"unknown {entry!r}; set CHROMANOISE_CATALOG to the folder of {file}"
+                if entry != "SOURCES"
+                else ""
+            )
+        elif not there:
+            told.append(f"{name} is there no longer")
+        elif name not in before:
+            told.append(f"{name} is there now and was not")
+        elif _digest(now[name]) != before[name]:
+            told.append(f"{name} has changed since")
+    return tuple(sentence for sentence in told if sentence)
+
+
+def file_stamps(study: Study) -> dict[str, tuple[int, int, int] | None]:
+    """Dates and size of every file that a study names; a file is unchanged if its own are equal."""
+    return {str(file): _stamp(file) for file in _files(study)}
+
+
+def _stamp(file: Path) -> tuple[int, int, int] | None:
+    try:
+        found = file.stat()
+    except (OSError, ValueError):
+        return None
+    return found.st_mtime_ns, found.st_ctime_ns, found.st_size
+
+
+_CATALOG = "catalog://"  # no path has this name, for paths are written with single slashes
+
+
+def in_catalog(name: str) -> bool:
+    """Whether the name of a file in a result is in the user's catalog."""
+    return name.startswith(_CATALOG)
+
+
+def _told(file: Path) -> str:
+    """A table of the user's catalogue by its name, for that folder may lie anywhere."""
+    return f"{_CATALOG}{file.name}" if file.parent == catalog_folder() else str(file)
+
+
+def _files(study: Study) -> list[Path]:
+    return [file for one in file_words(study) for file in files_of_word(one)]
+
+
+def cube_files(path: Path) -> list[Path]:
+    """The file of a cube and what belongs to it: header and data, all that a folder holds."""
+    if path.is_dir():
+        return sorted(p for p in path.rglob("*") if p.is_file())
+    pair = [path]
+    if path.suffix.lower() in ("", ".hdr", *DATA_SUFFIXES) and path.exists():
+        pair = list(envi_pair(path) or pair)
+    return pair
+
+
+def _hash_of(study: Study, digests: Mapping[str, str]) -> str:
+    told = [__version__, study_as_json(study), dict(digests)]
+    return hashlib.sha256(json.dumps(told, sort_keys=True).encode()).hexdigest()
+
+
+def _digest(file: Path) -> str:
+    regular_file(file)
+    try:
+        with file.open("rb") as opened:
+            return hashlib.file_digest(opened, "sha256").hexdigest()
+    except (OSError, ValueError) as error:  # a name with a null byte is a ValueError
+        reason = getattr(error, "strerror", None) or error
+        raise InputError(f"{str(file)[:200]}: cannot be read ({reason})") from None
+
+
+def study_as_json(study: Study) -> dict[str, Any]:
+    """The study as plain data, all defaults said."""
+    return study.model_dump(mode="json", by_alias=True)
+
+
+def provenance(study: Study) -> dict[str, Any]:
+    """What every output carries: who made it of what.
+
+    Raises
+    ------
+    InputError
+        If one of the files cannot be read.
+    """
+    digests = file_digests(study)
+    return {
+        "version": __version__,
+        "study": study_as_json(study),
+        "seed": study.seed,
+        "files": digests,
+        "hash": _hash_of(study, digests),
+    }

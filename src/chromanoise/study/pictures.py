@@ -1,0 +1,111 @@
+"""The pictures of a study: what each part asks for, prepared before anything is computed."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from chromanoise.analysis.color_matrices import MatrixMaker
+from chromanoise.exposure import Situation
+from chromanoise.imaging import Work
+from chromanoise.imaging.shots import Asked, Prepared, prepared, shot, shot_summary, write_shot
+from chromanoise.scene import Cube
+from chromanoise.sensor import PixelOverrides, mosaic_named
+from chromanoise.study.assembly import cube_of
+from chromanoise.study.document import PicturePart, Study
+
+
+def asked_of(part: PicturePart, *, seed: int) -> Asked:
+    """What a part of a study asks of its pictures.
+
+    Raises
+    ------
+    InputError
+        If a mosaic or a format is unknown, or a format is of what is not made.
+    """
+    named = part.mosaic is not None and part.mosaic != "sensor"
+    return Asked(
+        mosaic=mosaic_named(part.mosaic) if named and part.mosaic is not None else None,
+        raw=part.mosaic is not None,
+        demosaic=None if part.raw_only else part.demosaic or "bilinear",
+        pixel=PixelOverrides(
+            bits=part.bits,
+            black_level_dn=part.black_level,
+            dark_current_e_per_s=part.dark_current_e_per_s,
+            dsnu_e=part.dsnu_e,
+            prnu=part.prnu,
+            row_noise_e=part.row_noise_e,
+        ),
+        seed=seed,
+        clip=part.clip,
+        beyond=part.beyond,
+        bad_pixels=part.bad_pixels,
+        formats=part.formats,
+    )
+
+
+def prepared_cameras(
+    study: Study,
+    part: PicturePart,
+    situations: list[Situation],
+    makers: Mapping[str, MatrixMaker],
+) -> tuple[Cube, dict[str, list[Prepared]]]:
+    """The cube, and the cameras of each matrix.
+
+    Raises
+    ------
+    InputError
+        If the cube cannot be read, or as `asked_of` and `prepared`.
+    """
+    cube, asked = cube_of(part), asked_of(part, seed=study.seed)
+    return cube, {
+        name: [prepared(cube, each, maker(each), asked) for each in situations]
+        for name, maker in makers.items()
+    }
+
+
+def first_frame(study: Study, number: int) -> int:
+    """Of the ``number``-th part (from 1): no two parts of a study share their noise."""
+    return sum(part.frames for part in study.pictures[: number - 1])
+
+
+def pictures_taken(
+    study: Study,
+    number: int,
+    cube: Cube,
+    cameras: Mapping[str, list[Prepared]],
+    *,
+    work: Work,
+    folder: Path,
+) -> dict[str, Any]:
+    """Take and write the pictures of the ``number``-th part (from 1): what was taken, as data.
+
+    Raises
+    ------
+    InputError
+        If the cube holds what is no reflectance, or a file cannot be written.
+    """
+    part, told = study.pictures[number - 1], []
+    first = first_frame(study, number)
+    for i in range(len(study.sensors)):
+        for name, own in cameras.items():
+            stem = f"picture-{number}-{file_word(own[i].situation.sensor.name)}-{file_word(name)}"
+            for frame in range(part.frames):
+                taken = shot(cube, own[i], frame=first + frame, work=work)
+                files, missing = write_shot(
+                    folder, stem + (f"-{frame:04d}" if part.frames > 1 else ""), taken
+                )
+                summary = {"matrix": name} | shot_summary(taken, files)
+                told.append(summary | ({"not_written": missing} if missing else {}))
+    return {"cube": part.cube, "pictures": told}
+
+
+def file_word(name: str) -> str:
+    """A name as a file's name or a part of one: it leads into no other folder and hides nothing.
+
+    Examples
+    --------
+    >>> file_word("../../a b")
+    '-.-..-a-b'
+    """
+    word = "".join(c if c.isalnum() or c in "+-_." else "-" for c in name)
+    return f"-{word[1:]}" if word.startswith(".") else word

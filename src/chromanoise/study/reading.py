@@ -1,0 +1,368 @@
+"""A study from TOML: every fault at once, each with file, line and key."""
+
+import copy
+import re
+import tomllib
+from collections.abc import Callable, Mapping, Sequence
+from difflib import get_close_matches
+from pathlib import Path
+from typing import Any
+
+from pydantic import BaseModel, ValidationError
+
+from chromanoise._check import InputError
+from chromanoise._inputs import regular_file
+from chromanoise.analysis.color_matrices import METHODS
+from chromanoise.analysis.comparison.quantities import QUANTITIES
+from chromanoise.analysis.comparison.sweeps import SWEEPS
+from chromanoise.analysis.priors import PRIORS
+from chromanoise.catalog.resolve import file_of, word_beside
+from chromanoise.color import SPACES
+from chromanoise.imaging import DEMOSAICING
+from chromanoise.imaging.shots import FORMATS
+from chromanoise.spectra import METRICS
+from chromanoise.study.assembly import Key, unmade
+from chromanoise.study.document import Study
+from chromanoise.study.hashes import FileWord, with_file_words
+
+_LARGEST_BYTES = 1 << 20
+_MOST_DOTS = 64
+_MOST_DIGITS = 10
+_LONGEST_WORD = 80
+
+
+def read_study(path: Path | str, changes: Sequence[str] = ()) -> Study:
+    """The study in a TOML file.
+
+    Parameters
+    ----------
+    path
+        The file; names of files in it are told from its folder.
+    changes
+        ``key=value`` each, as ``light.level_lux=3`` or ``sensors.0.name="onyx-rgb"``; they win.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read; all faults of what it says, one line each.
+    """
+    path = Path(path)
+    regular_file(path, pipe=True)
+    try:
+        with path.open("rb") as file:
+            content = file.read(_LARGEST_BYTES + 1)
+        text = content.decode("utf-8")
+    except UnicodeDecodeError:
+        raise InputError(f"{path}: not a UTF-8 text file; save the study as UTF-8") from None
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror})") from None
+    if len(content) > _LARGEST_BYTES:
+        raise InputError(f"{path}: more than {_LARGEST_BYTES} bytes are too many for a study")
+    # what is piped in lies nowhere: its files are told from the working folder
+    here = path.parent == Path() or Path("/dev") in path.absolute().parents
+
+    def seen(study: Study) -> Study:
+        return study if here else _told_from(path.parent, study)
+
+    def unmade_of(study: Study) -> list[tuple[Key, str]]:
+        return unmade(seen(study))
+
+    return seen(_study(text, str(path), changes, unmade_of))
+
+
+def _told_from(folder: Path, study: Study) -> Study:
+    """The study with the names of its files as they are seen from the working folder."""
+    return with_file_words(study, lambda one: _beside(one, folder))
+
+
+def _beside(one: FileWord, folder: Path) -> str:
+    if one.kind in ("sensor", "light", "filter"):
+        return word_beside(one.word, one.kind, folder)
+    name = one.word
+    told = name.startswith("builtin:") or file_of(name).is_absolute()
+    return name if told else str(folder / name)
+
+
+def study_from_text(text: str, *, source: str, changes: Sequence[str] = ()) -> Study:
+    r"""The study in TOML text; ``source`` names it in messages.
+
+    Raises
+    ------
+    InputError
+        As `read_study`.
+
+    Examples
+    --------
+    >>> study_from_text('[[sensors]]\nname = "onyx-rgbw"', source="a text").light.level_lux
+    10.0
+    """
+    return _study(text, source, changes, lambda study: [])
+
+
+def _study(
+    text: str, source: str, changes: Sequence[str], unfit: Callable[[Study], list[tuple[Key, str]]]
+) -> Study:
+    told = _toml(text, source)
+    lines = _lines_of_keys(text)
+    changed: dict[Key, str] = {}
+    for change in changes:
+        changed[_changed(told, change)] = f"--set {_short(change)}"
+    return _validated(told, source, lines, changed, unfit)
+
+
+def _toml(text: str, source: str) -> dict[str, Any]:
+    """What TOML text holds; the parser takes hours over a key of a million parts, so it is asked
+    only for keys that a person could write.
+    """
+    plain = re.sub(r"\"[^\"\n]*\"|'[^'\n]*'", "s", text)
+    if not re.search(r"\"\"\"|'''", text):  # in a text over lines, # begins no comment
+        plain = re.sub(r"#.*", "", plain)
+    for number, line in enumerate(plain.splitlines(), 1):
+        if line.count(".") > _MOST_DOTS:
+            raise InputError(
+                f"{source}:{number}: more than {_MOST_DOTS} dots outside of quotes; no key of a "
+                "study is so deep"
+            )
+    try:
+        return tomllib.loads(text)
+    except RecursionError:
+        raise InputError(f"{source}: no TOML: nests too deep") from None
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(f"{source}: no TOML: {str(error)[:200]}") from None
+    except ValueError:  # that the parser lets through
+        raise InputError(f"{source}: no TOML: a whole number of too many digits") from None
+
+
+def study_from_data(told: Mapping[str, Any], *, source: str) -> Study:
+    """The study in plain data, as TOML would give it; ``source`` names it in messages.
+
+    Raises
+    ------
+    InputError
+        All faults of what it says, one line each.
+    """
+    return _validated(told, source, {}, {}, lambda study: [])
+
+
+def _validated(
+    told: Mapping[str, Any],
+    source: str,
+    lines: Mapping[Key, int],
+    changed: Mapping[Key, str],
+    unfit: Callable[[Study], list[tuple[Key, str]]],
+) -> Study:
+    faults = []
+    study: Study | None = None
+    try:
+        study = Study.model_validate(told)
+    except ValidationError as error:
+        found = error.errors(include_url=False)
+        inside = [one["loc"] for one in found]
+        faults = [
+            _fault(one)
+            for one in found
+            # a list that holds a faulty entry is told as too short as well
+            if one["type"] != "too_short"
+            or not any(k[: len(one["loc"])] == one["loc"] != k for k in inside)
+        ]
+        study = _without(told, [key for key, _ in faults])
+    if study is not None:
+        faults += [*_unknown_names(study), *(unfit(study) if study.sensors[0].name else ())]
+    if faults or study is None:
+        placed = [(_place(key, lines, changed, source), what) for key, what in faults]
+        raise InputError("\n".join(f"{place}: {what}" for place, what in sorted(placed, key=_line)))
+    return study
+
+
+def _without(told: Mapping[str, Any], wrong: Sequence[Key]) -> Study | None:
+    """What remains of a study without its faulty values, so that its names can be looked at too."""
+    rest: Any = copy.deepcopy(told)
+    for key in wrong:
+        while key and isinstance(key[-1], int):
+            key = key[:-1]  # without one entry the others would have other places
+        at: Any = rest
+        for step in key[:-1]:
+            if isinstance(at, list) and isinstance(step, int):
+                at = at[step]
+            else:
+                at = at.get(step) if isinstance(at, dict) else None
+        if key and isinstance(at, dict):
+            at.pop(key[-1], None)
+    for _ in range(2):
+        try:
+            return Study.model_validate(rest)
+        except ValidationError as error:
+            for one in error.errors(include_url=False):
+                rest.pop(one["loc"][0] if one["loc"] else "", None)
+            rest.setdefault("sensors", [{"name": ""}])  # a study has some; this one is looked over
+    return None
+
+
+def _changed(told: dict[str, Any], change: str) -> Key:
+    """Put ``a.b.0.c=value`` in its place; the value is TOML, or else a plain word."""
+    name, equals, value = change.partition("=")
+    steps: Key = tuple(int(s) if _is_place(s) else s for s in name.strip().split("."))
+    change = _short(change)
+    if not equals or not all(str(step) for step in steps):
+        raise InputError(f"--set takes key=value, e.g. light.level_lux=3, but is {change!r}")
+    at: Any = told
+    for i, step in enumerate(steps[:-1]):
+        following: Any = [] if isinstance(steps[i + 1], int) else {}
+        at = _step(at, step, following, change)
+    last = steps[-1]
+    parsed = _parsed(value, change)
+    in_list = isinstance(at, list) and isinstance(last, int) and last < len(at)
+    if in_list or (isinstance(at, dict) and isinstance(last, str)):
+        at[last] = parsed
+    else:
+        raise InputError(f"--set {change}: the study has nothing at {_short(name)}")
+    return steps
+
+
+def _is_place(step: str) -> bool:
+    """The place of an entry in a list; other letters than 0 to 9 are digits to `str.isdigit`."""
+    return step.isascii() and step.isdigit() and len(step) < _MOST_DIGITS
+
+
+def _parsed(value: str, change: str) -> Any:
+    """A value of TOML, or else a plain word."""
+    if value.count(".") > _MOST_DOTS:
+        raise InputError(f"--set {change}: more than {_MOST_DOTS} dots in a value")
+    try:
+        return tomllib.loads(f"value = {value}")["value"]
+    except tomllib.TOMLDecodeError:
+        return value
+    except (ValueError, RecursionError):  # thousands of digits, thousands of brackets
+        raise InputError(f"--set {change}: no TOML: too many digits, or nests too deep") from None
+
+
+def _step(at: Any, step: str | int, following: Any, change: str) -> Any:
+    if isinstance(at, dict) and isinstance(step, str):
+        return at.setdefault(step, following)
+    if isinstance(at, list) and isinstance(step, int) and step < len(at):
+        return at[step]
+    raise InputError(f"--set {change}: the study has nothing at {_short(repr(step))}")
+
+
+def _fault(error: Any) -> tuple[Key, str]:
+    key: Key = error["loc"]
+    if error["type"] == "extra_forbidden":
+        return key, f"unknown key{_meant(str(key[-1]), _fields_beside(key))}"
+    if error["type"] == "missing":
+        return key, "is missing"
+    if error["type"] in ("too_long", "too_short"):
+        bounds = error["ctx"]
+        demand = "at most {max_length}" if "max_length" in bounds else "at least {min_length}"
+        return key, f"takes {demand.format(**bounds)} entries, but has {bounds['actual_length']}"
+    given = error.get("input")
+    said = str(error["msg"]).removeprefix("Value error, ")
+    shown = (
+        ""
+        if isinstance(given, dict | list | tuple | BaseModel)
+        else f", but is {_short(repr(given))}"
+    )
+    return key, f"{said[:1].lower()}{said[1:]}{shown}"
+
+
+def _fields_beside(key: Key) -> list[str]:
+    """The keys that are known where an unknown one stands."""
+    model: Any = Study
+    for step in key[:-1]:
+        if isinstance(step, int):
+            continue
+        field = model.model_fields.get(step)
+        parts = [field.annotation, *getattr(field.annotation, "__args__", ())] if field else []
+        models = [p for p in parts if isinstance(p, type) and issubclass(p, BaseModel)]
+        if not models:
+            return []
+        model = models[0]
+    return [field.alias or name for name, field in model.model_fields.items()]
+
+
+def _meant(word: str, known: Sequence[str]) -> str:
+    near = get_close_matches(word, known, n=2, cutoff=0.5)
+    return f", did you mean {' or '.join(near)}?" if near else f"; known are {', '.join(known)}"
+
+
+def _unknown_names(study: Study) -> list[tuple[Key, str]]:
+    """Words that name nothing, each with what may have been meant."""
+    asked: list[tuple[Key, str, Sequence[str]]] = [
+        (("metric",), study.metric, list(METRICS)),
+        (("prior",), study.prior, list(PRIORS)),
+    ]
+    for i, picture in enumerate(study.pictures):
+        if picture.demosaic is not None:
+            asked.append((("pictures", i, "demosaic"), picture.demosaic, list(DEMOSAICING)))
+        for k, name in enumerate(picture.formats or ()):
+            asked.append((("pictures", i, "formats", k), name, list(FORMATS)))
+    if study.outputs.space is not None:
+        asked.append((("outputs", "space"), study.outputs.space, list(SPACES)))
+    for i, matrix in enumerate(study.matrices):
+        asked.append((("matrices", i), matrix.partition("=")[0].strip(), list(METHODS)))
+    for i, sweep in enumerate(study.sweeps):
+        asked.append((("sweeps", i, "vary"), sweep.vary, list(SWEEPS)))
+        asked.append((("sweeps", i, "quantity"), sweep.quantity, list(QUANTITIES)))
+    return [
+        (key, f"unknown name {_short(repr(word))}{_meant(word, known)}")
+        for key, word, known in asked
+        if word not in known
+    ]
+
+
+def _place(key: Key, lines: Mapping[Key, int], changed: Mapping[Key, str], source: str) -> str:
+    """``file:line: key``: the line of the key, or of the nearest table around it."""
+    for length in range(len(key), 0, -1):
+        if key[:length] in changed:
+            return f"{changed[key[:length]]}: {_dotted(key)}"
+    for length in range(len(key), 0, -1):
+        if key[:length] in lines:
+            return f"{source}:{lines[key[:length]]}: {_dotted(key)}"
+    return f"{source}: {_dotted(key)}"
+
+
+def _line(placed: tuple[str, str]) -> int:
+    match = re.search(r":([0-9]+): ", placed[0] + ": ")
+    return int(match[1]) if match else 0
+
+
+def _short(word: str) -> str:
+    """Enough of a word to know it."""
+    return word if len(word) <= _LONGEST_WORD else f"{word[:_LONGEST_WORD]}..."
+
+
+def _dotted(key: Key) -> str:
+    return ".".join(_short(str(step)) for step in key) or "the study"
+
+
+def _lines_of_keys(text: str) -> dict[Key, int]:
+    """The line on which each key and table begins. TOML's parser does not tell."""
+    lines: dict[Key, int] = {}
+    table: Key = ()
+    counts: dict[Key, int] = {}
+    for number, line in enumerate(text.splitlines(), 1):
+        if match := re.match(r"\s*(\[\[?)\s*([^\]]+?)\s*\]", line):
+            name = _numbered(_keys(match[2]), counts)
+            if match[1] == "[[":
+                place = counts.get(name, -1) + 1
+                counts[name] = place
+                lines.setdefault(name, number)
+                name = (*name, place)
+            table = name
+            lines.setdefault(table, number)
+        elif match := re.match(r"\s*([A-Za-z0-9_.\-\"' ]+?)\s*=", line):
+            lines.setdefault((*table, *_keys(match[1])), number)
+    return lines
+
+
+def _keys(dotted: str) -> tuple[str, ...]:
+    return tuple(part.strip().strip("\"'") for part in dotted.split("."))
+
+
+def _numbered(name: tuple[str, ...], counts: Mapping[Key, int]) -> Key:
+    """``sensors.pixel`` is the pixel of the last sensor."""
+    place: Key = ()
+    for step in name[:-1]:
+        place = (*place, step)
+        if place in counts:
+            place = (*place, counts[place])
+    return (*place, name[-1])

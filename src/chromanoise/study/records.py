@@ -1,0 +1,330 @@
+"""A run on disk: one file per step, written whole; what is there of the same study is kept."""
+
+import hashlib
+import json
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import AbstractContextManager, chdir, nullcontext
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from chromanoise._check import InputError
+from chromanoise._files import claimed_folder, refuse_unwritable
+from chromanoise._inputs import regular_file
+from chromanoise.imaging import Work
+from chromanoise.io.spectra.own_json import named
+from chromanoise.study.document import Study
+from chromanoise.study.hashes import changes_since, file_stamps, in_catalog, provenance, study_hash
+from chromanoise.study.numerics import numerics
+from chromanoise.study.running import Advance, Step, study_steps
+
+STUDY_FILE = "study.json"
+_LARGEST_BYTES = 256 << 20
+
+Told = Callable[[str, bool], None]
+"""Is told of each step: what it is, and whether it stood there already."""
+
+
+Progress = Callable[[Step], AbstractContextManager[Advance]]
+"""For a step, a context that yields a function to call with the number of finished parts."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RecordedRun:
+    """The run that made an output.
+
+    Attributes
+    ----------
+    study
+        With file names relative to ``place``.
+    place
+        Folder of its files now: the working folder of the run, or where that was moved to.
+    folder
+        Folder of the results.
+    """
+
+    study: Study
+    place: Path
+    folder: Path
+
+
+def run_study(
+    study: Study,
+    folder: Path,
+    *,
+    work: Work | None = None,
+    told: Told | None = None,
+    progress: Progress = lambda _: nullcontext(lambda _: None),
+    place: Path | None = None,
+) -> list[Path]:
+    """Run all of a study; a run that was stopped goes on where it was.
+
+    Parameters
+    ----------
+    study
+        Of `read_study`.
+    folder
+        Of the results: ``study.json`` and one JSON file per step, and the pictures.
+    work
+        Who renders pictures.
+    told
+        Is told of each step.
+    progress
+        Called for each step, to report its finished parts.
+    place
+        The folder to which the file names are relative; it is the working folder of this process
+        while the study runs. The current working folder if ``None``.
+
+    Returns
+    -------
+    files
+        One per step.
+
+    Raises
+    ------
+    InputError
+        If something cannot be computed, the folder cannot be written or holds another study, or a
+        file changes while it is read.
+    """
+    refuse_unwritable(folder)
+    results = folder.absolute()
+    with (
+        claimed_folder(folder) as scratch_folder,
+        nullcontext() if place is None else chdir(place),
+    ):
+        stamps = file_stamps(study)
+        who = provenance(study) | {"numerics": numerics()}
+        _refuse_other_study(results, study, who, folder)
+        steps = study_steps(study, work=work)
+        if not (results / STUDY_FILE).exists():
+            with scratch_folder() as scratch:
+                names = {"steps": [step.name for step in steps]}
+                _write(scratch / STUDY_FILE, who | _place_record(who["files"]) | names)
+        for step in steps:
+            file = results / f"{step.name}.json"
+            done = _made_by(file, who["hash"])
+            if told:
+                altered = file.exists() and not done
+                told(step.what + ("; its file was changed or truncated" if altered else ""), done)
+            if not done:
+                with scratch_folder() as scratch, progress(step) as advance:
+                    result = step.run(scratch, advance)
+                    _refuse_change_in_work(study, stamps, who["files"])
+                    told_of = {"step": step.name, "written": _written(scratch), "result": result}
+                    _write(scratch / file.name, who | told_of)
+    return [folder / f"{step.name}.json" for step in steps]
+
+
+def study_of_output(path: Path) -> Study:
+    """The study that an output carries, or the folder of one.
+
+    Raises
+    ------
+    InputError
+        As `recorded_run`.
+    """
+    return recorded_run(path).study
+
+
+def recorded_run(path: Path) -> RecordedRun:
+    """The run that made an output, or the folder of one.
+
+    Parameters
+    ----------
+    path
+        A file that `run_study` wrote, or its folder. The files of the study are searched in the
+        recorded folder, in the parent folders of the output, and in the working folder, and
+        identified by their content.
+
+    Raises
+    ------
+    InputError
+        If it is not an output of a run, was changed, or is of another version of chromanoise, or
+        if files of its study have changed or are not found.
+    """
+    file = path / STUDY_FILE if path.is_dir() else path
+    if file.suffix.lower() == ".toml":
+        raise InputError(f"{file}: is a study; use `chromanoise run {file}`")
+    told = _read(file)
+    if not isinstance(told, dict) or "study" not in told or "hash" not in told:
+        raise InputError(f"{file}: is no output of `chromanoise run`; name one, or its folder")
+    try:
+        study = Study.model_validate_json(json.dumps(told["study"]))
+    except ValidationError:
+        raise InputError(
+            f"{file}: what it says of its study is no study of this version; run the study anew"
+        ) from None
+    place = _place_of(file, told, study)
+    try:
+        with chdir(place):
+            now = study_hash(study)
+    except InputError as error:
+        raise named(error, str(file)) from None
+    if now != told["hash"]:
+        raise InputError(
+            f"{file}: was made by version {told.get('version')!r} of chromanoise or was changed "
+            "since, so the same digits cannot be promised; run its study anew"
+        )
+    _refuse_altered(file, told)
+    return RecordedRun(study=study, place=place, folder=file.parent)
+
+
+def output_files(folder: Path) -> tuple[str, ...]:
+    """Names of all files of a complete run: its record, and each result with its pictures.
+
+    Raises
+    ------
+    InputError
+        If one of them cannot be read.
+    """
+    names = [STUDY_FILE]
+    for step in _read(folder / STUDY_FILE)["steps"]:
+        names += [f"{step}.json", *_read(folder / f"{step}.json")["written"]]
+    return tuple(names)
+
+
+def _place_record(files: Iterable[str]) -> dict[str, str]:
+    """The folder to which file names are relative, if any is."""
+    return {"place": str(Path.cwd())} if _relative(files) else {}
+
+
+def _relative(files: Iterable[str]) -> bool:
+    return any(not Path(name).is_absolute() and not in_catalog(name) for name in files)
+
+
+def _place_of(file: Path, told: dict[str, Any], study: Study) -> Path:
+    """The folder relative to which the study's files have the recorded content."""
+    here, before = Path.cwd(), told.get("files")
+    if not isinstance(before, dict):
+        return here
+    if not _relative(before):
+        places = [here]
+    else:
+        beside = told if file.name == STUDY_FILE else _beside(file)
+        places = [Path(str(beside.get("place", here))), *file.resolve().parents, here]
+    faults = []
+    for place in dict.fromkeys(places):
+        try:
+            with chdir(place):
+                changed = changes_since(study, before)
+        except InputError as error:
+            raise named(error, str(file)) from None
+        except (OSError, ValueError):  # the folder does not exist
+            continue
+        if not changed:
+            return place
+        faults.append(changed)
+    raise _changed(file, min(faults, key=len))
+
+
+def _beside(file: Path) -> dict[str, Any]:
+    """The record of the run that wrote the result of a step; empty if it is missing."""
+    try:
+        told = _read(file.parent / STUDY_FILE)
+    except InputError:
+        return {}
+    return told if isinstance(told, dict) else {}
+
+
+def _refuse_other_study(folder: Path, study: Study, who: dict[str, Any], called: Path) -> None:
+    file = folder / STUDY_FILE
+    if not file.exists():
+        return
+    told = _read(file)
+    if not isinstance(told, dict):
+        told = {}
+    before = told.get("files")
+    same = all(told.get(key) == who[key] for key in ("version", "study"))
+    if same and isinstance(before, dict) and before != who["files"]:
+        changed = changes_since(study, before)
+        if changed:
+            raise _changed(called, changed)
+    if told.get("hash") != who["hash"]:
+        raise InputError(
+            f"{called}: holds the results of another study or version; name another folder with "
+            "--out, or remove it"
+        )
+    _refuse_altered(called / STUDY_FILE, told)
+
+
+def _changed(place: Path, changed: Sequence[str]) -> InputError:
+    """The error that names the changed files, which a hash of the study could not."""
+    return InputError(
+        f"{place}: {'; '.join(changed[:8])}, so the result cannot be reproduced; restore the "
+        "files, or run the study again into another folder"
+    )
+
+
+def _refuse_altered(file: Path, told: dict[str, Any]) -> None:
+    if told.get("content") != content_hash(told):
+        raise InputError(
+            f"{file}: was changed since the run wrote it, as its content hash shows; restore it, "
+            "or run the study again into another folder"
+        )
+
+
+def _refuse_change_in_work(study: Study, stamps: Any, before: Mapping[str, str]) -> None:
+    """Refuse a result if a file changed while it was read: it may mix two states of the file."""
+    if file_stamps(study) == stamps:
+        return
+    changed = [sentence.removesuffix(" since") for sentence in changes_since(study, before)]
+    if changed:
+        raise InputError(
+            f"{'; '.join(changed[:8])} while the study ran, so the result was discarded; run the "
+            "study again when no program writes to its files"
+        )
+
+
+def content_hash(told: dict[str, Any]) -> str:
+    """SHA-256 of all that a file says but this."""
+    rest = {key: value for key, value in told.items() if key != "content"}
+    return hashlib.sha256(json.dumps(rest, allow_nan=False).encode()).hexdigest()
+
+
+def _made_by(file: Path, hash_: str) -> bool:
+    if not file.exists():
+        return False
+    try:
+        told = _read(file)
+        if not isinstance(told, dict) or told.get("hash") != hash_:
+            return False
+        if told.get("content") != content_hash(told):
+            return False
+    except (InputError, ValueError):  # no JSON any longer, or not a number in it
+        return False
+    written = told.get("written")
+    if not isinstance(told.get("result"), dict) or not isinstance(written, dict):
+        return False
+    return all(_sha256(file.parent / name) == digest for name, digest in written.items())
+
+
+def _written(folder: Path) -> dict[str, str | None]:
+    """The files that a step wrote, each with the SHA-256 by which a later run knows it again."""
+    return {file.name: _sha256(file) for file in sorted(folder.iterdir())}
+
+
+def _sha256(file: Path) -> str | None:
+    """``None`` of what cannot be read."""
+    try:
+        with file.open("rb") as opened:
+            return hashlib.file_digest(opened, "sha256").hexdigest()
+    except (OSError, ValueError):
+        return None
+
+
+def _read(file: Path) -> Any:
+    if regular_file(file).st_size > _LARGEST_BYTES:
+        raise InputError(f"{file}: is too large for an output of a study")
+    try:
+        return json.loads(file.read_bytes())
+    except OSError as error:
+        raise InputError(f"{file}: cannot be read ({error.strerror})") from None
+    except (ValueError, RecursionError) as error:
+        raise InputError(f"{file}: no JSON ({error})") from None
+
+
+def _write(file: Path, told: dict[str, Any]) -> None:
+    told = told | {"content": content_hash(told)}
+    file.write_text(json.dumps(told, indent=1, allow_nan=False) + "\n", encoding="utf-8")
