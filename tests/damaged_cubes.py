@@ -26,7 +26,7 @@ import tifffile
 import zarr
 from PIL import Image
 
-from chromanoise._check import InputError
+from chromanoise.errors import InputError
 from chromanoise.io.cubes import hdf5, hdf5_child, read_cube
 from chromanoise.scene import row_source
 from chromanoise.scene.cube import reflectance_rows

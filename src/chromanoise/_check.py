@@ -1,4 +1,4 @@
-"""Questions asked of arrays at the public border; the only wording of complaints."""
+"""Checks of arguments at the public border."""
 
 import re
 import struct
@@ -8,12 +8,10 @@ from typing import Any
 
 import numpy as np
 
+from chromanoise.errors import InputError
+
 Array = np.ndarray
 """The array that shapes are told of: Float[Array, "n p"]."""
-
-
-class InputError(ValueError):
-    """Something that came in from outside cannot be used; one sentence says what and where."""
 
 
 _LONGEST_REASON = 120
@@ -66,7 +64,7 @@ def positive(name: str, unit: str, value: float) -> float:
     """A finite number > 0."""
     number = float(value)
     if not (np.isfinite(number) and number > 0):
-        raise InputError(f"{name} must be finite and > 0 [{unit}], but is {number:g}")
+        raise InputError(name, f"must be finite and > 0 [{unit}]", value=number)
     return number
 
 
@@ -74,7 +72,7 @@ def not_negative(name: str, unit: str, value: float) -> float:
     """A finite number >= 0."""
     number = float(value)
     if not (np.isfinite(number) and number >= 0):
-        raise InputError(f"{name} must be finite and >= 0 [{unit}], but is {number:g}")
+        raise InputError(name, f"must be finite and >= 0 [{unit}]", value=number)
     return number
 
 
@@ -82,7 +80,7 @@ def within(name: str, unit: str, value: float, low: float, high: float) -> float
     """A finite number from ``low`` to ``high``: beyond, double precision would run out."""
     number = float(value)
     if not low <= number <= high:
-        raise InputError(f"{name} must be {low:g} to {high:g} [{unit}], but is {number:g}")
+        raise InputError(name, f"must be {low:g} to {high:g} [{unit}]", value=number)
     return number
 
 
@@ -90,13 +88,18 @@ def increasing(name: str, unit: str, values: Any) -> Array:
     """At least two finite values, each larger than the one before."""
     array = finite(name, unit, values)
     if array.ndim != 1 or array.size < 2:
-        raise InputError(f"{name} must hold at least 2 values in a row [{unit}], got {array.shape}")
+        raise InputError(
+            name, f"must hold at least 2 values in a row [{unit}]", found=f"has shape {array.shape}"
+        )
     falls = np.flatnonzero(np.diff(array) <= 0)
     if falls.size:
         i = int(falls[0])
         raise InputError(
-            f"{name} must increase [{unit}], but {array[i + 1]:g} follows {array[i]:g} "
-            f"at index {i + 1}; sort the rows and drop repeated ones"
+            name,
+            f"must increase [{unit}]",
+            value=float(array[i + 1]),
+            found=f"{array[i + 1]:g} follows {array[i]:g} at index {i + 1}",
+            remedy="sort the rows and drop repeated ones",
         )
     return array
 
@@ -105,7 +108,7 @@ def same_length(what: str, **lengths: int) -> None:
     """Refuse parts that do not count the same ``what``."""
     if len(set(lengths.values())) > 1:
         told = ", ".join(f"{name} has {count}" for name, count in lengths.items())
-        raise InputError(f"the number of {what} differs: {told}")
+        raise InputError(f"the number of {what}", "must be the same", value=lengths, found=told)
 
 
 def distinct(name: str, values: Sequence[str]) -> tuple[str, ...]:
@@ -113,9 +116,11 @@ def distinct(name: str, values: Sequence[str]) -> tuple[str, ...]:
     names = tuple(values)
     for i, value in enumerate(names):
         if not value:
-            raise InputError(f"{name} must not be empty, but entry {i} is")
+            raise InputError(name, "must not be empty", value="", found=f"entry {i} is")
         if value in names[:i]:
-            raise InputError(f"{name} must differ, but {value!r} stands twice (entry {i})")
+            raise InputError(
+                name, "must differ", value=value, found=f"{value!r} is repeated (entry {i})"
+            )
     return names
 
 
@@ -126,14 +131,16 @@ def one_of(name: str, value: str, choices: Sequence[str]) -> str:
     near = get_close_matches(value.lower(), [c.lower() for c in choices], n=3, cutoff=0.4)
     meant = [c for c in choices if c.lower() in near]
     hint = f"did you mean {' or '.join(meant)}?" if meant else f"known: {', '.join(choices)}"
-    raise InputError(f"unknown {name} {value!r}; {hint}")
+    raise InputError(name, "must be a known name", value=value, remedy=hint)
 
 
 def same_names(what: str, **names: tuple[str, ...]) -> None:
     """Refuse channels that are not the same in the same order: their numbers would be swapped."""
     if len(set(names.values())) > 1:
         told = ", ".join(f"{whose} has {', '.join(own)}" for whose, own in names.items())
-        raise InputError(f"{what}: channels must be the same in the same order, but {told}")
+        raise InputError(
+            what, "channels must be the same in the same order", value=names, found=told
+        )
 
 
 def frozen(array: Array) -> Array:
@@ -156,9 +163,13 @@ def _demand(
     bad = ~holds(array)
     if bad.any():
         index = tuple(int(i) for i in np.argwhere(bad)[0])
+        first = float(array[index])
+        count = f"{int(bad.sum())} of {array.size} entries are not"
         raise InputError(
-            f"{name} must be {demand} [{unit}], but {int(bad.sum())} of {array.size} entries "
-            f"are not; the first is {array[index]:g} at index {index} (from 0)"
+            name,
+            f"must be {demand} [{unit}]",
+            value=first,
+            found=f"{count}; the first is {first:g} at index {index} (from 0)",
         )
     return array
 

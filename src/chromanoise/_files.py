@@ -22,7 +22,7 @@ from contextlib import AbstractContextManager, contextmanager, suppress
 from pathlib import Path
 from typing import IO, Any
 
-from chromanoise._check import InputError
+from chromanoise.errors import InputError
 
 if sys.platform != "win32":
     import fcntl

@@ -4,7 +4,7 @@ import os
 import stat
 from pathlib import Path
 
-from chromanoise._check import InputError
+from chromanoise.errors import InputError
 
 _KINDS = (
     (stat.S_ISFIFO, "a pipe"),

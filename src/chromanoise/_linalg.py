@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
-from chromanoise._check import Array, InputError
+from chromanoise._check import Array
+from chromanoise.errors import InputError
 
 RANK_TOLERANCE = 1e-10
 """Singular values of unit-norm columns below this share of the largest count as zero."""

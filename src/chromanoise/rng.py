@@ -7,7 +7,7 @@ tiles, chunks and workers may come as they like.
 
 import numpy as np
 
-from chromanoise._check import InputError
+from chromanoise.errors import InputError
 
 
 def stream(seed: int, *name: int) -> np.random.Generator:

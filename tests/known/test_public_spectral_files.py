@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from chromanoise._check import InputError
+from chromanoise.errors import InputError
 from chromanoise.io.spectra import Answers, read_curves
 
 FILES: list[dict[str, Any]] = tomllib.loads(

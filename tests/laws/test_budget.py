@@ -8,9 +8,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from chromanoise._check import InputError
 from chromanoise.catalog import sensor_named
 from chromanoise.color import kernel_matrix
+from chromanoise.errors import InputError
 from chromanoise.exposure import Exposure, expected_electrons
 from chromanoise.metrics import bound_db
 from chromanoise.metrics.budget import CAUSES, color_budget, contravariant_budget, shapley_values

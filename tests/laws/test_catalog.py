@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from chromanoise._check import InputError
 from chromanoise.catalog import KNOWN_SENSORS, sensor_named
 from chromanoise.catalog.entries import KINDS, catalog_entries, catalog_entry, entries_as_json
+from chromanoise.errors import InputError
 from chromanoise.exposure import expected_electrons, saturating_exposure
 from chromanoise.io.spectra import ASK, Answers
 from chromanoise.noise import with_noise

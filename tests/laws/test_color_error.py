@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from chromanoise._check import InputError
 from chromanoise.catalog import sensor_named
 from chromanoise.color import kernel_matrix
+from chromanoise.errors import InputError
 from chromanoise.exposure import Exposure
 from chromanoise.metrics import chart_color_error
 from chromanoise.sensor import PAPER_PIXEL, Sensor

@@ -9,7 +9,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.optimize import minimize
 
-from chromanoise._check import InputError
 from chromanoise.catalog import sensor_named
 from chromanoise.color import colored
 from chromanoise.color.fitted import (
@@ -31,6 +30,7 @@ from chromanoise.color.training import (
     smooth_training,
     training_response,
 )
+from chromanoise.errors import InputError
 from chromanoise.exposure import Exposure, measurement_vectors
 from chromanoise.metrics import chart_color_error, snr_db
 from chromanoise.metrics.matrix_report import effective_filters, matrix_report

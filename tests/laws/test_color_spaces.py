@@ -5,7 +5,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from chromanoise._check import InputError
 from chromanoise.color.cubature import gaussian_cubature, gaussian_expectation
 from chromanoise.color.perceived import (
     first_order_error,
@@ -15,6 +14,7 @@ from chromanoise.color.perceived import (
     through_space_sampled,
 )
 from chromanoise.color.spaces import LAB, LINEAR_SRGB, LUV, SPACES, SRGB, Space
+from chromanoise.errors import InputError
 from chromanoise.noise import Measurement
 
 D65 = np.array([0.95047, 1.0, 1.08883])

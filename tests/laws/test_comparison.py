@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from chromanoise._check import InputError
 from chromanoise.analysis import (
     QUANTITIES,
     SWEEPS,
@@ -19,6 +18,7 @@ from chromanoise.analysis import (
 )
 from chromanoise.catalog import sensor_named
 from chromanoise.color import kernel_matrix
+from chromanoise.errors import InputError
 from chromanoise.exposure import Exposure, Situation, expected_electrons, white_scene
 from chromanoise.scene import flat_field
 from chromanoise.sensor import Pixel, Sensor

@@ -14,7 +14,8 @@ import zlib
 import numpy as np
 import pytest
 
-from chromanoise._check import InputError, reason
+from chromanoise._check import reason
+from chromanoise.errors import InputError
 from chromanoise.io.cubes import bounds, read_cube
 from chromanoise.scene.rows import row_source
 
@@ -321,7 +322,7 @@ BOMBS = [
 ]
 READS = """
 import resource, sys
-from chromanoise._check import InputError
+from chromanoise.errors import InputError
 from chromanoise.scene import read_cube, row_source
 import h5py, zarr, tifffile, PIL.Image
 import numpy as np

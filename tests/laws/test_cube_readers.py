@@ -17,7 +17,7 @@ import scipy.io
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from chromanoise._check import InputError
+from chromanoise.errors import InputError
 from chromanoise.io.cubes import read_cube
 from chromanoise.scene import Cube
 

@@ -15,7 +15,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from chromanoise._check import InputError
+from chromanoise.errors import InputError
 from chromanoise.io.cubes import cube_from_xarray, hdf5, hdf5_child, picture_to_xarray, read_cube
 from chromanoise.io.cubes.hdf5_chunks import ChunkRows
 from chromanoise.scene import row_source

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import scipy.io
 
-from chromanoise._check import InputError
+from chromanoise.errors import InputError
 from chromanoise.io.cubes import cube_from_xarray, read_cube
 from chromanoise.io.cubes.wavelength_file import read_wavelengths
 from chromanoise.scene.rows import row_source

@@ -9,8 +9,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from scipy.io import savemat
 
-from chromanoise._check import InputError
 from chromanoise.catalog.resolve import filter_of_word, illuminant_of_word
+from chromanoise.errors import InputError
 from chromanoise.io import read_sensor
 from chromanoise.io.spectra import Answers, power_of, read_curves
 from chromanoise.sensor import PAPER_PIXEL

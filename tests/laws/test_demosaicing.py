@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from chromanoise._check import InputError
 from chromanoise.catalog import sensor_named
+from chromanoise.errors import InputError
 from chromanoise.exposure import Exposure, expected_electrons
 from chromanoise.imaging.demosaic import (
     FilterBank,

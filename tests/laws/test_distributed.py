@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 import tifffile
 
-from chromanoise._check import InputError
 from chromanoise.cli import main
+from chromanoise.errors import InputError
 from chromanoise.exposure import Situation
 from chromanoise.imaging import Work, acquired, electrons_of_cube, rendered, shared_rows
 from chromanoise.imaging import distributed as on_clusters

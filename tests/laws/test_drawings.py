@@ -8,7 +8,6 @@ from functools import cache
 import numpy as np
 import pytest
 
-from chromanoise._check import InputError
 from chromanoise.analysis import (
     QUANTITIES,
     SWEEPS,
@@ -31,6 +30,7 @@ from chromanoise.charts.patches import hex_colors, patches_of
 from chromanoise.charts.vectors import color_frame, half_axes, round_magnification
 from chromanoise.charts.verdicts import verdict_sentences
 from chromanoise.color import LAB, XYY, encoded_srgb, exact_noise
+from chromanoise.errors import InputError
 from chromanoise.exposure import expected_electrons, white_scene
 from chromanoise.geometry import reconstructed_light
 from chromanoise.page.choices import choices

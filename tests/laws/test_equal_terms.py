@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from chromanoise._check import InputError
 from chromanoise.catalog import SENSOR_NAMES, sensor_named
+from chromanoise.errors import InputError
 from chromanoise.exposure import (
     equal_exposure,
     equal_light,

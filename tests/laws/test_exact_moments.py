@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from chromanoise._check import InputError
+from chromanoise.errors import InputError
 from chromanoise.noise import with_noise
 from chromanoise.noise.exact import Readout, measured, read_moments
 from chromanoise.noise.expectation import expectation

@@ -6,7 +6,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy import stats
 
-from chromanoise._check import InputError
 from chromanoise.analysis import analyzed, grey_noise
 from chromanoise.catalog import sensor_named
 from chromanoise.color import (
@@ -25,6 +24,7 @@ from chromanoise.color import (
     through_space_sampled,
 )
 from chromanoise.color.spaces import linear_srgb
+from chromanoise.errors import InputError
 from chromanoise.exposure import Exposure, expected_electrons
 from chromanoise.noise import Measurement, Readout, electrons_of_normal, read_moments, read_values
 from chromanoise.scene import flat_field

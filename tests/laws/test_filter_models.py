@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from chromanoise._check import InputError
 from chromanoise.catalog import SENSOR_NAMES, sensor_named
+from chromanoise.errors import InputError
 from chromanoise.sensor import ir_cut, resin_filter, silicon_qe
 from chromanoise.spectra import DEFAULT_GRID, Grid
 

@@ -9,8 +9,8 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from chromanoise._check import InputError
 from chromanoise.catalog import own_sensor_of, read_pixel_source, sensor_named
+from chromanoise.errors import InputError
 from chromanoise.io.pixels import RelativeNoise, read_darktable_noise
 from chromanoise.io.spectra import Understood, read_curves
 from chromanoise.io.spectra.writing import sensor_spectra

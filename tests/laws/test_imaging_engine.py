@@ -6,8 +6,8 @@ from functools import partial
 import numpy as np
 import pytest
 
-from chromanoise._check import InputError
 from chromanoise.color import kernel_matrix
+from chromanoise.errors import InputError
 from chromanoise.exposure import Exposure, Situation, band_weights, expected_electrons, white_scene
 from chromanoise.imaging import (
     Work,

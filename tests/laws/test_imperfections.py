@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from chromanoise._check import InputError
+from chromanoise.errors import InputError
 from chromanoise.exposure import Exposure, Situation
 from chromanoise.imaging import acquired, rendered
 from chromanoise.scene import Cube, flat_cube

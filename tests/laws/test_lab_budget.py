@@ -6,11 +6,11 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from scipy.optimize import minimize
 
-from chromanoise._check import InputError
 from chromanoise.analysis import analyzed, budgets_as_json, lab_budgets, missing_lab_budgets
 from chromanoise.catalog import sensor_named
 from chromanoise.catalog.sensors import SENSOR_NAMES
 from chromanoise.color import LAB, colored, kernel_matrix, through_space
+from chromanoise.errors import InputError
 from chromanoise.exposure import Exposure, expected_electrons
 from chromanoise.metrics import faintest_change, lab_budget
 from chromanoise.metrics.budget import CAUSES, color_budget

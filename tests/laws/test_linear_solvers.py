@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from chromanoise import _linalg
-from chromanoise._check import InputError
+from chromanoise.errors import InputError
 
 ONE = ("cholesky", "eigh", "eigvalsh", "inv", "matrix_rank", "pinv", "qr", "svd")
 TWO = ("lstsq", "solve")

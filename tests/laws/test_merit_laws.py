@@ -5,8 +5,8 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from chromanoise._check import InputError
 from chromanoise.color import kernel_matrix
+from chromanoise.errors import InputError
 from chromanoise.metrics.filters import (
     best_readout,
     figure_of_merit,

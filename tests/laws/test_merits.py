@@ -10,7 +10,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from chromanoise._check import InputError
 from chromanoise.analysis import (
     Merit,
     Viewing,
@@ -25,6 +24,7 @@ from chromanoise.analysis import (
 )
 from chromanoise.catalog import sensor_named
 from chromanoise.color import chart_training, cielab, colored, lmmse
+from chromanoise.errors import InputError
 from chromanoise.exposure import Situation, expected_electrons, saturating_exposure
 from chromanoise.imaging import bilinear_filters, demosaicked
 from chromanoise.metrics import matrix_report, visual_noise_of_picture

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from scipy import stats
 
 import reference_noise as reference
-from chromanoise._check import InputError
+from chromanoise.errors import InputError
 from chromanoise.imaging.sampling import noisy_electrons
 from goodness import (
     chi_square_score,

@@ -10,8 +10,8 @@ import pytest
 
 import chromanoise
 from chromanoise import _files
-from chromanoise._check import InputError
 from chromanoise._files import claimed_folder, refuse_unwritable, whole_folder
+from chromanoise.errors import InputError
 
 NEW = {"a.png": "new a", "b.png": "new b", "summary.json": "new"}
 REPLACED = {"b.png": "old b", "summary.json": "old"}

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from chromanoise._check import InputError
+from chromanoise.errors import InputError
 from chromanoise.io.pixels.photon_transfer_csv import (
     is_photon_transfer_text,
     read_photon_transfer_csv,

@@ -18,9 +18,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from PIL import Image
 
-from chromanoise._check import InputError
 from chromanoise._colour import colour_science
 from chromanoise._files import whole_folder
+from chromanoise.errors import InputError
 from chromanoise.exposure import Situation
 from chromanoise.imaging import acquired, rendered
 from chromanoise.imaging.exr import write_linear_exr, write_xyz_exr

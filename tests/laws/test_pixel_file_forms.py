@@ -2,7 +2,7 @@
 
 import pytest
 
-from chromanoise._check import InputError
+from chromanoise.errors import InputError
 from chromanoise.io.pixels import (
     read_noise_profile,
 )

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from chromanoise._check import InputError
+from chromanoise.errors import InputError
 from chromanoise.io.pixels import (
     read_noise_profile,
 )

@@ -6,9 +6,9 @@ import jaxtyping
 import numpy as np
 import pytest
 
-from chromanoise._check import InputError
 from chromanoise.analysis import analyzed
 from chromanoise.catalog import sensor_named
+from chromanoise.errors import InputError
 from chromanoise.exposure import Exposure, Situation, expected_electrons, time_to_saturation
 from chromanoise.geometry import dual_frame
 from chromanoise.imaging import Work, rendered

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from chromanoise._check import InputError
+from chromanoise.errors import InputError
 from chromanoise.io import read_sensor_csv
 from chromanoise.scene import flat_field, light
 from chromanoise.spectra import (

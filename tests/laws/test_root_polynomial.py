@@ -5,7 +5,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from chromanoise._check import InputError
 from chromanoise.color import colored
 from chromanoise.color.fitted import least_squares
 from chromanoise.color.root_polynomial import (
@@ -15,6 +14,7 @@ from chromanoise.color.root_polynomial import (
     rooted,
 )
 from chromanoise.color.training import Training, chart_training, training_response
+from chromanoise.errors import InputError
 from chromanoise.noise import with_noise
 from chromanoise.spectra import equal_energy
 from strategies import EXPOSURE, GRID, bell_qe, raw_of, sensor_of, sensors

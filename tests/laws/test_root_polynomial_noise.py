@@ -7,7 +7,6 @@ from hypothesis import strategies as st
 from scipy import stats
 from scipy.special import gamma
 
-from chromanoise._check import InputError
 from chromanoise.color.root_polynomial import (
     RootPolynomial,
     root_first_order_error,
@@ -16,6 +15,7 @@ from chromanoise.color.root_polynomial import (
     root_polynomial_color_exact,
     rooted,
 )
+from chromanoise.errors import InputError
 from chromanoise.noise import with_noise
 from strategies import bell_qe, pixel_with, raw_of, sensor_of
 

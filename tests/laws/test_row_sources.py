@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from chromanoise._check import InputError
+from chromanoise.errors import InputError
 from chromanoise.scene import Cube, RowSource, bands_within, row_source
 from chromanoise.scene.cube import reflectance_rows
 from chromanoise.scene.file_rows import FileRows, PlaneRows

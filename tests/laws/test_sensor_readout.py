@@ -5,7 +5,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from chromanoise._check import InputError
+from chromanoise.errors import InputError
 from chromanoise.sensor import (
     MOSAIC_NAMES,
     Adc,

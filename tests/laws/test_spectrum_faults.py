@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.io import savemat
 
-from chromanoise._check import InputError
+from chromanoise.errors import InputError
 from chromanoise.io.spectra import Answers, qe_of, read_curves
 from chromanoise.io.spectra.writing import spectra_csv, spectra_spdx
 from chromanoise.spectra import Spectra

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from chromanoise._check import InputError
+from chromanoise.errors import InputError
 from chromanoise.io import read_sensor
 from chromanoise.io.spectra import Answers, power_of, qe_of, read_curves
 from chromanoise.sensor import PAPER_PIXEL

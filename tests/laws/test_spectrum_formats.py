@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from scipy.io import savemat
 
-from chromanoise._check import InputError
+from chromanoise.errors import InputError
 from chromanoise.io.spectra import Answers, qe_of, read_curves
 from spectrum_samples import AT_NM, GREEN, RED
 

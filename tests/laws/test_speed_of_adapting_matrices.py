@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from chromanoise._check import InputError
 from chromanoise.color import ColorMatrix, chart_training, colored, kernel_matrix, lmmse
+from chromanoise.errors import InputError
 from chromanoise.exposure import expected_electrons
 from chromanoise.metrics.speed import illuminance_for_snr, illuminance_for_snr_adapted
 from chromanoise.noise import with_noise

@@ -9,8 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from pydantic import BaseModel
 
-from chromanoise._check import InputError
 from chromanoise.catalog import sensor_with_pixel
+from chromanoise.errors import InputError
 from chromanoise.study import (
     STARTER,
     Study,

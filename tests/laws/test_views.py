@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from chromanoise._check import InputError
 from chromanoise.analysis import analyzed
+from chromanoise.errors import InputError
 from chromanoise.exposure import measurement_vectors
 from chromanoise.paper import paper_study
 from chromanoise.paper.study import RGB_59, RGBW_12

@@ -13,7 +13,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from chromanoise._check import InputError
 from chromanoise._colour import colour_science
 from chromanoise.analysis import compared
 from chromanoise.analysis.tables import (
@@ -22,6 +21,7 @@ from chromanoise.analysis.tables import (
 )
 from chromanoise.catalog import sensor_named
 from chromanoise.color import kernel_matrix
+from chromanoise.errors import InputError
 from chromanoise.exposure import Exposure, Situation
 from chromanoise.io import read_sensor_csv
 from chromanoise.io.spectra import read_curves

@@ -8,8 +8,8 @@ import tifffile
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from chromanoise._check import InputError
 from chromanoise.color import kernel_matrix, linear_srgb
+from chromanoise.errors import InputError
 from chromanoise.exposure import Exposure, Situation, expected_electrons
 from chromanoise.imaging import acquired
 from chromanoise.imaging.dng import (

@@ -5,7 +5,6 @@ import json
 import numpy as np
 import pytest
 
-from chromanoise._check import InputError
 from chromanoise.catalog.entries import KINDS, catalog_entries, catalog_file_of
 from chromanoise.catalog.resolve import (
     illuminant_files,
@@ -13,6 +12,7 @@ from chromanoise.catalog.resolve import (
     sensor_files,
     sensor_of_word,
 )
+from chromanoise.errors import InputError
 from chromanoise.io.spectra import Answers
 from chromanoise.spectra import DEFAULT_GRID, photon_irradiance
 from chromanoise.study import provenance, study_from_text

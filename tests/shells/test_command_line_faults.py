@@ -14,9 +14,9 @@ import numpy as np
 import pytest
 
 import command_lines
-from chromanoise._check import InputError
 from chromanoise._files import whole_folder
 from chromanoise.cli import progress
+from chromanoise.errors import InputError
 from outcomes import refused
 
 main = import_module("chromanoise.cli.entry")

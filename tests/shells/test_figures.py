@@ -13,9 +13,9 @@ from matplotlib.figure import Figure
 from matplotlib.text import Text
 from PIL import Image
 
-from chromanoise._check import InputError
 from chromanoise.analysis import analyzed, color_snr_db
 from chromanoise.catalog import sensor_named
+from chromanoise.errors import InputError
 from chromanoise.figures import (
     CAPTIONS,
     chromanoise_style,

@@ -7,10 +7,10 @@ import xml.etree.ElementTree as ElementTree
 import numpy as np
 import pytest
 
-from chromanoise._check import InputError
 from chromanoise.catalog import sensor_named
 from chromanoise.cli import main
 from chromanoise.color import kernel_matrix
+from chromanoise.errors import InputError
 from chromanoise.exposure import Exposure, expected_electrons
 from chromanoise.io.matrices import MadeMatrix, balanced, matrix_clf
 from chromanoise.scene import flat_field

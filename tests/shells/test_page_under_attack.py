@@ -24,7 +24,7 @@ import tifffile
 
 from attack_page import _tree, attacked, memory_bytes
 from attack_questions import BOMBS, FILES, damaged
-from chromanoise._check import InputError
+from chromanoise.errors import InputError
 from chromanoise.io.mat5 import mat_array
 from chromanoise.page import asked, processes, work, worker
 from chromanoise.page.asked import Bodies, QuestionError

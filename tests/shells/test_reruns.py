@@ -14,7 +14,7 @@ import pytest
 import tifffile
 
 import chromanoise
-from chromanoise._check import InputError
+from chromanoise.errors import InputError
 from chromanoise.study import agreement_of, agreement_text, read_study, run_study
 from outcomes import refused
 

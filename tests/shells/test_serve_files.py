@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from chromanoise._check import InputError
+from chromanoise.errors import InputError
 from chromanoise.page import answers as answering
 from chromanoise.page.answers import Answers
 from chromanoise.page.asked import QuestionError

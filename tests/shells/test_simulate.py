@@ -12,8 +12,8 @@ import pytest
 import tifffile
 from PIL import Image
 
-from chromanoise._check import InputError
 from chromanoise.catalog import sensor_named
+from chromanoise.errors import InputError
 from chromanoise.exposure import Situation, saturating_exposure
 from chromanoise.imaging import DEMOSAICING, acquired, developed, rendered
 from chromanoise.imaging.shots import write_shot

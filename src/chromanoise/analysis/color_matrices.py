@@ -22,6 +22,7 @@ from chromanoise.color import (
     ridge,
     white_preserving,
 )
+from chromanoise.errors import InputError
 from chromanoise.exposure import Exposure, Situation
 from chromanoise.sensor import Sensor
 from chromanoise.spectra import Metric
@@ -152,7 +153,7 @@ def _maker(name: str, metric: Metric, prior: str) -> MatrixMaker:
     method = _method(name)
     if bool(given) != (method.parameter is not None):
         wanted = f"{word}=<{method.parameter}>" if method.parameter else word
-        raise _check.InputError(f"a {word} matrix is asked for as {wanted}, but is {name!r}")
+        raise InputError(f"a {word} matrix is asked for as {wanted}, but is {name!r}")
     parameters = {}
     if method.parameter:
         what, value = f"{method.parameter} of a {word} matrix", _number(text, name)
@@ -169,7 +170,7 @@ def _number(text: str, name: str) -> float:
     try:
         return float(text)
     except ValueError:
-        raise _check.InputError(f"matrix {name!r}: {text!r} is not a number") from None
+        raise InputError(f"matrix {name!r}: {text!r} is not a number") from None
 
 
 def _made(

@@ -11,6 +11,7 @@ from chromanoise._check import Array
 from chromanoise.analysis.defined import defined
 from chromanoise.analysis.priors import DEFAULT_PRIOR, PRIORS, training_named
 from chromanoise.color import ColorMatrix, ParetoCurve, pareto
+from chromanoise.errors import InputError
 from chromanoise.exposure import Situation
 from chromanoise.metrics import MatrixReport
 from chromanoise.sensor import left_out_of_closed_form
@@ -34,11 +35,11 @@ def noise_weights(first: float, last: float, *, points: int = 13) -> Float[Array
     for value in (first, last):
         _check.within("weight of the noise", "1", value, _LIGHTEST, _HEAVIEST)
     if not last > first:
-        raise _check.InputError(
+        raise InputError(
             f"weights of the noise must rise, but go from {first:g} to {last:g}; exchange them"
         )
     if not 2 <= points <= 100_000:
-        raise _check.InputError(f"a curve takes 2 to 100000 points, but {points} are asked for")
+        raise InputError(f"a curve takes 2 to 100000 points, but {points} are asked for")
     return np.geomspace(first, last, points)
 
 

@@ -11,6 +11,7 @@ from jaxtyping import Bool, Float
 from chromanoise import _check, _notebook
 from chromanoise._check import Array
 from chromanoise.color import ColorMatrix, colored, kernel_matrix, scene_xyz
+from chromanoise.errors import InputError
 from chromanoise.exposure import Exposure, expected_electrons
 from chromanoise.geometry import (
     NearestMix,
@@ -145,9 +146,7 @@ def analyzed(
         for other channels.
     """
     if scene.reflectance.ndim != 1:
-        raise _check.InputError(
-            f"analyzed takes one point, got a scene of {scene.reflectance.shape}"
-        )
+        raise InputError(f"analyzed takes one point, got a scene of {scene.reflectance.shape}")
     electrons = expected_electrons(scene, sensor, exposure)
     raw = with_noise(electrons, sensor) if readout is None else measured(electrons, sensor, readout)
     matrix = kernel_matrix(sensor, exposure, metric) if matrix is None else matrix

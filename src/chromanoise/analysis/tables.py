@@ -3,11 +3,11 @@
 from collections.abc import Sequence
 
 from chromanoise import _check
-from chromanoise._check import InputError
 from chromanoise.analysis.comparison.curves import Curve
 from chromanoise.analysis.defined import defined
 from chromanoise.analysis.stages import Analysis, color_price_db, color_snr_db, mean_color_error
 from chromanoise.color import ColorMatrix
+from chromanoise.errors import InputError
 from chromanoise.io.table import Column, Entry, Table, written
 from chromanoise.metrics import MatrixReport
 from chromanoise.sensor import left_out_of_closed_form

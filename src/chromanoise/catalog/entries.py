@@ -9,6 +9,7 @@ from typing import Any
 
 from chromanoise import _check
 from chromanoise.catalog.sensors import SENSOR_NAMES, sensor_named
+from chromanoise.errors import InputError
 from chromanoise.io.spectra import power_of_photons
 from chromanoise.io.spectra.defects import defects_of
 from chromanoise.spectra import DEFAULT_GRID, Spectra, infrared_parts
@@ -124,7 +125,7 @@ def own_tables(folder: Path | None) -> Mapping[str, UserTable]:
     patterns = [told.pattern for told in built_in if told.pattern]
     for name, table in tables.items():
         if name in names or any(re.fullmatch(pattern, name) for pattern in patterns):
-            raise _check.InputError(
+            raise InputError(
                 f"{table.path}: {name} is built in already; give the table another name"
             )
     return tables
@@ -140,7 +141,7 @@ def own_table(name: str, kind: str) -> UserTable | None:
     """
     table = own_tables(catalog_folder()).get(name)
     if table is not None and table.provenance.kind != kind:
-        raise _check.InputError(
+        raise InputError(
             f"{name} is a table of kind {table.provenance.kind} in {table.path.parent}, "
             f"but a {kind} is asked for"
         )

@@ -5,7 +5,6 @@ from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
-from chromanoise._check import InputError
 from chromanoise._inputs import regular_file
 from chromanoise.catalog.resolve import (
     asked_of_name,
@@ -14,6 +13,7 @@ from chromanoise.catalog.resolve import (
     is_file_word,
     sensor_of_word,
 )
+from chromanoise.errors import InputError
 from chromanoise.io.pixels import (
     read_emva_sheet,
     read_noise_profile,

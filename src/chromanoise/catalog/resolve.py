@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Literal
 
-from chromanoise._check import InputError, one_of
+from chromanoise._check import one_of
 from chromanoise.catalog.entries import (
     catalog_entry,
     catalog_file_of,
@@ -18,6 +18,7 @@ from chromanoise.catalog.entries import (
 )
 from chromanoise.catalog.sensor_tables import sensor_from_table
 from chromanoise.catalog.sensors import KNOWN_SENSORS, sensor_named
+from chromanoise.errors import InputError
 from chromanoise.io import read_sensor
 from chromanoise.io.spectra import ASK, Answers, library_files, power_of, read_curves
 from chromanoise.sensor import PAPER_PIXEL, Sensor, behind_filter, filter_named, is_filter_name

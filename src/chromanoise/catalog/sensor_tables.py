@@ -6,8 +6,8 @@ from typing import get_args
 
 import numpy as np
 
-from chromanoise import _check
 from chromanoise._colour import colour_science
+from chromanoise.errors import InputError
 from chromanoise.io.spectra import Answers, Understood, qe_of
 from chromanoise.io.spectra.parsed import Quantity
 from chromanoise.sensor.mosaic import mosaic_named
@@ -117,9 +117,7 @@ def _understood(provenance: Provenance, curves: Spectra, answers: Answers) -> Un
     """The table as a file that tells all that its provenance does."""
     quantity = provenance.quantity
     if quantity not in get_args(Quantity):
-        raise _check.InputError(
-            f"{provenance.name}: holds {quantity}, but a sensor needs QE or response"
-        )
+        raise InputError(f"{provenance.name}: holds {quantity}, but a sensor needs QE or response")
     return Understood(
         curves=curves,
         format="table",

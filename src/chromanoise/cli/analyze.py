@@ -5,7 +5,7 @@ from typing import Any
 
 import click
 
-from chromanoise._check import InputError, distinct
+from chromanoise._check import distinct
 from chromanoise.analysis import color_budgets, contravariant_budgets, matrix_makers
 from chromanoise.analysis.tables import analyses_as_table
 from chromanoise.cli import tables
@@ -28,6 +28,7 @@ from chromanoise.cli.options import (
 from chromanoise.cli.output import refuse_taken_inputs, write_json, write_table
 from chromanoise.cli.progress import progress_of
 from chromanoise.color import SPACES
+from chromanoise.errors import InputError
 from chromanoise.exposure import Situation
 from chromanoise.study import Outcome, OutputsPart, outcome_of, outcomes_as_json
 

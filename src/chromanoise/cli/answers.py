@@ -5,7 +5,7 @@ from typing import Any, TypeVar, get_args
 
 import click
 
-from chromanoise._check import InputError
+from chromanoise.errors import InputError
 from chromanoise.io.spectra import Answers
 from chromanoise.io.spectra.parsed import Negatives, Unit
 

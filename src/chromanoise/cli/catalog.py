@@ -8,7 +8,6 @@ import click
 from rich.console import Console
 from rich.table import Table
 
-from chromanoise._check import InputError
 from chromanoise._files import write_whole
 from chromanoise.catalog.entries import (
     KINDS,
@@ -21,6 +20,7 @@ from chromanoise.catalog.entries import (
 )
 from chromanoise.cli.options import json_option
 from chromanoise.cli.output import write_json
+from chromanoise.errors import InputError
 
 _WIDTH = 100
 

@@ -5,7 +5,7 @@ from typing import Any
 
 import click
 
-from chromanoise._check import InputError, distinct, one_of
+from chromanoise._check import distinct, one_of
 from chromanoise.analysis import (
     DEFAULT_PRIOR,
     PRIORS,
@@ -40,6 +40,7 @@ from chromanoise.cli.options import (
 )
 from chromanoise.cli.output import refuse_taken_inputs, write_json, write_table
 from chromanoise.cli.progress import progress_of
+from chromanoise.errors import InputError
 from chromanoise.exposure import EQUAL_TERMS, Situation
 
 

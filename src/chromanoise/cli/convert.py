@@ -7,13 +7,14 @@ from typing import Any
 
 import click
 
-from chromanoise._check import InputError, one_of
+from chromanoise._check import one_of
 from chromanoise._files import write_whole
 from chromanoise.catalog import own_sensor_of
 from chromanoise.catalog.resolve import file_there, is_file_word, sensor_of_word
 from chromanoise.cli.answers import answering, answers_of, of_one_file
 from chromanoise.cli.options import refuse_idle_answers
 from chromanoise.cli.output import refuse_inputs
+from chromanoise.errors import InputError
 from chromanoise.io.spectra import Understood, read_curves
 from chromanoise.io.spectra.writing import (
     photons_as_energy,

@@ -4,10 +4,10 @@ from typing import Any
 
 import click
 
-from chromanoise._check import InputError
 from chromanoise.analysis import DEFAULT_PRIOR
 from chromanoise.cli.answers import answers_of
 from chromanoise.cli.options import refuse_idle_answers, refuse_two_times
+from chromanoise.errors import InputError
 from chromanoise.study import study_as_python, study_as_toml, study_from_data
 
 Options = dict[str, Any]

@@ -15,7 +15,7 @@ from importlib import import_module
 import click
 
 from chromanoise import __version__
-from chromanoise._check import InputError
+from chromanoise.errors import InputError
 
 _COMMANDS = {
     "analyze": "Noise of sensors in raw, spectral and color coordinates, side by side.",

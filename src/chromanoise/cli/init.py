@@ -4,8 +4,8 @@ from pathlib import Path
 
 import click
 
-from chromanoise._check import InputError
 from chromanoise._files import write_whole
+from chromanoise.errors import InputError
 from chromanoise.study import STARTER
 
 

@@ -7,10 +7,10 @@ from typing import Any
 import click
 import numpy as np
 
-from chromanoise._check import InputError
 from chromanoise.catalog import own_sensor_of
 from chromanoise.cli.answers import answering, answers_of, of_one_file
 from chromanoise.cli.output import refuse_inputs, write_json
+from chromanoise.errors import InputError
 from chromanoise.io.spectra import Understood, read_curves
 from chromanoise.io.spectra.merging import gaps_nm, step_nm
 from chromanoise.io.spectra.writing import mosaic_text, sensor_spectra

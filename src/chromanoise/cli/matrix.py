@@ -7,7 +7,7 @@ from typing import Any
 import click
 from jaxtyping import Float
 
-from chromanoise._check import Array, InputError
+from chromanoise._check import Array
 from chromanoise._files import write_whole
 from chromanoise.analysis import (
     known_matrices,
@@ -35,6 +35,7 @@ from chromanoise.cli.options import (
 )
 from chromanoise.cli.output import refuse_taken_inputs, write_json, write_table
 from chromanoise.color import ColorMatrix
+from chromanoise.errors import InputError
 from chromanoise.exposure import Situation, expected_electrons, white_scene
 from chromanoise.io.matrices import (
     MadeMatrix,

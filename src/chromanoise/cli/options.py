@@ -7,11 +7,12 @@ from typing import Any, TypeVar, get_args
 
 import click
 
-from chromanoise._check import InputError, not_negative, positive, within
+from chromanoise._check import not_negative, positive, within
 from chromanoise.analysis import DEFAULT_PRIOR, PRIORS, known_matrices, trained_names
 from chromanoise.catalog import idle_answers, sensor_with_pixel
 from chromanoise.catalog.resolve import behind_filter_of_word, illuminant_of_word, is_file_word
 from chromanoise.cli.answers import answering, answers_of, filter_answers_of, illuminant_answers_of
+from chromanoise.errors import InputError
 from chromanoise.exposure import Exposure, saturating_exposure
 from chromanoise.io.spectra import Answers
 from chromanoise.io.spectra.parsed import Unit

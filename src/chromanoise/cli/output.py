@@ -8,8 +8,8 @@ from typing import Any
 
 import click
 
-from chromanoise._check import InputError
 from chromanoise._files import write_whole
+from chromanoise.errors import InputError
 from chromanoise.io.table import (
     Table,
 )

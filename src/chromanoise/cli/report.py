@@ -4,10 +4,10 @@ from pathlib import Path
 
 import click
 
-from chromanoise._check import InputError
 from chromanoise._files import refuse_unwritable, whole_folder, write_whole
 from chromanoise.charts import shown
 from chromanoise.cli.output import refuse_inputs
+from chromanoise.errors import InputError
 from chromanoise.page.equations import EQUATIONS
 from chromanoise.report import sights_of, study_report
 from chromanoise.study import file_digests, read_study

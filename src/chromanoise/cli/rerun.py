@@ -5,9 +5,9 @@ from pathlib import Path
 
 import click
 
-from chromanoise._check import InputError
 from chromanoise.cli.options import WHOLE
 from chromanoise.cli.running import print_run
+from chromanoise.errors import InputError
 from chromanoise.study import agreement_of, agreement_text, recorded_run
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import click
 
-from chromanoise._check import InputError
+from chromanoise.errors import InputError
 
 
 @click.command()

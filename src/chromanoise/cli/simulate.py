@@ -9,7 +9,7 @@ from typing import Any
 import click
 
 from chromanoise import __version__
-from chromanoise._check import InputError, distinct
+from chromanoise._check import distinct
 from chromanoise._files import refuse_unwritable, whole_folder
 from chromanoise.analysis import matrix_makers
 from chromanoise.catalog.resolve import file_of
@@ -28,6 +28,7 @@ from chromanoise.cli.options import (
 )
 from chromanoise.cli.output import write_json
 from chromanoise.cli.progress import progress_of
+from chromanoise.errors import InputError
 from chromanoise.exposure import Situation
 from chromanoise.imaging import DEMOSAICING, Work
 from chromanoise.imaging.distributed import cluster

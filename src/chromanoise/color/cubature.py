@@ -10,6 +10,7 @@ from jaxtyping import Float
 from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._linalg import eigh
+from chromanoise.errors import InputError
 
 _VALUES_PER_CHUNK = 500_000  # cubature points at once: some 50 MB, however large the picture
 _EMPTY = 64 * np.finfo(float).eps  # eigenvalues below this share of the largest are rounding
@@ -71,7 +72,7 @@ def gaussian_cubature(*, radii: int = 16, latitudes: int = 8, longitudes: int = 
     """
     for name, count in (("radii", radii), ("latitudes", latitudes), ("longitudes", longitudes)):
         if count < 2:
-            raise _check.InputError(f"{name} of a cubature must be at least 2, but is {count}")
+            raise InputError(f"{name} of a cubature must be at least 2, but is {count}")
     return _gaussian_cubature(radii, latitudes, longitudes)
 
 
@@ -122,7 +123,7 @@ def covariance_root(covariance: Float[Array, "*px 3 3"], scale: Float[Array, " 3
     )
     largest = np.abs(values).max(axis=-1, keepdims=True)
     if (values < -1e-6 * largest).any():
-        raise _check.InputError(
+        raise InputError(
             f"a covariance must have no negative variance in any direction, but {values.min():g} "
             "is one (in units of the white squared); check how it was put together"
         )

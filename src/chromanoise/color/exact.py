@@ -17,6 +17,7 @@ from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._linalg import qr
 from chromanoise.color.spaces import LAB, Space
+from chromanoise.errors import InputError
 from chromanoise.noise import Measurement, Readout, electrons_of_normal, read_moments, read_values
 from chromanoise.rng import stream
 
@@ -120,7 +121,7 @@ def exact_noise(
     _check.same_length("channels", mean_e=electrons.shape[-1], matrix=matrix.shape[1])
     most = _MOST_VALUES // max(1, electrons.shape[-1])
     if points < 2 or points & (points - 1) or points > most:
-        raise _check.InputError(
+        raise InputError(
             f"points must be a power of 2 from 2 to {most} for {electrons.shape[-1]} channels, "
             f"but is {points}"
         )

@@ -17,6 +17,7 @@ from chromanoise._colour import colour_science
 from chromanoise._linalg import RANK_TOLERANCE, lstsq, pinv, qr, svd
 from chromanoise.color.matrices import ColorMatrix, kernel_matrix
 from chromanoise.color.training import Training, TrainingResponse, training_response, white_scale
+from chromanoise.errors import InputError
 from chromanoise.exposure import Exposure
 from chromanoise.sensor import Sensor
 from chromanoise.spectra import Metric
@@ -340,7 +341,7 @@ def _made(
 
 def _refuse_unseen(sensor: Sensor, training: Training, seen: TrainingResponse) -> None:
     if not seen.white_e.max() > 0:
-        raise _check.InputError(
+        raise InputError(
             f"no channel of {sensor.name} sees any light of {training.illuminant.name}, so there "
             "is no white to hold; take another lamp"
         )

@@ -6,6 +6,7 @@ from jaxtyping import Float
 
 from chromanoise import _check, _notebook
 from chromanoise._check import Array
+from chromanoise.errors import InputError
 from chromanoise.exposure import Exposure, measurement_vectors
 from chromanoise.geometry import Frame, dual_frame
 from chromanoise.noise import Measurement, through
@@ -46,7 +47,7 @@ class ColorMatrix:
     def __post_init__(self) -> None:
         checked = _check.finite(f"{self.made_by} matrix", "lx/e-", self.matrix)
         if checked.shape != (len(self.coordinates), len(self.channels)):
-            raise _check.InputError(
+            raise InputError(
                 f"{self.made_by} matrix must be {(len(self.coordinates), len(self.channels))}, "
                 f"one row per coordinate and one column per channel, got {checked.shape}"
             )
@@ -88,7 +89,7 @@ def kernel_matrix(sensor: Sensor, exposure: Exposure, metric: Metric = "quanta")
     """
     for name, seen in zip(sensor.names, sensor.qe.max(axis=0), strict=True):
         if not seen:
-            raise _check.InputError(
+            raise InputError(
                 f"channel {name} of sensor {sensor.name} has a QE of 0 at every wavelength of the "
                 f"grid {sensor.grid}, so it measures nothing; leave it out"
             )

@@ -11,6 +11,7 @@ from chromanoise._linalg import RANK_TOLERANCE, svd
 from chromanoise.color.fitted import least_squares
 from chromanoise.color.matrices import ColorMatrix
 from chromanoise.color.training import Training, TrainingResponse, training_response, white_scale
+from chromanoise.errors import InputError
 from chromanoise.exposure import Exposure
 from chromanoise.sensor import Sensor
 from chromanoise.spectra import Metric
@@ -75,7 +76,7 @@ def white_normalized(
     array([[0.25, 0.5 ]])
     """
     if not (white_xyz > 0).all():
-        raise _check.InputError(
+        raise InputError(
             f"a matrix is normalized to a white above 0 in every coordinate, but this lamp gives "
             f"{white_xyz.tolist()}; take a lamp with light at all visible wavelengths"
         )

@@ -23,6 +23,7 @@ from chromanoise.color.cubature import (
 )
 from chromanoise.color.matrices import XYZ
 from chromanoise.color.spaces import LAB, Space
+from chromanoise.errors import InputError
 from chromanoise.noise import Measurement
 
 FIRST_ORDER_TOLERANCE = 0.05
@@ -218,7 +219,7 @@ def perceived_noise(
     CIE 015:2018, eq. 8.11 (C*), 8.21 and 8.36 (color difference).
     """
     if space.coordinates[0] != "L*":
-        raise _check.InputError(
+        raise InputError(
             f"a distance in {space.name} is no color difference; take CIELAB or CIELUV"
         )
     first = through_space(xyz, space, white)
@@ -305,7 +306,7 @@ def _chroma_sd(first: Measurement) -> Float[Array, "*px"]:
 
 def _xyz(measurement: Measurement) -> Measurement:
     if measurement.names != XYZ:
-        raise _check.InputError(
+        raise InputError(
             f"a color space starts from X, Y, Z, but this {measurement.kind} measurement has "
             f"{', '.join(measurement.names)}; pass it through a color matrix first"
         )

@@ -3,9 +3,9 @@
 import numpy as np
 from jaxtyping import Float
 
-from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._linalg import inv
+from chromanoise.errors import InputError
 
 D65_WHITE = np.array([0.95047, 1.0, 1.08883])
 """XYZ of the sRGB white (IEC 61966-2-1)."""
@@ -46,7 +46,7 @@ def adapted_to_d65(xyz: Float[Array, "*px 3"], white: Float[Array, " 3"]) -> Flo
     """
     cones = BRADFORD @ white
     if not (cones > 0).all():
-        raise _check.InputError(
+        raise InputError(
             f"the white of this picture, XYZ = {white.round(4).tolist()}, is no color that an eye "
             "could adapt to: the sensor and its matrix do not see this light"
         )

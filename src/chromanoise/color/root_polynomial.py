@@ -16,6 +16,7 @@ from chromanoise._check import Array
 from chromanoise._linalg import RANK_TOLERANCE, lstsq
 from chromanoise.color.matrices import XYZ
 from chromanoise.color.training import Training, training_response
+from chromanoise.errors import InputError
 from chromanoise.exposure import Exposure
 from chromanoise.noise import Measurement, expectation, with_noise
 from chromanoise.sensor import Sensor
@@ -152,7 +153,7 @@ def root_polynomial(
     seen = training_response(training, sensor, exposure, level_lux=level_lux)
     terms, white = rooted(seen.electrons, degree=degree), rooted(seen.white_e, degree=degree)
     if len(terms) < terms.shape[1]:
-        raise _check.InputError(
+        raise InputError(
             f"a root polynomial of {terms.shape[1]} terms needs as many reflectances, but "
             f"{training.source} has {len(terms)}; take a larger set or degree 1"
         )
@@ -377,7 +378,7 @@ def _above_zero(raw_mean: Array, *, degree: int) -> Array:
     mean = _check.non_negative("raw_mean", "e-", raw_mean)
     if _pairs_of(mean, degree) and not (mean > 0).all():
         first = tuple(int(i) for i in np.argwhere(mean <= 0)[0])
-        raise _check.InputError(
+        raise InputError(
             f"the noise of a root needs raw_mean > 0 [e-], but it is 0 at index {first}; "
             "take root_polynomial_color_exact, degree 1 or a linear matrix there"
         )
@@ -391,5 +392,5 @@ def _pairs_of(mean: Float[Array, "*px p"], degree: int) -> list[tuple[int, int]]
 def _pairs(p: int, degree: int) -> list[tuple[int, int]]:
     """Which channels meet under a root."""
     if degree not in (1, 2):
-        raise _check.InputError(f"degree of a root polynomial must be 1 or 2, but is {degree}")
+        raise InputError(f"degree of a root polynomial must be 1 or 2, but is {degree}")
     return list(combinations(range(p), 2)) if degree == 2 else []

@@ -16,6 +16,7 @@ from jaxtyping import Float
 from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise.color.picture import XYZ_TO_LINEAR_SRGB, adapted_to_d65
+from chromanoise.errors import InputError
 
 _DELTA = 6 / 29  # CIE 015:2018, eq. 8.7: below its cube the cube root becomes a line
 _SRGB_TOE = 0.0031308  # IEC 61966-2-1, on the linear side
@@ -231,7 +232,7 @@ def _chromaticity_slope(xyz: Float[Array, "*px 3"]) -> Float[Array, "*px 2 3"]:
 def _white(white: Float[Array, " 3"]) -> Float[Array, " 3"]:
     checked = _check.finite("white XYZ", "that of the color", white)
     if not (checked > 0).all():
-        raise _check.InputError(
+        raise InputError(
             f"X, Y and Z of the white must be > 0, but are {checked.round(4).tolist()}; "
             "take the color of a perfect white in the light of the scene"
         )

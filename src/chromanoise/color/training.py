@@ -10,6 +10,7 @@ from jaxtyping import Float
 from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._linalg import eigh
+from chromanoise.errors import InputError
 from chromanoise.exposure import Exposure, expected_electrons
 from chromanoise.scene import Scene, flat_field, light
 from chromanoise.sensor import Sensor
@@ -55,7 +56,7 @@ class Training:
         where = f"reflectance of {self.source}"
         rho = _check.non_negative(where, "1", self.reflectance)
         if rho.ndim != 2 or rho.shape[0] == 0:
-            raise _check.InputError(f"{where} must be (reflectances, wavelengths), got {rho.shape}")
+            raise InputError(f"{where} must be (reflectances, wavelengths), got {rho.shape}")
         _check.same_length(
             "wavelengths", illuminant=self.illuminant.grid.n, reflectance=rho.shape[1]
         )
@@ -166,7 +167,7 @@ def smooth_training(
     reflectance = mean + spread * signs @ components
     outside = max(-float(reflectance.min()), float(reflectance.max()) - 1.0)
     if outside > 0:
-        raise _check.InputError(
+        raise InputError(
             f"the smoothness prior of mean {mean:g} and sd {sd:g} leaves 0 .. 1 by {outside:.3g}; "
             "take a smaller sd, or a mean nearer to 0.5"
         )
@@ -206,7 +207,7 @@ def nir_diverse(
     at = training.illuminant.grid.wavelength_nm
     beyond = at > edge_nm
     if beyond.sum() < 2:
-        raise _check.InputError(
+        raise InputError(
             f"near-infrared metamers need wavelengths beyond {edge_nm:g} nm, but the grid is "
             f"{training.illuminant.grid}; take one that reaches to 1050 nm"
         )
@@ -272,7 +273,7 @@ def training_response(
     white_e = expected_electrons(white, sensor, exposure)
     for name, mean_e in zip(sensor.names, white_e, strict=True):
         if 0 < mean_e < _FEWEST_E:
-            raise _check.InputError(
+            raise InputError(
                 f"channel {name} of {sensor.name}: {mean_e:.3g} e- of a white in "
                 f"{training.illuminant.name} are too few to train a matrix; choose more light, a "
                 "longer time or a wider aperture, or leave the channel out"

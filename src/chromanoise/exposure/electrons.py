@@ -6,6 +6,7 @@ from jaxtyping import Float
 
 from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise.errors import InputError
 from chromanoise.scene import Scene, light
 from chromanoise.sensor import Pixel, Sensor
 from chromanoise.spectra import Metric
@@ -115,14 +116,14 @@ def time_to_saturation(
     """
     share = _check.positive("share of full well", "1", share)
     if share > 1:
-        raise _check.InputError(
+        raise InputError(
             f"share of full well must be at most 1, but is {share:g} (percent? divide by 100)"
         )
     per_second = expected_electrons(
         scene, sensor, Exposure(time_s=1.0, f_number=f_number, magnification=magnification)
     )
     if not per_second.max() > 0:
-        raise _check.InputError(f"no channel of {sensor.name} sees any light of this scene")
+        raise InputError(f"no channel of {sensor.name} sees any light of this scene")
     return float(share * sensor.pixel.full_well_e / per_second.max())
 
 
@@ -144,7 +145,7 @@ def saturating_exposure(
 def refuse_other_grid(scene: Scene, sensor: Sensor) -> None:
     """Scene and sensor must sample light at the same wavelengths."""
     if scene.illuminant.grid != sensor.grid:
-        raise _check.InputError(
+        raise InputError(
             f"scene and sensor must share one grid, but the illuminant {scene.illuminant.name} is "
             f"on {scene.illuminant.grid} and {sensor.name} on {sensor.grid}"
         )

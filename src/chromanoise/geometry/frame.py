@@ -8,6 +8,7 @@ from jaxtyping import Float
 from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._linalg import RANK_TOLERANCE, svd, unit_columns
+from chromanoise.errors import InputError
 from chromanoise.spectra import Metric
 
 
@@ -77,7 +78,7 @@ def dual_frame(basis: Float[Array, "n p"], *, names: tuple[str, ...], metric: Me
     directions, lengths = unit_columns(basis)
     for name, length in zip(names, lengths, strict=True):
         if not length > 0:
-            raise _check.InputError(
+            raise InputError(
                 f"channel {name} is zero at every wavelength, so it spans nothing; leave it out"
             )
     u, singular, vt = svd(f"channels {', '.join(names)}", directions, full_matrices=False)

@@ -13,6 +13,7 @@ from jaxtyping import Float, Int
 
 from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise.errors import InputError
 from chromanoise.sensor import Mosaic
 
 
@@ -48,7 +49,7 @@ class FilterBank:
         tile = channel_tile(self.mosaic, self.names)
         side = kernels.shape[-1]
         if kernels.shape != (*tile.shape, len(self.names), side, side) or side % 2 == 0:
-            raise _check.InputError(
+            raise InputError(
                 f"kernels of {self.made_by} must be {(*tile.shape, len(self.names))} filters of "
                 f"k x k with an odd k, got {kernels.shape}"
             )
@@ -86,7 +87,7 @@ def channel_tile(mosaic: Mosaic, names: Sequence[str]) -> Int[Array, "ty tx"]:
         _check.one_of("mosaic channel", name, wanted)
     for name in wanted:
         if name not in mosaic.names:
-            raise _check.InputError(
+            raise InputError(
                 f"channel {name!r} sits over no pixel of the mosaic ({', '.join(mosaic.names)}), "
                 "so it cannot be interpolated; leave it out"
             )
@@ -204,7 +205,7 @@ def malvar_filters(mosaic: Mosaic, names: Sequence[str] | None = None) -> Filter
     """
     wanted = tuple(names or mosaic.names)
     if not is_bayer(mosaic):
-        raise _check.InputError(
+        raise InputError(
             "Malvar's filters are for a Bayer array (2 x 2, one channel on a diagonal, two others "
             f"beside it), but the mosaic is {'/'.join(' '.join(row) for row in mosaic.pattern)}; "
             "take the gradient-corrected ones (`gradient`, gradient_corrected_filters)"
@@ -281,7 +282,7 @@ def border_pixels(shape: tuple[int, int], bank: FilterBank) -> tuple[Array, Arra
     """
     period = bank.kernels.shape[:2]
     if shape[0] < period[0] or shape[1] < period[1]:
-        raise _check.InputError(
+        raise InputError(
             f"a picture of {shape[0]} x {shape[1]} does not hold one tile of the mosaic "
             f"({period[0]} x {period[1]}), so some channel is nowhere measured; take the raw "
             "mosaic, or a larger picture"

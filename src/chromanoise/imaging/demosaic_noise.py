@@ -9,6 +9,7 @@ from jaxtyping import Float
 
 from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise.errors import InputError
 from chromanoise.imaging.demosaic import FilterBank, channel_tile, channels_around
 
 
@@ -93,7 +94,7 @@ def noise_power_spectrum(
     """
     variance, side = _per_channel(bank, variance_e2), 2 * bank.radius + 1
     if min(shape) < side:
-        raise _check.InputError(
+        raise InputError(
             f"a Fourier plane of {shape[0]} x {shape[1]} is too small for filters of "
             f"{side} x {side}, so noise would wrap onto itself; ask for {side} x {side} at least"
         )

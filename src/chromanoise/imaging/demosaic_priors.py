@@ -14,6 +14,7 @@ from jaxtyping import Float
 from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._linalg import eigvalsh, pinv, solve
+from chromanoise.errors import InputError
 from chromanoise.imaging.demosaic import (
     FilterBank,
     bank_of,
@@ -67,7 +68,7 @@ class PicturePrior:
         unit = covariance / np.outer(spread, spread)
         least = eigvalsh("covariance_e2", unit).min()
         if np.abs(unit - unit.T).max() > 1e-9 or least < -1e-9:
-            raise _check.InputError(
+            raise InputError(
                 "covariance_e2 must be symmetric and positive semidefinite [e-^2], but its least "
                 f"eigenvalue, channels scaled to 1, is {least:.3g}"
             )
@@ -108,7 +109,7 @@ def picture_prior(
     """
     colors = _check.finite("electrons", "e-", electrons)
     if len(colors) < 2:
-        raise _check.InputError(f"a prior needs at least 2 colors, got {len(colors)}")
+        raise InputError(f"a prior needs at least 2 colors, got {len(colors)}")
     away = colors - colors.mean(axis=0)
     return PicturePrior(
         names=tuple(names),
@@ -160,7 +161,7 @@ def gradient_corrected_filters(
     if prior is None and is_bayer(mosaic):
         return malvar_filters(mosaic, names)
     if prior is None:
-        raise _check.InputError(
+        raise InputError(
             f"gradient correction of a mosaic of {', '.join(mosaic.names)} needs a prior, because "
             "it must know how strong the channels are; make one with picture_prior"
         )
@@ -216,7 +217,7 @@ def lmmse_filters(mosaic: Mosaic, prior: PicturePrior, *, side: int | None = Non
     longest = max(tile.shape)
     width = max(7, 2 * longest - 1) if side is None else side
     if width % 2 == 0 or width < longest:
-        raise _check.InputError(
+        raise InputError(
             f"the window must have an odd side of at least {longest} pixels, the period of the "
             f"mosaic, to hold every channel, but side is {width}"
         )

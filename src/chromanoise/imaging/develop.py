@@ -9,6 +9,7 @@ from jaxtyping import Float, Float32, UInt8, UInt16
 from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise.color import ColorMatrix, kernel_matrix
+from chromanoise.errors import InputError
 from chromanoise.exposure import Situation, expected_electrons
 from chromanoise.imaging.blocks import Scratch, new_rows
 from chromanoise.imaging.demosaic import FilterBank
@@ -62,7 +63,7 @@ def developed(
     situation = raw.situation
     _check.same_names("development", sensor=situation.sensor.names, filters=bank.names)
     if bank.mosaic != raw.mosaic:
-        raise _check.InputError(
+        raise InputError(
             f"the filters are made for the mosaic {bank.mosaic.pattern}, but the picture has "
             f"{raw.mosaic.pattern}; make them for that"
         )

@@ -7,7 +7,7 @@ from concurrent.futures import CancelledError, Executor
 from contextlib import ExitStack, contextmanager
 from multiprocessing import resource_tracker
 
-from chromanoise._check import InputError
+from chromanoise.errors import InputError
 
 _QUIET = {
     "distributed.admin.large-graph-warning-threshold": "1 GiB",  # blocks are

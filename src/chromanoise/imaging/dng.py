@@ -18,9 +18,10 @@ import numpy as np
 from jaxtyping import Float, UInt16
 
 from chromanoise import _check
-from chromanoise._check import Array, InputError
+from chromanoise._check import Array
 from chromanoise._linalg import matrix_rank, pinv
 from chromanoise.color import ColorMatrix
+from chromanoise.errors import InputError
 from chromanoise.exposure import Situation, expected_electrons, white_scene
 from chromanoise.imaging.row_files import PutRows, tiff_rows
 from chromanoise.sensor import Adc, Imperfections, Mosaic

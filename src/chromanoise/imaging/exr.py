@@ -14,6 +14,7 @@ from jaxtyping import Float
 from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise.color import linear_srgb
+from chromanoise.errors import InputError
 
 REC709 = (0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290)
 """x, y of red, green, blue and white of sRGB (ITU-R BT.709-6, table 1)."""
@@ -68,7 +69,7 @@ def write_xyz_exr(
     """
     sees = _check.finite("white XYZ", "that of the picture", white)
     if not sees.sum() > 0:
-        raise _check.InputError(
+        raise InputError(
             f"{path}: the white of the picture must have X + Y + Z > 0, but is {sees.tolist()}"
         )
     neutral = tuple(float(v) for v in sees[:2] / sees.sum())
@@ -80,11 +81,11 @@ def _write_rgb(
 ) -> None:
     library = openexr()
     if not color.size:
-        raise _check.InputError(f"{path}: a picture needs at least one pixel, but is {color.shape}")
+        raise InputError(f"{path}: a picture needs at least one pixel, but is {color.shape}")
     if not np.isfinite(color).all():
         _check.finite(f"{path}: color", "1", color)
     if half and (largest := float(np.abs(color).max())) > _LARGEST_HALF:
-        raise _check.InputError(
+        raise InputError(
             f"{path}: half floats end at {_LARGEST_HALF:g}, but the picture has values up to "
             f"{largest:g}; write float32"
         )
@@ -99,7 +100,7 @@ def _write_rgb(
         with library.File(header, {"RGB": kept}) as file:
             file.write(str(path))
     except (RuntimeError, OSError) as error:
-        raise _check.InputError(f"{path}: cannot be written ({error})") from None
+        raise InputError(f"{path}: cannot be written ({error})") from None
 
 
 def openexr() -> Any:
@@ -113,6 +114,6 @@ def openexr() -> Any:
     try:
         return import_module("OpenEXR")
     except ImportError:
-        raise _check.InputError(
+        raise InputError(
             "EXR files need the package OpenEXR; pip install 'chromanoise[exr]', or write TIFF"
         ) from None

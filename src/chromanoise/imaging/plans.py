@@ -15,6 +15,7 @@ from jaxtyping import Float, Float32, Float64, Int64, UInt8, UInt16
 from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise.color import ColorMatrix, linear_srgb, srgb_from_linear
+from chromanoise.errors import InputError
 from chromanoise.exposure import Situation, expected_electrons, white_scene
 from chromanoise.imaging.blocks import Scratch
 from chromanoise.imaging.light import Light, on_rows
@@ -47,9 +48,7 @@ def draw_of(
     """
     for name, value in (("seed", seed), ("frame", frame)):
         if not isinstance(value, int) or not 0 <= value < 1 << 32:
-            raise _check.InputError(
-                f"{name} must be a whole number from 0 to 2^32 - 1, but is {value}"
-            )
+            raise InputError(f"{name} must be a whole number from 0 to 2^32 - 1, but is {value}")
     more = situation.sensor.imperfections if imperfections is None else imperfections
     dark_e = _check.within(
         "electrons of the dark current",
@@ -81,7 +80,7 @@ def demand_well(situation: Situation, draw: Draw) -> None:
     """
     full_well_e = situation.sensor.pixel.full_well_e
     if draw.dark_e >= full_well_e:
-        raise _check.InputError(
+        raise InputError(
             f"{situation.sensor.name}: {draw.dark_e:g} dark electrons in "
             f"{situation.exposure.time_s:g} s fill the well of {full_well_e:g} e-; expose for less "
             "time, or give a smaller dark current"
@@ -207,7 +206,7 @@ def white_lux_of(matrix: ColorMatrix, situation: Situation) -> Float[Array, " 3"
     _check.same_names("picture", sensor=sensor.names, matrix=matrix.channels)
     white = matrix.matrix @ expected_electrons(white_scene(situation), sensor, situation.exposure)
     if not white[1] > 0:
-        raise _check.InputError(
+        raise InputError(
             f"{sensor.name}: its {matrix.made_by} matrix gives a perfect white under {lamp.name} a "
             f"luminance of {white[1]:.3g} lx, so no picture can be scaled to it; take another "
             "light, sensor or matrix"

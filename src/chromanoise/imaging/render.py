@@ -8,6 +8,7 @@ from jaxtyping import Float, Float32, UInt8, UInt16
 from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise.color import ColorMatrix, kernel_matrix
+from chromanoise.errors import InputError
 from chromanoise.exposure import Exposure, Situation
 from chromanoise.imaging.light import BadPixels, Light, light_of
 from chromanoise.imaging.plans import (
@@ -295,7 +296,7 @@ def mosaic_of(situation: Situation, mosaic: Mosaic | None) -> Mosaic:
     sensor = situation.sensor
     mosaic = mosaic or sensor.mosaic
     if mosaic is None:
-        raise _check.InputError(
+        raise InputError(
             f"{sensor.name} has no mosaic; name the channels over its pixels, one of "
             f"{', '.join(sensor.names)} for each"
         )

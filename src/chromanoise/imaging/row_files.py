@@ -10,7 +10,8 @@ from typing import Any, BinaryIO
 
 import numpy as np
 
-from chromanoise._check import Array, InputError
+from chromanoise._check import Array
+from chromanoise.errors import InputError
 
 PutRows = Callable[[int, Array], None]
 """(index of the first row, rows): called from any thread, in any order, once for each row."""

@@ -15,7 +15,8 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Shaped
 
-from chromanoise._check import Array, InputError
+from chromanoise._check import Array
+from chromanoise.errors import InputError
 
 Kind = tuple[tuple[int, ...], type[np.generic]]
 """Shape and type of an array, its first axis the rows."""

@@ -6,8 +6,9 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from chromanoise._check import InputError, distinct, one_of
+from chromanoise._check import distinct, one_of
 from chromanoise.color import ColorMatrix
+from chromanoise.errors import InputError
 from chromanoise.exposure import Situation
 from chromanoise.imaging.demosaic import FilterBank
 from chromanoise.imaging.demosaic_methods import DEMOSAICING

@@ -14,8 +14,8 @@ from functools import partial
 from itertools import islice
 from typing import Any
 
-from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise.errors import InputError
 from chromanoise.imaging.blocks import Scratch, new_rows
 from chromanoise.imaging.shared_rows import Kind, SharedRows, shared_rows
 from chromanoise.scene.rows import RowSource
@@ -76,11 +76,9 @@ class Work:
 
     def __post_init__(self) -> None:
         if self.threads is not None and not 1 <= self.threads <= _MOST_THREADS:
-            raise _check.InputError(f"threads must be 1 to {_MOST_THREADS}, but is {self.threads}")
+            raise InputError(f"threads must be 1 to {_MOST_THREADS}, but is {self.threads}")
         if self.tile_rows is not None and self.tile_rows < 1:
-            raise _check.InputError(
-                f"a tile must have at least 1 row, but {self.tile_rows} are asked for"
-            )
+            raise InputError(f"a tile must have at least 1 row, but {self.tile_rows} are asked for")
 
 
 def row_blocks(source: RowSource, work: Work) -> list[Block]:
@@ -145,9 +143,7 @@ def made(
     from numba import config
 
     if config.DISABLE_JIT:
-        raise _check.InputError(
-            "NUMBA_DISABLE_JIT is set, but pictures need compiled kernels; unset it"
-        )
+        raise InputError("NUMBA_DISABLE_JIT is set, but pictures need compiled kernels; unset it")
     if work.executor is None:
         outputs = tuple(new_rows(shape, dtype) for shape, dtype in kinds)
         return outputs, filled(fill, plan, blocks, outputs, work)

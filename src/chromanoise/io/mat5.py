@@ -16,8 +16,8 @@ from typing import BinaryIO
 import numpy as np
 from jaxtyping import Shaped
 
-from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise.errors import InputError
 
 _START_BYTES = 128
 _OPENING_BYTES = 8192  # enough for every part before the numbers
@@ -144,8 +144,8 @@ def _rows_of_text(path: Path, body: bytes, order: str) -> tuple[str, ...]:
     return tuple(letters[row::rows].rstrip() for row in range(min(rows, _MOST_WORDS)))
 
 
-def _damage(path: Path, what: str) -> _check.InputError:
-    return _check.InputError(f"{path}: damaged or cut short: {what}; save it again")
+def _damage(path: Path, what: str) -> InputError:
+    return InputError(f"{path}: damaged or cut short: {what}; save it again")
 
 
 def _variables(path: Path) -> Iterator[tuple[_Element, _Opening]]:
@@ -170,7 +170,7 @@ def _byte_order(path: Path, start: bytes) -> str:
     order = {b"IM": "<", b"MI": ">"}.get(start[126:128], "")
     version = struct.unpack(order + "H", start[124:126])[0] if order else 0
     if version != 0x100:
-        raise _check.InputError(
+        raise InputError(
             f"{path}: not a MATLAB file of version 5; save it with -v7, or convert it to .npz"
         )
     return order
@@ -245,7 +245,7 @@ def _body(
     inflater = zlib.decompressobj()
     _, size = _without_tag(path, inflater.decompress(raw, 8), element.order)
     if largest_bytes is not None and size > largest_bytes:
-        raise _check.InputError(
+        raise InputError(
             f"{path}: an array of {size / 2**20:.0f} MiB is too large for a table of spectra"
         )
     if needed_bytes is not None and not 0 <= size - needed_bytes < 8:

@@ -18,6 +18,7 @@ from chromanoise import __version__, _check
 from chromanoise._check import Array
 from chromanoise._linalg import inv, matrix_rank
 from chromanoise.color import ColorMatrix
+from chromanoise.errors import InputError
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -134,7 +135,7 @@ def matrix_profile_json(made: MadeMatrix) -> str:
     to_xyz, neutral = balanced(made), made.white_e / made.white_e.max()
     what = f"{made.matrix.made_by} matrix of {made.sensor}"
     if matrix_rank(what, to_xyz) < 3:
-        raise _check.InputError(
+        raise InputError(
             f"the {what} has no inverse, which a camera profile asks for; export it as CSV or JSON"
         )
     told: dict[str, Any] = {
@@ -161,7 +162,7 @@ def _facts(made: MadeMatrix) -> dict[str, Any]:
 
 def _refuse_not_three(made: MadeMatrix, what: str) -> None:
     if len(made.matrix.channels) != 3:
-        raise _check.InputError(
+        raise InputError(
             f"{what} holds a 3 x 3 matrix, but {made.sensor} has {len(made.matrix.channels)} "
             f"channels ({', '.join(made.matrix.channels)}); export it as CSV or JSON"
         )

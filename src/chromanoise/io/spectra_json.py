@@ -5,7 +5,7 @@ from dataclasses import asdict, fields
 from typing import Any, cast, get_args
 
 from chromanoise import __version__, _check
-from chromanoise._check import InputError
+from chromanoise.errors import InputError
 from chromanoise.io.spectra.own_json import (
     SCHEMA_VERSION,
     SPECTRA_SCHEMA,

@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 
 from chromanoise import _check
-from chromanoise._check import InputError
+from chromanoise.errors import InputError
 
 Entry = float | int | str | bool | None
 """One cell; ``None`` where a quantity is not defined."""

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from chromanoise import __version__
-from chromanoise._check import InputError
+from chromanoise.errors import InputError
 from chromanoise.io.spectra.own_json import SCHEMA_VERSION, held_json, named
 from chromanoise.io.table import (
     Column,

@@ -16,6 +16,7 @@ from jaxtyping import Float
 from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._linalg import RANK_TOLERANCE, eigh, pinv, svd, unit_columns
+from chromanoise.errors import InputError
 
 NEGATIVE_TOLERANCE = 1e-9
 """Eigenvalues of a covariance below minus this share of the largest are no rounding."""
@@ -211,7 +212,7 @@ def figure_of_merit(
     root = _root("weight", weight, eye.shape[1])
     total = float(((wanted @ root) ** 2).sum())
     if not total > 0:
-        raise _check.InputError(
+        raise InputError(
             "tr(W A^T K A) must be > 0, but is 0: the wanted color has no weight or sees none of "
             "the light; give a weight and a light moment that reach it"
         )
@@ -266,7 +267,7 @@ def _spanning(filters: Array, eye: Array) -> tuple[Array, Array]:
         values = _check.finite(f"{name} curves", "1", columns)
         silent = np.flatnonzero(~values.any(axis=0))
         if silent.size:
-            raise _check.InputError(
+            raise InputError(
                 f"{name} {int(silent[0])} (from 0) is zero at every wavelength, so it spans "
                 "nothing; leave it out"
             )
@@ -300,17 +301,17 @@ def _root(name: str, values: Array, size: int) -> Array:
     """The symmetric square root of a symmetric matrix >= 0."""
     matrix = _check.finite(name, "1", values)
     if matrix.shape != (size, size):
-        raise _check.InputError(f"{name} must be {(size, size)}, got {matrix.shape}")
+        raise InputError(f"{name} must be {(size, size)}, got {matrix.shape}")
     scale = float(np.abs(matrix).max())
     off = float(np.abs(matrix - matrix.T).max())
     if off > NEGATIVE_TOLERANCE * scale:
-        raise _check.InputError(
+        raise InputError(
             f"{name} must be symmetric, but two mirrored entries differ by {off:g}; give "
             "(S + S^T) / 2"
         )
     eigenvalue, vector = eigh(name, 0.5 * (matrix + matrix.T))
     if eigenvalue[0] < -NEGATIVE_TOLERANCE * scale:
-        raise _check.InputError(
+        raise InputError(
             f"{name} must have no negative eigenvalue, but one is {eigenvalue[0]:g}; no "
             "covariance has"
         )

@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 from functools import cache
 from itertools import permutations
 
-from chromanoise import _check
+from chromanoise.errors import InputError
 
 Switches = frozenset[str]
 
@@ -45,7 +45,7 @@ def shapley_values(
     """
     orders = _orders(tuple(players), tuple(precedence))
     if not orders:
-        raise _check.InputError(f"no order of {', '.join(players)} obeys the precedence")
+        raise InputError(f"no order of {', '.join(players)} obeys the precedence")
     worth = cache(value)  # orders share most of their sets
     shares = dict.fromkeys(players, 0.0)
     for order in orders:

@@ -9,6 +9,7 @@ from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._colour import colour_science
 from chromanoise._linalg import lstsq
+from chromanoise.errors import InputError
 from chromanoise.sensor import Sensor
 from chromanoise.spectra import cie_1931
 from chromanoise.spectra.metric import photons_per_unit
@@ -113,7 +114,7 @@ def sensor_metamerism(sensor: Sensor) -> Metamerism:
     at = sensor.grid.wavelength_nm
     inside = (at >= chart[0].wavelengths[0]) & (at <= chart[0].wavelengths[-1])
     if not inside.any():
-        raise _check.InputError(
+        raise InputError(
             f"the grid {sensor.grid} of {sensor.name} must meet 380-780 nm, where the patches of "
             "ISO 17321-1 are defined; give curves that reach into the visible"
         )
@@ -136,7 +137,7 @@ def _white_balanced(name: str, axes: Array, illuminant: Array, reflectance: Arra
     )
     white = lamp @ curves
     if not (white > 0).all():
-        raise _check.InputError(
+        raise InputError(
             f"{name} must answer > 0 to white, but column {int(white.argmin())} (from 0) gives "
             f"{white.min():g}; leave that channel out"
         )

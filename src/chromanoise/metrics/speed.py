@@ -9,6 +9,7 @@ from jaxtyping import Float
 from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise.color import ColorMatrix
+from chromanoise.errors import InputError
 from chromanoise.exposure import Exposure, expected_electrons
 from chromanoise.noise import saturated
 from chromanoise.scene import flat_field
@@ -41,7 +42,7 @@ class NoiseSpeedModel:
     def __post_init__(self) -> None:
         weights = _check.non_negative("luminance_weights", "1", self.luminance_weights)
         if abs(weights.sum() - 1.0) > 1e-3:
-            raise _check.InputError(
+            raise InputError(
                 f"luminance_weights must add up to 1, but give {weights.sum():g}; divide by that"
             )
         _check.not_negative("red_weight", "1", self.red_weight)
@@ -211,7 +212,7 @@ def illuminance_for_snr_adapted(
     """
     per_lux = _gray_electrons_per_lux(sensor, illuminant, exposure, reflectance)
     if steps_per_decade < 1:
-        raise _check.InputError(f"steps_per_decade must be at least 1, but is {steps_per_decade}")
+        raise InputError(f"steps_per_decade must be at least 1, but is {steps_per_decade}")
 
     def enough(lux: float) -> bool:
         return _level_of_row(per_lux, sensor, matrix_at(lux), coordinate, snr) <= lux
@@ -264,7 +265,7 @@ def noise_speed(
     _check.same_length("channels", sensor=per_lxs.size, rgb_matrix=rgb_matrix.shape[1])
     gray = _check.finite("rgb_matrix", "1/e-", rgb_matrix) @ per_lxs
     if not (gray > 0).all():
-        raise _check.InputError(
+        raise InputError(
             f"rgb_matrix must give gray a value > 0 in R, G and B, but {'RGB'[int(gray.argmin())]} "
             f"is {gray.min():g}; check the order of rows and channels ({', '.join(sensor.names)})"
         )

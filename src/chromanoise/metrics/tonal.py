@@ -6,6 +6,7 @@ from jaxtyping import Float
 from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._linalg import cholesky, eigh, solve, svd
+from chromanoise.errors import InputError
 
 
 def tonal_levels(
@@ -64,7 +65,7 @@ def tonal_range_bits(
     """
     levels = tonal_levels(top_e, read_noise_e=read_noise_e, step_e=step_e)
     if not (levels > 0).all():
-        raise _check.InputError(
+        raise InputError(
             "top_e must be > 0 [e-] to have a tonal range, but is 0 somewhere; leave that "
             "channel out"
         )
@@ -150,7 +151,7 @@ def information_bits(
     _check.same_length("channels", basis=f.shape[1], noise_covariance=noise.shape[-1])
     value, vector = eigh("light_covariance", 0.5 * (prior + prior.T))
     if value[0] < -1e-9 * np.abs(value).max():
-        raise _check.InputError(
+        raise InputError(
             f"light_covariance must have no negative eigenvalue, but one is {value[0]:g}; no "
             "covariance has"
         )
@@ -164,8 +165,8 @@ def information_bits(
 def _lower(noise: Array) -> Array:
     try:
         return cholesky("noise_covariance", 0.5 * (noise + np.swapaxes(noise, -1, -2)))
-    except _check.InputError:
-        raise _check.InputError(
+    except InputError:
+        raise InputError(
             "noise_covariance must be positive definite [e-^2], but has an eigenvalue <= 0: a mix "
             "of channels without noise would tell infinitely much; add read noise"
         ) from None

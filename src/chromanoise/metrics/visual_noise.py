@@ -13,6 +13,7 @@ from jaxtyping import Float
 from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._linalg import inv, matrix_rank
+from chromanoise.errors import InputError
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -47,7 +48,7 @@ class VisualNoiseModel:
             _check.positive(f"K of {name} of {self.edition}", "1", getattr(self, name)[-1])
         matrix = _check.finite("opponent_from_xyz", "1", self.opponent_from_xyz)
         if matrix.shape != (3, 3) or matrix_rank("opponent_from_xyz", matrix) < 3:
-            raise _check.InputError(
+            raise InputError(
                 f"opponent_from_xyz of {self.edition} must be an invertible 3 x 3 matrix, got "
                 f"{matrix.shape} of rank {matrix_rank('opponent_from_xyz', matrix)}"
             )

@@ -12,8 +12,8 @@ from collections.abc import Callable, Iterator
 import numpy as np
 from jaxtyping import Float, Int
 
-from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise.errors import InputError
 
 _LOG_TAIL = -math.log(1e-18)  # each tail that is left out holds less than 1e-18
 _MOST_E = 1e10  # beyond it one sum takes more than two million counts
@@ -84,9 +84,9 @@ def over_counts(
            [3.]])
     """
     if mean_e.size == 0:
-        raise _check.InputError(f"mean_e holds no channel to sum over, its shape is {mean_e.shape}")
+        raise InputError(f"mean_e holds no channel to sum over, its shape is {mean_e.shape}")
     if mean_e.max() > _MOST_E:
-        raise _check.InputError(
+        raise InputError(
             f"mean_e must be at most {_MOST_E:g} [e-] for an exact sum over electrons, but "
             f"reaches {mean_e.max():g}; take wider bounds and no step, or less light"
         )

@@ -7,6 +7,7 @@ from jaxtyping import Float
 
 from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise.errors import InputError
 from chromanoise.noise.counts import count_window, over_counts
 from chromanoise.noise.gaussian import FARTHEST, coded_moments, held_moments
 from chromanoise.noise.measurement import Measurement
@@ -40,7 +41,7 @@ class Readout:
 
     def __post_init__(self) -> None:
         if not self.black_e < self.full_well_e:
-            raise _check.InputError(
+            raise InputError(
                 f"black_e must lie below full_well_e [e-], but {self.black_e:g} does not lie "
                 f"below {self.full_well_e:g}"
             )

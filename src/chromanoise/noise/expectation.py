@@ -9,6 +9,7 @@ from jaxtyping import Float
 
 from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise.errors import InputError
 from chromanoise.noise.counts import over_counts
 from chromanoise.noise.gaussian import FARTHEST
 
@@ -120,12 +121,12 @@ def _smoothed(
 def _values(function: Function, electrons: Float[Array, " m"]) -> Float[Array, " m"]:
     value = np.asarray(function(electrons), dtype=np.float64)
     if value.shape != electrons.shape:
-        raise _check.InputError(
+        raise InputError(
             f"the function must give one number per value, {electrons.shape}, got {value.shape}"
         )
     bad = np.flatnonzero(~np.isfinite(value))
     if bad.size:
-        raise _check.InputError(
+        raise InputError(
             f"the function must be finite, but at {electrons[bad[0]]:g} e- it is "
             f"{value[bad[0]]:g}; extend it to every value that the noise can reach"
         )

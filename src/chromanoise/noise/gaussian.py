@@ -6,8 +6,8 @@ from collections.abc import Callable
 import numpy as np
 from jaxtyping import Float
 
-from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise.errors import InputError
 
 FARTHEST = 9.1
 """Standard deviations beyond which a Gaussian holds less than 1e-18 on one side."""
@@ -122,7 +122,7 @@ def coded_moments(
     """
     reach = FARTHEST * read_noise_e / step_e
     if 2 * reach > _MOST_CODES:
-        raise _check.InputError(
+        raise InputError(
             f"step_e must be at least {2 * FARTHEST / _MOST_CODES:.2g} of the read noise of "
             f"{read_noise_e:g} [e-], but is {step_e:g}; take 0 for no rounding"
         )

@@ -8,6 +8,7 @@ from jaxtyping import Float
 from chromanoise import _check, _notebook
 from chromanoise._check import Array
 from chromanoise._linalg import congruence
+from chromanoise.errors import InputError
 from chromanoise.spectra import Metric
 
 
@@ -42,7 +43,7 @@ class Measurement:
         mean = _check.finite(f"{self.kind} mean", self.unit, self.mean)
         covariance = _check.finite(f"{self.kind} covariance", f"{self.unit}^2", self.covariance)
         if covariance.shape != (*mean.shape, mean.shape[-1]):
-            raise _check.InputError(
+            raise InputError(
                 f"{self.kind} covariance must be {(*mean.shape, mean.shape[-1])} to go with a mean "
                 f"of {mean.shape}, got {covariance.shape}"
             )

@@ -9,6 +9,7 @@ from jaxtyping import Float
 
 from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise.errors import InputError
 from chromanoise.noise.sampling import clipped_at_well, sample_electrons
 from chromanoise.rng import stream
 from chromanoise.sensor import Pixel
@@ -92,7 +93,7 @@ def monte_carlo(
     mean_e = _check.non_negative("mean_e", "e-", mean_e)
     _check.same_length("channels", mean_e=mean_e.size, matrix=matrix.shape[1])
     if not 2 <= draws <= MOST_DRAWS:
-        raise _check.InputError(
+        raise InputError(
             f"draws must be 2 (needed for a standard deviation) to {MOST_DRAWS:g}, but is {draws}"
         )
     expected = matrix @ mean_e

@@ -5,6 +5,7 @@ from jaxtyping import Bool, Float
 
 from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise.errors import InputError
 from chromanoise.sensor import Pixel
 
 _MOST_E = 1e15  # beyond it electrons are no longer told apart in double precision
@@ -31,7 +32,7 @@ def sample_electrons(
     """
     mean_e = _check.non_negative("mean_e", "e-", mean_e)
     if mean_e.size and mean_e.max() > _MOST_E:
-        raise _check.InputError(
+        raise InputError(
             f"mean_e must be at most {_MOST_E:g} [e-] to be counted, but reaches {mean_e.max():g}; "
             "take less light or a shorter time"
         )

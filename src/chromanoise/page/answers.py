@@ -6,8 +6,8 @@ import time
 from collections.abc import Hashable, Mapping, Sequence
 from typing import Any
 
-from chromanoise._check import InputError
 from chromanoise.charts import PARTS, Look, Shown, drawing, shown
+from chromanoise.errors import InputError
 from chromanoise.exposure import Situation
 from chromanoise.page.asked import QuestionError, field, malformed
 from chromanoise.page.remembered import Remembered

@@ -4,13 +4,13 @@ from functools import lru_cache
 from typing import Any
 
 from chromanoise import __version__
-from chromanoise._check import InputError
 from chromanoise.analysis.color_matrices import METHODS
 from chromanoise.analysis.priors import PRIORS
 from chromanoise.catalog.entries import catalog_entries, catalog_folder
 from chromanoise.catalog.resolve import illuminant_of_word, sensor_of_word
 from chromanoise.charts import PARTS
 from chromanoise.color import SPACES
+from chromanoise.errors import InputError
 from chromanoise.exposure import EQUAL_TERMS
 from chromanoise.page.equations import EQUATIONS
 from chromanoise.scene import BUILTIN_CUBES

@@ -7,9 +7,9 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
-from chromanoise._check import InputError
 from chromanoise.analysis.color_matrices import matrix_makers
 from chromanoise.catalog.resolve import file_of
+from chromanoise.errors import InputError
 from chromanoise.exposure import Situation
 from chromanoise.imaging import Work, rendered
 from chromanoise.imaging.writers import picture_summary, png_bytes

@@ -2,8 +2,8 @@
 
 from typing import Any
 
-from chromanoise._check import InputError
 from chromanoise.catalog import own_sensor_of
+from chromanoise.errors import InputError
 from chromanoise.io.spectra import Understood, read_curves
 from chromanoise.io.spectra.defects import defects_of_a_light
 from chromanoise.page.asked import QuestionError

@@ -7,10 +7,10 @@ from functools import partial
 from pathlib import Path
 from typing import Any, TypeVar
 
-from chromanoise._check import InputError
 from chromanoise._inputs import regular_file
 from chromanoise.analysis.color_matrices import matrix_makers
 from chromanoise.catalog.resolve import file_of, is_file_word
+from chromanoise.errors import InputError
 from chromanoise.exposure import Situation
 from chromanoise.page.asked import MOST_ENTRIES, QuestionError, refuse_long_lists
 from chromanoise.page.remembered import Remembered

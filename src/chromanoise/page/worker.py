@@ -16,7 +16,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any, BinaryIO, NoReturn
 
-from chromanoise._check import InputError
+from chromanoise.errors import InputError
 from chromanoise.page.asked import QuestionError
 from chromanoise.page.desk import Desk
 from chromanoise.page.processes import FAILED, NO_MEMORY

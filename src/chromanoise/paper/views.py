@@ -10,9 +10,10 @@ from itertools import combinations
 import numpy as np
 from jaxtyping import Float
 
-from chromanoise._check import Array, InputError, one_of
+from chromanoise._check import Array, one_of
 from chromanoise._linalg import eigvalsh
 from chromanoise.analysis.stages import Analysis, analyzed, color_snr_db
+from chromanoise.errors import InputError
 from chromanoise.geometry import PlaneView, ellipse_outline, plane_view
 from chromanoise.noise import Measurement, sample_electrons, through
 from chromanoise.rng import stream

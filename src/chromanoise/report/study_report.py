@@ -9,9 +9,9 @@ import jinja2
 import numpy as np
 
 from chromanoise import __version__
-from chromanoise._check import InputError
 from chromanoise._linalg import lstsq
 from chromanoise.charts import PARTS, Shown, drawing
+from chromanoise.errors import InputError
 from chromanoise.imaging import png_bytes
 from chromanoise.report.bundle import (
     data_address,

@@ -7,6 +7,7 @@ from jaxtyping import Float, Shaped
 
 from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise.errors import InputError
 from chromanoise.scene.rows import RowSource, row_source, with_bands
 from chromanoise.spectra import Grid
 
@@ -38,15 +39,15 @@ class Cube:
 
     def __post_init__(self) -> None:
         if np.size(self.wavelength_nm) == 1:
-            raise _check.InputError(f"{self.source} has 1 band, but a cube needs at least 2")
+            raise InputError(f"{self.source} has 1 band, but a cube needs at least 2")
         wavelength = _check.increasing(f"wavelength_nm of {self.source}", "nm", self.wavelength_nm)
         if len(self.stored.shape) != 3 or 0 in self.stored.shape:
-            raise _check.InputError(
+            raise InputError(
                 f"{self.source} must be (rows, columns, bands) and not empty, "
                 f"got {self.stored.shape}"
             )
         if self.stored.shape[2] != wavelength.size:
-            raise _check.InputError(
+            raise InputError(
                 f"{self.source} has {self.stored.shape[2]} bands but {wavelength.size} wavelengths"
             )
         _check.positive(f"scale of {self.source}", "reflectance per stored unit", self.scale)
@@ -76,7 +77,7 @@ def reflectance_rows(
     if bad.any():
         row, column, band = (int(i) for i in np.argwhere(bad)[0])
         first, last = first_row + start, first_row + stop - 1
-        raise _check.InputError(
+        raise InputError(
             f"{cube.source}: reflectance must be 0 .. {BRIGHTEST:g}, but "
             f"{int(bad.sum())} of {bad.size} values in rows {first}-{last} are not; the first "
             f"is {rho[row, column, band]:g} at row {first + row}, column {column} (from 0), "

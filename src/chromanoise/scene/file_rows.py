@@ -15,8 +15,8 @@ from typing import BinaryIO
 import numpy as np
 from jaxtyping import Shaped, UInt8
 
-from chromanoise import _check
 from chromanoise._check import Array, reason
+from chromanoise.errors import InputError
 
 _MOST_UNUSED = 4  # times the bytes wanted: beyond, what is between is not kept
 
@@ -48,12 +48,12 @@ class FileRows:
     def __post_init__(self) -> None:
         size = self.stored.itemsize
         if any(stride % size for stride in self.strides) or self.stored.kind not in "fiu":
-            raise _check.InputError(
+            raise InputError(
                 f"{self.path}: {self.stored} numbers at strides of {self.strides} bytes are not "
                 "read in place; save it as ENVI or .npy"
             )
         if _span(self.shape, self.strides, size)[0] + self.offset < 0:
-            raise _check.InputError(f"{self.path}: its first number would lie before the file")
+            raise InputError(f"{self.path}: its first number would lie before the file")
 
     @property
     def dtype(self) -> np.dtype:
@@ -118,7 +118,7 @@ class PlaneRows:
         for plane in self.planes:
             alike = (plane.shape, plane.stored) == (first.shape, first.stored)
             if not alike or plane.shape[2] != 1 or plane.strides[:2] != packed:
-                raise _check.InputError(f"{plane.path}: planes must be alike and without gaps")
+                raise InputError(f"{plane.path}: planes must be alike and without gaps")
 
     @property
     def shape(self) -> tuple[int, int, int]:
@@ -160,7 +160,7 @@ class PlaneRows:
 def refuse_other_rows(source: str, shape: tuple[int, int, int], start: int, stop: int) -> None:
     """Refuse rows that are none, or beyond the picture."""
     if not 0 <= start < stop <= shape[0]:
-        raise _check.InputError(
+        raise InputError(
             f"{source}: rows must be START < STOP within 0 .. {shape[0]}, but {start} to {stop} "
             "were asked for"
         )
@@ -231,7 +231,7 @@ def _opened(path: Path) -> BinaryIO:
     try:
         return path.open("rb", buffering=0)
     except OSError as error:
-        raise _check.InputError(f"{path}: cannot be read ({reason(error)})") from None
+        raise InputError(f"{path}: cannot be read ({reason(error)})") from None
 
 
 def _read_into(file: BinaryIO, at: int, part: memoryview, path: Path) -> None:
@@ -240,13 +240,13 @@ def _read_into(file: BinaryIO, at: int, part: memoryview, path: Path) -> None:
         while part:
             count = _read_some(file, at, part)
             if not count:
-                raise _check.InputError(
+                raise InputError(
                     f"{path}: ended {len(part)} bytes too early; it was cut short while it was "
                     "being read, copy it again"
                 )
             at, part = at + count, part[count:]
     except OSError as error:
-        raise _check.InputError(f"{path}: cannot be read ({reason(error)})") from None
+        raise InputError(f"{path}: cannot be read ({reason(error)})") from None
 
 
 def _read_some(file: BinaryIO, at: int, part: memoryview) -> int:

@@ -3,6 +3,7 @@
 from dataclasses import asdict, dataclass, replace
 
 from chromanoise import _check
+from chromanoise.errors import InputError
 from chromanoise.sensor.pixel import Pixel
 
 
@@ -31,7 +32,7 @@ class Adc:
 
     def __post_init__(self) -> None:
         if not isinstance(self.bits, int) or self.bits not in range(8, 17):
-            raise _check.InputError(f"an ADC has 8 to 16 bits, but {self.bits} are asked for")
+            raise InputError(f"an ADC has 8 to 16 bits, but {self.bits} are asked for")
         _check.within("gain_e_per_dn", "e-/DN", self.gain_e_per_dn, 1e-12, 1e15)
         _check.within("black_level_dn", "DN", self.black_level_dn, 0, self.top_code - 1)
 

@@ -13,6 +13,7 @@ from jaxtyping import Float
 
 from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise.errors import InputError
 from chromanoise.spectra import Beyond, Grid, Spectra, means_on_grid
 from chromanoise.spectra.tables import catalogue_curves, catalogue_tables, packaged_table
 
@@ -51,7 +52,7 @@ def silicon_qe(
     wavelength = grid.wavelength_nm
     known = table.wavelength_nm
     if wavelength[0] < known[0] or wavelength[-1] > known[-1]:
-        raise _check.InputError(
+        raise InputError(
             f"the absorption of silicon is tabulated on {known[0]:g}-{known[-1]:g} nm, "
             f"but the grid is {grid}"
         )
@@ -94,7 +95,7 @@ def resin_filter(
         _check.fraction(f"{name} of a resin filter", "1", value)
     scale = _check.positive("edge_nm", "nm", edge_nm)
     if not low_nm < high_nm <= leak_nm:
-        raise _check.InputError(
+        raise InputError(
             f"a resin filter needs low < high <= leak [nm], but they are "
             f"{low_nm:g}, {high_nm:g}, {leak_nm:g}"
         )
@@ -178,7 +179,7 @@ def _number(text: str, name: str) -> float:
     try:
         return float(text)
     except ValueError:
-        raise _check.InputError(f"filter {name!r}: {text!r} is not a number") from None
+        raise InputError(f"filter {name!r}: {text!r} is not a number") from None
 
 
 def _rise(at: Float[Array, " n"], middle: float, scale: float) -> Float[Array, " n"]:

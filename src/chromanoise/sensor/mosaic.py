@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from chromanoise import _check
+from chromanoise.errors import InputError
 
 
 @dataclass(frozen=True, slots=True)
@@ -19,10 +20,10 @@ class Mosaic:
 
     def __post_init__(self) -> None:
         if not self.pattern or not self.pattern[0]:
-            raise _check.InputError("a mosaic needs at least one row with one channel")
+            raise InputError("a mosaic needs at least one row with one channel")
         for i, row in enumerate(self.pattern):
             if len(row) != len(self.pattern[0]):
-                raise _check.InputError(
+                raise InputError(
                     f"mosaic rows must be equally long, but row {i} has {len(row)} channels "
                     f"and row 0 has {len(self.pattern[0])}"
                 )
@@ -86,7 +87,7 @@ def mosaic_named(text: str) -> Mosaic:
     if len(rows) == 1 and len(text) > 2 and " " not in text.strip():
         _check.one_of("mosaic (or give its rows, as RG/GB)", text, MOSAIC_NAMES)
     if not all(rows):
-        raise _check.InputError(f"mosaic {text!r}: a row between slashes is empty")
+        raise InputError(f"mosaic {text!r}: a row between slashes is empty")
     spaced = any(" " in row for row in rows)
     return Mosaic(tuple(tuple(row.split() if spaced else row) for row in rows))
 

@@ -10,7 +10,8 @@ import numpy as np
 from jaxtyping import Float
 
 from chromanoise import _check
-from chromanoise._check import Array, InputError
+from chromanoise._check import Array
+from chromanoise.errors import InputError
 from chromanoise.sensor.adc import Adc
 from chromanoise.sensor.imperfections import Imperfections, dark_electrons_e
 from chromanoise.sensor.pixel_source import PixelSource

@@ -12,7 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from chromanoise._check import Array, InputError
+from chromanoise._check import Array
+from chromanoise.errors import InputError
 from chromanoise.sensor.imperfections import Imperfections
 from chromanoise.sensor.noise_profile import ROUNDING_DN2
 from chromanoise.sensor.pixel_source import PixelSource

@@ -6,7 +6,7 @@ A data sheet, a noise profile and a photon-transfer table each know a part; noth
 from dataclasses import dataclass
 
 from chromanoise import _check
-from chromanoise._check import InputError
+from chromanoise.errors import InputError
 from chromanoise.sensor.adc import Adc
 from chromanoise.sensor.imperfections import NONE, Imperfections
 from chromanoise.sensor.pixel import Pixel

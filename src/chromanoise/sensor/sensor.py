@@ -8,6 +8,7 @@ from jaxtyping import Float
 
 from chromanoise import _check, _notebook
 from chromanoise._check import Array
+from chromanoise.errors import InputError
 from chromanoise.sensor.adc import UNKNOWN_CONVERTER, Converter
 from chromanoise.sensor.imperfections import NONE, Imperfections
 from chromanoise.sensor.mosaic import Mosaic
@@ -67,7 +68,7 @@ class Sensor:
     def __post_init__(self) -> None:
         qe = _check.fraction(f"QE of sensor {self.name}", "e-/photon", self.qe)
         if qe.ndim != 2 or qe.shape[1] == 0:
-            raise _check.InputError(
+            raise InputError(
                 f"QE of sensor {self.name} must be (wavelengths, channels), got {qe.shape}"
             )
         _check.one_of("origin of curves", self.origin, get_args(Origin))
@@ -77,7 +78,7 @@ class Sensor:
         for name in self.mosaic.names if self.mosaic else ():
             _check.one_of(f"mosaic channel of {self.name}", name, names)
         if self.stacked and float(qe.sum(axis=1).max()) > 1 + 1e-9:
-            raise _check.InputError(
+            raise InputError(
                 f"the stacked channels of {self.name} give {qe.sum(axis=1).max():.3g} electrons "
                 "for a photon of one wavelength; together they can give one at most"
             )

@@ -5,8 +5,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from chromanoise import _check
-from chromanoise._check import Array, InputError
+from chromanoise._check import Array
 from chromanoise._linalg import pinv
+from chromanoise.errors import InputError
 from chromanoise.sensor.transfer_table import PhotonTransfer, nearest
 
 

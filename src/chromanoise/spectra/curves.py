@@ -8,6 +8,7 @@ from jaxtyping import Bool, Float
 
 from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise.errors import InputError
 from chromanoise.spectra.grid import Grid
 
 Beyond = Literal["refuse", "zero", "hold"]
@@ -54,7 +55,7 @@ class Spectra:
         wavelength = _check.increasing(f"wavelength_nm of {where}", "nm", self.wavelength_nm)
         values = _check.finite(where, self.unit, self.values)
         if values.ndim != 2:
-            raise _check.InputError(f"{where} must be (wavelengths, curves), got {values.shape}")
+            raise InputError(f"{where} must be (wavelengths, curves), got {values.shape}")
         _check.same_length("wavelengths", wavelength_nm=wavelength.size, values=values.shape[0])
         _check.same_length("curves", names=len(self.names), values=values.shape[1])
         object.__setattr__(self, "wavelength_nm", _check.frozen(wavelength))
@@ -101,7 +102,7 @@ def interpolation_matrix(
     known = np.asarray(wavelength_nm, dtype=np.float64)
     wanted = grid.wavelength_nm
     if known[0] > wanted[-1] or known[-1] < wanted[0]:
-        raise _check.InputError(
+        raise InputError(
             f"{what} is given on {known[0]:g}-{known[-1]:g} nm, which does not meet the grid "
             f"{grid}; are its wavelengths in nm?"
         )
@@ -109,7 +110,7 @@ def interpolation_matrix(
     notes: tuple[str, ...] = ()
     if short.any():
         if beyond == "refuse":
-            raise _check.InputError(
+            raise InputError(
                 f"{what} is given on {known[0]:g}-{known[-1]:g} nm only, but the grid {grid} asks "
                 f"for it at {wanted[short][0]:g} nm; say what follows, zero or hold (--beyond, for "
                 "an illuminant --illuminant-beyond), or take a measurement that reaches further"
@@ -210,7 +211,7 @@ def refuse_outside(
         return
     row, column = (int(i) for i in np.argwhere(bad)[0])
     demand = f"{low:g} .. {high:g}" if np.isfinite(high) else f">= {low:g}"
-    raise _check.InputError(
+    raise InputError(
         f"{spectra.source}: {spectra.quantity} must be {demand} [{spectra.unit}], but "
         f"{int(bad.sum())} of {bad.size} values are not; the first is "
         f"{spectra.values[row, column]:g} in column {spectra.names[column]} at "

@@ -7,6 +7,7 @@ from jaxtyping import Float
 
 from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise.errors import InputError
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,7 +44,7 @@ class Grid:
             )
         steps = (self.stop_nm - self.start_nm) / self.step_nm
         if steps < 1 or abs(steps - round(steps)) > 1e-9:
-            raise _check.InputError(
+            raise InputError(
                 f"Grid must go up from {self.start_nm:g} to {self.stop_nm:g} nm in whole steps, "
                 f"but a step of {self.step_nm:g} nm fits {steps:g} times"
             )

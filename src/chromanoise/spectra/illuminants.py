@@ -10,6 +10,7 @@ from jaxtyping import Float
 from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._colour import colour_science
+from chromanoise.errors import InputError
 from chromanoise.spectra.curves import (
     SMALL_NEGATIVES,
     Beyond,
@@ -150,9 +151,9 @@ def led_white(grid: Grid) -> Illuminant:
     return replace(_from_formula("led-white", power, grid), notes=(_WHITE_NOTE,))
 
 
-def narrow_diode(width_nm: float, grid: Grid) -> _check.InputError:
+def narrow_diode(width_nm: float, grid: Grid) -> InputError:
     """The complaint about a diode that the grid cannot hold."""
-    return _check.InputError(
+    return InputError(
         f"an LED {width_nm:g} nm wide falls between the {grid.step_nm:g} nm steps of the grid; "
         f"take a width of at least {2 * grid.step_nm:g} nm, or a finer grid"
     )
@@ -203,7 +204,7 @@ def illuminant_from(
         or gives no visible light.
     """
     if len(spectrum.names) != 1:
-        raise _check.InputError(
+        raise InputError(
             f"illuminant {name} must be one curve, but {spectrum.source} holds "
             f"{len(spectrum.names)}: {', '.join(spectrum.names)}"
         )
@@ -244,7 +245,7 @@ def _lux_of(power: Power, name: str) -> float:
     curve = power(observer.wavelength_nm)
     lux = LUMEN_PER_WATT * float(observer.values[:, 1] @ curve)
     if not lux > _DARKEST_LM_PER_W * max(float(curve.sum()), np.finfo(float).tiny):
-        raise _check.InputError(
+        raise InputError(
             f"illuminant {name} gives no visible light between 360 and 830 nm, "
             "so no level in lux can describe it"
         )

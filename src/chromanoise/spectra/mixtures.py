@@ -7,6 +7,7 @@ from functools import partial
 
 from chromanoise import _check
 from chromanoise._colour import colour_science
+from chromanoise.errors import InputError
 from chromanoise.spectra.curves import Beyond
 from chromanoise.spectra.grid import Grid
 from chromanoise.spectra.illuminants import (
@@ -194,7 +195,7 @@ def _diode_within(grid: Grid, peak_nm: float, width_nm: float) -> Power:
     if width < 2 * grid.step_nm:
         raise narrow_diode(width, grid)
     if peak - 2 * width < at[0] or peak + 2 * width > at[-1]:
-        raise _check.InputError(
+        raise InputError(
             f"an LED of {peak:g} nm, {width:g} nm wide, reaches out of the grid {grid}; its peak "
             f"must lie within {at[0] + 2 * width:g}-{at[-1] - 2 * width:g} nm"
         )
@@ -205,4 +206,4 @@ def _number(text: str, name: str) -> float:
     try:
         return float(text)
     except ValueError:
-        raise _check.InputError(f"illuminant {name!r}: {text!r} is not a number") from None
+        raise InputError(f"illuminant {name!r}: {text!r} is not a number") from None

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
-from chromanoise import _check
 from chromanoise._inputs import regular_file
+from chromanoise.errors import InputError
 from chromanoise.spectra.curves import Spectra
 
 _LARGEST_BYTES = 64 * 2**20
@@ -33,16 +33,14 @@ def read_spectra_csv(path: Path | str, *, quantity: str, unit: str) -> Spectra:
     try:
         size = regular_file(path).st_size
         if size > _LARGEST_BYTES:
-            raise _check.InputError(
-                f"{path}: {size / 2**20:.0f} MiB is too large for a table of spectra"
-            )
+            raise InputError(f"{path}: {size / 2**20:.0f} MiB is too large for a table of spectra")
         text = path.read_text(encoding="utf-8-sig")
     except UnicodeDecodeError as error:
-        raise _check.InputError(
+        raise InputError(
             f"{path}: not a UTF-8 text file (byte {error.start} is not text); save it as CSV UTF-8"
         ) from None
     except OSError as error:
-        raise _check.InputError(f"{path}: cannot be read ({error.strerror})") from None
+        raise InputError(f"{path}: cannot be read ({error.strerror})") from None
     return spectra_from_text(text, source=str(path), quantity=quantity, unit=unit)
 
 
@@ -58,13 +56,13 @@ def spectra_from_text(text: str, *, source: str, quantity: str, unit: str) -> Sp
     lines = [(i, line) for i, line in enumerate(text.splitlines(), 1) if line.strip()]
     lines = [(i, line) for i, line in lines if not line.lstrip().startswith("#")]
     if len(lines) < 3:
-        raise _check.InputError(
+        raise InputError(
             f"{source}: needs a header wavelength_nm,name,... and at least 2 rows, "
             f"but has {len(lines)} lines"
         )
     header = _cells(lines[0][1], lines[0][0], source)
     if header[0].lower() != "wavelength_nm" or len(header) < 2:
-        raise _check.InputError(
+        raise InputError(
             f"{source}: line {lines[0][0]} must be the header wavelength_nm,name,..., "
             f"but starts with {header[0][:60]!r}; separate cells with commas"
         )
@@ -85,13 +83,13 @@ def _cells(line: str, number: int, source: str) -> list[str]:
     try:
         return [cell.strip() for cell in next(csv.reader(io.StringIO(line), strict=True))]
     except csv.Error as error:
-        raise _check.InputError(f"{source}: line {number} is no row of a CSV ({error})") from None
+        raise InputError(f"{source}: line {number} is no row of a CSV ({error})") from None
 
 
 def _numbers(line: str, number: int, header: list[str], source: str) -> list[float]:
     cells = _cells(line, number, source)
     if len(cells) != len(header):
-        raise _check.InputError(
+        raise InputError(
             f"{source}: line {number} has {len(cells)} cells, but the header names {len(header)}; "
             "give each row one cell per column, with a decimal point"
         )
@@ -102,7 +100,7 @@ def _numbers(line: str, number: int, header: list[str], source: str) -> list[flo
         except ValueError:
             value = math.nan
         if not math.isfinite(value):
-            raise _check.InputError(
+            raise InputError(
                 f"{source}: line {number}, column {name}: {cell[:40]!r} is not a finite number; "
                 "mend it or leave the row out"
             )
@@ -113,7 +111,7 @@ def _numbers(line: str, number: int, header: list[str], source: str) -> list[flo
 def _refuse_unsorted(wavelengths: list[float], numbers: list[int], source: str) -> None:
     for i in range(1, len(wavelengths)):
         if wavelengths[i] <= wavelengths[i - 1]:
-            raise _check.InputError(
+            raise InputError(
                 f"{source}: line {numbers[i]}: wavelength_nm must increase, but "
                 f"{wavelengths[i]:g} nm follows {wavelengths[i - 1]:g} nm; "
                 "sort the rows and drop repeated ones"

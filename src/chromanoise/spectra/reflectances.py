@@ -6,6 +6,7 @@ from functools import cache
 import numpy as np
 
 from chromanoise import _check
+from chromanoise.errors import InputError
 from chromanoise.spectra.curves import Beyond, Spectra, on_grid
 from chromanoise.spectra.grid import Grid
 from chromanoise.spectra.tables import catalogue_curves, catalogue_tables, packaged_table
@@ -61,7 +62,7 @@ def _gray(name: str, percent: str, grid: Grid) -> Spectra:
     try:
         share = float(percent) / 100
     except ValueError:
-        raise _check.InputError(f"reflectance {name!r}: {percent!r} is not a number") from None
+        raise InputError(f"reflectance {name!r}: {percent!r} is not a number") from None
     _check.within(f"percent of {name}", "%", 100 * share, 0.0, 100.0)
     return Spectra(
         wavelength_nm=grid.wavelength_nm,

@@ -5,10 +5,11 @@ from dataclasses import replace
 from functools import partial
 from typing import Any
 
-from chromanoise._check import InputError, within
+from chromanoise._check import within
 from chromanoise.analysis.color_matrices import METHODS, matrix_makers
 from chromanoise.catalog.pixel_files import sensor_with_pixel
 from chromanoise.catalog.resolve import behind_filter_of_word, file_of, illuminant_of_word
+from chromanoise.errors import InputError
 from chromanoise.exposure import EQUAL_TERMS, Exposure, Situation
 from chromanoise.io.cubes import read_cube
 from chromanoise.io.spectra import Answers

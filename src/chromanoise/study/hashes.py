@@ -8,10 +8,10 @@ from pathlib import Path
 from typing import Any, Literal
 
 from chromanoise import __version__
-from chromanoise._check import InputError
 from chromanoise._inputs import regular_file
 from chromanoise.catalog.entries import catalog_folder
 from chromanoise.catalog.resolve import file_of, filter_files, illuminant_files, sensor_files
+from chromanoise.errors import InputError
 from chromanoise.io.spectra.envi import DATA_SUFFIXES, envi_pair
 from chromanoise.study.document import Study
 

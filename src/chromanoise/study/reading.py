@@ -10,7 +10,6 @@ from typing import Any
 
 from pydantic import BaseModel, ValidationError
 
-from chromanoise._check import InputError
 from chromanoise._inputs import regular_file
 from chromanoise.analysis.color_matrices import METHODS
 from chromanoise.analysis.comparison.quantities import QUANTITIES
@@ -18,6 +17,7 @@ from chromanoise.analysis.comparison.sweeps import SWEEPS
 from chromanoise.analysis.priors import PRIORS
 from chromanoise.catalog.resolve import file_of, word_beside
 from chromanoise.color import SPACES
+from chromanoise.errors import InputError
 from chromanoise.imaging import DEMOSAICING
 from chromanoise.imaging.shots import FORMATS
 from chromanoise.spectra import METRICS

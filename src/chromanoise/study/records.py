@@ -10,9 +10,9 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from chromanoise._check import InputError
 from chromanoise._files import claimed_folder, refuse_unwritable
 from chromanoise._inputs import regular_file
+from chromanoise.errors import InputError
 from chromanoise.imaging import Work
 from chromanoise.io.spectra.own_json import named
 from chromanoise.study.document import Study

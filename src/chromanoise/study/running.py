@@ -6,7 +6,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from chromanoise._check import InputError, distinct
+from chromanoise._check import distinct
 from chromanoise.analysis.color_matrices import MatrixMaker, matrix_makers
 from chromanoise.analysis.comparison.bands import bands_as_json, crossover_bands
 from chromanoise.analysis.comparison.crossing import crossovers
@@ -15,6 +15,7 @@ from chromanoise.analysis.comparison.quantities import QUANTITIES
 from chromanoise.analysis.comparison.sweeps import SWEEPS, swept_values
 from chromanoise.analysis.export import comparison_as_json
 from chromanoise.analysis.pareto import matrix_as_json, noise_weights, pareto_of
+from chromanoise.errors import InputError
 from chromanoise.exposure import Situation
 from chromanoise.imaging import Work
 from chromanoise.metrics import matrix_report

@@ -58,7 +58,7 @@ def crossover_bands(
     contestants, at, sweep, quantity
         As `chromanoise.analysis.compared`.
     names, metric
-        As `chromanoise.analysis.matrix_makers`; untrained ones are passed over, as they have no prior.
+        As `chromanoise.analysis.matrix_makers`; untrained ones have no prior and are passed over.
     priors
         Of `PRIORS`.
 

@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
-from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise.analysis.color_matrices import MatrixMaker
 from chromanoise.analysis.comparison.curves import Curve
 from chromanoise.analysis.comparison.quantities import Quantity, color_error
 from chromanoise.analysis.comparison.sweeps import Sweep
 from chromanoise.analysis.defined import defined
+from chromanoise.errors import InputError
 from chromanoise.exposure import Situation
 
 _TIE = 1e-9  # of the unit of a quantity: rounding
@@ -122,7 +122,7 @@ def _pairs(
 def _crossover_or_reason(maker: MatrixMaker, one: _Side, other: _Side) -> Crossover | Incomparable:
     try:
         return _crossover(maker, one, other)
-    except _check.InputError as error:
+    except InputError as error:
         first, second = one[1], other[1]
         return Incomparable(
             first=first.sensor, second=second.sensor, matrix=first.matrix, why=str(error)
@@ -182,7 +182,7 @@ def _first_leader(lead: Float[Array, " k"], first: str, second: str) -> str | No
 
 
 def _refuse_nothing_common(first: Curve, second: Curve) -> None:
-    raise _check.InputError(
+    raise InputError(
         f"{first.sensor} and {second.sensor} have no {first.sweep.what} of the sweep at which both "
         f"have a {first.quantity.what} with the {first.matrix} matrix: they are saturated (shorten "
         "the time, sweep less light) or the matrix cannot make that color of this light"

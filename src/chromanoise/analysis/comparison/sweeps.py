@@ -11,6 +11,7 @@ from jaxtyping import Float
 
 from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise.errors import InputError
 from chromanoise.exposure import Situation
 from chromanoise.sensor import behind_ir_cut
 from chromanoise.spectra import black_body, with_infrared
@@ -159,10 +160,10 @@ def swept_values(sweep: Sweep, first: float, last: float, points: int) -> Float[
     for value in (first, last):
         _check.within(f"sweep of {sweep.name}", sweep.unit, value, sweep.lowest, sweep.highest)
     if not last > first:
-        raise _check.InputError(
+        raise InputError(
             f"a sweep must rise, but {sweep.name} goes from {first:g} to {last:g} {sweep.unit}"
         )
     if not 2 <= points <= 100_000:
-        raise _check.InputError(f"a sweep takes 2 to 100000 points, but {points} are asked for")
+        raise InputError(f"a sweep takes 2 to 100000 points, but {points} are asked for")
     space = np.geomspace if sweep.logarithmic else np.linspace
     return np.asarray(space(first, last, points))

@@ -8,9 +8,10 @@ import numpy as np
 from jaxtyping import Float
 
 from chromanoise import _check
-from chromanoise._check import Array, InputError
+from chromanoise._check import Array
 from chromanoise.analysis.stages import Analysis
 from chromanoise.color import scene_xyz
+from chromanoise.errors import InputError
 from chromanoise.exposure import Situation, expected_electrons, white_scene
 from chromanoise.metrics.snr import LEAST_COLOR
 from chromanoise.noise import saturated

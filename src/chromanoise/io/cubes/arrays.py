@@ -8,8 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-from chromanoise import _check
 from chromanoise._check import Array, printable
+from chromanoise.errors import InputError
 from chromanoise.io.cubes.bounds import kind_of, refuse_impossible
 from chromanoise.io.cubes.faults import reading
 from chromanoise.io.cubes.found import Found, Notes, by
@@ -77,7 +77,7 @@ def _chosen(path: Path, key: str | None, arrays: _Arrays) -> str:
         return name
     listed = list(arrays.items())[:_MOST_LISTED]
     told = ", ".join(f"{printable(n)} {by(s)} {kind_of(t)}" for n, (s, t) in listed)
-    raise _check.InputError(
+    raise InputError(
         f"{path}: has no array {name!r}; it holds {told or 'no arrays'}"
         + ("; name the cube with --key" if arrays else "")
     )
@@ -89,7 +89,7 @@ def _loaded(path: Path, name: str, arrays: _Arrays, form: _Format) -> Array:
     with reading(path, form.kind):
         array = form.array(path, name)
     if array.shape != shape:
-        raise _check.InputError(
+        raise InputError(
             f"{path}: array {name!r} says that it is {by(shape)}, but is {by(array.shape)}; "
             "it is damaged, save it again"
         )

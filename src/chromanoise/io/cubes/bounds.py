@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from chromanoise import _check
+from chromanoise.errors import InputError
 from chromanoise.io.cubes.faults import IN_PLACE
 from chromanoise.io.cubes.found import by
 
@@ -46,9 +46,9 @@ def refuse_impossible(
     count = math.prod(shape)
     size = path.stat().st_size if size is None else size
     if min(shape, default=1) < 1:
-        raise _check.InputError(f"{path}: array {name!r} is empty ({by(shape)}); save it again")
+        raise InputError(f"{path}: array {name!r} is empty ({by(shape)}); save it again")
     if count * (stored_item_bytes or dtype.itemsize) > size * MOST_INFLATED:
-        raise _check.InputError(
+        raise InputError(
             f"{path}: array {name!r} is declared as {by(shape)}, which {size} bytes in the file "
             "cannot hold; the file is damaged, save it again"
         )
@@ -58,7 +58,7 @@ def refuse_impossible(
 def refuse_large(path: Path, name: str, size: int) -> None:
     """Refuse an array that needs more memory than is available."""
     if size > memory_bytes():
-        raise _check.InputError(
+        raise InputError(
             f"{path}: array {name!r} needs {_bytes(size)} of memory, but only "
             f"{_bytes(memory_bytes())} are available; {IN_PLACE}"
         )
@@ -67,7 +67,7 @@ def refuse_large(path: Path, name: str, size: int) -> None:
 def refuse_not_numbers(path: Path, name: str, dtype: np.dtype) -> None:
     """Refuse words, objects, complex numbers and truth values."""
     if dtype.kind not in "fiu":
-        raise _check.InputError(
+        raise InputError(
             f"{path}: array {name!r} is of type {kind_of(dtype)}, not real numbers; save it as a "
             "plain array of real numbers, or name another with --key"
         )

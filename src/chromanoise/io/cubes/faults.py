@@ -9,8 +9,8 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
-from chromanoise import _check
 from chromanoise._check import reason
+from chromanoise.errors import InputError
 
 IN_PLACE = "store it as ENVI or .npy, which are read in place"
 _SIGNATURES = {
@@ -58,7 +58,7 @@ def library(name: str, what: str, *, extra: str = "cubes") -> Any:
     try:
         return importlib.import_module(name)
     except ImportError:
-        raise _check.InputError(
+        raise InputError(
             f"{what}: needs the package {name}, which is not installed; "
             f"pip install 'chromanoise[{extra}]'"
         ) from None
@@ -77,12 +77,10 @@ def reading_rows(path: Path, kind: str) -> Iterator[None]:
     """The same where several threads read at once: warnings, which they share, stay as they are."""
     try:
         yield
-    except _check.InputError:
+    except InputError:
         raise
     except MemoryError:
-        raise _check.InputError(
-            f"{path}: too large for this machine's memory; {IN_PLACE}"
-        ) from None
+        raise InputError(f"{path}: too large for this machine's memory; {IN_PLACE}") from None
     except Exception as error:  # parsers throw anything
         raise _unreadable(path, kind, error) from None
 
@@ -109,15 +107,15 @@ def without_chatter() -> Iterator[None]:
             os.close(kept)
 
 
-def _unreadable(path: Path, kind: str, error: Exception) -> _check.InputError:
+def _unreadable(path: Path, kind: str, error: Exception) -> InputError:
     other = _content_of(path)
     if other and other not in _OWN.get(kind, ()):
-        return _check.InputError(
+        return InputError(
             f"{path}: is {other}, not a {kind} file; correct the ending of its name, or name "
             "another file"
         )
     told = reason(error)
-    return _check.InputError(
+    return InputError(
         f"{path}: not a readable {kind} file{f' ({told})' if told else ''}; it is damaged or "
         "truncated, save it again"
     )

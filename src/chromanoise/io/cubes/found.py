@@ -6,8 +6,8 @@ from pathlib import Path
 
 from jaxtyping import Shaped
 
-from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise.errors import InputError
 from chromanoise.scene.rows import RowSource
 
 Notes = tuple[str, ...]
@@ -40,7 +40,7 @@ def refuse_other_shape(
 ) -> None:
     """Refuse a --shape that contradicts the picture in the file."""
     if shape is not None and tuple(shape) != pixels.shape[:2]:
-        raise _check.InputError(
+        raise InputError(
             f"{path}: the file holds {by(pixels.shape[:2])} pixels, but --shape says "
             f"{by(shape)}; leave --shape away"
         )

@@ -18,8 +18,8 @@ from typing import Any
 import numpy as np
 from jaxtyping import Int64, Shaped, UInt8
 
-from chromanoise import _check
 from chromanoise._check import Array, printable
+from chromanoise.errors import InputError
 from chromanoise.io.cubes import hdf5_child
 from chromanoise.io.cubes.faults import IN_PLACE, library, reading, reading_rows
 from chromanoise.io.cubes.hdf5_chunks import ChunkRows
@@ -86,7 +86,7 @@ class Hdf5Rows:
         with reading_rows(self.path, "HDF5"), h5py.File(self.path, "r") as file:
             read = block(file[self.name], self.axes, start, stop, self.bands)
         if read.shape != (stop - start, *self.shape[1:]):
-            raise _check.InputError(f"{self.path}: was changed while it was being read")
+            raise InputError(f"{self.path}: was changed while it was being read")
         return read.astype(self.dtype, copy=False)
 
     def scratch_bytes(self, rows: int) -> int:
@@ -120,7 +120,7 @@ def hdf5_store(path: Path, *, matlab: bool = False) -> Store:
     with reading(path, kind):
         told, _ = _asked(path, "arrays", attributes=sorted(_READ), most=_MOST_ARRAYS)
         if len(told["arrays"]) > _MOST_ARRAYS:
-            raise _check.InputError(f"{path}: holds more than {_MOST_ARRAYS} arrays")
+            raise InputError(f"{path}: holds more than {_MOST_ARRAYS} arrays")
         arrays = {
             str(array["name"]): _labeled(array, matlab)
             for array in told["arrays"]
@@ -220,14 +220,14 @@ def _inside(index: Int64[Array, "chunks 3"], path: Path) -> Int64[Array, "chunks
 def _refuse_incomplete(path: Path, name: str, place: dict[str, Any]) -> None:
     """HDF5 gives zeros for what a program that was stopped did not come to write."""
     if place["elsewhere"]:
-        raise _check.InputError(
+        raise InputError(
             f"{path}: the numbers of array {printable(name)!r} lie in other files, which are not "
             "read; store them in one file"
         )
     if place["missing"] > 0:
         chunks = f"{place['missing']} of its {place['parts']} chunks were"
         told = "its numbers were" if place["chunks"] is None else chunks
-        raise _check.InputError(
+        raise InputError(
             f"{path}: array {printable(name)!r} is not complete, {told} never written; save it "
             "again"
         )
@@ -267,6 +267,6 @@ def _fault(code: int, told: bytes) -> Exception:
 def _python(path: Path) -> str:
     if sys.executable and not getattr(sys, "frozen", False):
         return sys.executable
-    raise _check.InputError(
+    raise InputError(
         f"{path}: HDF5 is read by a second Python, which this program cannot start; {IN_PLACE}"
     )

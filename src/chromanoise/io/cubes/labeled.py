@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from chromanoise import _check
 from chromanoise._check import Array, printable
+from chromanoise.errors import InputError
 from chromanoise.io.cubes.bounds import (
     MOST_INFLATED,
     kind_of,
@@ -105,7 +105,7 @@ def labeled_cube(store: Store, key: str | None, shape: tuple[int, int] | None) -
     array = store.arrays[name]
     refuse_not_numbers(store.path, name, array.dtype)
     if min(array.shape, default=1) < 1:
-        raise _check.InputError(
+        raise InputError(
             f"{store.path}: array {name!r} is empty ({by(array.shape)}); save it again"
         )
     wavelengths, count = _wavelengths(store, name)
@@ -148,10 +148,10 @@ def _chosen(store: Store, key: str | None) -> tuple[str, Notes]:
     return pictures[0], (f"the cube is {pictures[0]!r}, the only array with three axes",)
 
 
-def _no_such(store: Store, key: str) -> _check.InputError:
+def _no_such(store: Store, key: str) -> InputError:
     listed = list(store.arrays.items())[:_MOST_LISTED]
     told = ", ".join(f"{printable(n)} {by(a.shape)} {kind_of(a.dtype)}" for n, a in listed)
-    return _check.InputError(
+    return InputError(
         f"{store.path}: has no array {key!r}; it holds {told or 'no arrays'}"
         + ("; name the cube with --key" if listed else "")
     )
@@ -167,7 +167,7 @@ def _cube_axes(store: Store, name: str, count: int | None) -> tuple[Axes, Notes]
         return _bands_last(named), ()
     fits = [i for i, n in enumerate(array.shape) if n == count]
     if len(fits) > 1:
-        raise _check.InputError(
+        raise InputError(
             f"{store.path}: array {name!r} is {by(array.shape)} and has {count} wavelengths, which "
             f"fit {len(fits)} of its axes, so bands and pixels cannot be told apart; save it with "
             "axes (rows, columns, bands) as .npy"
@@ -196,12 +196,12 @@ def _refuse_large_rows(store: Store, name: str, source: RowSource) -> None:
     _, width, bands = source.shape
     needed = width * bands * source.chunk_rows * source.dtype.itemsize
     if needed > memory_bytes() // 2:
-        raise _check.InputError(
+        raise InputError(
             f"{store.path}: array {name!r} needs {needed / 2**30:.1f} GiB of memory for the rows "
             "that are stored together; store it with smaller chunks, or as ENVI"
         )
     if needed > max(_HARMLESS_BYTES, store.bytes * MOST_INFLATED):
-        raise _check.InputError(
+        raise InputError(
             f"{store.path}: array {name!r} declares {needed / 2**20:.0f} MiB for the rows that are "
             f"stored together, which {store.bytes} bytes cannot hold; the file is damaged, save it "
             "again"
@@ -304,7 +304,7 @@ def attribute_scale(path: Path | str, attributes: Mapping[str, Any]) -> float | 
     """
     percent = 0.01 if _text(attributes.get("units", "")).strip().lower() in _PERCENT else None
     if _number(path, "add_offset", attributes.get("add_offset", 0.0)) != 0:
-        raise _check.InputError(
+        raise InputError(
             f"{path}: 'add_offset' asks for an offset, which is not applied here; apply it and "
             "save the cube again, or say --scale (reflectance per stored unit)"
         )
@@ -312,7 +312,7 @@ def attribute_scale(path: Path | str, attributes: Mapping[str, Any]) -> float | 
         return percent
     factor = _number(path, "scale_factor", attributes["scale_factor"])
     if not (factor > 0 and math.isfinite(factor)):
-        raise _check.InputError(
+        raise InputError(
             f"{path}: 'scale_factor' must be finite and > 0, but is {factor:g}; mend it or say "
             "--scale"
         )
@@ -322,7 +322,7 @@ def attribute_scale(path: Path | str, attributes: Mapping[str, Any]) -> float | 
 def _number(path: Path | str, what: str, value: Any) -> float:
     array = np.asarray(value)
     if array.size != 1 or array.dtype.kind not in "fiu":
-        raise _check.InputError(f"{path}: {what!r} is no number; mend it or say --scale")
+        raise InputError(f"{path}: {what!r} is no number; mend it or say --scale")
     return float(array.ravel()[0])
 
 

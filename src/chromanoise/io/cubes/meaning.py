@@ -8,6 +8,7 @@ from jaxtyping import Float, Shaped
 
 from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise.errors import InputError
 from chromanoise.io.cubes.found import Found, Notes
 from chromanoise.io.cubes.wavelength_file import read_wavelengths
 from chromanoise.scene.rows import RowSource, with_bands
@@ -26,7 +27,7 @@ def scale_and_notes(path: Path | str, found: Found, scale: float | None) -> tupl
         said = (f"{radiance}, but --scale says that it is reflectance",) if radiance else ()
         return float(scale), (*said, f"reflectance = stored x {scale:g}, as --scale says")
     if radiance:
-        raise _check.InputError(
+        raise InputError(
             f"{path}: {radiance}, not reflectance; divide it by the illuminant or a white "
             "reference first, or say --scale (reflectance per stored unit) if it is reflectance"
         )
@@ -34,7 +35,7 @@ def scale_and_notes(path: Path | str, found: Found, scale: float | None) -> tupl
     if own is not None:
         return own, (f"reflectance = stored x {own:g}, as the header says",)
     if found.pixels.dtype.kind in "iu":
-        raise _check.InputError(
+        raise InputError(
             f"{path}: stores integers ({found.pixels.dtype.name}) and does not say what they "
             "mean; say --scale (reflectance per stored unit), e.g. 1e-4 for reflectance x 10000"
         )
@@ -61,7 +62,7 @@ def wavelengths_and_notes(
     """Centers of the bands [nm]: the caller's word, else the file's."""
     bands = found.pixels.shape[2]
     if bands < 2:
-        raise _check.InputError(f"{path}: has {bands} band, but a cube needs at least 2")
+        raise InputError(f"{path}: has {bands} band, but a cube needs at least 2")
     if said is not None:
         over = "; those in the file are not used" if found.wavelengths else ""
         if isinstance(said, str | Path):
@@ -69,13 +70,13 @@ def wavelengths_and_notes(
         spread, note = _spread(said, bands)
         return spread, (note + over,)
     if found.wavelengths is None:
-        raise _check.InputError(
+        raise InputError(
             f"{path}: does not declare the wavelengths of its {bands} bands; give --wavelengths "
             "FIRST:LAST in nm if they are evenly spaced, or a file that lists them"
         )
     wavelength, notes = found.wavelengths()
     if wavelength.size != bands:
-        raise _check.InputError(
+        raise InputError(
             f"{path}: has {bands} bands but {wavelength.size} wavelengths; correct it, or give "
             "--wavelengths FIRST:LAST in nm if they are evenly spaced, or a file that lists them"
         )
@@ -86,7 +87,7 @@ def _spread(ends: tuple[float, float], bands: int) -> tuple[Float[Array, " m"], 
     """``bands`` wavelengths evenly from the first to the last. [nm]"""
     first, last = (float(end) for end in ends)
     if first == last or not all(_SHORTEST_NM <= end <= _LONGEST_NM for end in (first, last)):
-        raise _check.InputError(
+        raise InputError(
             f"--wavelengths FIRST:LAST must be two different numbers within {_SHORTEST_NM:g} .. "
             f"{_LONGEST_NM:g} nm, but is {first:g}:{last:g}"
         )
@@ -111,7 +112,7 @@ def _refuse_not_light(path: Path | str, wavelength: Float[Array, " m"]) -> None:
     bad = ~((wavelength >= _SHORTEST_NM) & (wavelength <= _LONGEST_NM))
     if bad.any():
         i = int(np.argmax(bad))
-        raise _check.InputError(
+        raise InputError(
             f"{path}: wavelengths must be {_SHORTEST_NM:g} .. {_LONGEST_NM:g} nm, but "
             f"{int(bad.sum())} of {bad.size} are not; the first is {wavelength[i]:g} nm at band "
             f"{i} (from 0); mend them or their unit, or give --wavelengths FIRST:LAST in nm"
@@ -123,7 +124,7 @@ def _refuse_disorder(
 ) -> None:
     if wrong.any():
         i = int(np.argmax(wrong))
-        raise _check.InputError(
+        raise InputError(
             f"{path}: wavelengths must rise or fall from band to band, but "
             f"{wavelength[i + 1]:g} nm follows {wavelength[i]:g} nm at band {i + 1} (from 0); "
             "sort the bands and drop repeated ones, or give --wavelengths FIRST:LAST"

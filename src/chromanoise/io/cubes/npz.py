@@ -9,8 +9,8 @@ from typing import IO
 import numpy as np
 from jaxtyping import Shaped
 
-from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise.errors import InputError
 
 Declared = tuple[tuple[int, ...], np.dtype]
 
@@ -36,7 +36,7 @@ def npz_arrays(path: Path) -> dict[str, Declared]:
             if info.filename.endswith(".npy"):
                 name = info.filename.removesuffix(".npy")
                 if info.compress_type not in _METHODS:
-                    raise _check.InputError(
+                    raise InputError(
                         f"{path}: array {name!r} is compressed with a method that NumPy does not "
                         "use; save it with numpy.savez"
                     )
@@ -62,7 +62,7 @@ def npy_array(path: Path) -> Shaped[Array, "..."]:
     with path.open("rb") as stream:
         _, dtype = _declared(stream, path.stat().st_size, str(path))
     if dtype.kind not in "fiu":
-        raise _check.InputError(
+        raise InputError(
             f"{path}: is of type {dtype.name}, not real numbers; save it as a plain array"
         )
     return np.lib.format.open_memmap(path, mode="r")
@@ -78,7 +78,7 @@ def _declared(stream: IO[bytes] | io.BufferedIOBase, size: int, source: str) -> 
         return (), np.dtype("O")
     told = stream.tell() + math.prod(shape) * dtype.itemsize
     if size != told:
-        raise _check.InputError(
+        raise InputError(
             f"{source} holds {size} bytes, but its header describes {told}; it is truncated or "
             "damaged, save it again"
         )

@@ -5,8 +5,8 @@ from pathlib import Path
 
 from jaxtyping import Shaped
 
-from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise.errors import InputError
 from chromanoise.io.cubes.found import Notes, by, refuse_other_shape
 
 
@@ -18,7 +18,7 @@ def picture(
         refuse_other_shape(path, array, shape)
         return array, ()
     if array.ndim != 2 or not array.size:
-        raise _check.InputError(
+        raise InputError(
             f"{path}: {what} must have axes (rows, columns, bands), or pixels in one axis and "
             f"bands in the other, and not be empty, but is {by(array.shape)}"
         )
@@ -35,17 +35,17 @@ def _rows_and_columns(
 ) -> tuple[int, int]:
     told = f"{path}: {what} is {by(array.shape)}"
     if shape is None:
-        raise _check.InputError(
+        raise InputError(
             f"{told}, pixels in one axis; say its rows and columns with --shape ROWSxCOLUMNS"
         )
     fits = [min(shape) > 0 and n == math.prod(shape) for n in array.shape]
     if not any(fits):
-        raise _check.InputError(
+        raise InputError(
             f"{told}, but --shape {by(shape)} is {math.prod(shape)} pixels, which is neither "
             "axis; mend --shape ROWSxCOLUMNS"
         )
     if all(fits):
-        raise _check.InputError(
+        raise InputError(
             f"{told}, and --shape {by(shape)} fits both axes, so pixels and bands cannot be told "
             "apart; save it with axes (rows, columns, bands)"
         )

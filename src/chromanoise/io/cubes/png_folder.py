@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float, Shaped
 
-from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise.errors import InputError
 from chromanoise.io.cubes.bounds import refuse_impossible
 from chromanoise.io.cubes.faults import reading
 from chromanoise.io.cubes.found import Found, Notes, refuse_other_shape
@@ -41,7 +41,7 @@ def png_folder_cube(path: Path, shape: tuple[int, int] | None) -> Found:
     """
     files = _pngs(path)
     if len(files) > _MOST_BANDS:
-        raise _check.InputError(f"{path}: holds more than {_MOST_BANDS} PNGs")
+        raise InputError(f"{path}: holds more than {_MOST_BANDS} PNGs")
     numbers, ordered = _ordered(path, files)
     pixels = _stacked(path, ordered)
     refuse_other_shape(path, pixels, shape)
@@ -66,13 +66,13 @@ def _ordered(path: Path, files: list[Path]) -> tuple[list[int], list[Path]]:
     for file in files:
         found = _LAST_NUMBER.search(file.stem)
         if found is None:
-            raise _check.InputError(
+            raise InputError(
                 f"{file}: bears no number, so its place among the bands is not known; number the "
                 "files, or move this one away"
             )
         number = int(found[1])
         if number in by_number:
-            raise _check.InputError(
+            raise InputError(
                 f"{path}: {by_number[number].name} and {file.name} bear the same number; move "
                 "one away"
             )
@@ -86,7 +86,7 @@ def _refuse_gaps(path: Path, numbers: list[int]) -> None:
     steps = np.diff(numbers)
     if not (steps == steps[0]).all() or (steps[0] > 1 and not _are_wavelengths(numbers)):
         i = int(np.argmax(steps > steps.min()))
-        raise _check.InputError(
+        raise InputError(
             f"{path}: a band seems to be missing: number {numbers[i + 1]} follows {numbers[i]} in "
             "the names of the files; they must step evenly"
         )
@@ -113,7 +113,7 @@ def _stacked(path: Path, files: list[Path]) -> Shaped[Array, "h w m"]:
     opened = [_size_and_kind(file) for file in files]
     for file, (size, dtype) in zip(files, opened, strict=True):
         if (size, dtype) != opened[0]:
-            raise _check.InputError(
+            raise InputError(
                 f"{file}: is {size[0]}x{size[1]} {dtype.name}, but {files[0].name} is "
                 f"{opened[0][0][0]}x{opened[0][0][1]} {opened[0][1].name}; all bands must be alike"
             )
@@ -132,7 +132,7 @@ def _size_and_kind(file: Path) -> tuple[tuple[int, int], np.dtype]:
         size: tuple[int, int] = image.size
         mode = str(image.mode)
     if mode not in _GRAY:
-        raise _check.InputError(
+        raise InputError(
             f"{file}: has pixels of kind {mode}, but a band must be gray, 8 or 16 bit; save it "
             "so, or move this file away"
         )

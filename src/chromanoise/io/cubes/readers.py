@@ -4,9 +4,9 @@ from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
-from chromanoise import _check
 from chromanoise._check import reason
 from chromanoise._inputs import regular_file
+from chromanoise.errors import InputError
 from chromanoise.io.cubes.arrays import NAMED, named_arrays
 from chromanoise.io.cubes.faults import reading
 from chromanoise.io.cubes.found import Found, refuse_other_shape, unused_key
@@ -97,11 +97,11 @@ def _refuse_no_file(path: Path) -> None:
     if path.is_dir():
         return
     if status.st_size == 0:
-        raise _check.InputError(f"{path}: the file is empty; copy or save it again")
+        raise InputError(f"{path}: the file is empty; copy or save it again")
     try:
         path.open("rb").close()
     except OSError as error:
-        raise _check.InputError(f"{path}: cannot be read ({reason(error)})") from None
+        raise InputError(f"{path}: cannot be read ({reason(error)})") from None
 
 
 def _found(path: Path, key: str | None, shape: tuple[int, int] | None) -> Found:
@@ -140,7 +140,7 @@ def _folder(path: Path, key: str | None, shape: tuple[int, int] | None) -> Found
         return labeled_cube(zarr_store(path), key, shape)
     if is_png_folder(path):
         return _only_one(png_folder_cube(path, shape), key)
-    raise _check.InputError(
+    raise InputError(
         f"{path}: is a directory, and neither a Zarr store nor a folder of one PNG per band; name "
         "the cube's file in it"
     )
@@ -148,7 +148,7 @@ def _folder(path: Path, key: str | None, shape: tuple[int, int] | None) -> Found
 
 def _hdf5(path: Path, key: str | None, shape: tuple[int, int] | None) -> Found:
     if not is_hdf5(path):
-        raise _check.InputError(
+        raise InputError(
             f"{path}: is no HDF5 file, as NetCDF-4 is; convert it (nccopy -k nc4), or save it again"
         )
     return labeled_cube(hdf5_store(path), key, shape)
@@ -158,11 +158,11 @@ def _envi(path: Path, key: str | None, shape: tuple[int, int] | None) -> Found:
     try:
         pair = envi_pair(path)
         if pair is None:
-            raise _check.InputError(_unknown(path))
+            raise InputError(_unknown(path))
         header = read_envi_header(pair[0])
         pixels, notes = envi_pixels(header, pair[1])
     except OSError as error:
-        raise _check.InputError(f"{path}: cannot be read ({reason(error)})") from None
+        raise InputError(f"{path}: cannot be read ({reason(error)})") from None
     refuse_other_shape(path, pixels, shape)
     return Found(
         pixels=pixels,

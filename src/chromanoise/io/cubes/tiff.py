@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float, Shaped
 
-from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise.errors import InputError
 from chromanoise.io.cubes.bounds import refuse_not_numbers
 from chromanoise.io.cubes.faults import reading
 from chromanoise.io.cubes.found import Found, Notes, by, refuse_other_shape
@@ -66,11 +66,11 @@ def tiff_cube(path: Path, shape: tuple[int, int] | None) -> Found:
 def _pages(path: Path, file: Any) -> list[Any]:
     """The pages, thumbnails and masks left away."""
     if len(file.pages) > _MOST_PAGES:
-        raise _check.InputError(f"{path}: holds more than {_MOST_PAGES} pages")
+        raise InputError(f"{path}: holds more than {_MOST_PAGES} pages")
     pages = [page.aspage() for page in file.pages]
     whole = [page for page in pages if not page.is_reduced]
     if not whole:
-        raise _check.InputError(f"{path}: holds no pages")
+        raise InputError(f"{path}: holds no pages")
     return whole
 
 
@@ -78,10 +78,10 @@ def _refuse_unlike(path: Path, pages: list[Any]) -> None:
     first = pages[0]
     for i, page in enumerate(pages):
         if page.dtype is None:
-            raise _check.InputError(f"{path}: page {i} (from 0) holds no plain numbers")
+            raise InputError(f"{path}: page {i} (from 0) holds no plain numbers")
         refuse_not_numbers(path, f"page {i}", np.dtype(page.dtype))
         if (page.shape, page.dtype) != (first.shape, first.dtype):
-            raise _check.InputError(
+            raise InputError(
                 f"{path}: its pages must be alike, but page {i} (from 0) is {by(page.shape)} "
                 f"{page.dtype} and page 0 is {by(first.shape)} {first.dtype}; save them alike"
             )
@@ -93,12 +93,12 @@ def _refuse_incomplete(path: Path, i: int, page: Any) -> None:
     size = path.stat().st_size
     places = (*page.dataoffsets, *page.databytecounts)
     if not all(isinstance(place, int) for place in places):
-        raise _check.InputError(
+        raise InputError(
             f"{path}: page {i} (from 0) does not say where its numbers are; save it again"
         )
     ends = [at + n for at, n in zip(page.dataoffsets, page.databytecounts, strict=True)]
     if not ends or min(page.dataoffsets) <= 0 or min(page.databytecounts) <= 0 or max(ends) > size:
-        raise _check.InputError(
+        raise InputError(
             f"{path}: page {i} (from 0) is not complete; the file is cut short or was never "
             "finished, save it again"
         )
@@ -115,7 +115,7 @@ def _pixels(
             return PlaneRows(planes=tuple(_plane(path, page) for page in pages)), notes
         return decoded_pages(path, pages).transpose(1, 2, 0), notes
     if many or len(first.shape) != 3 or first.axes not in ("YXS", "SYX"):
-        raise _check.InputError(
+        raise InputError(
             f"{path}: must have one page per band, or one page of many samples, but has "
             f"{len(pages)} pages of {by(first.shape)}; save it so, or as ENVI"
         )

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from jaxtyping import Shaped
 
-from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise.errors import InputError
 from chromanoise.io.cubes.bounds import MOST_INFLATED, refuse_impossible
 from chromanoise.io.cubes.faults import library, without_chatter
 
@@ -40,9 +40,7 @@ def decoded_pages(path: Path, pages: list[Any]) -> Shaped[Array, "pages ..."]:
         _refuse_overfull(path, page)
         decoded = _decoded(path, page)
         if decoded.shape != plane.shape:
-            raise _check.InputError(
-                f"{path}: a page does not have its declared size; save it again"
-            )
+            raise InputError(f"{path}: a page does not have its declared size; save it again")
         plane[...] = decoded
     return numbers
 
@@ -64,7 +62,7 @@ def _refuse_overfull(path: Path, page: Any) -> None:
                 continue
             file.seek(at)
             if len(unpacker().decompress(file.read(count), whole + 1)) > whole:
-                raise _check.InputError(
+                raise InputError(
                     f"{path}: a strip unpacks to more than its {whole} bytes; the file is damaged, "
                     "save it again"
                 )
@@ -81,7 +79,7 @@ def _decoded(path: Path, page: Any) -> Shaped[Array, "..."]:
         compression = getattr(page.compression, "name", page.compression)
         what = f"{path}: decoding its pages ({compression}, {page.dtype})"
         library("imagecodecs", what, extra="tiff")
-        raise _check.InputError(f"{what} is not possible; save it uncompressed, or with deflate")
+        raise InputError(f"{what} is not possible; save it uncompressed, or with deflate")
     return decoded
 
 

@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float
 
-from chromanoise import _check
 from chromanoise._check import Array, reason
 from chromanoise._inputs import regular_file
+from chromanoise.errors import InputError
 from chromanoise.io.spectra.declared import declared_keys, is_wavelength_heading, wavelength_unit_of
 from chromanoise.io.spectra.parsed import Unit
 from chromanoise.io.spectra.wavelength_lists import NM_PER
@@ -54,32 +54,32 @@ def read_wavelengths(path: Path, bands: int) -> Float[Array, " bands"]:
     counts = [sum(len(row) for row in part) for part in (columns, rows)]
     if bands not in counts:
         told = " or ".join(str(count) for count in dict.fromkeys(counts))
-        raise _check.InputError(
+        raise InputError(
             f"{path}: lists {told} wavelengths, but the cube has {bands} bands; list one per band"
         )
     cells = [cell for row in (columns if counts[0] == bands else rows) for cell in row]
     values = [_number(cell) for cell in cells]
     if not all(math.isfinite(value) for value in values):
         wrong = next(c for c, value in zip(cells, values, strict=True) if not math.isfinite(value))
-        raise _check.InputError(f"{path}: {wrong[:40]!r} is not a wavelength; write a number")
+        raise InputError(f"{path}: {wrong[:40]!r} is not a wavelength; write a number")
     return np.array(values) * nm_per
 
 
 def _text(path: Path) -> str:
     if regular_file(path).st_size > _LARGEST_BYTES:
-        raise _check.InputError(
+        raise InputError(
             f"{path}: is larger than {_LARGEST_BYTES // 2**20} MiB; name a text file that lists "
             "one wavelength per band"
         )
     try:
         return path.read_text(encoding="utf-8-sig")
     except UnicodeDecodeError as error:
-        raise _check.InputError(
+        raise InputError(
             f"{path}: not a UTF-8 text file (byte {error.start} is not text); name a text file "
             "that lists one wavelength per band"
         ) from None
     except OSError as error:
-        raise _check.InputError(f"{path}: cannot be read ({reason(error)})") from None
+        raise InputError(f"{path}: cannot be read ({reason(error)})") from None
 
 
 def _parts(path: Path, text: str) -> tuple[str, list[list[str]]]:
@@ -93,7 +93,7 @@ def _parts(path: Path, text: str) -> tuple[str, list[list[str]]]:
         elif cells:
             rows.append(cells)
     if not rows:
-        raise _check.InputError(f"{path}: lists no wavelengths; write one per band")
+        raise InputError(f"{path}: lists no wavelengths; write one per band")
     return "\n".join(heading), rows
 
 
@@ -105,7 +105,7 @@ def _unit(path: Path, heading: str) -> float:
     told = [*([f"[{key}]"] if key else []), *filter(is_wavelength_heading, first)]
     units = {_unit_of(path, text) for text in told} - {None}
     if len(units) > 1:
-        raise _check.InputError(
+        raise InputError(
             f"{path}: its headings name two units, {' and '.join(map(str, units))}; name one"
         )
     return NM_PER[next(iter(units)) or "nm"] if units else 1.0
@@ -114,10 +114,10 @@ def _unit(path: Path, heading: str) -> float:
 def _unit_of(path: Path, text: str) -> Unit | None:
     try:
         unit = wavelength_unit_of(text)
-    except _check.InputError as error:
-        raise _check.InputError(f"{path}: {error}") from None
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from None
     if unit == "1/cm":
-        raise _check.InputError(f"{path}: lists wavenumbers; write wavelengths in nm")
+        raise InputError(f"{path}: lists wavenumbers; write wavelengths in nm")
     return unit
 
 

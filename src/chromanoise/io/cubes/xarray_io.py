@@ -6,8 +6,8 @@ from typing import Any, Protocol, runtime_checkable
 import numpy as np
 from jaxtyping import Float, UInt8
 
-from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise.errors import InputError
 from chromanoise.io.cubes.faults import library
 from chromanoise.io.cubes.found import Found, Notes, by
 from chromanoise.io.cubes.labeled import attribute_scale
@@ -88,12 +88,12 @@ def cube_from_xarray(
 
 def _found(source: str, array: Any) -> Found:
     if not all(hasattr(array, name) for name in ("dims", "coords", "attrs", "data", "transpose")):
-        raise _check.InputError(
+        raise InputError(
             f"{source}: must be an xarray.DataArray, but is a {type(array).__name__}; take one "
             "variable of a Dataset"
         )
     if array.ndim != 3 or not array.size or array.dtype.kind not in "fiu":
-        raise _check.InputError(
+        raise InputError(
             f"{source}: must hold real numbers, have three axes and not be empty, but is "
             f"{by(array.shape)} {array.dtype}"
         )
@@ -124,7 +124,7 @@ def _band_axis(source: str, array: Any) -> tuple[Any, Notes]:
         if len(found) == 1:
             rows, columns = (axis for axis in array.dims if axis != found[0])
             return found[0], (f"axes {rows!r}, {columns!r} taken as rows and columns",)
-    raise _check.InputError(
+    raise InputError(
         f"{source}: one of its axes {', '.join(map(repr, array.dims))} must bear the wavelengths; "
         "name it 'wavelength'"
     )

@@ -16,9 +16,9 @@ from typing import Any
 import numpy as np
 from jaxtyping import Shaped, UInt8
 
-from chromanoise import _check
 from chromanoise._check import Array, printable
 from chromanoise._inputs import regular_file
+from chromanoise.errors import InputError
 from chromanoise.io.cubes.bounds import MOST_INFLATED, memory_bytes
 from chromanoise.io.cubes.faults import library, reading, reading_rows
 from chromanoise.io.cubes.found import Notes
@@ -80,7 +80,7 @@ class ZarrRows:
         with reading_rows(self.path, "Zarr"):
             read = block(_opened(self.path, self.name), self.axes, start, stop, self.bands)
         if read.shape != (stop - start, *self.shape[1:]):
-            raise _check.InputError(f"{self.path}: was changed while it was being read")
+            raise InputError(f"{self.path}: was changed while it was being read")
         return read.astype(self.dtype, copy=False)
 
     def scratch_bytes(self, rows: int) -> int:
@@ -118,7 +118,7 @@ def zarr_store(path: Path) -> Store:
                 if array is not None:
                     arrays[name] = array
             if len(arrays) > _MOST_ARRAYS:
-                raise _check.InputError(f"{path}: holds more than {_MOST_ARRAYS} arrays")
+                raise InputError(f"{path}: holds more than {_MOST_ARRAYS} arrays")
         top = _attributes(path, _header(path))
     return Store(
         path=path,
@@ -138,7 +138,7 @@ def _folders(path: Path) -> Iterator[tuple[Path, list[str], int]]:
         entries = list(os.scandir(folder))
         linked = next((e.path for e in entries if e.is_symlink()), None)
         if linked is not None:
-            raise _check.InputError(
+            raise InputError(
                 f"{linked}: is a link, which a Zarr folder may not hold, for it could lead out of "
                 "it; copy the files themselves"
             )
@@ -157,10 +157,10 @@ def _header(folder: Path) -> Mapping[str, Any]:
 
 def _json(path: Path) -> Mapping[str, Any]:
     if path.stat().st_size > _LARGEST_HEADER_BYTES:
-        raise _check.InputError(f"{path}: is too large for a header")
+        raise InputError(f"{path}: is too large for a header")
     told = json.loads(path.read_bytes())
     if not isinstance(told, dict):
-        raise _check.InputError(f"{path}: is no Zarr header; save the cube again")
+        raise InputError(f"{path}: is no Zarr header; save the cube again")
     return told
 
 
@@ -178,7 +178,7 @@ def _vetted(path: Path, folder: Path, name: str) -> Labeled | None:
         return None
     for codec in _codecs(header):
         if codec not in _CODECS:
-            raise _check.InputError(
+            raise InputError(
                 f"{path}: array {printable(name)!r} is packed with {printable(codec)!r}, which is "
                 "not trusted; store it with blosc, zstd or gzip"
             )
@@ -248,9 +248,9 @@ def _absent_chunks(path: Path, name: str) -> Notes:
         whole, there = int(array.nchunks), int(array.nchunks_initialized)
         filled = array.fill_value
     if there == 0:
-        raise _check.InputError(f"{path}: array {printable(name)!r} has no chunks; save it again")
+        raise InputError(f"{path}: array {printable(name)!r} has no chunks; save it again")
     if whole > there * MOST_INFLATED:
-        raise _check.InputError(
+        raise InputError(
             f"{path}: array {printable(name)!r} declares {whole} chunks, but only {there} are "
             "there; it is damaged or not complete, save it again"
         )
@@ -268,12 +268,12 @@ def _refuse_large_chunks(path: Path, name: str) -> None:
             (f.stat().st_size for f in (path / name).rglob("*") if f.name not in _TEXTS), default=0
         )
     if size > memory_bytes() // 2:
-        raise _check.InputError(
+        raise InputError(
             f"{path}: the chunks of array {printable(name)!r} need {size / 2**30:.1f} GiB of "
             "memory each; store it with smaller chunks"
         )
     if longest > size + size // 8 + _PACKING_BYTES:
-        raise _check.InputError(
+        raise InputError(
             f"{path}: a chunk of array {printable(name)!r} has {longest} bytes, but unpacked it "
             f"would have {size}; the file is damaged, save it again"
         )

@@ -14,7 +14,8 @@ import numpy as np
 from jaxtyping import Float
 
 from chromanoise import _check
-from chromanoise._check import Array, InputError
+from chromanoise._check import Array
+from chromanoise.errors import InputError
 from chromanoise.io.pixels.source_text import finite_number, source_json, source_text
 from chromanoise.sensor.adc import Adc
 from chromanoise.sensor.pixel_source import PixelSource

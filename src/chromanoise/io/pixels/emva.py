@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from chromanoise import _check
-from chromanoise._check import InputError
+from chromanoise.errors import InputError
 from chromanoise.io.pixels.emva_checks import alike, contradictions
 from chromanoise.io.pixels.source_text import finite_number, source_json, source_text
 from chromanoise.sensor.adc import Adc

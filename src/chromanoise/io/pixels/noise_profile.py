@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from chromanoise import _check
-from chromanoise._check import InputError
+from chromanoise.errors import InputError
 from chromanoise.io.pixels.source_text import finite_number, source_json, source_text
 from chromanoise.sensor import PixelSource, pixel_from_noise_profile
 from chromanoise.sensor.noise_profile import pixel_without_levels

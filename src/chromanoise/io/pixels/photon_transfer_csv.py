@@ -6,7 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from chromanoise._check import Array, InputError
+from chromanoise._check import Array
+from chromanoise.errors import InputError
 from chromanoise.io.pixels.source_text import source_text
 from chromanoise.io.spectra.delimited import DELIMITERS, cells_of_line, decimal_sign, split_line
 from chromanoise.io.spectra.parsed import Row

@@ -4,8 +4,8 @@ import json
 from pathlib import Path
 from typing import Any
 
-from chromanoise._check import InputError
 from chromanoise._inputs import regular_file
+from chromanoise.errors import InputError
 
 _LARGEST_BYTES = 64 * 2**20
 

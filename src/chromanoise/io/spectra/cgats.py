@@ -4,7 +4,7 @@ import re
 
 import numpy as np
 
-from chromanoise import _check
+from chromanoise.errors import InputError
 from chromanoise.io.spectra.parsed import Column, Found, Level, Per, Quantity
 from chromanoise.io.spectra.tables import number_in
 
@@ -77,7 +77,7 @@ def _span(words: list[str], first: str, last: str, source: str) -> tuple[int, in
         start = words.index(first) + 1
         return start, words.index(last, start)
     except ValueError:
-        raise _check.InputError(
+        raise InputError(
             f"{source}: {first} and {last} must enclose a part of a CGATS file"
         ) from None
 
@@ -97,7 +97,7 @@ def _facts(tokens: list[_Token]) -> dict[str, str]:
 
 def _wavelengths(facts: dict[str, str], fields: list[str], source: str) -> np.ndarray:
     if len(fields) < 2:
-        raise _check.InputError(
+        raise InputError(
             f"{source}: the CGATS table has {len(fields)} spectral fields (SPEC_400 ...); "
             "it needs 2, is it a table of spectra?"
         )
@@ -107,7 +107,7 @@ def _wavelengths(facts: dict[str, str], fields: list[str], source: str) -> np.nd
         return named
     told = np.linspace(number_in(ends[0]), number_in(ends[1]), named.size)
     if np.abs(told - named).max() > 1.0:  # the names of the fields are rounded
-        raise _check.InputError(
+        raise InputError(
             f"{source}: SPECTRAL_START_NM and SPECTRAL_END_NM say {ends[0]}-{ends[1]}, but the "
             f"fields are {fields[0]} to {fields[-1]}"
         )
@@ -118,14 +118,14 @@ def _norm(facts: dict[str, str], source: str) -> float:
     text = facts.get("SPECTRAL_NORM", "1")
     norm = number_in(text)
     if not 1e-30 < norm < 1e30:
-        raise _check.InputError(f"{source}: SPECTRAL_NORM must be a number > 0, but is {text!r}")
+        raise InputError(f"{source}: SPECTRAL_NORM must be a number > 0, but is {text!r}")
     return norm
 
 
 def _sets(tokens: list[_Token], fields: list[str], source: str) -> list[list[_Token]]:
     if not tokens or len(tokens) % len(fields):
         line = tokens[-1][0] if tokens else 0
-        raise _check.InputError(
+        raise InputError(
             f"{source}: line {line}: {len(tokens)} values do not fill sets of {len(fields)} fields"
         )
     return [tokens[i : i + len(fields)] for i in range(0, len(tokens), len(fields))]
@@ -135,7 +135,7 @@ def _value(token: _Token, source: str) -> float:
     number, text = token
     value = number_in(text)
     if value != value:
-        raise _check.InputError(f"{source}: line {number}: {text[:40]!r} is not a finite number")
+        raise InputError(f"{source}: line {number}: {text[:40]!r} is not a finite number")
     return value
 
 

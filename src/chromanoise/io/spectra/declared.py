@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping
 from types import MappingProxyType
 from typing import get_args
 
-from chromanoise import _check
+from chromanoise.errors import InputError
 from chromanoise.io.spectra.parsed import Level, Per, Quantity, Scale, Unit
 
 _KEY = re.compile(r"\s*([A-Za-z][A-Za-z _-]{0,40}?)\s*[:=]\s*(\S.*)")
@@ -129,7 +129,7 @@ def wavelength_unit_of(heading: str) -> Unit | None:
     words = [word for word in re.split(r"[\s_,/]+", heading.strip("[]() ")) if word]
     last = inside or (words[-1] if words else "")
     if last.lower() in _NOT_READ or re.match(r"[\d.]+\s*[^\W\d]", inside):
-        raise _check.InputError(
+        raise InputError(
             f"wavelengths are in {last!r} by their heading; give them in nm, um, angstrom or 1/cm"
         )
     if (inside or heading[-2:].strip("_")) in ("A", "A.", "AA") and (inside or "_" in heading):
@@ -140,7 +140,7 @@ def wavelength_unit_of(heading: str) -> Unit | None:
     ]
     units = {unit for unit in found if unit}
     if len(units) > 1:
-        raise _check.InputError(
+        raise InputError(
             f"the heading {heading[:60]!r} names the units {' and '.join(sorted(units))}; keep one"
         )
     return next(iter(units), None)
@@ -191,7 +191,7 @@ def known_unit(unit: str, source: str) -> Unit:
     bare = unit.strip()
     known = None if bare.lower() in _NOT_READ else wavelength_unit_of(f"[{bare}]")
     if known is None:
-        raise _check.InputError(
+        raise InputError(
             f"{source}: wavelengths in {unit[:40]!r} are not supported; write them in nm, um, "
             "angstrom or 1/cm"
         )

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
-from chromanoise import _check
+from chromanoise.errors import InputError
 from chromanoise.io.spectra.declared import (
     declared_keys,
     ecsv_units,
@@ -38,13 +38,13 @@ def read_delimited(text: str, source: str) -> Found:
         If a row is no row of numbers; its line is told.
     """
     if text.count("\n") + text.count("\r") > 2 * _MOST_LINES:
-        raise _check.InputError(f"{source}: more than {_MOST_LINES} lines are no table of spectra")
+        raise InputError(f"{source}: more than {_MOST_LINES} lines are no table of spectra")
     comments: list[Row] = []
     lines: list[tuple[int, str]] = []
     for number, line in enumerate(re.split(r"\r\n|\r|\n", text), 1):
         bare = line.strip().strip('"')
         if len(line) > _LONGEST_LINE:
-            raise _check.InputError(f"{source}: line {number} has {len(line)} characters: no row")
+            raise InputError(f"{source}: line {number} has {len(line)} characters: no row")
         if bare.startswith(_COMMENT):
             comments.append(Row(number=number, cells=(_comment_text(bare),)))
         elif bare:
@@ -137,7 +137,7 @@ def _quoted(line: str, sign: str) -> list[str]:
 def cells_of_line(line: str, number: int, delimiter: str, source: str) -> tuple[str, ...]:
     """The cells of a line, without blanks around them; an unclosed quotation is refused."""
     if line.count('"') % 2:
-        raise _check.InputError(f"{source}: line {number} opens a quotation that it does not close")
+        raise InputError(f"{source}: line {number} opens a quotation that it does not close")
     return tuple(cell.strip() for cell in split_line(line, delimiter))
 
 
@@ -188,7 +188,7 @@ def decimal_sign(rows: list[Row], delimiter: str, source: str) -> str:
             elif not with_point and "." in cell and is_number(cell, decimal_comma=False):
                 with_point = row.number
     if with_comma and with_point:
-        raise _check.InputError(
+        raise InputError(
             f"{source}: line {with_comma} has a decimal comma, line {with_point} a decimal point; "
             "write all numbers in one way"
         )

@@ -9,8 +9,8 @@ from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
-from chromanoise import _check
 from chromanoise._inputs import regular_file
+from chromanoise.errors import InputError
 from chromanoise.io.spectra.cgats import is_cgats, read_cgats
 from chromanoise.io.spectra.delimited import read_delimited
 from chromanoise.io.spectra.envi_library import envi_library, read_envi_library
@@ -71,7 +71,7 @@ def _content(path: Path) -> bytes:
 def _refuse_large(path: Path) -> None:
     size = regular_file(path).st_size
     if size > _LARGEST_BYTES:
-        raise _check.InputError(
+        raise InputError(
             f"{path}: {size / 2**20:.0f} MiB is too large for a table of spectra "
             f"({_LARGEST_BYTES // 2**20} MiB at most); leave out what is no curve"
         )
@@ -109,7 +109,7 @@ def _of_text(text: str, source: str) -> Found:
 
 def _refuse_kind(path: Path, kind: tuple[str, str] | None) -> None:
     if kind is not None:
-        raise _check.InputError(f"{path}: is {kind[0]}, not a file of spectra; {kind[1]}")
+        raise InputError(f"{path}: is {kind[0]}, not a file of spectra; {kind[1]}")
 
 
 def _decoded(path: Path, content: bytes) -> tuple[str, tuple[str, ...]]:
@@ -118,12 +118,12 @@ def _decoded(path: Path, content: bytes) -> tuple[str, tuple[str, ...]]:
     try:
         text = content.decode(coding)
     except UnicodeDecodeError as error:
-        raise _check.InputError(
+        raise InputError(
             f"{path}: not a UTF-8 text file (byte {error.start} is not text); save it as CSV UTF-8"
         ) from None
     if "\0" in text:
         line = text[: text.index("\0")].count("\n") + 1
-        raise _check.InputError(f"{path}: line {line} holds null bytes, so it is no text file")
+        raise InputError(f"{path}: line {line} holds null bytes, so it is no text file")
     return text, notes
 
 
@@ -159,14 +159,14 @@ def _faults_told(path: Path) -> Iterator[None]:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             yield
-    except _check.InputError:
+    except InputError:
         raise
     except OSError as error:
-        raise _check.InputError(f"{path}: cannot be read ({error.strerror or error})") from None
+        raise InputError(f"{path}: cannot be read ({error.strerror or error})") from None
     except MemoryError:
-        raise _check.InputError(f"{path}: too large for this machine's memory") from None
+        raise InputError(f"{path}: too large for this machine's memory") from None
     except Exception:  # parsers raise anything, with messages about themselves
-        raise _check.InputError(
+        raise InputError(
             f"{path}: cannot be read as a file of spectra; it is damaged, truncated or of an "
             "unknown format: save it again, or as CSV"
         ) from None

@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float, Shaped
 
-from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise.errors import InputError
 from chromanoise.io.spectra.wavelength_lists import NAMED_WAVELENGTH, NM_PER, nanometers
 
 DATA_SUFFIXES = (".sli", ".img", ".raw", ".dat", ".bin", ".bsq", ".bil", ".bip")
@@ -60,7 +60,7 @@ class EnviHeader:
             return default
         text = self.word(key)
         if not re.fullmatch(r"\+?[0-9]{1,18}", text):
-            raise _check.InputError(
+            raise InputError(
                 f"{self.source}: {key!r} must be a whole number from 0 to 10^18, "
                 f"but is {text[:40]!r}"
             )
@@ -69,9 +69,7 @@ class EnviHeader:
     def word(self, key: str) -> str:
         """The text that stands under ``key``; refused if absent."""
         if key not in self.fields:
-            raise _check.InputError(
-                f"{self.source}: the header lacks the required key {key!r}; add it"
-            )
+            raise InputError(f"{self.source}: the header lacks the required key {key!r}; add it")
         return self.fields[key]
 
 
@@ -94,12 +92,12 @@ def _data_beside(header: Path) -> Path:
     names = {(header.stem + ending).lower() for ending in ("", *DATA_SUFFIXES)}
     found = sorted(_beside(header, names))
     if not found:
-        raise _check.InputError(
+        raise InputError(
             f"{header}: the data of this ENVI header is missing; looked beside it for "
             f"{header.stem} with nothing or one of {' '.join(DATA_SUFFIXES)} after it"
         )
     if len(found) > 1:
-        raise _check.InputError(
+        raise InputError(
             f"{header}: {len(found)} files could be the data of this ENVI header "
             f"({', '.join(p.name for p in found)}); name the data file itself"
         )
@@ -121,7 +119,7 @@ def read_envi_header(path: Path) -> EnviHeader:
         If it is no ENVI header, a brace stays open, or it says the layout twice.
     """
     if path.stat().st_size > _LARGEST_HEADER_BYTES:
-        raise _check.InputError(
+        raise InputError(
             f"{path}: {path.stat().st_size / 2**20:.0f} MiB is too large for an ENVI header"
         )
     return envi_header(_decoded(path.read_bytes()), source=str(path))
@@ -144,13 +142,13 @@ def envi_header(text: str, *, source: str) -> EnviHeader:
     """
     lines = re.split(r"\r\n|\r|\n", text)
     if lines[0].strip() != "ENVI":
-        raise _check.InputError(
+        raise InputError(
             f"{source}: not an ENVI header, its first line must be ENVI, but is {lines[0][:40]!r}"
         )
     fields: dict[str, str] = {}
     for key, value in _pairs(lines[1:], source):
         if key in _LAYOUT and fields.get(key, value) != value:
-            raise _check.InputError(
+            raise InputError(
                 f"{source}: {key!r} stands twice, as {fields[key][:40]!r} and {value[:40]!r}; "
                 "keep the true one"
             )
@@ -175,7 +173,7 @@ def _braced(text: str, following: Iterator[str], where: str) -> str:
     while "}" not in parts[-1]:
         more = next(following, None)
         if more is None:
-            raise _check.InputError(
+            raise InputError(
                 f"{where}: the brace opened here is never closed; the header is cut short, or "
                 "lacks a }"
             )
@@ -209,25 +207,25 @@ def envi_pixels(
 def _positive(header: EnviHeader, key: str) -> int:
     number = header.whole(key)
     if number < 1:
-        raise _check.InputError(f"{header.source}: {key!r} must be at least 1, but is {number}")
+        raise InputError(f"{header.source}: {key!r} must be at least 1, but is {number}")
     return number
 
 
 def _dtype(header: EnviHeader) -> np.dtype:
     code = header.whole("data type")
     if code in _COMPLEX:
-        raise _check.InputError(
+        raise InputError(
             f"{header.source}: 'data type' {code} is complex numbers, but a reflectance is real; "
             "save real numbers, such as data type 4"
         )
     if code not in _DTYPES:
-        raise _check.InputError(
+        raise InputError(
             f"{header.source}: 'data type' {code} is not known; known: "
             f"{', '.join(str(known) for known in _DTYPES)}"
         )
     order = header.whole("byte order", default=0)
     if order not in (0, 1):
-        raise _check.InputError(
+        raise InputError(
             f"{header.source}: 'byte order' must be 0 (little-endian) or 1 (big-endian), "
             f"but is {order}"
         )
@@ -237,7 +235,7 @@ def _dtype(header: EnviHeader) -> np.dtype:
 def _interleave(header: EnviHeader) -> str:
     word = header.word("interleave").lower()
     if word not in _AXES:
-        raise _check.InputError(
+        raise InputError(
             f"{header.source}: 'interleave' must be bsq, bil or bip, but is {word[:40]!r}"
         )
     return word
@@ -245,7 +243,7 @@ def _interleave(header: EnviHeader) -> str:
 
 def _refuse_compressed(header: EnviHeader) -> None:
     if header.whole("file compression", default=0) != 0:
-        raise _check.InputError(
+        raise InputError(
             f"{header.source}: 'file compression' says that the data is compressed, which is not "
             "read here; save it uncompressed"
         )
@@ -256,7 +254,7 @@ def _refuse_wrong_size(header: EnviHeader, data: Path, told: int) -> None:
     if size == told:
         return
     fault = "is truncated: it" if size < told else "is longer than its header says: it"
-    raise _check.InputError(
+    raise InputError(
         f"{data}: {fault} holds {size} bytes, but {header.source} describes {told} bytes (header "
         "offset included); copy the data again, or mend samples, lines, bands, data type or "
         "header offset"
@@ -285,7 +283,7 @@ def envi_scale(header: EnviHeader) -> float | None:
     """
     gains = [key for key in _GAINS if key in header.fields]
     if gains:
-        raise _check.InputError(
+        raise InputError(
             f"{header.source}: {gains[0]!r} asks for a gain or offset per band, which is not "
             "applied here; apply it and save the cube again, or say --scale (reflectance per "
             "stored unit)"
@@ -294,7 +292,7 @@ def envi_scale(header: EnviHeader) -> float | None:
         return None
     factor = _number(header, "reflectance scale factor", header.word("reflectance scale factor"))
     if not (factor > 0 and math.isfinite(1 / factor)):
-        raise _check.InputError(
+        raise InputError(
             f"{header.source}: 'reflectance scale factor' must be > 0, but is {factor:g}; "
             "mend it or say --scale"
         )
@@ -325,7 +323,7 @@ def envi_wavelengths(header: EnviHeader) -> tuple[Float[Array, " m"], tuple[str,
 def _listed_wavelengths(header: EnviHeader) -> list[float]:
     cells = [cell for cell in re.split(r"[,\s]+", header.word("wavelength")) if cell]
     if not cells:
-        raise _check.InputError(
+        raise InputError(
             f"{header.source}: the list 'wavelength' is empty; fill it, or give --wavelengths "
             "FIRST:LAST in nm if the bands are evenly spaced"
         )
@@ -347,5 +345,5 @@ def _number(header: EnviHeader, what: str, text: str) -> float:
     except ValueError:
         value = math.nan
     if not math.isfinite(value):
-        raise _check.InputError(f"{header.source}: {what} is {text[:40]!r}, not a finite number")
+        raise InputError(f"{header.source}: {what} is {text[:40]!r}, not a finite number")
     return value

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import numpy as np
 
-from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise.errors import InputError
 from chromanoise.io.spectra.declared import known_unit
 from chromanoise.io.spectra.envi import EnviHeader, envi_pair, envi_pixels, read_envi_header
 from chromanoise.io.spectra.parsed import Column, Found
@@ -31,7 +31,7 @@ def envi_library(path: Path, content: bytes) -> tuple[EnviHeader, Path] | None:
         return None
     pair = envi_pair(path)
     if pair is None and path.suffix.lower() == ".sli":
-        raise _check.InputError(
+        raise InputError(
             f"{path}: the header of this ENVI spectral library is missing; put "
             f"{path.stem}.hdr in the same folder"
         )
@@ -42,7 +42,7 @@ def _library(header_file: Path, data: Path) -> tuple[EnviHeader, Path]:
     header = read_envi_header(header_file)
     kind = header.fields.get("file type", "")
     if kind.lower() != _LIBRARY:
-        raise _check.InputError(
+        raise InputError(
             f"{header_file}: its file type must be ENVI Spectral Library, but is {kind[:40]!r}; a "
             "cube is not a file of spectra"
         )
@@ -64,13 +64,13 @@ def read_envi_library(header: EnviHeader, data: Path) -> Found:
     """
     gains = [key for key in _GAINS if key in header.fields]
     if gains:
-        raise _check.InputError(
+        raise InputError(
             f"{header.source}: {gains[0]!r} is not applied here; apply it and save the library "
             "again"
         )
     pixels, notes = envi_pixels(header, data)
     if pixels.shape[2] != 1:
-        raise _check.InputError(
+        raise InputError(
             f"{header.source}: a spectral library has 1 band, but this has {pixels.shape[2]}"
         )
     factor = _factor(header)
@@ -121,7 +121,7 @@ def _factor(header: EnviHeader) -> float:
     told = header.fields.get("reflectance scale factor", "1")
     factor = number_in(told)
     if not factor > 0:
-        raise _check.InputError(
+        raise InputError(
             f"{header.source}: 'reflectance scale factor' must be > 0, but is {told[:40]!r}"
         )
     return factor
@@ -132,12 +132,12 @@ def _wavelengths(header: EnviHeader, count: int) -> tuple[Array, str]:
     cells = [cell.strip() for cell in header.word("wavelength").split(",")]
     numbers = np.array([number_in(cell) for cell in cells])
     if numbers.size != count:
-        raise _check.InputError(
+        raise InputError(
             f"{header.source}: 'wavelength' lists {numbers.size} numbers, but 'samples' is {count}"
         )
     if np.isnan(numbers).any():
         wrong = cells[int(np.isnan(numbers).argmax())]
-        raise _check.InputError(f"{header.source}: the wavelength {wrong[:40]!r} is not a number")
+        raise InputError(f"{header.source}: the wavelength {wrong[:40]!r} is not a number")
     unit = header.fields.get("wavelength units", "")
     if unit.lower() in _UNSAID:
         return numbers, ""

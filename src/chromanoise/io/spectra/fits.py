@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise.errors import InputError
 from chromanoise.io.spectra.declared import known_unit
 from chromanoise.io.spectra.parsed import Column, Found
 from chromanoise.io.spectra.tables import missing_told
@@ -37,7 +37,7 @@ def read_fits(path: Path, content: bytes) -> Found:
             at_names = [name for name in names if _WAVELENGTH.match(name)]
             if at_names:
                 return _table(path, part, place, at_names[0])
-    raise _check.InputError(
+    raise InputError(
         f"{path}: none of its tables has a column named wavelength, wave, lambda or wl; write the "
         "spectrum as a table with such a column, or as CSV"
     )
@@ -47,7 +47,7 @@ def _astropy_fits(path: Path) -> Any:
     try:
         return importlib.import_module("astropy.io.fits")
     except ImportError:
-        raise _check.InputError(
+        raise InputError(
             f"{path}: is a FITS file, which needs the package astropy; "
             "pip install 'chromanoise[fits]'"
         ) from None
@@ -55,7 +55,7 @@ def _astropy_fits(path: Path) -> Any:
 
 def _table(path: Path, part: Any, place: int, at_name: str) -> Found:
     if at_name.lower().startswith("loglam"):
-        raise _check.InputError(
+        raise InputError(
             f"{path}: its column {at_name!r} holds logarithms of wavelengths; write wavelengths"
         )
     units = {column.name: (column.unit or "").strip() for column in part.columns}
@@ -63,13 +63,13 @@ def _table(path: Path, part: Any, place: int, at_name: str) -> Found:
     if part.data[at_name].dtype.itemsize == 4:  # 0.4 um in 4 bytes is 0.4, not 0.4000000060
         at = np.array([float(str(np.float32(value))) for value in at])
     if not np.isfinite(at).all():
-        raise _check.InputError(f"{path}: the column {at_name!r} has rows without a wavelength")
+        raise InputError(f"{path}: the column {at_name!r} has rows without a wavelength")
     others = [name for name in part.columns.names if name != at_name]
     curves = {
         name: values for name in others if (values := _curve(path, part, name, at)) is not None
     }
     if not 0 < len(curves) <= _MOST_CURVES:
-        raise _check.InputError(
+        raise InputError(
             f"{path}: {len(curves)} columns have the length of {at_name!r}; a table of spectra "
             f"needs 1 to {_MOST_CURVES}"
         )
@@ -107,11 +107,11 @@ def _numbers(path: Path, part: Any, name: str) -> Array:
     """One number per row, or the one row of a table whose cells are lists; NaN for ``TNULLn``."""
     column = np.asarray(part.data[name])
     if column.dtype.kind not in "fiu" or (column.ndim > 1 and len(column) != 1):
-        raise _check.InputError(f"{path}: the column {name!r} is not a list of numbers")
+        raise InputError(f"{path}: the column {name!r} is not a list of numbers")
     values = column.astype(np.float64).ravel()
     stored, null = np.asarray(part.data)[name], part.columns[name].null
     if stored.dtype.kind in "iu" and null is not None:  # TNULLn is the number before TSCALn, TZEROn
         values[stored.ravel() == null] = np.nan
     if (np.abs(values) > _LARGEST).any():
-        raise _check.InputError(f"{path}: the column {name!r} holds numbers beyond 1e30")
+        raise InputError(f"{path}: the column {name!r} holds numbers beyond 1e30")
     return values

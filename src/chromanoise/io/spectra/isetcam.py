@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise.errors import InputError
 from chromanoise.io.mat5 import mat_array, mat_arrays, mat_texts
 from chromanoise.io.spectra.parsed import Column, Found
 from chromanoise.io.spectra.tables import missing_told
@@ -41,12 +41,12 @@ def read_isetcam(path: Path) -> Found:
     at_name = next((name for name in _WAVELENGTHS if name in arrays), None)
     if at_name is None or "data" not in arrays:
         held = ", ".join(list(arrays)[:20]) or "no arrays"
-        raise _check.InputError(
+        raise InputError(
             f"{path}: needs the arrays wavelength and data as ISETCam writes them, but holds {held}"
         )
     wavelength = _real(path, at_name, arrays[at_name]).ravel()
     if np.isnan(wavelength).any():
-        raise _check.InputError(f"{path}: the array {at_name!r} holds NaN; mend or drop it")
+        raise InputError(f"{path}: the array {at_name!r} holds NaN; mend or drop it")
     data = _upright(path, _real(path, "data", arrays["data"]), wavelength.size)
     square = _square_note(data.shape[1], wavelength.size)
     words = {w: mat_texts(path, w, largest_bytes=_LARGEST_BYTES) for w in _WORDS if w in arrays}
@@ -93,13 +93,13 @@ def _camera_of_jiang(path: Path, arrays: dict) -> Found:
     curves = {name: _real(path, name, arrays[name]).ravel() for name in "rgb"}
     if any(curve.size != _JIANG_NM.size for curve in curves.values()):
         sizes = ", ".join(f"{curve.size}" for curve in curves.values())
-        raise _check.InputError(
+        raise InputError(
             f"{path}: has r, g and b of {sizes} values, but no wavelengths; only the "
             f"{_JIANG_NM.size} values of the database of Jiang et al. (400-720 nm, step 10 nm) are "
             "accepted without; add an array 'wavelength', or write a CSV"
         )
     if not all(np.isfinite(curve).all() for curve in curves.values()):
-        raise _check.InputError(f"{path}: r, g or b holds NaN; correct it")
+        raise InputError(f"{path}: r, g or b holds NaN; correct it")
     return Found(
         source=str(path),
         format="MATLAB, a camera of Jiang et al. (2013)",
@@ -121,13 +121,13 @@ def _camera_of_jiang(path: Path, arrays: dict) -> Found:
 def _real(path: Path, name: str, declared: tuple[tuple[int, ...], np.dtype]) -> Array:
     shape, dtype = declared
     if dtype.kind not in "fiu" or len(shape) != 2 or min(shape) < 1:
-        raise _check.InputError(f"{path}: the array {name!r} must be a table of real numbers")
+        raise InputError(f"{path}: the array {name!r} must be a table of real numbers")
     if math.prod(shape) * 8 > _LARGEST_BYTES:
-        raise _check.InputError(f"{path}: the array {name!r} is too large for a table of spectra")
+        raise InputError(f"{path}: the array {name!r} is too large for a table of spectra")
     array = mat_array(path, name, largest_bytes=_LARGEST_BYTES).astype(np.float64)
     beyond = np.abs(array) > 1e30
     if beyond.any():
-        raise _check.InputError(f"{path}: the array {name!r} holds {array[beyond][0]:g}; mend it")
+        raise InputError(f"{path}: the array {name!r} holds {array[beyond][0]:g}; mend it")
     return array
 
 
@@ -136,7 +136,7 @@ def _upright(path: Path, data: Array, n: int) -> Array:
     if data.shape[0] != n and data.shape[1] == n:
         data = data.T
     if data.shape[0] != n or data.shape[1] > _MOST_CURVES:
-        raise _check.InputError(
+        raise InputError(
             f"{path}: wavelength has {n} entries, but data is {data.shape[0]} by {data.shape[1]}"
         )
     return data

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise.errors import InputError
 from chromanoise.io.spectra.own_json import SPECTRA_SCHEMA, array_of, number_of, own_spectra
 from chromanoise.io.spectra.parsed import Column, Found
 from chromanoise.io.spectra.rawtoaces import read_rawtoaces
@@ -39,7 +39,7 @@ def read_json(text: str, source: str) -> Found:
     if schema == SPECTRA_SCHEMA:
         return own_spectra(whole, source)
     if isinstance(schema, str) and schema.startswith("chromanoise "):
-        raise _check.InputError(
+        raise InputError(
             f"{source}: is JSON of the schema {schema[:40]!r}, but curves need the "
             f"schema {SPECTRA_SCHEMA!r}; convert it to .csv, or name another file"
         )
@@ -51,7 +51,7 @@ def read_json(text: str, source: str) -> Found:
         if "spectral_data" not in whole and (found := _lists(whole, source)) is not None:
             return found
     except (TypeError, OverflowError) as error:
-        raise _check.InputError(f"{source}: its lists are not curves ({error})") from None
+        raise InputError(f"{source}: its lists are not curves ({error})") from None
     return read_rawtoaces(whole, source)
 
 
@@ -61,19 +61,19 @@ def _parsed(text: str, source: str) -> dict[str, Any]:
         if len(members) < len(pairs):
             names = [name for name, _ in pairs]
             twice = next(name for name in names if names.count(name) > 1)
-            raise _check.InputError(f"{source}: the key {twice[:40]!r} occurs twice; remove one")
+            raise InputError(f"{source}: the key {twice[:40]!r} occurs twice; remove one")
         return members
 
     try:
         whole = json.loads(text, object_pairs_hook=once)
-    except _check.InputError:
+    except InputError:
         raise
     except json.JSONDecodeError as error:
-        raise _check.InputError(
+        raise InputError(
             f"{source}: line {error.lineno}, column {error.colno} is not JSON ({error.msg})"
         ) from None
     except (RecursionError, ValueError):  # a number of thousands of digits is a ValueError
-        raise _check.InputError(
+        raise InputError(
             f"{source}: its brackets are nested too deeply, or a number is too long"
         ) from None
     assert isinstance(whole, dict)  # it begins with a brace
@@ -84,7 +84,7 @@ def _camera_of_dcamprof(whole: Mapping[str, Any], source: str) -> Found:
     """A camera. DCamProf multiplies the curves by spectral power, so the response is per energy."""
     missing = [key for key in _SSF.values() if key not in whole]
     if missing:
-        raise _check.InputError(
+        raise InputError(
             f"{source}: has ssf_bands as DCamProf's cameras have, but lacks {', '.join(missing)}"
         )
     at = _bands(whole["ssf_bands"], source)
@@ -109,7 +109,7 @@ def _spectrum_of_dcamprof(whole: Mapping[str, Any], source: str) -> Found:
     at = _bands(whole["bands"], source)
     scale = number_of(whole.get("scale", 1))
     if not 0 < scale <= _LARGEST:
-        raise _check.InputError(f"{source}: its scale must be > 0, but is {scale:g}")
+        raise InputError(f"{source}: its scale must be > 0, but is {scale:g}")
     (column,) = _columns({str(whole.get("name") or "spectrum"): whole["spectrum"]}, at, source)
     return Found(
         source=source,
@@ -128,7 +128,7 @@ def _bands(told: Any, source: str) -> Array:
     if bands.size != 3 or not 0 < bands[2] <= bands[1]:
         return bands
     if bands[2] > bands[1] - bands[0] or (bands[1] - bands[0]) / bands[2] > 10_000:
-        raise _check.InputError(
+        raise InputError(
             f"{source}: bands of three numbers are first, last and step, but are "
             f"{', '.join(f'{number:g}' for number in bands)}"
         )
@@ -176,11 +176,11 @@ def _columns(lists: Mapping[str, Any], at: Array, source: str) -> tuple[Column, 
     for name, told in lists.items():
         values = array_of(told, 1)
         if values.size != at.size:
-            raise _check.InputError(
+            raise InputError(
                 f"{source}: {name[:40]!r} has {values.size} values, but there are {at.size} "
                 "wavelengths"
             )
         if not (np.abs(np.append(values, at)) <= _LARGEST).all():
-            raise _check.InputError(f"{source}: {name[:40]!r} must be finite numbers below 1e30")
+            raise InputError(f"{source}: {name[:40]!r} must be finite numbers below 1e30")
         columns.append(Column(name=name, unit="", wavelength=at, values=values))
     return tuple(columns)

@@ -6,8 +6,8 @@ from typing import Literal
 
 import numpy as np
 
-from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise.errors import InputError
 from chromanoise.io.spectra.declared import (
     is_wavelength_heading,
     level_of_key,
@@ -117,10 +117,10 @@ def _chosen(found: Found, answers: Answers) -> tuple[list[Column], list[Column]]
     names = [c.name for c in curves]
     for i, name in enumerate(names):
         if name in names[:i]:
-            raise _check.InputError(f"{found.source}: the curve {name!r} stands twice; rename one")
+            raise InputError(f"{found.source}: the curve {name!r} stands twice; rename one")
     for name in answers.columns:
         if name not in names:
-            raise _check.InputError(
+            raise InputError(
                 f"{found.source}: has no curve {name!r}; it has {', '.join(names[:20])}"
             )
     if answers.columns:
@@ -134,23 +134,23 @@ def _wavelength_unit(
     """The declared unit, else that of the option, else the only one that fits the numbers."""
     known = [c.wavelength for c in columns if c.wavelength.size]
     if not known:
-        raise _check.InputError(f"{found.source}: its curves have no points")
+        raise InputError(f"{found.source}: its curves have no points")
     low = min(float(at.min()) for at in known)
     high = max(float(at.max()) for at in known)
     if low <= 0:
-        raise _check.InputError(f"{found.source}: a wavelength must be > 0, but one is {low:g}")
+        raise InputError(f"{found.source}: a wavelength must be > 0, but one is {low:g}")
     declared, answer = _declared_unit(found), answers.wavelength_unit
     span = f"{low:g}-{high:g}"
     other = _contradicted(declared, low, high)
     if declared and other:
         if answer is None:
-            raise _check.InputError(
+            raise InputError(
                 f"{found.source}: its wavelengths are {span} {declared} by its heading, but the "
                 f"numbers look like {other}; give --wavelength-unit {other} or {declared}"
             )
         declared = answer if answer == other else declared  # the numbers contradict the heading
     if answer and declared and answer != declared:
-        raise _check.InputError(
+        raise InputError(
             f"{found.source}: declares its wavelengths in {declared}, but --wavelength-unit is "
             f"{answer}; omit the option, or correct the file"
         )
@@ -175,8 +175,8 @@ def _contradicted(declared: Unit | None, low: float, high: float) -> Unit | None
     return "nm" if declared == "angstrom" and unit_that_fits(low, high) == "nm" else None
 
 
-def _unit_wanted(found: Found, span: str) -> _check.InputError:
-    return _check.InputError(
+def _unit_wanted(found: Found, span: str) -> InputError:
+    return InputError(
         f"{found.source}: does not declare the unit of its wavelengths, {span}; give "
         "--wavelength-unit nm, um, angstrom or 1/cm (for a filter --filter-wavelength-unit, for an "
         "illuminant --illuminant-wavelength-unit)"
@@ -202,12 +202,12 @@ def _declared_unit(found: Found) -> Unit | None:
             "its heading": wavelength_unit_of(found.heading),
             "its key": _unit_of_key(found),
         }
-    except _check.InputError as error:
-        raise _check.InputError(f"{found.source}: {error}") from None
+    except InputError as error:
+        raise InputError(f"{found.source}: {error}") from None
     said = {where: unit for where, unit in units.items() if unit}
     if len(set(said.values())) > 1:
         told = ", ".join(f"{unit} by {where}" for where, unit in said.items())
-        raise _check.InputError(f"{found.source}: its wavelengths are in {told}; correct one")
+        raise InputError(f"{found.source}: its wavelengths are in {told}; correct one")
     return next(iter(said.values()), None)
 
 
@@ -245,7 +245,7 @@ def _scale(
     percent = [c for c in columns if re.search(_PERCENT, f"{c.name} [{c.unit}]".lower())]
     if declared is None and 0 < len(percent) < len(columns):
         other = next(c.name for c in columns if c not in percent)
-        raise _check.InputError(
+        raise InputError(
             f"{found.source}: {percent[0].name} is in percent by its heading, but {other} is not; "
             "give all curves one unit, or name the wanted ones (--column)"
         )

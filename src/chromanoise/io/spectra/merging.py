@@ -7,6 +7,7 @@ from jaxtyping import Float
 
 from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise.errors import InputError
 from chromanoise.io.spectra.parsed import Column, Unit
 from chromanoise.spectra.curves import Beyond
 
@@ -84,7 +85,7 @@ def sorted_points(column: Column, unit: Unit, source: str) -> Sorted:
     rising, values = at[order], column.values[order]
     distinct, first, count = np.unique(rising, return_index=True, return_counts=True)
     if distinct.size < 2:
-        raise _check.InputError(
+        raise InputError(
             f"{source}: the curve {column.name!r} has {distinct.size} "
             f"wavelength{'s' * (distinct.size != 1)}; it needs 2"
         )
@@ -109,9 +110,7 @@ def on_common(
     """
     at = np.unique(np.concatenate([p.wavelength_nm for p in points]))
     if at.size * len(points) > _MOST_VALUES:
-        raise _check.InputError(
-            f"{source}: {len(points)} curves at {at.size} wavelengths are too many"
-        )
+        raise InputError(f"{source}: {len(points)} curves at {at.size} wavelengths are too many")
     starts = [float(p.wavelength_nm[0]) for p in points]
     ends = [float(p.wavelength_nm[-1]) for p in points]
     low, high = max(starts), min(ends)
@@ -124,7 +123,7 @@ def on_common(
         else:
             notes = (f"{told}: {beyond} beyond each curve's own end",)
     if at.size < 2:
-        raise _check.InputError(
+        raise InputError(
             f"{source}: its curves share no two wavelengths; say --beyond zero or hold"
         )
     side = 0.0 if beyond == "zero" else None

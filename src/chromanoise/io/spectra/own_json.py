@@ -7,7 +7,8 @@ from typing import Any, get_args
 import numpy as np
 
 from chromanoise import _check
-from chromanoise._check import Array, InputError
+from chromanoise._check import Array
+from chromanoise.errors import InputError
 from chromanoise.io.spectra.parsed import Column, Found, Level, Per, Quantity, Scaled
 
 SCHEMA_VERSION = 1

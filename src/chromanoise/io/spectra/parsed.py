@@ -9,6 +9,7 @@ from jaxtyping import Float
 
 from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise.errors import InputError
 from chromanoise.spectra.curves import Beyond, Spectra
 
 Quantity = Literal["QE", "response", "reflectance", "transmittance", "power"]
@@ -231,7 +232,7 @@ class Understood:
 
     def __post_init__(self) -> None:
         if not np.isfinite(self.factor) or self.factor <= 0:
-            raise _check.InputError(f"factor must be finite and > 0, but is {self.factor:g}")
+            raise InputError(f"factor must be finite and > 0, but is {self.factor:g}")
         if self.deviations is not None:
             _check.same_length(
                 "wavelengths",

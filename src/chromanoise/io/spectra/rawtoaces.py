@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from chromanoise import _check
+from chromanoise.errors import InputError
 from chromanoise.io.spectra.parsed import Column, Found, Level
 from chromanoise.io.spectra.tables import number_in
 
@@ -28,7 +28,7 @@ def read_rawtoaces(whole: Mapping[str, Any], source: str) -> Found:
     data = _member(_member(spectral, "data", source), "main", source)
     rows = [_row(at, values, source) for at, values in data.items()]
     if len(rows) < 2 or len({len(row) for row in rows}) != 1:
-        raise _check.InputError(
+        raise InputError(
             f"{source}: spectral_data.data.main needs 2 wavelengths with the same number of values"
         )
     table = np.array(rows, dtype=np.float64)
@@ -62,7 +62,7 @@ def _facts(whole: Mapping[str, Any]) -> dict[str, str]:
 def _member(of: Mapping[str, Any], name: str, source: str) -> dict[str, Any]:
     member = of.get(name)
     if not isinstance(member, dict):
-        raise _check.InputError(
+        raise InputError(
             f"{source}: lacks the object {name!r}; a rawtoaces file has spectral_data.data.main"
         )
     return member
@@ -73,13 +73,13 @@ def _row(at: str, values: Any, source: str) -> list[float]:
     real = [v for v in cells if isinstance(v, int | float) and not isinstance(v, bool)]
     wavelength = number_in(at)
     if wavelength != wavelength or len(real) != len(cells) or not cells:
-        raise _check.InputError(
+        raise InputError(
             f"{source}: the entry {at[:40]!r} of spectral_data.data.main must be a wavelength with "
             "a list of numbers"
         )
     row = [wavelength, *(_float(v) for v in real)]
     if not all(abs(v) <= _LARGEST for v in row):
-        raise _check.InputError(f"{source}: the values at {at[:40]!r} must be finite; mend them")
+        raise InputError(f"{source}: the values at {at[:40]!r} must be finite; mend them")
     return row
 
 
@@ -96,7 +96,7 @@ def _names(spectral: dict[str, Any], curves: int, source: str) -> tuple[str, ...
     if names is None:
         return tuple(str(k + 1) for k in range(curves))
     if not isinstance(names, list) or len(names) != curves:
-        raise _check.InputError(
+        raise InputError(
             f"{source}: spectral_data.index.main must name the {curves} values of each wavelength"
         )
     return tuple(str(name) for name in names)

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise.errors import InputError
 from chromanoise.io.spectra.declared import (
     declared_keys,
     is_row_of_units,
@@ -79,12 +79,12 @@ def table_of(
         If fewer than two rows hold numbers, or a cell of them is none; its line is told.
     """
     if sum(len(row.cells) for row in rows) > _MOST_CELLS:
-        raise _check.InputError(f"{source}: more than {_MOST_CELLS} cells are no table of spectra")
+        raise InputError(f"{source}: more than {_MOST_CELLS} cells are no table of spectra")
     rows, turned = as_columns(with_plain_wavelengths(rows))
     first = _first_row_of_numbers(rows, decimal == ",")
     body = [row for row in rows[first:] if any(row.cells)]
     if len(body) < 2:
-        raise _check.InputError(
+        raise InputError(
             f"{source}: needs at least 2 rows of a wavelength and a value, but {len(body)} of its "
             f"{len(rows)} {where}s is one"
         )
@@ -146,7 +146,7 @@ def _refuse_wavelengths_elsewhere(names: tuple[str, ...], source: str) -> None:
     others = [k for k, name in enumerate(names) if is_wavelength_heading(name)]
     if len(others) == 1 and others[0] > 0:
         k = others[0]
-        raise _check.InputError(
+        raise InputError(
             f"{source}: its heading says {names[k][:40]!r} over column {k + 1}; put the "
             "wavelengths into the first column, and remove columns that are not curves"
         )
@@ -157,9 +157,7 @@ def _refuse_no_wavelengths(numbers: np.ndarray, body: list[Row], pairs: bool, pl
     wrong = np.argwhere(at <= 0)
     if len(wrong):
         i, k = (int(n) for n in wrong[0])
-        raise _check.InputError(
-            f"{place} {body[i].number}: a wavelength must be > 0, but is {at[i, k]:g}"
-        )
+        raise InputError(f"{place} {body[i].number}: a wavelength must be > 0, but is {at[i, k]:g}")
 
 
 def _numbers(
@@ -171,7 +169,7 @@ def _numbers(
     for i, row in enumerate(body):
         cells = _bare(row.cells)
         if len(cells) > width:
-            raise _check.InputError(
+            raise InputError(
                 f"{source}: {where} {row.number} has {len(cells)} cells, the heading has {width}"
                 "; where commas part the fractions, part the cells with semicolons"
             )
@@ -180,7 +178,7 @@ def _numbers(
         for k, cell in enumerate(cells):
             table[i, k] = value = number_in(cell, decimal_comma=decimal == ",")
             if value != value and cell.lower() not in _MISSING:
-                raise _check.InputError(
+                raise InputError(
                     f"{source}: {where} {row.number}, column {names[k][:40] or k + 1}: "
                     f"{cell[:40]!r} is not a finite number below {_LARGEST:g}; mend or drop it"
                 )
@@ -249,11 +247,11 @@ def _shared(
 ) -> Found:
     lost = np.flatnonzero(~np.isfinite(numbers[:, 0]))
     if lost.size:
-        raise _check.InputError(
+        raise InputError(
             f"{found['source']}: {where} {at_lines[int(lost[0])]} has values but no wavelength"
         )
     if numbers.shape[1] < 2:
-        raise _check.InputError(f"{found['source']}: has one column only; a curve needs two")
+        raise InputError(f"{found['source']}: has one column only; a curve needs two")
     names = [name_and_unit(text) if unit is None else (text, unit) for text in head[1:]]
     columns, missing = [], []
     for k, (name, unit) in enumerate(names):

@@ -6,7 +6,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from chromanoise import _check
+from chromanoise.errors import InputError
 from chromanoise.io.spectra.parsed import Column, Found, Level, Per, Quantity
 from chromanoise.io.spectra.tables import number_in
 
@@ -40,7 +40,7 @@ def read_tm27(text: str, source: str) -> Found:
     parts = {e.tag.rpartition("}")[2]: (e.text or "").strip() for e in root.iter()}
     points = [e for e in root.iter() if e.tag.rpartition("}")[2] == "SpectralData"]
     if len(points) < 2:
-        raise _check.InputError(f"{source}: has {len(points)} SpectralData; a curve needs 2")
+        raise InputError(f"{source}: has {len(points)} SpectralData; a curve needs 2")
     rows = [
         (_number(e.get("wavelength", ""), k, source), _number(e.text or "", k, source))
         for k, e in enumerate(points, 1)
@@ -78,18 +78,18 @@ def _ours(pattern: str, comments: str) -> Any:
 
 def _root(text: str, source: str) -> ElementTree.Element:
     if re.search(r"<!\s*(DOCTYPE|ENTITY)", text, re.IGNORECASE):
-        raise _check.InputError(f"{source}: declares a document type; leave it out")
+        raise InputError(f"{source}: declares a document type; leave it out")
     plain = re.sub(r"\A\s*<\?xml[^>]*\?>", "", text)  # the text is decoded already
     try:
         root = ElementTree.fromstring(plain)
     except ElementTree.ParseError as error:
         line, column = error.position
         line += text[: text.find("?>") + 2].count("\n") if plain != text else 0
-        raise _check.InputError(
+        raise InputError(
             f"{source}: line {line}, column {column + 1} is no XML ({error})"
         ) from None
     if not root.tag.rpartition("}")[2].upper().startswith("IESTM27"):
-        raise _check.InputError(f"{source}: is XML, but no IES TM-27 ({root.tag[:60]})")
+        raise InputError(f"{source}: is XML, but no IES TM-27 ({root.tag[:60]})")
     return root
 
 
@@ -97,5 +97,5 @@ def _number(text: str, k: int, source: str) -> float:
     value = number_in(text)
     if value != value:
         told = text.strip()[:40]
-        raise _check.InputError(f"{source}: SpectralData {k}: {told!r} is not a finite number")
+        raise InputError(f"{source}: SpectralData {k}: {told!r} is not a finite number")
     return value

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from chromanoise import _check
+from chromanoise.errors import InputError
 from chromanoise.io.spectra.defects import defects_of_a_light, looks_normalized
 from chromanoise.io.spectra.parsed import Answers, Question, Understood
 from chromanoise.io.spectra.questions import light_questions, sensor_questions
@@ -50,7 +50,7 @@ def qe_of(told: Understood, answers: Answers) -> Spectra:
     """
     source = told.curves.source
     if told.quantity in ("reflectance", "transmittance", "power"):
-        raise _check.InputError(
+        raise InputError(
             f"{source}: holds {told.quantity}, but a sensor needs quantum efficiencies"
         )
     _refuse_open(told, sensor_questions(told, answers))
@@ -72,7 +72,7 @@ def _refuse_open(told: Understood, questions: Iterable[Question]) -> None:
     asked = tuple(questions)
     if asked:
         why = "; ".join(question.asks for question in asked)
-        raise _check.InputError(
+        raise InputError(
             f"{told.curves.source}: {why}; give "
             + ", and ".join(question.options for question in asked)
         )
@@ -84,7 +84,7 @@ def _with_height(
     highest = float(curves.values.max())
     assert answers.peak_qe is not None  # asked for by `sensor_questions`
     if highest <= 0:
-        raise _check.InputError(f"{curves.source}: its curves are nowhere above 0")
+        raise InputError(f"{curves.source}: its curves are nowhere above 0")
     told = f"relative curves, scaled to a highest QE of {answers.peak_qe:g}"
     return replace(curves, values=curves.values * (answers.peak_qe / highest)), (*notes, told)
 
@@ -101,7 +101,7 @@ def power_of(told: Understood) -> Spectra:
     curves = told.curves
     _refuse_open(told, light_questions(told))
     if told.wavelength_unit == "1/cm":
-        raise _check.InputError(
+        raise InputError(
             f"{curves.source}: gives light per wavenumber, and 1/cm is not a constant number "
             "of nm; convert it to light per nm"
         )

@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float
 
-from chromanoise import _check
 from chromanoise._check import Array, printable
+from chromanoise.errors import InputError
 from chromanoise.io.spectra.declared import UNITS, unit_that_fits
 
 Notes = tuple[str, ...]
@@ -90,7 +90,7 @@ def listed_wavelengths(
     (first, notes), *others = [_nanometers_of(path, one) for one in lists]
     for one, (other, _) in zip(lists[1:], others, strict=True):
         if first.shape != other.shape or not np.allclose(first, other, rtol=_SAME, atol=0):
-            raise _check.InputError(
+            raise InputError(
                 f"{path}: {printable(lists[0].name)!r} and {printable(one.name)!r} both list "
                 "wavelengths, but differ; give --wavelengths FIRST:LAST in nm, or a file of them"
             )
@@ -99,7 +99,7 @@ def listed_wavelengths(
 
 def _nanometers_of(path: Path | str, one: Listed) -> tuple[Float[Array, " m"], Notes]:
     if not 1 <= one.size <= _MOST_WAVELENGTHS:
-        raise _check.InputError(
+        raise InputError(
             f"{path}: array {printable(one.name)!r} lists {one.size} wavelengths; correct it, or "
             "give --wavelengths FIRST:LAST in nm, or a file of them"
         )
@@ -149,7 +149,7 @@ def nanometers(
         if fitting == "nm" or (fitting == "um" and word != "index"):
             what = "nm" if fitting == "nm" else "micrometers"
             return listed * NM_PER[fitting], (f"{name!r} has {told}: wavelengths taken as {what}",)
-    raise _check.InputError(
+    raise InputError(
         f"{path}: {printable(name)!r} has {told} for wavelengths {low:g} .. {high:g}, so they "
         "cannot be converted to nm; declare nm or um there, or give --wavelengths FIRST:LAST in nm "
         "or a file of them"

@@ -5,7 +5,7 @@ import zipfile
 from pathlib import Path
 from typing import Any
 
-from chromanoise import _check
+from chromanoise.errors import InputError
 from chromanoise.io.spectra.parsed import Found, Row
 from chromanoise.io.spectra.tables import table_of
 
@@ -30,7 +30,7 @@ def read_workbook(path: Path) -> Found:
         book.close()
     filled = [(title, rows) for title, rows in sheets.items() if rows]
     if not filled:
-        raise _check.InputError(f"{path}: all its sheets are empty")
+        raise InputError(f"{path}: all its sheets are empty")
     title, rows = filled[0]
     comments = tuple(r.cells[0] for r in rows if len([c for c in r.cells if c]) == 1)
     form = f"XLSX, sheet {title}" + (f" of {len(filled)}" if len(filled) > 1 else "")
@@ -41,7 +41,7 @@ def _openpyxl(path: Path) -> Any:
     try:
         return importlib.import_module("openpyxl")
     except ImportError:
-        raise _check.InputError(
+        raise InputError(
             f"{path}: needs the package openpyxl, which is not installed; "
             "pip install 'chromanoise[xlsx]'"
         ) from None
@@ -52,21 +52,21 @@ def _refuse_bombs(path: Path) -> None:
     with zipfile.ZipFile(path) as archive:
         parts = archive.infolist()
         if sum(part.file_size for part in parts) > _LARGEST_BYTES:
-            raise _check.InputError(f"{path}: unpacks to more than {_LARGEST_BYTES // 2**20} MiB")
+            raise InputError(f"{path}: unpacks to more than {_LARGEST_BYTES // 2**20} MiB")
         for part in parts:
             if part.filename.lower().endswith((".xml", ".rels")):
                 text = archive.read(part).replace(b"\0", b"").upper()
                 if b"<!DOCTYPE" in text or b"<!ENTITY" in text:
-                    raise _check.InputError(f"{path}: declares a document type in {part.filename}")
+                    raise InputError(f"{path}: declares a document type in {part.filename}")
 
 
 def _rows(path: Path, sheet: Any) -> list[Row]:
     if (sheet.max_row or 0) > _MOST_ROWS or (sheet.max_column or 0) > _MOST_COLUMNS:
-        raise _check.InputError(f"{path}: sheet {sheet.title} is too large for a table of spectra")
+        raise InputError(f"{path}: sheet {sheet.title} is too large for a table of spectra")
     rows = []
     for number, values in enumerate(sheet.iter_rows(values_only=True), 1):
         if number > _MOST_ROWS or len(values) > _MOST_COLUMNS:
-            raise _check.InputError(f"{path}: sheet {sheet.title} is too large for spectra")
+            raise InputError(f"{path}: sheet {sheet.title} is too large for spectra")
         if any(value is not None for value in values):
             rows.append(Row(number=number, cells=tuple(_text(value) for value in values)))
     return rows

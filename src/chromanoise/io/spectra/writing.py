@@ -16,7 +16,7 @@ from xml.sax.saxutils import escape
 import numpy as np
 
 from chromanoise import __version__
-from chromanoise._check import InputError
+from chromanoise.errors import InputError
 from chromanoise.io.spectra.own_json import as_json
 from chromanoise.sensor import Mosaic, Sensor
 from chromanoise.spectra import Spectra

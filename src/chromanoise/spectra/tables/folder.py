@@ -8,6 +8,7 @@ from pathlib import Path
 
 from chromanoise import _check
 from chromanoise._inputs import regular_file
+from chromanoise.errors import InputError
 from chromanoise.spectra.curves import Spectra
 from chromanoise.spectra.readers import read_spectra_csv
 from chromanoise.spectra.tables.provenance import Provenance, table_provenances
@@ -49,15 +50,13 @@ def user_tables(folder: Path) -> Mapping[str, UserTable]:
         section no table, or a name is none.
     """
     if not folder.is_dir():
-        raise _check.InputError(
-            f"{folder}: is no folder of a catalogue; name one that holds {SOURCES}"
-        )
+        raise InputError(f"{folder}: is no folder of a catalogue; name one that holds {SOURCES}")
     source = folder / SOURCES
     told = table_provenances(_text(source), str(source))
     tables = {name: _table(folder, name, provenance) for name, provenance in told.items()}
     for path in sorted(folder.glob("*.csv")):
         if path.stem not in tables:
-            raise _check.InputError(
+            raise InputError(
                 f"{path}: has no provenance; give it a section [{path.stem}] in {source}"
             )
     return tables
@@ -78,30 +77,28 @@ def user_curves(table: UserTable) -> Spectra:
 def _table(folder: Path, name: str, provenance: Provenance) -> UserTable:
     where = f"{folder / SOURCES}: [{name}]"
     if not _NAME.fullmatch(name):
-        raise _check.InputError(
+        raise InputError(
             f"{where}: a name is made of letters, digits, - and _, for it names a file beside it"
         )
     _check.one_of(f"kind in {where}", provenance.kind, _KINDS)
     if provenance.kind == "illuminant" and provenance.per is None:
-        raise _check.InputError(
-            f'{where} must say how it counts light: per = "energy" or per = "photon"'
-        )
+        raise InputError(f'{where} must say how it counts light: per = "energy" or per = "photon"')
     path = folder / f"{name}.csv"
     if not path.is_file():
-        raise _check.InputError(f"{where}: its table {path.name} is not beside it")
+        raise InputError(f"{where}: its table {path.name} is not beside it")
     if Path(os.path.realpath(path)).parent != Path(os.path.realpath(folder)):
-        raise _check.InputError(f"{path}: leads out of its folder; copy the table into it")
+        raise InputError(f"{path}: leads out of its folder; copy the table into it")
     return UserTable(provenance=provenance, path=path)
 
 
 def _text(path: Path) -> str:
     try:
         if regular_file(path).st_size > _LARGEST_BYTES:
-            raise _check.InputError(f"{path}: is larger than 1 MiB, too large to tell of sources")
+            raise InputError(f"{path}: is larger than 1 MiB, too large to tell of sources")
         return path.read_text(encoding="utf-8-sig")
     except UnicodeDecodeError as error:
-        raise _check.InputError(
+        raise InputError(
             f"{path}: not a UTF-8 text file (byte {error.start} is not text)"
         ) from None
     except OSError as error:
-        raise _check.InputError(f"{path}: cannot be read ({error.strerror})") from None
+        raise InputError(f"{path}: cannot be read ({error.strerror})") from None

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any, Literal, get_args
 
 from chromanoise import _check
+from chromanoise.errors import InputError
 
 Kind = Literal["sensor", "illuminant", "reflectance", "filter", "scene", "part"]
 _LEVELS = ("absolute", "relative")
@@ -84,7 +85,7 @@ class Provenance:
         if self.per is not None:
             _check.one_of(f"per of {self.name}", self.per, _PERS)
         if self.pixel and not self.pixel_source:
-            raise _check.InputError(
+            raise InputError(
                 f"the pixel of {self.name} needs a source, as every number of the catalogue"
             )
         if self.kind == "sensor":
@@ -95,23 +96,23 @@ def _refuse_contradiction(told: Provenance) -> None:
     """What a sensor's section says of its curves must not be two things at once."""
     unit = told.unit.replace(" ", "")
     if told.quantity == "QE" and told.per == "energy":
-        raise _check.InputError(
+        raise InputError(
             f"{told.name}: QE is per photon, but per says energy; leave per away, or say quantity "
             '= "response"'
         )
     if told.quantity != "response":
         return
     if told.per == "photon" and "/W" in unit:
-        raise _check.InputError(
+        raise InputError(
             f'{told.name}: {told.unit} is per energy, but per says photon; say per = "energy"'
         )
     if told.level == "absolute" and unit not in _ABSOLUTE:
-        raise _check.InputError(
+        raise InputError(
             f"{told.name}: an absolute response is in {' or '.join(_ABSOLUTE)}, but its unit is "
             f'{told.unit}; convert it, or say level = "relative"'
         )
     if told.level == "absolute" and unit == "e-/photon" and told.per == "energy":
-        raise _check.InputError(
+        raise InputError(
             f'{told.name}: e-/photon is per photon, but per says energy; say per = "photon"'
         )
 
@@ -187,10 +188,10 @@ def sections_of(text: str, source: str) -> dict[str, dict[str, Any]]:
     try:
         told = tomllib.loads(text)
     except (tomllib.TOMLDecodeError, RecursionError) as error:
-        raise _check.InputError(f"{source}: is no TOML ({error})") from None
+        raise InputError(f"{source}: is no TOML ({error})") from None
     for key, section in told.items():
         if not isinstance(section, dict):
-            raise _check.InputError(f"{source}: {key} stands outside of a section; put it into one")
+            raise InputError(f"{source}: {key} stands outside of a section; put it into one")
     return told
 
 
@@ -204,13 +205,13 @@ def _checked(section: dict[str, Any], where: str, keys: tuple[str, ...]) -> None
             _check.one_of(f"{key} in {where}", section[key], known)
     for key in ("done", "mosaic", "pattern", "carried_as"):
         if not isinstance(section.get(key, ""), str):
-            raise _check.InputError(f"{where}: {key} must be text, but is {section[key]!r}")
+            raise InputError(f"{where}: {key} must be text, but is {section[key]!r}")
 
 
 def _text(section: dict[str, Any], key: str, where: str) -> str:
     value = section.get(key)
     if not isinstance(value, str) or not value.strip():
-        raise _check.InputError(
+        raise InputError(
             f"{where} must say its {key} in words; no entry stands here without provenance"
         )
     return value
@@ -249,15 +250,13 @@ def _range(told: Any, name: str) -> tuple[float, float] | None:
 def _pixel(section: dict[str, Any], where: str) -> Iterator[tuple[str, float]]:
     told = section.get("pixel", {})
     if not isinstance(told, dict):
-        raise _check.InputError(
-            f"{where}: pixel must be a table, as {{ pitch_um = 6.0, source = ... }}"
-        )
+        raise InputError(f"{where}: pixel must be a table, as {{ pitch_um = 6.0, source = ... }}")
     for key, value in told.items():
         _check.one_of(f"key of the pixel in {where}", key, (*_PIXEL, "source"))
         if key == "source":
             continue
         if isinstance(value, bool) or not isinstance(value, int | float):
-            raise _check.InputError(f"{where}: {key} must be a number, but is {value!r}")
+            raise InputError(f"{where}: {key} must be a number, but is {value!r}")
         allowed = _check.not_negative if key == "read_noise_e" else _check.positive
         allowed(f"{where}: {key}", "um" if key == "pitch_um" else "e-", value)
         yield key, float(value)
