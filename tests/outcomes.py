@@ -1,4 +1,11 @@
-"""What a command told: its complaints have one form."""
+"""What a command or a function refused: fields, or one sentence of one form."""
+
+import re
+from contextlib import contextmanager
+
+import pytest
+
+from chromanoise.errors import InputError, Setting, errors_in
 
 
 def refused(outcome, *parts):
@@ -11,3 +18,23 @@ def refused(outcome, *parts):
     assert "Traceback" not in err
     for part in parts:
         assert part in err
+
+
+@contextmanager
+def refused_input(*, setting=None, requirement=None, **fields):
+    """An `InputError` with these fields; ``setting`` names one of the settings of its remedy."""
+    with pytest.raises(InputError) as caught:
+        yield caught
+    errors = errors_in(caught.value)
+    assert any(_agrees(error, setting, requirement, fields) for error in errors), [
+        vars(error) for error in errors
+    ]
+
+
+def _agrees(error, setting, requirement, fields):
+    names = [one.name for one in error.remedy if isinstance(one, Setting)]
+    return (
+        all(getattr(error, name) == value for name, value in fields.items())
+        and (setting is None or setting in names)
+        and (requirement is None or re.search(requirement, error.requirement) is not None)
+    )
