@@ -150,14 +150,20 @@ class StudyError(InputError):
     Attributes
     ----------
     errors
-        Each of them.
+        Each of them; its ``setting`` is a key of the study.
+    in_place
+        Whether the sentences name the file and line of each.
     """
 
     errors: tuple[InputError, ...]
+    in_place: bool
 
-    def __init__(self, errors: Sequence[InputError]) -> None:
-        super().__init__("\n".join(str(error) for error in errors))
-        self.errors = tuple(errors)
+    def __init__(
+        self, errors: Sequence[InputError], sentences: Sequence[str] | None = None
+    ) -> None:
+        told = [str(error) for error in errors] if sentences is None else sentences
+        super().__init__("\n".join(told))
+        self.errors, self.in_place = tuple(errors), sentences is not None
 
 
 def errors_in(error: InputError) -> tuple[InputError, ...]:

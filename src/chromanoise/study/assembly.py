@@ -1,7 +1,8 @@
-"""What a study names, as nouns: lights, sensors, exposures, pictures."""
+"""What a study names, as objects: lights, sensors, exposures, pictures."""
 
-from collections.abc import Callable, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any
 
@@ -18,53 +19,130 @@ from chromanoise.sensor import Sensor, behind_ir_cut, mosaic_named, with_shifted
 from chromanoise.spectra import Illuminant
 from chromanoise.study.document import PicturePart, SensorPart, Study
 
-Key = tuple[str | int, ...]
-"""Where a value of a study stands: ("sensors", 0, "name")."""
+_LUX = (1e-15, 1e15)
+_TIME_MS = (1e-12, 1e15)
+_F_NUMBER = (1e-2, 1e6)
+_SHARE = (1e-9, 1.0)
+_OF_ANSWERS = ("scale", "level", "per", "wavelength_unit", "peak_qe")
 
 
-def situations_of(study: Study) -> list[Situation]:
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Given:
+    """Objects of Python that a study names, in place of the catalog and files.
+
+    Attributes
+    ----------
+    sensors, illuminants
+        By the name in the study.
+    """
+
+    sensors: Mapping[str, Sensor] = field(default_factory=dict)
+    illuminants: Mapping[str, Illuminant] = field(default_factory=dict)
+
+
+NOTHING_GIVEN = Given()
+
+
+def operating_points_of(study: Study, given: Given = NOTHING_GIVEN) -> list[Situation]:
     """Each sensor of the study in its light, with its exposure.
 
     Raises
     ------
     InputError
-        If a name names nothing, a file cannot be read, or no light reaches a sensor.
+        If a name names nothing, a file cannot be read, a setting has no effect, or no light reaches
+        a sensor.
     """
-    sensors = [sensor_of(part) for part in study.sensors]
-    return told_apart(situations_in(study, illuminant_of(study), sensors))
+    for error in (*duplicates(study), *idle_settings(study)):
+        raise error
+    illuminant = illuminant_of(study, given)
+    sensors = [sensor_of(study, i, given) for i in range(len(study.sensors))]
+    return with_distinct_names(operating_points_in(study, illuminant, sensors))
 
 
-def told_apart(situations: Sequence[Situation]) -> list[Situation]:
-    """Sensors of one name get a number: a sensor is often compared with a changed self.
+def with_distinct_names(points: Sequence[Situation]) -> list[Situation]:
+    """Sensors of one name get a number: a sensor is often compared with a changed copy.
 
-    ``cam``, ``cam`` become ``cam`` and ``cam (2)``; a number that is a name already is passed over.
+    ``cam``, ``cam`` become ``cam`` and ``cam (2)``; a number that is a name already is skipped.
     """
-    names = [one.sensor.name for one in situations]
-    told: list[Situation] = []
-    for i, (one, name) in enumerate(zip(situations, names, strict=True)):
-        taken = {before.sensor.name for before in told}
+    names = [one.sensor.name for one in points]
+    distinct: list[Situation] = []
+    for i, (one, name) in enumerate(zip(points, names, strict=True)):
+        taken = {before.sensor.name for before in distinct}
         taken |= {later for later in names[i + 1 :] if later != name}
         count = 1
         while name in taken:
             count += 1
             name = f"{names[i]} ({count})"
-        told.append(one if count == 1 else replace(one, sensor=replace(one.sensor, name=name)))
-    return told
+        distinct.append(one if count == 1 else replace(one, sensor=replace(one.sensor, name=name)))
+    return distinct
 
 
-def twins(study: Study) -> list[tuple[Key, str]]:
-    """The sensors that stand there a second time with nothing changed, each with its key and why.
+def duplicates(study: Study) -> list[InputError]:
+    """The sensors that are repeated with nothing changed.
 
     A page shows them, for one of them is about to be changed; a run would compute all of it twice.
     """
     return [
-        (("sensors", i, "name"), f"{part.name!r} stands twice; change one or leave it away")
+        InputError(
+            "name",
+            "must not be repeated with nothing changed",
+            value=part.name,
+            found=f"{part.name!r} is",
+            remedy="change one or omit it",
+            setting=f"sensors.{i}.name",
+        )
         for i, part in enumerate(study.sensors)
         if part in study.sensors[:i]
     ]
 
 
-def situations_in(
+def idle_settings(study: Study) -> list[InputError]:
+    """Settings that change nothing: answers about a file where a name, or no question, is given.
+
+    An answer that several sensors share has an effect if one of them needs it.
+    """
+    errors = []
+    for name in _OF_ANSWERS:
+        values = {getattr(part.answers, name) for part in study.sensors} - {None}
+        for value in sorted(values, key=str):
+            sharing = [i for i, s in enumerate(study.sensors) if getattr(s.answers, name) == value]
+            words = [study.sensors[i].name for i in sharing]
+            parts = [study.sensors[i] for i in sharing]
+            if all(name in idle_answers([part.name], _answers(part)) for part in parts):
+                errors.append(
+                    _idle(f"sensors.{sharing[0]}.answers.{name}", value, ", ".join(words))
+                )
+    light = study.light
+    infrared = infrared_parts(light.illuminant)
+    base = light.illuminant if infrared is None else infrared[0]
+    if not is_file_word(base, "light"):
+        errors += [
+            _idle(f"light.{name}", getattr(light, name), light.illuminant)
+            for name in ("per", "column", "wavelength_unit")
+            if getattr(light, name) is not None
+        ]
+    for i, part in enumerate(study.sensors):
+        unit = part.filter_wavelength_unit
+        if unit and (part.filter is None or not is_file_word(part.filter, "filter")):
+            errors.append(
+                _idle(f"sensors.{i}.filter_wavelength_unit", unit, part.filter or "no filter")
+            )
+            break
+    return errors
+
+
+def _idle(key: str, value: Any, of: str) -> InputError:
+    return InputError(
+        key.rpartition(".")[2],
+        f"must not be given for {of}",
+        value=value,
+        found="it would change nothing",
+        remedy="omit it",
+        setting=key,
+    )
+
+
+def operating_points_in(
     study: Study, illuminant: Illuminant, sensors: Sequence[Sensor]
 ) -> list[Situation]:
     """Sensors in a light, on the terms of the study.
@@ -72,28 +150,38 @@ def situations_in(
     Parameters
     ----------
     study
-        Of which the exposure and the light level are looked at.
+        Of which the exposure and the light level are used.
     illuminant, sensors
         What it names.
 
     Raises
     ------
     InputError
-        If no light reaches a sensor.
+        If no light reaches a sensor, or a value is beyond what double precision holds.
     """
-    white = flat_field(illuminant, level_lux=study.light.level_lux)
+    light, rule = study.light, study.exposure
+    _within("light.level_lux", "lx", light.level_lux, _LUX)
+    _within("exposure.f_number", "1", rule.f_number, _F_NUMBER)
+    _within("exposure.saturate", "of full well", rule.saturate, _SHARE)
+    if rule.time_ms is not None:
+        _within("exposure.time_ms", "ms", rule.time_ms, _TIME_MS)
+    white = flat_field(illuminant, level_lux=light.level_lux)
     return [
         Situation(
-            sensor=sensor,
-            exposure=exposure,
-            illuminant=illuminant,
-            level_lux=study.light.level_lux,
+            sensor=sensor, exposure=exposure, illuminant=illuminant, level_lux=light.level_lux
         )
         for sensor, exposure in zip(sensors, _exposures(study, white, sensors), strict=True)
     ]
 
 
-def illuminant_of(study: Study) -> Illuminant:
+def _within(key: str, unit: str, value: float, bounds: tuple[float, float]) -> None:
+    try:
+        within(key.rpartition(".")[2], unit, value, *bounds)
+    except InputError as error:
+        raise error.inside(key, str) from None
+
+
+def illuminant_of(study: Study, given: Given = NOTHING_GIVEN) -> Illuminant:
     """The light of the study.
 
     Raises
@@ -101,11 +189,15 @@ def illuminant_of(study: Study) -> Illuminant:
     InputError
         If its name names nothing, or a file cannot be read.
     """
-    return illuminant_of_word(study.light.illuminant, answers=light_answers_of(study))
+    word = study.light.illuminant
+    if word in given.illuminants:
+        return given.illuminants[word]
+    with _key("light.illuminant", lambda name: f"light.{'column' if name == 'columns' else name}"):
+        return illuminant_of_word(word, answers=light_answers_of(study))
 
 
 def light_answers_of(study: Study) -> Answers:
-    """What the study says of the file of its light, where the file cannot tell."""
+    """What the study says of the file of its light, where the file does not declare it."""
     light = study.light
     return Answers(
         quantity="power",
@@ -117,116 +209,141 @@ def light_answers_of(study: Study) -> Answers:
     )
 
 
-def sensor_of(part: SensorPart) -> Sensor:
+def sensor_of(study: Study, number: int, given: Given = NOTHING_GIVEN) -> Sensor:
     """A sensor of the study: shifted first, then behind its filter and the added IR-cut.
+
+    Parameters
+    ----------
+    study
+        Of `read_study`.
+    number
+        Of the sensor, from 0.
+    given
+        Objects in place of names.
 
     Raises
     ------
     InputError
         If its name names nothing, or a file cannot be read.
     """
-    shared: dict[str, Any] = {"beyond": part.beyond, "negatives": part.negatives}
-    answers = Answers(**shared, **part.answers.model_dump())
-    sensor = sensor_with_pixel(part.name, answers=answers, **part.pixel.model_dump())
+    part, place = study.sensors[number], f"sensors.{number}"
+    if part.name in given.sensors:
+        sensor = given.sensors[part.name]
+        changes = part.pixel.model_dump(exclude={"file"}, exclude_none=True)
+        sensor = replace(sensor, pixel=replace(sensor.pixel, **changes)) if changes else sensor
+    else:
+        with _key(f"{place}.name", lambda name: f"{place}.{_ANSWER_KEYS.get(name, name)}"):
+            sensor = sensor_with_pixel(part.name, answers=_answers(part), **part.pixel.model_dump())
     sensor = with_shifted_curves(sensor, part.shift_nm)
     if part.filter is not None:
-        answers = Answers(**shared, wavelength_unit=part.filter_wavelength_unit)
-        sensor = behind_filter_of_word(sensor, part.filter, answers=answers)
+        answers = Answers(
+            beyond=part.beyond,
+            negatives=part.negatives,
+            wavelength_unit=part.filter_wavelength_unit,
+        )
+        with _key(f"{place}.filter", lambda name: f"{place}.{_FILTER_KEYS.get(name, name)}"):
+            sensor = behind_filter_of_word(sensor, part.filter, answers=answers)
     return sensor if part.ircut_nm is None else behind_ir_cut(sensor, part.ircut_nm)
 
 
-_OPTIONS = {
-    "(--beyond, for an illuminant --illuminant-beyond)": '(beyond = "zero" or "hold")',
-    "--illuminant-energy or --illuminant-photons": 'per = "energy" or "photon"',
-    "--illuminant-column": "column",
-    "--illuminant-beyond": "beyond",
-    "--energy or --photons": 'answers.per = "energy" or "photon"',
-    "--absolute or --relative": 'answers.level = "absolute" or "relative"',
-    "--absolute": 'answers.level = "absolute"',
-    "--fraction or --percent": 'answers.scale = "fraction" or "percent"',
-    "--percent": 'answers.scale = "percent"',
-    " (for a filter --filter-wavelength-unit, for an illuminant --illuminant-wavelength-unit)": (
-        " (filter_wavelength_unit for a filter, light.wavelength_unit for the illuminant)"
-    ),
-    "--wavelength-unit": "answers.wavelength_unit",
-    "--negatives zero": 'negatives = "zero"',
-    "--peak-qe": "answers.peak_qe",
-    "--beyond": "beyond",
+_ANSWER_KEYS = {name: f"answers.{name}" for name in _OF_ANSWERS} | {
+    name: f"pixel.{name}" for name in ("pitch_um", "full_well_e", "read_noise_e")
 }
-"""How a study answers what a command answers with an option; the longer ones first."""
+_FILTER_KEYS = {"wavelength_unit": "filter_wavelength_unit"}
 
 
-def unmade(study: Study) -> list[tuple[Key, str]]:
-    """What a study names and cannot be made, each with its key and why."""
-    found: list[tuple[Key, str]] = []
+def _answers(part: SensorPart) -> Answers:
+    return Answers(beyond=part.beyond, negatives=part.negatives, **part.answers.model_dump())
 
-    def tried(key: Key, make: Callable[[], Any]) -> Any:
+
+@contextmanager
+def _key(key: str, names: Callable[[str], str]) -> Iterator[None]:
+    """An error inside names the key of the study, and its settings by their keys."""
+    try:
+        yield
+    except InputError as error:
+        raise error.inside(key, names) from None
+
+
+def unresolved(study: Study) -> list[InputError]:
+    """What a study names and cannot be made, each with its key."""
+    found: list[InputError] = []
+
+    def tried(make: Callable[[], Any]) -> Any:
         try:
             return make()
         except InputError as error:
-            found.append((key, _in_words_of_a_study(str(error), str(key[0]))))
+            found.append(error)
             return None
 
-    tried(("light", "illuminant"), partial(illuminant_of, study))
-    level = study.light.level_lux
-    tried(("light", "level_lux"), lambda: within("level_lux", "lx", level, *_LUX))
-    sensors = [
-        tried(("sensors", i, "name"), partial(sensor_of, part))
-        for i, part in enumerate(study.sensors)
-    ]
-    found += twins(study)
+    tried(partial(illuminant_of, study))
+    tried(lambda: _within("light.level_lux", "lx", study.light.level_lux, _LUX))
+    sensors = [tried(partial(sensor_of, study, i)) for i in range(len(study.sensors))]
+    found += [*duplicates(study), *idle_settings(study)]
     for i, name in enumerate(study.matrices):
         if name.partition("=")[0].strip() in METHODS:  # others are refused elsewhere, as unknown
-            tried(("matrices", i), partial(matrix_makers, [name], "quanta"))
+            tried(partial(_matrix_fits, i, name))
     for i, picture in enumerate(study.pictures):
         if picture.mosaic not in (None, "sensor"):
-            tried(("pictures", i, "mosaic"), partial(_fitting_mosaic, picture, sensors))
+            tried(partial(_mosaic_fits, i, picture, sensors))
     return found
 
 
-_LUX = (1e-15, 1e15)
+def _matrix_fits(number: int, name: str) -> None:
+    with _key(f"matrices.{number}", str):
+        matrix_makers([name], "quanta")
 
 
-def _fitting_mosaic(part: PicturePart, sensors: Sequence[Sensor | None]) -> None:
-    own = {channel for row in mosaic_named(str(part.mosaic)).pattern for channel in row}
+def _mosaic_fits(number: int, part: PicturePart, sensors: Sequence[Sensor | None]) -> None:
+    with _key(f"pictures.{number}.mosaic", str):
+        own = {channel for row in mosaic_named(str(part.mosaic)).pattern for channel in row}
     for sensor in sensors:
         idle = [name for name in sensor.names if name not in own] if sensor else []
         strange = sorted(own - set(sensor.names)) if sensor else []
         if sensor and (strange or (idle and not part.raw_only)):
             what = f"{sensor.name} lacks its channel {', '.join(strange)}"
             if not strange:
-                what = f"channel {', '.join(idle)} of {sensor.name} sits over no pixel of it"
-            raise InputError(f"{what}; it has {', '.join(sorted(own))}")
+                what = f"it has no pixel for channel {', '.join(idle)} of {sensor.name}"
+            raise InputError(
+                "mosaic",
+                "must have the channels of each sensor",
+                value=part.mosaic,
+                found=f"{what}; it has {', '.join(sorted(own))}",
+                setting=f"pictures.{number}.mosaic",
+            )
 
 
-def _in_words_of_a_study(told: str, part: str) -> str:
-    for option, key in _OPTIONS.items():
-        told = told.replace(
-            option, f"light.{key}" if part == "light" and "light" not in key else key
-        )
-    return told.replace("light.(", "(light.")
+_OF_FILE = ("key", "shape", "wavelengths", "scale")
 
 
-_CURES = ("key", "shape", "wavelengths", "scale")
-
-
-def cube_of(part: PicturePart) -> Cube:
+def cube_of(study: Study, number: int) -> Cube:
     """The cube of which a part of a study takes pictures.
+
+    Parameters
+    ----------
+    study
+        Of `read_study`.
+    number
+        Of the part of its pictures, from 0.
 
     Raises
     ------
     InputError
-        If a built-in name names nothing or is told what it says itself, or a file cannot be read.
+        If a built-in name names nothing or is given what only a file needs, or a file cannot be
+        read.
     """
+    part, place = study.pictures[number], f"pictures.{number}"
+    how = {name: getattr(part, name) for name in _OF_FILE}
     if part.cube.startswith("builtin:"):
-        cures = [name for name in _CURES if getattr(part, name) is not None]
-        if cures:
-            raise InputError(f"{part.cube} says all of itself; leave {' and '.join(cures)} away")
-        return builtin_cube(part.cube)
-    how = {name: getattr(part, name) for name in _CURES}
+        for name, value in how.items():
+            if value is not None:
+                raise _idle(f"{place}.{name}", value, part.cube)
+        with _key(f"{place}.cube", str):
+            return builtin_cube(part.cube)
     if isinstance(part.wavelengths, str):
         how["wavelengths"] = file_of(part.wavelengths)
-    return read_cube(file_of(part.cube), **how)
+    with _key(f"{place}.cube", lambda name: f"{place}.{name}"):
+        return read_cube(file_of(part.cube), **how)
 
 
 def _exposures(study: Study, white: Scene, sensors: Sequence[Sensor]) -> list[Exposure]:

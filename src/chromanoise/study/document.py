@@ -12,6 +12,7 @@ from chromanoise.analysis.color_matrices import METHODS
 from chromanoise.analysis.comparison.quantities import QUANTITIES
 from chromanoise.analysis.comparison.sweeps import SWEEPS
 from chromanoise.analysis.priors import DEFAULT_PRIOR, PRIORS
+from chromanoise.errors import InputError, Setting
 from chromanoise.imaging import DEMOSAICING
 from chromanoise.imaging.shots import FORMATS, MOST_FRAMES
 from chromanoise.io.spectra.parsed import Negatives, Unit
@@ -123,7 +124,12 @@ class ExposurePart(_Part):
     @model_validator(mode="after")
     def _one_rule(self) -> "ExposurePart":
         if self.time_ms is not None and self.equal != "exposure":
-            raise ValueError(f"time_ms gives all sensors one time, so equal cannot be {self.equal}")
+            raise InputError(
+                "equal",
+                "must be exposure where time_ms gives all sensors one time",
+                value=self.equal,
+                remedy=("omit one of them", Setting("time_ms")),
+            )
         return self
 
 
@@ -206,11 +212,28 @@ class PicturePart(_Part):
         given = {name: getattr(self, name) for name in _OF_MOSAIC}
         idle = [name for name, value in given.items() if value is not None and value is not False]
         if self.mosaic is None and idle:
-            raise ValueError(f"only a mosaic has {' and '.join(idle)}; name one with mosaic")
+            raise InputError(
+                " and ".join(idle),
+                "must not be given without a mosaic",
+                value={name: given[name] for name in idle},
+                found="no mosaic is named",
+                remedy=Setting("mosaic"),
+            )
         if self.mosaic is not None and self.clip:
-            raise ValueError("a converter holds its codes anyway; leave clip away with mosaic")
+            raise InputError(
+                "clip",
+                "must not be given with a mosaic, whose converter clips anyway",
+                value=self.clip,
+                found="mosaic is given too",
+                remedy="omit one of them",
+            )
         if self.raw_only and self.demosaic is not None:
-            raise ValueError("raw_only and demosaic exclude each other; give one of them")
+            raise InputError(
+                "demosaic",
+                "must not be given with raw_only",
+                value=self.demosaic,
+                remedy="omit one of them",
+            )
         return self
 
 
@@ -244,9 +267,17 @@ class OutputsPart(_Part):
     @model_validator(mode="after")
     def _that_go_together(self) -> "OutputsPart":
         if self.clip and (self.budget or self.merit):
-            raise ValueError("budget and merit follow eq. 7, so clip asks for budget = false")
+            raise InputError(
+                "clip",
+                "must not be given with budget or merit, which follow eq. 7",
+                value=self.clip,
+                found="both are given",
+                remedy="omit one of them",
+            )
         if self.pareto is not None and not self.matrix:
-            raise ValueError("pareto stands beside the matrix, so it asks for matrix = true")
+            raise InputError(
+                "pareto", "must be given with the matrix", remedy=Setting("matrix", (True,))
+            )
         return self
 
 

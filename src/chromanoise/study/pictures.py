@@ -1,17 +1,26 @@
 """The pictures of a study: what each part asks for, prepared before anything is computed."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Any
 
 from chromanoise.analysis.color_matrices import MatrixMaker
 from chromanoise.exposure import Situation
 from chromanoise.imaging import Work
-from chromanoise.imaging.shots import Asked, Prepared, prepared, shot, shot_summary, write_shot
+from chromanoise.imaging.shots import (
+    Asked,
+    Prepared,
+    Shot,
+    any_picture,
+    prepared,
+    shot,
+    shot_summary,
+    write_shot,
+)
 from chromanoise.scene import Cube
 from chromanoise.sensor import PixelOverrides, mosaic_named
 from chromanoise.study.assembly import cube_of
 from chromanoise.study.document import PicturePart, Study
+from chromanoise.study.results import Pictures
 
 
 def asked_of(part: PicturePart, *, seed: int) -> Asked:
@@ -44,19 +53,16 @@ def asked_of(part: PicturePart, *, seed: int) -> Asked:
 
 
 def prepared_cameras(
-    study: Study,
-    part: PicturePart,
-    situations: list[Situation],
-    makers: Mapping[str, MatrixMaker],
+    study: Study, number: int, situations: list[Situation], makers: Mapping[str, MatrixMaker]
 ) -> tuple[Cube, dict[str, list[Prepared]]]:
-    """The cube, and the cameras of each matrix.
+    """The cube, and the cameras of each matrix, of a part of the pictures (from 0).
 
     Raises
     ------
     InputError
         If the cube cannot be read, or as `asked_of` and `prepared`.
     """
-    cube, asked = cube_of(part), asked_of(part, seed=study.seed)
+    cube, asked = cube_of(study, number), asked_of(study.pictures[number], seed=study.seed)
     return cube, {
         name: [prepared(cube, each, maker(each), asked) for each in situations]
         for name, maker in makers.items()
@@ -64,8 +70,8 @@ def prepared_cameras(
 
 
 def first_frame(study: Study, number: int) -> int:
-    """Of the ``number``-th part (from 1): no two parts of a study share their noise."""
-    return sum(part.frames for part in study.pictures[: number - 1])
+    """Of a part of the pictures (from 0): no two parts of a study share their noise."""
+    return sum(part.frames for part in study.pictures[:number])
 
 
 def pictures_taken(
@@ -75,28 +81,47 @@ def pictures_taken(
     cameras: Mapping[str, list[Prepared]],
     *,
     work: Work,
-    folder: Path,
-) -> dict[str, Any]:
-    """Take and write the pictures of the ``number``-th part (from 1): what was taken, as data.
+    folder: Path | None,
+) -> Pictures:
+    """Take the pictures of a part (from 0), and write them if a folder is given.
 
     Raises
     ------
     InputError
         If the cube holds what is no reflectance, or a file cannot be written.
     """
-    part, told = study.pictures[number - 1], []
-    first = first_frame(study, number)
+    part, summaries, kept = study.pictures[number], [], []
+    for name, taken in captures(study, number, cube, cameras, work=work):
+        if folder is None:
+            summaries.append({"matrix": name} | shot_summary(taken, []))
+            kept.append(taken)
+            continue
+        sensor = taken.camera.situation.sensor.name
+        stem = f"picture-{number + 1}-{file_word(sensor)}-{file_word(name)}"
+        frame = any_picture(taken).frame - first_frame(study, number)
+        files, missing = write_shot(
+            folder, stem + (f"-{frame:04d}" if part.frames > 1 else ""), taken
+        )
+        summary = {"matrix": name} | shot_summary(taken, files)
+        summaries.append(summary | ({"not_written": missing} if missing else {}))
+    return Pictures(cube=part.cube, summaries=tuple(summaries), captures=tuple(kept))
+
+
+def captures(
+    study: Study, number: int, cube: Cube, cameras: Mapping[str, list[Prepared]], *, work: Work
+) -> Iterator[tuple[str, Shot]]:
+    """Each picture of a part (from 0) as it is taken, with the name of its matrix.
+
+    Raises
+    ------
+    InputError
+        If the cube holds what is no reflectance.
+    """
+    first, frames = first_frame(study, number), study.pictures[number].frames
     for i in range(len(study.sensors)):
         for name, own in cameras.items():
-            stem = f"picture-{number}-{file_word(own[i].situation.sensor.name)}-{file_word(name)}"
-            for frame in range(part.frames):
-                taken = shot(cube, own[i], frame=first + frame, work=work)
-                files, missing = write_shot(
-                    folder, stem + (f"-{frame:04d}" if part.frames > 1 else ""), taken
-                )
-                summary = {"matrix": name} | shot_summary(taken, files)
-                told.append(summary | ({"not_written": missing} if missing else {}))
-    return {"cube": part.cube, "pictures": told}
+            for frame in range(first, first + frames):
+                yield name, shot(cube, own[i], frame=frame, work=work)
 
 
 def file_word(name: str) -> str:

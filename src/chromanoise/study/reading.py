@@ -17,13 +17,16 @@ from chromanoise.analysis.comparison.sweeps import SWEEPS
 from chromanoise.analysis.priors import PRIORS
 from chromanoise.catalog.resolve import file_of, word_beside
 from chromanoise.color import SPACES
-from chromanoise.errors import InputError
+from chromanoise.errors import InputError, Setting, StudyError
 from chromanoise.imaging import DEMOSAICING
 from chromanoise.imaging.shots import FORMATS
 from chromanoise.spectra import METRICS
-from chromanoise.study.assembly import Key, unmade
+from chromanoise.study.assembly import unresolved
 from chromanoise.study.document import Study
 from chromanoise.study.hashes import FileWord, with_file_words
+
+Key = tuple[str | int, ...]
+"""Where a value of a study is: ("sensors", 0, "name")."""
 
 _LARGEST_BYTES = 1 << 20
 _MOST_DOTS = 64
@@ -64,10 +67,10 @@ def read_study(path: Path | str, changes: Sequence[str] = ()) -> Study:
     def seen(study: Study) -> Study:
         return study if here else _told_from(path.parent, study)
 
-    def unmade_of(study: Study) -> list[tuple[Key, str]]:
-        return unmade(seen(study))
+    def unresolved_in(study: Study) -> list[InputError]:
+        return unresolved(seen(study))
 
-    return seen(_study(text, str(path), changes, unmade_of))
+    return seen(_study(text, str(path), changes, unresolved_in))
 
 
 def _told_from(folder: Path, study: Study) -> Study:
@@ -100,7 +103,7 @@ def study_from_text(text: str, *, source: str, changes: Sequence[str] = ()) -> S
 
 
 def _study(
-    text: str, source: str, changes: Sequence[str], unfit: Callable[[Study], list[tuple[Key, str]]]
+    text: str, source: str, changes: Sequence[str], unfit: Callable[[Study], list[InputError]]
 ) -> Study:
     told = _toml(text, source)
     lines = _lines_of_keys(text)
@@ -134,12 +137,19 @@ def _toml(text: str, source: str) -> dict[str, Any]:
 
 
 def study_from_data(told: Mapping[str, Any], *, source: str) -> Study:
-    """The study in plain data, as TOML would give it; ``source`` names it in messages.
+    """The study in plain data, as TOML would give it.
+
+    Parameters
+    ----------
+    told
+        The data.
+    source
+        Names it in messages; empty where the data are arguments of a call.
 
     Raises
     ------
-    InputError
-        All faults of what it says, one line each.
+    StudyError
+        All faults of what it says, each with its key as ``setting``.
     """
     return _validated(told, source, {}, {}, lambda study: [])
 
@@ -149,29 +159,68 @@ def _validated(
     source: str,
     lines: Mapping[Key, int],
     changed: Mapping[Key, str],
-    unfit: Callable[[Study], list[tuple[Key, str]]],
+    unfit: Callable[[Study], list[InputError]],
 ) -> Study:
-    faults = []
+    faults: list[InputError] = []
     study: Study | None = None
     try:
         study = Study.model_validate(told)
     except ValidationError as error:
         found = error.errors(include_url=False)
         inside = [one["loc"] for one in found]
-        faults = [
-            _fault(one)
+        shown = [
+            one
             for one in found
             # a list that holds a faulty entry is told as too short as well
             if one["type"] != "too_short"
             or not any(k[: len(one["loc"])] == one["loc"] != k for k in inside)
         ]
-        study = _without(told, [key for key, _ in faults])
+        faults = [_fault(one) for one in shown]
+        study = _without(told, [one["loc"] for one in shown])
     if study is not None:
         faults += [*_unknown_names(study), *(unfit(study) if study.sensors[0].name else ())]
     if faults or study is None:
-        placed = [(_place(key, lines, changed, source), what) for key, what in faults]
-        raise InputError("\n".join(f"{place}: {what}" for place, what in sorted(placed, key=_line)))
+        ordered = sorted(faults, key=lambda error: _line_of(_key_of(error), lines))
+        sentences = [
+            in_study(error, _place(_key_of(error), lines, changed, source)) for error in ordered
+        ]
+        raise StudyError(ordered, sentences if source else None)
     return study
+
+
+def in_study(error: InputError, place: str) -> str:
+    """The sentence of an error in the terms of a study: the place, the key and its settings.
+
+    Parameters
+    ----------
+    error
+        Its ``setting`` is a key of the study.
+    place
+        File and line, or the change that holds the value.
+    """
+    key = _short(error.setting) or "the study"
+    last = key.rpartition(".")[2]
+    begin = f"{place}: {key}"
+    if error.subject != last:
+        return f"{begin}: {error.sentence(render=_setting_of_study)}"
+    text = error.sentence(subject="", render=_setting_of_study).lstrip(" :,")
+    return f"{begin}: {text}"
+
+
+def _setting_of_study(setting: Setting) -> str:
+    values = " or ".join(
+        f'"{value}"' if isinstance(value, str) else f"{value:g}" for value in setting.values
+    )
+    return f"set {setting.name} = {values}" if values else f"set {setting.name}"
+
+
+def _key_of(error: InputError) -> Key:
+    return tuple(int(s) if _is_place(s) else s for s in error.setting.split("."))
+
+
+def _line_of(key: Key, lines: Mapping[Key, int]) -> int:
+    """The line of the key, or of the nearest table around it; 0 if none is known."""
+    return next((lines[key[:n]] for n in range(len(key), 0, -1) if key[:n] in lines), 0)
 
 
 def _without(told: Mapping[str, Any], wrong: Sequence[Key]) -> Study | None:
@@ -244,24 +293,39 @@ def _step(at: Any, step: str | int, following: Any, change: str) -> Any:
     raise InputError(f"--set {change}: the study has nothing at {_short(repr(step))}")
 
 
-def _fault(error: Any) -> tuple[Key, str]:
+def _fault(error: Any) -> InputError:
     key: Key = error["loc"]
+    setting, last = _dotted(key), _short(str(key[-1])) if key else "the study"
+    raised = error.get("ctx", {}).get("error")
+    if isinstance(raised, InputError):  # of a check of the study itself
+        own = f"{setting}.{raised.subject}" if key else raised.subject
+        return raised.inside(raised.setting or own, lambda name: f"{setting}.{name}".lstrip("."))
     if error["type"] == "extra_forbidden":
-        return key, f"unknown key{_meant(str(key[-1]), _fields_beside(key))}"
+        return InputError(
+            last,
+            "is an unknown key",
+            remedy=_meant(str(key[-1]), _fields_beside(key)),
+            setting=setting,
+        )
     if error["type"] == "missing":
-        return key, "is missing"
+        return InputError(last, "is missing", setting=setting)
+    given = error.get("input")
     if error["type"] in ("too_long", "too_short"):
         bounds = error["ctx"]
         demand = "at most {max_length}" if "max_length" in bounds else "at least {min_length}"
-        return key, f"takes {demand.format(**bounds)} entries, but has {bounds['actual_length']}"
-    given = error.get("input")
-    said = str(error["msg"]).removeprefix("Value error, ")
-    shown = (
-        ""
-        if isinstance(given, dict | list | tuple | BaseModel)
-        else f", but is {_short(repr(given))}"
+        count = bounds["actual_length"]
+        return InputError(
+            last,
+            f"must have {demand.format(**bounds)} entries",
+            value=count,
+            found=f"has {count}",
+            setting=setting,
+        )
+    said = str(error["msg"]).removeprefix("Value error, ").replace("Input should", "must")
+    shown = not isinstance(given, dict | list | tuple | BaseModel)
+    return InputError(
+        last, f"{said[:1].lower()}{said[1:]}", value=given if shown else None, setting=setting
     )
-    return key, f"{said[:1].lower()}{said[1:]}{shown}"
 
 
 def _fields_beside(key: Key) -> list[str]:
@@ -281,10 +345,10 @@ def _fields_beside(key: Key) -> list[str]:
 
 def _meant(word: str, known: Sequence[str]) -> str:
     near = get_close_matches(word, known, n=2, cutoff=0.5)
-    return f", did you mean {' or '.join(near)}?" if near else f"; known are {', '.join(known)}"
+    return f"did you mean {' or '.join(near)}?" if near else f"known are {', '.join(known)}"
 
 
-def _unknown_names(study: Study) -> list[tuple[Key, str]]:
+def _unknown_names(study: Study) -> list[InputError]:
     """Words that name nothing, each with what may have been meant."""
     asked: list[tuple[Key, str, Sequence[str]]] = [
         (("metric",), study.metric, list(METRICS)),
@@ -303,26 +367,25 @@ def _unknown_names(study: Study) -> list[tuple[Key, str]]:
         asked.append((("sweeps", i, "vary"), sweep.vary, list(SWEEPS)))
         asked.append((("sweeps", i, "quantity"), sweep.quantity, list(QUANTITIES)))
     return [
-        (key, f"unknown name {_short(repr(word))}{_meant(word, known)}")
+        InputError(
+            str(key[-1]),
+            "must be a known name",
+            value=word,
+            remedy=_meant(word, known),
+            setting=_dotted(key),
+        )
         for key, word, known in asked
         if word not in known
     ]
 
 
 def _place(key: Key, lines: Mapping[Key, int], changed: Mapping[Key, str], source: str) -> str:
-    """``file:line: key``: the line of the key, or of the nearest table around it."""
+    """``file:line``, or the change that holds the value."""
     for length in range(len(key), 0, -1):
         if key[:length] in changed:
-            return f"{changed[key[:length]]}: {_dotted(key)}"
-    for length in range(len(key), 0, -1):
-        if key[:length] in lines:
-            return f"{source}:{lines[key[:length]]}: {_dotted(key)}"
-    return f"{source}: {_dotted(key)}"
-
-
-def _line(placed: tuple[str, str]) -> int:
-    match = re.search(r":([0-9]+): ", placed[0] + ": ")
-    return int(match[1]) if match else 0
+            return changed[key[:length]]
+    line = _line_of(key, lines)
+    return f"{source}:{line}" if line else source
 
 
 def _short(word: str) -> str:
@@ -331,7 +394,7 @@ def _short(word: str) -> str:
 
 
 def _dotted(key: Key) -> str:
-    return ".".join(_short(str(step)) for step in key) or "the study"
+    return ".".join(_short(str(step)) for step in key)
 
 
 def _lines_of_keys(text: str) -> dict[Key, int]:

@@ -3,7 +3,7 @@
 import hashlib
 import json
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from contextlib import AbstractContextManager, chdir, nullcontext
+from contextlib import chdir, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -18,17 +18,13 @@ from chromanoise.io.spectra.own_json import named
 from chromanoise.study.document import Study
 from chromanoise.study.hashes import changes_since, file_stamps, in_catalog, provenance, study_hash
 from chromanoise.study.numerics import numerics
-from chromanoise.study.running import Advance, Step, study_steps
+from chromanoise.study.running import Progress, no_progress, prepared_run
 
 STUDY_FILE = "study.json"
 _LARGEST_BYTES = 256 << 20
 
 Told = Callable[[str, bool], None]
 """Is told of each step: what it is, and whether it stood there already."""
-
-
-Progress = Callable[[Step], AbstractContextManager[Advance]]
-"""For a step, a context that yields a function to call with the number of finished parts."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -56,7 +52,7 @@ def run_study(
     *,
     work: Work | None = None,
     told: Told | None = None,
-    progress: Progress = lambda _: nullcontext(lambda _: None),
+    progress: Progress = no_progress,
     place: Path | None = None,
 ) -> list[Path]:
     """Run all of a study; a run that was stopped goes on where it was.
@@ -97,7 +93,7 @@ def run_study(
         stamps = file_stamps(study)
         who = provenance(study) | {"numerics": numerics()}
         _refuse_other_study(results, study, who, folder)
-        steps = study_steps(study, work=work)
+        steps = prepared_run(study, work=work).steps
         if not (results / STUDY_FILE).exists():
             with scratch_folder() as scratch:
                 names = {"steps": [step.name for step in steps]}
@@ -112,7 +108,7 @@ def run_study(
                 with scratch_folder() as scratch, progress(step) as advance:
                     result = step.run(scratch, advance)
                     _refuse_change_in_work(study, stamps, who["files"])
-                    told_of = {"step": step.name, "written": _written(scratch), "result": result}
+                    told_of = {"step": step.name, "written": _written(scratch), "result": result.to_dict()}
                     _write(scratch / file.name, who | told_of)
     return [folder / f"{step.name}.json" for step in steps]
 

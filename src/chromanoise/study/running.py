@@ -1,6 +1,7 @@
-"""A study, run step by step: each step's result is plain data of its own."""
+"""A study, run step by step: the one way from a study to its results."""
 
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -8,25 +9,33 @@ from typing import Any
 
 from chromanoise._check import distinct
 from chromanoise.analysis.color_matrices import MatrixMaker, matrix_makers
-from chromanoise.analysis.comparison.bands import bands_as_json, crossover_bands
+from chromanoise.analysis.comparison.bands import crossover_bands
 from chromanoise.analysis.comparison.crossing import crossovers
 from chromanoise.analysis.comparison.curves import compared
 from chromanoise.analysis.comparison.quantities import QUANTITIES
 from chromanoise.analysis.comparison.sweeps import SWEEPS, swept_values
-from chromanoise.analysis.export import comparison_as_json
-from chromanoise.analysis.pareto import matrix_as_json, noise_weights, pareto_of
+from chromanoise.analysis.pareto import noise_weights, pareto_of
 from chromanoise.errors import InputError
 from chromanoise.exposure import Situation
 from chromanoise.imaging import Work
 from chromanoise.metrics import matrix_report
 from chromanoise.scene.rows import row_source
-from chromanoise.study.analyses import outcome_of, outcomes_as_json
-from chromanoise.study.assembly import situations_of, twins
+from chromanoise.study.analyses import outcome_of
+from chromanoise.study.assembly import NOTHING_GIVEN, Given, operating_points_of
 from chromanoise.study.document import Study, SweepPart
 from chromanoise.study.pictures import file_word, pictures_taken, prepared_cameras
+from chromanoise.study.results import (
+    Analyses,
+    Comparison,
+    Matrices,
+    MatrixResult,
+    Pictures,
+    Results,
+)
 
 Makers = Mapping[str, MatrixMaker]
-Result = dict[str, Any]
+Points = list[Situation]
+StepResult = Analyses | Matrices | Comparison | Pictures
 Advance = Callable[[int], None]
 
 
@@ -45,84 +54,157 @@ class Step:
     unit
         What the parts are, in the plural.
     run
-        Runs the step: writes pictures into the given folder, calls the given function with the
-        number of newly finished parts, and returns plain data.
+        Runs the step: writes pictures into the given folder (``None``: keeps them in memory), calls
+        the given function with the number of newly finished parts, and returns the result.
     """
 
     name: str
     what: str
     parts: int
     unit: str
-    run: Callable[[Path, Advance], Result]
+    run: Callable[[Path | None, Advance], StepResult]
 
 
-def study_steps(study: Study, *, work: Work | None = None) -> list[Step]:
-    """All that a study asks for, in order: analysis per matrix, sweeps, pictures.
+Progress = Callable[[Step], AbstractContextManager[Advance]]
+"""For a step, a context that yields a function to call with the number of finished parts."""
+
+
+def no_progress(_: Step) -> AbstractContextManager[Advance]:
+    """Report nothing."""
+    return nullcontext(lambda _: None)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Prepared:
+    """A study whose names are resolved: nothing is computed yet.
+
+    Attributes
+    ----------
+    points
+        Each sensor in its light, with its exposure.
+    steps
+        All that the study asks for, in order.
+    """
+
+    points: tuple[Situation, ...]
+    steps: tuple[Step, ...]
+
+
+def run(
+    study: Study,
+    *,
+    given: Given = NOTHING_GIVEN,
+    work: Work | None = None,
+    progress: Progress = no_progress,
+    folder: Path | None = None,
+) -> Results:
+    """All results of a study.
+
+    Parameters
+    ----------
+    study
+        Of `read_study`, or of Python.
+    given
+        Objects that it names in place of the catalog and files.
+    work
+        Threads and tiles of pictures.
+    progress
+        Called for each step, to report its finished parts.
+    folder
+        For pictures; ``None`` keeps them in memory.
+
+    Raises
+    ------
+    InputError
+        If a name names nothing, a file cannot be read, or something cannot be computed.
+    """
+    prepared = prepared_run(study, given=given, work=work)
+    done: list[StepResult] = []
+    for step in prepared.steps:
+        with progress(step) as advance:
+            done.append(step.run(folder, advance))
+    return Results(
+        study=study,
+        points=prepared.points,
+        analyses={one.matrix: one for one in done if isinstance(one, Analyses)},
+        matrices={one.method: one for one in done if isinstance(one, Matrices)},
+        sweeps=tuple(one for one in done if isinstance(one, Comparison)),
+        pictures=tuple(one for one in done if isinstance(one, Pictures)),
+    )
+
+
+def prepared_run(
+    study: Study, *, given: Given = NOTHING_GIVEN, work: Work | None = None
+) -> Prepared:
+    """The study with its names resolved and its steps in order.
+
+    Parameters
+    ----------
+    study, given, work
+        As `run`.
 
     Raises
     ------
     InputError
         If a name names nothing or a file cannot be read; before anything is computed.
     """
-    for key, why in twins(study):
-        raise InputError(f"{'.'.join(map(str, key))}: {why}")
-    situations = situations_of(study)
-    distinct("file names of sensors", [file_word(s.sensor.name) for s in situations])
+    points = operating_points_of(study, given)
+    distinct("file names of sensors", [file_word(point.sensor.name) for point in points])
     makers = matrix_makers(study.matrices, study.metric, prior=study.prior)  # type: ignore[arg-type]
-    steps = [
-        *_analyses(study, situations, makers),
-        *_matrices(study, situations, makers),
-        *_sweeps(study, situations, makers),
-        *_pictures(study, situations, makers, work or Work()),
-    ]
+    steps = (
+        *_analyses(study, points, makers),
+        *_matrices(study, points, makers),
+        *_sweeps(study, points, makers),
+        *_pictures(study, points, makers, work or Work()),
+    )
     if not steps:
-        raise InputError("the study asks for nothing: no analyses, matrices, sweeps or pictures")
-    return steps
+        raise InputError(
+            "the study", "must ask for analyses, matrices, sweeps or pictures", found="has none"
+        )
+    return Prepared(points=tuple(points), steps=steps)
 
 
-def _analyses(study: Study, situations: list[Situation], makers: Makers) -> Iterator[Step]:
+def _analyses(study: Study, points: Points, makers: Makers) -> Iterator[Step]:
     for name in makers if study.outputs.analyses else ():
         yield Step(
             name=f"analysis-{file_word(name)}",
             what=f"every stage with the {name} matrix",
-            parts=len(situations),
+            parts=len(points),
             unit="sensors",
-            run=partial(_analysis, study, situations, makers[name]),
+            run=partial(_analysis, study, points, name, makers[name]),
         )
 
 
-def _matrices(study: Study, situations: list[Situation], makers: Makers) -> Iterator[Step]:
+def _matrices(study: Study, points: Points, makers: Makers) -> Iterator[Step]:
     asked = study.outputs.pareto
     weights = noise_weights(asked.first, asked.last, points=asked.points) if asked else None
     for name in makers if study.outputs.matrix else ():
         yield Step(
             name=f"matrix-{file_word(name)}",
             what=f"the {name} matrix of every sensor",
-            parts=len(situations),
+            parts=len(points),
             unit="sensors",
-            run=partial(_matrix, study, situations, makers[name], weights),
+            run=partial(_matrix, study, points, name, makers[name], weights),
         )
 
 
-def _sweeps(study: Study, situations: list[Situation], makers: Makers) -> Iterator[Step]:
+def _sweeps(study: Study, points: Points, makers: Makers) -> Iterator[Step]:
     for i, part in enumerate(study.sweeps, 1):
         values = swept_values(SWEEPS[part.vary], part.first, part.last, part.points)
         yield Step(
             name=f"sweep-{i}-{part.vary}-{part.quantity}",
             what=f"{QUANTITIES[part.quantity].what} over {SWEEPS[part.vary].what}",
-            parts=len(situations) * len(makers) * len(values),
+            parts=len(points) * len(makers) * len(values),
             unit="values",
-            run=partial(_sweep, study, situations, makers, part, values),
+            run=partial(_sweep, study, points, makers, part, values),
         )
 
 
-def _pictures(
-    study: Study, situations: list[Situation], makers: Makers, work: Work
-) -> Iterator[Step]:
-    for i, part in enumerate(study.pictures, 1):
-        cube, cameras = prepared_cameras(study, part, situations, makers)
+def _pictures(study: Study, points: Points, makers: Makers, work: Work) -> Iterator[Step]:
+    for i, part in enumerate(study.pictures):
+        cube, cameras = prepared_cameras(study, i, points, makers)
         yield Step(
-            name=f"pictures-{i}",
+            name=f"pictures-{i + 1}",
             what=f"{part.cube} through every sensor",
             parts=row_source(cube.stored).shape[0] * part.frames * sum(map(len, cameras.values())),
             unit="rows",
@@ -136,63 +218,77 @@ def _taken(
     cube: Any,
     cameras: Any,
     work: Work,
-    folder: Path,
+    folder: Path | None,
     advance: Advance,
-) -> Result:
+) -> Pictures:
     work = replace(work, progress=advance)
     return pictures_taken(study, number, cube, cameras, work=work, folder=folder)
 
 
 def _analysis(
-    study: Study, situations: list[Situation], maker: MatrixMaker, folder: Path, advance: Advance
-) -> Result:
+    study: Study,
+    points: Points,
+    name: str,
+    maker: MatrixMaker,
+    folder: Path | None,
+    advance: Advance,
+) -> Analyses:
     outcomes = []
-    for situation in situations:
-        outcomes.append(outcome_of(situation, maker, study.outputs))
+    for point in points:
+        outcomes.append(outcome_of(point, maker, study.outputs))
         advance(1)
-    return outcomes_as_json(outcomes, study.outputs)
+    return Analyses(
+        matrix=name, points=tuple(points), outcomes=tuple(outcomes), outputs=study.outputs
+    )
 
 
 def _matrix(
     study: Study,
-    situations: list[Situation],
+    points: Points,
+    name: str,
     maker: MatrixMaker,
     weights: Any,
-    folder: Path,
+    folder: Path | None,
     advance: Advance,
-) -> Result:
-    told = []
-    for situation in situations:
-        sensor, exposure, lamp = situation.sensor, situation.exposure, situation.illuminant
-        made = maker(situation)
-        report = matrix_report(made, sensor, exposure, lamp, level_lux=situation.level_lux)
-        curve = None if weights is None else pareto_of(situation, weights, prior=study.prior)
-        told.append(matrix_as_json(situation, made, report, curve))
+) -> Matrices:
+    results = []
+    for point in points:
+        made = maker(point)
+        report = matrix_report(
+            made, point.sensor, point.exposure, point.illuminant, level_lux=point.level_lux
+        )
+        curve = None if weights is None else pareto_of(point, weights, prior=study.prior)
+        results.append(MatrixResult(point=point, matrix=made, report=report, pareto=curve))
         advance(1)
-    return {"sensors": told}
+    return Matrices(method=name, results=tuple(results))
 
 
 def _sweep(
     study: Study,
-    situations: list[Situation],
+    points: Points,
     makers: Makers,
     part: SweepPart,
     values: Any,
-    folder: Path,
+    folder: Path | None,
     advance: Advance,
-) -> Result:
+) -> Comparison:
     sweep, quantity = SWEEPS[part.vary], QUANTITIES[part.quantity]
-    curves = compared(situations, makers, values, sweep=sweep, quantity=quantity, progress=advance)
-    told = comparison_as_json(curves, crossovers(situations, makers, curves))
-    told["bands"] = []
+    curves = compared(points, makers, values, sweep=sweep, quantity=quantity, progress=advance)
+    bands = ()
     if part.all_priors:
         bands = crossover_bands(
-            situations,
+            points,
             study.matrices,
             values,
             metric=study.metric,  # type: ignore[arg-type]
             sweep=sweep,
             quantity=quantity,
         )
-        told["bands"] = bands_as_json(bands)
-    return told
+    return Comparison(
+        points=tuple(points),
+        curves=tuple(curves),
+        crossovers=tuple(crossovers(points, makers, curves)),
+        bands=bands,
+        equal=study.exposure.equal,
+        prior=study.prior,
+    )

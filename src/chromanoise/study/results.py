@@ -1,0 +1,394 @@
+"""What the steps of a study give: analyses, matrices, comparisons and pictures.
+
+Each result turns into plain data (`to_dict`, the JSON of the commands), a table, a data frame of
+pandas, LaTeX and a figure.
+"""
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from importlib import import_module
+from typing import Any
+
+from chromanoise import _notebook
+from chromanoise.analysis import (
+    Analysis,
+    CrossoverBand,
+    Curve,
+    bands_as_json,
+    color_snr_db,
+    comparison_as_json,
+    contravariant_snr_db,
+    crossover_sentence,
+    matrix_as_json,
+    raw_snr_db,
+)
+from chromanoise.analysis.comparison.crossing import Crossover
+from chromanoise.analysis.tables import analyses_as_table, curves_as_table, matrix_as_table
+from chromanoise.color import ColorMatrix, ParetoCurve
+from chromanoise.exposure import Situation
+from chromanoise.imaging.shots import Shot
+from chromanoise.io.table import Table
+from chromanoise.io.tables import table_latex
+from chromanoise.metrics import MatrixReport
+from chromanoise.study.analyses import Outcome, outcomes_as_json
+from chromanoise.study.document import OutputsPart, Study
+
+_MOST_TIMES = 3
+
+
+def conditions(points: Sequence[Situation]) -> str:
+    """The operating point in words: level, illuminant, time and aperture.
+
+    Parameters
+    ----------
+    points
+        Sensors in one light.
+
+    Examples
+    --------
+    >>> from chromanoise.study import operating_points_of, study_from_data
+    >>> study = study_from_data({"sensors": [{"name": "onyx-rgbw"}]}, source="")
+    >>> conditions(operating_points_of(study))
+    '10 lx, illuminant E, 11.94 ms, f/1.8'
+    """
+    first = points[0]
+    times_ms = [1e3 * one.exposure.time_s for one in points]
+    if len(set(times_ms)) == 1:
+        time = f"{times_ms[0]:.4g} ms"
+    elif len(points) <= _MOST_TIMES:
+        told = zip(times_ms, points, strict=True)
+        time = ", ".join(f"{ms:.4g} ms ({one.sensor.name})" for ms, one in told)
+    else:
+        time = f"{min(times_ms):.4g} to {max(times_ms):.4g} ms"
+    lens = f"f/{first.exposure.f_number:g}"
+    return f"{first.level_lux:g} lx, illuminant {first.illuminant.name}, {time}, {lens}"
+
+
+class Result(ABC):
+    """What a step gives, in the forms that programs and people read."""
+
+    __slots__ = ()
+
+    @abstractmethod
+    def to_dict(self) -> dict[str, Any]:
+        """Plain data, as the JSON of the command; ``None`` where a value is not defined."""
+
+    @abstractmethod
+    def to_table(self) -> Table:
+        """The main table, with units and full precision."""
+
+    @abstractmethod
+    def plot(self, ax: Any = None) -> Any:
+        """Draw the main chart.
+
+        Parameters
+        ----------
+        ax
+            Axes of matplotlib; ``None`` for those of a new figure.
+
+        Returns
+        -------
+        Axes
+        """
+
+    def to_dataframe(self) -> Any:
+        """The main table as a data frame of pandas, which must be installed.
+
+        Columns are named ``name [unit]``; an undefined value is missing.
+        """
+        pandas = import_module("pandas")
+        table = self.to_table()
+        heads = [f"{c.name} [{c.unit}]" if c.unit else c.name for c in table.columns]
+        return pandas.DataFrame(list(table.rows), columns=heads)
+
+    def to_latex(self, label: str = "") -> str:
+        """The main table in LaTeX (booktabs), rounded to its digits.
+
+        Parameters
+        ----------
+        label
+            For ``\\\\ref``; empty for none.
+        """
+        return table_latex(self.to_table(), label=label)
+
+    def _html(self, caption: str, notes: Sequence[str] = ()) -> str:
+        table = self.to_table()
+        head = [f"{c.name} [{c.unit}]" if c.unit else c.name for c in table.columns]
+        rows = [
+            [_cell(cell, column.digits) for cell, column in zip(row, table.columns, strict=True)]
+            for row in table.rows
+        ]
+        return _notebook.shown(caption, _notebook.table(head, rows), notes=notes)
+
+
+def _cell(value: Any, digits: str) -> str:
+    if value is None:
+        return ""
+    return format(value, digits) if digits and isinstance(value, float) else str(value)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Analyses(Result):
+    """Every stage of each sensor with one color matrix.
+
+    Attributes
+    ----------
+    matrix
+        Name of its method.
+    points
+        Each sensor in its light, with its exposure.
+    outcomes
+        What was asked of each: stages, chart, figures of merit, noise in a color space.
+    outputs
+        What was asked.
+    """
+
+    matrix: str
+    points: tuple[Situation, ...]
+    outcomes: tuple[Outcome, ...]
+    outputs: OutputsPart
+
+    @property
+    def analyses(self) -> tuple[Analysis, ...]:
+        """Every stage of each sensor."""
+        return tuple(outcome.analysis for outcome in self.outcomes)
+
+    def raw_snr_db(self) -> dict[str, dict[str, float | None]]:
+        """Raw SNR by sensor and channel; ``None`` where it is not defined. [dB]"""
+        return {one.sensor.name: raw_snr_db(one) for one in self.analyses}
+
+    def contravariant_snr_db(self) -> dict[str, dict[str, float | None]]:
+        """Contravariant SNR by sensor and channel; ``None`` where it is not defined. [dB]"""
+        return {one.sensor.name: contravariant_snr_db(one) for one in self.analyses}
+
+    def color_snr_db(self) -> dict[str, dict[str, float | None]]:
+        """SNR of X, Y and Z by sensor; ``None`` where it is not defined. [dB]"""
+        return {one.sensor.name: color_snr_db(one) for one in self.analyses}
+
+    def to_dict(self) -> dict[str, Any]:
+        """As ``chromanoise analyze --json``."""
+        return outcomes_as_json(self.outcomes, self.outputs)
+
+    def to_table(self) -> Table:
+        """One row per sensor."""
+        return analyses_as_table(self.analyses)
+
+    def plot(self, ax: Any = None) -> Any:
+        """The losses from all photons to Y of each sensor. [dB]"""
+        return _figures().draw_analyses(self.analyses, _axes(ax))
+
+    def __repr__(self) -> str:
+        """Sensors, SNR of Y and the operating point."""
+        snr = {name: values["Y"] for name, values in self.color_snr_db().items()}
+        told = ", ".join(
+            f"{name} {'undefined' if y is None else f'{y:.1f} dB'}" for name, y in snr.items()
+        )
+        return f"<Analyses: SNR Y {told} at {conditions(self.points)}>"
+
+    def _repr_html_(self) -> str:
+        return self._html(f"At {conditions(self.points)}")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class MatrixResult:
+    """One color matrix of one sensor.
+
+    Attributes
+    ----------
+    point
+        The sensor in its light, with its exposure.
+    matrix
+        From electrons to XYZ. [lx/e-]
+    report
+        Color error, noise, condition.
+    pareto
+        The curve of color error against noise; ``None`` where it is not asked for.
+    """
+
+    point: Situation
+    matrix: ColorMatrix
+    report: MatrixReport
+    pareto: ParetoCurve | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Matrices(Result):
+    """The color matrix of each sensor, by one method.
+
+    Attributes
+    ----------
+    method
+        Its name.
+    results
+        One per sensor.
+    """
+
+    method: str
+    results: tuple[MatrixResult, ...]
+
+    def to_dict(self) -> dict[str, Any]:
+        """One entry per sensor, each as ``chromanoise matrix --json``."""
+        return {
+            "sensors": [
+                matrix_as_json(one.point, one.matrix, one.report, one.pareto)
+                for one in self.results
+            ]
+        }
+
+    def to_table(self) -> Table:
+        """The matrix of the first sensor."""
+        one = self.results[0]
+        return matrix_as_table(one.matrix, one.report, one.point.sensor.name)
+
+    def plot(self, ax: Any = None) -> Any:
+        """Color error against noise, where the curve was asked for; else the matrix as bars."""
+        return _figures().draw_matrices(self.results, _axes(ax))
+
+    def __repr__(self) -> str:
+        """Method, sensors and color error."""
+        told = ", ".join(
+            f"{one.point.sensor.name} {_number(one.report.color_error_mean)} Delta E*ab"
+            for one in self.results
+        )
+        points = [one.point for one in self.results]
+        return f"<Matrices: {self.method}, {told} at {conditions(points)}>"
+
+    def _repr_html_(self) -> str:
+        return self._html(f"{self.method} at {conditions([one.point for one in self.results])}")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Comparison(Result):
+    """A quantity of all sensors while one thing varies.
+
+    Attributes
+    ----------
+    points
+        Each sensor before the sweep.
+    curves, crossovers, bands
+        Per sensor and matrix; per pair of sensors; over all priors, where asked for.
+    equal, prior
+        The rule of the exposure, and what trained matrices are trained on.
+    """
+
+    points: tuple[Situation, ...]
+    curves: tuple[Curve, ...]
+    crossovers: tuple[Crossover, ...]
+    bands: tuple[CrossoverBand, ...]
+    equal: str
+    prior: str
+
+    def to_dict(self) -> dict[str, Any]:
+        """As ``chromanoise compare --json``."""
+        told = comparison_as_json(self.curves, self.crossovers)
+        return told | {
+            "equal": self.equal,
+            "prior": self.prior,
+            "bands": bands_as_json(self.bands),
+        }
+
+    def to_table(self) -> Table:
+        """One row per sensor, matrix and value of the sweep."""
+        return curves_as_table(self.curves)
+
+    def plot(self, ax: Any = None) -> Any:
+        """The quantity over what varies, one curve per sensor and matrix."""
+        return _figures().draw_comparison(self.curves, _axes(ax), crossovers=self.crossovers)
+
+    def __repr__(self) -> str:
+        """The quantity, what varies, and the operating point."""
+        first = self.curves[0]
+        names = ", ".join(dict.fromkeys(curve.sensor for curve in self.curves))
+        return (
+            f"<Comparison: {first.quantity.what} of {names} over {first.sweep.what}, from "
+            f"{conditions(self.points)}>"
+        )
+
+    def _repr_html_(self) -> str:
+        told = [crossover_sentence(one) for one in self.crossovers]
+        return self._html(f"From {conditions(self.points)}", told)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Pictures:
+    """The pictures of one cube.
+
+    Attributes
+    ----------
+    cube
+        Its name in the study.
+    summaries
+        How each was taken, as plain data; its files, where a folder was given.
+    captures
+        The pictures themselves, where no folder was given.
+    """
+
+    cube: str
+    summaries: tuple[dict[str, Any], ...]
+    captures: tuple[Shot, ...] = ()
+
+    def to_dict(self) -> dict[str, Any]:
+        """The cube and the summaries."""
+        return {"cube": self.cube, "pictures": list(self.summaries)}
+
+    def plot(self, ax: Any = None) -> Any:
+        """Draw the first picture."""
+        return _figures().draw_capture(self.captures[0], _axes(ax))
+
+    def __repr__(self) -> str:
+        """How many, of which cube."""
+        return f"<Pictures: {len(self.summaries)} of {self.cube}>"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Results:
+    """All that a study asks for.
+
+    Attributes
+    ----------
+    study
+        What was run.
+    points
+        Each sensor in its light, with its exposure.
+    analyses, matrices
+        One per color matrix, by its name.
+    sweeps, pictures
+        In the order of the study.
+    """
+
+    study: Study
+    points: tuple[Situation, ...]
+    analyses: dict[str, Analyses] = field(default_factory=dict)
+    matrices: dict[str, Matrices] = field(default_factory=dict)
+    sweeps: tuple[Comparison, ...] = ()
+    pictures: tuple[Pictures, ...] = ()
+
+    def to_list(self) -> list[dict[str, Any]]:
+        """The result of each step, as ``chromanoise run`` writes them."""
+        steps = (*self.analyses.values(), *self.matrices.values(), *self.sweeps, *self.pictures)
+        return [step.to_dict() for step in steps]
+
+    def __repr__(self) -> str:
+        """What there is, and the operating point."""
+        counts = {
+            "analyses": len(self.analyses),
+            "matrices": len(self.matrices),
+            "sweeps": len(self.sweeps),
+            "pictures": len(self.pictures),
+        }
+        told = ", ".join(f"{count} {name}" for name, count in counts.items() if count)
+        return f"<Results: {told} at {conditions(self.points)}>"
+
+
+def _figures() -> Any:
+    """The layer that draws is above this one; it is loaded only when a figure is asked for."""
+    return import_module("chromanoise.figures")
+
+
+def _axes(ax: Any) -> Any:
+    return ax if ax is not None else import_module("matplotlib.pyplot").subplots()[1]
+
+
+def _number(value: float | None) -> str:
+    return "undefined" if value is None else f"{value:.2f}"
