@@ -7,7 +7,7 @@ from chromanoise import _check
 from chromanoise.analysis.color_matrices import MatrixMaker, matrix_makers
 from chromanoise.analysis.stages import Analysis, analyzed
 from chromanoise.exposure import Situation, white_scene
-from chromanoise.study.assembly import situations_of, told_apart
+from chromanoise.study.assembly import operating_points_of, with_distinct_names
 from chromanoise.study.document import Study
 
 
@@ -75,7 +75,9 @@ def shown(study: Study, *, situations: Sequence[Situation] | None = None) -> Sho
     InputError
         If a name names nothing, a file cannot be read, or a matrix cannot be made.
     """
-    situations = situations_of(study) if situations is None else told_apart(situations)
+    situations = (
+        operating_points_of(study) if situations is None else with_distinct_names(situations)
+    )
     makers = matrix_makers(study.matrices, study.metric, prior=study.prior)  # type: ignore[arg-type]
     first = next(iter(makers.values()))
     analyses = [

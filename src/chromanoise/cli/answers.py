@@ -1,6 +1,7 @@
-"""Options by which a user answers what a file of spectra cannot tell."""
+"""Options that supply what a file of spectra lacks."""
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import fields
 from typing import Any, TypeVar, get_args
 
 import click
@@ -11,27 +12,80 @@ from chromanoise.io.spectra.parsed import Negatives, Unit
 
 Command = TypeVar("Command", bound=Callable[..., Any])
 
-_ANSWERS = (
-    click.option("--percent/--fraction", default=None, help="Whether 100 or 1 is the whole."),
-    click.option("--relative/--absolute", default=None, help="Whether heights mean something."),
-    click.option(
-        "--photons/--energy", default=None, help="How the curves of the file count light."
-    ),
-    click.option(
-        "--wavelength-unit",
-        type=click.Choice(get_args(Unit)),
-        help="Unit of the wavelengths, where the file does not declare it.",
-    ),
-    click.option("--um/--nm", "micrometers", default=None, hidden=True),
-    click.option(
-        "--negatives",
-        type=click.Choice(get_args(Negatives)),
-        default="refuse",
-        show_default=True,
-        help="Small negative values, as digitizing leaves them: refuse them, or set them to 0.",
-    ),
-    click.option("--peak-qe", type=float, help="Highest QE of a sensor with relative curves."),
-)
+_OLDER_UNIT = "chromanoise.wavelength_unit"
+
+
+def pair_of(yes: str, no: str) -> Callable[[click.Context, click.Parameter, bool | None], Any]:
+    """The value of a pair of flags; ``None`` if none of them is given."""
+    return lambda _, __, given: None if given is None else (yes if given else no)
+
+
+def _keep_older_unit(ctx: click.Context, _: click.Parameter, given: bool | None) -> None:
+    ctx.meta[_OLDER_UNIT] = None if given is None else ("um" if given else "nm")
+
+
+def _wavelength_unit(ctx: click.Context, _: click.Parameter, unit: str | None) -> str | None:
+    """The unit from ``--wavelength-unit``, or from its older names ``--um`` and ``--nm``."""
+    older: str | None = ctx.meta.get(_OLDER_UNIT)
+    if unit and older and unit != older:
+        raise InputError(
+            "--wavelength-unit",
+            f"must agree with --{older}",
+            value=unit,
+            remedy="give one of them",
+        )
+    return unit or older
+
+
+def _answers(scale: str) -> tuple[Any, ...]:
+    """The options that supply what a file lacks; ``scale`` is the name of one of their settings."""
+    return (
+        click.option(
+            "--percent/--fraction",
+            scale,
+            default=None,
+            callback=pair_of("percent", "fraction"),
+            help="Whether 100 or 1 is the whole.",
+        ),
+        click.option(
+            "--relative/--absolute",
+            "level",
+            default=None,
+            callback=pair_of("relative", "absolute"),
+            help="Whether the height of the curves has a meaning.",
+        ),
+        click.option(
+            "--photons/--energy",
+            "per",
+            default=None,
+            callback=pair_of("photon", "energy"),
+            help="Whether the curves are per photon or per energy.",
+        ),
+        click.option(
+            "--um/--nm",
+            "older_unit",
+            default=None,
+            hidden=True,
+            is_eager=True,
+            expose_value=False,
+            callback=_keep_older_unit,
+        ),
+        click.option(
+            "--wavelength-unit",
+            type=click.Choice(get_args(Unit)),
+            callback=_wavelength_unit,
+            help="Unit of the wavelengths, where the file does not declare it.",
+        ),
+        click.option(
+            "--negatives",
+            type=click.Choice(get_args(Negatives)),
+            help="Small negative values, as digitizing leaves them: refuse them, or set them to 0. "
+            "[default: refuse]",
+        ),
+        click.option("--peak-qe", type=float, help="Highest QE of a sensor with relative curves."),
+    )
+
+
 _OF_ONE_FILE = (
     click.option(
         "--quantity",
@@ -42,16 +96,19 @@ _OF_ONE_FILE = (
     click.option(
         "--beyond",
         type=click.Choice(["refuse", "zero", "hold"]),
-        default="refuse",
-        show_default=True,
-        help="What a curve is where others of the file go on.",
+        help="Values of a curve where others of the file go on. [default: refuse]",
     ),
 )
 
 
 def answering(command: Command) -> Command:
-    """Add the options that answer what a file of spectra cannot tell."""
-    return _with(command, _ANSWERS)
+    """Add the options that supply what a file of spectra lacks."""
+    return _with(command, _answers("scale"))
+
+
+def about_sensors(command: Command) -> Command:
+    """Add the same for the files of sensors, as settings of a study."""
+    return _with(command, _answers("qe_scale"))
 
 
 def of_one_file(command: Command) -> Command:
@@ -65,52 +122,14 @@ def _with(command: Command, options: Sequence[Callable[[Command], Command]]) -> 
     return command
 
 
-def answers_of(options: Mapping[str, Any]) -> Answers:
-    """The answers among the options of a command; an option that it lacks is no answer."""
-    return Answers(
-        quantity=options.get("quantity"),
-        scale=_either(options.get("percent"), "percent", "fraction"),
-        level=_either(options.get("relative"), "relative", "absolute"),
-        per=_either(options.get("photons"), "photon", "energy"),
-        wavelength_unit=_wavelength_unit(options),
-        negatives=options.get("negatives", "refuse"),
-        beyond=options.get("beyond", "refuse"),
-        columns=tuple(options.get("columns", ())),
-        peak_qe=options.get("peak_qe"),
-    )
+def answers_of(settings: Mapping[str, Any]) -> Answers:
+    """The answers among the settings of a command; what is not given is no answer.
 
-
-def illuminant_answers_of(options: Mapping[str, Any]) -> Answers:
-    """The same for the file of the illuminant, which is one curve of power or of photons."""
-    column = options.get("illuminant_column")
-    return Answers(
-        quantity="power",
-        per=_either(options.get("illuminant_photons"), "photon", "energy"),
-        wavelength_unit=options.get("illuminant_wavelength_unit"),
-        negatives=options.get("negatives", "refuse"),
-        beyond=options.get("illuminant_beyond", "refuse"),
-        columns=(column,) if column else (),
-    )
-
-
-def filter_answers_of(options: Mapping[str, Any]) -> Answers:
-    """The same for the file of the filter, which is one curve of transmittance."""
-    return Answers(
-        quantity="transmittance",
-        wavelength_unit=options.get("filter_wavelength_unit"),
-        negatives=options.get("negatives", "refuse"),
-        beyond=options.get("beyond", "refuse"),
-    )
-
-
-def _wavelength_unit(options: Mapping[str, Any]) -> Any:
-    """The unit from ``--wavelength-unit``, or from its older names ``--um`` and ``--nm``."""
-    unit = options.get("wavelength_unit")
-    older = _either(options.get("micrometers"), "um", "nm")
-    if unit and older and unit != older:
-        raise InputError(f"--wavelength-unit {unit} and --{older} exclude each other; give one")
-    return unit or older
-
-
-def _either(given: bool | None, yes: Any, no: Any) -> Any:
-    return None if given is None else (yes if given else no)
+    Parameters
+    ----------
+    settings
+        By the fields of `Answers`.
+    """
+    names = {one.name for one in fields(Answers)}
+    given = {k: v for k, v in settings.items() if k in names and v not in (None, ())}
+    return Answers(**given)

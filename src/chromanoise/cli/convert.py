@@ -9,10 +9,9 @@ import click
 
 from chromanoise._check import one_of
 from chromanoise._files import write_whole
-from chromanoise.catalog import own_sensor_of
+from chromanoise.catalog import idle_answers, own_sensor_of
 from chromanoise.catalog.resolve import file_there, is_file_word, sensor_of_word
 from chromanoise.cli.answers import answering, answers_of, of_one_file
-from chromanoise.cli.options import refuse_idle_answers
 from chromanoise.cli.output import refuse_inputs
 from chromanoise.errors import InputError
 from chromanoise.io.spectra import Understood, read_curves
@@ -93,8 +92,21 @@ def _read(source: str, options: dict[str, Any]) -> Sensor | Understood:
     """A sensor of the catalog or of a chromanoise JSON file, or the parsed curves of a file."""
     if not is_file_word(source, "sensor"):
         if options["quantity"] is not None:
-            raise InputError(f"--quantity: {source} says what it is; leave it away")
-        refuse_idle_answers([source], options)
+            raise InputError(
+                "--quantity",
+                f"must not be given for {source}, a sensor of the catalog",
+                value=options["quantity"],
+                remedy="omit it",
+            )
+        for name in idle_answers([source], answers_of(options)):
+            raise InputError(
+                name,
+                f"must not be given for {source}",
+                value=options[name],
+                found="it would change nothing",
+                remedy="omit it",
+                setting=name,
+            )
         return sensor_of_word(source, answers=answers_of(options))
     path = file_there(source, "sensor")
     own = own_sensor_of(path)

@@ -95,20 +95,22 @@ def run(arguments: list[str] | None = None) -> None:
         if isinstance(error, BrokenPipeError):
             sys.stderr.close()  # the reader of the output is gone
             sys.exit(1)
-        sentence = _sentence(error)
+        sentence = _sentence(error, given[0] if given else "")
         if sentence is None:
             raise
         _leave(sentence)
     sys.exit(result if isinstance(result, int) else 0)
 
 
-def _sentence(error: BaseException) -> str | None:
+def _sentence(error: BaseException, command: str) -> str | None:
     """The message for an error; ``None`` if the error is a bug of the program."""
     match error:
         case click.ClickException():
             return error.format_message()
         case InputError():
-            return str(error)
+            from chromanoise.cli.rendering import sentences
+
+            return sentences(error, command)
         case ArithmeticError() | RuntimeWarning():
             return (
                 f"a number exceeds double precision ({error}); choose less extreme values of the "

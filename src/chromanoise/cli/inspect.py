@@ -49,14 +49,15 @@ def inspect(file: Path, json_target: str | None, **options: Any) -> None:
 
 def _refuse_answers(options: dict[str, Any]) -> None:
     """Refuse options: the JSON of a sensor declares everything they could supply."""
-    unset = {"beyond": "refuse", "columns": (), "negatives": "refuse"}
-    given = [name for name, value in options.items() if value not in (None, unset.get(name))]
-    if given:
-        words = {"micrometers": "--um/--nm", "columns": "--column", "peak_qe": "--peak-qe"}
-        words |= {"percent": "--percent/--fraction", "relative": "--relative/--absolute"}
-        words["photons"] = "--photons/--energy"
-        told = ", ".join(words.get(name, f"--{name}") for name in given)
-        raise InputError(f"{told}: the JSON of a sensor declares this already; omit the option")
+    for name, value in options.items():
+        if value not in (None, ()):
+            raise InputError(
+                name,
+                "must not be given for the JSON of a sensor, which declares it",
+                value=value,
+                remedy="omit it",
+                setting=name,
+            )
 
 
 def own_as_text(file: Path, own: Sensor) -> list[str]:

@@ -5,35 +5,21 @@ from pathlib import Path
 from typing import Any
 
 import click
-from jaxtyping import Float
 
-from chromanoise._check import Array
 from chromanoise._files import write_whole
-from chromanoise.analysis import (
-    known_matrices,
-    matrix_as_json,
-    matrix_makers,
-    noise_weights,
-    pareto_of,
-)
-from chromanoise.analysis.tables import matrix_as_table
+from chromanoise.analysis import known_matrices
 from chromanoise.cli import tables
-from chromanoise.cli.copying import matrix_told, print_copy
+from chromanoise.cli.copying import print_copy
 from chromanoise.cli.merit_tables import print_pareto
 from chromanoise.cli.options import (
-    EXPOSURE,
     copy_option,
     json_option,
-    only,
     prior_option,
-    refuse_idle_prior,
-    sensor_and_light,
+    shared_options,
     table_option,
-    the_exposure,
-    the_light,
-    the_sensors,
 )
 from chromanoise.cli.output import refuse_taken_inputs, write_json, write_table
+from chromanoise.cli.progress import progress_of_step
 from chromanoise.color import ColorMatrix
 from chromanoise.errors import InputError
 from chromanoise.exposure import Situation, expected_electrons, white_scene
@@ -44,8 +30,8 @@ from chromanoise.io.matrices import (
     matrix_json,
     matrix_profile_json,
 )
-from chromanoise.metrics import matrix_report
 from chromanoise.sensor import left_out_of_closed_form
+from chromanoise.study import conditions, matrix_study, run
 
 _WRITERS: dict[str, Callable[[MadeMatrix], str]] = {
     ".dcp.json": matrix_profile_json,
@@ -57,7 +43,7 @@ _WRITERS: dict[str, Callable[[MadeMatrix], str]] = {
 
 @click.command()
 @click.argument("sensor")
-@sensor_and_light
+@shared_options
 @click.option(
     "--method",
     default="kernel",
@@ -68,12 +54,11 @@ _WRITERS: dict[str, Callable[[MadeMatrix], str]] = {
 @prior_option
 @click.option(
     "--export",
-    type=click.Path(path_type=Path),
     help="Write it to FILE.csv, .json, .clf (OpenColorIO) or .dcp.json (camera-profile names).",
 )
 @click.option(
     "--pareto",
-    "weights_told",
+    "weights",
     metavar="FIRST:LAST[:POINTS]",
     help="Color error against noise for weights of the noise from FIRST to LAST, e.g. 0.001:1000; "
     "1 is lmmse, and towards 0 lies least-squares.",
@@ -84,47 +69,36 @@ _WRITERS: dict[str, Callable[[MadeMatrix], str]] = {
 def matrix(
     sensor: str,
     method: str,
-    prior: str,
-    export: Path | None,
-    weights_told: str | None,
-    table: Path | None,
+    export: str | None,
+    weights: str | None,
+    table: str | None,
     json_target: str | None,
     copy_as: str | None,
-    **options: Any,
+    **settings: Any,
 ) -> None:
     """The color matrix of SENSOR, with its color error, noise, condition and noise gain."""
-    if weights_told is None:  # the curve is trained, whatever the matrix
-        refuse_idle_prior([method])
+    study = matrix_study(sensor, {**settings, **_span(weights)}, matrix=method)
     if copy_as is not None:
-        pareto = None if weights_told is None else _span(weights_told)
-        print_copy(copy_as, matrix_told(click.get_current_context().params, pareto))
+        print_copy(copy_as, study)
         return
     targets = {"--export": export, "--json": json_target, "--table": table}
-    refuse_taken_inputs(targets, [sensor], options)
-    if export:
-        writer = _writer(export)
-    weights = None if weights_told is None else _weights(weights_told)
-    illuminant, white = the_light(options)
-    (camera,) = the_sensors((sensor,), options)
-    exposure = the_exposure(white, camera, **only(options, EXPOSURE))
-    situation = Situation(
-        sensor=camera, exposure=exposure, illuminant=illuminant, level_lux=white.level_lux
-    )
-    (maker,) = matrix_makers([method], options["metric"], prior=prior).values()
-    made = maker(situation)
-    report = matrix_report(made, camera, exposure, illuminant, level_lux=white.level_lux)
-    if export:
-        write_whole(export, writer(_made(situation, made)).encode("utf-8"))
-    curve = None if weights is None else pareto_of(situation, weights, prior=prior)
+    refuse_taken_inputs(targets, [sensor], settings)
+    writer = _writer(Path(export)) if export else None
+    (results,) = run(study, progress=progress_of_step).matrices.values()
+    (result,) = results.results
+    point, report = result.point, result.report
+    if export and writer:
+        write_whole(Path(export), writer(_made(point, result.matrix)).encode("utf-8"))
     if table is not None:
-        write_table(matrix_as_table(made, report, camera.name), table)
+        write_table(results.to_table(), table)
     if json_target is not None:
-        write_json(matrix_as_json(situation, made, report, curve), json_target)
+        write_json(results.to_dict()["sensors"][0], json_target)
     if json_target == "-":
         return
-    tables.print_matrix(made, report, camera.name)
-    if curve:
-        print_pareto(curve, report, camera.name)
+    tables.print_conditions(conditions([point]))
+    tables.print_matrix(result.matrix, report, point.sensor.name)
+    if result.pareto:
+        print_pareto(result.pareto, report, point.sensor.name)
 
 
 def _made(situation: Situation, made: ColorMatrix) -> MadeMatrix:
@@ -143,28 +117,27 @@ def _made(situation: Situation, made: ColorMatrix) -> MadeMatrix:
     )
 
 
-def _weights(told: str) -> Float[Array, " q"]:
-    """The weights that FIRST:LAST[:POINTS] asks for."""
-    span = _span(told)
-    return noise_weights(span.pop("first"), span.pop("last"), **span)
-
-
-def _span(told: str) -> dict[str, Any]:
+def _span(text: str | None) -> dict[str, Any]:
     """First, last and perhaps points of FIRST:LAST[:POINTS]."""
-    wanted = "--pareto takes FIRST:LAST or FIRST:LAST:POINTS, as 0.001:1000"
-    parts = told.split(":")
-    if len(parts) not in (2, 3):
-        raise InputError(f"{wanted}, but is {told!r}")
+    if text is None:
+        return {}
+    parts = text.split(":")
     try:
         first, last = map(float, parts[:2])
-        points = {"points": int(parts[2])} if len(parts) == 3 else {}
+        points = {"pareto_points": int(parts[2])} if len(parts) == 3 else {}
     except ValueError:
-        raise InputError(f"{wanted}, but {told!r} has a part that is no number") from None
-    return {"first": first, "last": last, **points}
+        parts = []
+    if len(parts) not in (2, 3):
+        raise InputError(
+            "--pareto", "must be FIRST:LAST or FIRST:LAST:POINTS, as 0.001:1000", value=text
+        )
+    return {"pareto_first": first, "pareto_last": last, **points}
 
 
 def _writer(export: Path) -> Callable[[MadeMatrix], str]:
     for ending, writer in _WRITERS.items():
         if export.name.lower().endswith(ending):
             return writer
-    raise InputError(f"{export}: a matrix is written as {', '.join(_WRITERS)}; end the name so")
+    raise InputError(
+        str(export), f"must end in {', '.join(_WRITERS)}, the formats of a matrix", where="--export"
+    )

@@ -52,8 +52,7 @@ def refuse_taken_inputs(
     """Before anything is computed: no result takes the place of an input, or has no format."""
     inputs = [
         *sensors,
-        options["illuminant"],
-        *filter(None, [options["pixel"], options["filter_word"]]),
+        *filter(None, [options["illuminant"], options["pixel"], options["filter"]]),
     ]
     refuse_same(targets)
     for option, target in targets.items():
@@ -62,6 +61,6 @@ def refuse_taken_inputs(
             table_writer(Path(target))
 
 
-def write_table(table: Table, path: Path) -> None:
+def write_table(table: Table, target: str) -> None:
     """A table in the format that its file's name ends in, whole or not at all."""
-    write_whole(path, table_writer(path)(table).encode("utf-8"))
+    write_whole(Path(target), table_writer(Path(target))(table).encode("utf-8"))

@@ -9,48 +9,41 @@ from typing import Any
 import click
 
 from chromanoise import __version__
-from chromanoise._check import distinct
 from chromanoise._files import refuse_unwritable, whole_folder
 from chromanoise.analysis import matrix_makers
 from chromanoise.catalog.resolve import file_of
-from chromanoise.cli.copying import print_copy, simulate_told
+from chromanoise.cli.copying import print_copy
 from chromanoise.cli.options import (
-    EXPOSURE,
     WHOLE,
     copy_option,
     matrix_option,
-    only,
     prior_option,
-    sensor_and_light,
-    the_exposure,
-    the_light,
-    the_sensors,
+    shared_options,
 )
 from chromanoise.cli.output import write_json
 from chromanoise.cli.progress import progress_of
 from chromanoise.errors import InputError
-from chromanoise.exposure import Situation
 from chromanoise.imaging import DEMOSAICING, Work
 from chromanoise.imaging.distributed import cluster
 from chromanoise.imaging.shots import (
     FORMATS,
-    MOST_FRAMES,
-    Asked,
     Shot,
     any_picture,
     is_held,
-    prepared,
-    shot,
     shot_summary,
     write_shot,
 )
-from chromanoise.io.cubes import read_cube
-from chromanoise.scene import Cube, builtin_cube
 from chromanoise.scene.rows import row_source
-from chromanoise.sensor import MOSAIC_NAMES, PixelOverrides, mosaic_named
-from chromanoise.study import file_word
-
-_REAL_PIXELS = ("dark_current_e_per_s", "dsnu_e", "prnu", "row_noise_e")
+from chromanoise.sensor import MOSAIC_NAMES
+from chromanoise.study import (
+    Study,
+    captures,
+    conditions,
+    file_word,
+    operating_points_of,
+    prepared_cameras,
+    render_study,
+)
 
 
 @click.command()
@@ -62,7 +55,7 @@ _REAL_PIXELS = ("dark_current_e_per_s", "dsnu_e", "prnu", "row_noise_e")
     required=True,
     help="A name of `chromanoise catalog sensors`, or a file; repeatable.",
 )
-@sensor_and_light
+@shared_options
 @matrix_option
 @prior_option
 @click.option(
@@ -80,15 +73,13 @@ _REAL_PIXELS = ("dark_current_e_per_s", "dsnu_e", "prnu", "row_noise_e")
 @click.option("--raw-only", is_flag=True, help="Codes of the mosaic, no color.")
 @click.option("--bits", type=WHOLE, help="Of the ADC, 8 to 16. [default: of --pixel, else 12]")
 @click.option("--black-level", type=WHOLE, help="Code of no light. [default: of --pixel, else 0]")
-@click.option("--frames", type=WHOLE, default=1, show_default=True, help="Pictures of a burst.")
+@click.option("--frames", type=WHOLE, help="Pictures of a burst. [default: 1]")
 @click.option(
     "--seed",
     type=WHOLE,
-    default=0,
-    show_default=True,
-    help="Of the noise; sensors of other names draw other noise.",
+    help="Of the noise; sensors of other names draw other noise. [default: 0]",
 )
-@click.option("--clip", is_flag=True, help="Hold electrons between 0 and full well.")
+@click.option("--clip", is_flag=True, help="Clip electrons between 0 and full well.")
 @click.option(
     "--dark-current-e-per-s",
     type=float,
@@ -112,13 +103,14 @@ _REAL_PIXELS = ("dark_current_e_per_s", "dsnu_e", "prnu", "row_noise_e")
     help="Of the bands, where the cube does not declare them: evenly spaced [nm], or a text file "
     "that lists one per band (nm, or the unit in its heading).",
 )
-@click.option("--scale", type=float, help="Reflectance per stored unit, e.g. 0.0001.")
+@click.option(
+    "--scale", "scale", type=float, help="Reflectance per stored unit of the cube, e.g. 0.0001."
+)
 @click.option(
     "--bad-pixels",
     type=click.Choice(["refuse", "zero"]),
-    default="refuse",
-    show_default=True,
-    help="What is no reflectance (NaN, negative, above 2): refuse it, or take 0 and say so.",
+    help="What is no reflectance (NaN, negative, above 2): refuse it, or take 0 and say so. "
+    "[default: refuse]",
 )
 @click.option("--threads", type=WHOLE, help="Working at once. [default: one per core]")
 @click.option(
@@ -138,7 +130,17 @@ _REAL_PIXELS = ("dark_current_e_per_s", "dsnu_e", "prnu", "row_noise_e")
     help="Folder for the pictures and summary.json.",
 )
 @copy_option
-def simulate(cube: str, sensors: tuple[str, ...], out: Path, **options: Any) -> None:
+def simulate(
+    cube: str,
+    sensors: tuple[str, ...],
+    method: str,
+    out: Path,
+    threads: int | None,
+    tile: int | None,
+    scheduler: str | None,
+    copy_as: str | None,
+    **settings: Any,
+) -> None:
     """Take a noisy picture of CUBE with each sensor: raw codes of a mosaic, color, or both.
 
     CUBE is a hyperspectral reflectance cube: ENVI (.hdr or its data file), MAT, HDF5, NetCDF,
@@ -146,124 +148,54 @@ def simulate(cube: str, sensors: tuple[str, ...], out: Path, **options: Any) -> 
     larger than memory. The same arguments give the same pictures on any number of threads, tiles
     or machines.
     """
-    asked = _asked(options)
-    if options["copy_as"] is not None:
-        study = simulate_told(click.get_current_context().params, cube=cube, **_reading(options))
-        print_copy(options["copy_as"], study)
+    study = render_study(cube, sensors, {**settings, **_parsed(settings)}, matrix=method)
+    if copy_as is not None:
+        print_copy(copy_as, study)
         return
     refuse_unwritable(out)
-    source = _the_cube(cube, options)
-    situations = _situations(sensors, options)
-    makers = matrix_makers([options["method"]], options["metric"], prior=options["prior"])
-    (maker,) = makers.values()
-    cameras = [prepared(source, each, maker(each), asked) for each in situations]
-    summaries, told = [], []
+    work = Work(threads=threads, tile_rows=tile)
     with ExitStack() as stack:
-        folder = stack.enter_context(whole_folder(out))
-        work = Work(threads=options["threads"], tile_rows=options["tile"])
-        if options["scheduler"]:
-            executor = stack.enter_context(
-                cluster(options["scheduler"], workers=options["threads"])
-            )
-            here = options["scheduler"] == "local"
-            work = replace(work, executor=executor, same_machine=here)
-        rows = row_source(source.stored).shape[0] * options["frames"] * len(cameras)
-        advance = stack.enter_context(progress_of("the pictures", rows, "rows"))
-        work = replace(work, progress=advance)
-        for camera in cameras:
-            for frame in range(options["frames"]):
-                start = time.perf_counter()
-                taken = shot(source, camera, frame=frame, work=work)
-                name = file_word(camera.situation.sensor.name)
-                stem = name + (f"-{frame:04d}" if options["frames"] > 1 else "")
-                files, notes = write_shot(folder, stem, taken)
-                # the seconds are all that another run changes
-                taking = {"seconds": time.perf_counter() - start, "not_written": notes}
-                summaries.append(shot_summary(taken, files) | taking)
-                told.append((_line(taken, out, files), _notes(taken, stem, notes)))
-        summary = {"version": __version__, "cube": source.source, "pictures": summaries}
-        write_json(summary, str(folder / "summary.json"))
-    for line, own in told:
+        if scheduler:
+            executor = stack.enter_context(cluster(scheduler, workers=threads))
+            work = replace(work, executor=executor, same_machine=scheduler == "local")
+        lines = _taken(study, work, out)
+    for line, notes in lines:
         click.echo(line)
-        for note in own:
+        for note in notes:
             click.echo(note, err=True)
 
 
-def _asked(options: dict[str, Any]) -> Asked:
-    if not 1 <= options["frames"] <= MOST_FRAMES:
-        raise InputError(f"--frames must be 1 to {MOST_FRAMES}, but is {options['frames']}")
-    _refuse_idle(options)
-    own = options["mosaic"] == "sensor"
-    return Asked(
-        mosaic=None if own or options["mosaic"] is None else mosaic_named(options["mosaic"]),
-        raw=options["mosaic"] is not None,
-        demosaic=None if options["raw_only"] else options["demosaic"] or "bilinear",
-        pixel=PixelOverrides(
-            bits=options["bits"],
-            black_level_dn=options["black_level"],
-            **only(options, _REAL_PIXELS),
-        ),
-        seed=options["seed"],
-        clip=options["clip"],
-        beyond=options["beyond"],
-        bad_pixels=options["bad_pixels"],
-        formats=None if options["formats"] is None else tuple(options["formats"].split(",")),
-    )
+def _taken(study: Study, work: Work, out: Path) -> list[tuple[str, list[str]]]:
+    """Take and write the pictures: for each a line and its notes."""
+    points = operating_points_of(study)
+    makers = matrix_makers(study.matrices, study.metric, prior=study.prior)  # type: ignore[arg-type]
+    cube, cameras = prepared_cameras(study, 0, points, makers)
+    frames = study.pictures[0].frames
+    rows = row_source(cube.stored).shape[0] * frames * len(points)
+    summaries, lines = [], [(f"At {conditions(points)}:", list[str]())]
+    with whole_folder(out) as folder, progress_of("the pictures", rows, "rows") as advance:
+        start = time.perf_counter()
+        for _, taken in captures(study, 0, cube, cameras, work=replace(work, progress=advance)):
+            name, frame = file_word(taken.camera.situation.sensor.name), any_picture(taken).frame
+            stem = name + (f"-{frame:04d}" if frames > 1 else "")
+            files, missing = write_shot(folder, stem, taken)
+            # the seconds are all that another run changes
+            seconds, start = time.perf_counter() - start, time.perf_counter()
+            taking = {"seconds": seconds, "not_written": missing}
+            summaries.append(shot_summary(taken, files) | taking)
+            lines.append((_line(taken, out, files), _notes(taken, stem, missing)))
+        summary = {"version": __version__, "cube": cube.source, "pictures": summaries}
+        write_json(summary, str(folder / "summary.json"))
+    return lines
 
 
-_OF_MOSAIC = ("demosaic", "raw_only", "bits", "black_level")
-
-
-def _refuse_idle(options: dict[str, Any]) -> None:
-    """An option that would change nothing was meant to change something."""
-    idle = [key for key in _OF_MOSAIC if options[key] is not None and options[key] is not False]
-    if options["mosaic"] is None and idle:
-        told = " and ".join(f"--{key.replace('_', '-')}" for key in idle)
-        raise InputError(f"{told}: only a mosaic has that; name one with --mosaic")
-    if options["mosaic"] is not None and options["clip"]:
-        raise InputError("--clip: a converter holds its codes anyway; leave it away with --mosaic")
-    if options["raw_only"] and options["demosaic"]:
-        raise InputError("--raw-only and --demosaic exclude each other; give one of them")
-
-
-def _situations(sensors: tuple[str, ...], options: dict[str, Any]) -> list[Situation]:
-    illuminant, white = the_light(options)
-    cameras = the_sensors(sensors, options)
-    distinct("names of --sensor", [camera.name for camera in cameras])
-    distinct("file names of --sensor", [file_word(camera.name) for camera in cameras])
-    return [
-        Situation(
-            sensor=camera,
-            exposure=the_exposure(white, camera, **only(options, EXPOSURE)),
-            illuminant=illuminant,
-            level_lux=white.level_lux,
-        )
-        for camera in cameras
-    ]
-
-
-_CURES = ("key", "shape", "wavelengths", "scale")
-
-
-def _the_cube(name: str, options: dict[str, Any]) -> Cube:
-    if name.startswith("builtin:"):
-        cures = [f"--{key}" for key in _CURES if options[key] is not None]
-        if cures:
-            raise InputError(f"{name} says all of itself; leave {' and '.join(cures)} away")
-        return builtin_cube(name)
-    how = _reading(options)
-    if isinstance(how["wavelengths"], str):
-        how["wavelengths"] = file_of(how["wavelengths"])
-    return read_cube(name, **how)
-
-
-def _reading(options: dict[str, Any]) -> dict[str, Any]:
-    """How the cube's file is to be read."""
+def _parsed(settings: dict[str, Any]) -> dict[str, Any]:
+    """The options that are text of several values."""
+    formats = settings["formats"]
     return {
-        "key": options["key"],
-        "shape": _pair("--shape", options["shape"], "x", int),
-        "wavelengths": _wavelengths(options["wavelengths"]),
-        "scale": options["scale"],
+        "shape": _pair("--shape", settings["shape"], "x", int),
+        "wavelengths": _wavelengths(settings["wavelengths"]),
+        "formats": None if formats is None else formats.split(","),
     }
 
 
@@ -275,8 +207,7 @@ def _wavelengths(text: str | None) -> tuple[float, float] | str | None:
         if text and file_of(text).exists():
             return text
         raise InputError(
-            f"--wavelengths takes FIRST:LAST in nm or a file that lists them, but {text!r} is "
-            "neither"
+            "--wavelengths", "must be FIRST:LAST in nm, or a file that lists them", value=text
         ) from None
 
 
@@ -288,7 +219,7 @@ def _pair(option: str, text: str | None, separator: str, kind: Any) -> Any:
         first, second = (kind(part) for part in parts)
     except ValueError:
         raise InputError(
-            f"{option} takes two numbers with {separator!r} between them, but is {text!r}"
+            option, f"must be two numbers with {separator!r} between them", value=text
         ) from None
     return first, second
 
@@ -305,7 +236,7 @@ def _notes(taken: Shot, stem: str, not_written: list[str]) -> list[str]:
     picture, names = any_picture(taken), taken.camera.situation.sensor.names
     if picture.frame > 0:
         return []
-    what = "held there" if is_held(taken) else "not clipped; --clip holds them there"
+    what = "clipped there" if is_held(taken) else "not clipped; --clip does so"
     above = [
         f"{100 * share:.1f} % of {name} lies above full well ({what})"
         for name, share in zip(names, picture.above_full_well, strict=True)

@@ -67,6 +67,13 @@ def print_reproduction(result: Reproduction) -> None:
         console.print()
 
 
+def print_conditions(text: str) -> None:
+    """The operating point, above the tables that hold for it."""
+    _console().print(
+        f"At {text}:" if not text.startswith("before") else f"{text.capitalize()}", soft_wrap=True
+    )
+
+
 def print_analyses(analyses: Iterable[Analysis]) -> None:
     """Several sensors, side by side: channels first, then color, then what to know."""
     console = _console()

@@ -1,4 +1,8 @@
-"""A study: its document, faults, run and records."""
+"""A study: its document, faults, run and records.
+
+``settings`` makes a study of the options of a command or the arguments of a function, ``reading``
+of a file; ``assembly`` resolves its names; ``running`` is the one way to its ``results``.
+"""
 
 from chromanoise.study.agreement import (
     Agreement,
@@ -9,6 +13,20 @@ from chromanoise.study.analyses import (
     Outcome,
     outcome_of,
     outcomes_as_json,
+)
+from chromanoise.study.assembly import (
+    NOTHING_GIVEN,
+    Given,
+    operating_points_of,
+)
+from chromanoise.study.calls import (
+    FLAGS,
+    OTHER_NAMES,
+    Call,
+    call_of,
+    option_of,
+    study_as_command,
+    study_as_python,
 )
 from chromanoise.study.document import (
     MOST_SENSORS,
@@ -23,7 +41,9 @@ from chromanoise.study.hashes import (
     study_hash,
 )
 from chromanoise.study.pictures import (
+    captures,
     file_word,
+    prepared_cameras,
 )
 from chromanoise.study.reading import (
     read_study,
@@ -36,39 +56,92 @@ from chromanoise.study.records import (
     run_study,
     study_of_output,
 )
-from chromanoise.study.running import (
-    Step,
-    study_steps,
+from chromanoise.study.results import (
+    Analyses,
+    Comparison,
+    Matrices,
+    MatrixResult,
+    Pictures,
+    Result,
+    Results,
+    conditions,
 )
-from chromanoise.study.scripts import (
-    study_as_python,
+from chromanoise.study.running import (
+    Progress,
+    Step,
+    prepared_run,
+    run,
+)
+from chromanoise.study.settings import (
+    ANALYSIS,
+    PARETO,
+    PICTURE,
+    RENDERING,
+    SHARED,
+    SWEEP,
+    analyze_study,
+    argument_of,
+    compare_study,
+    matrix_study,
+    render_study,
 )
 from chromanoise.study.starter import (
     STARTER,
 )
 from chromanoise.study.texts import (
-    study_as_command,
     study_as_toml,
 )
 
 __all__ = [
+    "ANALYSIS",
+    "FLAGS",
     "MOST_SENSORS",
+    "NOTHING_GIVEN",
+    "OTHER_NAMES",
+    "PARETO",
+    "PICTURE",
+    "RENDERING",
+    "SHARED",
     "STARTER",
+    "SWEEP",
     "Agreement",
+    "Analyses",
+    "Call",
+    "Comparison",
+    "Given",
+    "Matrices",
+    "MatrixResult",
     "Outcome",
     "OutputsPart",
+    "Pictures",
+    "Progress",
     "RecordedRun",
+    "Result",
+    "Results",
     "Step",
     "Study",
     "agreement_of",
     "agreement_text",
+    "analyze_study",
+    "argument_of",
+    "call_of",
+    "captures",
+    "compare_study",
+    "conditions",
     "file_digests",
     "file_word",
+    "matrix_study",
+    "operating_points_of",
+    "option_of",
     "outcome_of",
     "outcomes_as_json",
+    "prepared_cameras",
+    "prepared_run",
     "provenance",
     "read_study",
     "recorded_run",
+    "render_study",
+    "run",
     "run_study",
     "study_as_command",
     "study_as_json",
@@ -79,5 +152,4 @@ __all__ = [
     "study_hash",
     "study_of_output",
     "study_schema",
-    "study_steps",
 ]

@@ -108,7 +108,11 @@ def run_study(
                 with scratch_folder() as scratch, progress(step) as advance:
                     result = step.run(scratch, advance)
                     _refuse_change_in_work(study, stamps, who["files"])
-                    told_of = {"step": step.name, "written": _written(scratch), "result": result.to_dict()}
+                    told_of = {
+                        "step": step.name,
+                        "written": _written(scratch),
+                        "result": result.to_dict(),
+                    }
                     _write(scratch / file.name, who | told_of)
     return [folder / f"{step.name}.json" for step in steps]
 

@@ -35,7 +35,7 @@ SHARED: Mapping[str, tuple[str, ...]] = {
     "prior": ("prior",),
     "beyond": (f"{_SENSOR}.beyond",),
     "negatives": (f"{_SENSOR}.negatives", "light.negatives"),
-    "scale": (f"{_SENSOR}.answers.scale",),
+    "qe_scale": (f"{_SENSOR}.answers.scale",),
     "level": (f"{_SENSOR}.answers.level",),
     "per": (f"{_SENSOR}.answers.per",),
     "wavelength_unit": (f"{_SENSOR}.answers.wavelength_unit",),
@@ -76,17 +76,13 @@ PICTURE: Mapping[str, tuple[str, ...]] = {
             *("dark_current_e_per_s", "dsnu_e", "prnu", "row_noise_e"),
         )
     },
-    "scale": ("pictures.0.scale",),
-    "qe_scale": (f"{_SENSOR}.answers.scale",),
 }
-"""Settings of pictures; ``scale`` is that of the cube, ``qe_scale`` that of the sensors' files."""
+"""Settings of pictures; ``scale`` is that of the cube."""
 
 RENDERING: Mapping[str, tuple[str, ...]] = {**SHARED, **PICTURE}
 
 
-def analyze_study(
-    sensors: Sequence[str], settings: Settings, *, matrix: str = "kernel"
-) -> Study:
+def analyze_study(sensors: Sequence[str], settings: Settings, *, matrix: str = "kernel") -> Study:
     """The study of one analysis: every stage of each sensor with one color matrix.
 
     Parameters
@@ -150,9 +146,7 @@ def compare_study(
     return _study(sensors, settings, {**SHARED, **SWEEP}, data)
 
 
-def matrix_study(
-    sensor: str, settings: Settings, *, matrix: str = "kernel"
-) -> Study:
+def matrix_study(sensor: str, settings: Settings, *, matrix: str = "kernel") -> Study:
     """The study of one color matrix.
 
     Parameters

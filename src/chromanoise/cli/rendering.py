@@ -1,0 +1,56 @@
+"""Errors in the terms of the command line: a setting is an option."""
+
+from chromanoise.errors import InputError, Setting, errors_in
+
+
+def sentences(error: InputError, command: str = "") -> str:
+    """One sentence per error, with options in place of settings.
+
+    Parameters
+    ----------
+    error
+        Of the library.
+    command
+        Name of the command, which decides between options of one name.
+    """
+    if getattr(error, "in_place", False):  # a study file: its sentences name file, line and key
+        return str(error)
+    lines = [_sentence(one, command) for one in errors_in(error)]
+    return "\n".join(dict.fromkeys(lines))
+
+
+def _sentence(error: InputError, command: str) -> str:
+    from chromanoise.study import option_of
+
+    subject = error.subject
+    if error.setting and subject == error.setting.rpartition(".")[2]:
+        name = _flat(error.setting, command)
+        if name is not None:
+            subject = option_of(name, error.value)
+    return error.sentence(subject=subject, render=lambda setting: _remedy(setting, command))
+
+
+def _remedy(setting: Setting, command: str) -> str:
+    from chromanoise.study import FLAGS, option_of
+
+    name = _flat(setting.name, command) or setting.name
+    flags = FLAGS.get(name)
+    values = [str(value) for value in setting.values]
+    if flags:
+        return f"give {' or '.join(flags[value] for value in values or flags)}"
+    if values == ["True"]:
+        return f"give {option_of(name)}"
+    return f"give {' '.join([option_of(name), ' or '.join(values)]).strip()}"
+
+
+def _flat(key: str, command: str) -> str | None:
+    """The setting of a key of a study, as this command calls it; a key without dots is one."""
+    from chromanoise.study import ANALYSIS, PARETO, RENDERING, SHARED, SWEEP, argument_of
+
+    if key.startswith("matrices."):
+        return "method" if command == "matrix" else "matrix"
+    if key.startswith("sensors.") and key.endswith(".name"):
+        return "sensors" if command == "simulate" else None
+    names = RENDERING if command == "simulate" else {**SHARED, **ANALYSIS, **SWEEP, **PARETO}
+    alone = "qe_scale" if key == "scale" else key  # of a command whose subject is one file
+    return argument_of(key, names) or (None if "." in key else alone)

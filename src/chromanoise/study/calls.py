@@ -1,0 +1,256 @@
+"""A study as the one call or command that computes it, and as text that reproduces it."""
+
+import json
+import shlex
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pprint import pformat
+from typing import Any
+
+from chromanoise.analysis import DEFAULT_PRIOR
+from chromanoise.errors import InputError
+from chromanoise.study.document import Study
+from chromanoise.study.settings import (
+    ANALYSIS,
+    PARETO,
+    RENDERING,
+    SHARED,
+    SWEEP,
+    analyze_study,
+    compare_study,
+    matrix_study,
+    render_study,
+)
+from chromanoise.study.texts import study_as_toml
+
+FLAGS: Mapping[str, Mapping[str, str]] = {
+    "qe_scale": {"percent": "--percent", "fraction": "--fraction"},
+    "level": {"relative": "--relative", "absolute": "--absolute"},
+    "per": {"photon": "--photons", "energy": "--energy"},
+    "illuminant_per": {"photon": "--illuminant-photons", "energy": "--illuminant-energy"},
+}
+"""Settings that are flags of the command line, by their values."""
+
+OTHER_NAMES: Mapping[str, str] = {
+    "columns": "column",
+    "formats": "format",
+    "vary": "sweep",
+    "first": "sweep",
+    "last": "sweep",
+    "all_priors": "prior",
+    "pareto_first": "pareto",
+    "pareto_last": "pareto",
+    "pareto_points": "pareto",
+    "sensors": "sensor",
+}
+"""Settings whose option has another name."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Call:
+    """A function of Python, or a command, with its arguments.
+
+    Attributes
+    ----------
+    function
+        ``analyze``, ``compare``, ``matrix`` or ``render`` (the command ``simulate``).
+    names
+        Sensors, for ``render`` behind the cube.
+    matrix
+        Names of the color matrices.
+    settings
+        By flat name, without those at their default.
+    """
+
+    function: str
+    names: tuple[str, ...]
+    matrix: tuple[str, ...]
+    settings: Mapping[str, Any]
+
+    def study(self) -> Study:
+        """The study of the call.
+
+        Raises
+        ------
+        InputError
+            If the call would be refused.
+        """
+        settings, names = dict(self.settings), list(self.names)
+        if self.function == "compare":
+            return compare_study(names, settings, matrices=self.matrix)
+        if self.function == "matrix":
+            return matrix_study(names[0], settings, matrix=self.matrix[0])
+        if self.function == "render":
+            return render_study(names[0], names[1:], settings, matrix=self.matrix[0])
+        return analyze_study(names, settings, matrix=self.matrix[0])
+
+
+def call_of(study: Study) -> Call | None:
+    """The one call that computes a study; ``None`` if it takes more than one.
+
+    Parameters
+    ----------
+    study
+        Its title, and a seed that nothing draws from, are not considered.
+
+    Examples
+    --------
+    >>> from chromanoise.study import study_from_data
+    >>> study = study_from_data({"sensors": [{"name": "onyx-rgbw"}], "light": {"level_lux": 3.0}},
+    ...                         source="")
+    >>> call_of(study).settings
+    {'lux': 3.0, 'budget': True}
+    """
+    seed = study.seed if study.pictures else 0
+    wanted = study.model_copy(update={"title": "", "seed": seed})
+    for function in ("analyze", "compare", "matrix", "render"):
+        try:
+            call = _candidate(function, wanted)
+            if call is not None and call.study() == wanted:
+                return call
+        except InputError:
+            continue
+    return None
+
+
+def study_as_command(study: Study) -> str:
+    r"""A shell line that computes the same numbers.
+
+    One of ``analyze``, ``compare``, ``matrix`` and ``simulate`` where one computes all of it;
+    otherwise ``chromanoise run`` of the study itself, as a here-document.
+
+    Examples
+    --------
+    >>> from chromanoise.study.reading import study_from_text
+    >>> text = '[[sensors]]\nname = "onyx-rgbw"\n[light]\nlevel_lux = 3.0'
+    >>> study_as_command(study_from_text(text, source="a text"))
+    'chromanoise analyze onyx-rgbw --lux 3.0 --budget'
+    """
+    call = call_of(study)
+    if call is None:
+        # no line of this TOML is the bare word that ends the document
+        return f"chromanoise run /dev/stdin --out out/study <<'STUDY'\n{study_as_toml(study)}STUDY"
+    names = [f"./{name}" if name.startswith("-") else name for name in call.names]
+    command = {"render": "simulate"}.get(call.function, call.function)
+    if command == "simulate":
+        names = [names[0], *(word for name in call.names[1:] for word in ("--sensor", name))]
+    method = "--method" if command == "matrix" else "--matrix"
+    matrix = [] if call.matrix == ("kernel",) else [method, ",".join(call.matrix)]
+    return shlex.join(["chromanoise", command, *names, *_options(call.settings), *matrix])
+
+
+def study_as_python(study: Study) -> str:
+    """A script that prints what a run of the study computes: a JSON list, one entry per step.
+
+    Pictures are written into the folder in which it is run.
+    """
+    title = "".join(c if c.isprintable() else " " for c in study.title).strip()
+    head = [f"# {title or 'A study of chromanoise'}", "import json", "", "import chromanoise as cn"]
+    call = None if study.pictures else call_of(study)
+    if call is not None:
+        matrix = [] if call.matrix == ("kernel",) else [_matrix_argument(call)]
+        arguments = [repr(name) for name in call.names]
+        arguments += [f"{name}={value!r}" for name, value in call.settings.items()]
+        lines = "".join(f"    {one},\n" for one in [*arguments, *matrix])
+        made = f"result = cn.{call.function}(\n{lines})"
+        printed = "print(json.dumps([result.to_dict()], indent=1))"
+    else:
+        data = study.model_dump(mode="json", by_alias=True, exclude_defaults=True)
+        shown = pformat({"schema": 1} | data, sort_dicts=False, width=96)
+        folder = ', folder="."' if study.pictures else ""
+        made = f"study = cn.study({shown})\nresults = cn.run(study{folder})"
+        printed = "print(json.dumps(results.to_list(), indent=1))"
+    return "\n".join([*head, "", made, printed]) + "\n"
+
+
+def option_of(name: str, value: object = None) -> str:
+    """The option of a setting, for flags that of its value.
+
+    Examples
+    --------
+    >>> option_of("time_ms"), option_of("per", "energy"), option_of("formats")
+    ('--time-ms', '--energy', '--format')
+    """
+    flag = FLAGS.get(name, {}).get(str(value))
+    return flag or f"--{OTHER_NAMES.get(name, name).replace('_', '-')}"
+
+
+def _candidate(function: str, study: Study) -> Call | None:
+    sensors = tuple(sensor.name for sensor in study.sensors)
+    tables = {
+        "analyze": {**SHARED, **ANALYSIS},
+        "compare": {**SHARED, **SWEEP},
+        "matrix": {**SHARED, **PARETO},
+        "render": RENDERING,
+    }
+    if function == "render" and len(study.pictures) != 1:
+        return None
+    if function == "compare" and len(study.sweeps) != 1:
+        return None
+    if (function == "matrix" and len(sensors) != 1) or (
+        function != "compare" and len(study.matrices) != 1
+    ):
+        return None
+    names = (study.pictures[0].cube, *sensors) if function == "render" else sensors
+    settings = _settings(study, tables[function])
+    if settings.pop("all_priors", False):
+        settings["prior"] = "all"
+    return Call(function=function, names=names, matrix=study.matrices, settings=settings)
+
+
+def _settings(study: Study, names: Mapping[str, tuple[str, ...]]) -> dict[str, Any]:
+    """The settings that are not at their default, or have none."""
+    defaults = Study.model_validate({"sensors": [{"name": "x"}], "pictures": [{}]})
+    found = {}
+    for name, keys in names.items():
+        value = _value(study, keys[0].replace("*", "0"))
+        default = _value(defaults, keys[0].replace("*", "0"))
+        if name == "prior" and value == DEFAULT_PRIOR:
+            continue
+        if value is not None and (value != default or name in ("vary", "first", "last")):
+            found[name] = value
+    return found
+
+
+def _value(study: Study, key: str) -> Any:
+    at: Any = study
+    for step in key.split("."):
+        if isinstance(at, tuple):
+            at = at[int(step)] if int(step) < len(at) else None
+        else:
+            at = getattr(at, step, None)
+    return at
+
+
+def _matrix_argument(call: Call) -> str:
+    if call.function == "compare":
+        return f"matrices={list(call.matrix)!r}"
+    return f"matrix={call.matrix[0]!r}"
+
+
+def _options(settings: Mapping[str, Any]) -> list[str]:
+    given = dict(settings)
+    words: list[str] = []
+    if "vary" in given:
+        span = f"{given.pop('vary')}={given.pop('first')!r}:{given.pop('last')!r}"
+        words += ["--sweep", span]
+    if "pareto_first" in given:
+        points = given.pop("pareto_points", None)
+        span = f"{given.pop('pareto_first')!r}:{given.pop('pareto_last')!r}"
+        words += ["--pareto", f"{span}:{points}" if points is not None else span]
+    for name, value in given.items():
+        option = option_of(name, value)
+        if value is True or option in FLAGS.get(name, {}).values():
+            words.append(option)
+        elif value is not False:
+            words += [option, _word(name, value)]
+    return words
+
+
+def _word(name: str, value: Any) -> str:
+    if isinstance(value, str):
+        return value
+    if isinstance(value, Sequence):
+        separator = {"shape": "x", "wavelengths": ":"}.get(name, ",")
+        return separator.join(str(one) if isinstance(one, str) else repr(one) for one in value)
+    return json.dumps(value) if isinstance(value, bool) else repr(value)
