@@ -323,7 +323,8 @@ BOMBS = [
 READS = """
 import resource, sys
 from chromanoise.errors import InputError
-from chromanoise.scene import read_cube, row_source
+from chromanoise.io.cubes import read_cube
+from chromanoise.scene import row_source
 import h5py, zarr, tifffile, PIL.Image
 import numpy as np
 resource.setrlimit(resource.RLIMIT_CORE, (0, 0))

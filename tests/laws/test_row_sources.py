@@ -217,7 +217,7 @@ def test_streaming_holds_little_memory(tmp_path):
             file.write(bytes(2**20))
     told = (
         "import resource, sys\n"
-        "from chromanoise.scene import read_cube, row_source\n"
+        "from chromanoise.io.cubes import read_cube\nfrom chromanoise.scene import row_source\n"
         "source = row_source(read_cube(sys.argv[1], wavelengths=(400, 800)).stored)\n"
         "source.rows(0, 1)\n"
         "most = lambda: resource.getrusage(resource.RUSAGE_SELF).ru_maxrss\n"

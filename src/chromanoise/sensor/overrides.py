@@ -65,7 +65,8 @@ def left_out_of_closed_form(sensor: Sensor) -> tuple[str, ...]:
 
     Examples
     --------
-    >>> from chromanoise.sensor import Imperfections, sensor_named
+    >>> from chromanoise.sensor import Imperfections
+    >>> from chromanoise.catalog import sensor_named
     >>> from chromanoise.spectra import DEFAULT_GRID
     >>> plain = sensor_named("model-rgb", DEFAULT_GRID)
     >>> left_out_of_closed_form(replace(plain, imperfections=Imperfections(prnu=0.01)))

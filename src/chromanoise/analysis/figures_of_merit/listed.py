@@ -80,9 +80,9 @@ def merits_of(
 
     >>> from chromanoise.exposure import saturating_exposure
     >>> from chromanoise.scene import flat_field
-    >>> from chromanoise.sensor import sensor_named
+    >>> from chromanoise.catalog import sensor_named
     >>> from chromanoise.spectra import DEFAULT_GRID, equal_energy
-    >>> from chromanoise.study import analyzed
+    >>> from chromanoise.analysis import analyzed
     >>> white = flat_field(equal_energy(DEFAULT_GRID), level_lux=10.0)
     >>> mono = sensor_named("model-mono", DEFAULT_GRID)
     >>> filled = saturating_exposure(white, mono, share=1.0)
