@@ -78,7 +78,7 @@ def compare(
     if json_target:
         write_json(result.to_dict(), json_target)
     if json_target != "-":
-        tables.print_conditions(f"before the sweep: {conditions(result.points)}")
+        tables.print_conditions(f"the start of the sweep, {conditions(result.points)}")
         tables.print_comparison(result.curves, result.crossovers, result.bands)
 
 

@@ -158,7 +158,7 @@ def table_markdown(table: Table) -> str:
     return "\n".join(lines) + "\n"
 
 
-def table_latex(table: Table) -> str:
+def table_latex(table: Table, label: str = "") -> str:
     r"""A ``table`` of LaTeX's own commands, with ``\caption``; UTF-8 assumed."""
     kinds = "".join("r" if _numeric(table, i) else "l" for i in range(len(table.columns)))
     heads = " & ".join(_latex(head(column)) for column in table.columns)
@@ -172,6 +172,7 @@ def table_latex(table: Table) -> str:
     lines = [
         r"\begin{table}",
         rf"\caption{{{_latex(table.title)}}}",
+        *([rf"\label{{{label}}}"] if label else []),
         rf"\begin{{tabular}}{{{kinds}}}",
         r"\hline",
         rf"{heads} \\",

@@ -9,7 +9,7 @@ from typing import Any
 from chromanoise.charts import PARTS, Look, Shown, drawing, shown
 from chromanoise.errors import InputError
 from chromanoise.exposure import Situation
-from chromanoise.page.asked import QuestionError, field, malformed
+from chromanoise.page.asked import QuestionError, field, malformed, page_sentence
 from chromanoise.page.remembered import Remembered
 from chromanoise.page.studies import Studies, labeled, spoken
 from chromanoise.page.uploads import Upload
@@ -92,7 +92,7 @@ class Answers:
                 lambda: self._drawn(part, study, situations, look),
             )
         except InputError as error:  # not remembered: sensitivities have the key of other studies
-            return json.dumps({"fault": spoken(str(error), used)})
+            return json.dumps({"fault": spoken(page_sentence(error), used)})
         except Exception:  # and not remembered: the next question may find memory enough
             _LOG.exception("the drawing %s failed", part)
             return json.dumps({"fault": f"{part} could not be computed for this study"})
@@ -124,7 +124,9 @@ def look_of(told: Mapping[str, Any]) -> Look:
             magnification=None if magnification is None else float(magnification),
         )
     except (InputError, OverflowError) as error:
-        raise QuestionError(("look", str(error))) from None
+        raise QuestionError(
+            ("look", page_sentence(error) if isinstance(error, InputError) else str(error))
+        ) from None
 
 
 def _is_number(value: Any) -> bool:

@@ -9,6 +9,7 @@ from typing import Any, NoReturn
 from starlette.requests import Request
 from starlette.types import Receive
 
+from chromanoise.errors import InputError, Setting
 from chromanoise.page.guard import JSON_BYTES
 
 _PATIENCE_S = 30.0
@@ -36,6 +37,26 @@ class QuestionError(Exception):
     def __init__(self, *faults: tuple[str, str], status: int = 200, unread: bool = False) -> None:
         super().__init__("; ".join(sentence for _, sentence in faults))
         self.faults, self.status, self.unread = faults, status, unread
+
+
+def page_sentence(error: InputError) -> str:
+    """The sentence of an error in the terms of the page, whose controls have the names of settings.
+
+    Parameters
+    ----------
+    error
+        Of the library, or one of a study.
+    """
+
+    def told(setting: Setting) -> str:
+        name = setting.name.rpartition(".")[2].replace("_", " ")
+        values = " or ".join(map(str, setting.values))
+        return f"set {name} to {values}" if values else f"set {name}"
+
+    subject = error.subject
+    if error.setting and subject == error.setting.rpartition(".")[2]:
+        subject = subject.replace("_", " ")
+    return error.sentence(subject=subject, render=told)
 
 
 def malformed(where: str, sentence: str) -> QuestionError:

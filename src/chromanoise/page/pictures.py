@@ -14,7 +14,7 @@ from chromanoise.exposure import Situation
 from chromanoise.imaging import Work, rendered
 from chromanoise.imaging.writers import picture_summary, png_bytes
 from chromanoise.io.cubes.faults import reading
-from chromanoise.page.asked import QuestionError, field, malformed
+from chromanoise.page.asked import QuestionError, field, malformed, page_sentence
 from chromanoise.page.remembered import Remembered
 from chromanoise.page.studies import Studies, spoken, stamps_of
 from chromanoise.page.uploads import Upload
@@ -22,7 +22,7 @@ from chromanoise.scene import Cube
 from chromanoise.scene.rows import row_source
 from chromanoise.sensor import overridden
 from chromanoise.study import Study
-from chromanoise.study.assembly import cube_of, told_apart
+from chromanoise.study.assembly import cube_of, with_distinct_names
 from chromanoise.study.document import PicturePart
 from chromanoise.study.hashes import FileWord
 from chromanoise.study.pictures import asked_of
@@ -58,7 +58,7 @@ class Pictures:
             )
         where, part = self._part(study, question.get("cube"), used)
         nouns = (situations[which].sensor, situations[which].illuminant)
-        situation = told_apart(situations)[which]
+        situation = with_distinct_names(situations)[which]
         try:
             stamps = stamps_of(study.model_copy(update={"pictures": (part,)}), "pictures.")
             about = (part.model_dump_json(include=_OF_CUBE), stamps)
@@ -69,7 +69,7 @@ class Pictures:
                 lambda: _taken(cube, part, study, situation, noisy=noisy),
             )
         except InputError as error:
-            raise QuestionError((where, spoken(str(error), used))) from None
+            raise QuestionError((where, spoken(page_sentence(error), used))) from None
         return png, spoken(summary, used)
 
     def _part(self, study: Study, cube: Any, used: list[Upload]) -> tuple[str, PicturePart]:

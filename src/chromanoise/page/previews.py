@@ -6,7 +6,7 @@ from chromanoise.catalog import own_sensor_of
 from chromanoise.errors import InputError
 from chromanoise.io.spectra import Understood, read_curves
 from chromanoise.io.spectra.defects import defects_of_a_light
-from chromanoise.page.asked import QuestionError
+from chromanoise.page.asked import QuestionError, page_sentence
 from chromanoise.page.pictures import cube_of_upload
 from chromanoise.page.studies import served_data
 from chromanoise.page.uploads import Upload, in_words
@@ -39,8 +39,9 @@ def preview_of(upload: Upload) -> Told:
     try:
         told = _preview(upload)
     except InputError as error:
-        # of a study all faults are told, a line each
-        told_lines = str(error).splitlines() if upload.kind == "study" else [str(error)]
+        # of a study all faults are shown, a line each
+        in_place = getattr(error, "in_place", False)
+        told_lines = str(error).splitlines() if in_place else [page_sentence(error)]
         raise QuestionError(*(("file", in_words(line, upload)) for line in told_lines)) from None
     lines = [in_words(line, upload) for line in told["preview"]]
     return {"asks": [], "study": None} | told | {"id": upload.id, "preview": lines}

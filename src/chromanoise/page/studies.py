@@ -10,15 +10,21 @@ from typing import Any, TypeVar
 from chromanoise._inputs import regular_file
 from chromanoise.analysis.color_matrices import matrix_makers
 from chromanoise.catalog.resolve import file_of, is_file_word
-from chromanoise.errors import InputError
+from chromanoise.errors import InputError, errors_in
 from chromanoise.exposure import Situation
-from chromanoise.page.asked import MOST_ENTRIES, QuestionError, refuse_long_lists
+from chromanoise.page.asked import MOST_ENTRIES, QuestionError, page_sentence, refuse_long_lists
 from chromanoise.page.remembered import Remembered
 from chromanoise.page.uploads import Kept, Upload, in_path, in_words
 from chromanoise.sensor import Sensor
 from chromanoise.spectra import Illuminant, infrared_parts
 from chromanoise.study import Study, study_as_json, study_from_data, study_hash
-from chromanoise.study.assembly import illuminant_of, sensor_of, situations_in, unmade
+from chromanoise.study.assembly import (
+    idle_settings,
+    illuminant_of,
+    operating_points_in,
+    sensor_of,
+    unresolved,
+)
 from chromanoise.study.document import SensorPart
 from chromanoise.study.hashes import (
     FileWord,
@@ -40,7 +46,6 @@ _MOST = {
     "sweeps": MOST_ENTRIES,
     "pictures": MOST_ENTRIES,
 }
-_SOURCE = "study"
 _LONGEST_WORD = 500
 
 
@@ -59,6 +64,7 @@ class Studies:
         self._uploads, self._files = uploads, files
         self._lights: Remembered[Illuminant] = Remembered(32)
         self._sensors: Remembered[Sensor] = Remembered(128)
+        self._idle: Remembered[list[InputError]] = Remembered(32)
         self._digests: Remembered[dict[str, str]] = Remembered(128)
 
     def read(self, told: Mapping[str, Any]) -> tuple[Study, list[Upload]]:
@@ -95,9 +101,11 @@ class Studies:
         try:
             refuse_too_many(told)
             refuse_long_lists(told)
-            study = study_from_data(told, source=_SOURCE)
+            study = study_from_data(told, source="")
         except InputError as error:
-            raise QuestionError(*map(_placed, str(error).splitlines())) from None
+            raise QuestionError(
+                *((e.setting, page_sentence(e)) for e in errors_in(error))
+            ) from None
         for i, name in enumerate(study.matrices):
             _at(f"matrices.{i}", [], partial(matrix_makers, [name], "quanta"))
         return study
@@ -110,9 +118,10 @@ class Studies:
         QuestionError
             If one of them cannot be made, each with its key.
         """
+        self._refuse_idle(study, used)
         illuminant = _at("light.illuminant", used, lambda: self._light(study, used))
         sensors = [self._sensor(study, i, used) for i in range(len(study.sensors))]
-        return _at("exposure", used, lambda: situations_in(study, illuminant, sensors))
+        return _at("exposure", used, lambda: operating_points_in(study, illuminant, sensors))
 
     def complaints(self, told: Mapping[str, Any]) -> list[str]:
         """What of a study cannot be made here, a sentence each with its key; empty where all can.
@@ -124,8 +133,7 @@ class Studies:
         """
         try:
             study, used = self.read(told)
-            unknown = [(".".join(map(str, key)), why) for key, why in unmade(study)]
-            found = [(where, spoken(why, used)) for where, why in unknown]
+            found = [(e.setting, spoken(page_sentence(e), used)) for e in unresolved(study)]
             if not found:
                 self.situations(study, used)
         except QuestionError as error:
@@ -174,6 +182,17 @@ class Studies:
         files = files_of_word(one)
         return self._digests.of(_stamps(files), lambda: digests_of(files))
 
+    def _refuse_idle(self, study: Study, used: list[Upload]) -> None:
+        """Refuse settings without effect; files are looked into once for each state of them."""
+        try:
+            stamps = stamps_of(study, "sensors.")
+            words = study.model_dump_json(include={"sensors", "light"}, exclude={"level_lux"})
+            idle = self._idle.of((words, stamps), lambda: idle_settings(study))
+        except InputError:
+            return  # what cannot be read is refused where it is made
+        if idle:
+            raise QuestionError(*((e.setting, spoken(page_sentence(e), used)) for e in idle))
+
     def _light(self, study: Study, used: list[Upload]) -> Illuminant:
         words = study.light.model_dump_json(exclude={"level_lux"})
         key = (words, stamps_of(study, "light."), _labels(used))
@@ -187,8 +206,8 @@ class Studies:
         try:
             return self._sensors.of(key, lambda: _sensor_named(part, used))
         except InputError as error:
-            where = f"{place}filter" if _is_of_filter(part) else f"{place}name"
-            raise QuestionError((where, spoken(str(error), used))) from None
+            where = error.setting.replace("sensors.0.", place, 1) or f"{place}name"
+            raise QuestionError((where, spoken(page_sentence(error), used))) from None
 
 
 def refuse_too_many(told: Mapping[str, Any]) -> None:
@@ -208,7 +227,12 @@ def refuse_too_many(told: Mapping[str, Any]) -> None:
         count = len(told[key]) if isinstance(told.get(key), list | tuple) else 0
         if count > most:
             raise InputError(
-                f"{key}: the page shows at most {most} {key}, but there are {count}; remove some"
+                key,
+                f"must have at most {most} entries on the page",
+                value=count,
+                found=f"has {count}",
+                remedy="remove some",
+                setting=key,
             )
 
 
@@ -290,17 +314,6 @@ def _refuse_irregular(one: FileWord) -> None:
             regular_file(file, folder=is_cube)
 
 
-def _is_of_filter(part: SensorPart) -> bool:
-    """Whether a sensor that cannot be made can be made without its filter."""
-    if part.filter is None:
-        return False
-    try:
-        sensor_of(part.model_copy(update={"filter": None}))
-    except InputError:
-        return False
-    return True
-
-
 def _noted(found: Upload, used: list[Upload]) -> Upload:
     """Put among the used; of two files with one label, the later gets a number."""
     for one in used:
@@ -341,10 +354,4 @@ def _at(where: str, used: list[Upload], make: Callable[[], T]) -> T:
     try:
         return make()
     except InputError as error:
-        raise QuestionError((where, spoken(str(error), used))) from None
-
-
-def _placed(line: str) -> tuple[str, str]:
-    """``study: sensors.0.name: is missing`` to where and sentence."""
-    where, _, sentence = line.removeprefix(f"{_SOURCE}: ").partition(": ")
-    return where, sentence
+        raise QuestionError((error.setting or where, spoken(page_sentence(error), used))) from None

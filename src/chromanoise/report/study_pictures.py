@@ -49,8 +49,8 @@ def sights_of(of: Shown, *, work: Work | None = None) -> tuple[Sight, ...]:
     names = tuple(one.sensor.name for one in of.situations)
     matrix, maker = next(iter(of.makers.items()))
     told = []
-    for number, part in enumerate(of.study.pictures, 1):
-        cube, cameras = prepared_cameras(of.study, part, list(of.situations), {matrix: maker})
+    for number, part in enumerate(of.study.pictures):
+        cube, cameras = prepared_cameras(of.study, number, list(of.situations), {matrix: maker})
         frame = first_frame(of.study, number)
         taken = [
             shot(cube, camera, frame=frame, work=work or Work()).picture

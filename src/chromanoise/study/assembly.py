@@ -8,15 +8,20 @@ from typing import Any
 
 from chromanoise._check import within
 from chromanoise.analysis.color_matrices import METHODS, matrix_makers
-from chromanoise.catalog.pixel_files import sensor_with_pixel
-from chromanoise.catalog.resolve import behind_filter_of_word, file_of, illuminant_of_word
+from chromanoise.catalog import idle_answers, sensor_with_pixel
+from chromanoise.catalog.resolve import (
+    behind_filter_of_word,
+    file_of,
+    illuminant_of_word,
+    is_file_word,
+)
 from chromanoise.errors import InputError
 from chromanoise.exposure import EQUAL_TERMS, Exposure, Situation
 from chromanoise.io.cubes import read_cube
 from chromanoise.io.spectra import Answers
 from chromanoise.scene import Cube, Scene, builtin_cube, flat_field
 from chromanoise.sensor import Sensor, behind_ir_cut, mosaic_named, with_shifted_curves
-from chromanoise.spectra import Illuminant
+from chromanoise.spectra import Illuminant, infrared_parts
 from chromanoise.study.document import PicturePart, SensorPart, Study
 
 _LUX = (1e-15, 1e15)
@@ -55,7 +60,9 @@ def operating_points_of(study: Study, given: Given = NOTHING_GIVEN) -> list[Situ
     for error in (*duplicates(study), *idle_settings(study)):
         raise error
     illuminant = illuminant_of(study, given)
-    sensors = [sensor_of(study, i, given) for i in range(len(study.sensors))]
+    sensors = [
+        sensor_of(part, key=f"sensors.{i}", given=given) for i, part in enumerate(study.sensors)
+    ]
     return with_distinct_names(operating_points_in(study, illuminant, sensors))
 
 
@@ -209,15 +216,15 @@ def light_answers_of(study: Study) -> Answers:
     )
 
 
-def sensor_of(study: Study, number: int, given: Given = NOTHING_GIVEN) -> Sensor:
+def sensor_of(part: SensorPart, *, key: str = "sensors.0", given: Given = NOTHING_GIVEN) -> Sensor:
     """A sensor of the study: shifted first, then behind its filter and the added IR-cut.
 
     Parameters
     ----------
-    study
-        Of `read_study`.
-    number
-        Of the sensor, from 0.
+    part
+        Of a study.
+    key
+        Its key, for errors.
     given
         Objects in place of names.
 
@@ -226,13 +233,12 @@ def sensor_of(study: Study, number: int, given: Given = NOTHING_GIVEN) -> Sensor
     InputError
         If its name names nothing, or a file cannot be read.
     """
-    part, place = study.sensors[number], f"sensors.{number}"
     if part.name in given.sensors:
         sensor = given.sensors[part.name]
         changes = part.pixel.model_dump(exclude={"file"}, exclude_none=True)
         sensor = replace(sensor, pixel=replace(sensor.pixel, **changes)) if changes else sensor
     else:
-        with _key(f"{place}.name", lambda name: f"{place}.{_ANSWER_KEYS.get(name, name)}"):
+        with _key(f"{key}.name", lambda name: f"{key}.{_ANSWER_KEYS.get(name, name)}"):
             sensor = sensor_with_pixel(part.name, answers=_answers(part), **part.pixel.model_dump())
     sensor = with_shifted_curves(sensor, part.shift_nm)
     if part.filter is not None:
@@ -241,7 +247,7 @@ def sensor_of(study: Study, number: int, given: Given = NOTHING_GIVEN) -> Sensor
             negatives=part.negatives,
             wavelength_unit=part.filter_wavelength_unit,
         )
-        with _key(f"{place}.filter", lambda name: f"{place}.{_FILTER_KEYS.get(name, name)}"):
+        with _key(f"{key}.filter", lambda name: f"{key}.{_FILTER_KEYS.get(name, name)}"):
             sensor = behind_filter_of_word(sensor, part.filter, answers=answers)
     return sensor if part.ircut_nm is None else behind_ir_cut(sensor, part.ircut_nm)
 
@@ -278,7 +284,9 @@ def unresolved(study: Study) -> list[InputError]:
 
     tried(partial(illuminant_of, study))
     tried(lambda: _within("light.level_lux", "lx", study.light.level_lux, _LUX))
-    sensors = [tried(partial(sensor_of, study, i)) for i in range(len(study.sensors))]
+    sensors = [
+        tried(partial(sensor_of, part, key=f"sensors.{i}")) for i, part in enumerate(study.sensors)
+    ]
     found += [*duplicates(study), *idle_settings(study)]
     for i, name in enumerate(study.matrices):
         if name.partition("=")[0].strip() in METHODS:  # others are refused elsewhere, as unknown
@@ -316,15 +324,15 @@ def _mosaic_fits(number: int, part: PicturePart, sensors: Sequence[Sensor | None
 _OF_FILE = ("key", "shape", "wavelengths", "scale")
 
 
-def cube_of(study: Study, number: int) -> Cube:
+def cube_of(part: PicturePart, *, key: str = "pictures.0") -> Cube:
     """The cube of which a part of a study takes pictures.
 
     Parameters
     ----------
-    study
-        Of `read_study`.
-    number
-        Of the part of its pictures, from 0.
+    part
+        Of a study.
+    key
+        Its key, for errors.
 
     Raises
     ------
@@ -332,17 +340,16 @@ def cube_of(study: Study, number: int) -> Cube:
         If a built-in name names nothing or is given what only a file needs, or a file cannot be
         read.
     """
-    part, place = study.pictures[number], f"pictures.{number}"
     how = {name: getattr(part, name) for name in _OF_FILE}
     if part.cube.startswith("builtin:"):
         for name, value in how.items():
             if value is not None:
-                raise _idle(f"{place}.{name}", value, part.cube)
-        with _key(f"{place}.cube", str):
+                raise _idle(f"{key}.{name}", value, part.cube)
+        with _key(f"{key}.cube", str):
             return builtin_cube(part.cube)
     if isinstance(part.wavelengths, str):
         how["wavelengths"] = file_of(part.wavelengths)
-    with _key(f"{place}.cube", lambda name: f"{place}.{name}"):
+    with _key(f"{key}.cube", lambda name: f"{key}.{name}"):
         return read_cube(file_of(part.cube), **how)
 
 

@@ -62,7 +62,8 @@ def prepared_cameras(
     InputError
         If the cube cannot be read, or as `asked_of` and `prepared`.
     """
-    cube, asked = cube_of(study, number), asked_of(study.pictures[number], seed=study.seed)
+    part = study.pictures[number]
+    cube, asked = cube_of(part, key=f"pictures.{number}"), asked_of(part, seed=study.seed)
     return cube, {
         name: [prepared(cube, each, maker(each), asked) for each in situations]
         for name, maker in makers.items()

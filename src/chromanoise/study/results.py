@@ -103,14 +103,14 @@ class Result(ABC):
         return pandas.DataFrame(list(table.rows), columns=heads)
 
     def to_latex(self, label: str = "") -> str:
-        """The main table in LaTeX (booktabs), rounded to its digits.
+        r"""The main table in LaTeX (booktabs), rounded to its digits.
 
         Parameters
         ----------
         label
-            For ``\\\\ref``; empty for none.
+            For ``\ref``; empty for none.
         """
-        return table_latex(self.to_table(), label=label)
+        return table_latex(self.to_table(), label)
 
     def _html(self, caption: str, notes: Sequence[str] = ()) -> str:
         table = self.to_table()
@@ -366,7 +366,12 @@ class Results:
 
     def to_list(self) -> list[dict[str, Any]]:
         """The result of each step, as ``chromanoise run`` writes them."""
-        steps = (*self.analyses.values(), *self.matrices.values(), *self.sweeps, *self.pictures)
+        steps: tuple[Any, ...] = (
+            *self.analyses.values(),
+            *self.matrices.values(),
+            *self.sweeps,
+            *self.pictures,
+        )
         return [step.to_dict() for step in steps]
 
     def __repr__(self) -> str:

@@ -9,7 +9,7 @@ from typing import Any
 
 from chromanoise._check import distinct
 from chromanoise.analysis.color_matrices import MatrixMaker, matrix_makers
-from chromanoise.analysis.comparison.bands import crossover_bands
+from chromanoise.analysis.comparison.bands import CrossoverBand, crossover_bands
 from chromanoise.analysis.comparison.crossing import crossovers
 from chromanoise.analysis.comparison.curves import compared
 from chromanoise.analysis.comparison.quantities import QUANTITIES
@@ -274,7 +274,7 @@ def _sweep(
 ) -> Comparison:
     sweep, quantity = SWEEPS[part.vary], QUANTITIES[part.quantity]
     curves = compared(points, makers, values, sweep=sweep, quantity=quantity, progress=advance)
-    bands = ()
+    bands: tuple[CrossoverBand, ...] = ()
     if part.all_priors:
         bands = crossover_bands(
             points,

@@ -19,22 +19,12 @@ export function complain(row, sentence) {
   if (subject) subject.setAttribute("aria-describedby", told.id);
 }
 
-/** Nobody can write an option of the command line into this page. */
-export const OPTION = /(^|\s)--[a-z]/;
-
-/** A sentence without the clauses that tell an option of the command line. */
-export function spoken(sentence) {
-  const kept = sentence.split("; ").filter((clause) => !OPTION.test(clause));
-  return kept.length > 0 ? kept.join("; ") : sentence;
-}
-
 /** Shows the server's faults beside their controls; those that belong to none come back. */
 export function showFaults(faults) {
   clearFaults();
   const homeless = [];
   for (const fault of faults) {
-    const { where } = fault;
-    const sentence = spoken(fault.sentence);
+    const { where, sentence } = fault;
     const row = rowOf(String(where ?? ""));
     if (row) {
       complain(row, sentence);
