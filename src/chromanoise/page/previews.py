@@ -3,7 +3,7 @@
 from typing import Any
 
 from chromanoise.catalog import own_sensor_of
-from chromanoise.errors import InputError
+from chromanoise.errors import InputError, Setting
 from chromanoise.io.spectra import Understood, read_curves
 from chromanoise.io.spectra.defects import defects_of_a_light
 from chromanoise.page.asked import QuestionError, page_sentence
@@ -41,10 +41,27 @@ def preview_of(upload: Upload) -> Told:
     except InputError as error:
         # of a study all faults are shown, a line each
         in_place = getattr(error, "in_place", False)
-        told_lines = str(error).splitlines() if in_place else [page_sentence(error)]
+        told_lines = str(error).splitlines() if in_place else [_without_settings(error)]
         raise QuestionError(*(("file", in_words(line, upload)) for line in told_lines)) from None
     lines = [in_words(line, upload) for line in told["preview"]]
     return {"asks": [], "study": None} | told | {"id": upload.id, "preview": lines}
+
+
+def _without_settings(error: InputError) -> str:
+    """The sentence for a file that the page has no controls for: it must declare more itself."""
+    names = [one.name.replace("_", " ") for one in error.remedy if isinstance(one, Setting)]
+    if not names:
+        return page_sentence(error)
+    rest = [one for one in error.remedy if not isinstance(one, Setting)]
+    told = f"the page has no control for {' and '.join(names)}: write it into the file"
+    return InputError(
+        error.subject,
+        error.requirement,
+        value=error.value,
+        found=error.found,
+        where=error.where,
+        remedy=(*rest, told),
+    ).sentence()
 
 
 def _preview(upload: Upload) -> Told:

@@ -366,13 +366,8 @@ class Results:
 
     def to_list(self) -> list[dict[str, Any]]:
         """The result of each step, as ``chromanoise run`` writes them."""
-        steps: tuple[Any, ...] = (
-            *self.analyses.values(),
-            *self.matrices.values(),
-            *self.sweeps,
-            *self.pictures,
-        )
-        return [step.to_dict() for step in steps]
+        first = [*self.analyses.values(), *self.matrices.values()]
+        return [step.to_dict() for step in [*first, *self.sweeps, *self.pictures]]
 
     def __repr__(self) -> str:
         """What there is, and the operating point."""

@@ -2,7 +2,6 @@
 
 import { Refused, understood } from "app/ask.js";
 import { button, choice, el, fillChoice } from "app/dom.js";
-import { OPTION, spoken } from "app/faults.js";
 import { lampless } from "app/light.js";
 import { setCube } from "app/scene.js";
 import { complain } from "app/faults.js";
@@ -76,11 +75,7 @@ async function bring(file, report) {
 }
 
 /** Some sentences name the file already. */
-const named = (name, sentence) => {
-  const cause = spoken(sentence);
-  const told = cause === sentence ? sentence : `${cause}; the page cannot ask that: write it into the file`;
-  return told.startsWith(name) ? told : `${name}: ${told}`;
-};
+const named = (name, sentence) => (sentence.startsWith(name) ? sentence : `${name}: ${sentence}`);
 
 const tooLarge = ({ size }) =>
   `The file has ${(size / 1e6).toFixed(1)} MB and 12 MB are the most; bring a part of it.`;
@@ -88,7 +83,7 @@ const tooLarge = ({ size }) =>
 /** What was understood, what is still to be answered, and what to do with it. */
 function show(report, name, answer) {
   if (answer.kind !== "study") remember(answer.kind, answer.id, name, (answer.asks ?? []).map(({ key }) => key));
-  const lines = (answer.preview ?? []).filter((text) => !OPTION.test(text)).map((text) => el("li", { text }));
+  const lines = (answer.preview ?? []).map((text) => el("li", { text }));
   const title = el("p", { class: "strong", text: `${name}: a ${answer.kind}` });
   const asks = (answer.asks ?? []).map(question);
   const answers = () => Object.fromEntries(asks.map((ask) => ask.answer()).filter(([, value]) => value !== ""));
