@@ -23,10 +23,78 @@ The folders follow the light, then the program; imports go down this list only (
 ``report``     one self-contained HTML file
 ``page``       the local page that answers while you drag
 ``cli``        options to a study, results to text
+``api``        the functions of ``import chromanoise as cn``
 =============  =======================================================================
 
 Equation numbers are those of Clouet, Vaillant & Alleysson, "Physical noise propagation in
 color image construction: a geometrical interpretation", CIC27 (2019).
 """
 
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from chromanoise.api import analyze, compare, matrix, render, run
+    from chromanoise.catalog import illuminant_named, sensor_named
+    from chromanoise.color import ColorMatrix
+    from chromanoise.errors import InputError, Setting
+    from chromanoise.exposure import Exposure, OperatingPoint
+    from chromanoise.io.cubes import read_cube
+    from chromanoise.io.spectra import read_curves
+    from chromanoise.noise import Measurement
+    from chromanoise.scene import Cube, Scene
+    from chromanoise.sensor import Mosaic, Pixel, Sensor
+    from chromanoise.spectra import Grid, Illuminant, Spectra
+    from chromanoise.study import (
+        Analyses,
+        Comparison,
+        Matrices,
+        Pictures,
+        Results,
+        Study,
+        read_study,
+        study_from_data,
+    )
+
 __version__ = "0.1.0"
+
+_PUBLIC = {
+    "api": ("analyze", "compare", "matrix", "render", "run"),
+    "catalog": ("illuminant_named", "sensor_named"),
+    "color": ("ColorMatrix",),
+    "errors": ("InputError", "Setting"),
+    "exposure": ("Exposure", "OperatingPoint"),
+    "io.cubes": ("read_cube",),
+    "io.spectra": ("read_curves",),
+    "noise": ("Measurement",),
+    "scene": ("Cube", "Scene"),
+    "sensor": ("Mosaic", "Pixel", "Sensor"),
+    "spectra": ("Grid", "Illuminant", "Spectra"),
+    "study": (
+        *("Analyses", "Comparison", "Matrices", "Pictures", "Results", "Study"),
+        *("read_study", "study_from_data"),
+    ),
+}
+_STAGES = (
+    *("spectra", "scene", "sensor", "exposure", "noise", "geometry", "color", "metrics"),
+    *("imaging", "io", "catalog", "analysis", "study", "paper", "charts", "figures"),
+)
+_MODULES = {name: module for module, names in _PUBLIC.items() for name in names}
+
+__all__ = [*_MODULES, *_STAGES]
+
+
+def __getattr__(name: str) -> Any:
+    """Import a public name, or a stage, when it is first used."""
+    if name in _STAGES:
+        return import_module(f"chromanoise.{name}")
+    if name not in _MODULES:
+        raise AttributeError(f"module 'chromanoise' has no attribute {name!r}")
+    value = getattr(import_module(f"chromanoise.{_MODULES[name]}"), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    """The public names and the stages."""
+    return sorted([*__all__, "__version__"])

@@ -50,7 +50,8 @@ class InputError(ValueError):
     value
         What came instead; ``None`` where nothing did.
     found
-        The same as a clause (``it ends at 780 nm``), where ``is {value}`` would not do.
+        The same as a clause (``ends at 780 nm``), where ``is {value}`` would not do; ``None`` where
+        the requirement needs none.
     where
         The place in the subject: ``line 12``, ``channel G``, ``index (1,)``.
     remedy
@@ -72,7 +73,7 @@ class InputError(ValueError):
     subject: str
     requirement: str
     value: Any
-    found: str
+    found: str | None
     where: str
     remedy: tuple[Remedy, ...]
     setting: str
@@ -83,7 +84,7 @@ class InputError(ValueError):
         requirement: str = "",
         *,
         value: Any = None,
-        found: str = "",
+        found: str | None = "",
         where: str = "",
         remedy: Remedy | Sequence[Remedy] = (),
         setting: str = "",
@@ -120,7 +121,7 @@ class InputError(ValueError):
             text += f"{' ' if plain else ': '}{self.requirement}"
         if self.found:
             text += f", but {self.found}"
-        elif self.value is not None:
+        elif self.found is not None and self.value is not None:
             text += f", but is {_shown(self.value)}"
         if self.remedy:
             told = [render(one) if isinstance(one, Setting) else one for one in self.remedy]

@@ -96,14 +96,15 @@ def _read(source: str, options: dict[str, Any]) -> Sensor | Understood:
                 "--quantity",
                 f"must not be given for {source}, a sensor of the catalog",
                 value=options["quantity"],
+                found=None,
                 remedy="omit it",
             )
         for name in idle_answers([source], answers_of(options)):
             raise InputError(
                 name,
-                f"must not be given for {source}",
+                f"must not be given for {source}, where it changes nothing",
                 value=options[name],
-                found="it would change nothing",
+                found=None,
                 remedy="omit it",
                 setting=name,
             )

@@ -32,6 +32,7 @@ def print_copy(kind: str, study: Study) -> None:
                 option,
                 "must not be given with --copy-as, as a study does not contain it",
                 value=str(context.params[name]),
+                found=None,
                 remedy="omit it",
             )
     click.echo(_TEXTS[kind](study), nl=False)

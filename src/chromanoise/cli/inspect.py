@@ -55,6 +55,7 @@ def _refuse_answers(options: dict[str, Any]) -> None:
                 name,
                 "must not be given for the JSON of a sensor, which declares it",
                 value=value,
+                found=None,
                 remedy="omit it",
                 setting=name,
             )

@@ -45,12 +45,12 @@ def _remedy(setting: Setting, command: str) -> str:
 
 def _flat(key: str, command: str) -> str | None:
     """The setting of a key of a study, as this command calls it; a key without dots is one."""
-    from chromanoise.study import ANALYSIS, PARETO, RENDERING, SHARED, SWEEP, argument_of
+    from chromanoise.study import ANALYSIS, COMPARISON, MATRIX, RENDERING, argument_of
 
     if key.startswith("matrices."):
         return "method" if command == "matrix" else "matrix"
     if key.startswith("sensors.") and key.endswith(".name"):
         return "sensors" if command == "simulate" else None
-    names = RENDERING if command == "simulate" else {**SHARED, **ANALYSIS, **SWEEP, **PARETO}
+    names = RENDERING if command == "simulate" else {**ANALYSIS, **COMPARISON, **MATRIX}
     alone = "qe_scale" if key == "scale" else key  # of a command whose subject is one file
     return argument_of(key, names) or (None if "." in key else alone)

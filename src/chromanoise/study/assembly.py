@@ -141,9 +141,9 @@ def idle_settings(study: Study) -> list[InputError]:
 def _idle(key: str, value: Any, of: str) -> InputError:
     return InputError(
         key.rpartition(".")[2],
-        f"must not be given for {of}",
+        f"must not be given for {of}, where it changes nothing",
         value=value,
-        found="it would change nothing",
+        found=None,
         remedy="omit it",
         setting=key,
     )

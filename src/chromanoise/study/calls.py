@@ -7,15 +7,13 @@ from dataclasses import dataclass
 from pprint import pformat
 from typing import Any
 
-from chromanoise.analysis import DEFAULT_PRIOR
 from chromanoise.errors import InputError
 from chromanoise.study.document import Study
 from chromanoise.study.settings import (
     ANALYSIS,
-    PARETO,
+    COMPARISON,
+    MATRIX,
     RENDERING,
-    SHARED,
-    SWEEP,
     analyze_study,
     compare_study,
     matrix_study,
@@ -178,9 +176,9 @@ def option_of(name: str, value: object = None) -> str:
 def _candidate(function: str, study: Study) -> Call | None:
     sensors = tuple(sensor.name for sensor in study.sensors)
     tables = {
-        "analyze": {**SHARED, **ANALYSIS},
-        "compare": {**SHARED, **SWEEP},
-        "matrix": {**SHARED, **PARETO},
+        "analyze": ANALYSIS,
+        "compare": COMPARISON,
+        "matrix": MATRIX,
         "render": RENDERING,
     }
     if function == "render" and len(study.pictures) != 1:
@@ -192,23 +190,23 @@ def _candidate(function: str, study: Study) -> Call | None:
     ):
         return None
     names = (study.pictures[0].cube, *sensors) if function == "render" else sensors
-    settings = _settings(study, tables[function])
+    base = Call(function=function, names=names, matrix=study.matrices, settings={}).study()
+    settings = _settings(study, base, tables[function])
     if settings.pop("all_priors", False):
         settings["prior"] = "all"
     return Call(function=function, names=names, matrix=study.matrices, settings=settings)
 
 
-def _settings(study: Study, names: Mapping[str, tuple[str, ...]]) -> dict[str, Any]:
-    """The settings that are not at their default, or have none."""
-    defaults = Study.model_validate({"sensors": [{"name": "x"}], "pictures": [{}]})
+def _settings(study: Study, base: Study, names: Mapping[str, tuple[str, ...]]) -> dict[str, Any]:
+    """The settings in which a study differs from that of the call without settings."""
     found = {}
     for name, keys in names.items():
         value = _value(study, keys[0].replace("*", "0"))
-        default = _value(defaults, keys[0].replace("*", "0"))
-        if name == "prior" and value == DEFAULT_PRIOR:
-            continue
-        if value is not None and (value != default or name in ("vary", "first", "last")):
+        default = _value(base, keys[0].replace("*", "0"))
+        if value is not None and value != default:
             found[name] = value
+    if {"vary", "first", "last"} & set(found):
+        found |= {name: _value(study, f"sweeps.0.{name}") for name in ("vary", "first", "last")}
     return found
 
 

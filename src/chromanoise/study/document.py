@@ -128,7 +128,7 @@ class ExposurePart(_Part):
                 "equal",
                 "must be exposure where time_ms gives all sensors one time",
                 value=self.equal,
-                remedy=("omit one of them", Setting("time_ms")),
+                remedy="omit one of them",
             )
         return self
 
@@ -216,7 +216,7 @@ class PicturePart(_Part):
                 " and ".join(idle),
                 "must not be given without a mosaic",
                 value={name: given[name] for name in idle},
-                found="no mosaic is named",
+                found=None,
                 remedy=Setting("mosaic"),
             )
         if self.mosaic is not None and self.clip:
@@ -224,7 +224,7 @@ class PicturePart(_Part):
                 "clip",
                 "must not be given with a mosaic, whose converter clips anyway",
                 value=self.clip,
-                found="mosaic is given too",
+                found=None,
                 remedy="omit one of them",
             )
         if self.raw_only and self.demosaic is not None:
@@ -232,6 +232,7 @@ class PicturePart(_Part):
                 "demosaic",
                 "must not be given with raw_only",
                 value=self.demosaic,
+                found=None,
                 remedy="omit one of them",
             )
         return self
@@ -271,7 +272,7 @@ class OutputsPart(_Part):
                 "clip",
                 "must not be given with budget or merit, which follow eq. 7",
                 value=self.clip,
-                found="both are given",
+                found=None,
                 remedy="omit one of them",
             )
         if self.pareto is not None and not self.matrix:

@@ -366,7 +366,7 @@ class Results:
 
     def to_list(self) -> list[dict[str, Any]]:
         """The result of each step, as ``chromanoise run`` writes them."""
-        first = [*self.analyses.values(), *self.matrices.values()]
+        first: list[Any] = [*self.analyses.values(), *self.matrices.values()]
         return [step.to_dict() for step in [*first, *self.sweeps, *self.pictures]]
 
     def __repr__(self) -> str:

@@ -6,80 +6,128 @@ command line and Python cannot differ.
 
 import re
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Annotated, Any, Literal, TypedDict, get_type_hints
 
 from chromanoise._check import one_of
 from chromanoise.analysis import trained_names
 from chromanoise.analysis.comparison.sweeps import SWEEPS
 from chromanoise.analysis.priors import DEFAULT_PRIOR
-from chromanoise.errors import InputError, Setting
+from chromanoise.errors import InputError
+from chromanoise.io.spectra.parsed import Negatives, Unit
 from chromanoise.study.document import Study
 from chromanoise.study.reading import study_from_data
 
 Settings = Mapping[str, Any]
+Extrapolation = Literal["refuse", "zero", "hold"]
+Per = Literal["photon", "energy"]
 
-_SENSOR = "sensors.*"
-SHARED: Mapping[str, tuple[str, ...]] = {
-    "illuminant": ("light.illuminant",),
-    "lux": ("light.level_lux",),
-    "illuminant_beyond": ("light.beyond",),
-    "illuminant_per": ("light.per",),
-    "illuminant_column": ("light.column",),
-    "illuminant_wavelength_unit": ("light.wavelength_unit",),
-    "equal": ("exposure.equal",),
-    "time_ms": ("exposure.time_ms",),
-    "saturate": ("exposure.saturate",),
-    "f_number": ("exposure.f_number",),
-    "magnification": ("exposure.magnification",),
-    "metric": ("metric",),
-    "prior": ("prior",),
-    "beyond": (f"{_SENSOR}.beyond",),
-    "negatives": (f"{_SENSOR}.negatives", "light.negatives"),
-    "qe_scale": (f"{_SENSOR}.answers.scale",),
-    "level": (f"{_SENSOR}.answers.level",),
-    "per": (f"{_SENSOR}.answers.per",),
-    "wavelength_unit": (f"{_SENSOR}.answers.wavelength_unit",),
-    "peak_qe": (f"{_SENSOR}.answers.peak_qe",),
-    "pixel": (f"{_SENSOR}.pixel.file",),
-    "pitch_um": (f"{_SENSOR}.pixel.pitch_um",),
-    "full_well_e": (f"{_SENSOR}.pixel.full_well_e",),
-    "read_noise_e": (f"{_SENSOR}.pixel.read_noise_e",),
-    "filter": (f"{_SENSOR}.filter",),
-    "filter_wavelength_unit": (f"{_SENSOR}.filter_wavelength_unit",),
-}
-"""Settings of light, exposure and sensors, each with its keys in a study."""
 
-ANALYSIS: Mapping[str, tuple[str, ...]] = {
-    name: (f"outputs.{name}",) for name in ("clip", "chart", "budget", "merit", "space")
-}
-"""Settings of an analysis."""
+class SharedSettings(TypedDict, total=False):
+    """Settings of light, exposure and sensors; each is annotated with its keys in a study."""
 
-SWEEP: Mapping[str, tuple[str, ...]] = {
-    name: (f"sweeps.0.{name}",)
-    for name in ("vary", "first", "last", "points", "quantity", "all_priors")
-}
-"""Settings of a comparison."""
+    illuminant: Annotated[str, "light.illuminant"]
+    lux: Annotated[float, "light.level_lux"]
+    illuminant_beyond: Annotated[Extrapolation, "light.beyond"]
+    illuminant_per: Annotated[Per, "light.per"]
+    illuminant_column: Annotated[str, "light.column"]
+    illuminant_wavelength_unit: Annotated[Unit, "light.wavelength_unit"]
+    equal: Annotated[Literal["exposure", "saturation", "light"], "exposure.equal"]
+    time_ms: Annotated[float, "exposure.time_ms"]
+    saturate: Annotated[float, "exposure.saturate"]
+    f_number: Annotated[float, "exposure.f_number"]
+    magnification: Annotated[float, "exposure.magnification"]
+    metric: Annotated[str, "metric"]
+    prior: Annotated[str, "prior"]
+    beyond: Annotated[Extrapolation, "sensors.*.beyond"]
+    negatives: Annotated[Negatives, "sensors.*.negatives", "light.negatives"]
+    qe_scale: Annotated[Literal["percent", "fraction"], "sensors.*.answers.scale"]
+    level: Annotated[Literal["relative", "absolute"], "sensors.*.answers.level"]
+    per: Annotated[Per, "sensors.*.answers.per"]
+    wavelength_unit: Annotated[Unit, "sensors.*.answers.wavelength_unit"]
+    peak_qe: Annotated[float, "sensors.*.answers.peak_qe"]
+    pixel: Annotated[str, "sensors.*.pixel.file"]
+    pitch_um: Annotated[float, "sensors.*.pixel.pitch_um"]
+    full_well_e: Annotated[float, "sensors.*.pixel.full_well_e"]
+    read_noise_e: Annotated[float, "sensors.*.pixel.read_noise_e"]
+    filter: Annotated[str, "sensors.*.filter"]
+    filter_wavelength_unit: Annotated[Unit, "sensors.*.filter_wavelength_unit"]
 
-PARETO: Mapping[str, tuple[str, ...]] = {
-    f"pareto_{name}": (f"outputs.pareto.{name}",) for name in ("first", "last", "points")
-}
-"""Settings of the curve of color error against noise."""
 
-PICTURE: Mapping[str, tuple[str, ...]] = {
-    "seed": ("seed",),
-    "beyond": ("pictures.0.beyond", f"{_SENSOR}.beyond"),
-    **{
-        name: (f"pictures.0.{name}",)
-        for name in (
-            *("key", "shape", "wavelengths", "scale", "bad_pixels", "mosaic", "demosaic"),
-            *("raw_only", "bits", "black_level", "frames", "formats", "clip"),
-            *("dark_current_e_per_s", "dsnu_e", "prnu", "row_noise_e"),
-        )
-    },
-}
-"""Settings of pictures; ``scale`` is that of the cube."""
+class AnalysisSettings(SharedSettings, total=False):
+    """Settings of an analysis."""
 
-RENDERING: Mapping[str, tuple[str, ...]] = {**SHARED, **PICTURE}
+    clip: Annotated[bool, "outputs.clip"]
+    chart: Annotated[bool, "outputs.chart"]
+    budget: Annotated[bool, "outputs.budget"]
+    merit: Annotated[bool, "outputs.merit"]
+    space: Annotated[str, "outputs.space"]
+
+
+class ComparisonSettings(SharedSettings, total=False):
+    """Settings of a comparison."""
+
+    vary: Annotated[str, "sweeps.0.vary"]
+    first: Annotated[float, "sweeps.0.first"]
+    last: Annotated[float, "sweeps.0.last"]
+    points: Annotated[int, "sweeps.0.points"]
+    quantity: Annotated[str, "sweeps.0.quantity"]
+    all_priors: Annotated[bool, "sweeps.0.all_priors"]
+
+
+class MatrixSettings(SharedSettings, total=False):
+    """Settings of a color matrix, and of its curve of color error against noise."""
+
+    pareto_first: Annotated[float, "outputs.pareto.first"]
+    pareto_last: Annotated[float, "outputs.pareto.last"]
+    pareto_points: Annotated[int, "outputs.pareto.points"]
+
+
+class RenderSettings(SharedSettings, total=False):
+    """Settings of pictures; ``beyond`` holds for the cube as well, ``scale`` is the cube's."""
+
+    seed: Annotated[int, "seed"]
+    beyond: Annotated[Extrapolation, "pictures.0.beyond", "sensors.*.beyond"]  # type: ignore[misc]
+    key: Annotated[str, "pictures.0.key"]
+    shape: Annotated[tuple[int, int], "pictures.0.shape"]
+    wavelengths: Annotated[tuple[float, float] | str, "pictures.0.wavelengths"]
+    scale: Annotated[float, "pictures.0.scale"]
+    bad_pixels: Annotated[Literal["refuse", "zero"], "pictures.0.bad_pixels"]
+    mosaic: Annotated[str, "pictures.0.mosaic"]
+    demosaic: Annotated[str, "pictures.0.demosaic"]
+    raw_only: Annotated[bool, "pictures.0.raw_only"]
+    bits: Annotated[int, "pictures.0.bits"]
+    black_level: Annotated[int, "pictures.0.black_level"]
+    frames: Annotated[int, "pictures.0.frames"]
+    formats: Annotated[Sequence[str], "pictures.0.formats"]
+    clip: Annotated[bool, "pictures.0.clip"]
+    dark_current_e_per_s: Annotated[float, "pictures.0.dark_current_e_per_s"]
+    dsnu_e: Annotated[float, "pictures.0.dsnu_e"]
+    prnu: Annotated[float, "pictures.0.prnu"]
+    row_noise_e: Annotated[float, "pictures.0.row_noise_e"]
+
+
+def settings_keys(kind: type) -> Mapping[str, tuple[str, ...]]:
+    """The settings of a kind, each with its keys in a study.
+
+    Parameters
+    ----------
+    kind
+        `SharedSettings` or one of its kind.
+
+    Examples
+    --------
+    >>> settings_keys(SharedSettings)["lux"]
+    ('light.level_lux',)
+    """
+    hints = get_type_hints(kind, include_extras=True)
+    return {name: hint.__metadata__ for name, hint in hints.items()}
+
+
+SHARED = settings_keys(SharedSettings)
+ANALYSIS = settings_keys(AnalysisSettings)
+COMPARISON = settings_keys(ComparisonSettings)
+MATRIX = settings_keys(MatrixSettings)
+RENDERING = settings_keys(RenderSettings)
 
 
 def analyze_study(sensors: Sequence[str], settings: Settings, *, matrix: str = "kernel") -> Study:
@@ -90,7 +138,7 @@ def analyze_study(sensors: Sequence[str], settings: Settings, *, matrix: str = "
     sensors
         Names of the catalog, or files.
     settings
-        By the names of `SHARED` and `ANALYSIS`; ``None`` for the default.
+        By the names of `AnalysisSettings`; ``None`` for the default.
     matrix
         Its method.
 
@@ -101,7 +149,7 @@ def analyze_study(sensors: Sequence[str], settings: Settings, *, matrix: str = "
     """
     _refuse_idle_prior(settings, [matrix])
     data = {"outputs": {"budget": False}, "matrices": [matrix]}
-    return _study(sensors, settings, {**SHARED, **ANALYSIS}, data)
+    return _study(sensors, settings, ANALYSIS, data)
 
 
 def compare_study(
@@ -114,7 +162,7 @@ def compare_study(
     sensors
         Names of the catalog, or files.
     settings
-        By the names of `SHARED` and `SWEEP`; a ``prior`` of ``all`` asks for the crossovers over
+        By the names of `ComparisonSettings`; a ``prior`` of ``all`` asks for the crossovers over
         all priors.
     matrices
         Their methods.
@@ -131,7 +179,8 @@ def compare_study(
                 name,
                 "must not be given where it varies",
                 value=settings[name],
-                remedy=("omit it", Setting("vary")),
+                found=None,
+                remedy="omit it, or vary another thing",
                 setting=SHARED[name][0],
             )
     matrices = [name.strip() for name in matrices]
@@ -143,7 +192,7 @@ def compare_study(
         "matrices": matrices,
         "sweeps": [{"vary": "lux", "first": 0.01, "last": 1000.0}],
     }
-    return _study(sensors, settings, {**SHARED, **SWEEP}, data)
+    return _study(sensors, settings, COMPARISON, data)
 
 
 def matrix_study(sensor: str, settings: Settings, *, matrix: str = "kernel") -> Study:
@@ -154,7 +203,7 @@ def matrix_study(sensor: str, settings: Settings, *, matrix: str = "kernel") -> 
     sensor
         Name of the catalog, or file.
     settings
-        By the names of `SHARED` and `PARETO`.
+        By the names of `MatrixSettings`.
     matrix
         Its method.
 
@@ -166,7 +215,7 @@ def matrix_study(sensor: str, settings: Settings, *, matrix: str = "kernel") -> 
     if settings.get("pareto_first") is None:  # the curve is trained, whatever the matrix
         _refuse_idle_prior(settings, [matrix])
     data = {"outputs": {"analyses": False, "matrix": True}, "matrices": [matrix]}
-    return _study([sensor], settings, {**SHARED, **PARETO}, data)
+    return _study([sensor], settings, MATRIX, data)
 
 
 def render_study(
@@ -181,7 +230,7 @@ def render_study(
     sensors
         Names of the catalog, or files.
     settings
-        By the names of `RENDERING`.
+        By the names of `RenderSettings`.
     matrix
         Its method.
 
@@ -196,6 +245,9 @@ def render_study(
         "pictures": [{"cube": cube}],
     }
     return _study(sensors, settings, RENDERING, data)
+
+
+_GENERAL = {"sensors": "sensors.*", "pictures": "pictures.0"}
 
 
 def argument_of(key: str, names: Mapping[str, tuple[str, ...]] = SHARED) -> str | None:
@@ -213,7 +265,7 @@ def argument_of(key: str, names: Mapping[str, tuple[str, ...]] = SHARED) -> str 
     >>> argument_of("sensors.0.answers.per"), argument_of("light.per"), argument_of("title")
     ('per', 'illuminant_per', None)
     """
-    general = re.sub(r"^sensors\.\d+", _SENSOR, key)
+    general = re.sub(r"^(sensors|pictures)\.\d+", lambda m: _GENERAL[m[1]], key)
     return next((name for name, keys in names.items() if general in keys), None)
 
 
@@ -241,7 +293,8 @@ def _set_the_rule(data: dict[str, Any]) -> None:
             "time_ms",
             "must not be given beside the share of full well that solves it",
             value=rule["time_ms"],
-            remedy=("omit one of them", Setting("exposure.saturate")),
+            found=None,
+            remedy="omit one of them",
             setting="exposure.time_ms",
         )
 

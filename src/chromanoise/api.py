@@ -1,0 +1,246 @@
+"""The functions of ``import chromanoise as cn``: settings to a study, the study to its results."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, Unpack
+
+from chromanoise.errors import InputError
+from chromanoise.sensor import Sensor
+from chromanoise.spectra import Illuminant
+from chromanoise.study import (
+    Analyses,
+    AnalysisSettings,
+    Comparison,
+    ComparisonSettings,
+    Given,
+    Matrices,
+    MatrixSettings,
+    Pictures,
+    RenderSettings,
+    Results,
+    Study,
+    analyze_study,
+    compare_study,
+    matrix_study,
+    render_study,
+)
+from chromanoise.study import run as run_of
+
+
+def analyze(
+    *sensors: str | Sensor, matrix: str = "kernel", **settings: Unpack[AnalysisSettings]
+) -> Analyses:
+    """Noise of each sensor in raw, contravariant and color coordinates, for a perfect white.
+
+    Parameters
+    ----------
+    sensors
+        Names of the catalog, files of quantum efficiencies, or sensors.
+    matrix
+        Color matrix: ``kernel`` (eq. 6), ``lmmse``, ``ridge=0.01`` ...
+    settings
+        Light, exposure, pixel and outputs, as the options of ``chromanoise analyze``: ``lux`` [lx],
+        ``time_ms`` [ms], ``f_number``, ``illuminant`` (a name, a file or an `Illuminant`),
+        ``equal``, ``filter``, ``pixel``, ``budget``, ``chart`` ...; see `AnalysisSettings`. Without
+        ``time_ms``, all sensors share the longest time at which none saturates.
+
+    Returns
+    -------
+    Analyses
+        SNR in dB per channel and coordinate, with the operating point.
+
+    Raises
+    ------
+    InputError
+        If a name names nothing, a file cannot be read, or a setting cannot be used.
+
+    Notes
+    -----
+    Clouet, Vaillant & Alleysson, CIC27 (2019), eq. 1-7.
+
+    Examples
+    --------
+    >>> import chromanoise as cn
+    >>> cn.analyze("onyx-rgbw", "onyx-rgb-ircut", lux=10)
+    <Analyses: SNR Y onyx-rgbw 26.0 dB, onyx-rgb-ircut 32.4 dB at 10 lx, illuminant E, 11.94 ms, f/1.8>
+    """
+    names, given, rest = _named(sensors, settings)
+    study = analyze_study(names, rest, matrix=matrix)
+    (result,) = run_of(study, given=given).analyses.values()
+    return result
+
+
+def compare(
+    *sensors: str | Sensor,
+    matrices: Sequence[str] = ("kernel",),
+    **settings: Unpack[ComparisonSettings],
+) -> Comparison:
+    """A quantity of each sensor while one thing varies, with the crossovers.
+
+    Parameters
+    ----------
+    sensors
+        As `analyze`.
+    matrices
+        Color matrices.
+    settings
+        As `analyze`; also ``vary`` (``lux``, ``time-ms``, ``read-noise-e`` ...), ``first`` and
+        ``last`` in the unit of what varies, ``points`` and ``quantity``; see `ComparisonSettings`.
+
+    Returns
+    -------
+    Comparison
+        One curve per sensor and matrix, and where they cross.
+
+    Raises
+    ------
+    InputError
+        As `analyze`.
+
+    Notes
+    -----
+    Clouet, Vaillant & Alleysson, CIC27 (2019), eq. 1-7 at each value.
+    """
+    names, given, rest = _named(sensors, settings)
+    study = compare_study(names, rest, matrices=matrices)
+    (result,) = run_of(study, given=given).sweeps
+    return result
+
+
+def matrix(
+    sensor: str | Sensor, matrix: str = "kernel", **settings: Unpack[MatrixSettings]
+) -> Matrices:
+    """The color matrix of a sensor, with its color error, noise and condition.
+
+    Parameters
+    ----------
+    sensor
+        As `analyze`.
+    matrix
+        Its method: ``kernel`` (eq. 6), ``lmmse``, ``ridge=0.01`` ...
+    settings
+        As `analyze`; ``pareto_first`` and ``pareto_last`` ask for the curve of color error against
+        noise between these weights of the noise; see `MatrixSettings`.
+
+    Returns
+    -------
+    Matrices
+        One matrix, electrons to XYZ. [lx/e-]
+
+    Raises
+    ------
+    InputError
+        As `analyze`.
+
+    Notes
+    -----
+    Clouet, Vaillant & Alleysson, CIC27 (2019), eq. 6.
+    """
+    names, given, rest = _named([sensor], settings)
+    study = matrix_study(names[0], rest, matrix=matrix)
+    (result,) = run_of(study, given=given).matrices.values()
+    return result
+
+
+def render(
+    cube: str | Path,
+    *sensors: str | Sensor,
+    matrix: str = "kernel",
+    folder: str | Path | None = None,
+    **settings: Unpack[RenderSettings],
+) -> Pictures:
+    """Noisy pictures of a hyperspectral cube, one per sensor and frame.
+
+    Parameters
+    ----------
+    cube
+        ``builtin:checker``, or a file of reflectances.
+    sensors
+        As `analyze`.
+    matrix
+        As `analyze`.
+    folder
+        Where the pictures are written; ``None`` keeps them in memory.
+    settings
+        As `analyze`; also ``seed``, ``mosaic``, ``demosaic``, ``frames`` ...; see `RenderSettings`.
+
+    Returns
+    -------
+    Pictures
+        The pictures, or how each was taken.
+
+    Raises
+    ------
+    InputError
+        As `analyze`, or if the cube cannot be used.
+
+    Notes
+    -----
+    Shot noise and readout of each pixel are drawn (eq. 7); the same seed gives the same bits on any
+    number of threads.
+    """
+    names, given, rest = _named(sensors, settings)
+    study = render_study(str(cube), names, rest, matrix=matrix)
+    (result,) = run_of(study, given=given, folder=_folder(folder)).pictures
+    return result
+
+
+def run(study: Study, folder: str | Path | None = None) -> Results:
+    """All that a study asks for.
+
+    Parameters
+    ----------
+    study
+        Of `read_study`, `study_from_data` or `Study`.
+    folder
+        Where pictures are written; ``None`` keeps them in memory.
+
+    Returns
+    -------
+    Results
+        Analyses and matrices by name, sweeps and pictures in order.
+
+    Raises
+    ------
+    InputError
+        As `analyze`.
+
+    Notes
+    -----
+    The numbers are those of ``chromanoise run``.
+    """
+    return run_of(study, folder=_folder(folder))
+
+
+def _folder(folder: str | Path | None) -> Path | None:
+    if folder is None:
+        return None
+    path = Path(folder)
+    if not path.is_dir():
+        raise InputError(str(folder), "must be an existing folder", remedy="create it first")
+    return path
+
+
+def _named(
+    sensors: Sequence[str | Sensor], settings: Mapping[str, Any]
+) -> tuple[list[str], Given, dict[str, Any]]:
+    """Names for the study, with the objects that they stand for."""
+    own = {one.name: one for one in sensors if isinstance(one, Sensor)}
+    names = [one.name if isinstance(one, Sensor) else str(one) for one in sensors]
+    if not names:
+        raise InputError("sensors", "must name at least one sensor", value=0, found="none is given")
+    for name in own:
+        if names.count(name) > 1:
+            raise InputError(
+                "sensors",
+                "must have different names",
+                value=name,
+                found=f"{name!r} is repeated",
+                remedy="rename one with dataclasses.replace",
+            )
+    rest = dict(settings)
+    lamp = rest.get("illuminant")
+    lamps = {}
+    if isinstance(lamp, Illuminant):
+        rest["illuminant"], lamps[lamp.name] = lamp.name, lamp
+    return names, Given(sensors=own, illuminants=lamps), rest
