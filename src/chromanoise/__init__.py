@@ -35,16 +35,16 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from chromanoise.api import analyze, compare, matrix, render, run
-    from chromanoise.catalog import illuminant_named, sensor_named
+    from chromanoise.catalog import sensor_named
     from chromanoise.color import ColorMatrix
     from chromanoise.errors import InputError, Setting
-    from chromanoise.exposure import Exposure, OperatingPoint
+    from chromanoise.exposure import Exposure, Situation
     from chromanoise.io.cubes import read_cube
     from chromanoise.io.spectra import read_curves
     from chromanoise.noise import Measurement
     from chromanoise.scene import Cube, Scene
     from chromanoise.sensor import Mosaic, Pixel, Sensor
-    from chromanoise.spectra import Grid, Illuminant, Spectra
+    from chromanoise.spectra import Grid, Illuminant, Spectra, illuminant_named
     from chromanoise.study import (
         Analyses,
         Comparison,
@@ -60,16 +60,16 @@ __version__ = "0.1.0"
 
 _PUBLIC = {
     "api": ("analyze", "compare", "matrix", "render", "run"),
-    "catalog": ("illuminant_named", "sensor_named"),
+    "catalog": ("sensor_named",),
     "color": ("ColorMatrix",),
     "errors": ("InputError", "Setting"),
-    "exposure": ("Exposure", "OperatingPoint"),
+    "exposure": ("Exposure", "Situation"),
     "io.cubes": ("read_cube",),
     "io.spectra": ("read_curves",),
     "noise": ("Measurement",),
     "scene": ("Cube", "Scene"),
     "sensor": ("Mosaic", "Pixel", "Sensor"),
-    "spectra": ("Grid", "Illuminant", "Spectra"),
+    "spectra": ("Grid", "Illuminant", "Spectra", "illuminant_named"),
     "study": (
         *("Analyses", "Comparison", "Matrices", "Pictures", "Results", "Study"),
         *("read_study", "study_from_data"),
@@ -81,7 +81,55 @@ _STAGES = (
 )
 _MODULES = {name: module for module, names in _PUBLIC.items() for name in names}
 
-__all__ = [*_MODULES, *_STAGES]
+__all__ = [
+    "Analyses",
+    "ColorMatrix",
+    "Comparison",
+    "Cube",
+    "Exposure",
+    "Grid",
+    "Illuminant",
+    "InputError",
+    "Matrices",
+    "Measurement",
+    "Mosaic",
+    "Pictures",
+    "Pixel",
+    "Results",
+    "Scene",
+    "Sensor",
+    "Setting",
+    "Situation",
+    "Spectra",
+    "Study",
+    "analysis",
+    "analyze",
+    "catalog",
+    "charts",
+    "color",
+    "compare",
+    "exposure",
+    "figures",
+    "geometry",
+    "illuminant_named",
+    "imaging",
+    "io",
+    "matrix",
+    "metrics",
+    "noise",
+    "paper",
+    "read_cube",
+    "read_curves",
+    "read_study",
+    "render",
+    "run",
+    "scene",
+    "sensor",
+    "sensor_named",
+    "spectra",
+    "study",
+    "study_from_data",
+]
 
 
 def __getattr__(name: str) -> Any:

@@ -61,8 +61,8 @@ def analyze(
     Examples
     --------
     >>> import chromanoise as cn
-    >>> cn.analyze("onyx-rgbw", "onyx-rgb-ircut", lux=10)
-    <Analyses: SNR Y onyx-rgbw 26.0 dB, onyx-rgb-ircut 32.4 dB at 10 lx, illuminant E, 11.94 ms, f/1.8>
+    >>> cn.analyze("onyx-rgbw", lux=10)
+    <Analyses: SNR Y onyx-rgbw 26.0 dB at 10 lx, illuminant E, 11.94 ms, f/1.8>
     """
     names, given, rest = _named(sensors, settings)
     study = analyze_study(names, rest, matrix=matrix)

@@ -128,6 +128,10 @@ class InputError(ValueError):
             text += f"; {', or '.join(told)}"
         return text
 
+    def called(self, subject: str) -> "InputError":
+        """The same error with another name of its subject."""
+        return _rebuilt(type(self), self.__dict__ | {"subject": subject})
+
     def inside(self, setting: str, names: Callable[[str], str]) -> "InputError":
         """The same error where a key of a study gave the value.
 

@@ -23,10 +23,9 @@ def _sentence(error: InputError, command: str) -> str:
     from chromanoise.study import option_of
 
     subject = error.subject
-    if error.setting and subject == error.setting.rpartition(".")[2]:
-        name = _flat(error.setting, command)
-        if name is not None:
-            subject = option_of(name, error.value)
+    name = _flat(error.setting, command) if error.setting else None
+    if name is not None and subject in (name, error.setting.rpartition(".")[2]):
+        subject = option_of(name, error.value)
     return error.sentence(subject=subject, render=lambda setting: _remedy(setting, command))
 
 

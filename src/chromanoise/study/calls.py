@@ -156,7 +156,7 @@ def study_as_python(study: Study) -> str:
         data = study.model_dump(mode="json", by_alias=True, exclude_defaults=True)
         shown = pformat({"schema": 1} | data, sort_dicts=False, width=96)
         folder = ', folder="."' if study.pictures else ""
-        made = f"study = cn.study({shown})\nresults = cn.run(study{folder})"
+        made = f"study = cn.study_from_data({shown})\nresults = cn.run(study{folder})"
         printed = "print(json.dumps(results.to_list(), indent=1))"
     return "\n".join([*head, "", made, printed]) + "\n"
 

@@ -136,7 +136,7 @@ def _toml(text: str, source: str) -> dict[str, Any]:
         raise InputError(f"{source}: no TOML: a whole number of too many digits") from None
 
 
-def study_from_data(told: Mapping[str, Any], *, source: str) -> Study:
+def study_from_data(told: Mapping[str, Any], *, source: str = "") -> Study:
     """The study in plain data, as TOML would give it.
 
     Parameters

@@ -12,7 +12,7 @@ from chromanoise._check import one_of
 from chromanoise.analysis import trained_names
 from chromanoise.analysis.comparison.sweeps import SWEEPS
 from chromanoise.analysis.priors import DEFAULT_PRIOR
-from chromanoise.errors import InputError
+from chromanoise.errors import InputError, StudyError
 from chromanoise.io.spectra.parsed import Negatives, Unit
 from chromanoise.study.document import Study
 from chromanoise.study.reading import study_from_data
@@ -86,7 +86,7 @@ class RenderSettings(SharedSettings, total=False):
     """Settings of pictures; ``beyond`` holds for the cube as well, ``scale`` is the cube's."""
 
     seed: Annotated[int, "seed"]
-    beyond: Annotated[Extrapolation, "pictures.0.beyond", "sensors.*.beyond"]  # type: ignore[misc]
+    beyond: Annotated[Extrapolation, "pictures.0.beyond", "sensors.*.beyond"]
     key: Annotated[str, "pictures.0.key"]
     shape: Annotated[tuple[int, int], "pictures.0.shape"]
     wavelengths: Annotated[tuple[float, float] | str, "pictures.0.wavelengths"]
@@ -281,11 +281,22 @@ def _study(
         for key in keys if value is not None else ():
             for place in _places(key, len(sensors)):
                 _put(data, place, value)
-    _set_the_rule(data)
-    return study_from_data(data, source="")
+    _refuse_two_times(data)
+    try:
+        return study_from_data(data)
+    except StudyError as error:
+        raise StudyError([_with_flat_name(one, names) for one in error.errors]) from None
 
 
-def _set_the_rule(data: dict[str, Any]) -> None:
+def _with_flat_name(error: InputError, names: Mapping[str, tuple[str, ...]]) -> InputError:
+    """The error with the flat name of the setting, where its subject is the setting."""
+    flat = argument_of(error.setting, names)
+    if flat is None or error.subject != error.setting.rpartition(".")[2]:
+        return error
+    return error.called(flat)
+
+
+def _refuse_two_times(data: dict[str, Any]) -> None:
     """A time and a rule that solves it exclude each other."""
     rule = data.get("exposure", {})
     if rule.get("time_ms") is not None and rule.get("saturate") is not None:
