@@ -31,11 +31,11 @@ lint-python: $(VENV)/.dev
 
 # without Node.js the JavaScript is not checked, which fails only where CI is set
 lint-js:
-	@if node -e 'process.exit(parseInt(process.versions.node) >= 20 ? 0 : 1)' 2>/dev/null \
+	@if node -e 'process.exit(parseInt(process.versions.node) >= 18 ? 0 : 1)' 2>/dev/null \
 	        && command -v npm >/dev/null; then \
 	    $(MAKE) --no-print-directory --silent node_modules/.installed && npm run --silent lint; \
 	else \
-	    echo "The JavaScript was not checked, because Node.js 20 or newer with npm is missing: install it and repeat 'make lint-js'." >&2; \
+	    echo "The JavaScript was not checked, because Node.js 18 or newer with npm is missing: install it and repeat 'make lint-js'." >&2; \
 	    test -z "$$CI"; \
 	fi
 
