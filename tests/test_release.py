@@ -56,3 +56,10 @@ def test_the_classifiers_name_every_python_that_the_workflow_tests():
 )
 def test_every_form_and_workflow_is_yaml_with_a_name(path):
     assert yaml.safe_load(path.read_text(encoding="utf-8"))["name"]
+
+
+def test_no_committed_file_names_a_registry_of_packages():
+    """`.npmrc` leaves the addresses away, so each machine uses the registry that it is set to."""
+    lock = (ROOT / "package-lock.json").read_text(encoding="utf-8")
+    assert '"integrity"' in lock
+    assert '"resolved"' not in lock

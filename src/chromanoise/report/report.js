@@ -11,12 +11,18 @@ import * as stages from "draw/stages.js";
 import { html } from "draw/svg.js";
 import * as vectors from "draw/vectors.js";
 
-/** @import { DrawingModule, Drawn, Failed, PackedEllipses, PackedPatch, Part } from "answers" */
-/** @import { ReportChanges, ReportData, ReportHead } from "answers" */
+/** @typedef {import("answers").Drawn} Drawn */
+/** @typedef {import("answers").Failed} Failed */
+/** @typedef {import("answers").PackedEllipses} PackedEllipses */
+/** @typedef {import("answers").PackedPatch} PackedPatch */
+/** @typedef {import("answers").Part} Part */
+/** @typedef {import("answers").ReportChanges} ReportChanges */
+/** @typedef {import("answers").ReportData} ReportData */
+/** @typedef {import("answers").ReportHead} ReportHead */
 /** @typedef {{ [P in Part]: Drawn[P] | Failed } & { head: ReportHead }} Told */
 /** @typedef {{ data: Drawn[Part] | Failed, stale: boolean, part: Part }} Shown */
 
-/** @type {{ [P in Part]: DrawingModule<any> }} */
+/** @type {{ [P in Part]: import("answers").DrawingModule<any> }} */
 const MODULES = { budget, vectors, stages, levels, ellipses, chart, pareto, sensitivities };
 const PAPER_PX = 476; // of one of two columns of A4, where the style of print makes 0.7 of it
 /** @type {ReportData} */
