@@ -1,11 +1,16 @@
 # Everything starts from here; each target sets up what it needs by itself.
-PYTHON ?= python3
 VENV := .venv
+ifeq ($(OS),Windows_NT)
+PYTHON ?= python
+BIN := $(VENV)/Scripts
+else
+PYTHON ?= python3
 BIN := $(VENV)/bin
+endif
 # one arithmetic thread: the products are small, and sums must not depend on the number of cores
 export OPENBLAS_NUM_THREADS ?= 1
 
-.PHONY: demo test lint bench docs evidence reconstruct format clean clean-kernels
+.PHONY: demo test lint lint-python lint-js bench docs evidence reconstruct format clean clean-kernels
 
 demo: $(VENV)/.installed
 	$(BIN)/chromanoise demo
@@ -16,11 +21,23 @@ test: $(VENV)/.dev
 evidence: $(VENV)/.dev
 	$(BIN)/python -m pytest -m evidence
 
-lint: $(VENV)/.dev
+lint: lint-python lint-js
+
+lint-python: $(VENV)/.dev
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+
+# without Node.js the JavaScript is not checked, which fails only where CI is set
+lint-js:
+	@if node -e 'process.exit(parseInt(process.versions.node) >= 18 ? 0 : 1)' 2>/dev/null \
+	        && command -v npm >/dev/null; then \
+	    $(MAKE) --no-print-directory --silent node_modules/.installed && npm run --silent lint; \
+	else \
+	    echo "The JavaScript was not checked, because Node.js 18 or newer with npm is missing: install it and repeat 'make lint-js'." >&2; \
+	    test -z "$$CI"; \
+	fi
 
 bench: $(VENV)/.bench
 	$(BIN)/python benchmarks/closed_form_against_sampling.py
@@ -44,7 +61,7 @@ clean-kernels:
 	find src -name '*.nb[ic]' -delete
 
 clean: clean-kernels
-	rm -rf $(VENV) out
+	rm -rf $(VENV) node_modules out
 
 $(VENV)/.installed: pyproject.toml
 	$(PYTHON) -c 'import sys; sys.exit(0 if sys.version_info >= (3, 11) else "chromanoise needs Python 3.11 or newer; set PYTHON=python3.12, for example")'
@@ -58,4 +75,8 @@ $(VENV)/.dev: $(VENV)/.installed
 
 $(VENV)/.bench: $(VENV)/.dev
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e ".[bench]"
+	touch $@
+
+node_modules/.installed: package.json package-lock.json
+	npm ci --silent --no-audit --no-fund --ignore-scripts
 	touch $@

@@ -44,11 +44,11 @@ def installed(tmp_path):
     return package
 
 
-def asked(package, **variables):
+def asked(package, question=ASK, **variables):
     """Result of the kernel, how often it was loaded, and from which folder."""
     left = {name: value for name, value in os.environ.items() if name != "NUMBA_CACHE_DIR"}
     done = subprocess.run(
-        [sys.executable, "-B", "-c", ASK],
+        [sys.executable, "-B", "-c", question],
         env={**left, "PYTHONPATH": str(package.parent), **variables},
         capture_output=True, text=True, check=True, timeout=60,
     )  # fmt: skip
@@ -60,17 +60,23 @@ def test_a_change_in_a_file_that_a_kernel_calls_is_seen_though_its_date_is_older
     answer, hits, folder = asked(installed)
     assert (answer, hits) == (2, 0)
     assert folder.is_relative_to(installed / "__pycache__")
-    (installed / "__pycache__" / "kernels-mine").mkdir()
     assert asked(installed) == (2, 1, folder)
     (installed / "inner.py").write_text(INNER.format(added=5))
     os.utime(installed / "inner.py", (100, 100))
     assert asked(installed)[:2] == (6, 0)
     assert folder.exists()  # another process may work with it
-    (kept,) = (one for one in folder.parents if one.name.startswith("kernels-"))
-    for days, there in ((29, True), (31, False)):
+
+
+def test_old_kernels_are_removed_when_new_ones_are_compiled_and_not_before(installed):
+    (kept,) = (one for one in asked(installed)[2].parents if one.name.startswith("kernels-"))
+    (installed / "__pycache__" / "kernels-mine").mkdir()
+    for added, days, is_kept in ((5, 29, True), (6, 31, False)):
         os.utime(kept, (time.time() - days * 86400,) * 2)
-        assert asked(installed)[:2] == (6, 1)
-        assert kept.exists() == there
+        (installed / "inner.py").write_text(INNER.format(added=added))
+        asked(installed, question="import mini.outer\nprint(0, 0, None)")
+        assert kept.exists()
+        assert asked(installed)[:2] == (1 + added, 0)
+        assert kept.exists() == is_kept
     assert (installed / "__pycache__" / "kernels-mine").is_dir()
 
 

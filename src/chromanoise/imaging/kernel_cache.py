@@ -19,6 +19,7 @@ from typing import Any
 
 import numba
 from numba import config, njit
+from numba.core import event
 from numba.misc.appdirs import AppDirs
 
 SOURCES = Path(__file__).parent
@@ -50,9 +51,8 @@ def kernel_folder() -> Path | None:
     """The folder for kernels; ``None`` if none can be written, or the sources cannot be read.
 
     It is in the first of these places that can be written: ``NUMBA_CACHE_DIR``, ``__pycache__`` of
-    the installation, the user's cache, or a temporary folder that only this user can write. Folders
-    for other sources of this installation are removed after 30 days without use: until then
-    another process may use them.
+    the installation, the user's cache, or a temporary folder that only this user can write. No file
+    is removed here; `_RemovalOnCompilation` does that.
     """
     sources = sorted(SOURCES.glob("*.py"))
     if not sources:
@@ -68,11 +68,34 @@ def kernel_folder() -> Path | None:
             folder.mkdir(parents=True, exist_ok=True)
             tempfile.TemporaryFile(dir=folder).close()
             os.utime(folder)
-            for other in place.glob(f"{ours}*"):
-                if other.stat().st_mtime < time.time() - _UNUSED_S:
-                    shutil.rmtree(other, ignore_errors=True)
+            event.register("numba:compile", _RemovalOnCompilation(place, f"{ours}*"))
             return folder
     return None
+
+
+class _RemovalOnCompilation(event.Listener):  # type: ignore[misc]
+    """Removes folders for other sources of this installation when the first kernel is compiled.
+
+    Only folders that were not used for 30 days: until then another process may use them.
+    """
+
+    def __init__(self, place: Path, pattern: str) -> None:
+        self._place, self._pattern = place, pattern
+        self._is_done = False
+
+    def on_start(self, event: Any) -> None:
+        """Nothing; numba asks for this method."""
+
+    def on_end(self, event: Any) -> None:
+        """The removal, if a kernel of this package was compiled."""
+        module = event.data["dispatcher"].py_func.__module__
+        if self._is_done or module.rpartition(".")[0] != __name__.rpartition(".")[0]:
+            return
+        self._is_done = True
+        for folder in self._place.glob(self._pattern):
+            with suppress(OSError):
+                if folder.stat().st_mtime < time.time() - _UNUSED_S:
+                    shutil.rmtree(folder, ignore_errors=True)
 
 
 def _places() -> Iterator[Path]:

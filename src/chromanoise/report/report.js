@@ -11,94 +11,169 @@ import * as stages from "draw/stages.js";
 import { html } from "draw/svg.js";
 import * as vectors from "draw/vectors.js";
 
+/** @typedef {import("answers").Drawn} Drawn */
+/** @typedef {import("answers").Failed} Failed */
+/** @typedef {import("answers").PackedEllipses} PackedEllipses */
+/** @typedef {import("answers").PackedPatch} PackedPatch */
+/** @typedef {import("answers").Part} Part */
+/** @typedef {import("answers").ReportChanges} ReportChanges */
+/** @typedef {import("answers").ReportData} ReportData */
+/** @typedef {import("answers").ReportHead} ReportHead */
+/** @typedef {{ [P in Part]: Drawn[P] | Failed } & { head: ReportHead }} Told */
+/** @typedef {{ data: Drawn[Part] | Failed, stale: boolean, part: Part }} Shown */
+
+/** @type {{ [P in Part]: import("answers").DrawingModule<any> }} */
 const MODULES = { budget, vectors, stages, levels, ellipses, chart, pareto, sensitivities };
 const PAPER_PX = 476; // of one of two columns of A4, where the style of print makes 0.7 of it
-const data = JSON.parse(document.getElementById("data").textContent);
+/** @type {ReportData} */
+const data = JSON.parse(byId("data").textContent ?? "");
+/** @type {Map<HTMLElement, Shown>} */
 const shown = new Map(); // what stands in each section, drawn or not yet
+/** @type {number | null} */
 let width = null;
 let asked = 0;
 
-/** The study's own answer with what differs at a position of a slider. */
+/**
+ * An element that the template has.
+ *
+ * @param {string} id
+ */
+function byId(id) {
+  return /** @type {HTMLElement} */ (document.getElementById(id));
+}
+
+/**
+ * @param {string} selector
+ * @returns {HTMLElement[]}
+ */
+function all(selector) {
+  return [...document.querySelectorAll(selector)].map((node) => /** @type {HTMLElement} */ (node));
+}
+
+/**
+ * The study's own answer with what differs at a position of a slider.
+ *
+ * @param {ReportChanges} changed
+ * @returns {Told}
+ */
 function answer(changed) {
+  /** @type {Record<string, object>} */
   const told = {};
   for (const [part, own] of Object.entries(data.parts)) {
     told[part] = changed[part]?.whole ?? { ...own, ...changed[part] };
   }
-  if (!told.ellipses.fault) told.ellipses = outlined(told.ellipses);
-  return told;
+  const ellipses = /** @type {PackedEllipses | Failed} */ (told.ellipses);
+  if (!("fault" in ellipses)) told.ellipses = outlined(ellipses);
+  return /** @type {Told} */ (told);
 }
 
-/** Ellipses with their outlines: points of one circle, laid along the half axes of each. */
+/**
+ * Ellipses with their outlines: points of one circle, laid along the half axes of each.
+ *
+ * @param {PackedEllipses} packed
+ */
 function outlined(packed) {
   const { circle, patches } = data.chart_of;
+  /** @param {PackedPatch} half */
   const laid = ([center, right, up]) =>
     circle.map(([c, s]) => [0, 1].map((k) => center[k] + c * right[k] + s * up[k]));
+  /**
+   * @param {PackedPatch} one
+   * @param {number} i
+   */
   const patch = (one, i) => ({ ...patches[i], center: one[0], reach: one[3], outline: laid(one) });
+  /** @param {PackedPatch[]} each */
   const whole = (each) => each.map(patch);
   return { ...packed, sensors: packed.sensors.map((s) => ({ ...s, patches: whole(s.patches) })) };
 }
 
+/** @param {Told} told */
 function show(told) {
   const [first, ...more] = told.head.verdict;
-  document.getElementById("verdict").textContent = first;
-  document.getElementById("reasons").replaceChildren(...more.map((text) => html("li", {}, text)));
-  fill(document.getElementById("sensors"), told.head.rows);
-  for (const section of document.querySelectorAll("section[data-part]")) {
-    const { part } = section.dataset;
+  byId("verdict").textContent = first;
+  byId("reasons").replaceChildren(...more.map((text) => html("li", {}, text)));
+  fill(/** @type {HTMLTableElement} */ (byId("sensors")), told.head.rows);
+  for (const section of all("section[data-part]")) {
+    const part = /** @type {Part} */ (section.dataset.part);
     const before = JSON.stringify(shown.get(section)?.data);
-    if (before === JSON.stringify(told[part]) && !shown.get(section).stale) continue;
+    if (before === JSON.stringify(told[part]) && !shown.get(section)?.stale) continue;
     shown.set(section, { data: told[part], stale: true, part });
     draw(section);
     if (before) tell(section);
   }
 }
 
+/** @param {HTMLElement} section */
 function draw(section) {
-  const { data: told, part } = shown.get(section);
-  const element = section.querySelector(".chart");
-  if (told.fault) element.replaceChildren(html("p", { class: "d-note" }, told.fault));
+  const one = /** @type {Shown} */ (shown.get(section));
+  const { data: told, part } = one;
+  const element = /** @type {HTMLElement} */ (section.querySelector(".chart"));
+  if ("fault" in told) element.replaceChildren(html("p", { class: "d-note" }, told.fault));
   else MODULES[part].draw(element, told, width ? { width } : {});
-  shown.get(section).stale = false;
+  one.stale = false;
 }
 
-/** The table says what the drawing shows. */
+/**
+ * The table says what the drawing shows.
+ *
+ * @param {HTMLElement} section
+ */
 function tell(section) {
-  const { data: told, part } = shown.get(section);
+  const { data: told, part } = /** @type {Shown} */ (shown.get(section));
   const table = section.querySelector("table");
-  if (!told.fault && table) fill(table, MODULES[part].rows(told).rows);
+  if (!("fault" in told) && table) fill(table, MODULES[part].rows(told).rows);
 }
 
+/**
+ * @param {HTMLTableElement} table
+ * @param {string[][]} rows
+ */
 function fill(table, rows) {
+  /**
+   * @param {string} text
+   * @param {number} i
+   */
   const cell = (text, i) => html(i ? "td" : "th", i ? {} : { scope: "row" }, text);
   table.tBodies[0].replaceChildren(...rows.map((row) => html("tr", {}, row.map(cell))));
 }
 
-/** One slider at a time: another goes back to the study's own value. */
+/**
+ * One slider at a time: another goes back to the study's own value.
+ *
+ * @param {HTMLInputElement | null} moved
+ */
 function slid(moved) {
+  /** @type {ReportChanges} */
   let changed = {};
   const said = [];
   for (const slider of sliders) {
     const slide = data.slides[Number(slider.dataset.slide)];
-    if (moved && slider !== moved) slider.value = slide.own;
+    if (moved && slider !== moved) slider.value = String(slide.own);
     const at = Number(slider.value);
     slider.setAttribute("aria-valuetext", slide.told[at]);
-    slider.parentElement.querySelector("output").textContent = slide.told[at];
+    const output = slider.parentElement?.querySelector("output");
+    if (output) output.textContent = slide.told[at];
     if (at === slide.own) continue;
     changed = slide.answers[at];
     said.push(`${slide.label}: ${slide.told[at]}; all else, the time too, as in the study.`);
   }
-  document.getElementById("changed").textContent = said.join(" ") || "The study as it is.";
-  document.getElementById("back").disabled = !said.length;
+  byId("changed").textContent = said.join(" ") || "The study as it is.";
+  /** @type {HTMLButtonElement} */ (byId("back")).disabled = !said.length;
   cancelAnimationFrame(asked);
   asked = requestAnimationFrame(() => show(answer(changed)));
 }
 
+/** @param {number | null} px */
 function again(px) {
   width = px;
   shown.forEach((_, section) => draw(section));
 }
 
-/** Pictures of two sensors as one with a divider; what is printed stays side by side. */
+/**
+ * Pictures of two sensors as one with a divider; what is printed stays side by side.
+ *
+ * @param {HTMLElement} sight
+ */
 function divide(sight) {
   const images = [...sight.querySelectorAll("img")];
   const [left, ...others] = images;
@@ -110,29 +185,36 @@ function divide(sight) {
   if (others.length) sight.classList.add("can-divide");
 }
 
-/** What a `?` of a drawing asks for stands below it. */
+/**
+ * What a `?` of a drawing asks for stands below it.
+ *
+ * @param {HTMLElement} button
+ */
 function open(button) {
-  const entry = button.closest("section").querySelector(`[data-equation="${button.dataset.equation}"].equation-of`);
-  if (!entry) return;
-  entry.closest("details").open = true;
+  const selector = `[data-equation="${button.dataset.equation}"].equation-of`;
+  const entry = /** @type {HTMLElement | null | undefined} */ (button.closest("section")?.querySelector(selector));
+  const details = entry?.closest("details");
+  if (!entry || !details) return;
+  details.open = true;
   entry.scrollIntoView({ block: "center" });
   entry.focus();
 }
 
-const sliders = [...document.querySelectorAll("input[data-slide]")];
+const sliders = /** @type {HTMLInputElement[]} */ (all("input[data-slide]"));
 sliders.forEach((slider) => slider.addEventListener("input", () => slid(slider)));
-document.getElementById("back").addEventListener("click", () => {
-  sliders.forEach((slider) => (slider.value = data.slides[Number(slider.dataset.slide)].own));
+byId("back").addEventListener("click", () => {
+  sliders.forEach((slider) => (slider.value = String(data.slides[Number(slider.dataset.slide)].own)));
   slid(null);
   sliders[0].focus();
 });
 document.addEventListener("click", (event) => {
-  const button = event.target.closest?.("button.equation");
-  if (button) open(button);
+  const { target } = event;
+  const button = target instanceof Element ? target.closest("button.equation") : null;
+  if (button) open(/** @type {HTMLElement} */ (button));
 });
-document.querySelectorAll(".sight").forEach(divide);
-document.getElementById("sliders").hidden = false;
-sliders.forEach((slider) => (slider.value = data.slides[Number(slider.dataset.slide)].own));
+all(".sight").forEach(divide);
+byId("sliders").hidden = false;
+sliders.forEach((slider) => (slider.value = String(data.slides[Number(slider.dataset.slide)].own)));
 show(answer({}));
 slid(null);
 

@@ -2,30 +2,83 @@
 
 import { line, svg, tenth, words } from "draw/svg.js";
 
-/** A linear scale from values `low .. high` to pixels `from .. to`. */
+/** @typedef {{ value: number, label: string }} Tick */
+/**
+ * @typedef {object} Scale
+ * @property {number} low
+ * @property {number} high
+ * @property {number} from pixel of `low`
+ * @property {number} to pixel of `high`
+ * @property {(value: number) => number} at
+ * @property {(room: number) => Tick[]} ticks
+ */
+/**
+ * @typedef {object} Titles
+ * @property {string} [x]
+ * @property {string} [y]
+ * @property {number} [xRoom]
+ * @property {number} [yRoom]
+ * @property {number} [yAt]
+ * @property {number} [yTop]
+ * @property {boolean} [levelOnly]
+ */
+/** @typedef {{ members: number[], start: number }} Cluster */
+/** @typedef {ReturnType<typeof panels>} Grid */
+
+/**
+ * A linear scale from values `low .. high` to pixels `from .. to`.
+ *
+ * @param {number} low
+ * @param {number} high
+ * @param {number} from
+ * @param {number} to
+ * @returns {Scale}
+ */
 export function linear(low, high, from, to) {
   const slope = (to - from) / (high - low || 1);
+  /** @param {number} value */
   const at = (value) => from + (value - low) * slope;
   return { low, high, from, to, at, ticks: (room) => linearTicks(low, high, room) };
 }
 
-/** A logarithmic scale; both ends must be positive. */
+/**
+ * A logarithmic scale; both ends must be positive.
+ *
+ * @param {number} low
+ * @param {number} high
+ * @param {number} from
+ * @param {number} to
+ * @returns {Scale}
+ */
 export function logarithmic(low, high, from, to) {
   const first = Math.log10(low);
   const slope = (to - from) / (Math.log10(high) - first || 1);
+  /** @param {number} value */
   const at = (value) => from + (Math.log10(value) - first) * slope;
   return { low, high, from, to, at, ticks: (room) => logTicks(low, high, room) };
 }
 
-/** The smallest of 1, 2, 2.5, 5 times a power of ten that parts the span into at most `count`. */
+/**
+ * The smallest of 1, 2, 2.5, 5 times a power of ten that parts the span into at most `count`.
+ *
+ * @param {number} span
+ * @param {number} count
+ */
 export function niceStep(span, count) {
   const raw = span / Math.max(1, count);
   const power = 10 ** Math.floor(Math.log10(raw));
-  const factor = [1, 2, 2.5, 5, 10].find((step) => step * power >= raw * (1 - 1e-9));
+  const factor = [1, 2, 2.5, 5, 10].find((step) => step * power >= raw * (1 - 1e-9)) ?? 10;
   return factor * power;
 }
 
-/** Ends that are whole steps and hold all values; [0, 1] where there is none. */
+/**
+ * Ends that are whole steps and hold all values; [0, 1] where there is none.
+ *
+ * @param {(number | null | undefined)[]} values
+ * @param {number} [count]
+ * @param {number[]} [always]
+ * @returns {number[]}
+ */
 export function niceRange(values, count = 5, always = []) {
   let low = Infinity;
   let high = -Infinity;
@@ -40,6 +93,11 @@ export function niceRange(values, count = 5, always = []) {
   return [Math.floor(low / step + 1e-9) * step, Math.ceil(high / step - 1e-9) * step];
 }
 
+/**
+ * @param {number} low
+ * @param {number} high
+ * @param {number} room
+ */
 function linearTicks(low, high, room) {
   const step = niceStep(high - low, room);
   const digits = Math.max(0, -Math.floor(Math.log10(step) + 1e-9) + (isQuarter(step) ? 1 : 0));
@@ -52,10 +110,16 @@ function linearTicks(low, high, room) {
   return ticks;
 }
 
+/** @param {number} step */
 function isQuarter(step) {
   return Math.abs(step / 10 ** Math.floor(Math.log10(step) + 1e-9) - 2.5) < 1e-6;
 }
 
+/**
+ * @param {number} low
+ * @param {number} high
+ * @param {number} room
+ */
 function logTicks(low, high, room) {
   const decades = Math.log10(high / low);
   const between = decades * 3 <= room ? [1, 2, 5] : [1];
@@ -71,6 +135,10 @@ function logTicks(low, high, room) {
   return ticks;
 }
 
+/**
+ * @param {number} value
+ * @param {number} power
+ */
 function logLabel(value, power) {
   if (power >= 4) return `${Math.round(value / 1000)}k`;
   return power < 0 ? value.toFixed(-power) : String(Math.round(value));
@@ -79,6 +147,10 @@ function logLabel(value, power) {
 /**
  * Grid, tick labels and titles with units; the y title stands above its axis, not turned. With
  * `levelOnly` the x axis has short ticks instead of a grid.
+ *
+ * @param {Scale} x
+ * @param {Scale} y
+ * @param {Titles} titles
  */
 export function axes(x, y, titles) {
   const across = x.ticks(Math.max(2, Math.floor(Math.abs(x.to - x.from) / (titles.xRoom ?? 56))));
@@ -106,7 +178,14 @@ export function axes(x, y, titles) {
   return nodes;
 }
 
-/** Places near the wanted ones, at least `gap` apart and within the ends, in the order given. */
+/**
+ * Places near the wanted ones, at least `gap` apart and within the ends, in the order given.
+ *
+ * @param {number[]} wanted
+ * @param {number} gap
+ * @param {number} low
+ * @param {number} high
+ */
 export function spread(wanted, gap, low, high) {
   const order = wanted.map((_, i) => i).sort((a, b) => wanted[a] - wanted[b]);
   const step = Math.min(gap, (high - low) / Math.max(1, wanted.length - 1));
@@ -122,19 +201,35 @@ export function spread(wanted, gap, low, high) {
   return within(places, order, step, low, high);
 }
 
+/**
+ * @param {Cluster[]} groups
+ * @param {number} step
+ */
 function touching(groups, step) {
   const [before, after] = groups.slice(-2);
   return before.start + before.members.length * step > after.start;
 }
 
+/**
+ * @param {Cluster[]} groups
+ * @param {number} step
+ * @param {number[]} wanted
+ */
 function merge(groups, step, wanted) {
-  const after = groups.pop();
+  const after = /** @type {Cluster} */ (groups.pop());
   const before = groups[groups.length - 1];
   before.members.push(...after.members);
   const pulls = before.members.map((i, k) => wanted[i] - k * step);
   before.start = pulls.reduce((sum, pull) => sum + pull, 0) / pulls.length;
 }
 
+/**
+ * @param {number[]} places
+ * @param {number[]} order
+ * @param {number} step
+ * @param {number} low
+ * @param {number} high
+ */
 function within(places, order, step, low, high) {
   let least = low;
   for (const i of order) {
@@ -149,18 +244,35 @@ function within(places, order, step, low, high) {
   return places;
 }
 
-/** About how wide a text is; the eye forgives what a layout read would cost. */
+/**
+ * About how wide a text is; the eye forgives what a layout read would cost.
+ *
+ * @param {string} text
+ * @param {number} [size]
+ */
 export function textWidth(text, size = 13) {
   return text.length * size * 0.57;
 }
 
-/** The text, cut with an ellipsis where it is wider than the room. */
+/**
+ * The text, cut with an ellipsis where it is wider than the room.
+ *
+ * @param {string} text
+ * @param {number} room
+ * @param {number} [size]
+ */
 export function fitting(text, room, size = 13) {
   const most = Math.floor(room / (size * 0.57));
   return text.length <= most ? text : `${text.slice(0, Math.max(1, most - 1))}…`;
 }
 
-/** The text in lines of at most this width, parted at spaces. */
+/**
+ * The text in lines of at most this width, parted at spaces.
+ *
+ * @param {string} text
+ * @param {number} room
+ * @param {number} [size]
+ */
 export function wrapped(text, room, size = 13) {
   const lines = [""];
   for (const word of text.split(" ")) {
@@ -171,7 +283,14 @@ export function wrapped(text, room, size = 13) {
   return lines;
 }
 
-/** How small multiples share a width: columns, each panel's width, and where each begins. */
+/**
+ * How small multiples share a width: columns, each panel's width, and where each begins.
+ *
+ * @param {number} count
+ * @param {number} width
+ * @param {number} least
+ * @param {number} [gap]
+ */
 export function panels(count, width, least, gap = 24) {
   const columns = Math.max(1, Math.min(count, Math.floor((width + gap) / (least + gap))));
   const each = Math.floor((width - gap * (columns - 1)) / columns);

@@ -5,11 +5,20 @@ import { note, sameSensor } from "draw/look.js";
 import { refill } from "draw/refill.js";
 import { decimal, figure, figureWidth, known, signed, svg, tenth, words } from "draw/svg.js";
 
+/** @import { Budget, BudgetSensor, BudgetStep, Options, Table } from "answers" */
+/** @import { Grid } from "draw/axes.js" */
+/** @typedef {ReturnType<typeof layout>} Layout */
+
 const KEY =
   "First and last bar: the SNR before and after. Gray: costs. Outlined: gains. All in dB, on one scale.";
 const BAR = 14;
 const LINE = 16;
 
+/**
+ * @param {HTMLElement} element
+ * @param {Budget} data
+ * @param {Options<Budget>} [options]
+ */
 export function draw(element, data, options = {}) {
   const width = figureWidth(element, options);
   const ghosts = options.ghosts ?? [];
@@ -32,6 +41,10 @@ export function draw(element, data, options = {}) {
   refill(element, drawn, ...(any ? [note(KEY)] : []));
 }
 
+/**
+ * @param {Budget} data
+ * @param {Budget[]} ghosts
+ */
 function range(data, ghosts) {
   const steps = [data, ...ghosts].flatMap((answer) => answer.sensors.flatMap((s) => s.steps ?? []));
   return niceRange(
@@ -41,7 +54,13 @@ function range(data, ghosts) {
   );
 }
 
-/** Labels stand beside their bars where there is room, else above them. */
+/**
+ * Labels stand beside their bars where there is room, else above them.
+ *
+ * @param {BudgetSensor} sensor
+ * @param {number} width
+ * @param {number[]} limits
+ */
 function layout(sensor, width, [low, high]) {
   const steps = sensor.steps ?? [];
   const longest = Math.max(60, ...steps.map((step) => textWidth(step.label)));
@@ -60,6 +79,10 @@ function layout(sensor, width, [low, high]) {
   return { x, beside, lines, tops, why, width, bottom, height: bottom + (steps.length ? 26 : 6) };
 }
 
+/**
+ * @param {Layout[]} boxes
+ * @param {Grid} grid
+ */
 function rowTops(boxes, grid) {
   const rows = [];
   let height = 0;
@@ -71,6 +94,12 @@ function rowTops(boxes, grid) {
   return { rows, height: height - 8 };
 }
 
+/**
+ * @param {BudgetSensor} sensor
+ * @param {Layout} box
+ * @param {{ left: number, top: number }} at
+ * @param {(BudgetSensor | null)[]} ghosts
+ */
 function waterfall(sensor, box, at, ghosts) {
   const nodes = [words(0, 15, fitting(sensor.name, box.width, 14), "d-strong")];
   nodes.push(...box.why.map((text, k) => words(0, 44 + 18 * k, text, "d-quiet")));
@@ -81,6 +110,7 @@ function waterfall(sensor, box, at, ghosts) {
   return [svg("g", { transform: `translate(${at.left} ${at.top})` }, nodes)];
 }
 
+/** @param {Layout} box */
 function scale({ x, bottom }) {
   const ticks = x.ticks(Math.max(2, Math.floor((x.to - x.from) / 56)));
   const d = ticks.map((tick) => `M${tenth(x.at(tick.value))} 26V${bottom}`).join("");
@@ -91,10 +121,20 @@ function scale({ x, bottom }) {
   return [svg("path", { d, class: "d-grid" }), ...marks];
 }
 
+/**
+ * @param {number} k
+ * @param {Layout} box
+ */
 function barTop(k, box) {
   return box.tops[k] + (box.beside ? 0 : LINE * box.lines[k].length + 2);
 }
 
+/**
+ * @param {BudgetStep} step
+ * @param {number} k
+ * @param {Layout} box
+ * @param {BudgetStep | undefined} next
+ */
 function bar(step, k, box, next) {
   const { x } = box;
   const whole = step.kind === "start" || step.kind === "end";
@@ -115,7 +155,13 @@ function bar(step, k, box, next) {
   return nodes;
 }
 
-/** Where the same steps of an earlier answer ended. */
+/**
+ * Where the same steps of an earlier answer ended.
+ *
+ * @param {BudgetSensor | null} ghost
+ * @param {BudgetSensor} sensor
+ * @param {Layout} box
+ */
 function ghostSteps(ghost, sensor, box) {
   const steps = sensor.steps ?? [];
   return (ghost?.steps ?? []).flatMap((step) => {
@@ -126,6 +172,7 @@ function ghostSteps(ghost, sensor, box) {
   });
 }
 
+/** @param {Budget} data */
 function description(data) {
   const each = data.sensors.map((sensor) => {
     const steps = sensor.steps ?? [];
@@ -140,6 +187,10 @@ function description(data) {
   return `What the SNR of ${data.coordinate} loses and gains on its way. ${each.join(" ")}`;
 }
 
+/**
+ * @param {Budget} data
+ * @returns {Table}
+ */
 export function rows(data) {
   const table = data.sensors.flatMap((sensor) => {
     const steps = sensor.steps ?? [];

@@ -5,9 +5,17 @@ import { legend, note, sameSensor } from "draw/look.js";
 import { refill } from "draw/refill.js";
 import { decimal, figure, figureWidth, known, svg, words } from "draw/svg.js";
 
+/** @import { Chart, ChartPatch, ChartSensor, Options, Table } from "answers" */
+/** @typedef {ReturnType<typeof layout>} Layout */
+
 const COLUMNS = 6;
 const GAP = 4;
 
+/**
+ * @param {HTMLElement} element
+ * @param {Chart} data
+ * @param {Options<Chart>} [options]
+ */
 export function draw(element, data, options = {}) {
   const width = Math.min(1080, figureWidth(element, options));
   const ghosts = options.ghosts ?? [];
@@ -25,7 +33,12 @@ export function draw(element, data, options = {}) {
   refill(element, ...key(data, plan, ghosts), told);
 }
 
-/** Sensors side by side where four digits fit twice, else one under the other. */
+/**
+ * Sensors side by side where four digits fit twice, else one under the other.
+ *
+ * @param {Chart} data
+ * @param {number} width
+ */
 function layout(data, width) {
   const count = Math.max(1, data.sensors.length);
   const each = (width - GAP * (COLUMNS - 1)) / COLUMNS;
@@ -35,6 +48,12 @@ function layout(data, width) {
   return { each, beside, strip, tall, count, share: (beside ? each : 42 * count) / count };
 }
 
+/**
+ * @param {Chart} data
+ * @param {Chart["patches"][number]} patch
+ * @param {number} k
+ * @param {Layout} plan
+ */
 function cell(data, patch, k, plan) {
   const left = (k % COLUMNS) * (plan.each + GAP);
   const top = Math.floor(k / COLUMNS) * (plan.tall + GAP);
@@ -48,6 +67,12 @@ function cell(data, patch, k, plan) {
   return svg("g", { transform: `translate(${left} ${top})` }, nodes);
 }
 
+/**
+ * @param {ChartSensor} sensor
+ * @param {number} k
+ * @param {number} i
+ * @param {Layout} plan
+ */
 function half(sensor, k, i, plan) {
   const { each, beside, strip, share } = plan;
   const box = beside
@@ -59,7 +84,7 @@ function half(sensor, k, i, plan) {
   const nodes = [svg("rect", { ...box, fill })];
   const middle = box.x + box.width / 2;
   const base = box.y + (beside ? 21 : 17);
-  const told = known(patch.delta_e) ? [short(patch.delta_e), noiseOf(patch)] : [full(box.width), ""];
+  const told = known(patch.delta_e) ? [short(patch.delta_e), noiseOf(patch.noise ?? NaN)] : [full(box.width), ""];
   nodes.push(
     number(middle, base, told[0], ink, "d-strong"),
     number(middle, base + 18, told[1], ink, "d-cell-noise"),
@@ -67,27 +92,44 @@ function half(sensor, k, i, plan) {
   return nodes;
 }
 
-function noiseOf({ noise }) {
+/** @param {number} noise */
+function noiseOf(noise) {
   return noise >= 999.5 ? "n>999" : `n ${short(noise)}`;
 }
 
-/** Three digits are as many as a cell holds; where there are more, the table has them. */
+/**
+ * Three digits are as many as a cell holds; where there are more, the table has them.
+ *
+ * @param {number} value
+ */
 function short(value) {
   if (value >= 999.5) return ">999";
   return decimal(value, value >= 99.95 ? 0 : 1);
 }
 
+/** @param {number} width */
 function full(width) {
   return textWidth("saturated") <= width - 4 ? "saturated" : "sat.";
 }
 
+/**
+ * @param {number} x
+ * @param {number} y
+ * @param {string} text
+ * @param {string} fill
+ * @param {string} look
+ */
 function number(x, y, text, fill, look) {
   const node = words(x, y, text, `d-cell-text ${look}`, "middle");
   node.style.setProperty("fill", fill);
   return node;
 }
 
-/** Black or white, whichever stands out more on the patch. */
+/**
+ * Black or white, whichever stands out more on the patch.
+ *
+ * @param {string} srgb
+ */
 function legible(srgb) {
   const [r, g, b] = [1, 3, 5].map((k) => {
     const part = parseInt(srgb.slice(k, k + 2), 16) / 255;
@@ -96,6 +138,11 @@ function legible(srgb) {
   return 0.2126 * r + 0.7152 * g + 0.0722 * b > 0.179 ? "#000000" : "#ffffff";
 }
 
+/**
+ * @param {Chart} data
+ * @param {Layout} plan
+ * @param {Chart[]} ghosts
+ */
 function key(data, plan, ghosts) {
   const places = plan.beside ? ["left", "right"] : ["upper", "lower"];
   const more = data.sensors.map((sensor, i) => {
@@ -109,18 +156,25 @@ function key(data, plan, ghosts) {
   return [legend([], "line", 0, more), note(how, "d-note d-over")];
 }
 
+/** @param {ChartSensor} sensor */
 function told(sensor) {
   const mean = means(sensor);
   return mean ? `, mean ${mean}` : "";
 }
 
+/** @param {ChartSensor | null} sensor */
 function means(sensor) {
   if (!known(sensor?.mean_delta_e)) return "";
   const noise = known(sensor.mean_noise) ? `, n ${short(sensor.mean_noise)}` : "";
   return `${short(sensor.mean_delta_e)}${noise}`;
 }
 
-/** A small cell whose half is full where this sensor stands. */
+/**
+ * A small cell whose half is full where this sensor stands.
+ *
+ * @param {number} i
+ * @param {Layout} plan
+ */
 function swatch(i, { count, beside }) {
   const part = beside ? 34 / count : 14 / count;
   const d = beside ? `M${1 + i * part} 1h${part}v14h${-part}Z` : `M1 ${1 + i * part}h34v${part}h-34Z`;
@@ -131,10 +185,20 @@ function swatch(i, { count, beside }) {
   return svg("g", {}, group);
 }
 
+/**
+ * @template {ChartPatch} T
+ * @param {T} patch
+ * @returns {patch is T & { delta_e: number, noise: number }}
+ */
+function isComputed(patch) {
+  return known(patch.delta_e);
+}
+
+/** @param {Chart} data */
 function description(data) {
   const each = data.sensors.map((sensor) => {
     const there = sensor.patches.map((patch, k) => ({ ...patch, name: data.patches[k].name }));
-    const numbers = there.filter((patch) => known(patch.delta_e));
+    const numbers = there.filter(isComputed);
     if (!numbers.length) return `${sensor.name}: saturated, no color.`;
     const worst = numbers.reduce((most, now) => (now.delta_e > most.delta_e ? now : most));
     const noisy = numbers.reduce((most, now) => (now.noise > most.noise ? now : most));
@@ -146,6 +210,10 @@ function description(data) {
   return `Color error and noise, both CIE 1976 differences. ${each.join(" ")}`;
 }
 
+/**
+ * @param {Chart} data
+ * @returns {Table}
+ */
 export function rows(data) {
   const head = ["patch"];
   for (const sensor of data.sensors) head.push(`${sensor.name} ΔE*ab`, `${sensor.name} noise ΔE*ab`);

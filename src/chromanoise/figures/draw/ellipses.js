@@ -5,9 +5,19 @@ import { legend, note, sameSensor } from "draw/look.js";
 import { refill } from "draw/refill.js";
 import { decimal, figure, figureWidth, known, line, svg, tenth, words } from "draw/svg.js";
 
+/** @import { EllipsePatch, Ellipses, EllipsesSensor, Options, Table } from "answers" */
+/** @import { Scale } from "draw/axes.js" */
+/** @typedef {ReturnType<typeof equalAspect>} Window */
+/** @typedef {EllipsePatch & { center: number[], outline: number[][] }} DrawnPatch */
+
 const ROOM = { left: 44, right: 10, top: 44, bottom: 46 };
 const TITLES = { ab: ["a*", "b*"], xy: ["x", "y"] };
 
+/**
+ * @param {HTMLElement} element
+ * @param {Ellipses} data
+ * @param {Options<Ellipses>} [options]
+ */
 export function draw(element, data, options = {}) {
   const width = figureWidth(element, options);
   const ghosts = (options.ghosts ?? []).filter((ghost) => ghost.plane === data.plane);
@@ -32,10 +42,17 @@ export function draw(element, data, options = {}) {
   refill(element, ...kept, drawn, note(key));
 }
 
-/** The part of the plane that is shown, the same for all sensors, and pixels per unit. */
+/**
+ * The part of the plane that is shown, the same for all sensors, and pixels per unit.
+ *
+ * @param {Ellipses} data
+ * @param {Ellipses[]} ghosts
+ * @param {number} room
+ */
 function window2d(data, ghosts, room) {
   const low = [Infinity, Infinity];
   const high = [-Infinity, -Infinity];
+  /** @param {number[] | null | undefined} point */
   const hold = (point) => {
     if (!point || !known(point[0]) || !known(point[1])) return;
     for (const k of [0, 1]) {
@@ -55,7 +72,13 @@ function window2d(data, ghosts, room) {
   return equalAspect(low, high, room);
 }
 
-/** Equal units on both axes: what is left over of the width or the height only shows more plane. */
+/**
+ * Equal units on both axes: what is left over of the width or the height only shows more plane.
+ *
+ * @param {number[]} low
+ * @param {number[]} high
+ * @param {number} room
+ */
 function equalAspect(low, high, room) {
   const margin = 0.03 * Math.max(high[0] - low[0], high[1] - low[1], 1e-9);
   const span = [0, 1].map((k) => high[k] - low[k] + 2 * margin);
@@ -67,6 +90,11 @@ function equalAspect(low, high, room) {
   return { x: [middleX - halfX, middleX + halfX], y: [middleY - halfY, middleY + halfY], height, scale };
 }
 
+/**
+ * @param {Ellipses} data
+ * @param {number} i
+ * @param {{ left: number, top: number, each: number, view: Window, ghosts: Ellipses[] }} box
+ */
 function panel(data, i, { left, top, each, view, ghosts }) {
   const sensor = data.sensors[i];
   const x = equalScale(view.x, left + ROOM.left, view.scale);
@@ -87,26 +115,45 @@ function panel(data, i, { left, top, each, view, ghosts }) {
   return nodes;
 }
 
-/** Why nothing is drawn, in place of it. */
+/**
+ * Why nothing is drawn, in place of it.
+ *
+ * @param {EllipsesSensor} sensor
+ * @param {Scale} x
+ * @param {Scale} y
+ */
 function absence(sensor, x, y) {
   const lines = wrapped(sensor.why_not ?? "saturated", x.to - x.from - 12);
   return lines.map((text, k) => words(x.from + 8, y.to + 18 + 18 * k, text, "d-rim"));
 }
 
-/** A scale by pixels per unit and not by its end, so that no rounding bends the aspect. */
+/**
+ * A scale by pixels per unit and not by its end, so that no rounding bends the aspect.
+ *
+ * @param {number[]} ends
+ * @param {number} from
+ * @param {number} perUnit
+ * @returns {Scale}
+ */
 function equalScale([low, high], from, perUnit) {
   const scale = linear(low, high, from, from + (high - low) * perUnit);
   const step = niceStep(high - low, Math.max(2, Math.abs(scale.to - from) / 64));
   return { ...scale, ticks: () => linear(low, high, 0, 1).ticks((high - low) / step) };
 }
 
-/** Few elements: a path per patch, the widest undermost, and one for all crosses and errors. */
+/**
+ * Few elements: a path per patch, the widest undermost, and one for all crosses and errors.
+ *
+ * @param {EllipsePatch[]} all
+ * @param {Scale} x
+ * @param {Scale} y
+ */
 function patches(all, x, y) {
   const errors = [];
   const crosses = [];
   const nodes = [];
-  const reaches = new Map(all.map((patch) => [patch, patch.outline ? reach(patch) : 0]));
-  for (const patch of [...all].sort((a, b) => reaches.get(b) - reaches.get(a))) {
+  const reaches = new Map(all.map((patch) => [patch, isDrawn(patch) ? reach(patch) : 0]));
+  for (const patch of [...all].sort((a, b) => (reaches.get(b) ?? 0) - (reaches.get(a) ?? 0))) {
     const truth = [x.at(patch.truth[0]), y.at(patch.truth[1])];
     crosses.push(`M${tenth(truth[0] - 4)} ${tenth(truth[1])}h8m-4 -4v8`);
     if (patch.center) errors.push(line([truth, [x.at(patch.center[0]), y.at(patch.center[1])]]));
@@ -119,14 +166,20 @@ function patches(all, x, y) {
   return nodes;
 }
 
+/**
+ * @param {number[][] | null | undefined} outline
+ * @param {Scale} x
+ * @param {Scale} y
+ */
 function closed(outline, x, y) {
   if (!outline?.length) return "";
   return `${line(outline.map((point) => [x.at(point[0]), y.at(point[1])]))}Z`;
 }
 
+/** @param {Ellipses} data */
 function description(data) {
   const each = data.sensors.map((sensor) => {
-    const drawn = sensor.patches.filter((patch) => patch.outline);
+    const drawn = sensor.patches.filter(isDrawn);
     if (!drawn.length) return `${sensor.name}: saturated, no ellipse.`;
     const lengths = drawn.map((patch) => ({ patch, reach: reach(patch) }));
     const most = lengths.reduce((best, now) => (now.reach > best.reach ? now : best));
@@ -139,13 +192,29 @@ function description(data) {
   return `${what} ${each.join(" ")}`;
 }
 
-/** The longer half axis, as it is told; else the outline's farthest point from the center. */
+/**
+ * @param {EllipsePatch} patch
+ * @returns {patch is DrawnPatch}
+ */
+function isDrawn(patch) {
+  return Boolean(patch.outline);
+}
+
+/**
+ * The longer half axis, as it is told; else the outline's farthest point from the center.
+ *
+ * @param {DrawnPatch} patch
+ */
 function reach(patch) {
   if (known(patch.reach)) return patch.reach;
   const [cx, cy] = patch.center;
   return Math.max(...patch.outline.map(([px, py]) => Math.hypot(px - cx, py - cy)));
 }
 
+/**
+ * @param {Ellipses} data
+ * @returns {Table}
+ */
 export function rows(data) {
   const [across, up] = TITLES[data.plane];
   const digits = data.plane === "xy" ? 4 : 1;
@@ -166,7 +235,7 @@ export function rows(data) {
       patch.name,
       ...patch.truth.map((v) => decimal(v, digits)),
       ...(patch.center ?? [null, null]).map((v) => decimal(v, digits, "saturated")),
-      patch.outline ? decimal(reach(patch), digits) : "saturated",
+      isDrawn(patch) ? decimal(reach(patch), digits) : "saturated",
     ]);
   });
   return { head, rows: table };

@@ -17,8 +17,18 @@ import {
   words,
 } from "draw/svg.js";
 
+/** @import { Crossover, LevelCurve, Levels, Maybe, Options, Table } from "answers" */
+/** @import { Scale } from "draw/axes.js" */
+/** @typedef {LevelCurve & { name: string, dash: string, look: string }} Styled */
+/** @typedef {ReturnType<typeof plane>} Plane */
+
 const STROKES = ["d-curve d-ink-line", "d-curve d-quiet-line", "d-curve d-third-line"];
 
+/**
+ * @param {HTMLElement} element
+ * @param {Levels} data
+ * @param {Options<Levels>} [options]
+ */
 export function draw(element, data, options = {}) {
   const width = figureWidth(element, options);
   const ghosts = options.ghosts ?? [];
@@ -47,7 +57,12 @@ export function draw(element, data, options = {}) {
   refill(element, ...key, told, ...sentences(data));
 }
 
-/** Each curve with its name and its line: a dash per sensor, a stroke per matrix. */
+/**
+ * Each curve with its name and its line: a dash per sensor, a stroke per matrix.
+ *
+ * @param {Levels} data
+ * @returns {Styled[]}
+ */
 function styled(data) {
   const keys = distinct(data.curves);
   const sensors = [...new Set(keys)];
@@ -61,7 +76,11 @@ function styled(data) {
   }));
 }
 
-/** A key per sensor, also where two sensors carry one name. */
+/**
+ * A key per sensor, also where two sensors carry one name.
+ *
+ * @param {LevelCurve[]} curves
+ */
 function distinct(curves) {
   const seen = new Map();
   return curves.map((curve) => {
@@ -72,6 +91,12 @@ function distinct(curves) {
   });
 }
 
+/**
+ * @param {Levels} data
+ * @param {Levels[]} ghosts
+ * @param {number} width
+ * @param {number} room
+ */
 function plane(data, ghosts, width, room) {
   const top = found(data).length ? 66 : 46;
   const tall = Math.round(Math.min(360, Math.max(200, 0.42 * width)));
@@ -81,24 +106,50 @@ function plane(data, ghosts, width, room) {
   return { x, y: linear(low, high, top + tall, top), height: top + tall + 44, top };
 }
 
+/**
+ * @param {Maybe[]} values
+ * @param {number[]} lux
+ * @param {Plane} plane
+ */
 function points(values, lux, { x, y }) {
   return values.map((value, k) => (known(value) && inside(lux[k], x) ? [x.at(lux[k]), y.at(value)] : null));
 }
 
+/**
+ * @param {number} value
+ * @param {Scale} scale
+ */
 function inside(value, scale) {
   return value >= scale.low * (1 - 1e-9) && value <= scale.high * (1 + 1e-9);
 }
 
+/**
+ * @param {Styled} curve
+ * @param {number[]} lux
+ * @param {Plane} scales
+ * @param {string} look
+ */
 function drawn(curve, lux, scales, look) {
   const d = line(points(curve.values, lux, scales));
   return svg("path", { d, class: look, "stroke-dasharray": curve.dash || null });
 }
 
+/**
+ * @param {Levels} ghost
+ * @param {Plane} scales
+ */
 function ghostCurves(ghost, scales) {
   return styled(ghost).map((curve) => drawn(curve, ghost.lux, scales, "d-ghost"));
 }
 
-/** Names at the right of the curves' ends; a curve that ends early has saturated there. */
+/**
+ * Names at the right of the curves' ends; a curve that ends early has saturated there.
+ *
+ * @param {Styled[]} all
+ * @param {number[]} lux
+ * @param {Plane} scales
+ * @param {number} room
+ */
 function endNames(all, lux, scales, room) {
   const curves = all.filter((curve) => curve.values.some(known));
   const ends = curves.map((curve) => points(curve.values, lux, scales).findLast((point) => point));
@@ -122,16 +173,26 @@ function endNames(all, lux, scales, room) {
   });
 }
 
-/** A name cut where the sensor's name is long, so that its matrix is still told. */
+/**
+ * A name cut where the sensor's name is long, so that its matrix is still told.
+ *
+ * @param {Styled} curve
+ * @param {number} room
+ */
 function shortened(curve, room) {
   const matrix = curve.name.slice(curve.sensor.length);
   return `${fitting(curve.sensor, Math.max(40, room - textWidth(matrix)))}${matrix}`;
 }
 
+/** @param {number[]} end */
 function stop([x, y]) {
   return svg("path", { d: `M${tenth(x)} ${tenth(y - 6)}v12`, class: "d-curve d-ink-line" });
 }
 
+/**
+ * @param {Styled[]} curves
+ * @param {Levels[]} ghosts
+ */
 function narrowLegend(curves, ghosts) {
   const more = curves.map((curve) => ({
     name: curve.name,
@@ -140,6 +201,10 @@ function narrowLegend(curves, ghosts) {
   return legend([], "line", ghosts.length, more);
 }
 
+/**
+ * @param {Levels} data
+ * @param {Plane} plane
+ */
 function crossovers(data, { x, y, top }) {
   const all = found(data);
   const shown = all.filter((cross) => inside(cross.lux, x));
@@ -161,7 +226,13 @@ function crossovers(data, { x, y, top }) {
   });
 }
 
-/** The study's own level; `look.level_lux` moves the line before the answer has come. */
+/**
+ * The study's own level; `look.level_lux` moves the line before the answer has come.
+ *
+ * @param {Levels} data
+ * @param {Options<Levels>["look"]} look
+ * @param {Plane} plane
+ */
 function level(data, look, { x, y, top }) {
   const lux = look?.level_lux ?? data.now_lux;
   if (!known(lux) || !inside(lux, x)) return [];
@@ -176,12 +247,25 @@ function level(data, look, { x, y, top }) {
   ];
 }
 
-/** The crossovers that have a place on the axis, in its order. */
+/**
+ * @param {Crossover} cross
+ * @returns {cross is Crossover & { lux: number }}
+ */
+function isPlaced(cross) {
+  return known(cross.lux);
+}
+
+/**
+ * The crossovers that have a place on the axis, in its order.
+ *
+ * @param {Levels} data
+ */
 function found(data) {
-  const placed = data.crossovers.filter((cross) => known(cross.lux));
+  const placed = data.crossovers.filter(isPlaced);
   return placed.sort((a, b) => a.lux - b.lux);
 }
 
+/** @param {Levels} data */
 function sentences(data) {
   const items = found(data).map((cross) => html("li", {}, cross.sentence));
   const told = data.crossovers.filter((cross) => !known(cross.lux)).map((cross) => note(cross.sentence));
@@ -195,6 +279,7 @@ function sentences(data) {
   return items.length ? [html("ol", { class: "d-list" }, items), ...told] : told;
 }
 
+/** @param {Levels} data */
 function description(data) {
   const ends = styled(data).map((curve) => {
     const k = curve.values.findIndex((value) => known(value));
@@ -208,6 +293,10 @@ function description(data) {
   return [...ends, ...data.crossovers.map((cross) => cross.sentence)].join(" ");
 }
 
+/**
+ * @param {Levels} data
+ * @returns {Table}
+ */
 export function rows(data) {
   const curves = styled(data);
   return {

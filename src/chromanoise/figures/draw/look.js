@@ -2,8 +2,12 @@
 
 import { html, svg, tenth } from "draw/svg.js";
 
+/** @typedef {{ drawn: Node[], name: string }} Entry */
+
+/** @type {Record<string, string>} */
 const CHANNELS = { R: "#D55E00", G: "#009E73", B: "#0072B2", W: "var(--W)", IR: "#CC79A7" };
 
+/** @type {Record<string, string>} */
 const OWN_DASH = {
   "onyx-rgbw": "",
   "onyx-rgb-ircut": "9 3",
@@ -12,12 +16,21 @@ const OWN_DASH = {
 };
 const DASHES = ["", "9 3", "3 2", "9 3 2 3", "16 3", "1.5 4", "16 3 3 3 3 3", "6 6"];
 
-/** The color of a channel by its name; ink for one that the palette does not know. */
+/**
+ * The color of a channel by its name; ink for one that the palette does not know.
+ *
+ * @param {string} name
+ * @returns {string}
+ */
 export function channelColor(name) {
   return CHANNELS[name] ?? "var(--ink)";
 }
 
-/** A dash pattern per sensor: its own where it has one, and never the same for two. */
+/**
+ * A dash pattern per sensor: its own where it has one, and never the same for two.
+ *
+ * @param {string[]} names
+ */
 export function sensorDashes(names) {
   const taken = new Set();
   const own = names.map((name) => {
@@ -34,7 +47,14 @@ export function sensorDashes(names) {
   });
 }
 
-/** The outline of a sensor's mark: disc, square, diamond, triangle up and down, cross, in turn. */
+/**
+ * The outline of a sensor's mark: disc, square, diamond, triangle up and down, cross, in turn.
+ *
+ * @param {number} i
+ * @param {number} x
+ * @param {number} y
+ * @param {number} [r]
+ */
 export function markPath(i, x, y, r = 5) {
   const [cx, cy] = [tenth(x), tenth(y)];
   const s = r * 0.9;
@@ -48,14 +68,29 @@ export function markPath(i, x, y, r = 5) {
   return `M${cx - a} ${cy - r}h${2 * a}v${r - a}h${r - a}v${2 * a}h${a - r}v${r - a}h${-2 * a}v${a - r}h${a - r}v${-2 * a}h${r - a}Z`;
 }
 
-/** A sensor's mark in a color: full for the first, third ..., hollow for those between; 12 differ. */
+/**
+ * A sensor's mark in a color: full for the first, third ..., hollow for those between; 12 differ.
+ *
+ * @param {number} i
+ * @param {number} x
+ * @param {number} y
+ * @param {string} [color]
+ * @param {number} [r]
+ */
 export function mark(i, x, y, color = "var(--ink)", r = 5) {
   const full = i % 2 === Math.floor(i / 6) % 2;
   const fill = full ? color : "var(--paper)";
   return svg("path", { d: markPath(i, x, y, r), fill, stroke: color, "stroke-width": 2 });
 }
 
-/** The same mark of an earlier answer, behind. */
+/**
+ * The same mark of an earlier answer, behind.
+ *
+ * @param {number} i
+ * @param {number} x
+ * @param {number} y
+ * @param {number} [r]
+ */
 export function ghostMark(i, x, y, r = 5) {
   return svg("path", { d: markPath(i, x, y, r), class: "d-ghost-mark" });
 }
@@ -63,6 +98,11 @@ export function ghostMark(i, x, y, r = 5) {
 /**
  * The sensors' names with their dash or mark, in HTML so that it wraps at any width.
  * `how` is "line", "mark" or "both".
+ *
+ * @param {string[]} names
+ * @param {"line" | "mark" | "both"} [how]
+ * @param {number} [ghosts]
+ * @param {Entry[]} [more]
  */
 export function legend(names, how = "line", ghosts = 0, more = []) {
   const dashes = sensorDashes(names);
@@ -80,22 +120,43 @@ export function legend(names, how = "line", ghosts = 0, more = []) {
   return html("p", { class: "d-legend" }, items);
 }
 
+/**
+ * @param {string} look
+ * @param {string} dash
+ */
 function swatchLine(look, dash) {
   return svg("path", { d: "M1 8H35", class: look, "stroke-dasharray": dash || null });
 }
 
+/**
+ * @param {Node[]} drawn
+ * @param {string} name
+ */
 function item(drawn, name) {
   const hidden = { class: "d-swatch", width: 36, height: 16, viewBox: "0 0 36 16" };
   const swatch = svg("svg", { ...hidden, "aria-hidden": "true", focusable: "false" }, drawn);
   return html("span", { class: "d-item" }, [swatch, html("span", {}, name)]);
 }
 
-/** A line of plain text under or over a figure. */
+/**
+ * A line of plain text under or over a figure.
+ *
+ * @param {string} text
+ * @param {string} [look]
+ */
 export function note(text, look = "d-note") {
   return html("p", { class: look }, text);
 }
 
-/** The same sensor in an earlier answer: by its name, else none. */
+/**
+ * The same sensor in an earlier answer: by its name, else none.
+ *
+ * @template {{ name: string }} T
+ * @param {{ sensors: T[] } | null | undefined} ghost
+ * @param {{ name: string }} sensor
+ * @param {number} i
+ * @returns {T | null}
+ */
 export function sameSensor(ghost, sensor, i) {
   const there = ghost?.sensors ?? [];
   if (there[i]?.name === sensor.name) return there[i];

@@ -5,8 +5,18 @@ import { legend, mark, markPath, note, sameSensor, sensorDashes } from "draw/loo
 import { refill } from "draw/refill.js";
 import { brief, decimal, figure, figureWidth, known, line, svg, tenth, words } from "draw/svg.js";
 
+/** @import { Options, Pareto, ParetoPoint, ParetoSensor, Table, WeightedPoint } from "answers" */
+/** @import { Scale } from "draw/axes.js" */
+/** @typedef {ParetoPoint & { color_error: number, snr_db: number }} Whole */
+/** @typedef {{ left: number, right: number, top: number, bottom: number }} Box */
+
 const ROOM = { left: 44, right: 28, top: 34, bottom: 44 };
 
+/**
+ * @param {HTMLElement} element
+ * @param {Pareto} data
+ * @param {Options<Pareto>} [options]
+ */
 export function draw(element, data, options = {}) {
   const width = figureWidth(element, options);
   const ghosts = options.ghosts ?? [];
@@ -37,6 +47,11 @@ export function draw(element, data, options = {}) {
   refill(element, legend(names, "both", ghosts.length), told, note(key));
 }
 
+/**
+ * @param {Pareto} data
+ * @param {Pareto[]} ghosts
+ * @param {number} width
+ */
 function plane(data, ghosts, width) {
   const all = [data, ...ghosts].flatMap((answer) =>
     answer.sensors.flatMap((sensor) => [...sensor.points, sensor.now].filter(whole)),
@@ -55,14 +70,30 @@ function plane(data, ghosts, width) {
   return { x, y, height: ROOM.top + tall + ROOM.bottom };
 }
 
+/**
+ * @template {ParetoPoint} T
+ * @param {T | null} point
+ * @returns {point is T & Whole}
+ */
 function whole(point) {
-  return point && known(point.snr_db) && known(point.color_error);
+  return known(point?.snr_db) && known(point?.color_error);
 }
 
+/**
+ * @param {ParetoPoint[]} points
+ * @param {Scale} x
+ * @param {Scale} y
+ */
 function curve(points, x, y) {
   return line(points.map((p) => (whole(p) ? [x.at(p.snr_db), y.at(p.color_error)] : null)));
 }
 
+/**
+ * @param {ParetoSensor} sensor
+ * @param {string} dash
+ * @param {Scale} x
+ * @param {Scale} y
+ */
 function trade(sensor, dash, x, y) {
   const dots = sensor.points
     .filter(whole)
@@ -78,10 +109,17 @@ function trade(sensor, dash, x, y) {
   ];
 }
 
-/** The matrix now, then as many weights as find room; what would touch is left out. */
+/**
+ * The matrix now, then as many weights as find room; what would touch is left out.
+ *
+ * @param {Pareto} data
+ * @param {Scale} x
+ * @param {Scale} y
+ */
 function labels(data, x, y) {
   const taken = data.sensors.flatMap((sensor) => along(sensor.points.filter(whole), x, y));
   taken.push({ left: x.to - 70, right: x.to, top: y.from - 22, bottom: y.from });
+  /** @type {SVGElement[]} */
   const nodes = [];
   data.sensors.forEach((sensor, i) => {
     if (!whole(sensor.now)) return;
@@ -93,6 +131,7 @@ function labels(data, x, y) {
     if (whole(sensor.now)) nodes.push(...placed(sensor.now, "now", "d-strong d-rim", x, y, taken, 13));
   });
   data.sensors.forEach((sensor) => {
+    /** @type {number[][]} */
     const labelled = [];
     for (const point of outerFirst(rounded(sensor.points.filter(whole)))) {
       const at = [x.at(point.snr_db), y.at(point.color_error)];
@@ -104,8 +143,15 @@ function labels(data, x, y) {
   return nodes;
 }
 
-/** Small boxes along a curve, so that no label stands on it. */
+/**
+ * Small boxes along a curve, so that no label stands on it.
+ *
+ * @param {Whole[]} points
+ * @param {Scale} x
+ * @param {Scale} y
+ */
 function along(points, x, y) {
+  /** @type {Box[]} */
   const boxes = [];
   points.forEach((point, k) => {
     const next = points[k + 1] ?? point;
@@ -120,18 +166,37 @@ function along(points, x, y) {
   return boxes;
 }
 
-/** Weights that are powers of ten, where there are such: they read at a glance. */
+/**
+ * Weights that are powers of ten, where there are such: they read at a glance.
+ *
+ * @template {WeightedPoint} T
+ * @param {T[]} points
+ */
 function rounded(points) {
   const tens = points.filter((point) => Math.abs(Math.log10(point.weight) % 1) < 1e-6);
   return tens.length > 1 ? tens : points;
 }
 
-/** The ends of the curve matter most, so they are placed before what lies between. */
+/**
+ * The ends of the curve matter most, so they are placed before what lies between.
+ *
+ * @template T
+ * @param {T[]} points
+ */
 function outerFirst(points) {
   if (points.length < 3) return points;
   return [points[0], points[points.length - 1], ...points.slice(1, -1)];
 }
 
+/**
+ * @param {Whole} point
+ * @param {string} text
+ * @param {string} look
+ * @param {Scale} x
+ * @param {Scale} y
+ * @param {Box[]} taken
+ * @param {number} [gap]
+ */
 function placed(point, text, look, x, y, taken, gap = 9) {
   const [px, py] = [x.at(point.snr_db), y.at(point.color_error)];
   const wide = textWidth(text, 15) + 2;
@@ -162,14 +227,20 @@ function placed(point, text, look, x, y, taken, gap = 9) {
   return [];
 }
 
+/**
+ * @param {Box} a
+ * @param {Box} b
+ */
 function overlap(a, b) {
   return a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom;
 }
 
+/** @param {Pareto} data */
 function description(data) {
   const each = data.sensors.map((sensor) => {
     const points = sensor.points.filter(whole);
     if (!points.length) return `${sensor.name}: no curve.`;
+    /** @param {Whole} p */
     const told = (p) => `${decimal(p.snr_db)} dB at a color error of ${decimal(p.color_error)}`;
     const now = whole(sensor.now) ? `; now ${told(sensor.now)}` : "";
     return `${sensor.name}: from ${told(points[0])} to ${told(points[points.length - 1])}${now}.`;
@@ -177,8 +248,16 @@ function description(data) {
   return `More weight on the noise raises the SNR and the color error. ${each.join(" ")}`;
 }
 
+/**
+ * @param {Pareto} data
+ * @returns {Table}
+ */
 export function rows(data) {
   const table = data.sensors.flatMap((sensor) => {
+    /**
+     * @param {ParetoPoint} p
+     * @param {string} name
+     */
     const told = (p, name) => [sensor.name, name, decimal(p.color_error, 2), decimal(p.snr_db, 2)];
     const now = sensor.now ? [told(sensor.now, "now")] : [];
     return [...sensor.points.map((point) => told(point, brief(point.weight))), ...now];

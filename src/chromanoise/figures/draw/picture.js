@@ -2,9 +2,19 @@
 
 import { html } from "draw/svg.js";
 
+/** @import { Options, Table } from "answers" */
+/** @typedef {{ left: string, right: string, labels: string[] }} Pair */
+
+/** @type {WeakMap<Element, ReturnType<typeof built>>} */
 const shown = new WeakMap();
 
-/** `data` is {left, right: addresses of pictures, labels: [left, right]}; `options.zoom` whole. */
+/**
+ * `data` is {left, right: addresses of pictures, labels: [left, right]}; `options.zoom` whole.
+ *
+ * @param {HTMLElement} element
+ * @param {Pair} data
+ * @param {Options<Pair>} [options]
+ */
 export function draw(element, data, options = {}) {
   let view = shown.get(element);
   if (!view || view.root.parentNode !== element) {
@@ -19,7 +29,11 @@ export function draw(element, data, options = {}) {
   view.slider.setAttribute("aria-label", `Divider between ${data.labels[0]} and ${data.labels[1]}`);
 }
 
-/** The slider stays when a new picture comes, so that it keeps its place and the focus. */
+/**
+ * The slider stays when a new picture comes, so that it keeps its place and the focus.
+ *
+ * @param {number} at
+ */
 function built(at) {
   const left = html("img", { decoding: "async" });
   const right = html("img", { decoding: "async" });
@@ -40,7 +54,13 @@ function built(at) {
   return { root, left, right, slider, captions, line };
 }
 
-/** One pixel per arrow key would take long: 1 %, and 10 % with Shift. */
+/**
+ * One pixel per arrow key would take long: 1 %, and 10 % with Shift.
+ *
+ * @param {KeyboardEvent} event
+ * @param {HTMLInputElement} slider
+ * @param {() => void} place
+ */
 function leap(event, slider, place) {
   const way = { ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1 }[event.key];
   if (!way) return;
@@ -49,6 +69,13 @@ function leap(event, slider, place) {
   place();
 }
 
+/**
+ * @param {HTMLImageElement} image
+ * @param {string} address
+ * @param {string} label
+ * @param {number} zoom
+ * @param {HTMLElement} captions
+ */
 function show(image, address, label, zoom, captions) {
   image.alt = label;
   const size = () => {
@@ -61,6 +88,10 @@ function show(image, address, label, zoom, captions) {
   else if (image.complete && image.naturalWidth) size();
 }
 
+/**
+ * @param {Pair} data
+ * @returns {Table}
+ */
 export function rows(data) {
   return {
     head: ["side", "picture"],

@@ -5,9 +5,19 @@ import { channelColor, legend, sameSensor, sensorDashes } from "draw/look.js";
 import { refill } from "draw/refill.js";
 import { decimal, figure, figureWidth, known, line, listed, svg, words } from "draw/svg.js";
 
+/** @import { Curve, Maybe, Options, Sensitivities, SensitivitiesSensor, Table } from "answers" */
+/** @import { Scale } from "draw/axes.js" */
+/** @typedef {{ left: number, top: number, width: number, height: number }} Box */
+/** @typedef {{ x: number, y: number }} Place */
+
 const TITLES = { x: "wavelength [nm]", y: "quantum efficiency [e⁻/photon]", levelOnly: true };
 const ROOM = { left: 40, right: 18, top: 54, bottom: 44 };
 
+/**
+ * @param {HTMLElement} element
+ * @param {Sensitivities} data
+ * @param {Options<Sensitivities>} [options]
+ */
 export function draw(element, data, options = {}) {
   const width = figureWidth(element, options);
   const ghosts = options.ghosts ?? [];
@@ -26,13 +36,22 @@ export function draw(element, data, options = {}) {
   refill(element, ...(ghosts.length ? [legend([], "line", ghosts.length)] : []), told);
 }
 
+/**
+ * @param {Sensitivities} data
+ * @param {Sensitivities[]} ghosts
+ */
 function highest(data, ghosts) {
   const curves = [data, ...ghosts].flatMap((answer) => answer.sensors.flatMap((s) => s.channels));
   let top = 0.01;
-  for (const curve of curves) for (const value of curve.qe) if (value > top) top = value;
+  for (const curve of curves) for (const value of curve.qe) if (value !== null && value > top) top = value;
   return niceRange([0, top * 1.06], 4)[1];
 }
 
+/**
+ * @param {Sensitivities} data
+ * @param {number} i
+ * @param {{ box: Box, dash: string, ghosts: Sensitivities[], top: number }} plan
+ */
 function panel(data, i, { box, dash, ghosts, top }) {
   const sensor = data.sensors[i];
   const nm = data.wavelength_nm;
@@ -52,7 +71,13 @@ function panel(data, i, { box, dash, ghosts, top }) {
   return [...nodes, ...letters(data, sensor.channels, x, y)];
 }
 
-/** The sensor's name after a piece of its dash. */
+/**
+ * The sensor's name after a piece of its dash.
+ *
+ * @param {SensitivitiesSensor} sensor
+ * @param {Box} box
+ * @param {string} dash
+ */
 function heading(sensor, { left, top, width }, dash) {
   const piece = { d: `M${left} ${top + 10}h34`, class: "d-curve d-ink-line" };
   const name = fitting(sensor.name, width - 50, 14);
@@ -62,10 +87,23 @@ function heading(sensor, { left, top, width }, dash) {
   ];
 }
 
+/**
+ * @param {number[]} nm
+ * @param {Maybe[]} values
+ * @param {Scale} x
+ * @param {Scale} y
+ */
 function curve(nm, values, x, y) {
   return line(values.map((value, k) => (known(value) ? [x.at(nm[k]), y.at(value)] : null)));
 }
 
+/**
+ * @param {Sensitivities} ghost
+ * @param {SensitivitiesSensor} sensor
+ * @param {number} i
+ * @param {Scale} x
+ * @param {Scale} y
+ */
 function ghostCurves(ghost, sensor, i, x, y) {
   const channels = sameSensor(ghost, sensor, i)?.channels ?? [];
   return channels.map((channel) =>
@@ -75,30 +113,55 @@ function ghostCurves(ghost, sensor, i, x, y) {
 
 const LIGHT = 0.94;
 
-/** Where words stand just under the upper edge of a constant light. */
+/**
+ * Where words stand just under the upper edge of a constant light.
+ *
+ * @param {Scale} y
+ */
 function under(y) {
   return y.to + (1 - LIGHT) * (y.from - y.to) + 15;
 }
 
-/** The light, relative to its highest value, as a faint area over the full height. */
+/**
+ * The light, relative to its highest value, as a faint area over the full height.
+ *
+ * @param {Sensitivities} data
+ * @param {Scale} x
+ * @param {Scale} y
+ */
 function light(data, x, y) {
+  /** @param {number} value */
   const height = (value) => y.from + (y.to - y.from) * value * LIGHT;
   const outline = data.light.map((value, k) => [x.at(data.wavelength_nm[k]), height(value ?? 0)]);
   const d = `${line([[x.from, y.from], ...outline, [x.to, y.from]])}Z`;
   return [svg("path", { d, class: "d-light" }), words(x.from + 6, under(y), lightName(data, x), "d-quiet")];
 }
 
-/** The light's name, as much of it as leaves room for the words at the other end. */
+/**
+ * The light's name, as much of it as leaves room for the words at the other end.
+ *
+ * @param {Sensitivities} data
+ * @param {Scale} x
+ */
 function lightName(data, x) {
   const room = x.to - x.from - 24 - textWidth(infraredName(data, x) ?? "");
   return fitting(`light ${data.light_name ?? ""}`.trim(), room);
 }
 
+/**
+ * @param {Sensitivities} data
+ * @param {Scale} x
+ */
 function infraredName(data, x) {
   const span = x.to - x.at(data.infrared_from_nm);
   return ["near infrared", "NIR"].find((word) => textWidth(word) + 10 < span);
 }
 
+/**
+ * @param {Sensitivities} data
+ * @param {Scale} x
+ * @param {Scale} y
+ */
 function infrared(data, x, y) {
   const from = x.at(data.infrared_from_nm);
   const span = x.to - from;
@@ -110,9 +173,19 @@ function infrared(data, x, y) {
   return nodes;
 }
 
-/** Places along the words that stand in the figure already. */
+/**
+ * Places along the words that stand in the figure already.
+ *
+ * @param {Sensitivities} data
+ * @param {Scale} x
+ * @param {Scale} y
+ */
 function wordsThere(data, x, y) {
   const height = under(y) - 5;
+  /**
+   * @param {number} from
+   * @param {string} text
+   */
   const along = (from, text) => {
     const steps = Math.ceil(textWidth(text) / 16);
     return Array.from({ length: steps + 1 }, (_, i) => ({ x: from + 16 * i, y: height }));
@@ -121,16 +194,24 @@ function wordsThere(data, x, y) {
   return [...along(x.from + 6, lightName(data, x)), ...along(x.to - 6 - textWidth(infrared), infrared)];
 }
 
-/** One letter per curve, where it is high and far from all others, in the visible if it can. */
+/**
+ * One letter per curve, where it is high and far from all others, in the visible if it can.
+ *
+ * @param {Sensitivities} data
+ * @param {Curve[]} channels
+ * @param {Scale} x
+ * @param {Scale} y
+ */
 function letters(data, channels, x, y) {
   const nm = data.wavelength_nm;
   const taken = wordsThere(data, x, y);
   const every = Math.max(1, Math.floor(nm.length / 40));
   return channels.map((channel, c) => {
-    let best = { score: -Infinity };
+    let best = { x: 0, y: 0, score: -Infinity };
     for (let k = every; k < nm.length - every; k += every) {
-      if (!known(channel.qe[k])) continue;
-      const place = { x: x.at(nm[k]), y: Math.max(y.to + 9, y.at(channel.qe[k])) };
+      const qe = channel.qe[k];
+      if (!known(qe)) continue;
+      const place = { x: x.at(nm[k]), y: Math.max(y.to + 9, y.at(qe)) };
       const hidden = nm[k] > data.infrared_from_nm ? 30 : 0;
       const score = freedom(place, channels, c, k, y, taken) - hidden;
       if (score > best.score) best = { ...place, score };
@@ -142,19 +223,30 @@ function letters(data, channels, x, y) {
   });
 }
 
+/**
+ * @param {Place} place
+ * @param {Curve[]} channels
+ * @param {number} own
+ * @param {number} k
+ * @param {Scale} y
+ * @param {Place[]} taken
+ */
 function freedom(place, channels, own, k, y, taken) {
   let apart = 24;
   channels.forEach((other, c) => {
-    if (c === own || !known(other.qe[k])) return;
-    apart = Math.min(apart, Math.abs(y.at(other.qe[k]) - place.y));
+    const qe = other.qe[k];
+    if (c === own || !known(qe)) return;
+    apart = Math.min(apart, Math.abs(y.at(qe) - place.y));
   });
   for (const at of taken) {
     const distance = Math.hypot(at.x - place.x, at.y - place.y);
     if (distance < 24) return -1000 + distance;
   }
-  return apart + (50 * channels[own].qe[k]) / Math.max(1e-9, ...channels[own].qe);
+  const all = channels[own].qe.map((qe) => qe ?? 0);
+  return apart + (50 * all[k]) / Math.max(1e-9, ...all);
 }
 
+/** @param {Sensitivities} data */
 function description(data) {
   const nm = data.wavelength_nm;
   const each = data.sensors.map((sensor) => {
@@ -166,11 +258,20 @@ function description(data) {
   return `${range}, ${areas}. Highest values: ${each.join(" ")}`;
 }
 
+/**
+ * @param {number[]} nm
+ * @param {Curve} channel
+ */
 function peak(nm, channel) {
-  const k = channel.qe.reduce((best, value, i) => (value > channel.qe[best] ? i : best), 0);
+  const qe = channel.qe.map((value) => value ?? 0);
+  const k = qe.reduce((best, value, i) => (value > qe[best] ? i : best), 0);
   return `${channel.name} ${decimal(channel.qe[k], 2)} at ${nm[k]} nm`;
 }
 
+/**
+ * @param {Sensitivities} data
+ * @returns {Table}
+ */
 export function rows(data) {
   const head = ["wavelength [nm]", "light, relative"];
   const columns = data.sensors.flatMap((sensor) =>

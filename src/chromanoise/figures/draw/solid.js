@@ -2,11 +2,17 @@
 
 import { line } from "draw/svg.js";
 
+/** @import { Ellipsoid } from "answers" */
+/** @typedef {(point: number[]) => number[]} Projection */
+
 const STEPS = 48;
 
 /**
  * The way from a point in space to [right, up, toward the eye], for a turn in degrees. At [0, 0]
  * the first coordinate goes right and the third up.
+ *
+ * @param {number[]} turn
+ * @returns {Projection}
  */
 export function eye([about, above]) {
   const [a, e] = [about - 90, above].map((degrees) => (degrees * Math.PI) / 180);
@@ -17,6 +23,8 @@ export function eye([about, above]) {
 /**
  * Nearly the smallest ball that holds all points: its middle goes toward the farthest point, by
  * less at each step.
+ *
+ * @param {number[][]} points
  */
 export function ball(points) {
   let middle = points[0];
@@ -27,6 +35,10 @@ export function ball(points) {
   return { middle, reach: Math.max(1e-9, farthest(points, middle).distance) };
 }
 
+/**
+ * @param {number[][]} points
+ * @param {number[]} from
+ */
 function farthest(points, from) {
   let found = { point: points[0], distance: -1 };
   for (const point of points) {
@@ -36,7 +48,11 @@ function farthest(points, from) {
   return found;
 }
 
-/** The ends of the half axes: what must stay in view. */
+/**
+ * The ends of the half axes: what must stay in view.
+ *
+ * @param {Ellipsoid} ellipsoid
+ */
 export function tips({ center, half_axes: half }) {
   return half.flatMap((axis) => [1, -1].map((side) => center.map((c, k) => c + side * axis[k])));
 }
@@ -44,9 +60,18 @@ export function tips({ center, half_axes: half }) {
 /**
  * The silhouette of an ellipsoid as a path: the shadow of a unit ball under the three projected
  * half axes is the same ellipse as that of a disc under the root of their sum of squares.
+ *
+ * @param {number[][]} half
+ * @param {Projection} look
+ * @param {Projection} place
+ * @param {number[]} center
  */
 export function silhouette(half, look, place, center) {
   const seen = half.map(look);
+  /**
+   * @param {number} i
+   * @param {number} j
+   */
   const sum = (i, j) => seen.reduce((total, axis) => total + axis[i] * axis[j], 0);
   const a = Math.sqrt(sum(0, 0)) || 1e-12;
   const b = sum(0, 1) / a;
@@ -56,7 +81,15 @@ export function silhouette(half, look, place, center) {
   return `${line(points)}Z`;
 }
 
-/** The great circle of two half axes, parted into what faces the eye and what lies behind. */
+/**
+ * The great circle of two half axes, parted into what faces the eye and what lies behind.
+ *
+ * @param {number[]} first
+ * @param {number[]} second
+ * @param {Projection} look
+ * @param {Projection} place
+ * @param {number[]} center
+ */
 export function greatCircle(first, second, look, place, center) {
   const [u, v, middle] = [look(first), look(second), look(center)];
   const front = [];
@@ -71,6 +104,7 @@ export function greatCircle(first, second, look, place, center) {
   return { front: line(front), back: line(back) };
 }
 
+/** @param {(cos: number, sin: number) => number[]} at */
 function circle(at) {
   return Array.from({ length: STEPS }, (_, k) => {
     const angle = (2 * Math.PI * k) / STEPS;

@@ -5,6 +5,12 @@ import { channelColor, ghostMark, legend, mark, sameSensor } from "draw/look.js"
 import { refill } from "draw/refill.js";
 import { brief, decimal, figure, figureWidth, html, known, svg, words } from "draw/svg.js";
 
+/** @import { ByName, Options, Stages, StagesSensor, Table } from "answers" */
+/** @import { Scale } from "draw/axes.js" */
+/** @typedef {typeof KINDS[number]} Kind */
+/** @typedef {Kind & { lines: ReturnType<typeof lines> }} Filled */
+/** @typedef {ReturnType<typeof layout>} Layout */
+
 const HEAD = 20;
 const ROW = 24;
 const KINDS = [
@@ -17,6 +23,11 @@ const KINDS = [
   { key: "lab", title: "noise in CIELAB", unit: "", of: "standard deviation" },
 ];
 
+/**
+ * @param {HTMLElement} element
+ * @param {Stages} data
+ * @param {Options<Stages>} [options]
+ */
 export function draw(element, data, options = {}) {
   const width = figureWidth(element, options);
   const ghosts = options.ghosts ?? [];
@@ -33,13 +44,23 @@ export function draw(element, data, options = {}) {
   refill(element, html("div", {}, [key, html("div", { class: "d-views d-kinds" }, boxes)]));
 }
 
+/**
+ * @param {Kind} kind
+ * @param {Stages} data
+ */
 function patchOf(kind, data) {
   return kind.key === "lab" && data.gray
     ? `standard deviation of a ${brief(100 * data.gray)} % gray`
     : kind.of;
 }
 
-/** A line per channel or coordinate: its name, a value per sensor, and the ghosts' values. */
+/**
+ * A line per channel or coordinate: its name, a value per sensor, and the ghosts' values.
+ *
+ * @param {Stages} data
+ * @param {Stages[]} ghosts
+ * @param {Kind} kind
+ */
 function lines(data, ghosts, kind) {
   const names = [...new Set(data.sensors.flatMap((sensor) => Object.keys(part(sensor, kind.key))))];
   return names.map((name) => ({
@@ -51,28 +72,50 @@ function lines(data, ghosts, kind) {
   }));
 }
 
+/**
+ * @param {StagesSensor | null} sensor
+ * @param {string} key
+ * @returns {ByName}
+ */
 function part(sensor, key) {
   if (key === "lab") return sensor?.lab_sd ?? {};
   if (key === "spectral") {
     return sensor?.spectral_db === undefined ? {} : { spectrum: sensor.spectral_db };
   }
   if (key === "bound" || key === "price") return { Y: sensor?.[`${key}_db`] ?? null };
-  return sensor?.[key] ?? {};
+  return sensor?.[/** @type {"raw" | "contravariant" | "color"} */ (key)] ?? {};
 }
 
-/** `undefined` where the sensor has no such channel, `null` where it has no number. */
+/**
+ * `undefined` where the sensor has no such channel, `null` where it has no number.
+ *
+ * @param {StagesSensor | null} sensor
+ * @param {string} key
+ * @param {string} name
+ * @returns {number | null | undefined}
+ */
 function value(sensor, key, name) {
   return part(sensor, key)[name];
 }
 
+/**
+ * @param {number | null | undefined} value
+ * @param {StagesSensor} sensor
+ */
 function told(value, sensor) {
   if (value === undefined) return "";
   // a server that tells why there is no number tells it of saturation only
-  const digits = value >= 1000 ? 0 : 1;
+  const digits = value !== null && value >= 1000 ? 0 : 1;
   return decimal(value, digits, sensor.why_not === null ? "no SNR" : "saturated");
 }
 
-/** Columns of numbers only as wide as their words, the rest for the dots. */
+/**
+ * Columns of numbers only as wide as their words, the rest for the dots.
+ *
+ * @param {Stages} data
+ * @param {Filled[]} kinds
+ * @param {number} width
+ */
 function layout(data, kinds, width) {
   const all = kinds.flatMap((kind) => kind.lines);
   const left = Math.min(90, Math.max(26, ...all.map((row) => textWidth(row.name, 14) + 6)));
@@ -85,16 +128,22 @@ function layout(data, kinds, width) {
   return { width, left, columns, sensors: data.sensors, dots: Math.min(right, 900), dB: range(decibels) };
 }
 
+/**
+ * @param {number | null | undefined} value
+ * @param {StagesSensor} sensor
+ */
 function columnWidth(value, sensor) {
   const text = told(value, sensor);
   return known(value) ? textWidth(text, 14) + 8 : textWidth(text, 12) + 4;
 }
 
+/** @param {Filled[]} kinds */
 function range(kinds) {
   const values = kinds.flatMap((kind) => kind.lines.flatMap((row) => [...row.values, ...row.ghosts.flat()]));
   return niceRange(values, 5, [0]);
 }
 
+/** @param {Kind} kind */
 function heading(kind) {
   const unit = kind.unit ? ` [${kind.unit}]` : "";
   const nodes = [html("span", {}, `${kind.title}${unit}`)];
@@ -104,6 +153,11 @@ function heading(kind) {
   return html("p", { class: "d-kind" }, nodes);
 }
 
+/**
+ * @param {Stages} data
+ * @param {Filled} kind
+ * @param {Layout} plan
+ */
 function section(data, kind, plan) {
   const own = kind.unit !== "dB" || kind.key === "price";
   const [low, high] = own ? range([kind]) : plan.dB;
@@ -117,7 +171,11 @@ function section(data, kind, plan) {
   return figure(plan.width, bottom + (roomy ? 22 : 2), title, description(data, kind), nodes);
 }
 
-/** Each column of numbers begins with its sensor's mark. */
+/**
+ * Each column of numbers begins with its sensor's mark.
+ *
+ * @param {Layout} plan
+ */
 function columnMarks(plan) {
   let end = plan.dots;
   return plan.columns.map((column, i) => {
@@ -126,6 +184,11 @@ function columnMarks(plan) {
   });
 }
 
+/**
+ * @param {Scale} x
+ * @param {number} bottom
+ * @param {string} unit
+ */
 function scale(x, bottom, unit) {
   const ticks = x.ticks(Math.max(2, Math.floor((x.to - x.from) / 60)));
   const d = ticks.map((tick) => `M${Math.round(x.at(tick.value))} ${HEAD}V${bottom}`).join("");
@@ -142,6 +205,13 @@ function scale(x, bottom, unit) {
   return [svg("path", { d, class: "d-grid" }), ...marks];
 }
 
+/**
+ * @param {Filled["lines"][number]} row
+ * @param {number} y
+ * @param {Scale} x
+ * @param {Layout} plan
+ * @param {boolean} roomy
+ */
 function drawnRow(row, y, x, plan, roomy) {
   const color = channelColor(row.name);
   const nodes = [words(0, y + 5, fitting(row.name, plan.left, 14), "d-strong")];
@@ -160,6 +230,10 @@ function drawnRow(row, y, x, plan, roomy) {
   return nodes;
 }
 
+/**
+ * @param {Stages} data
+ * @param {Filled} kind
+ */
 function description(data, kind) {
   const unit = kind.unit ? ` ${kind.unit}` : "";
   const each = data.sensors.map((sensor, i) => {
@@ -171,6 +245,10 @@ function description(data, kind) {
   return each.join(" ");
 }
 
+/**
+ * @param {Stages} data
+ * @returns {Table}
+ */
 export function rows(data) {
   const head = ["kind", "channel or coordinate", ...data.sensors.map((sensor) => sensor.name)];
   const table = KINDS.flatMap((kind) =>

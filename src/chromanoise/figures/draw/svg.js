@@ -1,35 +1,72 @@
 /** Small makers of elements. Data always goes in as text or attribute, never as markup. */
 
+/** @typedef {Record<string, string | number | boolean | null | undefined>} Attributes */
+/** @typedef {string | (Node | string)[]} Content */
+
 const SVG = "http://www.w3.org/2000/svg";
 let made = 0;
 
-/** An SVG element; `content` is a string or a list of nodes, and a missing attribute is left out. */
+/**
+ * An SVG element; `content` is a string or a list of nodes, and a missing attribute is left out.
+ *
+ * @param {string} name
+ * @param {Attributes} [attributes]
+ * @param {Content} [content]
+ * @returns {SVGElement}
+ */
 export function svg(name, attributes = {}, content = []) {
   return filled(document.createElementNS(SVG, name), attributes, content);
 }
 
-/** The same in HTML. */
+/**
+ * The same in HTML.
+ *
+ * @template {keyof HTMLElementTagNameMap} K
+ * @param {K} name
+ * @param {Attributes} [attributes]
+ * @param {Content} [content]
+ * @returns {HTMLElementTagNameMap[K]}
+ */
 export function html(name, attributes = {}, content = []) {
   return filled(document.createElement(name), attributes, content);
 }
 
+/**
+ * @template {Element} T
+ * @param {T} node
+ * @param {Attributes} attributes
+ * @param {Content} content
+ */
 function filled(node, attributes, content) {
   for (const key in attributes) {
     const value = attributes[key];
-    if (value !== null && value !== undefined) node.setAttribute(key, value);
+    if (value !== null && value !== undefined) node.setAttribute(key, String(value));
   }
   if (typeof content === "string") node.textContent = content;
   else if (content.length) node.append(...content);
   return node;
 }
 
-/** An id that no other figure of this page has. */
+/**
+ * An id that no other figure of this page has.
+ *
+ * @param {string} prefix
+ */
 export function uniqueId(prefix) {
   made += 1;
   return `${prefix}-${made}`;
 }
 
-/** The root of a figure: one unit is one pixel, so text keeps its size at every width. */
+/**
+ * The root of a figure: one unit is one pixel, so text keeps its size at every width.
+ *
+ * @param {number} width
+ * @param {number} height
+ * @param {string} title
+ * @param {string} description
+ * @param {Node[]} content
+ * @param {Attributes} [attributes]
+ */
 export function figure(width, height, title, description, content, attributes = {}) {
   const id = uniqueId("figure");
   const told = [svg("title", { id }, title), svg("desc", { id: `${id}-desc` }, description)];
@@ -45,13 +82,25 @@ export function figure(width, height, title, description, content, attributes = 
   return svg("svg", { ...named, ...attributes }, [...told, ...content]);
 }
 
-/** Text at a place; `look` is a list of classes of draw.css, `anchor` start, middle or end. */
+/**
+ * Text at a place; `look` is a list of classes of draw.css, `anchor` start, middle or end.
+ *
+ * @param {number} x
+ * @param {number} y
+ * @param {string} text
+ * @param {string} [look]
+ * @param {string} [anchor]
+ */
 export function words(x, y, text, look = "", anchor = "start") {
   const end = anchor === "start" ? null : anchor;
   return svg("text", { x: tenth(x), y: tenth(y), class: look || null, "text-anchor": end }, text);
 }
 
-/** A path of straight lines through points [x, y]; `null` lifts the pen. */
+/**
+ * A path of straight lines through points [x, y]; `null` lifts the pen.
+ *
+ * @param {(number[] | null)[]} points
+ */
 export function line(points) {
   let told = "";
   let pen = "M";
@@ -66,25 +115,44 @@ export function line(points) {
   return told;
 }
 
-/** Rounded to a tenth of a pixel: shorter markup, and no difference to the eye. */
+/**
+ * Rounded to a tenth of a pixel: shorter markup, and no difference to the eye.
+ *
+ * @param {number} value
+ */
 export function tenth(value) {
   return Math.round(value * 10) / 10;
 }
 
-/** A number with fixed decimals and a true minus sign; `none` where there is no number. */
+/**
+ * A number with fixed decimals and a true minus sign; `none` where there is no number.
+ *
+ * @param {number | null | undefined} value
+ * @param {number} [digits]
+ * @param {string} [none]
+ */
 export function decimal(value, digits = 1, none = "–") {
   if (value === null || value === undefined || !Number.isFinite(value)) return none;
   const told = value.toFixed(digits);
   return Number(told) === 0 ? told.replace("-", "") : told.replace("-", "\u2212");
 }
 
-/** A change with its sign. */
+/**
+ * A change with its sign.
+ *
+ * @param {number | null | undefined} value
+ * @param {number} [digits]
+ */
 export function signed(value, digits = 1) {
   const told = decimal(value, digits);
-  return value > 0 && Number(told) !== 0 ? `+${told}` : told;
+  return known(value) && value > 0 && Number(told) !== 0 ? `+${told}` : told;
 }
 
-/** A number as short as it can be with three significant digits: 0.05, 12, 1 500. */
+/**
+ * A number as short as it can be with three significant digits: 0.05, 12, 1 500.
+ *
+ * @param {number | null | undefined} value
+ */
 export function brief(value) {
   if (value === null || value === undefined || !Number.isFinite(value)) return "–";
   const size = Math.abs(value);
@@ -92,18 +160,32 @@ export function brief(value) {
   return String(Number(value.toPrecision(3))).replace("-", "\u2212");
 }
 
-/** Whether there is a number to draw. */
+/**
+ * Whether there is a number to draw.
+ *
+ * @param {unknown} value
+ * @returns {value is number}
+ */
 export function known(value) {
   return typeof value === "number" && Number.isFinite(value);
 }
 
-/** How wide a figure is: as told, or as wide as its element; read once, before anything is written. */
+/**
+ * How wide a figure is: as told, or as wide as its element; read once, before anything is written.
+ *
+ * @param {HTMLElement} element
+ * @param {{ width?: number }} options
+ */
 export function figureWidth(element, options) {
   const asked = options?.width ?? element.clientWidth;
   return Math.max(240, Math.round(asked || 640));
 }
 
-/** Names in one sentence: "a", "a and b", "a, b and c". */
+/**
+ * Names in one sentence: "a", "a and b", "a, b and c".
+ *
+ * @param {string[]} names
+ */
 export function listed(names) {
   if (names.length < 2) return names.join("");
   return `${names.slice(0, -1).join(", ")} and ${names[names.length - 1]}`;

@@ -5,11 +5,40 @@ import { channelColor, legend, note, sameSensor } from "draw/look.js";
 import { ball, eye, greatCircle, silhouette, tips } from "draw/solid.js";
 import { brief, decimal, figure, figureWidth, html, line, listed, svg, tenth, words } from "draw/svg.js";
 
+/** @import { Axis, Ellipsoid, Options, Table, Vectors, VectorsSensor } from "answers" */
+/** @typedef {(point: number[]) => number[]} Projection */
+/** @typedef {{ width: number, height: number }} Size */
+/** @typedef {{ look: Projection, place: Projection, size: Size, axes: Axis[] }} Sight */
+/** @typedef {{ text: string, look: string, at: number[] }} Label */
+/** @typedef {ReturnType<typeof solid>} Solid */
+/**
+ * @typedef {object} View
+ * @property {HTMLElement} element
+ * @property {Size} size of one solid
+ * @property {boolean} held whether a pointer turns it
+ * @property {string} shape what must stay for the roots to stay
+ * @property {number[]} turn
+ * @property {number[]} home
+ * @property {Vectors} data
+ * @property {Vectors[]} ghosts
+ * @property {ReturnType<typeof surroundings>} around
+ * @property {Solid[]} solids
+ * @property {HTMLElement} status
+ * @property {HTMLElement} root
+ */
+
 const HOME = [30, 20];
+/** @type {Record<string, number[]>} */
 const KEYS = { ArrowLeft: [-5, 0], ArrowRight: [5, 0], ArrowUp: [0, 5], ArrowDown: [0, -5] };
 const HELP = "Drag or arrow keys turn, Home turns back.";
+/** @type {WeakMap<Element, View>} */
 const views = new WeakMap();
 
+/**
+ * @param {HTMLElement} element
+ * @param {Vectors} data
+ * @param {Options<Vectors>} [options]
+ */
 export function draw(element, data, options = {}) {
   const width = figureWidth(element, options);
   const ghosts = options.ghosts ?? [];
@@ -28,11 +57,18 @@ export function draw(element, data, options = {}) {
   paint(view);
 }
 
-/** The roots stay when new data comes, so that they keep the focus and the pointer. */
+/**
+ * The roots stay when new data comes, so that they keep the focus and the pointer.
+ *
+ * @param {HTMLElement} element
+ * @param {Vectors} data
+ * @param {number} width
+ * @param {number} ghosts
+ */
 function built(element, data, width, ghosts) {
   const { each } = panels(data.sensors.length, width, 300);
   const size = { width: each, height: Math.round(Math.min(420, Math.max(240, 0.8 * each))) };
-  const view = { element, size, held: false };
+  const view = /** @type {View} */ ({ element, size, held: false }); // the rest comes with the data
   view.solids = data.sensors.map((sensor) => solid(sensor, size, view));
   view.status = html("p", { class: "d-note", role: "status" });
   const boxes = view.solids.map(({ box }) => box);
@@ -41,6 +77,11 @@ function built(element, data, width, ghosts) {
   return view;
 }
 
+/**
+ * @param {VectorsSensor} sensor
+ * @param {Size} size
+ * @param {View} view
+ */
 function solid(sensor, { width, height }, view) {
   const root = figure(width, height, `Vectors of ${sensor.name} in the space of color`, "", [], {
     class: "d-figure d-turning",
@@ -58,6 +99,10 @@ function solid(sensor, { width, height }, view) {
   return { box, scene, description, told };
 }
 
+/**
+ * @param {KeyboardEvent} event
+ * @param {View} view
+ */
 function turnByKey(event, view) {
   const step = KEYS[event.key];
   if (!step && event.key !== "Home") return;
@@ -67,11 +112,17 @@ function turnByKey(event, view) {
   turnTo(view, step ? [view.turn[0] + times * step[0], view.turn[1] + times * step[1]] : view.home);
 }
 
+/**
+ * @param {PointerEvent} event
+ * @param {SVGElement} root
+ * @param {View} view
+ */
 function hold(event, root, view) {
   if (event.button !== 0) return;
   const start = { x: event.clientX, y: event.clientY, turn: view.turn };
   view.held = true;
   root.setPointerCapture(event.pointerId);
+  /** @param {PointerEvent} now */
   const move = (now) =>
     turnTo(view, [start.turn[0] - (now.clientX - start.x) / 2, start.turn[1] + (now.clientY - start.y) / 2]);
   const drop = () => {
@@ -82,6 +133,10 @@ function hold(event, root, view) {
   root.addEventListener("lostpointercapture", drop, { once: true });
 }
 
+/**
+ * @param {View} view
+ * @param {number[]} turn
+ */
 function turnTo(view, [about, above]) {
   const round = ((Math.round(about) % 360) + 360) % 360;
   view.turn = [round, Math.max(-90, Math.min(90, Math.round(above)))];
@@ -93,6 +148,9 @@ function turnTo(view, [about, above]) {
 /**
  * One ball around everything, so that all sensors have one scale and turning moves nothing away;
  * the color axes only show directions, and all have one length.
+ *
+ * @param {Vectors} data
+ * @param {Vectors[]} ghosts
  */
 function surroundings(data, ghosts) {
   const points = [[0, 0, 0]];
@@ -111,11 +169,13 @@ function surroundings(data, ghosts) {
   return { ...ball([...points, ...axes.map((axis) => axis.at)]), axes };
 }
 
+/** @param {View} view */
 function paint(view) {
   const { data, ghosts, size, turn } = view;
   const look = eye(turn);
   const scale = (Math.min(size.width, size.height) / 2 - 20) / view.around.reach;
   const middle = look(view.around.middle);
+  /** @param {number[]} point */
   const place = ([right, up]) => [
     size.width / 2 + (right - middle[0]) * scale,
     size.height / 2 - (up - middle[1]) * scale,
@@ -123,7 +183,7 @@ function paint(view) {
   const at = { look, place, size, axes: view.around.axes };
   data.sensors.forEach((sensor, i) => {
     const { scene, description, told } = view.solids[i];
-    const before = ghosts.map((ghost) => sameSensor(ghost, sensor, i)).filter(Boolean);
+    const before = ghosts.map((ghost) => sameSensor(ghost, sensor, i)).filter((one) => one !== null);
     scene.replaceChildren(...content(data, sensor, before, at));
     say(told, shares(data, sensor));
     say(description, `${describe(data, sensor)} ${HELP}`);
@@ -131,12 +191,24 @@ function paint(view) {
   say(view.status, `Turned ${turn[0]}° about, ${decimal(turn[1], 0)}° up. ${HELP}`);
 }
 
-/** Text is told aloud whenever it is written, so only what changed is written. */
+/**
+ * Text is told aloud whenever it is written, so only what changed is written.
+ *
+ * @param {Element} node
+ * @param {string} text
+ */
 function say(node, text) {
   if (node.textContent !== text) node.textContent = text;
 }
 
+/**
+ * @param {Vectors} data
+ * @param {VectorsSensor} sensor
+ * @param {VectorsSensor[]} before
+ * @param {Sight} at
+ */
 function content(data, sensor, before, at) {
+  /** @type {Label[]} */
   const labels = [];
   const origin = at.place(at.look([0, 0, 0]));
   const nodes = at.axes.map((axis) => thin(axis, origin, at, labels));
@@ -151,13 +223,29 @@ function content(data, sensor, before, at) {
   return [...nodes, ...apart(labels, at.size)];
 }
 
+/**
+ * @param {Axis} axis
+ * @param {number[]} origin
+ * @param {Sight} at
+ * @param {Label[]} labels
+ */
 function thin(axis, origin, at, labels) {
   const tip = at.place(at.look(axis.at));
   labels.push({ text: axis.name, look: "d-quiet d-rim", at: beyond(origin, tip, 10) });
   return svg("path", { d: line([origin, tip]), class: "d-thin" });
 }
 
-/** A vector's shaft and head; the head is shorter where the vector points at the eye. */
+/**
+ * A vector's shaft and head; the head is shorter where the vector points at the eye.
+ *
+ * @param {number[]} vector
+ * @param {string} color
+ * @param {string} name
+ * @param {number[]} origin
+ * @param {Sight} at
+ * @param {Label[]} labels
+ * @param {string | null} [dash]
+ */
 function arrow(vector, color, name, origin, at, labels, dash = null) {
   const tip = at.place(at.look(vector));
   const length = Math.hypot(tip[0] - origin[0], tip[1] - origin[1]);
@@ -174,11 +262,20 @@ function arrow(vector, color, name, origin, at, labels, dash = null) {
   ];
 }
 
+/**
+ * @param {number[]} origin
+ * @param {number[]} tip
+ * @param {number} more
+ */
 function beyond(origin, tip, more) {
   const length = Math.hypot(tip[0] - origin[0], tip[1] - origin[1]) || 1;
   return [0, 1].map((k) => tip[k] + ((tip[k] - origin[k]) / length) * more);
 }
 
+/**
+ * @param {Ellipsoid} body
+ * @param {Sight} sight
+ */
 function ellipsoid({ center, half_axes: half }, { look, place }) {
   const outline = silhouette(half, look, place, center);
   const circles = [
@@ -193,6 +290,11 @@ function ellipsoid({ center, half_axes: half }, { look, place }) {
   ];
 }
 
+/**
+ * @param {VectorsSensor} ghost
+ * @param {number[]} origin
+ * @param {Sight} sight
+ */
 function ghostly(ghost, origin, { look, place }) {
   const shafts = ghost.channels.map((channel) => line([origin, place(look(channel.at))])).join("");
   const body = ghost.ellipsoid
@@ -201,11 +303,17 @@ function ghostly(ghost, origin, { look, place }) {
   return [svg("path", { d: shafts + body, class: "d-ghost" })];
 }
 
+/** @param {number[]} point */
 function cross([x, y]) {
   return svg("path", { d: `M${tenth(x - 5)} ${tenth(y)}h10m-5 -5v10`, class: "d-cross" });
 }
 
-/** Labels that would touch are pushed apart, up and down, and kept inside. */
+/**
+ * Labels that would touch are pushed apart, up and down, and kept inside.
+ *
+ * @param {Label[]} labels
+ * @param {Size} size
+ */
 function apart(labels, { width, height }) {
   const boxes = labels.map((label) => ({
     ...label,
@@ -223,6 +331,7 @@ function apart(labels, { width, height }) {
   return boxes.map((box) => words(box.x, box.y + 5, box.text, box.look, "middle"));
 }
 
+/** @param {{ x: number, y: number, half: number }[]} boxes */
 function pushed(boxes) {
   let moved = false;
   for (let i = 0; i < boxes.length; i += 1) {
@@ -238,11 +347,17 @@ function pushed(boxes) {
   return moved;
 }
 
+/** @param {number} share */
 function percent(share) {
   return `${decimal(100 * share, 0)} %`;
 }
 
-/** What the drawing cannot show: how much of each vector lies outside the space of color. */
+/**
+ * What the drawing cannot show: how much of each vector lies outside the space of color.
+ *
+ * @param {Vectors} data
+ * @param {VectorsSensor} sensor
+ */
 function shares(data, sensor) {
   const each = sensor.channels.map((channel) => `${channel.name} ${percent(channel.norm_share)}`);
   if (sensor.light) each.push(`light ${percent(sensor.light.norm_share)}`);
@@ -253,6 +368,10 @@ function shares(data, sensor) {
   return `${vectors} Ellipsoid: ${data.sigmas ?? 1} σ, magnified ×${brief(sensor.magnification)}${rest}.`;
 }
 
+/**
+ * @param {Vectors} data
+ * @param {VectorsSensor} sensor
+ */
 function describe(data, sensor) {
   const names = [...sensor.channels.map((channel) => channel.name), ...(sensor.light ? ["light"] : [])];
   const axes = data.axes.map((axis) => axis.name);
@@ -260,7 +379,17 @@ function describe(data, sensor) {
   return `${what} ${shares(data, sensor)}`;
 }
 
+/**
+ * @param {Vectors} data
+ * @returns {Table}
+ */
 export function rows(data) {
+  /**
+   * @param {string} sensor
+   * @param {string} what
+   * @param {number[]} at
+   * @param {number} [share]
+   */
   const told = (sensor, what, at, share) => [
     sensor,
     what,

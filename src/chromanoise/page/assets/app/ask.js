@@ -1,7 +1,29 @@
 /** Questions to the server: few in flight, the latest state waits, an old answer is never shown. */
 
+/** @import { Answer, AskedLook, Fault, Study } from "answers" */
+/**
+ * @typedef {object} Question
+ * @property {Study} study
+ * @property {string[]} want
+ * @property {AskedLook} look
+ * @property {number} version of the study on this page
+ * @property {boolean} [idle] whether it asks for what nobody sees
+ * @property {number} [number]
+ */
+/** @typedef {{ abort: AbortController, question: Question }} Flight */
+/**
+ * @typedef {object} Tells
+ * @property {() => Question | null} question
+ * @property {(reply: Answer, question: Question) => void} answered
+ * @property {(faults: Fault[], question: Question) => void} refused
+ * @property {(sentence: string) => void} lost
+ * @property {() => void} found
+ * @property {() => void} rested
+ */
+
 /** What the server has against a question: `faults` of {where, sentence}. */
 export class Refused extends Error {
+  /** @param {Fault[]} faults */
   constructor(faults) {
     super(faults.map((fault) => fault.sentence).join(" "));
     this.faults = faults;
@@ -11,7 +33,14 @@ export class Refused extends Error {
 const LOST = "The server does not answer; is chromanoise serve still running? Trying again.";
 const BUSY = "The server is busy; trying again.";
 
-/** Posts JSON and gives the parsed reply; throws Refused, or TypeError where nobody answers. */
+/**
+ * Posts JSON and gives the parsed reply; throws Refused, or TypeError where nobody answers.
+ *
+ * @param {string} path
+ * @param {unknown} question
+ * @param {AbortSignal} [signal]
+ * @returns {Promise<any>}
+ */
 export async function posted(path, question, signal) {
   const reply = await fetch(path, {
     method: "POST",
@@ -22,7 +51,12 @@ export async function posted(path, question, signal) {
   return understood(reply);
 }
 
-/** The JSON of a reply; throws Refused with sentences where it is none. */
+/**
+ * The JSON of a reply; throws Refused with sentences where it is none.
+ *
+ * @param {Response} reply
+ * @returns {Promise<any>}
+ */
 export async function understood(reply) {
   if (reply.status === 503) throw new TypeError(BUSY);
   // a fault without JSON still gets a sentence below
@@ -44,10 +78,16 @@ let asked = 0;
  */
 export class Asker {
   #wanted = false;
+  /** @type {Set<Flight>} */
   #flying = new Set();
+  /** @type {number | null} */
   #retry = null;
   #pause = 250;
 
+  /**
+   * @param {Tells} tells
+   * @param {number} [most]
+   */
   constructor(tells, most = 1) {
     this.tells = tells;
     this.most = most;
@@ -61,10 +101,14 @@ export class Asker {
     this.#next();
   }
 
-  /** Asks what is missing; of one state that is only known once its answer is back and drawn. */
+  /**
+   * Asks what is missing; of one state that is only known once its answer is back and drawn.
+   *
+   * @param {number | null} [undrawn]
+   */
   #next(undrawn = null) {
     const lost = this.#retry !== null;
-    clearTimeout(this.#retry);
+    clearTimeout(this.#retry ?? undefined);
     this.#retry = null;
     if (this.#flying.size >= this.most) return;
     const question = this.tells.question();
@@ -78,6 +122,7 @@ export class Asker {
     this.#send(flight);
   }
 
+  /** @param {Flight} flight */
   async #send(flight) {
     const { question } = flight;
     const outcome = await this.#outcome(question, flight.abort.signal);
@@ -89,6 +134,11 @@ export class Asker {
     if (!this.#flying.size && !this.#wanted) this.tells.rested();
   }
 
+  /**
+   * @param {Question} question
+   * @param {AbortSignal} signal
+   * @returns {Promise<(() => void) | null>}
+   */
   async #outcome(question, signal) {
     const { number, study, want, look } = question;
     try {
@@ -104,6 +154,7 @@ export class Asker {
     }
   }
 
+  /** @param {unknown} error */
   #lose(error) {
     this.#wanted = true;
     // of two that were lost, one asks again
@@ -111,7 +162,7 @@ export class Asker {
       this.#pause = Math.min(2 * this.#pause, 4000);
       this.#retry = setTimeout(() => this.#next(), this.#pause);
     }
-    return () => this.tells.lost(error.message === BUSY ? BUSY : LOST);
+    return () => this.tells.lost(error instanceof Error && error.message === BUSY ? BUSY : LOST);
   }
 
   /** Of a question that was lost nothing is missing any more: a newer one has brought it. */

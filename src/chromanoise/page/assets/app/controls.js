@@ -7,6 +7,10 @@ import { matrixControls } from "app/matrix.js";
 import { sceneControls } from "app/scene.js";
 import { sensorControls } from "app/sensors.js";
 
+/** @import { Choices, Head, State } from "answers" */
+/** @typedef {{ node: HTMLElement, show: (state: State, head: Head | null) => void }} Group */
+
+/** @type {[string, (choices: Choices) => Group][]} */
 const GROUPS = [
   ["Light", lightControls],
   ["Exposure", exposureControls],
@@ -15,7 +19,13 @@ const GROUPS = [
   ["Scene", sceneControls],
 ];
 
-/** Fills the frame with controls; gives `show(state, head)`. */
+/**
+ * Fills the frame with controls; gives `show(state, head)`.
+ *
+ * @param {HTMLElement} frame
+ * @param {Choices} choices
+ * @returns {(state: State, head: Head | null) => void}
+ */
 export function controls(frame, choices) {
   const groups = GROUPS.map(([title, make]) => ({ title, ...make(choices) }));
   const sections = groups.map(({ title, node }) =>

@@ -1,7 +1,7 @@
 /** The study as something to take along: a link, TOML, Python or a command line. */
 
-import { posted } from "app/ask.js";
-import { button, el, freshId } from "app/dom.js";
+import { Refused, posted } from "app/ask.js";
+import { button, byId, el, freshId, within } from "app/dom.js";
 import { current, link } from "app/state.js";
 
 const KINDS = [
@@ -11,24 +11,34 @@ const KINDS = [
   ["command", "Command"],
 ];
 
+/** @type {HTMLDialogElement | null} */
 let dialog = null;
 
-/** Puts the buttons into their place. */
+/**
+ * Puts the buttons into their place.
+ *
+ * @param {HTMLElement} place
+ */
 export function copyButtons(place) {
   // it is there from the start, so that readers of the screen listen to it
-  const said = document.getElementById("copied");
+  const said = byId("copied");
   const buttons = KINDS.map(([kind, name]) =>
     button(name, () => copy(kind, name, said), { "aria-label": `Copy as ${name}`, "data-copy": kind }),
   );
   place.replaceChildren(el("span", { class: "label", text: "Copy as" }), ...buttons);
 }
 
+/**
+ * @param {string} kind
+ * @param {string} name
+ * @param {HTMLElement} said
+ */
 async function copy(kind, name, said) {
   let text;
   try {
     text = kind === "link" ? link() : (await posted("/api/texts", { study: current().study }))[kind];
   } catch (error) {
-    tell(said, error.faults ? error.message : "The server does not answer, so nothing was copied.");
+    tell(said, error instanceof Refused ? error.message : "The server does not answer, so nothing was copied.");
     return;
   }
   try {
@@ -40,18 +50,27 @@ async function copy(kind, name, said) {
   }
 }
 
-let fading = null;
+/** @type {number | undefined} */
+let fading;
 
+/**
+ * @param {HTMLElement} said
+ * @param {string} sentence
+ */
 function tell(said, sentence) {
   said.textContent = sentence;
   clearTimeout(fading);
   fading = setTimeout(() => (said.textContent = ""), 6000);
 }
 
+/**
+ * @param {string} name
+ * @param {string} text
+ */
 function offer(name, text) {
   dialog ??= emptyDialog();
-  dialog.querySelector("h2").textContent = `${name}: select and copy`;
-  const area = dialog.querySelector("textarea");
+  within(dialog, "h2").textContent = `${name}: select and copy`;
+  const area = /** @type {HTMLTextAreaElement} */ (within(dialog, "textarea"));
   area.value = text;
   dialog.showModal();
   area.focus();

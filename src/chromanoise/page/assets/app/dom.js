@@ -1,45 +1,118 @@
 /** Small makers of HTML. Data always goes in as text or attribute, never as markup. */
 
+/** @typedef {string | number | boolean | null | undefined} Value */
+/** @typedef {string | string[]} Option a name, or a value and its label */
+/** @typedef {{ [event: string]: (event: any) => unknown }} Listeners */
+/** @typedef {{ on?: Listeners, text?: string } & { [attribute: string]: Value | Listeners }} ElOptions */
+/**
+ * @typedef {object} ChoiceOptions
+ * @property {string} label
+ * @property {Option[]} options
+ * @property {string} [value]
+ * @property {(value: string) => unknown} on
+ * @property {boolean} [hidden] whether only readers of the screen get the label
+ * @property {string | null} [where] key of the study
+ */
+/**
+ * @typedef {object} RadioOptions
+ * @property {string} legend
+ * @property {string[][]} options
+ * @property {string} value
+ * @property {(value: string) => unknown} on
+ * @property {boolean} [hidden]
+ */
+
 let made = 0;
+
+/**
+ * An element that the page has from the start.
+ *
+ * @param {string} id
+ */
+export function byId(id) {
+  return /** @type {HTMLElement} */ (document.getElementById(id));
+}
+
+/**
+ * The first match of a selector, where there is one for certain.
+ *
+ * @param {ParentNode} root
+ * @param {string} selector
+ */
+export function within(root, selector) {
+  return /** @type {HTMLElement} */ (root.querySelector(selector));
+}
 
 /**
  * An HTML element. `on` holds listeners, `text` the words inside, other keys are attributes;
  * `true` gives an empty attribute, and `null`, `undefined` and `false` none.
+ *
+ * @template {keyof HTMLElementTagNameMap} K
+ * @param {K} tag
+ * @param {ElOptions} [parts]
+ * @param {(Node | string | null | undefined)[]} children
+ * @returns {HTMLElementTagNameMap[K]}
  */
 export function el(tag, { on = {}, text, ...attributes } = {}, ...children) {
   const node = document.createElement(tag);
-  for (const [name, value] of Object.entries(attributes)) attribute(node, name, value);
+  for (const [name, value] of Object.entries(attributes)) attribute(node, name, /** @type {Value} */ (value));
   for (const [event, listener] of Object.entries(on)) node.addEventListener(event, listener);
   if (text !== undefined) node.textContent = text;
   node.append(...children.filter((child) => child !== null && child !== undefined));
   return node;
 }
 
-/** Sets an attribute, or takes it away. */
+/**
+ * Sets an attribute, or takes it away.
+ *
+ * @param {Element} node
+ * @param {string} name
+ * @param {Value} value
+ */
 export function attribute(node, name, value) {
   if (value === null || value === undefined || value === false) node.removeAttribute(name);
   else put(node, name, value === true ? "" : String(value));
 }
 
-/** Writes an attribute only where it changes: a browser lays out again after every writing. */
+/**
+ * Writes an attribute only where it changes: a browser lays out again after every writing.
+ *
+ * @param {Element} node
+ * @param {string} name
+ * @param {string} value
+ */
 function put(node, name, value) {
   if (node.getAttribute(name) !== value) node.setAttribute(name, value);
 }
 
-/** Writes text only where it changes. */
+/**
+ * Writes text only where it changes.
+ *
+ * @param {Node} node
+ * @param {string} text
+ */
 export function say(node, text) {
   if (node.textContent !== text) node.textContent = text;
 }
 
-/** An id that nothing else on this page has. */
+/**
+ * An id that nothing else on this page has.
+ *
+ * @param {string} prefix
+ */
 export function freshId(prefix) {
   made += 1;
   return `${prefix}-${made}`;
 }
 
-/** A labelled native select; `options` are names or [value, label] pairs. */
+/**
+ * A labelled native select; `options` are names or [value, label] pairs.
+ *
+ * @param {ChoiceOptions} options
+ */
 export function choice({ label, options, value, on, hidden = false, where = null }) {
   const id = freshId("choice");
+  /** @type {HTMLSelectElement} */
   const select = el("select", { id, "data-where": where, on: { change: () => on(select.value) } });
   fillChoice(select, options, value);
   const named = el("label", { for: id, text: label, class: hidden ? "unseen" : "label" });
@@ -47,7 +120,13 @@ export function choice({ label, options, value, on, hidden = false, where = null
   return { row, select };
 }
 
-/** Gives a select its options; a value that is not among them is added, so that nothing is lost. */
+/**
+ * Gives a select its options; a value that is not among them is added, so that nothing is lost.
+ *
+ * @param {HTMLSelectElement} select
+ * @param {Option[]} options
+ * @param {string} [value]
+ */
 export function fillChoice(select, options, value) {
   const pairs = options.map((option) => (Array.isArray(option) ? option : [option, option]));
   if (value !== undefined && !pairs.some(([known]) => known === value)) pairs.unshift([value, value]);
@@ -61,7 +140,11 @@ export function fillChoice(select, options, value) {
 
 const filled = new WeakMap();
 
-/** Round marks for one of a few: a fieldset of native radio buttons. */
+/**
+ * Round marks for one of a few: a fieldset of native radio buttons.
+ *
+ * @param {RadioOptions} options
+ */
 export function radios({ legend, options, value, on, hidden = false }) {
   const name = freshId("radio");
   const inputs = new Map();
@@ -72,6 +155,7 @@ export function radios({ legend, options, value, on, hidden = false }) {
   });
   const title = el("legend", { text: legend, class: hidden ? "unseen" : "label" });
   const set = el("fieldset", { class: "radios" }, title, el("div", { class: "segments" }, ...marks));
+  /** @param {string | null} chosen */
   const show = (chosen) => {
     const input = inputs.get(chosen);
     if (input && !input.checked) input.checked = true;
@@ -80,12 +164,23 @@ export function radios({ legend, options, value, on, hidden = false }) {
   return { set, show };
 }
 
-/** A button with words on it. */
+/**
+ * A button with words on it.
+ *
+ * @param {string} text
+ * @param {() => unknown} click
+ * @param {ElOptions} [attributes]
+ */
 export function button(text, click, attributes = {}) {
   return el("button", { type: "button", text, ...attributes, on: { click } });
 }
 
-/** A number as short as it is told to people: at most `digits` significant ones, a true minus. */
+/**
+ * A number as short as it is told to people: at most `digits` significant ones, a true minus.
+ *
+ * @param {number | null | undefined} value
+ * @param {number} [digits]
+ */
 export function brief(value, digits = 4) {
   if (typeof value !== "number" || !Number.isFinite(value)) return "–";
   const size = Math.abs(value);

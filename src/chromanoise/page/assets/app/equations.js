@@ -1,29 +1,44 @@
 /** What stands behind each `?`: the equation and where it comes from, in a dialog. */
 
-import { button, el, freshId } from "app/dom.js";
+import { button, el, freshId, within } from "app/dom.js";
 
+/** @import { Equation } from "answers" */
+
+/** @type {Record<string, Equation>} */
 let known = {};
+/** @type {HTMLDialogElement | null} */
 let dialog = null;
 
-/** Takes the equations of the server, and listens for every `?` of the page. */
+/**
+ * Takes the equations of the server, and listens for every `?` of the page.
+ *
+ * @param {Record<string, Equation>} equations
+ */
 export function useEquations(equations) {
   known = equations;
   document.addEventListener("click", (event) => {
-    const asked = event.target.closest?.("button.equation");
-    if (asked) showEquations(asked.dataset.equation.split(" "), asked);
+    const { target } = event;
+    const asked = target instanceof Element ? target.closest("button.equation") : null;
+    if (asked instanceof HTMLElement) showEquations((asked.dataset.equation ?? "").split(" "), asked);
   });
 }
 
-/** Opens the dialog with some of the equations. */
+/**
+ * Opens the dialog with some of the equations.
+ *
+ * @param {string[]} names
+ * @param {HTMLElement} opener
+ */
 function showEquations(names, opener) {
   dialog ??= emptyDialog();
   const entries = names.filter((name) => known[name]).map(entry);
   const none = el("p", { text: "The server tells no equation for this." });
-  dialog.querySelector(".entries").replaceChildren(...(entries.length ? entries : [none]));
+  within(dialog, ".entries").replaceChildren(...(entries.length ? entries : [none]));
   dialog.addEventListener("close", () => opener.isConnected && opener.focus(), { once: true });
   dialog.showModal();
 }
 
+/** @param {string} name */
 function entry(name) {
   const { title, equation, source } = known[name];
   return el(

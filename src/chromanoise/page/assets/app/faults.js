@@ -2,9 +2,17 @@
 
 import { attribute, el, freshId, say } from "app/dom.js";
 
+/** @import { Fault } from "answers" */
+
+/** @type {Element[]} */
 let shown = [];
 
-/** Puts one sentence under a row of the controls, or takes it away with `null`. */
+/**
+ * Puts one sentence under a row of the controls, or takes it away with `null`.
+ *
+ * @param {Element} row
+ * @param {string | null} sentence
+ */
 export function complain(row, sentence) {
   const here = row.querySelector(":scope > .fault");
   const subject = row.querySelector("[data-where]") ?? row.querySelector("input, select");
@@ -19,7 +27,11 @@ export function complain(row, sentence) {
   if (subject) subject.setAttribute("aria-describedby", told.id);
 }
 
-/** Shows the server's faults beside their controls; those that belong to none come back. */
+/**
+ * Shows the server's faults beside their controls; those that belong to none come back.
+ *
+ * @param {Fault[]} faults
+ */
 export function showFaults(faults) {
   clearFaults();
   const homeless = [];
@@ -40,13 +52,17 @@ export function clearFaults() {
   shown = [];
 }
 
-/** The row whose key is the longest beginning of `where`, or begins with it. */
+/**
+ * The row whose key is the longest beginning of `where`, or begins with it.
+ *
+ * @param {string} where
+ */
 function rowOf(where) {
   const path = where.replaceAll(/\[(\d+)\]/g, ".$1");
   if (path === "") return null;
-  const nodes = [...document.querySelectorAll("[data-where]")];
+  const nodes = /** @type {HTMLElement[]} */ ([...document.querySelectorAll("[data-where]")]);
   const begins = nodes.filter((node) => `${path}.`.startsWith(`${node.dataset.where}.`));
-  begins.sort((a, b) => b.dataset.where.length - a.dataset.where.length);
+  begins.sort((a, b) => (b.dataset.where ?? "").length - (a.dataset.where ?? "").length);
   const row = begins[0]?.closest(".row") ?? null;
   // a sentence in a closed drawer would not be seen
   row?.closest("details")?.setAttribute("open", "");

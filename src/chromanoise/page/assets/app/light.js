@@ -6,30 +6,57 @@ import { shownUnit, slider } from "app/slider.js";
 import { changeStudy } from "app/state.js";
 import { uploaded } from "app/uploads.js";
 
+/** @import { Choices, LightPart, Slider, State } from "answers" */
+/** @import { Group } from "app/controls.js" */
+/** @import { How } from "app/state.js" */
+/** @typedef {{ base: string, ratio: number, diode: string | null }} LightParts */
+
 const WITH_INFRARED = /^(.+)\+([0-9.]+(?:e[-+]?\d+)?)x(LED\d+)$/i;
 const DIODES = ["LED850", "LED940"];
 const OTHER = "other…";
 
-/** A light's name in parts: `E+0.5xLED850` is E with a ratio of 0.5 of a diode of 850 nm. */
+/**
+ * A light's name in parts: `E+0.5xLED850` is E with a ratio of 0.5 of a diode of 850 nm.
+ *
+ * @param {string} name
+ * @returns {LightParts}
+ */
 export function lightParts(name) {
   const match = WITH_INFRARED.exec(name);
   if (!match) return { base: name, ratio: 0, diode: null };
   return { base: match[1], ratio: Number(match[2]), diode: match[3] };
 }
 
-/** The name again. */
+/**
+ * The name again.
+ *
+ * @param {LightParts} parts
+ */
 export function lightName({ base, ratio, diode }) {
   return ratio > 0 ? `${base}+${ratio}x${diode ?? DIODES[0]}` : base;
 }
 
-/** Of a light, what stays when the lamp is another: how its file was to be read belongs to that. */
+/**
+ * Of a light, what stays when the lamp is another: how its file was to be read belongs to that.
+ *
+ * @param {LightPart} [light]
+ */
 export function lampless(light = {}) {
   return light.level_lux === undefined ? {} : { level_lux: light.level_lux };
 }
 
-/** The group of controls: `node` and `show(state)`. */
+/**
+ * The group of controls: `node` and `show(state)`.
+ *
+ * @param {Choices} choices
+ * @returns {Group}
+ */
 export function lightControls(choices) {
   let diode = DIODES[0];
+  /**
+   * @param {Partial<LightParts>} part
+   * @param {How} how
+   */
   const change = (part, how) =>
     changeStudy((study) => {
       const now = lightParts(saidAt(study, "light.illuminant"));
@@ -43,7 +70,7 @@ export function lightControls(choices) {
     unit: "W/W",
     range: infraredRange(choices),
     where: "light.infrared",
-    on: (value) => change({ ratio: value }, "slide"),
+    on: (value) => change({ ratio: value ?? 0 }, "slide"),
   });
   const lamp = choice({
     label: "Infrared diode",
@@ -56,9 +83,10 @@ export function lightControls(choices) {
   });
   const level = slider({
     ...described(choices, "light.level_lux"),
-    on: (value) => changeStudy((study) => (study.light = { ...study.light, level_lux: value }), "slide"),
+    on: (value) => changeStudy((study) => (study.light = { ...study.light, level_lux: value ?? undefined }), "slide"),
   });
   const node = el("div", {}, level.row, base.row, ratio.row, lamp.row);
+  /** @param {State} state */
   const show = ({ study }) => {
     const now = lightParts(saidAt(study, "light.illuminant"));
     diode = now.diode ?? diode;
@@ -70,18 +98,29 @@ export function lightControls(choices) {
   return { node, show };
 }
 
+/** @param {Choices} choices */
 function infraredRange(choices) {
   const told = rangeOf(choices, "light.infrared");
   return told ?? { low: 0, high: 2, scale: "linear", step: 0.02 };
 }
 
-/** What a slider needs of a key of the study. */
+/**
+ * What a slider needs of a key of the study.
+ *
+ * @param {Choices} choices
+ * @param {string} key
+ */
 export function described(choices, key) {
-  const range = rangeOf(choices, key);
+  const range = /** @type {Omit<Slider, "key">} */ (rangeOf(choices, key));
   return { label: range.label, unit: shownUnit(range), range, where: key };
 }
 
-/** The lights of the catalogue, the files that were brought, and a field for any other word. */
+/**
+ * The lights of the catalogue, the files that were brought, and a field for any other word.
+ *
+ * @param {Choices} choices
+ * @param {(name: string) => void} on
+ */
 function baseChoice(choices, on) {
   const pick = choice({
     label: "Light",
@@ -89,6 +128,7 @@ function baseChoice(choices, on) {
     on: (name) => (name === OTHER ? reveal() : on(name)),
     where: "light.illuminant",
   });
+  /** @type {HTMLInputElement} */
   const typed = el("input", {
     type: "text",
     class: "other",
@@ -103,6 +143,7 @@ function baseChoice(choices, on) {
     typed.hidden = false;
     typed.focus();
   };
+  /** @param {string} name */
   const show = (name) => {
     const options = [...choices.illuminants, ...uploaded("light", name), [OTHER, OTHER]];
     fillChoice(pick.select, options, name);

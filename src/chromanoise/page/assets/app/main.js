@@ -3,7 +3,7 @@
 import { Asker, understood } from "app/ask.js";
 import { controls } from "app/controls.js";
 import { copyButtons } from "app/copy.js";
-import { attribute, say } from "app/dom.js";
+import { attribute, byId, say, within } from "app/dom.js";
 import { useEquations } from "app/equations.js";
 import { clearFaults, showFaults } from "app/faults.js";
 import { showHead } from "app/head.js";
@@ -16,6 +16,11 @@ import { themeChoice } from "app/theme.js";
 import { headingTools } from "app/tools.js";
 import { uploads } from "app/upload.js";
 import { learn } from "app/uploads.js";
+
+/** @import { Answer, Budget, Failed, Fault, Head, Look, Part, State, Study } from "answers" */
+/** @import { Panel } from "app/panels.js" */
+/** @import { Question } from "app/ask.js" */
+/** @import { What } from "app/state.js" */
 
 /** How long nothing moves before the parts that nobody sees are asked for. */
 const IDLE_MS = 300;
@@ -30,23 +35,56 @@ const PAPER_PX = 476;
 const SLOW = new Set(["levels", "pareto", "chart", "vectors"]);
 
 const root = document.documentElement;
-const byId = (id) => document.getElementById(id);
 
-const page = {
-  version: 0,
-  headVersion: -1,
-  calm: false,
-  answered: null,
-  failedVersion: -1,
-  level: null,
-  idle: null,
-  head: null,
-  showControls: () => {},
-};
+/**
+ * @typedef {object} Page
+ * @property {number} version of the study
+ * @property {number} headVersion of the numbers that are shown
+ * @property {boolean} calm whether nothing moves
+ * @property {Question | null} answered
+ * @property {number} failedVersion
+ * @property {number | null} level
+ * @property {number | undefined} idle
+ * @property {Head | null} head
+ * @property {boolean} printing
+ * @property {(state: State, head: Head | null) => void} showControls
+ * @property {ReturnType<typeof panels>} panels
+ * @property {ReturnType<typeof headingTools>} tools
+ * @property {ReturnType<typeof snapshots>} ghosts
+ * @property {ReturnType<typeof picturePanel>} picture
+ * @property {Asker} asker
+ * @property {Asker} later
+ */
+
+/** The rest comes with the choices of the server. */
+const page = /** @type {Page} */ (
+  /** @type {Partial<Page>} */ ({
+    version: 0,
+    headVersion: -1,
+    calm: false,
+    answered: null,
+    failedVersion: -1,
+    level: null,
+    idle: undefined,
+    head: null,
+    printing: false,
+    showControls: () => {},
+  })
+);
+
+/** @param {Part} part */
+function panelOf(part) {
+  return /** @type {Panel} */ (page.panels.get(part));
+}
 
 const showTheme = themeChoice(byId("theme"));
 
-/** One sentence at the top of the page; several things may say one at a time each. */
+/**
+ * One sentence at the top of the page; several things may say one at a time each.
+ *
+ * @param {string} id
+ * @param {string | null} sentence
+ */
 function notice(id, sentence) {
   const node = byId(id);
   say(node, sentence ?? "");
@@ -57,7 +95,7 @@ function notice(id, sentence) {
 function question() {
   if (page.failedVersion === page.version) return null;
   const { study, look } = current();
-  const parts = stale(page.version).filter((part) => page.panels.get(part).visible && !isSlow(part, study));
+  const parts = stale(page.version).filter((part) => panelOf(part).visible && !isSlow(part, study));
   const want = page.headVersion < page.version ? ["head", ...parts] : parts;
   return want.length ? { study, want, look: askedLook(look), version: page.version } : null;
 }
@@ -67,16 +105,25 @@ function laterQuestion() {
   if (!page.answered || page.failedVersion >= page.answered.version) return null;
   const { study, look, version } = page.answered;
   const parts = stale(version);
-  const seen = parts.filter((part) => page.panels.get(part).visible && isSlow(part, study));
+  const seen = parts.filter((part) => panelOf(part).visible && isSlow(part, study));
   // one at a time, so that what is hidden never keeps what is seen waiting
   const idle = seen.length === 0 && page.calm;
   const want = idle ? parts.slice(0, 1) : seen;
   return want.length ? { study, want, look, version, idle } : null;
 }
 
-const stale = (version) => PARTS.filter((part) => page.panels.get(part).version < version);
+/** @param {number} version */
+const stale = (version) => PARTS.filter((part) => panelOf(part).version < version);
+/**
+ * @param {Part} part
+ * @param {Study} study
+ */
 const isSlow = (part, study) => SLOW.has(part) && isTrained(study);
 
+/**
+ * @param {Answer} reply
+ * @param {Question} asked
+ */
 function answered(reply, asked) {
   const { version, study, want } = asked;
   performance.mark("answered", { detail: reply.number });
@@ -91,7 +138,7 @@ function answered(reply, asked) {
     page.level = study.light?.level_lux ?? null;
     say(byId("hash"), reply.hash ? `study ${reply.hash.slice(0, 12)}` : "");
   }
-  for (const part of want) show(part, reply.parts[part] ?? null, version);
+  for (const part of want) show(part, reply.parts[/** @type {Part | "head"} */ (part)] ?? null, version);
   if (learn(reply.files)) {
     page.showControls(current(), page.head);
     page.picture(current());
@@ -111,22 +158,34 @@ function markStale() {
   }
 }
 
+/**
+ * @param {string} part
+ * @param {object | null} data
+ * @param {number} version
+ */
 function show(part, data, version) {
   if (part === "head") {
     if (version < page.headVersion) return undefined;
     page.headVersion = version;
-    if (!data?.sensors) return notice("faults", data?.fault ?? "The server told no verdict.");
-    page.head = data;
-    showHead(data);
-    return page.showControls(current(), data);
+    const head = /** @type {Head | Failed | null} */ (data);
+    if (!head || "fault" in head || !head.sensors) {
+      return notice("faults", head && "fault" in head ? head.fault : "The server told no verdict.");
+    }
+    page.head = head;
+    showHead(head);
+    return page.showControls(current(), head);
   }
-  const panel = page.panels.get(part);
+  const panel = panelOf(/** @type {Part} */ (part));
   if (version < panel.version) return undefined;
   panel.version = version;
-  if (part === "budget") page.tools.coordinates(data);
-  return panel.show(data, drawingOptions(part, data));
+  if (part === "budget") page.tools.coordinates(/** @type {Budget | Failed | null} */ (data));
+  return panel.show(data, drawingOptions(panel.part, data));
 }
 
+/**
+ * @param {Part} part
+ * @param {object | null} data
+ */
 function drawingOptions(part, data) {
   const { look } = current();
   const told = page.level === null ? look : { ...look, level_lux: page.level };
@@ -136,6 +195,10 @@ function drawingOptions(part, data) {
 const OLDER = "What is shown is older than the controls. ";
 const NOTHING_YET = "Nothing can be shown before what stands in red beside the controls is mended. ";
 
+/**
+ * @param {Fault[]} faults
+ * @param {Question} question
+ */
 function refused(faults, { version }) {
   // of two questions under way the newer one may be back first
   if (version < Math.max(page.headVersion, page.failedVersion)) return;
@@ -164,8 +227,9 @@ channel.port1.onmessage = ({ data: number }) => {
   if (number % 500 === 0) performance.clearMarks();
 };
 
+/** @param {Part} part */
 function redraw(part) {
-  const panel = page.panels.get(part);
+  const panel = panelOf(part);
   if (!panel.data) return;
   panel.show(panel.data, drawingOptions(part, panel.data));
   markStale();
@@ -173,6 +237,10 @@ function redraw(part) {
 
 let askedBefore = "";
 
+/**
+ * @param {State} state
+ * @param {What} what
+ */
 function changed(state, what) {
   const asked = JSON.stringify(askedLook(state.look));
   if (what !== "look" || asked !== askedBefore) {
@@ -191,7 +259,11 @@ function changed(state, what) {
   if (what !== "look") page.picture(state);
 }
 
-/** What changes without a question: which tables are open, how the vectors are turned. */
+/**
+ * What changes without a question: which tables are open, how the vectors are turned.
+ *
+ * @param {Look} look
+ */
 function lookedAt(look) {
   for (const panel of page.panels.values()) {
     const open = look.open.includes(panel.part);
@@ -211,14 +283,22 @@ function unprinted() {
 
 let lastKey = -Infinity;
 
-/** Marks when a control was moved: by a key, when that went down, else when its value changed. */
+/**
+ * Marks when a control was moved: by a key, when that went down, else when its value changed.
+ *
+ * @param {Event} event
+ */
 function pressed({ type, timeStamp }) {
   if (type === "keydown") lastKey = timeStamp;
   else if (timeStamp - lastKey < 50) return;
   performance.mark("press", { startTime: timeStamp });
 }
 
-/** The way past the controls; the address is for the study and stays. */
+/**
+ * The way past the controls; the address is for the study and stays.
+ *
+ * @param {Event} event
+ */
 function skipped(event) {
   event.preventDefault();
   byId("panels").focus();
@@ -227,8 +307,11 @@ function skipped(event) {
 
 function listen() {
   for (const event of ["keydown", "input"]) byId("controls").addEventListener(event, pressed, { capture: true });
-  byId("panels").addEventListener("turn", ({ detail }) => changeLook((look) => (look.turn = detail.turn ?? detail)));
-  document.querySelector("[data-skip]").addEventListener("click", skipped);
+  byId("panels").addEventListener("turn", (event) => {
+    const { detail } = /** @type {CustomEvent} */ (event);
+    changeLook((look) => (look.turn = detail.turn ?? detail));
+  });
+  within(document, "[data-skip]").addEventListener("click", skipped);
   window.addEventListener("hashchange", () => notice("broken", readAddress()));
   window.matchMedia("print").addEventListener("change", ({ matches }) => (matches ? printed() : unprinted()));
   window.addEventListener("beforeprint", printed);
@@ -253,8 +336,9 @@ async function choicesOfServer() {
 
 async function start() {
   const narrow = window.matchMedia("(max-width: 799px)");
-  byId("drawer").open = !narrow.matches;
-  narrow.addEventListener("change", () => (byId("drawer").open = !narrow.matches));
+  const drawer = /** @type {HTMLDetailsElement} */ (byId("drawer"));
+  drawer.open = !narrow.matches;
+  narrow.addEventListener("change", () => (drawer.open = !narrow.matches));
   const choices = await choicesOfServer();
   startFrom(choices.study);
   byId("version").textContent = `chromanoise ${choices.version}`;
@@ -267,7 +351,7 @@ async function start() {
   const told = {
     answered,
     refused,
-    lost: (sentence) => notice("lost", sentence),
+    lost: /** @param {string} sentence */ (sentence) => notice("lost", sentence),
     found: () => notice("lost", null),
   };
   page.asker = new Asker({ ...told, question, rested }, IN_FLIGHT);

@@ -5,29 +5,48 @@ import { rangeOf } from "app/paths.js";
 import { slider } from "app/slider.js";
 import { changeStudy } from "app/state.js";
 
+/** @import { Choices, Range, State, Study } from "answers" */
+/** @import { Group } from "app/controls.js" */
+/** @typedef {Range & { label: string, start: number }} Parameter */
+
 const MOST = 4;
 const STANDARD = "kernel";
 
+/** @type {Record<string, Parameter>} */
 const PARAMETERS = {
   weight: { label: "Weight of the noise", low: 0.001, high: 1000, start: 1 },
   strength: { label: "Strength of the ridge", low: 1e-6, high: 10, start: 0.01 },
   limit: { label: "Largest noise gain \u03a8", low: 1, high: 20, start: 6.5 },
 };
 
-/** The parts of a matrix's name: `noise-regularized=1` is a method and its parameter. */
+/**
+ * The parts of a matrix's name: `noise-regularized=1` is a method and its parameter.
+ *
+ * @param {string} name
+ */
 export function matrixParts(name) {
   const [method, value] = name.split("=");
   return { method, value: value === undefined ? null : Number(value) };
 }
 
-/** Whether one of the study's matrices has to be trained on a prior. */
+/**
+ * Whether one of the study's matrices has to be trained on a prior.
+ *
+ * @param {Study} study
+ */
 export function isTrained({ matrices = [] }) {
   return matrices.some((name) => matrixParts(name).method !== STANDARD);
 }
 
+/** @param {Study} study */
 const namesOf = ({ matrices }) => (matrices?.length ? matrices : [STANDARD]);
 
-/** The group of controls: `node` and `show(state)`. */
+/**
+ * The group of controls: `node` and `show(state)`.
+ *
+ * @param {Choices} choices
+ * @returns {Group}
+ */
 export function matrixControls(choices) {
   const list = el("div");
   const add = button("Add a matrix", () => changeStudy((study) => added(study, choices)), { class: "wide" });
@@ -38,7 +57,9 @@ export function matrixControls(choices) {
     where: "prior",
     on: (name) => changeStudy((study) => (study.prior = name)),
   });
+  /** @type {ReturnType<typeof matrixCard>[]} */
   let cards = [];
+  /** @param {State} state */
   const show = ({ study }) => {
     const names = namesOf(study);
     if (cards.length !== names.length) {
@@ -53,6 +74,10 @@ export function matrixControls(choices) {
   return { node: el("div", {}, list, add, said, prior.row), show };
 }
 
+/**
+ * @param {Choices} choices
+ * @param {number} i
+ */
 function matrixCard(choices, i) {
   const label = i ? `Color matrix ${i + 1}` : "Color matrix";
   const pick = choice({
@@ -74,7 +99,9 @@ function matrixCard(choices, i) {
   pick.row.append(up, away);
   const place = el("div");
   const node = el("div", { class: "matrix" }, pick.row, place);
+  /** @type {{ method: string, weight: ReturnType<typeof weightSlider> } | null} */
   let drawn = null;
+  /** @param {string[]} names */
   const show = (names) => {
     const now = matrixParts(names[i]);
     fillChoice(pick.select, methodsFor(choices, names, i), now.method);
@@ -84,18 +111,30 @@ function matrixCard(choices, i) {
       drawn = { method: now.method, weight: weightSlider(choices, now.method, i) };
       place.replaceChildren(...(drawn.weight ? [drawn.weight.row] : []));
     }
-    drawn.weight?.show(now.value ?? parameterOf(choices, now.method).start);
+    drawn.weight?.show(now.value ?? parameterOf(choices, now.method)?.start);
   };
   return { node, show };
 }
 
-/** Methods that a matrix may have: one without a parameter stands there once. */
+/**
+ * Methods that a matrix may have: one without a parameter stands there once.
+ *
+ * @param {Choices} choices
+ * @param {string[]} names
+ * @param {number} i
+ */
 function methodsFor(choices, names, i) {
   const taken = new Set(names.filter((_, k) => k !== i));
   return choices.matrices.map((one) => one.name).filter((name) => !taken.has(name));
 }
 
-/** A name of a method that no other matrix has: its parameter is doubled until it is free. */
+/**
+ * A name of a method that no other matrix has: its parameter is doubled until it is free.
+ *
+ * @param {Choices} choices
+ * @param {string} method
+ * @param {string[]} names
+ */
 function fresh(choices, method, names) {
   const parameter = parameterOf(choices, method);
   if (!parameter) return method;
@@ -104,7 +143,13 @@ function fresh(choices, method, names) {
   return `${method}=${value}`;
 }
 
-/** Puts a matrix in the place of one; never the same twice, for each stands for its own curve. */
+/**
+ * Puts a matrix in the place of one; never the same twice, for each stands for its own curve.
+ *
+ * @param {Study} study
+ * @param {number} i
+ * @param {string} name
+ */
 function put(study, i, name) {
   const names = [...namesOf(study)];
   if (names.some((other, k) => k !== i && other === name)) return;
@@ -112,6 +157,10 @@ function put(study, i, name) {
   study.matrices = names;
 }
 
+/**
+ * @param {Study} study
+ * @param {Choices} choices
+ */
 function added(study, choices) {
   const names = namesOf(study);
   const methods = choices.matrices.map((one) => fresh(choices, one.name, names));
@@ -119,19 +168,33 @@ function added(study, choices) {
   if (free) study.matrices = [...names, free];
 }
 
+/**
+ * @param {Study} study
+ * @param {number} i
+ */
 function raised(study, i) {
   const names = [...namesOf(study)];
   [names[i - 1], names[i]] = [names[i], names[i - 1]];
   study.matrices = names;
 }
 
-/** Takes a matrix away; the focus goes on to what is left, not back to the top of the page. */
+/**
+ * Takes a matrix away; the focus goes on to what is left, not back to the top of the page.
+ *
+ * @param {HTMLElement} node
+ * @param {number} i
+ */
 function removed(node, i) {
-  const list = node.parentElement;
+  const list = /** @type {HTMLElement} */ (node.parentElement);
   changeStudy((study) => (study.matrices = namesOf(study).filter((_, k) => k !== i)));
-  list.children[Math.min(i, list.children.length - 1)]?.querySelector("select").focus();
+  list.children[Math.min(i, list.children.length - 1)]?.querySelector("select")?.focus();
 }
 
+/**
+ * @param {Choices} choices
+ * @param {string} method
+ * @returns {Parameter | null}
+ */
 function parameterOf(choices, method) {
   const name = choices.matrices.find((one) => one.name === method)?.parameter ?? null;
   if (name === null) return null;
@@ -140,6 +203,11 @@ function parameterOf(choices, method) {
   return { scale: "log", ...known, ...told, start: known.start };
 }
 
+/**
+ * @param {Choices} choices
+ * @param {string} method
+ * @param {number} i
+ */
 function weightSlider(choices, method, i) {
   const parameter = parameterOf(choices, method);
   if (!parameter) return null;

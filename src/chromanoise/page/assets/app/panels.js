@@ -1,6 +1,6 @@
 /** The parts of the answer as panels: a heading, its equations, its drawing, its table. */
 
-import { attribute, brief, button, el, freshId } from "app/dom.js";
+import { attribute, brief, button, el, freshId, within } from "app/dom.js";
 import { changeLook } from "app/state.js";
 import * as budget from "draw/budget.js";
 import * as chart from "draw/chart.js";
@@ -12,9 +12,31 @@ import * as sensitivities from "draw/sensitivities.js";
 import * as stages from "draw/stages.js";
 import * as vectors from "draw/vectors.js";
 
+/** @import { DrawingModule, Look, Options, Part } from "answers" */
+/** @typedef {string | number | null | undefined} Cell */
+/** @typedef {{ head: string[], rows: Cell[][] }} Cells */
+/** @typedef {Options<any> & { look: Look & { level_lux?: number } }} DrawnOptions */
+/**
+ * @typedef {object} Panel
+ * @property {Part} part
+ * @property {string} title
+ * @property {HTMLElement} section
+ * @property {HTMLElement} body
+ * @property {HTMLElement} table
+ * @property {HTMLElement} toggle
+ * @property {HTMLElement} fault
+ * @property {boolean} visible
+ * @property {number} version of the study that it shows
+ * @property {number} width
+ * @property {object | null} data
+ * @property {(data: object | null, options: DrawnOptions) => void} show
+ */
+
+/** @type {{ [P in Part]: DrawingModule<any> }} */
 const DRAWN = { stages, budget, sensitivities, levels, pareto, vectors, ellipses, chart };
 
 /** Which equations stand behind the `?` of a heading. */
+/** @type {Record<Part, string>} */
 const EQUATIONS = {
   stages: "raw contravariant spectral color lab bound price",
   budget: "budget bound price",
@@ -27,26 +49,35 @@ const EQUATIONS = {
 };
 
 /** The drawn parts, in the order in which the page has them. */
-export const PARTS = Object.keys(DRAWN);
+export const PARTS = /** @type {Part[]} */ (Object.keys(DRAWN));
 
 /**
  * Makes panels of the sections of the page.
  *
  * `seen()` is called when one becomes visible, `tools` gives the controls of a heading by part.
  * Gives a map from part to panel with `part`, `visible`, `version`, `show(data, options)`.
+ *
+ * @param {{ seen: () => void, tools: Record<string, HTMLElement>, resized: (panel: Panel) => void }} options
  */
 export function panels({ seen, tools, resized }) {
+  /** @type {Map<Part, Panel>} */
   const made = new Map();
+  /** @param {Element} target */
+  const panelFor = (target) => made.get(/** @type {Part} */ (/** @type {HTMLElement} */ (target).dataset.part));
   const watcher = new IntersectionObserver(
     (entries) => {
-      for (const { target, isIntersecting } of entries) made.get(target.dataset.part).visible = isIntersecting;
+      for (const { target, isIntersecting } of entries) /** @type {Panel} */ (panelFor(target)).visible = isIntersecting;
       seen();
     },
     { rootMargin: "120px" },
   );
   const sizes = new ResizeObserver((entries) => {
-    for (const { target, contentRect } of entries) measured(made.get(target.dataset.part), contentRect.width);
+    for (const { target, contentRect } of entries) measured(/** @type {Panel} */ (panelFor(target)), contentRect.width);
   });
+  /**
+   * @param {Panel} panel
+   * @param {number} width
+   */
   const measured = (panel, width) => {
     const whole = Math.floor(width);
     if (whole === panel.width || whole === 0) return;
@@ -61,7 +92,7 @@ export function panels({ seen, tools, resized }) {
     watcher.observe(panel.section);
     sizes.observe(panel.body);
   }
-  pack(document.querySelectorAll("main > .panel"));
+  pack(/** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("main > .panel")));
   return made;
 }
 
@@ -69,22 +100,31 @@ export function panels({ seen, tools, resized }) {
 const ROW_PX = 4;
 const GAP_ROWS = 4;
 
-/** Lets each panel take as many rows as its height needs. */
+/**
+ * Lets each panel take as many rows as its height needs.
+ *
+ * @param {Iterable<HTMLElement>} sections
+ */
 function pack(sections) {
   const heights = new ResizeObserver((entries) => {
     for (const { target, borderBoxSize } of entries) {
       const rows = Math.ceil(borderBoxSize[0].blockSize / ROW_PX) + GAP_ROWS;
-      target.style.setProperty("--span", String(rows));
+      /** @type {HTMLElement} */ (target).style.setProperty("--span", String(rows));
     }
   });
   for (const section of sections) heights.observe(section);
 }
 
+/**
+ * @param {Part} part
+ * @param {HTMLElement | null} tool
+ * @returns {Panel}
+ */
 function panelOf(part, tool) {
-  const section = document.querySelector(`section[data-part="${part}"]`);
-  const body = section.querySelector(".body");
+  const section = within(document, `section[data-part="${part}"]`);
+  const body = within(section, ".body");
   body.dataset.part = part;
-  const title = section.querySelector("h2").textContent;
+  const title = within(section, "h2").textContent ?? "";
   const tableId = freshId("table");
   const table = el("div", { class: "table", id: tableId, hidden: true });
   const toggle = button("Table", () => changeLook((look) => (look.open = flipped(look.open, part))), {
@@ -100,21 +140,34 @@ function panelOf(part, tool) {
     "data-equation": EQUATIONS[part],
     "aria-label": `Equation and source: ${title}`,
   });
-  section.querySelector(".head").append(el("div", { class: "tools" }, tool, why, toggle));
+  within(section, ".head").append(el("div", { class: "tools" }, tool, why, toggle));
   section.append(table);
   const fault = el("p", { class: "fault", role: "alert", hidden: true });
   section.insertBefore(fault, body);
-  const panel = { part, title, section, body, table, toggle, fault };
-  Object.assign(panel, { visible: false, version: -1, width: 0, data: null });
-  panel.show = (data, options) => show(panel, data, options);
+  /** @type {Panel} */
+  const panel = {
+    ...{ part, title, section, body, table, toggle, fault },
+    ...{ visible: false, version: -1, width: 0, data: null },
+    show: (data, options) => show(panel, data, options),
+  };
   return panel;
 }
 
+/**
+ * @param {string[]} open
+ * @param {string} part
+ */
 function flipped(open, part) {
   return open.includes(part) ? open.filter((other) => other !== part) : [...open, part];
 }
 
-/** Draws an answer; what cannot be drawn is one sentence in its place. */
+/**
+ * Draws an answer; what cannot be drawn is one sentence in its place.
+ *
+ * @param {Panel} panel
+ * @param {object | null} data
+ * @param {DrawnOptions} options
+ */
 function show(panel, data, options) {
   panel.data = data;
   const complaint = faultOf(data) ?? drawn(panel, data, options);
@@ -125,21 +178,32 @@ function show(panel, data, options) {
   showTable(panel, options.look.open.includes(panel.part));
 }
 
+/** @param {object | null | undefined} data */
 function faultOf(data) {
   if (data === null || data === undefined) return "There is nothing to show of this study here.";
-  return typeof data.fault === "string" ? data.fault : null;
+  return "fault" in data && typeof data.fault === "string" ? data.fault : null;
 }
 
+/**
+ * @param {Panel} panel
+ * @param {object | null} data
+ * @param {DrawnOptions} options
+ */
 function drawn(panel, data, options) {
   try {
     DRAWN[panel.part].draw(panel.body, data, { width: panel.width, ...options });
     return null;
   } catch (error) {
-    return `This could not be drawn (${error.message}); the table may still tell.`;
+    return `This could not be drawn (${error instanceof Error ? error.message : error}); the table may still tell.`;
   }
 }
 
-/** Shows or hides the numbers behind a drawing. */
+/**
+ * Shows or hides the numbers behind a drawing.
+ *
+ * @param {Panel} panel
+ * @param {boolean} open
+ */
 export function showTable(panel, open) {
   attribute(panel.toggle, "aria-expanded", open ? "true" : "false");
   panel.table.hidden = !open;
@@ -147,7 +211,12 @@ export function showTable(panel, open) {
   return refill(panel.table, tableOf(DRAWN[panel.part].rows(panel.data), panel.title));
 }
 
-/** A real table; a wide or long one scrolls by itself, by keyboard as well. */
+/**
+ * A real table; a wide or long one scrolls by itself, by keyboard as well.
+ *
+ * @param {Cells} table
+ * @param {string} caption
+ */
 export function tableOf({ head, rows }, caption) {
   const first = el("tr", {}, ...head.map((text) => el("th", { scope: "col", text })));
   const lines = rows.map((row) =>
@@ -169,6 +238,7 @@ export function tableOf({ head, rows }, caption) {
   return el("div", { class: "scroll", tabindex: "0", role: "region", "aria-label": `Table: ${caption}` }, table);
 }
 
+/** @param {Cell} cell */
 function told(cell) {
   if (cell === null || cell === undefined) return "–";
   return typeof cell === "number" ? brief(cell) : String(cell);

@@ -1,16 +1,32 @@
 /** Values of a study by their key, as `light.level_lux` or `sensors.0.pixel.read_noise_e`. */
 
-/** The value, or null where the study leaves it away. */
+/** @import { Choices, Slider, Study } from "answers" */
+
+/**
+ * The value, or null where the study leaves it away.
+ *
+ * @param {object} study
+ * @param {string} path
+ * @returns {any}
+ */
 export function valueAt(study, path) {
+  /** @type {any} */
   let value = study;
   for (const key of path.split(".")) value = value?.[key];
   return value ?? null;
 }
 
-/** Writes a value, making the tables on the way; `null` takes the key away. */
+/**
+ * Writes a value, making the tables on the way; `null` takes the key away.
+ *
+ * @param {object} study
+ * @param {string} path
+ * @param {unknown} value
+ */
 export function setAt(study, path, value) {
   const keys = path.split(".");
-  const last = keys.pop();
+  const last = keys.pop() ?? "";
+  /** @type {any} */
   let table = study;
   for (const key of keys) table = table[key] ??= {};
   if (value === null) delete table[last];
@@ -18,6 +34,7 @@ export function setAt(study, path, value) {
 }
 
 /** What a study says where it says nothing. */
+/** @type {Record<string, string | number>} */
 const UNSAID = {
   "light.illuminant": "E",
   "light.level_lux": 10,
@@ -26,11 +43,18 @@ const UNSAID = {
   "exposure.f_number": 1.8,
 };
 
-/** The value with the defaults of a study. */
+/**
+ * The value with the defaults of a study.
+ *
+ * @param {Study} study
+ * @param {string} path
+ * @returns {any}
+ */
 export function saidAt(study, path) {
   return valueAt(study, path) ?? UNSAID[path] ?? null;
 }
 
+/** @type {Record<string, Omit<Slider, "key">>} */
 const RANGES = {
   "light.level_lux": { label: "Light level", unit: "lx", low: 0.01, high: 1e5, scale: "log" },
   "exposure.time_ms": { label: "Time", unit: "ms", low: 0.01, high: 1000, scale: "log" },
@@ -53,7 +77,13 @@ const RANGES = {
   },
 };
 
-/** A slider's range: as the server tells, else one that serves. */
+/**
+ * A slider's range: as the server tells, else one that serves.
+ *
+ * @param {Choices} choices
+ * @param {string} key
+ * @returns {Omit<Slider, "key"> | null}
+ */
 export function rangeOf(choices, key) {
   return choices.sliders?.find((one) => one.key === key) ?? RANGES[key] ?? null;
 }

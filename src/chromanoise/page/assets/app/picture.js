@@ -1,10 +1,13 @@
 /** The panel of the noisy picture: two of them with a divider, fetched after the numbers. */
 
 import { Refused } from "app/ask.js";
-import { attribute, brief, button, choice, el, fillChoice, say } from "app/dom.js";
+import { attribute, brief, button, choice, el, fillChoice, say, within } from "app/dom.js";
 import { changeStudy, current } from "app/state.js";
 import { shownName } from "app/uploads.js";
 import { draw } from "draw/picture.js";
+
+/** @import { PictureSummary, State, SensorPart, Study } from "answers" */
+/** @typedef {{ blob: Blob, summary: PictureSummary }} TakenPicture */
 
 const REST_MS = 350;
 /** Unseen it comes too, for it may be printed, but once nobody waits for anything else. */
@@ -14,25 +17,31 @@ const SIDES = ["Left", "Right"];
 
 /** Fills the panel; gives `later(state)`, which fetches once nothing has moved for a while. */
 export function picturePanel() {
-  const section = document.querySelector('section[data-part="picture"]');
+  const section = within(document, 'section[data-part="picture"]');
   const view = new View(section);
   const watcher = new IntersectionObserver(([entry]) => view.see(entry.isIntersecting));
   watcher.observe(section);
-  return (state) => view.later(state);
+  return /** @param {State} state */ (state) => view.later(state);
 }
 
 class View {
-  #waiting = null;
+  /** @type {number | undefined} */
+  #waiting;
+  /** @type {AbortController | null} */
   #abort = null;
+  /** @type {string | null} */
   #asked = null;
+  /** @type {string | null} */
   #shown = null;
   #told = "";
   #visible = false;
+  /** @type {{ addresses: string[], labels: string[] } | null} */
   #pair = null;
 
+  /** @param {HTMLElement} section */
   constructor(section) {
     this.section = section;
-    this.body = section.querySelector(".body");
+    this.body = within(section, ".body");
     this.said = el("p", { class: "hint", role: "status" });
     this.sides = SIDES.map((label) => choice({ label, options: [], on: () => this.later(current()) }));
     this.zoom = choice({
@@ -47,11 +56,13 @@ class View {
     section.append(this.said);
   }
 
+  /** @param {boolean} visible */
   see(visible) {
     this.#visible = visible;
     if (visible) this.later(current());
   }
 
+  /** @param {{ study: Study }} state */
   later({ study }) {
     this.#offer(study);
     const key = this.#key(study);
@@ -66,16 +77,25 @@ class View {
     else this.#waiting = setTimeout(() => this.#fetch(study), this.#visible ? REST_MS : UNSEEN_REST_MS);
   }
 
-  /** What the pictures of a study depend on, names of files that come later included. */
+  /**
+   * What the pictures of a study depend on, names of files that come later included.
+   *
+   * @param {Study} study
+   */
   #key(study) {
     return JSON.stringify([study, this.sides.map(({ select }) => select.value), this.#labels(study)]);
   }
 
+  /** @param {Study} study */
   #labels(study) {
     return this.sides.map(({ select }) => sideName(study, select.value));
   }
 
-  /** What can stand on each side: every sensor, with its noise and without. */
+  /**
+   * What can stand on each side: every sensor, with its noise and without.
+   *
+   * @param {Study} study
+   */
   #offer({ sensors, seed = 0 }) {
     const kinds = sensors.flatMap((_, i) => [`${i} noisy`, `${i} still`]);
     const options = kinds.map((value) => [value, sideName({ sensors }, value)]);
@@ -87,6 +107,7 @@ class View {
     say(this.seed, `seed ${seed}`);
   }
 
+  /** @param {Study} study */
   async #fetch(study) {
     if (!this.#visible && document.querySelector(BUSY)) return this.later({ study });
     this.#abort = new AbortController();
@@ -110,6 +131,10 @@ class View {
     attribute(this.section, "aria-busy", null);
   }
 
+  /**
+   * @param {string[]} addresses
+   * @param {string[]} labels
+   */
   #replace(addresses, labels) {
     const old = this.#pair?.addresses ?? [];
     this.#pair = { addresses, labels };
@@ -125,20 +150,34 @@ class View {
   }
 }
 
-/** What stands on a side: a sensor, with its noise or without. */
+/**
+ * What stands on a side: a sensor, with its noise or without.
+ *
+ * @param {Pick<Study, "sensors">} study
+ * @param {string} side
+ */
 function sideName({ sensors }, side) {
   const [sensor, kind] = side.split(" ");
   return `${sensorName(sensors, Number(sensor))}, ${kind === "noisy" ? "noisy" : "without noise"}`;
 }
 
-/** The sensor as people know it; one that stands there twice gets a number, as in a run. */
+/**
+ * The sensor as people know it; one that stands there twice gets a number, as in a run.
+ *
+ * @param {SensorPart[]} sensors
+ * @param {number} i
+ */
 function sensorName(sensors, i) {
   const { name } = sensors[i];
   const before = sensors.slice(0, i).filter((other) => other.name === name).length;
   return before ? `${shownName(name)} (${before + 1})` : shownName(name);
 }
 
-/** What the server tells of a picture: its size, what does not fit into the pixel, its notes. */
+/**
+ * What the server tells of a picture: its size, what does not fit into the pixel, its notes.
+ *
+ * @param {TakenPicture} picture
+ */
 function summed({ summary }) {
   const notes = (summary.notes ?? []).map((note) => (/[.!?]$/.test(note) ? note : `${note}.`));
   if (!summary.width_px) return notes;
@@ -148,10 +187,17 @@ function summed({ summary }) {
   return [told.length ? `${size}, above full well ${told.join(", ")}.` : `${size}.`, ...notes];
 }
 
+/** @param {Study} study */
 function nextSeed(study) {
   study.seed = ((study.seed ?? 0) + 1) % 2 ** 32;
 }
 
+/**
+ * @param {Study} study
+ * @param {string} side
+ * @param {AbortSignal} signal
+ * @returns {Promise<TakenPicture>}
+ */
 async function picture(study, side, signal) {
   const [sensor, kind] = side.split(" ");
   const reply = await fetch("/api/picture", {

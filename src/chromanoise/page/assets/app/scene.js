@@ -4,13 +4,23 @@ import { choice, el, fillChoice } from "app/dom.js";
 import { changeStudy } from "app/state.js";
 import { asksFor, uploaded } from "app/uploads.js";
 
+/** @import { Choices, State, Study } from "answers" */
+/** @import { Group } from "app/controls.js" */
+
 const STANDARD = "builtin:checker";
 const BEYOND = [
   ["hold", "as at its end"],
   ["zero", "black"],
 ];
 
-/** The cube of a study's picture. */
+/** What a picture says of its cube. */
+const OF_THE_CUBE = ["key", "shape", "wavelengths", "scale", "beyond"];
+
+/**
+ * The cube of a study's picture.
+ *
+ * @param {Study} study
+ */
 export function cubeOf(study) {
   return study.pictures?.[0]?.cube ?? STANDARD;
 }
@@ -18,17 +28,28 @@ export function cubeOf(study) {
 /**
  * Puts another cube into a study's first picture; the standard one needs no picture at all. `more`
  * is how it is to be read.
+ *
+ * @param {Study} study
+ * @param {string} cube
+ * @param {object} [more]
  */
 export function setCube(study, cube, more = {}) {
-  const [{ key, shape, wavelengths, scale, beyond, ...first } = {}, ...rest] = study.pictures ?? [];
-  const picture = { ...first, cube, ...more }; // how the former cube was to be read says nothing of this one
+  const [before = {}, ...rest] = study.pictures ?? [];
+  // how the former cube was to be read says nothing of this one
+  const kept = Object.entries(before).filter(([key]) => !OF_THE_CUBE.includes(key));
+  const picture = { ...Object.fromEntries(kept), cube, ...more };
   const plain = cube === STANDARD && Object.keys(picture).length === 1;
   const pictures = plain ? rest : [picture, ...rest];
   if (pictures.length) study.pictures = pictures;
   else delete study.pictures;
 }
 
-/** The group of controls: `node` and `show(state)`. */
+/**
+ * The group of controls: `node` and `show(state)`.
+ *
+ * @param {Choices} choices
+ * @returns {Group}
+ */
 export function sceneControls(choices) {
   const scene = choice({
     label: "Scene of the picture",
@@ -40,8 +61,9 @@ export function sceneControls(choices) {
     label: "Beyond the bands of its cube",
     options: BEYOND,
     where: "pictures.0.beyond",
-    on: (beyond) => changeStudy((study) => (study.pictures[0].beyond = beyond)),
+    on: (beyond) => changeStudy(({ pictures = [] }) => (pictures[0].beyond = beyond)),
   });
+  /** @param {State} state */
   const show = ({ study }) => {
     const known = choices.scenes?.length ? choices.scenes : [STANDARD];
     const cube = cubeOf(study);

@@ -6,6 +6,9 @@ import { shownUnit, slider } from "app/slider.js";
 import { changeStudy } from "app/state.js";
 import { asksFor, uploaded } from "app/uploads.js";
 
+/** @import { Choices, Head, HeadSensor, KnownSensor, SensorPart, Slider, State, Study } from "answers" */
+/** @import { Group } from "app/controls.js" */
+
 const FEWEST = 2;
 const MOST = 6;
 
@@ -20,12 +23,22 @@ const PEAK = {
   step: 0.01,
 };
 
-/** The group of controls: `node` and `show(state, head)`. */
+/**
+ * The group of controls: `node` and `show(state, head)`.
+ *
+ * @param {Choices} choices
+ * @returns {Group}
+ */
 export function sensorControls(choices) {
   const list = el("div", { class: "cards" });
   const add = button("Add a sensor", () => addSensor(choices), { class: "wide" });
   const said = el("p", { class: "hint" });
+  /** @type {ReturnType<typeof sensorCard>[]} */
   let cards = [];
+  /**
+   * @param {State} state
+   * @param {Head | null} head
+   */
   const show = ({ study }, head) => {
     const { sensors } = study;
     if (cards.length !== sensors.length) {
@@ -39,7 +52,13 @@ export function sensorControls(choices) {
   return { node: el("div", {}, list, add, said), show };
 }
 
-/** Appends a sensor: the next of the catalogue that is not shown yet, or the one that is named. */
+/**
+ * Appends a sensor: the next of the catalogue that is not shown yet, or the one that is named.
+ *
+ * @param {Choices} choices
+ * @param {string | null} [name]
+ * @param {object} [more]
+ */
 export function addSensor(choices, name = null, more = {}) {
   changeStudy((study) => {
     const taken = new Set(study.sensors.map((sensor) => sensor.name));
@@ -48,6 +67,10 @@ export function addSensor(choices, name = null, more = {}) {
   });
 }
 
+/**
+ * @param {Choices} choices
+ * @param {number} i
+ */
 function sensorCard(choices, i) {
   const legend = el("legend", { text: `Sensor ${i + 1}` });
   const pick = choice({
@@ -80,6 +103,11 @@ function sensorCard(choices, i) {
     ...inner.map((one) => one.row),
   );
   const node = el("fieldset", { class: "card" }, legend, pick.row, what, drawer);
+  /**
+   * @param {SensorPart} sensor
+   * @param {HeadSensor | undefined} told
+   * @param {number} count
+   */
   const show = (sensor, told, count) => {
     const known = choices.sensors.find((one) => one.name === sensor.name);
     const names = choices.sensors.map((one) => one.name);
@@ -96,20 +124,37 @@ function sensorCard(choices, i) {
   return { node, show };
 }
 
-/** What a sensor is; its pixel as computed, if that is known already. */
+/**
+ * What a sensor is; its pixel as computed, if that is known already.
+ *
+ * @param {KnownSensor} known
+ * @param {HeadSensor | undefined} told
+ */
 function described(known, told) {
   if (told?.name !== known.name || told.pitch_um === undefined) return known.what;
   return `${known.what}; ${brief(told.pitch_um)} µm, ${brief(told.full_well_e)} e\u207b full well`;
 }
 
-/** Takes a sensor away; the focus goes on to what is left, not back to the top of the page. */
+/**
+ * Takes a sensor away; the focus goes on to what is left, not back to the top of the page.
+ *
+ * @param {number} i
+ * @param {HTMLElement} node
+ */
 function remove(i, node) {
-  const list = node.parentElement;
+  const list = /** @type {HTMLElement} */ (node.parentElement);
   changeStudy((study) => study.sensors.splice(i, 1));
-  list.children[Math.min(i, list.children.length - 1)]?.querySelector("select").focus();
+  list.children[Math.min(i, list.children.length - 1)]?.querySelector("select")?.focus();
 }
 
-/** Puts another sensor in the place of one; `more` is what its own file must be told. */
+/**
+ * Puts another sensor in the place of one; `more` is what its own file must be told.
+ *
+ * @param {Study} study
+ * @param {number} i
+ * @param {string} name
+ * @param {object} [more]
+ */
 export function exchange(study, i, name, more = {}) {
   // answers belong to one file, changes of the pixel to the question
   const { pixel, filter, ircut_nm, shift_nm } = study.sensors[i];
@@ -117,17 +162,30 @@ export function exchange(study, i, name, more = {}) {
   study.sensors[i] = { name, ...more, ...Object.fromEntries(kept.filter(([, value]) => value !== undefined)) };
 }
 
+/**
+ * @param {Study} study
+ * @param {number} i
+ */
 function swap(study, i) {
   const { sensors } = study;
   [sensors[i - 1], sensors[i]] = [sensors[i], sensors[i - 1]];
 }
 
-/** Sliders of everything that the server says a sensor has. */
+/**
+ * Sliders of everything that the server says a sensor has.
+ *
+ * @param {Choices} choices
+ * @param {number} i
+ */
 function innerSliders(choices, i) {
   const own = choices.sliders.filter((one) => one.key.startsWith("sensors."));
   return own.map((range) => sensorSlider(range, i));
 }
 
+/**
+ * @param {Slider} range
+ * @param {number} i
+ */
 function sensorSlider(range, i) {
   const path = range.key.slice("sensors.".length);
   const control = slider({
@@ -139,6 +197,10 @@ function sensorSlider(range, i) {
     on: (value) =>
       changeStudy((study) => setAt(study.sensors[i], path, value), value === null ? "step" : "slide"),
   });
+  /**
+   * @param {SensorPart} sensor
+   * @param {HeadSensor | undefined} told
+   */
   const show = (sensor, told) => {
     const value = valueAt(sensor, path);
     if (path === "pixel.read_noise_e") control.show(value, told?.read_noise_e ?? null);
@@ -147,16 +209,26 @@ function sensorSlider(range, i) {
   return { row: control.row, show };
 }
 
-/** Curves that are relative in their file, or were said to be, need their highest QE. */
+/**
+ * Curves that are relative in their file, or were said to be, need their highest QE.
+ *
+ * @param {SensorPart} sensor
+ */
 function asksForPeak({ name, answers }) {
   const said = answers?.peak_qe !== undefined || answers?.level === "relative";
   return said || asksFor("sensor", name, "answers.peak_qe");
 }
 
-/** What stands in front of the sensor: a word, with those of the catalogue offered. */
+/**
+ * What stands in front of the sensor: a word, with those of the catalogue offered.
+ *
+ * @param {Choices} choices
+ * @param {number} i
+ */
 function filterChoice(choices, i) {
   const id = freshId("filter");
   const offered = el("datalist", { id: `${id}-known` }, ...(choices.filters ?? []).map((value) => el("option", { value })));
+  /** @type {HTMLInputElement} */
   const typed = el("input", {
     id,
     type: "text",
@@ -172,6 +244,7 @@ function filterChoice(choices, i) {
   const row = el("div", { class: "row" }, named, typed, offered);
   let shown = "";
   // an answer that comes while somebody types must not take the letters away
+  /** @param {SensorPart} sensor */
   const show = ({ filter }) => {
     if (shown !== (filter ?? "")) typed.value = shown = filter ?? "";
   };
@@ -179,4 +252,5 @@ function filterChoice(choices, i) {
 }
 
 /** Where a slider stands that changes nothing: an edge at its end cuts nothing off. */
+/** @type {Record<string, number>} */
 const UNTOUCHED = { shift_nm: 0 };

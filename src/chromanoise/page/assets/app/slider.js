@@ -3,28 +3,55 @@
 import { attribute, brief, el, freshId } from "app/dom.js";
 import { complain } from "app/faults.js";
 
+/** @import { Range } from "answers" */
+/** @typedef {(value: number | null) => unknown} Take */
+/**
+ * @typedef {object} SliderOptions
+ * @property {string} label
+ * @property {string} unit
+ * @property {Range} range
+ * @property {string} where key of the study
+ * @property {Take} on
+ * @property {string | null} [own] words of the button that takes the value away
+ * @property {string} [aside]
+ */
+/** @typedef {ReturnType<typeof elements>} Elements */
+/** @typedef {Elements & { shown?: string, place?: string, told?: string }} Parts */
+
 /** Places on a slider whose scale tells no step. */
 const PLACES = 240;
 
-/** The unit as it stands beside a number: none for pure numbers, a true minus for electrons. */
+/**
+ * The unit as it stands beside a number: none for pure numbers, a true minus for electrons.
+ *
+ * @param {{ unit?: string }} slider
+ */
 export function shownUnit({ unit }) {
   if (unit === "1" || unit === "f/#") return "";
   return (unit ?? "").replace("e-", "e\u207b");
 }
 
-/** How a slider's places become values: `{places, valueAt(place), placeOf(value)}`. */
+/**
+ * How a slider's places become values: `{places, valueAt(place), placeOf(value)}`.
+ *
+ * @param {Range} range
+ */
 export function scaleOf({ low, high, scale, step }) {
   if (scale !== "log") {
     const places = Math.max(1, Math.round((high - low) / (step || (high - low) / PLACES)));
     const width = (high - low) / places;
+    /** @param {number} place */
     const valueAt = (place) => Number((low + place * width).toPrecision(6));
-    return { places, valueAt, placeOf: (value) => (value - low) / width };
+    return { places, valueAt, placeOf: /** @param {number} value */ (value) => (value - low) / width };
   }
   const span = Math.log(high / low);
   // a step of a log scale is a share of a decade
   const places = step ? Math.max(1, Math.round(span / Math.LN10 / step)) : PLACES;
+  /** @param {number} place */
   const valueAt = (place) => Number((low * Math.exp((span * place) / places)).toPrecision(3));
-  return { places, valueAt, placeOf: (value) => (places * Math.log(value / low)) / span };
+  /** @param {number} value */
+  const placeOf = (value) => (places * Math.log(value / low)) / span;
+  return { places, valueAt, placeOf };
 }
 
 /**
@@ -33,6 +60,8 @@ export function scaleOf({ low, high, scale, step }) {
  * `on(value)` gets a number, or `null` where `own` (the words of a button) gives it back to what
  * the study says without it. `show(value, meanwhile, words)` shows a value; where it is `null`
  * the slider stands at `meanwhile` and the field shows that, or `words`, as a hint.
+ *
+ * @param {SliderOptions} options
  */
 export function slider({ label, unit, range, where, on, own = null, aside = "" }) {
   const parts = elements({ label, unit, range, where, own, aside });
@@ -48,11 +77,18 @@ export function slider({ label, unit, range, where, on, own = null, aside = "" }
   });
   return {
     row: parts.row,
+    /**
+     * @param {number | null | undefined} value
+     * @param {number | null} [meanwhile]
+     * @param {string | null} [words]
+     */
     show: (value, meanwhile = null, words = null) => show(parts, value, meanwhile, { unit, own, words }),
+    /** @param {boolean} enabled */
     enable: (enabled) => enable(parts, enabled),
   };
 }
 
+/** @param {Omit<SliderOptions, "on">} options */
 function elements({ label, unit, range, where, own, aside }) {
   const scale = scaleOf(range);
   const id = freshId("slider");
@@ -78,6 +114,12 @@ function elements({ label, unit, range, where, own, aside }) {
   return { scale, track, field, back, row, label };
 }
 
+/**
+ * @param {Parts} parts
+ * @param {number | null | undefined} value
+ * @param {number | null} meanwhile
+ * @param {{ unit: string, own: string | null, words: string | null }} texts
+ */
 function show(parts, value, meanwhile, { unit, own, words }) {
   const { scale, track, field, back } = parts;
   // the same again costs the browser a layout, and there are many sliders
@@ -88,9 +130,10 @@ function show(parts, value, meanwhile, { unit, own, words }) {
   const place = known === null || known === undefined ? 0 : scale.placeOf(known);
   const held = Number.isNaN(place) ? 0 : Math.min(Math.max(place, 0), scale.places);
   const told = value === null || value === undefined ? "" : String(value);
-  Object.assign(parts, { shown: key, place: String(Math.round(held)), told });
+  const at = String(Math.round(held));
+  Object.assign(parts, { shown: key, place: at, told });
   // a slider that is being moved already stands there; writing it again would make it jump
-  if (track.value !== parts.place) track.value = parts.place;
+  if (track.value !== at) track.value = at;
   if (field.value !== told) field.value = told;
   const hint = words ?? (meanwhile === null ? "own" : brief(meanwhile));
   attribute(track, "aria-valuetext", `${told === "" ? hint : told} ${unit}`.trim());
@@ -99,11 +142,21 @@ function show(parts, value, meanwhile, { unit, own, words }) {
   if (back) back.hidden = told === "";
 }
 
+/**
+ * @param {Parts} parts
+ * @param {boolean} enabled
+ */
 function enable({ track, field, back }, enabled) {
   for (const node of [track, field, back]) if (node) attribute(node, "disabled", !enabled);
 }
 
-/** Shift with an arrow goes ten places; Page Up and Page Down are the browser's own tenths. */
+/**
+ * Shift with an arrow goes ten places; Page Up and Page Down are the browser's own tenths.
+ *
+ * @param {KeyboardEvent} event
+ * @param {Parts} parts
+ * @param {Take} on
+ */
 function strides(event, { scale, track }, on) {
   const way = WAYS[event.key];
   if (!way || !event.shiftKey) return;
@@ -113,16 +166,26 @@ function strides(event, { scale, track }, on) {
   on(scale.valueAt(Number(track.value)));
 }
 
+/** @type {Record<string, number>} */
 const WAYS = { ArrowUp: 1, ArrowRight: 1, ArrowDown: -1, ArrowLeft: -1 };
 
+/**
+ * @param {KeyboardEvent} event
+ * @param {Parts} parts
+ * @param {Take} on
+ */
 function stepsInField(event, { scale, track }, on) {
-  const way = { ArrowUp: 1, ArrowDown: -1 }[event.key];
+  const way = event.key === "ArrowUp" ? 1 : event.key === "ArrowDown" ? -1 : 0;
   if (!way) return;
   event.preventDefault();
   const place = Number(track.value) + way * (event.shiftKey ? 10 : 1);
   on(scale.valueAt(Math.min(Math.max(place, 0), scale.places)));
 }
 
+/**
+ * @param {Parts} parts
+ * @param {Take} on
+ */
 function readField({ field, back, row, label }, on) {
   const text = field.value.trim().replace("\u2212", "-");
   if (text === "" && back) return on(null);
@@ -133,7 +196,12 @@ function readField({ field, back, row, label }, on) {
   return wrong ? undefined : on(value);
 }
 
-/** What is wrong with a typed number: "1,000" is one for some and a thousand for others. */
+/**
+ * What is wrong with a typed number: "1,000" is one for some and a thousand for others.
+ *
+ * @param {string} text
+ * @param {number} value
+ */
 function whyNoNumber(text, value) {
   if (/^-?[1-9]\d*,\d{3}$/.test(text)) {
     return `may be ${text.replace(",", "")} or ${text.replace(",", ".")}; write it without a comma.`;

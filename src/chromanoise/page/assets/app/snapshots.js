@@ -6,9 +6,17 @@ import { PARTS } from "app/panels.js";
 import { current } from "app/state.js";
 import { shownName } from "app/uploads.js";
 
+/** @import { AskedLook, Look, Part, Parts, Study } from "answers" */
+/** @typedef {{ study: Study, name: string, parts: Parts, turn: number }} Ghost */
+
 const MOST = 3;
 
-/** Of a look, what the server needs to know. */
+/**
+ * Of a look, what the server needs to know.
+ *
+ * @param {Look} look
+ * @returns {AskedLook}
+ */
 export function askedLook({ coordinate, plane, magnification }) {
   return { coordinate, plane, magnification };
 }
@@ -17,8 +25,12 @@ export function askedLook({ coordinate, plane, magnification }) {
  * The row of ghosts in `place`; `changed()` is called when what stands behind the drawings changed.
  * Gives `ghosts(part, data)`, the earlier data that can stand behind these, and `look()`, to be
  * called when that changed.
+ *
+ * @param {HTMLElement} place
+ * @param {() => void} changed
  */
 export function snapshots(place, changed) {
+  /** @type {Ghost[]} */
   let kept = [];
   let count = 0;
   const said = el("span", { class: "said", role: "status" });
@@ -41,6 +53,7 @@ export function snapshots(place, changed) {
     keep.title = keep.disabled ? "Three are as many as can be told apart; remove one first" : "";
     changed();
   };
+  /** @param {Ghost} ghost */
   const drop = (ghost) => {
     kept = kept.filter((other) => other !== ghost);
     show();
@@ -50,6 +63,10 @@ export function snapshots(place, changed) {
     await Promise.all(kept.map(refreshed));
     if (kept.length) changed();
   };
+  /**
+   * @param {Part} part
+   * @param {object | null} data
+   */
   const ghosts = (part, data) => kept.map((ghost) => ghost.parts[part]).filter((old) => comparable(old, data));
   return { ghosts, look };
 }
@@ -57,11 +74,20 @@ export function snapshots(place, changed) {
 /** What two drawings must share to stand on the same axes. */
 const AXES = ["coordinate", "plane", "quantity", "unit"];
 
+/**
+ * @param {any} old
+ * @param {any} data
+ */
 function comparable(old, data) {
   return Boolean(old && data && !old.fault && AXES.every((key) => old[key] === data[key]));
 }
 
-/** Asks for all parts of a ghost's study; gives a sentence where that failed, else "". */
+/**
+ * Asks for all parts of a ghost's study; gives a sentence where that failed, else "".
+ *
+ * @param {Ghost} ghost
+ * @returns {Promise<string>}
+ */
 async function refreshed(ghost) {
   const look = askedLook(current().look);
   const turn = (ghost.turn += 1);
@@ -77,11 +103,16 @@ async function refreshed(ghost) {
   }
 }
 
+/** @param {Study} study */
 function shortName({ light = {}, exposure = {}, sensors }) {
   const level = `${brief(light.level_lux ?? 10, 3)} lx ${shownName(light.illuminant ?? "E")}`;
   return `${level}, f/${brief(exposure.f_number ?? 1.8, 2)}, ${sensors.length} sensors`;
 }
 
+/**
+ * @param {Ghost} ghost
+ * @param {(ghost: Ghost) => void} drop
+ */
 function chip(ghost, drop) {
   const name = el("input", {
     type: "text",

@@ -2,6 +2,11 @@
 
 import { decoded, encoded, isRecord } from "app/address.js";
 
+/** @import { Look, State, Study } from "answers" */
+/** @typedef {"step" | "slide" | "look"} How */
+/** @typedef {"study" | "look" | "all"} What */
+
+/** @type {Study} */
 const STUDY = {
   light: { illuminant: "E", level_lux: 10 },
   exposure: { equal: "exposure", f_number: 1.8 },
@@ -9,6 +14,7 @@ const STUDY = {
   matrices: ["kernel"],
 };
 
+/** @type {Look} */
 const LOOK = {
   theme: "auto",
   coordinate: "Y",
@@ -22,35 +28,56 @@ const LOOK = {
 const GESTURE_MS = 1000;
 const WRITE_MS = 250;
 
+/** @type {{ study: Study, look: Partial<Look> }} */
 let first = { study: STUDY, look: LOOK };
-let state = structuredClone(first);
-let writing = null;
+/** @type {State} */
+let state = { study: structuredClone(STUDY), look: structuredClone(LOOK) };
+/** @type {number | undefined} */
+let writing;
 let lastSlide = -Infinity;
+/** @type {Set<(state: State, what: What) => void>} */
 const listeners = new Set();
 
 /** The state now; read it, never write into it. */
 export const current = () => state;
 
-/** `listener(state, what)` is called after every change; `what` is "study", "look" or "all". */
+/**
+ * `listener(state, what)` is called after every change; `what` is "study", "look" or "all".
+ *
+ * @param {(state: State, what: What) => void} listener
+ */
 export function subscribe(listener) {
   listeners.add(listener);
 }
 
-/** Changes the study: `edit` works on a copy. `how` is "step", or "slide" while a slider moves. */
+/**
+ * Changes the study: `edit` works on a copy. `how` is "step", or "slide" while a slider moves.
+ *
+ * @param {(study: Study) => unknown} edit
+ * @param {How} [how]
+ */
 export function changeStudy(edit, how = "step") {
   const study = structuredClone(state.study);
   edit(study);
   enter({ ...state, study }, how, "study");
 }
 
-/** Changes how it is looked at; the history keeps no entry of that. */
+/**
+ * Changes how it is looked at; the history keeps no entry of that.
+ *
+ * @param {(look: Look) => unknown} edit
+ */
 export function changeLook(edit) {
   const look = structuredClone(state.look);
   edit(look);
   enter({ ...state, look }, "look", "look");
 }
 
-/** Shows another study in the same look, as an entry of the history. */
+/**
+ * Shows another study in the same look, as an entry of the history.
+ *
+ * @param {Study} study
+ */
 export function replaceStudy(study) {
   enter({ ...state, study: structuredClone(study) }, "step", "all");
 }
@@ -63,16 +90,20 @@ export function readAddress() {
   try {
     if (text) read = decoded(text);
   } catch (error) {
-    complaint = error.message;
+    complaint = error instanceof Error ? error.message : String(error);
   }
   state = { study: structuredClone(read.study), look: knownLook(read.look) };
   tell("all");
   return complaint;
 }
 
-/** The study to start from where the address has none. */
+/**
+ * The study to start from where the address has none.
+ *
+ * @param {unknown} study
+ */
 export function startFrom(study) {
-  if (isRecord(study)) first = { study, look: LOOK };
+  if (isRecord(study)) first = { study: /** @type {any} */ (study), look: LOOK };
 }
 
 /** The whole address of the state now. */
@@ -80,6 +111,11 @@ export function link() {
   return `${location.origin}${location.pathname}#${encoded(state)}`;
 }
 
+/**
+ * @param {State} next
+ * @param {How} how
+ * @param {What} what
+ */
 function enter(next, how, what) {
   const now = performance.now();
   const starts = how === "step" || (how === "slide" && now - lastSlide > GESTURE_MS);
@@ -94,33 +130,43 @@ function enter(next, how, what) {
   } else writing ??= setTimeout(() => write("replaceState", state), WRITE_MS);
 }
 
+/**
+ * @param {"replaceState" | "pushState"} method
+ * @param {State} written
+ */
 function write(method, written) {
   clearTimeout(writing);
-  writing = null;
+  writing = undefined;
   history[method](null, "", `#${encoded(written)}`);
 }
 
+/** @param {What} what */
 function tell(what) {
   for (const listener of listeners) listener(state, what);
 }
 
-/** Keys of another kind than ours are left at their defaults, so that no link breaks a drawing. */
+/**
+ * Keys of another kind than ours are left at their defaults, so that no link breaks a drawing.
+ *
+ * @param {Partial<Look>} look
+ * @returns {Look}
+ */
 function knownLook(look) {
-  const known = structuredClone(LOOK);
-  for (const key of Object.keys(known)) {
-    if (fits(key, look[key])) known[key] = look[key];
-  }
-  return known;
+  const told = /** @type {Record<string, unknown>} */ (look);
+  const fitting = Object.keys(LOOK).filter((key) => told[key] !== undefined && FITS[key](told[key]));
+  return { ...structuredClone(LOOK), ...Object.fromEntries(fitting.map((key) => [key, told[key]])) };
 }
 
+/** @param {unknown} value */
 const isNumber = (value) => typeof value === "number" && Number.isFinite(value);
+/** @param {unknown} value */
 const isText = (value) => typeof value === "string";
+/** @type {Record<string, (value: unknown) => boolean>} */
 const FITS = {
-  theme: (value) => ["auto", "light", "dark"].includes(value),
+  theme: (value) => value === "auto" || value === "light" || value === "dark",
   coordinate: isText,
-  plane: (value) => ["ab", "xy"].includes(value),
+  plane: (value) => value === "ab" || value === "xy",
   turn: (value) => Array.isArray(value) && value.length === 2 && value.every(isNumber),
   magnification: isNumber,
   open: (value) => Array.isArray(value) && value.every(isText),
 };
-const fits = (key, value) => value !== undefined && FITS[key](value);

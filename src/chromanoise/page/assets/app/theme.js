@@ -3,13 +3,20 @@
 import { radios } from "app/dom.js";
 import { changeLook } from "app/state.js";
 
+/** @import { Look } from "answers" */
+
 const NAMES = [
   ["auto", "Auto"],
   ["light", "Light"],
   ["dark", "Dark"],
 ];
 
-/** Puts the choice into its place; gives `show(look)`. */
+/**
+ * Puts the choice into its place; gives `show(look)`.
+ *
+ * @param {HTMLElement} place
+ * @returns {(look: Look) => void}
+ */
 export function themeChoice(place) {
   const marks = radios({
     legend: "Colors",

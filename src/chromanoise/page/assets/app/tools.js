@@ -3,9 +3,16 @@
 import { choice, fillChoice } from "app/dom.js";
 import { changeLook } from "app/state.js";
 
+/** @import { Budget, Choices, Failed, Look } from "answers" */
+/** @import { Option } from "app/dom.js" */
+
 const MAGNIFICATIONS = ["auto", "1", "2", "5", "10", "20", "50", "100"];
 
-/** The tools by part: nodes, and `show(look)` that sets them to a look. */
+/**
+ * The tools by part: nodes, and `show(look)` that sets them to a look.
+ *
+ * @param {Choices} choices
+ */
 export function headingTools(choices) {
   const coordinates = choices.coordinates ?? ["X", "Y", "Z"];
   const coordinate = tool("Coordinate", coordinates, (name) => changeLook((look) => (look.coordinate = name)));
@@ -19,22 +26,33 @@ export function headingTools(choices) {
     changeLook((look) => (look.magnification = text === "auto" ? null : Number(text))),
   );
   let offered = coordinates;
+  /** @param {Look} look */
   const show = (look) => {
     fillChoice(coordinate.select, offered, look.coordinate);
     fillChoice(plane.select, planes, look.plane);
     fillChoice(magnification.select, times, String(look.magnification ?? "auto"));
   };
-  /** The budget tells which coordinates these sensors have. */
+  /**
+   * The budget tells which coordinates these sensors have.
+   *
+   * @param {Budget | Failed | null} data
+   */
   const budgetOf = (data) => {
-    const names = data?.coordinates ?? offered;
+    const told = data && "coordinates" in data ? data : null;
+    const names = told?.coordinates ?? offered;
     if (names.join() === offered.join()) return;
     offered = names;
-    fillChoice(coordinate.select, offered, data.coordinate);
+    fillChoice(coordinate.select, offered, told?.coordinate);
   };
   const nodes = { budget: coordinate.row, ellipses: plane.row, vectors: magnification.row };
   return { nodes, show, coordinates: budgetOf };
 }
 
+/**
+ * @param {string} label
+ * @param {Option[]} options
+ * @param {(value: string) => void} on
+ */
 function tool(label, options, on) {
   return choice({ label, options, value: undefined, hidden: true, on });
 }

@@ -1,7 +1,7 @@
 /** Bring your own: a spectrum, a sensor, a study or a cube, dropped anywhere or chosen. */
 
 import { Refused, understood } from "app/ask.js";
-import { button, choice, el, fillChoice } from "app/dom.js";
+import { button, choice, el, fillChoice, within } from "app/dom.js";
 import { lampless } from "app/light.js";
 import { setCube } from "app/scene.js";
 import { complain } from "app/faults.js";
@@ -9,17 +9,26 @@ import { exchange } from "app/sensors.js";
 import { changeStudy, current, replaceStudy } from "app/state.js";
 import { remember } from "app/uploads.js";
 
+/** @import { FileQuestion, SensorPart, Study, Upload } from "answers" */
+/** @typedef {Record<string, string | number>} Answers */
+/** @typedef {ReturnType<typeof question>} Ask */
+
 const LARGEST = 12e6;
 const UNHEARD = "The server does not answer, so the file was not read; try again.";
 
-/** Puts the field for files into its place and lets files be dropped anywhere. */
+/**
+ * Puts the field for files into its place and lets files be dropped anywhere.
+ *
+ * @param {HTMLElement} place
+ */
 export function uploads(place) {
   const report = el("div", { class: "brought", role: "status" });
+  /** @type {HTMLInputElement} */
   const field = el("input", {
     type: "file",
     id: "file",
     class: "unseen",
-    on: { change: () => field.files.length && bring(field.files[0], report).then(() => (field.value = "")) },
+    on: { change: () => field.files?.[0] && bring(field.files[0], report).then(() => (field.value = "")) },
   });
   const label = el("label", { for: "file", class: "drop" }, el("span", { text: "Drop a file or choose one" }));
   const hint = el("p", { class: "hint", text: "Spectrum, sensor, study or cube; it stays on this computer." });
@@ -30,8 +39,10 @@ export function uploads(place) {
   });
 }
 
+/** @param {(file: File) => void} take */
 function dropAnywhere(take) {
   const root = document.documentElement;
+  /** @param {DragEvent} event */
   const holds = (event) => event.dataTransfer?.types.includes("Files");
   document.addEventListener("dragover", (event) => {
     if (!holds(event)) return;
@@ -45,12 +56,17 @@ function dropAnywhere(take) {
     root.classList.remove("dropping");
     if (!holds(event)) return;
     event.preventDefault();
-    take(event.dataTransfer.files[0]);
+    const file = event.dataTransfer?.files[0];
+    if (file) take(file);
   });
 }
 
 let latest = 0;
 
+/**
+ * @param {File} file
+ * @param {HTMLElement} report
+ */
 async function bring(file, report) {
   const turn = (latest += 1);
   report.replaceChildren(el("p", { text: `Reading ${file.name} …` }));
@@ -74,13 +90,25 @@ async function bring(file, report) {
   report.scrollIntoView({ block: "nearest" });
 }
 
-/** Some sentences name the file already. */
+/**
+ * Some sentences name the file already.
+ *
+ * @param {string} name
+ * @param {string} sentence
+ */
 const named = (name, sentence) => (sentence.startsWith(name) ? sentence : `${name}: ${sentence}`);
 
+/** @param {File} file */
 const tooLarge = ({ size }) =>
   `The file has ${(size / 1e6).toFixed(1)} MB and 12 MB are the most; bring a part of it.`;
 
-/** What was understood, what is still to be answered, and what to do with it. */
+/**
+ * What was understood, what is still to be answered, and what to do with it.
+ *
+ * @param {HTMLElement} report
+ * @param {string} name
+ * @param {Upload} answer
+ */
 function show(report, name, answer) {
   if (answer.kind !== "study") remember(answer.kind, answer.id, name, (answer.asks ?? []).map(({ key }) => key));
   const lines = (answer.preview ?? []).map((text) => el("li", { text }));
@@ -97,7 +125,11 @@ function show(report, name, answer) {
   report.replaceChildren(title, el("ul", { class: "notes" }, ...lines), form);
 }
 
-/** A question that the file cannot answer: one of a few words, or a number. */
+/**
+ * A question that the file cannot answer: one of a few words, or a number.
+ *
+ * @param {FileQuestion} asked
+ */
 function question({ key, question: text, choices }) {
   if (choices?.length) {
     const pick = choice({ label: text, options: [], on: () => {} });
@@ -109,17 +141,32 @@ function question({ key, question: text, choices }) {
   return { row, answer: () => [key, typed(field.value.trim())] };
 }
 
-/** Whether a question of the file is still open; then it says so and stands under the cursor. */
+/**
+ * Whether a question of the file is still open; then it says so and stands under the cursor.
+ *
+ * @param {Ask | undefined} ask
+ */
 function asksFor(ask) {
   if (!ask) return false;
   complain(ask.row, "The file does not say this; answer it first.");
-  ask.row.querySelector("select, input").focus();
+  within(ask.row, "select, input").focus();
   return true;
 }
 
+/** @param {string} text */
 const typed = (text) => (text === "" || Number.isNaN(Number(text)) ? text : Number(text));
 
+/**
+ * @param {Upload} answer
+ * @param {() => Answers} answers
+ * @param {() => void} done
+ * @param {() => Ask | undefined} unanswered
+ */
 function uses(answer, answers, done, unanswered) {
+  /**
+   * @param {string} text
+   * @param {(study: Study) => unknown} edit
+   */
   const use = (text, edit) => button(text, () => (asksFor(unanswered()) ? null : (changeStudy(edit), done())), { class: "wide" });
   if (answer.kind === "light") {
     return [use("Use as the light", (study) => useLight(study, answer.id, answers()))];
@@ -129,28 +176,49 @@ function uses(answer, answers, done, unanswered) {
     return [button("Open this study", () => (replaceStudy(answer.study), done()), { class: "wide primary" })];
   }
   if (answer.kind !== "sensor") return [];
-  const exchanges = current().study.sensors.map((sensor, i) =>
+  const exchanges = current().study.sensors.map((_, i) =>
     use(`Exchange sensor ${i + 1}`, (study) => exchangeFor(study, i, withAnswers(answer.id, answers()))),
   );
   return [use("Add as a sensor", (study) => study.sensors.push(withAnswers(answer.id, answers()))), ...exchanges];
 }
 
+/**
+ * @param {Study} study
+ * @param {string} id
+ * @param {Answers} told
+ */
 function useLight(study, id, told) {
   study.light = { ...lampless(study.light), illuminant: id, ...stripped(told, "light.") };
 }
 
+/**
+ * @param {Study} study
+ * @param {number} i
+ * @param {SensorPart} sensor
+ */
 function exchangeFor(study, i, { name, ...answers }) {
   exchange(study, i, name, answers);
 }
 
-/** A sensor of a file: most answers are about its curves, a few about the sensor itself. */
+/**
+ * A sensor of a file: most answers are about its curves, a few about the sensor itself.
+ *
+ * @param {string} id
+ * @param {Answers} told
+ * @returns {SensorPart}
+ */
 function withAnswers(id, told) {
   const plain = stripped(stripped(told, "sensors."), "answers.");
   const { beyond, ...answers } = plain;
-  return { name: id, ...(beyond ? { beyond } : {}), ...(Object.keys(answers).length ? { answers } : {}) };
+  return { name: id, ...(beyond ? { beyond: String(beyond) } : {}), ...(Object.keys(answers).length ? { answers } : {}) };
 }
 
+/**
+ * @param {Answers} told
+ * @param {string} start
+ */
 function stripped(told, start) {
+  /** @param {string} key */
   const short = (key) => (key.startsWith(start) ? key.slice(start.length) : key);
   return Object.fromEntries(Object.entries(told).map(([key, value]) => [short(key), value]));
 }

@@ -1,0 +1,15 @@
+/** What eslint finds beyond the types, which tsc checks. */
+
+import js from "@eslint/js";
+import globals from "globals";
+
+export default [
+  { ignores: [".venv/", "build/", "dist/", "out/"] },
+  js.configs.recommended,
+  {
+    languageOptions: { ecmaVersion: 2023, sourceType: "module" },
+    linterOptions: { reportUnusedDisableDirectives: "error" },
+    rules: { eqeqeq: "error", "no-var": "error", "prefer-const": "error" },
+  },
+  { files: ["src/**/*.js"], languageOptions: { globals: globals.browser } },
+];

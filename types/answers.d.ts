@@ -1,0 +1,443 @@
+/**
+ * What the server sends, as docs/page.md describes it: the types of the page, of the drawing
+ * modules and of the report. Nothing of this file is shipped.
+ */
+
+/** A number, or `null` where there is none. */
+export type Maybe = number | null;
+
+export interface Fault {
+  where?: string;
+  sentence: string;
+}
+
+/** A part that could not be computed. */
+export interface Failed {
+  fault: string;
+}
+
+// ---- the state --------------------------------------------------------------------------------
+
+export interface Pixel {
+  read_noise_e?: number;
+  [key: string]: unknown;
+}
+
+export interface SensorPart {
+  name: string;
+  pixel?: Pixel;
+  filter?: string | null;
+  ircut_nm?: number;
+  shift_nm?: number;
+  beyond?: string;
+  answers?: { peak_qe?: number; level?: string; [key: string]: unknown };
+}
+
+export interface LightPart {
+  illuminant?: string;
+  level_lux?: number;
+  [key: string]: unknown;
+}
+
+export interface ExposurePart {
+  equal?: string;
+  time_ms?: number;
+  saturate?: number;
+  f_number?: number;
+}
+
+export interface PicturePart {
+  cube: string;
+  beyond?: string;
+  [key: string]: unknown;
+}
+
+/** A study as a TOML file has it; defaults may be left away. */
+export interface Study {
+  light?: LightPart;
+  exposure?: ExposurePart;
+  sensors: SensorPart[];
+  matrices?: string[];
+  pictures?: PicturePart[];
+  prior?: string | null;
+  seed?: number;
+}
+
+/** How a study is looked at. */
+export interface Look {
+  theme: string;
+  coordinate: string;
+  plane: string;
+  turn: number[];
+  magnification: Maybe;
+  open: string[];
+}
+
+export interface State {
+  study: Study;
+  look: Look;
+}
+
+/** Of a look, what the server needs to know. */
+export type AskedLook = Pick<Look, "coordinate" | "plane" | "magnification">;
+
+// ---- /api/choices -----------------------------------------------------------------------------
+
+export interface Range {
+  low: number;
+  high: number;
+  scale?: string;
+  step?: number;
+}
+
+/** A slider of the study; a step of a logarithmic one is of log10. */
+export interface Slider extends Range {
+  key: string;
+  label: string;
+  unit: string;
+}
+
+export interface KnownSensor {
+  name: string;
+  what: string;
+  channels: string[];
+  origin: string;
+  pitch_um: number;
+  full_well_e: number;
+  read_noise_e: number;
+}
+
+export interface Equation {
+  title: string;
+  equation: string;
+  source: string;
+}
+
+export interface Choices {
+  version: string;
+  study?: Study;
+  sensors: KnownSensor[];
+  illuminants: string[];
+  filters?: string[];
+  scenes?: string[];
+  matrices: { name: string; parameter: string | null }[];
+  priors: string[];
+  prior?: string;
+  coordinates?: string[];
+  sliders: Slider[];
+  equations?: Record<string, Equation>;
+}
+
+// ---- /api/answer: the parts -------------------------------------------------------------------
+
+export interface HeadSensor {
+  name: string;
+  channels: string[];
+  origin: string;
+  time_ms: number;
+  f_number: number;
+  pitch_um: number;
+  full_well_e: number;
+  read_noise_e: number;
+  saturated: string[];
+  mean_e: Record<string, number>;
+  notes?: string[];
+}
+
+export interface Head {
+  verdict: string[];
+  light: { name: string; level_lux: number };
+  sensors: HeadSensor[];
+}
+
+export interface Curve {
+  name: string;
+  qe: Maybe[];
+}
+
+export interface SensitivitiesSensor {
+  name: string;
+  channels: Curve[];
+}
+
+export interface Sensitivities {
+  wavelength_nm: number[];
+  infrared_from_nm: number;
+  light_name?: string;
+  light: Maybe[];
+  sensors: SensitivitiesSensor[];
+}
+
+export type ByName = Record<string, Maybe>;
+
+export interface StagesSensor {
+  name: string;
+  raw: ByName;
+  contravariant: ByName;
+  spectral_db?: Maybe;
+  color: ByName;
+  lab_sd: ByName;
+  bound_db: Maybe;
+  price_db: Maybe;
+  why_not: string | null;
+}
+
+export interface Stages {
+  gray: number;
+  sensors: StagesSensor[];
+}
+
+export interface BudgetStep {
+  label: string;
+  change_db: Maybe;
+  from_db: number;
+  to_db: number;
+  kind: "start" | "gain" | "cost" | "end";
+  reading?: string | null;
+}
+
+export interface BudgetSensor {
+  name: string;
+  why_not: string | null;
+  bound_db: Maybe;
+  steps?: BudgetStep[];
+}
+
+export interface Budget {
+  coordinate: string;
+  coordinates: string[];
+  sensors: BudgetSensor[];
+}
+
+export interface Vector {
+  at: number[];
+  norm_share: number;
+}
+
+export interface Ellipsoid {
+  center: number[];
+  half_axes: number[][];
+  norm_share?: number;
+}
+
+export interface VectorsSensor {
+  name: string;
+  channels: (Vector & { name: string })[];
+  light: Vector | null;
+  ellipsoid: Ellipsoid | null;
+  magnification: number;
+  why_not: string | null;
+}
+
+export interface Axis {
+  name: string;
+  at: number[];
+}
+
+export interface Vectors {
+  axes: Axis[];
+  scene?: Vector | null;
+  sigmas?: number;
+  magnification: Maybe;
+  sensors: VectorsSensor[];
+}
+
+export interface EllipsePatch {
+  name: string;
+  srgb: string;
+  truth: number[];
+  center: number[] | null;
+  outline: number[][] | null;
+  reach?: Maybe;
+}
+
+export interface EllipsesSensor {
+  name: string;
+  why_not: string | null;
+  patches: EllipsePatch[];
+}
+
+export interface Ellipses {
+  plane: "ab" | "xy";
+  names: string[];
+  sigmas: number;
+  sensors: EllipsesSensor[];
+}
+
+export interface LevelCurve {
+  sensor: string;
+  matrix: string;
+  values: Maybe[];
+  saturated_from_lux: Maybe;
+}
+
+export interface Crossover {
+  lux: Maybe;
+  sentence: string;
+}
+
+export interface Levels {
+  lux: number[];
+  now_lux: number;
+  quantity: string;
+  unit: string;
+  curves: LevelCurve[];
+  crossovers: Crossover[];
+}
+
+export interface ChartPatch {
+  srgb?: string | null;
+  delta_e?: Maybe;
+  noise?: Maybe;
+}
+
+export interface ChartSensor {
+  name: string;
+  why_not: string | null;
+  mean_delta_e: Maybe;
+  mean_noise: Maybe;
+  patches: ChartPatch[];
+}
+
+export interface Chart {
+  unit: string;
+  patches: { name: string; srgb: string }[];
+  sensors: ChartSensor[];
+}
+
+export interface ParetoPoint {
+  color_error: Maybe;
+  snr_db: Maybe;
+}
+
+export interface WeightedPoint extends ParetoPoint {
+  weight: number;
+}
+
+export interface ParetoSensor {
+  name: string;
+  why_not: string | null;
+  points: WeightedPoint[];
+  now: ParetoPoint | null;
+}
+
+export interface Pareto {
+  prior: string;
+  unit: string;
+  matrix?: string | null;
+  sensors: ParetoSensor[];
+}
+
+/** The data of each drawn part. */
+export interface Drawn {
+  stages: Stages;
+  budget: Budget;
+  sensitivities: Sensitivities;
+  levels: Levels;
+  pareto: Pareto;
+  vectors: Vectors;
+  ellipses: Ellipses;
+  chart: Chart;
+}
+
+export type Part = keyof Drawn;
+
+/** Drawn parts of one answer; `null` where there is nothing to show. */
+export type Parts = { [P in Part]?: Drawn[P] | Failed | null };
+
+export interface Answer {
+  number: number;
+  hash?: string;
+  seconds?: number;
+  files?: Record<string, string>;
+  parts: Parts & { head?: Head | Failed | null };
+}
+
+// ---- /api/picture and /api/upload -------------------------------------------------------------
+
+export interface PictureSummary {
+  sensor?: string;
+  width_px?: number;
+  height_px?: number;
+  above_full_well_share?: Record<string, number>;
+  notes?: string[];
+}
+
+export interface FileQuestion {
+  key: string;
+  question: string;
+  choices?: (string | number)[] | null;
+}
+
+interface UploadedPart {
+  preview?: string[];
+  asks?: FileQuestion[];
+}
+
+export interface UploadedStudy extends UploadedPart {
+  kind: "study";
+  study: Study;
+}
+
+/** What the id of a file stands for. */
+export type FileKind = "sensor" | "light" | "cube";
+
+export interface UploadedFile extends UploadedPart {
+  kind: FileKind;
+  id: string;
+}
+
+export type Upload = UploadedStudy | UploadedFile;
+
+// ---- what the drawing modules take and give ---------------------------------------------------
+
+export interface Options<Data> {
+  /** Earlier answers, drawn behind. */
+  ghosts?: Data[];
+  look?: Partial<Look> & { level_lux?: number; divider?: number };
+  width?: number;
+  zoom?: number;
+  home?: number[];
+}
+
+export interface Table {
+  head: string[];
+  rows: string[][];
+}
+
+export interface DrawingModule<Data> {
+  draw(element: HTMLElement, data: Data, options?: Options<Data>): void;
+  rows(data: Data): Table;
+}
+
+// ---- the data of a report ---------------------------------------------------------------------
+
+/** An ellipse as center, right and up half axis, and its reach. */
+export type PackedPatch = [number[], number[], number[], Maybe];
+
+export interface PackedEllipses {
+  plane: string;
+  sensors: { name: string; patches: PackedPatch[] }[];
+}
+
+/** The head with the cells of the table of sensors. */
+export interface ReportHead {
+  verdict: string[];
+  rows: string[][];
+}
+
+export interface ReportSlide {
+  label: string;
+  own: number;
+  told: string[];
+  answers: ReportChanges[];
+}
+
+/** By part: the keys that differ, or the whole part. */
+export type ReportChanges = Record<string, { whole?: object }>;
+
+export interface ReportData {
+  parts: Record<string, object>;
+  slides: ReportSlide[];
+  chart_of: { circle: number[][]; patches: { name: string; srgb: string; truth: number[] }[] };
+}
