@@ -16,6 +16,7 @@ import click
 
 from chromanoise import __version__
 from chromanoise._check import InputError
+from chromanoise.cli import paused_collection
 
 _COMMANDS = {
     "analyze": "Noise of sensors in raw, spectral and color coordinates, side by side.",
@@ -45,7 +46,8 @@ class _Commands(click.Group):
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         if cmd_name not in _COMMANDS:
             return None
-        module = import_module(f"chromanoise.cli.{cmd_name}")
+        with paused_collection():
+            module = import_module(f"chromanoise.cli.{cmd_name}")
         command = getattr(module, cmd_name)
         assert isinstance(command, click.Command)
         return command

@@ -5,7 +5,6 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 from rich.console import Console
-from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
 _MEASURED_S = 1.0  # time measured before the total is estimated
 _LONG_S = 30.0  # below this, no estimate is printed
@@ -34,6 +33,8 @@ def progress_of(what: str, parts: int, unit: str) -> Iterator[Callable[[int], No
     if not console.is_terminal:
         yield advance
         return
+    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
     rate = TextColumn("{task.completed}/{task.total} " + unit + ", {task.fields[speed]:.0f}/s")
     with Progress(
         BarColumn(), rate, TimeRemainingColumn(), console=console, transient=True
