@@ -7,7 +7,6 @@ import click
 
 from chromanoise._check import InputError, distinct
 from chromanoise.cli import tables
-from chromanoise.cli.copying import analyze_told, print_copy
 from chromanoise.cli.merit_tables import print_merits
 from chromanoise.cli.options import (
     EXPOSURE,
@@ -81,6 +80,8 @@ def analyze(
         raise InputError("--clip does not go with --budget or --merit: they follow eq. 7")
     refuse_idle_prior([method])
     if copy_as is not None:
+        from chromanoise.cli.copying import analyze_told, print_copy
+
         print_copy(copy_as, analyze_told(click.get_current_context().params))
         return
     refuse_taken_inputs({"--json": json_target, "--table": table}, sensors, options)
