@@ -6,7 +6,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from chromanoise.color import adapted_to_d65, srgb_from_xyz
+from chromanoise.color import (
+    adapted_to_d65,
+    balanced_cielab,
+    cie1976_difference,
+    srgb_from_xyz,
+)
 from chromanoise.scene import Scene, light
 from chromanoise.spectra import (
     DEFAULT_GRID,
@@ -18,7 +23,9 @@ from chromanoise.spectra import (
     color_axes,
     colorchecker,
     illuminant_named,
+    is_light_name,
 )
+from chromanoise.spectra.tables import packaged_table
 
 D65 = colour.CCS_ILLUMINANTS["CIE 1931 2 Degree Standard Observer"]["D65"]
 D65_WHITE = np.array([0.95047, 1.0, 1.08883])
@@ -98,8 +105,36 @@ def test_a_tabulated_lamp_keeps_its_shape(name):
     assert ours / ours.sum() == pytest.approx(theirs / theirs.sum(), rel=1e-9)
 
 
-def test_the_observer_is_the_table_of_colour_science():
+def test_the_observer_is_the_table_of_colour_science_to_the_last_digit():
+    table = packaged_table("cie_1931")
+    assert table.names == ("x", "y", "z")
+    assert np.array_equal(table.wavelength_nm, OBSERVER.wavelengths)
+    assert np.array_equal(table.values, OBSERVER.values)
     assert cie_1931(CIE).values == pytest.approx(OBSERVER.values, abs=1e-12)
+
+
+def test_packaged_daylight_is_the_table_of_colour_science_to_the_last_digit():
+    table = packaged_table("cie_daylight")
+    assert table.names == ("D50", "D55", "D65", "D75")
+    for name, power in zip(table.names, table.values.T, strict=True):
+        theirs = colour.SDS_ILLUMINANTS[name]
+        assert np.array_equal(table.wavelength_nm, theirs.wavelengths)
+        assert np.array_equal(power, theirs.values)
+
+
+def test_every_tabulated_lamp_of_colour_science_is_known_by_its_name():
+    assert all(is_light_name(name) for name in colour.SDS_ILLUMINANTS)
+
+
+def test_lab_and_its_differences_are_those_of_colour_science_to_the_last_digit():
+    random = np.random.default_rng(5)
+    xyz = random.uniform(-0.1, 1.2, (5, 400, 3))
+    xyz[0, :200] *= 0.02  # on the linear toe
+    theirs = colour.XYZ_to_Lab(xyz, np.array([1 / 3, 1 / 3]))
+    ours = balanced_cielab(xyz)
+    assert np.array_equal(ours, theirs)
+    difference = colour.difference.delta_E_CIE1976(np.broadcast_to(theirs[0], theirs.shape), theirs)
+    assert np.array_equal(cie1976_difference(ours[0], ours), difference)
 
 
 @pytest.mark.parametrize("lamp", ["A", "D65"])

@@ -1,90 +1,95 @@
 """From one operating point to every stage; budgets, sweeps, comparison, figures of merit."""
 
-from chromanoise.analysis.color_matrices import (
-    METHODS,
-    MatrixMaker,
-    Method,
-    known_matrices,
-    matrix_makers,
-    trained_names,
-)
-from chromanoise.analysis.comparison.bands import (
-    CrossoverBand,
-    band_sentence,
-    bands_as_json,
-    crossover_bands,
-)
-from chromanoise.analysis.comparison.crossing import (
-    Crossover,
-    Incomparable,
-    crossover_sentence,
-    crossovers,
-    crossovers_or_reasons,
-)
-from chromanoise.analysis.comparison.curves import (
-    Curve,
-    compared,
-)
-from chromanoise.analysis.comparison.quantities import (
-    QUANTITIES,
-    Quantity,
-)
-from chromanoise.analysis.comparison.sweeps import (
-    SWEEPS,
-    Sweep,
-    swept_values,
-)
-from chromanoise.analysis.export import (
-    analyses_as_json,
-    budgets_as_json,
-    comparison_as_json,
-)
-from chromanoise.analysis.figures_of_merit.entries import (
-    Merit,
-    Viewing,
-)
-from chromanoise.analysis.figures_of_merit.listed import (
-    Merits,
-    merits_as_json,
-    merits_of,
-)
-from chromanoise.analysis.gray_budget import (
-    lab_budgets,
-    missing_lab_budgets,
-)
-from chromanoise.analysis.pareto import (
-    matrix_as_json,
-    noise_weights,
-    pareto_of,
-    white_snr_db,
-)
-from chromanoise.analysis.patches import (
-    ChartNoise,
-    chart_as_json,
-    chart_noise,
-)
-from chromanoise.analysis.perceived import (
-    GreyNoise,
-    grey_noise,
-    grey_noise_as_json,
-)
-from chromanoise.analysis.priors import (
-    DEFAULT_PRIOR,
-    PRIORS,
-    Prior,
-)
-from chromanoise.analysis.stages import (
-    Analysis,
-    analyzed,
-    color_budgets,
-    color_price_db,
-    color_snr_db,
-    contravariant_budgets,
-    contravariant_snr_db,
-    diagnosis,
-    mean_color_error,
-    raw_snr_db,
-)
+from typing import TYPE_CHECKING
+
+from chromanoise._lazy import lazy_names
+
+if TYPE_CHECKING:
+    from chromanoise.analysis.color_matrices import (
+        METHODS,
+        MatrixMaker,
+        Method,
+        known_matrices,
+        matrix_makers,
+        trained_names,
+    )
+    from chromanoise.analysis.comparison.bands import (
+        CrossoverBand,
+        band_sentence,
+        bands_as_json,
+        crossover_bands,
+    )
+    from chromanoise.analysis.comparison.crossing import (
+        Crossover,
+        Incomparable,
+        crossover_sentence,
+        crossovers,
+        crossovers_or_reasons,
+    )
+    from chromanoise.analysis.comparison.curves import (
+        Curve,
+        compared,
+    )
+    from chromanoise.analysis.comparison.quantities import (
+        QUANTITIES,
+        Quantity,
+    )
+    from chromanoise.analysis.comparison.sweeps import (
+        SWEEPS,
+        Sweep,
+        swept_values,
+    )
+    from chromanoise.analysis.export import (
+        analyses_as_json,
+        budgets_as_json,
+        comparison_as_json,
+    )
+    from chromanoise.analysis.figures_of_merit.entries import (
+        Merit,
+        Viewing,
+    )
+    from chromanoise.analysis.figures_of_merit.listed import (
+        Merits,
+        merits_as_json,
+        merits_of,
+    )
+    from chromanoise.analysis.gray_budget import (
+        lab_budgets,
+        missing_lab_budgets,
+    )
+    from chromanoise.analysis.pareto import (
+        matrix_as_json,
+        noise_weights,
+        pareto_of,
+        white_snr_db,
+    )
+    from chromanoise.analysis.patches import (
+        ChartNoise,
+        chart_as_json,
+        chart_noise,
+    )
+    from chromanoise.analysis.perceived import (
+        GreyNoise,
+        grey_noise,
+        grey_noise_as_json,
+    )
+    from chromanoise.analysis.priors import (
+        DEFAULT_PRIOR,
+        PRIORS,
+        Prior,
+    )
+    from chromanoise.analysis.stages import (
+        Analysis,
+        analyzed,
+        color_budgets,
+        color_price_db,
+        color_snr_db,
+        contravariant_budgets,
+        contravariant_snr_db,
+        diagnosis,
+        mean_color_error,
+        raw_snr_db,
+    )
 
 __all__ = [
     "DEFAULT_PRIOR",
@@ -143,3 +148,4 @@ __all__ = [
     "trained_names",
     "white_snr_db",
 ]
+__getattr__, __dir__ = lazy_names(__name__)

@@ -1,25 +1,30 @@
 """From names to things: sensors, filters and illuminants of the catalog or of a file."""
 
-from chromanoise.catalog.entries import (
-    Entry,
-    catalog_entries,
-    catalog_entry,
-    catalog_file_of,
-)
-from chromanoise.catalog.pixel_files import (
-    idle_answers,
-    own_sensor_of,
-    read_pixel_source,
-    sensor_with_pixel,
-)
-from chromanoise.catalog.sensor_tables import (
-    sensor_from_table,
-)
-from chromanoise.catalog.sensors import (
-    KNOWN_SENSORS,
-    SENSOR_NAMES,
-    sensor_named,
-)
+from typing import TYPE_CHECKING
+
+from chromanoise._lazy import lazy_names
+
+if TYPE_CHECKING:
+    from chromanoise.catalog.entries import (
+        Entry,
+        catalog_entries,
+        catalog_entry,
+        catalog_file_of,
+    )
+    from chromanoise.catalog.pixel_files import (
+        idle_answers,
+        own_sensor_of,
+        read_pixel_source,
+        sensor_with_pixel,
+    )
+    from chromanoise.catalog.sensor_tables import (
+        sensor_from_table,
+    )
+    from chromanoise.catalog.sensors import (
+        KNOWN_SENSORS,
+        SENSOR_NAMES,
+        sensor_named,
+    )
 
 __all__ = [
     "KNOWN_SENSORS",
@@ -35,3 +40,4 @@ __all__ = [
     "sensor_named",
     "sensor_with_pixel",
 ]
+__getattr__, __dir__ = lazy_names(__name__)

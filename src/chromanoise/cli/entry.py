@@ -15,6 +15,7 @@ from importlib import import_module
 import click
 
 from chromanoise import __version__
+from chromanoise.cli import paused_collection
 from chromanoise.errors import InputError
 
 _COMMANDS = {
@@ -45,7 +46,8 @@ class _Commands(click.Group):
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         if cmd_name not in _COMMANDS:
             return None
-        module = import_module(f"chromanoise.cli.{cmd_name}")
+        with paused_collection():
+            module = import_module(f"chromanoise.cli.{cmd_name}")
         command = getattr(module, cmd_name)
         assert isinstance(command, click.Command)
         return command

@@ -5,7 +5,6 @@ from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 
 from rich.console import Console
-from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
 from chromanoise.study import Step
 
@@ -36,6 +35,8 @@ def progress_of(what: str, parts: int, unit: str) -> Iterator[Callable[[int], No
     if not console.is_terminal:
         yield advance
         return
+    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
     rate = TextColumn("{task.completed}/{task.total} " + unit + ", {task.fields[speed]:.0f}/s")
     with Progress(
         BarColumn(), rate, TimeRemainingColumn(), console=console, transient=True

@@ -2,6 +2,7 @@
 
 from chromanoise.color.chromaticity import XYY, xyy
 from chromanoise.color.cubature import Cubature, gaussian_cubature, gaussian_expectation
+from chromanoise.color.differences import balanced_cielab, cie1976_difference
 from chromanoise.color.exact import UNBOUNDED, ExactNoise, exact_noise
 from chromanoise.color.fitted import (
     ParetoCurve,
@@ -78,8 +79,10 @@ __all__ = [
     "Training",
     "TrainingResponse",
     "adapted_to_d65",
+    "balanced_cielab",
     "bounded_psi",
     "chart_training",
+    "cie1976_difference",
     "cielab",
     "cieluv",
     "colored",

@@ -13,8 +13,8 @@ from jaxtyping import Float
 
 from chromanoise import _check
 from chromanoise._check import Array
-from chromanoise._colour import colour_science
 from chromanoise._linalg import RANK_TOLERANCE, lstsq, pinv, qr, svd
+from chromanoise.color.differences import balanced_cielab, cie1976_difference
 from chromanoise.color.matrices import ColorMatrix, kernel_matrix
 from chromanoise.color.training import Training, TrainingResponse, training_response, white_scale
 from chromanoise.errors import InputError
@@ -384,13 +384,11 @@ def _along(seen: TrainingResponse, weight: Float[Array, " q"], what: str) -> Arr
 
 
 def _mean_delta_e(seen: TrainingResponse, matrices: Array) -> tuple[float | None, ...]:
-    colour = colour_science()
     whites = matrices @ seen.white_e
     known = (whites > 0).all(axis=1) & (seen.white_xyz > 0).all()
-    neutral = np.array([1 / 3, 1 / 3])  # chromaticity of XYZ = (1, 1, 1)
     white = np.where(whites > 0, whites, 1.0)[:, None]
     balanced = seen.electrons @ np.swapaxes(matrices, -1, -2) / white
-    truth = colour.XYZ_to_Lab(seen.xyz / np.where(seen.white_xyz > 0, seen.white_xyz, 1.0), neutral)
-    errors = colour.difference.delta_E_CIE1976(truth, colour.XYZ_to_Lab(balanced, neutral))
+    truth = balanced_cielab(seen.xyz / np.where(seen.white_xyz > 0, seen.white_xyz, 1.0))
+    errors = cie1976_difference(truth, balanced_cielab(balanced))
     means = (errors @ seen.share).tolist()
     return tuple(mean if told else None for mean, told in zip(means, known, strict=True))

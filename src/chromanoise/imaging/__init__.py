@@ -3,45 +3,50 @@
 Kernels are compiled on their first call and kept; importing this compiles nothing.
 """
 
-from chromanoise.imaging.demosaic import (
-    FilterBank,
-    bilinear_filters,
-    demosaicked,
-    malvar_filters,
-)
-from chromanoise.imaging.demosaic_methods import DEMOSAICING, chart_prior
-from chromanoise.imaging.demosaic_noise import demosaicked_covariance, noise_power_spectrum
-from chromanoise.imaging.demosaic_priors import (
-    PicturePrior,
-    gradient_corrected_filters,
-    lmmse_filters,
-    picture_prior,
-)
-from chromanoise.imaging.develop import developed, developed_color
-from chromanoise.imaging.dng import RawProfile, dng_rows, raw_profile, write_dng
-from chromanoise.imaging.exr import write_linear_exr, write_xyz_exr
-from chromanoise.imaging.render import (
-    Picture,
-    RawPicture,
-    acquired,
-    electrons_of_cube,
-    rendered,
-)
-from chromanoise.imaging.sampling import noisy_electrons
-from chromanoise.imaging.work import Work
-from chromanoise.imaging.writers import (
-    mosaic_tiff_rows,
-    picture_summary,
-    png_bytes,
-    raw_summary,
-    sixteen_bit_srgb,
-    srgb_tiff_rows,
-    write_mosaic_tiff,
-    write_png,
-    write_srgb_tiff,
-    write_xyz_tiff,
-    xyz_tiff_rows,
-)
+from typing import TYPE_CHECKING
+
+from chromanoise._lazy import lazy_names
+
+if TYPE_CHECKING:
+    from chromanoise.imaging.demosaic import (
+        FilterBank,
+        bilinear_filters,
+        demosaicked,
+        malvar_filters,
+    )
+    from chromanoise.imaging.demosaic_methods import DEMOSAICING, chart_prior
+    from chromanoise.imaging.demosaic_noise import demosaicked_covariance, noise_power_spectrum
+    from chromanoise.imaging.demosaic_priors import (
+        PicturePrior,
+        gradient_corrected_filters,
+        lmmse_filters,
+        picture_prior,
+    )
+    from chromanoise.imaging.develop import developed, developed_color
+    from chromanoise.imaging.dng import RawProfile, dng_rows, raw_profile, write_dng
+    from chromanoise.imaging.exr import write_linear_exr, write_xyz_exr
+    from chromanoise.imaging.render import (
+        Picture,
+        RawPicture,
+        acquired,
+        electrons_of_cube,
+        rendered,
+    )
+    from chromanoise.imaging.sampling import noisy_electrons
+    from chromanoise.imaging.work import Work
+    from chromanoise.imaging.writers import (
+        mosaic_tiff_rows,
+        picture_summary,
+        png_bytes,
+        raw_summary,
+        sixteen_bit_srgb,
+        srgb_tiff_rows,
+        write_mosaic_tiff,
+        write_png,
+        write_srgb_tiff,
+        write_xyz_tiff,
+        xyz_tiff_rows,
+    )
 
 __all__ = [
     "DEMOSAICING",
@@ -83,3 +88,4 @@ __all__ = [
     "write_xyz_tiff",
     "xyz_tiff_rows",
 ]
+__getattr__, __dir__ = lazy_names(__name__)

@@ -1,11 +1,17 @@
 """Files in and out: `spectra`, `cubes` and `pixels` read what people have, the rest writes."""
 
-from chromanoise.io.sensors import (
-    read_sensor,
-    read_sensor_csv,
-)
+from typing import TYPE_CHECKING
+
+from chromanoise._lazy import lazy_names
+
+if TYPE_CHECKING:
+    from chromanoise.io.sensors import (
+        read_sensor,
+        read_sensor_csv,
+    )
 
 __all__ = [
     "read_sensor",
     "read_sensor_csv",
 ]
+__getattr__, __dir__ = lazy_names(__name__)

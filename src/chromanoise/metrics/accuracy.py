@@ -1,14 +1,13 @@
 """How far a sensor's color is from the eye's."""
 
 from functools import lru_cache
-from typing import Any
 
 import numpy as np
 from jaxtyping import Float
 
 from chromanoise._check import Array, frozen
 from chromanoise._colour import colour_science
-from chromanoise.color import ColorMatrix
+from chromanoise.color import ColorMatrix, balanced_cielab, cie1976_difference
 from chromanoise.exposure import Exposure, expected_electrons
 from chromanoise.scene import Scene, light
 from chromanoise.sensor import Sensor
@@ -33,10 +32,10 @@ def chart_color_error(
 
     Notes
     -----
-    CIE 015:2018, eq. 8.3-8.6 and 8.21, by colour-science.
+    CIE 015:2018, eq. 8.3-8.6 and 8.21.
     """
     lab = chart_lab(sensor, matrix, exposure, illuminant)
-    return None if lab is None else frozen(np.asarray(_differences().delta_E_CIE1976(*lab)))
+    return None if lab is None else frozen(cie1976_difference(*lab))
 
 
 def chart_ciede2000(
@@ -51,7 +50,7 @@ def chart_ciede2000(
     CIE 142-2001 (ISO/CIE 11664-6), by colour-science.
     """
     lab = chart_lab(sensor, matrix, exposure, illuminant)
-    return None if lab is None else np.asarray(_differences().delta_E_CIE2000(*lab))
+    return None if lab is None else _ciede2000(*lab)
 
 
 def chart_lab(
@@ -66,7 +65,7 @@ def chart_lab(
     seen = expected_electrons(scene, sensor, exposure) @ matrix.matrix.T
     if not (seen[0] > 0).all():
         return None
-    return _lab(truth[1:] / truth[0]), _lab(seen[1:] / seen[0])
+    return balanced_cielab(truth[1:] / truth[0]), balanced_cielab(seen[1:] / seen[0])
 
 
 def mean_chart_errors(
@@ -89,10 +88,8 @@ def mean_chart_errors(
     seen = expected_electrons(scene, sensor, exposure) @ np.swapaxes(matrices, -1, -2)
     known = (seen[:, 0] > 0).all(axis=-1)
     white = np.where(known[:, None], seen[:, 0], 1.0)
-    lab = _lab(seen[:, 1:] / white[:, None])
-    errors = _differences().delta_E_CIE1976(
-        np.broadcast_to(_lab(truth[1:] / truth[0]), lab.shape), lab
-    )
+    lab = balanced_cielab(seen[:, 1:] / white[:, None])
+    errors = cie1976_difference(balanced_cielab(truth[1:] / truth[0]), lab)
     return np.where(known, errors.mean(axis=-1), np.nan)
 
 
@@ -102,10 +99,5 @@ def _white_and_chart(illuminant: Illuminant) -> Scene:
     return Scene(illuminant=illuminant, level_lux=1.0, reflectance=chart)
 
 
-def _lab(balanced: Float[Array, "*px 3"]) -> Float[Array, "*px 3"]:
-    neutral = np.array([1 / 3, 1 / 3])  # chromaticity of XYZ = (1, 1, 1)
-    return np.asarray(colour_science().XYZ_to_Lab(balanced, neutral))
-
-
-def _differences() -> Any:
-    return colour_science().difference
+def _ciede2000(first: Float[Array, "*px 3"], second: Float[Array, "*px 3"]) -> Float[Array, "*px"]:
+    return np.asarray(colour_science().difference.delta_E_CIE2000(first, second))

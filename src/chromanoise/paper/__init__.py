@@ -1,32 +1,37 @@
 """The paper's own study: Tables 2-5 and the figures (Clouet et al., CIC27, 2019)."""
 
-from chromanoise.paper.export import reproduction_as_json
-from chromanoise.paper.findings import (
-    luminance_budget,
-    metric_remark,
-    set_aside_reasons,
-    table_5_finding,
-    verdict,
-)
-from chromanoise.paper.layout import (
-    PaperTable,
-    as_printed,
-    paper_tables,
-)
-from chromanoise.paper.planes import (
-    PaperPlanes,
-    paper_planes,
-)
-from chromanoise.paper.reproduction import (
-    Cell,
-    Reproduction,
-    reproduced,
-    witnessed_columns,
-)
-from chromanoise.paper.study import (
-    PaperStudy,
-    paper_study,
-)
+from typing import TYPE_CHECKING
+
+from chromanoise._lazy import lazy_names
+
+if TYPE_CHECKING:
+    from chromanoise.paper.export import reproduction_as_json
+    from chromanoise.paper.findings import (
+        luminance_budget,
+        metric_remark,
+        set_aside_reasons,
+        table_5_finding,
+        verdict,
+    )
+    from chromanoise.paper.layout import (
+        PaperTable,
+        as_printed,
+        paper_tables,
+    )
+    from chromanoise.paper.planes import (
+        PaperPlanes,
+        paper_planes,
+    )
+    from chromanoise.paper.reproduction import (
+        Cell,
+        Reproduction,
+        reproduced,
+        witnessed_columns,
+    )
+    from chromanoise.paper.study import (
+        PaperStudy,
+        paper_study,
+    )
 
 __all__ = [
     "Cell",
@@ -47,3 +52,4 @@ __all__ = [
     "verdict",
     "witnessed_columns",
 ]
+__getattr__, __dir__ = lazy_names(__name__)

@@ -1,24 +1,29 @@
 """Light leaving the world: patches under a lamp, hyperspectral cubes."""
 
-from chromanoise.scene.builtin import (
-    BUILTIN_CUBES,
-    builtin_cube,
-    checker_cube,
-)
-from chromanoise.scene.cube import (
-    Cube,
-    bands_within,
-    flat_cube,
-)
-from chromanoise.scene.rows import (
-    RowSource,
-    row_source,
-)
-from chromanoise.scene.scene import (
-    Scene,
-    flat_field,
-    light,
-)
+from typing import TYPE_CHECKING
+
+from chromanoise._lazy import lazy_names
+
+if TYPE_CHECKING:
+    from chromanoise.scene.builtin import (
+        BUILTIN_CUBES,
+        builtin_cube,
+        checker_cube,
+    )
+    from chromanoise.scene.cube import (
+        Cube,
+        bands_within,
+        flat_cube,
+    )
+    from chromanoise.scene.rows import (
+        RowSource,
+        row_source,
+    )
+    from chromanoise.scene.scene import (
+        Scene,
+        flat_field,
+        light,
+    )
 
 __all__ = [
     "BUILTIN_CUBES",
@@ -33,3 +38,4 @@ __all__ = [
     "light",
     "row_source",
 ]
+__getattr__, __dir__ = lazy_names(__name__)

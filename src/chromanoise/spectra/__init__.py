@@ -1,55 +1,60 @@
 """One wavelength grid; curves, illuminants, observers, reflectances, and their metric."""
 
-from chromanoise.spectra.curves import (
-    SMALL_NEGATIVES,
-    Beyond,
-    Spectra,
-    interpolation_matrix,
-    means_on_grid,
-    on_grid,
-    refuse_outside,
-    used_on_grid,
-)
-from chromanoise.spectra.grid import (
-    DEFAULT_GRID,
-    Grid,
-)
-from chromanoise.spectra.illuminants import (
-    Illuminant,
-    astm_g173,
-    black_body,
-    cie_a,
-    cie_illuminant,
-    equal_energy,
-    halogen,
-    illuminant_from,
-    led,
-    led_white,
-    photon_irradiance,
-)
-from chromanoise.spectra.metric import (
-    METRICS,
-    Metric,
-)
-from chromanoise.spectra.mixtures import (
-    illuminant_named,
-    infrared_parts,
-    is_light_name,
-    mixed,
-    with_infrared,
-)
-from chromanoise.spectra.observers import (
-    INFRARED_FROM_NM,
-    cie_1931,
-    color_axes,
-)
-from chromanoise.spectra.readers import (
-    read_spectra_csv,
-)
-from chromanoise.spectra.reflectances import (
-    colorchecker,
-    reflectance_named,
-)
+from typing import TYPE_CHECKING
+
+from chromanoise._lazy import lazy_names
+
+if TYPE_CHECKING:
+    from chromanoise.spectra.curves import (
+        SMALL_NEGATIVES,
+        Beyond,
+        Spectra,
+        interpolation_matrix,
+        means_on_grid,
+        on_grid,
+        refuse_outside,
+        used_on_grid,
+    )
+    from chromanoise.spectra.grid import (
+        DEFAULT_GRID,
+        Grid,
+    )
+    from chromanoise.spectra.illuminants import (
+        Illuminant,
+        astm_g173,
+        black_body,
+        cie_a,
+        cie_illuminant,
+        equal_energy,
+        halogen,
+        illuminant_from,
+        led,
+        led_white,
+        photon_irradiance,
+    )
+    from chromanoise.spectra.metric import (
+        METRICS,
+        Metric,
+    )
+    from chromanoise.spectra.mixtures import (
+        illuminant_named,
+        infrared_parts,
+        is_light_name,
+        mixed,
+        with_infrared,
+    )
+    from chromanoise.spectra.observers import (
+        INFRARED_FROM_NM,
+        cie_1931,
+        color_axes,
+    )
+    from chromanoise.spectra.readers import (
+        read_spectra_csv,
+    )
+    from chromanoise.spectra.reflectances import (
+        colorchecker,
+        reflectance_named,
+    )
 
 __all__ = [
     "DEFAULT_GRID",
@@ -87,3 +92,4 @@ __all__ = [
     "used_on_grid",
     "with_infrared",
 ]
+__getattr__, __dir__ = lazy_names(__name__)

@@ -173,17 +173,23 @@ def astm_g173(grid: Grid, *, beyond: Beyond = "refuse") -> Illuminant:
 
 
 def cie_illuminant(name: str, grid: Grid, *, beyond: Beyond = "refuse") -> Illuminant:
-    """A tabulated CIE illuminant (D65, D50, FL2, LED-B3 ...) as carried by colour-science.
+    """A tabulated CIE illuminant (D65, D50, FL2, LED-B3 ...).
 
-    Most end at 780 nm: on a grid that goes further, ``beyond`` must say what follows.
+    Most end at 780 nm: on a grid that goes further, ``beyond`` must say what follows. Daylight is
+    a packaged table; the others are those of colour-science, whose import takes a second.
     """
-    colour = colour_science()
-
-    _check.one_of("illuminant", name, list(colour.SDS_ILLUMINANTS))
-    table = colour.SDS_ILLUMINANTS[name]
+    daylight = packaged_table("cie_daylight")
+    if name in daylight.names:
+        wavelength_nm = daylight.wavelength_nm
+        power = daylight.values[:, daylight.names.index(name)]
+    else:
+        tables = colour_science().SDS_ILLUMINANTS
+        table = tables[_check.one_of("illuminant", name, list(tables))]
+        wavelength_nm = np.asarray(table.wavelengths, dtype=np.float64)
+        power = np.asarray(table.values, dtype=np.float64)
     curve = Spectra(
-        wavelength_nm=np.asarray(table.wavelengths, dtype=np.float64),
-        values=np.asarray(table.values, dtype=np.float64)[:, None],
+        wavelength_nm=wavelength_nm,
+        values=power[:, None],
         names=(name,),
         quantity="relative power",
         unit="1",

@@ -6,7 +6,6 @@ from dataclasses import replace
 from functools import partial
 
 from chromanoise import _check
-from chromanoise._colour import colour_science
 from chromanoise.errors import InputError
 from chromanoise.spectra.curves import Beyond
 from chromanoise.spectra.grid import Grid
@@ -25,7 +24,7 @@ from chromanoise.spectra.illuminants import (
     narrow_diode,
 )
 from chromanoise.spectra.observers import cie_1931_table
-from chromanoise.spectra.tables import catalogue_curves, catalogue_tables
+from chromanoise.spectra.tables import catalogue_curves, catalogue_tables, formulas
 from chromanoise.units import LUMEN_PER_WATT
 
 _FORMULAS: dict[str, Callable[[Grid], Illuminant]] = {
@@ -67,7 +66,13 @@ def is_light_name(name: str) -> bool:
 
 
 def _known_lights() -> tuple[str, ...]:
-    return (*_FORMULAS, *catalogue_tables("illuminant"), *colour_science().SDS_ILLUMINANTS)
+    return (*_FORMULAS, *catalogue_tables("illuminant"), *_cie_names())
+
+
+def _cie_names() -> tuple[str, ...]:
+    """The lights of `cie_illuminant`: those that the catalogue gives a range but no table."""
+    listed = formulas().values()
+    return tuple(sorted(t.name for t in listed if t.kind == "illuminant" and t.range_nm))
 
 
 def mixed(name: str, light: Callable[[str], Illuminant]) -> Illuminant:

@@ -2,14 +2,13 @@
 
 from functools import cache
 
-import numpy as np
 from jaxtyping import Float
 
 from chromanoise._check import Array, frozen
-from chromanoise._colour import colour_science
 from chromanoise.spectra.curves import Spectra, on_grid
 from chromanoise.spectra.grid import Grid
 from chromanoise.spectra.metric import Metric, photons_per_unit
+from chromanoise.spectra.tables import packaged_table
 from chromanoise.units import LUMEN_PER_WATT, UM2_PER_M2, photons_per_joule
 
 INFRARED_FROM_NM = 700.0
@@ -22,19 +21,9 @@ def cie_1931_table() -> Spectra:
 
     Notes
     -----
-    CIE 018:2019, https://doi.org/10.25039/CIE.DS.xvudnb9b, as carried by colour-science.
+    CIE 018:2019, https://doi.org/10.25039/CIE.DS.xvudnb9b.
     """
-    colour = colour_science()
-
-    table = colour.MSDS_CMFS["CIE 1931 2 Degree Standard Observer"]
-    return Spectra(
-        wavelength_nm=np.asarray(table.wavelengths, dtype=np.float64),
-        values=np.asarray(table.values, dtype=np.float64),
-        names=("x", "y", "z"),
-        quantity="color-matching functions",
-        unit="1",
-        source="CIE 1931 2 degree observer (CIE 018:2019)",
-    )
+    return packaged_table("cie_1931")
 
 
 @cache

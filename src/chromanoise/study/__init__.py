@@ -4,96 +4,101 @@
 of a file; ``assembly`` resolves its names; ``running`` is the one way to its ``results``.
 """
 
-from chromanoise.study.agreement import (
-    Agreement,
-    agreement_of,
-    agreement_text,
-)
-from chromanoise.study.analyses import (
-    Outcome,
-    outcome_of,
-    outcomes_as_json,
-)
-from chromanoise.study.assembly import (
-    NOTHING_GIVEN,
-    Given,
-    operating_points_of,
-)
-from chromanoise.study.calls import (
-    FLAGS,
-    OTHER_NAMES,
-    Call,
-    call_of,
-    option_of,
-    study_as_command,
-    study_as_python,
-)
-from chromanoise.study.document import (
-    MOST_SENSORS,
-    OutputsPart,
-    Study,
-    study_schema,
-)
-from chromanoise.study.hashes import (
-    file_digests,
-    provenance,
-    study_as_json,
-    study_hash,
-)
-from chromanoise.study.pictures import (
-    captures,
-    file_word,
-    prepared_cameras,
-)
-from chromanoise.study.reading import (
-    read_study,
-    study_from_data,
-    study_from_text,
-)
-from chromanoise.study.records import (
-    RecordedRun,
-    recorded_run,
-    run_study,
-    study_of_output,
-)
-from chromanoise.study.results import (
-    Analyses,
-    Comparison,
-    Matrices,
-    MatrixResult,
-    Pictures,
-    Result,
-    Results,
-    conditions,
-)
-from chromanoise.study.running import (
-    Progress,
-    Step,
-    prepared_run,
-    run,
-)
-from chromanoise.study.settings import (
-    ANALYSIS,
-    COMPARISON,
-    MATRIX,
-    RENDERING,
-    SHARED,
-    AnalysisSettings,
-    ComparisonSettings,
-    MatrixSettings,
-    RenderSettings,
-    analyze_study,
-    argument_of,
-    compare_study,
-    matrix_study,
-    render_study,
-)
-from chromanoise.study.starter import (
-    STARTER,
-)
-from chromanoise.study.texts import (
-    study_as_toml,
-)
+from typing import TYPE_CHECKING
+
+from chromanoise._lazy import lazy_names
+
+if TYPE_CHECKING:
+    from chromanoise.study.agreement import (
+        Agreement,
+        agreement_of,
+        agreement_text,
+    )
+    from chromanoise.study.analyses import (
+        Outcome,
+        outcome_of,
+        outcomes_as_json,
+    )
+    from chromanoise.study.assembly import (
+        NOTHING_GIVEN,
+        Given,
+        operating_points_of,
+    )
+    from chromanoise.study.calls import (
+        FLAGS,
+        OTHER_NAMES,
+        Call,
+        call_of,
+        option_of,
+        study_as_command,
+        study_as_python,
+    )
+    from chromanoise.study.document import (
+        MOST_SENSORS,
+        OutputsPart,
+        Study,
+        study_schema,
+    )
+    from chromanoise.study.hashes import (
+        file_digests,
+        provenance,
+        study_as_json,
+        study_hash,
+    )
+    from chromanoise.study.pictures import (
+        captures,
+        file_word,
+        prepared_cameras,
+    )
+    from chromanoise.study.reading import (
+        read_study,
+        study_from_data,
+        study_from_text,
+    )
+    from chromanoise.study.records import (
+        RecordedRun,
+        recorded_run,
+        run_study,
+        study_of_output,
+    )
+    from chromanoise.study.results import (
+        Analyses,
+        Comparison,
+        Matrices,
+        MatrixResult,
+        Pictures,
+        Result,
+        Results,
+        conditions,
+    )
+    from chromanoise.study.running import (
+        Progress,
+        Step,
+        prepared_run,
+        run,
+    )
+    from chromanoise.study.settings import (
+        ANALYSIS,
+        COMPARISON,
+        MATRIX,
+        RENDERING,
+        SHARED,
+        AnalysisSettings,
+        ComparisonSettings,
+        MatrixSettings,
+        RenderSettings,
+        analyze_study,
+        argument_of,
+        compare_study,
+        matrix_study,
+        render_study,
+    )
+    from chromanoise.study.starter import (
+        STARTER,
+    )
+    from chromanoise.study.texts import (
+        study_as_toml,
+    )
 
 __all__ = [
     "ANALYSIS",
@@ -159,3 +164,4 @@ __all__ = [
     "study_of_output",
     "study_schema",
 ]
+__getattr__, __dir__ = lazy_names(__name__)

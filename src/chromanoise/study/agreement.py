@@ -8,8 +8,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import tifffile
-from PIL import Image
 
 from chromanoise._check import Array
 from chromanoise.study.records import STUDY_FILE, output_files
@@ -170,8 +168,12 @@ def _of_data(one: Any, other: Any, place: str) -> Iterator[tuple[float, str]]:
 
 def _pixels(path: Path) -> Array:
     if path.suffix == ".png":
+        from PIL import Image
+
         with Image.open(path) as image:
             return np.asarray(image, dtype=np.float64)
+    import tifffile
+
     return np.asarray(tifffile.imread(path), dtype=np.float64)
 
 

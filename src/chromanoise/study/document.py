@@ -32,9 +32,12 @@ _NEGATIVES = "Small negative values of its file, as digitizing leaves them: refu
 
 
 class _Part(BaseModel):
-    """Unknown keys are faults, values are not converted from other types, nothing changes later."""
+    """Unknown keys are faults, values are not converted from other types, nothing changes later.
 
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
+    Validators are built when the first value is checked: most commands read no study.
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, defer_build=True)
 
 
 class LightPart(_Part):

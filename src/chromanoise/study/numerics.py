@@ -4,8 +4,6 @@ import platform
 from typing import Any
 
 import numpy as np
-import scipy
-from threadpoolctl import threadpool_info
 
 
 def numerics() -> dict[str, Any]:
@@ -13,6 +11,8 @@ def numerics() -> dict[str, Any]:
 
     ``blas_kernel`` is ``None`` if the BLAS of numpy does not report it.
     """
+    import scipy
+
     built = np.show_config(mode="dicts")
     blas = built.get("Build Dependencies", {}).get("blas", {})
     return {
@@ -27,5 +27,7 @@ def numerics() -> dict[str, Any]:
 
 def _blas_kernel() -> str | None:
     """The kernel that OpenBLAS chose for this processor, or that OPENBLAS_CORETYPE names."""
+    from threadpoolctl import threadpool_info
+
     found = [lib.get("architecture") for lib in threadpool_info() if lib["user_api"] == "blas"]
     return next(filter(None, found), None)

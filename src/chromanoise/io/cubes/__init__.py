@@ -1,15 +1,21 @@
 """Hyperspectral cubes from TIFF, ENVI, MATLAB, HDF5, NetCDF, Zarr, NumPy and PNG folders."""
 
-from chromanoise.io.cubes.readers import (
-    read_cube,
-)
-from chromanoise.io.cubes.xarray_io import (
-    cube_from_xarray,
-    picture_to_xarray,
-)
+from typing import TYPE_CHECKING
+
+from chromanoise._lazy import lazy_names
+
+if TYPE_CHECKING:
+    from chromanoise.io.cubes.readers import (
+        read_cube,
+    )
+    from chromanoise.io.cubes.xarray_io import (
+        cube_from_xarray,
+        picture_to_xarray,
+    )
 
 __all__ = [
     "cube_from_xarray",
     "picture_to_xarray",
     "read_cube",
 ]
+__getattr__, __dir__ = lazy_names(__name__)

@@ -1,18 +1,23 @@
 """Pixel parameters from EMVA 1288 data sheets, noise profiles and photon-transfer tables."""
 
-from chromanoise.io.pixels.darktable import (
-    RelativeNoise,
-    pixel_from_darktable,
-    read_darktable_noise,
-)
-from chromanoise.io.pixels.emva import (
-    pixel_from_emva,
-    read_emva_sheet,
-)
-from chromanoise.io.pixels.noise_profile import read_noise_profile
-from chromanoise.io.pixels.photon_transfer_csv import (
-    read_photon_transfer_csv,
-)
+from typing import TYPE_CHECKING
+
+from chromanoise._lazy import lazy_names
+
+if TYPE_CHECKING:
+    from chromanoise.io.pixels.darktable import (
+        RelativeNoise,
+        pixel_from_darktable,
+        read_darktable_noise,
+    )
+    from chromanoise.io.pixels.emva import (
+        pixel_from_emva,
+        read_emva_sheet,
+    )
+    from chromanoise.io.pixels.noise_profile import read_noise_profile
+    from chromanoise.io.pixels.photon_transfer_csv import (
+        read_photon_transfer_csv,
+    )
 
 __all__ = [
     "RelativeNoise",
@@ -23,3 +28,4 @@ __all__ = [
     "read_noise_profile",
     "read_photon_transfer_csv",
 ]
+__getattr__, __dir__ = lazy_names(__name__)

@@ -1,22 +1,27 @@
 """Spectral curves from the file formats in use, and what the file leaves open."""
 
-from chromanoise.io.spectra.dispatch import (
-    read_curves,
-)
-from chromanoise.io.spectra.envi_library import (
-    library_files,
-)
-from chromanoise.io.spectra.parsed import (
-    ASK,
-    Answers,
-    Question,
-    Understood,
-)
-from chromanoise.io.spectra.uses import (
-    power_of,
-    power_of_photons,
-    qe_of,
-)
+from typing import TYPE_CHECKING
+
+from chromanoise._lazy import lazy_names
+
+if TYPE_CHECKING:
+    from chromanoise.io.spectra.dispatch import (
+        read_curves,
+    )
+    from chromanoise.io.spectra.envi_library import (
+        library_files,
+    )
+    from chromanoise.io.spectra.parsed import (
+        ASK,
+        Answers,
+        Question,
+        Understood,
+    )
+    from chromanoise.io.spectra.uses import (
+        power_of,
+        power_of_photons,
+        qe_of,
+    )
 
 __all__ = [
     "ASK",
@@ -29,3 +34,4 @@ __all__ = [
     "qe_of",
     "read_curves",
 ]
+__getattr__, __dir__ = lazy_names(__name__)

@@ -1,0 +1,70 @@
+"""Packages whose names are imported on first use (PEP 562)."""
+
+import ast
+import sys
+from collections.abc import Callable
+from importlib import import_module, util
+
+
+def lazy_names(package: str) -> tuple[Callable[[str], object], Callable[[], list[str]]]:
+    """``__getattr__`` and ``__dir__`` of a package that imports its names on first use.
+
+    The names are those that its ``__init__`` imports under ``if TYPE_CHECKING:``, so that type
+    checkers and this function read the same lines. A name that is a submodule is imported as one.
+
+    Parameters
+    ----------
+    package
+        The ``__name__`` of the package; each import is absolute, ``from module import name``.
+
+    Raises
+    ------
+    ImportError
+        If the source of the package is missing.
+
+    Examples
+    --------
+    In an ``__init__.py``::
+
+        from typing import TYPE_CHECKING
+
+        from chromanoise._lazy import lazy_names
+
+        if TYPE_CHECKING:
+            from chromanoise.spectra.grid import Grid
+
+        __all__ = ["Grid"]
+        __getattr__, __dir__ = lazy_names(__name__)
+    """
+    module_of = _type_checking_imports(package)
+
+    def imported(name: str) -> object:
+        if name not in module_of:
+            raise AttributeError(f"module {package!r} has no attribute {name!r}")
+        module, attribute = module_of[name]
+        if module == package:
+            return import_module(f"{package}.{attribute}")
+        value = getattr(import_module(module), attribute)
+        setattr(sys.modules[package], name, value)  # found without this function from now on
+        return value
+
+    def names() -> list[str]:
+        return sorted({*vars(sys.modules[package]), *module_of})
+
+    return imported, names
+
+
+def _type_checking_imports(package: str) -> dict[str, tuple[str, str]]:
+    """Module and attribute by name, of the imports under ``if TYPE_CHECKING:``."""
+    spec = sys.modules[package].__spec__ or util.find_spec(package)
+    source = spec.loader.get_source(package) if spec and spec.loader else None  # type: ignore[attr-defined]
+    if source is None:
+        raise ImportError(f"{package}: its source is needed to import its names", name=package)
+    return {
+        alias.asname or alias.name: (node.module or "", alias.name)
+        for block in ast.parse(source).body
+        if isinstance(block, ast.If) and ast.unparse(block.test) == "TYPE_CHECKING"
+        for node in block.body
+        if isinstance(node, ast.ImportFrom)
+        for alias in node.names
+    }
