@@ -9,9 +9,9 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float
 
 from chromanoise._check import Array
+from chromanoise._shapes import Float
 from chromanoise.errors import InputError
 
 RANK_TOLERANCE = 1e-10

@@ -4,10 +4,10 @@ from dataclasses import asdict
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float
 
 from chromanoise import __version__, _check
 from chromanoise._check import Array
+from chromanoise._shapes import Float
 from chromanoise.analysis.defined import defined
 from chromanoise.analysis.priors import DEFAULT_PRIOR, PRIORS, training_named
 from chromanoise.color import ColorMatrix, ParetoCurve, pareto

@@ -3,10 +3,10 @@
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float
 
 from chromanoise._check import Array
 from chromanoise._linalg import eigvalsh
+from chromanoise._shapes import Float
 from chromanoise.analysis.stages import Analysis
 from chromanoise.charts.patches import Patches, hex_colors, patches_of, why_no_patches
 from chromanoise.charts.shown import Look, Shown

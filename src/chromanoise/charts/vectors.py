@@ -9,10 +9,10 @@ import math
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float
 
 from chromanoise._check import Array
 from chromanoise._linalg import eigh, qr
+from chromanoise._shapes import Float
 from chromanoise.analysis.stages import Analysis
 from chromanoise.charts.shown import Look, Shown, saturation_sentence
 from chromanoise.geometry import reconstructed_light

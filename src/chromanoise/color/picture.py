@@ -1,10 +1,10 @@
 """From linear XYZ to the pixels of a picture."""
 
 import numpy as np
-from jaxtyping import Float
 
 from chromanoise._check import Array
 from chromanoise._linalg import inv
+from chromanoise._shapes import Float
 from chromanoise.errors import InputError
 
 D65_WHITE = np.array([0.95047, 1.0, 1.08883])

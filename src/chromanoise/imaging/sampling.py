@@ -4,10 +4,10 @@ import os
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
-from jaxtyping import Float, Float32
 
 from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise._shapes import Float, Float32
 from chromanoise.errors import InputError
 from chromanoise.imaging.blocks import new_rows
 

@@ -13,9 +13,9 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Shaped
 
 from chromanoise._check import Array
+from chromanoise._shapes import Shaped
 from chromanoise.errors import InputError
 
 Kind = tuple[tuple[int, ...], type[np.generic]]

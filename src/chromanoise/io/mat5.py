@@ -14,9 +14,9 @@ from pathlib import Path
 from typing import BinaryIO
 
 import numpy as np
-from jaxtyping import Shaped
 
 from chromanoise._check import Array
+from chromanoise._shapes import Shaped
 from chromanoise.errors import InputError
 
 _START_BYTES = 128

@@ -10,9 +10,9 @@ import math
 from collections.abc import Callable, Iterator
 
 import numpy as np
-from jaxtyping import Float, Int
 
 from chromanoise._check import Array
+from chromanoise._shapes import Float, Int
 from chromanoise.errors import InputError
 
 _LOG_TAIL = -math.log(1e-18)  # each tail that is left out holds less than 1e-18

@@ -1,10 +1,10 @@
 """Noisy acquisitions, drawn: Poisson electrons plus Gaussian readout."""
 
 import numpy as np
-from jaxtyping import Bool, Float
 
 from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise._shapes import Bool, Float
 from chromanoise.errors import InputError
 from chromanoise.sensor import Pixel
 

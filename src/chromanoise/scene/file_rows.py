@@ -13,9 +13,9 @@ from pathlib import Path
 from typing import BinaryIO
 
 import numpy as np
-from jaxtyping import Shaped, UInt8
 
 from chromanoise._check import Array, reason
+from chromanoise._shapes import Shaped, UInt8
 from chromanoise.errors import InputError
 
 _MOST_UNUSED = 4  # times the bytes wanted: beyond, what is between is not kept

@@ -7,10 +7,10 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from jaxtyping import Float
 
 from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise._shapes import Float
 from chromanoise.errors import InputError
 from chromanoise.sensor.adc import Adc
 from chromanoise.sensor.imperfections import Imperfections, dark_electrons_e

@@ -4,9 +4,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from jaxtyping import Float
-
 from chromanoise._check import Array
+from chromanoise._shapes import Float
 from chromanoise.analysis.color_matrices import matrix_makers, trained_names
 from chromanoise.analysis.comparison.crossing import Crossover, crossover_as_json, crossovers
 from chromanoise.analysis.comparison.curves import compared

@@ -1,9 +1,9 @@
 """Merits of filters: how far they span the eye, and what they tell under a prior."""
 
 import numpy as np
-from jaxtyping import Float
 
 from chromanoise._check import Array
+from chromanoise._shapes import Float
 from chromanoise.analysis.figures_of_merit.entries import (
     Merit,
     merit_or_reason,

@@ -4,9 +4,9 @@ from dataclasses import replace
 from functools import partial
 
 import numpy as np
-from jaxtyping import Float
 
 from chromanoise._check import Array
+from chromanoise._shapes import Float
 from chromanoise.analysis.color_matrices import MatrixMaker
 from chromanoise.analysis.figures_of_merit.entries import (
     Merit,

@@ -4,9 +4,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from jaxtyping import Shaped
-
 from chromanoise._check import Array
+from chromanoise._shapes import Shaped
 from chromanoise.errors import InputError
 from chromanoise.scene.rows import RowSource
 

@@ -16,9 +16,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from jaxtyping import Int64, Shaped, UInt8
 
 from chromanoise._check import Array, printable
+from chromanoise._shapes import Int64, Shaped, UInt8
 from chromanoise.errors import InputError
 from chromanoise.io.cubes import hdf5_child
 from chromanoise.io.cubes.faults import IN_PLACE, library, reading, reading_rows

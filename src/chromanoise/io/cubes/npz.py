@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import IO
 
 import numpy as np
-from jaxtyping import Shaped
 
 from chromanoise._check import Array
+from chromanoise._shapes import Shaped
 from chromanoise.errors import InputError
 
 Declared = tuple[tuple[int, ...], np.dtype]

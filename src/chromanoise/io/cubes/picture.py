@@ -3,9 +3,8 @@
 import math
 from pathlib import Path
 
-from jaxtyping import Shaped
-
 from chromanoise._check import Array
+from chromanoise._shapes import Shaped
 from chromanoise.errors import InputError
 from chromanoise.io.cubes.found import Notes, by, refuse_other_shape
 

@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float, Shaped
 
 from chromanoise._check import Array
+from chromanoise._shapes import Float, Shaped
 from chromanoise.errors import InputError
 from chromanoise.io.cubes.bounds import refuse_not_numbers
 from chromanoise.io.cubes.faults import reading

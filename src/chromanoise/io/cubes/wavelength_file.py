@@ -5,10 +5,10 @@ import re
 from pathlib import Path
 
 import numpy as np
-from jaxtyping import Float
 
 from chromanoise._check import Array, reason
 from chromanoise._inputs import regular_file
+from chromanoise._shapes import Float
 from chromanoise.errors import InputError
 from chromanoise.io.spectra.declared import declared_keys, is_wavelength_heading, wavelength_unit_of
 from chromanoise.io.spectra.parsed import Unit

@@ -4,9 +4,9 @@ from pathlib import Path
 from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
-from jaxtyping import Float, UInt8
 
 from chromanoise._check import Array
+from chromanoise._shapes import Float, UInt8
 from chromanoise.errors import InputError
 from chromanoise.io.cubes.faults import library
 from chromanoise.io.cubes.found import Found, Notes, by

@@ -14,10 +14,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from jaxtyping import Shaped, UInt8
 
 from chromanoise._check import Array, printable
 from chromanoise._inputs import regular_file
+from chromanoise._shapes import Shaped, UInt8
 from chromanoise.errors import InputError
 from chromanoise.io.cubes.bounds import MOST_INFLATED, memory_bytes
 from chromanoise.io.cubes.faults import library, reading, reading_rows

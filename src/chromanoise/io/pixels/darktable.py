@@ -11,10 +11,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float
 
 from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise._shapes import Float
 from chromanoise.errors import InputError
 from chromanoise.io.pixels.source_text import finite_number, source_json, source_text
 from chromanoise.sensor.adc import Adc

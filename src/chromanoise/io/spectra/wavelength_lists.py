@@ -7,9 +7,9 @@ from itertools import product
 from pathlib import Path
 
 import numpy as np
-from jaxtyping import Float
 
 from chromanoise._check import Array, printable
+from chromanoise._shapes import Float
 from chromanoise.errors import InputError
 from chromanoise.io.spectra.declared import UNITS, unit_that_fits
 
