@@ -9,9 +9,9 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float
 
 from chromanoise._check import Array, InputError
+from chromanoise._shapes import Float
 
 RANK_TOLERANCE = 1e-10
 """Singular values of unit-norm columns below this share of the largest count as zero."""

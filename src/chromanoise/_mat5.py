@@ -14,10 +14,10 @@ from pathlib import Path
 from typing import BinaryIO
 
 import numpy as np
-from jaxtyping import Shaped
 
 from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise._shapes import Shaped
 
 _START_BYTES = 128
 _OPENING_BYTES = 8192  # enough for every part before the numbers

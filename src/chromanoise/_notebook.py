@@ -9,9 +9,9 @@ from collections.abc import Iterable, Sequence
 from html import escape
 
 import numpy as np
-from jaxtyping import Float
 
 from chromanoise._check import Array
+from chromanoise._shapes import Float
 
 _CHANNEL_COLORS = {"R": "#D55E00", "G": "#009E73", "B": "#0072B2", "IR": "#CC79A7"}
 _WIDTH, _HEIGHT, _EDGE = 320, 120, 14

@@ -1,9 +1,9 @@
 """Constants and the few conversions of the field: photons, lux, decibel."""
 
 import numpy as np
-from jaxtyping import Float
 
 from chromanoise._check import Array
+from chromanoise._shapes import Float
 
 PLANCK_J_S = 6.62607015e-34
 """Planck constant, exact (SI 2019)."""

@@ -5,10 +5,10 @@ from pathlib import Path
 from typing import Any
 
 import click
-from jaxtyping import Float
 
 from chromanoise._check import Array, InputError
 from chromanoise._files import write_whole
+from chromanoise._shapes import Float
 from chromanoise.cli import tables
 from chromanoise.cli.copying import matrix_told, print_copy
 from chromanoise.cli.merit_tables import print_pareto

@@ -1,9 +1,9 @@
 """The chromaticity plane of 1931, with its slope, so that noise can follow a color into it."""
 
 import numpy as np
-from jaxtyping import Float
 
 from chromanoise._check import Array
+from chromanoise._shapes import Float
 from chromanoise.color.spaces import Space
 
 

@@ -5,11 +5,11 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
-from jaxtyping import Float
 
 from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._linalg import eigh
+from chromanoise._shapes import Float
 
 _VALUES_PER_CHUNK = 500_000  # cubature points at once: some 50 MB, however large the picture
 _EMPTY = 64 * np.finfo(float).eps  # eigenvalues below this share of the largest are rounding

@@ -1,9 +1,9 @@
 """Color differences between balanced colors, for which white is X = Y = Z = 1."""
 
 import numpy as np
-from jaxtyping import Float
 
 from chromanoise._check import Array
+from chromanoise._shapes import Float
 
 
 def balanced_cielab(xyz: Float[Array, "*px 3"]) -> Float[Array, "*px 3"]:

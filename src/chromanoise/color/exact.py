@@ -11,11 +11,11 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from jaxtyping import Float
 
 from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._linalg import qr
+from chromanoise._shapes import Float
 from chromanoise.color.spaces import LAB, Space
 from chromanoise.noise import (
     Measurement,

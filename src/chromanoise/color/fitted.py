@@ -9,11 +9,11 @@ that of the frame which they carry.
 from dataclasses import dataclass, replace
 
 import numpy as np
-from jaxtyping import Float
 
 from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._linalg import RANK_TOLERANCE, lstsq, pinv, qr, svd
+from chromanoise._shapes import Float
 from chromanoise.color.differences import balanced_cielab, cie1976_difference
 from chromanoise.color.matrices import ColorMatrix, kernel_matrix
 from chromanoise.color.training import (

@@ -2,10 +2,9 @@
 
 from dataclasses import dataclass
 
-from jaxtyping import Float
-
 from chromanoise import _check, _notebook
 from chromanoise._check import Array
+from chromanoise._shapes import Float
 from chromanoise.exposure import Exposure, measurement_vectors
 from chromanoise.geometry import Frame, dual_frame
 from chromanoise.noise import Measurement, through

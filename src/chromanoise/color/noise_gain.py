@@ -3,11 +3,11 @@
 from dataclasses import replace
 
 import numpy as np
-from jaxtyping import Float
 
 from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._linalg import RANK_TOLERANCE, svd
+from chromanoise._shapes import Float
 from chromanoise.color.fitted import least_squares
 from chromanoise.color.matrices import ColorMatrix
 from chromanoise.color.training import (

@@ -9,12 +9,12 @@ normal: for few electrons, or held at a bound, see `chromanoise.color.exact`.
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Bool, Float
 
 from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._colour import colour_science
 from chromanoise._linalg import eigvalsh, svd
+from chromanoise._shapes import Bool, Float
 from chromanoise.color.cubature import (
     Cubature,
     covariance_root,

@@ -1,11 +1,11 @@
 """From linear XYZ to the pixels of a picture."""
 
 import numpy as np
-from jaxtyping import Float
 
 from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._linalg import inv
+from chromanoise._shapes import Float
 
 D65_WHITE = np.array([0.95047, 1.0, 1.08883])
 """XYZ of the sRGB white (IEC 61966-2-1)."""

@@ -9,11 +9,11 @@ from dataclasses import dataclass
 from itertools import combinations, combinations_with_replacement
 
 import numpy as np
-from jaxtyping import Float
 
 from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._linalg import RANK_TOLERANCE, lstsq
+from chromanoise._shapes import Float
 from chromanoise.color.matrices import XYZ
 from chromanoise.color.training import Training, training_response
 from chromanoise.exposure import Exposure

@@ -11,10 +11,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float
 
 from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise._shapes import Float
 from chromanoise.color.picture import XYZ_TO_LINEAR_SRGB, adapted_to_d65
 
 _DELTA = 6 / 29  # CIE 015:2018, eq. 8.7: below its cube the cube root becomes a line

@@ -5,11 +5,11 @@ from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
-from jaxtyping import Float
 
 from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._linalg import eigh
+from chromanoise._shapes import Float
 from chromanoise.exposure import Exposure, expected_electrons
 from chromanoise.scene import Scene, flat_field, light
 from chromanoise.sensor import Sensor

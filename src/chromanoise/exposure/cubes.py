@@ -1,8 +1,7 @@
 """Eq. 2 for a cube: resampling, illuminant, exposure and QE folded into one weight per band."""
 
-from jaxtyping import Float
-
 from chromanoise._check import Array
+from chromanoise._shapes import Float
 from chromanoise.exposure.electrons import Exposure, measurement_vectors, refuse_other_grid
 from chromanoise.scene import Cube, Scene, light
 from chromanoise.sensor import Sensor

@@ -2,10 +2,9 @@
 
 from dataclasses import dataclass
 
-from jaxtyping import Float
-
 from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise._shapes import Float
 from chromanoise.scene import Scene, light
 from chromanoise.sensor import Pixel, Sensor
 from chromanoise.spectra import Metric

@@ -7,10 +7,10 @@ f are in another unit than the light and share one factor of their own.
 from collections.abc import Sequence
 
 import numpy as np
-from jaxtyping import Float
 from matplotlib.axes import Axes
 
 from chromanoise._check import Array
+from chromanoise._shapes import Float
 from chromanoise.figures.style import (
     INK,
     QUIET,

@@ -2,12 +2,12 @@
 
 from collections.abc import Sequence
 
-from jaxtyping import UInt8
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from chromanoise._check import Array
+from chromanoise._shapes import UInt8
 from chromanoise.figures.flow import draw_flow
 from chromanoise.figures.geometry import (
     draw_color_projection,

@@ -1,9 +1,9 @@
 """Figure 8: what a noisy color picture looks like."""
 
-from jaxtyping import UInt8
 from matplotlib.axes import Axes
 
 from chromanoise._check import Array
+from chromanoise._shapes import UInt8
 
 
 def draw_picture(srgb: UInt8[Array, "h w 3"], ax: Axes, *, title: str = "") -> Axes:

@@ -3,10 +3,10 @@
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float
 from matplotlib.axes import Axes
 
 from chromanoise._check import Array
+from chromanoise._shapes import Float
 from chromanoise.figures.style import (
     channel_color,
     sensor_dashes,

@@ -4,11 +4,11 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
-from jaxtyping import Float
 from matplotlib.axes import Axes
 from matplotlib.patches import Arc, Polygon
 
 from chromanoise._check import Array
+from chromanoise._shapes import Float
 from chromanoise.figures.style import FAINT, QUIET
 
 Dashes = str | tuple[float, tuple[float, ...]]

@@ -3,10 +3,10 @@
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Bool, Float
 
 from chromanoise._check import Array
 from chromanoise._linalg import RANK_TOLERANCE, angles_deg, lstsq, matrix_rank, unit_columns
+from chromanoise._shapes import Bool, Float
 from chromanoise.geometry.frame import Frame
 
 

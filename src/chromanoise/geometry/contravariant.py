@@ -1,10 +1,10 @@
 """Eq. 3: from covariant to contravariant coordinates, with the noise."""
 
 import numpy as np
-from jaxtyping import Float
 
 from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise._shapes import Float
 from chromanoise.geometry.frame import Frame
 from chromanoise.noise import Measurement, through
 

@@ -3,11 +3,11 @@
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float
 
 from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._linalg import cholesky
+from chromanoise._shapes import Float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -6,10 +6,10 @@ import mmap
 import threading
 
 import numpy as np
-from jaxtyping import Num, Shaped, UInt8
 from numpy.typing import DTypeLike
 
 from chromanoise._check import Array
+from chromanoise._shapes import Num, Shaped, UInt8
 from chromanoise.imaging.records import Layout
 from chromanoise.scene.rows import RowSource
 

@@ -9,10 +9,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float, Int
 
 from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise._shapes import Float, Int
 from chromanoise.sensor import Mosaic
 
 

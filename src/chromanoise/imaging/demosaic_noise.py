@@ -5,10 +5,10 @@ channels follows at each place of the tile, and the noise power spectrum over th
 """
 
 import numpy as np
-from jaxtyping import Float
 
 from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise._shapes import Float
 from chromanoise.imaging.demosaic import FilterBank, channel_tile, channels_around
 
 

@@ -9,11 +9,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float
 
 from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._linalg import eigvalsh, pinv, solve
+from chromanoise._shapes import Float
 from chromanoise.imaging.demosaic import (
     FilterBank,
     bank_of,

@@ -4,10 +4,10 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float, Float32, UInt8, UInt16
 
 from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise._shapes import Float, Float32, UInt8, UInt16
 from chromanoise.color import ColorMatrix, kernel_matrix
 from chromanoise.exposure import Situation, expected_electrons
 from chromanoise.imaging.blocks import Scratch, new_rows

@@ -15,11 +15,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float, UInt16
 
 from chromanoise import _check
 from chromanoise._check import Array, InputError
 from chromanoise._linalg import matrix_rank, pinv
+from chromanoise._shapes import Float, UInt16
 from chromanoise.color import ColorMatrix
 from chromanoise.exposure import Situation, expected_electrons, white_scene
 from chromanoise.imaging.row_files import PutRows, tiff_rows

@@ -9,10 +9,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float
 
 from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise._shapes import Float
 from chromanoise.color import linear_srgb
 
 REC709 = (0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290)

@@ -11,9 +11,9 @@ from dataclasses import dataclass
 from typing import no_type_check
 
 import numpy as np
-from jaxtyping import Float32, Int, Num
 
 from chromanoise._check import Array
+from chromanoise._shapes import Float32, Int, Num
 from chromanoise.imaging.demosaic import FilterBank, border_pixels
 from chromanoise.imaging.kernel_cache import kernel
 

@@ -5,10 +5,10 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from jaxtyping import Float32, Int64
 
 from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise._shapes import Float32, Int64
 from chromanoise.exposure import Situation, band_weights, white_scene
 from chromanoise.imaging.blocks import (
     CHANNELS_AT_ONCE,

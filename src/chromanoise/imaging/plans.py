@@ -10,10 +10,10 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float, Float32, Float64, Int64, UInt8, UInt16
 
 from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise._shapes import Float, Float32, Float64, Int64, UInt8, UInt16
 from chromanoise.color import ColorMatrix, linear_srgb, srgb_from_linear
 from chromanoise.exposure import Situation, expected_electrons, white_scene
 from chromanoise.imaging.blocks import Scratch

@@ -3,9 +3,9 @@
 from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Float32, Num
 
 from chromanoise._check import Array
+from chromanoise._shapes import Float32, Num
 
 
 class Layout(NamedTuple):

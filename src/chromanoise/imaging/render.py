@@ -3,10 +3,10 @@
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float, Float32, UInt8, UInt16
 
 from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise._shapes import Float, Float32, UInt8, UInt16
 from chromanoise.color import ColorMatrix, kernel_matrix
 from chromanoise.exposure import Exposure, Situation
 from chromanoise.imaging.light import BadPixels, Light, light_of

@@ -4,10 +4,10 @@ import os
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
-from jaxtyping import Float, Float32
 
 from chromanoise import _check
 from chromanoise._check import Array, InputError
+from chromanoise._shapes import Float, Float32
 from chromanoise.imaging.blocks import new_rows
 
 _CHUNK_LANES = 1 << 16  # values that a thread takes at a time: a millisecond

@@ -13,9 +13,9 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Shaped
 
 from chromanoise._check import Array, InputError
+from chromanoise._shapes import Shaped
 
 Kind = tuple[tuple[int, ...], type[np.generic]]
 """Shape and type of an array, its first axis the rows."""

@@ -14,9 +14,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float, UInt8, UInt16
 
 from chromanoise._check import Array
+from chromanoise._shapes import Float, UInt8, UInt16
 from chromanoise.color import adapted_to_d65, srgb_from_xyz
 from chromanoise.exposure import Situation
 from chromanoise.imaging.render import Picture, RawPicture

@@ -3,10 +3,10 @@
 from functools import lru_cache
 
 import numpy as np
-from jaxtyping import Float
 
 from chromanoise._check import Array, frozen
 from chromanoise._colour import colour_science
+from chromanoise._shapes import Float
 from chromanoise.color import ColorMatrix, balanced_cielab, cie1976_difference
 from chromanoise.exposure import Exposure, expected_electrons
 from chromanoise.scene import Scene, light

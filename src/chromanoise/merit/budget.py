@@ -22,10 +22,10 @@ For L*, a* and b*, where the signal is a change of the color, see `chromanoise.m
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float
 
 from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise._shapes import Float
 from chromanoise.color import ColorMatrix
 from chromanoise.exposure import Exposure, expected_electrons
 from chromanoise.geometry import Frame, variance_inflation

@@ -9,10 +9,10 @@ the readout that a set of switches describes. What signal, noise and rows are is
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float
 
 from chromanoise import _check, _notebook
 from chromanoise._check import Array
+from chromanoise._shapes import Float
 from chromanoise.exposure import Exposure, exposure_factor
 from chromanoise.geometry import Frame, variance_inflation
 from chromanoise.merit.shapley import Switches, shapley_values

@@ -11,11 +11,11 @@ merit is computed without ever squaring a condition number, and is never negativ
 """
 
 import numpy as np
-from jaxtyping import Float
 
 from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._linalg import RANK_TOLERANCE, eigh, pinv, svd, unit_columns
+from chromanoise._shapes import Float
 
 NEGATIVE_TOLERANCE = 1e-9
 """Eigenvalues of a covariance below minus this share of the largest are no rounding."""

@@ -28,11 +28,11 @@ The infrared here carries next to no signal by construction, H being all but zer
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float
 
 from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._linalg import RANK_TOLERANCE, inv, svd, unit_columns
+from chromanoise._shapes import Float
 from chromanoise.color import LAB, ColorMatrix
 from chromanoise.color.matrices import XYZ
 from chromanoise.exposure import Exposure, expected_electrons, measurement_vectors

@@ -3,11 +3,11 @@
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Bool, Float
 
 from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._linalg import RANK_TOLERANCE, svd
+from chromanoise._shapes import Bool, Float
 from chromanoise.color import ColorMatrix, colored
 from chromanoise.color.noise_gain import noise_gain, white_normalized
 from chromanoise.exposure import Exposure, expected_electrons, measurement_vectors

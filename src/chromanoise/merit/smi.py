@@ -3,12 +3,12 @@
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float
 
 from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._colour import colour_science
 from chromanoise._linalg import lstsq
+from chromanoise._shapes import Float
 from chromanoise.sensor import Sensor
 from chromanoise.spectra import cie_1931
 from chromanoise.spectra.metric import photons_per_unit

@@ -1,10 +1,10 @@
 """Signal-to-noise ratios, what no linear readout can exceed, and what color costs."""
 
 import numpy as np
-from jaxtyping import Float
 
 from chromanoise._check import Array
 from chromanoise._linalg import solve
+from chromanoise._shapes import Float
 from chromanoise.noise import Measurement
 from chromanoise.units import decibel
 

@@ -4,10 +4,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float
 
 from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise._shapes import Float
 from chromanoise.color import ColorMatrix
 from chromanoise.exposure import Exposure, expected_electrons
 from chromanoise.noise import saturated

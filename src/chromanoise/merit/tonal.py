@@ -1,11 +1,11 @@
 """How much a pixel tells: distinguishable levels and colors, and information in bits."""
 
 import numpy as np
-from jaxtyping import Float
 
 from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._linalg import cholesky, eigh, solve, svd
+from chromanoise._shapes import Float
 
 
 def tonal_levels(

@@ -8,11 +8,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float
 
 from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._linalg import inv, matrix_rank
+from chromanoise._shapes import Float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

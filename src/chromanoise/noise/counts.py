@@ -10,10 +10,10 @@ import math
 from collections.abc import Callable, Iterator
 
 import numpy as np
-from jaxtyping import Float, Int
 
 from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise._shapes import Float, Int
 
 _LOG_TAIL = -math.log(1e-18)  # each tail that is left out holds less than 1e-18
 _MOST_E = 1e10  # beyond it one sum takes more than two million counts

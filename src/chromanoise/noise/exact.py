@@ -3,10 +3,10 @@
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float
 
 from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise._shapes import Float
 from chromanoise.noise.counts import count_window, over_counts
 from chromanoise.noise.gaussian import FARTHEST, coded_moments, held_moments
 from chromanoise.noise.measurement import Measurement

@@ -4,10 +4,10 @@ import math
 from collections.abc import Callable
 
 import numpy as np
-from jaxtyping import Float
 
 from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise._shapes import Float
 
 FARTHEST = 9.1
 """Standard deviations beyond which a Gaussian holds less than 1e-18 on one side."""

@@ -3,11 +3,11 @@
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float
 
 from chromanoise import _check, _notebook
 from chromanoise._check import Array
 from chromanoise._linalg import congruence
+from chromanoise._shapes import Float
 from chromanoise.spectra import Metric
 
 

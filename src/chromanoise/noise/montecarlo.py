@@ -5,10 +5,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float
 
 from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise._shapes import Float
 from chromanoise.noise.sampling import clipped_at_well, sample_electrons
 from chromanoise.rng import stream
 from chromanoise.sensor import Pixel

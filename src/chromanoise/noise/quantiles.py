@@ -7,10 +7,10 @@ done to the map, so a point mass at black or full well needs no care of its own.
 from functools import lru_cache
 
 import numpy as np
-from jaxtyping import Float
 
 from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise._shapes import Float
 from chromanoise.noise.counts import count_law
 from chromanoise.noise.exact import Readout
 from chromanoise.noise.gaussian import FARTHEST

@@ -1,10 +1,10 @@
 """Eq. 7: shot noise and readout noise of the raw channels."""
 
 import numpy as np
-from jaxtyping import Bool, Float
 
 from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise._shapes import Bool, Float
 from chromanoise.noise.measurement import Measurement
 from chromanoise.sensor import Pixel, Sensor
 

@@ -1,10 +1,10 @@
 """Noisy acquisitions, drawn: Poisson electrons plus Gaussian readout."""
 
 import numpy as np
-from jaxtyping import Bool, Float
 
 from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise._shapes import Bool, Float
 from chromanoise.sensor import Pixel
 
 _MOST_E = 1e15  # beyond it electrons are no longer told apart in double precision

@@ -2,10 +2,9 @@
 
 from dataclasses import dataclass
 
-from jaxtyping import UInt8
-
 from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise._shapes import UInt8
 from chromanoise.imaging import Work
 from chromanoise.imaging.shots import shot
 from chromanoise.study.drawings import Shown

@@ -3,10 +3,10 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
-from jaxtyping import Float, Shaped
 
 from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise._shapes import Float, Shaped
 from chromanoise.scene.rows import RowSource, row_source, with_bands
 from chromanoise.spectra import Grid
 

@@ -13,10 +13,10 @@ from pathlib import Path
 from typing import BinaryIO
 
 import numpy as np
-from jaxtyping import Shaped, UInt8
 
 from chromanoise import _check
 from chromanoise._check import Array, reason
+from chromanoise._shapes import Shaped, UInt8
 
 _MOST_UNUSED = 4  # times the bytes wanted: beyond, what is between is not kept
 

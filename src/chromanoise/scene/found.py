@@ -4,10 +4,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from jaxtyping import Shaped
-
 from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise._shapes import Shaped
 from chromanoise.scene.rows import RowSource
 
 Notes = tuple[str, ...]

@@ -16,10 +16,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from jaxtyping import Int64, Shaped, UInt8
 
 from chromanoise import _check
 from chromanoise._check import Array, printable
+from chromanoise._shapes import Int64, Shaped, UInt8
 from chromanoise.scene import hdf5_child
 from chromanoise.scene.faults import IN_PLACE, library, reading, reading_rows
 from chromanoise.scene.file_rows import FileRows, refuse_other_rows

@@ -12,10 +12,10 @@ from pathlib import Path
 from typing import BinaryIO
 
 import numpy as np
-from jaxtyping import Int64, Shaped, UInt8
 
 from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise._shapes import Int64, Shaped, UInt8
 from chromanoise.scene.faults import reading_rows
 from chromanoise.scene.file_rows import refuse_other_rows
 from chromanoise.scene.hdf5_child import DEFLATE, SHUFFLE

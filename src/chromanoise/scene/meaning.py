@@ -4,10 +4,10 @@ import re
 from pathlib import Path
 
 import numpy as np
-from jaxtyping import Float, Shaped
 
 from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise._shapes import Float, Shaped
 from chromanoise.scene.found import Found, Notes
 from chromanoise.scene.rows import RowSource, with_bands
 from chromanoise.scene.wavelength_file import read_wavelengths

@@ -7,10 +7,10 @@ from pathlib import Path
 from typing import IO
 
 import numpy as np
-from jaxtyping import Shaped
 
 from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise._shapes import Shaped
 
 Declared = tuple[tuple[int, ...], np.dtype]
 

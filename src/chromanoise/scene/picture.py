@@ -3,10 +3,9 @@
 import math
 from pathlib import Path
 
-from jaxtyping import Shaped
-
 from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise._shapes import Shaped
 from chromanoise.scene.found import Notes, by, refuse_other_shape
 
 

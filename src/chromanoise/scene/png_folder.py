@@ -5,10 +5,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float, Shaped
 
 from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise._shapes import Float, Shaped
 from chromanoise.scene.bounds import refuse_impossible
 from chromanoise.scene.faults import reading
 from chromanoise.scene.found import Found, Notes, refuse_other_shape

@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
-from jaxtyping import Shaped, UInt8
 
 from chromanoise._check import Array
+from chromanoise._shapes import Shaped, UInt8
 from chromanoise.scene.file_rows import FileRows, refuse_other_rows
 
 

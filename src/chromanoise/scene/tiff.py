@@ -9,10 +9,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float, Shaped
 
 from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise._shapes import Float, Shaped
 from chromanoise.scene.bounds import refuse_not_numbers
 from chromanoise.scene.faults import reading
 from chromanoise.scene.file_rows import FileRows, PlaneRows

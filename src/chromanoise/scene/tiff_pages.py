@@ -7,10 +7,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from jaxtyping import Shaped
 
 from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise._shapes import Shaped
 from chromanoise.scene.bounds import MOST_INFLATED, refuse_impossible
 from chromanoise.scene.faults import library, without_chatter
 

@@ -5,11 +5,11 @@ import re
 from pathlib import Path
 
 import numpy as np
-from jaxtyping import Float
 
 from chromanoise import _check
 from chromanoise._check import Array, reason
 from chromanoise._inputs import regular_file
+from chromanoise._shapes import Float
 from chromanoise.spectra.files.declared import (
     declared_keys,
     is_wavelength_heading,

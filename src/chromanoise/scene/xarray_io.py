@@ -4,10 +4,10 @@ from pathlib import Path
 from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
-from jaxtyping import Float, UInt8
 
 from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise._shapes import Float, UInt8
 from chromanoise.scene.cube import Cube
 from chromanoise.scene.faults import library
 from chromanoise.scene.found import Found, Notes, by

@@ -14,11 +14,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from jaxtyping import Shaped, UInt8
 
 from chromanoise import _check
 from chromanoise._check import Array, printable
 from chromanoise._inputs import regular_file
+from chromanoise._shapes import Shaped, UInt8
 from chromanoise.scene.bounds import MOST_INFLATED, memory_bytes
 from chromanoise.scene.faults import library, reading, reading_rows
 from chromanoise.scene.file_rows import refuse_other_rows

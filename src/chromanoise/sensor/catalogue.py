@@ -9,10 +9,9 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from types import MappingProxyType
 
-from jaxtyping import Float
-
 from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise._shapes import Float
 from chromanoise.sensor.catalogue_tables import (
     CAMERA_NAMES,
     DEVICE_NAMES,

@@ -11,10 +11,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float
 
 from chromanoise import _check
 from chromanoise._check import Array, InputError
+from chromanoise._shapes import Float
 from chromanoise.sensor.adc import Adc
 from chromanoise.sensor.pixel_source import PixelSource
 from chromanoise.sensor.source_text import finite_number, source_json, source_text

@@ -9,10 +9,10 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from jaxtyping import Float
 
 from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise._shapes import Float
 from chromanoise.spectra import Beyond, Grid, Spectra, means_on_grid
 from chromanoise.spectra.tables import catalogue_curves, catalogue_tables, packaged_table
 

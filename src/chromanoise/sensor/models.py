@@ -6,9 +6,9 @@ All share silicon, resins and pixel, so that a comparison shows the filter set a
 from collections.abc import Callable, Mapping
 
 import numpy as np
-from jaxtyping import Float
 
 from chromanoise._check import Array
+from chromanoise._shapes import Float
 from chromanoise.sensor.filters import ir_cut, resin_filter, silicon_qe
 from chromanoise.sensor.mosaic import Mosaic, bayer, rgbw_sparse_4x4
 from chromanoise.sensor.pixel import PAPER_PIXEL

@@ -9,10 +9,10 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-from jaxtyping import Float
 
 from chromanoise import _check
 from chromanoise._check import Array, InputError
+from chromanoise._shapes import Float
 from chromanoise.sensor.adc import Adc
 from chromanoise.sensor.imperfections import Imperfections, dark_electrons_e
 from chromanoise.sensor.pixel_source import PixelSource

@@ -4,10 +4,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Literal, get_args
 
-from jaxtyping import Float
-
 from chromanoise import _check, _notebook
 from chromanoise._check import Array
+from chromanoise._shapes import Float
 from chromanoise.sensor.adc import UNKNOWN_CONVERTER, Converter
 from chromanoise.sensor.imperfections import NONE, Imperfections
 from chromanoise.sensor.mosaic import Mosaic

@@ -3,10 +3,10 @@
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Bool, Float
 
 from chromanoise import _check
 from chromanoise._check import Array, InputError
+from chromanoise._shapes import Bool, Float
 
 _MOST_SAMPLES = 1e12
 _SAME_TIME = 0.01  # of an exposure time: a dark row that lies closer has the time of a lit row

@@ -4,10 +4,10 @@ from dataclasses import dataclass, replace
 from typing import Literal, get_args
 
 import numpy as np
-from jaxtyping import Bool, Float
 
 from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise._shapes import Bool, Float
 from chromanoise.spectra.grid import Grid
 
 Beyond = Literal["refuse", "zero", "hold"]

@@ -5,11 +5,11 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
-from jaxtyping import Float
 
 from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._colour import colour_science
+from chromanoise._shapes import Float
 from chromanoise.spectra.curves import (
     SMALL_NEGATIVES,
     Beyond,

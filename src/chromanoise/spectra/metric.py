@@ -17,10 +17,10 @@ F^T L is the same number of electrons, and H^T L the same lux, in both.
 from typing import Literal, get_args
 
 import numpy as np
-from jaxtyping import Float
 
 from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise._shapes import Float
 from chromanoise.spectra.grid import Grid
 from chromanoise.units import UM2_PER_M2, photons_per_joule
 

@@ -2,9 +2,8 @@
 
 from functools import cache
 
-from jaxtyping import Float
-
 from chromanoise._check import Array, frozen
+from chromanoise._shapes import Float
 from chromanoise.spectra.curves import Spectra, on_grid
 from chromanoise.spectra.grid import Grid
 from chromanoise.spectra.metric import Metric, photons_per_unit

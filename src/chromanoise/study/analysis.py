@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from jaxtyping import Bool, Float
 
 from chromanoise import _check, _notebook
 from chromanoise._check import Array
+from chromanoise._shapes import Bool, Float
 from chromanoise.color import ColorMatrix, colored, kernel_matrix, scene_xyz
 from chromanoise.exposure import Exposure, expected_electrons
 from chromanoise.geometry import (

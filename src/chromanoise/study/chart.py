@@ -4,10 +4,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from jaxtyping import Bool, Float
 
 from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise._shapes import Bool, Float
 from chromanoise.color import (
     LAB,
     UNBOUNDED,

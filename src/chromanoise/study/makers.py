@@ -5,10 +5,9 @@ from dataclasses import dataclass
 from functools import lru_cache, partial
 from typing import Any
 
-from jaxtyping import Float
-
 from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise._shapes import Float
 from chromanoise.color import (
     ColorMatrix,
     Training,

@@ -4,10 +4,10 @@ from dataclasses import asdict
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float
 
 from chromanoise import __version__, _check
 from chromanoise._check import Array
+from chromanoise._shapes import Float
 from chromanoise.color import ColorMatrix, ParetoCurve, pareto
 from chromanoise.exposure import Situation
 from chromanoise.merit import MatrixReport

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from jaxtyping import Float, Shaped
 
 from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise._shapes import Float, Shaped
 from chromanoise.spectra.files.wavelength_lists import NAMED_WAVELENGTH, NM_PER, nanometers
 
 DATA_SUFFIXES = (".sli", ".img", ".raw", ".dat", ".bin", ".bsq", ".bil", ".bip")

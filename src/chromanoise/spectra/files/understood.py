@@ -5,10 +5,10 @@ from dataclasses import dataclass, field
 from typing import Literal, get_args
 
 import numpy as np
-from jaxtyping import Float
 
 from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise._shapes import Float
 from chromanoise.spectra.curves import Beyond, Spectra
 
 Quantity = Literal["QE", "response", "reflectance", "transmittance", "power"]

@@ -7,10 +7,10 @@ from itertools import product
 from pathlib import Path
 
 import numpy as np
-from jaxtyping import Float
 
 from chromanoise import _check
 from chromanoise._check import Array, printable
+from chromanoise._shapes import Float
 from chromanoise.spectra.files.declared import UNITS, unit_that_fits
 
 Notes = tuple[str, ...]

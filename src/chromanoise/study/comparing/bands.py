@@ -4,9 +4,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from jaxtyping import Float
-
 from chromanoise._check import Array
+from chromanoise._shapes import Float
 from chromanoise.exposure import Situation
 from chromanoise.spectra import Metric
 from chromanoise.study.comparing.crossing import Crossover, crossover_as_json, crossovers

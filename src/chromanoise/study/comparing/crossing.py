@@ -6,10 +6,10 @@ from itertools import combinations, pairwise
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float
 
 from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise._shapes import Float
 from chromanoise.exposure import Situation
 from chromanoise.study.comparing.curves import Curve
 from chromanoise.study.comparing.quantities import Quantity, color_error

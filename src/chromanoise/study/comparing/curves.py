@@ -4,10 +4,10 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Bool, Float
 
 from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise._shapes import Bool, Float
 from chromanoise.exposure import Situation
 from chromanoise.study.comparing.quantities import (
     SNR_Y,

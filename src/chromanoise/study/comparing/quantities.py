@@ -5,9 +5,9 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
-from jaxtyping import Bool, Float
 
 from chromanoise._check import Array
+from chromanoise._shapes import Bool, Float
 from chromanoise.color import LAB, ColorMatrix, colored, perceived_noise, scene_xyz
 from chromanoise.exposure import Situation, expected_electrons, white_scene
 from chromanoise.merit import bound_db, chart_color_error, signal_snr_db

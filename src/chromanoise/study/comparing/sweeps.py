@@ -7,10 +7,10 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
-from jaxtyping import Float
 
 from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise._shapes import Float
 from chromanoise.exposure import Situation
 from chromanoise.sensor import behind_ir_cut
 from chromanoise.spectra import black_body, with_infrared

@@ -3,10 +3,10 @@
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float
 
 from chromanoise._check import Array
 from chromanoise._linalg import eigvalsh
+from chromanoise._shapes import Float
 from chromanoise.color import XYY, cielab, gaussian_cubature, through_space_sampled, xyy
 from chromanoise.geometry import ellipse_outline
 from chromanoise.noise import Measurement, through

@@ -3,9 +3,8 @@
 import math
 from typing import Any
 
-from jaxtyping import Float
-
 from chromanoise._check import Array
+from chromanoise._shapes import Float
 from chromanoise.study.comparing.crossing import (
     Crossover,
     Incomparable,

@@ -9,10 +9,10 @@ import math
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float
 
 from chromanoise._check import Array
 from chromanoise._linalg import eigh, qr
+from chromanoise._shapes import Float
 from chromanoise.geometry import reconstructed_light
 from chromanoise.scene import light
 from chromanoise.spectra import color_axes

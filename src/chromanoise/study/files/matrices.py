@@ -12,11 +12,11 @@ from typing import Any
 from xml.sax.saxutils import escape, quoteattr
 
 import numpy as np
-from jaxtyping import Float
 
 from chromanoise import __version__, _check
 from chromanoise._check import Array
 from chromanoise._linalg import inv, matrix_rank
+from chromanoise._shapes import Float
 from chromanoise.color import ColorMatrix
 
 

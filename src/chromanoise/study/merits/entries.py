@@ -5,10 +5,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float
 
 from chromanoise import _check
 from chromanoise._check import Array, InputError
+from chromanoise._shapes import Float
 from chromanoise.color import scene_xyz
 from chromanoise.exposure import Situation, expected_electrons, white_scene
 from chromanoise.merit.snr import LEAST_COLOR

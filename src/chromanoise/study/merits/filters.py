@@ -1,9 +1,9 @@
 """Merits of filters: how far they span the eye, and what they tell under a prior."""
 
 import numpy as np
-from jaxtyping import Float
 
 from chromanoise._check import Array
+from chromanoise._shapes import Float
 from chromanoise.color import LAB, scene_xyz
 from chromanoise.exposure import expected_electrons, measurement_vectors, white_scene
 from chromanoise.merit import (

@@ -4,9 +4,9 @@ from dataclasses import replace
 from functools import partial
 
 import numpy as np
-from jaxtyping import Float
 
 from chromanoise._check import Array
+from chromanoise._shapes import Float
 from chromanoise.color import LINEAR_SRGB, LUV
 from chromanoise.exposure import Situation
 from chromanoise.imaging import bilinear_filters, noise_power_spectrum

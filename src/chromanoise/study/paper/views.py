@@ -8,10 +8,10 @@ from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
-from jaxtyping import Float
 
 from chromanoise._check import Array, InputError, one_of
 from chromanoise._linalg import eigvalsh
+from chromanoise._shapes import Float
 from chromanoise.geometry import PlaneView, ellipse_outline, plane_view
 from chromanoise.noise import Measurement, sample_electrons, through
 from chromanoise.rng import stream
