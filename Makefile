@@ -25,6 +25,7 @@ lint: $(VENV)/.dev
 bench: $(VENV)/.bench
 	$(BIN)/python benchmarks/closed_form_against_sampling.py
 	$(BIN)/python benchmarks/imaging.py --write
+	$(BIN)/python benchmarks/startup.py --write
 	$(BIN)/python benchmarks/page.py --write
 
 docs: $(VENV)/.dev
