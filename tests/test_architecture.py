@@ -32,6 +32,33 @@ def test_help_does_not_pay_for_the_color_library_nor_for_drawing():
     assert not heavy & imported_by("import chromanoise.cli")
 
 
+def test_analyze_imports_no_library_that_it_does_not_use():
+    """The largest of them, colour-science, would take more time than all the rest together."""
+    unused = {
+        *("PIL", "asyncio", "astropy", "beartype", "colour", "dask", "h5py", "jaxtyping", "jinja2"),
+        *(
+            "llvmlite",
+            "matplotlib",
+            "numba",
+            "openpyxl",
+            "pandas",
+            "scipy",
+            "starlette",
+            "tifffile",
+        ),
+        *("unittest", "uvicorn", "xarray", "zarr"),
+    }
+    imported = imported_by(
+        "import contextlib, io\n"
+        "from chromanoise.cli import main\n"
+        "with contextlib.suppress(SystemExit), contextlib.redirect_stdout(io.StringIO()) as told:\n"
+        "    main(['analyze', 'onyx-rgbw'])\n"
+        "assert 'onyx-rgbw' in told.getvalue()"
+    )
+    assert "chromanoise.study.analysis" in imported
+    assert not unused & imported
+
+
 def test_the_stages_before_the_shells_do_not_import_the_color_library_until_it_is_used():
     assert "colour" not in imported_by("import chromanoise.study, chromanoise.imaging")
 
