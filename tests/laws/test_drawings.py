@@ -39,7 +39,7 @@ from chromanoise.report.study_tables import table_of
 from chromanoise.sensor import behind_ir_cut, with_shifted_curves
 from chromanoise.spectra import DEFAULT_GRID, color_axes, colorchecker
 from chromanoise.study import OutputsPart, outcome_of, outcomes_as_json, study_from_data
-from chromanoise.study.assembly import sensor_of, situations_of
+from chromanoise.study.assembly import operating_points_of, sensor_of
 
 BOTH = ("onyx-rgbw", "onyx-rgb-ircut")
 
@@ -633,7 +633,7 @@ def test_every_set_of_sensors_has_a_verdict_of_whole_sentences(names, level_lux)
 
 def test_equal_sensors_are_told_apart_and_level():
     study = study_of("onyx-rgbw")
-    of = shown(study, situations=situations_of(study) * 2)
+    of = shown(study, situations=operating_points_of(study) * 2)
     assert [s.sensor.name for s in of.situations] == ["onyx-rgbw", "onyx-rgbw (2)"]
     assert "level with onyx-rgbw (2)" in drawing("head", of)["verdict"][0]
 
@@ -649,8 +649,8 @@ def test_an_unknown_part_plane_or_coordinate_is_refused():
 
 def test_an_added_cut_in_a_study_is_that_of_the_sweep():
     told = {"sensors": [{"name": "onyx-rgbw", "ircut_nm": 650.0}]}
-    (cut,) = situations_of(study_from_data(told, source="a test"))
-    (bare,) = situations_of(study_of("onyx-rgbw"))
+    (cut,) = operating_points_of(study_from_data(told, source="a test"))
+    (bare,) = operating_points_of(study_of("onyx-rgbw"))
     swept = SWEEPS["ircut-nm"].at(bare, 650.0)
     np.testing.assert_array_equal(cut.sensor.qe, swept.sensor.qe)
     assert "IR-cut at 650 nm" in cut.sensor.notes[-1]

@@ -14,6 +14,7 @@ from chromanoise.errors import InputError
 from chromanoise.study import (
     STARTER,
     Study,
+    prepared_run,
     provenance,
     read_study,
     run_study,
@@ -23,7 +24,6 @@ from chromanoise.study import (
     study_hash,
     study_of_output,
     study_schema,
-    study_steps,
 )
 from chromanoise.study.document import (
     AnswersPart,
@@ -469,7 +469,7 @@ def test_files_of_a_study_are_told_from_its_own_folder(tmp_path, monkeypatch):
     assert set(provenance(study)["files"]) == {f"project/{name}" for name in names}
     assert study.sensors[2].name == "onyx-rgbw"
     assert study.pictures[0].cube == "builtin:checker"
-    assert len(study_steps(study)) == 2
+    assert len(prepared_run(study).steps) == 2
     monkeypatch.chdir(project)
     assert read_study("s.toml") == study_from_text(text, source="text")
 
@@ -580,7 +580,7 @@ def test_what_cannot_be_is_refused_before_anything_is_computed(tmp_path):
 def test_a_study_that_asks_for_nothing_is_told_so():
     text = '[[sensors]]\nname = "onyx-rgbw"\n[outputs]\nanalyses = false'
     with pytest.raises(InputError, match="asks for nothing"):
-        study_steps(study_from_text(text, source="text"))
+        prepared_run(study_from_text(text, source="text"))
 
 
 # ---- reading ----

@@ -172,7 +172,9 @@ def _taken(study: Study, work: Work, out: Path) -> list[tuple[str, list[str]]]:
     cube, cameras = prepared_cameras(study, 0, points, makers)
     frames = study.pictures[0].frames
     rows = row_source(cube.stored).shape[0] * frames * len(points)
-    summaries, lines = [], [(f"At {conditions(points)}:", list[str]())]
+    summaries: list[dict[str, Any]] = []
+    lines: list[tuple[str, list[str]]] = []
+    click.echo(f"at {conditions(points)}", err=True)
     with whole_folder(out) as folder, progress_of("the pictures", rows, "rows") as advance:
         start = time.perf_counter()
         for _, taken in captures(study, 0, cube, cameras, work=replace(work, progress=advance)):
