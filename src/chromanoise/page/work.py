@@ -64,7 +64,7 @@ class Job:
 LANES: Mapping[str, Lane] = {
     "questions": Lane(workers=2, memory_bytes=100_000_000),
     "pictures": Lane(workers=1, memory_bytes=380_000_000),  # 150 MB of it for compiled kernels
-    "uploads": Lane(workers=1, memory_bytes=280_000_000),
+    "uploads": Lane(workers=1, memory_bytes=240_000_000),
 }
 JOBS: Mapping[str, Job] = {
     "choices": Job(lane="questions", cpu_s=15, limit_s=30.0),
