@@ -1,241 +1,227 @@
-"""A process of its own, in which libhdf5 opens a file that may be damaged.
+"""What libhdf5 reads of a file that may be damaged; called in the child process of `_sandbox`.
 
-On some damaged files libhdf5 (2.0.0) ends its process or never returns, which no ``except`` can
-catch. So it runs here: this file is started as a script, imports nothing of this library, is asked
-in JSON on stdin, and answers with a line of JSON, and perhaps the bytes of numbers, on stdout. It
-ends itself when libhdf5 does not come back in time, even if nobody waits for it any more.
+On some damaged files libhdf5 (2.0.0) ends its process or never returns.
 """
 
-import contextlib
-import faulthandler
-import importlib
-import json
 import math
-import os
-import sys
 import zlib
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any
 
+import numpy as np
+from jaxtyping import Int64, Shaped
+
+from chromanoise import _check
+from chromanoise._check import Array, printable
+from chromanoise.scene.faults import library
+from chromanoise.scene.labeled import Labeled
+
 _LONGEST_ATTRIBUTE = 100_000
-_PIECE_BYTES = 2**24
 _PACKING_BYTES = 4096  # tables and checksums that compression may add to a chunk
-_END = object()
 
 DEFLATE, SHUFFLE = 1, 2  # as HDF5 numbers its filters
-FAULT, NO_MEMORY = 3, 4  # exit codes; what the fault is stands on stderr
 
 
-def main() -> None:
-    """Answer the one question on stdin."""
-    asked = json.load(sys.stdin)
-    answers = {"arrays": _arrays, "place": _place, "numbers": _numbers}
-    _keep_no_core()
-    code = 0
-    try:
-        for answer in _in_time(answers[asked["what"]](asked), asked["limit_s"]):
-            raw = answer if isinstance(answer, bytes) else json.dumps(answer).encode() + b"\n"
-            sys.stdout.buffer.write(raw)
-    except MemoryError:
-        code = NO_MEMORY
-    except Exception as error:  # libraries throw anything
-        sys.stderr.write(str(error) or type(error).__name__)
-        code = FAULT
-    sys.stdout.flush()
-    sys.stderr.flush()
-    os._exit(code)  # at once: tidying up after a damaged file may crash or loop, too
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Place:
+    """Where the numbers of one array are.
+
+    Attributes
+    ----------
+    shape, dtype, chunks
+        As the file declares them; ``chunks`` is None where the array is stored in one piece.
+    offset
+        Of the first number, if the bytes in the file are those of the NumPy array. [bytes]
+    filters
+        What the chunks went through, in that order; None if only libhdf5 can undo it.
+    index
+        Of each chunk the first byte in the file, the length in bytes, and which filters were left
+        out; None where ``filters`` is.
+    """
+
+    shape: tuple[int, ...]
+    dtype: np.dtype
+    chunks: tuple[int, ...] | None
+    offset: int | None = None
+    filters: tuple[int, ...] | None = None
+    index: Int64[Array, "chunks 3"] | None = None
 
 
-def _keep_no_core() -> None:
-    """A crash is expected here; its memory is of no use to anyone."""
-    with contextlib.suppress(ImportError):  # Windows
-        import resource
-
-        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-
-
-def _in_time(answers: Iterator[Any], limit_s: float) -> Iterator[Any]:
-    """The answers; None only says that a step came back. A step that does not ends the process."""
-    while True:
-        # A thread of its own in C: it acts even while libhdf5 loops and holds Python's lock.
-        faulthandler.dump_traceback_later(limit_s, exit=True)
-        try:
-            answer = next(answers, _END)
-        finally:
-            faulthandler.cancel_dump_traceback_later()
-        if answer is _END:
-            return
-        if answer is not None:
-            yield answer
+@contextmanager
+def opened(path: Path, name: str) -> Iterator[Any]:
+    """The array ``name`` of an HDF5 file, as h5py has it."""
+    with _file(path) as file:
+        yield file[name]
 
 
-def _h5py() -> Any:
-    return importlib.import_module("h5py")
-
-
-def _opened(path: str) -> Any:
-    return _h5py().File(path, "r")
+def _file(path: Path) -> Any:
+    return library("h5py", str(path)).File(path, "r")
 
 
 # what the file holds
 
 
-def _arrays(asked: dict[str, Any]) -> Iterator[dict[str, Any] | None]:
-    with _opened(asked["path"]) as file:
-        names = _names(file, asked["most"])
-        yield None
-        listed = []
-        for name in names:
-            listed.append(_array(name, file[name], asked["attributes"]))
-            yield None
-        yield {"attributes": _attributes(file.attrs, asked["attributes"]), "arrays": listed}
+def stored_arrays(
+    path: Path, kept: Collection[str], most: int
+) -> tuple[dict[str, Labeled], Mapping[str, Any]]:
+    """All arrays by their names, at most one more than ``most``; and the attributes of the file.
+
+    Parameters
+    ----------
+    path
+        The file. Links out of it, and links that go round, are not followed.
+    kept
+        The attributes that are read, by names in lower case.
+    most
+        How many arrays are expected.
+    """
+    with _file(path) as file:
+        names: list[str] = []
+        dataset_type = library("h5py", str(path)).Dataset
+
+        def see(name: str, thing: Any) -> bool | None:
+            if isinstance(thing, dataset_type) and thing.shape is not None:
+                names.append(name)
+            return True if len(names) > most else None
+
+        file.visititems(see)
+        arrays = {
+            name: Labeled(
+                shape=tuple(int(n) for n in dataset.shape),
+                dtype=_dtype(dataset),
+                axes=_axes(dataset),
+                attributes=_attributes(dataset.attrs, kept),
+            )
+            for name, dataset in ((name, file[name]) for name in names)
+        }
+        return arrays, _attributes(file.attrs, kept)
 
 
-def _names(file: Any, most: int) -> list[str]:
-    """Links out of the file, and links that go round, are not followed; at most one too many."""
-    found: list[str] = []
-    dataset_type = _h5py().Dataset
-
-    def see(name: str, thing: Any) -> bool | None:
-        if isinstance(thing, dataset_type) and thing.shape is not None:
-            found.append(name)
-        return True if len(found) > most else None
-
-    file.visititems(see)
-    return found
-
-
-def _array(name: str, dataset: Any, kept: list[str]) -> dict[str, Any]:
-    return {
-        "name": name,
-        "shape": [int(n) for n in dataset.shape],
-        "dtype": _dtype(dataset),
-        "axes": _axes(dataset),
-        "attributes": _attributes(dataset.attrs, kept),
-    }
-
-
-def _dtype(dataset: Any) -> str:
+def _dtype(dataset: Any) -> np.dtype:
     try:
-        return str(dataset.dtype.str)
+        return np.dtype(dataset.dtype.str)
     except (TypeError, ValueError):  # types that NumPy does not have
-        return "|O"
+        return np.dtype("O")
 
 
-def _axes(dataset: Any) -> list[str]:
+def _axes(dataset: Any) -> tuple[str, ...]:
     """Names of the axes, by the lists of coordinates that NetCDF attaches to them, or by labels."""
     if not {"DIMENSION_LIST", "DIMENSION_LABELS"} & set(dataset.attrs):
-        return []
-    names = []
-    for dimension in dataset.dims:
-        scale = str(dimension[0].name).strip("/") if len(dimension) else ""
-        names.append(scale or str(dimension.label))
-    return names
+        return ()
+    scales = (str(d[0].name).strip("/") if len(d) else "" for d in dataset.dims)
+    return tuple(scale or str(d.label) for scale, d in zip(scales, dataset.dims, strict=True))
 
 
-def _attributes(attributes: Any, kept: list[str]) -> dict[str, Any]:
-    """Those that are understood, by names in lower case."""
+def _attributes(attributes: Any, kept: Collection[str]) -> dict[str, Any]:
+    """Those that are understood, by names in lower case; a damaged one may claim any size."""
+    shapes = {n: attributes.get_id(n).shape for n in list(attributes) if n.lower() in kept}
     return {
         name.lower(): _plain(attributes[name])
-        for name in list(attributes)
-        if name.lower() in kept and _is_short(attributes.get_id(name).shape)
+        for name, shape in shapes.items()
+        if shape is not None and math.prod(shape) <= _LONGEST_ATTRIBUTE
     }
-
-
-def _is_short(shape: tuple[int, ...] | None) -> bool:
-    """Whether an attribute is small enough to be read: a damaged one may claim any size."""
-    return shape is not None and math.prod(shape) <= _LONGEST_ATTRIBUTE
 
 
 def _plain(value: Any) -> Any:
-    """What JSON can say: texts, numbers and lists of numbers; null for anything else."""
-    import numpy as np
-
+    """Texts, numbers and arrays of numbers; None for anything else."""
     array = np.asarray(value)
     if array.dtype.kind in "OSU" and array.size == 1:
         word = array.ravel()[0]
         text = word.decode("utf-8", "replace") if isinstance(word, bytes) else word
         return str(text) if isinstance(text, str) else None
-    if array.dtype.kind == "f":
-        with np.errstate(all="ignore"):
-            return array.astype(np.float64).tolist()
-    return array.tolist() if array.dtype.kind in "biu" else None
+    return array if array.dtype.kind in "biuf" else None
 
 
 # where the numbers of one array are
 
 
-def _place(asked: dict[str, Any]) -> Iterator[dict[str, Any] | bytes | None]:
-    """And the index of its chunks; what cannot be read without libhdf5 is tried here first."""
-    with _opened(asked["path"]) as file:
-        dataset = file[asked["name"]]
-        place = _storage(dataset)
-        yield None
-        if place["elsewhere"] or place["missing"] or place["offset"] is not None:
-            yield place
-            return
-        filters = _filters(dataset)
-        index = None if filters is None else _index(dataset, filters, file.userblock_size)
-        yield None
-        if index is None:
-            _refuse_long_chunks(dataset)
-            dataset[tuple(slice(0, n) for n in dataset.chunks or (1,) * dataset.ndim)]
-        yield place | {"filters": None if index is None else filters}
-        yield b"" if index is None else index.tobytes()
-
-
-def _refuse_long_chunks(dataset: Any) -> None:
-    """Refuse compressed chunks longer than uncompressed ones: libhdf5 inflates all of a chunk.
+def stored_place(path: Path, name: str) -> Place:
+    """Where they are; what cannot be read without libhdf5 is tried here first.
 
     Raises
     ------
+    InputError
+        If they are not all in the file.
     ValueError
-        If there is one.
+        If a compressed chunk is longer than it would be uncompressed.
     """
+    with _file(path) as file:
+        dataset = file[name]
+        _refuse_incomplete(path, name, dataset)
+        place = Place(
+            shape=tuple(int(n) for n in dataset.shape),
+            dtype=_dtype(dataset),
+            chunks=dataset.chunks,
+            offset=_offset(dataset),
+        )
+        if place.offset is not None:
+            return place
+        filters = _filters(dataset)
+        index = None if filters is None else _index(dataset, filters, file.userblock_size)
+        if index is None:
+            _refuse_long_chunks(dataset)
+            dataset[tuple(slice(0, n) for n in dataset.chunks or (1,) * dataset.ndim)]
+            return place
+        return replace(place, filters=filters, index=index)
+
+
+def _refuse_long_chunks(dataset: Any) -> None:
+    """Refuse compressed chunks longer than uncompressed ones: libhdf5 inflates all of a chunk."""
     if dataset.chunks is None:
         return
     whole = math.prod(dataset.chunks) * dataset.dtype.itemsize
-    lengths = []
-    dataset.id.chunk_iter(lambda chunk: lengths.append(chunk.size))
-    if max(lengths, default=0) > whole + whole // 8 + _PACKING_BYTES:
+    longest = max((chunk.size for chunk in _chunks(dataset)), default=0)
+    if longest > whole + whole // 8 + _PACKING_BYTES:
         raise ValueError(
-            f"a compressed chunk has {max(lengths)} bytes, uncompressed it would have {whole}"
+            f"a compressed chunk has {longest} bytes, uncompressed it would have {whole}"
         )
 
 
-def _storage(dataset: Any) -> dict[str, Any]:
-    chunks, elsewhere = dataset.chunks, bool(dataset.external or dataset.is_virtual)
-    place = {
-        "shape": [int(n) for n in dataset.shape],
-        "dtype": _dtype(dataset),
-        "elsewhere": elsewhere,
-        "chunks": None if chunks is None else [int(n) for n in chunks],
-    }
-    if elsewhere:
-        return place
-    offset = dataset.id.get_offset()
-    plain = offset is not None and dataset.chunks is None and _lies_as_numpy_has_it(dataset)
-    return place | _missing(dataset) | {"offset": int(offset) if plain else None}
+def _chunks(dataset: Any) -> list[Any]:
+    chunks: list[Any] = []
+    dataset.id.chunk_iter(chunks.append)
+    return chunks
 
 
-def _missing(dataset: Any) -> dict[str, int]:
-    """How many of how many parts were never written: HDF5 would give zeros for them."""
+def _refuse_incomplete(path: Path, name: str, dataset: Any) -> None:
+    """HDF5 gives zeros for what a program that was stopped did not come to write."""
+    if dataset.external or dataset.is_virtual:
+        raise _check.InputError(
+            f"{path}: the numbers of array {printable(name)!r} lie in other files, which are not "
+            "read; store them in one file"
+        )
     if dataset.chunks is None:
         needed = math.prod(dataset.shape) * dataset.dtype.itemsize
-        return {"missing": int(dataset.id.get_storage_size() < needed), "parts": 1}
-    per_axis = zip(dataset.shape, dataset.chunks, strict=True)
-    parts = math.prod(-(-n // chunk) for n, chunk in per_axis)
-    return {"missing": int(parts - dataset.id.get_num_chunks()), "parts": int(parts)}
+        absent = "its numbers were" if dataset.id.get_storage_size() < needed else ""
+    else:
+        per_axis = zip(dataset.shape, dataset.chunks, strict=True)
+        parts = math.prod(-(-n // long) for n, long in per_axis)
+        missing = parts - dataset.id.get_num_chunks()
+        absent = f"{missing} of its {parts} chunks were" if missing > 0 else ""
+    if absent:
+        raise _check.InputError(
+            f"{path}: array {printable(name)!r} is not complete, {absent} never written; save it "
+            "again"
+        )
+
+
+def _offset(dataset: Any) -> int | None:
+    offset = None if dataset.chunks else dataset.id.get_offset()
+    return int(offset) if offset is not None and _lies_as_numpy_has_it(dataset) else None
 
 
 def _lies_as_numpy_has_it(dataset: Any) -> bool:
     """Whether the bytes in the file are those of the NumPy type."""
     if dataset.dtype.kind not in "fiu":
         return False
-    return bool(dataset.id.get_type().equal(_h5py().h5t.py_create(dataset.dtype)))
+    types = library("h5py.h5t", "HDF5 files")
+    return bool(dataset.id.get_type().equal(types.py_create(dataset.dtype)))
 
 
-def _filters(dataset: Any) -> list[int] | None:
+def _filters(dataset: Any) -> tuple[int, ...] | None:
     """What chunks went through, in that order; None if only libhdf5 can undo it."""
     if dataset.chunks is None or not _lies_as_numpy_has_it(dataset):
         return None
@@ -245,28 +231,23 @@ def _filters(dataset: Any) -> list[int] | None:
         kind == DEFLATE or (kind == SHUFFLE and values[:1] == (dataset.dtype.itemsize,))
         for kind, _, values, _ in filters
     )
-    return [int(kind) for kind, *_ in filters] if known else None
+    return tuple(int(kind) for kind, *_ in filters) if known else None
 
 
-def _index(dataset: Any, filters: list[int], before: int) -> Any:
+def _index(dataset: Any, filters: tuple[int, ...], before: int) -> Int64[Array, "chunks 3"] | None:
     """Per chunk first byte, length, and filters left out; None if the file cannot tell."""
-    import numpy as np
-
     grid = [-(-n // long) for n, long in zip(dataset.shape, dataset.chunks, strict=True)]
     index = np.full((math.prod(grid), 3), -1, dtype=np.int64)
-
-    def see(chunk: Any) -> None:
+    for chunk in _chunks(dataset):
         at = [n // long for n, long in zip(chunk.chunk_offset, dataset.chunks, strict=True)]
         number = np.ravel_multi_index(at, grid)
         index[number] = chunk.byte_offset, chunk.size, chunk.filter_mask
-
-    dataset.id.chunk_iter(see)
     whole = math.prod(dataset.chunks) * dataset.dtype.itemsize
     if DEFLATE in filters and (index[:, 1] == whole).any():
         return None  # HDF5 may leave chunks at the edge as they are, and does not tell
     _, first = dataset.id.read_direct_chunk((0,) * dataset.ndim)
     for shift in (0, before):  # versions differ in where they count from
-        with open(dataset.file.filename, "rb") as file:  # noqa: PTH123 - a script of few imports
+        with Path(dataset.file.filename).open("rb") as file:
             file.seek(index[0, 0] + shift)
             if file.read(len(first)) == first and len(first) == index[0, 1]:
                 return index + np.array([shift, 0, 0])
@@ -276,56 +257,31 @@ def _index(dataset: Any, filters: list[int], before: int) -> Any:
 # the numbers of one array
 
 
-def _numbers(asked: dict[str, Any]) -> Iterator[dict[str, Any] | bytes | None]:
-    """First where they are, then their bytes in the order of C, unless they are not all there."""
-    with _opened(asked["path"]) as file:
-        dataset = file[asked["name"]]
-        place = _storage(dataset)
-        yield place
-        if place["elsewhere"] or place["missing"]:
-            return
-        yield from _chunks_are_whole(dataset)
-        for part in _parts(dataset):
-            yield dataset[part].tobytes()
-
-
-def _chunks_are_whole(dataset: Any) -> Iterator[None]:
-    """Refuse chunks that inflate to too few bytes: libhdf5 gives what lies in memory for the rest.
+def stored_numbers(path: Path, name: str) -> Shaped[Array, "..."]:
+    """All of them.
 
     Raises
     ------
+    InputError
+        If they are not all in the file.
     ValueError
-        If there is one.
+        If a chunk is too long, or inflates to too few bytes: libhdf5 gives what lies in memory for
+        the rest.
     """
-    if DEFLATE not in (_filters(dataset) or []):
-        return
+    with _file(path) as file:
+        dataset = file[name]
+        _refuse_incomplete(path, name, dataset)
+        _refuse_long_chunks(dataset)
+        if DEFLATE in (_filters(dataset) or ()):
+            _refuse_short_chunks(dataset)
+        return np.asarray(dataset[...])
+
+
+def _refuse_short_chunks(dataset: Any) -> None:
     whole = math.prod(dataset.chunks) * dataset.dtype.itemsize
-    deflated: list[tuple[int, ...]] = []
-
-    def see(chunk: Any) -> None:
+    for chunk in _chunks(dataset):
         if chunk.filter_mask == 0 and chunk.size != whole:
-            deflated.append(tuple(chunk.chunk_offset))
-
-    dataset.id.chunk_iter(see)
-    for at in deflated:
-        _, content = dataset.id.read_direct_chunk(at)
-        length = len(zlib.decompressobj().decompress(content, whole + 1))
-        if length != whole:
-            raise ValueError(f"a chunk holds {length} bytes instead of {whole}")
-        yield None
-
-
-def _parts(dataset: Any) -> Iterator[Any]:
-    """Slices of the first axis, each read in little time."""
-    if not dataset.shape:
-        yield ()
-        return
-    row_bytes = max(math.prod(dataset.shape[1:]) * dataset.dtype.itemsize, 1)
-    whole = dataset.chunks[0] if dataset.chunks else 1  # rows that are decoded together
-    step = max(_PIECE_BYTES // row_bytes // whole, 1) * whole
-    for start in range(0, dataset.shape[0], step):
-        yield slice(start, start + step)
-
-
-if __name__ == "__main__":
-    main()
+            _, content = dataset.id.read_direct_chunk(chunk.chunk_offset)
+            length = len(zlib.decompressobj().decompress(content, whole + 1))
+            if length != whole:
+                raise ValueError(f"a chunk holds {length} bytes instead of {whole}")
