@@ -16,10 +16,11 @@ import subprocess
 import sys
 import threading
 import time
+import traceback
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, NoReturn, TypeVar
 
 from chromanoise._check import InputError, reason
 
@@ -114,6 +115,20 @@ def exit_code(process: "subprocess.Popen[bytes]") -> int:
     except subprocess.TimeoutExpired:
         process.kill()
         return process.wait()
+
+
+def exit_after(served: Callable[[], None]) -> NoReturn:
+    """End this process, with a traceback on stderr where ``served`` failed."""
+    code = FAILED
+    try:
+        served()
+        code = 0
+    except MemoryError:
+        code = NO_MEMORY
+    except BaseException:
+        traceback.print_exc()
+    finally:
+        os._exit(code)  # at once: a library may crash or loop while it ends, too
 
 
 def held_bytes() -> int:
@@ -225,14 +240,7 @@ _PROGRAM = "from chromanoise._sandbox import main; main()"
 
 def main() -> None:
     """Answer calls until the parent process ends."""
-    code = FAILED
-    try:
-        _answer_calls()
-        code = 0
-    except MemoryError:
-        code = NO_MEMORY
-    finally:
-        os._exit(code)  # at once: a library may crash or loop while it ends, too
+    exit_after(_answer_calls)
 
 
 def _answer_calls() -> None:

@@ -1,6 +1,6 @@
 """How the faults of foreign readers are told."""
 
-import importlib
+import importlib.util
 import os
 import threading
 import warnings
@@ -58,10 +58,20 @@ def library(name: str, what: str, *, extra: str = "cubes") -> Any:
     try:
         return importlib.import_module(name)
     except ImportError:
-        raise _check.InputError(
-            f"{what}: needs the package {name}, which is not installed; "
-            f"pip install 'chromanoise[{extra}]'"
-        ) from None
+        raise _absent(name, what, extra) from None
+
+
+def refuse_absent_library(name: str, what: str, *, extra: str = "cubes") -> None:
+    """The same for a package that only the child process imports."""
+    if importlib.util.find_spec(name) is None:
+        raise _absent(name, what, extra)
+
+
+def _absent(name: str, what: str, extra: str) -> _check.InputError:
+    return _check.InputError(
+        f"{what}: needs the package {name}, which is not installed; "
+        f"pip install 'chromanoise[{extra}]'"
+    )
 
 
 @contextmanager

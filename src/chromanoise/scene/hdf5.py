@@ -14,7 +14,7 @@ from jaxtyping import Int64, Shaped
 
 from chromanoise import _check, _sandbox
 from chromanoise._check import Array
-from chromanoise.scene.faults import library, reading
+from chromanoise.scene.faults import reading, refuse_absent_library
 from chromanoise.scene.file_rows import FileRows
 from chromanoise.scene.hdf5_child import (
     Place,
@@ -63,7 +63,7 @@ def hdf5_store(path: Path, *, matlab: bool = False) -> Store:
         If h5py is not installed, or the file is damaged.
     """
     kind = "MATLAB 7.3" if matlab else "HDF5"
-    library("h5py", f"{path}: {kind} files")
+    refuse_absent_library("h5py", f"{path}: {kind} files")
     with reading(path, kind):
         listed, attributes = _sandbox.sandboxed(
             stored_arrays, path, _READ, _MOST_ARRAYS, path=path, limit_s=_LISTING_S
