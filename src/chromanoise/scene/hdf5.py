@@ -1,29 +1,27 @@
 """HDF5 files: NetCDF-4, MATLAB 7.3, CEA-LETI's ReDFISh, and what other programs write.
 
 Nothing outside the file is ever read: links to other files are not followed, and arrays whose
-numbers lie in other files are refused. What a file holds is found out by a process of its own, for
-libhdf5 crashes or loops on some damaged files.
+numbers lie in other files are refused. libhdf5 (2.0.0) crashes or loops on some damaged files, so a
+file is first opened in the child process of `_sandbox`. Numbers that lie plainly in the file, or
+went through zlib, are then read without libhdf5.
 """
 
 import math
+import zlib
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, nullcontext
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from jaxtyping import Int64, Shaped
 
 from chromanoise import _check, _sandbox
-from chromanoise._check import Array
-from chromanoise.scene.faults import reading, refuse_absent_library
+from chromanoise._check import Array, printable
+from chromanoise.scene.faults import library, reading, refuse_absent_library
 from chromanoise.scene.file_rows import FileRows
-from chromanoise.scene.hdf5_child import (
-    Place,
-    opened,
-    stored_arrays,
-    stored_numbers,
-    stored_place,
-)
-from chromanoise.scene.hdf5_chunks import ChunkRows
+from chromanoise.scene.hdf5_chunks import DEFLATE, SHUFFLE, Chunks
 from chromanoise.scene.labeled import Axes, Labeled, Store
 from chromanoise.scene.rows import RowSource
 from chromanoise.scene.stored_rows import StoredRows
@@ -42,6 +40,8 @@ _READ = frozenset({
     "matlab_class", "matlab_sparse", "matlab_empty",
 }) | SPECTRAL_NAMES  # fmt: skip
 _MOST_ARRAYS = 10_000
+_LONGEST_ATTRIBUTE = 100_000
+_PACKING_BYTES = 4096  # tables and checksums that compression may add to a chunk
 _LISTING_S = 60.0  # for so many arrays
 _SLOWEST_BYTES_PER_S = 1e7  # of reading and unpacking
 
@@ -65,9 +65,7 @@ def hdf5_store(path: Path, *, matlab: bool = False) -> Store:
     kind = "MATLAB 7.3" if matlab else "HDF5"
     refuse_absent_library("h5py", f"{path}: {kind} files")
     with reading(path, kind):
-        listed, attributes = _sandbox.sandboxed(
-            stored_arrays, path, _READ, _MOST_ARRAYS, path=path, limit_s=_LISTING_S
-        )
+        listed, attributes = _sandbox.sandboxed(_listed, path, path=path, limit_s=_LISTING_S)
     if len(listed) > _MOST_ARRAYS:
         raise _check.InputError(f"{path}: holds more than {_MOST_ARRAYS} arrays")
     arrays = {
@@ -75,13 +73,32 @@ def hdf5_store(path: Path, *, matlab: bool = False) -> Store:
         for name, array in listed.items()
         if not name.startswith("#")  # what MATLAB keeps for itself
     }
+
+    def numbers(name: str) -> Shaped[Array, "..."]:
+        size = math.prod(arrays[name].shape) * arrays[name].dtype.itemsize
+        with reading(path, kind):
+            read = _sandbox.sandboxed(
+                _numbers,
+                path,
+                name,
+                path=path,
+                limit_s=_sandbox.LIMIT_S + size / _SLOWEST_BYTES_PER_S,
+                memory_bytes=_sandbox.MEMORY_BYTES + 2 * size,
+            )
+        return read.T if matlab else read
+
+    def source(name: str, axes: Axes) -> RowSource:
+        row, column, band = (2 - axis for axis in axes) if matlab else axes
+        with reading(path, kind):
+            return _sandbox.sandboxed(_source, path, name, (row, column, band), path=path)
+
     return Store(
         path=path,
         kind=kind,
         bytes=path.stat().st_size,
         arrays=arrays,
-        numbers=partial(_numbers, path, kind, arrays),
-        source=partial(_source, path, kind, matlab),
+        numbers=numbers,
+        source=source,
         attributes=attributes,
         matlab=matlab,
     )
@@ -96,62 +113,226 @@ def _by_matlab(stored: Labeled) -> Labeled:
     return Labeled(shape=shape, dtype=dtype, attributes=stored.attributes)
 
 
-def _numbers(path: Path, kind: str, arrays: dict[str, Labeled], name: str) -> Shaped[Array, "..."]:
-    shape = arrays[name].shape
-    size = math.prod(shape) * arrays[name].dtype.itemsize
-    with reading(path, kind):
-        numbers = _sandbox.sandboxed(
-            stored_numbers,
-            path,
-            name,
-            path=path,
-            limit_s=_sandbox.LIMIT_S + size / _SLOWEST_BYTES_PER_S,
-            memory_bytes=_sandbox.MEMORY_BYTES + 2 * size,
-        )
-    return numbers.T if kind != "HDF5" else numbers
+@contextmanager
+def _opened(path: Path, name: str) -> Iterator[Any]:
+    with _file(path) as file:
+        yield file[name]
 
 
-def _source(path: Path, kind: str, matlab: bool, name: str, axes: Axes) -> RowSource:
-    """What lies plainly in the file, or went through zlib, is read without libhdf5."""
-    with reading(path, kind):
-        place: Place = _sandbox.sandboxed(stored_place, path, name, path=path)
-    sizes, size = place.shape, place.dtype.itemsize
-    row, column, band = (2 - axis for axis in axes) if matlab else axes
-    shape = sizes[row], sizes[column], sizes[band]
-    offset = place.offset
-    if offset is not None and offset + math.prod(sizes) * size <= path.stat().st_size:
-        steps = sizes[1] * sizes[2] * size, sizes[2] * size, size
-        strides = steps[row], steps[column], steps[band]
-        return FileRows(path=path, offset=offset, stored=place.dtype, shape=shape, strides=strides)
-    bands = range(shape[2])
-    if place.index is not None and place.filters is not None and place.chunks is not None:
-        with reading(path, kind):
-            return ChunkRows(
-                path=path,
-                index=_inside(place.index, path),
-                filters=place.filters,
-                sizes=(sizes[0], sizes[1], sizes[2]),
-                chunk=(place.chunks[0], place.chunks[1], place.chunks[2]),
-                axes=(row, column, band),
-                bands=bands,
-                stored=place.dtype,
+def _file(path: Path) -> Any:
+    return library("h5py", str(path)).File(path, "r")
+
+
+# in the child process: what the file holds
+
+
+def _listed(path: Path) -> tuple[dict[str, Labeled], Mapping[str, Any]]:
+    """All arrays by their names, at most one too many; and the attributes of the file.
+
+    Links out of the file, and links that go round, are not followed.
+    """
+    with _file(path) as file:
+        names: list[str] = []
+        dataset_type = library("h5py", str(path)).Dataset
+
+        def see(name: str, thing: Any) -> bool | None:
+            if isinstance(thing, dataset_type) and thing.shape is not None:
+                names.append(name)
+            return True if len(names) > _MOST_ARRAYS else None
+
+        file.visititems(see)
+        arrays = {
+            name: Labeled(
+                shape=tuple(int(n) for n in dataset.shape),
+                dtype=_dtype(dataset),
+                axes=_axes(dataset),
+                attributes=_attributes(dataset.attrs),
             )
-    return StoredRows(
-        path=path,
-        name=name,
-        kind="HDF5",
-        opened=opened,
-        axes=(row, column, band),
-        shape=shape,
-        bands=bands,
-        stored=place.dtype,
-        chunk_rows=min(place.chunks[row], shape[0]) if place.chunks else 1,
+            for name, dataset in ((name, file[name]) for name in names)
+        }
+        return arrays, _attributes(file.attrs)
+
+
+def _dtype(dataset: Any) -> np.dtype:
+    try:
+        return np.dtype(dataset.dtype.str)
+    except (TypeError, ValueError):  # types that NumPy does not have
+        return np.dtype("O")
+
+
+def _axes(dataset: Any) -> tuple[str, ...]:
+    """Names of the axes, by the lists of coordinates that NetCDF attaches to them, or by labels."""
+    if not {"DIMENSION_LIST", "DIMENSION_LABELS"} & set(dataset.attrs):
+        return ()
+    scales = (str(d[0].name).strip("/") if len(d) else "" for d in dataset.dims)
+    return tuple(scale or str(d.label) for scale, d in zip(scales, dataset.dims, strict=True))
+
+
+def _attributes(attributes: Any) -> dict[str, Any]:
+    """Those that are understood, by names in lower case; a damaged one may claim any size."""
+    shapes = {n: attributes.get_id(n).shape for n in list(attributes) if n.lower() in _READ}
+    return {
+        name.lower(): _plain(attributes[name])
+        for name, shape in shapes.items()
+        if shape is not None and math.prod(shape) <= _LONGEST_ATTRIBUTE
+    }
+
+
+def _plain(value: Any) -> Any:
+    """Texts, numbers and arrays of numbers; None for anything else."""
+    array = np.asarray(value)
+    if array.dtype.kind in "OSU" and array.size == 1:
+        word = array.ravel()[0]
+        text = word.decode("utf-8", "replace") if isinstance(word, bytes) else word
+        return str(text) if isinstance(text, str) else None
+    return array if array.dtype.kind in "biuf" else None
+
+
+# in the child process: the numbers of one array
+
+
+def _source(path: Path, name: str, axes: Axes) -> RowSource:
+    """Its rows; what cannot be read without libhdf5 is tried here first."""
+    with _file(path) as file:
+        dataset = file[name]
+        _refuse_incomplete(path, name, dataset)
+        sizes, stored, chunk = tuple(map(int, dataset.shape)), _dtype(dataset), dataset.chunks
+        shape = sizes[axes[0]], sizes[axes[1]], sizes[axes[2]]
+        size, end = stored.itemsize, path.stat().st_size
+        offset = dataset.id.get_offset() if chunk is None else None
+        plain = offset is not None and _lies_as_numpy_has_it(dataset)
+        if offset is not None and plain and offset + math.prod(sizes) * size <= end:
+            steps = sizes[1] * sizes[2] * size, sizes[2] * size, size
+            strides = steps[axes[0]], steps[axes[1]], steps[axes[2]]
+            return FileRows(path=path, offset=offset, stored=stored, shape=shape, strides=strides)
+        opened: Any = partial(_opened, path, name)
+        filters = _filters(dataset)
+        index = None if filters is None else _index(dataset, filters, file.userblock_size)
+        if filters is not None and index is not None:
+            _refuse_beyond(index, end)
+            chunks = Chunks(
+                path=path, index=index, filters=filters, shape=sizes, chunk=chunk, dtype=stored
+            )
+            opened = partial(nullcontext, chunks)
+        else:
+            _refuse_long_chunks(dataset)
+            dataset[tuple(slice(0, n) for n in chunk or (1,) * dataset.ndim)]
+        return StoredRows(
+            path=path,
+            kind="HDF5",
+            opened=opened,
+            axes=axes,
+            shape=shape,
+            bands=range(shape[2]),
+            stored=stored,
+            chunk_rows=min(chunk[axes[0]], shape[0]) if chunk else 1,
+        )
+
+
+def _numbers(path: Path, name: str) -> Shaped[Array, "..."]:
+    """All of them."""
+    with _file(path) as file:
+        dataset = file[name]
+        _refuse_incomplete(path, name, dataset)
+        _refuse_long_chunks(dataset)
+        if DEFLATE in (_filters(dataset) or ()):
+            _refuse_short_chunks(dataset)
+        return np.asarray(dataset[...])
+
+
+def _refuse_incomplete(path: Path, name: str, dataset: Any) -> None:
+    """HDF5 gives zeros for what a program that was stopped did not come to write."""
+    if dataset.external or dataset.is_virtual:
+        raise _check.InputError(
+            f"{path}: the numbers of array {printable(name)!r} lie in other files, which are not "
+            "read; store them in one file"
+        )
+    if dataset.chunks is None:
+        needed = math.prod(dataset.shape) * dataset.dtype.itemsize
+        absent = "its numbers were" if dataset.id.get_storage_size() < needed else ""
+    else:
+        per_axis = zip(dataset.shape, dataset.chunks, strict=True)
+        parts = math.prod(-(-n // long) for n, long in per_axis)
+        missing = parts - dataset.id.get_num_chunks()
+        absent = f"{missing} of its {parts} chunks were" if missing > 0 else ""
+    if absent:
+        raise _check.InputError(
+            f"{path}: array {printable(name)!r} is not complete, {absent} never written; save it "
+            "again"
+        )
+
+
+def _refuse_long_chunks(dataset: Any) -> None:
+    """Refuse compressed chunks longer than uncompressed ones: libhdf5 inflates all of a chunk."""
+    if dataset.chunks is None:
+        return
+    whole = math.prod(dataset.chunks) * dataset.dtype.itemsize
+    longest = max((chunk.size for chunk in _chunks(dataset)), default=0)
+    if longest > whole + whole // 8 + _PACKING_BYTES:
+        raise ValueError(
+            f"a compressed chunk has {longest} bytes, uncompressed it would have {whole}"
+        )
+
+
+def _chunks(dataset: Any) -> list[Any]:
+    chunks: list[Any] = []
+    dataset.id.chunk_iter(chunks.append)
+    return chunks
+
+
+def _refuse_short_chunks(dataset: Any) -> None:
+    """Refuse chunks that inflate to too few bytes; libhdf5 fills up with what lies in memory."""
+    whole = math.prod(dataset.chunks) * dataset.dtype.itemsize
+    for chunk in _chunks(dataset):
+        if chunk.filter_mask == 0 and chunk.size != whole:
+            _, content = dataset.id.read_direct_chunk(chunk.chunk_offset)
+            length = len(zlib.decompressobj().decompress(content, whole + 1))
+            if length != whole:
+                raise ValueError(f"a chunk holds {length} bytes instead of {whole}")
+
+
+def _lies_as_numpy_has_it(dataset: Any) -> bool:
+    """Whether the bytes in the file are those of the NumPy type."""
+    if dataset.dtype.kind not in "fiu":
+        return False
+    types = library("h5py.h5t", "HDF5 files")
+    return bool(dataset.id.get_type().equal(types.py_create(dataset.dtype)))
+
+
+def _filters(dataset: Any) -> tuple[int, ...] | None:
+    """What chunks went through, in that order; None if only libhdf5 can undo it."""
+    if dataset.chunks is None or not _lies_as_numpy_has_it(dataset):
+        return None
+    made = dataset.id.get_create_plist()
+    filters = [made.get_filter(k) for k in range(made.get_nfilters())]
+    known = all(
+        kind == DEFLATE or (kind == SHUFFLE and values[:1] == (dataset.dtype.itemsize,))
+        for kind, _, values, _ in filters
     )
+    return tuple(int(kind) for kind, *_ in filters) if known else None
 
 
-def _inside(index: Int64[Array, "chunks 3"], path: Path) -> Int64[Array, "chunks 3"]:
-    """The index, refused if a chunk lies beyond the end of the file."""
-    beyond = (index[:, :2] < 0).any(axis=1) | (index[:, 0] > path.stat().st_size - index[:, 1])
+def _index(dataset: Any, filters: tuple[int, ...], before: int) -> Int64[Array, "chunks 3"] | None:
+    """Per chunk first byte, length, and filters left out; None if the file cannot tell."""
+    grid = [-(-n // long) for n, long in zip(dataset.shape, dataset.chunks, strict=True)]
+    index = np.full((math.prod(grid), 3), -1, dtype=np.int64)
+    for chunk in _chunks(dataset):
+        at = [n // long for n, long in zip(chunk.chunk_offset, dataset.chunks, strict=True)]
+        number = np.ravel_multi_index(at, grid)
+        index[number] = chunk.byte_offset, chunk.size, chunk.filter_mask
+    whole = math.prod(dataset.chunks) * dataset.dtype.itemsize
+    if DEFLATE in filters and (index[:, 1] == whole).any():
+        return None  # HDF5 may leave chunks at the edge as they are, and does not tell
+    _, first = dataset.id.read_direct_chunk((0,) * dataset.ndim)
+    for shift in (0, before):  # versions differ in where they count from
+        with Path(dataset.file.filename).open("rb") as file:
+            file.seek(index[0, 0] + shift)
+            if file.read(len(first)) == first and len(first) == index[0, 1]:
+                return index + np.array([shift, 0, 0])
+    return None
+
+
+def _refuse_beyond(index: Int64[Array, "chunks 3"], end: int) -> None:
+    beyond = (index[:, :2] < 0).any(axis=1) | (index[:, 0] > end - index[:, 1])
     if beyond.any():
         raise ValueError(f"{int(beyond.sum())} of {len(index)} chunks lie beyond its end")
-    return index

@@ -19,17 +19,15 @@ from chromanoise.scene.rows import block
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class StoredRows:
-    """Rows of one array in a file or folder of named arrays.
+    """Rows of one array in a file or folder of arrays.
 
     Attributes
     ----------
-    path, name
-        The file or folder, and the array in it.
-    kind
-        What people call its format.
+    path, kind
+        The file or folder, and what people call its format.
     opened
-        Opens the array for each block of rows; a function of a module, so that another process can
-        take the source.
+        Opens the array for each block of rows. It can be pickled, so that another process can take
+        the source.
     axes
         Which of the axes of the array are rows, columns, bands.
     shape
@@ -43,9 +41,8 @@ class StoredRows:
     """
 
     path: Path
-    name: str
     kind: str
-    opened: Callable[[Path, str], AbstractContextManager[Any]]
+    opened: Callable[[], AbstractContextManager[Any]]
     axes: Axes
     shape: tuple[int, int, int]
     bands: range
@@ -62,7 +59,7 @@ class StoredRows:
     ) -> Shaped[Array, "rows w m"]:
         """The rows ``start`` to ``stop``, with the strides in which they are stored."""
         refuse_other_rows(str(self.path), self.shape, start, stop)
-        with reading_rows(self.path, self.kind), self.opened(self.path, self.name) as array:
+        with reading_rows(self.path, self.kind), self.opened() as array:
             read = block(array, self.axes, start, stop, self.bands)
         if read.shape != (stop - start, *self.shape[1:]):
             raise _check.InputError(f"{self.path}: was changed while it was being read")

@@ -158,8 +158,7 @@ def _codecs(header: Any) -> Iterator[str]:
 
 
 @contextmanager
-def opened(path: Path, name: str) -> Iterator[Any]:
-    """The array ``name`` of a Zarr folder, as zarr has it; empty if the folder is the array."""
+def _opened_for_rows(path: Path, name: str) -> Iterator[Any]:
     yield _opened(path, name)
 
 
@@ -184,9 +183,8 @@ def _source(path: Path, arrays: Mapping[str, Labeled], name: str, axes: Axes) ->
     shape = sizes[axes[0]], sizes[axes[1]], sizes[axes[2]]
     return StoredRows(
         path=path,
-        name=name,
         kind="Zarr",
-        opened=opened,
+        opened=partial(_opened_for_rows, path, name),
         axes=axes,
         shape=shape,
         bands=range(shape[2]),
