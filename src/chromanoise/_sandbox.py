@@ -180,7 +180,7 @@ class _Child:
                 self._process = started_python(
                     _PROGRAM, stdin=pipe, stdout=pipe, stderr=subprocess.DEVNULL
                 )
-            except RuntimeError:
+            except (RuntimeError, OSError):
                 raise InputError(
                     f"{path}: is read by a second Python, which this program cannot start; store "
                     "it as ENVI or .npy, which are read in place"

@@ -374,7 +374,7 @@ def test_a_list_of_wavelengths_that_is_not_whole_is_refused(tmp_path):
         del file["Wavelength"]
         made = file.create_dataset("Wavelength", data=NM, chunks=(5,), compression="gzip")
         made.id.write_direct_chunk((0,), zlib.compress(np.array(NM[:2]).tobytes()))
-    refused(path, "a chunk holds 16 bytes instead of 40")
+    refused(path, "chunk 0 holds 16 bytes instead of 40")
 
 
 # HDF5 files on which libhdf5 loops or crashes
@@ -385,8 +385,8 @@ CRASHES = "import faulthandler\nFile = lambda *_: faulthandler._sigsegv()"
 
 @pytest.fixture
 def impatient(monkeypatch):
-    """Another child process before and after, and listing in 2 s."""
-    monkeypatch.setattr("chromanoise.scene.hdf5._LISTING_S", 2.0)
+    """Another child process before and after, and 2 s for a call."""
+    monkeypatch.setattr("chromanoise.scene.hdf5._LIMIT_S", 2.0)
     _sandbox.close_sandbox()
     yield
     _sandbox.close_sandbox()

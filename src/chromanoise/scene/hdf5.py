@@ -7,7 +7,6 @@ went through zlib, are then read without libhdf5.
 """
 
 import math
-import zlib
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, nullcontext
 from functools import partial
@@ -19,6 +18,7 @@ from jaxtyping import Int64, Shaped
 
 from chromanoise import _check, _sandbox
 from chromanoise._check import Array, printable
+from chromanoise.scene.bounds import memory_bytes
 from chromanoise.scene.faults import library, reading, refuse_absent_library
 from chromanoise.scene.file_rows import FileRows
 from chromanoise.scene.hdf5_chunks import DEFLATE, SHUFFLE, Chunks
@@ -42,7 +42,7 @@ _READ = frozenset({
 _MOST_ARRAYS = 10_000
 _LONGEST_ATTRIBUTE = 100_000
 _PACKING_BYTES = 4096  # tables and checksums that compression may add to a chunk
-_LISTING_S = 60.0  # for so many arrays
+_LIMIT_S = 60.0  # for so many arrays, or chunks
 _SLOWEST_BYTES_PER_S = 1e7  # of reading and unpacking
 
 
@@ -65,7 +65,7 @@ def hdf5_store(path: Path, *, matlab: bool = False) -> Store:
     kind = "MATLAB 7.3" if matlab else "HDF5"
     refuse_absent_library("h5py", f"{path}: {kind} files")
     with reading(path, kind):
-        listed, attributes = _sandbox.sandboxed(_listed, path, path=path, limit_s=_LISTING_S)
+        listed, attributes = _sandbox.sandboxed(_listed, path, path=path, limit_s=_LIMIT_S)
     if len(listed) > _MOST_ARRAYS:
         raise _check.InputError(f"{path}: holds more than {_MOST_ARRAYS} arrays")
     arrays = {
@@ -82,7 +82,7 @@ def hdf5_store(path: Path, *, matlab: bool = False) -> Store:
                 path,
                 name,
                 path=path,
-                limit_s=_sandbox.LIMIT_S + size / _SLOWEST_BYTES_PER_S,
+                limit_s=_LIMIT_S + size / _SLOWEST_BYTES_PER_S,
                 memory_bytes=_sandbox.MEMORY_BYTES + 2 * size,
             )
         return read.T if matlab else read
@@ -90,7 +90,15 @@ def hdf5_store(path: Path, *, matlab: bool = False) -> Store:
     def source(name: str, axes: Axes) -> RowSource:
         row, column, band = (2 - axis for axis in axes) if matlab else axes
         with reading(path, kind):
-            return _sandbox.sandboxed(_source, path, name, (row, column, band), path=path)
+            return _sandbox.sandboxed(
+                _source,
+                path,
+                name,
+                (row, column, band),
+                path=path,
+                limit_s=_LIMIT_S,
+                memory_bytes=memory_bytes(),  # chunks may be large, and many
+            )
 
     return Store(
         path=path,
@@ -205,22 +213,13 @@ def _source(path: Path, name: str, axes: Axes) -> RowSource:
             steps = sizes[1] * sizes[2] * size, sizes[2] * size, size
             strides = steps[axes[0]], steps[axes[1]], steps[axes[2]]
             return FileRows(path=path, offset=offset, stored=stored, shape=shape, strides=strides)
-        opened: Any = partial(_opened, path, name)
-        filters = _filters(dataset)
-        index = None if filters is None else _index(dataset, filters, file.userblock_size)
-        if filters is not None and index is not None:
-            _refuse_beyond(index, end)
-            chunks = Chunks(
-                path=path, index=index, filters=filters, shape=sizes, chunk=chunk, dtype=stored
-            )
-            opened = partial(nullcontext, chunks)
-        else:
-            _refuse_long_chunks(dataset)
+        array = _without_libhdf5(path, file, dataset)
+        if array is None:
             dataset[tuple(slice(0, n) for n in chunk or (1,) * dataset.ndim)]
         return StoredRows(
             path=path,
             kind="HDF5",
-            opened=opened,
+            opened=partial(nullcontext, array) if array else partial(_opened, path, name),
             axes=axes,
             shape=shape,
             bands=range(shape[2]),
@@ -234,10 +233,27 @@ def _numbers(path: Path, name: str) -> Shaped[Array, "..."]:
     with _file(path) as file:
         dataset = file[name]
         _refuse_incomplete(path, name, dataset)
+        return np.asarray((_without_libhdf5(path, file, dataset) or dataset)[...])
+
+
+def _without_libhdf5(path: Path, file: Any, dataset: Any) -> Chunks | None:
+    """The array, if its chunks can be read so: h5py fills short ones with what lies in memory."""
+    filters = _filters(dataset)
+    index = None if filters is None else _index(dataset, filters, file.userblock_size)
+    if filters is None or index is None:
         _refuse_long_chunks(dataset)
-        if DEFLATE in (_filters(dataset) or ()):
-            _refuse_short_chunks(dataset)
-        return np.asarray(dataset[...])
+        return None
+    beyond = (index[:, :2] < 0).any(axis=1) | (index[:, 0] > path.stat().st_size - index[:, 1])
+    if beyond.any():
+        raise ValueError(f"{int(beyond.sum())} of {len(index)} chunks lie beyond its end")
+    return Chunks(
+        path=path,
+        index=index,
+        filters=filters,
+        shape=dataset.shape,
+        chunk=dataset.chunks,
+        dtype=_dtype(dataset),
+    )
 
 
 def _refuse_incomplete(path: Path, name: str, dataset: Any) -> None:
@@ -280,17 +296,6 @@ def _chunks(dataset: Any) -> list[Any]:
     return chunks
 
 
-def _refuse_short_chunks(dataset: Any) -> None:
-    """Refuse chunks that inflate to too few bytes; libhdf5 fills up with what lies in memory."""
-    whole = math.prod(dataset.chunks) * dataset.dtype.itemsize
-    for chunk in _chunks(dataset):
-        if chunk.filter_mask == 0 and chunk.size != whole:
-            _, content = dataset.id.read_direct_chunk(chunk.chunk_offset)
-            length = len(zlib.decompressobj().decompress(content, whole + 1))
-            if length != whole:
-                raise ValueError(f"a chunk holds {length} bytes instead of {whole}")
-
-
 def _lies_as_numpy_has_it(dataset: Any) -> bool:
     """Whether the bytes in the file are those of the NumPy type."""
     if dataset.dtype.kind not in "fiu":
@@ -330,9 +335,3 @@ def _index(dataset: Any, filters: tuple[int, ...], before: int) -> Int64[Array, 
             if file.read(len(first)) == first and len(first) == index[0, 1]:
                 return index + np.array([shift, 0, 0])
     return None
-
-
-def _refuse_beyond(index: Int64[Array, "chunks 3"], end: int) -> None:
-    beyond = (index[:, :2] < 0).any(axis=1) | (index[:, 0] > end - index[:, 1])
-    if beyond.any():
-        raise ValueError(f"{int(beyond.sum())} of {len(index)} chunks lie beyond its end")

@@ -9,7 +9,7 @@ import math
 import zlib
 from dataclasses import dataclass
 from pathlib import Path
-from typing import BinaryIO
+from typing import Any, BinaryIO
 
 import numpy as np
 from jaxtyping import Int64, Shaped
@@ -55,8 +55,15 @@ class Chunks:
         """Chunks along each axis."""
         return tuple(-(-n // long) for n, long in zip(self.shape, self.chunk, strict=True))
 
-    def __getitem__(self, asked: tuple[slice, ...]) -> Shaped[Array, "..."]:
-        """Part of the array, out of all chunks that it touches; slices go up."""
+    def __getitem__(self, asked: Any) -> Shaped[Array, "..."]:
+        """Part of the array, out of all chunks that it touches.
+
+        Parameters
+        ----------
+        asked
+            A slice for each axis, which goes up; or ``...`` for the whole array.
+        """
+        asked = (slice(None),) * len(self.shape) if asked is ... else asked
         wanted = [range(n)[part] for part, n in zip(asked, self.shape, strict=True)]
         spans = [range(one[0], one[-1] + 1) for one in wanted]
         result = np.empty([len(span) for span in spans], self.dtype.newbyteorder("="))
