@@ -1,8 +1,6 @@
 """How the faults of foreign readers are told."""
 
 import importlib.util
-import os
-import threading
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -95,28 +93,6 @@ def reading_rows(path: Path, kind: str) -> Iterator[None]:
         ) from None
     except Exception as error:  # parsers throw anything
         raise _unreadable(path, kind, error) from None
-
-
-_STDERR, _ONE_AT_A_TIME = 2, threading.Lock()
-
-
-@contextmanager
-def without_chatter() -> Iterator[None]:
-    """Suppress what C libraries write to stderr, as libtiff does for damaged files."""
-    with _ONE_AT_A_TIME:
-        try:
-            kept = os.dup(_STDERR)
-        except OSError:  # a program may run without a stderr
-            yield
-            return
-        nowhere = os.open(os.devnull, os.O_WRONLY)
-        os.dup2(nowhere, _STDERR)
-        os.close(nowhere)
-        try:
-            yield
-        finally:
-            os.dup2(kept, _STDERR)
-            os.close(kept)
 
 
 def _unreadable(path: Path, kind: str, error: Exception) -> _check.InputError:
