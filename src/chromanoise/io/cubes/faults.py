@@ -1,8 +1,6 @@
 """How the faults of foreign readers are told."""
 
-import importlib
-import os
-import threading
+import importlib.util
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -58,10 +56,20 @@ def library(name: str, what: str, *, extra: str = "cubes") -> Any:
     try:
         return importlib.import_module(name)
     except ImportError:
-        raise InputError(
-            f"{what}: needs the package {name}, which is not installed; "
-            f"pip install 'chromanoise[{extra}]'"
-        ) from None
+        raise _absent(name, what, extra) from None
+
+
+def refuse_absent_library(name: str, what: str, *, extra: str = "cubes") -> None:
+    """The same for a package that only the child process imports."""
+    if importlib.util.find_spec(name) is None:
+        raise _absent(name, what, extra)
+
+
+def _absent(name: str, what: str, extra: str) -> InputError:
+    return InputError(
+        f"{what}: needs the package {name}, which is not installed; "
+        f"pip install 'chromanoise[{extra}]'"
+    )
 
 
 @contextmanager
@@ -83,28 +91,6 @@ def reading_rows(path: Path, kind: str) -> Iterator[None]:
         raise InputError(f"{path}: too large for this machine's memory; {IN_PLACE}") from None
     except Exception as error:  # parsers throw anything
         raise _unreadable(path, kind, error) from None
-
-
-_STDERR, _ONE_AT_A_TIME = 2, threading.Lock()
-
-
-@contextmanager
-def without_chatter() -> Iterator[None]:
-    """Suppress what C libraries write to stderr, as libtiff does for damaged files."""
-    with _ONE_AT_A_TIME:
-        try:
-            kept = os.dup(_STDERR)
-        except OSError:  # a program may run without a stderr
-            yield
-            return
-        nowhere = os.open(os.devnull, os.O_WRONLY)
-        os.dup2(nowhere, _STDERR)
-        os.close(nowhere)
-        try:
-            yield
-        finally:
-            os.dup2(kept, _STDERR)
-            os.close(kept)
 
 
 def _unreadable(path: Path, kind: str, error: Exception) -> InputError:
