@@ -5,9 +5,9 @@ from typing import Any, TypeVar, get_args
 
 import click
 
-from chromanoise.errors import InputError
+from chromanoise.errors import InputError, Setting
 from chromanoise.io.spectra import Answers
-from chromanoise.io.spectra.parsed import Negatives, Unit
+from chromanoise.io.spectra.parsed import Negatives, Question, Unit
 
 Command = TypeVar("Command", bound=Callable[..., Any])
 
@@ -57,6 +57,19 @@ def answering(command: Command) -> Command:
 def of_one_file(command: Command) -> Command:
     """Add the options of a command whose subject is one file, whatever it holds."""
     return _with(command, _OF_ONE_FILE)
+
+
+def options_of(question: Question) -> str:
+    """The options of the command line that answer a question of a file."""
+    return " or ".join(map(_option, question.settings))
+
+
+def _option(setting: Setting) -> str:
+    values = [str(value) for value in setting.values]
+    if setting.name in ("scale", "level", "per"):
+        return " or ".join({"photon": "--photons"}.get(value, f"--{value}") for value in values)
+    name = {"columns": "column"}.get(setting.name, setting.name)
+    return f"--{name.replace('_', '-')} {' or '.join(values)}".rstrip()
 
 
 def _with(command: Command, options: Sequence[Callable[[Command], Command]]) -> Command:
