@@ -1,5 +1,6 @@
 """Files of spectra: all formats give the same curves, what is unclear is asked, nothing breaks."""
 
+import re
 import resource
 import zipfile
 from pathlib import Path
@@ -249,9 +250,9 @@ def test_columns_without_names_are_curves_with_a_note(file):
     one = read_curves(file("400 0.1 0.01\n410 0.2 0.02"), answers=Answers(columns=("column 2",)))
     assert one.curves.names == ("column 2",)
     assert not any("no names" in note for note in one.notes)
-    assert "has no curve 'G'; it has column 2" in refusal(
-        file("400 0.1 0.01\n410 0.2 0.02"), Answers(columns=("G",))
-    )
+    error = refusal(file("400 0.1 0.01\n410 0.2 0.02"), Answers(columns=("G",)))
+    assert error.value == ("column 2", "column 3")
+    assert error.remedy == (Setting("columns"),)
 
 
 def test_each_answer_removes_its_question(file):
