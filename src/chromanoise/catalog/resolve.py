@@ -159,9 +159,9 @@ def filter_of_word(word: str, *, answers: Answers = ASK) -> Spectra:
             f"{curve.source}: holds {len(curve.names)} curves ({', '.join(curve.names[:8])}), but "
             "a filter is one; leave the others out of the file"
         )
-    cure = "; divide percent by 100" if curve.values.max() > 1 else SMALL_NEGATIVES
+    remedy = "divide percent by 100" if curve.values.max() > 1 else SMALL_NEGATIVES
     used = used_on_grid(curve.wavelength_nm, DEFAULT_GRID)
-    refuse_outside(curve, high=1.0, cure=cure, used=used)
+    refuse_outside(curve, high=1.0, remedy=remedy, used=used)
     return means_on_grid(curve, DEFAULT_GRID, beyond=answers.beyond)
 
 

@@ -30,16 +30,29 @@ def _sentence(error: InputError, command: str) -> str:
 
 
 def _remedy(setting: Setting, command: str) -> str:
+    return f"give {options_text(setting, command)}"
+
+
+def options_text(setting: Setting, command: str = "") -> str:
+    """A setting as options of the command line: ``--energy or --photons``, ``--beyond zero``.
+
+    Parameters
+    ----------
+    setting
+        By the key of a study, or by the parameter of a reader.
+    command
+        Name of the command.
+    """
     from chromanoise.study import FLAGS, option_of
 
     name = _flat(setting.name, command) or setting.name
     flags = FLAGS.get(name)
     values = [str(value) for value in setting.values]
     if flags:
-        return f"give {' or '.join(flags[value] for value in values or flags)}"
+        return " or ".join(flags[value] for value in values or flags)
     if values == ["True"]:
-        return f"give {option_of(name)}"
-    return f"give {' '.join([option_of(name), ' or '.join(values)]).strip()}"
+        return option_of(name)
+    return f"{option_of(name)} {' or '.join(values)}".strip()
 
 
 def _flat(key: str, command: str) -> str | None:
