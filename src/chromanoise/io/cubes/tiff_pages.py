@@ -13,6 +13,7 @@ from chromanoise._check import Array
 from chromanoise.errors import InputError
 from chromanoise.io.cubes.bounds import MOST_INFLATED, refuse_impossible
 from chromanoise.io.cubes.faults import library, without_chatter
+from chromanoise.io.cubes.found import by
 
 _HARMLESS_BYTES = 64 * 2**20
 _DEFLATE, _LZMA = (8, 32946), 34925
@@ -34,13 +35,20 @@ def decoded_pages(path: Path, pages: list[Any]) -> Shaped[Array, "pages ..."]:
     declared = (len(pages), *(int(n) for n in first.shape))
     packed = sum(sum(page.databytecounts) for page in pages)
     size = min(packed, path.stat().st_size)  # pages may share their bytes
-    refuse_impossible(path, "of all pages", declared, dtype, size=size)
+    refuse_impossible(path, "all pages", declared, dtype, size=size)
     numbers = np.empty(declared, dtype=dtype)
-    for plane, page in zip(numbers, pages, strict=True):
+    for i, (plane, page) in enumerate(zip(numbers, pages, strict=True)):
         _refuse_overfull(path, page)
         decoded = _decoded(path, page)
         if decoded.shape != plane.shape:
-            raise InputError(f"{path}: a page does not have its declared size; save it again")
+            raise InputError(
+                str(path),
+                f"must be {by(plane.shape)}, as it declares",
+                where=f"page {i} (from 0)",
+                value=decoded.shape,
+                found=f"is {by(decoded.shape)}",
+                remedy="save it again",
+            )
         plane[...] = decoded
     return numbers
 
@@ -63,8 +71,11 @@ def _refuse_overfull(path: Path, page: Any) -> None:
             file.seek(at)
             if len(unpacker().decompress(file.read(count), whole + 1)) > whole:
                 raise InputError(
-                    f"{path}: a strip unpacks to more than its {whole} bytes; the file is damaged, "
-                    "save it again"
+                    str(path),
+                    f"must unpack to at most {whole} bytes",
+                    where=f"strip at byte {at}",
+                    found="unpacks to more",
+                    remedy="save it again, because the file is damaged",
                 )
 
 
@@ -77,9 +88,14 @@ def _decoded(path: Path, page: Any) -> Shaped[Array, "..."]:
     decoded = _by_pillow(page, path)
     if decoded is None:
         compression = getattr(page.compression, "name", page.compression)
-        what = f"{path}: decoding its pages ({compression}, {page.dtype})"
-        library("imagecodecs", what, extra="tiff")
-        raise InputError(f"{what} is not possible; save it uncompressed, or with deflate")
+        where = f"pages ({compression}, {page.dtype})"
+        library("imagecodecs", str(path), extra="tiff", where=where)
+        raise InputError(
+            str(path),
+            "cannot be decoded",
+            where=where,
+            remedy="save it uncompressed or with deflate",
+        )
     return decoded
 
 
