@@ -1,5 +1,6 @@
 """What comes in from outside and cannot be used is refused with thing, unit, place and value."""
 
+import re
 from dataclasses import replace
 
 import jaxtyping
@@ -28,6 +29,7 @@ from chromanoise.spectra import (
     led,
     read_spectra_csv,
 )
+from outcomes import refused_input
 from strategies import EXPOSURE, GRID, PIXEL, sensor_of, white_channel
 
 NAN, INF = float("nan"), float("inf")
@@ -387,7 +389,7 @@ def test_nouns_refuse_what_cannot_be_and_say_where(made, told):
 
 
 def test_a_bad_pixel_is_told_by_its_row_in_the_whole_cube():
-    with pytest.raises(InputError, match=r"-0\.5 at row 2, column 1 \(from 0\), 450 nm"):
+    with refused_input(where="row 2, column 1 (from 0), 450 nm", value=-0.5):
         picture_of(cube_with(-0.5), work=Work(tile_rows=1))
 
 
@@ -506,10 +508,9 @@ def test_a_file_with_an_endless_cell_is_refused(tmp_path):
 
 
 def test_a_file_that_is_not_there_is_refused_by_name(tmp_path):
-    with pytest.raises(InputError, match=r"missing\.csv.*No such file"):
-        read_spectra_csv(tmp_path / "missing.csv", quantity="QE", unit="1")
-    with pytest.raises(InputError, match="cannot be read"):
-        read_spectra_csv(tmp_path, quantity="QE", unit="1")
+    for path in (tmp_path / "missing.csv", tmp_path):
+        with pytest.raises(InputError, match=re.escape(str(path))):
+            read_spectra_csv(path, quantity="QE", unit="1")
 
 
 @pytest.mark.parametrize(
