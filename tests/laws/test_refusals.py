@@ -419,7 +419,7 @@ def test_nouns_refuse_what_cannot_be_and_say_where(made, told):
 
 
 def test_a_bad_pixel_is_told_by_its_row_in_the_whole_cube():
-    with pytest.raises(InputError, match=r"-0\.5 at row 2, column 1 \(from 0\), 450 nm"):
+    with refused_input(where="row 2, column 1 (from 0), 450 nm", value=-0.5):
         picture_of(cube_with(-0.5), work=Work(tile_rows=1))
 
 

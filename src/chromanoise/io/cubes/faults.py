@@ -45,30 +45,41 @@ _OWN = {
 }
 
 
-def library(name: str, what: str, *, extra: str = "cubes") -> Any:
+def library(name: str, what: str, *, extra: str = "cubes", where: str = "") -> Any:
     """A package that only some cubes need.
+
+    Parameters
+    ----------
+    name
+        Of the package.
+    what, where
+        The file that needs it, and the place in it.
+    extra
+        The extra of chromanoise that installs it.
 
     Raises
     ------
     InputError
-        If it is not installed; how to install it is told.
+        If it is not installed.
     """
     try:
         return importlib.import_module(name)
     except ImportError:
-        raise _absent(name, what, extra) from None
+        raise _absent(name, what, extra, where) from None
 
 
-def refuse_absent_library(name: str, what: str, *, extra: str = "cubes") -> None:
+def refuse_absent_library(name: str, what: str, *, extra: str = "cubes", where: str = "") -> None:
     """The same for a package that only the child process imports."""
     if importlib.util.find_spec(name) is None:
-        raise _absent(name, what, extra)
+        raise _absent(name, what, extra, where)
 
 
-def _absent(name: str, what: str, extra: str) -> InputError:
+def _absent(name: str, what: str, extra: str, where: str) -> InputError:
     return InputError(
-        f"{what}: needs the package {name}, which is not installed; "
-        f"pip install 'chromanoise[{extra}]'"
+        what,
+        f"needs the package {name}, which is not installed",
+        where=where,
+        remedy=f"install it with pip install 'chromanoise[{extra}]'",
     )
 
 
@@ -88,7 +99,12 @@ def reading_rows(path: Path, kind: str) -> Iterator[None]:
     except InputError:
         raise
     except MemoryError:
-        raise InputError(f"{path}: too large for this machine's memory; {IN_PLACE}") from None
+        raise InputError(
+            str(path),
+            "must fit into the memory of this machine",
+            found="is too large",
+            remedy=IN_PLACE,
+        ) from None
     except Exception as error:  # parsers throw anything
         raise _unreadable(path, kind, error) from None
 
@@ -97,13 +113,17 @@ def _unreadable(path: Path, kind: str, error: Exception) -> InputError:
     other = _content_of(path)
     if other and other not in _OWN.get(kind, ()):
         return InputError(
-            f"{path}: is {other}, not a {kind} file; correct the ending of its name, or name "
-            "another file"
+            str(path),
+            f"must be in {kind} format",
+            value=other,
+            found=f"is {other}",
+            remedy=("correct the ending of its name", "name another file"),
         )
     told = reason(error)
     return InputError(
-        f"{path}: not a readable {kind} file{f' ({told})' if told else ''}; it is damaged or "
-        "truncated, save it again"
+        str(path),
+        f"is not a readable {kind} file{f' ({told})' if told else ''}",
+        remedy="save it again, because it is damaged or truncated",
     )
 
 

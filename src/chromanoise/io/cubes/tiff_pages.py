@@ -14,6 +14,7 @@ from chromanoise._shapes import Shaped
 from chromanoise.errors import InputError
 from chromanoise.io.cubes.bounds import MOST_INFLATED, refuse_impossible
 from chromanoise.io.cubes.faults import library
+from chromanoise.io.cubes.found import by
 
 _LIMIT_S = 60.0
 _SLOWEST_BYTES_PER_S = 1e7
@@ -37,7 +38,7 @@ def decoded_pages(path: Path, pages: list[Any]) -> Shaped[Array, "pages ..."]:
     declared = (len(pages), *(int(n) for n in first.shape))
     packed = sum(sum(page.databytecounts) for page in pages)
     size = min(packed, path.stat().st_size)  # pages may share their bytes
-    refuse_impossible(path, "of all pages", declared, dtype, size=size)
+    refuse_impossible(path, "all pages", declared, dtype, size=size)
     for page in pages:
         _refuse_overfull(path, page)
     numbers = np.empty(declared, dtype=dtype)
@@ -47,7 +48,14 @@ def decoded_pages(path: Path, pages: list[Any]) -> Shaped[Array, "pages ..."]:
             numbers[k:] = _by_pillow(path, pages[k:])
             break
         if decoded.shape != declared[1:]:
-            raise InputError(f"{path}: a page does not have its declared size; save it again")
+            raise InputError(
+                str(path),
+                f"must be {by(declared[1:])}, as it declares",
+                where=f"page {k} (from 0)",
+                value=decoded.shape,
+                found=f"is {by(decoded.shape)}",
+                remedy="save it again",
+            )
         numbers[k] = decoded
     return numbers
 
@@ -70,8 +78,11 @@ def _refuse_overfull(path: Path, page: Any) -> None:
             file.seek(at)
             if len(unpacker().decompress(file.read(count), whole + 1)) > whole:
                 raise InputError(
-                    f"{path}: a strip unpacks to more than its {whole} bytes; the file is damaged, "
-                    "save it again"
+                    str(path),
+                    f"must unpack to at most {whole} bytes",
+                    where=f"strip at byte {at}",
+                    found="unpacks to more",
+                    remedy="save it again, because the file is damaged",
                 )
 
 
@@ -103,9 +114,14 @@ def _by_pillow(path: Path, pages: list[Any]) -> Shaped[Array, "pages h w"]:
         )
     if numbers is None:
         compression = getattr(first.compression, "name", first.compression)
-        what = f"{path}: decoding its pages ({compression}, {first.dtype})"
-        library("imagecodecs", what, extra="tiff")
-        raise InputError(f"{what} is not possible; save it uncompressed, or with deflate")
+        where = f"pages ({compression}, {first.dtype})"
+        library("imagecodecs", str(path), extra="tiff", where=where)
+        raise InputError(
+            str(path),
+            "cannot be decoded",
+            where=where,
+            remedy="save it uncompressed or with deflate",
+        )
     return numbers
 
 
