@@ -196,7 +196,7 @@ def test_photons_give_the_quantum_efficiency_of_the_pixel():
 
 
 def test_photons_fewer_than_electrons_are_refused():
-    with refused_input(where="column photons", value=pytest.approx(2.0)):
+    with refused_input(where="column 'photons'", value=pytest.approx(2.0)):
         photon_transfer_fit(exact(PHOTONS, photons=PHOTONS / 4))
 
 
@@ -239,7 +239,7 @@ def test_lit_rows_use_the_dark_rows_of_the_same_exposure_time():
         assert found == pytest.approx((0.5, 6.0, 4000.0, 64.0), rel=1e-9)
     pixel = pixel_from_photon_transfer(photon_transfer_fit(rows))
     assert pixel.imperfections.dark_current_e_per_s == pytest.approx(4000.0)
-    with refused_input(where="column time_ms", value=3.0):
+    with refused_input(where="column 'time_ms'", value=3.0):
         photon_transfer_fit(replace(rows, time_ms=np.concatenate([time, [1.0, 2.0, 4.0, 3.0]])))
 
 
@@ -286,7 +286,7 @@ def test_a_dark_row_within_1_percent_of_an_exposure_time_is_its_dark():
     for dark_ms in ((1.009, 2.01, 3.02), (0.991, 1.99, 2.98)):
         fit = photon_transfer_fit(timed(means, variances, dark_ms=dark_ms))
         assert fit.gain_dn_per_e == pytest.approx(0.5, rel=1e-9)
-    with refused_input(where="column time_ms", value=2.0):
+    with refused_input(where="column 'time_ms'", value=2.0):
         photon_transfer_fit(timed(means, variances, dark_ms=(1.0, 2.03, 3.0)))
 
 
@@ -300,7 +300,7 @@ def test_a_quantum_efficiency_above_1_within_its_error_leaves_the_gain():
     pixel = pixel_from_photon_transfer(fit)
     assert pixel.qe is None
     assert pixel.gain_e_per_dn == pytest.approx(2.0)
-    with refused_input(where="column photons", value=pytest.approx(1.002)):
+    with refused_input(where="column 'photons'", value=pytest.approx(1.002)):
         photon_transfer_fit(replace(table, samples=np.full(PHOTONS.size, 1e9)))
 
 
@@ -396,7 +396,7 @@ def test_a_row_with_0_photons_is_dark(tmp_path):
         ),
         (
             "mean_dn,variance_dn2,photons,light\n1,2,5,dark\n2,3,6,light\n3,4,7,light",
-            {"where": "line 2, column light", "value": "dark"},
+            {"where": "line 2, column 'light'", "value": "dark"},
         ),
         (
             "mean_dn,variance_dn2,light\n1,2,dark\n2,3,dark\n3,4,dark",
@@ -404,11 +404,11 @@ def test_a_row_with_0_photons_is_dark(tmp_path):
         ),
         (
             "mean_dn,variance_dn2\n1,2 %\n2,3\n3,4",
-            {"where": "line 2, column variance_dn2", "value": "2 %"},
+            {"where": "line 2, column 'variance_dn2'", "value": "2 %"},
         ),
         (
             "mean_dn,variance_dn2\n1,2\n2,3\n3,1e300",
-            {"where": "line 4, column variance_dn2", "value": "1e300"},
+            {"where": "line 4, column 'variance_dn2'", "value": "1e300"},
         ),
     ],
 )

@@ -26,7 +26,7 @@ def quantum_efficiency(
             "must be > 0 in a lit row",
             value=0.0,
             found="is 0 in all of them",
-            where="column photons",
+            where="column 'photons'",
             remedy="omit the column",
         )
     response, error = _slope_through_origin(photons, levels.x)
@@ -38,7 +38,7 @@ def quantum_efficiency(
             "must give a quantum efficiency of 0 to 1 [e-/photon]",
             value=qe,
             found=f"gives {qe:.4g} +- {qe_se:.2g}",
-            where="column photons",
+            where="column 'photons'",
             remedy=("give the mean photons per pixel and exposure", "omit the column"),
         )
     if qe > 1:

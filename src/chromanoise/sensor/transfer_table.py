@@ -81,7 +81,7 @@ class PhotonTransfer:
                     self.source,
                     f"must be 2 to {_MOST_SAMPLES:g} in every row",
                     value=float(self.samples[bad][0]),
-                    where="column samples",
+                    where="column 'samples'",
                 )
             _check.freeze(self, "samples")
         if np.unique(self.mean_dn.round(9)).size < 3:
@@ -149,7 +149,7 @@ def _refuse_odd_darks(table: PhotonTransfer) -> None:
             value=time_ms,
             found=f"has none of {time_ms:g} ms, the time of the lit row of mean "
             f"{table.mean_dn[alone][0]:g} DN",
-            where="column time_ms",
+            where="column 'time_ms'",
             remedy=("measure one", "omit the column if the dark does not depend on the time"),
         )
 

@@ -176,7 +176,7 @@ def _columns(rows: list[Row], header: list[str], decimal: str, path: Path) -> di
                 remedy="separate the cells by semicolons if the numbers have decimal commas",
             )
         for k, name in wanted:
-            columns[name][i] = _number(row.cells[k], decimal, path, f"{where}, column {name}")
+            columns[name][i] = _number(row.cells[k], decimal, path, f"{where}, column {name!r}")
     return columns
 
 
@@ -187,7 +187,7 @@ def _dark(rows: list[Row], header: list[str], photons: Array | None, path: Path)
         return none
     at = header.index("light")
     for row, without in zip(rows, none, strict=True):
-        where, cell = f"line {row.number}, column light", row.cells[at].lower()
+        where, cell = f"line {row.number}, column 'light'", row.cells[at].lower()
         if cell not in ("dark", "light"):
             raise InputError(
                 str(path), "must be dark or light", value=row.cells[at][:40], where=where

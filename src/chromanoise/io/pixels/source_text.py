@@ -37,9 +37,8 @@ def source_text(path: Path) -> str:
     except UnicodeDecodeError as error:
         raise InputError(
             str(path),
-            "must be UTF-8 text",
-            value=content[error.start],
-            found=f"byte {error.start} is not",
+            "is not UTF-8 text",
+            where=f"byte {error.start}",
             remedy="save it as UTF-8",
         ) from None
 
