@@ -144,6 +144,7 @@ def own_tables(folder: Path | None) -> Mapping[str, UserTable]:
                 str(table.path),
                 "must not have the name of a built-in entry",
                 value=name,
+                found=f"{name!r} is one",
                 remedy="give the table another name",
             )
     return tables
