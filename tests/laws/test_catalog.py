@@ -228,12 +228,8 @@ def test_a_family_of_names_refuses_wrong_numbers_by_their_fields(ask, fields):
     ("ask", "part"),
     [
         (lambda: reflectance_named("lwan", DEFAULT_GRID), "did you mean lawn"),
-        (lambda: filter_named("ircut-schot", DEFAULT_GRID), "did you mean ircut-schott"),
-        (lambda: filter_named("ircut-6.5.0", DEFAULT_GRID), "not a number"),
         (lambda: illuminant_named("halogn", DEFAULT_GRID), "did you mean halogen"),
         (lambda: illuminant_named("X+1xLED850", DEFAULT_GRID), "'X'"),
-        (lambda: sensor_named("mt9v24", DEFAULT_GRID), "did you mean mt9v024"),
-        (lambda: catalog_entry("skni"), "did you mean scenes or skin"),
     ],
 )
 def test_what_is_not_there_is_refused_in_one_sentence(ask, part):

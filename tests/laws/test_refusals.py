@@ -180,38 +180,6 @@ def test_spectra_grids_and_lights_refuse_what_cannot_be_by_fields(made, fields):
 
 
 REFUSED = {
-    # Pixel
-    "pixel of no pitch": (
-        lambda: Pixel(pitch_um=0.0, full_well_e=1e4, read_noise_e=1.0),
-        ["pitch_um", "[um]", "0"],
-    ),
-    "pixel of NaN pitch": (
-        lambda: Pixel(pitch_um=NAN, full_well_e=1e4, read_noise_e=1.0),
-        ["pitch_um", "[um]", "nan"],
-    ),
-    "pixel of negative well": (
-        lambda: Pixel(pitch_um=1.0, full_well_e=-7.0, read_noise_e=1.0),
-        ["full_well_e", "[e-]", "-7"],
-    ),
-    "pixel of endless well": (
-        lambda: Pixel(pitch_um=1.0, full_well_e=INF, read_noise_e=1.0),
-        ["full_well_e", "[e-]", "inf"],
-    ),
-    "pixel of negative noise": (
-        lambda: Pixel(pitch_um=1.0, full_well_e=1e4, read_noise_e=-3.0),
-        ["read_noise_e", "[e-]", "-3"],
-    ),
-    # Exposure
-    "exposure of no time": (lambda: Exposure(time_s=0.0), ["time_s", "[s]", "0"]),
-    "exposure of NaN": (lambda: Exposure(time_s=NAN), ["time_s", "[s]", "nan"]),
-    "exposure of negative aperture": (
-        lambda: Exposure(time_s=1.0, f_number=-2.0),
-        ["f_number", "-2"],
-    ),
-    "exposure of NaN magnification": (
-        lambda: Exposure(time_s=1.0, magnification=NAN),
-        ["magnification", "nan"],
-    ),
     # Illuminant
     "lamp of negative light": (
         lambda: Illuminant(name="L", grid=GRID, irradiance=with_entry(GRID.n, 3, -1.0)),
@@ -252,75 +220,6 @@ REFUSED = {
     "scene on another grid": (
         lambda: Scene(illuminant=LAMP, level_lux=1.0, reflectance=np.ones(7)),
         ["wavelengths", "illuminant has 31", "reflectance has 7"],
-    ),
-    # Sensor
-    "sensor beyond 100 %": (lambda: sensor_with(1.5), ["QE of sensor bad", "1.5", "(4, 1)"]),
-    "sensor in percent": (
-        lambda: sensor_of(np.full((GRID.n, 1), 45.0), name="bad"),
-        ["QE of sensor bad", "31 of 31", "45", "divide by 100"],
-    ),
-    "sensor of negative QE": (lambda: sensor_with(-0.1), ["bad", "[e-/photon]", "-0.1", "(4, 1)"]),
-    "sensor of NaN": (lambda: sensor_with(NAN), ["bad", "[e-/photon]", "nan", "(4, 1)"]),
-    "sensor without channels": (
-        lambda: sensor_of(np.ones((GRID.n, 0)), name="bad"),
-        ["bad", "(31, 0)"],
-    ),
-    "sensor on another grid": (
-        lambda: sensor_of(np.ones((5, 1)), name="bad"),
-        ["wavelengths", "grid has 31", "qe has 5"],
-    ),
-    "sensor of repeated channels": (
-        lambda: sensor_of(qe_with(0.5), name="bad", names=("R", "R")),
-        ["bad", "'R'", "twice"],
-    ),
-    "sensor of a foreign mosaic": (
-        lambda: sensor_of(qe_with(0.5), name="bad", mosaic=Mosaic((("a", "z"),))),
-        ["mosaic", "bad", "'z'"],
-    ),
-    "filter beyond 100 %": (
-        lambda: behind_filter(white_channel(), with_entry(GRID.n, 2, 1.1), name="f"),
-        ["transmittance", "1.1", "(2,)"],
-    ),
-    "filter on another grid": (
-        lambda: behind_filter(white_channel(), np.ones(3), name="f"),
-        ["wavelengths", "sensor has 31", "transmittance has 3"],
-    ),
-    "channel that is not there": (
-        lambda: with_channels(white_channel(), ["IR"], name="few"),
-        ["channel", "'IR'", "W"],
-    ),
-    "channel chosen twice": (
-        lambda: with_channels(white_channel(), ["W", "W"], name="few"),
-        ["'W'", "twice"],
-    ),
-    "sensor of unknown name": (
-        lambda: sensor_named("onyx-rbg", DEFAULT_GRID),
-        ["sensor", "onyx-rbg", "did you mean"],
-    ),
-    # Mosaic
-    "mosaic of nothing": (lambda: Mosaic(()), ["mosaic", "at least one row"]),
-    "mosaic of ragged rows": (
-        lambda: Mosaic((("R", "G"), ("B",))),
-        ["mosaic", "row 1 has 1", "row 0 has 2"],
-    ),
-    # exposure meets sensor
-    "scene and sensor apart": (
-        lambda: expected_electrons(
-            flat_field(equal_energy(DEFAULT_GRID), level_lux=1.0), white_channel(), EXPOSURE
-        ),
-        ["grid", "400-1050", "400-700"],
-    ),
-    "sensor that sees nothing": (
-        lambda: time_to_saturation(WHITE, sensor_of(np.zeros((GRID.n, 1)), name="blind")),
-        ["blind", "light"],
-    ),
-    "share beyond full well": (
-        lambda: time_to_saturation(WHITE, white_channel(), share=-0.5),
-        ["share", "-0.5"],
-    ),
-    "channel that spans nothing": (
-        lambda: dual_frame(np.array([[1.0, 0.0]] * 3), names=("a", "b"), metric="quanta"),
-        ["channel b", "zero"],
     ),
     # Measurement and noise
     "negative electrons": (
@@ -421,6 +320,134 @@ def test_nouns_refuse_what_cannot_be_and_say_where(made, told):
 def test_a_bad_pixel_is_told_by_its_row_in_the_whole_cube():
     with refused_input(where="row 2, column 1 (from 0), 450 nm", value=-0.5):
         picture_of(cube_with(-0.5), work=Work(tile_rows=1))
+
+
+SENSORS = {
+    # Pixel
+    "pixel of no pitch": (
+        lambda: Pixel(pitch_um=0.0, full_well_e=1e4, read_noise_e=1.0),
+        {"subject": "pitch_um", "value": 0.0, "requirement": r"\[um\]"},
+    ),
+    "pixel of NaN pitch": (
+        lambda: Pixel(pitch_um=NAN, full_well_e=1e4, read_noise_e=1.0),
+        {"subject": "pitch_um"},
+    ),
+    "pixel of negative well": (
+        lambda: Pixel(pitch_um=1.0, full_well_e=-7.0, read_noise_e=1.0),
+        {"subject": "full_well_e", "value": -7.0, "requirement": r"\[e-\]"},
+    ),
+    "pixel of endless well": (
+        lambda: Pixel(pitch_um=1.0, full_well_e=INF, read_noise_e=1.0),
+        {"subject": "full_well_e", "value": INF},
+    ),
+    "pixel of negative noise": (
+        lambda: Pixel(pitch_um=1.0, full_well_e=1e4, read_noise_e=-3.0),
+        {"subject": "read_noise_e", "value": -3.0, "requirement": r"\[e-\]"},
+    ),
+    # Exposure
+    "exposure of no time": (
+        lambda: Exposure(time_s=0.0),
+        {"subject": "time_s", "value": 0.0, "requirement": r"\[s\]"},
+    ),
+    "exposure of NaN": (lambda: Exposure(time_s=NAN), {"subject": "time_s"}),
+    "exposure of negative aperture": (
+        lambda: Exposure(time_s=1.0, f_number=-2.0),
+        {"subject": "f_number", "value": -2.0},
+    ),
+    "exposure of NaN magnification": (
+        lambda: Exposure(time_s=1.0, magnification=NAN),
+        {"subject": "magnification"},
+    ),
+    # Sensor
+    "sensor beyond 100 %": (
+        lambda: sensor_with(1.5),
+        {"subject": "QE of sensor bad", "value": 1.5, "requirement": r"\[e-/photon\]"},
+    ),
+    "sensor in percent": (
+        lambda: sensor_of(np.full((GRID.n, 1), 45.0), name="bad"),
+        {"subject": "QE of sensor bad", "value": 45.0},
+    ),
+    "sensor of negative QE": (
+        lambda: sensor_with(-0.1),
+        {"subject": "QE of sensor bad", "value": -0.1},
+    ),
+    "sensor of NaN": (lambda: sensor_with(NAN), {"subject": "QE of sensor bad"}),
+    "sensor without channels": (
+        lambda: sensor_of(np.ones((GRID.n, 0)), name="bad"),
+        {"subject": "QE of sensor bad", "value": (31, 0)},
+    ),
+    "sensor on another grid": (
+        lambda: sensor_of(np.ones((5, 1)), name="bad"),
+        {"value": {"grid": 31, "qe": 5}},
+    ),
+    "sensor of repeated channels": (
+        lambda: sensor_of(qe_with(0.5), name="bad", names=("R", "R")),
+        {"subject": "channel names of bad", "value": "R"},
+    ),
+    "sensor of a foreign mosaic": (
+        lambda: sensor_of(qe_with(0.5), name="bad", mosaic=Mosaic((("a", "z"),))),
+        {"subject": "mosaic channel of bad", "value": "z"},
+    ),
+    "stacked channels beyond 100 %": (
+        lambda: replace(sensor_of(np.full((GRID.n, 2), 0.75), name="bad"), stacked=True),
+        {"subject": "QE of sensor bad", "value": 1.5},
+    ),
+    "filter beyond 100 %": (
+        lambda: behind_filter(white_channel(), with_entry(GRID.n, 2, 1.1), name="f"),
+        {"subject": "transmittance before toy", "value": 1.1},
+    ),
+    "filter on another grid": (
+        lambda: behind_filter(white_channel(), np.ones(3), name="f"),
+        {"value": {"sensor": 31, "transmittance": 3}},
+    ),
+    "channel that is not there": (
+        lambda: with_channels(white_channel(), ["IR"], name="few"),
+        {"subject": "channel of toy", "value": "IR"},
+    ),
+    "channel chosen twice": (
+        lambda: with_channels(white_channel(), ["W", "W"], name="few"),
+        {"subject": "channel names of few", "value": "W"},
+    ),
+    "sensor of unknown name": (
+        lambda: sensor_named("onyx-rbg", DEFAULT_GRID),
+        {"subject": "sensor", "value": "onyx-rbg"},
+    ),
+    # Mosaic
+    "mosaic of nothing": (lambda: Mosaic(()), {"subject": "mosaic", "value": ()}),
+    "mosaic of ragged rows": (
+        lambda: Mosaic((("R", "G"), ("B",))),
+        {"subject": "mosaic", "value": (2, 1)},
+    ),
+    # exposure meets sensor
+    "scene and sensor apart": (
+        lambda: expected_electrons(
+            flat_field(equal_energy(DEFAULT_GRID), level_lux=1.0), white_channel(), EXPOSURE
+        ),
+        {"subject": "grid", "value": (DEFAULT_GRID, GRID)},
+    ),
+    "sensor that sees nothing": (
+        lambda: time_to_saturation(WHITE, sensor_of(np.zeros((GRID.n, 1)), name="blind")),
+        {"subject": "sensor blind"},
+    ),
+    "share below 0": (
+        lambda: time_to_saturation(WHITE, white_channel(), share=-0.5),
+        {"subject": "share", "value": -0.5},
+    ),
+    "share beyond full well": (
+        lambda: time_to_saturation(WHITE, white_channel(), share=99.0),
+        {"subject": "share", "value": 99.0},
+    ),
+    "channel that spans nothing": (
+        lambda: dual_frame(np.array([[1.0, 0.0]] * 3), names=("a", "b"), metric="quanta"),
+        {"subject": "channel b", "value": 0.0},
+    ),
+}
+
+
+@pytest.mark.parametrize(("made", "fields"), SENSORS.values(), ids=SENSORS)
+def test_sensors_and_exposures_refuse_what_cannot_be_by_fields(made, fields):
+    with refused_input(**fields):
+        made()
 
 
 # Here the checked shapes of the test run would complain first; a user's run has only ours.

@@ -117,7 +117,12 @@ def _understood(provenance: Provenance, curves: Spectra, answers: Answers) -> Un
     """The table as a file that tells all that its provenance does."""
     quantity = provenance.quantity
     if quantity not in get_args(Quantity):
-        raise InputError(f"{provenance.name}: holds {quantity}, but a sensor needs QE or response")
+        raise InputError(
+            provenance.name,
+            "must hold QE or response to be a sensor",
+            value=quantity,
+            found=f"holds {quantity}",
+        )
     return Understood(
         curves=curves,
         format="table",
