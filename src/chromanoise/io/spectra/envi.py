@@ -295,7 +295,7 @@ def _refuse_wrong_size(header: EnviHeader, data: Path, told: int) -> None:
         str(data),
         f"must have {told} bytes, header offset included, as {header.source} describes",
         value=size,
-        found=f"has {size} and is {fault}",
+        found=f"has {size} bytes and is {fault}",
         remedy=("copy the data again", "correct samples, lines, bands, data type or header offset"),
     )
 
