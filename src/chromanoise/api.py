@@ -1,8 +1,11 @@
 """The functions of ``import chromanoise as cn``: settings to a study, the study to its results."""
 
-from collections.abc import Mapping, Sequence
-from pathlib import Path
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from pathlib import Path, PurePath
 from typing import Any, Unpack
+
+import numpy as np
 
 from chromanoise.errors import InputError
 from chromanoise.sensor import Sensor
@@ -21,6 +24,7 @@ from chromanoise.study import (
     Study,
     analyze_study,
     compare_study,
+    in_arguments,
     matrix_study,
     render_study,
 )
@@ -64,9 +68,10 @@ def analyze(
     >>> cn.analyze("onyx-rgbw", lux=10)
     <Analyses: SNR Y onyx-rgbw 26.0 dB at 10 lx, illuminant E, 11.94 ms, f/1.8>
     """
-    names, given, rest = _named(sensors, settings)
-    study = analyze_study(names, rest, matrix=matrix)
-    (result,) = run_of(study, given=given).analyses.values()
+    with _terms_of("analyze"):
+        names, given, rest = _named(sensors, settings)
+        study = analyze_study(names, rest, matrix=matrix)
+        (result,) = run_of(study, given=given).analyses.values()
     return result
 
 
@@ -101,9 +106,10 @@ def compare(
     -----
     Clouet, Vaillant & Alleysson, CIC27 (2019), eq. 1-7 at each value.
     """
-    names, given, rest = _named(sensors, settings)
-    study = compare_study(names, rest, matrices=matrices)
-    (result,) = run_of(study, given=given).sweeps
+    with _terms_of("compare"):
+        names, given, rest = _named(sensors, settings)
+        study = compare_study(names, rest, matrices=matrices)
+        (result,) = run_of(study, given=given).sweeps
     return result
 
 
@@ -136,9 +142,10 @@ def matrix(
     -----
     Clouet, Vaillant & Alleysson, CIC27 (2019), eq. 6.
     """
-    names, given, rest = _named([sensor], settings)
-    study = matrix_study(names[0], rest, matrix=matrix)
-    (result,) = run_of(study, given=given).matrices.values()
+    with _terms_of("matrix"):
+        names, given, rest = _named([sensor], settings)
+        study = matrix_study(names[0], rest, matrix=matrix)
+        (result,) = run_of(study, given=given).matrices.values()
     return result
 
 
@@ -179,9 +186,10 @@ def render(
     Shot noise and readout of each pixel are drawn (eq. 7); the same seed gives the same bits on any
     number of threads.
     """
-    names, given, rest = _named(sensors, settings)
-    study = render_study(str(cube), names, rest, matrix=matrix)
-    (result,) = run_of(study, given=given, folder=_folder(folder)).pictures
+    with _terms_of("render"):
+        names, given, rest = _named(sensors, settings)
+        study = render_study(str(cube), names, rest, matrix=matrix)
+        (result,) = run_of(study, given=given, folder=_folder(folder)).pictures
     return result
 
 
@@ -212,6 +220,15 @@ def run(study: Study, folder: str | Path | None = None) -> Results:
     return run_of(study, folder=_folder(folder))
 
 
+@contextmanager
+def _terms_of(function: str) -> Iterator[None]:
+    """Errors inside name the arguments of the function in place of the keys of the study."""
+    try:
+        yield
+    except InputError as error:
+        raise in_arguments(error, function) from None
+
+
 def _folder(folder: str | Path | None) -> Path | None:
     if folder is None:
         return None
@@ -238,9 +255,16 @@ def _named(
                 found=f"{name!r} is repeated",
                 remedy="rename one with dataclasses.replace",
             )
-    rest = dict(settings)
+    rest = {name: _plain(value) for name, value in settings.items()}
     lamp = rest.get("illuminant")
     lamps = {}
     if isinstance(lamp, Illuminant):
         rest["illuminant"], lamps[lamp.name] = lamp.name, lamp
     return names, Given(sensors=own, illuminants=lamps), rest
+
+
+def _plain(value: Any) -> Any:
+    """A value as a study holds it: numbers of numpy as those of Python, paths as text."""
+    if isinstance(value, np.generic):
+        return value.item()
+    return str(value) if isinstance(value, PurePath) else value

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     )
     from chromanoise.catalog.pixel_files import (
         idle_answers,
+        on_pixel,
         own_sensor_of,
         read_pixel_source,
         sensor_with_pixel,
@@ -34,6 +35,7 @@ __all__ = [
     "catalog_entry",
     "catalog_file_of",
     "idle_answers",
+    "on_pixel",
     "own_sensor_of",
     "read_pixel_source",
     "sensor_from_table",

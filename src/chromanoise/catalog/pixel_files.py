@@ -1,7 +1,8 @@
 """A pixel from a file of any kind that tells of one, under a sensor that has its own."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -141,12 +142,11 @@ def _own_sensor(word: str) -> Sensor | None:
     return own_sensor_of(file_there(word, "sensor"))
 
 
-def _sensor(word: str, answers: Answers, changes: dict[str, float | None]) -> Sensor:
+def _sensor(word: str, answers: Answers, changes: dict[str, Any]) -> Sensor:
     own = _own_sensor(word)
     if own is None:
         return sensor_of_word(word, answers=answers, **changes)
-    given = {key: value for key, value in changes.items() if value is not None}
-    return replace(own, pixel=replace(own.pixel, **given))
+    return on_pixel(own, **changes)
 
 
 def sensor_with_pixel(
@@ -178,8 +178,48 @@ def sensor_with_pixel(
         As `sensor_of_word` and `read_pixel_source`, or if the file tells none of the three.
     """
     given = {"pitch_um": pitch_um, "full_well_e": full_well_e, "read_noise_e": read_noise_e}
+    return _on_pixel(partial(_sensor, word, answers), file, given)
+
+
+def on_pixel(
+    sensor: Sensor,
+    *,
+    file: str | None = None,
+    pitch_um: float | None = None,
+    full_well_e: float | None = None,
+    read_noise_e: float | None = None,
+) -> Sensor:
+    """A sensor on the pixel that a file tells of, as `sensor_with_pixel`.
+
+    Parameters
+    ----------
+    sensor
+        Whose pixel is changed.
+    file, pitch_um, full_well_e, read_noise_e
+        As `sensor_with_pixel`. [um], [e-], [e-]
+
+    Raises
+    ------
+    InputError
+        As `sensor_with_pixel`.
+    """
+    given = {"pitch_um": pitch_um, "full_well_e": full_well_e, "read_noise_e": read_noise_e}
+
+    def changed(pixel: dict[str, float | None]) -> Sensor:
+        told = {name: value for name, value in pixel.items() if value is not None}
+        return replace(sensor, pixel=replace(sensor.pixel, **told))
+
+    return _on_pixel(changed, file, given)
+
+
+def _on_pixel(
+    made: Callable[[dict[str, float | None]], Sensor],
+    file: str | None,
+    given: dict[str, float | None],
+) -> Sensor:
+    """What is made of the numbers given, which win over those of the file."""
     if file is None:
-        return _sensor(word, answers, given)
+        return made(given)
     source = read_pixel_source(file_of(file))
     told = {name: getattr(source, name) for name in _TOLD}
     flaws, converter = _flaws(source), _converter(source)
@@ -191,7 +231,7 @@ def sensor_with_pixel(
             found=f"gives none of them ({'; '.join(source.notes)})",
         )
     merged = {name: told[name] if given[name] is None else given[name] for name in _TOLD}
-    sensor = _sensor(word, answers, merged)
+    sensor = made(merged)
     return replace(
         sensor,
         imperfections=replace(sensor.imperfections, **flaws),

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from chromanoise.study.assembly import (
         NOTHING_GIVEN,
         Given,
+        makers_of,
         operating_points_of,
     )
     from chromanoise.study.calls import (
@@ -90,6 +91,7 @@ if TYPE_CHECKING:
         analyze_study,
         argument_of,
         compare_study,
+        in_arguments,
         matrix_study,
         render_study,
     )
@@ -141,6 +143,8 @@ __all__ = [
     "conditions",
     "file_digests",
     "file_word",
+    "in_arguments",
+    "makers_of",
     "matrix_study",
     "operating_points_of",
     "option_of",

@@ -7,8 +7,8 @@ from functools import partial
 from typing import Any
 
 from chromanoise._check import within
-from chromanoise.analysis.color_matrices import METHODS, matrix_makers
-from chromanoise.catalog import idle_answers, sensor_with_pixel
+from chromanoise.analysis.color_matrices import METHODS, MatrixMaker, matrix_makers
+from chromanoise.catalog import idle_answers, on_pixel, sensor_with_pixel
 from chromanoise.catalog.resolve import (
     behind_filter_of_word,
     file_of,
@@ -57,7 +57,7 @@ def operating_points_of(study: Study, given: Given = NOTHING_GIVEN) -> list[Situ
         If a name names nothing, a file cannot be read, a setting has no effect, or no light reaches
         a sensor.
     """
-    for error in (*duplicates(study), *idle_settings(study)):
+    for error in (*duplicates(study), *idle_settings(study, given)):
         raise error
     illuminant = illuminant_of(study, given)
     sensors = [
@@ -103,8 +103,8 @@ def duplicates(study: Study) -> list[InputError]:
     ]
 
 
-def idle_settings(study: Study) -> list[InputError]:
-    """Settings that change nothing: answers about a file where a name, or no question, is given.
+def idle_settings(study: Study, given: Given = NOTHING_GIVEN) -> list[InputError]:
+    """Settings that change nothing: answers about a file where something else is given.
 
     An answer that several sensors share has an effect if one of them needs it.
     """
@@ -115,14 +115,17 @@ def idle_settings(study: Study) -> list[InputError]:
             sharing = [i for i, s in enumerate(study.sensors) if getattr(s.answers, name) == value]
             words = [study.sensors[i].name for i in sharing]
             parts = [study.sensors[i] for i in sharing]
-            if all(name in idle_answers([part.name], _answers(part)) for part in parts):
+            if all(
+                part.name in given.sensors or name in idle_answers([part.name], _answers(part))
+                for part in parts
+            ):
                 errors.append(
                     _idle(f"sensors.{sharing[0]}.answers.{name}", value, ", ".join(words))
                 )
     light = study.light
     infrared = infrared_parts(light.illuminant)
     base = light.illuminant if infrared is None else infrared[0]
-    if not is_file_word(base, "light"):
+    if light.illuminant in given.illuminants or not is_file_word(base, "light"):
         errors += [
             _idle(f"light.{name}", getattr(light, name), light.illuminant)
             for name in ("per", "column", "wavelength_unit")
@@ -233,12 +236,10 @@ def sensor_of(part: SensorPart, *, key: str = "sensors.0", given: Given = NOTHIN
     InputError
         If its name names nothing, or a file cannot be read.
     """
-    if part.name in given.sensors:
-        sensor = given.sensors[part.name]
-        changes = part.pixel.model_dump(exclude={"file"}, exclude_none=True)
-        sensor = replace(sensor, pixel=replace(sensor.pixel, **changes)) if changes else sensor
-    else:
-        with _key(f"{key}.name", lambda name: f"{key}.{_ANSWER_KEYS.get(name, name)}"):
+    with _key(f"{key}.name", lambda name: f"{key}.{_ANSWER_KEYS.get(name, name)}"):
+        if part.name in given.sensors:
+            sensor = on_pixel(given.sensors[part.name], **part.pixel.model_dump())
+        else:
             sensor = sensor_with_pixel(part.name, answers=_answers(part), **part.pixel.model_dump())
     sensor = with_shifted_curves(sensor, part.shift_nm)
     if part.filter is not None:
@@ -295,6 +296,19 @@ def unresolved(study: Study) -> list[InputError]:
         if picture.mosaic not in (None, "sensor"):
             tried(partial(_mosaic_fits, i, picture, sensors))
     return found
+
+
+def makers_of(study: Study) -> Mapping[str, MatrixMaker]:
+    """The color matrices of a study, by name.
+
+    Raises
+    ------
+    InputError
+        If a parameter is missing, out of bounds or superfluous.
+    """
+    for i in range(len(study.matrices)):
+        _matrix_fits(i, study.matrices[i])
+    return matrix_makers(study.matrices, study.metric, prior=study.prior)  # type: ignore[arg-type]
 
 
 def _matrix_fits(number: int, name: str) -> None:

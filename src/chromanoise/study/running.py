@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from chromanoise._check import distinct
-from chromanoise.analysis.color_matrices import MatrixMaker, matrix_makers
+from chromanoise.analysis.color_matrices import MatrixMaker
 from chromanoise.analysis.comparison.bands import CrossoverBand, crossover_bands
 from chromanoise.analysis.comparison.crossing import crossovers
 from chromanoise.analysis.comparison.curves import compared
@@ -21,7 +21,7 @@ from chromanoise.imaging import Work
 from chromanoise.metrics import matrix_report
 from chromanoise.scene.rows import row_source
 from chromanoise.study.analyses import outcome_of
-from chromanoise.study.assembly import NOTHING_GIVEN, Given, operating_points_of
+from chromanoise.study.assembly import NOTHING_GIVEN, Given, makers_of, operating_points_of
 from chromanoise.study.document import Study, SweepPart
 from chromanoise.study.pictures import file_word, pictures_taken, prepared_cameras
 from chromanoise.study.results import (
@@ -150,7 +150,7 @@ def prepared_run(
     """
     points = operating_points_of(study, given)
     distinct("file names of sensors", [file_word(point.sensor.name) for point in points])
-    makers = matrix_makers(study.matrices, study.metric, prior=study.prior)  # type: ignore[arg-type]
+    makers = makers_of(study)
     steps = (
         *_analyses(study, points, makers),
         *_matrices(study, points, makers),

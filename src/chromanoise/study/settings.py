@@ -6,6 +6,7 @@ command line and Python cannot differ.
 
 import re
 from collections.abc import Mapping, Sequence
+from difflib import get_close_matches
 from typing import Annotated, Any, Literal, TypedDict, get_type_hints
 
 from chromanoise._check import one_of
@@ -128,6 +129,13 @@ ANALYSIS = settings_keys(AnalysisSettings)
 COMPARISON = settings_keys(ComparisonSettings)
 MATRIX = settings_keys(MatrixSettings)
 RENDERING = settings_keys(RenderSettings)
+_FUNCTIONS = {"analyze": ANALYSIS, "compare": COMPARISON, "matrix": MATRIX, "render": RENDERING}
+_ARGUMENTS = {
+    "analyze": ("matrix",),
+    "compare": ("matrices",),
+    "matrix": ("sensor", "matrix"),
+    "render": ("cube", "matrix", "folder"),
+}
 
 
 def analyze_study(sensors: Sequence[str], settings: Settings, *, matrix: str = "kernel") -> Study:
@@ -147,6 +155,7 @@ def analyze_study(sensors: Sequence[str], settings: Settings, *, matrix: str = "
     InputError
         If a value cannot be used, or has no effect.
     """
+    _refuse_unknown(settings, "analyze")
     _refuse_idle_prior(settings, [matrix])
     data = {"outputs": {"budget": False}, "matrices": [matrix]}
     return _study(sensors, settings, ANALYSIS, data)
@@ -172,6 +181,7 @@ def compare_study(
     InputError
         If a value cannot be used, has no effect, or is what varies.
     """
+    _refuse_unknown(settings, "compare")
     vary = one_of("vary", str(settings.get("vary") or "lux"), tuple(SWEEPS))
     for name in {"time-ms": ("time_ms",), "read-noise-e": ("read_noise_e",)}.get(vary, ()):
         if settings.get(name) is not None:
@@ -212,6 +222,7 @@ def matrix_study(sensor: str, settings: Settings, *, matrix: str = "kernel") -> 
     InputError
         If a value cannot be used, or has no effect.
     """
+    _refuse_unknown(settings, "matrix")
     if settings.get("pareto_first") is None:  # the curve is trained, whatever the matrix
         _refuse_idle_prior(settings, [matrix])
     data = {"outputs": {"analyses": False, "matrix": True}, "matrices": [matrix]}
@@ -239,6 +250,7 @@ def render_study(
     InputError
         If a value cannot be used, or has no effect.
     """
+    _refuse_unknown(settings, "render")
     data = {
         "outputs": {"analyses": False},
         "matrices": [matrix],
@@ -277,23 +289,74 @@ def _study(
 ) -> Study:
     data["sensors"] = [{"name": name} for name in sensors]
     for name, value in settings.items():
-        keys = names.get(one_of("setting", name, tuple(names)), ())
-        for key in keys if value is not None else ():
+        for key in names[name] if value is not None else ():
             for place in _places(key, len(sensors)):
                 _put(data, place, value)
     _refuse_two_times(data)
     try:
         return study_from_data(data)
     except StudyError as error:
-        raise StudyError([_with_flat_name(one, names) for one in error.errors]) from None
+        raise StudyError([_called_flat(one, names, {}) for one in error.errors]) from None
 
 
-def _with_flat_name(error: InputError, names: Mapping[str, tuple[str, ...]]) -> InputError:
-    """The error with the flat name of the setting, where its subject is the setting."""
-    flat = argument_of(error.setting, names)
-    if flat is None or error.subject != error.setting.rpartition(".")[2]:
-        return error
-    return error.called(flat)
+def in_arguments(error: InputError, function: str) -> InputError:
+    """An error of a study in the terms of the function of Python that made the study.
+
+    Parameters
+    ----------
+    error
+        Its subject and its settings are keys of the study.
+    function
+        ``analyze``, ``compare``, ``matrix`` or ``render``.
+
+    Examples
+    --------
+    >>> ends = Setting("sensors.0.beyond", ("zero", "hold"))
+    >>> str(in_arguments(InputError("cam.csv", "must reach 1050 nm", remedy=ends), "analyze"))
+    "cam.csv must reach 1050 nm; set beyond='zero' or 'hold'"
+    """
+    positional = {
+        "matrices": "matrices" if function == "compare" else "matrix",
+        "sensors": "sensor" if function == "matrix" else "sensors",
+        "pictures": "cube",
+    }
+    names = _FUNCTIONS[function]
+    if isinstance(error, StudyError):
+        return StudyError([_called_flat(one, names, positional) for one in error.errors])
+    return _called_flat(error, names, positional)
+
+
+def _called_flat(
+    error: InputError, names: Mapping[str, tuple[str, ...]], positional: Mapping[str, str]
+) -> InputError:
+    """The error with flat names in place of keys: its subject, and its settings."""
+
+    def flat(key: str) -> str:
+        return argument_of(key, names) or key
+
+    called = argument_of(error.setting, names)
+    if re.fullmatch(r"matrices\.\d+|sensors\.\d+\.name|pictures\.\d+\.cube", error.setting):
+        called = positional.get(error.setting.partition(".")[0])
+    renamed = error.inside(error.setting, flat)
+    if called is None or error.subject != error.setting.rpartition(".")[2]:
+        return renamed
+    return renamed.called(called)
+
+
+def _refuse_unknown(settings: Settings, function: str) -> None:
+    """A word that is no setting of a function, with what may have been meant."""
+    known = [*_FUNCTIONS[function], *_ARGUMENTS[function]]
+    for name in settings:
+        if name in _FUNCTIONS[function]:
+            continue
+        others = [other for other in _FUNCTIONS if name in (*_FUNCTIONS[other], *_ARGUMENTS[other])]
+        near = get_close_matches(name, known, n=2, cutoff=0.75 if others else 0.5)
+        remedy = f"known: {', '.join(known)}"
+        if near:
+            remedy = f"did you mean {' or '.join(near)}?"
+        elif others:
+            remedy = f"it is one of {' and '.join(others)}"
+        raise InputError(name, f"is not an argument of {function}", remedy=remedy)
 
 
 def _refuse_two_times(data: dict[str, Any]) -> None:

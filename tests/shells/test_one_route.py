@@ -1,0 +1,470 @@
+"""Command line, study file, copied script, page and Python give the same numbers and refusals."""
+
+import io
+import json
+import os
+import tempfile
+import warnings
+from contextlib import contextmanager, redirect_stderr, redirect_stdout
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import chromanoise as cn
+from chromanoise.cli.entry import commands
+from chromanoise.errors import InputError, errors_in
+from chromanoise.page.answers import Answers
+from chromanoise.page.asked import QuestionError
+from chromanoise.page.studies import Studies
+from chromanoise.page.uploads import Uploads
+
+SENSORS = ["onyx-rgbw", "onyx-rgb-ircut", "onyx-rgb", "model-mono", "model-rgbir", "cam.csv"]
+FLAGS = {
+    ("qe_scale", "percent"): "--percent",
+    ("qe_scale", "fraction"): "--fraction",
+    ("level", "absolute"): "--absolute",
+    ("per", "photon"): "--photons",
+    ("illuminant_per", "photon"): "--illuminant-photons",
+    ("illuminant_per", "energy"): "--illuminant-energy",
+}
+KEYS = {  # in a study, where it is not the setting's own name in one of these tables
+    "light": {
+        "illuminant": "illuminant",
+        "lux": "level_lux",
+        "illuminant_beyond": "beyond",
+        "illuminant_per": "per",
+    },
+    "exposure": {
+        name: name for name in ("equal", "time_ms", "saturate", "f_number", "magnification")
+    },
+    "outputs": {name: name for name in ("clip", "budget", "chart", "space", "merit")},
+    "": {"metric": "metric", "prior": "prior"},
+}
+OF_SENSOR = {
+    "beyond": ("beyond",),
+    "filter": ("filter",),
+    "filter_wavelength_unit": ("filter_wavelength_unit",),
+    "qe_scale": ("answers", "scale"),
+    "level": ("answers", "level"),
+    "per": ("answers", "per"),
+    "peak_qe": ("answers", "peak_qe"),
+    "pixel": ("pixel", "file"),
+    "pitch_um": ("pixel", "pitch_um"),
+    "full_well_e": ("pixel", "full_well_e"),
+    "read_noise_e": ("pixel", "read_noise_e"),
+}
+
+
+def columns(head, last, *values):
+    rows = [
+        f"{w}," + ",".join(f"{value(w):g}" for value in values) for w in range(400, last + 1, 10)
+    ]
+    return "\n".join([head, *rows]) + "\n"
+
+
+FILES = {
+    # in percent, and short of 1050 nm: both must be declared
+    "cam.csv": columns(
+        "wavelength_nm,R,G,B",
+        1000,
+        lambda w: 5 + 40 * (w > 590),
+        lambda w: 4 + 45 * (500 < w < 590),
+        lambda w: 3 + 35 * (w < 500),
+    ),
+    "lamp.csv": columns("wavelength_nm,power", 1050, lambda w: w / 500),
+    "filter.csv": columns("wavelength_nm,transmittance", 1050, lambda w: 0.9 if w < 680 else 0.01),
+    "pixel.txt": "K = 0.5 DN/e-\nsigma_d [e-] = 2.4\nmu_e.sat: 9000 e-\npixel pitch = 3 um\n",
+}
+
+
+@dataclass(frozen=True)
+class Asked:
+    """A call: sensors, color matrices (comma-separated) and settings of Python by name."""
+
+    sensors: tuple[str, ...]
+    matrix: str
+    settings: dict[str, Any]
+    function: str = "analyze"
+
+
+@dataclass(frozen=True)
+class Refusal:
+    """Key of the study (or subject, outside of one) and value of each error, and its sentence."""
+
+    errors: tuple[InputError, ...]
+
+    @property
+    def fields(self):
+        return [(_last(e.setting) or e.subject, e.setting, e.value) for e in self.errors]
+
+
+def _last(key):
+    return key.rpartition(".")[2]
+
+
+# ---- what is drawn ----
+
+
+def maybe(*values):
+    return st.sampled_from([None, None, *values])
+
+
+VALID = {
+    "lux": maybe(0.05, 3.0, 400.0),
+    "f_number": maybe(1.4, 8.0),
+    "magnification": maybe(0.0, 0.1),
+    "metric": maybe("quanta", "energy"),
+    "pitch_um": maybe(2.4),
+    "full_well_e": maybe(4000.0),
+    "read_noise_e": maybe(0.0, 2.5),
+    "pixel": maybe("pixel.txt"),
+    "filter": maybe("ircut-650", "ircut-650/20", "filter.csv"),
+    "chart": maybe(True),
+    "space": maybe("lab", "luv", "linear-srgb"),
+}
+TIMES = [
+    *({}, {}, {"time_ms": 4.0}, {"time_ms": 12.0}, {"equal": "exposure"}),
+    *({"equal": "saturation"}, {"equal": "light", "saturate": 0.5}, {"saturate": 0.7}),
+]
+LIGHTS = [
+    *({}, {"illuminant": "A"}, {"illuminant": "D65", "illuminant_beyond": "zero"}),
+    {"illuminant": "D65", "illuminant_beyond": "hold"},
+    *({"illuminant": "A+0.5xLED850"}, {"illuminant": "3200K"}),
+    {"illuminant": "lamp.csv", "illuminant_per": "photon"},
+    {"illuminant": "lamp.csv", "illuminant_per": "energy"},
+]
+MATRICES = [
+    *({"matrix": "kernel"}, {"matrix": "kernel"}, {"matrix": "least-squares"}),
+    *({"matrix": "lmmse"}, {"matrix": "lmmse", "prior": "chart"}, {"matrix": "ridge=0.01"}),
+]
+MOMENTS = [{}, {}, {"budget": True}, {"clip": True}, {"budget": False}]
+TROUBLE = [  # idle, contradictory, impossible or unknown
+    *({"lux": -1.0}, {"lux": 1e30}, {"time_ms": 0.0}, {"f_number": 1e-5}, {"saturate": 1.5}),
+    {"time_ms": 3.0, "saturate": 0.5},
+    {"time_ms": 3.0, "saturate": None, "equal": "light"},
+    *({"equal": "light", "time_ms": None, "saturate": 1e-12}, {"time_ms": 1e-20}),
+    *({"illuminant": "D65", "illuminant_beyond": None}, {"illuminant": "D66"}),
+    {"illuminant": "E", "illuminant_per": "photon"},
+    *({"filter": "ircut-x"}, {"filter": "ircut-650", "filter_wavelength_unit": "nm"}),
+    *({"filter": None, "filter_wavelength_unit": "nm"}, {"pixel": "missing.txt"}),
+    *({"pitch_um": 0.0}, {"read_noise_e": -1.0}, {"peak_qe": 2.0}),
+    {"peak_qe": 0.5, "level": "absolute"},
+    *({"per": "photon"}, {"qe_scale": None}, {"beyond": None}),
+    *({"clip": True, "budget": True}, {"matrix": "kernel", "prior": "chart"}),
+    *({"matrix": "ridge"}, {"matrix": "lmse"}, {"lux": -1.0, "f_number": 0.0}),
+    *({"sensors": ("onyx-rgbw", "onyx-rgbw")}, {"sensors": ("onyx-rgbx",)}),
+    *({"sensors": ("missing.csv", "onyx-rgbw")}, {"full_well_e": 1e-30}),
+]
+
+
+@st.composite
+def calls(draw, troubles=TROUBLE):
+    sensors = draw(st.lists(st.sampled_from(SENSORS), min_size=1, max_size=3, unique=True))
+    names = draw(st.sets(st.sampled_from(list(VALID)), max_size=4))
+    told = {name: draw(VALID[name]) for name in sorted(names)}
+    for group in (TIMES, LIGHTS, MATRICES, MOMENTS):
+        told |= draw(st.sampled_from(group))
+    if "cam.csv" in sensors:
+        told |= {"qe_scale": "percent", "beyond": draw(st.sampled_from(["zero", "hold"]))}
+    if troubles and draw(st.booleans()):
+        told |= draw(st.sampled_from(troubles))
+    return asked_of({"sensors": tuple(sensors)} | told)
+
+
+def asked_of(told):
+    settings = {name: value for name, value in told.items() if value is not None}
+    return Asked(settings.pop("sensors"), settings.pop("matrix"), settings)
+
+
+# ---- the routes ----
+
+
+@contextmanager
+def folder_of_files():
+    """A working folder with the files of `FILES`."""
+    before = Path.cwd()
+    with tempfile.TemporaryDirectory() as folder:
+        os.chdir(folder)
+        try:
+            for name, text in FILES.items():
+                Path(name).write_text(text)
+            yield
+        finally:
+            os.chdir(before)
+
+
+def printed(*words):
+    """What a command prints; its errors are raised."""
+    out, err = io.StringIO(), io.StringIO()
+    with redirect_stdout(out), redirect_stderr(err), warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        commands.main(args=[str(word) for word in words], standalone_mode=False)
+    return out.getvalue()
+
+
+def words_of(asked):
+    words = [asked.function, *asked.sensors]
+    if asked.matrix != "kernel":
+        words += ["--method" if asked.function == "matrix" else "--matrix", asked.matrix]
+    rest = dict(asked.settings)
+    if "vary" in rest:
+        words += ["--sweep", f"{rest.pop('vary')}={rest.pop('first')}:{rest.pop('last')}"]
+    if "pareto_first" in rest:
+        ends = rest.pop("pareto_first"), rest.pop("pareto_last"), rest.pop("pareto_points")
+        words += ["--pareto", ":".join(map(str, ends))]
+    for name, value in rest.items():
+        if (name, value) in FLAGS:
+            words.append(FLAGS[name, value])
+        elif value is True:
+            words.append(f"--{name}")
+        elif value is not False:
+            words += [f"--{name.replace('_', '-')}", value]
+    return words
+
+
+def outcome(act, *given):
+    try:
+        return act(*given)
+    except InputError as error:
+        return Refusal(errors_in(error))
+
+
+def in_python(asked):
+    if asked.function == "compare":
+        matrices = asked.matrix.split(",")
+        return cn.compare(*asked.sensors, matrices=matrices, **asked.settings).to_dict()
+    function = getattr(cn, asked.function)
+    return function(*asked.sensors, matrix=asked.matrix, **asked.settings).to_dict()
+
+
+def on_the_command_line(asked):
+    told = json.loads(printed(*words_of(asked), "--json", "-"))
+    return {"sensors": [told]} if asked.function == "matrix" else told
+
+
+def as_copied_study(asked):
+    Path("copied.toml").write_text(printed(*words_of(asked), "--copy-as", "toml"))
+    printed("run", "copied.toml", "--out", "copied")
+    found = [json.loads(path.read_bytes()) for path in Path("copied").glob("*.json")]
+    (result,) = [told["result"] for told in found if "result" in told]
+    return result
+
+
+def as_copied_script(asked):
+    script = printed(*words_of(asked), "--copy-as", "python")
+    out = io.StringIO()
+    with redirect_stdout(out):
+        exec(compile(script, "copied.py", "exec"), {})
+    (told,) = json.loads(out.getvalue())
+    return told
+
+
+def data_of(asked):
+    """The study that a page would send."""
+    data: dict[str, Any] = {
+        "matrices": [asked.matrix],
+        "outputs": {"budget": False},
+        "sensors": [{"name": name} for name in asked.sensors],
+    }
+    for table, names in KEYS.items():
+        for name in asked.settings.keys() & names.keys():
+            at = data.setdefault(table, {}) if table else data
+            at[names[name]] = asked.settings[name]
+    for name in asked.settings.keys() & OF_SENSOR.keys():
+        *path, last = OF_SENSOR[name]
+        for sensor in data["sensors"]:
+            at = sensor
+            for step in path:
+                at = at.setdefault(step, {})
+            at[last] = asked.settings[name]
+    return data
+
+
+def on_the_page(data, *want):
+    """Parts of the answer of a page that may read the files here, or its faults."""
+    uploads = Uploads()
+    try:
+        studies = Studies(uploads, files=frozenset(FILES) | {"missing.txt", "missing.csv"})
+        try:
+            told = Answers(studies).answer({"study": data, "want": list(want)})
+        except QuestionError as error:
+            return error
+        return json.loads(told)["parts"]
+    finally:
+        uploads.close()
+
+
+# ---- what must be equal ----
+
+
+def agree(one, other):
+    """Equal structure and words; numbers to a relative 1e-12."""
+    if isinstance(one, dict):
+        assert isinstance(other, dict)
+        assert one.keys() == other.keys()
+        for key in one:
+            agree(one[key], other[key])
+    elif isinstance(one, list | tuple):
+        assert len(one) == len(other)
+        for mine, theirs in zip(one, other, strict=True):
+            agree(mine, theirs)
+    elif isinstance(one, float):
+        assert other == pytest.approx(one, rel=1e-12, abs=1e-300)
+    else:
+        assert one == other
+
+
+def page_agrees(told, parts):
+    """The SNR of each kind, the operating point and the notes of each sensor."""
+    for own, drawn, head in zip(
+        told["sensors"], parts["stages"]["sensors"], parts["head"]["sensors"], strict=True
+    ):
+        assert own["name"] == drawn["name"] == head["name"]
+        agree({c["name"]: c["snr_db"] for c in own["channels"]}, drawn["raw"])
+        agree(
+            {c["name"]: c["contravariant_snr_db"] for c in own["channels"]},
+            drawn["contravariant"],
+        )
+        agree(own["color"]["snr_db"], drawn["color"])
+        agree(own["price_db"], drawn["price_db"])
+        assert own["notes"] == head["notes"]
+
+
+def page_refuses(error, asked, parts):
+    """The same key and demand, or no page has this fault."""
+    if error.requirement.startswith(NOT_OF_A_PAGE):
+        return
+    assert isinstance(parts, QuestionError), (error.setting, asked)
+    demand = error.requirement or error.subject
+    assert any(
+        demand in sentence and error.setting in ("", where) for where, sentence in parts.faults
+    ), (vars(error), parts.faults)
+
+
+NOT_OF_A_PAGE = (
+    *("must be of a trained matrix", "must not be given beside the share"),
+    "must not be repeated with nothing changed",
+)
+"""A page keeps what another control puts out of effect, and a copy that is about to be changed."""
+
+
+def routes_agree(asked):
+    """What all routes give; the page's own is compared where a page can show it."""
+    with folder_of_files():
+        told = outcome(in_python, asked)
+        others = {
+            act.__name__: outcome(act, asked)
+            for act in (on_the_command_line, as_copied_study, as_copied_script)
+        }
+        paged = asked.function == "analyze"
+        parts = on_the_page(data_of(asked), "head", "stages") if paged else None
+        if isinstance(told, Refusal):
+            for name, other in others.items():
+                assert isinstance(other, Refusal), (name, told.fields)
+                assert told.fields[0] in other.fields, (name, told.fields, other.fields)
+            if paged:
+                page_refuses(told.errors[0], asked, parts)
+            return told
+        for name, other in others.items():
+            assert not isinstance(other, Refusal), (name, other.fields)
+            agree(told, other)
+        assert not isinstance(parts, QuestionError), parts.faults
+        if paged and not asked.settings.get("clip"):  # a page draws the moments of eq. 7
+            page_agrees(told, parts)
+        return told
+
+
+# ---- the laws ----
+
+
+@settings(max_examples=5)
+@given(calls(troubles=[]))
+def test_every_route_gives_the_same_analysis(asked):
+    routes_agree(asked)
+
+
+@pytest.mark.parametrize("trouble", TROUBLE, ids=str)
+def test_every_route_gives_the_same_refusal(trouble):
+    of_file = {"qe_scale", "beyond", "peak_qe"} & trouble.keys()
+    told = {"sensors": ("cam.csv",), "qe_scale": "percent", "beyond": "zero"} if of_file else {}
+    asked = asked_of({"sensors": ("onyx-rgbw",), "matrix": "kernel"} | told | trouble)
+    assert isinstance(routes_agree(asked), Refusal)
+
+
+@pytest.mark.evidence
+@settings(max_examples=400)
+@given(calls())
+def test_every_route_gives_the_same_analysis_or_refusal_for_many_calls(asked):
+    routes_agree(asked)
+
+
+LIGHT = {"lux": 3.0, "illuminant": "A", "f_number": 2.8}
+COMPARED = [
+    {},
+    {"vary": "time-ms", "first": 1.0, "last": 20.0, "equal": "saturation"},
+    {"vary": "read-noise-e", "first": 0.0, "last": 9.0, "time_ms": 5.0, "quantity": "bound"},
+    {"vary": "kelvin", "first": 2000.0, "last": 9000.0, "matrix": "kernel,lmmse", **LIGHT},
+    pytest.param({"matrix": "lmmse", "prior": "all"}, marks=pytest.mark.evidence),
+    {"vary": "time-ms", "first": 1.0, "last": 20.0, "time_ms": 5.0},
+    {"vary": "read-noise-e", "first": 0.0, "last": 9.0, "read_noise_e": 5.0},
+    *({"vary": "lx", "first": 1.0, "last": 2.0}, {"vary": "lux", "first": 5.0, "last": 2.0}),
+    *({"prior": "chart"}, {"matrix": "kernel,lmse"}, {"points": 1}),
+]
+MATRIXED = [
+    *({}, {"matrix": "lmmse", "prior": "chart", **LIGHT}, {"matrix": "bounded-psi=6.5"}),
+    {"pareto_first": 0.1, "pareto_last": 10.0, "pareto_points": 3, "metric": "energy"},
+    {"pareto_first": 10.0, "pareto_last": 0.1, "pareto_points": 3},
+    *({"matrix": "ridge=-1"}, {"prior": "chart"}, {"time_ms": 1.0, "saturate": 0.5}),
+]
+
+
+@pytest.mark.parametrize("told", COMPARED, ids=str)
+def test_a_comparison_is_the_same_by_every_route(told):
+    start = {"sensors": ("onyx-rgbw", "onyx-rgb-ircut"), "matrix": "kernel", "points": 3}
+    routes_agree(replace(asked_of(start | told), function="compare"))
+
+
+@pytest.mark.parametrize("told", MATRIXED, ids=str)
+def test_a_color_matrix_is_the_same_by_every_route(told):
+    start = {"sensors": ("onyx-rgbw",), "matrix": "kernel"}
+    routes_agree(replace(asked_of(start | told), function="matrix"))
+
+
+def times_ms(told):
+    return [one["time_ms"] for one in told["sensors"]]
+
+
+def brightest_e(sensor):
+    return max(channel["mean_e"] for channel in sensor["channels"])
+
+
+PAIR = ("onyx-rgbw", "onyx-rgb-ircut")
+
+
+def test_ten_lux_and_twelve_milliseconds_give_the_json_of_the_command_exactly():
+    told = json.loads(printed("analyze", *PAIR, "--lux", "10", "--time-ms", "12", "--json", "-"))
+    assert cn.analyze(*PAIR, lux=10, time_ms=12).to_dict() == told
+    assert times_ms(told) == [12.0, 12.0]
+
+
+@pytest.mark.parametrize("equal", [{}, {"equal": "exposure"}])
+def test_without_a_time_all_sensors_share_one_at_which_none_saturates(equal):
+    words = [word for name, value in equal.items() for word in (f"--{name}", value)]
+    told = json.loads(printed("analyze", *PAIR, *words, "--json", "-"))
+    assert cn.analyze(*PAIR, **equal).to_dict() == told
+    assert times_ms(told) == pytest.approx([11.94, 11.94], abs=0.005)
+    assert max(brightest_e(one) for one in told["sensors"]) == pytest.approx(9900)
+
+
+def test_equal_saturation_gives_each_sensor_its_own_time():
+    told = json.loads(printed("analyze", *PAIR, "--equal", "saturation", "--json", "-"))
+    assert cn.analyze(*PAIR, equal="saturation").to_dict() == told
+    first, second = times_ms(told)
+    assert first == pytest.approx(11.94, abs=0.005)
+    assert second > 2 * first
+    for one in told["sensors"]:
+        assert brightest_e(one) == pytest.approx(9900)  # 99 % of the paper's 10,000 e-
