@@ -8,6 +8,10 @@ from chromanoise.errors import InputError
 from chromanoise.sensor import Sensor
 from chromanoise.spectra import Illuminant
 from chromanoise.study import (
+    ANALYSIS,
+    COMPARISON,
+    MATRIX,
+    RENDERING,
     Analyses,
     AnalysisSettings,
     Comparison,
@@ -21,6 +25,7 @@ from chromanoise.study import (
     Study,
     analyze_study,
     compare_study,
+    flat_names,
     matrix_study,
     render_study,
 )
@@ -66,7 +71,8 @@ def analyze(
     """
     names, given, rest = _named(sensors, settings)
     study = analyze_study(names, rest, matrix=matrix)
-    (result,) = run_of(study, given=given).analyses.values()
+    with flat_names(ANALYSIS):
+        (result,) = run_of(study, given=given).analyses.values()
     return result
 
 
@@ -103,7 +109,8 @@ def compare(
     """
     names, given, rest = _named(sensors, settings)
     study = compare_study(names, rest, matrices=matrices)
-    (result,) = run_of(study, given=given).sweeps
+    with flat_names(COMPARISON):
+        (result,) = run_of(study, given=given).sweeps
     return result
 
 
@@ -138,7 +145,8 @@ def matrix(
     """
     names, given, rest = _named([sensor], settings)
     study = matrix_study(names[0], rest, matrix=matrix)
-    (result,) = run_of(study, given=given).matrices.values()
+    with flat_names(MATRIX):
+        (result,) = run_of(study, given=given).matrices.values()
     return result
 
 
@@ -181,7 +189,8 @@ def render(
     """
     names, given, rest = _named(sensors, settings)
     study = render_study(str(cube), names, rest, matrix=matrix)
-    (result,) = run_of(study, given=given, folder=_folder(folder)).pictures
+    with flat_names(RENDERING):
+        (result,) = run_of(study, given=given, folder=_folder(folder)).pictures
     return result
 
 

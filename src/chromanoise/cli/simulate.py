@@ -10,7 +10,6 @@ import click
 
 from chromanoise import __version__
 from chromanoise._files import refuse_unwritable, whole_folder
-from chromanoise.analysis import matrix_makers
 from chromanoise.catalog.resolve import file_of
 from chromanoise.cli.copying import print_copy
 from chromanoise.cli.options import (
@@ -40,6 +39,7 @@ from chromanoise.study import (
     captures,
     conditions,
     file_word,
+    makers_of,
     operating_points_of,
     prepared_cameras,
     render_study,
@@ -168,13 +168,12 @@ def simulate(
 def _taken(study: Study, work: Work, out: Path) -> list[tuple[str, list[str]]]:
     """Take and write the pictures: for each a line and its notes."""
     points = operating_points_of(study)
-    makers = matrix_makers(study.matrices, study.metric, prior=study.prior)  # type: ignore[arg-type]
+    makers = makers_of(study)
     cube, cameras = prepared_cameras(study, 0, points, makers)
     frames = study.pictures[0].frames
     rows = row_source(cube.stored).shape[0] * frames * len(points)
     summaries: list[dict[str, Any]] = []
     lines: list[tuple[str, list[str]]] = []
-    click.echo(f"at {conditions(points)}", err=True)
     with whole_folder(out) as folder, progress_of("the pictures", rows, "rows") as advance:
         start = time.perf_counter()
         for _, taken in captures(study, 0, cube, cameras, work=replace(work, progress=advance)):
@@ -188,6 +187,7 @@ def _taken(study: Study, work: Work, out: Path) -> list[tuple[str, list[str]]]:
             lines.append((_line(taken, out, files), _notes(taken, stem, missing)))
         summary = {"version": __version__, "cube": cube.source, "pictures": summaries}
         write_json(summary, str(folder / "summary.json"))
+    click.echo(f"at {conditions(points)}", err=True)
     return lines
 
 

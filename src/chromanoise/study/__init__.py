@@ -23,6 +23,7 @@ if TYPE_CHECKING:
         NOTHING_GIVEN,
         Given,
         operating_points_of,
+        refuse_idle,
     )
     from chromanoise.study.calls import (
         FLAGS,
@@ -74,6 +75,7 @@ if TYPE_CHECKING:
     from chromanoise.study.running import (
         Progress,
         Step,
+        makers_of,
         prepared_run,
         run,
     )
@@ -90,6 +92,7 @@ if TYPE_CHECKING:
         analyze_study,
         argument_of,
         compare_study,
+        flat_names,
         matrix_study,
         render_study,
     )
@@ -141,6 +144,8 @@ __all__ = [
     "conditions",
     "file_digests",
     "file_word",
+    "flat_names",
+    "makers_of",
     "matrix_study",
     "operating_points_of",
     "option_of",
@@ -151,6 +156,7 @@ __all__ = [
     "provenance",
     "read_study",
     "recorded_run",
+    "refuse_idle",
     "render_study",
     "run",
     "run_study",

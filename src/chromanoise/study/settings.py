@@ -5,15 +5,17 @@ command line and Python cannot differ.
 """
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from typing import Annotated, Any, Literal, TypedDict, get_type_hints
 
 from chromanoise._check import one_of
 from chromanoise.analysis import trained_names
 from chromanoise.analysis.comparison.sweeps import SWEEPS
 from chromanoise.analysis.priors import DEFAULT_PRIOR
-from chromanoise.errors import InputError, StudyError
+from chromanoise.errors import InputError, errors_in
 from chromanoise.io.spectra.parsed import Negatives, Unit
+from chromanoise.study.assembly import keyed, refusal
 from chromanoise.study.document import Study
 from chromanoise.study.reading import study_from_data
 
@@ -172,7 +174,8 @@ def compare_study(
     InputError
         If a value cannot be used, has no effect, or is what varies.
     """
-    vary = one_of("vary", str(settings.get("vary") or "lux"), tuple(SWEEPS))
+    with keyed("sweeps.0.vary"):
+        vary = one_of("vary", str(settings.get("vary") or "lux"), tuple(SWEEPS))
     for name in {"time-ms": ("time_ms",), "read-noise-e": ("read_noise_e",)}.get(vary, ()):
         if settings.get(name) is not None:
             raise InputError(
@@ -266,6 +269,7 @@ def argument_of(key: str, names: Mapping[str, tuple[str, ...]] = SHARED) -> str 
     ('per', 'illuminant_per', None)
     """
     general = re.sub(r"^(sensors|pictures)\.\d+", lambda m: _GENERAL[m[1]], key)
+    general = re.sub(r"\.\d+$", "", general)  # an entry of a list
     return next((name for name, keys in names.items() if general in keys), None)
 
 
@@ -282,16 +286,32 @@ def _study(
             for place in _places(key, len(sensors)):
                 _put(data, place, value)
     _refuse_two_times(data)
-    try:
+    with flat_names(names):
         return study_from_data(data)
-    except StudyError as error:
-        raise StudyError([_with_flat_name(one, names) for one in error.errors]) from None
+
+
+@contextmanager
+def flat_names(names: Mapping[str, tuple[str, ...]]) -> Iterator[None]:
+    """Errors inside whose subject is a setting have its flat name.
+
+    Parameters
+    ----------
+    names
+        The settings to search.
+    """
+    try:
+        yield
+    except InputError as error:
+        raise refusal([_with_flat_name(one, names) for one in errors_in(error)]) from None
 
 
 def _with_flat_name(error: InputError, names: Mapping[str, tuple[str, ...]]) -> InputError:
-    """The error with the flat name of the setting, where its subject is the setting."""
     flat = argument_of(error.setting, names)
-    if flat is None or error.subject != error.setting.rpartition(".")[2]:
+    if re.fullmatch(r"sensors\.\d+\.name", error.setting):
+        flat = "sensors"
+    elif error.setting.startswith("matrices."):
+        flat = "matrices" if names is COMPARISON else "matrix"
+    if flat is None or error.subject != error.setting_name:
         return error
     return error.called(flat)
 
@@ -302,7 +322,7 @@ def _refuse_two_times(data: dict[str, Any]) -> None:
     if rule.get("time_ms") is not None and rule.get("saturate") is not None:
         raise InputError(
             "time_ms",
-            "must not be given beside the share of full well that solves it",
+            "must not be given with a share of full well, from which the time is solved",
             value=rule["time_ms"],
             found=None,
             remedy="omit one of them",
