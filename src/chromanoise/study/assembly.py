@@ -109,10 +109,10 @@ def duplicates(study: Study) -> list[InputError]:
     return [
         InputError(
             "name",
-            "must not be repeated with nothing changed",
+            "must differ from every other in its name or its settings",
             value=part.name,
-            found=f"{part.name!r} is",
-            remedy="change one or omit it",
+            found=f"{part.name!r} is repeated",
+            remedy="change a setting of one, or omit one",
             setting=f"sensors.{i}.name",
         )
         for i, part in enumerate(study.sensors)
