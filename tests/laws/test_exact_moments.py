@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from chromanoise.errors import InputError
 from chromanoise.noise import with_noise
-from chromanoise.noise.exact import Readout, measured, read_moments
+from chromanoise.noise.exact import Readout, clipped_measurement, read_moments
 from chromanoise.noise.expectation import expectation
 from strategies import pixel_with, white_channel
 
@@ -154,7 +154,7 @@ def test_clipping_as_a_function_is_the_held_readout(mean, noise, readout):
 def test_what_is_measured_without_bounds_is_eq_7(mean):
     sensor = white_channel(pixel=pixel_with(7.0))
     read, free = (
-        measured(np.array([[mean]]), sensor, Readout()),
+        clipped_measurement(np.array([[mean]]), sensor, Readout()),
         with_noise(np.array([[mean]]), sensor),
     )
     assert (read.mean == free.mean).all()
@@ -164,7 +164,9 @@ def test_what_is_measured_without_bounds_is_eq_7(mean):
 
 def test_a_measurement_in_the_dark_carries_the_held_variance_on_its_diagonal():
     # half-normal of sd 10: variance 100 (1/2 - 1/(2 pi)) = 34.0845
-    read = measured(np.zeros((2, 1)), white_channel(pixel=pixel_with(10.0)), Readout(black_e=0.0))
+    read = clipped_measurement(
+        np.zeros((2, 1)), white_channel(pixel=pixel_with(10.0)), Readout(black_e=0.0)
+    )
     assert read.covariance.shape == (2, 1, 1)
     assert read.covariance[:, 0, 0] == pytest.approx(34.0845, abs=5e-5)
 

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from chromanoise import _check
 from chromanoise.analysis.comparison.curves import Curve
 from chromanoise.analysis.defined import defined
-from chromanoise.analysis.stages import Analysis, color_price_db, color_snr_db, mean_color_error
+from chromanoise.analysis.stages import Analysis, color_snr_db, color_snr_loss_db, mean_color_error
 from chromanoise.color import ColorMatrix
 from chromanoise.errors import InputError
 from chromanoise.io.table import Column, Entry, Table, written
@@ -111,8 +111,8 @@ def _analysis_row(analysis: Analysis) -> tuple[Entry, ...]:
         analysis.sensor.name,
         1e3 * analysis.exposure.time_s,
         *(snr[axis] for axis in analysis.color.names),
-        defined(analysis.bound_db) if usable else None,
-        color_price_db(analysis),
+        defined(analysis.optimal_linear_snr_db) if usable else None,
+        color_snr_loss_db(analysis),
         defined(analysis.matrix.frame.condition),
         mean_color_error(analysis),
     )

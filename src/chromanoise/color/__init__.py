@@ -1,8 +1,15 @@
 """From electrons to color: matrices (eq. 6), XYZ with covariance (eq. 5), spaces, sRGB."""
 
 from chromanoise.color.chromaticity import XYY, xyy
-from chromanoise.color.cubature import Cubature, gaussian_cubature, gaussian_expectation
-from chromanoise.color.exact import UNBOUNDED, ExactNoise, exact_noise
+from chromanoise.color.cubature import (
+    Cubature,
+    cubature,
+    gaussian_cubature,
+    gaussian_expectation,
+    mean_ciede2000,
+)
+from chromanoise.color.exact import exact
+from chromanoise.color.first_order import first_order
 from chromanoise.color.fitted import (
     ParetoCurve,
     kernel,
@@ -17,17 +24,16 @@ from chromanoise.color.fitted import (
 )
 from chromanoise.color.matrices import ColorMatrix, colored, kernel_matrix, scene_xyz
 from chromanoise.color.noise_gain import bounded_psi, noise_gain, white_normalized
-from chromanoise.color.perceived import (
-    FIRST_ORDER_TOLERANCE,
-    PerceivedNoise,
-    first_order_error,
-    mean_ciede2000,
-    perceived_noise,
-    sd_error,
-    through_space,
-    through_space_sampled,
-)
+from chromanoise.color.noisy_color import UNBOUNDED, ElectronSource, NoisyColor, noisy_color
 from chromanoise.color.picture import adapted_to_d65, srgb_from_linear, srgb_from_xyz
+from chromanoise.color.propagation import (
+    FIRST_ORDER_TOLERANCE,
+    ColorNoise,
+    Method,
+    SpaceMoments,
+    propagate,
+    relative_sd_error,
+)
 from chromanoise.color.root_polynomial import (
     RootPolynomial,
     root_first_order_error,
@@ -69,12 +75,15 @@ __all__ = [
     "UNBOUNDED",
     "XYY",
     "ColorMatrix",
+    "ColorNoise",
     "Cubature",
-    "ExactNoise",
+    "ElectronSource",
+    "Method",
+    "NoisyColor",
     "ParetoCurve",
-    "PerceivedNoise",
     "RootPolynomial",
     "Space",
+    "SpaceMoments",
     "Training",
     "TrainingResponse",
     "adapted_to_d65",
@@ -83,9 +92,10 @@ __all__ = [
     "cielab",
     "cieluv",
     "colored",
+    "cubature",
     "encoded_srgb",
-    "exact_noise",
-    "first_order_error",
+    "exact",
+    "first_order",
     "gaussian_cubature",
     "gaussian_expectation",
     "kernel",
@@ -99,8 +109,10 @@ __all__ = [
     "nir_diverse",
     "noise_gain",
     "noise_regularized",
+    "noisy_color",
     "pareto",
-    "perceived_noise",
+    "propagate",
+    "relative_sd_error",
     "ridge",
     "root_first_order_error",
     "root_jacobian",
@@ -109,12 +121,9 @@ __all__ = [
     "root_polynomial_color",
     "root_polynomial_color_exact",
     "scene_xyz",
-    "sd_error",
     "smooth_training",
     "srgb_from_linear",
     "srgb_from_xyz",
-    "through_space",
-    "through_space_sampled",
     "training_color_error",
     "training_response",
     "white_normalized",

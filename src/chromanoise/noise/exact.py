@@ -162,7 +162,28 @@ def _summed(mean: Float[Array, " m"], noise: float, readout: Readout) -> Float[A
     return over_counts(mean, given_count)
 
 
-def measured(mean_e: Float[Array, "*px p"], sensor: Sensor, readout: Readout) -> Measurement:
+def raw_measurement(moments: Moments, names: tuple[str, ...]) -> Measurement:
+    """Mean and variance of independent channels as a raw measurement; the covariance is diagonal.
+
+    Parameters
+    ----------
+    moments
+        Of the values read.
+    names
+        One per channel.
+    """
+    return Measurement(
+        mean=moments.mean,
+        covariance=moments.variance[..., None] * np.eye(moments.mean.shape[-1]),
+        names=names,
+        kind="raw",
+        unit="e-",
+    )
+
+
+def clipped_measurement(
+    mean_e: Float[Array, "*px p"], sensor: Sensor, readout: Readout
+) -> Measurement:
     """The raw measurement as it is read: exact mean and variance, in place of `with_noise`.
 
     Parameters
@@ -185,10 +206,4 @@ def measured(mean_e: Float[Array, "*px p"], sensor: Sensor, readout: Readout) ->
     standard deviation is no SNR near a bound: ask `read_moments` for the shares that are held.
     """
     moments = read_moments(mean_e, read_noise_e=sensor.pixel.read_noise_e, readout=readout)
-    return Measurement(
-        mean=moments.mean,
-        covariance=moments.variance[..., None] * np.eye(moments.mean.shape[-1]),
-        names=sensor.names,
-        kind="raw",
-        unit="e-",
-    )
+    return raw_measurement(moments, sensor.names)

@@ -21,8 +21,8 @@ _IMPORTS = {
         "comparison_as_json",
         "crossover_bands",
         "crossovers",
-        "grey_noise",
-        "grey_noise_as_json",
+        "gray_noise",
+        "gray_noise_as_json",
         "matrix_as_json",
         "matrix_makers",
         "merits_as_json",
@@ -172,8 +172,8 @@ def _analysis(study: Study) -> list[str]:
     if outputs.budget:
         inside.append("own |= budgets_as_json(analysis)")
     if outputs.space is not None:
-        inside.append(f"noise = grey_noise(analysis, SPACES[{outputs.space!r}], readout=readout)")
-        inside.append('own["grey_noise"] = grey_noise_as_json(noise)')
+        inside.append(f"noise = gray_noise(analysis, SPACES[{outputs.space!r}], readout=readout)")
+        inside.append('own["grey_noise"] = gray_noise_as_json(noise)')
     if outputs.chart:
         inside.append("noise = chart_noise(analysis, readout=readout or UNBOUNDED)")
         inside.append('own["chart"] = chart_as_json(noise)')

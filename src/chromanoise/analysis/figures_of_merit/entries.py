@@ -9,10 +9,9 @@ from jaxtyping import Float
 
 from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise.analysis.operating_point import electrons_at, stages_at
 from chromanoise.analysis.stages import Analysis
-from chromanoise.color import scene_xyz
 from chromanoise.errors import InputError
-from chromanoise.exposure import Situation, expected_electrons, white_scene
 from chromanoise.metrics.snr import LEAST_COLOR
 from chromanoise.noise import saturated
 
@@ -110,20 +109,9 @@ def merit_or_reason(
     return Merit(name=name, what=what, unit=unit, value=float(value), source=source)
 
 
-def situation_of(analysis: Analysis) -> Situation:
-    """Sensor, exposure, lamp and illuminance of an analysis, without the patch."""
-    return Situation(
-        sensor=analysis.sensor,
-        exposure=analysis.exposure,
-        illuminant=analysis.scene.illuminant,
-        level_lux=analysis.scene.level_lux,
-    )
-
-
 def white_electrons(analysis: Analysis) -> Float[Array, " p"]:
     """Expected electrons of a perfect white in the light of the analysis, unclipped. [e-]"""
-    situation = situation_of(analysis)
-    return expected_electrons(white_scene(situation), situation.sensor, situation.exposure)
+    return electrons_at(analysis.point)
 
 
 def white_color(analysis: Analysis) -> Float[Array, " 3"]:
@@ -134,9 +122,9 @@ def white_color(analysis: Analysis) -> Float[Array, " 3"]:
     InputError
         If X, Y or Z is no signal: below 0, or next to nothing of what the eye sees.
     """
-    white = analysis.matrix.matrix @ white_electrons(analysis)
-    truth = scene_xyz(white_scene(situation_of(analysis)), analysis.matrix.metric)
-    for name, seen, wanted in zip(analysis.matrix.coordinates, white, truth, strict=True):
+    at = stages_at(analysis.point, analysis.matrix)
+    white = analysis.matrix.matrix @ at.expected_e
+    for name, seen, wanted in zip(analysis.matrix.coordinates, white, at.truth_xyz, strict=True):
         if not seen > LEAST_COLOR * wanted:
             raise InputError(
                 f"{name} of a perfect white comes out at {seen:.3g} lx instead of {wanted:.3g}, so "
