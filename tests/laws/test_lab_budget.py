@@ -10,7 +10,6 @@ from chromanoise.analysis import analyzed, budgets_as_json, lab_budgets, missing
 from chromanoise.catalog import sensor_named
 from chromanoise.catalog.sensors import SENSOR_NAMES
 from chromanoise.color import LAB, NoisyColor, colored, first_order, kernel_matrix, propagate
-from chromanoise.errors import InputError
 from chromanoise.exposure import Exposure, expected_electrons
 from chromanoise.metrics import faintest_change, lab_budget
 from chromanoise.metrics.budget import CAUSES, color_budget
@@ -19,6 +18,7 @@ from chromanoise.noise import with_noise
 from chromanoise.scene import Scene, flat_field, light
 from chromanoise.sensor import Pixel, Sensor, with_channels
 from chromanoise.spectra import DEFAULT_GRID, Illuminant, color_axes, equal_energy
+from outcomes import refused_input
 
 AT = DEFAULT_GRID.wavelength_nm
 LAMP = equal_energy(DEFAULT_GRID)
@@ -304,5 +304,5 @@ def test_the_budgets_of_a_study_are_of_an_18_percent_gray_in_the_light_of_its_wh
 
 
 def test_an_unknown_coordinate_is_refused():
-    with pytest.raises(InputError, match="coordinate 'Y'"):
+    with refused_input(subject="coordinate", value="Y"):
         budget_of(sensor_of(*APART), "Y")

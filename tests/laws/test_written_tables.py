@@ -51,6 +51,7 @@ from chromanoise.paper.tables import (
 )
 from chromanoise.sensor import Mosaic, Pixel, Sensor
 from chromanoise.spectra import DEFAULT_GRID, Grid, Spectra, equal_energy, read_spectra_csv
+from outcomes import refused_input
 
 SMALL = Grid.uniform(400, 420, 10)
 PIXEL = Pixel(pitch_um=2.2, full_well_e=6000.1, read_noise_e=0.1 + 0.2)
@@ -486,6 +487,6 @@ def test_a_comparison_has_a_row_per_light_and_nothing_where_nothing_is_defined()
 
 
 def test_tables_of_nothing_or_of_two_sweeps_are_refused():
-    for maker in (analyses_as_table, curves_as_table):
-        with pytest.raises(InputError, match=r"needs at least one"):
+    for maker, subject in ((analyses_as_table, "analyses"), (curves_as_table, "curves")):
+        with refused_input(subject=subject):
             maker([])

@@ -14,7 +14,7 @@ from chromanoise._check import Array
 from chromanoise.color import UNBOUNDED, ColorMatrix, ElectronSource, NoisyColor, colored, scene_xyz
 from chromanoise.exposure import Situation, expected_electrons
 from chromanoise.geometry import contravariant
-from chromanoise.metrics import signal_snr_db
+from chromanoise.metrics import optimal_linear_snr_db, signal_snr_db
 from chromanoise.noise import (
     Measurement,
     Moments,
@@ -101,7 +101,17 @@ class Stages:
     def color_snr_db(self) -> Float[Array, "*px c"]:
         """SNR of each color coordinate; NaN while a channel is saturated or without signal. [dB]"""
         full = self.saturated.any(axis=-1, keepdims=True)
+        if full.all():
+            return np.full((*full.shape[:-1], len(self.matrix.coordinates)), np.nan)
         return np.where(full, np.nan, signal_snr_db(self.color, self.truth_xyz))
+
+    @property
+    def optimal_linear_snr_db(self) -> Float[Array, "*px"]:
+        """SNR of the best linear readout; NaN while a channel is saturated. [dB]"""
+        full = self.saturated.any(axis=-1)
+        if full.all():
+            return np.full(full.shape, np.nan)
+        return np.where(full, np.nan, optimal_linear_snr_db(self.raw))
 
 
 def electrons_at(

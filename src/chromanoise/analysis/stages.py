@@ -156,8 +156,8 @@ def analyzed(
         raise InputError(
             "scene",
             "must be one point",
-            value=scene.reflectance.shape[:-1],
-            found=f"has points of shape {scene.reflectance.shape[:-1]}",
+            value=scene.reflectance.shape,
+            found=f"has reflectances of shape {scene.reflectance.shape}",
             remedy="analyze one at a time",
         )
     point = Situation(

@@ -22,7 +22,7 @@ def analyses_as_table(analyses: Sequence[Analysis]) -> Table:
         If there are none, or they have not the same color coordinates.
     """
     if not analyses:
-        raise InputError("a table of analyses needs at least one")
+        raise InputError("analyses", "must hold at least one for a table", value=())
     axes = analyses[0].color.names
     for analysis in analyses:
         _check.same_names("a table of analyses", first=axes, other=analysis.color.names)
@@ -77,12 +77,15 @@ def curves_as_table(curves: Sequence[Curve]) -> Table:
         If there are none, or they are not of one sweep.
     """
     if not curves:
-        raise InputError("a table of curves needs at least one")
+        raise InputError("curves", "must hold at least one for a table", value=())
     first = curves[0]
     for curve in curves:
         if curve.at.tolist() != first.at.tolist() or curve.sweep.name != first.sweep.name:
             raise InputError(
-                f"a table of curves needs one sweep, but {curve.sensor} differs from {first.sensor}"
+                "curves",
+                "must be of one sweep for a table",
+                value=(first.sensor, curve.sensor),
+                found=f"{curve.sensor} differs from {first.sensor}",
             )
     columns = [Column(name=first.sweep.what, unit=first.sweep.unit, digits=".4g")]
     for curve in curves:

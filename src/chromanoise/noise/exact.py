@@ -42,8 +42,9 @@ class Readout:
     def __post_init__(self) -> None:
         if not self.black_e < self.full_well_e:
             raise InputError(
-                f"black_e must lie below full_well_e [e-], but {self.black_e:g} does not lie "
-                f"below {self.full_well_e:g}"
+                "black_e",
+                f"must be below full_well_e of {self.full_well_e:g} [e-]",
+                value=self.black_e,
             )
         _check.not_negative("step_e", "e-", self.step_e)
 

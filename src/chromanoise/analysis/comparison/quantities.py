@@ -17,7 +17,7 @@ from chromanoise.analysis.operating_point import (
 from chromanoise.analysis.perceived import GRAY
 from chromanoise.color import LAB, ColorMatrix, cubature, propagate
 from chromanoise.exposure import Situation
-from chromanoise.metrics import chart_color_error, optimal_linear_snr_db
+from chromanoise.metrics import chart_color_error
 from chromanoise.metrics.accuracy import mean_chart_errors
 from chromanoise.noise import saturated
 
@@ -85,11 +85,6 @@ def _color_snr(at: Stages, coordinate: str) -> Float[Array, "*lv"]:
     return at.color_snr_db[..., at.matrix.coordinates.index(coordinate)]
 
 
-def _optimum(at: Stages) -> Float[Array, "*lv"]:
-    full = at.saturated.any(axis=-1)
-    return np.where(full, np.nan, optimal_linear_snr_db(at.raw))
-
-
 def is_saturated_over_levels(
     situation: Situation, level_lux: Float[Array, " k"]
 ) -> Bool[Array, " k"]:
@@ -118,7 +113,7 @@ def fullest_level_lux(situation: Situation) -> float | None:
 
 def best_snr(situation: Situation, matrix: ColorMatrix) -> float:
     """SNR of the best linear readout of a perfect white, whatever the matrix. [dB]"""
-    return float(_optimum(stages_at(situation, matrix)))
+    return float(stages_at(situation, matrix).optimal_linear_snr_db)
 
 
 def best_snr_over_levels(
@@ -129,13 +124,13 @@ def best_snr_over_levels(
     matrices: Float[Array, "k c p"] | None = None,
 ) -> Float[Array, " k"]:
     """`best_snr` at many light levels; parameters as `color_snr_over_levels`. [dB]"""
-    return _optimum(stages_at(situation, matrix, level_lux=level_lux))
+    return stages_at(situation, matrix, level_lux=level_lux).optimal_linear_snr_db
 
 
 def color_loss(situation: Situation, matrix: ColorMatrix) -> float:
     """How far SNR of Y stays below the best linear readout. [dB]"""
     at = stages_at(situation, matrix)
-    return float(_optimum(at) - _color_snr(at, "Y"))
+    return float(at.optimal_linear_snr_db - _color_snr(at, "Y"))
 
 
 def color_loss_over_levels(
@@ -147,7 +142,7 @@ def color_loss_over_levels(
 ) -> Float[Array, " k"]:
     """`color_loss` at many light levels; parameters as `color_snr_over_levels`. [dB]"""
     at = stages_at(situation, matrix, level_lux=level_lux, lux_per_e=matrices)
-    return _optimum(at) - _color_snr(at, "Y")
+    return at.optimal_linear_snr_db - _color_snr(at, "Y")
 
 
 def color_error(situation: Situation, matrix: ColorMatrix) -> float:

@@ -73,8 +73,10 @@ class Merit:
             _check.finite(self.name, self.unit, self.value)
         if (self.value is None) != bool(self.missing):
             raise InputError(
-                f"merit {self.name} needs either a value or the reason why it has none, but "
-                f"has {self.value} and {self.missing!r}"
+                f"merit {self.name}",
+                "must have either a value or the reason why it has none",
+                value=(self.value, self.missing),
+                found=f"has {self.value} and {self.missing!r}",
             )
 
 
@@ -127,8 +129,11 @@ def white_color(analysis: Analysis) -> Float[Array, " 3"]:
     for name, seen, wanted in zip(analysis.matrix.coordinates, white, at.truth_xyz, strict=True):
         if not seen > LEAST_COLOR * wanted:
             raise InputError(
-                f"{name} of a perfect white comes out at {seen:.3g} lx instead of {wanted:.3g}, so "
-                "there is no white to hold colors against; take another lamp or matrix"
+                f"{name} of a perfect white",
+                f"must be a signal, as colors are relative to it; the eye sees {wanted:.3g} lx",
+                value=float(seen),
+                found=f"is {seen:.3g} lx",
+                remedy="take another lamp or matrix",
             )
     return np.asarray(white)
 
@@ -145,6 +150,9 @@ def refuse_full(analysis: Analysis) -> None:
     held = [name for name, is_full in zip(analysis.sensor.names, full, strict=True) if is_full]
     if held:
         raise InputError(
-            f"a perfect white saturates {', '.join(held)} of {analysis.sensor.name}; shorten the "
-            "time or close the aperture"
+            f"sensor {analysis.sensor.name}",
+            "must not be saturated by a perfect white",
+            value=tuple(held),
+            found=f"is in {', '.join(held)}",
+            remedy="shorten the time or close the aperture",
         )
