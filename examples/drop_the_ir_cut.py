@@ -3,7 +3,7 @@
 from chromanoise.catalog import sensor_named
 from chromanoise.color import colored, kernel_matrix
 from chromanoise.exposure import Exposure, expected_electrons
-from chromanoise.metrics import bound_db, price_db, snr_db
+from chromanoise.metrics import color_snr_loss_db, optimal_linear_snr_db, snr_db
 from chromanoise.noise import with_noise
 from chromanoise.scene import flat_field
 from chromanoise.spectra import DEFAULT_GRID, equal_energy
@@ -19,8 +19,8 @@ for name in ("onyx-rgbw", "onyx-rgb-ircut"):  # both a reconstruction
     luminance_db[name] = float(snr_db(xyz)["Y"])
     green = float(snr_db(raw)["G"])
     print(
-        f"{name}: green {green:.1f} dB, bound {bound_db(raw):.1f} dB, "
-        f"luminance {luminance_db[name]:.1f} dB, price {price_db(raw, xyz):.1f} dB"
+        f"{name}: green {green:.1f} dB, bound {optimal_linear_snr_db(raw):.1f} dB, "
+        f"luminance {luminance_db[name]:.1f} dB, price {color_snr_loss_db(raw, xyz):.1f} dB"
     )
 
 loss_db = luminance_db["onyx-rgb-ircut"] - luminance_db["onyx-rgbw"]

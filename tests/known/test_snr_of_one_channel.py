@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from chromanoise.metrics import bound_db, snr_db
+from chromanoise.metrics import optimal_linear_snr_db, snr_db
 from chromanoise.noise import monte_carlo, raw_covariance
 from strategies import pixel_with, raw_of
 
@@ -31,7 +31,7 @@ def test_snr_is_1_at_10_5125_electrons():
 
 def test_equal_channels_bound_the_readout_by_the_square_root_of_their_number():
     four = raw_of(np.full(4, 100.0), 100.0 * np.eye(4))
-    assert float(bound_db(four)) == pytest.approx(20.0 + 6.0206, abs=1e-4)
+    assert float(optimal_linear_snr_db(four)) == pytest.approx(20.0 + 6.0206, abs=1e-4)
 
 
 def test_5000_draws_know_an_snr_to_0_087_db():

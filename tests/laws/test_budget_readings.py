@@ -21,7 +21,7 @@ import pytest
 
 from chromanoise.color import kernel_matrix
 from chromanoise.exposure import Exposure
-from chromanoise.metrics import bound_db, lab_budget
+from chromanoise.metrics import lab_budget, optimal_linear_snr_db
 from chromanoise.metrics.budget import color_budget, contravariant_budget
 from chromanoise.scene import flat_field
 from chromanoise.sensor import Pixel, Sensor
@@ -133,8 +133,10 @@ def test_the_bound_is_the_sum_of_the_squared_raw_snrs_readout_included():
     budgets = [color_budget(GRAY, SENSOR, EXPOSURE, MATRIX, c) for c in "XYZ"]
     budgets += [contravariant_budget(GRAY, SENSOR, EXPOSURE, MATRIX.frame, c) for c in "bgr"]
     for budget in budgets:
-        assert budget.bound_db == pytest.approx(22.758, abs=5e-4)
-        assert budget.bound_db == pytest.approx(float(bound_db(raw)), abs=1e-9)
+        assert budget.optimal_linear_snr_db == pytest.approx(22.758, abs=5e-4)
+        assert budget.optimal_linear_snr_db == pytest.approx(
+            float(optimal_linear_snr_db(raw)), abs=1e-9
+        )
 
 
 def test_stacked_channels_share_the_photons_of_one_pixel():
@@ -208,4 +210,4 @@ def test_the_bound_of_lightness_and_hue_has_the_noise_of_infrared_and_readout(co
     counting = 3 * (change**2 / PHOTONS[:3]).sum()
     assert budget.photons_db == pytest.approx(10 * np.log10(counting), abs=2e-2)
     squares = (electrons**2 / VARIANCE).sum()
-    assert budget.bound_db == pytest.approx(10 * np.log10(squares), abs=2e-2)
+    assert budget.optimal_linear_snr_db == pytest.approx(10 * np.log10(squares), abs=2e-2)

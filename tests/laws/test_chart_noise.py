@@ -47,7 +47,7 @@ def test_patches_drawn_and_taken_to_lab_scatter_as_predicted():
     light_patches = xyz.min(axis=(0, 2)) > 0.01  # where every draw is on the cube-root branch
     assert light_patches.sum() > 15
     lab = colour.XYZ_to_Lab(xyz[:, light_patches], np.array([1 / 3, 1 / 3]))
-    sd = np.sqrt(chart.noise.noisy.variance[light_patches])
+    sd = chart.noise.sd[light_patches]
     excess = lab.std(axis=0, ddof=1) / sd - 1
     assert np.abs(excess).max() < 5 / np.sqrt(2 * DRAWS) * 1.3  # tails: not quite normal
 
@@ -87,4 +87,4 @@ def test_another_matrix_changes_color_and_leaves_raw_alone():
     trained = analyzed(white, sensor, exposure, matrix=maker(situation))
     assert kernel.matrix.matrix == pytest.approx(kernel_matrix(sensor, exposure).matrix)
     assert trained.raw.covariance == pytest.approx(kernel.raw.covariance)
-    assert trained.price_db < kernel.price_db - 2
+    assert trained.color_snr_loss_db < kernel.color_snr_loss_db - 2

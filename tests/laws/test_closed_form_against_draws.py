@@ -6,7 +6,7 @@ import pytest
 from chromanoise.catalog import sensor_named
 from chromanoise.color import chart_training, kernel_matrix, lmmse, nir_diverse
 from chromanoise.exposure import Exposure, expected_electrons
-from chromanoise.noise import Readout, measured, monte_carlo, with_noise
+from chromanoise.noise import Readout, clipped_measurement, monte_carlo, with_noise
 from chromanoise.scene import flat_field
 from chromanoise.sensor import PAPER_PIXEL, Sensor
 from chromanoise.spectra import DEFAULT_GRID, equal_energy
@@ -55,7 +55,7 @@ def deviations(sensor, level_lux, clip, draws):
     rows = np.vstack([np.eye(mean_e.size), kernel.frame.inverse_gram, kernel.matrix, wiener.matrix])
     rows /= np.linalg.norm(rows, axis=1, keepdims=True)
     full = Readout(black_e=0.0, full_well_e=sensor.pixel.full_well_e)
-    raw = measured(mean_e, sensor, full) if clip else with_noise(mean_e, sensor)
+    raw = clipped_measurement(mean_e, sensor, full) if clip else with_noise(mean_e, sensor)
     mean, sd = rows @ raw.mean, np.sqrt(np.einsum("qp,p,qp->q", rows, raw.variance, rows))
     drawn = monte_carlo(mean_e, sensor.pixel, rows, draws=draws, seed=11, clip=clip)
     moves = sd > 1e-9 * np.abs(rows @ np.full(mean_e.size, sensor.pixel.full_well_e))

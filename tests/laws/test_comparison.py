@@ -18,11 +18,11 @@ from chromanoise.analysis import (
 )
 from chromanoise.catalog import sensor_named
 from chromanoise.color import kernel_matrix
-from chromanoise.errors import InputError
 from chromanoise.exposure import Exposure, Situation, expected_electrons, white_scene
 from chromanoise.scene import flat_field
 from chromanoise.sensor import Pixel, Sensor
 from chromanoise.spectra import DEFAULT_GRID, equal_energy
+from outcomes import refused_input
 
 LAMP = equal_energy(DEFAULT_GRID)
 EXPOSURE = Exposure(time_s=0.01)
@@ -100,7 +100,7 @@ def test_levels_at_which_a_channel_is_saturated_have_no_snr():
 
 def test_sensors_without_a_common_level_are_refused():
     small = one_channel("small", 0.5, 2.0, full_well_e=1.0)
-    with pytest.raises(InputError, match="no illuminance"):
+    with refused_input(subject="small and large", value=(100.0, 1000.0)):
         compare(small, one_channel("large", 0.5, 2.0), levels=np.array([100.0, 1000.0]))
 
 
@@ -252,9 +252,13 @@ def test_the_band_over_priors_spans_the_crossovers_of_each():
 
 
 @pytest.mark.parametrize(
-    ("name", "named"),
-    [("ridge", "ridge=<strength>"), ("kernel=1", "kernel"), ("ridge=x", "not a number")],
+    ("name", "fields"),
+    [
+        ("ridge", {"subject": "matrix", "value": "ridge"}),
+        ("kernel=1", {"subject": "matrix", "value": "kernel=1"}),
+        ("ridge=x", {"subject": "matrix 'ridge=x'", "value": "x"}),
+    ],
 )
-def test_a_matrix_without_its_parameter_is_refused(name, named):
-    with pytest.raises(InputError, match=named):
+def test_a_matrix_without_its_parameter_is_refused(name, fields):
+    with refused_input(**fields):
         matrix_makers([name], "quanta")

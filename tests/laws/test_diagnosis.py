@@ -112,7 +112,7 @@ def test_a_channel_that_sees_none_of_the_light_is_told():
 def test_one_channel_needs_no_neighbors():
     analysis = analyzed(SCENE, white_channel(), Exposure(time_s=0.002))
     assert analysis.mix is None
-    assert analysis.price_db == pytest.approx(0.0, abs=1e-9)
+    assert analysis.color_snr_loss_db == pytest.approx(0.0, abs=1e-9)
     assert contravariant_snr_db(analysis)["W"] == pytest.approx(raw_snr_db(analysis)["W"], abs=1e-9)
     assert analysis.spectral_snr_db == pytest.approx(raw_snr_db(analysis)["W"], abs=1e-9)
 

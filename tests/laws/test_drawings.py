@@ -3,7 +3,7 @@
 import json
 import re
 from dataclasses import replace
-from functools import cache
+from functools import cache, partial
 
 import numpy as np
 import pytest
@@ -14,8 +14,8 @@ from chromanoise.analysis import (
     compared,
     crossover_sentence,
     crossovers,
-    grey_noise,
-    grey_noise_as_json,
+    gray_noise,
+    gray_noise_as_json,
     noise_weights,
     swept_values,
 )
@@ -29,7 +29,15 @@ from chromanoise.charts.levels import level_in_words
 from chromanoise.charts.patches import hex_colors, patches_of
 from chromanoise.charts.vectors import color_frame, half_axes, round_magnification
 from chromanoise.charts.verdicts import verdict_sentences
-from chromanoise.color import LAB, XYY, encoded_srgb, exact_noise
+from chromanoise.color import (
+    LAB,
+    XYY,
+    ElectronSource,
+    encoded_srgb,
+    exact,
+    noisy_color,
+    propagate,
+)
 from chromanoise.errors import InputError
 from chromanoise.exposure import expected_electrons, white_scene
 from chromanoise.geometry import reconstructed_light
@@ -425,19 +433,19 @@ def test_chart_errors_are_those_of_analyze():
         assert np.mean(errors) == pytest.approx(own["color_error_mean"], rel=1e-12)
 
 
-def test_chart_noise_is_that_of_the_electrons_own_law():
+def test_chart_noise_is_that_of_the_exact_distribution():
     analysis = usual().analyses[1]
     told = drawing("chart", usual())["sensors"][1]["patches"]
     chart, some = colorchecker(DEFAULT_GRID), [0, 12, 21]
     scene = replace(analysis.scene, reflectance=chart.values.T[some])
-    exact = exact_noise(
-        expected_electrons(scene, analysis.sensor, analysis.exposure),
-        analysis.matrix.matrix,
-        analysis.color.mean,
+    source = ElectronSource(
+        mean_e=expected_electrons(scene, analysis.sensor, analysis.exposure),
+        matrix=analysis.matrix.matrix,
         read_noise_e=analysis.sensor.pixel.read_noise_e,
-        points=2**11,
     )
-    np.testing.assert_allclose([told[i]["noise"] for i in some], exact.delta_e, rtol=0.02)
+    color = noisy_color(source, analysis.color.mean)
+    noise = propagate(color, LAB, partial(exact, points=2**11))
+    np.testing.assert_allclose([told[i]["noise"] for i in some], noise.delta_e, rtol=0.02)
 
 
 def test_ellipses_are_closed_and_of_48_points_around_their_center():
@@ -702,5 +710,5 @@ def test_curves_are_shifted_before_the_added_cut_which_stays_where_it_is():
 
 def test_the_grays_noise_is_that_of_the_full_cubature():
     for analysis, told in zip(usual().analyses, drawing("stages", usual())["sensors"], strict=True):
-        full = grey_noise_as_json(grey_noise(analysis, LAB))["sd_normal_law"]
+        full = gray_noise_as_json(gray_noise(analysis, LAB))["sd_normal_law"]
         assert told["lab_sd"] == pytest.approx(full, rel=3e-3)

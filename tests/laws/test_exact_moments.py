@@ -7,8 +7,9 @@ from hypothesis import strategies as st
 
 from chromanoise.errors import InputError
 from chromanoise.noise import with_noise
-from chromanoise.noise.exact import Readout, measured, read_moments
+from chromanoise.noise.exact import Readout, clipped_measurement, read_moments
 from chromanoise.noise.expectation import expectation
+from outcomes import refused_input
 from strategies import pixel_with, white_channel
 
 means = st.lists(st.floats(0.0, 3000.0), min_size=1, max_size=5).map(np.array)
@@ -154,7 +155,7 @@ def test_clipping_as_a_function_is_the_held_readout(mean, noise, readout):
 def test_what_is_measured_without_bounds_is_eq_7(mean):
     sensor = white_channel(pixel=pixel_with(7.0))
     read, free = (
-        measured(np.array([[mean]]), sensor, Readout()),
+        clipped_measurement(np.array([[mean]]), sensor, Readout()),
         with_noise(np.array([[mean]]), sensor),
     )
     assert (read.mean == free.mean).all()
@@ -164,7 +165,9 @@ def test_what_is_measured_without_bounds_is_eq_7(mean):
 
 def test_a_measurement_in_the_dark_carries_the_held_variance_on_its_diagonal():
     # half-normal of sd 10: variance 100 (1/2 - 1/(2 pi)) = 34.0845
-    read = measured(np.zeros((2, 1)), white_channel(pixel=pixel_with(10.0)), Readout(black_e=0.0))
+    read = clipped_measurement(
+        np.zeros((2, 1)), white_channel(pixel=pixel_with(10.0)), Readout(black_e=0.0)
+    )
     assert read.covariance.shape == (2, 1, 1)
     assert read.covariance[:, 0, 0] == pytest.approx(34.0845, abs=5e-5)
 
@@ -186,25 +189,25 @@ def test_a_readout_without_room_for_values_is_refused(bounds):
 
 
 @pytest.mark.parametrize(
-    ("mean", "readout", "told"),
+    ("mean", "readout", "subject", "value"),
     [
-        (-1.0, Readout(), "mean_e must be finite and >= 0"),
-        (1e11, Readout(full_well_e=1e11), "at most 1e\\+10"),
-        (3.0, Readout(black_e=0.0, step_e=1e-6), "step_e must be at least"),
+        (-1.0, Readout(), "mean_e", -1.0),
+        (1e11, Readout(full_well_e=1e11), "mean_e", 1e11),
+        (3.0, Readout(black_e=0.0, step_e=1e-6), "step_e", 1e-6),
     ],
 )
-def test_what_cannot_be_summed_is_refused(mean, readout, told):
-    with pytest.raises(InputError, match=told):
+def test_what_cannot_be_summed_is_refused(mean, readout, subject, value):
+    with refused_input(subject=subject, value=value):
         read_moments(np.array([mean]), read_noise_e=2.0, readout=readout)
 
 
 @pytest.mark.parametrize(
-    ("function", "told"),
+    ("function", "requirement"),
     [
-        (lambda x: np.where(x < 0, np.nan, x), "must be finite, but at -"),
+        (lambda x: np.where(x < 0, np.nan, x), "finite"),
         (lambda x: x[:1], "one number per value"),
     ],
 )
-def test_a_function_that_leaves_a_value_open_is_refused(function, told):
-    with pytest.raises(InputError, match=told):
+def test_a_function_that_leaves_a_value_open_is_refused(function, requirement):
+    with refused_input(subject="function", requirement=requirement):
         expectation(function, np.array([1.0]), read_noise_e=2.0)

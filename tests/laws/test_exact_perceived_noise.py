@@ -1,12 +1,14 @@
 """Noise in curved spaces from the electrons: against sums, laws of Poisson numbers, and draws."""
 
+from functools import partial
+
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 from scipy import stats
 
-from chromanoise.analysis import analyzed, grey_noise
+from chromanoise.analysis import analyzed, gray_noise
 from chromanoise.catalog import sensor_named
 from chromanoise.color import (
     LAB,
@@ -14,22 +16,27 @@ from chromanoise.color import (
     LUV,
     SPACES,
     SRGB,
+    UNBOUNDED,
+    ElectronSource,
+    NoisyColor,
     chart_training,
-    exact_noise,
+    cubature,
+    exact,
+    first_order,
     kernel_matrix,
     lmmse,
     nir_diverse,
-    perceived_noise,
-    sd_error,
-    through_space_sampled,
+    noisy_color,
+    propagate,
+    relative_sd_error,
 )
 from chromanoise.color.spaces import linear_srgb
-from chromanoise.errors import InputError
 from chromanoise.exposure import Exposure, expected_electrons
-from chromanoise.noise import Measurement, Readout, electrons_of_normal, read_moments, read_values
+from chromanoise.noise import Measurement, Readout, poisson_gaussian_ppf, read_moments, read_values
 from chromanoise.scene import flat_field
 from chromanoise.spectra import DEFAULT_GRID
 from laws.test_closed_form_against_draws import CASES, EXPOSURE, IDS, LAMP, SENSORS
+from outcomes import refused_input
 
 ONES = np.ones(3)
 HELD = Readout(black_e=0.0, full_well_e=10_000.0)
@@ -42,8 +49,15 @@ def gray(electrons):
     return np.full((3, 1), 0.18 / electrons)
 
 
+def exact_noise(mean_e, matrix, white, *, read_noise_e, readout=UNBOUNDED, space=LAB, points=2**16):
+    source = ElectronSource(
+        mean_e=mean_e, matrix=matrix, read_noise_e=read_noise_e, readout=readout
+    )
+    return propagate(noisy_color(source, white), space, partial(exact, points=points))
+
+
 def sd_of(noise):
-    return np.sqrt(noise.noisy.variance)
+    return noise.sd
 
 
 @pytest.mark.parametrize(
@@ -53,7 +67,7 @@ def sd_of(noise):
 def test_poisson_and_read_noise_on_a_gray_of_18_percent(electrons, read_noise_e, mean, sd):
     # the exact sum over Poisson's law; docs/numbers.md
     noise = exact_noise(np.array([electrons]), gray(electrons), ONES, read_noise_e=read_noise_e)
-    assert noise.noisy.mean[0] == pytest.approx(mean, abs=1e-3)
+    assert noise.measurement.mean[0] == pytest.approx(mean, abs=1e-3)
     assert sd_of(noise)[0] == pytest.approx(sd, abs=1e-3)
     assert noise.bias[0] == pytest.approx(mean - (116 * 0.18 ** (1 / 3) - 16), abs=1e-3)
     assert sd_of(noise)[1:] == pytest.approx([0, 0], abs=1e-10)
@@ -65,14 +79,16 @@ def test_darkness_held_at_black_is_half_a_normal_law():
         np.zeros(1), np.full((3, 1), 1e-6), ONES, read_noise_e=1.0, readout=Readout(black_e=0.0)
     )
     assert noise.bias[0] == pytest.approx(24389 / 27 * 1e-6 * 0.39894, rel=1e-4)
-    assert noise.noisy.variance[0] == pytest.approx((24389 / 27 * 1e-6) ** 2 * 0.34085, rel=1e-4)
+    assert noise.measurement.variance[0] == pytest.approx(
+        (24389 / 27 * 1e-6) ** 2 * 0.34085, rel=1e-4
+    )
 
 
 def test_what_is_always_held_at_full_well_is_the_color_of_full_well_and_still():
     noise = exact_noise(
         np.array([90_000.0]), np.full((3, 1), 1e-4 / 8), ONES, read_noise_e=10.0, readout=HELD
     )
-    assert noise.noisy.mean == pytest.approx([42.0, 0.0, 0.0], abs=1e-9)  # Y = 1/8
+    assert noise.measurement.mean == pytest.approx([42.0, 0.0, 0.0], abs=1e-9)  # Y = 1/8
     assert sd_of(noise) == pytest.approx(np.zeros(3), abs=1e-9)
     assert noise.delta_e == pytest.approx(116 * (1.125 ** (1 / 3) - 0.5), abs=1e-9)
 
@@ -90,7 +106,8 @@ def test_two_channels_of_one_weight_are_one_channel_of_their_sum(space, read_noi
         np.array([7.0]), column, ONES, read_noise_e=2**0.5 * read_noise_e, space=space
     )
     sd = sd_of(together)
-    assert np.abs((apart.noisy.mean - together.noisy.mean) / sd).max() < 1e-3
+    shift = apart.measurement.mean - together.measurement.mean
+    assert np.abs(shift / sd).max() < 1e-3
     assert sd_of(apart) / sd == pytest.approx(ONES, abs=2e-3)
 
 
@@ -102,8 +119,8 @@ def test_a_linear_space_knows_only_mean_and_variance_of_what_is_read(mean_e, rea
     whole = linear_srgb(MATRIX.T, ONES).T
     covariance = whole @ np.diag(read.variance) @ whole.T
     sd = np.sqrt(np.diag(covariance))
-    assert np.abs((noise.noisy.mean - whole @ read.mean) / sd).max() < 2e-4
-    assert np.abs((noise.noisy.covariance - covariance) / np.outer(sd, sd)).max() < 1e-3
+    assert np.abs((noise.measurement.mean - whole @ read.mean) / sd).max() < 2e-4
+    assert np.abs((noise.measurement.covariance - covariance) / np.outer(sd, sd)).max() < 1e-3
     assert noise.chroma_sd is None
     assert noise.delta_e is None
 
@@ -117,11 +134,12 @@ def test_where_electrons_are_many_the_law_is_normal_and_the_cubature_agrees(spac
         mean=matrix @ mean_e, covariance=variance, names=("X", "Y", "Z"), kind="XYZ", unit="lx"
     )
     noise = exact_noise(mean_e, matrix, ONES, read_noise_e=10.0, space=space)
-    cubature = through_space_sampled(xyz, space, ONES)
-    assert sd_error(cubature, noise.noisy) == pytest.approx(np.zeros(3), abs=1e-4)
-    assert noise.noisy.mean == pytest.approx(cubature.mean, abs=1e-3 * sd_of(noise).max())
+    seen = propagate(NoisyColor(xyz=xyz, white=ONES), space, cubature)
+    off = relative_sd_error(seen.measurement, noise.measurement)
+    assert off == pytest.approx(np.zeros(3), abs=1e-4)
+    mean = noise.measurement.mean
+    assert mean == pytest.approx(seen.measurement.mean, abs=1e-3 * sd_of(noise).max())
     if space is not SRGB:
-        seen = perceived_noise(xyz, ONES, space=space)
         assert noise.bias == pytest.approx(seen.bias, abs=1e-5 * sd_of(noise).max())
         assert noise.chroma_sd == pytest.approx(seen.chroma_sd, rel=1e-3)
         assert noise.chroma_bias == pytest.approx(seen.chroma_bias, rel=2e-2)
@@ -136,7 +154,7 @@ def test_the_order_of_channels_does_not_matter():
         )
         for o in ([0, 1, 2, 3], [2, 0, 3, 1])
     )
-    assert np.abs((one.noisy.mean - other.noisy.mean) / sd_of(one)).max() < 1e-3
+    assert np.abs((one.measurement.mean - other.measurement.mean) / sd_of(one)).max() < 1e-3
     assert sd_of(other) / sd_of(one) == pytest.approx(ONES, abs=2e-3)
     assert other.delta_e == pytest.approx(one.delta_e, rel=1e-3)
 
@@ -146,7 +164,9 @@ def test_a_few_colors_at_once_are_each_as_if_alone():
     both = exact_noise(rows, MATRIX, ONES, read_noise_e=3.0, points=2**8)
     for i, row in enumerate(rows):
         alone = exact_noise(row, MATRIX, ONES, read_noise_e=3.0, points=2**8)
-        assert both.noisy.covariance[i] == pytest.approx(alone.noisy.covariance, rel=1e-12)
+        assert both.measurement.covariance[i] == pytest.approx(
+            alone.measurement.covariance, rel=1e-12
+        )
         assert both.delta_e[i] == pytest.approx(float(alone.delta_e), rel=1e-12)
 
 
@@ -154,7 +174,7 @@ def test_the_own_error_tells_how_far_fewer_points_are_off():
     mean_e = np.array([4.0, 9.0, 6.0])
     few = exact_noise(mean_e, MATRIX, 0.1 * ONES, read_noise_e=2.0, points=2**8)
     many = exact_noise(mean_e, MATRIX, 0.1 * ONES, read_noise_e=2.0)
-    assert np.abs((few.noisy.mean - many.noisy.mean) / few.mean_error).max() < 5
+    assert np.abs((few.measurement.mean - many.measurement.mean) / few.mean_error).max() < 5
     assert np.abs((sd_of(few) - sd_of(many)) / few.sd_error).max() < 5
     assert (many.sd_error < 0.2 * few.sd_error).all()
     assert (many.sd_error < 1e-3 * sd_of(many)).all()
@@ -164,7 +184,7 @@ def test_the_own_error_tells_how_far_fewer_points_are_off():
 @pytest.mark.parametrize("read_noise_e", [0.0, 0.02, 0.3, 1.0, 10.0])
 @pytest.mark.parametrize("readout", [Readout(), Readout(black_e=0.0, full_well_e=9_950.0)])
 def test_the_law_of_what_is_read_has_its_moments(mean_e, read_noise_e, readout):
-    read = read_values(electrons_of_normal(NORMAL, mean_e, read_noise_e=read_noise_e), readout)
+    read = read_values(poisson_gaussian_ppf(NORMAL, mean_e, read_noise_e=read_noise_e), readout)
     known = read_moments(np.array([mean_e]), read_noise_e=read_noise_e, readout=readout)
     sd = np.sqrt(known.variance[0])
     assert read.mean() == pytest.approx(known.mean[0], abs=5e-5 * sd + 1e-9)
@@ -173,7 +193,7 @@ def test_the_law_of_what_is_read_has_its_moments(mean_e, read_noise_e, readout):
 
 @pytest.mark.parametrize(("mean_e", "read_noise_e"), [(6.0, 2.0), (400.0, 3.0), (1e5, 20.0)])
 def test_its_third_central_moment_is_that_of_poisson(mean_e, read_noise_e):
-    read = electrons_of_normal(NORMAL, mean_e, read_noise_e=read_noise_e)
+    read = poisson_gaussian_ppf(NORMAL, mean_e, read_noise_e=read_noise_e)
     third = ((read - mean_e) ** 3).mean() / (mean_e + read_noise_e**2) ** 1.5
     assert third == pytest.approx(mean_e / (mean_e + read_noise_e**2) ** 1.5, abs=2e-4)
 
@@ -181,35 +201,79 @@ def test_its_third_central_moment_is_that_of_poisson(mean_e, read_noise_e):
 @pytest.mark.parametrize("mean_e", [0.2, 3.0, 250.0, 20_000.0])
 def test_without_read_noise_it_is_the_quantile_of_poisson(mean_e):
     share = np.linspace(1e-6, 1 - 1e-6, 1999)
-    found = electrons_of_normal(stats.norm.ppf(share), mean_e, read_noise_e=0.0)
+    found = poisson_gaussian_ppf(stats.norm.ppf(share), mean_e, read_noise_e=0.0)
     assert np.array_equal(found, stats.poisson.ppf(share, mean_e))
 
 
 @given(st.floats(0, 1e3), st.floats(0, 50))
+@example(0.0, 2.225e-309)
 def test_what_is_read_rises_with_the_normal_variable(mean_e, read_noise_e):
-    read = electrons_of_normal(np.linspace(-6, 6, 401), mean_e, read_noise_e=read_noise_e)
+    read = poisson_gaussian_ppf(np.linspace(-6, 6, 401), mean_e, read_noise_e=read_noise_e)
     assert (np.diff(read) >= 0).all()
 
 
 def test_without_light_it_is_the_read_noise_itself():
     z = np.linspace(-5, 5, 101)
-    assert electrons_of_normal(z, 0.0, read_noise_e=7.0) == pytest.approx(7 * z, abs=1e-3)
+    assert poisson_gaussian_ppf(z, 0.0, read_noise_e=7.0) == pytest.approx(7 * z, abs=1e-3)
 
 
 @pytest.mark.parametrize(
-    ("change", "told"),
+    ("change", "fields"),
     [
-        ({"mean_e": np.array([1.0, -1.0, 1.0])}, "mean_e must be finite and >= 0"),
-        ({"points": 1000}, "power of 2"),
-        ({"points": 2**22}, "power of 2 from 2 to"),
-        ({"white": np.zeros(3)}, "white must be > 0"),
-        ({"read_noise_e": -1.0}, "read_noise_e"),
+        ({"mean_e": np.array([1.0, -1.0, 1.0])}, {"subject": "mean_e", "value": -1.0}),
+        ({"points": 1000}, {"subject": "points", "value": 1000}),
+        ({"points": 2**22}, {"subject": "points", "value": 2**22}),
+        ({"white": np.zeros(3)}, {"subject": "white", "value": [0.0, 0.0, 0.0]}),
+        ({"read_noise_e": -1.0}, {"subject": "read_noise_e", "value": -1.0}),
     ],
 )
-def test_what_cannot_be_averaged_is_refused(change, told):
+def test_what_cannot_be_averaged_is_refused(change, fields):
     asked = {"mean_e": ONES, "matrix": MATRIX, "white": ONES, "read_noise_e": 1.0} | change
-    with pytest.raises(InputError, match=told):
+    with refused_input(**fields):
         exact_noise(**asked)
+
+
+def test_the_exact_method_refuses_a_color_whose_electrons_are_not_known():
+    xyz = Measurement(mean=ONES, covariance=np.eye(3), names=("X", "Y", "Z"), kind="XYZ", unit="lx")
+    with refused_input(subject="source of the noisy color"):
+        propagate(NoisyColor(xyz=xyz, white=ONES), LAB, exact)
+
+
+@pytest.mark.parametrize("method", [first_order, cubature, exact])
+def test_the_bias_of_every_method_is_that_against_the_color_of_the_expected_electrons(method):
+    # always at full well: Y = 1/8 is read, where Y = 9/8 is expected; no noise is left
+    source = ElectronSource(
+        mean_e=np.array([90_000.0]), matrix=np.full((3, 1), 1e-4 / 8), read_noise_e=10.0,
+        readout=HELD,
+    )  # fmt: skip
+    noise = propagate(noisy_color(source, ONES), LAB, method)
+    lost = 116 * (1.125 ** (1 / 3) - 0.5)
+    assert noise.measurement.mean == pytest.approx([42.0, 0.0, 0.0], abs=1e-9)
+    assert noise.bias == pytest.approx([-lost, 0.0, 0.0], abs=1e-9)
+    assert noise.delta_e == pytest.approx(lost, abs=1e-9)
+    assert noise.chroma_sd == pytest.approx(0.0, abs=1e-9)
+
+
+@pytest.mark.parametrize("method", [first_order, cubature])
+def test_the_color_difference_of_clipped_values_is_that_of_the_moved_mean(method):
+    # half-normal at black, .39894 and .34085 of 1 e-: in the toe L* is 903.3 Y; as a normal of
+    # that mean and variance, E|x| = m (2 Phi(m/s) - 1) + 2 s phi(m/s)
+    source = ElectronSource(
+        mean_e=np.zeros(1), matrix=np.full((3, 1), 1e-6), read_noise_e=1.0,
+        readout=Readout(black_e=0.0),
+    )  # fmt: skip
+    m, s = 0.3989423, 0.3408451**0.5
+    length = m * (2 * stats.norm.cdf(m / s) - 1) + 2 * s * stats.norm.pdf(m / s)
+    noise = propagate(noisy_color(source, ONES), LAB, method)
+    assert noise.delta_e == pytest.approx(24389 / 27 * 1e-6 * length, rel=1e-2)
+
+
+@pytest.mark.parametrize("method", [first_order, cubature])
+def test_only_the_exact_method_reports_an_error_of_its_own(method):
+    source = ElectronSource(mean_e=ONES, matrix=MATRIX, read_noise_e=1.0)
+    noise = propagate(noisy_color(source, ONES), LAB, method)
+    assert noise.mean_error is None
+    assert noise.sd_error is None
 
 
 def test_in_the_dark_the_gray_of_a_sensor_says_that_its_noise_is_not_normal():
@@ -217,7 +281,7 @@ def test_in_the_dark_the_gray_of_a_sensor_says_that_its_noise_is_not_normal():
     told = []
     for level_lux in (100.0, 0.3):
         analysis = analyzed(flat_field(LAMP, level_lux=level_lux), sensor, Exposure(time_s=0.001))
-        told.append(grey_noise(analysis, LAB, readout=HELD))
+        told.append(gray_noise(analysis, LAB, readout=HELD))
     assert [noise.normal_holds for noise in told] == [True, False]
     assert [noise.first_order_holds for noise in told] == [True, False]
 
@@ -275,14 +339,14 @@ def deviations(sensor, level_lux, readout, draws, points):
     found = []
     drawn = drawn_moments(mean_e, read_noise_e, readout, ways, draws, seed=11)
     for (matrix, white, space), (shift, sd, shift_se, sd_se) in zip(ways, drawn, strict=True):
-        exact = exact_noise(
+        ours = exact_noise(
             mean_e, matrix, white, read_noise_e=read_noise_e, readout=readout, space=space,
             points=points,
         )  # fmt: skip
-        moves = sd > 1e-9 * (1 + np.abs(exact.still).max())
-        z_mean = (shift - exact.bias)[moves] / np.hypot(shift_se, exact.mean_error)[moves]
-        z_sd = (sd - sd_of(exact))[moves] / np.hypot(sd_se, exact.sd_error)[moves]
-        own = np.maximum(exact.mean_error / sd_of(exact), exact.sd_error / sd_of(exact))[moves]
+        moves = sd > 1e-9 * (1 + np.abs(ours.noiseless).max())
+        z_mean = (shift - ours.bias)[moves] / np.hypot(shift_se, ours.mean_error)[moves]
+        z_sd = (sd - sd_of(ours))[moves] / np.hypot(sd_se, ours.sd_error)[moves]
+        own = np.maximum(ours.mean_error / sd_of(ours), ours.sd_error / sd_of(ours))[moves]
         found.append(np.concatenate([z_mean, z_sd, own]).reshape(3, -1))
     return np.concatenate(found, axis=1)
 

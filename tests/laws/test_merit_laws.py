@@ -6,7 +6,6 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from chromanoise.color import kernel_matrix
-from chromanoise.errors import InputError
 from chromanoise.metrics.filters import (
     best_readout,
     figure_of_merit,
@@ -39,6 +38,7 @@ from chromanoise.metrics.visual_noise import (
     visual_noise_of_white,
 )
 from chromanoise.spectra import Grid, color_axes, equal_energy
+from outcomes import refused_input
 from strategies import EXPOSURE, GRID, bell_qe, mixes, pixel_with, sensor_of, sensors
 
 AXES = color_axes(GRID, "quanta") / color_axes(GRID, "quanta").max()
@@ -122,16 +122,22 @@ def test_merit_and_information_are_unchanged_when_channels_mix_with_their_covari
 
 
 @pytest.mark.parametrize(
-    ("filters", "light", "noise", "weight", "told"),
+    ("filters", "light", "noise", "weight", "fields"),
     [
-        (np.zeros((GRID.n, 1)), PRIOR, np.eye(1), np.eye(3), "zero at every wavelength"),
-        (RGB, -PRIOR, np.eye(3), np.eye(3), "no negative eigenvalue"),
-        (RGB, PRIOR, np.triu(np.ones((3, 3))), np.eye(3), "symmetric"),
-        (RGB, PRIOR, np.eye(3), np.zeros((3, 3)), "has no weight"),
+        (np.zeros((GRID.n, 1)), PRIOR, np.eye(1), np.eye(3), {"subject": "filter 0 (from 0)"}),
+        (RGB, -PRIOR, np.eye(3), np.eye(3), {"subject": "light_moment"}),
+        (
+            RGB,
+            PRIOR,
+            np.triu(np.ones((3, 3))),
+            np.eye(3),
+            {"subject": "noise_covariance", "value": 1.0},
+        ),
+        (RGB, PRIOR, np.eye(3), np.zeros((3, 3)), {"subject": "tr(W A^T K A)", "value": 0.0}),
     ],
 )
-def test_a_merit_without_meaning_is_refused(filters, light, noise, weight, told):
-    with pytest.raises(InputError, match=told):
+def test_a_merit_without_meaning_is_refused(filters, light, noise, weight, fields):
+    with refused_input(**fields):
         figure_of_merit(filters, AXES, light_moment=light, noise_covariance=noise, weight=weight)
 
 
@@ -158,8 +164,9 @@ def test_infrared_beyond_the_standards_patches_does_not_change_the_index():
         for values, grid in ((qe, wide), (qe[inside], short))
     ]
     assert indices[0] == pytest.approx(indices[1], abs=1e-9)
-    with pytest.raises(InputError, match="380-780"):
-        sensor_metamerism(sensor_of(np.full((3, 1), 0.5), grid=Grid.uniform(800, 820, 10)))
+    infrared = Grid.uniform(800, 820, 10)
+    with refused_input(subject="grid of toy", value=infrared):
+        sensor_metamerism(sensor_of(np.full((3, 1), 0.5), grid=infrared))
 
 
 # speed
@@ -202,15 +209,15 @@ def test_noise_speed_does_not_care_for_white_balance_gains(sensor, gain):
 def test_speed_asked_of_the_wrong_thing_is_refused():
     sensor = sensor_of(RGB)
     matrix = kernel_matrix(sensor, EXPOSURE)
-    with pytest.raises(InputError, match="unknown coordinate"):
+    with refused_input(subject="coordinate", value="L"):
         illuminance_for_snr(sensor, LAMP, EXPOSURE, matrix, coordinate="L")
-    with pytest.raises(InputError, match="same order"):
+    with refused_input(value={"sensor": ("c", "b", "a"), "matrix": ("a", "b", "c")}):
         illuminance_for_snr(sensor_of(RGB, names=("c", "b", "a")), LAMP, EXPOSURE, matrix)
-    with pytest.raises(InputError, match="snr must be finite and > 0"):
+    with refused_input(subject="snr", value=0.0):
         illuminance_for_snr(sensor, LAMP, EXPOSURE, matrix, snr=0.0)
-    with pytest.raises(InputError, match="gray a value > 0"):
+    with refused_input(subject="rgb_matrix"):
         noise_speed(sensor, LAMP, -np.eye(3))
-    with pytest.raises(InputError, match="add up to 1"):
+    with refused_input(subject="luminance_weights", value=3.0):
         NoiseSpeedModel(
             edition="x", luminance_weights=(1.0, 1.0, 1.0), red_weight=0.0, blue_weight=0.0
         )
@@ -249,11 +256,11 @@ def test_information_broadcasts_over_pixels_and_refuses_noise_free_channels():
     both = information_bits(RGB, light_covariance=PRIOR, noise_covariance=covariances)
     each = [information_bits(RGB, light_covariance=PRIOR, noise_covariance=d) for d in covariances]
     assert both == pytest.approx(np.array(each), rel=1e-12)
-    with pytest.raises(InputError, match="infinitely much"):
+    with refused_input(subject="noise_covariance", value=0.0):
         information_bits(RGB, light_covariance=PRIOR, noise_covariance=np.zeros((3, 3)))
-    with pytest.raises(InputError, match="no negative eigenvalue"):
+    with refused_input(subject="light_covariance"):
         information_bits(RGB, light_covariance=-PRIOR, noise_covariance=np.eye(3))
-    with pytest.raises(InputError, match="tonal range"):
+    with refused_input(subject="top_e", value=0.0):
         tonal_range_bits(np.array(0.0), read_noise_e=1.0)
 
 
@@ -340,9 +347,9 @@ def test_a_visual_noise_model_without_meaning_is_refused():
         fields = {name: getattr(ISO_15739_2017, name) for name in ISO_15739_2017.__slots__}
         return VisualNoiseModel(**(fields | changed))
 
-    with pytest.raises(InputError, match="K of luminance"):
+    with refused_input(subject=f"K of luminance of {ISO_15739_2017.edition}", value=0.0):
         model(luminance=(75.0, 0.2, 0.8, 0.0))
-    with pytest.raises(InputError, match="invertible"):
+    with refused_input(subject=f"opponent_from_xyz of {ISO_15739_2017.edition}", value=(3, 3)):
         model(opponent_from_xyz=((1.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 0.0, 1.0)))
-    with pytest.raises(InputError, match="pixels_per_degree"):
+    with refused_input(subject="pixels_per_degree", value=0.0):
         frequencies_cpd((4, 4), pixels_per_degree=0.0)

@@ -8,7 +8,7 @@ from hypothesis.extra.numpy import arrays
 
 from chromanoise.color import colored, kernel_matrix
 from chromanoise.exposure import Exposure, expected_electrons
-from chromanoise.metrics import bound_db, price_db, snr_db
+from chromanoise.metrics import color_snr_loss_db, optimal_linear_snr_db, snr_db
 from chromanoise.noise import raw_covariance, through, with_noise
 from chromanoise.scene import flat_field
 from chromanoise.spectra import METRICS, equal_energy
@@ -60,8 +60,8 @@ def test_no_linear_readout_beats_the_bound(mean, noise_e, data):
     weights = data.draw(arrays(float, (1, 4), elements=st.floats(-1.0, 1.0)))
     assume(np.abs(weights).max() > 1e-3)
     readout = through(raw, weights, names=("Y",), kind="readout", unit="e-")
-    assert float(snr_db(readout)["Y"]) <= float(bound_db(raw)) + 1e-9
-    assert float(price_db(raw, readout)) >= -1e-9
+    assert float(snr_db(readout)["Y"]) <= float(optimal_linear_snr_db(raw)) + 1e-9
+    assert float(color_snr_loss_db(raw, readout)) >= -1e-9
 
 
 @given(arrays(float, (4,), elements=electrons), st.floats(0.0, 50.0))
@@ -69,15 +69,15 @@ def test_the_readout_weighted_by_signal_over_noise_reaches_the_bound(mean, noise
     raw = raw_of(mean, raw_covariance(mean, read_noise_e=noise_e))
     best = (mean / (mean + noise_e**2))[None, :]
     readout = through(raw, best, names=("Y",), kind="readout", unit="e-")
-    assert float(snr_db(readout)["Y"]) == pytest.approx(float(bound_db(raw)), abs=1e-9)
-    assert float(price_db(raw, readout)) == pytest.approx(0.0, abs=1e-9)
+    assert float(snr_db(readout)["Y"]) == pytest.approx(float(optimal_linear_snr_db(raw)), abs=1e-9)
+    assert float(color_snr_loss_db(raw, readout)) == pytest.approx(0.0, abs=1e-9)
 
 
 @given(arrays(float, (3,), elements=electrons), st.floats(0.0, 50.0))
 def test_powers_of_the_channels_add_up_to_that_of_the_bound(mean, noise_e):
     raw = raw_of(mean, raw_covariance(mean, read_noise_e=noise_e))
     powers = [10 ** (float(db) / 10) for db in snr_db(raw).values()]
-    assert 10 ** (float(bound_db(raw)) / 10) == pytest.approx(sum(powers), rel=1e-9)
+    assert 10 ** (float(optimal_linear_snr_db(raw)) / 10) == pytest.approx(sum(powers), rel=1e-9)
 
 
 @given(arrays(float, (3,), elements=electrons), arrays(float, (3, 3), elements=st.floats(-1, 1)))
@@ -85,7 +85,9 @@ def test_the_bound_does_not_care_in_which_coordinates_it_is_asked(mean, mix):
     matrix = mix + 4 * np.eye(3)
     raw = raw_of(mean, raw_covariance(mean, read_noise_e=2.0))
     mixed = through(raw, matrix, names=raw.names, kind="raw", unit="e-")
-    assert float(bound_db(mixed)) == pytest.approx(float(bound_db(raw)), abs=1e-7)
+    assert float(optimal_linear_snr_db(mixed)) == pytest.approx(
+        float(optimal_linear_snr_db(raw)), abs=1e-7
+    )
 
 
 def test_correlated_noise_is_cancelled_by_the_bound():
@@ -93,12 +95,12 @@ def test_correlated_noise_is_cancelled_by_the_bound():
     # variance of 2, D^-1 of [[100, 99], [99, 100]] is [[100, -99], [-99, 100]] / 199;
     # mu = (3, 1): (900 + 100 - 594) / 199 = 2.0402
     raw = raw_of([3.0, 1.0], [[100.0, 99.0], [99.0, 100.0]])
-    assert 10 ** (float(bound_db(raw)) / 10) == pytest.approx(406 / 199, rel=1e-9)
+    assert 10 ** (float(optimal_linear_snr_db(raw)) / 10) == pytest.approx(406 / 199, rel=1e-9)
 
 
 def test_a_dark_and_silent_channel_adds_nothing_to_the_bound():
     raw = raw_of([100.0, 0.0], np.diag([100.0, 0.0]))
-    assert float(bound_db(raw)) == pytest.approx(20.0, abs=1e-9)
+    assert float(optimal_linear_snr_db(raw)) == pytest.approx(20.0, abs=1e-9)
 
 
 @given(sensors(min_channels=2), metrics, st.floats(1e-4, 1.0))
@@ -106,7 +108,10 @@ def test_the_price_of_color_is_never_negative(sensor, metric, time_s):
     exposure = Exposure(time_s=time_s)
     scene = flat_field(equal_energy(GRID), level_lux=10.0)
     raw = with_noise(expected_electrons(scene, sensor, exposure), sensor)
-    assert float(price_db(raw, colored(raw, kernel_matrix(sensor, exposure, metric)))) >= -1e-9
+    assert (
+        float(color_snr_loss_db(raw, colored(raw, kernel_matrix(sensor, exposure, metric))))
+        >= -1e-9
+    )
 
 
 @given(sensors(max_channels=1), metrics, st.floats(1e-4, 1.0))
@@ -119,7 +124,7 @@ def test_one_channel_keeps_its_snr_in_luminance_whatever_its_angle(sensor, metri
     wanted = float(snr_db(raw)["a"])
     for name in ("X", "Y", "Z"):
         assert float(snr_db(color)[name]) == pytest.approx(wanted, abs=1e-9)
-    assert float(price_db(raw, color)) == pytest.approx(0.0, abs=1e-9)
+    assert float(color_snr_loss_db(raw, color)) == pytest.approx(0.0, abs=1e-9)
 
 
 @given(sensors(min_channels=2), metrics)

@@ -8,12 +8,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from chromanoise.color import ColorMatrix, chart_training, colored, kernel_matrix, lmmse
-from chromanoise.errors import InputError
 from chromanoise.exposure import expected_electrons
 from chromanoise.metrics.speed import illuminance_for_snr, illuminance_for_snr_adapted
 from chromanoise.noise import with_noise
 from chromanoise.scene import flat_field
 from chromanoise.spectra import equal_energy
+from outcomes import refused_input
 from strategies import EXPOSURE, GRID, bell_qe, pixel_with, sensor_of, sensors, white_channel
 
 LAMP = equal_energy(GRID)
@@ -140,7 +140,7 @@ def test_a_sensor_that_sees_nothing_reaches_no_snr():
 
 
 @pytest.mark.parametrize(
-    ("asked", "told"),
+    ("asked", "subject"),
     [
         ({"snr": 0.0}, "snr"),
         ({"coordinate": "L"}, "coordinate"),
@@ -148,14 +148,14 @@ def test_a_sensor_that_sees_nothing_reaches_no_snr():
         ({"steps_per_decade": 0}, "steps_per_decade"),
     ],
 )
-def test_what_cannot_be_asked_of_a_speed_is_refused(asked, told):
+def test_what_cannot_be_asked_of_a_speed_is_refused(asked, subject):
     sensor = rgb_sensor(3.0)
-    with pytest.raises(InputError, match=told):
+    with refused_input(subject=subject):
         illuminance_for_snr_adapted(sensor, LAMP, EXPOSURE, lmmse_at(sensor), **asked)
 
 
 def test_a_matrix_of_other_channels_is_refused():
     sensor = rgb_sensor(3.0)
     swapped = kernel_matrix(replace(sensor, names=("c", "b", "a")), EXPOSURE)
-    with pytest.raises(InputError, match="same order"):
+    with refused_input(value={"sensor": ("a", "b", "c"), "matrix": ("c", "b", "a")}):
         illuminance_for_snr_adapted(sensor, LAMP, EXPOSURE, lambda lux: swapped)

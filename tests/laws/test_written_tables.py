@@ -513,6 +513,6 @@ def test_a_comparison_has_a_row_per_light_and_nothing_where_nothing_is_defined()
 
 
 def test_tables_of_nothing_or_of_two_sweeps_are_refused():
-    for maker in (analyses_as_table, curves_as_table):
-        with pytest.raises(InputError, match=r"needs at least one"):
+    for maker, subject in ((analyses_as_table, "analyses"), (curves_as_table, "curves")):
+        with refused_input(subject=subject):
             maker([])

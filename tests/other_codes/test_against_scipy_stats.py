@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from scipy import stats
 
 from chromanoise.geometry import ellipse_outline
-from chromanoise.metrics import bound_db
+from chromanoise.metrics import optimal_linear_snr_db
 from chromanoise.noise import monte_carlo, sample_electrons
 from chromanoise.rng import stream
 from strategies import pixel_with, raw_of
@@ -96,6 +96,6 @@ def test_the_bound_is_the_mahalanobis_distance_of_the_signal_from_darkness():
     mean = np.array([100.0, 40.0, 250.0])
     covariance = np.array([[110.0, 5.0, -3.0], [5.0, 60.0, 8.0], [-3.0, 8.0, 300.0]])
     distance = mahalanobis(mean, np.zeros(3), np.linalg.inv(covariance))
-    assert 10 ** (float(bound_db(raw_of(mean, covariance))) / 20) == pytest.approx(
+    assert 10 ** (float(optimal_linear_snr_db(raw_of(mean, covariance))) / 20) == pytest.approx(
         distance, rel=1e-9
     )

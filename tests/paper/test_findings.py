@@ -43,7 +43,7 @@ def test_the_verdict_tells_the_differences_of_tables_2_and_3(study, cells):
     sentence = verdict(study)
     assert f"{raw / 3:.1f} dB better in raw" in sentence
     assert f"{loss:.1f} dB worse in luminance" in sentence
-    assert f"loses {study.columns['RGBW_n 12 ms'].price_db:.1f} dB to color" in sentence
+    assert f"loses {study.columns['RGBW_n 12 ms'].color_snr_loss_db:.1f} dB to color" in sentence
 
 
 def paper_light(study, column):

@@ -52,8 +52,10 @@ def test_json_of_analyze_has_the_digits_of_the_library(run):
     assert code == 0
     assert [c["mean_e"] for c in told["channels"]] == ours.raw.mean.tolist()
     assert told["matrix"] == ours.matrix.matrix.tolist()
-    assert told["bound_db"] == ours.bound_db
-    assert told["price_db"] == pytest.approx(ours.bound_db - told["color"]["snr_db"]["Y"])
+    assert told["bound_db"] == ours.optimal_linear_snr_db
+    assert told["price_db"] == pytest.approx(
+        ours.optimal_linear_snr_db - told["color"]["snr_db"]["Y"]
+    )
 
 
 def test_json_of_analyze_holds_what_it_promises(run):

@@ -5,6 +5,13 @@ from typing import TYPE_CHECKING
 from chromanoise._lazy import lazy_names
 
 if TYPE_CHECKING:
+    from chromanoise.analysis.budgets import (
+        color_budgets,
+        contravariant_budgets,
+        coordinate_budget,
+        lab_budgets,
+        missing_lab_budgets,
+    )
     from chromanoise.analysis.color_matrices import (
         METHODS,
         MatrixMaker,
@@ -53,9 +60,11 @@ if TYPE_CHECKING:
         merits_as_json,
         merits_of,
     )
-    from chromanoise.analysis.gray_budget import (
-        lab_budgets,
-        missing_lab_budgets,
+    from chromanoise.analysis.operating_point import (
+        Stages,
+        electrons_at,
+        noisy_color_at,
+        stages_at,
     )
     from chromanoise.analysis.pareto import (
         matrix_as_json,
@@ -69,9 +78,9 @@ if TYPE_CHECKING:
         chart_noise,
     )
     from chromanoise.analysis.perceived import (
-        GreyNoise,
-        grey_noise,
-        grey_noise_as_json,
+        GrayNoise,
+        gray_noise,
+        gray_noise_as_json,
     )
     from chromanoise.analysis.priors import (
         DEFAULT_PRIOR,
@@ -81,10 +90,8 @@ if TYPE_CHECKING:
     from chromanoise.analysis.stages import (
         Analysis,
         analyzed,
-        color_budgets,
-        color_price_db,
         color_snr_db,
-        contravariant_budgets,
+        color_snr_loss_db,
         contravariant_snr_db,
         diagnosis,
         mean_color_error,
@@ -102,7 +109,7 @@ __all__ = [
     "Crossover",
     "CrossoverBand",
     "Curve",
-    "GreyNoise",
+    "GrayNoise",
     "Incomparable",
     "MatrixMaker",
     "Merit",
@@ -110,6 +117,7 @@ __all__ = [
     "Method",
     "Prior",
     "Quantity",
+    "Stages",
     "Sweep",
     "Viewing",
     "analyses_as_json",
@@ -120,19 +128,21 @@ __all__ = [
     "chart_as_json",
     "chart_noise",
     "color_budgets",
-    "color_price_db",
     "color_snr_db",
+    "color_snr_loss_db",
     "compared",
     "comparison_as_json",
     "contravariant_budgets",
     "contravariant_snr_db",
+    "coordinate_budget",
     "crossover_bands",
     "crossover_sentence",
     "crossovers",
     "crossovers_or_reasons",
     "diagnosis",
-    "grey_noise",
-    "grey_noise_as_json",
+    "electrons_at",
+    "gray_noise",
+    "gray_noise_as_json",
     "known_matrices",
     "lab_budgets",
     "matrix_as_json",
@@ -142,8 +152,10 @@ __all__ = [
     "merits_of",
     "missing_lab_budgets",
     "noise_weights",
+    "noisy_color_at",
     "pareto_of",
     "raw_snr_db",
+    "stages_at",
     "swept_values",
     "trained_names",
     "white_snr_db",

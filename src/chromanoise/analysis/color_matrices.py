@@ -152,7 +152,7 @@ def _maker(name: str, metric: Metric, prior: str) -> MatrixMaker:
     method = _method(name)
     if bool(given) != (method.parameter is not None):
         wanted = f"{word}=<{method.parameter}>" if method.parameter else word
-        raise InputError(f"a {word} matrix is asked for as {wanted}, but is {name!r}")
+        raise InputError("matrix", f"must be given as {wanted}", value=name)
     parameters = {}
     if method.parameter:
         what, value = f"{method.parameter} of a {word} matrix", _number(text, name)
@@ -169,7 +169,7 @@ def _number(text: str, name: str) -> float:
     try:
         return float(text)
     except ValueError:
-        raise InputError(f"matrix {name!r}: {text!r} is not a number") from None
+        raise InputError(f"matrix {name!r}", "must end in a number", value=text) from None
 
 
 def _made(

@@ -5,21 +5,20 @@ from dataclasses import asdict
 from typing import Any
 
 from chromanoise import __version__
+from chromanoise.analysis.budgets import color_budgets, contravariant_budgets, lab_budgets
 from chromanoise.analysis.comparison.crossing import Crossover, crossover_as_json
 from chromanoise.analysis.comparison.curves import Curve
 from chromanoise.analysis.defined import defined
-from chromanoise.analysis.gray_budget import lab_budgets
 from chromanoise.analysis.stages import (
     Analysis,
-    color_budgets,
-    color_price_db,
     color_snr_db,
-    contravariant_budgets,
+    color_snr_loss_db,
     contravariant_snr_db,
     diagnosis,
     mean_color_error,
     raw_snr_db,
 )
+from chromanoise.metrics import Budget
 
 
 def analyses_as_json(analyses: Sequence[Analysis]) -> dict[str, Any]:
@@ -67,7 +66,17 @@ def budgets_as_json(analysis: Analysis) -> dict[str, Any]:
         "contravariant_budget": contravariant_budgets(analysis),
         "lab_budget": lab_budgets(analysis),
     }
-    return {name: [asdict(b) if b else None for b in own] for name, own in budgets.items()}
+    return {name: [_budget(b) if b else None for b in own] for name, own in budgets.items()}
+
+
+def _budget(budget: Budget) -> dict[str, Any]:
+    return {
+        "coordinate": budget.coordinate,
+        "photons_db": budget.photons_db,
+        "costs": tuple(asdict(cost) for cost in budget.costs),
+        "bound_db": budget.optimal_linear_snr_db,
+        "snr_db": budget.snr_db,
+    }
 
 
 def _analysis(analysis: Analysis) -> dict[str, Any]:
@@ -84,8 +93,8 @@ def _analysis(analysis: Analysis) -> dict[str, Any]:
             "mean_lux": _named(axes, analysis.color.mean),
             "covariance_lux2": analysis.color.covariance.tolist(),
         },
-        "bound_db": defined(analysis.bound_db) if usable else None,
-        "price_db": color_price_db(analysis),
+        "bound_db": defined(analysis.optimal_linear_snr_db) if usable else None,
+        "price_db": color_snr_loss_db(analysis),
         "condition": defined(analysis.matrix.frame.condition),
         "rank": analysis.matrix.frame.rank,
         "nearest_mix": asdict(analysis.mix) if analysis.mix else None,

@@ -36,10 +36,14 @@ def noise_weights(first: float, last: float, *, points: int = 13) -> Float[Array
         _check.within("weight of the noise", "1", value, _LIGHTEST, _HEAVIEST)
     if not last > first:
         raise InputError(
-            f"weights of the noise must rise, but go from {first:g} to {last:g}; exchange them"
+            "weights of the noise",
+            "must rise",
+            value=(first, last),
+            found=f"go from {first:g} to {last:g}",
+            remedy="swap them",
         )
     if not 2 <= points <= 100_000:
-        raise InputError(f"a curve takes 2 to 100000 points, but {points} are asked for")
+        raise InputError("points", "must be 2 to 100000 for a curve", value=points)
     return np.geomspace(first, last, points)
 
 

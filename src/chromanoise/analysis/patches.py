@@ -1,6 +1,7 @@
 """A ColorChecker seen by one sensor: color error and noise of every patch, never one alone."""
 
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -9,22 +10,20 @@ from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._shapes import Bool, Float
 from chromanoise.analysis.defined import defined
+from chromanoise.analysis.operating_point import noisy_color_at, stages_at
 from chromanoise.analysis.stages import Analysis, color_snr_db
 from chromanoise.color import (
+    FIRST_ORDER_TOLERANCE,
     LAB,
     UNBOUNDED,
-    ExactNoise,
-    colored,
-    exact_noise,
-    scene_xyz,
-    sd_error,
-    through_space,
+    ColorNoise,
+    exact,
+    first_order,
+    propagate,
+    relative_sd_error,
 )
-from chromanoise.color.perceived import FIRST_ORDER_TOLERANCE
-from chromanoise.exposure import expected_electrons
 from chromanoise.metrics import chart_ciede2000, chart_color_error, signal_snr_db
-from chromanoise.noise import Readout, measured
-from chromanoise.scene import Scene
+from chromanoise.noise import Readout
 from chromanoise.spectra import colorchecker
 
 _POINTS = 2**13  # per patch: a standard deviation is known to half a thousandth
@@ -43,7 +42,7 @@ class ChartNoise:
     snr_y_db
         SNR of Y; NaN where Y is no signal. [dB]
     noise
-        In CIELAB, relative to the sensor's own white, from the electrons' own law.
+        In CIELAB, relative to the sensor's own white, from the exact Poisson-Gaussian distribution.
     first_order_holds
         Whether the first order misses no standard deviation by more than 5 %.
     """
@@ -52,7 +51,7 @@ class ChartNoise:
     color_error: Float[Array, "24"]
     ciede2000: Float[Array, "24"]
     snr_y_db: Float[Array, "24"]
-    noise: ExactNoise
+    noise: ColorNoise
     first_order_holds: Bool[Array, "24"]
 
     def __post_init__(self) -> None:
@@ -69,7 +68,7 @@ def chart_noise(analysis: Analysis, *, readout: Readout = UNBOUNDED) -> ChartNoi
     analysis
         Of a perfect white.
     readout
-        What holds and rounds the values; nothing by default.
+        What clips and rounds the values; nothing by default.
 
     Raises
     ------
@@ -78,32 +77,24 @@ def chart_noise(analysis: Analysis, *, readout: Readout = UNBOUNDED) -> ChartNoi
     """
     sensor, exposure, matrix = analysis.sensor, analysis.exposure, analysis.matrix
     lamp = analysis.scene.illuminant
-    white = matrix.matrix @ analysis.expected_e
     errors = chart_color_error(sensor, matrix, exposure, lamp)
     newer = chart_ciede2000(sensor, matrix, exposure, lamp)
     no_color = None in color_snr_db(analysis).values()
     if no_color or errors is None or newer is None:
         return None
     chart = colorchecker(sensor.grid)
-    scene = Scene(illuminant=lamp, level_lux=analysis.scene.level_lux, reflectance=chart.values.T)
-    electrons = expected_electrons(scene, sensor, exposure)
-    xyz = colored(measured(electrons, sensor, readout), matrix)
-    noise = exact_noise(
-        electrons,
-        matrix.matrix,
-        white,
-        read_noise_e=sensor.pixel.read_noise_e,
-        readout=readout,
-        points=_POINTS,
-    )
-    first_order = np.abs(sd_error(through_space(xyz, LAB, white), noise.noisy))
+    at = stages_at(analysis.point, matrix, reflectance=chart.values.T, readout=readout)
+    color = noisy_color_at(at, matrix.matrix @ analysis.expected_e)
+    noise = propagate(color, LAB, partial(exact, points=_POINTS))
+    rough = propagate(color, LAB, first_order)
+    error = np.abs(relative_sd_error(rough.measurement, noise.measurement))
     return ChartNoise(
         names=chart.names,
         color_error=errors,
         ciede2000=newer,
-        snr_y_db=signal_snr_db(xyz, scene_xyz(scene, matrix.metric))[:, 1],
+        snr_y_db=signal_snr_db(at.color, at.truth_xyz)[:, 1],
         noise=noise,
-        first_order_holds=(first_order <= FIRST_ORDER_TOLERANCE).all(axis=-1),
+        first_order_holds=(error <= FIRST_ORDER_TOLERANCE).all(axis=-1),
     )
 
 
@@ -111,7 +102,8 @@ def chart_as_json(chart: ChartNoise | None) -> list[dict[str, Any]] | None:
     """One entry per patch; what is not defined is ``None``."""
     if chart is None:
         return None
-    sd, noise = np.sqrt(chart.noise.noisy.variance), chart.noise
+    noise = chart.noise
+    sd = noise.sd
     assert noise.chroma_sd is not None  # CIELAB has both
     assert noise.delta_e is not None
     return [
@@ -120,7 +112,7 @@ def chart_as_json(chart: ChartNoise | None) -> list[dict[str, Any]] | None:
             "color_error": float(chart.color_error[i]),
             "ciede2000": float(chart.ciede2000[i]),
             "snr_y_db": defined(float(chart.snr_y_db[i])),
-            "sd": dict(zip(noise.noisy.names, sd[i].tolist(), strict=True)),
+            "sd": dict(zip(noise.measurement.names, sd[i].tolist(), strict=True)),
             "chroma_sd": float(noise.chroma_sd[i]),
             "noise_delta_e": float(noise.delta_e[i]),
             "first_order_holds": bool(chart.first_order_holds[i]),

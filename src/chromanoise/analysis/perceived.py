@@ -1,5 +1,6 @@
-"""What the eye makes of a sensor's noise on the mid-grey of the photographers."""
+"""Noise of a sensor on a mid-gray in a color space."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -7,39 +8,42 @@ import numpy as np
 
 from chromanoise import _check
 from chromanoise._check import Array
-from chromanoise._shapes import Float
+from chromanoise._shapes import (
+    Float,
+)
+from chromanoise.analysis.operating_point import (
+    noisy_color_at,
+    stages_at,
+)
 from chromanoise.analysis.stages import Analysis, color_snr_db
 from chromanoise.color import (
     FIRST_ORDER_TOLERANCE,
-    UNBOUNDED,
-    ExactNoise,
+    ColorNoise,
     Space,
-    colored,
-    exact_noise,
-    sd_error,
-    through_space,
-    through_space_sampled,
+    cubature,
+    exact,
+    first_order,
+    propagate,
+    relative_sd_error,
 )
-from chromanoise.exposure import expected_electrons
-from chromanoise.noise import Measurement, Readout, measured
-from chromanoise.scene import flat_field
+from chromanoise.noise import Readout
 
-GREY = 0.18
-"""Reflectance of the grey card."""
+GRAY = 0.18
+"""Reflectance of the gray card."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class GreyNoise:
-    """Noise of a grey by three routes.
+class GrayNoise:
+    """Noise of a gray by the three methods.
 
     Attributes
     ----------
     reflectance
-        Of the grey.
+        Of the gray.
     exact
-        From the electrons: the one to read.
+        From the exact Poisson-Gaussian distribution: the one to read.
     first_order, normal
-        Mean and covariance by J S J^T, and by cubature over X, Y and Z taken as normal.
+        By J S J^T, and by cubature over X, Y and Z taken as normal.
     first_order_error, normal_error
         Standard deviation of those two over the exact one, minus 1.
     first_order_holds, normal_holds
@@ -47,9 +51,9 @@ class GreyNoise:
     """
 
     reflectance: float
-    exact: ExactNoise
-    first_order: Measurement
-    normal: Measurement
+    exact: ColorNoise
+    first_order: ColorNoise
+    normal: ColorNoise
     first_order_error: Float[Array, " 3"]
     normal_error: Float[Array, " 3"]
     first_order_holds: bool
@@ -59,14 +63,14 @@ class GreyNoise:
         _check.freeze(self, "first_order_error", "normal_error")
 
 
-def grey_noise(
+def gray_noise(
     analysis: Analysis,
     space: Space,
     *,
-    reflectance: float = GREY,
+    reflectance: float = GRAY,
     readout: Readout | None = None,
-) -> GreyNoise | None:
-    """Noise of a grey under the analysis' light and exposure, relative to its perfect white.
+) -> GrayNoise | None:
+    """Noise of a gray under the analysis' light and exposure, relative to its perfect white.
 
     ``None`` where a channel is saturated on the white or the white is no color.
 
@@ -77,34 +81,24 @@ def grey_noise(
     space
         E.g. `chromanoise.color.LAB`.
     reflectance
-        Of the grey. [1]
+        Of the gray. [1]
     readout
-        What holds and rounds the values; ``None`` for none. The white stays that of the electrons.
+        What clips and rounds the values; ``None`` for none. The white stays that of the electrons.
     """
-    sensor, exposure, light = analysis.sensor, analysis.exposure, analysis.scene
-    white = analysis.matrix.matrix @ expected_electrons(light, sensor, exposure)
     if None in color_snr_db(analysis).values():
         return None
-    scene = flat_field(light.illuminant, level_lux=light.level_lux, reflectance=reflectance)
-    electrons = expected_electrons(scene, sensor, exposure)
-    held = readout or UNBOUNDED
-    xyz = colored(measured(electrons, sensor, held), analysis.matrix)
-    first_order = through_space(xyz, space, white)
-    normal = through_space_sampled(xyz, space, white)
-    exact = exact_noise(
-        electrons,
-        analysis.matrix.matrix,
-        white,
-        read_noise_e=sensor.pixel.read_noise_e,
-        readout=held,
-        space=space,
+    gray = stages_at(analysis.point, analysis.matrix, reflectance=reflectance, readout=readout)
+    color = noisy_color_at(gray, analysis.matrix.matrix @ analysis.expected_e)
+    trusted, rough, normal = (
+        propagate(color, space, method) for method in (exact, first_order, cubature)
     )
-    first_order_error = sd_error(first_order, exact.noisy)
-    normal_error = sd_error(normal, exact.noisy)
-    return GreyNoise(
+    first_order_error, normal_error = (
+        relative_sd_error(one.measurement, trusted.measurement) for one in (rough, normal)
+    )
+    return GrayNoise(
         reflectance=reflectance,
-        exact=exact,
-        first_order=first_order,
+        exact=trusted,
+        first_order=rough,
         normal=normal,
         first_order_error=first_order_error,
         normal_error=normal_error,
@@ -113,23 +107,24 @@ def grey_noise(
     )
 
 
-def grey_noise_as_json(noise: GreyNoise | None) -> dict[str, Any] | None:
+def gray_noise_as_json(noise: GrayNoise | None) -> dict[str, Any] | None:
     """Standard deviations and bias per coordinate, chroma, mean color difference."""
     if noise is None:
         return None
-    exact = noise.exact
-    names = exact.noisy.names
+    found = noise.exact
+    names = found.measurement.names
+    assert found.sd_error is not None  # the exact method reports one
     return {
-        "space": exact.space,
+        "space": found.measurement.kind,
         "reflectance": noise.reflectance,
-        "mean": _named(names, exact.noisy.mean),
-        "sd": _named(names, exact.noisy.variance**0.5),
-        "sd_own_error": _named(names, exact.sd_error),
-        "sd_first_order": _named(names, noise.first_order.variance**0.5),
-        "sd_normal_law": _named(names, noise.normal.variance**0.5),
-        "bias": _named(names, exact.bias),
-        "chroma_sd": None if exact.chroma_sd is None else float(exact.chroma_sd),
-        "delta_e_mean": None if exact.delta_e is None else float(exact.delta_e),
+        "mean": _named(names, found.measurement.mean),
+        "sd": _named(names, found.sd),
+        "sd_own_error": _named(names, found.sd_error),
+        "sd_first_order": _named(names, noise.first_order.sd),
+        "sd_normal_law": _named(names, noise.normal.sd),
+        "bias": _named(names, found.bias),
+        "chroma_sd": None if found.chroma_sd is None else float(found.chroma_sd),
+        "delta_e_mean": None if found.delta_e is None else float(found.delta_e),
         "first_order_holds": noise.first_order_holds,
         "normal_law_holds": noise.normal_holds,
     }
@@ -139,5 +134,5 @@ def _holds(error: Float[Array, " 3"]) -> bool:
     return bool((np.abs(error) <= FIRST_ORDER_TOLERANCE).all())
 
 
-def _named(names: tuple[str, ...], values: Any) -> dict[str, float]:
+def _named(names: tuple[str, ...], values: Iterable[float]) -> dict[str, float]:
     return {name: float(value) for name, value in zip(names, values, strict=True)}

@@ -9,31 +9,36 @@ import numpy as np
 
 from chromanoise import _check, _notebook
 from chromanoise._check import Array
-from chromanoise._shapes import Bool, Float
-from chromanoise.color import ColorMatrix, colored, kernel_matrix, scene_xyz
+from chromanoise._shapes import (
+    Bool,
+    Float,
+)
+from chromanoise.analysis.operating_point import (
+    stages_at,
+)
+from chromanoise.color import (
+    ColorMatrix,
+    kernel_matrix,
+)
 from chromanoise.errors import InputError
-from chromanoise.exposure import Exposure, expected_electrons
+from chromanoise.exposure import Exposure, Situation
 from chromanoise.geometry import (
     NearestMix,
     angles_between_deg,
     angles_to_axes_deg,
-    contravariant,
     nearest_mix,
     spectral_snr,
     variance_inflation,
 )
 from chromanoise.metrics import (
-    Budget,
-    bound_db,
     chart_color_error,
-    color_budget,
-    contravariant_budget,
-    price_db,
+    optimal_linear_snr_db,
     signal_snr_db,
     snr_db,
 )
+from chromanoise.metrics import color_snr_loss_db as snr_loss_db
 from chromanoise.metrics.snr import LEAST_COLOR
-from chromanoise.noise import Measurement, Readout, measured, read_moments, saturated, with_noise
+from chromanoise.noise import Measurement, Readout
 from chromanoise.scene import Scene
 from chromanoise.sensor import Sensor, left_out_of_closed_form
 from chromanoise.spectra import Metric, color_axes
@@ -73,7 +78,7 @@ class Analysis:
         The channel that is most nearly a mix of the others.
     spectral_snr_db
         SNR of the rebuilt spectrum (eq. 4). [dB]
-    bound_db, price_db
+    optimal_linear_snr_db, color_snr_loss_db
         Best SNR of any linear readout, and how far Y stays below it. [dB]
     """
 
@@ -94,8 +99,18 @@ class Analysis:
     to_axes_deg: Float[Array, "p 3"]
     mix: NearestMix | None
     spectral_snr_db: float
-    bound_db: float
-    price_db: float
+    optimal_linear_snr_db: float
+    color_snr_loss_db: float
+
+    @property
+    def point(self) -> Situation:
+        """Sensor, exposure, lamp and illuminance, without the patch."""
+        return Situation(
+            sensor=self.sensor,
+            exposure=self.exposure,
+            illuminant=self.scene.illuminant,
+            level_lux=self.scene.level_lux,
+        )
 
     def __post_init__(self) -> None:
         _check.freeze(self, "saturated", "expected_e", "truth_xyz", "black_share", "full_share")
@@ -146,33 +161,40 @@ def analyzed(
         for other channels.
     """
     if scene.reflectance.ndim != 1:
-        raise InputError(f"analyzed takes one point, got a scene of {scene.reflectance.shape}")
-    electrons = expected_electrons(scene, sensor, exposure)
-    raw = with_noise(electrons, sensor) if readout is None else measured(electrons, sensor, readout)
+        raise InputError(
+            "scene",
+            "must be one point",
+            value=scene.reflectance.shape,
+            found=f"has reflectances of shape {scene.reflectance.shape}",
+            remedy="analyze one at a time",
+        )
+    point = Situation(
+        sensor=sensor, exposure=exposure, illuminant=scene.illuminant, level_lux=scene.level_lux
+    )
     matrix = kernel_matrix(sensor, exposure, metric) if matrix is None else matrix
-    color = colored(raw, matrix)
-    frame = matrix.frame
-    black_share, full_share = _held(electrons, sensor, readout)
+    at = stages_at(point, matrix, reflectance=scene.reflectance, readout=readout)
+    raw, color, frame, clipping = at.raw, at.color, matrix.frame, at.clipping
+    none = np.zeros(at.expected_e.shape)
     return Analysis(
         scene=scene,
         sensor=sensor,
         exposure=exposure,
         raw=raw,
-        contravariant=contravariant(raw, frame),
+        contravariant=at.contravariant,
         color=color,
         matrix=matrix,
-        saturated=saturated(electrons, sensor.pixel),
-        expected_e=electrons,
-        truth_xyz=scene_xyz(scene, matrix.metric),
-        black_share=black_share,
-        full_share=full_share,
+        saturated=at.saturated,
+        expected_e=at.expected_e,
+        truth_xyz=at.truth_xyz,
+        black_share=clipping.black_share if clipping else none,
+        full_share=clipping.full_share if clipping else none,
         vif=variance_inflation(frame),
         between_deg=angles_between_deg(frame),
         to_axes_deg=angles_to_axes_deg(frame, color_axes(sensor.grid, matrix.metric)),
         mix=nearest_mix(frame),
         spectral_snr_db=float(decibel(spectral_snr(raw, frame))),
-        bound_db=float(bound_db(raw)),
-        price_db=float(price_db(raw, color)),
+        optimal_linear_snr_db=float(optimal_linear_snr_db(raw)),
+        color_snr_loss_db=float(snr_loss_db(raw, color)),
     )
 
 
@@ -189,43 +211,6 @@ def mean_color_error(analysis: Analysis) -> float | None:
         analysis.sensor, analysis.matrix, analysis.exposure, analysis.scene.illuminant
     )
     return None if error is None else float(error.mean())
-
-
-def _held(
-    electrons: Float[Array, " p"], sensor: Sensor, readout: Readout | None
-) -> tuple[Float[Array, " p"], Float[Array, " p"]]:
-    """Shares that are held at black and at full well."""
-    if readout is None:
-        return np.zeros(electrons.shape), np.zeros(electrons.shape)
-    moments = read_moments(electrons, read_noise_e=sensor.pixel.read_noise_e, readout=readout)
-    return moments.black_share, moments.full_share
-
-
-def color_budgets(analysis: Analysis) -> tuple[Budget | None, ...]:
-    """Where the SNR of X, Y and Z went; ``None`` while a channel is saturated or without SNR."""
-    if analysis.saturated.any():
-        return (None,) * len(analysis.color.names)
-    has_snr = color_snr_db(analysis)
-    return tuple(
-        color_budget(
-            analysis.scene, analysis.sensor, analysis.exposure, analysis.matrix, coordinate
-        )
-        if has_snr[coordinate] is not None
-        else None
-        for coordinate in analysis.color.names
-    )
-
-
-def contravariant_budgets(analysis: Analysis) -> tuple[Budget | None, ...]:
-    """Where the SNR of each contravariant coordinate went; ``None`` where it has none."""
-    names = analysis.sensor.names
-    if analysis.saturated.any():
-        return (None,) * len(names)
-    frame = analysis.matrix.frame
-    return tuple(
-        contravariant_budget(analysis.scene, analysis.sensor, analysis.exposure, frame, name)
-        for name in names
-    )
 
 
 def mix_sentence(mix: NearestMix) -> str:
@@ -272,9 +257,9 @@ def _color_snr_db(analysis: Analysis) -> Mapping[str, float | None]:
     return _told(named, dict.fromkeys(named, lost))
 
 
-def color_price_db(analysis: Analysis) -> float | None:
-    """How far Y stays below the bound; ``None`` where Y has no SNR. [dB]"""
-    return None if color_snr_db(analysis)["Y"] is None else analysis.price_db
+def color_snr_loss_db(analysis: Analysis) -> float | None:
+    """How far Y stays below the best linear readout; ``None`` where Y has no SNR. [dB]"""
+    return None if color_snr_db(analysis)["Y"] is None else analysis.color_snr_loss_db
 
 
 def diagnosis(analysis: Analysis) -> tuple[str, ...]:

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from chromanoise import _check
 from chromanoise.analysis.comparison.curves import Curve
 from chromanoise.analysis.defined import defined
-from chromanoise.analysis.stages import Analysis, color_price_db, color_snr_db, mean_color_error
+from chromanoise.analysis.stages import Analysis, color_snr_db, color_snr_loss_db, mean_color_error
 from chromanoise.color import ColorMatrix
 from chromanoise.errors import InputError
 from chromanoise.io.table import Column, Entry, Table, written
@@ -22,7 +22,7 @@ def analyses_as_table(analyses: Sequence[Analysis]) -> Table:
         If there are none, or they have not the same color coordinates.
     """
     if not analyses:
-        raise InputError("a table of analyses needs at least one")
+        raise InputError("analyses", "must hold at least one for a table", value=())
     axes = analyses[0].color.names
     for analysis in analyses:
         _check.same_names("a table of analyses", first=axes, other=analysis.color.names)
@@ -77,12 +77,15 @@ def curves_as_table(curves: Sequence[Curve]) -> Table:
         If there are none, or they are not of one sweep.
     """
     if not curves:
-        raise InputError("a table of curves needs at least one")
+        raise InputError("curves", "must hold at least one for a table", value=())
     first = curves[0]
     for curve in curves:
         if curve.at.tolist() != first.at.tolist() or curve.sweep.name != first.sweep.name:
             raise InputError(
-                f"a table of curves needs one sweep, but {curve.sensor} differs from {first.sensor}"
+                "curves",
+                "must be of one sweep for a table",
+                value=(first.sensor, curve.sensor),
+                found=f"{curve.sensor} differs from {first.sensor}",
             )
     columns = [Column(name=first.sweep.what, unit=first.sweep.unit, digits=".4g")]
     for curve in curves:
@@ -111,8 +114,8 @@ def _analysis_row(analysis: Analysis) -> tuple[Entry, ...]:
         analysis.sensor.name,
         1e3 * analysis.exposure.time_s,
         *(snr[axis] for axis in analysis.color.names),
-        defined(analysis.bound_db) if usable else None,
-        color_price_db(analysis),
+        defined(analysis.optimal_linear_snr_db) if usable else None,
+        color_snr_loss_db(analysis),
         defined(analysis.matrix.frame.condition),
         mean_color_error(analysis),
     )

@@ -1,17 +1,15 @@
 """From all photons down to one coordinate, step by step."""
 
-from functools import lru_cache
 from typing import Any
 
 from chromanoise import _check
-from chromanoise.analysis.perceived import GREY
+from chromanoise.analysis.budgets import coordinate_budget
 from chromanoise.analysis.stages import Analysis, color_snr_db
 from chromanoise.charts.shown import Look, Shown, saturation_sentence
 from chromanoise.color import LAB
 from chromanoise.exposure import expected_electrons
-from chromanoise.metrics import Budget, color_budget, contravariant_budget, lab_budget
+from chromanoise.metrics import Budget
 from chromanoise.metrics.budget_chain import without_infrared
-from chromanoise.scene import flat_field
 
 
 def drawn_budget(shown: Shown, look: Look) -> dict[str, Any]:
@@ -39,38 +37,12 @@ def drawn_budget(shown: Shown, look: Look) -> dict[str, Any]:
     }
 
 
-@lru_cache(maxsize=64)  # the verdict asks for what the waterfall draws
-def coordinate_budget(analysis: Analysis, coordinate: str) -> Budget | None:
-    """The budget of X, Y, Z, a contravariant coordinate as M^R, or L*, a*, b* of a gray.
-
-    ``None`` while a channel is saturated, and where the coordinate has none: the same digits as
-    `color_budgets`, `contravariant_budgets` and `lab_budgets`.
-    """
-    if analysis.saturated.any():
-        return None
-    light, sensor, exposure = analysis.scene, analysis.sensor, analysis.exposure
-    snr = color_snr_db(analysis)
-    if coordinate in snr:
-        if snr[coordinate] is None:
-            return None
-        return color_budget(light, sensor, exposure, analysis.matrix, coordinate)
-    if coordinate in LAB.coordinates:
-        if None in snr.values():
-            return None
-        gray = flat_field(light.illuminant, level_lux=light.level_lux, reflectance=GREY)
-        return lab_budget(gray, sensor, exposure, analysis.matrix, coordinate)
-    channel = coordinate.removeprefix("M^")
-    if channel not in sensor.names:
-        return None
-    return contravariant_budget(light, sensor, exposure, analysis.matrix.frame, channel)
-
-
 def _sensor(analysis: Analysis, coordinate: str) -> dict[str, Any]:
     budget = coordinate_budget(analysis, coordinate)
     return {
         "name": analysis.sensor.name,
         "why_not": None if budget else _why_not(analysis, coordinate),
-        "bound_db": budget.bound_db if budget else None,
+        "bound_db": budget.optimal_linear_snr_db if budget else None,
         "steps": _steps(budget) if budget else [],
     }
 

@@ -30,6 +30,7 @@ def _sensor(analysis: Analysis, seen: Patches | None) -> dict[str, Any]:
         return {"name": name, **told, "why_not": why_no_patches(analysis)}
     colors = hex_colors(seen.xyz.mean, seen.white)
     noise = seen.noise.delta_e
+    assert noise is not None  # CIELAB has one
     return {
         "name": name,
         "mean_delta_e": float(seen.color_error.mean()),

@@ -8,9 +8,15 @@ from chromanoise._check import Array
 from chromanoise._linalg import eigvalsh
 from chromanoise._shapes import Float
 from chromanoise.analysis.stages import Analysis
-from chromanoise.charts.patches import Patches, hex_colors, patches_of, why_no_patches
+from chromanoise.charts.patches import (
+    Patches,
+    hex_colors,
+    patches_of,
+    quick_cubature,
+    why_no_patches,
+)
 from chromanoise.charts.shown import Look, Shown
-from chromanoise.color import XYY, cielab, gaussian_cubature, through_space_sampled, xyy
+from chromanoise.color import XYY, NoisyColor, cielab, propagate, xyy
 from chromanoise.geometry import ellipse_outline
 from chromanoise.noise import Measurement, through
 
@@ -47,11 +53,11 @@ def in_plane(
         ``ab`` of CIELAB (CIE 15:2018), or ``xy`` of the CIE 1931 chromaticities.
     """
     if plane == "ab":
-        noise = seen.noise.second_route
+        noise = seen.noise.measurement
         truth = cielab(seen.truth, seen.true_white)[:, 1:]
         return truth, noise.mean[:, 1:], noise.covariance[:, 1:, 1:]
-    rule = gaussian_cubature(radii=6, latitudes=4, longitudes=8)
-    noise = through_space_sampled(_balanced(seen), XYY, seen.true_white, rule=rule)
+    color = NoisyColor(xyz=_balanced(seen), white=seen.true_white)
+    noise = propagate(color, XYY, quick_cubature).measurement
     truth = xyy(seen.truth, seen.true_white)[:, :2]
     return truth, noise.mean[:, :2], noise.covariance[:, :2, :2]
 

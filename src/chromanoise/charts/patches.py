@@ -7,23 +7,29 @@ import numpy as np
 
 from chromanoise import _check
 from chromanoise._check import Array
-from chromanoise._shapes import Float
+from chromanoise._shapes import (
+    Float,
+)
+from chromanoise.analysis.operating_point import (
+    noisy_color_at,
+    stages_at,
+)
 from chromanoise.analysis.stages import Analysis, color_snr_db
 from chromanoise.charts.shown import saturation_sentence
 from chromanoise.color import (
     LAB,
-    PerceivedNoise,
+    ColorNoise,
+    NoisyColor,
+    Space,
+    SpaceMoments,
     adapted_to_d65,
-    colored,
+    cubature,
     gaussian_cubature,
-    perceived_noise,
-    scene_xyz,
+    propagate,
     srgb_from_xyz,
 )
-from chromanoise.exposure import expected_electrons
 from chromanoise.metrics import chart_color_error
-from chromanoise.noise import Measurement, with_noise
-from chromanoise.scene import Scene
+from chromanoise.noise import Measurement
 from chromanoise.spectra import colorchecker
 
 
@@ -51,10 +57,15 @@ class Patches:
     xyz: Measurement
     white: Float[Array, " 3"]
     color_error: Float[Array, "24"]
-    noise: PerceivedNoise
+    noise: ColorNoise
 
     def __post_init__(self) -> None:
         _check.freeze(self, "truth", "true_white", "white", "color_error")
+
+
+def quick_cubature(color: NoisyColor, space: Space) -> SpaceMoments:
+    """The cubature with 384 points, which err by less than 3e-3 of a standard deviation."""
+    return cubature(color, space, rule=gaussian_cubature(radii=6, latitudes=4, longitudes=8))
 
 
 @lru_cache(maxsize=8)
@@ -62,7 +73,7 @@ def patches_of(analysis: Analysis) -> Patches | None:
     """The chart of an analysis, made once for all that draw it; ``None`` where white is no color.
 
     The noise is averaged over the whole Gaussian by 384 points per patch, which err by less than
-    3e-3 of a standard deviation; the electrons' own law (`chromanoise.analysis.chart_noise`) takes
+    3e-3 of a standard deviation; the exact distribution (`chromanoise.analysis.chart_noise`) takes
     seconds, and parts from it where a patch has some ten electrons.
     """
     sensor, exposure, matrix = analysis.sensor, analysis.exposure, analysis.matrix
@@ -71,18 +82,16 @@ def patches_of(analysis: Analysis) -> Patches | None:
     if errors is None or None in color_snr_db(analysis).values():
         return None
     chart = colorchecker(sensor.grid)
-    scene = Scene(illuminant=lamp, level_lux=analysis.scene.level_lux, reflectance=chart.values.T)
-    raw = with_noise(expected_electrons(scene, sensor, exposure), sensor)
-    xyz, white = colored(raw, matrix), matrix.matrix @ analysis.expected_e
-    rule = gaussian_cubature(radii=6, latitudes=4, longitudes=8)
+    at = stages_at(analysis.point, matrix, reflectance=chart.values.T)
+    color = noisy_color_at(at, matrix.matrix @ analysis.expected_e)
     return Patches(
         names=chart.names,
-        truth=scene_xyz(scene, matrix.metric),
+        truth=at.truth_xyz,
         true_white=analysis.truth_xyz,
-        xyz=xyz,
-        white=white,
+        xyz=color.xyz,
+        white=color.white,
         color_error=errors,
-        noise=perceived_noise(xyz, white, space=LAB, rule=rule),
+        noise=propagate(color, LAB, quick_cubature),
     )
 
 

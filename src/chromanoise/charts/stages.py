@@ -2,28 +2,25 @@
 
 from typing import Any
 
-import numpy as np
-
 from chromanoise.analysis.defined import defined
-from chromanoise.analysis.perceived import GREY
+from chromanoise.analysis.operating_point import noisy_color_at, stages_at
+from chromanoise.analysis.perceived import GRAY
 from chromanoise.analysis.stages import (
     Analysis,
-    color_price_db,
     color_snr_db,
+    color_snr_loss_db,
     contravariant_snr_db,
     raw_snr_db,
 )
+from chromanoise.charts.patches import quick_cubature
 from chromanoise.charts.shown import Look, Shown, saturation_sentence
-from chromanoise.color import LAB, colored, gaussian_cubature, through_space_sampled
-from chromanoise.exposure import expected_electrons
-from chromanoise.noise import with_noise
-from chromanoise.scene import flat_field
+from chromanoise.color import LAB, propagate
 
 
 def drawn_stages(shown: Shown, look: Look) -> dict[str, Any]:
     """Each kind of SNR of a perfect white, and standard deviations of an 18 % gray's L*, a*, b*."""
     return {
-        "gray": GREY,
+        "gray": GRAY,
         "sensors": [
             {
                 "name": analysis.sensor.name,
@@ -32,8 +29,8 @@ def drawn_stages(shown: Shown, look: Look) -> dict[str, Any]:
                 "spectral_db": _where_usable(analysis, analysis.spectral_snr_db),
                 "color": color_snr_db(analysis),
                 "lab_sd": _gray_sd(analysis),
-                "bound_db": _where_usable(analysis, analysis.bound_db),
-                "price_db": color_price_db(analysis),
+                "bound_db": _where_usable(analysis, analysis.optimal_linear_snr_db),
+                "price_db": color_snr_loss_db(analysis),
                 "why_not": saturation_sentence(analysis),
             }
             for analysis in shown.analyses
@@ -48,10 +45,7 @@ def _where_usable(analysis: Analysis, value: float) -> float | None:
 def _gray_sd(analysis: Analysis) -> dict[str, float | None]:
     if None in color_snr_db(analysis).values():
         return dict.fromkeys(LAB.coordinates)
-    light, sensor, exposure = analysis.scene, analysis.sensor, analysis.exposure
-    gray = flat_field(light.illuminant, level_lux=light.level_lux, reflectance=GREY)
-    raw = with_noise(expected_electrons(gray, sensor, exposure), sensor)
+    gray = stages_at(analysis.point, analysis.matrix, reflectance=GRAY)
     white = analysis.matrix.matrix @ analysis.expected_e
-    rule = gaussian_cubature(radii=6, latitudes=4, longitudes=8)  # errs by .3 %, and is quick
-    lab = through_space_sampled(colored(raw, analysis.matrix), LAB, white, rule=rule)
-    return dict(zip(lab.names, np.sqrt(lab.variance).tolist(), strict=True))
+    lab = propagate(noisy_color_at(gray, white), LAB, quick_cubature)
+    return dict(zip(lab.measurement.names, lab.sd.tolist(), strict=True))

@@ -5,8 +5,8 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from chromanoise import _check
+from chromanoise.analysis.budgets import coordinate_budget
 from chromanoise.analysis.stages import Analysis, color_snr_db, mean_color_error, raw_snr_db
-from chromanoise.charts.budget import coordinate_budget
 from chromanoise.charts.levels import level_in_words
 from chromanoise.charts.shown import saturation_sentence
 from chromanoise.metrics import Budget
@@ -80,8 +80,8 @@ def _left_out(analysis: Analysis) -> str | None:
 def _alone(analysis: Analysis) -> str:
     return (
         f"{_setting(analysis)} {analysis.sensor.name} has {_luminance_db(analysis):.1f} dB of "
-        f"luminance SNR, {_told(analysis.price_db)} dB below what its raw channels hold together"
-        f"{_largest(analysis)}; {_error(analysis)}."
+        f"luminance SNR, {_told(analysis.color_snr_loss_db)} dB below what its raw channels hold "
+        f"together{_largest(analysis)}; {_error(analysis)}."
     )
 
 
@@ -156,12 +156,12 @@ def _costs(budget: Budget | None) -> dict[str, float]:
 
 def _largest(analysis: Analysis) -> str:
     """What takes most of what the raw channels hold together; read noise is in that already."""
-    costs, price_db = _costs(coordinate_budget(analysis, "Y")), analysis.price_db
+    costs, whole_db = _costs(coordinate_budget(analysis, "Y")), analysis.color_snr_loss_db
     found = [(costs[cause], cause) for cause in _BELOW_THE_BOUND if cause in costs]
-    if not found or min(price_db, max(found)[0]) < _WORTH_DB:
+    if not found or min(whole_db, max(found)[0]) < _WORTH_DB:
         return ""
     loss_db, cause = max(found)
-    how = "most of it" if price_db / 2 < loss_db <= price_db + _TIE_DB else "above all"
+    how = "most of it" if whole_db / 2 < loss_db <= whole_db + _TIE_DB else "above all"
     return f", {how} for {_WHY[cause]} ({loss_db:.1f} dB)"
 
 
@@ -184,7 +184,9 @@ def _shared(able: Sequence[Analysis]) -> list[str]:
 
 def _raw_db(analysis: Analysis, able: Sequence[Analysis]) -> float:
     shared, snr = _shared(able), raw_snr_db(analysis)
-    return float(np.mean([snr[name] for name in shared])) if shared else analysis.bound_db
+    return (
+        float(np.mean([snr[name] for name in shared])) if shared else analysis.optimal_linear_snr_db
+    )
 
 
 def _measure(able: Sequence[Analysis]) -> str:

@@ -9,9 +9,9 @@ from rich.table import Table
 from chromanoise.analysis import (
     Analysis,
     ChartNoise,
-    GreyNoise,
-    color_price_db,
+    GrayNoise,
     color_snr_db,
+    color_snr_loss_db,
     contravariant_snr_db,
     diagnosis,
     lab_budgets,
@@ -22,7 +22,7 @@ from chromanoise.analysis import (
 from chromanoise.analysis.comparison.bands import CrossoverBand, band_sentence
 from chromanoise.analysis.comparison.crossing import Crossover, crossover_sentence
 from chromanoise.analysis.comparison.curves import Curve
-from chromanoise.analysis.perceived import GREY
+from chromanoise.analysis.perceived import GRAY
 from chromanoise.catalog.sensors import RECONSTRUCTION
 from chromanoise.color import ColorMatrix
 from chromanoise.metrics import Budget, MatrixReport
@@ -152,7 +152,7 @@ def _curve_cell(curve: Curve, i: int) -> str:
     return f"{_number(curve.value[i])} | {_number(curve.color_error[i], 1)}"
 
 
-def print_grey_noise(analyses: Sequence[Analysis], noises: Sequence[GreyNoise | None]) -> None:
+def print_grey_noise(analyses: Sequence[Analysis], noises: Sequence[GrayNoise | None]) -> None:
     """Noise of an 18 % grey in a color space, from the electrons; where simpler routes fail."""
     console = _console()
     known = [noise for noise in noises if noise]
@@ -161,10 +161,10 @@ def print_grey_noise(analyses: Sequence[Analysis], noises: Sequence[GreyNoise | 
             name = analysis.sensor.name
             console.print(f"{name} has no grey noise: a channel is saturated, or white is no color")
         return
-    space = known[0].exact.space
+    space = known[0].exact.measurement.kind
     table = Table(title=f"Noise of an 18 % grey in {space}", title_justify="left")
     table.add_column("sensor")
-    names = known[0].exact.noisy.names if known else ()
+    names = known[0].exact.measurement.names if known else ()
     routes = ("first order", "normal law")
     for head in (*(f"sd {name}" for name in names), "sd C*", "mean Delta E", "bias", *routes):
         table.add_column(head, justify="right")
@@ -173,7 +173,7 @@ def print_grey_noise(analyses: Sequence[Analysis], noises: Sequence[GreyNoise | 
             table.add_row(analysis.sensor.name, "saturated, or no color")
             continue
         exact = noise.exact
-        sd = np.sqrt(exact.noisy.variance)
+        sd = exact.sd
         table.add_row(
             analysis.sensor.name,
             *(f"{value:.3g}" for value in sd),
@@ -200,7 +200,7 @@ def print_chart(analysis: Analysis, chart: ChartNoise | None) -> None:
     heads = ("error Delta E*ab", "CIEDE2000", "Y dB", "sd L*", "sd a*", "sd b*", "noise Delta E*ab")
     for head in ("patch", *heads):
         table.add_column(head, justify="left" if head == "patch" else "right")
-    sd = np.sqrt(chart.noise.noisy.variance)
+    sd = chart.noise.sd
     assert chart.noise.delta_e is not None  # CIELAB has one
     for i, patch in enumerate(chart.names):
         numbers = (chart.color_error[i], chart.ciede2000[i], chart.snr_y_db[i], *sd[i])
@@ -214,7 +214,7 @@ def print_chart(analysis: Analysis, chart: ChartNoise | None) -> None:
     if failing:
         console.print(
             f"{name}: the first order is off by more than 5 % on {failing} patches; the "
-            "figures above come from the electrons' own law.",
+            "figures above come from the exact Poisson-Gaussian distribution.",
             soft_wrap=True,
         )
 
@@ -267,7 +267,7 @@ def print_lab_budgets(analysis: Analysis) -> None:
     budgets = lab_budgets(analysis)
     told = [budget for budget in budgets if budget]
     if told:
-        of = f"one unit on a gray of {100 * GREY:.0f} %, {analysis.sensor.name}"
+        of = f"one unit on a gray of {100 * GRAY:.0f} %, {analysis.sensor.name}"
         console.print(_budget_table(told, f"Budget of {of} [dB]"))
     missing = missing_lab_budgets(analysis, budgets)
     if missing:
@@ -313,8 +313,8 @@ def _add_color(table: Table, analysis: Analysis) -> None:
         f"{1e3 * analysis.exposure.time_s:.4g}",
         "saturated" if lost else _number(analysis.spectral_snr_db),
         *(_number(snr[axis]) for axis in analysis.color.names),
-        "-" if lost else _number(analysis.bound_db),
-        _number(color_price_db(analysis)),
+        "-" if lost else _number(analysis.optimal_linear_snr_db),
+        _number(color_snr_loss_db(analysis)),
         f"{analysis.matrix.frame.condition:.3g}",
         _number(mean_color_error(analysis), digits=1),
     )

@@ -1,9 +1,21 @@
 """From electrons to color: matrices (eq. 6), XYZ with covariance (eq. 5), spaces, sRGB."""
 
 from chromanoise.color.chromaticity import XYY, xyy
-from chromanoise.color.cubature import Cubature, gaussian_cubature, gaussian_expectation
-from chromanoise.color.differences import balanced_cielab, cie1976_difference
-from chromanoise.color.exact import UNBOUNDED, ExactNoise, exact_noise
+from chromanoise.color.cubature import (
+    Cubature,
+    cubature,
+    gaussian_cubature,
+    gaussian_expectation,
+    mean_ciede2000,
+)
+from chromanoise.color.differences import (
+    balanced_cielab,
+    cie1976_difference,
+)
+from chromanoise.color.exact import exact
+from chromanoise.color.first_order import (
+    first_order,
+)
 from chromanoise.color.fitted import (
     ParetoCurve,
     kernel,
@@ -18,17 +30,16 @@ from chromanoise.color.fitted import (
 )
 from chromanoise.color.matrices import ColorMatrix, colored, kernel_matrix, scene_xyz
 from chromanoise.color.noise_gain import bounded_psi, noise_gain, white_normalized
-from chromanoise.color.perceived import (
-    FIRST_ORDER_TOLERANCE,
-    PerceivedNoise,
-    first_order_error,
-    mean_ciede2000,
-    perceived_noise,
-    sd_error,
-    through_space,
-    through_space_sampled,
-)
+from chromanoise.color.noisy_color import UNBOUNDED, ElectronSource, NoisyColor, noisy_color
 from chromanoise.color.picture import adapted_to_d65, srgb_from_linear, srgb_from_xyz
+from chromanoise.color.propagation import (
+    FIRST_ORDER_TOLERANCE,
+    ColorNoise,
+    Method,
+    SpaceMoments,
+    propagate,
+    relative_sd_error,
+)
 from chromanoise.color.root_polynomial import (
     RootPolynomial,
     root_first_order_error,
@@ -70,12 +81,15 @@ __all__ = [
     "UNBOUNDED",
     "XYY",
     "ColorMatrix",
+    "ColorNoise",
     "Cubature",
-    "ExactNoise",
+    "ElectronSource",
+    "Method",
+    "NoisyColor",
     "ParetoCurve",
-    "PerceivedNoise",
     "RootPolynomial",
     "Space",
+    "SpaceMoments",
     "Training",
     "TrainingResponse",
     "adapted_to_d65",
@@ -86,9 +100,10 @@ __all__ = [
     "cielab",
     "cieluv",
     "colored",
+    "cubature",
     "encoded_srgb",
-    "exact_noise",
-    "first_order_error",
+    "exact",
+    "first_order",
     "gaussian_cubature",
     "gaussian_expectation",
     "kernel",
@@ -102,8 +117,10 @@ __all__ = [
     "nir_diverse",
     "noise_gain",
     "noise_regularized",
+    "noisy_color",
     "pareto",
-    "perceived_noise",
+    "propagate",
+    "relative_sd_error",
     "ridge",
     "root_first_order_error",
     "root_jacobian",
@@ -112,12 +129,9 @@ __all__ = [
     "root_polynomial_color",
     "root_polynomial_color_exact",
     "scene_xyz",
-    "sd_error",
     "smooth_training",
     "srgb_from_linear",
     "srgb_from_xyz",
-    "through_space",
-    "through_space_sampled",
     "training_color_error",
     "training_response",
     "white_normalized",

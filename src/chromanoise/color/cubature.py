@@ -1,4 +1,8 @@
-"""Averages over three jointly normal variables, by fixed points instead of draws."""
+"""Averages over three jointly normal variables, by fixed points instead of draws.
+
+`cubature` averages the coordinates of a color space over the whole Gaussian of X, Y, Z, so it also
+finds the bias, which `first_order` cannot.
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -8,8 +12,26 @@ import numpy as np
 
 from chromanoise import _check
 from chromanoise._check import Array
-from chromanoise._linalg import eigh
-from chromanoise._shapes import Float
+from chromanoise._colour import (
+    colour_science,
+)
+from chromanoise._linalg import (
+    eigh,
+    svd,
+)
+from chromanoise._shapes import (
+    Float,
+)
+from chromanoise.color.noisy_color import (
+    NoisyColor,
+)
+from chromanoise.color.propagation import (
+    SpaceMoments,
+)
+from chromanoise.color.spaces import (
+    LAB,
+    Space,
+)
 from chromanoise.errors import InputError
 
 _VALUES_PER_CHUNK = 500_000  # cubature points at once: some 50 MB, however large the picture
@@ -72,7 +94,7 @@ def gaussian_cubature(*, radii: int = 16, latitudes: int = 8, longitudes: int = 
     """
     for name, count in (("radii", radii), ("latitudes", latitudes), ("longitudes", longitudes)):
         if count < 2:
-            raise InputError(f"{name} of a cubature must be at least 2, but is {count}")
+            raise InputError(name, "must be at least 2", value=count)
     return _gaussian_cubature(radii, latitudes, longitudes)
 
 
@@ -107,10 +129,104 @@ def gaussian_expectation(
     """
     centers = _check.finite("mean", "1", mean)
     root = covariance_root(_check.finite("covariance", "1", covariance), np.ones(3))
-    found, _ = gaussian_moments(
+    still, shift, _ = gaussian_moments(
         lambda values, center: of(values), centers, root, rule or gaussian_cubature()
     )
-    return found
+    return still + shift
+
+
+def cubature(color: NoisyColor, space: Space, *, rule: Cubature | None = None) -> SpaceMoments:
+    """Moments over the whole Gaussian of X, Y, Z; a method for `propagate`.
+
+    Parameters
+    ----------
+    color
+        X, Y, Z with their noise, taken as jointly normal.
+    space
+        Where to.
+    rule
+        By default `gaussian_cubature`, 8192 points: on a gray at 5 dB it errs by less than 1e-3 of
+        a standard deviation, in CIELUV 6e-3. For a large picture 6 radii, 4 latitudes and 8
+        longitudes are 20 times as quick, and err by 3e-3 there, in CIELUV 2e-2.
+
+    Raises
+    ------
+    InputError
+        If the white is not above 0, or the covariance has a negative variance in some direction.
+
+    Notes
+    -----
+    Where a channel holds only some ten electrons, the skewness of the Poisson distribution makes
+    deep shadows rarer than here: sigma of L* is 7.18 instead of 7.70 at 10 dB. Use `exact` there.
+    """
+    white = color.white
+    noiseless = space.from_xyz(color.noiseless_xyz, white)
+    at_mean, shift, covariance = gaussian_moments(
+        lambda values, reference: _coordinates(space, values, white, reference),
+        color.xyz.mean,
+        _aligned_root(color, space),
+        rule or gaussian_cubature(),
+        reference=noiseless,
+    )
+    still = _coordinates(space, color.noiseless_xyz, white, noiseless)
+    bias = shift + (at_mean - still)
+    if not space.has_color_difference:
+        return SpaceMoments(bias=bias, covariance=covariance)
+    return SpaceMoments(
+        bias=bias[..., :3],
+        covariance=covariance[..., :3, :3],
+        chroma_sd=np.asarray(np.sqrt(covariance[..., 3, 3])),
+        chroma_bias=bias[..., 3],
+        delta_e=bias[..., 4],
+    )
+
+
+def mean_ciede2000(color: NoisyColor, *, rule: Cubature | None = None) -> Float[Array, "*px"]:
+    """Mean CIEDE2000 color difference between the noisy color and that of the mean XYZ.
+
+    Parameters
+    ----------
+    color, rule
+        As `cubature`.
+
+    Raises
+    ------
+    InputError
+        As `cubature`.
+
+    Notes
+    -----
+    CIE 142-2001 (ISO/CIE 11664-6), by colour-science.
+    """
+    colour, white = colour_science(), color.white
+
+    def difference(values: Array, center: Array) -> Array:
+        noisy, still = LAB.from_xyz(values, white), LAB.from_xyz(center, white)
+        still = np.broadcast_to(still, noisy.shape)
+        return np.asarray(colour.difference.delta_E_CIE2000(still, noisy))[..., None]
+
+    still, shift, _ = gaussian_moments(
+        difference, color.xyz.mean, _aligned_root(color, LAB), rule or gaussian_cubature()
+    )
+    return np.asarray((still + shift)[..., 0])
+
+
+def _coordinates(space: Space, xyz: Array, white: Array, noiseless: Array) -> Array:
+    """Coordinates; with color differences also C*, and the difference to the noiseless ones."""
+    noisy = space.from_xyz(xyz, white)
+    if not space.has_color_difference:
+        return noisy
+    chroma = np.hypot(noisy[..., 1], noisy[..., 2])[..., None]
+    away = np.linalg.norm(noisy - noiseless, axis=-1)[..., None]
+    return np.concatenate([noisy, chroma, away], axis=-1)
+
+
+def _aligned_root(color: NoisyColor, space: Space) -> Float[Array, "*px 3 3"]:
+    """The root turned so that its columns are orthogonal in ``space``, the longest first."""
+    slope = space.jacobian(color.xyz.mean, color.white)
+    root = covariance_root(color.xyz.covariance, color.white)
+    turn = svd(f"noise in {space.name}", slope @ root)[2]
+    return root @ np.swapaxes(turn, -1, -2)
 
 
 def covariance_root(covariance: Float[Array, "*px 3 3"], scale: Float[Array, " 3"]) -> Array:
@@ -124,8 +240,11 @@ def covariance_root(covariance: Float[Array, "*px 3 3"], scale: Float[Array, " 3
     largest = np.abs(values).max(axis=-1, keepdims=True)
     if (values < -1e-6 * largest).any():
         raise InputError(
-            f"a covariance must have no negative variance in any direction, but {values.min():g} "
-            "is one (in units of the white squared); check how it was put together"
+            "covariance",
+            "must have no negative variance in any direction [units of the white squared]",
+            value=float(values.min()),
+            found=f"{values.min():g} is one",
+            remedy="check how it was put together",
         )
     kept = values > _EMPTY * largest
     root = vectors * np.sqrt(np.where(kept, values, 0.0))[..., None, :]
@@ -137,23 +256,36 @@ def gaussian_moments(
     mean: Float[Array, "*px 3"],
     root: Float[Array, "*px 3 3"],
     rule: Cubature,
-) -> tuple[Array, Array]:
-    """Mean and covariance of ``of(values [m n 3], center [m 1 3])`` [m n q] over the Gaussian."""
+    *,
+    reference: Float[Array, "*px 3"] | None = None,
+) -> tuple[Array, Array, Array]:
+    """``of(values [m n 3], reference [m 1 3])`` [m n q] over the Gaussian.
+
+    Its value at the mean; what the mean over the Gaussian adds to that; its covariance. The
+    reference of each pixel is its mean unless another is given.
+    """
     centers, roots = mean.reshape(-1, 1, 3), root.reshape(-1, 3, 3)
+    references = centers if reference is None else reference.reshape(-1, 1, 3)
     step = max(1, _VALUES_PER_CHUNK // rule.weights.size)
-    means, covariances = [], []
+    stills, shifts, covariances = [], [], []
     for start in range(0, max(1, len(centers)), step):
         center = centers[start : start + step]
         values = center + rule.points @ np.swapaxes(roots[start : start + step], -1, -2)
-        still = of(center, center)  # taken off first: a bias is small beside a coordinate
-        away = of(values, center) - still
+        against = references[start : start + step]
+        still = of(center, against)  # taken off first: a bias is small beside a coordinate
+        away = of(values, against) - still
         shift = (rule.weights @ away)[:, None]
         away = away - shift
-        means.append((still + shift)[:, 0])
+        stills.append(still[:, 0])
+        shifts.append(shift[:, 0])
         covariances.append(np.swapaxes(away, -1, -2) @ (rule.weights[:, None] * away))
     px = mean.shape[:-1]
-    first, second = np.concatenate(means), np.concatenate(covariances)
-    return first.reshape(*px, *first.shape[1:]), second.reshape(*px, *second.shape[1:])
+    still, shift, covariance = (np.concatenate(part) for part in (stills, shifts, covariances))
+    return (
+        still.reshape(*px, *still.shape[1:]),
+        shift.reshape(*px, *shift.shape[1:]),
+        covariance.reshape(*px, *covariance.shape[1:]),
+    )
 
 
 @cache

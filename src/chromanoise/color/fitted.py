@@ -342,8 +342,11 @@ def _made(
 def _refuse_unseen(sensor: Sensor, training: Training, seen: TrainingResponse) -> None:
     if not seen.white_e.max() > 0:
         raise InputError(
-            f"no channel of {sensor.name} sees any light of {training.illuminant.name}, so there "
-            "is no white to hold; take another lamp"
+            f"sensor {sensor.name}",
+            "must have a channel that sees the lamp, as its white is preserved",
+            value=training.illuminant.name,
+            found=f"sees no light of {training.illuminant.name}",
+            remedy="take another lamp",
         )
 
 

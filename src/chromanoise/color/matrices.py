@@ -47,8 +47,11 @@ class ColorMatrix:
         checked = _check.finite(f"{self.made_by} matrix", "lx/e-", self.matrix)
         if checked.shape != (len(self.coordinates), len(self.channels)):
             raise InputError(
-                f"{self.made_by} matrix must be {(len(self.coordinates), len(self.channels))}, "
-                f"one row per coordinate and one column per channel, got {checked.shape}"
+                f"{self.made_by} matrix",
+                f"must have shape {(len(self.coordinates), len(self.channels))}, one row per "
+                "coordinate and one column per channel",
+                value=checked.shape,
+                found=f"has shape {checked.shape}",
             )
         object.__setattr__(self, "matrix", _check.frozen(checked))
 
@@ -89,8 +92,11 @@ def kernel_matrix(sensor: Sensor, exposure: Exposure, metric: Metric = "quanta")
     for name, seen in zip(sensor.names, sensor.qe.max(axis=0), strict=True):
         if not seen:
             raise InputError(
-                f"channel {name} of sensor {sensor.name} has a QE of 0 at every wavelength of the "
-                f"grid {sensor.grid}, so it measures nothing; leave it out"
+                f"channel {name} of sensor {sensor.name}",
+                "must have a QE above 0 at some wavelength",
+                value=0.0,
+                found=f"has a QE of 0 on the whole grid {sensor.grid}, so it measures nothing",
+                remedy="omit the channel",
             )
     basis = measurement_vectors(sensor, exposure, metric)  # F
     frame = dual_frame(basis, names=sensor.names, metric=metric)

@@ -76,9 +76,13 @@ def white_normalized(
     array([[0.25, 0.5 ]])
     """
     if not (white_xyz > 0).all():
+        found = white_xyz.tolist()
         raise InputError(
-            f"a matrix is normalized to a white above 0 in every coordinate, but this lamp gives "
-            f"{white_xyz.tolist()}; take a lamp with light at all visible wavelengths"
+            "white_xyz",
+            "must be > 0 in every coordinate to normalize a matrix",
+            value=found,
+            found=f"is {found}",
+            remedy="take a lamp with light at all visible wavelengths",
         )
     return np.asarray(matrix * white_e / white_xyz[:, None])
 

@@ -46,9 +46,13 @@ def adapted_to_d65(xyz: Float[Array, "*px 3"], white: Float[Array, " 3"]) -> Flo
     """
     cones = BRADFORD @ white
     if not (cones > 0).all():
+        found = white.round(4).tolist()
         raise InputError(
-            f"the white of this picture, XYZ = {white.round(4).tolist()}, is no color that an eye "
-            "could adapt to: the sensor and its matrix do not see this light"
+            "white",
+            "must be a color that an eye can adapt to (Bradford's cone responses > 0)",
+            value=found,
+            found=f"is XYZ = {found}: the sensor and its matrix do not see this light",
+            remedy="take another lamp or matrix",
         )
     gain = (BRADFORD @ D65_WHITE) / cones
     return xyz @ (inv("BRADFORD", BRADFORD) @ np.diag(gain) @ BRADFORD).T

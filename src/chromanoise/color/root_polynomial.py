@@ -16,7 +16,7 @@ from chromanoise._linalg import RANK_TOLERANCE, lstsq
 from chromanoise._shapes import Float
 from chromanoise.color.matrices import XYZ
 from chromanoise.color.training import Training, training_response
-from chromanoise.errors import InputError
+from chromanoise.errors import InputError, Setting
 from chromanoise.exposure import Exposure
 from chromanoise.noise import Measurement, expectation, with_noise
 from chromanoise.sensor import Sensor
@@ -154,8 +154,11 @@ def root_polynomial(
     terms, white = rooted(seen.electrons, degree=degree), rooted(seen.white_e, degree=degree)
     if len(terms) < terms.shape[1]:
         raise InputError(
-            f"a root polynomial of {terms.shape[1]} terms needs as many reflectances, but "
-            f"{training.source} has {len(terms)}; take a larger set or degree 1"
+            f"training set {training.source}",
+            f"must have at least {terms.shape[1]} reflectances, one per term of the polynomial",
+            value=len(terms),
+            found=f"has {len(terms)}",
+            remedy=("take a larger set", Setting("degree", (1,))),
         )
     scale, root = np.where(white > 0, white, 1.0), np.sqrt(seen.share)[:, None]
     what = f"root polynomial of {sensor.name}"
@@ -379,8 +382,11 @@ def _above_zero(raw_mean: Array, *, degree: int) -> Array:
     if _pairs_of(mean, degree) and not (mean > 0).all():
         first = tuple(int(i) for i in np.argwhere(mean <= 0)[0])
         raise InputError(
-            f"the noise of a root needs raw_mean > 0 [e-], but it is 0 at index {first}; "
-            "take root_polynomial_color_exact, degree 1 or a linear matrix there"
+            "raw_mean",
+            "must be > 0 [e-] for the noise of a root",
+            value=0.0,
+            found=f"is 0 at index {first} (from 0)",
+            remedy="take root_polynomial_color_exact, degree 1 or a linear matrix there",
         )
     return mean
 
@@ -392,5 +398,5 @@ def _pairs_of(mean: Float[Array, "*px p"], degree: int) -> list[tuple[int, int]]
 def _pairs(p: int, degree: int) -> list[tuple[int, int]]:
     """Which channels meet under a root."""
     if degree not in (1, 2):
-        raise InputError(f"degree of a root polynomial must be 1 or 2, but is {degree}")
+        raise InputError("degree", "must be 1 or 2 for a root polynomial", value=degree)
     return list(combinations(range(p), 2)) if degree == 2 else []

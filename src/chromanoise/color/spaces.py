@@ -2,7 +2,7 @@
 
 Every map is exact for the colors that light can have, and goes on beyond them without clipping:
 noise takes X, Y and Z below zero and above white, and a clip would hide it. How each goes on is
-said where it is defined. Noise has no say here; see `chromanoise.color.perceived`.
+said where it is defined. Noise has no say here; see `chromanoise.color.propagate`.
 
 All maps ask only for the ratio of a color to its white: ``xyz`` and ``white`` may share any unit.
 """
@@ -47,6 +47,11 @@ class Space:
 
     def __post_init__(self) -> None:
         _check.distinct("coordinates of a color space", (self.name, *self.coordinates))
+
+    @property
+    def has_color_difference(self) -> bool:
+        """Whether a distance is a CIE 1976 color difference: in CIELAB and CIELUV."""
+        return self.coordinates[0] == "L*"
 
 
 def linear_srgb(xyz: Float[Array, "*px 3"], white: Float[Array, " 3"]) -> Float[Array, "*px 3"]:
@@ -232,9 +237,13 @@ def _chromaticity_slope(xyz: Float[Array, "*px 3"]) -> Float[Array, "*px 2 3"]:
 def _white(white: Float[Array, " 3"]) -> Float[Array, " 3"]:
     checked = _check.finite("white XYZ", "that of the color", white)
     if not (checked > 0).all():
+        found = checked.round(4).tolist()
         raise InputError(
-            f"X, Y and Z of the white must be > 0, but are {checked.round(4).tolist()}; "
-            "take the color of a perfect white in the light of the scene"
+            "white",
+            "must be > 0 in X, Y and Z",
+            value=found,
+            found=f"is {found}",
+            remedy="take the color of a perfect white in the light of the scene",
         )
     return checked
 

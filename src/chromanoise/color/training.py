@@ -56,7 +56,12 @@ class Training:
         where = f"reflectance of {self.source}"
         rho = _check.non_negative(where, "1", self.reflectance)
         if rho.ndim != 2 or rho.shape[0] == 0:
-            raise InputError(f"{where} must be (reflectances, wavelengths), got {rho.shape}")
+            raise InputError(
+                where,
+                "must have shape (reflectances, wavelengths)",
+                value=rho.shape,
+                found=f"has shape {rho.shape}",
+            )
         _check.same_length(
             "wavelengths", illuminant=self.illuminant.grid.n, reflectance=rho.shape[1]
         )
@@ -168,8 +173,11 @@ def smooth_training(
     outside = max(-float(reflectance.min()), float(reflectance.max()) - 1.0)
     if outside > 0:
         raise InputError(
-            f"the smoothness prior of mean {mean:g} and sd {sd:g} leaves 0 .. 1 by {outside:.3g}; "
-            "take a smaller sd, or a mean nearer to 0.5"
+            f"smoothness prior of mean {mean:g} and sd {sd:g}",
+            "must stay within reflectances of 0 to 1",
+            value=outside,
+            found=f"exceeds them by {outside:.3g}",
+            remedy=("take a smaller sd", "a mean nearer to 0.5"),
         )
     return Training(
         illuminant=illuminant,
@@ -208,8 +216,11 @@ def nir_diverse(
     beyond = at > edge_nm
     if beyond.sum() < 2:
         raise InputError(
-            f"near-infrared metamers need wavelengths beyond {edge_nm:g} nm, but the grid is "
-            f"{training.illuminant.grid}; take one that reaches to 1050 nm"
+            "grid of the training set",
+            f"must have two wavelengths beyond {edge_nm:g} nm for near-infrared metamers",
+            value=training.illuminant.grid,
+            found=f"is {training.illuminant.grid}",
+            remedy="take one that reaches to 1050 nm",
         )
     ramp = (at[beyond] - at[beyond][0]) / (at[beyond][-1] - at[beyond][0])
     lines = [(a, b) for a, b in product(levels, levels)]
@@ -274,9 +285,14 @@ def training_response(
     for name, mean_e in zip(sensor.names, white_e, strict=True):
         if 0 < mean_e < _FEWEST_E:
             raise InputError(
-                f"channel {name} of {sensor.name}: {mean_e:.3g} e- of a white in "
-                f"{training.illuminant.name} are too few to train a matrix; choose more light, a "
-                "longer time or a wider aperture, or leave the channel out"
+                f"channel {name} of {sensor.name}",
+                f"must collect at least {_FEWEST_E:g} e- of a white to train a matrix",
+                value=float(mean_e),
+                found=f"collects {mean_e:.3g} in {training.illuminant.name}",
+                remedy=(
+                    "choose more light, a longer time or a wider aperture",
+                    "omit the channel",
+                ),
             )
     axes = color_axes(grid, "energy")
     return TrainingResponse(

@@ -1,4 +1,4 @@
-"""What a measurement is worth: SNR, bound, price, budget; color error; filters, speed, bits."""
+"""What a measurement is worth: SNR, optimum, loss, budget; color error; filters, speed, bits."""
 
 from chromanoise.metrics.accuracy import (
     chart_ciede2000,
@@ -37,8 +37,8 @@ from chromanoise.metrics.smi import (
     sensor_metamerism,
 )
 from chromanoise.metrics.snr import (
-    bound_db,
-    price_db,
+    color_snr_loss_db,
+    optimal_linear_snr_db,
     signal_snr_db,
     snr_db,
 )
@@ -77,12 +77,12 @@ __all__ = [
     "VisualNoise",
     "VisualNoiseModel",
     "best_readout",
-    "bound_db",
     "chart_ciede2000",
     "chart_color_error",
     "chart_lab",
     "color_budget",
     "color_sensitivity_bits",
+    "color_snr_loss_db",
     "contrast_sensitivity",
     "contravariant_budget",
     "effective_filters",
@@ -97,8 +97,8 @@ __all__ = [
     "matrix_report",
     "metamerism",
     "noise_speed",
+    "optimal_linear_snr_db",
     "perceptual_weight",
-    "price_db",
     "principal_angles_deg",
     "readout_error",
     "second_moment",

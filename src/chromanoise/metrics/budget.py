@@ -106,7 +106,9 @@ def color_budget(
     own = chain_snr_db(chain, frozenset(CAUSES) - {INFRARED})  # all light counts in the end
     readings[REST] = _rest_reading(chain_snr_db(chain, frozenset(CAUSES)) - own, coordinate)
     bound = chain_snr_db(chain, frozenset({FILTERS, READ_NOISE}))
-    return chain_budget(chain, coordinate, CAUSES, readings, bound_db=bound, snr_db=own)
+    return chain_budget(
+        chain, coordinate, CAUSES, readings, optimal_linear_snr_db=bound, snr_db=own
+    )
 
 
 def contravariant_budget(
@@ -148,7 +150,9 @@ def contravariant_budget(
     own = chain_snr_db(chain, frozenset(CAUSES[:-1]))
     bound = chain_snr_db(chain, frozenset({FILTERS, READ_NOISE}))
     coordinate = f"M^{channel}"
-    return chain_budget(chain, coordinate, CAUSES[:-1], readings, bound_db=bound, snr_db=own)
+    return chain_budget(
+        chain, coordinate, CAUSES[:-1], readings, optimal_linear_snr_db=bound, snr_db=own
+    )
 
 
 def weights_one_by_one(axis: Float[Array, " n"], frame: Frame) -> Float[Array, " p"]:

@@ -59,7 +59,7 @@ class Budget:
         where the signal is the light itself. [dB]
     costs
         One per cause and the rest; their sum is ``photons_db`` minus ``snr_db``.
-    bound_db
+    optimal_linear_snr_db
         The best SNR of any linear readout of the real channels. [dB]
     snr_db
         Of the coordinate; for L*, a* and b* one unit over its standard deviation. [dB]
@@ -68,15 +68,16 @@ class Budget:
     coordinate: str
     photons_db: float
     costs: tuple[Cost, ...]
-    bound_db: float
+    optimal_linear_snr_db: float
     snr_db: float
 
     def _repr_html_(self) -> str:
         start = ["all photons on the pixels", f"{self.photons_db:.2f}", "every photon counted"]
         end = [f"SNR of {self.coordinate}", f"{self.snr_db:.2f}", ""]
         causes = [[cost.cause, f"{-cost.loss_db:+.2f}", cost.reading] for cost in self.costs]
+        best = self.optimal_linear_snr_db
         return _notebook.shown(
-            f"Budget of {self.coordinate}; no linear readout exceeds {self.bound_db:.2f} dB",
+            f"Budget of {self.coordinate}; no linear readout exceeds {best:.2f} dB",
             _notebook.table(["", "dB", "why"], [start, *causes, end]),
         )
 
@@ -197,7 +198,7 @@ def chain_budget(
     causes: tuple[str, ...],
     readings: dict[str, str],
     *,
-    bound_db: float,
+    optimal_linear_snr_db: float,
     snr_db: float,
 ) -> Budget:
     """The shares of all causes; what they leave to ``snr_db`` is the rest.
@@ -210,7 +211,7 @@ def chain_budget(
         Those of `CAUSES` that are switched.
     readings
         One sentence per cause and for "rest".
-    bound_db, snr_db
+    optimal_linear_snr_db, snr_db
         As `Budget`. [dB]
     """
     allowed = [(first, second) for first, second in _PRECEDENCE if {first, second} <= set(causes)]
@@ -221,7 +222,7 @@ def chain_budget(
         coordinate=coordinate,
         photons_db=chain.photons_db,
         costs=(*costs, Cost(cause=REST, loss_db=rest, reading=readings[REST])),
-        bound_db=bound_db,
+        optimal_linear_snr_db=optimal_linear_snr_db,
         snr_db=snr_db,
     )
 

@@ -213,8 +213,11 @@ def figure_of_merit(
     total = float(((wanted @ root) ** 2).sum())
     if not total > 0:
         raise InputError(
-            "tr(W A^T K A) must be > 0, but is 0: the wanted color has no weight or sees none of "
-            "the light; give a weight and a light moment that reach it"
+            "tr(W A^T K A)",
+            "must be > 0",
+            value=total,
+            found="is 0: the wanted color has no weight or sees none of the light",
+            remedy="give a weight and a light moment that reach it",
         )
     return float(1.0 - ((_outside(seen, wanted) @ root) ** 2).sum() / total)
 
@@ -268,8 +271,11 @@ def _spanning(filters: Array, eye: Array) -> tuple[Array, Array]:
         silent = np.flatnonzero(~values.any(axis=0))
         if silent.size:
             raise InputError(
-                f"{name} {int(silent[0])} (from 0) is zero at every wavelength, so it spans "
-                "nothing; leave it out"
+                f"{name} {int(silent[0])} (from 0)",
+                "must not be 0 at every wavelength",
+                value=0.0,
+                found="is, so it spans nothing",
+                remedy="omit it",
             )
         checked.append(values)
     _check.same_length("wavelengths", filters=checked[0].shape[0], eye=checked[1].shape[0])
@@ -301,18 +307,28 @@ def _root(name: str, values: Array, size: int) -> Array:
     """The symmetric square root of a symmetric matrix >= 0."""
     matrix = _check.finite(name, "1", values)
     if matrix.shape != (size, size):
-        raise InputError(f"{name} must be {(size, size)}, got {matrix.shape}")
+        raise InputError(
+            name,
+            f"must have shape {(size, size)}",
+            value=matrix.shape,
+            found=f"has shape {matrix.shape}",
+        )
     scale = float(np.abs(matrix).max())
     off = float(np.abs(matrix - matrix.T).max())
     if off > NEGATIVE_TOLERANCE * scale:
         raise InputError(
-            f"{name} must be symmetric, but two mirrored entries differ by {off:g}; give "
-            "(S + S^T) / 2"
+            name,
+            "must be symmetric",
+            value=off,
+            found=f"two mirrored entries differ by {off:g}",
+            remedy="give (S + S^T) / 2",
         )
     eigenvalue, vector = eigh(name, 0.5 * (matrix + matrix.T))
     if eigenvalue[0] < -NEGATIVE_TOLERANCE * scale:
         raise InputError(
-            f"{name} must have no negative eigenvalue, but one is {eigenvalue[0]:g}; no "
-            "covariance has"
+            name,
+            "must have no negative eigenvalue, as a covariance",
+            value=float(eigenvalue[0]),
+            found=f"one is {eigenvalue[0]:g}",
         )
     return (vector * np.sqrt(np.maximum(eigenvalue, 0.0))) @ vector.T

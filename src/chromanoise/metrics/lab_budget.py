@@ -136,7 +136,7 @@ def lab_budget(
     Notes
     -----
     First order: sigma^2 = r D r^T with r = J C (JCGM 102:2011, 6.2), as
-    `chromanoise.color.through_space`.
+    `chromanoise.color.first_order`.
     """
     _check.one_of("coordinate", coordinate, LAB.coordinates)
     _check.same_names("budget", sensor=sensor.names, matrix=matrix.channels)
@@ -160,7 +160,7 @@ def lab_budget(
         coordinate,
         CAUSES,
         _readings(chain, matrix, point, coordinate, gain),
-        bound_db=bound,
+        optimal_linear_snr_db=bound,
         snr_db=-10 * float(np.log10(chain.row**2 @ variance)),
     )
 

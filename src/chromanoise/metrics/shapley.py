@@ -45,7 +45,12 @@ def shapley_values(
     """
     orders = _orders(tuple(players), tuple(precedence))
     if not orders:
-        raise InputError(f"no order of {', '.join(players)} obeys the precedence")
+        raise InputError(
+            "precedence",
+            f"must allow an order of {', '.join(players)}",
+            value=tuple(precedence),
+            found="allows none",
+        )
     worth = cache(value)  # orders share most of their sets
     shares = dict.fromkeys(players, 0.0)
     for order in orders:

@@ -115,8 +115,11 @@ def sensor_metamerism(sensor: Sensor) -> Metamerism:
     inside = (at >= chart[0].wavelengths[0]) & (at <= chart[0].wavelengths[-1])
     if not inside.any():
         raise InputError(
-            f"the grid {sensor.grid} of {sensor.name} must meet 380-780 nm, where the patches of "
-            "ISO 17321-1 are defined; give curves that reach into the visible"
+            f"grid of {sensor.name}",
+            "must overlap 380-780 nm, where the patches of ISO 17321-1 are defined",
+            value=sensor.grid,
+            found=f"is {sensor.grid}",
+            remedy="give curves that reach into the visible",
         )
     per_watt = sensor.qe * photons_per_unit(sensor.grid, "energy")[:, None]
     return metamerism(
@@ -138,8 +141,11 @@ def _white_balanced(name: str, axes: Array, illuminant: Array, reflectance: Arra
     white = lamp @ curves
     if not (white > 0).all():
         raise InputError(
-            f"{name} must answer > 0 to white, but column {int(white.argmin())} (from 0) gives "
-            f"{white.min():g}; leave that channel out"
+            name,
+            "must respond > 0 to white",
+            value=float(white.min()),
+            found=f"column {int(white.argmin())} (from 0) responds {white.min():g}",
+            remedy="omit that channel",
         )
     return (rho * lamp) @ curves / white
 

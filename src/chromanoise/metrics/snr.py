@@ -1,4 +1,4 @@
-"""Signal-to-noise ratios, what no linear readout can exceed, and what color costs."""
+"""Signal-to-noise ratios, the best of any linear readout, and what color costs."""
 
 import numpy as np
 
@@ -47,7 +47,7 @@ def signal_snr_db(color: Measurement, truth: Float[Array, "*px c"]) -> Float[Arr
     return np.where(color.mean > LEAST_COLOR * np.abs(truth), decibels, np.nan)
 
 
-def bound_db(raw: Measurement) -> Float[Array, "*px"]:
+def optimal_linear_snr_db(raw: Measurement) -> Float[Array, "*px"]:
     """The best SNR of any linear readout, mu^T D^-1 mu = sum of SNR_i^2. [dB]
 
     inf where a channel shows signal without any noise, as a channel held at full well does.
@@ -58,7 +58,7 @@ def bound_db(raw: Measurement) -> Float[Array, "*px"]:
     --------
     >>> two = Measurement(mean=np.array([3.0, 4.0]), covariance=np.eye(2),
     ...                   names=("a", "b"), kind="raw", unit="e-")
-    >>> round(float(bound_db(two)), 4)       # 20 log10(5)
+    >>> round(float(optimal_linear_snr_db(two)), 4)       # 20 log10(5)
     13.9794
     """
     silent = raw.variance == 0  # neither signal nor noise adds nothing; signal alone is endless
@@ -69,12 +69,12 @@ def bound_db(raw: Measurement) -> Float[Array, "*px"]:
     return decibel(np.asarray(np.where(endless, np.inf, bound)))
 
 
-def price_db(raw: Measurement, color: Measurement) -> Float[Array, "*px"]:
-    """How far the luminance of ``color`` stays below the bound of ``raw``: >= 0. [dB]
+def color_snr_loss_db(raw: Measurement, color: Measurement) -> Float[Array, "*px"]:
+    """How far the luminance of ``color`` stays below the best linear readout of ``raw``: >= 0. [dB]
 
     SNR_Y = bound * cos(psi), psi the angle between the matrix's luminance row and the best
     readout in noise-whitened space.
     """
-    bound, own = bound_db(raw), snr_db(color)["Y"]
+    bound, own = optimal_linear_snr_db(raw), snr_db(color)["Y"]
     endless = np.isposinf(bound) & np.isposinf(own)  # without any noise nothing is paid
     return np.asarray(np.where(endless, 0.0, bound - np.where(endless, 0.0, own)))

@@ -42,8 +42,13 @@ class NoiseSpeedModel:
     def __post_init__(self) -> None:
         weights = _check.non_negative("luminance_weights", "1", self.luminance_weights)
         if abs(weights.sum() - 1.0) > 1e-3:
+            total = float(weights.sum())
             raise InputError(
-                f"luminance_weights must add up to 1, but give {weights.sum():g}; divide by that"
+                "luminance_weights",
+                "must add up to 1",
+                value=total,
+                found=f"add up to {total:g}",
+                remedy="divide by that",
             )
         _check.not_negative("red_weight", "1", self.red_weight)
         _check.not_negative("blue_weight", "1", self.blue_weight)
@@ -212,7 +217,7 @@ def illuminance_for_snr_adapted(
     """
     per_lux = _gray_electrons_per_lux(sensor, illuminant, exposure, reflectance)
     if steps_per_decade < 1:
-        raise InputError(f"steps_per_decade must be at least 1, but is {steps_per_decade}")
+        raise InputError("steps_per_decade", "must be at least 1", value=steps_per_decade)
 
     def enough(lux: float) -> bool:
         return _level_of_row(per_lux, sensor, matrix_at(lux), coordinate, snr) <= lux
@@ -266,8 +271,11 @@ def noise_speed(
     gray = _check.finite("rgb_matrix", "1/e-", rgb_matrix) @ per_lxs
     if not (gray > 0).all():
         raise InputError(
-            f"rgb_matrix must give gray a value > 0 in R, G and B, but {'RGB'[int(gray.argmin())]} "
-            f"is {gray.min():g}; check the order of rows and channels ({', '.join(sensor.names)})"
+            "rgb_matrix",
+            "must give gray a value > 0 in R, G and B",
+            value=float(gray.min()),
+            found=f"{'RGB'[int(gray.argmin())]} is {gray.min():g}",
+            remedy=f"check the order of rows and channels ({', '.join(sensor.names)})",
         )
     red, green, blue = rgb_matrix / gray[:, None]
     y = np.asarray(model.luminance_weights) @ np.array([red, green, blue])

@@ -4,8 +4,16 @@ import numpy as np
 
 from chromanoise import _check
 from chromanoise._check import Array
-from chromanoise._linalg import cholesky, eigh, solve, svd
-from chromanoise._shapes import Float
+from chromanoise._linalg import (
+    cholesky,
+    eigh,
+    eigvalsh,
+    solve,
+    svd,
+)
+from chromanoise._shapes import (
+    Float,
+)
 from chromanoise.errors import InputError
 
 
@@ -65,9 +73,13 @@ def tonal_range_bits(
     """
     levels = tonal_levels(top_e, read_noise_e=read_noise_e, step_e=step_e)
     if not (levels > 0).all():
+        first = tuple(int(i) for i in np.argwhere(~(levels > 0))[0])
         raise InputError(
-            "top_e must be > 0 [e-] to have a tonal range, but is 0 somewhere; leave that "
-            "channel out"
+            "top_e",
+            "must be > 0 [e-] for a tonal range",
+            value=0.0,
+            found=f"is 0 at index {first} (from 0)",
+            remedy="omit that channel",
         )
     return np.asarray(np.log2(levels))
 
@@ -152,8 +164,10 @@ def information_bits(
     value, vector = eigh("light_covariance", 0.5 * (prior + prior.T))
     if value[0] < -1e-9 * np.abs(value).max():
         raise InputError(
-            f"light_covariance must have no negative eigenvalue, but one is {value[0]:g}; no "
-            "covariance has"
+            "light_covariance",
+            "must have no negative eigenvalue, as a covariance",
+            value=float(value[0]),
+            found=f"one is {value[0]:g}",
         )
     signal = f.T @ (vector * np.sqrt(np.maximum(value, 0.0)))
     wide = np.broadcast_to(signal, (*noise.shape[:-1], f.shape[0]))
@@ -166,7 +180,11 @@ def _lower(noise: Array) -> Array:
     try:
         return cholesky("noise_covariance", 0.5 * (noise + np.swapaxes(noise, -1, -2)))
     except InputError:
+        least = float(eigvalsh("noise_covariance", noise).min())
         raise InputError(
-            "noise_covariance must be positive definite [e-^2], but has an eigenvalue <= 0: a mix "
-            "of channels without noise would tell infinitely much; add read noise"
+            "noise_covariance",
+            "must be positive definite [e-^2], as channels without noise have infinite information",
+            value=least,
+            found=f"has an eigenvalue of {least:g}",
+            remedy="add read noise",
         ) from None

@@ -48,9 +48,12 @@ class VisualNoiseModel:
             _check.positive(f"K of {name} of {self.edition}", "1", getattr(self, name)[-1])
         matrix = _check.finite("opponent_from_xyz", "1", self.opponent_from_xyz)
         if matrix.shape != (3, 3) or matrix_rank("opponent_from_xyz", matrix) < 3:
+            rank = matrix_rank("opponent_from_xyz", matrix)
             raise InputError(
-                f"opponent_from_xyz of {self.edition} must be an invertible 3 x 3 matrix, got "
-                f"{matrix.shape} of rank {matrix_rank('opponent_from_xyz', matrix)}"
+                f"opponent_from_xyz of {self.edition}",
+                "must be an invertible 3 x 3 matrix",
+                value=matrix.shape,
+                found=f"has shape {matrix.shape} and rank {rank}",
             )
 
 

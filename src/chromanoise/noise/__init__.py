@@ -1,10 +1,16 @@
 """How sure the electrons are: sources, covariance (eq. 7), propagation, Monte Carlo."""
 
-from chromanoise.noise.exact import Moments, Readout, measured, read_moments
+from chromanoise.noise.exact import (
+    Moments,
+    Readout,
+    clipped_measurement,
+    raw_measurement,
+    read_moments,
+)
 from chromanoise.noise.expectation import Expectation, expectation
 from chromanoise.noise.measurement import Measurement, through
 from chromanoise.noise.montecarlo import Estimate, monte_carlo
-from chromanoise.noise.quantiles import electrons_of_normal, read_values
+from chromanoise.noise.quantiles import poisson_gaussian_ppf, read_values
 from chromanoise.noise.raw import raw_covariance, saturated, with_noise
 from chromanoise.noise.sampling import clipped_at_well, sample_electrons
 
@@ -15,11 +21,12 @@ __all__ = [
     "Moments",
     "Readout",
     "clipped_at_well",
-    "electrons_of_normal",
+    "clipped_measurement",
     "expectation",
-    "measured",
     "monte_carlo",
+    "poisson_gaussian_ppf",
     "raw_covariance",
+    "raw_measurement",
     "read_moments",
     "read_values",
     "sample_electrons",

@@ -84,11 +84,20 @@ def over_counts(
            [3.]])
     """
     if mean_e.size == 0:
-        raise InputError(f"mean_e holds no channel to sum over, its shape is {mean_e.shape}")
-    if mean_e.max() > _MOST_E:
         raise InputError(
-            f"mean_e must be at most {_MOST_E:g} [e-] for an exact sum over electrons, but "
-            f"reaches {mean_e.max():g}; take wider bounds and no step, or less light"
+            "mean_e",
+            "must hold at least one channel to sum over",
+            value=mean_e.shape,
+            found=f"has shape {mean_e.shape}",
+        )
+    if mean_e.max() > _MOST_E:
+        most = float(mean_e.max())
+        raise InputError(
+            "mean_e",
+            f"must be at most {_MOST_E:g} [e-] for an exact sum over electrons",
+            value=most,
+            found=f"reaches {most:g}",
+            remedy="take wider bounds and no step, or less light",
         )
     means, back = np.unique(mean_e, return_inverse=True)
     parts = [_summed(means[rows], given_count) for rows in _runs(means)]

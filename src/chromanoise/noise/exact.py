@@ -42,8 +42,9 @@ class Readout:
     def __post_init__(self) -> None:
         if not self.black_e < self.full_well_e:
             raise InputError(
-                f"black_e must lie below full_well_e [e-], but {self.black_e:g} does not lie "
-                f"below {self.full_well_e:g}"
+                "black_e",
+                f"must be below full_well_e of {self.full_well_e:g} [e-]",
+                value=self.black_e,
             )
         _check.not_negative("step_e", "e-", self.step_e)
 
@@ -162,7 +163,28 @@ def _summed(mean: Float[Array, " m"], noise: float, readout: Readout) -> Float[A
     return over_counts(mean, given_count)
 
 
-def measured(mean_e: Float[Array, "*px p"], sensor: Sensor, readout: Readout) -> Measurement:
+def raw_measurement(moments: Moments, names: tuple[str, ...]) -> Measurement:
+    """Mean and variance of independent channels as a raw measurement; the covariance is diagonal.
+
+    Parameters
+    ----------
+    moments
+        Of the values read.
+    names
+        One per channel.
+    """
+    return Measurement(
+        mean=moments.mean,
+        covariance=moments.variance[..., None] * np.eye(moments.mean.shape[-1]),
+        names=names,
+        kind="raw",
+        unit="e-",
+    )
+
+
+def clipped_measurement(
+    mean_e: Float[Array, "*px p"], sensor: Sensor, readout: Readout
+) -> Measurement:
     """The raw measurement as it is read: exact mean and variance, in place of `with_noise`.
 
     Parameters
@@ -185,10 +207,4 @@ def measured(mean_e: Float[Array, "*px p"], sensor: Sensor, readout: Readout) ->
     standard deviation is no SNR near a bound: ask `read_moments` for the shares that are held.
     """
     moments = read_moments(mean_e, read_noise_e=sensor.pixel.read_noise_e, readout=readout)
-    return Measurement(
-        mean=moments.mean,
-        covariance=moments.variance[..., None] * np.eye(moments.mean.shape[-1]),
-        names=sensor.names,
-        kind="raw",
-        unit="e-",
-    )
+    return raw_measurement(moments, sensor.names)

@@ -122,12 +122,19 @@ def _values(function: Function, electrons: Float[Array, " m"]) -> Float[Array, "
     value = np.asarray(function(electrons), dtype=np.float64)
     if value.shape != electrons.shape:
         raise InputError(
-            f"the function must give one number per value, {electrons.shape}, got {value.shape}"
+            "function",
+            f"must give one number per value, {electrons.shape}",
+            value=value.shape,
+            found=f"gives shape {value.shape}",
         )
     bad = np.flatnonzero(~np.isfinite(value))
     if bad.size:
+        first = float(value[bad[0]])
         raise InputError(
-            f"the function must be finite, but at {electrons[bad[0]]:g} e- it is "
-            f"{value[bad[0]]:g}; extend it to every value that the noise can reach"
+            "function",
+            "must be finite",
+            value=first,
+            found=f"is {first:g} at {electrons[bad[0]]:g} e-",
+            remedy="extend it to every value that the noise can reach",
         )
     return value

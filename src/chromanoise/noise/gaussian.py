@@ -123,8 +123,11 @@ def coded_moments(
     reach = FARTHEST * read_noise_e / step_e
     if 2 * reach > _MOST_CODES:
         raise InputError(
-            f"step_e must be at least {2 * FARTHEST / _MOST_CODES:.2g} of the read noise of "
-            f"{read_noise_e:g} [e-], but is {step_e:g}; take 0 for no rounding"
+            "step_e",
+            f"must be at least {2 * FARTHEST / _MOST_CODES:.2g} of the read noise of "
+            f"{read_noise_e:g} [e-]",
+            value=step_e,
+            remedy="take 0 for no rounding",
         )
     codes = 2 * math.ceil(reach) + 3
     rows = max(1, _ENTRIES // codes)

@@ -44,8 +44,10 @@ class Measurement:
         covariance = _check.finite(f"{self.kind} covariance", f"{self.unit}^2", self.covariance)
         if covariance.shape != (*mean.shape, mean.shape[-1]):
             raise InputError(
-                f"{self.kind} covariance must be {(*mean.shape, mean.shape[-1])} to go with a mean "
-                f"of {mean.shape}, got {covariance.shape}"
+                f"{self.kind} covariance",
+                f"must have shape {(*mean.shape, mean.shape[-1])} for a mean of {mean.shape}",
+                value=covariance.shape,
+                found=f"has shape {covariance.shape}",
             )
         _check.same_length("coordinates", names=len(self.names), mean=mean.shape[-1])
         diagonal = np.diagonal(covariance, axis1=-2, axis2=-1)

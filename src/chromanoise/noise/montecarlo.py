@@ -94,7 +94,7 @@ def monte_carlo(
     _check.same_length("channels", mean_e=mean_e.size, matrix=matrix.shape[1])
     if not 2 <= draws <= MOST_DRAWS:
         raise InputError(
-            f"draws must be 2 (needed for a standard deviation) to {MOST_DRAWS:g}, but is {draws}"
+            "draws", f"must be 2 (needed for a standard deviation) to {MOST_DRAWS:g}", value=draws
         )
     expected = matrix @ mean_e
     sums = np.zeros((4, matrix.shape[0]))  # of powers of the deviation from what is expected

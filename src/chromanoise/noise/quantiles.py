@@ -1,7 +1,7 @@
-"""The exact law of a readout, told as the map that makes it out of a standard normal variable.
+"""The exact Poisson-Gaussian distribution, as a function of a standard normal variable.
 
-Whatever is done to the readout afterwards that keeps its order (rounding, holding at a bound) is
-done to the map, so a point mass at black or full well needs no care of its own.
+Rounding and clipping keep the order of values, so they are applied to the function itself; point
+masses at black or full well need no treatment of their own.
 """
 
 from functools import lru_cache
@@ -21,7 +21,7 @@ _PER_SD = 64  # steps of the table: bent by the skewness of few electrons it err
 _PER_READ_NOISE = 32  # where single electrons show
 
 
-def electrons_of_normal(
+def poisson_gaussian_ppf(
     normal: Float[Array, "*n"], mean_e: float, *, read_noise_e: float
 ) -> Float[Array, "*n"]:
     """What is read, Poisson(M) + s Z, as the rising function of one standard normal variable. [e-]
@@ -50,7 +50,7 @@ def electrons_of_normal(
     --------
     No electron, or one? 1/e = 0.368 of Poisson(1) is 0, up to the normal quantile -0.338.
 
-    >>> electrons_of_normal(np.array([-0.35, -0.33]), 1.0, read_noise_e=0.0)
+    >>> poisson_gaussian_ppf(np.array([-0.35, -0.33]), 1.0, read_noise_e=0.0)
     array([0., 1.])
     """
     mean = _check.not_negative("mean_e", "e-", mean_e)
@@ -125,7 +125,8 @@ def _shares_beside(
     first = np.ceil(electrons - FARTHEST * noise - counts[0]).astype(np.int64)
     first = np.clip(first, 0, counts.size - near)
     at = first[:, None] + np.arange(near)
-    away = (electrons[:, None] - counts[at]) / noise
+    with np.errstate(over="ignore"):  # read noise of 1e-308 e-: infinitely many deviations away
+        away = (electrons[:, None] - counts[at]) / noise
     upto = np.concatenate([[0.0], np.cumsum(shares)])
     onward = np.concatenate([np.cumsum(shares[::-1])[::-1], [0.0]])
     below = upto[first] + (shares[at] * ndtr(away)).sum(axis=1)

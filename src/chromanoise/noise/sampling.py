@@ -32,9 +32,13 @@ def sample_electrons(
     """
     mean_e = _check.non_negative("mean_e", "e-", mean_e)
     if mean_e.size and mean_e.max() > _MOST_E:
+        most = float(mean_e.max())
         raise InputError(
-            f"mean_e must be at most {_MOST_E:g} [e-] to be counted, but reaches {mean_e.max():g}; "
-            "take less light or a shorter time"
+            "mean_e",
+            f"must be at most {_MOST_E:g} [e-] to be counted",
+            value=most,
+            found=f"reaches {most:g}",
+            remedy="take less light or a shorter time",
         )
     shot = rng.poisson(mean_e).astype(np.float64)
     return shot + pixel.read_noise_e * rng.standard_normal(shot.shape)

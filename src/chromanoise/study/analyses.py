@@ -8,7 +8,7 @@ from chromanoise.analysis.color_matrices import MatrixMaker
 from chromanoise.analysis.export import analyses_as_json, budgets_as_json
 from chromanoise.analysis.figures_of_merit.listed import Merits, merits_as_json, merits_of
 from chromanoise.analysis.patches import ChartNoise, chart_as_json, chart_noise
-from chromanoise.analysis.perceived import GreyNoise, grey_noise, grey_noise_as_json
+from chromanoise.analysis.perceived import GrayNoise, gray_noise, gray_noise_as_json
 from chromanoise.analysis.stages import Analysis, analyzed
 from chromanoise.color import SPACES, UNBOUNDED
 from chromanoise.exposure import Situation, white_scene
@@ -31,7 +31,7 @@ class Outcome:
     """
 
     analysis: Analysis
-    grey_noise: GreyNoise | None
+    grey_noise: GrayNoise | None
     chart: ChartNoise | None
     merits: Merits | None
 
@@ -67,7 +67,7 @@ def outcome_of(situation: Situation, maker: MatrixMaker, outputs: OutputsPart) -
     space = SPACES[outputs.space] if outputs.space is not None else None
     return Outcome(
         analysis=analysis,
-        grey_noise=grey_noise(analysis, space, readout=held) if space else None,
+        grey_noise=gray_noise(analysis, space, readout=held) if space else None,
         chart=chart_noise(analysis, readout=held or UNBOUNDED) if outputs.chart else None,
         merits=merits_of(analysis, maker=maker) if outputs.merit else None,
     )
@@ -80,7 +80,7 @@ def outcomes_as_json(outcomes: Sequence[Outcome], outputs: OutputsPart) -> dict[
         if outputs.budget:
             own |= budgets_as_json(outcome.analysis)
         if outputs.space is not None:
-            own["grey_noise"] = grey_noise_as_json(outcome.grey_noise)
+            own["grey_noise"] = gray_noise_as_json(outcome.grey_noise)
         if outputs.chart:
             own["chart"] = chart_as_json(outcome.chart)
         if outcome.merits is not None:

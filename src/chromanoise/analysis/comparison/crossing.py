@@ -183,9 +183,12 @@ def _first_leader(lead: Float[Array, " k"], first: str, second: str) -> str | No
 
 def _refuse_nothing_common(first: Curve, second: Curve) -> None:
     raise InputError(
-        f"{first.sensor} and {second.sensor} have no {first.sweep.what} of the sweep at which both "
-        f"have a {first.quantity.what} with the {first.matrix} matrix: they are saturated (shorten "
-        "the time, sweep less light) or the matrix cannot make that color of this light"
+        f"{first.sensor} and {second.sensor}",
+        f"must both have a {first.quantity.what} with the {first.matrix} matrix at some "
+        f"{first.sweep.what} of the sweep",
+        value=(float(first.at[0]), float(first.at[-1])),
+        found="have none: they are saturated, or the matrix cannot make that color of this light",
+        remedy=("shorten the time", "sweep less light", "take another matrix"),
     )
 
 

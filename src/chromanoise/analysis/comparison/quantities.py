@@ -7,14 +7,33 @@ from functools import partial
 import numpy as np
 
 from chromanoise._check import Array
-from chromanoise._shapes import Bool, Float
-from chromanoise.analysis.perceived import GREY
-from chromanoise.color import LAB, ColorMatrix, colored, perceived_noise, scene_xyz
-from chromanoise.exposure import Situation, expected_electrons, white_scene
-from chromanoise.metrics import bound_db, chart_color_error, signal_snr_db
+from chromanoise._shapes import (
+    Bool,
+    Float,
+)
+from chromanoise.analysis.operating_point import (
+    Stages,
+    electrons_at,
+    noisy_color_at,
+    stages_at,
+)
+from chromanoise.analysis.perceived import (
+    GRAY,
+)
+from chromanoise.color import (
+    LAB,
+    ColorMatrix,
+    cubature,
+    propagate,
+)
+from chromanoise.exposure import (
+    Situation,
+)
+from chromanoise.metrics import (
+    chart_color_error,
+)
 from chromanoise.metrics.accuracy import mean_chart_errors
-from chromanoise.noise import Measurement, saturated, with_noise
-from chromanoise.scene import Scene, flat_field
+from chromanoise.noise import saturated
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -48,12 +67,7 @@ class Quantity:
 
 def color_snr(situation: Situation, matrix: ColorMatrix, *, coordinate: str) -> float:
     """SNR of X, Y or Z of a perfect white; NaN where it has none. [dB]"""
-    electrons = _white_electrons(situation)
-    if electrons is None:
-        return float("nan")
-    color = colored(with_noise(electrons, situation.sensor), matrix)
-    i = matrix.coordinates.index(coordinate)
-    return float(signal_snr_db(color, scene_xyz(white_scene(situation), matrix.metric))[i])
+    return float(_color_snr(stages_at(situation, matrix), coordinate))
 
 
 def color_snr_over_levels(
@@ -77,29 +91,12 @@ def color_snr_over_levels(
     matrices
         One per level, in place of the numbers of ``matrix``. [lx/e-]
     """
-    flat = np.ones(situation.illuminant.grid.n)
-    white = Scene(
-        illuminant=situation.illuminant, level_lux=1.0, reflectance=level_lux[:, None] * flat
-    )
-    electrons = expected_electrons(white, situation.sensor, situation.exposure)
-    full = saturated(electrons, situation.sensor.pixel).any(axis=-1)
-    raw = with_noise(electrons, situation.sensor)
-    color = colored(raw, matrix) if matrices is None else _colored_each(raw, matrix, matrices)
-    decibels = signal_snr_db(color, scene_xyz(white, matrix.metric))
-    return np.where(full, np.nan, decibels[:, matrix.coordinates.index(coordinate)])
+    at = stages_at(situation, matrix, level_lux=level_lux, lux_per_e=matrices)
+    return _color_snr(at, coordinate)
 
 
-def _colored_each(
-    raw: Measurement, matrix: ColorMatrix, matrices: Float[Array, "k c p"]
-) -> Measurement:
-    return Measurement(
-        mean=(matrices @ raw.mean[..., None])[..., 0],
-        covariance=matrices @ raw.covariance @ np.swapaxes(matrices, -1, -2),
-        names=matrix.coordinates,
-        kind="".join(matrix.coordinates),
-        unit="lx",
-        metric=matrix.metric,
-    )
+def _color_snr(at: Stages, coordinate: str) -> Float[Array, "*lv"]:
+    return at.color_snr_db[..., at.matrix.coordinates.index(coordinate)]
 
 
 def is_saturated_over_levels(
@@ -114,8 +111,8 @@ def is_saturated_over_levels(
     level_lux
         Illuminance. [lx]
     """
-    full = saturated(level_lux[:, None] * _electrons_of_a_lux(situation), situation.sensor.pixel)
-    return np.asarray(full.any(axis=-1))
+    electrons = electrons_at(situation, level_lux=level_lux)
+    return np.asarray(saturated(electrons, situation.sensor.pixel).any(axis=-1))
 
 
 def fullest_level_lux(situation: Situation) -> float | None:
@@ -124,26 +121,42 @@ def fullest_level_lux(situation: Situation) -> float | None:
     ``None`` where no channel sees the light. Electrons are linear in light, so it is the full
     well over the electrons of one lux in the channel that gets most.
     """
-    most = float(_electrons_of_a_lux(situation).max())
+    most = float(electrons_at(situation, level_lux=np.ones(1)).max())
     return situation.sensor.pixel.full_well_e / most if most > 0 else None
 
 
-def _electrons_of_a_lux(situation: Situation) -> np.ndarray:
-    white = flat_field(situation.illuminant, level_lux=1.0)
-    return expected_electrons(white, situation.sensor, situation.exposure)
-
-
-def raw_bound(situation: Situation, matrix: ColorMatrix) -> float:
+def best_snr(situation: Situation, matrix: ColorMatrix) -> float:
     """SNR of the best linear readout of a perfect white, whatever the matrix. [dB]"""
-    electrons = _white_electrons(situation)
-    if electrons is None:
-        return float("nan")
-    return float(bound_db(with_noise(electrons, situation.sensor)))
+    return float(stages_at(situation, matrix).optimal_linear_snr_db)
 
 
-def price(situation: Situation, matrix: ColorMatrix) -> float:
+def best_snr_over_levels(
+    situation: Situation,
+    matrix: ColorMatrix,
+    level_lux: Float[Array, " k"],
+    *,
+    matrices: Float[Array, "k c p"] | None = None,
+) -> Float[Array, " k"]:
+    """`best_snr` at many light levels; parameters as `color_snr_over_levels`. [dB]"""
+    return stages_at(situation, matrix, level_lux=level_lux).optimal_linear_snr_db
+
+
+def color_loss(situation: Situation, matrix: ColorMatrix) -> float:
     """How far SNR of Y stays below the best linear readout. [dB]"""
-    return raw_bound(situation, matrix) - color_snr(situation, matrix, coordinate="Y")
+    at = stages_at(situation, matrix)
+    return float(at.optimal_linear_snr_db - _color_snr(at, "Y"))
+
+
+def color_loss_over_levels(
+    situation: Situation,
+    matrix: ColorMatrix,
+    level_lux: Float[Array, " k"],
+    *,
+    matrices: Float[Array, "k c p"] | None = None,
+) -> Float[Array, " k"]:
+    """`color_loss` at many light levels; parameters as `color_snr_over_levels`. [dB]"""
+    at = stages_at(situation, matrix, level_lux=level_lux, lux_per_e=matrices)
+    return at.optimal_linear_snr_db - _color_snr(at, "Y")
 
 
 def color_error(situation: Situation, matrix: ColorMatrix) -> float:
@@ -157,30 +170,22 @@ def color_errors(situation: Situation, matrices: Float[Array, "k c p"]) -> Float
     return mean_chart_errors(situation.sensor, matrices, situation.exposure, situation.illuminant)
 
 
-def grey_delta_e(situation: Situation, matrix: ColorMatrix) -> float:
-    """Mean color difference that noise makes on an 18 % grey. [Delta E*ab]"""
-    electrons = _white_electrons(situation)
-    if electrons is None:
+def gray_delta_e(situation: Situation, matrix: ColorMatrix) -> float:
+    """Mean color difference that noise makes on an 18 % gray. [Delta E*ab]"""
+    if is_saturated(situation):
         return float("nan")
-    white = matrix.matrix @ electrons
+    white = matrix.matrix @ electrons_at(situation)
     if not (white > 0).all():
         return float("nan")
-    grey = flat_field(situation.illuminant, level_lux=situation.level_lux, reflectance=GREY)
-    raw = with_noise(
-        expected_electrons(grey, situation.sensor, situation.exposure), situation.sensor
-    )
-    return float(perceived_noise(colored(raw, matrix), white, space=LAB).delta_e)
+    gray = noisy_color_at(stages_at(situation, matrix, reflectance=GRAY), white)
+    difference = propagate(gray, LAB, cubature).delta_e
+    assert difference is not None  # CIELAB has one
+    return float(difference)
 
 
 def is_saturated(situation: Situation) -> bool:
     """Whether a channel is saturated on a perfect white."""
-    return _white_electrons(situation) is None
-
-
-def _white_electrons(situation: Situation) -> np.ndarray | None:
-    """Of a perfect white; ``None`` where a channel is saturated. [e-]"""
-    electrons = expected_electrons(white_scene(situation), situation.sensor, situation.exposure)
-    return None if saturated(electrons, situation.sensor.pixel).any() else electrons
+    return bool(saturated(electrons_at(situation), situation.sensor.pixel).any())
 
 
 def _snr(name: str, coordinate: str) -> Quantity:
@@ -205,21 +210,23 @@ QUANTITIES: Mapping[str, Quantity] = {
             what="SNR of the best linear readout of a white",
             unit="dB",
             more_is_better=True,
-            of=raw_bound,
+            of=best_snr,
+            over_levels=best_snr_over_levels,
         ),
         Quantity(
             name="price",
             what="price of color of a white",
             unit="dB",
             more_is_better=False,
-            of=price,
+            of=color_loss,
+            over_levels=color_loss_over_levels,
         ),
         Quantity(
             name="delta-e",
-            what="mean color difference by noise on an 18 % grey",
+            what="mean color difference by noise on an 18 % gray",
             unit="Delta E*ab",
             more_is_better=False,
-            of=grey_delta_e,
+            of=gray_delta_e,
         ),
         Quantity(
             name="color-error",

@@ -161,9 +161,12 @@ def swept_values(sweep: Sweep, first: float, last: float, points: int) -> Float[
         _check.within(f"sweep of {sweep.name}", sweep.unit, value, sweep.lowest, sweep.highest)
     if not last > first:
         raise InputError(
-            f"a sweep must rise, but {sweep.name} goes from {first:g} to {last:g} {sweep.unit}"
+            f"sweep of {sweep.name}",
+            f"must rise [{sweep.unit}]",
+            value=(first, last),
+            found=f"goes from {first:g} to {last:g}",
         )
     if not 2 <= points <= 100_000:
-        raise InputError(f"a sweep takes 2 to 100000 points, but {points} are asked for")
+        raise InputError("points", "must be 2 to 100000 for a sweep", value=points)
     space = np.geomspace if sweep.logarithmic else np.linspace
     return np.asarray(space(first, last, points))

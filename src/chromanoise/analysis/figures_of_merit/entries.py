@@ -8,11 +8,15 @@ import numpy as np
 
 from chromanoise import _check
 from chromanoise._check import Array
-from chromanoise._shapes import Float
+from chromanoise._shapes import (
+    Float,
+)
+from chromanoise.analysis.operating_point import (
+    electrons_at,
+    stages_at,
+)
 from chromanoise.analysis.stages import Analysis
-from chromanoise.color import scene_xyz
 from chromanoise.errors import InputError
-from chromanoise.exposure import Situation, expected_electrons, white_scene
 from chromanoise.metrics.snr import LEAST_COLOR
 from chromanoise.noise import saturated
 
@@ -74,8 +78,10 @@ class Merit:
             _check.finite(self.name, self.unit, self.value)
         if (self.value is None) != bool(self.missing):
             raise InputError(
-                f"merit {self.name} needs either a value or the reason why it has none, but "
-                f"has {self.value} and {self.missing!r}"
+                f"merit {self.name}",
+                "must have either a value or the reason why it has none",
+                value=(self.value, self.missing),
+                found=f"has {self.value} and {self.missing!r}",
             )
 
 
@@ -110,20 +116,9 @@ def merit_or_reason(
     return Merit(name=name, what=what, unit=unit, value=float(value), source=source)
 
 
-def situation_of(analysis: Analysis) -> Situation:
-    """Sensor, exposure, lamp and illuminance of an analysis, without the patch."""
-    return Situation(
-        sensor=analysis.sensor,
-        exposure=analysis.exposure,
-        illuminant=analysis.scene.illuminant,
-        level_lux=analysis.scene.level_lux,
-    )
-
-
 def white_electrons(analysis: Analysis) -> Float[Array, " p"]:
     """Expected electrons of a perfect white in the light of the analysis, unclipped. [e-]"""
-    situation = situation_of(analysis)
-    return expected_electrons(white_scene(situation), situation.sensor, situation.exposure)
+    return electrons_at(analysis.point)
 
 
 def white_color(analysis: Analysis) -> Float[Array, " 3"]:
@@ -134,13 +129,16 @@ def white_color(analysis: Analysis) -> Float[Array, " 3"]:
     InputError
         If X, Y or Z is no signal: below 0, or next to nothing of what the eye sees.
     """
-    white = analysis.matrix.matrix @ white_electrons(analysis)
-    truth = scene_xyz(white_scene(situation_of(analysis)), analysis.matrix.metric)
-    for name, seen, wanted in zip(analysis.matrix.coordinates, white, truth, strict=True):
+    at = stages_at(analysis.point, analysis.matrix)
+    white = analysis.matrix.matrix @ at.expected_e
+    for name, seen, wanted in zip(analysis.matrix.coordinates, white, at.truth_xyz, strict=True):
         if not seen > LEAST_COLOR * wanted:
             raise InputError(
-                f"{name} of a perfect white comes out at {seen:.3g} lx instead of {wanted:.3g}, so "
-                "there is no white to hold colors against; take another lamp or matrix"
+                f"{name} of a perfect white",
+                f"must be a signal, as colors are relative to it; the eye sees {wanted:.3g} lx",
+                value=float(seen),
+                found=f"is {seen:.3g} lx",
+                remedy="take another lamp or matrix",
             )
     return np.asarray(white)
 
@@ -157,6 +155,9 @@ def refuse_full(analysis: Analysis) -> None:
     held = [name for name, is_full in zip(analysis.sensor.names, full, strict=True) if is_full]
     if held:
         raise InputError(
-            f"a perfect white saturates {', '.join(held)} of {analysis.sensor.name}; shorten the "
-            "time or close the aperture"
+            f"sensor {analysis.sensor.name}",
+            "must not be saturated by a perfect white",
+            value=tuple(held),
+            found=f"is in {', '.join(held)}",
+            remedy="shorten the time or close the aperture",
         )

@@ -8,7 +8,6 @@ from chromanoise.analysis.figures_of_merit.entries import (
     Merit,
     merit_or_reason,
     refuse_full,
-    situation_of,
 )
 from chromanoise.analysis.stages import Analysis
 from chromanoise.color import LAB, scene_xyz
@@ -129,7 +128,7 @@ def chart_merits(analysis: Analysis) -> tuple[Merit, ...]:
 def _chart_figure(analysis: Analysis) -> float:
     refuse_full(analysis)
     chart, metric = _chart(analysis), analysis.matrix.metric
-    white_xyz = scene_xyz(white_scene(situation_of(analysis)), metric)
+    white_xyz = scene_xyz(white_scene(analysis.point), metric)
     return figure_of_merit(
         measurement_vectors(analysis.sensor, analysis.exposure, metric),
         color_axes(analysis.sensor.grid, metric),

@@ -13,11 +13,10 @@ from chromanoise.analysis.figures_of_merit.entries import (
     Viewing,
     merit_or_reason,
     refuse_full,
-    situation_of,
     white_color,
     white_electrons,
 )
-from chromanoise.analysis.perceived import GREY
+from chromanoise.analysis.perceived import GRAY
 from chromanoise.analysis.stages import Analysis
 from chromanoise.color import LINEAR_SRGB, LUV
 from chromanoise.exposure import Situation
@@ -47,9 +46,9 @@ _SPEEDS = ((10, "first acceptable"), (40, "first excellent"))
 
 def speed_merits(analysis: Analysis, maker: MatrixMaker | None) -> tuple[Merit, ...]:
     """SNR10 of the matrix in use, of one that adapts, and the noise-based speeds."""
-    card = f"{100 * GREY:.0f} % gray, this exposure"
+    card = f"{100 * GRAY:.0f} % gray, this exposure"
     never = f"no light is enough: full well comes first, or Y of a gray ({card}) is no signal"
-    adapts = maker is not None and _adapts(situation_of(analysis), maker)
+    adapts = maker is not None and _adapts(analysis.point, maker)
     fixed = merit_or_reason(
         "snr10",
         f"SNR10 of Y, {card}, matrix kept",
@@ -60,7 +59,7 @@ def speed_merits(analysis: Analysis, maker: MatrixMaker | None) -> tuple[Merit, 
             analysis.scene.illuminant,
             analysis.exposure,
             analysis.matrix,
-            reflectance=GREY,
+            reflectance=GRAY,
         ),
         never=never,
     )
@@ -69,7 +68,7 @@ def speed_merits(analysis: Analysis, maker: MatrixMaker | None) -> tuple[Merit, 
         f"SNR10 of Y, {card}, matrix adapted",
         "lx",
         "Alakarhu, IISW 2007",
-        of=lambda: _adapted_light(situation_of(analysis), maker) if maker and adapts else None,
+        of=lambda: _adapted_light(analysis.point, maker) if maker and adapts else None,
         never=never if adapts else "this matrix does not adapt to the light; see the one kept",
     )
     return (fixed, adapted, *_noise_speeds(analysis))
@@ -103,7 +102,7 @@ def _adapted_light(situation: Situation, maker: MatrixMaker) -> float | None:
         situation.illuminant,
         situation.exposure,
         lambda lux: maker(replace(situation, level_lux=lux)),
-        reflectance=GREY,
+        reflectance=GRAY,
     )
 
 
@@ -149,7 +148,7 @@ def level_merits(analysis: Analysis) -> tuple[Merit, ...]:
 
 def visual_merits(analysis: Analysis, viewing: Viewing) -> tuple[Merit, ...]:
     """Visual noise with every channel in each pixel, and through bilinear demosaicing."""
-    card = f"visual noise of {100 * GREY:.0f} % gray"
+    card = f"visual noise of {100 * GRAY:.0f} % gray"
     return (
         merit_or_reason(
             "visual_noise",
@@ -199,8 +198,8 @@ def _gray_noise(
     """Of the gray: raw to XYZ over the sensor's white, from there to L*u*v*, raw variance."""
     refuse_full(analysis)
     white = white_color(analysis)
-    variance_e2 = GREY * white_electrons(analysis) + analysis.sensor.pixel.read_noise_e**2
-    to_luv = LUV.jacobian(np.full(3, GREY), np.ones(3))
+    variance_e2 = GRAY * white_electrons(analysis) + analysis.sensor.pixel.read_noise_e**2
+    to_luv = LUV.jacobian(np.full(3, GRAY), np.ones(3))
     return analysis.matrix.matrix / white[:, None], to_luv, variance_e2
 
 

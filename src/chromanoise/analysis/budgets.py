@@ -1,0 +1,91 @@
+"""Where the signal-to-noise ratio of each coordinate goes: all budgets of an analysis."""
+
+from collections.abc import Sequence
+from functools import lru_cache
+
+from chromanoise.analysis.perceived import GRAY
+from chromanoise.analysis.stages import Analysis, color_snr_db
+from chromanoise.color import LAB
+from chromanoise.metrics import Budget, color_budget, contravariant_budget, lab_budget
+from chromanoise.scene import flat_field
+
+_CONTRAVARIANT = "M^"
+
+
+@lru_cache(maxsize=64)  # a verdict asks for what a waterfall draws
+def coordinate_budget(
+    analysis: Analysis, coordinate: str, *, reflectance: float = GRAY
+) -> Budget | None:
+    """The budget of X, Y, Z, of a contravariant coordinate as M^R, or of L*, a*, b* of a gray.
+
+    ``None`` while a channel is saturated, and where the coordinate has no SNR or no budget.
+
+    Parameters
+    ----------
+    analysis
+        Of a perfect white.
+    coordinate
+        A name; one that the sensor does not have has no budget.
+    reflectance
+        Of the gray, for L*, a* and b*. [1]
+    """
+    if analysis.saturated.any():
+        return None
+    light, sensor, exposure = analysis.scene, analysis.sensor, analysis.exposure
+    snr = color_snr_db(analysis)
+    if coordinate in snr:
+        if snr[coordinate] is None:
+            return None
+        return color_budget(light, sensor, exposure, analysis.matrix, coordinate)
+    if coordinate in LAB.coordinates:
+        if None in snr.values():
+            return None
+        gray = flat_field(light.illuminant, level_lux=light.level_lux, reflectance=reflectance)
+        return lab_budget(gray, sensor, exposure, analysis.matrix, coordinate)
+    channel = coordinate.removeprefix(_CONTRAVARIANT)
+    if channel not in sensor.names:
+        return None
+    return contravariant_budget(light, sensor, exposure, analysis.matrix.frame, channel)
+
+
+def color_budgets(analysis: Analysis) -> tuple[Budget | None, ...]:
+    """Where the SNR of X, Y and Z went; ``None`` while a channel is saturated or without SNR."""
+    return tuple(coordinate_budget(analysis, name) for name in analysis.color.names)
+
+
+def contravariant_budgets(analysis: Analysis) -> tuple[Budget | None, ...]:
+    """Where the SNR of each contravariant coordinate went; ``None`` where it has none."""
+    names = analysis.sensor.names
+    return tuple(coordinate_budget(analysis, f"{_CONTRAVARIANT}{name}") for name in names)
+
+
+def lab_budgets(analysis: Analysis, *, reflectance: float = GRAY) -> tuple[Budget | None, ...]:
+    """Where one unit of L*, a* and b* of a gray is lost in noise, from all photons on.
+
+    ``None`` while a channel is saturated on the white, and where a coordinate has no budget.
+
+    Parameters
+    ----------
+    analysis
+        Of a perfect white; the gray is in its light.
+    reflectance
+        Of the gray. [1]
+    """
+    return tuple(
+        coordinate_budget(analysis, name, reflectance=reflectance) for name in LAB.coordinates
+    )
+
+
+def missing_lab_budgets(analysis: Analysis, budgets: Sequence[Budget | None]) -> str | None:
+    """Why a coordinate has none of its `lab_budgets`; ``None`` where none is missing."""
+    name = analysis.sensor.name
+    if analysis.saturated.any():
+        return f"{name}: a channel is saturated on the white, so L*, a* and b* have no budget"
+    told = zip(LAB.coordinates, budgets, strict=True)
+    missing = [coordinate for coordinate, budget in told if budget is None]
+    if not missing:
+        return None
+    return (
+        f"{name}: no budget of {', '.join(missing)}, as the sensor and its matrix do not follow a "
+        "change of it; take another matrix, or more channels"
+    )

@@ -1,0 +1,237 @@
+"""One sensor in its light: electrons and measurements at every stage, for many levels and patches.
+
+Everything that asks for a signal-to-noise ratio of a sensor in use starts here: the analysis of one
+patch, sweeps over the light level, the patches of a chart.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from chromanoise import _check
+from chromanoise._check import Array
+from chromanoise._shapes import Bool, Float
+from chromanoise.color import UNBOUNDED, ColorMatrix, ElectronSource, NoisyColor, colored, scene_xyz
+from chromanoise.exposure import Situation, expected_electrons
+from chromanoise.geometry import contravariant
+from chromanoise.metrics import optimal_linear_snr_db, signal_snr_db
+from chromanoise.noise import (
+    Measurement,
+    Moments,
+    Readout,
+    raw_measurement,
+    read_moments,
+    saturated,
+    with_noise,
+)
+from chromanoise.scene import Scene
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Stages:
+    """A sensor in use at every stage; leading axes are light levels, then patches.
+
+    Attributes
+    ----------
+    point, matrix
+        Sensor, exposure and light; from electrons to color.
+    scene
+        The patches; its level is one lux where ``level_lux`` is given.
+    level_lux
+        Illuminances of the leading axis; ``None`` for that of ``point`` alone. [lx]
+    readout
+        What clips and rounds the values; ``None`` for nothing.
+    expected_e
+        Expected electrons per channel, before anything is clipped. [e-]
+    raw
+        The electrons as they are read, with covariance.
+    clipping
+        Exact moments of the readout; ``None`` without one.
+    lux_per_e
+        One matrix per level, in place of the numbers of ``matrix``; ``None`` for those. [lx/e-]
+    """
+
+    point: Situation
+    matrix: ColorMatrix
+    scene: Scene
+    level_lux: Float[Array, " k"] | None
+    readout: Readout | None
+    expected_e: Float[Array, "*px p"]
+    raw: Measurement
+    clipping: Moments | None
+    lux_per_e: Float[Array, "k c p"] | None
+
+    def __post_init__(self) -> None:
+        _check.freeze(self, "expected_e")
+
+    @property
+    def saturated(self) -> Bool[Array, "*px p"]:
+        """Where the expected electrons of a channel exceed full well."""
+        return saturated(self.expected_e, self.point.sensor.pixel)
+
+    @property
+    def truth_xyz(self) -> Float[Array, "*px 3"]:
+        """X, Y, Z as the eye sees them. [lx]"""
+        return _at_levels(scene_xyz(self.scene, self.matrix.metric), self.level_lux)
+
+    @property
+    def contravariant(self) -> Measurement:
+        """Contravariant coordinates (eq. 3)."""
+        return contravariant(self.raw, self.matrix.frame)
+
+    @property
+    def color(self) -> Measurement:
+        """Color coordinates with covariance (eq. 5). [lx]"""
+        if self.lux_per_e is None:
+            return colored(self.raw, self.matrix)
+        _check.same_names("color", raw=self.raw.names, matrix=self.matrix.channels)
+        patches = (1,) * (self.scene.reflectance.ndim - 1)
+        levels, *size = self.lux_per_e.shape
+        each = self.lux_per_e.reshape(levels, *patches, *size)
+        return Measurement(
+            mean=(each @ self.raw.mean[..., None])[..., 0],
+            covariance=each @ self.raw.covariance @ np.swapaxes(each, -1, -2),
+            names=self.matrix.coordinates,
+            kind="".join(self.matrix.coordinates),
+            unit="lx",
+            metric=self.matrix.metric,
+        )
+
+    @property
+    def color_snr_db(self) -> Float[Array, "*px c"]:
+        """SNR of each color coordinate; NaN while a channel is saturated or without signal. [dB]"""
+        full = self.saturated.any(axis=-1, keepdims=True)
+        if full.all():
+            return np.full((*full.shape[:-1], len(self.matrix.coordinates)), np.nan)
+        return np.where(full, np.nan, signal_snr_db(self.color, self.truth_xyz))
+
+    @property
+    def optimal_linear_snr_db(self) -> Float[Array, "*px"]:
+        """SNR of the best linear readout; NaN while a channel is saturated. [dB]"""
+        full = self.saturated.any(axis=-1)
+        if full.all():
+            return np.full(full.shape, np.nan)
+        return np.where(full, np.nan, optimal_linear_snr_db(self.raw))
+
+
+def electrons_at(
+    point: Situation,
+    *,
+    level_lux: Float[Array, " k"] | None = None,
+    reflectance: float | Float[Array, "*patches n"] = 1.0,
+) -> Float[Array, "*px p"]:
+    """Expected electrons of patches at light levels, the exposure being kept (eq. 2). [e-]
+
+    Parameters
+    ----------
+    point
+        Sensor, exposure and light.
+    level_lux
+        Illuminances, >= 0: the first axis of the result. ``None`` for that of ``point``, without
+        an axis. [lx]
+    reflectance
+        One for all wavelengths, or on the grid of the light with any axes of patches before it.
+
+    Raises
+    ------
+    InputError
+        If a level or a reflectance is negative, or light and sensor are not on one grid.
+    """
+    scene = _scene(point, level_lux, reflectance)
+    return _at_levels(expected_electrons(scene, point.sensor, point.exposure), level_lux)
+
+
+def stages_at(
+    point: Situation,
+    matrix: ColorMatrix,
+    *,
+    level_lux: Float[Array, " k"] | None = None,
+    reflectance: float | Float[Array, "*patches n"] = 1.0,
+    readout: Readout | None = None,
+    lux_per_e: Float[Array, "k c p"] | None = None,
+) -> Stages:
+    """Every stage of a sensor in use: electrons, raw, contravariant and color coordinates.
+
+    Parameters
+    ----------
+    point
+        Sensor, exposure and light.
+    matrix
+        To color.
+    level_lux, reflectance
+        As `electrons_at`.
+    readout
+        Take the exact moments of what it clips and rounds; ``None`` for eq. 7, unclipped.
+    lux_per_e
+        One matrix per level, in place of the numbers of ``matrix``. [lx/e-]
+
+    Raises
+    ------
+    InputError
+        As `electrons_at`, or if there is not one matrix per level.
+    """
+    levels = None if level_lux is None else _check.non_negative("level_lux", "lx", level_lux)
+    if lux_per_e is not None:
+        count = 0 if levels is None else levels.size
+        _check.same_length("levels", level_lux=count, lux_per_e=len(lux_per_e))
+    scene = _scene(point, levels, reflectance)
+    expected = _at_levels(expected_electrons(scene, point.sensor, point.exposure), levels)
+    clipping = None
+    if readout is not None:
+        noise = point.sensor.pixel.read_noise_e
+        clipping = read_moments(expected, read_noise_e=noise, readout=readout)
+    return Stages(
+        point=point,
+        matrix=matrix,
+        scene=scene,
+        level_lux=levels,
+        readout=readout,
+        expected_e=expected,
+        raw=raw_measurement(clipping, point.sensor.names)
+        if clipping
+        else with_noise(expected, point.sensor),
+        clipping=clipping,
+        lux_per_e=lux_per_e,
+    )
+
+
+def noisy_color_at(stages: Stages, white: Float[Array, " 3"]) -> NoisyColor:
+    """The colors of the patches with their electrons, for `chromanoise.color.propagate`.
+
+    Parameters
+    ----------
+    stages
+        With the one matrix for all levels.
+    white
+        XYZ of a perfect white as the sensor sees it. [lx]
+    """
+    source = ElectronSource(
+        mean_e=stages.expected_e,
+        matrix=stages.matrix.matrix,
+        read_noise_e=stages.point.sensor.pixel.read_noise_e,
+        readout=stages.readout or UNBOUNDED,
+    )
+    return NoisyColor(xyz=stages.color, white=white, source=source)
+
+
+def _scene(
+    point: Situation,
+    level_lux: Float[Array, " k"] | None,
+    reflectance: float | Float[Array, "*patches n"],
+) -> Scene:
+    rho = np.asarray(reflectance, dtype=np.float64)
+    flat = np.full(point.illuminant.grid.n, rho) if rho.ndim == 0 else rho
+    return Scene(
+        illuminant=point.illuminant,
+        level_lux=point.level_lux if level_lux is None else 1.0,
+        reflectance=flat,
+    )
+
+
+def _at_levels(
+    of_one_lux: Float[Array, "*patches p"], level_lux: Float[Array, " k"] | None
+) -> Float[Array, "*px p"]:
+    """Electrons and colors are proportional to the light."""
+    if level_lux is None:
+        return of_one_lux
+    return np.multiply.outer(level_lux, of_one_lux)

@@ -1,0 +1,181 @@
+"""Noise of a color in a color space: one result, by one of three methods.
+
+===============  =================================================  =============================
+method           takes                                              right
+===============  =================================================  =============================
+`first_order`    the slope of the space at the mean: J S J^T        while noise is small
+`cubature`       X, Y, Z as jointly normal, by fixed points         while electrons are many
+`exact`          the exact Poisson-Gaussian distribution            always; reports its own error
+===============  =================================================  =============================
+
+A method is a function of a `NoisyColor` and a `Space`; `functools.partial` sets its accuracy:
+``partial(exact, points=2**13)``.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from chromanoise import _check
+from chromanoise._check import Array
+from chromanoise._shapes import Float
+from chromanoise.color.noisy_color import NoisyColor
+from chromanoise.color.spaces import Space
+from chromanoise.noise import Measurement
+
+FIRST_ORDER_TOLERANCE = 0.05
+"""Where the first order misses a standard deviation by more, it is not to be trusted."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class SpaceMoments:
+    """What a method finds; `propagate` makes a `ColorNoise` of it.
+
+    Attributes
+    ----------
+    bias
+        Mean minus the coordinates of the color without noise.
+    covariance
+        Of the coordinates.
+    chroma_sd, chroma_bias, delta_e
+        As `ColorNoise`; ``None`` in a space without color differences.
+    mean_error, sd_error
+        Standard errors of this method; ``None`` where it reports none.
+    """
+
+    bias: Float[Array, "*px 3"]
+    covariance: Float[Array, "*px 3 3"]
+    chroma_sd: Float[Array, "*px"] | None = None
+    chroma_bias: Float[Array, "*px"] | None = None
+    delta_e: Float[Array, "*px"] | None = None
+    mean_error: Float[Array, "*px 3"] | None = None
+    sd_error: Float[Array, "*px 3"] | None = None
+
+
+Method = Callable[[NoisyColor, Space], SpaceMoments]
+"""`first_order`, `cubature`, `exact`, or your own."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ColorNoise:
+    """Noise of one color, or of each pixel of a picture, in a color space.
+
+    Attributes
+    ----------
+    measurement
+        Mean and covariance of the coordinates; its kind is the name of the space.
+    noiseless
+        Coordinates of the color without noise and without clipping.
+    bias
+        Mean minus ``noiseless``.
+    chroma_sd
+        Standard deviation of C*. At a neutral, where C* has a kink, the first order takes the
+        largest one of any hue.
+    chroma_bias
+        Mean of C* minus that of ``noiseless``: noise adds color to a gray.
+    delta_e
+        Mean CIE 1976 color difference to ``noiseless``. The three are ``None`` in a space where a
+        distance is no color difference.
+    mean_error, sd_error
+        Standard error of the mean and of the standard deviation per coordinate, by the method
+        itself; ``None`` for a method that reports none.
+    """
+
+    measurement: Measurement
+    noiseless: Float[Array, "*px 3"]
+    bias: Float[Array, "*px 3"]
+    chroma_sd: Float[Array, "*px"] | None
+    chroma_bias: Float[Array, "*px"] | None
+    delta_e: Float[Array, "*px"] | None
+    mean_error: Float[Array, "*px 3"] | None
+    sd_error: Float[Array, "*px 3"] | None
+
+    def __post_init__(self) -> None:
+        _check.freeze(self, "noiseless", "bias")
+        known = ("chroma_sd", "chroma_bias", "delta_e", "mean_error", "sd_error")
+        _check.freeze(self, *(name for name in known if getattr(self, name) is not None))
+
+    @property
+    def sd(self) -> Float[Array, "*px 3"]:
+        """Standard deviation per coordinate."""
+        return np.sqrt(self.measurement.variance)
+
+
+def propagate(color: NoisyColor, space: Space, method: Method) -> ColorNoise:
+    """Mean, covariance and bias of a noisy color in ``space``.
+
+    Parameters
+    ----------
+    color
+        X, Y, Z with their noise; `exact` also needs its source, as `noisy_color` makes it.
+    space
+        E.g. `chromanoise.color.LAB`.
+    method
+        `first_order`, `cubature`, `exact`, or one of them with its accuracy set by
+        `functools.partial`.
+
+    Raises
+    ------
+    InputError
+        If the white is not above 0, or as the method.
+
+    Notes
+    -----
+    CIE 015:2018, eq. 8.11 (C*), 8.21 and 8.36 (color difference).
+
+    Examples
+    --------
+    >>> from chromanoise.color import LAB, first_order
+    >>> xyz = Measurement(mean=np.full(3, 0.125), covariance=np.diag([0.0, 1e-6, 0.0]),
+    ...                   names=("X", "Y", "Z"), kind="XYZ", unit="1")
+    >>> noise = propagate(NoisyColor(xyz=xyz, white=np.ones(3)), LAB, first_order)
+    >>> noise.sd[0].round(6)                                      # (42 + 16) / 3 / 125
+    np.float64(0.154667)
+    """
+    found = method(color, space)
+    noiseless = space.from_xyz(color.noiseless_xyz, color.white)
+    measurement = Measurement(
+        mean=noiseless + found.bias,
+        covariance=0.5 * (found.covariance + np.swapaxes(found.covariance, -1, -2)),
+        names=space.coordinates,
+        kind=space.name,
+        unit="1",
+    )
+    return ColorNoise(
+        measurement=measurement,
+        noiseless=noiseless,
+        bias=found.bias,
+        chroma_sd=found.chroma_sd,
+        chroma_bias=found.chroma_bias,
+        delta_e=found.delta_e,
+        mean_error=found.mean_error,
+        sd_error=found.sd_error,
+    )
+
+
+def relative_sd_error(rough: Measurement, trusted: Measurement) -> Float[Array, "*px q"]:
+    """How far one method misses each standard deviation of another: their ratio, minus 1.
+
+    -0.1 is 10 % too low, 0 right or no noise at all, inf that there is none where the rough one
+    finds some. Beyond `FIRST_ORDER_TOLERANCE` do not trust the first order.
+
+    Parameters
+    ----------
+    rough, trusted
+        The same coordinates by two methods.
+
+    Examples
+    --------
+    >>> rough, right = (Measurement(mean=np.zeros(1), covariance=np.array([[v]]), names=("L*",),
+    ...                             kind="CIELAB", unit="1") for v in (4.0, 16.0))
+    >>> relative_sd_error(rough, right)
+    array([-0.5])
+    """
+    one, two = np.sqrt(rough.variance), np.sqrt(trusted.variance)
+    size = 1 + np.abs(rough.mean).max(axis=-1, keepdims=True)
+    largest = np.maximum(one, two).max(axis=-1, keepdims=True)
+    nothing = np.maximum(1e-9 * largest, 1e-13 * size)  # still, but for rounding
+    one, two = np.where(one > nothing, one, 0.0), np.where(two > nothing, two, 0.0)
+    ratio = np.where(two > 0, one / np.where(two > 0, two, 1.0), np.where(one > 0, np.inf, 1.0))
+    return ratio - 1
