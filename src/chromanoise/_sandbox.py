@@ -183,8 +183,9 @@ class _Child:
                 )
             except (RuntimeError, OSError):
                 raise InputError(
-                    f"{path}: is read by a second Python, which this program cannot start; store "
-                    "it as ENVI or .npy, which are read in place"
+                    str(path),
+                    "cannot be read, because this program cannot start a second Python process",
+                    remedy="store it as ENVI or .npy, which are read in place",
                 ) from None
         return self._process.stdout, self._process.stdin
 

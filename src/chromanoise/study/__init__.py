@@ -51,6 +51,7 @@ if TYPE_CHECKING:
         prepared_cameras,
     )
     from chromanoise.study.reading import (
+        in_study,
         read_study,
         study_from_data,
         study_from_text,
@@ -141,6 +142,7 @@ __all__ = [
     "conditions",
     "file_digests",
     "file_word",
+    "in_study",
     "matrix_study",
     "operating_points_of",
     "option_of",
