@@ -22,7 +22,6 @@ from functools import cache
 from pathlib import Path
 from typing import Any, NoReturn, TypeVar
 
-from chromanoise._check import reason
 from chromanoise.errors import InputError
 
 Result = TypeVar("Result")
@@ -275,6 +274,8 @@ def _answer(function: Callable[..., Any], given: tuple[Any, ...], folder: str) -
     except MemoryError:
         return "no memory", None
     except Exception as error:  # libraries raise anything
+        from chromanoise._check import reason  # imports numpy, which the parent may not need
+
         return "failed", reason(error)
 
 
