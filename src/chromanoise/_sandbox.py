@@ -22,7 +22,6 @@ from functools import cache
 from pathlib import Path
 from typing import Any, NoReturn, TypeVar
 
-from chromanoise._check import reason
 from chromanoise.errors import InputError
 
 Result = TypeVar("Result")
@@ -183,8 +182,9 @@ class _Child:
                 )
             except (RuntimeError, OSError):
                 raise InputError(
-                    f"{path}: is read by a second Python, which this program cannot start; store "
-                    "it as ENVI or .npy, which are read in place"
+                    str(path),
+                    "cannot be read, because this program cannot start a second Python process",
+                    remedy="store it as ENVI or .npy, which are read in place",
                 ) from None
         return self._process.stdout, self._process.stdin
 
@@ -274,6 +274,8 @@ def _answer(function: Callable[..., Any], given: tuple[Any, ...], folder: str) -
     except MemoryError:
         return "no memory", None
     except Exception as error:  # libraries raise anything
+        from chromanoise._check import reason  # imports numpy, which the parent may not need
+
         return "failed", reason(error)
 
 

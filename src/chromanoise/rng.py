@@ -35,5 +35,5 @@ def stream(seed: int, *name: int) -> np.random.Generator:
     True
     """
     if seed != int(seed) or seed < 0:
-        raise InputError(f"seed must be an integer >= 0, but is {seed}")
+        raise InputError("seed", "must be an integer >= 0", value=seed)
     return np.random.Generator(np.random.Philox(np.random.SeedSequence(int(seed), spawn_key=name)))

@@ -16,7 +16,7 @@ import tifffile
 import chromanoise
 from chromanoise.errors import InputError
 from chromanoise.study import agreement_of, agreement_text, read_study, run_study
-from outcomes import refused
+from outcomes import refused, refused_input
 
 STUDY = """\
 matrices = ["kernel"]
@@ -169,7 +169,7 @@ def test_a_run_into_a_folder_that_another_run_is_writing_is_refused(project):
     def told(*_):
         run_study(read_study("study.toml"), Path("o"))
 
-    with pytest.raises(InputError, match=f"^o: process {os.getpid()} is writing into it"):
+    with refused_input(subject="o", value=os.getpid()):
         run_study(read_study("study.toml"), Path("o"), told=told)
 
 

@@ -42,7 +42,13 @@ def catalog(
     Tables of your own stand in the folder that CHROMANOISE_CATALOG names.
     """
     if markdown == "-" and json_target == "-":
-        raise InputError("--json - and --markdown - would stand in one another; name a file")
+        raise InputError(
+            "--markdown",
+            "must not be standard output together with --json",
+            value="-",
+            found="both are",
+            remedy="name a file for one of them",
+        )
     folder = catalog_folder() if folder is None else folder
     one = word is not None and word not in KINDS
     entries = (

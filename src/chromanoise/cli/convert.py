@@ -18,7 +18,7 @@ from chromanoise.cli.answers import (
 )
 from chromanoise.cli.output import refuse_inputs
 from chromanoise.cli.rendering import options_text
-from chromanoise.errors import InputError
+from chromanoise.errors import InputError, Setting
 from chromanoise.io.spectra import Understood, read_curves
 from chromanoise.io.spectra.writing import (
     photons_as_energy,
@@ -67,9 +67,19 @@ def convert(source: str, target: Path, form: str, created: str | None, **options
     """
     ending = target.suffix.lower()
     if ending not in _ENDINGS:
-        raise InputError(f"{target}: curves are written as {', '.join(_ENDINGS)}; end the name so")
+        raise InputError(
+            str(target),
+            f"must end in {', '.join(_ENDINGS)}",
+            value=ending,
+            found=f"ends in {ending!r}" if ending else "has no ending",
+        )
     if form == "rawtoaces" and ending != ".json":
-        raise InputError(f"--as rawtoaces: is a JSON, but OUT is {target}; end its name in .json")
+        raise InputError(
+            str(target),
+            "must end in .json for --as rawtoaces",
+            value=ending,
+            found=f"ends in {ending!r}",
+        )
     refuse_inputs(target, "OUT", source)
     kind = form if form == "rawtoaces" else ending
     day = _day(created)
@@ -90,7 +100,7 @@ def _day(created: str | None) -> str:
     try:
         return datetime.date.fromisoformat(created).isoformat()
     except ValueError:
-        raise InputError(f"--created takes a date as 2026-01-31, but is {created!r}") from None
+        raise InputError("--created", "must be a date as 2026-01-31", value=created) from None
 
 
 def _read(source: str, options: dict[str, Any]) -> Sensor | Understood:
@@ -181,12 +191,17 @@ def _per_energy(told: Understood) -> Spectra:
     curves = told.curves
     if told.quantity not in (None, "QE", "response"):
         raise InputError(
-            f"{curves.source}: holds {told.quantity}, but a rawtoaces camera is a response"
+            curves.source,
+            "must hold a response, as a rawtoaces camera",
+            value=told.quantity,
+            found=f"holds {told.quantity}",
         )
     if told.per is None:
         raise InputError(
-            f"{curves.source}: does not say whether it counts light as energy or in photons; say "
-            "--energy or --photons"
+            curves.source,
+            "must declare whether it counts light as energy or in photons",
+            found="declares neither",
+            remedy=Setting("per", ("energy", "photon")),
         )
     return curves if told.per == "energy" else photons_as_energy(curves)
 
@@ -204,14 +219,23 @@ def _one(names: tuple[str, ...], columns: tuple[str, ...], source: str) -> str:
     if len(names) == 1:
         return names[0]
     raise InputError(
-        f"{source}: holds {len(names)} curves ({', '.join(names[:12])}), but TM-27 one; name it "
-        "with --column"
+        source,
+        "must hold one curve for TM-27",
+        value=names,
+        found=f"holds {len(names)} ({', '.join(names[:12])})",
+        remedy=Setting("columns"),
     )
 
 
 def _refuse_columns(columns: tuple[str, ...], what: str) -> None:
     if columns:
-        raise InputError(f"--column: {what} keeps all its curves; leave it away")
+        raise InputError(
+            "--column",
+            f"must not be given for {what}, which keeps all its curves",
+            value=columns,
+            found=None,
+            remedy="omit it",
+        )
 
 
 def _unit_lost(spectra: Spectra) -> list[str]:

@@ -32,7 +32,13 @@ def refuse_inputs(target: str | Path | None, option: str, *inputs: str) -> None:
     goal = os.path.realpath(target)
     for name in inputs:
         if Path(name).exists() and os.path.realpath(name) == goal:
-            raise InputError(f"{option} {target}: is the file that is read; name another one")
+            raise InputError(
+                option,
+                "must be another file",
+                value=str(target),
+                found=f"{target} is the file that is read",
+                remedy="name another one",
+            )
 
 
 def refuse_same(targets: Mapping[str, str | Path | None]) -> None:
@@ -43,7 +49,13 @@ def refuse_same(targets: Mapping[str, str | Path | None]) -> None:
             continue
         first = seen.setdefault(os.path.realpath(target), option)
         if first != option:
-            raise InputError(f"{option} {target}: is the file of {first} too; name another one")
+            raise InputError(
+                option,
+                "must be another file",
+                value=str(target),
+                found=f"{target} is the file of {first} too",
+                remedy="name another one",
+            )
 
 
 def refuse_taken_inputs(

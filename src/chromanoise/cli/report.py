@@ -38,7 +38,7 @@ def report(study: Path, out: Path, changes: tuple[str, ...], figures: Path | Non
 
     The page is one file that asks for nothing else: open it from disk, send it, print it.
     """
-    asked = read_study(study, changes)
+    asked = read_study(study, changes, change_label="--set")
     refuse_inputs(out, "--out", str(study), *file_digests(asked))
     _refuse_unwritable_file(out)
     if figures is not None:
@@ -60,6 +60,12 @@ def report(study: Path, out: Path, changes: tuple[str, ...], figures: Path | Non
 def _refuse_unwritable_file(out: Path) -> None:
     """Say before anything is computed that the file could not be kept."""
     if out.is_dir():
-        raise InputError(f"--out {out}: is a folder; name a file")
+        raise InputError(
+            "--out",
+            "must be a file",
+            value=str(out),
+            found=f"{out} is a folder",
+            remedy="name a file",
+        )
     if not out.exists() or out.is_file():
         refuse_unwritable(out.parent)

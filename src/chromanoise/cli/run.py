@@ -28,4 +28,6 @@ def run(study: Path, out: Path | None, changes: tuple[str, ...], threads: int | 
     A run that was stopped goes on where it was. Every result carries version, study, seed and
     hash; `chromanoise rerun` takes any of them, runs its study again and compares the results.
     """
-    print_run(read_study(study, changes), out or Path("out") / study.stem, threads)
+    print_run(
+        read_study(study, changes, change_label="--set"), out or Path("out") / study.stem, threads
+    )

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import click
 
-from chromanoise.errors import InputError
+from chromanoise.errors import InputError, StudyError
 
 
 @click.command()
@@ -32,8 +32,11 @@ def serve(study: Path | None, port: int, opened: bool) -> None:
         listening = listening_socket(port)
     except OSError as error:
         raise InputError(
-            f"port {port} cannot be listened on ({error.strerror}); name another with --port, or "
-            "0 for any that is free"
+            "--port",
+            "must be a port to listen on",
+            value=port,
+            found=f"port {port} is not available ({error.strerror})",
+            remedy=("name another one", "give 0 for any that is free"),
         ) from None
     address = f"http://localhost:{listening.getsockname()[1]}/"
     click.echo(f"{address}  (Ctrl-C ends it)")
@@ -66,10 +69,10 @@ def _study(path: Path | None) -> dict[str, object] | None:
     if path is None:
         return None
     from chromanoise.page.studies import served_data
-    from chromanoise.study import read_study
+    from chromanoise.study import in_study, read_study
 
     study = read_study(path)
     try:
         return served_data(study)
     except InputError as error:
-        raise InputError(f"{path}: {error}") from None
+        raise StudyError([error], [in_study(error, str(path))]) from None

@@ -111,15 +111,21 @@ def bounded_cube(part: PicturePart) -> Cube:
             size = sum(one.file_size for one in packed.infolist())
         if size > _UNPACKED_BYTES:
             raise InputError(
-                f"{path}: unpacks to {size / 1e6:.0f} MB; the page takes "
-                f"{_UNPACKED_BYTES / 1e6:g} MB, chromanoise simulate any size"
+                str(path),
+                f"must unpack to at most {_UNPACKED_BYTES / 1e6:g} MB on the page",
+                value=size,
+                found=f"unpacks to {size / 1e6:.0f} MB",
+                remedy="render it with `chromanoise simulate`, which takes any size",
             )
     cube = cube_of(part)
     values = math.prod(row_source(cube.stored).shape)
     if values > MOST_VALUES:
         raise InputError(
-            f"{path}: {values} reflectances; the page takes {MOST_VALUES}, chromanoise "
-            "simulate any number"
+            str(path),
+            f"must hold at most {MOST_VALUES} reflectances on the page",
+            value=values,
+            found=f"holds {values}",
+            remedy="render it with `chromanoise simulate`, which takes any number",
         )
     return cube
 

@@ -15,6 +15,7 @@ from chromanoise.spectra import DEFAULT_GRID, Spectra
 from chromanoise.study import study_from_text
 
 MOST_SPECTRUM_BYTES = 1_000_000  # some 50,000 rows, which are understood in half a second
+_MOST_STUDY_BYTES = 1_000_000
 _MOST_NAMES = 12
 _ASKS = {
     "scale": ("answers.scale", ["fraction", "percent"]),
@@ -78,13 +79,18 @@ def _preview(upload: Upload) -> Told:
 
 
 def _study(upload: Upload) -> Told:
-    if upload.size_bytes > 1_000_000:
-        raise InputError(f"{upload.label}: is too large for a study")
+    if upload.size_bytes > _MOST_STUDY_BYTES:
+        raise InputError(
+            upload.label,
+            f"must have at most {_MOST_STUDY_BYTES / 1e6:g} MB, as a study",
+            value=upload.size_bytes,
+            found=f"has {upload.size_bytes / 1e6:.1f} MB",
+        )
     try:
         text = upload.path.read_bytes().decode("utf-8")
     except UnicodeDecodeError:
         raise InputError(
-            f"{upload.label}: not a UTF-8 text file; save the study as UTF-8"
+            upload.label, "is not a UTF-8 text file", remedy="save the study as UTF-8"
         ) from None
     study = study_from_text(text, source=upload.label)
     told = served_data(study)
@@ -128,8 +134,11 @@ def _beyond(ends_nm: list[float], first_nm: float, last_nm: float) -> Told:
 def _spectra(upload: Upload) -> Told:
     if upload.size_bytes > MOST_SPECTRUM_BYTES:
         raise InputError(
-            f"{upload.label}: {upload.size_bytes / 1e6:.1f} MB are too much for a spectrum, the "
-            f"page takes {MOST_SPECTRUM_BYTES / 1e6:g} MB; keep one row per nanometer"
+            upload.label,
+            f"must have at most {MOST_SPECTRUM_BYTES / 1e6:g} MB, as spectra on the page",
+            value=upload.size_bytes,
+            found=f"has {upload.size_bytes / 1e6:.1f} MB",
+            remedy="keep one row per nanometer",
         )
     own = own_sensor_of(upload.path)
     if own is not None:
@@ -146,7 +155,10 @@ def _kind(told: Understood) -> str:
         return "light"
     if told.quantity in ("reflectance", "transmittance"):
         raise InputError(
-            f"the curves are {told.quantity}s, of which the page makes neither a sensor nor a light"
+            str(told.curves.source),
+            "must hold the curves of a sensor or a light",
+            value=told.quantity,
+            found=f"holds {told.quantity}s",
         )
     return "light" if told.quantity is None and len(told.curves.names) == 1 else "sensor"
 

@@ -53,6 +53,7 @@ if TYPE_CHECKING:
         prepared_cameras,
     )
     from chromanoise.study.reading import (
+        in_study,
         read_study,
         study_from_data,
         study_from_text,
@@ -145,6 +146,7 @@ __all__ = [
     "file_digests",
     "file_word",
     "in_arguments",
+    "in_study",
     "makers_of",
     "matrix_study",
     "operating_points_of",

@@ -103,7 +103,7 @@ def files_of_word(one: FileWord) -> tuple[Path, ...]:
         return _FILES[one.kind](one.word)
     except OSError as error:  # a name that is too long to ask for
         told = str(error.filename)[:60]
-        raise InputError(f"{told}: cannot be read ({error.strerror})") from None
+        raise InputError(told, f"cannot be read ({error.strerror})") from None
 
 
 _FILES = {"light": illuminant_files, "sensor": sensor_files, "filter": filter_files}
@@ -232,7 +232,7 @@ def _digest(file: Path) -> str:
             return hashlib.file_digest(opened, "sha256").hexdigest()
     except (OSError, ValueError) as error:  # a name with a null byte is a ValueError
         reason = getattr(error, "strerror", None) or error
-        raise InputError(f"{str(file)[:200]}: cannot be read ({reason})") from None
+        raise InputError(str(file)[:200], f"cannot be read ({reason})") from None
 
 
 def study_as_json(study: Study) -> dict[str, Any]:

@@ -34,7 +34,9 @@ _MOST_DIGITS = 10
 _LONGEST_WORD = 80
 
 
-def read_study(path: Path | str, changes: Sequence[str] = ()) -> Study:
+def read_study(
+    path: Path | str, changes: Sequence[str] = (), *, change_label: str = "change"
+) -> Study:
     """The study in a TOML file.
 
     Parameters
@@ -43,6 +45,8 @@ def read_study(path: Path | str, changes: Sequence[str] = ()) -> Study:
         The file; names of files in it are told from its folder.
     changes
         ``key=value`` each, as ``light.level_lux=3`` or ``sensors.0.name="onyx-rgb"``; they win.
+    change_label
+        Precedes a change in error messages.
 
     Raises
     ------
@@ -56,11 +60,15 @@ def read_study(path: Path | str, changes: Sequence[str] = ()) -> Study:
             content = file.read(_LARGEST_BYTES + 1)
         text = content.decode("utf-8")
     except UnicodeDecodeError:
-        raise InputError(f"{path}: not a UTF-8 text file; save the study as UTF-8") from None
+        raise InputError(
+            str(path), "is not a UTF-8 text file", remedy="save the study as UTF-8"
+        ) from None
     except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror})") from None
+        raise InputError(str(path), f"cannot be read ({error.strerror})") from None
     if len(content) > _LARGEST_BYTES:
-        raise InputError(f"{path}: more than {_LARGEST_BYTES} bytes are too many for a study")
+        raise InputError(
+            str(path), f"must have at most {_LARGEST_BYTES} bytes, as a study", found="has more"
+        )
     # what is piped in lies nowhere: its files are told from the working folder
     here = path.parent == Path() or Path("/dev") in path.absolute().parents
 
@@ -70,7 +78,7 @@ def read_study(path: Path | str, changes: Sequence[str] = ()) -> Study:
     def unresolved_in(study: Study) -> list[InputError]:
         return unresolved(seen(study))
 
-    return seen(_study(text, str(path), changes, unresolved_in))
+    return seen(_study(text, str(path), changes, change_label, unresolved_in))
 
 
 def _told_from(folder: Path, study: Study) -> Study:
@@ -86,8 +94,12 @@ def _beside(one: FileWord, folder: Path) -> str:
     return name if told else str(folder / name)
 
 
-def study_from_text(text: str, *, source: str, changes: Sequence[str] = ()) -> Study:
+def study_from_text(
+    text: str, *, source: str, changes: Sequence[str] = (), change_label: str = "change"
+) -> Study:
     r"""The study in TOML text; ``source`` names it in messages.
+
+    The other parameters are those of `read_study`.
 
     Raises
     ------
@@ -99,17 +111,22 @@ def study_from_text(text: str, *, source: str, changes: Sequence[str] = ()) -> S
     >>> study_from_text('[[sensors]]\nname = "onyx-rgbw"', source="a text").light.level_lux
     10.0
     """
-    return _study(text, source, changes, lambda study: [])
+    return _study(text, source, changes, change_label, lambda study: [])
 
 
 def _study(
-    text: str, source: str, changes: Sequence[str], unfit: Callable[[Study], list[InputError]]
+    text: str,
+    source: str,
+    changes: Sequence[str],
+    change_label: str,
+    unfit: Callable[[Study], list[InputError]],
 ) -> Study:
     told = _toml(text, source)
     lines = _lines_of_keys(text)
     changed: dict[Key, str] = {}
     for change in changes:
-        changed[_changed(told, change)] = f"--set {_short(change)}"
+        place = f"{change_label} {_short(change)}"
+        changed[_changed(told, change, place)] = place
     return _validated(told, source, lines, changed, unfit)
 
 
@@ -121,19 +138,25 @@ def _toml(text: str, source: str) -> dict[str, Any]:
     if not re.search(r"\"\"\"|'''", text):  # in a text over lines, # begins no comment
         plain = re.sub(r"#.*", "", plain)
     for number, line in enumerate(plain.splitlines(), 1):
-        if line.count(".") > _MOST_DOTS:
+        dots = line.count(".")
+        if dots > _MOST_DOTS:
             raise InputError(
-                f"{source}:{number}: more than {_MOST_DOTS} dots outside of quotes; no key of a "
-                "study is so deep"
+                source,
+                f"must have at most {_MOST_DOTS} dots outside of quotes, because no key of a "
+                "study has more",
+                where=f"line {number}",
+                value=dots,
+                found=f"has {dots}",
             )
     try:
         return tomllib.loads(text)
     except RecursionError:
-        raise InputError(f"{source}: no TOML: nests too deep") from None
+        raise InputError(source, "is not TOML (it is nested too deeply)") from None
     except tomllib.TOMLDecodeError as error:
-        raise InputError(f"{source}: no TOML: {str(error)[:200]}") from None
+        said, _, where = str(error).removesuffix(")").rpartition(" (at ")
+        raise InputError(source, f"is not TOML ({said[:200]})", where=where) from None
     except ValueError:  # that the parser lets through
-        raise InputError(f"{source}: no TOML: a whole number of too many digits") from None
+        raise InputError(source, "is not TOML (an integer has too many digits)") from None
 
 
 def study_from_data(told: Mapping[str, Any], *, source: str = "") -> Study:
@@ -246,24 +269,28 @@ def _without(told: Mapping[str, Any], wrong: Sequence[Key]) -> Study | None:
     return None
 
 
-def _changed(told: dict[str, Any], change: str) -> Key:
-    """Put ``a.b.0.c=value`` in its place; the value is TOML, or else a plain word."""
+def _changed(told: dict[str, Any], change: str, place: str) -> Key:
+    """Put ``a.b.0.c=value`` in its place; the value is TOML, or else a plain word.
+
+    Errors name the change by ``place``.
+    """
     name, equals, value = change.partition("=")
     steps: Key = tuple(int(s) if _is_place(s) else s for s in name.strip().split("."))
-    change = _short(change)
     if not equals or not all(str(step) for step in steps):
-        raise InputError(f"--set takes key=value, e.g. light.level_lux=3, but is {change!r}")
+        raise InputError(
+            place, "needs the form key=value, as light.level_lux=3", value=change, found=None
+        )
     at: Any = told
     for i, step in enumerate(steps[:-1]):
         following: Any = [] if isinstance(steps[i + 1], int) else {}
-        at = _step(at, step, following, change)
+        at = _step(at, step, following, place)
     last = steps[-1]
-    parsed = _parsed(value, change)
+    parsed = _parsed(value, place)
     in_list = isinstance(at, list) and isinstance(last, int) and last < len(at)
     if in_list or (isinstance(at, dict) and isinstance(last, str)):
         at[last] = parsed
     else:
-        raise InputError(f"--set {change}: the study has nothing at {_short(name)}")
+        raise _absent(place, name)
     return steps
 
 
@@ -272,24 +299,44 @@ def _is_place(step: str) -> bool:
     return step.isascii() and step.isdigit() and len(step) < _MOST_DIGITS
 
 
-def _parsed(value: str, change: str) -> Any:
+def _absent(place: str, name: str) -> InputError:
+    return InputError(
+        place,
+        "key must lead to an entry of the study",
+        value=name,
+        found=f"the study has nothing at {_short(name)}",
+    )
+
+
+def _parsed(value: str, place: str) -> Any:
     """A value of TOML, or else a plain word."""
-    if value.count(".") > _MOST_DOTS:
-        raise InputError(f"--set {change}: more than {_MOST_DOTS} dots in a value")
+    dots = value.count(".")
+    if dots > _MOST_DOTS:
+        raise InputError(
+            place,
+            f"value must have at most {_MOST_DOTS} dots",
+            value=dots,
+            found=f"has {dots}",
+        )
     try:
         return tomllib.loads(f"value = {value}")["value"]
     except tomllib.TOMLDecodeError:
         return value
     except (ValueError, RecursionError):  # thousands of digits, thousands of brackets
-        raise InputError(f"--set {change}: no TOML: too many digits, or nests too deep") from None
+        raise InputError(
+            place,
+            "value must be readable as TOML",
+            value=value,
+            found="has too many digits or is nested too deeply",
+        ) from None
 
 
-def _step(at: Any, step: str | int, following: Any, change: str) -> Any:
+def _step(at: Any, step: str | int, following: Any, place: str) -> Any:
     if isinstance(at, dict) and isinstance(step, str):
         return at.setdefault(step, following)
     if isinstance(at, list) and isinstance(step, int) and step < len(at):
         return at[step]
-    raise InputError(f"--set {change}: the study has nothing at {_short(repr(step))}")
+    raise _absent(place, str(step))
 
 
 def _faults(error: Any) -> list[InputError]:

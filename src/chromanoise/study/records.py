@@ -10,6 +10,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from chromanoise._check import reason
 from chromanoise._files import claimed_folder, refuse_unwritable
 from chromanoise._inputs import regular_file
 from chromanoise.errors import InputError
@@ -146,15 +147,30 @@ def recorded_run(path: Path) -> RecordedRun:
     """
     file = path / STUDY_FILE if path.is_dir() else path
     if file.suffix.lower() == ".toml":
-        raise InputError(f"{file}: is a study; use `chromanoise run {file}`")
+        raise InputError(
+            str(file),
+            "must be an output of a run",
+            found="is a study",
+            remedy=f"use `chromanoise run {file}`",
+        )
     told = _read(file)
     if not isinstance(told, dict) or "study" not in told or "hash" not in told:
-        raise InputError(f"{file}: is no output of `chromanoise run`; name one, or its folder")
+        raise InputError(
+            str(file),
+            "must be an output of `chromanoise run`",
+            found="holds no study and hash",
+            remedy="name an output, or its folder",
+        )
     try:
         study = Study.model_validate_json(json.dumps(told["study"]))
     except ValidationError:
         raise InputError(
-            f"{file}: what it says of its study is no study of this version; run the study anew"
+            str(file),
+            "must be a study of this version of chromanoise",
+            where="key 'study'",
+            value=told.get("version"),
+            found="is not",
+            remedy="run the study again",
         ) from None
     place = _place_of(file, told, study)
     try:
@@ -164,8 +180,11 @@ def recorded_run(path: Path) -> RecordedRun:
         raise named(error, str(file)) from None
     if now != told["hash"]:
         raise InputError(
-            f"{file}: was made by version {told.get('version')!r} of chromanoise or was changed "
-            "since, so the same digits cannot be promised; run its study anew"
+            str(file),
+            "must be as this version of chromanoise writes it, to give the same digits",
+            value=told.get("version"),
+            found=f"is of version {told.get('version')!r}, or was changed since",
+            remedy="run its study again",
         )
     _refuse_altered(file, told)
     return RecordedRun(study=study, place=place, folder=file.parent)
@@ -243,8 +262,11 @@ def _refuse_other_study(folder: Path, study: Study, who: dict[str, Any], called:
             raise _changed(called, changed)
     if told.get("hash") != who["hash"]:
         raise InputError(
-            f"{called}: holds the results of another study or version; name another folder with "
-            "--out, or remove it"
+            str(called),
+            "must not hold other results",
+            value=told.get("hash"),
+            found="holds those of another study or version",
+            remedy=("choose another folder", "remove it"),
         )
     _refuse_altered(called / STUDY_FILE, told)
 
@@ -252,16 +274,22 @@ def _refuse_other_study(folder: Path, study: Study, who: dict[str, Any], called:
 def _changed(place: Path, changed: Sequence[str]) -> InputError:
     """The error that names the changed files, which a hash of the study could not."""
     return InputError(
-        f"{place}: {'; '.join(changed[:8])}, so the result cannot be reproduced; restore the "
-        "files, or run the study again into another folder"
+        str(place),
+        "must be made of the present files, to be reproduced",
+        value=tuple(changed),
+        found="; ".join(changed[:8]),
+        remedy=("restore the files", "run the study again into another folder"),
     )
 
 
 def _refuse_altered(file: Path, told: dict[str, Any]) -> None:
     if told.get("content") != content_hash(told):
         raise InputError(
-            f"{file}: was changed since the run wrote it, as its content hash shows; restore it, "
-            "or run the study again into another folder"
+            str(file),
+            "must be as the run wrote it",
+            value=told.get("content"),
+            found="was changed since, as its content hash shows",
+            remedy=("restore it", "run the study again into another folder"),
         )
 
 
@@ -272,8 +300,11 @@ def _refuse_change_in_work(study: Study, stamps: Any, before: Mapping[str, str])
     changed = [sentence.removesuffix(" since") for sentence in changes_since(study, before)]
     if changed:
         raise InputError(
-            f"{'; '.join(changed[:8])} while the study ran, so the result was discarded; run the "
-            "study again when no program writes to its files"
+            "the files of the study",
+            "must not change while it runs",
+            value=tuple(changed),
+            found=f"{'; '.join(changed[:8])}, so the result was discarded",
+            remedy="run the study again when no program writes to its files",
         )
 
 
@@ -315,14 +346,21 @@ def _sha256(file: Path) -> str | None:
 
 
 def _read(file: Path) -> Any:
-    if regular_file(file).st_size > _LARGEST_BYTES:
-        raise InputError(f"{file}: is too large for an output of a study")
+    size = regular_file(file).st_size
+    if size > _LARGEST_BYTES:
+        raise InputError(
+            str(file),
+            f"must have at most {_LARGEST_BYTES >> 20} MiB, as an output of a study",
+            value=size,
+            found=f"has {size / 2**20:.0f} MiB",
+        )
     try:
         return json.loads(file.read_bytes())
     except OSError as error:
-        raise InputError(f"{file}: cannot be read ({error.strerror})") from None
+        raise InputError(str(file), f"cannot be read ({error.strerror})") from None
     except (ValueError, RecursionError) as error:
-        raise InputError(f"{file}: no JSON ({error})") from None
+        told = reason(error)
+        raise InputError(str(file), f"is not JSON{f' ({told})' if told else ''}") from None
 
 
 def _write(file: Path, told: dict[str, Any]) -> None:

@@ -68,7 +68,7 @@ def hdf5_store(path: Path, *, matlab: bool = False) -> Store:
     with reading(path, kind):
         listed, attributes = _sandbox.sandboxed(_listed, path, path=path, limit_s=_LIMIT_S)
     if len(listed) > _MOST_ARRAYS:
-        raise InputError(f"{path}: holds more than {_MOST_ARRAYS} arrays")
+        raise InputError(str(path), f"must hold at most {_MOST_ARRAYS} arrays", found="holds more")
     arrays = {
         name: _by_matlab(array) if matlab else array
         for name, array in listed.items()
@@ -261,21 +261,30 @@ def _refuse_incomplete(path: Path, name: str, dataset: Any) -> None:
     """HDF5 gives zeros for what a program that was stopped did not come to write."""
     if dataset.external or dataset.is_virtual:
         raise InputError(
-            f"{path}: the numbers of array {printable(name)!r} lie in other files, which are not "
-            "read; store them in one file"
+            str(path),
+            "must hold its numbers itself, because other files are not read",
+            where=f"array {printable(name)!r}",
+            found="they are in other files",
+            remedy="store them in one file",
         )
     if dataset.chunks is None:
         needed = math.prod(dataset.shape) * dataset.dtype.itemsize
-        absent = "its numbers were" if dataset.id.get_storage_size() < needed else ""
+        stored: Any = dataset.id.get_storage_size()
+        absent = "its numbers were" if stored < needed else ""
     else:
         per_axis = zip(dataset.shape, dataset.chunks, strict=True)
         parts = math.prod(-(-n // long) for n, long in per_axis)
-        missing = parts - dataset.id.get_num_chunks()
+        stored = dataset.id.get_num_chunks()
+        missing = parts - stored
         absent = f"{missing} of its {parts} chunks were" if missing > 0 else ""
     if absent:
         raise InputError(
-            f"{path}: array {printable(name)!r} is not complete, {absent} never written; save it "
-            "again"
+            str(path),
+            "must be complete",
+            where=f"array {printable(name)!r}",
+            value=stored,
+            found=f"{absent} never written",
+            remedy="save it again",
         )
 
 

@@ -62,7 +62,13 @@ class StoredRows:
         with reading_rows(self.path, self.kind), self.opened() as array:
             read = block(array, self.axes, start, stop, self.bands)
         if read.shape != (stop - start, *self.shape[1:]):
-            raise InputError(f"{self.path}: was changed while it was being read")
+            raise InputError(
+                str(self.path),
+                "must not change while it is being read",
+                value=read.shape,
+                found="was changed",
+                remedy="read it again when no program writes to it",
+            )
         return read.astype(self.dtype, copy=False)
 
     def scratch_bytes(self, rows: int) -> int:

@@ -64,7 +64,9 @@ def zarr_store(path: Path) -> Store:
                 if array is not None:
                     arrays[name] = array
             if len(arrays) > _MOST_ARRAYS:
-                raise InputError(f"{path}: holds more than {_MOST_ARRAYS} arrays")
+                raise InputError(
+                    str(path), f"must hold at most {_MOST_ARRAYS} arrays", found="holds more"
+                )
         top = _attributes(path, _header(path))
     return Store(
         path=path,
@@ -85,8 +87,10 @@ def _folders(path: Path) -> Iterator[tuple[Path, list[str], int]]:
         linked = next((e.path for e in entries if e.is_symlink()), None)
         if linked is not None:
             raise InputError(
-                f"{linked}: is a link, which a Zarr folder may not hold, for it could lead out of "
-                "it; copy the files themselves"
+                str(linked),
+                "must not be a link, because a link in a Zarr folder could lead out of it",
+                found=None,
+                remedy="copy the files themselves",
             )
         for entry in entries:
             regular_file(Path(entry), folder=True)
@@ -102,11 +106,17 @@ def _header(folder: Path) -> Mapping[str, Any]:
 
 
 def _json(path: Path) -> Mapping[str, Any]:
-    if path.stat().st_size > _LARGEST_HEADER_BYTES:
-        raise InputError(f"{path}: is too large for a header")
+    size = path.stat().st_size
+    if size > _LARGEST_HEADER_BYTES:
+        raise InputError(
+            str(path),
+            f"must be at most {_LARGEST_HEADER_BYTES} bytes long, as a Zarr header",
+            value=size,
+            found=f"has {size} bytes",
+        )
     told = json.loads(path.read_bytes())
     if not isinstance(told, dict):
-        raise InputError(f"{path}: is no Zarr header; save the cube again")
+        raise InputError(str(path), "is not a Zarr header", remedy="save the cube again")
     return told
 
 
@@ -125,8 +135,12 @@ def _vetted(path: Path, folder: Path, name: str) -> Labeled | None:
     for codec in _codecs(header):
         if codec not in _CODECS:
             raise InputError(
-                f"{path}: array {printable(name)!r} is packed with {printable(codec)!r}, which is "
-                "not trusted; store it with blosc, zstd or gzip"
+                str(path),
+                "must be packed with a trusted codec",
+                where=f"array {printable(name)!r}",
+                value=printable(codec),
+                found=f"is packed with {printable(codec)!r}",
+                remedy="store it with blosc, zstd or gzip",
             )
     array = _opened(path, name)
     attributes = dict(_attributes(folder, header))
@@ -200,11 +214,22 @@ def _absent_chunks(path: Path, name: str) -> Notes:
         whole, there = int(array.nchunks), int(array.nchunks_initialized)
         filled = array.fill_value
     if there == 0:
-        raise InputError(f"{path}: array {printable(name)!r} has no chunks; save it again")
+        raise InputError(
+            str(path),
+            "must have chunks",
+            where=f"array {printable(name)!r}",
+            value=0,
+            found="has none",
+            remedy="save it again",
+        )
     if whole > there * MOST_INFLATED:
         raise InputError(
-            f"{path}: array {printable(name)!r} declares {whole} chunks, but only {there} are "
-            "there; it is damaged or not complete, save it again"
+            str(path),
+            f"must have the {whole} chunks that it declares",
+            where=f"array {printable(name)!r}",
+            value=there,
+            found=f"has only {there}",
+            remedy="save it again, because it is damaged or not complete",
         )
     if there < whole:
         return (f"{whole - there} of {whole} chunks are absent and read as {filled}",)
@@ -221,11 +246,19 @@ def _refuse_large_chunks(path: Path, name: str) -> None:
         )
     if size > memory_bytes() // 2:
         raise InputError(
-            f"{path}: the chunks of array {printable(name)!r} need {size / 2**30:.1f} GiB of "
-            "memory each; store it with smaller chunks"
+            str(path),
+            "chunks must fit into half the memory of this machine",
+            where=f"array {printable(name)!r}",
+            value=size,
+            found=f"each needs {size / 2**30:.1f} GiB",
+            remedy="store it with smaller chunks",
         )
     if longest > size + size // 8 + _PACKING_BYTES:
         raise InputError(
-            f"{path}: a chunk of array {printable(name)!r} has {longest} bytes, but unpacked it "
-            f"would have {size}; the file is damaged, save it again"
+            str(path),
+            f"chunks must not be larger than unpacked ({size} bytes)",
+            where=f"array {printable(name)!r}",
+            value=longest,
+            found=f"one has {longest} bytes",
+            remedy="save it again, because it is damaged",
         )
