@@ -82,13 +82,13 @@ def test_without_arguments_the_help_is_printed(run):
 )
 def test_an_empty_word_is_refused(run, here, words):
     before = words[-2] if words[-1] == "" else words[-1].rstrip("=")
-    refused(run(*words), before)
+    refused(run(*words), before, "empty")
     assert list(here.iterdir()) == []
 
 
 @pytest.mark.parametrize("word", ["\udcff.csv", "a\0.csv", "a\n.csv", "a\u2028.csv", "\x1b[2J"])
 def test_an_argument_that_cannot_be_printed_is_refused(run, word):
-    refused(run("analyze", word), ascii(word))
+    refused(run("analyze", word), ascii(word), value=word)
 
 
 def test_characters_that_the_output_encoding_lacks_are_escaped(here):

@@ -159,9 +159,8 @@ def test_every_change_of_the_record_of_a_run_is_detected(run, made, key, value):
     record = json.loads((made / "study.json").read_bytes())
     assert record[key] != value
     (made / "study.json").write_text(json.dumps(record | {key: value}, indent=1) + "\n")
-    refused(run("rerun", made, "-o", "again"), "study.json", "changed since")
-    code, _, err = run("run", "study.toml")
-    assert (code, len(err.splitlines())) == (2, 1)
+    refused(run("rerun", made, "-o", "again"), "study.json")
+    refused(run("run", "study.toml"))
     assert not Path("again").exists()
 
 
@@ -169,7 +168,7 @@ def test_a_run_into_a_folder_that_another_run_is_writing_is_refused(project):
     def told(*_):
         run_study(read_study("study.toml"), Path("o"))
 
-    with pytest.raises(InputError, match=f"^o: process {os.getpid()} is writing into it"):
+    with pytest.raises(InputError, match=f"^o.*{os.getpid()}"):
         run_study(read_study("study.toml"), Path("o"), told=told)
 
 

@@ -20,6 +20,7 @@ from chromanoise.page.guard import JSON_BYTES, UPLOAD_BYTES
 from chromanoise.page.server import listening_socket, page_server
 from chromanoise.page.uploads import MOST_FILES, Uploads
 from chromanoise.study import study_from_data, study_from_text
+from outcomes import refused
 from processes import IGNORING, command
 
 BOTH = {
@@ -497,18 +498,13 @@ def test_a_port_that_is_taken_is_told_in_one_sentence(run):
         other.bind(("127.0.0.1", 0))
         other.listen()
         port = other.getsockname()[1]
-        code, out, err = run("serve", "--port", port)
-    assert (code, out) == (2, "")
-    assert err.startswith(f"chromanoise: port {port} cannot be listened on")
-    assert len(err.splitlines()) == 1
+        refused(run("serve", "--port", port), "--port", str(port))
 
 
 def test_a_study_that_cannot_be_read_is_told_before_anything_is_served(run, tmp_path):
     bad = tmp_path / "bad.toml"
     bad.write_text("[[sensors]]\nnam = 3\n", encoding="utf-8")
-    code, out, err = run("serve", bad, "--port", 0)
-    assert (code, out) == (2, "")
-    assert "bad.toml" in err
+    refused(run("serve", bad, "--port", 0), "bad.toml:2", setting="sensors.0.nam")
 
 
 def test_importing_the_page_imports_nothing_heavy():

@@ -19,6 +19,7 @@ from chromanoise.page.studies import MOST_SENSORS, Studies, files_of, served_dat
 from chromanoise.page.uploads import Uploads
 from chromanoise.study import read_study, run_study, study_from_data, study_from_text, study_hash
 from chromanoise.study.hashes import file_words, with_file_words
+from outcomes import refused, refused_input
 
 NM = range(400, 1051, 10)
 QE = {"level": "absolute", "per": "photon"}
@@ -262,7 +263,7 @@ def test_a_sensor_beside_its_changed_self_is_shown_copied_and_run_under_the_same
     uploads, answers, tmp_path
 ):
     study = {"sensors": [{"name": "onyx-rgbw"}, {"name": "onyx-rgbw", "shift_nm": 10.0}]}
-    assert "situations = told_apart(situations)" in answers.texts({"study": study})["python"]
+    assert "'shift_nm': 10.0" in answers.texts({"study": study})["python"]
     shown = [one["name"] for one in asked(answers, study, "head")["parts"]["head"]["sensors"]]
     path = tmp_path / "s.toml"
     path.write_text(answers.texts({"study": study})["toml"] + '[[pictures]]\nformats = ["png"]\n')
@@ -276,8 +277,10 @@ def test_a_sensor_beside_its_changed_self_is_shown_copied_and_run_under_the_same
 def test_a_sensor_beside_its_unchanged_self_is_refused_in_one_sentence(tmp_path):
     path = tmp_path / "s.toml"
     path.write_text(2 * '[[sensors]]\nname = "onyx-rgbw"\n')
-    with pytest.raises(InputError, match=r"s\.toml:4: sensors\.1\.name: 'onyx-rgbw' stands twice"):
+    with refused_input(value="onyx-rgbw") as caught:
         read_study(path)
+    assert [error.setting for error in caught.value.errors] == ["sensors.1.name"]
+    assert str(caught.value).startswith(f"{path}:4: sensors.1.name: ")
 
 
 # ---- what is served ----
@@ -290,9 +293,8 @@ def test_more_sensors_than_the_page_shows_are_refused_before_anything_is_served(
             f'[[sensors]]\nname = "onyx-rgb"\nshift_nm = {i}.0\n' for i in range(MOST_SENSORS + 1)
         )
     )
-    code, out, err = run("serve", path, "--port", 0)
-    assert (code, out, len(err.splitlines())) == (2, "", 1)
-    assert "at most 8 sensors, but there are 9" in err
+    outcome = run("serve", path, "--port", 0)
+    refused(outcome, str(path), str(MOST_SENSORS), value=MOST_SENSORS + 1)
 
 
 # ---- the picture ----

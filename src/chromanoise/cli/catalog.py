@@ -42,7 +42,12 @@ def catalog(
     Tables of your own stand in the folder that CHROMANOISE_CATALOG names.
     """
     if markdown == "-" and json_target == "-":
-        raise InputError("--json - and --markdown - would stand in one another; name a file")
+        raise InputError(
+            "--markdown",
+            "must be a file where --json writes to standard output",
+            value=markdown,
+            remedy="name a file",
+        )
     folder = catalog_folder() if folder is None else folder
     one = word is not None and word not in KINDS
     entries = (

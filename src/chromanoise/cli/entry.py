@@ -171,12 +171,15 @@ def _refuse_unreadable(arguments: Sequence[str]) -> None:
         option, equals, value = word.partition("=")
         if not word or (equals and not value and option.startswith("--")):
             name = option or f"the argument after {before}"
-            raise InputError(f"{name}: is empty; give a value, or omit it")
+            raise InputError(name, "must not be empty", remedy=("give a value", "omit it"))
         strange = next((c for c in word if unicodedata.category(c) in _NO_TEXT), None)
         if strange is not None:
             raise InputError(
-                f"the argument {word!a}: holds {strange!a}, which is a control character "
-                f"or not {sys.getfilesystemencoding()} text; rename the file or retype the argument"
+                f"the argument {word!a}",
+                f"must be printable {sys.getfilesystemencoding()} text",
+                value=word,
+                found=f"holds {strange!a}",
+                remedy=("rename the file", "retype the argument"),
             )
 
 

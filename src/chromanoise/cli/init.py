@@ -14,6 +14,8 @@ from chromanoise.study import STARTER
 def init(study: Path) -> None:
     """Write a commented STUDY to start from [default: study.toml]."""
     if study.exists():
-        raise InputError(f"{study}: is there already; name another file, or move it away")
+        raise InputError(
+            str(study), "must not exist yet", remedy=("name another file", "move it away")
+        )
     write_whole(study, STARTER.encode("utf-8"))
     click.echo(f"{study}: change it, then `chromanoise run {study}`")

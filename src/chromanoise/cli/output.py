@@ -15,6 +15,8 @@ from chromanoise.io.table import (
 )
 from chromanoise.io.tables import table_writer
 
+_ANOTHER = "name another file"
+
 
 def write_json(data: dict[str, Any], target: str) -> None:
     """JSON to a file, whole or not at all, or to standard output where ``target`` is ``-``."""
@@ -32,7 +34,9 @@ def refuse_inputs(target: str | Path | None, option: str, *inputs: str) -> None:
     goal = os.path.realpath(target)
     for name in inputs:
         if Path(name).exists() and os.path.realpath(name) == goal:
-            raise InputError(f"{option} {target}: is the file that is read; name another one")
+            raise InputError(
+                option, "must not be a file that is read", value=str(target), remedy=_ANOTHER
+            )
 
 
 def refuse_same(targets: Mapping[str, str | Path | None]) -> None:
@@ -43,7 +47,9 @@ def refuse_same(targets: Mapping[str, str | Path | None]) -> None:
             continue
         first = seen.setdefault(os.path.realpath(target), option)
         if first != option:
-            raise InputError(f"{option} {target}: is the file of {first} too; name another one")
+            raise InputError(
+                option, f"must not be the file of {first}", value=str(target), remedy=_ANOTHER
+            )
 
 
 def refuse_taken_inputs(

@@ -60,6 +60,12 @@ def report(study: Path, out: Path, changes: tuple[str, ...], figures: Path | Non
 def _refuse_unwritable_file(out: Path) -> None:
     """Say before anything is computed that the file could not be kept."""
     if out.is_dir():
-        raise InputError(f"--out {out}: is a folder; name a file")
+        raise InputError(
+            "--out",
+            "must be a file",
+            value=str(out),
+            found=f"{out} is a folder",
+            remedy="name a file",
+        )
     if not out.exists() or out.is_file():
         refuse_unwritable(out.parent)

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import click
 
-from chromanoise.errors import InputError
+from chromanoise.errors import InputError, StudyError, errors_in
 
 
 @click.command()
@@ -32,8 +32,11 @@ def serve(study: Path | None, port: int, opened: bool) -> None:
         listening = listening_socket(port)
     except OSError as error:
         raise InputError(
-            f"port {port} cannot be listened on ({error.strerror}); name another with --port, or "
-            "0 for any that is free"
+            "--port",
+            "must be a free port",
+            value=port,
+            found=f"{port} cannot be listened on ({error.strerror})",
+            remedy=("name another", "0 for any that is free"),
         ) from None
     address = f"http://localhost:{listening.getsockname()[1]}/"
     click.echo(f"{address}  (Ctrl-C ends it)")
@@ -72,4 +75,5 @@ def _study(path: Path | None) -> dict[str, object] | None:
     try:
         return served_data(study)
     except InputError as error:
-        raise InputError(f"{path}: {error}") from None
+        errors = errors_in(error)
+        raise StudyError(errors, [f"{path}: {one}" for one in errors]) from None

@@ -299,6 +299,8 @@ def keyed(
     try:
         yield
     except InputError as error:
+        if error.setting:  # of something narrower
+            raise
         raise error.inside((own or {}).get(error.subject, key), names) from None
 
 
