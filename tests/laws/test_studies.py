@@ -572,7 +572,7 @@ def test_what_cannot_be_is_refused_before_anything_is_computed(tmp_path):
         ("sensors.0.pixel.file=nowhere.txt", ""),
         ("matrices=['ridge']", "matrices.0"),
     ]:
-        named = "" if key else change.partition("=")[2]
+        named = None if key else change.partition("=")[2]
         with pytest.raises(InputError, match=named) as error:
             run_study(small([change]), tmp_path / "o")
         assert error.value.setting.startswith(key)

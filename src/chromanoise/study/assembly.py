@@ -109,7 +109,7 @@ def duplicates(study: Study) -> list[InputError]:
     return [
         InputError(
             "name",
-            "must differ from every other in its name or its settings",
+            "must not be repeated with the same settings",
             value=part.name,
             found=f"{part.name!r} is repeated",
             remedy="change a setting of one, or omit one",

@@ -292,7 +292,7 @@ def _study(
 
 @contextmanager
 def flat_names(names: Mapping[str, tuple[str, ...]]) -> Iterator[None]:
-    """Errors inside whose subject is a setting have its flat name.
+    """Errors inside call settings by their flat names, in the subject and in the remedy.
 
     Parameters
     ----------
@@ -306,6 +306,7 @@ def flat_names(names: Mapping[str, tuple[str, ...]]) -> Iterator[None]:
 
 
 def _with_flat_name(error: InputError, names: Mapping[str, tuple[str, ...]]) -> InputError:
+    error = error.inside(error.setting, lambda key: argument_of(key, names) or key)
     flat = argument_of(error.setting, names)
     if re.fullmatch(r"sensors\.\d+\.name", error.setting):
         flat = "sensors"
