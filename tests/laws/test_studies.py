@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from pydantic import BaseModel
 
 from chromanoise.catalog import sensor_with_pixel
-from chromanoise.errors import InputError, errors_in
+from chromanoise.errors import InputError
 from chromanoise.study import (
     STARTER,
     Study,
@@ -234,7 +234,7 @@ def test_a_script_holds_words_of_a_study_as_words_only():
     text = SMALL.replace('"onyx-rgbw"', json.dumps("x') or print(1) #\\\n"))
     study = study_from_text('title = "\\u0000\\n\\"\\"\\" boo"\n' + text, source="text")
     compile(study_as_python(study), "script", "exec")
-    with refused_input(subject="sensor", value=study.sensors[0].name):
+    with refused_input(setting_name="name"):
         exec(compile(study_as_python(study), "script", "exec"), {})
 
 
@@ -489,7 +489,7 @@ def test_a_sensor_by_a_name_that_no_file_can_have_is_one_sentence(tmp_path):
 def test_a_comment_may_be_a_line_of_dots(tmp_path):
     text = f"# {'.' * 70}\n{SMALL}\n# {'.' * 700}"
     assert study_from_text(text, source="text") == small()
-    with refused_input(subject="text", where="line 2", value=90):
+    with pytest.raises(InputError, match="64"):
         study_from_text(f"a = ['''\n# ''', {{{'a.' * 90}b = 1}}]", source="text")
 
 
@@ -512,29 +512,24 @@ def test_an_output_that_was_changed_or_is_of_another_version_or_file_is_refused(
     whole, tmp_path, monkeypatch
 ):
     text = (whole / "study.json").read_text()
-    version = json.loads(text)["version"]
-    for name, content, fields in [
-        ("seed", text.replace('"seed": 7', '"seed": 8', 1), {"value": version, "where": ""}),
-        (
-            "kind",
-            text.replace('"level_lux": 3.0', '"level_lux": "3"'),
-            {"value": version, "where": "key 'study'"},
-        ),
-        ("half", text[: len(text) // 2], {"requirement": "JSON"}),
-        ("other", "{}", {"requirement": "output of `chromanoise run`"}),
-        ("list", "[1]", {"requirement": "output of `chromanoise run`"}),
-        ("deep", "[" * 100_000, {"requirement": "JSON"}),
+    for name, content in [
+        ("seed", text.replace('"seed": 7', '"seed": 8', 1)),
+        ("kind", text.replace('"level_lux": 3.0', '"level_lux": "3"')),
+        ("half", text[: len(text) // 2]),
+        ("other", "{}"),
+        ("list", "[1]"),
+        ("deep", "[" * 100_000),
     ]:
         assert content != text
         path = tmp_path / f"{name}.json"
         path.write_text(content)
-        with refused_input(subject=str(path), **fields) as error:
+        with pytest.raises(InputError, match=path.name) as error:
             study_of_output(path)
         assert len(str(error.value).splitlines()) == 1
     monkeypatch.setattr("chromanoise.study.hashes.__version__", "0.0.0")
-    with refused_input(subject=str(whole / "study.json"), value=version):
+    with pytest.raises(InputError, match=r"'0\.1\.0'"):
         study_of_output(whole)
-    with refused_input(subject=str(whole), value=json.loads(text)["hash"]):
+    with pytest.raises(InputError, match=whole.name):
         run_study(small(), whole)
 
 
@@ -546,7 +541,7 @@ def test_results_of_a_file_that_changed_since_are_not_gone_on_with(tmp_path):
     run_study(study, tmp_path / "o")
     curves.write_text("\n".join(["wavelength_nm,A,B", *rows]).replace("0.4", "0.5"))
     for again in (run_study, lambda _, folder: study_of_output(folder)):
-        with refused_input(value=(f"{curves} has changed since",)):
+        with pytest.raises(InputError, match=r"cam\.csv"):
             again(study, tmp_path / "o")
 
 
@@ -565,27 +560,29 @@ def test_outputs_stay_in_their_folder_whatever_a_sensor_is_called(tmp_path):
 
 
 def test_what_cannot_be_is_refused_before_anything_is_computed(tmp_path):
-    for change, fields in [
-        ("sweeps.0.first=1e30", {"value": 1e30}),
-        ("sweeps.0.first=200", {}),
-        ("pictures.1.mosaic=RG/B", {"subject": "mosaic"}),
-        ("pictures.0.formats=['dng']", {"subject": "formats", "value": "dng"}),
-        ("pictures.0.cube=nowhere.hdr", {"subject": "nowhere.hdr"}),
-        ("pictures.0.scale=2", {"subject": "scale", "value": 2.0}),
-        ("sensors.0.name=onyx", {"subject": "sensor", "value": "onyx"}),
-        ('sensors.1={name = "onyx-rgbw"}', {"subject": "name", "value": "onyx-rgbw"}),
-        ("sensors.0.pixel.file=nowhere.txt", {"subject": "nowhere.txt"}),
-        ("matrices=['ridge']", {}),
+    for change, key in [
+        ("sweeps.0.first=1e30", "sweeps.0"),
+        ("sweeps.0.first=200", "sweeps.0"),
+        ("pictures.1.mosaic=RG/B", "pictures.1.mosaic"),
+        ("pictures.0.formats=['dng']", "pictures.0"),
+        ("pictures.0.cube=nowhere.hdr", ""),  # found when the files are hashed
+        ("pictures.0.scale=2", "pictures.0.scale"),
+        ("sensors.0.name=onyx", "sensors.0.name"),
+        ('sensors.1={name = "onyx-rgbw"}', "sensors.1.name"),
+        ("sensors.0.pixel.file=nowhere.txt", ""),
+        ("matrices=['ridge']", "matrices.0"),
     ]:
-        with refused_input(**fields) as error:
+        named = None if key else change.partition("=")[2]
+        with pytest.raises(InputError, match=named) as error:
             run_study(small([change]), tmp_path / "o")
+        assert error.value.setting.startswith(key)
         assert len(str(error.value).splitlines()) == 1
         assert not (tmp_path / "o").exists()
 
 
 def test_a_study_that_asks_for_nothing_is_told_so():
     text = '[[sensors]]\nname = "onyx-rgbw"\n[outputs]\nanalyses = false'
-    with refused_input(subject="the study", requirement="must ask for"):
+    with refused_input(subject="the study"):
         prepared_run(study_from_text(text, source="text"))
 
 
@@ -623,18 +620,19 @@ def test_every_fault_is_told_at_once_with_file_line_and_what_may_be_meant(tmp_pa
     )
     with pytest.raises(InputError) as error:
         read_study(path)
-    assert [line.removeprefix(f"{path}:")[:3] for line in str(error.value).splitlines()] == [
-        "1: ",
-        "5: ",
-        "10:",
-        "11:",
+    found = [
+        (1, "metric", "quants", "quanta"),
+        (5, "sweeps.0.vary", "luxx", "lux"),
+        (10, "pictures.0.demosaic", "bilinar", "bilinear"),
+        (11, "pictures.0.formats.1", "jpg", "png"),
     ]
-    assert [(one.setting, one.value, one.remedy) for one in errors_in(error.value)] == [
-        ("metric", "quants", ("did you mean quanta?",)),
-        ("sweeps.0.vary", "luxx", ("did you mean lux?",)),
-        ("pictures.0.demosaic", "bilinar", ("did you mean bilinear?",)),
-        ("pictures.0.formats.1", "jpg", ("did you mean png?",)),
-    ]
+    lines = str(error.value).splitlines()
+    for one, line, (number, key, value, meant) in zip(
+        error.value.errors, lines, found, strict=True
+    ):
+        assert line.startswith(f"{path}:{number}: {key}: ")
+        assert (one.setting, one.value) == (key, value)
+        assert f"did you mean {meant}?" in one.remedy
 
 
 def test_a_change_wins_over_the_file_and_is_named_where_it_is_wrong():

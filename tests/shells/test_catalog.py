@@ -99,7 +99,7 @@ def test_json_and_markdown_go_to_files_whole(run, tmp_path):
     assert "ircut-schott" in out
     assert len(json.loads(goal.read_text())["entries"]) == 4
     assert page.read_text().startswith("# The catalogue")
-    refused(run("catalog", "--json", "-", "--markdown", "-"), "--json", "--markdown")
+    refused(run("catalog", "--json", "-", "--markdown", "-"), subject="--markdown", value="-")
 
 
 def test_what_is_not_in_the_catalogue_is_refused_with_the_nearest_name(run):

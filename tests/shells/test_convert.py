@@ -97,8 +97,8 @@ def test_a_date_makes_the_bytes_the_same_on_every_day(done, here):
 @pytest.mark.parametrize(
     ("arguments", "parts"),
     [
-        (("cam.csv", "cam.csv"), ("OUT", "cam.csv")),
-        (("cam.csv", "./cam.csv"), ("OUT", "cam.csv")),
+        (("cam.csv", "cam.csv"), ("OUT", "'cam.csv'")),
+        (("cam.csv", "./cam.csv"), ("OUT", "'cam.csv'")),
         (("cam.csv", "x.xlsx"), (".csv, .json, .spdx",)),
         (("cam.csv", "x.csv", "--as", "rawtoaces"), ("--as rawtoaces", ".json")),
         (("cam.csv", "x.json", "--as", "rawtoaces"), ("cam.csv", "--energy", "--photons")),
@@ -156,7 +156,7 @@ def test_the_ending_decides_the_form_and_is_refused_before_the_work(run, done, h
         assert (here / f"t{ending}").read_text().startswith(begin)
     refused(run(command, "nothing", *few, "--table", "t.pdf"), "t.pdf", ".csv, .json, .md, .tex")
     (here / "cam.csv").write_text("mine")
-    refused(run(command, "cam.csv", *few, "--table", "cam.csv"), "--table", "cam.csv")
+    refused(run(command, "cam.csv", *few, "--table", "cam.csv"), subject="--table", value="cam.csv")
     assert (here / "cam.csv").read_text() == "mine"
 
 
@@ -243,7 +243,8 @@ def test_every_command_that_takes_sensors_takes_the_pixel_of_a_file_and_never_ov
     (here / "p.json").write_text('{"sigma_d": {"value": 3, "unit": "e-"}}')
     for asked in (("matrix", "onyx-rgb"), ("compare", "onyx-rgb", "--points", 2)):
         done(*asked, "--pixel", "p.json")
-        refused(run(*asked, "--pixel", "p.json", "--json", "p.json"), "--json", "p.json")
+        taken = run(*asked, "--pixel", "p.json", "--json", "p.json")
+        refused(taken, subject="--json", value="p.json")
     done("simulate", "builtin:checker", "--sensor", "onyx-rgb", "--pixel", "p.json", "-o", "o")
     assert PAPER_PIXEL.read_noise_e == 10  # so that 3 is the file's
     told = json.loads((here / "o" / "summary.json").read_text())["pictures"][0]

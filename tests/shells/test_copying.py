@@ -178,7 +178,7 @@ def test_what_a_study_cannot_say_is_refused_by_name(run, options, tmp_path, monk
         (("matrix", "x", "--pareto", "3"), {"subject": "--pareto", "value": "3"}),
         (
             ("simulate", "x", "--sensor", "x", "--bits", 9),
-            {"setting": "pictures.0.bits", "remedy_setting": "pictures.0.mosaic"},
+            {"setting": "pictures.0.bits", "remedy_setting": "mosaic"},
         ),
         (
             ("analyze", "onyx-rgbw", "onyx-rgbw"),

@@ -54,13 +54,14 @@ def test_a_study_finds_a_file_of_wavelengths_in_its_folder_and_hashes_it(files, 
 @pytest.mark.parametrize("word", ["400", "none.txt", "400:x", "nan"])
 def test_wavelengths_that_are_neither_two_ends_nor_a_file_are_refused(files, run, word):
     told = run("simulate", str(files / "a.npy"), "--sensor", "model-rgb", "--wavelengths", word)
-    refused(told, "--wavelengths", word)
+    refused(told, subject="--wavelengths", value=word)
 
 
 @pytest.mark.parametrize("value", ["5", "[400]", "[400, 500, 600]", "true", '["a", "b"]'])
 def test_a_study_refuses_other_wavelengths_in_one_sentence(files, run, value):
     (files / "study.toml").write_text(STUDY.replace('"wl.txt"', value))
-    refused(run("run", str(files / "study.toml"), "--out", str(files / "out")), "wavelengths")
+    outcome = run("run", str(files / "study.toml"), "--out", str(files / "out"))
+    refused(outcome, "study.toml:9", setting="pictures.0.wavelengths")
 
 
 # pipes, devices and sockets
@@ -103,7 +104,7 @@ def test_an_irregular_file_is_refused_at_once(run, tmp_path, monkeypatch, reques
     words = [word.replace("{}", "link") for word in DOORS[door]]
     for word in {"link", "link.csv", "link.json"} & set(words):
         Path(word).symlink_to(name if kind == "/dev/zero" else tmp_path / name)
-    refused(run(*words), "link", "regular file")
+    refused(run(*words), "link", "device" if kind == "/dev/zero" else kind)
 
 
 def test_a_study_whose_cube_is_a_device_is_refused_before_it_is_hashed(run, tmp_path):
@@ -117,7 +118,7 @@ def test_a_pipe_within_a_zarr_folder_is_refused(run, tmp_path):
     os.mkfifo(tmp_path / "a.zarr" / "zarr.json")
     (tmp_path / "a.zarr" / ".zgroup").write_text("{}")
     command = ("simulate", str(tmp_path / "a.zarr"), "--sensor", "model-rgb", "-o", str(tmp_path))
-    refused(run(*command), "zarr.json", "regular file")
+    refused(run(*command), "zarr.json", "pipe", setting="pictures.0.cube")
 
 
 COMMAND = [sys.executable, "-c", "from chromanoise.cli import main; main()", "run", "/dev/stdin"]
@@ -137,4 +138,5 @@ def test_a_study_may_be_piped_in_and_endless_input_is_refused(tmp_path):
     with open("/dev/zero", "rb") as zeros:  # noqa: PTH123
         done = subprocess.run(COMMAND, stdin=zeros, capture_output=True, check=False)
     assert done.returncode == 2
-    assert b"regular file" in done.stderr
+    assert done.stderr.count(b"\n") == 1
+    assert b"/dev/stdin" in done.stderr

@@ -123,4 +123,7 @@ def test_a_filter_that_cannot_be_is_one_sentence(run, folder, word, parts):
 
 
 def test_no_result_takes_the_place_of_the_file_of_a_filter(run, folder):
-    refused(run("analyze", "onyx-rgb", "--filter", "glass.csv", "--table", "glass.csv"), "--table")
+    refused(
+        run("analyze", "onyx-rgb", "--filter", "glass.csv", "--table", "glass.csv"),
+        subject="--table",
+    )

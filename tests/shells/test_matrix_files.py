@@ -15,6 +15,7 @@ from chromanoise.exposure import Exposure, expected_electrons
 from chromanoise.io.matrices import MadeMatrix, balanced, matrix_clf
 from chromanoise.scene import flat_field
 from chromanoise.spectra import DEFAULT_GRID, equal_energy
+from outcomes import refused
 
 EXPOSURE = Exposure(time_s=0.0119)
 
@@ -90,13 +91,11 @@ def test_the_camera_profile_goes_from_xyz_to_camera_and_its_neutral_is_the_white
 
 
 def test_four_channels_do_not_fit_a_three_by_three_format():
-    with pytest.raises(InputError, match="4 channels"):
+    with pytest.raises(InputError, match="4"):
         matrix_clf(made("onyx-rgbw"))
 
 
-def test_an_unknown_ending_is_refused_before_anything_is_computed(tmp_path, capsys):
-    with pytest.raises(SystemExit) as stop:
-        main(["matrix", "onyx-rgbw", "--export", str(tmp_path / "m.xyz")])
-    assert stop.value.code == 2
-    assert ".clf" in capsys.readouterr().err
+def test_an_unknown_ending_is_refused_before_anything_is_computed(run, tmp_path):
+    outcome = run("matrix", "onyx-rgbw", "--export", tmp_path / "m.xyz")
+    refused(outcome, ".clf", subject="--export", value=str(tmp_path / "m.xyz"))
     assert list(tmp_path.iterdir()) == []

@@ -69,7 +69,8 @@ def test_without_merit_nothing_of_it_is_told(run):
 
 
 def test_merit_of_clipped_electrons_is_refused(run):
-    refused(run("analyze", "model-mono", "--clip", "--merit"), "--clip", "--merit")
+    outcome = run("analyze", "model-mono", "--clip", "--merit")
+    refused(outcome, "--clip", setting="outputs.clip", value=True)
 
 
 def test_json_of_pareto_has_the_digits_of_the_library(run):
@@ -114,18 +115,18 @@ def test_json_of_a_matrix_alone_has_no_curve_and_goes_to_a_file_beside_the_table
 
 
 @pytest.mark.parametrize(
-    ("asked", "told"),
+    ("asked", "fields"),
     [
-        ("5", "FIRST:LAST"),
-        ("1:2:3:4", "FIRST:LAST"),
-        ("a:2", "no number"),
-        ("1:2:2.5", "no number"),
-        ("0:2", "weight of the noise"),
-        ("2:1", "must rise"),
-        ("1:2:1", "2 to 100000"),
-        ("nan:2", "weight of the noise"),
-        ("", "--pareto"),
+        ("5", {"subject": "--pareto", "value": "5"}),
+        ("1:2:3:4", {"subject": "--pareto", "value": "1:2:3:4"}),
+        ("a:2", {"subject": "--pareto", "value": "a:2"}),
+        ("1:2:2.5", {"subject": "--pareto", "value": "1:2:2.5"}),
+        ("0:2", {"setting": "outputs.pareto.first", "value": 0.0}),
+        ("2:1", {"setting": "outputs.pareto"}),
+        ("1:2:1", {"setting": "outputs.pareto.points", "value": 1}),
+        ("nan:2", {"setting": "outputs.pareto.first"}),
+        ("", {}),
     ],
 )
-def test_weights_that_make_no_curve_are_refused_in_a_sentence(run, asked, told):
-    refused(run("matrix", "model-rgb-ircut", "--pareto", asked), told)
+def test_weights_that_make_no_curve_are_refused_in_a_sentence(run, asked, fields):
+    refused(run("matrix", "model-rgb-ircut", "--pareto", asked), **fields)

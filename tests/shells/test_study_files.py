@@ -33,7 +33,7 @@ def test_the_starter_runs_as_it_is_and_again_to_the_same_bytes(run, starter, tmp
     first = files_of(tmp_path / "out" / "study")
     for told in map(json.loads, first.values()):
         assert {"version", "study", "seed", "files", "hash"} <= set(told)
-    assert run("run", "study.toml", *FEW)[2].count("(stood there)") == 3
+    assert run("run", "study.toml", *FEW)[2].count("(already done)") == 3
     for output in ("out/study", "out/study/analysis-lmmse.json"):
         code, out, err = run("rerun", output, "-o", "again")
         assert code == 0, err
@@ -42,7 +42,7 @@ def test_the_starter_runs_as_it_is_and_again_to_the_same_bytes(run, starter, tmp
 
 def test_init_never_takes_the_place_of_a_file(run, starter):
     starter.write_text("mine")
-    refused(run("init"), "study.toml", "is there already")
+    refused(run("init"), subject="study.toml")
     assert starter.read_text() == "mine"
 
 
@@ -54,12 +54,12 @@ def test_what_study_prints_is_the_starter_and_a_schema(run, starter):
 
 def test_all_faults_of_a_file_are_told_at_once(run, starter):
     starter.write_text("[light]\nlevel_lux = 0\nilluminent = 'A'\n[[sensors]]\nnam = 'x'\n")
-    code, out, err = run("run", "study.toml")
-    assert (code, out) == (2, "")
-    lines = [line.removeprefix("chromanoise: study.toml:") for line in err.splitlines()]
+    outcome = run("run", "study.toml")
+    lines = [line.removeprefix("chromanoise: study.toml:") for line in outcome[2].splitlines()]
     assert [line.partition(" ")[0] for line in lines] == ["2:", "3:", "4:", "5:"]
-    assert "did you mean illuminant" in err
-    assert "did you mean name" in err
+    keys = ["light.level_lux", "light.illuminent", "sensors.0.name", "sensors.0.nam"]
+    assert [error.setting for error in outcome.errors] == keys
+    refused(outcome, "illuminant", "name", setting=keys[0], value=0)
 
 
 def test_a_run_into_results_of_another_study_and_a_rerun_onto_itself_are_refused(
@@ -68,11 +68,11 @@ def test_a_run_into_results_of_another_study_and_a_rerun_onto_itself_are_refused
     only = (*FEW, "--set", 'matrices=["kernel"]')
     assert run("run", "study.toml", *only)[0] == 0
     before = files_of(tmp_path / "out" / "study")
-    refused(run("run", "study.toml", *only, "--set", "seed=1"), "another study", "--out")
-    refused(run("rerun", "out/study", "-o", "out/study"), "holds OUTPUT itself")
-    refused(run("rerun", "study.toml", "-o", "o"), "is a study; use `chromanoise run")
+    refused(run("run", "study.toml", *only, "--set", "seed=1"), "--out")
+    refused(run("rerun", "out/study", "-o", "out/study"), subject="--out", value="out/study")
+    refused(run("rerun", "study.toml", "-o", "o"), "study.toml", "chromanoise run")
     (tmp_path / "file").write_text("")
-    refused(run("run", "study.toml", "-o", "file"), "existing file")
+    refused(run("run", "study.toml", "-o", "file"), "file")
     assert files_of(tmp_path / "out" / "study") == before
 
 
@@ -93,16 +93,29 @@ def of_library(names, lux):
     lamp = equal_energy(DEFAULT_GRID)
     white = flat_field(lamp, level_lux=lux)
     (maker,) = matrix_makers(["lmmse"], "quanta").values()
+    sensors = [sensor_named(name, DEFAULT_GRID) for name in names]
+    solved = [saturating_exposure(white, one, f_number=1.8, share=0.99) for one in sensors]
+    exposure = min(solved, key=lambda one: one.time_s)  # one time for all, at which none saturates
     analyses = []
-    for name in names:
-        sensor = sensor_named(name, DEFAULT_GRID)
-        exposure = saturating_exposure(white, sensor, f_number=1.8, share=0.99)
+    for sensor in sensors:
         used = Situation(sensor=sensor, exposure=exposure, illuminant=lamp, level_lux=lux)
         analyses.append(analyzed(white, sensor, exposure, matrix=maker(used)))
     told = analyses_as_json(analyses)
     for own, analysis in zip(told["sensors"], analyses, strict=True):
         own |= budgets_as_json(analysis)
     return json.loads(json.dumps(told))
+
+
+def test_the_sensors_of_a_command_share_one_time_unless_they_are_saturated_alike(run):
+    names = ("onyx-rgbw", "model-rgb")
+    times = []
+    for more in ((), ("--equal", "saturation")):
+        code, out, err = run("analyze", *names, *more, "--json", "-")
+        assert code == 0, err
+        times.append([sensor["time_ms"] for sensor in json.loads(out)["sensors"]])
+    (shared, same), own = times
+    assert shared == same == min(own)
+    assert len(set(own)) == 2
 
 
 def test_command_line_library_and_run_give_the_same_digits(run, tmp_path):
@@ -114,7 +127,7 @@ def test_command_line_library_and_run_give_the_same_digits(run, tmp_path):
     command = dict(numbers(json.loads(out)))
     study = tmp_path / "s.toml"
     study.write_text(
-        'matrices = ["lmmse"]\n[light]\nlevel_lux = 3\n[exposure]\nequal = "saturation"\n'
+        'matrices = ["lmmse"]\n[light]\nlevel_lux = 3\n'
         + "".join(f'[[sensors]]\nname = "{name}"\n' for name in names)
     )
     code, out, err = run("run", study, "-o", tmp_path / "o")

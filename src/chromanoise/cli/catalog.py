@@ -44,10 +44,9 @@ def catalog(
     if markdown == "-" and json_target == "-":
         raise InputError(
             "--markdown",
-            "must not be standard output together with --json",
-            value="-",
-            found="both are",
-            remedy="name a file for one of them",
+            "must be a file where --json writes to standard output",
+            value=markdown,
+            remedy="name a file",
         )
     folder = catalog_folder() if folder is None else folder
     one = word is not None and word not in KINDS

@@ -171,15 +171,13 @@ def _refuse_unreadable(arguments: Sequence[str]) -> None:
         option, equals, value = word.partition("=")
         if not word or (equals and not value and option.startswith("--")):
             name = option or f"the argument after {before}"
-            raise InputError(
-                name, "must not be empty", value="", found=None, remedy=("give a value", "omit it")
-            )
+            raise InputError(name, "must not be empty", remedy=("give a value", "omit it"))
         strange = next((c for c in word if unicodedata.category(c) in _NO_TEXT), None)
         if strange is not None:
             raise InputError(
                 f"the argument {word!a}",
-                f"must be {sys.getfilesystemencoding()} text without control characters",
-                value=strange,
+                f"must be printable {sys.getfilesystemencoding()} text",
+                value=word,
                 found=f"holds {strange!a}",
                 remedy=("rename the file", "retype the argument"),
             )

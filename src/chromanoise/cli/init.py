@@ -15,10 +15,7 @@ def init(study: Path) -> None:
     """Write a commented STUDY to start from [default: study.toml]."""
     if study.exists():
         raise InputError(
-            str(study),
-            "must be a new file",
-            found="is there already",
-            remedy=("name another file", "move it away"),
+            str(study), "must not exist yet", remedy=("name another file", "move it away")
         )
     write_whole(study, STARTER.encode("utf-8"))
     click.echo(f"{study}: change it, then `chromanoise run {study}`")

@@ -139,5 +139,5 @@ def _writer(export: Path) -> Callable[[MadeMatrix], str]:
         if export.name.lower().endswith(ending):
             return writer
     raise InputError(
-        str(export), f"must end in {', '.join(_WRITERS)}, the formats of a matrix", where="--export"
+        "--export", f"must end in {', '.join(_WRITERS)}", value=str(export), remedy="rename it"
     )

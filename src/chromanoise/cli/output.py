@@ -15,6 +15,8 @@ from chromanoise.io.table import (
 )
 from chromanoise.io.tables import table_writer
 
+_ANOTHER = "name another file"
+
 
 def write_json(data: dict[str, Any], target: str) -> None:
     """JSON to a file, whole or not at all, or to standard output where ``target`` is ``-``."""
@@ -33,11 +35,7 @@ def refuse_inputs(target: str | Path | None, option: str, *inputs: str) -> None:
     for name in inputs:
         if Path(name).exists() and os.path.realpath(name) == goal:
             raise InputError(
-                option,
-                "must be another file",
-                value=str(target),
-                found=f"{target} is the file that is read",
-                remedy="name another one",
+                option, "must not be a file that is read", value=str(target), remedy=_ANOTHER
             )
 
 
@@ -50,11 +48,7 @@ def refuse_same(targets: Mapping[str, str | Path | None]) -> None:
         first = seen.setdefault(os.path.realpath(target), option)
         if first != option:
             raise InputError(
-                option,
-                "must be another file",
-                value=str(target),
-                found=f"{target} is the file of {first} too",
-                remedy="name another one",
+                option, f"must not be the file of {first}", value=str(target), remedy=_ANOTHER
             )
 
 

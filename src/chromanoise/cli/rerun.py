@@ -26,11 +26,7 @@ def rerun(output: Path, out: Path, threads: int | None) -> None:
     recorded = recorded_run(output)
     if os.path.realpath(out) == os.path.realpath(recorded.folder):
         raise InputError(
-            "--out",
-            "must be another folder than that of OUTPUT",
-            value=str(out),
-            found=f"{out} holds OUTPUT itself",
-            remedy="name another folder to compare with",
+            "--out", "must be another folder than that of OUTPUT", value=str(out), remedy="name one"
         )
     print_run(recorded.study, out, threads, recorded.place)
     click.echo(agreement_text(agreement_of(recorded.folder, out)), err=True)

@@ -7,7 +7,11 @@ from pathlib import Path
 
 import click
 
-from chromanoise.errors import InputError, StudyError
+from chromanoise.errors import (
+    InputError,
+    StudyError,
+    errors_in,
+)
 
 
 @click.command()
@@ -33,10 +37,10 @@ def serve(study: Path | None, port: int, opened: bool) -> None:
     except OSError as error:
         raise InputError(
             "--port",
-            "must be a port to listen on",
+            "must be a free port",
             value=port,
-            found=f"port {port} is not available ({error.strerror})",
-            remedy=("name another one", "give 0 for any that is free"),
+            found=f"{port} cannot be listened on ({error.strerror})",
+            remedy=("name another", "0 for any that is free"),
         ) from None
     address = f"http://localhost:{listening.getsockname()[1]}/"
     click.echo(f"{address}  (Ctrl-C ends it)")
@@ -69,10 +73,11 @@ def _study(path: Path | None) -> dict[str, object] | None:
     if path is None:
         return None
     from chromanoise.page.studies import served_data
-    from chromanoise.study import in_study, read_study
+    from chromanoise.study import read_study
 
     study = read_study(path)
     try:
         return served_data(study)
     except InputError as error:
-        raise StudyError([error], [in_study(error, str(path))]) from None
+        errors = errors_in(error)
+        raise StudyError(errors, [f"{path}: {one}" for one in errors]) from None

@@ -109,7 +109,7 @@ def duplicates(study: Study) -> list[InputError]:
     return [
         InputError(
             "name",
-            "must differ from every other in its name or its settings",
+            "must not be repeated with the same settings",
             value=part.name,
             found=f"{part.name!r} is repeated",
             remedy="change a setting of one, or omit one",
@@ -300,6 +300,8 @@ def keyed(
     try:
         yield
     except InputError as error:
+        if error.setting:  # of something narrower
+            raise
         raise error.inside((own or {}).get(error.subject, key), names) from None
 
 

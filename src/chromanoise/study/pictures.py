@@ -24,17 +24,29 @@ from chromanoise.study.document import PicturePart, Study
 from chromanoise.study.results import Pictures
 
 
-def asked_of(part: PicturePart, *, seed: int) -> Asked:
+def asked_of(part: PicturePart, *, seed: int, key: str = "pictures.0") -> Asked:
     """What a part of a study asks of its pictures.
+
+    Parameters
+    ----------
+    part
+        Of a study.
+    seed
+        Of all noise that is drawn.
+    key
+        Of the part, for errors.
 
     Raises
     ------
     InputError
         If a mosaic or a format is unknown, or a format is of what is not made.
     """
-    named = part.mosaic is not None and part.mosaic != "sensor"
+    mosaic = None
+    if part.mosaic is not None and part.mosaic != "sensor":
+        with keyed(f"{key}.mosaic"):
+            mosaic = mosaic_named(part.mosaic)
     return Asked(
-        mosaic=mosaic_named(part.mosaic) if named and part.mosaic is not None else None,
+        mosaic=mosaic,
         raw=part.mosaic is not None,
         demosaic=None if part.raw_only else part.demosaic or "bilinear",
         pixel=PixelOverrides(
@@ -68,9 +80,8 @@ def prepared_cameras(
     cube = cube_of(part, key=key)
     own = {name: f"{key}.{name}" for name in PicturePart.model_fields}
     own |= {"black_level_dn": f"{key}.black_level", "names of formats": f"{key}.formats"}
-    with keyed(f"{key}.mosaic", own.__getitem__, own):
-        asked = asked_of(part, seed=study.seed)
     with keyed(key, lambda name: own.get(name, name), own):
+        asked = asked_of(part, seed=study.seed, key=key)
         return cube, {
             name: [prepared(cube, each, maker(each), asked) for each in situations]
             for name, maker in makers.items()

@@ -181,7 +181,8 @@ def _analyses(study: Study, points: Points, makers: Makers) -> Iterator[Step]:
 
 def _matrices(study: Study, points: Points, makers: Makers) -> Iterator[Step]:
     asked = study.outputs.pareto
-    weights = noise_weights(asked.first, asked.last, points=asked.points) if asked else None
+    with keyed("outputs.pareto"):
+        weights = noise_weights(asked.first, asked.last, points=asked.points) if asked else None
     for name in makers if study.outputs.matrix else ():
         yield Step(
             name=f"matrix-{file_word(name)}",

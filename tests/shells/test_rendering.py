@@ -1,0 +1,168 @@
+"""One error in the terms of each shell: option, key with its line, control, keyword."""
+
+import pytest
+
+import chromanoise as cn
+from chromanoise.cli.rendering import sentences
+from chromanoise.errors import InputError, Setting, StudyError
+from chromanoise.page.asked import page_sentence
+from chromanoise.study import ANALYSIS, flat_names, study_from_text
+from chromanoise.study.reading import in_study
+
+ENDS = Setting("sensors.0.beyond", ("zero", "hold"))
+LAMP_ENDS = Setting("light.beyond", ("zero", "hold"))
+COUNTS = Setting("sensors.0.answers.per", ("energy", "photon"))
+SHORT = InputError(
+    "cam.csv",
+    "must reach 1050 nm",
+    value=780.0,
+    found="ends at 780 nm",
+    remedy=ENDS,
+    setting="sensors.0.name",
+)
+DARK = InputError("level_lux", "must be > 0 [lx]", value=0.0, setting="light.level_lux")
+
+
+def wrong(subject, key, *, value=1, remedy=()):
+    return InputError(subject, "must be right", value=value, remedy=remedy, setting=key)
+
+
+@pytest.mark.parametrize(
+    ("error", "command", "sentence"),
+    [
+        (DARK, "analyze", "--lux must be > 0 [lx], but is 0"),
+        (
+            SHORT,
+            "analyze",
+            "cam.csv must reach 1050 nm, but ends at 780 nm; give --beyond zero or hold",
+        ),
+        (
+            wrong("lamp.csv", "light.illuminant", remedy=LAMP_ENDS),
+            "analyze",
+            "lamp.csv must be right, but is 1; give --illuminant-beyond zero or hold",
+        ),
+        (
+            wrong("cam.csv", "sensors.0.name", remedy=COUNTS),
+            "simulate",
+            "cam.csv must be right, but is 1; give --energy or --photons",
+        ),
+        (
+            wrong("per", "light.per", value="energy"),
+            "analyze",
+            "--illuminant-energy must be right, but is 'energy'",
+        ),
+        (
+            wrong("bits", "pictures.0.bits", remedy=Setting("pictures.0.mosaic")),
+            "simulate",
+            "--bits must be right, but is 1; give --mosaic",
+        ),
+        (wrong("formats", "pictures.0.formats.1"), "simulate", "--format must be right, but is 1"),
+        (wrong("matrices", "matrices.0"), "compare", "--matrix must be right, but is 1"),
+        (wrong("matrix", "matrices.0"), "matrix", "--method must be right, but is 1"),
+        (wrong("vary", "sweeps.0.vary"), "compare", "--sweep must be right, but is 1"),
+        (wrong("sensors", "sensors.1.name"), "analyze", "SENSOR must be right, but is 1"),
+        (wrong("name", "sensors.1.name"), "simulate", "--sensor must be right, but is 1"),
+        (wrong("cube", "pictures.0.cube"), "simulate", "CUBE must be right, but is 1"),
+        (
+            wrong("scale", "scale", value="percent"),
+            "inspect",
+            "--percent must be right, but is 'percent'",
+        ),
+        (wrong("threads", ""), "simulate", "--threads must be right, but is 1"),
+        (wrong("threads", ""), "analyze", "threads must be right, but is 1"),
+    ],
+)
+def test_the_command_line_calls_a_setting_by_its_option(error, command, sentence):
+    options = {"threads": "--threads"} if command == "simulate" else {}
+    assert sentences(error, command, options) == sentence
+
+
+def test_the_command_line_prints_each_error_once_in_a_line_of_its_own(run):
+    both = StudyError([DARK, SHORT, DARK])
+    assert sentences(both).splitlines() == [sentences(DARK), sentences(SHORT)]
+    assert run("analyze", "onyx-rgbw", "--lux", 0, "--f-number", -1)[2].splitlines() == [
+        "chromanoise: --lux must be greater than 0, but is 0",
+        "chromanoise: --f-number must be greater than 0, but is -1",
+    ]
+
+
+def test_a_study_file_calls_a_setting_by_its_key_with_file_and_line(run, here):
+    assert in_study(DARK, "s.toml:2") == "s.toml:2: light.level_lux: must be > 0 [lx], but is 0"
+    assert in_study(SHORT, "s.toml:4") == (
+        "s.toml:4: sensors.0.name: cam.csv must reach 1050 nm, but ends at 780 nm; "
+        'set sensors.0.beyond = "zero" or "hold"'
+    )
+    text = "[light]\nlevel_lux = 0\n[[sensors]]\nname = 'onyx-rgbw'\n"
+    (here / "s.toml").write_text(text)
+    sentence = "light.level_lux: must be greater than 0, but is 0"
+    assert run("run", "s.toml")[2] == f"chromanoise: s.toml:2: {sentence}\n"
+    right = text.replace("= 0", "= 1")
+    (here / "s.toml").write_text(right)
+    changed = run("run", "s.toml", "--set", "light.level_lux=0")
+    assert changed[2] == f"chromanoise: --set light.level_lux=0: {sentence}\n"
+    with pytest.raises(StudyError, match=f"^a text:2: {sentence}$"):
+        study_from_text(text, source="a text")
+
+
+def test_the_page_calls_a_setting_by_the_name_of_its_control():
+    assert page_sentence(DARK) == "level lux must be > 0 [lx], but is 0"
+    assert page_sentence(SHORT) == (
+        "cam.csv must reach 1050 nm, but ends at 780 nm; set beyond to zero or hold"
+    )
+
+
+@pytest.mark.parametrize(
+    ("call", "sentence"),
+    [
+        (lambda: cn.analyze("onyx-rgbw", lux=0), "lux must be greater than 0, but is 0"),
+        (
+            lambda: cn.analyze("onyx-rgbw", lux=1e300),
+            "lux must be 1e-15 to 1e+15 [lx], but is 1e+300",
+        ),
+        (
+            lambda: cn.analyze("onyx-rgbw", pitch_um=1e200),
+            "pitch_um must be 0.001 to 1e+06 [um], but is 1e+200",
+        ),
+        (
+            lambda: cn.analyze("onyx-rgbw", illuminant_per="photon"),
+            "illuminant_per must not be given for E, where it changes nothing; omit it",
+        ),
+        (
+            lambda: cn.compare("onyx-rgbw", vary="time"),
+            "vary must be a known name, but is 'time'; did you mean time-ms?",
+        ),
+        (
+            lambda: cn.compare("onyx-rgbw", matrices=["kernl"]),
+            "matrices must be a known name, but is 'kernl'; did you mean kernel?",
+        ),
+        (
+            lambda: cn.matrix("onyx-rgbw", matrix="kernl"),
+            "matrix must be a known name, but is 'kernl'; did you mean kernel?",
+        ),
+        (
+            lambda: cn.render("builtin:checker", "onyx-rgbw", bits=8),
+            "bits must not be given without a mosaic; set mosaic",
+        ),
+        (
+            lambda: cn.render("builtin:checker", "onyx-rgbw", formats=["jpg"]),
+            "formats must be a known name, but is 'jpg'; did you mean png?",
+        ),
+        (
+            lambda: cn.analyze("onyx-rgbw", "onyx-rgbw"),
+            "sensors must not be repeated with the same settings, but 'onyx-rgbw' is repeated; "
+            "change a setting of one, or omit one",
+        ),
+    ],
+)
+def test_python_calls_a_setting_by_its_keyword(call, sentence):
+    with pytest.raises(InputError) as caught:
+        call()
+    assert str(caught.value) == sentence
+
+
+def test_python_names_the_keyword_that_resolves_an_error():
+    with pytest.raises(InputError) as caught, flat_names(ANALYSIS):
+        raise SHORT
+    assert str(caught.value) == (
+        "cam.csv must reach 1050 nm, but ends at 780 nm; set beyond='zero' or 'hold'"
+    )
