@@ -44,6 +44,11 @@ def read_study(path: Path | str, changes: Sequence[str] = ()) -> Study:
     changes
         ``key=value`` each, as ``light.level_lux=3`` or ``sensors.0.name="onyx-rgb"``; they win.
 
+    Returns
+    -------
+    Study
+        With names of files told from the working folder.
+
     Raises
     ------
     InputError
@@ -145,6 +150,11 @@ def study_from_data(told: Mapping[str, Any], *, source: str = "") -> Study:
         The data.
     source
         Names it in messages; empty where the data are arguments of a call.
+
+    Returns
+    -------
+    Study
+        Checked; its names are resolved when it is run.
 
     Raises
     ------
