@@ -30,10 +30,29 @@ Equation numbers are those of Clouet, Vaillant & Alleysson, "Physical noise prop
 color image construction: a geometrical interpretation", CIC27 (2019).
 """
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from chromanoise._lazy import lazy_names
 
 if TYPE_CHECKING:
+    from chromanoise import (
+        analysis,
+        catalog,
+        charts,
+        color,
+        exposure,
+        figures,
+        geometry,
+        imaging,
+        io,
+        metrics,
+        noise,
+        paper,
+        scene,
+        sensor,
+        spectra,
+        study,
+    )
     from chromanoise.api import analyze, compare, matrix, render, run
     from chromanoise.catalog import sensor_named
     from chromanoise.color import ColorMatrix
@@ -57,29 +76,6 @@ if TYPE_CHECKING:
     )
 
 __version__ = "0.1.0"
-
-_PUBLIC = {
-    "api": ("analyze", "compare", "matrix", "render", "run"),
-    "catalog": ("sensor_named",),
-    "color": ("ColorMatrix",),
-    "errors": ("InputError", "Setting"),
-    "exposure": ("Exposure", "Situation"),
-    "io.cubes": ("read_cube",),
-    "io.spectra": ("read_curves",),
-    "noise": ("Measurement",),
-    "scene": ("Cube", "Scene"),
-    "sensor": ("Mosaic", "Pixel", "Sensor"),
-    "spectra": ("Grid", "Illuminant", "Spectra", "illuminant_named"),
-    "study": (
-        *("Analyses", "Comparison", "Matrices", "Pictures", "Results", "Study"),
-        *("read_study", "study_from_data"),
-    ),
-}
-_STAGES = (
-    *("spectra", "scene", "sensor", "exposure", "noise", "geometry", "color", "metrics"),
-    *("imaging", "io", "catalog", "analysis", "study", "paper", "charts", "figures"),
-)
-_MODULES = {name: module for module, names in _PUBLIC.items() for name in names}
 
 __all__ = [
     "Analyses",
@@ -130,19 +126,9 @@ __all__ = [
     "study",
     "study_from_data",
 ]
-
-
-def __getattr__(name: str) -> Any:
-    """Import a public name, or a stage, when it is first used."""
-    if name in _STAGES:
-        return import_module(f"chromanoise.{name}")
-    if name not in _MODULES:
-        raise AttributeError(f"module 'chromanoise' has no attribute {name!r}")
-    value = getattr(import_module(f"chromanoise.{_MODULES[name]}"), name)
-    globals()[name] = value
-    return value
+__getattr__ = lazy_names(__name__)[0]
 
 
 def __dir__() -> list[str]:
-    """The public names and the stages."""
+    """The public names and the stages, without what is used here."""
     return sorted([*__all__, "__version__"])

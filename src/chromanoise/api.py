@@ -1,9 +1,10 @@
 """The functions of ``import chromanoise as cn``: settings to a study, the study to its results."""
 
-from collections.abc import Iterator, Mapping, Sequence
+import inspect
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from pathlib import Path, PurePath
-from typing import Any, Unpack
+from pathlib import Path
+from typing import Any, TypeVar, Unpack
 
 import numpy as np
 
@@ -24,15 +25,41 @@ from chromanoise.study import (
     Study,
     analyze_study,
     compare_study,
+    described_settings,
     in_arguments,
     matrix_study,
     render_study,
 )
 from chromanoise.study import run as run_of
 
+Function = TypeVar("Function", bound=Callable[..., Any])
 
+
+def _with_listed_settings(function: Function) -> Function:
+    """The function with its settings in its signature and its help."""
+    settings = described_settings(function.__name__)
+    own = inspect.signature(function)
+    named = [one for one in own.parameters.values() if one.kind is not one.VAR_KEYWORD]
+    listed = [
+        inspect.Parameter(
+            one.name,
+            inspect.Parameter.KEYWORD_ONLY,
+            default=one.default,
+            annotation=one.annotation if one.default is not None else one.annotation | None,
+        )
+        for one in settings
+    ]
+    text = inspect.cleandoc(function.__doc__ or "")
+    head, returns, rest = text.partition("Returns\n-------")
+    others = "\n".join(map(str, settings))
+    function.__doc__ = f"{head}Other Parameters\n----------------\n{others}\n\n{returns}{rest}"
+    vars(function)["__signature__"] = own.replace(parameters=[*named, *listed])
+    return function
+
+
+@_with_listed_settings
 def analyze(
-    *sensors: str | Sensor, matrix: str = "kernel", **settings: Unpack[AnalysisSettings]
+    *sensors: str | Path | Sensor, matrix: str = "kernel", **settings: Unpack[AnalysisSettings]
 ) -> Analyses:
     """Noise of each sensor in raw, contravariant and color coordinates, for a perfect white.
 
@@ -43,10 +70,9 @@ def analyze(
     matrix
         Color matrix: ``kernel`` (eq. 6), ``lmmse``, ``ridge=0.01`` ...
     settings
-        Light, exposure, pixel and outputs, as the options of ``chromanoise analyze``: ``lux`` [lx],
-        ``time_ms`` [ms], ``f_number``, ``illuminant`` (a name, a file or an `Illuminant`),
-        ``equal``, ``filter``, ``pixel``, ``budget``, ``chart`` ...; see `AnalysisSettings`. Without
-        ``time_ms``, all sensors share the longest time at which none saturates.
+        Light, exposure, pixel and outputs, as the options of ``chromanoise analyze``; they are
+        listed below. Without ``time_ms``, all sensors share the longest time at which none
+        saturates.
 
     Returns
     -------
@@ -75,8 +101,9 @@ def analyze(
     return result
 
 
+@_with_listed_settings
 def compare(
-    *sensors: str | Sensor,
+    *sensors: str | Path | Sensor,
     matrices: Sequence[str] = ("kernel",),
     **settings: Unpack[ComparisonSettings],
 ) -> Comparison:
@@ -89,8 +116,7 @@ def compare(
     matrices
         Color matrices.
     settings
-        As `analyze`; also ``vary`` (``lux``, ``time-ms``, ``read-noise-e`` ...), ``first`` and
-        ``last`` in the unit of what varies, ``points`` and ``quantity``; see `ComparisonSettings`.
+        As the options of ``chromanoise compare``; they are listed below.
 
     Returns
     -------
@@ -113,8 +139,9 @@ def compare(
     return result
 
 
+@_with_listed_settings
 def matrix(
-    sensor: str | Sensor, matrix: str = "kernel", **settings: Unpack[MatrixSettings]
+    sensor: str | Path | Sensor, matrix: str = "kernel", **settings: Unpack[MatrixSettings]
 ) -> Matrices:
     """The color matrix of a sensor, with its color error, noise and condition.
 
@@ -125,8 +152,8 @@ def matrix(
     matrix
         Its method: ``kernel`` (eq. 6), ``lmmse``, ``ridge=0.01`` ...
     settings
-        As `analyze`; ``pareto_first`` and ``pareto_last`` ask for the curve of color error against
-        noise between these weights of the noise; see `MatrixSettings`.
+        As the options of ``chromanoise matrix``; they are listed below. ``pareto_first`` and
+        ``pareto_last`` ask for the curve of color error against noise between these weights.
 
     Returns
     -------
@@ -149,9 +176,10 @@ def matrix(
     return result
 
 
+@_with_listed_settings
 def render(
     cube: str | Path,
-    *sensors: str | Sensor,
+    *sensors: str | Path | Sensor,
     matrix: str = "kernel",
     folder: str | Path | None = None,
     **settings: Unpack[RenderSettings],
@@ -169,7 +197,7 @@ def render(
     folder
         Where the pictures are written; ``None`` keeps them in memory.
     settings
-        As `analyze`; also ``seed``, ``mosaic``, ``demosaic``, ``frames`` ...; see `RenderSettings`.
+        As the options of ``chromanoise simulate``; they are listed below.
 
     Returns
     -------
@@ -215,7 +243,8 @@ def run(study: Study, folder: str | Path | None = None) -> Results:
 
     Notes
     -----
-    The numbers are those of ``chromanoise run``.
+    The numbers are those of ``chromanoise run``: Clouet, Vaillant & Alleysson, CIC27 (2019),
+    eq. 1-7.
     """
     return run_of(study, folder=_folder(folder))
 
@@ -239,7 +268,7 @@ def _folder(folder: str | Path | None) -> Path | None:
 
 
 def _named(
-    sensors: Sequence[str | Sensor], settings: Mapping[str, Any]
+    sensors: Sequence[str | Path | Sensor], settings: Mapping[str, Any]
 ) -> tuple[list[str], Given, dict[str, Any]]:
     """Names for the study, with the objects that they stand for."""
     own = {one.name: one for one in sensors if isinstance(one, Sensor)}
@@ -267,4 +296,4 @@ def _plain(value: Any) -> Any:
     """A value as a study holds it: numbers of numpy as those of Python, paths as text."""
     if isinstance(value, np.generic):
         return value.item()
-    return str(value) if isinstance(value, PurePath) else value
+    return str(value) if isinstance(value, Path) else value

@@ -112,6 +112,10 @@ class InputError(ValueError):
             How the shell calls what is wrong; ``None`` for `subject`.
         render
             How the shell tells a setting.
+
+        Returns
+        -------
+        str
         """
         text = self.subject if subject is None else subject
         if self.where:
@@ -135,7 +139,17 @@ class InputError(ValueError):
         return names[-1] if names else ""
 
     def called(self, subject: str) -> "InputError":
-        """The same error with another name of its subject."""
+        """The same error with another name of its subject.
+
+        Parameters
+        ----------
+        subject
+            The name.
+
+        Returns
+        -------
+        InputError
+        """
         return _rebuilt(type(self), self.__dict__ | {"subject": subject})
 
     def inside(self, setting: str, names: Callable[[str], str]) -> "InputError":
@@ -147,6 +161,10 @@ class InputError(ValueError):
             The key, as ``sensors.0.name``.
         names
             From a parameter of the library to its key of the study.
+
+        Returns
+        -------
+        InputError
         """
         remedy = tuple(
             Setting(names(one.name), one.values) if isinstance(one, Setting) else one

@@ -24,7 +24,7 @@ from chromanoise.sensor.models import MODELS
 from chromanoise.sensor.mosaic import bayer, rgbw_sparse_4x4
 from chromanoise.sensor.pixel import PAPER_PIXEL
 from chromanoise.sensor.sensor import Sensor, behind_filter, with_channels
-from chromanoise.spectra import Grid, on_grid
+from chromanoise.spectra import DEFAULT_GRID, Grid, on_grid
 from chromanoise.spectra.tables import packaged_table
 
 RECONSTRUCTION = (
@@ -78,7 +78,7 @@ KNOWN_SENSORS = (*SENSOR_NAMES, *DEVICE_NAMES, *CAMERA_NAMES)
 
 def sensor_named(
     name: str,
-    grid: Grid,
+    grid: Grid = DEFAULT_GRID,
     *,
     answers: Answers = ASK,
     pixel: Mapping[str, float] = MappingProxyType({}),
@@ -95,7 +95,12 @@ def sensor_named(
         What the table of a real device cannot tell: what follows its end, the highest QE of
         relative curves, how light was counted.
     pixel
-        Instead of the sensor's own, by the names of `Pixel`.
+        Instead of the sensor's own, by the names of `Pixel`. [um], [e-], [e-]
+
+    Returns
+    -------
+    Sensor
+        Its quantum efficiencies on the grid [e-/photon] and its pixel.
 
     Raises
     ------

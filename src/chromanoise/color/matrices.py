@@ -34,6 +34,11 @@ class ColorMatrix:
         In which light is a vector.
     frame
         The sensor's frame: its rank and condition tell how far the matrix can be trusted.
+
+    Raises
+    ------
+    InputError
+        If an entry is not finite, or the shape is not that of coordinates and channels.
     """
 
     matrix: Float[Array, "c p"]

@@ -26,6 +26,11 @@ class Exposure:
         ``None`` for the paper's distant Lambertian scene, 1 / (4 f#^2) of the illuminance.
         A number m takes the camera equation 1 / (1 + 4 f#^2 (1 + |m|)^2) instead, which at
         f/1.8 and m = 0 is 0.32 dB darker.
+
+    Raises
+    ------
+    InputError
+        If a value is not positive, or beyond what double precision holds.
     """
 
     time_s: float

@@ -19,6 +19,11 @@ class Situation:
         What looks, and how.
     illuminant, level_lux
         The light, and how much of it falls on the scene. [lx]
+
+    Raises
+    ------
+    InputError
+        If the level is not finite and positive.
     """
 
     sensor: Sensor

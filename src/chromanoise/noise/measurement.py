@@ -30,6 +30,11 @@ class Measurement:
         Of the mean.
     metric
         In which light is a vector, where that matters; ``None`` for raw electrons.
+
+    Raises
+    ------
+    InputError
+        If a number is not finite, a variance is negative, or the shapes do not belong together.
     """
 
     mean: Float[Array, "*px p"]

@@ -36,6 +36,11 @@ class Cube:
         File or maker; used in messages and results.
     notes
         What was assumed in reading it.
+
+    Raises
+    ------
+    InputError
+        If there are not at least two bands at increasing wavelengths, or the shapes differ.
     """
 
     wavelength_nm: Float[Array, " m"]

@@ -24,6 +24,11 @@ class Scene:
     reflectance
         On the illuminant's grid, any number of points before it; 0 .. 1 for matte things, more
         where something fluoresces or shines.
+
+    Raises
+    ------
+    InputError
+        If the level is not positive, a reflectance is negative, or the grids differ.
     """
 
     illuminant: Illuminant

@@ -14,6 +14,11 @@ class Mosaic:
     ----------
     pattern
         Rows of channel names, all of the same length.
+
+    Raises
+    ------
+    InputError
+        If there is no channel, or the rows have different lengths.
     """
 
     pattern: tuple[tuple[str, ...], ...]

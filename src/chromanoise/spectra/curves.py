@@ -48,6 +48,11 @@ class Spectra:
         Where the numbers come from.
     notes
         What was done to them since, e.g. how they were continued beyond their ends.
+
+    Raises
+    ------
+    InputError
+        If wavelengths do not increase, a value is not finite, or the shapes do not belong together.
     """
 
     wavelength_nm: Float[Array, " m"]

@@ -53,7 +53,23 @@ class Grid:
 
     @classmethod
     def uniform(cls, start_nm: float, stop_nm: float, step_nm: float) -> "Grid":
-        """The grid from ``start_nm`` to ``stop_nm``. [nm]"""
+        """The grid from ``start_nm`` to ``stop_nm``.
+
+        Parameters
+        ----------
+        start_nm, stop_nm, step_nm
+            First and last wavelength, and their distance. [nm]
+
+        Returns
+        -------
+        Grid
+            Both ends included.
+
+        Raises
+        ------
+        InputError
+            If the step does not divide the range.
+        """
         return cls(float(start_nm), float(stop_nm), float(step_nm))
 
     @property

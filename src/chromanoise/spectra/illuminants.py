@@ -59,6 +59,11 @@ class Illuminant:
         Spectral irradiance at 1 lx. [W m-2 nm-1 lx-1]
     notes
         What was assumed, e.g. beyond the end of its measurement.
+
+    Raises
+    ------
+    InputError
+        If a value is negative or not finite, or the number of wavelengths differs.
     """
 
     name: str

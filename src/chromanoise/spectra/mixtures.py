@@ -8,7 +8,7 @@ from functools import partial
 from chromanoise import _check
 from chromanoise.errors import InputError
 from chromanoise.spectra.curves import Beyond
-from chromanoise.spectra.grid import Grid
+from chromanoise.spectra.grid import DEFAULT_GRID, Grid
 from chromanoise.spectra.illuminants import (
     Illuminant,
     Power,
@@ -37,13 +37,29 @@ _BLACK_BODY, _LED = r"([\d.]+)\s*K", r"LED([\d.]+)(?:/([\d.]+))?"
 _MIXTURE = re.compile(r"(.+)\+([\d.]+(?:[eE]-?\d+)?)xLED([\d.]+)(?:/([\d.]+))?")
 
 
-def illuminant_named(name: str, grid: Grid, *, beyond: Beyond = "refuse") -> Illuminant:
+def illuminant_named(
+    name: str, grid: Grid = DEFAULT_GRID, *, beyond: Beyond = "refuse"
+) -> Illuminant:
     """The illuminant a person means by ``name``.
 
     E, A, G173 (daylight to 1050 nm), ``halogen``, ``led-white``, the measured lamps of the
     catalogue, any CIE illuminant of colour-science (D65, FL2, LED-B3), ``<T>K`` for a black body,
     ``LED<peak>`` or ``LED<peak>/<width>`` for a diode, and ``<light>+<ratio>xLED<peak>`` for a
     light with an infrared diode beside it (`with_infrared`).
+
+    Parameters
+    ----------
+    name
+        One of these.
+    grid
+        Where it is wanted. [nm]
+    beyond
+        What follows where its table ends: ``refuse``, ``zero`` or ``hold``.
+
+    Returns
+    -------
+    Illuminant
+        At one lux. [W m-2 nm-1 lx-1]
 
     Raises
     ------

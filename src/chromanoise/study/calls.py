@@ -4,7 +4,6 @@ import json
 import shlex
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from pprint import pformat
 from typing import Any
 
 from chromanoise.errors import InputError
@@ -42,6 +41,9 @@ OTHER_NAMES: Mapping[str, str] = {
     "sensors": "sensor",
 }
 """Settings whose option has another name."""
+
+
+_WIDEST = 80
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -147,14 +149,14 @@ def study_as_python(study: Study) -> str:
     call = None if study.pictures else call_of(study)
     if call is not None:
         matrix = [] if call.matrix == ("kernel",) else [_matrix_argument(call)]
-        arguments = [repr(name) for name in call.names]
-        arguments += [f"{name}={value!r}" for name, value in call.settings.items()]
+        arguments = [_literal(name) for name in call.names]
+        arguments += [f"{name}={_literal(value)}" for name, value in call.settings.items()]
         lines = "".join(f"    {one},\n" for one in [*arguments, *matrix])
         made = f"result = cn.{call.function}(\n{lines})"
         printed = "print(json.dumps([result.to_dict()], indent=1))"
     else:
         data = study.model_dump(mode="json", by_alias=True, exclude_defaults=True)
-        shown = pformat({"schema": 1} | data, sort_dicts=False, width=96)
+        shown = _literal({"schema": 1} | data)
         folder = ', folder="."' if study.pictures else ""
         made = f"study = cn.study_from_data({shown})\nresults = cn.run(study{folder})"
         printed = "print(json.dumps(results.to_list(), indent=1))"
@@ -222,8 +224,30 @@ def _value(study: Study, key: str) -> Any:
 
 def _matrix_argument(call: Call) -> str:
     if call.function == "compare":
-        return f"matrices={list(call.matrix)!r}"
-    return f"matrix={call.matrix[0]!r}"
+        return f"matrices={_literal(call.matrix)}"
+    return f"matrix={_literal(call.matrix[0])}"
+
+
+def _literal(value: Any, indent: str = "") -> str:
+    """Plain data as Python, in double quotes; what is too long for a line is broken."""
+    if isinstance(value, str):
+        text = repr(value)
+        if text[0] == '"':
+            return text
+        return '"' + text[1:-1].replace("\\'", "'").replace('"', '\\"') + '"'
+    if not isinstance(value, Mapping | list | tuple):
+        return repr(value)
+    inner = f"{indent}    "
+    if isinstance(value, Mapping):
+        ends = "{}"
+        parts = [f"{_literal(key)}: {_literal(one, inner)}" for key, one in value.items()]
+    else:
+        ends, parts = "[]", [_literal(one, inner) for one in value]
+    line = f"{ends[0]}{', '.join(parts)}{ends[1]}"
+    if len(indent) + len(line) <= _WIDEST and "\n" not in line:
+        return line
+    lines = "".join(f"{inner}{part},\n" for part in parts)
+    return f"{ends[0]}\n{lines}{indent}{ends[1]}"
 
 
 def _options(settings: Mapping[str, Any]) -> list[str]:

@@ -303,14 +303,19 @@ class Study(_Part):
     light: LightPart = Field(LightPart(), description="The light on the scene.")
     exposure: ExposurePart = Field(ExposurePart(), description="How the time is found.")
     sensors: Annotated[
-        tuple[SensorPart, ...], Field(min_length=1, max_length=MOST_SENSORS, strict=False)
+        tuple[SensorPart, ...],
+        Field(min_length=1, max_length=MOST_SENSORS, strict=False, description="One or more."),
     ]
     matrices: Annotated[tuple[str, ...], Field(min_length=1, strict=False)] = Field(
         ("kernel",), description=f"Color matrices: {', '.join(METHODS)}; ridge=0.01."
     )
     prior: str = Field(DEFAULT_PRIOR, description=f"Of trained matrices: {', '.join(PRIORS)}.")
-    sweeps: Annotated[tuple[SweepPart, ...], Field(strict=False)] = ()
-    pictures: Annotated[tuple[PicturePart, ...], Field(strict=False)] = ()
+    sweeps: Annotated[
+        tuple[SweepPart, ...], Field(strict=False, description="What varies, one after the other.")
+    ] = ()
+    pictures: Annotated[
+        tuple[PicturePart, ...], Field(strict=False, description="Cubes through every sensor.")
+    ] = ()
     outputs: OutputsPart = Field(OutputsPart(), description="What is written.")
 
 

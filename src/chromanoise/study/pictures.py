@@ -115,7 +115,9 @@ def pictures_taken(
         If the cube holds what is no reflectance, or a file cannot be written.
     """
     part, summaries, kept = study.pictures[number], [], []
+    points: dict[str, Situation] = {}
     for name, taken in captures(study, number, cube, cameras, work=work):
+        points[taken.camera.situation.sensor.name] = taken.camera.situation
         if folder is None:
             summaries.append({"matrix": name} | shot_summary(taken, []))
             kept.append(taken)
@@ -128,7 +130,12 @@ def pictures_taken(
         )
         summary = {"matrix": name} | shot_summary(taken, files)
         summaries.append(summary | ({"not_written": missing} if missing else {}))
-    return Pictures(cube=part.cube, summaries=tuple(summaries), captures=tuple(kept))
+    return Pictures(
+        cube=part.cube,
+        points=tuple(points.values()),
+        summaries=tuple(summaries),
+        captures=tuple(kept),
+    )
 
 
 def captures(

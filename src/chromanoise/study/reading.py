@@ -48,6 +48,11 @@ def read_study(
     change_label
         Precedes a change in error messages.
 
+    Returns
+    -------
+    Study
+        With names of files told from the working folder.
+
     Raises
     ------
     InputError
@@ -168,6 +173,11 @@ def study_from_data(told: Mapping[str, Any], *, source: str = "") -> Study:
         The data.
     source
         Names it in messages; empty where the data are arguments of a call.
+
+    Returns
+    -------
+    Study
+        Checked; its names are resolved when it is run.
 
     Raises
     ------

@@ -28,7 +28,7 @@ from chromanoise.analysis.tables import analyses_as_table, curves_as_table, matr
 from chromanoise.color import ColorMatrix, ParetoCurve
 from chromanoise.exposure import Situation
 from chromanoise.imaging.shots import Shot
-from chromanoise.io.table import Table
+from chromanoise.io.table import Column, Table
 from chromanoise.io.tables import table_latex
 from chromanoise.metrics import MatrixReport
 from chromanoise.study.analyses import Outcome, outcomes_as_json
@@ -96,6 +96,11 @@ class Result(ABC):
         """The main table as a data frame of pandas, which must be installed.
 
         Columns are named ``name [unit]``; an undefined value is missing.
+
+        Raises
+        ------
+        ImportError
+            If pandas is missing.
         """
         pandas = import_module("pandas")
         table = self.to_table()
@@ -109,8 +114,16 @@ class Result(ABC):
         ----------
         label
             For ``\ref``; empty for none.
+
+        Returns
+        -------
+        str
         """
         return table_latex(self.to_table(), label)
+
+    @abstractmethod
+    def _repr_html_(self) -> str:
+        """The main table under the operating point, for a notebook."""
 
     def _html(self, caption: str, notes: Sequence[str] = ()) -> str:
         table = self.to_table()
@@ -155,15 +168,15 @@ class Analyses(Result):
         return tuple(outcome.analysis for outcome in self.outcomes)
 
     def raw_snr_db(self) -> dict[str, dict[str, float | None]]:
-        """Raw SNR by sensor and channel; ``None`` where it is not defined. [dB]"""
+        """Raw SNR by sensor and channel (eq. 7); ``None`` where it is not defined. [dB]"""
         return {one.sensor.name: raw_snr_db(one) for one in self.analyses}
 
     def contravariant_snr_db(self) -> dict[str, dict[str, float | None]]:
-        """Contravariant SNR by sensor and channel; ``None`` where it is not defined. [dB]"""
+        """Contravariant SNR by sensor and channel (eq. 3); ``None`` where undefined. [dB]"""
         return {one.sensor.name: contravariant_snr_db(one) for one in self.analyses}
 
     def color_snr_db(self) -> dict[str, dict[str, float | None]]:
-        """SNR of X, Y and Z by sensor; ``None`` where it is not defined. [dB]"""
+        """SNR of X, Y and Z by sensor (eq. 5); ``None`` where it is not defined. [dB]"""
         return {one.sensor.name: color_snr_db(one) for one in self.analyses}
 
     def to_dict(self) -> dict[str, Any]:
@@ -311,13 +324,15 @@ class Comparison(Result):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Pictures:
+class Pictures(Result):
     """The pictures of one cube.
 
     Attributes
     ----------
     cube
         Its name in the study.
+    points
+        Each sensor in its light, with its exposure.
     summaries
         How each was taken, as plain data; its files, where a folder was given.
     captures
@@ -325,6 +340,7 @@ class Pictures:
     """
 
     cube: str
+    points: tuple[Situation, ...]
     summaries: tuple[dict[str, Any], ...]
     captures: tuple[Shot, ...] = ()
 
@@ -332,13 +348,43 @@ class Pictures:
         """The cube and the summaries."""
         return {"cube": self.cube, "pictures": list(self.summaries)}
 
+    def to_table(self) -> Table:
+        """One row per picture and channel: mean electrons, and the share of pixels above full well.
+
+        The share is of all pixels of the channel.
+        """
+        columns = (
+            Column(name="sensor"),
+            Column(name="matrix"),
+            Column(name="frame"),
+            Column(name="channel"),
+            Column(name="time", unit="ms", digits=".4g"),
+            Column(name="mean", unit="e-", digits=".4g"),
+            Column(name="above full well", digits=".2%"),
+        )
+        rows = [
+            (told["sensor"], told["matrix"], told["frame"], channel, told["time_ms"], mean, share)
+            for told in self.summaries
+            for channel, mean, share in zip(
+                told["mean_e"],
+                told["mean_e"].values(),
+                told["above_full_well_share"].values(),
+                strict=True,
+            )
+        ]
+        return Table(title=f"Pictures of {self.cube}", columns=columns, rows=tuple(rows))
+
     def plot(self, ax: Any = None) -> Any:
         """Draw the first picture."""
         return _figures().draw_capture(self.captures[0], _axes(ax))
 
     def __repr__(self) -> str:
-        """How many, of which cube."""
-        return f"<Pictures: {len(self.summaries)} of {self.cube}>"
+        """How many, of which cube, and the operating point."""
+        told = f"{len(self.summaries)} of {self.cube} at {conditions(self.points)}"
+        return f"<Pictures: {told}>"
+
+    def _repr_html_(self) -> str:
+        return self._html(f"{self.cube} at {conditions(self.points)}")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -366,8 +412,7 @@ class Results:
 
     def to_list(self) -> list[dict[str, Any]]:
         """The result of each step, as ``chromanoise run`` writes them."""
-        first: list[Any] = [*self.analyses.values(), *self.matrices.values()]
-        return [step.to_dict() for step in [*first, *self.sweeps, *self.pictures]]
+        return [step.to_dict() for step in self._steps()]
 
     def __repr__(self) -> str:
         """What there is, and the operating point."""
@@ -379,6 +424,17 @@ class Results:
         }
         told = ", ".join(f"{count} {name}" for name, count in counts.items() if count)
         return f"<Results: {told} at {conditions(self.points)}>"
+
+    def _repr_html_(self) -> str:
+        return "".join(one._repr_html_() for one in self._steps())
+
+    def _steps(self) -> list[Result]:
+        return [
+            *self.analyses.values(),
+            *self.matrices.values(),
+            *self.sweeps,
+            *self.pictures,
+        ]
 
 
 def _figures() -> Any:

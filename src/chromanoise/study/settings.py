@@ -6,8 +6,15 @@ command line and Python cannot differ.
 
 import re
 from collections.abc import Mapping, Sequence
+from copy import deepcopy
+from dataclasses import dataclass
 from difflib import get_close_matches
-from typing import Annotated, Any, Literal, TypedDict, get_type_hints
+from pathlib import Path
+from types import UnionType
+from typing import Annotated, Any, Literal, TypedDict, Union, get_args, get_origin, get_type_hints
+
+from pydantic import BaseModel
+from pydantic.fields import FieldInfo
 
 from chromanoise._check import one_of
 from chromanoise.analysis import trained_names
@@ -15,7 +22,12 @@ from chromanoise.analysis.comparison.sweeps import SWEEPS
 from chromanoise.analysis.priors import DEFAULT_PRIOR
 from chromanoise.errors import InputError, StudyError
 from chromanoise.io.spectra.parsed import Negatives, Unit
-from chromanoise.study.assembly import keyed
+from chromanoise.spectra import (
+    Illuminant,
+)
+from chromanoise.study.assembly import (
+    keyed,
+)
 from chromanoise.study.document import Study
 from chromanoise.study.reading import study_from_data
 
@@ -27,7 +39,7 @@ Per = Literal["photon", "energy"]
 class SharedSettings(TypedDict, total=False):
     """Settings of light, exposure and sensors; each is annotated with its keys in a study."""
 
-    illuminant: Annotated[str, "light.illuminant"]
+    illuminant: Annotated[str | Path | Illuminant, "light.illuminant"]
     lux: Annotated[float, "light.level_lux"]
     illuminant_beyond: Annotated[Extrapolation, "light.beyond"]
     illuminant_per: Annotated[Per, "light.per"]
@@ -47,11 +59,11 @@ class SharedSettings(TypedDict, total=False):
     per: Annotated[Per, "sensors.*.answers.per"]
     wavelength_unit: Annotated[Unit, "sensors.*.answers.wavelength_unit"]
     peak_qe: Annotated[float, "sensors.*.answers.peak_qe"]
-    pixel: Annotated[str, "sensors.*.pixel.file"]
+    pixel: Annotated[str | Path, "sensors.*.pixel.file"]
     pitch_um: Annotated[float, "sensors.*.pixel.pitch_um"]
     full_well_e: Annotated[float, "sensors.*.pixel.full_well_e"]
     read_noise_e: Annotated[float, "sensors.*.pixel.read_noise_e"]
-    filter: Annotated[str, "sensors.*.filter"]
+    filter: Annotated[str | Path, "sensors.*.filter"]
     filter_wavelength_unit: Annotated[Unit, "sensors.*.filter_wavelength_unit"]
 
 
@@ -137,6 +149,16 @@ _ARGUMENTS = {
     "matrix": ("sensor", "matrix"),
     "render": ("cube", "matrix", "folder"),
 }
+_STARTS: Mapping[str, dict[str, Any]] = {
+    "analyze": {"outputs": {"budget": False}},
+    "compare": {
+        "outputs": {"analyses": False},
+        "sweeps": [{"vary": "lux", "first": 0.01, "last": 1000.0}],
+    },
+    "matrix": {"outputs": {"analyses": False, "matrix": True}},
+    "render": {"outputs": {"analyses": False}},
+}
+"""What the study of a function holds before its settings."""
 
 
 def analyze_study(sensors: Sequence[str], settings: Settings, *, matrix: str = "kernel") -> Study:
@@ -158,8 +180,7 @@ def analyze_study(sensors: Sequence[str], settings: Settings, *, matrix: str = "
     """
     _refuse_unknown(settings, "analyze")
     _refuse_idle_prior(settings, [matrix])
-    data = {"outputs": {"budget": False}, "matrices": [matrix]}
-    return _study(sensors, settings, ANALYSIS, data)
+    return _study(sensors, settings, "analyze", {"matrices": [matrix]})
 
 
 def compare_study(
@@ -199,12 +220,7 @@ def compare_study(
     _refuse_idle_prior(settings, matrices)
     if settings.get("prior") == "all":
         settings = {**settings, "prior": DEFAULT_PRIOR, "all_priors": True}
-    data = {
-        "outputs": {"analyses": False},
-        "matrices": matrices,
-        "sweeps": [{"vary": "lux", "first": 0.01, "last": 1000.0}],
-    }
-    return _study(sensors, settings, COMPARISON, data)
+    return _study(sensors, settings, "compare", {"matrices": matrices})
 
 
 def matrix_study(sensor: str, settings: Settings, *, matrix: str = "kernel") -> Study:
@@ -227,8 +243,7 @@ def matrix_study(sensor: str, settings: Settings, *, matrix: str = "kernel") -> 
     _refuse_unknown(settings, "matrix")
     if settings.get("pareto_first") is None:  # the curve is trained, whatever the matrix
         _refuse_idle_prior(settings, [matrix])
-    data = {"outputs": {"analyses": False, "matrix": True}, "matrices": [matrix]}
-    return _study([sensor], settings, MATRIX, data)
+    return _study([sensor], settings, "matrix", {"matrices": [matrix]})
 
 
 def render_study(
@@ -253,12 +268,101 @@ def render_study(
         If a value cannot be used, or has no effect.
     """
     _refuse_unknown(settings, "render")
-    data = {
-        "outputs": {"analyses": False},
-        "matrices": [matrix],
-        "pictures": [{"cube": cube}],
-    }
-    return _study(sensors, settings, RENDERING, data)
+    data = {"matrices": [matrix], "pictures": [{"cube": cube}]}
+    return _study(sensors, settings, "render", data)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DescribedSetting:
+    """A setting of a function, as its help shows it.
+
+    Attributes
+    ----------
+    name
+        Of the argument.
+    annotation, default
+        Its type, and its value where none is given.
+    description
+        Of its key in a study.
+    """
+
+    name: str
+    annotation: Any
+    default: Any
+    description: str
+
+    def __str__(self) -> str:
+        """Two lines in the form of numpydoc."""
+        default = "" if self.default is None else f", default {self.default!r}"
+        return f"{self.name} : {_type_text(self.annotation)}{default}\n    {self.description}"
+
+
+def described_settings(function: str) -> tuple[DescribedSetting, ...]:
+    """The settings of a function: types of its kind of settings, descriptions of a study.
+
+    Parameters
+    ----------
+    function
+        ``analyze``, ``compare``, ``matrix`` or ``render``.
+
+    Examples
+    --------
+    >>> print(next(one for one in described_settings("analyze") if one.name == "lux"))
+    lux : float, default 10.0
+        Illuminance [lx].
+    """
+    hints = get_type_hints(_KINDS[function])
+    described = []
+    for name, keys in _FUNCTIONS[function].items():
+        field = _field_of(keys[0])
+        at: Any = _STARTS[function]
+        for step in keys[0].split("."):
+            at = at[int(step)] if isinstance(at, list) else at.get(step, {})
+        described.append(
+            DescribedSetting(
+                name=name,
+                annotation=hints[name],
+                default=field.get_default() if at in ({}, None) else at,
+                description=field.description or "",
+            )
+        )
+    return tuple(described)
+
+
+_KINDS = {
+    "analyze": AnalysisSettings,
+    "compare": ComparisonSettings,
+    "matrix": MatrixSettings,
+    "render": RenderSettings,
+}
+
+
+def _field_of(key: str) -> FieldInfo:
+    """The field of a study's document with this key."""
+    *path, last = [step for step in key.split(".") if step not in ("*", "0")]
+    model: type[BaseModel] = Study
+    for step in path:
+        inside = _parts_of(model.model_fields[step].annotation)
+        model = next(p for p in inside if isinstance(p, type) and issubclass(p, BaseModel))
+    return model.model_fields[last]
+
+
+def _parts_of(annotation: Any) -> list[Any]:
+    """A type with all types inside it."""
+    return [annotation, *(part for one in get_args(annotation) for part in _parts_of(one))]
+
+
+def _type_text(annotation: Any) -> str:
+    """A type as a person writes it."""
+    if get_origin(annotation) is Literal:
+        return " or ".join(repr(value) for value in get_args(annotation))
+    if get_origin(annotation) in (Union, UnionType):
+        return " or ".join(_type_text(one) for one in get_args(annotation))
+    if get_origin(annotation) is tuple:
+        return f"({', '.join(_type_text(one) for one in get_args(annotation))})"
+    if get_args(annotation):
+        return f"sequence of {_type_text(get_args(annotation)[0])}"
+    return str(annotation.__name__)
 
 
 _GENERAL = {"sensors": "sensors.*", "pictures": "pictures.0"}
@@ -287,9 +391,10 @@ def argument_of(key: str, names: Mapping[str, tuple[str, ...]] = SHARED) -> str 
 def _study(
     sensors: Sequence[str],
     settings: Settings,
-    names: Mapping[str, tuple[str, ...]],
-    data: dict[str, Any],
+    function: str,
+    more: dict[str, Any],
 ) -> Study:
+    names, data = _FUNCTIONS[function], deepcopy(_STARTS[function]) | more
     data["sensors"] = [{"name": name} for name in sensors]
     for name, value in settings.items():
         for key in names[name] if value is not None else ():
@@ -314,6 +419,7 @@ def in_arguments(error: InputError, function: str) -> InputError:
 
     Examples
     --------
+    >>> from chromanoise.errors import Setting
     >>> ends = Setting("sensors.0.beyond", ("zero", "hold"))
     >>> str(in_arguments(InputError("cam.csv", "must reach 1050 nm", remedy=ends), "analyze"))
     "cam.csv must reach 1050 nm; set beyond='zero' or 'hold'"
@@ -353,7 +459,7 @@ def _refuse_unknown(settings: Settings, function: str) -> None:
         if name in _FUNCTIONS[function]:
             continue
         others = [other for other in _FUNCTIONS if name in (*_FUNCTIONS[other], *_ARGUMENTS[other])]
-        near = get_close_matches(name, known, n=2, cutoff=0.75 if others else 0.5)
+        near = get_close_matches(name, known, n=2, cutoff=0.7 if others else 0.6)
         remedy = f"known: {', '.join(known)}"
         if near:
             remedy = f"did you mean {' or '.join(near)}?"

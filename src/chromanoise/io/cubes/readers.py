@@ -61,6 +61,11 @@ def read_cube(
     scale
         Reflectance per stored unit; wins over the file, and over its saying that it is radiance.
 
+    Returns
+    -------
+    Cube
+        Its rows are read when they are needed.
+
     Raises
     ------
     InputError

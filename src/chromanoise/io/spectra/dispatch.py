@@ -43,6 +43,11 @@ def read_curves(path: Path | str, *, answers: Answers = ASK) -> Understood:
     answers
         What its user knows and the file does not say.
 
+    Returns
+    -------
+    Understood
+        The curves, with unit, level and how each was found.
+
     Raises
     ------
     InputError

@@ -1,0 +1,389 @@
+"""The names of ``import chromanoise as cn``, their documentation, and what results offer."""
+
+import inspect
+import json
+import pydoc
+import re
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from pydantic import BaseModel
+
+import chromanoise as cn
+from chromanoise.study import described_settings
+from outcomes import refused_input
+
+NAMES = [
+    "Analyses",
+    "ColorMatrix",
+    "Comparison",
+    "Cube",
+    "Exposure",
+    "Grid",
+    "Illuminant",
+    "InputError",
+    "Matrices",
+    "Measurement",
+    "Mosaic",
+    "Pictures",
+    "Pixel",
+    "Results",
+    "Scene",
+    "Sensor",
+    "Setting",
+    "Situation",
+    "Spectra",
+    "Study",
+    "__version__",
+    "analysis",
+    "analyze",
+    "catalog",
+    "charts",
+    "color",
+    "compare",
+    "exposure",
+    "figures",
+    "geometry",
+    "illuminant_named",
+    "imaging",
+    "io",
+    "matrix",
+    "metrics",
+    "noise",
+    "paper",
+    "read_cube",
+    "read_curves",
+    "read_study",
+    "render",
+    "run",
+    "scene",
+    "sensor",
+    "sensor_named",
+    "spectra",
+    "study",
+    "study_from_data",
+]
+OPERATING_POINT = "10 lx, illuminant E, 11.94 ms, f/1.8"
+
+
+def test_the_public_names_are_these():
+    assert dir(cn) == NAMES
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_each_public_name_can_be_imported(name):
+    space = {}
+    exec(f"from chromanoise import {name}", space)
+    assert space[name] is getattr(cn, name)
+
+
+def test_the_import_loads_neither_numpy_nor_click():
+    script = "import chromanoise, sys; print(sorted({'numpy', 'click'} & set(sys.modules)))"
+    done = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, check=True
+    )
+    assert done.stdout == "[]\n"
+
+
+def test_an_unknown_name_is_an_attribute_error():
+    with pytest.raises(AttributeError, match="module 'chromanoise' has no attribute 'analyse'"):
+        cn.analyse  # noqa: B018
+
+
+# ---- documentation ----
+
+SECTIONS = r"^(Parameters|Attributes|Other Parameters|Returns|Raises|Notes|Examples)\n-{3,}\n"
+QUANTITY = re.compile(r"(^|_)(lux|ms|s|nm|um|e|db|lx|s_per_e)$|^(qe|irradiance)$")
+NO_QUANTITY = {"source", "e"}
+COMPUTE_NOTHING = {  # they read, or make a noun of what is given
+    *("illuminant_named", "read_cube", "read_curves", "read_study", "sensor_named"),
+    "study_from_data",
+}
+SOURCE = re.compile(r"\beq\. \d|\(\d{4}\)|Table \d")
+
+
+def sections(text):
+    """The summary under '', and the text of each section."""
+    parts = re.split(SECTIONS, inspect.cleandoc(text), flags=re.MULTILINE)
+    return {"": parts[0], **dict(zip(parts[1::2], parts[2::2], strict=True))}
+
+
+def entries(text):
+    """The text of each name in a section of parameters."""
+    found = {}
+    for head, body in re.findall(r"^(\S.*)\n((?:(?:    .*)?\n?)*)", text, flags=re.MULTILINE):
+        for name in head.partition(" : ")[0].split(","):
+            found[name.strip().lstrip("*")] = body
+    return found
+
+
+def faults_of_function(name, function, *, computes, text=None):
+    """What the documentation of a function lacks."""
+    text = function.__doc__ if text is None else text
+    if not text:
+        return [f"{name}: no docstring"]
+    told, faults = sections(text), []
+    signature = inspect.signature(function)
+    wanted = [one for one in signature.parameters if one not in ("self", "cls")]
+    documented = entries(told.get("Parameters", "")) | entries(told.get("Other Parameters", ""))
+    faults += [
+        f"{name}: {one} is no documented parameter" for one in wanted if one not in documented
+    ]
+    faults += faults_of_units(name, {one: documented.get(one, "") for one in wanted})
+    returns = signature.return_annotation not in (None, "None", inspect.Signature.empty)
+    if wanted and returns and "Returns" not in told:
+        faults.append(f"{name}: no Returns")
+    if re.search(r"^ +raise ", inspect.getsource(function), re.MULTILINE) and "Raises" not in told:
+        faults.append(f"{name}: no Raises")
+    if computes and not SOURCE.search(text):
+        faults.append(f"{name}: no source")
+    return faults
+
+
+def faults_of_units(name, documented):
+    return [
+        f"{name}: no unit of {one}"
+        for one, text in documented.items()
+        if QUANTITY.search(one) and one not in NO_QUANTITY and not re.search(r"\[[^\]]+\]", text)
+    ]
+
+
+def faults_of_class(name, kind):
+    """What the documentation of a class and of its own methods lacks."""
+    if not kind.__doc__:
+        return [f"{name}: no docstring"]
+    told, faults = sections(kind.__doc__), []
+    if issubclass(kind, BaseModel):
+        described = {one: field.description for one, field in kind.model_fields.items()}
+        faults += [f"{name}: {one} is not described" for one, text in described.items() if not text]
+    else:
+        documented = entries(told.get("Attributes", "")) | entries(told.get("Parameters", ""))
+        fields = [one for one in inspect.signature(kind).parameters if not one.startswith("_")]
+        faults += [f"{name}: {one} is not documented" for one in fields if one not in documented]
+        grouped = {one: documented.get(one, "") for one in fields}
+        faults += faults_of_units(name, grouped)
+    checks = vars(kind).get("__post_init__")
+    if checks is not None and "Raises" not in told:
+        faults.append(f"{name}: no Raises")
+    for own, method in vars(kind).items():
+        if own.startswith("_") or own in ("plot", "model_config"):
+            continue
+        function = getattr(method, "fget", None) or getattr(method, "__func__", method)
+        if inspect.isfunction(function):
+            computes = own.endswith("_db")
+            faults += faults_of_function(f"{name}.{own}", function, computes=computes)
+    return faults
+
+
+PUBLIC = [name for name in NAMES if callable(getattr(cn, name))]
+
+
+@pytest.mark.parametrize("name", PUBLIC)
+def test_the_documentation_of_each_public_name_is_complete(name):
+    public = getattr(cn, name)
+    if inspect.isclass(public):
+        assert faults_of_class(name, public) == []
+    else:
+        computes = name not in COMPUTE_NOTHING
+        assert faults_of_function(name, public, computes=computes) == []
+        assert "Raises" in sections(public.__doc__)
+
+
+def incomplete(time_s, sensor):
+    """The time of a sensor.
+
+    Parameters
+    ----------
+    time_s
+        How long.
+    """
+    if time_s < 0:
+        raise ValueError
+    return time_s, sensor
+
+
+incomplete.__annotations__["return"] = tuple
+
+
+def test_the_rule_of_documentation_finds_each_lack():
+    assert faults_of_function("f", incomplete, computes=True) == [
+        "f: sensor is no documented parameter",
+        "f: no unit of time_s",
+        "f: no Returns",
+        "f: no Raises",
+        "f: no source",
+    ]
+    assert faults_of_function("f", incomplete, computes=False, text="") == ["f: no docstring"]
+
+
+@pytest.mark.parametrize("name", ["analyze", "compare", "matrix", "render"])
+def test_help_lists_each_setting_with_the_description_of_the_study(name):
+    shown = pydoc.render_doc(getattr(cn, name), renderer=pydoc.plaintext)
+    for one in described_settings(name):
+        assert one.description
+        assert f"{one.name}: " in shown.splitlines()[2]
+        assert all(line in shown for line in str(one).split("\n"))
+
+
+def test_the_defaults_that_help_shows_are_those_of_the_function():
+    shown = {one.name: one.default for one in described_settings("compare")}
+    names = ["lux", "f_number", "saturate", "vary", "first", "last", "points", "quantity"]
+    given = cn.compare("model-mono", **{name: shown[name] for name in names} | {"points": 3})
+    assert given.to_dict() == cn.compare("model-mono", points=3).to_dict()
+
+
+# ---- arguments ----
+
+
+def test_a_sensor_and_an_illuminant_may_be_objects():
+    named = cn.analyze("onyx-rgbw", "model-rgb", illuminant="A", read_noise_e=2.0, budget=True)
+    sensors = [cn.sensor_named(name) for name in ("onyx-rgbw", "model-rgb")]
+    lamp = cn.illuminant_named("A")
+    given = cn.analyze(*sensors, illuminant=lamp, read_noise_e=2.0, budget=True)
+    assert given.to_dict() == named.to_dict()
+    assert cn.matrix(sensors[0]).to_dict() == cn.matrix("onyx-rgbw").to_dict()
+    mixed = cn.compare(sensors[0], "model-rgb", points=3)
+    assert mixed.to_dict() == cn.compare("onyx-rgbw", "model-rgb", points=3).to_dict()
+
+
+def test_an_object_takes_the_pixel_of_a_file_and_a_filter_as_a_name_does(tmp_path):
+    sheet = tmp_path / "pixel.txt"
+    sheet.write_text("K = 0.5 DN/e-\nsigma_d [e-] = 2.4\nmu_e.sat: 9000 e-\npixel pitch = 3 um\n")
+    settings = {"pixel": sheet, "filter": "ircut-650", "read_noise_e": 4}
+    by_name = cn.analyze("onyx-rgbw", **settings)
+    assert cn.analyze(cn.sensor_named("onyx-rgbw"), **settings).to_dict() == by_name.to_dict()
+    pixel = by_name.points[0].sensor.pixel
+    assert (pixel.pitch_um, pixel.full_well_e, pixel.read_noise_e) == (3.0, 9000.0, 4.0)
+
+
+def test_what_only_a_file_is_asked_is_refused_of_an_object():
+    own = replace(cn.sensor_named("onyx-rgbw"), name="mine.csv")
+    with refused_input(subject="qe_scale", value="percent"):
+        cn.analyze(own, qe_scale="percent")
+    lamp = replace(cn.illuminant_named("A"), name="lamp.csv")
+    with refused_input(subject="illuminant_per", value="photon"):
+        cn.analyze(own, illuminant=lamp, illuminant_per="photon")
+
+
+def test_numbers_of_numpy_and_paths_are_numbers_and_names():
+    told = cn.analyze("model-mono", lux=np.int64(3), time_ms=np.float32(4)).to_dict()
+    assert told == cn.analyze(Path("model-mono"), lux=3, time_ms=4.0).to_dict()
+
+
+@pytest.mark.parametrize(
+    ("function", "word", "remedy"),
+    [
+        ("analyze", "lx", "did you mean lux?"),
+        ("analyze", "vary", "it is one of compare"),
+        ("analyze", "matrices", "did you mean metric or matrix?"),
+        ("compare", "matrix", "did you mean matrices?"),
+        ("compare", "clip", "it is one of analyze and render"),
+        ("matrix", "seed", "it is one of render"),
+        ("render", "fnumber", "did you mean f_number?"),
+    ],
+)
+def test_an_unknown_argument_is_refused_with_what_may_be_meant(function, word, remedy):
+    names = ("builtin:checker", "onyx-rgbw") if function == "render" else ("onyx-rgbw",)
+    with refused_input(subject=word, remedy=(remedy,)):
+        getattr(cn, function)(*names, **{word: 1})
+
+
+@pytest.mark.parametrize(
+    ("settings", "subject"),
+    [
+        ({"lux": -1.0}, "lux"),
+        ({"matrix": "lmse"}, "matrix"),
+        ({"qe_scale": "percent"}, "qe_scale"),
+        ({"f_number": 1e-9}, "f_number"),
+        ({"time_ms": 3.0, "saturate": 0.5}, "time_ms"),
+    ],
+)
+def test_an_error_names_the_argument_that_is_wrong(settings, subject):
+    with refused_input(subject=subject):
+        cn.analyze("onyx-rgbw", **settings)
+
+
+def test_a_sensor_given_twice_is_refused_by_the_name_of_the_argument():
+    with refused_input(subject="sensors", value="onyx-rgbw"):
+        cn.analyze("onyx-rgbw", "onyx-rgbw")
+    with refused_input(subject="sensors", value="onyx-rgbw"):
+        cn.analyze("onyx-rgbw", cn.sensor_named("onyx-rgbw"))
+
+
+# ---- results ----
+
+
+@pytest.fixture(scope="module")
+def results():
+    study = cn.study_from_data(
+        {
+            "sensors": [{"name": "onyx-rgbw"}],
+            "outputs": {"matrix": True},
+            "sweeps": [{"vary": "lux", "first": 1.0, "last": 100.0, "points": 3}],
+        }
+    )
+    ran = cn.run(study)
+    return {
+        "analyses": cn.analyze("onyx-rgbw"),
+        "comparison": cn.compare("onyx-rgbw", vary="lux", first=1.0, last=100.0, points=3),
+        "matrices": cn.matrix("onyx-rgbw"),
+        "pictures": cn.render("builtin:checker", "onyx-rgbw"),
+        "results": ran,
+    }
+
+
+STEPS = ["analyses", "comparison", "matrices", "pictures"]
+
+
+@pytest.mark.parametrize("kind", [*STEPS, "results"])
+def test_a_result_shows_its_operating_point_in_one_line_and_as_html(results, kind):
+    text = repr(results[kind])
+    assert OPERATING_POINT in text
+    assert "\n" not in text
+    assert len(text) < 160
+    html = results[kind]._repr_html_()
+    assert OPERATING_POINT in html
+    assert html.count("<table") >= 1
+    assert html.count("<div") == html.count("</div>")
+
+
+@pytest.mark.parametrize("kind", STEPS)
+def test_a_result_is_plain_data_table_and_latex(results, kind):
+    result = results[kind]
+    assert json.loads(json.dumps(result.to_dict(), allow_nan=False)) == result.to_dict()
+    table = result.to_table()
+    assert len(table.rows) >= 1
+    latex = result.to_latex("tab:one")
+    assert r"\label{tab:one}" in latex
+    assert latex.count(r"\\") == 1 + len(table.rows)
+
+
+@pytest.mark.parametrize("kind", STEPS)
+def test_a_data_frame_holds_the_table_with_units_in_its_heads(results, kind):
+    pytest.importorskip("pandas", reason="to_dataframe needs pandas")
+    result = results[kind]
+    frame, table = result.to_dataframe(), result.to_table()
+    assert frame.shape == (len(table.rows), len(table.columns))
+    for i, column in enumerate(table.columns):
+        head = f"{column.name} [{column.unit}]" if column.unit else column.name
+        assert frame.columns[i] == head
+        assert frame.iloc[0, i] == table.rows[0][i]
+
+
+def test_a_run_gives_what_each_function_gives(results):
+    told = results["results"].to_list()
+    analysis = cn.analyze("onyx-rgbw", budget=True).to_dict()
+    assert told == [analysis, results["matrices"].to_dict(), results["comparison"].to_dict()]
+
+
+def test_snr_by_name_is_that_of_the_plain_data(results):
+    result = results["analyses"]
+    (told,) = result.to_dict()["sensors"]
+    channels = {one["name"]: one["snr_db"] for one in told["channels"]}
+    assert result.raw_snr_db() == {"onyx-rgbw": channels}
+    assert result.color_snr_db() == {"onyx-rgbw": told["color"]["snr_db"]}
+    assert set(result.contravariant_snr_db()["onyx-rgbw"]) == set(channels)
