@@ -7,6 +7,7 @@ from chromanoise import _check
 from chromanoise.analysis.perceived import GREY
 from chromanoise.analysis.stages import Analysis, color_snr_db
 from chromanoise.charts.shown import Look, Shown, saturation_sentence
+from chromanoise.charts.text import NONE, decimal, operating_point, signed, table
 from chromanoise.color import LAB
 from chromanoise.exposure import expected_electrons
 from chromanoise.metrics import Budget, color_budget, contravariant_budget, lab_budget
@@ -32,10 +33,14 @@ def drawn_budget(shown: Shown, look: Look) -> dict[str, Any]:
         )
     )
     _check.one_of("coordinate", look.coordinate, tuple(known))
+    sensors = [_sensor(analysis, look.coordinate) for analysis in shown.analyses]
     return {
+        "title": f"Budget of the SNR of {look.coordinate} at {operating_point(shown.situations)}",
+        "description": _description(sensors, look.coordinate),
         "coordinate": look.coordinate,
         "coordinates": list(known),
-        "sensors": [_sensor(analysis, look.coordinate) for analysis in shown.analyses],
+        "sensors": sensors,
+        "table": _table(sensors, look.coordinate),
     }
 
 
@@ -107,6 +112,26 @@ def _why_no_budget(analysis: Analysis, coordinate: str) -> str:
     )
 
 
+def _description(sensors: list[dict[str, Any]], coordinate: str) -> str:
+    parts = [f"What the SNR of {coordinate} loses and gains, from all photons to the end."]
+    for sensor in sensors:
+        steps = ", ".join(f"{step['label']} {step['text']} dB" for step in sensor["steps"])
+        parts.append(f"{sensor['name']}: {steps or sensor['why_not']}.")
+    return " ".join(parts)
+
+
+def _table(sensors: list[dict[str, Any]], coordinate: str) -> dict[str, Any]:
+    rows = []
+    for sensor in sensors:
+        if not sensor["steps"]:
+            rows.append([sensor["name"], sensor["why_not"], NONE, NONE, NONE])
+        for step in sensor["steps"]:
+            change = NONE if step["kind"] in ("start", "end") else signed(step["change_db"], 2)
+            level = decimal(step["to_db"], 2)
+            rows.append([sensor["name"], step["label"], change, level, step["reading"]])
+    return table(["sensor", "step", "change [dB]", f"SNR of {coordinate} [dB]", "why"], rows)
+
+
 def _steps(budget: Budget) -> list[dict[str, Any]]:
     at = budget.photons_db
     steps = [_step("all photons", 0.0, at, at, "start", "every photon that hits the pixels")]
@@ -128,4 +153,5 @@ def _step(
         "to_db": to_db,
         "kind": kind,
         "reading": reading,
+        "text": decimal(to_db) if kind in ("start", "end") else signed(change_db),
     }

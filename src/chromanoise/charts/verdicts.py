@@ -7,8 +7,8 @@ import numpy as np
 from chromanoise import _check
 from chromanoise.analysis.stages import Analysis, color_snr_db, mean_color_error, raw_snr_db
 from chromanoise.charts.budget import coordinate_budget
-from chromanoise.charts.levels import level_in_words
 from chromanoise.charts.shown import saturation_sentence
+from chromanoise.charts.text import level_in_words
 from chromanoise.metrics import Budget
 from chromanoise.metrics.budget import CORRELATION, FILTERS, INFRARED, READ_NOISE, REST, WEIGHTS
 

@@ -139,6 +139,15 @@ function item(drawn, name) {
 }
 
 /**
+ * The title of a chart, which names the operating point, over its figure.
+ *
+ * @param {{ title: string }} data
+ */
+export function caption({ title }) {
+  return note(title, "d-note d-caption");
+}
+
+/**
  * A line of plain text under or over a figure.
  *
  * @param {string} text

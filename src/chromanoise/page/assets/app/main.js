@@ -3,7 +3,7 @@
 import { Asker, understood } from "app/ask.js";
 import { controls } from "app/controls.js";
 import { copyButtons } from "app/copy.js";
-import { attribute, byId, say, within } from "app/dom.js";
+import { attribute, brief, byId, say, within } from "app/dom.js";
 import { useEquations } from "app/equations.js";
 import { clearFaults, showFaults } from "app/faults.js";
 import { showHead } from "app/head.js";
@@ -188,7 +188,8 @@ function show(part, data, version) {
  */
 function drawingOptions(part, data) {
   const { look } = current();
-  const told = page.level === null ? look : { ...look, level_lux: page.level };
+  const level = page.level === null ? {} : { level_lux: page.level, level: `${brief(page.level, 3)} lx` };
+  const told = { ...look, ...level };
   return { ghosts: page.ghosts.ghosts(part, data), look: told, ...(page.printing ? { width: PAPER_PX } : {}) };
 }
 
