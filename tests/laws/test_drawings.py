@@ -5,12 +5,16 @@ import re
 from dataclasses import replace
 from fractions import Fraction
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
+import chromanoise
+from chromanoise import _notebook
+from chromanoise._palette import CHANNELS, INK
 from chromanoise.analysis import (
     QUANTITIES,
     SWEEPS,
@@ -35,8 +39,11 @@ from chromanoise.charts.verdicts import verdict_sentences
 from chromanoise.color import LAB, XYY, encoded_srgb, exact_noise
 from chromanoise.errors import InputError
 from chromanoise.exposure import expected_electrons, white_scene
+from chromanoise.figures.style import channel_color
 from chromanoise.geometry import reconstructed_light
 from chromanoise.page.choices import choices
+from chromanoise.page.files import asset
+from chromanoise.report.bundle import drawing_style
 from chromanoise.report.slides import slides_of
 from chromanoise.sensor import behind_ir_cut, with_shifted_curves
 from chromanoise.spectra import DEFAULT_GRID, color_axes, colorchecker
@@ -109,6 +116,28 @@ def test_the_title_of_a_chart_names_what_holds_for_all_of_it(part):
     assert "illuminant E" in title
     assert ("10 lx (" in title) == (part not in ("levels", "sensitivities"))
     assert ("11.94 ms, f/1.8" in title) == (part != "sensitivities")
+
+
+def test_the_colors_of_channels_stand_in_one_file_of_the_source():
+    hues = {color for pair in CHANNELS.values() for color in pair if len(set(color[1:])) > 1}
+    assert hues == {"#D55E00", "#009E73", "#0072B2", "#CC79A7"}
+    source = Path(chromanoise.__file__).parent
+    named = re.compile("|".join(hues), re.IGNORECASE)
+    files = (
+        one for one in source.rglob("*") if one.suffix in (".py", ".js", ".css", ".svg", ".j2")
+    )
+    holding = {one.name for one in files if named.search(one.read_text("utf-8"))}
+    assert holding == {"_palette.py"}
+
+
+def test_page_report_figures_and_notebooks_have_one_palette():
+    for name, (light, dark) in CHANNELS.items():
+        assert f"--channel-{name}: light-dark({light}, {dark});" in drawing_style()
+        assert channel_color(name) == light
+    assert asset("draw/draw.css").decode("utf-8") == drawing_style()
+    assert channel_color("none such") == INK
+    letters = _notebook.curves(np.arange(3.0), np.eye(3), ["R", "W", "C"], what="a test")
+    assert re.findall(r'stroke="(\S+)"', letters) == ["#D55E00", "currentColor", "currentColor"]
 
 
 @given(st.floats(-1e6, 1e6), st.integers(0, 4))

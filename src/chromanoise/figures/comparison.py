@@ -6,9 +6,9 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from chromanoise.analysis import Crossover, Curve
-from chromanoise.figures.style import INK, QUIET, sensor_dashes
+from chromanoise.figures.style import INK, QUIET, channel_color, sensor_dashes
 
-_SHADES = (INK, "#0072B2", "#D55E00", "#009E73")
+_SHADES = (INK, *(channel_color(name) for name in "BRG"))
 
 
 def draw_comparison(

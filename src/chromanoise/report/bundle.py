@@ -8,12 +8,14 @@ from functools import partial
 from importlib import resources
 from typing import Any
 
+from chromanoise._palette import palette_css
+
 _DRAW = "figures/draw"
 
 
 def drawing_style() -> str:
-    """The style sheet of the drawing modules."""
-    return _asset("draw.css")
+    """The style sheet of the drawing modules, with the palette."""
+    return palette_css() + _asset("draw.css")
 
 
 def import_map() -> str:

@@ -5,9 +5,6 @@ import { html, svg, tenth } from "draw/svg.js";
 /** @typedef {{ drawn: Node[], name: string }} Entry */
 
 /** @type {Record<string, string>} */
-const CHANNELS = { R: "#D55E00", G: "#009E73", B: "#0072B2", W: "var(--W)", IR: "#CC79A7" };
-
-/** @type {Record<string, string>} */
 const OWN_DASH = {
   "onyx-rgbw": "",
   "onyx-rgb-ircut": "9 3",
@@ -23,7 +20,7 @@ const DASHES = ["", "9 3", "3 2", "9 3 2 3", "16 3", "1.5 4", "16 3 3 3 3 3", "6
  * @returns {string}
  */
 export function channelColor(name) {
-  return CHANNELS[name] ?? "var(--ink)";
+  return `var(--channel-${CSS.escape(name)}, var(--ink))`;
 }
 
 /**
