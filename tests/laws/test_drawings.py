@@ -632,7 +632,7 @@ def test_the_reasons_that_are_told_reach_the_gap(names, illuminant):
         "head", shown(fast_study(*names, light={"illuminant": illuminant, "level_lux": 1.0}))
     )["verdict"]
     ours, theirs = re.search(r"SNR of Y (-?[\d.]+) against (-?[\d.]+) dB", first).groups()
-    costs = re.findall(r"costs (-?[\d.]+) dB \(there (-?[\d.]+)\)", why)
+    costs = re.findall(r"costs (-?[\d.]+) dB, against (-?[\d.]+) dB for", why)
     reached = sum(float(here) - float(there) for here, there in costs)
     reached += sum(float(beyond) for beyond in re.findall(r": ([\d.]+) dB", why))
     assert reached > abs(float(ours) - float(theirs)) - 0.3 - 0.4  # and rounding
@@ -663,9 +663,10 @@ def test_terms_other_than_one_time_for_all_are_told():
         drawing("head", shown(study_of(*BOTH, exposure={"equal": terms})))["verdict"][0]
         for terms in ("exposure", "saturation", "light")
     )
-    assert one.startswith("At 10 lx of E onyx")
-    assert alike.startswith("At 10 lx of E, with times set to fill each sensor alike, onyx")
-    assert photons.startswith("At 10 lx of E, with times set for the same photons")
+    assert one.startswith("At 10 lx (illuminant E, 11.94 ms, f/1.8), onyx")
+    assert "ms (onyx-rgbw), " in alike  # the times differ
+    assert "), with times set to fill each sensor alike, onyx" in alike
+    assert "), with times set for the same photons" in photons
     with pytest.raises(InputError, match="terms of a comparison"):
         verdict_sentences(usual().analyses, equal="time")
 
@@ -673,7 +674,7 @@ def test_terms_other_than_one_time_for_all_are_told():
 def test_the_verdict_tells_of_saturated_sensors_and_of_one_alone():
     told = drawing("head", bright())["verdict"]
     assert len(told) == 2
-    assert told[0].startswith("At 10 lx of E onyx-rgb-ircut has")
+    assert told[0].startswith("At 10 lx (illuminant E, 30 ms, f/1.8), onyx-rgb-ircut has")
     assert told[1].startswith("onyx-rgbw: ")
     assert "saturated" in told[1]
 

@@ -11,7 +11,7 @@ from chromanoise.charts.text import NONE, decimal, operating_point, signed, tabl
 from chromanoise.color import LAB
 from chromanoise.exposure import expected_electrons
 from chromanoise.metrics import Budget, color_budget, contravariant_budget, lab_budget
-from chromanoise.metrics.budget_chain import without_infrared
+from chromanoise.metrics.budget_chain import REST, WEIGHTS, without_infrared
 from chromanoise.scene import flat_field
 
 
@@ -70,6 +70,24 @@ def coordinate_budget(analysis: Analysis, coordinate: str) -> Budget | None:
     return contravariant_budget(light, sensor, exposure, analysis.matrix.frame, channel)
 
 
+def cause_label(cause: str, coordinate: str) -> str:
+    """A cause of `chromanoise.metrics.Budget` as a reader of a chart knows it.
+
+    Examples
+    --------
+    >>> cause_label("weights", "Y"), cause_label("rest", "Y"), cause_label("read noise", "Y")
+    ('color target', 'infrared leaking into Y', 'read noise')
+    """
+    one_channel = coordinate.startswith("M^")
+    if cause == WEIGHTS:
+        return "one channel alone" if one_channel else "color target"
+    if cause == REST:
+        if coordinate in LAB.coordinates:
+            return "error of the color matrix"
+        return "remainder" if one_channel else f"infrared leaking into {coordinate}"
+    return cause
+
+
 def _sensor(analysis: Analysis, coordinate: str) -> dict[str, Any]:
     budget = coordinate_budget(analysis, coordinate)
     return {
@@ -91,8 +109,8 @@ def _why_not(analysis: Analysis, coordinate: str) -> str:
     if color_snr_db(analysis).get(coordinate) is not None:
         return _why_no_budget(analysis, coordinate)
     return (
-        f"{name} has no SNR of {coordinate}: its channels and this matrix make no signal of it in "
-        "this light; take another matrix or another light"
+        f"{name}: the SNR of {coordinate} is undefined, because its channels and this matrix make "
+        "no signal of it in this light; take another matrix or another light"
     )
 
 
@@ -137,7 +155,8 @@ def _steps(budget: Budget) -> list[dict[str, Any]]:
     steps = [_step("all photons", 0.0, at, at, "start", "every photon that hits the pixels")]
     for cost in budget.costs:
         kind = "gain" if cost.loss_db < 0 else "cost"
-        steps.append(_step(cost.cause, -cost.loss_db, at, at - cost.loss_db, kind, cost.reading))
+        label = cause_label(cost.cause, budget.coordinate)
+        steps.append(_step(label, -cost.loss_db, at, at - cost.loss_db, kind, cost.reading))
         at -= cost.loss_db
     end = budget.snr_db
     return [*steps, _step(f"SNR of {budget.coordinate}", 0.0, end, end, "end", "what is left")]

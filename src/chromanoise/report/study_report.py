@@ -80,6 +80,8 @@ _SECTIONS = (  # part, heading, what it shows, equations
     ),
 )
 
+_EXACT = 7  # digits of half axes: an outline is whole to a thousandth of its unit
+
 
 def study_report(of: Shown, equations: Equations, sights: Sequence[Sight] = ()) -> str:
     """The report as HTML that needs no other file and no network.
@@ -205,7 +207,7 @@ def _half_axes(patch: dict[str, Any]) -> list[Any]:
     center = np.array(patch["center"])
     outline = np.array(patch["outline"]) - center
     axes = lstsq("outline of an ellipse", _circle(len(outline)), outline, rcond=None)[0]
-    half: list[Any] = shortened([patch["center"], *axes.tolist(), patch["reach"]])
+    half: list[Any] = shortened([patch["center"], *axes.tolist(), patch["reach"]], digits=_EXACT)
     return half
 
 

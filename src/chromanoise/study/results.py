@@ -55,14 +55,19 @@ def conditions(points: Sequence[Situation]) -> str:
     first = points[0]
     times_ms = [1e3 * one.exposure.time_s for one in points]
     if len(set(times_ms)) == 1:
-        time = f"{times_ms[0]:.4g} ms"
+        time = _duration(times_ms[0])
     elif len(points) <= _MOST_TIMES:
         told = zip(times_ms, points, strict=True)
-        time = ", ".join(f"{ms:.4g} ms ({one.sensor.name})" for ms, one in told)
+        time = ", ".join(f"{_duration(ms)} ({one.sensor.name})" for ms, one in told)
     else:
-        time = f"{min(times_ms):.4g} to {max(times_ms):.4g} ms"
+        time = f"{_duration(min(times_ms))} to {_duration(max(times_ms))}"
     lens = f"f/{first.exposure.f_number:g}"
     return f"{first.level_lux:g} lx, illuminant {first.illuminant.name}, {time}, {lens}"
+
+
+def _duration(ms: float) -> str:
+    """In seconds where milliseconds would need a power of ten."""
+    return f"{ms:.4g} ms" if ms < 9999.5 else f"{1e-3 * ms:.4g} s"
 
 
 class Result(ABC):

@@ -112,7 +112,7 @@ export function legend(names, how = "line", ghosts = 0, more = []) {
   for (const extra of more) items.push(item(extra.drawn, extra.name));
   if (ghosts) {
     const drawn = how === "mark" ? ghostMark(0, 18, 8) : swatchLine("d-curve d-ghost", "");
-    items.push(item([drawn], ghosts === 1 ? "kept as ghost" : "kept as ghosts"));
+    items.push(item([drawn], "pinned"));
   }
   return html("p", { class: "d-legend" }, items);
 }

@@ -23,7 +23,7 @@ export function draw(element, data, options = {}) {
   const names = data.sensors.map((sensor) => sensor.name);
   const dashes = sensorDashes(names);
   if (!data.sensors.some((sensor) => [...sensor.points, sensor.now].some(whole))) {
-    const why = data.sensors.map((sensor) => sensor.why_not ?? `${sensor.name}: no SNR to trade.`);
+    const why = data.sensors.map((sensor) => sensor.why_not ?? `${sensor.name}: SNR is undefined.`);
     refill(element, ...[...new Set(why)].map((sentence) => note(sentence)));
     return;
   }

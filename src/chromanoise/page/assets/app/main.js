@@ -193,8 +193,8 @@ function drawingOptions(part, data) {
   return { ghosts: page.ghosts.ghosts(part, data), look: told, ...(page.printing ? { width: PAPER_PX } : {}) };
 }
 
-const OLDER = "What is shown is older than the controls. ";
-const NOTHING_YET = "Nothing can be shown before what stands in red beside the controls is mended. ";
+const OLDER = "The charts still show your last valid settings. ";
+const NOTHING_YET = "Nothing can be shown until the settings marked in red are corrected. ";
 
 /**
  * @param {Fault[]} faults

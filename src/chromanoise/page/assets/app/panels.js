@@ -178,7 +178,7 @@ function show(panel, data, options) {
 
 /** @param {object | null | undefined} data */
 function faultOf(data) {
-  if (data === null || data === undefined) return "There is nothing to show of this study here.";
+  if (data === null || data === undefined) return "Nothing can be shown for these settings.";
   return "fault" in data && typeof data.fault === "string" ? data.fault : null;
 }
 
@@ -192,7 +192,7 @@ function drawn(panel, data, options) {
     DRAWN[panel.part].draw(panel.body, data, { width: panel.width, ...options });
     return null;
   } catch (error) {
-    return `This could not be drawn (${error instanceof Error ? error.message : error}); the table may still tell.`;
+    return `This could not be drawn (${error instanceof Error ? error.message : error}); the table has the numbers.`;
   }
 }
 
