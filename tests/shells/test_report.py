@@ -271,6 +271,8 @@ def test_the_figures_of_a_study_say_its_numbers(folder, there):
         told |= {f"\N{MINUS SIGN}{-step['change_db']:.1f}" for step in causes[:1]}
         assert told <= set(texts["budget"])
     assert {"a*", "b*"} <= set(texts["ellipses"])
+    for name in ("comparison", "budget", "ellipses", "pareto"):
+        assert "illuminant E" in " ".join(texts[name])
     assert {"0.001", "1000"} <= set(texts["pareto"])
     assert "onyx-rgbw, kernel" in texts["comparison"]
 

@@ -1,6 +1,7 @@
 """SNR over the light level, and where sensors change places."""
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 from jaxtyping import Float
@@ -12,7 +13,7 @@ from chromanoise.analysis.comparison.crossing import (
     crossover_sentence,
     crossovers_or_reasons,
 )
-from chromanoise.analysis.comparison.curves import compared
+from chromanoise.analysis.comparison.curves import Curve, compared
 from chromanoise.analysis.comparison.quantities import QUANTITIES, Quantity, fullest_level_lux
 from chromanoise.analysis.comparison.sweeps import SWEEPS, swept_values
 from chromanoise.analysis.defined import defined
@@ -37,12 +38,8 @@ def drawn_levels(shown: Shown, look: Look) -> dict[str, Any]:
 
     The times are those of the study's own level, as in ``chromanoise compare``.
     """
-    sweep = SWEEPS["lux"]
-    quantity = _quantity(look)
-    values = drawn_lux(shown)
-    makers = shown.makers
-    curves = compared(shown.situations, makers, values, sweep=sweep, quantity=quantity)
-    pairs = crossovers_or_reasons(shown.situations, makers, curves)
+    quantity, makers, values = _quantity(look), shown.makers, drawn_lux(shown)
+    curves, pairs = level_curves(shown, quantity)
     fullest = [fullest_level_lux(one) for one in shown.situations for _ in makers]
     drawn = [
         {
@@ -69,6 +66,15 @@ def drawn_levels(shown: Shown, look: Look) -> dict[str, Any]:
         "notes": _notes(drawn),
         "table": _table(drawn, lux, quantity.unit),
     }
+
+
+def level_curves(
+    shown: Shown, quantity: Quantity = QUANTITIES["snr-y"]
+) -> tuple[Sequence[Curve], Sequence[Crossover | Incomparable]]:
+    """A quantity of each sensor with each matrix over the light level, and where they cross."""
+    values, makers = drawn_lux(shown), shown.makers
+    curves = compared(shown.situations, makers, values, sweep=SWEEPS["lux"], quantity=quantity)
+    return curves, crossovers_or_reasons(shown.situations, makers, curves)
 
 
 def drawn_lux(shown: Shown) -> Float[Array, " k"]:

@@ -299,7 +299,10 @@ class Comparison(Result):
 
     def plot(self, ax: Any = None) -> Any:
         """The quantity over what varies, one curve per sensor and matrix."""
-        return _figures().draw_comparison(self.curves, _axes(ax), crossovers=self.crossovers)
+        title = f"{self.curves[0].quantity.what}, from {conditions(self.points)}"
+        return _figures().draw_comparison(
+            self.curves, _axes(ax), crossovers=self.crossovers, title=title
+        )
 
     def __repr__(self) -> str:
         """The quantity, what varies, and the operating point."""
@@ -392,7 +395,9 @@ def _figures() -> Any:
 
 
 def _axes(ax: Any) -> Any:
-    return ax if ax is not None else import_module("matplotlib.pyplot").subplots()[1]
+    if ax is not None:
+        return ax
+    return import_module("matplotlib.pyplot").subplots(layout="constrained")[1]
 
 
 def _number(value: float | None) -> str:
