@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 
 from chromanoise.analysis import compared, crossover_sentence, crossovers, matrix_makers
 from chromanoise.exposure import Situation
-from chromanoise.figures import chromanoise_style, draw_comparison
+from chromanoise.figures import chromanoise_style, draw_color_errors, draw_comparison
 from chromanoise.imaging import write_png
 from chromanoise.paper import PaperStudy, paper_study
 from chromanoise.paper.pictures import paper_pictures
@@ -52,7 +52,8 @@ def write_crossover(study: PaperStudy) -> None:
     with chromanoise_style():
         figure = Figure(figsize=(7.5, 6.5), layout="constrained")
         above, below = figure.subplots(2, 1, sharex=True, height_ratios=(3, 2))
-        draw_comparison(curves, crossed, (above, below))
+        draw_comparison(curves, above, crossovers=crossed).set_xlabel("")
+        draw_color_errors(curves, below)
         figure.savefig(PICTURES / "crossover.png", dpi=110)
     for crossover in crossed:
         print(crossover_sentence(crossover))

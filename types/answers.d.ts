@@ -144,10 +144,25 @@ export interface HeadSensor {
   notes?: string[];
 }
 
+/** Text as it is shown, of one length per row. */
+export interface Table {
+  head: string[];
+  rows: string[][];
+}
+
+/** What every chart has: a title that names the operating point, a description, its table. */
+interface Chartable {
+  title: string;
+  description: string;
+  table: Table;
+}
+
 export interface Head {
   verdict: string[];
-  light: { name: string; level_lux: number };
+  light: { name: string; level_lux: number; text: string };
   sensors: HeadSensor[];
+  table: Table;
+  electrons: Table;
 }
 
 export interface Curve {
@@ -160,7 +175,7 @@ export interface SensitivitiesSensor {
   channels: Curve[];
 }
 
-export interface Sensitivities {
+export interface Sensitivities extends Chartable {
   wavelength_nm: number[];
   infrared_from_nm: number;
   light_name?: string;
@@ -182,9 +197,29 @@ export interface StagesSensor {
   why_not: string | null;
 }
 
+/** A channel or coordinate: value and text per sensor; no text where a sensor has none such. */
+export interface StageLine {
+  name: string;
+  values: Maybe[];
+  text: (string | null)[];
+}
+
+export interface StageKind {
+  key: string;
+  title: string;
+  heading: string;
+  unit: string;
+  of: string;
+  description: string;
+  lines: StageLine[];
+}
+
 export interface Stages {
+  title: string;
   gray: number;
   sensors: StagesSensor[];
+  kinds: StageKind[];
+  table: Table;
 }
 
 export interface BudgetStep {
@@ -193,6 +228,7 @@ export interface BudgetStep {
   from_db: number;
   to_db: number;
   kind: "start" | "gain" | "cost" | "end";
+  text: string;
   reading?: string | null;
 }
 
@@ -203,7 +239,7 @@ export interface BudgetSensor {
   steps?: BudgetStep[];
 }
 
-export interface Budget {
+export interface Budget extends Chartable {
   coordinate: string;
   coordinates: string[];
   sensors: BudgetSensor[];
@@ -227,6 +263,8 @@ export interface VectorsSensor {
   ellipsoid: Ellipsoid | null;
   magnification: number;
   why_not: string | null;
+  note: string;
+  description: string;
 }
 
 export interface Axis {
@@ -235,6 +273,8 @@ export interface Axis {
 }
 
 export interface Vectors {
+  title: string;
+  table: Table;
   axes: Axis[];
   scene?: Vector | null;
   sigmas?: number;
@@ -257,7 +297,7 @@ export interface EllipsesSensor {
   patches: EllipsePatch[];
 }
 
-export interface Ellipses {
+export interface Ellipses extends Chartable {
   plane: "ab" | "xy";
   names: string[];
   sigmas: number;
@@ -265,6 +305,7 @@ export interface Ellipses {
 }
 
 export interface LevelCurve {
+  name: string;
   sensor: string;
   matrix: string;
   values: Maybe[];
@@ -276,9 +317,11 @@ export interface Crossover {
   sentence: string;
 }
 
-export interface Levels {
+export interface Levels extends Chartable {
   lux: number[];
   now_lux: number;
+  now: string;
+  notes: string[];
   quantity: string;
   unit: string;
   curves: LevelCurve[];
@@ -289,6 +332,7 @@ export interface ChartPatch {
   srgb?: string | null;
   delta_e?: Maybe;
   noise?: Maybe;
+  text?: [string, string];
 }
 
 export interface ChartSensor {
@@ -296,10 +340,11 @@ export interface ChartSensor {
   why_not: string | null;
   mean_delta_e: Maybe;
   mean_noise: Maybe;
+  means: string;
   patches: ChartPatch[];
 }
 
-export interface Chart {
+export interface Chart extends Chartable {
   unit: string;
   patches: { name: string; srgb: string }[];
   sensors: ChartSensor[];
@@ -312,6 +357,7 @@ export interface ParetoPoint {
 
 export interface WeightedPoint extends ParetoPoint {
   weight: number;
+  text: string;
 }
 
 export interface ParetoSensor {
@@ -321,7 +367,7 @@ export interface ParetoSensor {
   now: ParetoPoint | null;
 }
 
-export interface Pareto {
+export interface Pareto extends Chartable {
   prior: string;
   unit: string;
   matrix?: string | null;
@@ -394,20 +440,14 @@ export type Upload = UploadedStudy | UploadedFile;
 export interface Options<Data> {
   /** Earlier answers, drawn behind. */
   ghosts?: Data[];
-  look?: Partial<Look> & { level_lux?: number; divider?: number };
+  look?: Partial<Look> & { level_lux?: number; level?: string; divider?: number };
   width?: number;
   zoom?: number;
   home?: number[];
 }
 
-export interface Table {
-  head: string[];
-  rows: string[][];
-}
-
 export interface DrawingModule<Data> {
   draw(element: HTMLElement, data: Data, options?: Options<Data>): void;
-  rows(data: Data): Table;
 }
 
 // ---- the data of a report ---------------------------------------------------------------------
@@ -420,11 +460,7 @@ export interface PackedEllipses {
   sensors: { name: string; patches: PackedPatch[] }[];
 }
 
-/** The head with the cells of the table of sensors. */
-export interface ReportHead {
-  verdict: string[];
-  rows: string[][];
-}
+export type ReportHead = Pick<Head, "verdict" | "table">;
 
 export interface ReportSlide {
   label: string;

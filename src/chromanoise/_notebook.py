@@ -11,9 +11,13 @@ from html import escape
 import numpy as np
 
 from chromanoise._check import Array
-from chromanoise._shapes import Float
+from chromanoise._palette import (
+    CHANNELS,
+)
+from chromanoise._shapes import (
+    Float,
+)
 
-_CHANNEL_COLORS = {"R": "#D55E00", "G": "#009E73", "B": "#0072B2", "IR": "#CC79A7"}
 _WIDTH, _HEIGHT, _EDGE = 320, 120, 14
 
 
@@ -63,7 +67,7 @@ def curves(
             across,
             down[:, i],
             name,
-            _CHANNEL_COLORS.get(name, "currentColor"),
+            _color(name),
             at=_alone(values, i),
         )
         for i, name in enumerate(names)
@@ -77,6 +81,12 @@ def curves(
         f'<svg role="img" width="{_WIDTH}" height="{_HEIGHT}" viewBox="0 0 {_WIDTH} {_HEIGHT}" '
         f'fill="currentColor"><title>{_text(what)}, 0 to {top:.3g}</title>{drawn}{ends}</svg>'
     )
+
+
+def _color(name: str) -> str:
+    """A notebook may be dark or light: what has a color for each follows the text."""
+    light, dark = CHANNELS.get(name, ("", "currentColor"))
+    return light if light == dark else "currentColor"
 
 
 def _alone(values: Float[Array, "n p"], i: int) -> int:

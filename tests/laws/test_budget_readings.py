@@ -89,7 +89,7 @@ def test_the_six_readings_of_luminance_are_those_counted_by_hand():
         # y / lambda: weights ~ .0338, .7236, .0494, times sqrt(210), sqrt(210), sqrt(230)
         # .489, 10.49, .749; best 110 / sqrt(210), the same, 130 / sqrt(230)
         # 7.59, 7.59, 8.57; cos = 89.7 / (10.52 * 13.74) = .621
-        "weights": "the color's weights stand 52 deg from the best readout, noise whitened",
+        "weights": "this color needs a channel mix 52 deg from the lowest-noise one",
         # .8704 / .575488 = 1.512; eigenvalues of the cosines 1.8823, .64 and .4777: root of 3.94
         "correlation": "unmixing multiplies the variance of r by 1.5, condition 2.0",
         "infrared": "29 % of the electrons come from beyond 700 nm",  # 100 of 350
@@ -113,7 +113,7 @@ def test_the_angle_of_the_weights_is_what_they_cost_without_infrared_and_unmixin
         snr = own @ ELECTRONS / np.sqrt(own**2 @ VARIANCE)
         psi = np.degrees(np.arccos(snr / np.sqrt((ELECTRONS**2 / VARIANCE).sum())))
         told = readings(color_budget(GRAY, SENSOR, EXPOSURE, MATRIX, coordinate))["weights"]
-        assert f" {psi:.0f} deg from the best readout" in told
+        assert f" {psi:.0f} deg from the lowest-noise one" in told
 
 
 def test_a_contravariant_budget_tells_the_channel_that_stands_alone():
@@ -195,8 +195,8 @@ def test_the_readings_of_lightness_and_hue_are_those_counted_by_hand(counted):
     best = electrons / np.sqrt(VARIANCE)
     cosine = electrons @ own / np.sqrt((own**2 @ VARIANCE) * (best @ best))
     assert told["weights"] == (
-        f"the color's weights stand {np.degrees(np.arccos(cosine)):.0f} deg from the best readout, "
-        f"noise whitened; a perfect colorimeter pays {10 * np.log10(counting * scatter):.1f} dB"
+        f"this color needs a channel mix {np.degrees(np.arccos(cosine)):.0f} deg from the "
+        f"lowest-noise one; a perfect colorimeter pays {10 * np.log10(counting * scatter):.1f} dB"
     )
     assert told["filters"] == "15 % of the photons become electrons"
     assert told["read noise"] == "46.2 % of the mean noise variance is readout"

@@ -3,11 +3,25 @@
 import json
 import re
 from dataclasses import replace
-from functools import cache, partial
+from fractions import (
+    Fraction,
+)
+from functools import (
+    cache,
+    partial,
+)
+from pathlib import (
+    Path,
+)
 
 import numpy as np
 import pytest
+from hypothesis import example, given
+from hypothesis import strategies as st
 
+import chromanoise
+from chromanoise import _notebook
+from chromanoise._palette import CHANNELS, INK
 from chromanoise.analysis import (
     QUANTITIES,
     SWEEPS,
@@ -25,8 +39,8 @@ from chromanoise.analysis.priors import training_named
 from chromanoise.catalog import sensor_named
 from chromanoise.charts import PARTS, Look, Shown, drawing, shown
 from chromanoise.charts.ellipses import in_plane
-from chromanoise.charts.levels import level_in_words
 from chromanoise.charts.patches import hex_colors, patches_of
+from chromanoise.charts.text import brief, decimal, level_in_words
 from chromanoise.charts.vectors import color_frame, half_axes, round_magnification
 from chromanoise.charts.verdicts import verdict_sentences
 from chromanoise.color import (
@@ -40,10 +54,12 @@ from chromanoise.color import (
 )
 from chromanoise.errors import InputError
 from chromanoise.exposure import expected_electrons, white_scene
+from chromanoise.figures.style import channel_color
 from chromanoise.geometry import reconstructed_light
 from chromanoise.page.choices import choices
+from chromanoise.page.files import asset
+from chromanoise.report.bundle import drawing_style
 from chromanoise.report.slides import slides_of
-from chromanoise.report.study_tables import table_of
 from chromanoise.sensor import behind_ir_cut, with_shifted_curves
 from chromanoise.spectra import DEFAULT_GRID, color_axes, colorchecker
 from chromanoise.study import OutputsPart, outcome_of, outcomes_as_json, study_from_data
@@ -103,6 +119,68 @@ def test_every_drawing_is_plain_data_without_a_number_that_is_none(part, of):
     told = drawing(part, of(), Look())
     assert json.loads(json.dumps(told, allow_nan=False)) == told
     assert np.isfinite(numbers_of(told)).all()
+
+
+@pytest.mark.parametrize("part", PARTS)
+@pytest.mark.parametrize("of", [usual, bright], ids=["usual", "saturated"])
+def test_every_chart_has_a_table_of_text_with_a_cell_per_column(part, of):
+    table = drawing(part, of())["table"]
+    assert table["rows"]
+    for row in [table["head"], *table["rows"]]:
+        assert len(row) == len(table["head"])
+        assert all(isinstance(cell, str) and cell for cell in row)
+
+
+@pytest.mark.parametrize("part", [part for part in PARTS if part != "head"])
+def test_the_title_of_a_chart_names_what_holds_for_all_of_it(part):
+    title = drawing(part, usual())["title"]
+    assert "illuminant E" in title
+    assert ("10 lx (" in title) == (part not in ("levels", "sensitivities"))
+    assert ("11.94 ms, f/1.8" in title) == (part != "sensitivities")
+
+
+def test_the_colors_of_channels_stand_in_one_file_of_the_source():
+    hues = {color for pair in CHANNELS.values() for color in pair if len(set(color[1:])) > 1}
+    assert hues == {"#D55E00", "#009E73", "#0072B2", "#CC79A7"}
+    source = Path(chromanoise.__file__).parent
+    named = re.compile("|".join(hues), re.IGNORECASE)
+    files = (
+        one for one in source.rglob("*") if one.suffix in (".py", ".js", ".css", ".svg", ".j2")
+    )
+    holding = {one.name for one in files if named.search(one.read_text("utf-8"))}
+    assert holding == {"_palette.py"}
+
+
+def test_page_report_figures_and_notebooks_have_one_palette():
+    for name, (light, dark) in CHANNELS.items():
+        assert f"--channel-{name}: light-dark({light}, {dark});" in drawing_style()
+        assert channel_color(name) == light
+    assert asset("draw/draw.css").decode("utf-8") == drawing_style()
+    assert channel_color("none such") == INK
+    letters = _notebook.curves(np.arange(3.0), np.eye(3), ["R", "W", "C"], what="a test")
+    assert re.findall(r'stroke="(\S+)"', letters) == ["#D55E00", "currentColor", "currentColor"]
+
+
+@given(st.floats(-1e6, 1e6), st.integers(0, 4))
+@example(0.5, 0)
+@example(12.25, 1)
+@example(-2.5, 0)
+@example(-0.04, 1)
+def test_a_number_is_told_to_the_nearest_decimal_and_a_tie_away_from_zero(value, digits):
+    exact = Fraction(value) * 10**digits
+    units = int(abs(exact) + Fraction(1, 2)) * (-1 if value < 0 else 1)
+    text = decimal(value, digits)
+    assert Fraction(text.replace("\N{MINUS SIGN}", "-")) == Fraction(units, 10**digits)
+    assert ("\N{MINUS SIGN}" in text) == (units < 0)
+    assert len(text.partition(".")[2]) == digits
+
+
+@given(st.floats(1e-3, 9.9e5), st.integers(1, 4))
+def test_a_short_number_keeps_its_significant_digits_and_no_zeros_after_them(value, digits):
+    text = brief(value, digits)
+    assert float(text) == pytest.approx(value, rel=0.5001 * 10.0 ** (1 - digits))
+    assert not re.search(r"\.\d*0$|\.$", text)
+    assert len(text.replace(".", "").strip("0")) <= digits
 
 
 def test_head_and_stages_have_the_digits_of_analyze():
@@ -481,7 +559,7 @@ def test_an_ellipse_reaches_as_far_as_the_spread_in_its_worst_direction(plane):
 def test_the_table_of_ellipses_tells_their_reach():
     of = usual()
     data = drawing("ellipses", of)
-    rows = iter(table_of("ellipses", data).rows)
+    rows = iter(data["table"]["rows"])
     for sensor in data["sensors"]:
         for patch, row in zip(sensor["patches"], rows, strict=False):
             assert float(row[-1]) == pytest.approx(patch["reach"], abs=0.0501)
@@ -575,7 +653,7 @@ def test_the_reasons_that_are_told_reach_the_gap(names, illuminant):
         "head", shown(fast_study(*names, light={"illuminant": illuminant, "level_lux": 1.0}))
     )["verdict"]
     ours, theirs = re.search(r"SNR of Y (-?[\d.]+) against (-?[\d.]+) dB", first).groups()
-    costs = re.findall(r"costs (-?[\d.]+) dB \(there (-?[\d.]+)\)", why)
+    costs = re.findall(r"costs (-?[\d.]+) dB, against (-?[\d.]+) dB for", why)
     reached = sum(float(here) - float(there) for here, there in costs)
     reached += sum(float(beyond) for beyond in re.findall(r": ([\d.]+) dB", why))
     assert reached > abs(float(ours) - float(theirs)) - 0.3 - 0.4  # and rounding
@@ -606,17 +684,18 @@ def test_terms_other_than_one_time_for_all_are_told():
         drawing("head", shown(study_of(*BOTH, exposure={"equal": terms})))["verdict"][0]
         for terms in ("exposure", "saturation", "light")
     )
-    assert one.startswith("At 10 lx of E onyx")
-    assert alike.startswith("At 10 lx of E, with times set to fill each sensor alike, onyx")
-    assert photons.startswith("At 10 lx of E, with times set for the same photons")
-    with pytest.raises(InputError, match="unknown terms of a comparison 'time'"):
+    assert one.startswith("At 10 lx (illuminant E, 11.94 ms, f/1.8), onyx")
+    assert "ms (onyx-rgbw), " in alike  # the times differ
+    assert "), with times set to fill each sensor alike, onyx" in alike
+    assert "), with times set for the same photons" in photons
+    with pytest.raises(InputError, match="terms of a comparison"):
         verdict_sentences(usual().analyses, equal="time")
 
 
 def test_the_verdict_tells_of_saturated_sensors_and_of_one_alone():
     told = drawing("head", bright())["verdict"]
     assert len(told) == 2
-    assert told[0].startswith("At 10 lx of E onyx-rgb-ircut has")
+    assert told[0].startswith("At 10 lx (illuminant E, 30 ms, f/1.8), onyx-rgb-ircut has")
     assert told[1].startswith("onyx-rgbw: ")
     assert "saturated" in told[1]
 
@@ -653,11 +732,11 @@ def test_equal_sensors_are_told_apart_and_level():
 
 
 def test_an_unknown_part_plane_or_coordinate_is_refused():
-    with pytest.raises(InputError, match="unknown part"):
+    with pytest.raises(InputError, match="part must be"):
         drawing("waterfall", usual())
-    with pytest.raises(InputError, match="unknown plane"):
+    with pytest.raises(InputError, match="plane"):
         Look(plane="uv")
-    with pytest.raises(InputError, match="unknown coordinate"):
+    with pytest.raises(InputError, match="coordinate"):
         drawing("budget", usual(), Look(coordinate="Q"))
 
 

@@ -14,13 +14,17 @@ from matplotlib.text import Text
 from PIL import Image
 
 from chromanoise.analysis import analyzed, color_snr_db
+from chromanoise.api import analyze, compare, matrix, render
 from chromanoise.catalog import sensor_named
 from chromanoise.errors import InputError
 from chromanoise.figures import (
     CAPTIONS,
     chromanoise_style,
+    draw_analyses,
+    draw_capture,
     draw_color_projection,
     draw_contravariant,
+    draw_matrices,
     draw_measurement,
     draw_mosaic,
     draw_sensitivities,
@@ -259,3 +263,104 @@ def test_who_reads_a_figure_while_it_is_replaced_reads_the_old_one_whole(figures
         write_figures({name: figures[name]}, tmp_path)
         assert reader.read() == b"the old figure"
     assert old.read_bytes().startswith(b"\x89PNG")
+
+
+PAIR = ("onyx-rgbw", "onyx-rgb-ircut")
+POINT = "10 lx, illuminant E, 11.94 ms, f/1.8"
+
+
+@pytest.fixture
+def ax():
+    return Figure(layout="constrained").add_subplot()
+
+
+def bars_of(ax):
+    """Lengths of the bars of each set, by its entry in the legend."""
+    return {
+        bars.get_label(): [bar.get_width() for bar in bars]
+        for bars in ax.containers
+        if hasattr(bars, "patches")
+    }
+
+
+def test_the_losses_of_each_sensor_lead_from_the_photons_to_its_snr(ax):
+    """By the SNR of the analysis and the photons of the legend, which no bar holds."""
+    result = analyze(*PAIR)
+    assert draw_analyses(result.analyses, ax) is ax
+    drawn = bars_of(ax)
+    for analysis in result.analyses:
+        (label,) = (one for one in drawn if one.startswith(f"{analysis.sensor.name}: "))
+        left, photons = (float(one) for one in re.findall(r"([\d.]+) dB", label))
+        assert left == pytest.approx(color_snr_db(analysis)["Y"], abs=0.051)
+        assert sum(drawn[label]) == pytest.approx(photons - left, abs=0.11)
+    assert ax.get_xlabel() == "loss of SNR of Y [dB]"
+    assert POINT in ax.get_title(loc="left")
+    names = [text.get_text() for text in ax.get_yticklabels()]
+    assert names[-1].split() == ["infrared", "leaking", "into", "Y"]
+
+
+def test_a_saturated_sensor_has_no_bar_and_is_named(ax):
+    draw_analyses(analyze(*PAIR, time_ms=30.0).analyses, ax)
+    (label,) = bars_of(ax)
+    assert label.startswith("onyx-rgb-ircut")
+    named = [text.get_text() for text in ax.get_legend().get_texts()]
+    assert "onyx-rgbw: saturated" in named
+
+
+def test_nothing_but_saturated_sensors_is_a_chart_that_says_so(ax):
+    draw_analyses(analyze("onyx-rgbw", time_ms=30.0).analyses, ax)
+    assert bars_of(ax) == {}
+    assert [text.get_text() for text in ax.get_legend().get_texts()] == ["onyx-rgbw: saturated"]
+
+
+def test_each_entry_of_a_matrix_is_a_bar_in_the_color_of_its_channel(ax):
+    (one,) = matrix("onyx-rgbw").results
+    draw_matrices([one], ax)
+    bars = [bar for group in ax.containers for bar in group]
+    np.testing.assert_allclose([b.get_height() for b in bars], one.matrix.matrix.ravel())
+    colors = [matplotlib.colors.to_hex(bar.get_facecolor()).upper() for bar in bars[:4]]
+    assert colors == [channel_color(name).upper() for name in "RGBW"]
+    assert [text.get_text() for text in ax.texts] == list("RGBW" * 3)
+    assert "[lx/e⁻]" in ax.get_ylabel()
+    assert POINT in ax.get_title(loc="left")
+
+
+def test_a_pareto_curve_goes_through_the_errors_and_ratios_of_its_matrices(ax):
+    (one,) = matrix("onyx-rgbw", pareto_first=0.01, pareto_last=100.0).results
+    draw_matrices([one], ax)
+    at = ax.lines[0].get_xydata()
+    np.testing.assert_array_equal(at[:, 0], one.pareto.snr_y_db)
+    np.testing.assert_array_equal(at[:, 1], one.pareto.delta_e)
+    assert [text.get_text() for text in ax.texts] == ["0.01", "100"]
+    assert (ax.get_xlabel()[-4:], ax.get_ylabel()[-7:]) == ("[dB]", "[ΔE*ab]")
+
+
+def test_a_comparison_is_drawn_on_one_axes_with_its_crossovers(ax):
+    result = compare(*PAIR, matrices=("kernel", "lmmse"))
+    assert result.plot(ax) is ax
+    curves, *circles = [line.get_xydata() for line in ax.lines[:4]], *ax.lines[4:]
+    for line, curve in zip(curves, result.curves, strict=True):
+        np.testing.assert_array_equal(line, np.stack([curve.at, curve.value], axis=1))
+    crossed = [value for one in result.crossovers for value in one.at]
+    assert crossed
+    assert [circle.get_xdata()[0] for circle in circles] == crossed
+    assert ax.get_ylabel() == "SNR of Y of a white [dB]"
+    assert ax.get_xlabel() == "illuminance [lx]"
+    assert POINT in ax.get_title(loc="left")
+
+
+def test_a_capture_is_drawn_pixel_for_pixel(ax):
+    (shot,) = render("builtin:checker", "onyx-rgbw").captures
+    draw_capture(shot, ax)
+    (image,) = ax.images
+    np.testing.assert_array_equal(image.get_array(), shot.picture.srgb)
+    assert image.get_interpolation() == "none"
+    assert POINT in ax.get_title(loc="left")
+
+
+def test_codes_without_color_are_gray_up_to_the_top_code(ax):
+    (shot,) = render("builtin:checker", "onyx-rgb-ircut", mosaic="RG/GB", raw_only=True).captures
+    draw_capture(shot, ax)
+    (image,) = ax.images
+    np.testing.assert_array_equal(image.get_array(), shot.raw.codes)
+    assert image.get_clim() == (0, shot.raw.adc.top_code)

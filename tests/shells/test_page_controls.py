@@ -59,7 +59,7 @@ def test_every_slider_moves_the_number_beside_it_the_question_the_drawings_and_t
         in_address(page, question["study"])
         moved.append(where)
         if where == "exposure.time_ms":  # a time that is given leaves no share to solve for
-            own = page.get_by_role("button", name="solve: Integration time")
+            own = page.get_by_role("button", name="Auto: Integration time")
             answer_to(page, own.click)
     assert moved[:6] == [
         "light.level_lux",
@@ -83,7 +83,7 @@ def test_a_number_can_be_typed_stepped_and_given_back(page):
     question, parts = answer_to(page, lambda: field.press("ArrowUp"))
     assert 3.5 < question["study"]["exposure"]["time_ms"] < 3.7
     assert parts["head"]["sensors"][0]["time_ms"] == question["study"]["exposure"]["time_ms"]
-    question, _ = answer_to(page, page.get_by_role("button", name="solve: Integration time").click)
+    question, _ = answer_to(page, page.get_by_role("button", name="Auto: Integration time").click)
     assert "time_ms" not in question["study"]["exposure"]
 
 
@@ -108,7 +108,7 @@ def test_a_number_out_of_reason_is_told_beside_its_control_until_it_is_mended(pa
     field.fill("-3")
     field.press("Enter")
     row.locator(".fault").wait_for()
-    assert "older than the controls" in page.locator("#faults").inner_text()
+    assert "your last valid settings" in page.locator("#faults").inner_text()
     field.fill("3")
     answer_to(page, lambda: field.press("Enter"))
     assert row.locator(".fault").count() == 0

@@ -12,7 +12,7 @@ def test_an_earlier_answer_stays_as_a_ghost_until_it_is_removed(page):
     assert ghosts.count() == 0
     page.locator("#keep").focus()
     page.keyboard.press("Enter")
-    chip = page.get_by_label("Name of this ghost")
+    chip = page.get_by_label("Name of this pin")
     chip.wait_for()
     ghosts.first.wait_for(state="attached")
     drawn = ghosts.first.get_attribute("d")
@@ -20,8 +20,8 @@ def test_an_earlier_answer_stays_as_a_ghost_until_it_is_removed(page):
     answer_to(page, lambda: moved_by_key(page, track))
     assert ghosts.first.get_attribute("d") == drawn  # the ghost stays where it was
     chip.fill("before")
-    page.get_by_role("button", name="Remove ghost before").click()
-    assert page.get_by_label("Name of this ghost").count() == 0
+    page.get_by_role("button", name="Remove pin before").click()
+    assert page.get_by_label("Name of this pin").count() == 0
     assert ghosts.count() == 0
     assert page.evaluate("document.activeElement.id") == "keep"
     for count in range(1, 4):
@@ -138,7 +138,7 @@ def test_the_picture_is_drawn_again_and_its_divider_moves_by_keyboard(page):
     picture = panel.locator("img").first
     picture.wait_for()
     before = picture.get_attribute("src")
-    question, _ = answer_to(page, panel.get_by_role("button", name="Draw the noise again").click)
+    question, _ = answer_to(page, panel.get_by_role("button", name="New noise sample").click)
     assert question["study"]["seed"] == 1
     until(page, "(src) => document.querySelector('.d-stack img').src !== src", before)
     size = picture.evaluate("(one) => [one.naturalWidth, one.width]")
@@ -171,7 +171,7 @@ def test_a_picture_of_a_state_that_was_left_never_stands_under_the_one_before(pa
         panel.get_by_text("seed 0").wait_for()
 
     before = seen()
-    again = panel.get_by_role("button", name="Draw the noise again")
+    again = panel.get_by_role("button", name="New noise sample")
     waiting = held(page, lambda request: request.url.endswith("/api/picture"))
     again.click()
     assert panel.get_attribute("aria-busy") == "true"  # at once, not when it is asked for

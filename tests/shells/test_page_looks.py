@@ -59,7 +59,7 @@ def test_axe_finds_no_fault_in_the_page_nor_in_its_dialogs(window, watch, axe, s
     page.locator("[data-part=picture]").scroll_into_view_if_needed()
     page.locator("[data-part=picture] img").first.wait_for()
     page.locator("#keep").click()
-    page.get_by_label("Name of this ghost").wait_for()
+    page.get_by_label("Name of this pin").wait_for()
     page.evaluate("document.querySelectorAll('details').forEach((node) => (node.open = true))")
     assert faults_of_access(page, axe, rules) == []
     page.locator("button.equation").first.click()

@@ -48,7 +48,7 @@ def ghost_question(look):
 
 def test_a_ghost_of_another_coordinate_never_stands_behind_the_levels(page):
     page.locator("#keep").click()
-    page.get_by_label("Name of this ghost").wait_for()
+    page.get_by_label("Name of this pin").wait_for()
     ghosts = page.locator("[data-part=levels] .body .d-figure .d-ghost")
     ghosts.first.wait_for(state="attached")
     at_y = ghosts.first.get_attribute("d")
@@ -213,7 +213,7 @@ def test_another_sensor_in_its_place_keeps_the_pixel_the_filter_the_edge_and_the
     question, _ = answer_to(page, lambda: select.select_option("model-rgbir"))
     assert question["study"]["sensors"][0] == {"name": "model-rgbir"} | kept
     report = brought(page, "mine.csv", "wavelength_nm,R,G,B\n" + CURVES)
-    exchange = report.get_by_role("button", name="Exchange sensor 1")
+    exchange = report.get_by_role("button", name="Replace sensor 1")
     exchange.wait_for()
     for choice in report.locator("select").all():
         choice.select_option(index=1)
@@ -228,7 +228,7 @@ def test_the_highest_qe_is_asked_only_of_a_file_of_relative_curves(page, watch):
     label = page.get_by_label("Highest QE, of relative curves", exact=True)
     assert label.count() == 0
     report = brought(page, "mine.csv", "nm,R,G,B\n" + CURVES)
-    exchange = report.get_by_role("button", name="Exchange sensor 1")
+    exchange = report.get_by_role("button", name="Replace sensor 1")
     exchange.wait_for()
     for choice in report.locator("select").all():
         options = choice.locator("option").all_inner_texts()

@@ -135,7 +135,7 @@ def test_a_dropped_file_is_called_by_its_name_in_another_window_and_missed_on_an
     light = other.get_by_label("Light", exact=True)
     assert light.locator("option:checked").inner_text() == "lamp.csv (your file)"
     other.locator("#keep").click()
-    name = other.get_by_label("Name of this ghost")
+    name = other.get_by_label("Name of this pin")
     name.wait_for()
     assert "lamp.csv" in name.input_value()
     with served() as (elsewhere, _):

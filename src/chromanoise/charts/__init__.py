@@ -3,7 +3,13 @@
 One module per chart; what does not exist is ``None``, with a sentence in ``why_not``.
 """
 
-from chromanoise.analysis.budgets import coordinate_budget
+from chromanoise.analysis.budgets import (
+    coordinate_budget,
+)
+from chromanoise.charts.budget import (
+    cause_label,
+    coordinate_budget,
+)
 from chromanoise.charts.by_name import PARTS, drawing
 from chromanoise.charts.shown import Look, Shown, shown
 from chromanoise.charts.verdicts import verdict_sentences
@@ -12,7 +18,7 @@ __all__ = [
     "PARTS",
     "Look",
     "Shown",
-    "coordinate_budget",
+    "cause_label",
     "drawing",
     "shown",
     "verdict_sentences",

@@ -6,10 +6,17 @@ from chromanoise import _check
 from chromanoise.analysis.budgets import coordinate_budget
 from chromanoise.analysis.stages import Analysis, color_snr_db
 from chromanoise.charts.shown import Look, Shown, saturation_sentence
+from chromanoise.charts.text import NONE, decimal, operating_point, signed, table
 from chromanoise.color import LAB
 from chromanoise.exposure import expected_electrons
-from chromanoise.metrics import Budget
-from chromanoise.metrics.budget_chain import without_infrared
+from chromanoise.metrics import (
+    Budget,
+)
+from chromanoise.metrics.budget_chain import (
+    REST,
+    WEIGHTS,
+    without_infrared,
+)
 
 
 def drawn_budget(shown: Shown, look: Look) -> dict[str, Any]:
@@ -30,11 +37,33 @@ def drawn_budget(shown: Shown, look: Look) -> dict[str, Any]:
         )
     )
     _check.one_of("coordinate", look.coordinate, tuple(known))
+    sensors = [_sensor(analysis, look.coordinate) for analysis in shown.analyses]
     return {
+        "title": f"Budget of the SNR of {look.coordinate} at {operating_point(shown.situations)}",
+        "description": _description(sensors, look.coordinate),
         "coordinate": look.coordinate,
         "coordinates": list(known),
-        "sensors": [_sensor(analysis, look.coordinate) for analysis in shown.analyses],
+        "sensors": sensors,
+        "table": _table(sensors, look.coordinate),
     }
+
+
+def cause_label(cause: str, coordinate: str) -> str:
+    """A cause of `chromanoise.metrics.Budget` as a reader of a chart knows it.
+
+    Examples
+    --------
+    >>> cause_label("weights", "Y"), cause_label("rest", "Y"), cause_label("read noise", "Y")
+    ('color target', 'infrared leaking into Y', 'read noise')
+    """
+    one_channel = coordinate.startswith("M^")
+    if cause == WEIGHTS:
+        return "one channel alone" if one_channel else "color target"
+    if cause == REST:
+        if coordinate in LAB.coordinates:
+            return "error of the color matrix"
+        return "remainder" if one_channel else f"infrared leaking into {coordinate}"
+    return cause
 
 
 def _sensor(analysis: Analysis, coordinate: str) -> dict[str, Any]:
@@ -58,8 +87,8 @@ def _why_not(analysis: Analysis, coordinate: str) -> str:
     if color_snr_db(analysis).get(coordinate) is not None:
         return _why_no_budget(analysis, coordinate)
     return (
-        f"{name} has no SNR of {coordinate}: its channels and this matrix make no signal of it in "
-        "this light; take another matrix or another light"
+        f"{name}: the SNR of {coordinate} is undefined, because its channels and this matrix make "
+        "no signal of it in this light; take another matrix or another light"
     )
 
 
@@ -79,12 +108,33 @@ def _why_no_budget(analysis: Analysis, coordinate: str) -> str:
     )
 
 
+def _description(sensors: list[dict[str, Any]], coordinate: str) -> str:
+    parts = [f"What the SNR of {coordinate} loses and gains, from all photons to the end."]
+    for sensor in sensors:
+        steps = ", ".join(f"{step['label']} {step['text']} dB" for step in sensor["steps"])
+        parts.append(f"{sensor['name']}: {steps or sensor['why_not']}.")
+    return " ".join(parts)
+
+
+def _table(sensors: list[dict[str, Any]], coordinate: str) -> dict[str, Any]:
+    rows = []
+    for sensor in sensors:
+        if not sensor["steps"]:
+            rows.append([sensor["name"], sensor["why_not"], NONE, NONE, NONE])
+        for step in sensor["steps"]:
+            change = NONE if step["kind"] in ("start", "end") else signed(step["change_db"], 2)
+            level = decimal(step["to_db"], 2)
+            rows.append([sensor["name"], step["label"], change, level, step["reading"]])
+    return table(["sensor", "step", "change [dB]", f"SNR of {coordinate} [dB]", "why"], rows)
+
+
 def _steps(budget: Budget) -> list[dict[str, Any]]:
     at = budget.photons_db
     steps = [_step("all photons", 0.0, at, at, "start", "every photon that hits the pixels")]
     for cost in budget.costs:
         kind = "gain" if cost.loss_db < 0 else "cost"
-        steps.append(_step(cost.cause, -cost.loss_db, at, at - cost.loss_db, kind, cost.reading))
+        label = cause_label(cost.cause, budget.coordinate)
+        steps.append(_step(label, -cost.loss_db, at, at - cost.loss_db, kind, cost.reading))
         at -= cost.loss_db
     end = budget.snr_db
     return [*steps, _step(f"SNR of {budget.coordinate}", 0.0, end, end, "end", "what is left")]
@@ -100,4 +150,5 @@ def _step(
         "to_db": to_db,
         "kind": kind,
         "reading": reading,
+        "text": decimal(to_db) if kind in ("start", "end") else signed(change_db),
     }

@@ -5,16 +5,23 @@ from typing import Any
 from chromanoise.analysis.stages import Analysis
 from chromanoise.charts.patches import Patches, hex_colors, patches_of, why_no_patches
 from chromanoise.charts.shown import Look, Shown
+from chromanoise.charts.text import decimal, operating_point, table
 
 
 def drawn_chart(shown: Shown, look: Look) -> dict[str, Any]:
     """Each patch as it is and as each sensor makes it, with error and noise as CIE 1976."""
     found = [patches_of(analysis) for analysis in shown.analyses]
     seen = next((one for one in found if one is not None), None)
+    patches = [] if seen is None else _true_patches(seen)
+    sensors = [_sensor(*pair) for pair in zip(shown.analyses, found, strict=True)]
+    where = operating_point(shown.situations)
     return {
-        "patches": [] if seen is None else _true_patches(seen),
+        "title": f"Color error and noise of the ColorChecker at {where}",
+        "description": _description(patches, sensors),
+        "patches": patches,
         "unit": "Delta E*ab",
-        "sensors": [_sensor(*pair) for pair in zip(shown.analyses, found, strict=True)],
+        "sensors": sensors,
+        "table": _table(patches, sensors),
     }
 
 
@@ -26,20 +33,70 @@ def _true_patches(seen: Patches) -> list[dict[str, str]]:
 def _sensor(analysis: Analysis, seen: Patches | None) -> dict[str, Any]:
     name = analysis.sensor.name
     if seen is None:
-        told: dict[str, Any] = {"mean_delta_e": None, "mean_noise": None, "patches": []}
-        return {"name": name, **told, "why_not": why_no_patches(analysis)}
+        none: dict[str, Any] = {"mean_delta_e": None, "mean_noise": None, "patches": []}
+        return {"name": name, **none, "means": "", "why_not": why_no_patches(analysis)}
     colors = hex_colors(seen.xyz.mean, seen.white)
     noise = seen.noise.delta_e
     assert noise is not None  # CIELAB has one
+    mean, mean_noise = float(seen.color_error.mean()), float(noise.mean())
     return {
         "name": name,
-        "mean_delta_e": float(seen.color_error.mean()),
-        "mean_noise": float(noise.mean()),
+        "mean_delta_e": mean,
+        "mean_noise": mean_noise,
+        "means": f"{_short(mean)}, n {_short(mean_noise)}",
         "patches": [
-            {"srgb": color, "delta_e": error, "noise": spread}
+            {
+                "srgb": color,
+                "delta_e": error,
+                "noise": spread,
+                "text": [_short(error), _short_noise(spread)],
+            }
             for color, error, spread in zip(
                 colors, seen.color_error.tolist(), noise.tolist(), strict=True
             )
         ],
         "why_not": None,
     }
+
+
+def _short(value: float) -> str:
+    """As a cell has room for it: three digits; the table has all."""
+    if value >= 999.5:
+        return ">999"
+    return decimal(value, 0 if value >= 99.95 else 1)
+
+
+def _short_noise(value: float) -> str:
+    return "n>999" if value >= 999.5 else f"n {_short(value)}"
+
+
+def _description(patches: list[dict[str, str]], sensors: list[dict[str, Any]]) -> str:
+    parts = ["Color error and noise, both CIE 1976 differences."]
+    names = [patch["name"] for patch in patches]
+    for sensor in sensors:
+        if not sensor["patches"]:
+            parts.append(f"{sensor['why_not']}.")
+            continue
+        errors = [patch["delta_e"] for patch in sensor["patches"]]
+        noises = [patch["noise"] for patch in sensor["patches"]]
+        worst, noisiest = max(errors), max(noises)
+        parts.append(
+            f"{sensor['name']}: mean color error {decimal(sensor['mean_delta_e'])}, largest for "
+            f"{names[errors.index(worst)]} ({decimal(worst)}); most noise on "
+            f"{names[noises.index(noisiest)]} ({decimal(noisiest)})."
+        )
+    return " ".join(parts)
+
+
+def _table(patches: list[dict[str, str]], sensors: list[dict[str, Any]]) -> dict[str, Any]:
+    head = ["patch"]
+    for sensor in sensors:
+        head += [f"{sensor['name']} ΔE*ab", f"{sensor['name']} noise ΔE*ab"]
+    rows = []
+    for k, patch in enumerate(patches):
+        row = [patch["name"]]
+        for sensor in sensors:
+            own = sensor["patches"][k] if sensor["patches"] else {}
+            row += [decimal(own.get(key), 1, "saturated") for key in ("delta_e", "noise")]
+        rows.append(row)
+    return table(head, rows)

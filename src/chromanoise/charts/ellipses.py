@@ -16,7 +16,19 @@ from chromanoise.charts.patches import (
     why_no_patches,
 )
 from chromanoise.charts.shown import Look, Shown
-from chromanoise.color import XYY, NoisyColor, cielab, propagate, xyy
+from chromanoise.charts.text import (
+    NONE,
+    decimal,
+    operating_point,
+    table,
+)
+from chromanoise.color import (
+    XYY,
+    NoisyColor,
+    cielab,
+    propagate,
+    xyy,
+)
 from chromanoise.geometry import ellipse_outline
 from chromanoise.noise import Measurement, through
 
@@ -24,16 +36,23 @@ SIGMAS = 2.0
 POINTS = 48
 _NAMES = {"ab": ("a*", "b*"), "xy": ("x", "y")}
 _DECIMALS = {"ab": 3, "xy": 6}
+_SHOWN_DECIMALS = {"ab": 1, "xy": 4}
 _NONE = 1e-9  # of the plane's unit: a spread below it is rounding
 
 
 def drawn_ellipses(shown: Shown, look: Look) -> dict[str, Any]:
     """The truth, the mean, the longer half axis and the closed outline, per patch and sensor."""
+    sensors = [_sensor(analysis, look.plane) for analysis in shown.analyses]
+    across, up = _NAMES[look.plane]
     return {
+        "title": f"Noise of the ColorChecker in {across} and {up}, {SIGMAS:g} standard deviations, "
+        f"at {operating_point(shown.situations)}",
+        "description": _description(sensors, look.plane),
         "plane": look.plane,
-        "names": list(_NAMES[look.plane]),
+        "names": [across, up],
         "sigmas": SIGMAS,
-        "sensors": [_sensor(analysis, look.plane) for analysis in shown.analyses],
+        "sensors": sensors,
+        "table": _table(sensors, look.plane),
     }
 
 
@@ -95,3 +114,32 @@ def _sensor(analysis: Analysis, plane: str) -> dict[str, Any]:
         ],
         "why_not": None,
     }
+
+
+def _description(sensors: list[dict[str, Any]], plane: str) -> str:
+    count = max(len(sensor["patches"]) for sensor in sensors)
+    parts = [f"{SIGMAS:g}-sigma ellipses of {count} patches, both axes to the same scale."]
+    for sensor in sensors:
+        if not sensor["patches"]:
+            parts.append(f"{sensor['why_not']}.")
+            continue
+        most = max(sensor["patches"], key=lambda patch: float(patch["reach"]))
+        parts.append(
+            f"{sensor['name']}: the largest ellipse is that of {most['name']}, reaching "
+            f"{decimal(most['reach'], 3 if plane == 'xy' else 1)} from its center."
+        )
+    return " ".join(parts)
+
+
+def _table(sensors: list[dict[str, Any]], plane: str) -> dict[str, Any]:
+    (across, up), digits = _NAMES[plane], _SHOWN_DECIMALS[plane]
+    rows = []
+    for sensor in sensors:
+        if not sensor["patches"]:
+            rows.append([sensor["name"], sensor["why_not"], *[NONE] * 5])
+        for patch in sensor["patches"]:
+            values = (*patch["truth"], *patch["center"], patch["reach"])
+            cells = [decimal(value, digits) for value in values]
+            rows.append([sensor["name"], patch["name"], *cells])
+    head = ["sensor", "patch", f"true {across}", f"true {up}", f"measured {across}"]
+    return table([*head, f"measured {up}", f"reach of {SIGMAS:g} sigma"], rows)

@@ -4,16 +4,21 @@ from typing import Any
 
 from chromanoise.analysis.stages import Analysis, diagnosis
 from chromanoise.charts.shown import Look, Shown, saturated_names
+from chromanoise.charts.text import brief, decimal, electrons, level_in_words, table
 from chromanoise.charts.verdicts import verdict_sentences
 
 
 def drawn_head(shown: Shown, look: Look) -> dict[str, Any]:
     """The verdict in sentences, the light, and what each sensor is set to."""
     first = shown.analyses[0].scene
+    sensors = [_sensor(analysis) for analysis in shown.analyses]
+    level = {"level_lux": first.level_lux, "text": level_in_words(first.level_lux, 4)}
     return {
         "verdict": verdict_sentences(shown.analyses, equal=shown.study.exposure.equal),
-        "light": {"name": first.illuminant.name, "level_lux": first.level_lux},
-        "sensors": [_sensor(analysis) for analysis in shown.analyses],
+        "light": {"name": first.illuminant.name, **level},
+        "sensors": sensors,
+        "table": _table(sensors),
+        "electrons": _electrons_table(sensors),
     }
 
 
@@ -33,3 +38,29 @@ def _sensor(analysis: Analysis) -> dict[str, Any]:
         "mean_e": dict(mean),
         "notes": list(diagnosis(analysis)),
     }
+
+
+def _table(sensors: list[dict[str, Any]]) -> dict[str, Any]:
+    """Every setting of each sensor, and its electrons."""
+    pixel = ("curves", "pixel [µm]", "full well [e⁻]", "read noise [e⁻]")
+    seen = _electrons_table(sensors)
+    rows = [
+        [
+            *(cells[0], one["origin"], brief(one["pitch_um"]), decimal(one["full_well_e"], 0)),
+            *(brief(one["read_noise_e"]), *cells[1:]),
+        ]
+        for one, cells in zip(sensors, seen["rows"], strict=True)
+    ]
+    return table([seen["head"][0], *pixel, *seen["head"][1:]], rows)
+
+
+def _electrons_table(sensors: list[dict[str, Any]]) -> dict[str, Any]:
+    """What each sensor collects of a perfect white, in which time."""
+    channels = list(dict.fromkeys(name for one in sensors for name in one["channels"]))
+    rows = []
+    for one in sensors:
+        mean = [electrons(one["mean_e"][c]) if c in one["mean_e"] else "–" for c in channels]
+        full = ", ".join(one["saturated"]) or "none"
+        rows.append([one["name"], brief(one["time_ms"], 4), brief(one["f_number"]), *mean, full])
+    units = [f"{name} [e⁻]" for name in channels]
+    return table(["sensor", "time [ms]", "f-number", *units, "saturated"], rows)

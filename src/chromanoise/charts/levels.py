@@ -1,6 +1,7 @@
 """SNR over the light level, and where sensors change places."""
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 from chromanoise._check import Array
@@ -11,16 +12,24 @@ from chromanoise.analysis.comparison.crossing import (
     crossover_sentence,
     crossovers_or_reasons,
 )
-from chromanoise.analysis.comparison.curves import compared
+from chromanoise.analysis.comparison.curves import Curve, compared
 from chromanoise.analysis.comparison.quantities import QUANTITIES, Quantity, fullest_level_lux
 from chromanoise.analysis.comparison.sweeps import SWEEPS, swept_values
 from chromanoise.analysis.defined import defined
 from chromanoise.charts.shown import Look, Shown
+from chromanoise.charts.text import (
+    UNDEFINED,
+    brief,
+    decimal,
+    level_in_words,
+    listed,
+    setting,
+    table,
+)
 
 LOWEST_LUX, HIGHEST_LUX = 0.01, 10_000.0
 """Of the curves, and of the page's slider: moonlight to a cloudy day."""
 _PER_DECADE = 12  # the points of ``chromanoise compare`` are among them
-_SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 def drawn_levels(shown: Shown, look: Look) -> dict[str, Any]:
@@ -28,29 +37,43 @@ def drawn_levels(shown: Shown, look: Look) -> dict[str, Any]:
 
     The times are those of the study's own level, as in ``chromanoise compare``.
     """
-    sweep = SWEEPS["lux"]
-    quantity = _quantity(look)
-    values = drawn_lux(shown)
-    makers = shown.makers
-    curves = compared(shown.situations, makers, values, sweep=sweep, quantity=quantity)
-    pairs = crossovers_or_reasons(shown.situations, makers, curves)
+    quantity, makers, values = _quantity(look), shown.makers, drawn_lux(shown)
+    curves, pairs = level_curves(shown, quantity)
     fullest = [fullest_level_lux(one) for one in shown.situations for _ in makers]
+    drawn = [
+        {
+            "name": f"{curve.sensor}, {curve.matrix}" if len(makers) > 1 else curve.sensor,
+            "sensor": curve.sensor,
+            "matrix": curve.matrix,
+            "values": [defined(value) for value in curve.value.tolist()],
+            "saturated_from_lux": full if full is not None and full < values[-1] else None,
+        }
+        for curve, full in zip(curves, fullest, strict=True)
+    ]
+    crossed = [entry for pair in pairs for entry in _crossed(pair)]
+    lux = values.tolist()
     return {
-        "lux": values.tolist(),
+        "title": f"{quantity.what} against illuminance ({setting(shown.situations)})",
+        "description": _description(drawn, crossed, lux, quantity.unit),
+        "lux": lux,
         "now_lux": shown.study.light.level_lux,
+        "now": level_in_words(shown.study.light.level_lux),
         "quantity": quantity.what,
         "unit": quantity.unit,
-        "curves": [
-            {
-                "sensor": curve.sensor,
-                "matrix": curve.matrix,
-                "values": [defined(value) for value in curve.value.tolist()],
-                "saturated_from_lux": full if full is not None and full < values[-1] else None,
-            }
-            for curve, full in zip(curves, fullest, strict=True)
-        ],
-        "crossovers": [entry for pair in pairs for entry in _crossed(pair)],
+        "curves": drawn,
+        "crossovers": crossed,
+        "notes": _notes(drawn),
+        "table": _table(drawn, lux, quantity.unit),
     }
+
+
+def level_curves(
+    shown: Shown, quantity: Quantity = QUANTITIES["snr-y"]
+) -> tuple[Sequence[Curve], Sequence[Crossover | Incomparable]]:
+    """A quantity of each sensor with each matrix over the light level, and where they cross."""
+    values, makers = drawn_lux(shown), shown.makers
+    curves = compared(shown.situations, makers, values, sweep=SWEEPS["lux"], quantity=quantity)
+    return curves, crossovers_or_reasons(shown.situations, makers, curves)
 
 
 def drawn_lux(shown: Shown) -> Float[Array, " k"]:
@@ -60,30 +83,6 @@ def drawn_lux(shown: Shown) -> Float[Array, " k"]:
     last = max(HIGHEST_LUX, 10.0 ** math.ceil(math.log10(level)))
     points = 1 + _PER_DECADE * round(math.log10(last / first))
     return swept_values(sweep, max(first, sweep.lowest), min(last, sweep.highest), points)
-
-
-def level_in_words(level_lux: float, digits: int = 3) -> str:
-    """A light level as people write it, with a power of ten where zeros would have to be counted.
-
-    Parameters
-    ----------
-    level_lux
-        > 0. [lx]
-    digits
-        That count.
-
-    Examples
-    --------
-    >>> level_in_words(12.34), level_in_words(0.0000133), level_in_words(20000.0)
-    ('12.3 lx', '1.33·10⁻⁵ lx', '20000 lx')
-    """
-    mantissa, _, power = f"{level_lux:.{digits - 1}e}".partition("e")
-    told = float(f"{mantissa}e{power}")
-    if 1e-3 <= told < 1e6:
-        return f"{told:.15g} lx"
-    factor = f"{float(mantissa):g}"
-    ten = f"10{str(int(power)).translate(_SUPERSCRIPT)} lx"
-    return ten if factor == "1" else f"{factor}·{ten}"
 
 
 def _quantity(look: Look) -> Quantity:
@@ -98,3 +97,40 @@ def _crossed(pair: Crossover | Incomparable) -> list[dict[str, Any]]:
         return [{"lux": None, "sentence": pair.why, **between}]
     sentence = crossover_sentence(pair)
     return [{"lux": at, "sentence": sentence, **between} for at in pair.at or (None,)]
+
+
+def _notes(curves: list[dict[str, Any]]) -> list[str]:
+    """From where on each sensor is saturated, and which curve has no value at all."""
+    full = [
+        f"{one['sensor']} {level_in_words(one['saturated_from_lux'])}"
+        for one in curves
+        if one["saturated_from_lux"] is not None
+    ]
+    empty = [one["name"] for one in curves if all(value is None for value in one["values"])]
+    return [
+        *([f"Saturated from: {listed(list(dict.fromkeys(full)))}."] if full else []),
+        *([f"SNR is undefined in this range: {listed(empty)}."] if empty else []),
+    ]
+
+
+def _description(
+    curves: list[dict[str, Any]], crossed: list[dict[str, Any]], lux: list[float], unit: str
+) -> str:
+    parts = []
+    for one in curves:
+        there = [k for k, value in enumerate(one["values"]) if value is not None]
+        if not there:
+            parts.append(f"The SNR of {one['name']} is undefined in this range.")
+            continue
+        first, last = (
+            f"{decimal(one['values'][k])} {unit} at {level_in_words(lux[k])}"
+            for k in (there[0], there[-1])
+        )
+        parts.append(f"{one['name']} goes from {first} to {last}.")
+    return " ".join([*parts, *(one["sentence"] for one in crossed)])
+
+
+def _table(curves: list[dict[str, Any]], lux: list[float], unit: str) -> dict[str, Any]:
+    cells = [[decimal(value, 2, UNDEFINED) for value in one["values"]] for one in curves]
+    rows = zip([brief(level) for level in lux], *cells, strict=True)
+    return table(["illuminance [lx]", *(f"{one['name']} [{unit}]" for one in curves)], list(rows))

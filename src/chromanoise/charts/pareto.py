@@ -8,6 +8,7 @@ from chromanoise.analysis.pareto import noise_weights, pareto_of
 from chromanoise.analysis.priors import training_named
 from chromanoise.analysis.stages import Analysis, color_snr_db
 from chromanoise.charts.shown import Look, Shown, saturation_sentence
+from chromanoise.charts.text import brief, decimal, operating_point, table
 from chromanoise.color import ParetoCurve, training_color_error
 from chromanoise.exposure import Situation
 
@@ -21,15 +22,19 @@ def drawn_pareto(shown: Shown, look: Look) -> dict[str, Any]:
     """
     weights = noise_weights(LIGHTEST, HEAVIEST, points=POINTS)
     prior = shown.study.prior
+    sensors = [
+        _sensor(situation, analysis, pareto_of(situation, weights, prior=prior), prior)
+        for situation, analysis in zip(shown.situations, shown.analyses, strict=True)
+    ]
     return {
+        "title": f"Color error against SNR of Y at {operating_point(shown.situations)}",
+        "description": _description(sensors),
         "prior": prior,
         "unit": "Delta E*ab",
         "matrix": shown.study.matrices[0],
         "trained": bool(trained_names(shown.study.matrices[:1])),
-        "sensors": [
-            _sensor(situation, analysis, pareto_of(situation, weights, prior=prior), prior)
-            for situation, analysis in zip(shown.situations, shown.analyses, strict=True)
-        ],
+        "sensors": sensors,
+        "table": _table(sensors),
     }
 
 
@@ -40,6 +45,7 @@ def _sensor(
     points = [
         {
             "weight": float(weight),
+            "text": brief(float(weight)),
             "color_error": curve.delta_e[i],
             "snr_db": defined(float(curve.snr_y_db[i])) if full is None else None,
         }
@@ -54,3 +60,35 @@ def _sensor(
     )
     now = {"color_error": error, "snr_db": color_snr_db(analysis)["Y"]}
     return {"name": situation.sensor.name, "points": points, "now": now, "why_not": full}
+
+
+def _description(sensors: list[dict[str, Any]]) -> str:
+    parts = ["More weight on the noise raises the SNR and the color error."]
+    for sensor in sensors:
+        points = [_in_words(one) for one in sensor["points"] if _is_drawn(one)]
+        if not points:
+            parts.append(f"{sensor['name']}: no curve.")
+            continue
+        now = f"; now {_in_words(sensor['now'])}" if _is_drawn(sensor["now"]) else ""
+        parts.append(f"{sensor['name']}: from {points[0]} to {points[-1]}{now}.")
+    return " ".join(parts)
+
+
+def _is_drawn(point: dict[str, Any]) -> bool:
+    return point["snr_db"] is not None and point["color_error"] is not None
+
+
+def _in_words(point: dict[str, Any]) -> str:
+    return f"{decimal(point['snr_db'])} dB at a color error of {decimal(point['color_error'])}"
+
+
+def _table(sensors: list[dict[str, Any]]) -> dict[str, Any]:
+    rows = []
+    for sensor in sensors:
+        named = [(point["text"], point) for point in sensor["points"]]
+        for name, point in (*named, ("now", sensor["now"])):
+            error, snr = decimal(point["color_error"], 2), decimal(point["snr_db"], 2)
+            rows.append([sensor["name"], name, error, snr])
+    return table(
+        ["sensor", "weight of the noise", "color error, mean ΔE*ab", "SNR of Y [dB]"], rows
+    )

@@ -88,13 +88,13 @@ def shown(study: Study, *, situations: Sequence[Situation] | None = None) -> Sho
 
 
 def saturation_sentence(analysis: Analysis) -> str | None:
-    """Why a sensor has no SNR; ``None`` where no channel is saturated."""
+    """Why the SNR of a sensor is undefined; ``None`` where no channel is saturated."""
     hit = saturated_names(analysis)
     if not hit:
         return None
     which = f"channel {hit[0]} is" if len(hit) == 1 else f"channels {', '.join(hit)} are"
     return (
-        f"{analysis.sensor.name}: {which} saturated on the white, so there is no SNR to speak of; "
+        f"{analysis.sensor.name}: {which} saturated on the white, so its SNR is undefined; "
         "shorten the time, close the aperture or take less light"
     )
 

@@ -15,6 +15,7 @@ from chromanoise._linalg import eigh, qr
 from chromanoise._shapes import Float
 from chromanoise.analysis.stages import Analysis
 from chromanoise.charts.shown import Look, Shown, saturation_sentence
+from chromanoise.charts.text import NONE, brief, decimal, listed, operating_point, percent, table
 from chromanoise.geometry import reconstructed_light
 from chromanoise.scene import light
 from chromanoise.spectra import color_axes
@@ -96,35 +97,78 @@ def drawn_vectors(shown: Shown, look: Look) -> dict[str, Any]:
     ]
     magnification = look.magnification or _magnification(spreads)
     unit_axes = axes / np.linalg.norm(axes, axis=0)
-    return {
+    sensors: list[dict[str, Any]] = [
+        {
+            "name": a.sensor.name,
+            "channels": [
+                {"name": name, **_vector(frame, a.matrix.frame.basis[:, i], unit_of_channels)}
+                for i, name in enumerate(a.sensor.names)
+            ],
+            "light": None if seen is None else _vector(frame, seen, unit_of_light),
+            "ellipsoid": None
+            if seen is None or spread is None
+            else {
+                "center": (frame.T @ seen / unit_of_light).tolist(),
+                "half_axes": (magnification * spread).tolist(),
+                "norm_share": _noise_share(a, frame),
+            },
+            "magnification": magnification,
+            "why_not": saturation_sentence(a),
+        }
+        for a, seen, spread in zip(shown.analyses, rebuilt, spreads, strict=True)
+    ]
+    drawn = {
         "axes": [
             {"name": name, "at": (frame.T @ unit_axes[:, i]).tolist()}
             for i, name in enumerate(_AXES)
         ],
         "scene": _vector(frame, scene, unit_of_light),
+    }
+    return {
+        "title": f"Channels and light as vectors at {operating_point(shown.situations)}",
+        **drawn,
         "sigmas": _SIGMAS,
         "magnification": magnification,
-        "sensors": [
-            {
-                "name": a.sensor.name,
-                "channels": [
-                    {"name": name, **_vector(frame, a.matrix.frame.basis[:, i], unit_of_channels)}
-                    for i, name in enumerate(a.sensor.names)
-                ],
-                "light": None if seen is None else _vector(frame, seen, unit_of_light),
-                "ellipsoid": None
-                if seen is None or spread is None
-                else {
-                    "center": (frame.T @ seen / unit_of_light).tolist(),
-                    "half_axes": (magnification * spread).tolist(),
-                    "norm_share": _noise_share(a, frame),
-                },
-                "magnification": magnification,
-                "why_not": saturation_sentence(a),
-            }
-            for a, seen, spread in zip(shown.analyses, rebuilt, spreads, strict=True)
-        ],
+        "sensors": [one | _sentences(one) for one in sensors],
+        "table": _table(drawn, sensors),
     }
+
+
+def _sentences(sensor: dict[str, Any]) -> dict[str, str]:
+    """``note``: what the drawing cannot show; ``description``: which arrows there are."""
+    each = [f"{one['name']} {percent(one['norm_share'])}" for one in sensor["channels"]]
+    arrows = [one["name"] for one in sensor["channels"]]
+    if sensor["light"]:
+        each.append(f"light {percent(sensor['light']['norm_share'])}")
+        arrows.append("light")
+    shares = f"Share of the squared norm that lies in this space: {', '.join(each)}."
+    note = f"{shares} {sensor['why_not']}."
+    if sensor["ellipsoid"]:
+        note = (
+            f"{shares} Ellipsoid: {_SIGMAS:g} σ, magnified ×{brief(sensor['magnification'])}, "
+            f"holding {percent(sensor['ellipsoid']['norm_share'])} of the variance."
+        )
+    what = f"Arrows {listed(arrows)} from the origin beside the color axes {listed(_AXES)}."
+    return {"note": note, "description": f"{what} {note}"}
+
+
+def _table(drawn: dict[str, Any], sensors: list[dict[str, Any]]) -> dict[str, Any]:
+    rows = [_row("color axes", axis["name"], axis) for axis in drawn["axes"]]
+    rows.append(_row("scene", "true light", drawn["scene"]))
+    for sensor in sensors:
+        name = sensor["name"]
+        rows += [_row(name, channel["name"], channel) for channel in sensor["channels"]]
+        if sensor["light"]:
+            rows.append(_row(name, "light", sensor["light"]))
+        magnified = f"×{brief(sensor['magnification'])}"
+        for k, axis in enumerate((sensor["ellipsoid"] or {}).get("half_axes", ()), 1):
+            rows.append(_row(name, f"half axis {k}, {magnified}", {"at": axis}))
+    return table(["sensor", "vector", "first", "second", "third", "share of squared norm"], rows)
+
+
+def _row(sensor: str, what: str, vector: dict[str, Any]) -> list[str]:
+    share = percent(vector["norm_share"]) if "norm_share" in vector else NONE
+    return [sensor, what, *(decimal(value, 4) for value in vector["at"]), share]
 
 
 def norm_share(frame: Float[Array, "n 3"], vector: Float[Array, " n"]) -> float:

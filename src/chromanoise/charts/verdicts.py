@@ -7,8 +7,9 @@ import numpy as np
 from chromanoise import _check
 from chromanoise.analysis.budgets import coordinate_budget
 from chromanoise.analysis.stages import Analysis, color_snr_db, mean_color_error, raw_snr_db
-from chromanoise.charts.levels import level_in_words
 from chromanoise.charts.shown import saturation_sentence
+from chromanoise.charts.text import operating_point
+from chromanoise.exposure import Situation
 from chromanoise.metrics import Budget
 from chromanoise.metrics.budget import CORRELATION, FILTERS, INFRARED, READ_NOISE, REST, WEIGHTS
 
@@ -25,8 +26,8 @@ _PHOTONS = "photons"
 _BELOW_THE_BOUND = (WEIGHTS, CORRELATION, INFRARED)  # the bound is that of the noisy channels
 _TERMS: Mapping[str, str] = {
     "exposure": "",
-    "saturation": ", with times set to fill each sensor alike,",
-    "light": ", with times set for the same photons on each set of pixels,",
+    "saturation": " with times set to fill each sensor alike,",
+    "light": " with times set for the same photons on each set of pixels,",
 }
 
 
@@ -52,7 +53,7 @@ def verdict_sentences(analyses: Sequence[Analysis], *, equal: str = "exposure") 
     told = [sentence for a in analyses if (sentence := _left_out(a))]
     able = [a for a in analyses if _left_out(a) is None]
     if len(able) == 1:
-        told.insert(0, _alone(able[0]))
+        told.insert(0, _alone(able[0], _setting(analyses, equal)))
     if len(able) < 2:
         return told
     best_raw = max(able, key=lambda a: _raw_db(a, able))
@@ -61,7 +62,7 @@ def verdict_sentences(analyses: Sequence[Analysis], *, equal: str = "exposure") 
         best_color = best_raw  # equals: who leads in raw is named once
     others = [a for a in able if a is not best_color]
     rival = best_raw if best_raw is not best_color else max(others, key=_luminance_db)
-    first = _setting(best_color) + _TERMS[equal] + _contest(best_color, rival, best_raw, able)
+    first = _setting(analyses, equal) + _contest(best_color, rival, best_raw, able)
     return [first, *_reasons(best_color, rival), _colors(able), *told]
 
 
@@ -77,9 +78,9 @@ def _left_out(analysis: Analysis) -> str | None:
     return None
 
 
-def _alone(analysis: Analysis) -> str:
+def _alone(analysis: Analysis, setting: str) -> str:
     return (
-        f"{_setting(analysis)} {analysis.sensor.name} has {_luminance_db(analysis):.1f} dB of "
+        f"{setting} {analysis.sensor.name} has {_luminance_db(analysis):.1f} dB of "
         f"luminance SNR, {_told(analysis.color_snr_loss_db)} dB below what its raw channels hold "
         f"together{_largest(analysis)}; {_error(analysis)}."
     )
@@ -121,19 +122,19 @@ def _reasons(winner: Analysis, loser: Analysis) -> list[str]:
         if beyond < _WORTH_DB or (len(parts) > 1 and explained > gap - _WORTH_DB):
             break
         explained += beyond
-        parts.append(_reason(cause, bad[cause], good[cause]))
+        parts.append(_reason(cause, bad[cause], good[cause], winner.sensor.name))
     if not parts:
         return []
     return [f"What {loser.sensor.name} loses to {winner.sensor.name}: {'; '.join(parts)}."]
 
 
-def _reason(cause: str, loss_db: float, there_db: float) -> str:
-    beyond = f"{loss_db - there_db:.1f} dB"
+def _reason(cause: str, loss_db: float, winner_db: float, winner: str) -> str:
+    beyond = f"{loss_db - winner_db:.1f} dB"
     if cause == _PHOTONS:
         return f"fewer photons reach its pixels: {beyond}"
-    if min(loss_db, there_db) < -_TIE_DB:  # a cause that helps has no cost to be told
-        return f"{_WHY[cause]}: {beyond} more than there"
-    return f"{_WHY[cause]} costs {_told(loss_db)} dB (there {_told(there_db)})"
+    if min(loss_db, winner_db) < -_TIE_DB:  # a cause that helps has no cost to name
+        return f"{_WHY[cause]}: {beyond} more than for {winner}"
+    return f"{_WHY[cause]} costs {_told(loss_db)} dB, against {_told(winner_db)} dB for {winner}"
 
 
 def _colors(able: Sequence[Analysis]) -> str:
@@ -169,9 +170,17 @@ def _told(decibels: float) -> str:
     return f"{round(decibels, 1) + 0.0:.1f}"  # no minus before a zero
 
 
-def _setting(analysis: Analysis) -> str:
-    scene = analysis.scene
-    return f"At {level_in_words(scene.level_lux, 4)} of {scene.illuminant.name}"
+def _setting(analyses: Sequence[Analysis], equal: str) -> str:
+    points = [
+        Situation(
+            sensor=one.sensor,
+            exposure=one.exposure,
+            illuminant=one.scene.illuminant,
+            level_lux=one.scene.level_lux,
+        )
+        for one in analyses
+    ]
+    return f"At {operating_point(points)},{_TERMS[equal]}"
 
 
 def _shared(able: Sequence[Analysis]) -> list[str]:

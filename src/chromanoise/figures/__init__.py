@@ -1,10 +1,11 @@
-"""Results to matplotlib Axes: the ten figures of the paper and those of a study.
+"""Results to matplotlib Axes: the ten figures of the paper, those of a study, and the main
+chart of each result.
 
 The folder ``draw`` holds the drawing modules of page and report: the same results to SVG.
 """
 
 from chromanoise.figures.budget import draw_budget
-from chromanoise.figures.comparison import draw_comparison
+from chromanoise.figures.comparison import draw_color_errors, draw_comparison
 from chromanoise.figures.ellipses import draw_ellipses
 from chromanoise.figures.flow import draw_flow
 from chromanoise.figures.geometry import (
@@ -20,6 +21,7 @@ from chromanoise.figures.observers import draw_observer
 from chromanoise.figures.paper import CAPTIONS, paper_figures
 from chromanoise.figures.pareto import draw_pareto
 from chromanoise.figures.pictures import draw_picture
+from chromanoise.figures.results import draw_analyses, draw_capture, draw_matrices
 from chromanoise.figures.sensitivities import draw_sensitivities
 from chromanoise.figures.study import study_figures
 from chromanoise.figures.style import chromanoise_style
@@ -28,7 +30,10 @@ from chromanoise.figures.writing import write_figures
 __all__ = [
     "CAPTIONS",
     "chromanoise_style",
+    "draw_analyses",
     "draw_budget",
+    "draw_capture",
+    "draw_color_errors",
     "draw_color_projection",
     "draw_color_uncertainty",
     "draw_comparison",
@@ -36,6 +41,7 @@ __all__ = [
     "draw_ellipses",
     "draw_flow",
     "draw_light_above_plane",
+    "draw_matrices",
     "draw_measurement",
     "draw_mosaic",
     "draw_observer",

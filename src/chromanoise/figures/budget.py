@@ -2,6 +2,8 @@
 
 from matplotlib.axes import Axes
 
+from chromanoise.charts import cause_label
+from chromanoise.charts.text import decimal, signed
 from chromanoise.figures.style import INK, QUIET, sensor_label
 from chromanoise.metrics import Budget
 from chromanoise.sensor import Sensor
@@ -23,18 +25,20 @@ def draw_budget(budget: Budget, sensor: Sensor, ax: Axes, *, top_db: float | Non
         Upper end of the scale, where panels share one. [dB]
     """
     at = budget.photons_db
-    _bar(ax, 0, 0.0, at, INK, f"{at:.1f}")
+    _bar(ax, 0, 0.0, at, INK, decimal(at))
     for row, cost in enumerate(budget.costs, 1):
         below = at - cost.loss_db
         fill = QUIET if cost.loss_db >= 0 else "none"
-        change = f"{-cost.loss_db:+.1f}"
-        told = change if float(change) else "0.0"
-        _bar(ax, row, min(at, below), max(at, below), fill, told)
+        _bar(ax, row, min(at, below), max(at, below), fill, signed(-cost.loss_db))
         ax.plot([at, at], [row - 1 + _HIGH / 2, row - _HIGH / 2], color=QUIET, linewidth=0.8)
         at = below
     last = len(budget.costs) + 1
-    _bar(ax, last, 0.0, budget.snr_db, INK, f"{budget.snr_db:.1f}")
-    names = ["all photons", *(cost.cause for cost in budget.costs), f"SNR of {budget.coordinate}"]
+    _bar(ax, last, 0.0, budget.snr_db, INK, decimal(budget.snr_db))
+    names = [
+        "all photons",
+        *(cause_label(one.cause, budget.coordinate) for one in budget.costs),
+        f"SNR of {budget.coordinate}",
+    ]
     ax.set_yticks(range(len(names)), names)
     ax.tick_params(axis="y", length=0)
     ax.set(
@@ -47,8 +51,7 @@ def draw_budget(budget: Budget, sensor: Sensor, ax: Axes, *, top_db: float | Non
     return ax
 
 
-def _bar(ax: Axes, row: int, low: float, high: float, fill: str, told: str) -> None:
+def _bar(ax: Axes, row: int, low: float, high: float, fill: str, text: str) -> None:
     edge = INK if fill == "none" else fill
     ax.barh(row, high - low, left=low, height=_HIGH, facecolor=fill, edgecolor=edge, linewidth=1.2)
-    shown = told.replace("-", "\N{MINUS SIGN}")
-    ax.annotate(shown, (high, row), xytext=(4, 0), textcoords="offset points", va="center_baseline")
+    ax.annotate(text, (high, row), xytext=(4, 0), textcoords="offset points", va="center_baseline")

@@ -1,63 +1,93 @@
-"""Sensors over a sweep: the quantity above, color error below, never one alone."""
+"""Sensors over a sweep: a quantity, and the color error, which is never far from it."""
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 
 from chromanoise.analysis import Crossover, Curve
-from chromanoise.figures.style import INK, QUIET, sensor_dashes
+from chromanoise.figures.style import INK, QUIET, channel_color, sensor_dashes
 
-_SHADES = (INK, "#0072B2", "#D55E00", "#009E73")
+_SHADES = (INK, *(channel_color(name) for name in "BRG"))
 
 
 def draw_comparison(
-    curves: Sequence[Curve], crossed: Sequence[Crossover], axes: tuple[Axes, Axes]
-) -> tuple[Axes, Axes]:
-    """The quantity on the first axes and mean color error on the second, over the sweep.
-
-    One color per matrix, one dash pattern per sensor; circles mark the crossovers.
+    curves: Sequence[Curve], ax: Axes, *, crossovers: Sequence[Crossover] = (), title: str = ""
+) -> Axes:
+    """A quantity over the sweep: one color per matrix, one dash pattern per sensor.
 
     Parameters
     ----------
     curves
         Of `chromanoise.analysis.compared`, all of one sweep and quantity.
-    crossed
-        Of `chromanoise.analysis.crossovers`.
-    axes
-        Above and below, which share their abscissa.
+    ax
+        To draw on.
+    crossovers
+        Of `chromanoise.analysis.crossovers`: marked by circles with the value of the sweep.
+    title
+        Which should name the operating point.
     """
-    above, below = axes
+    for curve, style in zip(curves, _styles(curves), strict=True):
+        ax.plot(curve.at, curve.value, label=f"{curve.sensor}, {curve.matrix}", **style)
+    for crossover in crossovers:
+        _mark(crossover, curves, ax)
+    quantity = curves[0].quantity
+    _frame(curves, ax)
+    ax.set_ylabel(f"{quantity.what} [{quantity.unit}]")
+    if title:
+        ax.set_title(title, loc="left", fontsize=9)
+    ax.legend(loc="best", fontsize=8)
+    return ax
+
+
+def draw_color_errors(curves: Sequence[Curve], ax: Axes) -> Axes:
+    """The mean color error of the same curves over the sweep.
+
+    Parameters
+    ----------
+    curves
+        As `draw_comparison`.
+    ax
+        To draw on.
+    """
+    for curve, style in zip(curves, _styles(curves), strict=True):
+        ax.plot(curve.at, curve.color_error, **style)
+    _frame(curves, ax)
+    ax.set_ylabel("mean color error [ΔE*ab]")
+    ax.set_ylim(bottom=0)
+    return ax
+
+
+def _styles(curves: Sequence[Curve]) -> list[dict[str, Any]]:
     matrices = list(dict.fromkeys(curve.matrix for curve in curves))
     patterns = sensor_dashes(curve.sensor for curve in curves)
-    for curve in curves:
-        color = _SHADES[matrices.index(curve.matrix) % len(_SHADES)]
-        dashes = patterns[curve.sensor]
-        label = f"{curve.sensor}, {curve.matrix}"
-        above.plot(curve.at, curve.value, color=color, linestyle=dashes, label=label)
-        below.plot(curve.at, curve.color_error, color=color, linestyle=dashes)
-    for crossover in crossed:
-        curve = next(
-            c for c in curves if (c.sensor, c.matrix) == (crossover.first, crossover.matrix)
+    return [
+        {
+            "color": _SHADES[matrices.index(curve.matrix) % len(_SHADES)],
+            "linestyle": patterns[curve.sensor],
+        }
+        for curve in curves
+    ]
+
+
+def _frame(curves: Sequence[Curve], ax: Axes) -> None:
+    sweep = curves[0].sweep
+    if sweep.logarithmic:
+        ax.set_xscale("log")
+    ax.set_xlabel(f"{sweep.what} [{sweep.unit}]")
+    ax.grid(visible=True, alpha=0.25)
+
+
+def _mark(crossover: Crossover, curves: Sequence[Curve], ax: Axes) -> None:
+    curve = next(c for c in curves if (c.sensor, c.matrix) == (crossover.first, crossover.matrix))
+    for value in crossover.at:
+        height = float(np.interp(value, curve.at, curve.value))
+        ax.plot(value, height, "o", color=INK, markerfacecolor="none", markersize=8)
+        ax.annotate(
+            f"{value:.2g} {crossover.sweep.unit}",
+            (value, height),
+            xytext=(-2, 10),
+            textcoords="offset points",
+            color=QUIET,
         )
-        for value in crossover.at:
-            height = np.interp(value, curve.at, curve.value)
-            above.plot(value, height, "o", color=INK, markerfacecolor="none", markersize=8)
-            above.annotate(
-                f"{value:.2g} {crossover.sweep.unit}",
-                (value, height),
-                xytext=(-2, 10),
-                textcoords="offset points",
-                color=QUIET,
-            )
-    sweep, quantity = curves[0].sweep, curves[0].quantity
-    for ax in axes:
-        if sweep.logarithmic:
-            ax.set_xscale("log")
-        ax.grid(visible=True, alpha=0.25)
-    above.set_ylabel(f"{quantity.what} [{quantity.unit}]")
-    below.set_ylabel("mean color error [ΔE*ab]")
-    below.set_ylim(bottom=0)
-    below.set_xlabel(f"{sweep.what} [{sweep.unit}]")
-    above.legend(loc="lower right", fontsize=8)
-    return axes

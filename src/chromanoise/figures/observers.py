@@ -2,13 +2,13 @@
 
 from matplotlib.axes import Axes
 
-from chromanoise.figures.style import CHANNEL_COLORS, shade_nir
+from chromanoise.figures.style import channel_color, shade_nir
 from chromanoise.spectra import Spectra
 
 _LOOKS = {
-    "x": (CHANNEL_COLORS["R"], (0, (6, 2))),
-    "y": (CHANNEL_COLORS["G"], "solid"),
-    "z": (CHANNEL_COLORS["B"], (0, (2, 1.2))),
+    "x": (channel_color("R"), (0, (6, 2))),
+    "y": (channel_color("G"), "solid"),
+    "z": (channel_color("B"), (0, (2, 1.2))),
 }
 
 

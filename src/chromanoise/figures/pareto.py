@@ -1,5 +1,6 @@
 """Color error against noise, over the weight of the noise in the matrix."""
 
+from collections.abc import Sequence
 from typing import Any
 
 from matplotlib.axes import Axes
@@ -21,12 +22,8 @@ def draw_pareto(data: dict[str, Any], ax: Axes) -> Axes:
     for i, sensor in enumerate(data["sensors"]):
         name, dashes = sensor["name"], patterns[sensor["name"]]
         known = [p for p in sensor["points"] if None not in (p["snr_db"], p["color_error"])]
-        at = [(p["snr_db"], p["color_error"]) for p in known]
-        snr, error = [one[0] for one in at], [one[1] for one in at]
-        ax.plot(snr, error, color=INK, linestyle=dashes)
-        ax.plot(snr, error, ".", color=INK, markersize=4)
-        for point, side in zip((*known[:1], *known[-1:]), (-1, 1), strict=False):
-            _write_weight(ax, point, side)
+        snr, error = [p["snr_db"] for p in known], [p["color_error"] for p in known]
+        draw_trade(snr, error, [p["text"] for p in known], ax, dashes=dashes)
         now = sensor["now"]
         turn, shape = divmod(i, len(_MARKS))
         mark, fill = _MARKS[shape], INK if shape % 2 == turn % 2 else "white"
@@ -35,16 +32,46 @@ def draw_pareto(data: dict[str, Any], ax: Axes) -> Axes:
     ax.grid(visible=True, alpha=0.25)
     ax.set_ylim(bottom=0)
     ax.set(xlabel="SNR of Y [dB]", ylabel="color error, mean [ΔE*ab]")
-    title = f"Numbers: the weight of the noise. Mark: the {data['matrix']} matrix."
-    ax.set_title(title, fontweight="normal", fontsize=9)
+    key = f"Numbers: the weight of the noise. Mark: the {data['matrix']} matrix."
+    ax.set_title(f"{data['title']}\n{key}", loc="left", fontweight="normal", fontsize=9)
     ax.legend(loc="best", fontsize=8)
     return ax
 
 
-def _write_weight(ax: Axes, point: dict[str, Any], side: int) -> None:
+def draw_trade(
+    snr_db: Sequence[float],
+    color_error: Sequence[float],
+    weights: Sequence[str],
+    ax: Axes,
+    *,
+    dashes: Any = "solid",
+    label: str | None = None,
+) -> Axes:
+    """One curve of color error against SNR, its ends named by their weight.
+
+    Parameters
+    ----------
+    snr_db, color_error
+        One per weight. [dB], [Delta E*ab]
+    weights
+        As text.
+    ax
+        To draw on.
+    dashes, label
+        Of the curve.
+    """
+    ax.plot(snr_db, color_error, color=INK, linestyle=dashes, label=label)
+    ax.plot(snr_db, color_error, ".", color=INK, markersize=4)
+    ends = ((0, -1), (-1, 1)) if len(weights) else ()
+    for k, side in ends:
+        _write_weight(ax, weights[k], (snr_db[k], color_error[k]), side)
+    return ax
+
+
+def _write_weight(ax: Axes, weight: str, at: tuple[float, float], side: int) -> None:
     ax.annotate(
-        f"{point['weight']:g}",
-        (point["snr_db"], point["color_error"]),
+        weight,
+        at,
         xytext=(5 * side, 7 * side),
         textcoords="offset points",
         ha="left" if side > 0 else "right",

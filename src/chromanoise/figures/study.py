@@ -1,21 +1,24 @@
 """The figures of a study: what its report draws, for papers and slides."""
 
 from collections.abc import Mapping
+from textwrap import fill
 
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
-from chromanoise.analysis import QUANTITIES, SWEEPS, Crossover, compared, crossovers_or_reasons
-from chromanoise.charts import Shown, coordinate_budget, drawing
-from chromanoise.charts.levels import drawn_lux
+from chromanoise.analysis import Crossover, coordinate_budget
+from chromanoise.charts import Shown, drawing
+from chromanoise.charts.levels import level_curves
+from chromanoise.charts.text import operating_point, setting
 from chromanoise.figures.budget import draw_budget
-from chromanoise.figures.comparison import draw_comparison
+from chromanoise.figures.comparison import draw_color_errors, draw_comparison
 from chromanoise.figures.ellipses import draw_ellipses
 from chromanoise.figures.pareto import draw_pareto
 from chromanoise.figures.sensitivities import draw_sensitivities
 from chromanoise.figures.style import chromanoise_style, sensor_dashes
 
 _WIDE_IN = 6.4
+_LETTERS_PER_IN = 13  # of a title
 
 
 def study_figures(of: Shown) -> Mapping[str, Figure]:
@@ -49,6 +52,13 @@ def _framed(height_in: float, width_in: float = _WIDE_IN) -> Figure:
     return Figure(figsize=(width_in, height_in), layout=engine)
 
 
+def _entitle(figure: Figure, title: str) -> None:
+    """A title over all panels, in as many lines as the width asks for."""
+    letters = int(_LETTERS_PER_IN * figure.get_figwidth())
+    lines = fill(title, letters, break_on_hyphens=False)
+    figure.suptitle(lines, x=0.02, ha="left", fontsize=9)
+
+
 def _sensitivities(of: Shown) -> Figure:
     sensors = [one.sensor for one in of.situations]
     figure = _framed(2.8 * len(sensors))
@@ -63,14 +73,13 @@ def _sensitivities(of: Shown) -> Figure:
 
 
 def _comparison(of: Shown) -> Figure:
-    sweep, quantity = SWEEPS["lux"], QUANTITIES["snr-y"]
-    values = drawn_lux(of)
-    curves = compared(of.situations, of.makers, values, sweep=sweep, quantity=quantity)
+    curves, pairs = level_curves(of)
     figure = _framed(5.6)
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=(2, 1))
-    pairs = crossovers_or_reasons(of.situations, of.makers, curves)
     crossed = [pair for pair in pairs if isinstance(pair, Crossover)]
-    draw_comparison(curves, crossed, (above, below))
+    title = f"{curves[0].quantity.what} against illuminance ({setting(of.situations)})"
+    draw_comparison(curves, above, crossovers=crossed, title=title).set_xlabel("")
+    draw_color_errors(curves, below)
     return figure
 
 
@@ -86,6 +95,7 @@ def _budget(of: Shown) -> Figure | None:
         draw_budget(budget, sensor, ax, top_db=highest)
     for ax in panels[:-1]:
         ax.set_xlabel("")
+    _entitle(figure, f"Budget of the SNR of Y at {operating_point(of.situations)}")
     return figure
 
 
@@ -100,6 +110,7 @@ def _ellipses(of: Shown) -> Figure | None:
         draw_ellipses(data, i, ax)
     for ax in panels[1:]:
         ax.set_ylabel("")
+    _entitle(figure, data["title"])
     return figure
 
 

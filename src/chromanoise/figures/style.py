@@ -10,18 +10,11 @@ import matplotlib.style
 from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
 
+from chromanoise import _palette
 from chromanoise.spectra import INFRARED_FROM_NM
 
-INK, QUIET, FAINT = "#222222", "#666666", "#E6E6E6"
+INK, QUIET, FAINT = _palette.INK, _palette.QUIET, _palette.FAINT
 """Text and light; secondary text and helping lines; areas."""
-
-CHANNEL_COLORS = {
-    "R": "#D55E00",
-    "G": "#009E73",
-    "B": "#0072B2",
-    "W": "#000000",
-    "IR": "#CC79A7",
-}
 
 SENSOR_DASHES: dict[str, Any] = {
     "onyx-rgbw": "solid",
@@ -80,7 +73,7 @@ def chromanoise_style() -> Iterator[None]:
 
 def channel_color(name: str) -> str:
     """The color of a channel by its name; ink for one that the palette does not know."""
-    return CHANNEL_COLORS.get(name, INK)
+    return _palette.channel_color(name) or INK
 
 
 def paled(color: str) -> tuple[float, ...]:

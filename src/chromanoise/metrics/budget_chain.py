@@ -252,7 +252,7 @@ def shared_readings(
     return {
         FILTERS: f"{100 * all_e.sum() / photons:.0f} % of the photons become electrons",
         READ_NOISE: f"{100 * read:.1f} % of the mean noise variance is readout",
-        WEIGHTS: f"the color's weights stand {psi:.0f} deg from the best readout, noise whitened",
+        WEIGHTS: f"this color needs a channel mix {psi:.0f} deg from the lowest-noise one",
         CORRELATION: f"unmixing multiplies the variance of {frame.names[worst]} by "
         f"{vif[worst]:.1f}, condition {frame.condition:.1f}",
         INFRARED: f"{100 * infrared:.0f} % of the electrons come from beyond "

@@ -53,5 +53,5 @@ def with_noise(mean_e: Float[Array, "*px p"], sensor: Sensor) -> Measurement:
 
 
 def saturated(mean_e: Float[Array, "*px p"], pixel: Pixel) -> Bool[Array, "*px p"]:
-    """Where the expected electrons exceed full well: there is no SNR to speak of."""
+    """Where the expected electrons exceed full well: the SNR is undefined."""
     return np.asarray(mean_e) > pixel.full_well_e * (1 + 1e-12)

@@ -8,6 +8,7 @@ from importlib.resources.abc import Traversable
 from starlette.requests import Request
 from starlette.responses import Response
 
+from chromanoise._palette import palette_css
 from chromanoise.page.guard import content_policy, fault_reply
 
 _TYPES = {
@@ -22,6 +23,7 @@ _TYPES = {
 _STEP = re.compile(r"[A-Za-z0-9_-][A-Za-z0-9_.-]{0,99}")  # no way up, no hidden file
 _INDEX = "index.html"
 _OWN, _DRAW = "page/assets", "figures/draw"  # the second is shared with the report
+_COLORED = "draw/draw.css"
 
 
 def asset(path: str) -> bytes | None:
@@ -39,7 +41,10 @@ def asset(path: str) -> bytes | None:
     place: Traversable = files("chromanoise").joinpath(_DRAW if shared else _OWN)
     for step in steps[1:] if shared else steps:
         place = place.joinpath(step)
-    return place.read_bytes() if place.is_file() else None
+    if not place.is_file():
+        return None
+    palette = palette_css().encode("utf-8") if path == _COLORED else b""
+    return palette + place.read_bytes()
 
 
 def page_policy() -> str:

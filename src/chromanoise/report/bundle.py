@@ -1,18 +1,21 @@
-"""What makes one file of many: drawing modules as data: addresses, data as a block of JSON."""
+"""One file of many: drawing modules as data: addresses, data as a block of compressed JSON."""
 
 import base64
+import gzip
 import hashlib
 import json
 from functools import partial
 from importlib import resources
 from typing import Any
 
+from chromanoise._palette import palette_css
+
 _DRAW = "figures/draw"
 
 
 def drawing_style() -> str:
-    """The style sheet of the drawing modules."""
-    return _asset("draw.css")
+    """The style sheet of the drawing modules, with the palette."""
+    return palette_css() + _asset("draw.css")
 
 
 def import_map() -> str:
@@ -44,16 +47,19 @@ def data_address(content: bytes, kind: str) -> str:
     return f"data:{kind};base64,{base64.b64encode(content).decode('ascii')}"
 
 
-def json_block(data: Any) -> str:
-    r"""Data as JSON that no element of a page ends in: each ``<`` is told by its number.
+def packed_json(data: Any) -> str:
+    """Data as JSON, compressed, in letters that no element of a page ends in: base64 of gzip.
+
+    Equal data give equal text.
 
     Examples
     --------
-    >>> json_block({"title": "</script>"})
-    '{"title":"\\u003c/script>"}'
+    >>> import gzip
+    >>> gzip.decompress(base64.b64decode(packed_json({"title": "</script>"})))
+    b'{"title":"</script>"}'
     """
-    told = json.dumps(data, separators=(",", ":"), allow_nan=False, ensure_ascii=False)
-    return told.replace("<", "\\u003c")
+    text = json.dumps(data, separators=(",", ":"), allow_nan=False, ensure_ascii=False)
+    return base64.b64encode(gzip.compress(text.encode("utf-8"), mtime=0)).decode("ascii")
 
 
 def script_hash(script: str) -> str:

@@ -7,6 +7,7 @@ from importlib import resources
 import jinja2
 
 from chromanoise import __version__
+from chromanoise._palette import channel_color
 from chromanoise.catalog.sensors import RECONSTRUCTION
 from chromanoise.imaging import Picture, png_bytes
 from chromanoise.paper import (
@@ -46,6 +47,7 @@ def demo_page(
     environment.filters["printed"] = as_printed
     return environment.from_string(template).render(
         version=__version__,
+        mark=channel_color("B"),
         result=result,
         verdict=verdict(result.study),
         table_5=table_5_finding(result.study),

@@ -26,7 +26,7 @@ import * as vectors from "draw/vectors.js";
 const MODULES = { budget, vectors, stages, levels, ellipses, chart, pareto, sensitivities };
 const PAPER_PX = 476; // of one of two columns of A4, where the style of print makes 0.7 of it
 /** @type {ReportData} */
-const data = JSON.parse(byId("data").textContent ?? "");
+const data = JSON.parse(await unpacked(byId("data").textContent ?? ""));
 /** @type {Map<HTMLElement, Shown>} */
 const shown = new Map(); // what stands in each section, drawn or not yet
 /** @type {number | null} */
@@ -40,6 +40,16 @@ let asked = 0;
  */
 function byId(id) {
   return /** @type {HTMLElement} */ (document.getElementById(id));
+}
+
+/**
+ * Text that the file holds compressed: base64 of gzip.
+ *
+ * @param {string} packed
+ */
+function unpacked(packed) {
+  const bytes = Uint8Array.from(atob(packed), (letter) => letter.charCodeAt(0));
+  return new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"))).text();
 }
 
 /**
@@ -92,7 +102,7 @@ function show(told) {
   const [first, ...more] = told.head.verdict;
   byId("verdict").textContent = first;
   byId("reasons").replaceChildren(...more.map((text) => html("li", {}, text)));
-  fill(/** @type {HTMLTableElement} */ (byId("sensors")), told.head.rows);
+  fill(/** @type {HTMLTableElement} */ (byId("sensors")), told.head.table.rows);
   for (const section of all("section[data-part]")) {
     const part = /** @type {Part} */ (section.dataset.part);
     const before = JSON.stringify(shown.get(section)?.data);
@@ -119,9 +129,9 @@ function draw(section) {
  * @param {HTMLElement} section
  */
 function tell(section) {
-  const { data: told, part } = /** @type {Shown} */ (shown.get(section));
+  const { data: told } = /** @type {Shown} */ (shown.get(section));
   const table = section.querySelector("table");
-  if (!("fault" in told) && table) fill(table, MODULES[part].rows(told).rows);
+  if (!("fault" in told) && table) fill(table, told.table.rows);
 }
 
 /**

@@ -9,7 +9,7 @@ import numpy as np
 from chromanoise import _check
 from chromanoise.analysis import SWEEPS, analyzed
 from chromanoise.charts import Shown
-from chromanoise.charts.levels import level_in_words
+from chromanoise.charts.text import level_in_words
 from chromanoise.exposure import Situation, white_scene
 from chromanoise.spectra import INFRARED_FROM_NM
 

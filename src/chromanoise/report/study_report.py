@@ -17,14 +17,13 @@ from chromanoise.report.bundle import (
     data_address,
     drawing_style,
     import_map,
-    json_block,
+    packed_json,
     report_script,
     script_hash,
     shortened,
 )
 from chromanoise.report.slides import Slide, at_value, slide_as_json, slides_of
 from chromanoise.report.study_pictures import Sight
-from chromanoise.report.study_tables import Table, table_of
 from chromanoise.study import provenance, study_as_toml
 
 Equations = Mapping[str, Mapping[str, str]]
@@ -80,7 +79,8 @@ _SECTIONS = (  # part, heading, what it shows, equations
         ("electrons",),
     ),
 )
-_EXACT = 9  # digits of half axes: what is drawn of them is told to one decimal
+
+_EXACT = 7  # digits of half axes: an outline is whole to a thousandth of its unit
 
 
 def study_report(of: Shown, equations: Equations, sights: Sequence[Sight] = ()) -> str:
@@ -113,7 +113,7 @@ def study_report(of: Shown, equations: Equations, sights: Sequence[Sight] = ()) 
         head=full["head"],
         light=of.study.light,
         sections=[_section(one, full, equations) for one in _SECTIONS],
-        sensors=table_of("head", full["head"]),
+        sensors=full["head"]["table"],
         slides=data["slides"],
         sights=[_sight(one) for one in sights],
         notes=_notes(full["head"]),
@@ -125,7 +125,7 @@ def study_report(of: Shown, equations: Equations, sights: Sequence[Sight] = ()) 
         import_map=modules,
         script=script,
         hashes=f"{script_hash(modules)} {script_hash(script)}",
-        data=json_block(data),
+        data=packed_json(data),
     )
 
 
@@ -182,8 +182,7 @@ def _parts(of: Shown, wanted: Sequence[str] = tuple(PARTS)) -> dict[str, Any]:
 def _packed(full: dict[str, Any]) -> dict[str, Any]:
     """The parts as they stand in the file; the head as sentences and rows."""
     told = {part: shortened(data) for part, data in full.items() if part != "ellipses"}
-    table = table_of("head", full["head"])
-    told["head"] = {"verdict": full["head"]["verdict"], "rows": table.rows}
+    told["head"] = {"verdict": full["head"]["verdict"], "table": full["head"]["table"]}
     told["ellipses"] = _packed_ellipses(full["ellipses"])
     return told
 
@@ -208,8 +207,8 @@ def _half_axes(patch: dict[str, Any]) -> list[Any]:
     center = np.array(patch["center"])
     outline = np.array(patch["outline"]) - center
     axes = lstsq("outline of an ellipse", _circle(len(outline)), outline, rcond=None)[0]
-    exact = shortened([*axes.tolist(), patch["reach"]], digits=_EXACT)
-    return [*shortened([patch["center"]]), *exact]
+    half: list[Any] = shortened([patch["center"], *axes.tolist(), patch["reach"]], digits=_EXACT)
+    return half
 
 
 def _chart_of(answers: Sequence[dict[str, Any]]) -> dict[str, Any]:
@@ -233,7 +232,7 @@ def _section(
         "heading": heading,
         "shows": shows,
         "fault": data.get("fault"),
-        "table": Table(head=[], rows=[]) if "fault" in data else table_of(part, data),
+        "table": data.get("table", {"head": [], "rows": []}),
         "equations": [(name, equations[name]) for name in behind if name in equations],
     }
 

@@ -55,14 +55,19 @@ def conditions(points: Sequence[Situation]) -> str:
     first = points[0]
     times_ms = [1e3 * one.exposure.time_s for one in points]
     if len(set(times_ms)) == 1:
-        time = f"{times_ms[0]:.4g} ms"
+        time = _duration(times_ms[0])
     elif len(points) <= _MOST_TIMES:
         told = zip(times_ms, points, strict=True)
-        time = ", ".join(f"{ms:.4g} ms ({one.sensor.name})" for ms, one in told)
+        time = ", ".join(f"{_duration(ms)} ({one.sensor.name})" for ms, one in told)
     else:
-        time = f"{min(times_ms):.4g} to {max(times_ms):.4g} ms"
+        time = f"{_duration(min(times_ms))} to {_duration(max(times_ms))}"
     lens = f"f/{first.exposure.f_number:g}"
     return f"{first.level_lux:g} lx, illuminant {first.illuminant.name}, {time}, {lens}"
+
+
+def _duration(ms: float) -> str:
+    """In seconds where milliseconds would need a power of ten."""
+    return f"{ms:.4g} ms" if ms < 9999.5 else f"{1e-3 * ms:.4g} s"
 
 
 class Result(ABC):
@@ -307,7 +312,10 @@ class Comparison(Result):
 
     def plot(self, ax: Any = None) -> Any:
         """The quantity over what varies, one curve per sensor and matrix."""
-        return _figures().draw_comparison(self.curves, _axes(ax), crossovers=self.crossovers)
+        title = f"{self.curves[0].quantity.what}, from {conditions(self.points)}"
+        return _figures().draw_comparison(
+            self.curves, _axes(ax), crossovers=self.crossovers, title=title
+        )
 
     def __repr__(self) -> str:
         """The quantity, what varies, and the operating point."""
@@ -443,7 +451,9 @@ def _figures() -> Any:
 
 
 def _axes(ax: Any) -> Any:
-    return ax if ax is not None else import_module("matplotlib.pyplot").subplots()[1]
+    if ax is not None:
+        return ax
+    return import_module("matplotlib.pyplot").subplots(layout="constrained")[1]
 
 
 def _number(value: float | None) -> str:

@@ -1,11 +1,11 @@
 /** Waterfall of each sensor from its raw signal to the color coordinate, on one dB scale. */
 
 import { fitting, linear, niceRange, panels, textWidth, wrapped } from "draw/axes.js";
-import { note, sameSensor } from "draw/look.js";
+import { caption, note, sameSensor } from "draw/look.js";
 import { refill } from "draw/refill.js";
-import { decimal, figure, figureWidth, known, signed, svg, tenth, words } from "draw/svg.js";
+import { figure, figureWidth, known, svg, tenth, words } from "draw/svg.js";
 
-/** @import { Budget, BudgetSensor, BudgetStep, Options, Table } from "answers" */
+/** @import { Budget, BudgetSensor, BudgetStep, Options } from "answers" */
 /** @import { Grid } from "draw/axes.js" */
 /** @typedef {ReturnType<typeof layout>} Layout */
 
@@ -35,10 +35,9 @@ export function draw(element, data, options = {}) {
       ghosts.map((ghost) => sameSensor(ghost, sensor, i)),
     );
   });
-  const title = `Budget of the SNR of ${data.coordinate}`;
-  const drawn = figure(width, tops.height, title, description(data), nodes);
+  const drawn = figure(width, tops.height, data.title, data.description, nodes);
   const any = data.sensors.some((sensor) => sensor.steps?.length);
-  refill(element, drawn, ...(any ? [note(KEY)] : []));
+  refill(element, caption(data), drawn, ...(any ? [note(KEY)] : []));
 }
 
 /**
@@ -146,9 +145,8 @@ function bar(step, k, box, next) {
   const area = { x: tenth(Math.min(from, to)), y, width: tenth(wide), height: BAR, class: look };
   const nodes = [svg("rect", area, step.reading ? [svg("title", {}, step.reading)] : [])];
   if (next) nodes.push(svg("path", { d: `M${tenth(to)} ${y + BAR}V${barTop(k + 1, box)}`, class: "d-thin" }));
-  const told = whole ? decimal(step.to_db) : signed(step.change_db);
   const beyond = Math.max(from, to) + 7;
-  nodes.push(words(beyond, y + BAR - 2, told, whole ? "d-strong d-rim" : "d-rim"));
+  nodes.push(words(beyond, y + BAR - 2, step.text, whole ? "d-strong d-rim" : "d-rim"));
   const label = box.beside ? [fitting(step.label, x.from - 8)] : box.lines[k];
   const base = box.beside ? y + BAR - 2 : box.tops[k] + 12;
   nodes.push(...label.map((text, j) => words(0, base + LINE * j, text, whole ? "d-strong d-rim" : "d-rim")));
@@ -170,41 +168,4 @@ function ghostSteps(ghost, sensor, box) {
     const d = `M${tenth(box.x.at(step.to_db))} ${barTop(k, box) - 4}v${BAR + 8}`;
     return [svg("path", { d, class: "d-ghost", "stroke-width": 3 })];
   });
-}
-
-/** @param {Budget} data */
-function description(data) {
-  const each = data.sensors.map((sensor) => {
-    const steps = sensor.steps ?? [];
-    if (!steps.length) return `${sensor.name}: ${sensor.why_not ?? "no budget"}`;
-    const parts = steps.map((step) =>
-      step.kind === "start" || step.kind === "end"
-        ? `${step.label} ${decimal(step.to_db)} dB`
-        : `${step.label} ${signed(step.change_db)} dB`,
-    );
-    return `${sensor.name}: ${parts.join(", ")}.`;
-  });
-  return `What the SNR of ${data.coordinate} loses and gains on its way. ${each.join(" ")}`;
-}
-
-/**
- * @param {Budget} data
- * @returns {Table}
- */
-export function rows(data) {
-  const table = data.sensors.flatMap((sensor) => {
-    const steps = sensor.steps ?? [];
-    if (!steps.length) return [[sensor.name, sensor.why_not ?? "no budget", "–", "–", "–"]];
-    return steps.map((step) => {
-      const whole = step.kind === "start" || step.kind === "end";
-      return [
-        sensor.name,
-        step.label,
-        whole ? "–" : signed(step.change_db, 2),
-        decimal(step.to_db, 2),
-        step.reading ?? "–",
-      ];
-    });
-  });
-  return { head: ["sensor", "step", "change [dB]", `SNR of ${data.coordinate} [dB]`, "why"], rows: table };
 }

@@ -1,11 +1,11 @@
 /** The chart's 24 patches, each split by sensor, with color error and noise as numbers. */
 
 import { textWidth } from "draw/axes.js";
-import { legend, note, sameSensor } from "draw/look.js";
+import { caption, legend, note, sameSensor } from "draw/look.js";
 import { refill } from "draw/refill.js";
-import { decimal, figure, figureWidth, known, svg, words } from "draw/svg.js";
+import { figure, figureWidth, svg, words } from "draw/svg.js";
 
-/** @import { Chart, ChartPatch, ChartSensor, Options, Table } from "answers" */
+/** @import { Chart, ChartSensor, Options } from "answers" */
 /** @typedef {ReturnType<typeof layout>} Layout */
 
 const COLUMNS = 6;
@@ -28,9 +28,8 @@ export function draw(element, data, options = {}) {
     refill(element, ...why.map((sentence) => note(sentence)));
     return;
   }
-  const title = "Color error and noise of the chart's patches";
-  const told = figure(width, height, title, description(data), nodes);
-  refill(element, ...key(data, plan, ghosts), told);
+  const drawn = figure(width, height, data.title, data.description, nodes);
+  refill(element, caption(data), ...key(data, plan, ghosts), drawn);
 }
 
 /**
@@ -84,27 +83,12 @@ function half(sensor, k, i, plan) {
   const nodes = [svg("rect", { ...box, fill })];
   const middle = box.x + box.width / 2;
   const base = box.y + (beside ? 21 : 17);
-  const told = known(patch.delta_e) ? [short(patch.delta_e), noiseOf(patch.noise ?? NaN)] : [full(box.width), ""];
+  const [error, noise] = patch.text ?? [full(box.width), ""];
   nodes.push(
-    number(middle, base, told[0], ink, "d-strong"),
-    number(middle, base + 18, told[1], ink, "d-cell-noise"),
+    number(middle, base, error, ink, "d-strong"),
+    number(middle, base + 18, noise, ink, "d-cell-noise"),
   );
   return nodes;
-}
-
-/** @param {number} noise */
-function noiseOf(noise) {
-  return noise >= 999.5 ? "n>999" : `n ${short(noise)}`;
-}
-
-/**
- * Three digits are as many as a cell holds; where there are more, the table has them.
- *
- * @param {number} value
- */
-function short(value) {
-  if (value >= 999.5) return ">999";
-  return decimal(value, value >= 99.95 ? 0 : 1);
 }
 
 /** @param {number} width */
@@ -147,26 +131,14 @@ function key(data, plan, ghosts) {
   const places = plan.beside ? ["left", "right"] : ["upper", "lower"];
   const more = data.sensors.map((sensor, i) => {
     const place = plan.count === 2 ? places[i] : `${i + 1}`;
-    const before = ghosts.map((ghost) => means(sameSensor(ghost, sensor, i))).filter(Boolean);
-    const ghost = before.length ? ` (ghost ${before.join("; ")})` : "";
-    return { drawn: [swatch(i, plan)], name: `${place}: ${sensor.name}${told(sensor)}${ghost}` };
+    const before = ghosts.map((ghost) => sameSensor(ghost, sensor, i)?.means).filter(Boolean);
+    const ghost = before.length ? ` (pinned ${before.join("; ")})` : "";
+    const means = sensor.means ? `, mean ${sensor.means}` : "";
+    return { drawn: [swatch(i, plan)], name: `${place}: ${sensor.name}${means}${ghost}` };
   });
   const how =
     "Strip: the true color. Bold: color error ΔE*ab without noise. n: ΔE*ab of the noise (CIE 1976).";
   return [legend([], "line", 0, more), note(how, "d-note d-over")];
-}
-
-/** @param {ChartSensor} sensor */
-function told(sensor) {
-  const mean = means(sensor);
-  return mean ? `, mean ${mean}` : "";
-}
-
-/** @param {ChartSensor | null} sensor */
-function means(sensor) {
-  if (!known(sensor?.mean_delta_e)) return "";
-  const noise = known(sensor.mean_noise) ? `, n ${short(sensor.mean_noise)}` : "";
-  return `${short(sensor.mean_delta_e)}${noise}`;
 }
 
 /**
@@ -183,46 +155,4 @@ function swatch(i, { count, beside }) {
     svg("path", { d, class: "d-full" }),
   ];
   return svg("g", {}, group);
-}
-
-/**
- * @template {ChartPatch} T
- * @param {T} patch
- * @returns {patch is T & { delta_e: number, noise: number }}
- */
-function isComputed(patch) {
-  return known(patch.delta_e);
-}
-
-/** @param {Chart} data */
-function description(data) {
-  const each = data.sensors.map((sensor) => {
-    const there = sensor.patches.map((patch, k) => ({ ...patch, name: data.patches[k].name }));
-    const numbers = there.filter(isComputed);
-    if (!numbers.length) return `${sensor.name}: saturated, no color.`;
-    const worst = numbers.reduce((most, now) => (now.delta_e > most.delta_e ? now : most));
-    const noisy = numbers.reduce((most, now) => (now.noise > most.noise ? now : most));
-    const error = `mean color error ${decimal(sensor.mean_delta_e)}`;
-    const largest = `largest for ${worst.name} (${decimal(worst.delta_e)})`;
-    const noise = `most noise on ${noisy.name} (${decimal(noisy.noise)})`;
-    return `${sensor.name}: ${error}, ${largest}; ${noise}.`;
-  });
-  return `Color error and noise, both CIE 1976 differences. ${each.join(" ")}`;
-}
-
-/**
- * @param {Chart} data
- * @returns {Table}
- */
-export function rows(data) {
-  const head = ["patch"];
-  for (const sensor of data.sensors) head.push(`${sensor.name} ΔE*ab`, `${sensor.name} noise ΔE*ab`);
-  const table = data.patches.map((patch, k) => [
-    patch.name,
-    ...data.sensors.flatMap((sensor) => {
-      const { delta_e: error, noise } = sensor.patches[k] ?? {};
-      return [decimal(error, 1, "saturated"), decimal(noise, 1, "saturated")];
-    }),
-  ]);
-  return { head, rows: table };
 }

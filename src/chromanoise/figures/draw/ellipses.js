@@ -1,17 +1,15 @@
 /** Noise of the chart's patches as ellipses; one unit is as long across as up, at every size. */
 
 import { axes, fitting, linear, niceStep, panels, wrapped } from "draw/axes.js";
-import { legend, note, sameSensor } from "draw/look.js";
+import { caption, legend, note, sameSensor } from "draw/look.js";
 import { refill } from "draw/refill.js";
-import { decimal, figure, figureWidth, known, line, svg, tenth, words } from "draw/svg.js";
+import { figure, figureWidth, known, line, svg, tenth, words } from "draw/svg.js";
 
-/** @import { EllipsePatch, Ellipses, EllipsesSensor, Options, Table } from "answers" */
+/** @import { EllipsePatch, Ellipses, EllipsesSensor, Options } from "answers" */
 /** @import { Scale } from "draw/axes.js" */
 /** @typedef {ReturnType<typeof equalAspect>} Window */
-/** @typedef {EllipsePatch & { center: number[], outline: number[][] }} DrawnPatch */
 
 const ROOM = { left: 44, right: 10, top: 44, bottom: 46 };
-const TITLES = { ab: ["a*", "b*"], xy: ["x", "y"] };
 
 /**
  * @param {HTMLElement} element
@@ -33,13 +31,11 @@ export function draw(element, data, options = {}) {
     panel(data, i, { left: place.left, top: place.row * (tall + 8), each: grid.each, view, ghosts }),
   );
   const height = grid.rows * (tall + 8) - 8;
-  const [across, up] = TITLES[data.plane];
-  const title = `Noise ellipses of the chart in ${across} and ${up}, ${data.sigmas} standard deviations`;
-  const drawn = figure(width, height, title, description(data), nodes);
+  const drawn = figure(width, height, data.title, data.description, nodes);
   const ellipse = `Ellipse: ${data.sigmas} standard deviations of the noise.`;
   const key = `Cross: the true color. Line: from it to the color that is measured. ${ellipse}`;
   const kept = ghosts.length ? [legend([], "line", ghosts.length)] : [];
-  refill(element, ...kept, drawn, note(key));
+  refill(element, caption(data), ...kept, drawn, note(key));
 }
 
 /**
@@ -99,7 +95,7 @@ function panel(data, i, { left, top, each, view, ghosts }) {
   const sensor = data.sensors[i];
   const x = equalScale(view.x, left + ROOM.left, view.scale);
   const y = equalScale(view.y, top + ROOM.top + view.height, -view.scale);
-  const [xTitle, yTitle] = TITLES[data.plane];
+  const [xTitle, yTitle] = data.names;
   const nodes = axes(x, y, { x: xTitle, y: yTitle, yAt: left + 22 });
   nodes.unshift(words(left, top + 15, fitting(sensor.name, each, 14), "d-strong"));
   for (const ghost of ghosts) {
@@ -152,8 +148,7 @@ function patches(all, x, y) {
   const errors = [];
   const crosses = [];
   const nodes = [];
-  const reaches = new Map(all.map((patch) => [patch, isDrawn(patch) ? reach(patch) : 0]));
-  for (const patch of [...all].sort((a, b) => (reaches.get(b) ?? 0) - (reaches.get(a) ?? 0))) {
+  for (const patch of [...all].sort((a, b) => (b.reach ?? 0) - (a.reach ?? 0))) {
     const truth = [x.at(patch.truth[0]), y.at(patch.truth[1])];
     crosses.push(`M${tenth(truth[0] - 4)} ${tenth(truth[1])}h8m-4 -4v8`);
     if (patch.center) errors.push(line([truth, [x.at(patch.center[0]), y.at(patch.center[1])]]));
@@ -174,69 +169,4 @@ function patches(all, x, y) {
 function closed(outline, x, y) {
   if (!outline?.length) return "";
   return `${line(outline.map((point) => [x.at(point[0]), y.at(point[1])]))}Z`;
-}
-
-/** @param {Ellipses} data */
-function description(data) {
-  const each = data.sensors.map((sensor) => {
-    const drawn = sensor.patches.filter(isDrawn);
-    if (!drawn.length) return `${sensor.name}: saturated, no ellipse.`;
-    const lengths = drawn.map((patch) => ({ patch, reach: reach(patch) }));
-    const most = lengths.reduce((best, now) => (now.reach > best.reach ? now : best));
-    const digits = data.plane === "xy" ? 3 : 1;
-    const told = `reaching ${decimal(most.reach, digits)} from its center`;
-    return `${sensor.name}: the largest ellipse is that of ${most.patch.name}, ${told}.`;
-  });
-  const count = Math.max(0, ...data.sensors.map((sensor) => sensor.patches.length));
-  const what = `${data.sigmas}-sigma ellipses of ${count} patches, both axes to the same scale.`;
-  return `${what} ${each.join(" ")}`;
-}
-
-/**
- * @param {EllipsePatch} patch
- * @returns {patch is DrawnPatch}
- */
-function isDrawn(patch) {
-  return Boolean(patch.outline);
-}
-
-/**
- * The longer half axis, as it is told; else the outline's farthest point from the center.
- *
- * @param {DrawnPatch} patch
- */
-function reach(patch) {
-  if (known(patch.reach)) return patch.reach;
-  const [cx, cy] = patch.center;
-  return Math.max(...patch.outline.map(([px, py]) => Math.hypot(px - cx, py - cy)));
-}
-
-/**
- * @param {Ellipses} data
- * @returns {Table}
- */
-export function rows(data) {
-  const [across, up] = TITLES[data.plane];
-  const digits = data.plane === "xy" ? 4 : 1;
-  const head = [
-    "sensor",
-    "patch",
-    `true ${across}`,
-    `true ${up}`,
-    `measured ${across}`,
-    `measured ${up}`,
-    `reach of ${data.sigmas} sigma`,
-  ];
-  const table = data.sensors.flatMap((sensor) => {
-    if (!sensor.patches.length)
-      return [[sensor.name, sensor.why_not ?? "saturated", ...Array(head.length - 2).fill("–")]];
-    return sensor.patches.map((patch) => [
-      sensor.name,
-      patch.name,
-      ...patch.truth.map((v) => decimal(v, digits)),
-      ...(patch.center ?? [null, null]).map((v) => decimal(v, digits, "saturated")),
-      isDrawn(patch) ? decimal(reach(patch), digits) : "saturated",
-    ]);
-  });
-  return { head, rows: table };
 }

@@ -1,25 +1,13 @@
 /** SNR against the level of the light: curves, their crossovers, and where the study stands. */
 
 import { axes, fitting, linear, logarithmic, niceRange, spread, textWidth } from "draw/axes.js";
-import { legend, note, sensorDashes } from "draw/look.js";
+import { caption, legend, note, sensorDashes } from "draw/look.js";
 import { refill } from "draw/refill.js";
-import {
-  brief,
-  decimal,
-  figure,
-  figureWidth,
-  html,
-  known,
-  line,
-  listed,
-  svg,
-  tenth,
-  words,
-} from "draw/svg.js";
+import { figure, figureWidth, html, known, line, svg, tenth, words } from "draw/svg.js";
 
-/** @import { Crossover, LevelCurve, Levels, Maybe, Options, Table } from "answers" */
+/** @import { Crossover, LevelCurve, Levels, Maybe, Options } from "answers" */
 /** @import { Scale } from "draw/axes.js" */
-/** @typedef {LevelCurve & { name: string, dash: string, look: string }} Styled */
+/** @typedef {LevelCurve & { dash: string, look: string }} Styled */
 /** @typedef {ReturnType<typeof plane>} Plane */
 
 const STROKES = ["d-curve d-ink-line", "d-curve d-quiet-line", "d-curve d-third-line"];
@@ -47,18 +35,17 @@ export function draw(element, data, options = {}) {
   for (const curve of curves) nodes.push(drawn(curve, data.lux, scales, curve.look));
   nodes.push(...crossovers(data, scales), ...level(data, options.look, scales));
   if (beside) nodes.push(...endNames(curves, data.lux, scales, room));
-  const title = `${data.quantity} against illuminance`;
-  const told = figure(width, scales.height, title, description(data), nodes);
+  const told = figure(width, scales.height, data.title, data.description, nodes);
   const key = beside
     ? ghosts.length
       ? [legend([], "line", ghosts.length)]
       : []
     : [narrowLegend(curves, ghosts)];
-  refill(element, ...key, told, ...sentences(data));
+  refill(element, caption(data), ...key, told, ...sentences(data));
 }
 
 /**
- * Each curve with its name and its line: a dash per sensor, a stroke per matrix.
+ * Each curve with its line: a dash per sensor, a stroke per matrix.
  *
  * @param {Levels} data
  * @returns {Styled[]}
@@ -70,7 +57,6 @@ function styled(data) {
   const dashes = sensorDashes(sensors.map((key) => key.split("\n")[0]));
   return data.curves.map((curve, i) => ({
     ...curve,
-    name: matrices.length > 1 ? `${curve.sensor}, ${curve.matrix}` : curve.sensor,
     dash: dashes[sensors.indexOf(keys[i])],
     look: STROKES[matrices.indexOf(curve.matrix) % STROKES.length],
   }));
@@ -227,7 +213,7 @@ function crossovers(data, { x, y, top }) {
 }
 
 /**
- * The study's own level; `look.level_lux` moves the line before the answer has come.
+ * The study's own level; `look.level_lux`, `level` in words, moves the line before the answer comes.
  *
  * @param {Levels} data
  * @param {Options<Levels>["look"]} look
@@ -237,7 +223,7 @@ function level(data, look, { x, y, top }) {
   const lux = look?.level_lux ?? data.now_lux;
   if (!known(lux) || !inside(lux, x)) return [];
   const at = x.at(lux);
-  const told = `now ${brief(lux)} lx`;
+  const told = `now ${look?.level ?? data.now}`;
   const half = textWidth(told) / 2;
   const place = Math.min(x.to - half, Math.max(x.from + half, at));
   const height = top - (found(data).length ? 30 : 10);
@@ -268,42 +254,7 @@ function found(data) {
 /** @param {Levels} data */
 function sentences(data) {
   const items = found(data).map((cross) => html("li", {}, cross.sentence));
-  const told = data.crossovers.filter((cross) => !known(cross.lux)).map((cross) => note(cross.sentence));
-  const full = styled(data).filter((curve) => known(curve.saturated_from_lux));
-  if (full.length) {
-    const each = full.map((curve) => `${curve.sensor} ${brief(curve.saturated_from_lux)} lx`);
-    told.push(note(`Saturated from: ${listed([...new Set(each)])}.`));
-  }
-  const none = styled(data).filter((curve) => !curve.values.some(known));
-  if (none.length) told.push(note(`No SNR in this range: ${listed(none.map((curve) => curve.name))}.`));
-  return items.length ? [html("ol", { class: "d-list" }, items), ...told] : told;
-}
-
-/** @param {Levels} data */
-function description(data) {
-  const ends = styled(data).map((curve) => {
-    const k = curve.values.findIndex((value) => known(value));
-    if (k < 0) return `${curve.name} has no SNR in this range.`;
-    const last = curve.values.findLastIndex((value) => known(value));
-    const [first, final] = [k, last].map(
-      (at) => `${decimal(curve.values[at])} ${data.unit} at ${brief(data.lux[at])} lx`,
-    );
-    return `${curve.name} goes from ${first} to ${final}.`;
-  });
-  return [...ends, ...data.crossovers.map((cross) => cross.sentence)].join(" ");
-}
-
-/**
- * @param {Levels} data
- * @returns {Table}
- */
-export function rows(data) {
-  const curves = styled(data);
-  return {
-    head: ["illuminance [lx]", ...curves.map((curve) => `${curve.name} [${data.unit}]`)],
-    rows: data.lux.map((lux, k) => [
-      brief(lux),
-      ...curves.map((curve) => decimal(curve.values[k], 2, "no SNR")),
-    ]),
-  };
+  const more = data.crossovers.filter((cross) => !known(cross.lux)).map((cross) => note(cross.sentence));
+  more.push(...data.notes.map((sentence) => note(sentence)));
+  return items.length ? [html("ol", { class: "d-list" }, items), ...more] : more;
 }

@@ -5,9 +5,6 @@ import { html, svg, tenth } from "draw/svg.js";
 /** @typedef {{ drawn: Node[], name: string }} Entry */
 
 /** @type {Record<string, string>} */
-const CHANNELS = { R: "#D55E00", G: "#009E73", B: "#0072B2", W: "var(--W)", IR: "#CC79A7" };
-
-/** @type {Record<string, string>} */
 const OWN_DASH = {
   "onyx-rgbw": "",
   "onyx-rgb-ircut": "9 3",
@@ -23,7 +20,7 @@ const DASHES = ["", "9 3", "3 2", "9 3 2 3", "16 3", "1.5 4", "16 3 3 3 3 3", "6
  * @returns {string}
  */
 export function channelColor(name) {
-  return CHANNELS[name] ?? "var(--ink)";
+  return `var(--channel-${CSS.escape(name)}, var(--ink))`;
 }
 
 /**
@@ -115,7 +112,7 @@ export function legend(names, how = "line", ghosts = 0, more = []) {
   for (const extra of more) items.push(item(extra.drawn, extra.name));
   if (ghosts) {
     const drawn = how === "mark" ? ghostMark(0, 18, 8) : swatchLine("d-curve d-ghost", "");
-    items.push(item([drawn], ghosts === 1 ? "kept as ghost" : "kept as ghosts"));
+    items.push(item([drawn], "pinned"));
   }
   return html("p", { class: "d-legend" }, items);
 }
@@ -136,6 +133,15 @@ function item(drawn, name) {
   const hidden = { class: "d-swatch", width: 36, height: 16, viewBox: "0 0 36 16" };
   const swatch = svg("svg", { ...hidden, "aria-hidden": "true", focusable: "false" }, drawn);
   return html("span", { class: "d-item" }, [swatch, html("span", {}, name)]);
+}
+
+/**
+ * The title of a chart, which names the operating point, over its figure.
+ *
+ * @param {{ title: string }} data
+ */
+export function caption({ title }) {
+  return note(title, "d-note d-caption");
 }
 
 /**

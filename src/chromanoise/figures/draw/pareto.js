@@ -1,11 +1,11 @@
 /** What a matrix can trade: color error against SNR, along the weight of the noise. */
 
 import { axes, linear, niceRange, textWidth } from "draw/axes.js";
-import { legend, mark, markPath, note, sameSensor, sensorDashes } from "draw/look.js";
+import { caption, legend, mark, markPath, note, sameSensor, sensorDashes } from "draw/look.js";
 import { refill } from "draw/refill.js";
-import { brief, decimal, figure, figureWidth, known, line, svg, tenth, words } from "draw/svg.js";
+import { figure, figureWidth, known, line, svg, tenth, words } from "draw/svg.js";
 
-/** @import { Options, Pareto, ParetoPoint, ParetoSensor, Table, WeightedPoint } from "answers" */
+/** @import { Options, Pareto, ParetoPoint, ParetoSensor, WeightedPoint } from "answers" */
 /** @import { Scale } from "draw/axes.js" */
 /** @typedef {ParetoPoint & { color_error: number, snr_db: number }} Whole */
 /** @typedef {{ left: number, right: number, top: number, bottom: number }} Box */
@@ -23,7 +23,7 @@ export function draw(element, data, options = {}) {
   const names = data.sensors.map((sensor) => sensor.name);
   const dashes = sensorDashes(names);
   if (!data.sensors.some((sensor) => [...sensor.points, sensor.now].some(whole))) {
-    const why = data.sensors.map((sensor) => sensor.why_not ?? `${sensor.name}: no SNR to trade.`);
+    const why = data.sensors.map((sensor) => sensor.why_not ?? `${sensor.name}: SNR is undefined.`);
     refill(element, ...[...new Set(why)].map((sentence) => note(sentence)));
     return;
   }
@@ -40,11 +40,10 @@ export function draw(element, data, options = {}) {
     nodes.push(...trade(sensor, dashes[i], x, y));
   });
   nodes.push(...labels(data, x, y));
-  const title = "Color error against SNR along the matrix weight";
-  const told = figure(width, height, title, description(data), nodes);
+  const told = figure(width, height, data.title, data.description, nodes);
   const made = data.matrix ? ` (${data.matrix})` : "";
   const key = `Numbers: the weight of the noise in the matrix. Large mark: the matrix now${made}.`;
-  refill(element, legend(names, "both", ghosts.length), told, note(key));
+  refill(element, caption(data), legend(names, "both", ghosts.length), told, note(key));
 }
 
 /**
@@ -137,7 +136,7 @@ function labels(data, x, y) {
       const at = [x.at(point.snr_db), y.at(point.color_error)];
       if (labelled.some((other) => Math.hypot(other[0] - at[0], other[1] - at[1]) < 24)) continue;
       labelled.push(at);
-      nodes.push(...placed(point, brief(point.weight), "d-tick d-rim", x, y, taken));
+      nodes.push(...placed(point, point.text, "d-tick d-rim", x, y, taken));
     }
   });
   return nodes;
@@ -233,34 +232,4 @@ function placed(point, text, look, x, y, taken, gap = 9) {
  */
 function overlap(a, b) {
   return a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom;
-}
-
-/** @param {Pareto} data */
-function description(data) {
-  const each = data.sensors.map((sensor) => {
-    const points = sensor.points.filter(whole);
-    if (!points.length) return `${sensor.name}: no curve.`;
-    /** @param {Whole} p */
-    const told = (p) => `${decimal(p.snr_db)} dB at a color error of ${decimal(p.color_error)}`;
-    const now = whole(sensor.now) ? `; now ${told(sensor.now)}` : "";
-    return `${sensor.name}: from ${told(points[0])} to ${told(points[points.length - 1])}${now}.`;
-  });
-  return `More weight on the noise raises the SNR and the color error. ${each.join(" ")}`;
-}
-
-/**
- * @param {Pareto} data
- * @returns {Table}
- */
-export function rows(data) {
-  const table = data.sensors.flatMap((sensor) => {
-    /**
-     * @param {ParetoPoint} p
-     * @param {string} name
-     */
-    const told = (p, name) => [sensor.name, name, decimal(p.color_error, 2), decimal(p.snr_db, 2)];
-    const now = sensor.now ? [told(sensor.now, "now")] : [];
-    return [...sensor.points.map((point) => told(point, brief(point.weight))), ...now];
-  });
-  return { head: ["sensor", "weight of the noise", "color error, mean ΔE*ab", "SNR of Y [dB]"], rows: table };
 }

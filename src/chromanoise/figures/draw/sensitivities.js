@@ -1,11 +1,11 @@
 /** Quantum efficiency of every channel over the spectrum, a panel per sensor, all on one scale. */
 
 import { axes, fitting, linear, niceRange, panels, textWidth } from "draw/axes.js";
-import { channelColor, legend, sameSensor, sensorDashes } from "draw/look.js";
+import { caption, channelColor, legend, sameSensor, sensorDashes } from "draw/look.js";
 import { refill } from "draw/refill.js";
-import { decimal, figure, figureWidth, known, line, listed, svg, words } from "draw/svg.js";
+import { figure, figureWidth, known, line, svg, words } from "draw/svg.js";
 
-/** @import { Curve, Maybe, Options, Sensitivities, SensitivitiesSensor, Table } from "answers" */
+/** @import { Curve, Maybe, Options, Sensitivities, SensitivitiesSensor } from "answers" */
 /** @import { Scale } from "draw/axes.js" */
 /** @typedef {{ left: number, top: number, width: number, height: number }} Box */
 /** @typedef {{ x: number, y: number }} Place */
@@ -31,9 +31,8 @@ export function draw(element, data, options = {}) {
     return panel(data, i, { box, dash: dashes[i], ghosts, top });
   });
   const height = grid.rows * (tall + 12) - 12;
-  const title = "Sensitivities over the spectrum";
-  const told = figure(width, height, title, description(data), nodes);
-  refill(element, ...(ghosts.length ? [legend([], "line", ghosts.length)] : []), told);
+  const drawn = figure(width, height, data.title, data.description, nodes);
+  refill(element, caption(data), ...(ghosts.length ? [legend([], "line", ghosts.length)] : []), drawn);
 }
 
 /**
@@ -244,46 +243,4 @@ function freedom(place, channels, own, k, y, taken) {
   }
   const all = channels[own].qe.map((qe) => qe ?? 0);
   return apart + (50 * all[k]) / Math.max(1e-9, ...all);
-}
-
-/** @param {Sensitivities} data */
-function description(data) {
-  const nm = data.wavelength_nm;
-  const each = data.sensors.map((sensor) => {
-    const peaks = sensor.channels.map((channel) => peak(nm, channel));
-    return `${sensor.name}: ${listed(peaks)}.`;
-  });
-  const range = `Quantum efficiency from ${nm[0]} to ${nm[nm.length - 1]} nm`;
-  const areas = `near infrared from ${data.infrared_from_nm} nm shaded, the light as a faint area`;
-  return `${range}, ${areas}. Highest values: ${each.join(" ")}`;
-}
-
-/**
- * @param {number[]} nm
- * @param {Curve} channel
- */
-function peak(nm, channel) {
-  const qe = channel.qe.map((value) => value ?? 0);
-  const k = qe.reduce((best, value, i) => (value > qe[best] ? i : best), 0);
-  return `${channel.name} ${decimal(channel.qe[k], 2)} at ${nm[k]} nm`;
-}
-
-/**
- * @param {Sensitivities} data
- * @returns {Table}
- */
-export function rows(data) {
-  const head = ["wavelength [nm]", "light, relative"];
-  const columns = data.sensors.flatMap((sensor) =>
-    sensor.channels.map((channel) => {
-      head.push(`${sensor.name} ${channel.name} [e⁻/photon]`);
-      return channel.qe;
-    }),
-  );
-  const table = data.wavelength_nm.map((nm, k) => [
-    String(nm),
-    decimal(data.light[k], 3),
-    ...columns.map((qe) => decimal(qe[k], 4)),
-  ]);
-  return { head, rows: table };
 }

@@ -1,27 +1,18 @@
 /** SNR raw, contravariant and in color: dots on one dB scale, with the numbers beside them. */
 
 import { fitting, linear, niceRange, panels, textWidth } from "draw/axes.js";
-import { channelColor, ghostMark, legend, mark, sameSensor } from "draw/look.js";
+import { caption, channelColor, ghostMark, legend, mark, sameSensor } from "draw/look.js";
 import { refill } from "draw/refill.js";
-import { brief, decimal, figure, figureWidth, html, known, svg, words } from "draw/svg.js";
+import { figure, figureWidth, html, known, svg, words } from "draw/svg.js";
 
-/** @import { ByName, Options, Stages, StagesSensor, Table } from "answers" */
+/** @import { Options, StageKind, StageLine, Stages } from "answers" */
 /** @import { Scale } from "draw/axes.js" */
-/** @typedef {typeof KINDS[number]} Kind */
-/** @typedef {Kind & { lines: ReturnType<typeof lines> }} Filled */
+/** @typedef {StageLine & { ghosts: (number | null | undefined)[][] }} Row */
+/** @typedef {Omit<StageKind, "lines"> & { lines: Row[] }} Filled */
 /** @typedef {ReturnType<typeof layout>} Layout */
 
 const HEAD = 20;
 const ROW = 24;
-const KINDS = [
-  { key: "raw", title: "raw SNR", unit: "dB", of: "per channel, as read" },
-  { key: "contravariant", title: "contravariant SNR", unit: "dB", of: "per channel, unmixed" },
-  { key: "spectral", title: "spectral SNR", unit: "dB", of: "of the whole rebuilt spectrum" },
-  { key: "color", title: "color SNR", unit: "dB", of: "per coordinate" },
-  { key: "bound", title: "bound", unit: "dB", of: "SNR of the best linear readout of Y" },
-  { key: "price", title: "price", unit: "dB", of: "how far Y stays below the bound" },
-  { key: "lab", title: "noise in CIELAB", unit: "", of: "standard deviation" },
-];
 
 /**
  * @param {HTMLElement} element
@@ -31,7 +22,7 @@ const KINDS = [
 export function draw(element, data, options = {}) {
   const width = figureWidth(element, options);
   const ghosts = options.ghosts ?? [];
-  const kinds = KINDS.map((kind) => ({ ...kind, of: patchOf(kind, data), lines: lines(data, ghosts, kind) }));
+  const kinds = data.kinds.map((kind) => withGhosts(kind, data, ghosts));
   const shown = kinds.filter((kind) => kind.lines.length);
   const plan = layout(data, shown, panels(shown.length, width, 500, 40).each);
   const key = legend(
@@ -39,74 +30,34 @@ export function draw(element, data, options = {}) {
     "mark",
     ghosts.length,
   );
-  const figures = shown.map((kind) => section(data, kind, plan));
+  const figures = shown.map((kind) => section(kind, plan));
   const boxes = shown.map((kind, k) => html("div", { class: "d-view" }, [heading(kind), figures[k]]));
-  refill(element, html("div", {}, [key, html("div", { class: "d-views d-kinds" }, boxes)]));
+  const all = html("div", { class: "d-views d-kinds" }, boxes);
+  refill(element, html("div", {}, [caption(data), key, all]));
 }
 
 /**
- * @param {Kind} kind
- * @param {Stages} data
- */
-function patchOf(kind, data) {
-  return kind.key === "lab" && data.gray
-    ? `standard deviation of a ${brief(100 * data.gray)} % gray`
-    : kind.of;
-}
-
-/**
- * A line per channel or coordinate: its name, a value per sensor, and the ghosts' values.
+ * Each line of a kind with the values of the same sensors in earlier answers.
  *
+ * @param {StageKind} kind
  * @param {Stages} data
  * @param {Stages[]} ghosts
- * @param {Kind} kind
+ * @returns {Filled}
  */
-function lines(data, ghosts, kind) {
-  const names = [...new Set(data.sensors.flatMap((sensor) => Object.keys(part(sensor, kind.key))))];
-  return names.map((name) => ({
-    name,
-    values: data.sensors.map((sensor) => value(sensor, kind.key, name)),
-    ghosts: ghosts.map((ghost) =>
-      data.sensors.map((sensor, i) => value(sameSensor(ghost, sensor, i), kind.key, name)),
-    ),
-  }));
-}
-
-/**
- * @param {StagesSensor | null} sensor
- * @param {string} key
- * @returns {ByName}
- */
-function part(sensor, key) {
-  if (key === "lab") return sensor?.lab_sd ?? {};
-  if (key === "spectral") {
-    return sensor?.spectral_db === undefined ? {} : { spectrum: sensor.spectral_db };
-  }
-  if (key === "bound" || key === "price") return { Y: sensor?.[`${key}_db`] ?? null };
-  return sensor?.[/** @type {"raw" | "contravariant" | "color"} */ (key)] ?? {};
-}
-
-/**
- * `undefined` where the sensor has no such channel, `null` where it has no number.
- *
- * @param {StagesSensor | null} sensor
- * @param {string} key
- * @param {string} name
- * @returns {number | null | undefined}
- */
-function value(sensor, key, name) {
-  return part(sensor, key)[name];
-}
-
-/**
- * @param {number | null | undefined} value
- * @param {StagesSensor} sensor
- */
-function told(value, sensor) {
-  if (value === undefined) return "";
-  // a server that tells why there is no number tells it of saturation only
-  const digits = value !== null && value >= 1000 ? 0 : 1;
-  return decimal(value, digits, sensor.why_not === null ? "no SNR" : "saturated");
+function withGhosts(kind, data, ghosts) {
+  /**
+   * @param {Stages} ghost
+   * @param {string} name
+   */
+  const before = (ghost, name) => {
+    const line = ghost.kinds.find((other) => other.key === kind.key)?.lines.find((one) => one.name === name);
+    return data.sensors.map((sensor, i) => {
+      const there = sameSensor(ghost, sensor, i);
+      return there === null ? null : line?.values[ghost.sensors.indexOf(there)];
+    });
+  };
+  const lines = kind.lines.map((line) => ({ ...line, ghosts: ghosts.map((ghost) => before(ghost, line.name)) }));
+  return { ...kind, lines };
 }
 
 /**
@@ -119,22 +70,22 @@ function told(value, sensor) {
 function layout(data, kinds, width) {
   const all = kinds.flatMap((kind) => kind.lines);
   const left = Math.min(90, Math.max(26, ...all.map((row) => textWidth(row.name, 14) + 6)));
-  const columns = data.sensors.map((sensor, i) =>
-    Math.max(42, ...all.map((row) => columnWidth(row.values[i], sensor))),
+  const columns = data.sensors.map((_, i) =>
+    Math.max(42, ...all.map((row) => columnWidth(row, i))),
   );
   const numbers = columns.reduce((sum, column) => sum + column, 0);
   const right = Math.max(left, width - numbers - 4);
   const decibels = kinds.filter((kind) => kind.unit === "dB" && kind.key !== "price");
-  return { width, left, columns, sensors: data.sensors, dots: Math.min(right, 900), dB: range(decibels) };
+  return { width, left, columns, dots: Math.min(right, 900), dB: range(decibels) };
 }
 
 /**
- * @param {number | null | undefined} value
- * @param {StagesSensor} sensor
+ * @param {Row} row
+ * @param {number} i
  */
-function columnWidth(value, sensor) {
-  const text = told(value, sensor);
-  return known(value) ? textWidth(text, 14) + 8 : textWidth(text, 12) + 4;
+function columnWidth(row, i) {
+  const text = row.text[i] ?? "";
+  return known(row.values[i]) ? textWidth(text, 14) + 8 : textWidth(text, 12) + 4;
 }
 
 /** @param {Filled[]} kinds */
@@ -143,10 +94,9 @@ function range(kinds) {
   return niceRange(values, 5, [0]);
 }
 
-/** @param {Kind} kind */
+/** @param {Filled} kind */
 function heading(kind) {
-  const unit = kind.unit ? ` [${kind.unit}]` : "";
-  const nodes = [html("span", {}, `${kind.title}${unit}`)];
+  const nodes = [html("span", {}, kind.heading)];
   const named = { type: "button", class: "equation", "data-equation": kind.key };
   nodes.push(html("button", { ...named, "aria-label": `Equation of the ${kind.title}` }, "?"));
   nodes.push(html("small", {}, kind.of));
@@ -154,11 +104,10 @@ function heading(kind) {
 }
 
 /**
- * @param {Stages} data
  * @param {Filled} kind
  * @param {Layout} plan
  */
-function section(data, kind, plan) {
+function section(kind, plan) {
   const own = kind.unit !== "dB" || kind.key === "price";
   const [low, high] = own ? range([kind]) : plan.dB;
   const x = linear(low, high, plan.left + 8, plan.dots - 12);
@@ -168,7 +117,7 @@ function section(data, kind, plan) {
   nodes.push(...columnMarks(plan));
   kind.lines.forEach((row, k) => nodes.push(...drawnRow(row, HEAD + ROW * (k + 0.5), x, plan, roomy)));
   const title = `${kind.title}, ${kind.of}`;
-  return figure(plan.width, bottom + (roomy ? 22 : 2), title, description(data, kind), nodes);
+  return figure(plan.width, bottom + (roomy ? 22 : 2), title, kind.description, nodes);
 }
 
 /**
@@ -206,7 +155,7 @@ function scale(x, bottom, unit) {
 }
 
 /**
- * @param {Filled["lines"][number]} row
+ * @param {Row} row
  * @param {number} y
  * @param {Scale} x
  * @param {Layout} plan
@@ -225,38 +174,7 @@ function drawnRow(row, y, x, plan, roomy) {
   let end = plan.dots;
   row.values.forEach((v, i) => {
     end += plan.columns[i];
-    nodes.push(words(end, y + 5, told(v, plan.sensors[i]), known(v) ? "" : "d-tick", "end"));
+    nodes.push(words(end, y + 5, row.text[i] ?? "", known(v) ? "" : "d-tick", "end"));
   });
   return nodes;
-}
-
-/**
- * @param {Stages} data
- * @param {Filled} kind
- */
-function description(data, kind) {
-  const unit = kind.unit ? ` ${kind.unit}` : "";
-  const each = data.sensors.map((sensor, i) => {
-    const parts = kind.lines
-      .filter((row) => row.values[i] !== undefined)
-      .map((row) => `${row.name} ${told(row.values[i], sensor)}${known(row.values[i]) ? unit : ""}`);
-    return `${sensor.name}: ${parts.join(", ")}.`;
-  });
-  return each.join(" ");
-}
-
-/**
- * @param {Stages} data
- * @returns {Table}
- */
-export function rows(data) {
-  const head = ["kind", "channel or coordinate", ...data.sensors.map((sensor) => sensor.name)];
-  const table = KINDS.flatMap((kind) =>
-    lines(data, [], kind).map((row) => [
-      kind.unit ? `${kind.title} [${kind.unit}]` : kind.title,
-      row.name,
-      ...row.values.map((v, i) => (v === undefined ? "–" : told(v, data.sensors[i]))),
-    ]),
-  );
-  return { head, rows: table };
 }

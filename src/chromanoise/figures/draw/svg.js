@@ -125,42 +125,6 @@ export function tenth(value) {
 }
 
 /**
- * A number with fixed decimals and a true minus sign; `none` where there is no number.
- *
- * @param {number | null | undefined} value
- * @param {number} [digits]
- * @param {string} [none]
- */
-export function decimal(value, digits = 1, none = "–") {
-  if (value === null || value === undefined || !Number.isFinite(value)) return none;
-  const told = value.toFixed(digits);
-  return Number(told) === 0 ? told.replace("-", "") : told.replace("-", "\u2212");
-}
-
-/**
- * A change with its sign.
- *
- * @param {number | null | undefined} value
- * @param {number} [digits]
- */
-export function signed(value, digits = 1) {
-  const told = decimal(value, digits);
-  return known(value) && value > 0 && Number(told) !== 0 ? `+${told}` : told;
-}
-
-/**
- * A number as short as it can be with three significant digits: 0.05, 12, 1 500.
- *
- * @param {number | null | undefined} value
- */
-export function brief(value) {
-  if (value === null || value === undefined || !Number.isFinite(value)) return "–";
-  const size = Math.abs(value);
-  if (size !== 0 && (size < 1e-3 || size >= 1e6)) return value.toExponential(1).replace("-", "\u2212");
-  return String(Number(value.toPrecision(3))).replace("-", "\u2212");
-}
-
-/**
  * Whether there is a number to draw.
  *
  * @param {unknown} value
@@ -179,14 +143,4 @@ export function known(value) {
 export function figureWidth(element, options) {
   const asked = options?.width ?? element.clientWidth;
   return Math.max(240, Math.round(asked || 640));
-}
-
-/**
- * Names in one sentence: "a", "a and b", "a, b and c".
- *
- * @param {string[]} names
- */
-export function listed(names) {
-  if (names.length < 2) return names.join("");
-  return `${names.slice(0, -1).join(", ")} and ${names[names.length - 1]}`;
 }

@@ -1,11 +1,11 @@
 /** Channels, light and its uncertainty in the space of color: a solid that can be turned. */
 
 import { panels, textWidth } from "draw/axes.js";
-import { channelColor, legend, note, sameSensor } from "draw/look.js";
+import { caption, channelColor, legend, note, sameSensor } from "draw/look.js";
 import { ball, eye, greatCircle, silhouette, tips } from "draw/solid.js";
-import { brief, decimal, figure, figureWidth, html, line, listed, svg, tenth, words } from "draw/svg.js";
+import { figure, figureWidth, html, line, svg, tenth, words } from "draw/svg.js";
 
-/** @import { Axis, Ellipsoid, Options, Table, Vectors, VectorsSensor } from "answers" */
+/** @import { Axis, Ellipsoid, Options, Vectors, VectorsSensor } from "answers" */
 /** @typedef {(point: number[]) => number[]} Projection */
 /** @typedef {{ width: number, height: number }} Size */
 /** @typedef {{ look: Projection, place: Projection, size: Size, axes: Axis[] }} Sight */
@@ -23,6 +23,7 @@ import { brief, decimal, figure, figureWidth, html, line, listed, svg, tenth, wo
  * @property {Vectors[]} ghosts
  * @property {ReturnType<typeof surroundings>} around
  * @property {Solid[]} solids
+ * @property {HTMLElement} title
  * @property {HTMLElement} status
  * @property {HTMLElement} root
  */
@@ -71,9 +72,10 @@ function built(element, data, width, ghosts) {
   const view = /** @type {View} */ ({ element, size, held: false }); // the rest comes with the data
   view.solids = data.sensors.map((sensor) => solid(sensor, size, view));
   view.status = html("p", { class: "d-note", role: "status" });
+  view.title = caption(data);
   const boxes = view.solids.map(({ box }) => box);
   const kept = ghosts ? [legend([], "line", ghosts)] : [];
-  view.root = html("div", {}, [...kept, html("div", { class: "d-views" }, boxes), view.status]);
+  view.root = html("div", {}, [view.title, ...kept, html("div", { class: "d-views" }, boxes), view.status]);
   return view;
 }
 
@@ -185,10 +187,11 @@ function paint(view) {
     const { scene, description, told } = view.solids[i];
     const before = ghosts.map((ghost) => sameSensor(ghost, sensor, i)).filter((one) => one !== null);
     scene.replaceChildren(...content(data, sensor, before, at));
-    say(told, shares(data, sensor));
-    say(description, `${describe(data, sensor)} ${HELP}`);
+    say(told, sensor.note);
+    say(description, `${sensor.description} ${HELP}`);
   });
-  say(view.status, `Turned ${turn[0]}° about, ${decimal(turn[1], 0)}° up. ${HELP}`);
+  say(view.title, data.title);
+  say(view.status, `Turned ${turn[0]}° about, ${turn[1]}° up. ${HELP}`.replace("-", "\u2212"));
 }
 
 /**
@@ -345,66 +348,4 @@ function pushed(boxes) {
     }
   }
   return moved;
-}
-
-/** @param {number} share */
-function percent(share) {
-  return `${decimal(100 * share, 0)} %`;
-}
-
-/**
- * What the drawing cannot show: how much of each vector lies outside the space of color.
- *
- * @param {Vectors} data
- * @param {VectorsSensor} sensor
- */
-function shares(data, sensor) {
-  const each = sensor.channels.map((channel) => `${channel.name} ${percent(channel.norm_share)}`);
-  if (sensor.light) each.push(`light ${percent(sensor.light.norm_share)}`);
-  const vectors = `Share of the squared norm that lies in this space: ${each.join(", ")}.`;
-  if (!sensor.ellipsoid) return `${vectors} ${sensor.why_not ?? "No ellipsoid."}`;
-  const share = sensor.ellipsoid.norm_share;
-  const rest = share === undefined ? "" : `, holding ${percent(share)} of the variance`;
-  return `${vectors} Ellipsoid: ${data.sigmas ?? 1} σ, magnified ×${brief(sensor.magnification)}${rest}.`;
-}
-
-/**
- * @param {Vectors} data
- * @param {VectorsSensor} sensor
- */
-function describe(data, sensor) {
-  const names = [...sensor.channels.map((channel) => channel.name), ...(sensor.light ? ["light"] : [])];
-  const axes = data.axes.map((axis) => axis.name);
-  const what = `Arrows ${listed(names)} from the origin beside the color axes ${listed(axes)}.`;
-  return `${what} ${shares(data, sensor)}`;
-}
-
-/**
- * @param {Vectors} data
- * @returns {Table}
- */
-export function rows(data) {
-  /**
-   * @param {string} sensor
-   * @param {string} what
-   * @param {number[]} at
-   * @param {number} [share]
-   */
-  const told = (sensor, what, at, share) => [
-    sensor,
-    what,
-    ...at.map((v) => decimal(v, 4)),
-    share === undefined ? "–" : percent(share),
-  ];
-  const table = data.axes.map((axis) => told("color axes", axis.name, axis.at));
-  if (data.scene) table.push(told("scene", "true light", data.scene.at, data.scene.norm_share));
-  for (const sensor of data.sensors) {
-    for (const channel of sensor.channels)
-      table.push(told(sensor.name, channel.name, channel.at, channel.norm_share));
-    if (sensor.light) table.push(told(sensor.name, "light", sensor.light.at, sensor.light.norm_share));
-    (sensor.ellipsoid?.half_axes ?? []).forEach((axis, k) =>
-      table.push(told(sensor.name, `half axis ${k + 1}, ×${brief(sensor.magnification)}`, axis)),
-    );
-  }
-  return { head: ["sensor", "vector", "first", "second", "third", "share of squared norm"], rows: table };
 }

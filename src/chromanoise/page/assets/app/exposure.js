@@ -48,7 +48,7 @@ export function exposureControls(choices) {
   });
   const meant = el("p", { class: "hint" });
   const time = bound("exposure.time_ms", {
-    own: "solve",
+    own: "Auto",
     on: (value) => changeStudy((study) => setTime(study, value), value === null ? "step" : "slide"),
   });
   const share = bound("exposure.saturate");

@@ -3,7 +3,7 @@
 import { Asker, understood } from "app/ask.js";
 import { controls } from "app/controls.js";
 import { copyButtons } from "app/copy.js";
-import { attribute, byId, say, within } from "app/dom.js";
+import { attribute, brief, byId, say, within } from "app/dom.js";
 import { useEquations } from "app/equations.js";
 import { clearFaults, showFaults } from "app/faults.js";
 import { showHead } from "app/head.js";
@@ -188,12 +188,13 @@ function show(part, data, version) {
  */
 function drawingOptions(part, data) {
   const { look } = current();
-  const told = page.level === null ? look : { ...look, level_lux: page.level };
+  const level = page.level === null ? {} : { level_lux: page.level, level: `${brief(page.level, 3)} lx` };
+  const told = { ...look, ...level };
   return { ghosts: page.ghosts.ghosts(part, data), look: told, ...(page.printing ? { width: PAPER_PX } : {}) };
 }
 
-const OLDER = "What is shown is older than the controls. ";
-const NOTHING_YET = "Nothing can be shown before what stands in red beside the controls is mended. ";
+const OLDER = "The charts still show your last valid settings. ";
+const NOTHING_YET = "Nothing can be shown until the settings marked in red are corrected. ";
 
 /**
  * @param {Fault[]} faults

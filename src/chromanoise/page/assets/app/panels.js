@@ -1,6 +1,6 @@
 /** The parts of the answer as panels: a heading, its equations, its drawing, its table. */
 
-import { attribute, brief, button, el, freshId, within } from "app/dom.js";
+import { attribute, button, el, freshId, within } from "app/dom.js";
 import { changeLook } from "app/state.js";
 import * as budget from "draw/budget.js";
 import * as chart from "draw/chart.js";
@@ -12,10 +12,8 @@ import * as sensitivities from "draw/sensitivities.js";
 import * as stages from "draw/stages.js";
 import * as vectors from "draw/vectors.js";
 
-/** @import { DrawingModule, Look, Options, Part } from "answers" */
-/** @typedef {string | number | null | undefined} Cell */
-/** @typedef {{ head: string[], rows: Cell[][] }} Cells */
-/** @typedef {Options<any> & { look: Look & { level_lux?: number } }} DrawnOptions */
+/** @import { DrawingModule, Look, Options, Part, Table } from "answers" */
+/** @typedef {Options<any> & { look: Look & { level_lux?: number, level?: string } }} DrawnOptions */
 /**
  * @typedef {object} Panel
  * @property {Part} part
@@ -180,7 +178,7 @@ function show(panel, data, options) {
 
 /** @param {object | null | undefined} data */
 function faultOf(data) {
-  if (data === null || data === undefined) return "There is nothing to show of this study here.";
+  if (data === null || data === undefined) return "Nothing can be shown for these settings.";
   return "fault" in data && typeof data.fault === "string" ? data.fault : null;
 }
 
@@ -194,7 +192,7 @@ function drawn(panel, data, options) {
     DRAWN[panel.part].draw(panel.body, data, { width: panel.width, ...options });
     return null;
   } catch (error) {
-    return `This could not be drawn (${error instanceof Error ? error.message : error}); the table may still tell.`;
+    return `This could not be drawn (${error instanceof Error ? error.message : error}); the table has the numbers.`;
   }
 }
 
@@ -208,13 +206,14 @@ export function showTable(panel, open) {
   attribute(panel.toggle, "aria-expanded", open ? "true" : "false");
   panel.table.hidden = !open;
   if (!open || panel.data === null) return panel.table.replaceChildren();
-  return refill(panel.table, tableOf(DRAWN[panel.part].rows(panel.data), panel.title));
+  if (!("table" in panel.data)) return panel.table.replaceChildren();
+  return refill(panel.table, tableOf(/** @type {Table} */ (panel.data.table), panel.title));
 }
 
 /**
  * A real table; a wide or long one scrolls by itself, by keyboard as well.
  *
- * @param {Cells} table
+ * @param {Table} table
  * @param {string} caption
  */
 export function tableOf({ head, rows }, caption) {
@@ -224,7 +223,7 @@ export function tableOf({ head, rows }, caption) {
       "tr",
       {},
       ...row.map((cell, i) =>
-        i === 0 ? el("th", { scope: "row", text: told(cell) }) : el("td", { text: told(cell) }),
+        i === 0 ? el("th", { scope: "row", text: cell }) : el("td", { text: cell }),
       ),
     ),
   );
@@ -236,10 +235,4 @@ export function tableOf({ head, rows }, caption) {
     el("tbody", {}, ...lines),
   );
   return el("div", { class: "scroll", tabindex: "0", role: "region", "aria-label": `Table: ${caption}` }, table);
-}
-
-/** @param {Cell} cell */
-function told(cell) {
-  if (cell === null || cell === undefined) return "–";
-  return typeof cell === "number" ? brief(cell) : String(cell);
 }

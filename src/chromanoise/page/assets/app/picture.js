@@ -49,7 +49,7 @@ class View {
       options: [1, 2, 4].map((times) => [String(times), `${times}:1`]),
       on: () => this.#drawn(),
     });
-    const draws = button("Draw the noise again", () => changeStudy(nextSeed), { class: "plain" });
+    const draws = button("New noise sample", () => changeStudy(nextSeed), { class: "plain" });
     this.seed = el("span", { class: "aside" });
     const tools = [...this.sides, this.zoom].map((one) => one.row);
     section.insertBefore(el("div", { class: "picture-tools" }, ...tools, draws, this.seed), this.body);

@@ -34,8 +34,8 @@ export function snapshots(place, changed) {
   let kept = [];
   let count = 0;
   const said = el("span", { class: "said", role: "status" });
-  const list = el("ul", { class: "ghosts", "aria-label": "Kept as ghosts" });
-  const keep = button("Keep as ghost", () => take(), { id: "keep", title: "Draw this answer behind the next ones" });
+  const list = el("ul", { class: "ghosts", "aria-label": "Pinned for comparison" });
+  const keep = button("Pin for comparison", () => take(), { id: "keep", title: "Draw these results behind the next ones" });
   place.replaceChildren(keep, list, said);
 
   const take = async () => {
@@ -50,7 +50,7 @@ export function snapshots(place, changed) {
   const show = () => {
     list.replaceChildren(...kept.map((ghost) => chip(ghost, drop)));
     keep.disabled = kept.length >= MOST;
-    keep.title = keep.disabled ? "Three are as many as can be told apart; remove one first" : "";
+    keep.title = keep.disabled ? "At most three can be told apart; remove one first" : "";
     changed();
   };
   /** @param {Ghost} ghost */
@@ -99,7 +99,7 @@ async function refreshed(ghost) {
     ghost.parts = reply.parts;
     return "";
   } catch (error) {
-    return error instanceof Refused ? error.message : "The server does not answer, so nothing was kept.";
+    return error instanceof Refused ? error.message : "The server does not answer, so nothing was pinned.";
   }
 }
 
@@ -118,13 +118,13 @@ function chip(ghost, drop) {
     type: "text",
     value: ghost.name,
     maxlength: "60",
-    "aria-label": "Name of this ghost",
+    "aria-label": "Name of this pin",
     on: { input: () => rename() },
   });
   const away = button("\u00d7", () => drop(ghost), { class: "square", title: "Remove" });
   const rename = () => {
     ghost.name = name.value;
-    away.setAttribute("aria-label", `Remove ghost ${ghost.name}`);
+    away.setAttribute("aria-label", `Remove pin ${ghost.name}`);
   };
   rename();
   return el("li", { class: "chip" }, name, away);

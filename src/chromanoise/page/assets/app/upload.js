@@ -133,7 +133,7 @@ function show(report, name, answer) {
 function question({ key, question: text, choices }) {
   if (choices?.length) {
     const pick = choice({ label: text, options: [], on: () => {} });
-    fillChoice(pick.select, [["", "not said"], ...choices.map((one) => [String(one), String(one)])], "");
+    fillChoice(pick.select, [["", "Choose..."], ...choices.map((one) => [String(one), String(one)])], "");
     return { row: pick.row, answer: () => [key, pick.select.value] };
   }
   const field = el("input", { type: "text", inputmode: "decimal", class: "field" });
@@ -177,7 +177,7 @@ function uses(answer, answers, done, unanswered) {
   }
   if (answer.kind !== "sensor") return [];
   const exchanges = current().study.sensors.map((_, i) =>
-    use(`Exchange sensor ${i + 1}`, (study) => exchangeFor(study, i, withAnswers(answer.id, answers()))),
+    use(`Replace sensor ${i + 1}`, (study) => exchangeFor(study, i, withAnswers(answer.id, answers()))),
   );
   return [use("Add as a sensor", (study) => study.sensors.push(withAnswers(answer.id, answers()))), ...exchanges];
 }

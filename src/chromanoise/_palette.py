@@ -1,0 +1,42 @@
+"""The colors of every drawing, once: figures, notebooks, the page and the reports read them here.
+
+Channels have the colors of Wong, "Points of view: Color blindness", Nature Methods 8 (2011) 441.
+"""
+
+from collections.abc import Mapping
+
+CHANNELS: Mapping[str, tuple[str, str]] = {
+    "R": ("#D55E00", "#D55E00"),
+    "G": ("#009E73", "#009E73"),
+    "B": ("#0072B2", "#0072B2"),
+    "W": ("#000000", "#FFFFFF"),
+    "IR": ("#CC79A7", "#CC79A7"),
+}
+"""Of a channel by its name: on a light ground, on a dark one."""
+NEUTRALS: Mapping[str, tuple[str, str]] = {
+    "ink": ("#1B1F23", "#EDF0F2"),
+    "quiet": ("#575E66", "#A5ADB5"),
+    "faint": ("#E3E6E9", "#31373D"),
+    "paper": ("#FFFFFF", "#15181B"),
+}
+"""Text and light; secondary text and helping lines; areas; the ground. Text 4.5:1, graphics 3:1."""
+INK, QUIET, FAINT = (NEUTRALS[name][0] for name in ("ink", "quiet", "faint"))
+
+
+def channel_color(name: str) -> str | None:
+    """The color of a channel on a light ground; ``None`` for one that the palette does not know."""
+    return CHANNELS[name][0] if name in CHANNELS else None
+
+
+def palette_css() -> str:
+    """The palette as custom properties of CSS: ``--ink``, ``--channel-R`` and so on.
+
+    Examples
+    --------
+    >>> print(palette_css()[:47])
+    :root {
+      --ink: light-dark(#1B1F23, #EDF0F2);
+    """
+    named = {**NEUTRALS, **{f"channel-{name}": pair for name, pair in CHANNELS.items()}}
+    lines = [f"  --{name}: light-dark({light}, {dark});" for name, (light, dark) in named.items()]
+    return "\n".join([":root {", *lines, "}", ""])

@@ -1,0 +1,159 @@
+"""Numbers and levels as text, once for every table, label and sentence of a chart."""
+
+from collections.abc import Sequence
+from decimal import ROUND_HALF_UP, Decimal
+from typing import Any
+
+from chromanoise.exposure import Situation
+from chromanoise.study import conditions
+
+NONE = "–"
+"""What a cell shows where there is no value."""
+UNDEFINED = "undefined"
+"""What a cell shows where a ratio does not exist."""
+_MINUS = "\N{MINUS SIGN}"
+_SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+def decimal(value: float | None, digits: int = 1, none: str = NONE) -> str:
+    """A number with fixed decimals, halves away from 0, and a true minus sign.
+
+    Parameters
+    ----------
+    value
+        Finite; ``None`` where there is none.
+    digits
+        After the point.
+    none
+        The text for ``None``.
+
+    Examples
+    --------
+    >>> decimal(12.25, 1), decimal(-0.01, 1), decimal(None, 1)
+    ('12.3', '0.0', '–')
+    """
+    if value is None:
+        return none
+    text = f"{value:.{digits}f}"
+    if (abs(value) * 10.0**digits) % 1 == 0.5:  # a tie, which Python rounds to even
+        text = str(Decimal(value).quantize(Decimal(1).scaleb(-digits), ROUND_HALF_UP))
+    return text.replace("-", "" if float(text) == 0 else _MINUS)
+
+
+def signed(value: float, digits: int = 1) -> str:
+    """A change, with its sign.
+
+    Examples
+    --------
+    >>> signed(3.14), signed(-3.14), signed(0.01)
+    ('+3.1', '−3.1', '0.0')
+    """
+    text = decimal(value, digits)
+    return text if text.startswith(_MINUS) or float(text) == 0 else f"+{text}"
+
+
+def brief(value: float | None, digits: int = 3) -> str:
+    """A number as short as it can be with so many significant digits.
+
+    Examples
+    --------
+    >>> brief(0.05), brief(1234.0), brief(2e-4), brief(205.31, 4)
+    ('0.05', '1230', '2.0e−4', '205.3')
+    """
+    if value is None:
+        return NONE
+    if value and not 1e-3 <= abs(value) < 1e6:
+        mantissa, _, power = f"{value:.1e}".partition("e")
+        return f"{mantissa}e{int(power):+d}".replace("-", _MINUS)
+    exact = Decimal(value)
+    place = Decimal(1).scaleb(exact.adjusted() - digits + 1) if value else Decimal(1)
+    text = f"{exact.quantize(place, ROUND_HALF_UP):f}"
+    return (text.rstrip("0").rstrip(".") if "." in text else text).replace("-", _MINUS)
+
+
+def electrons(value: float) -> str:
+    """A number of electrons: four significant digits, and never less than the whole ones.
+
+    Examples
+    --------
+    >>> electrons(12345.6), electrons(205.31), electrons(0.012346)
+    ('12346', '205.3', '0.01235')
+    """
+    return decimal(value, 0) if abs(value) >= 1000 else brief(value, 4)
+
+
+def percent(share: float) -> str:
+    """A share in whole percent.
+
+    Examples
+    --------
+    >>> percent(0.304)
+    '30 %'
+    """
+    return f"{decimal(100 * share, 0)} %"
+
+
+def level_in_words(level_lux: float, digits: int = 3) -> str:
+    """A light level as people write it, with a power of ten where zeros would have to be counted.
+
+    Parameters
+    ----------
+    level_lux
+        > 0. [lx]
+    digits
+        That count.
+
+    Examples
+    --------
+    >>> level_in_words(12.34), level_in_words(0.0000133), level_in_words(20000.0)
+    ('12.3 lx', '1.33·10⁻⁵ lx', '20000 lx')
+    """
+    mantissa, _, power = f"{level_lux:.{digits - 1}e}".partition("e")
+    rounded = float(f"{mantissa}e{power}")
+    if 1e-3 <= rounded < 1e6:
+        return f"{rounded:.15g} lx"
+    factor = f"{float(mantissa):g}"
+    ten = f"10{str(int(power)).translate(_SUPERSCRIPT)} lx"
+    return ten if factor == "1" else f"{factor}·{ten}"
+
+
+def setting(points: Sequence[Situation]) -> str:
+    """Illuminant, time and aperture: the operating point without its level.
+
+    Examples
+    --------
+    >>> from chromanoise.study import operating_points_of, study_from_data
+    >>> study = study_from_data({"sensors": [{"name": "onyx-rgbw"}]}, source="")
+    >>> setting(operating_points_of(study))
+    'illuminant E, 11.94 ms, f/1.8'
+    """
+    return conditions(points).partition(", ")[2]
+
+
+def operating_point(points: Sequence[Situation]) -> str:
+    """Level, illuminant, time and aperture, as a title has them.
+
+    Examples
+    --------
+    >>> from chromanoise.study import operating_points_of, study_from_data
+    >>> study = study_from_data({"sensors": [{"name": "onyx-rgbw"}]}, source="")
+    >>> operating_point(operating_points_of(study))
+    '10 lx (illuminant E, 11.94 ms, f/1.8)'
+    """
+    return f"{level_in_words(points[0].level_lux, 4)} ({setting(points)})"
+
+
+def listed(names: Sequence[str]) -> str:
+    """Names in one sentence.
+
+    Examples
+    --------
+    >>> listed(["a"]), listed(["a", "b", "c"])
+    ('a', 'a, b and c')
+    """
+    return " and ".join(filter(None, [", ".join(names[:-1]), *names[-1:]]))
+
+
+def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> dict[str, Any]:
+    """A table as plain data: one text per column of the head, and of each row."""
+    return {"head": list(head), "rows": [list(row) for row in rows]}

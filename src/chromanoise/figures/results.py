@@ -1,0 +1,197 @@
+"""The main chart of each result, on one axes; every title names the operating point."""
+
+from collections.abc import Sequence
+from textwrap import fill
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from chromanoise.analysis import Analysis, coordinate_budget
+from chromanoise.charts import cause_label
+from chromanoise.charts.shown import saturation_sentence
+from chromanoise.charts.text import UNDEFINED, brief, decimal
+from chromanoise.exposure import Situation
+from chromanoise.figures.pareto import draw_trade
+from chromanoise.figures.pictures import draw_picture
+from chromanoise.figures.style import INK, channel_color, sensor_dashes
+from chromanoise.imaging.shots import Shot
+from chromanoise.metrics import Budget
+from chromanoise.study import MatrixResult, conditions
+
+_WIDE = 62  # letters of a title, so that it fits the axes of a usual figure
+_LEGEND_ROW = 0.45  # of a line of the legend, in rows of bars
+_HEIGHT = 0.8  # of the bars of one row together, in rows
+
+
+def draw_analyses(analyses: Sequence[Analysis], ax: Axes, *, coordinate: str = "Y") -> Axes:
+    """What each cause takes from the SNR of one coordinate: a bar per sensor and cause. [dB]
+
+    The legend gives the SNR that is left. A sensor without a budget has no bars, and its SNR is
+    named as undefined.
+
+    Parameters
+    ----------
+    analyses
+        Of one light.
+    ax
+        To draw on.
+    coordinate
+        X, Y or Z, a contravariant coordinate as M^R, or L*, a*, b* of a gray.
+    """
+    budgets = [coordinate_budget(one, coordinate) for one in analyses]
+    causes = next(([c.cause for c in one.costs] for one in budgets if one is not None), [])
+    high = _HEIGHT / len(analyses)
+    for i, (analysis, budget) in enumerate(zip(analyses, budgets, strict=True)):
+        offset = (i - (len(analyses) - 1) / 2) * high
+        _draw_losses(analysis, budget, ax, shade=i / len(analyses), offset=offset, high=high)
+    ax.axvline(0, color=INK, linewidth=0.8)
+    ax.set_yticks(range(len(causes)), [fill(cause_label(c, coordinate), 16) for c in causes])
+    ax.set_ylim(len(causes) - 0.4 + _LEGEND_ROW * len(analyses), -0.6)  # the legend is below
+    ax.margins(x=0.15)
+    ax.set_xlabel(f"loss of SNR of {coordinate} [dB]")
+    ax.set_axisbelow(True)
+    ax.grid(visible=True, axis="x", alpha=0.25)
+    ax.legend(loc="lower right", fontsize=8)
+    return _titled(ax, f"Losses from all photons to {coordinate}", _points(analyses))
+
+
+def _draw_losses(
+    analysis: Analysis, budget: Budget | None, ax: Axes, *, shade: float, offset: float, high: float
+) -> None:
+    name = analysis.sensor.name
+    if budget is None:
+        why = "saturated" if saturation_sentence(analysis) else f"SNR {UNDEFINED}"
+        ax.plot([], [], " ", label=f"{name}: {why}")
+        return
+    losses = [cost.loss_db for cost in budget.costs]
+    rows = np.arange(len(losses)) + offset
+    label = f"{name}: {decimal(budget.snr_db)} dB left of {decimal(budget.photons_db)} dB"
+    color = str(0.15 + 0.7 * shade)
+    bars = ax.barh(rows, losses, height=0.9 * high, color=color, edgecolor=INK, linewidth=0.6)
+    bars.set_label(label)
+    for row, loss in zip(rows, losses, strict=True):
+        ax.annotate(
+            decimal(loss),
+            (max(loss, 0.0), row),
+            xytext=(3, 0),
+            textcoords="offset points",
+            va="center_baseline",
+            fontsize=7,
+        )
+
+
+def draw_matrices(results: Sequence[MatrixResult], ax: Axes) -> Axes:
+    """Color error against SNR over the weight of the noise, if asked for; else the matrix as bars.
+
+    The curve is one line per sensor, its ends named by their weight. The matrix is a bar per entry,
+    in groups of one coordinate, with the letter and the color of the channel. [lx/e-]
+
+    Parameters
+    ----------
+    results
+        One per sensor, all by one method.
+    ax
+        To draw on.
+    """
+    if all(one.pareto is not None for one in results):
+        _draw_curves(results, ax)
+        what = "Color error against SNR"
+    else:
+        _draw_entries(results, ax)
+        what = f"{results[0].report.made_by} matrix"
+    return _titled(ax, what, [one.point for one in results])
+
+
+def _draw_curves(results: Sequence[MatrixResult], ax: Axes) -> None:
+    patterns = sensor_dashes(one.point.sensor.name for one in results)
+    for one in results:
+        assert one.pareto is not None  # only then it is called
+        name, curve = one.point.sensor.name, one.pareto
+        trades = zip(curve.snr_y_db.tolist(), curve.delta_e, curve.weight.tolist(), strict=True)
+        known = [(snr, error, w) for snr, error, w in trades if error is not None]
+        draw_trade(
+            [snr for snr, _, _ in known],
+            [error for _, error, _ in known],
+            [brief(weight) for _, _, weight in known],
+            ax,
+            dashes=patterns[name],
+            label=name,
+        )
+    ax.margins(0.1)
+    ax.set(xlabel="SNR of Y [dB]", ylabel="mean color error over the training set [ΔE*ab]")
+    ax.set_ylim(bottom=0)
+    ax.grid(visible=True, alpha=0.25)
+    ax.legend(loc="best", fontsize=8, title="numbers: weight of the noise", title_fontsize=8)
+
+
+def _draw_entries(results: Sequence[MatrixResult], ax: Axes) -> None:
+    ticks, names, at = [], [], 0.0
+    for one in results:
+        for coordinate, row in zip(one.matrix.coordinates, one.matrix.matrix, strict=True):
+            places = at + np.arange(len(row))
+            colors = [channel_color(name) for name in one.matrix.channels]
+            ax.bar(places, row, width=0.9, color=colors)
+            for place, value, channel in zip(places, row, one.matrix.channels, strict=True):
+                ax.annotate(
+                    channel,
+                    (place, value),
+                    xytext=(0, 3 if value >= 0 else -3),
+                    textcoords="offset points",
+                    ha="center",
+                    va="bottom" if value >= 0 else "top",
+                    fontsize=7,
+                )
+            ticks.append(float(places.mean()))
+            names.append(coordinate)
+            at = float(places[-1]) + 2.0
+        if len(results) > 1:
+            names[-2] = f"{names[-2]}\n{one.point.sensor.name}"  # under the middle of X, Y, Z
+        at += 1.0
+    ax.axhline(0, color=INK, linewidth=0.8)
+    ax.set_xticks(ticks, names, fontsize=8)
+    ax.tick_params(axis="x", length=0)
+    ax.margins(y=0.12)
+    ax.set_axisbelow(True)
+    ax.set_ylabel("entry of the matrix [lx/e⁻]")
+    ax.grid(visible=True, axis="y", alpha=0.25)
+
+
+def draw_capture(capture: Shot, ax: Axes) -> Axes:
+    """A picture, pixel for pixel; codes of a mosaic without color as gray, from 0 to the top code.
+
+    Parameters
+    ----------
+    capture
+        Codes, color, or both.
+    ax
+        To draw on.
+    """
+    point = capture.camera.situation
+    if capture.picture is not None:
+        draw_picture(capture.picture.srgb, ax)
+        what = f"{point.sensor.name}, sRGB"
+    else:
+        assert capture.raw is not None  # a capture has one of both
+        top = capture.raw.adc.top_code
+        ax.imshow(capture.raw.codes, interpolation="none", cmap="gray", vmin=0, vmax=top)
+        ax.set_axis_off()
+        what = f"{point.sensor.name}, codes of 0 to {top} DN"
+    return _titled(ax, what, [point])
+
+
+def _titled(ax: Axes, what: str, points: Sequence[Situation]) -> Axes:
+    facts = fill(f"at {conditions(points)}", _WIDE, break_on_hyphens=False)
+    ax.set_title(f"{what}\n{facts}", loc="left", fontsize=9)
+    return ax
+
+
+def _points(analyses: Sequence[Analysis]) -> list[Situation]:
+    return [
+        Situation(
+            sensor=one.sensor,
+            exposure=one.exposure,
+            illuminant=one.scene.illuminant,
+            level_lux=one.scene.level_lux,
+        )
+        for one in analyses
+    ]
