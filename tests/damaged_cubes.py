@@ -1,13 +1,14 @@
 """Damaged cubes of every format, each read in a separate process: python damaged_cubes.py COUNT.
 
 A process is forked for each file, with limits of memory and time, so that a crash, an endless loop
-or gigabytes of memory are detected and end only that process. libhdf5 runs in a further process,
-as in production, but forked instead of started. The summary is JSON on stdout.
+or gigabytes of memory are detected and end only that process. Libraries run in a further
+process, as in production, but forked instead of started. The summary is JSON on stdout.
 """
 
 import gc
 import json
 import os
+import pickle
 import re
 import resource
 import select
@@ -26,8 +27,9 @@ import tifffile
 import zarr
 from PIL import Image
 
+from chromanoise import _sandbox
 from chromanoise.errors import InputError
-from chromanoise.io.cubes import hdf5, hdf5_child, read_cube
+from chromanoise.io.cubes import read_cube
 from chromanoise.scene import row_source
 from chromanoise.scene.cube import reflectance_rows
 
@@ -206,42 +208,26 @@ def damaged(content, rng):
 # reading
 
 
-def asked_in_a_fork(path, what, **more):
-    """Like `hdf5._asked`, but with a forked process."""
-    question = {"path": str(path.absolute()), **more}
+def returned_in_a_fork(child, function, given, path, limit_s, memory_bytes):
+    """Like the child process of `_sandbox`, but forked."""
     reader, writer = os.pipe()
     pid = os.fork()
     if pid == 0:
         os.close(reader)
-        _answer(question, what, writer)
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(nowhere, 2)
+        signal.alarm(10)  # a library may loop
+        _sandbox._bound(limit_s, memory_bytes)
+        _write_all(writer, pickle.dumps(_sandbox._answer(function, given, "")))
+        os._exit(0)
     os.close(writer)
     with os.fdopen(reader, "rb") as stream:
         told = stream.read()
     _, status = os.waitpid(pid, 0)
-    code = os.waitstatus_to_exitcode(status)
-    if code:
-        raise hdf5._fault(code, told)
-    line, _, content = told.partition(b"\n")
-    return json.loads(line), content
-
-
-def _answer(question, what, writer):
-    code = 0
-    nowhere = os.open(os.devnull, os.O_WRONLY)
-    os.dup2(nowhere, 2)
-    signal.alarm(10)  # libhdf5 may loop
-    try:
-        answers = getattr(hdf5_child, f"_{what}")(question)
-        for answer in answers:
-            if answer is not None:
-                raw = answer if isinstance(answer, bytes) else json.dumps(answer).encode() + b"\n"
-                _write_all(writer, raw)
-    except MemoryError:
-        code = hdf5_child.NO_MEMORY
-    except Exception as error:
-        _write_all(writer, (str(error) or type(error).__name__).encode())
-        code = hdf5_child.FAULT
-    os._exit(code)
+    if code := os.waitstatus_to_exitcode(status):
+        raise _sandbox._fault(code, limit_s)
+    how, what = pickle.loads(told)
+    return _sandbox._result(how, what)
 
 
 def _write_all(handle, raw):
@@ -342,7 +328,7 @@ def prepared(root, name):
 
 def main(count, seed=SEED, first=0):
     """Damage this many files and print the outcomes."""
-    hdf5._asked = asked_in_a_fork
+    _sandbox._Child.returned = returned_in_a_fork
     root = Path(tempfile.mkdtemp(dir="/dev/shm" if Path("/dev/shm").is_dir() else None))
     outcomes, faults, largest = {}, [], 0
     begun = time.monotonic()

@@ -8,16 +8,50 @@ import pytest
 from chromanoise.errors import InputError, Setting, errors_in
 
 
-def refused(outcome, *parts):
-    """Exit code 2 and one sentence that holds ``parts``, nothing else."""
+class Outcome(tuple):
+    """Exit code, standard output and standard error of a command, as a tuple of three.
+
+    Attributes
+    ----------
+    errors
+        The single `InputError`s that ended it; none where the parser of options refused.
+    """
+
+    def __new__(cls, code, out, err, *, errors=()):
+        made = super().__new__(cls, (code, out, err))
+        made.errors = errors
+        return made
+
+
+def refused(outcome, *parts, remedy_setting=None, **fields):
+    """Exit code 2, nothing printed, and one line per error that holds ``parts``.
+
+    Parameters
+    ----------
+    outcome
+        Of a command: (code, out, err); for ``fields`` an `Outcome`.
+    parts
+        Names of options, files and values in standard error.
+    remedy_setting
+        Name of a setting in the remedy of one of the errors.
+    fields
+        Of the same error: subject, value, where, setting.
+    """
     code, out, err = outcome
-    assert code == 2
+    assert code == 2, err
     assert out == ""
-    assert err.startswith("chromanoise: ")
-    assert err.count("\n") == 1
+    lines = err.splitlines()
+    assert lines, "no sentence"
+    assert all(line.startswith("chromanoise: ") for line in lines), err
+    errors = getattr(outcome, "errors", ())
+    assert len(lines) <= max(1, len(errors)), err
     assert "Traceback" not in err
     for part in parts:
-        assert part in err
+        assert part in err, err
+    if fields or remedy_setting is not None:
+        assert any(_agrees(error, remedy_setting, None, fields) for error in errors), [
+            vars(error) for error in errors
+        ]
 
 
 @contextmanager

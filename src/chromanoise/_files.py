@@ -22,7 +22,7 @@ from contextlib import AbstractContextManager, contextmanager, suppress
 from pathlib import Path
 from typing import IO, Any
 
-from chromanoise.errors import InputError
+from chromanoise.errors import InputError, StudyError, errors_in
 
 if sys.platform != "win32":
     import fcntl
@@ -98,12 +98,27 @@ def refuse_unwritable(folder: Path) -> None:
         writing into it.
     """
     if os.path.lexists(folder) and not folder.is_dir():
-        raise InputError(f"{folder}: the output folder is an existing file; name another")
+        raise InputError(
+            str(folder),
+            "must be a folder",
+            found="is an existing file",
+            remedy="name another folder",
+        )
     there = next(p for p in (folder, *folder.absolute().parents) if p.exists())
     if not there.is_dir():
-        raise InputError(f"{folder}: cannot be made, for {there} is a file; name another folder")
+        raise InputError(
+            str(folder),
+            "must lie in a folder",
+            value=str(there),
+            found=f"{there} is a file",
+            remedy="name another folder",
+        )
     if not os.access(there, os.W_OK | os.X_OK):
-        raise InputError(f"{folder}: cannot be written (no permission in {there})")
+        raise InputError(
+            str(folder),
+            f"cannot be written (no permission in {there})",
+            remedy="name another folder",
+        )
     goal = Path(os.path.realpath(folder))
     for place in (goal, goal.parent):
         _refuse_held(_lock_file(place, goal), folder)
@@ -120,7 +135,7 @@ def write_whole(path: Path, content: bytes) -> None:
         If ``path`` is a folder or cannot be written.
     """
     if path.is_dir():
-        raise InputError(f"{path}: is a folder; name a file")
+        raise InputError(str(path), "must be a file", found="is a folder", remedy="name a file")
     with _told(path):
         if path.exists() and not path.is_file():
             path.write_bytes(content)
@@ -131,19 +146,51 @@ def write_whole(path: Path, content: bytes) -> None:
         _replaced(goal, content)
 
 
+def renamed(error: InputError, old: str, new: str) -> InputError:
+    """The same error with ``old`` replaced by ``new`` wherever it names a file.
+
+    Parameters
+    ----------
+    error
+        One or several.
+    old, new
+        Start of a path, as of a scratch folder and of the output folder.
+
+    Examples
+    --------
+    >>> str(renamed(InputError("/tmp/.out-1/a.png", "cannot be written"), "/tmp/.out-1", "out"))
+    'out/a.png: cannot be written'
+    """
+    parts = [_renamed(part, old, new) for part in errors_in(error)]
+    return StudyError(parts) if isinstance(error, StudyError) else parts[0]
+
+
+def _renamed(error: InputError, old: str, new: str) -> InputError:
+    value, remedy = error.value, error.remedy
+    return InputError(
+        error.subject.replace(old, new),
+        error.requirement.replace(old, new),
+        value=value.replace(old, new) if isinstance(value, str) else value,
+        found=error.found and error.found.replace(old, new),
+        where=error.where.replace(old, new),
+        remedy=[one.replace(old, new) if isinstance(one, str) else one for one in remedy],
+        setting=error.setting,
+    )
+
+
 @contextmanager
 def _named_as(folder: Path, scratch: Path) -> Iterator[None]:
     """Make errors name the output folder instead of the scratch folder, or instead of no file."""
     try:
         yield
     except InputError as error:
-        raise InputError(str(error).replace(str(scratch), str(folder))) from None
+        raise renamed(error, str(scratch), str(folder)) from None
     except OSError as error:
         name = str(error.filename or folder)
         if error.filename is not None and not name.startswith(str(scratch)):
             raise
         name = name.replace(str(scratch), str(folder))
-        raise InputError(f"{name}: cannot be written ({error.strerror or error})") from None
+        raise InputError(name, f"cannot be written ({error.strerror or error})") from None
 
 
 @contextmanager
@@ -151,7 +198,7 @@ def _told(path: Path) -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        raise InputError(f"{path}: cannot be written ({error.strerror})") from None
+        raise InputError(str(path), f"cannot be written ({error.strerror})") from None
 
 
 def _replaced(path: Path, content: bytes) -> None:
@@ -254,7 +301,11 @@ def _lock(journal: IO[str], folder: Path) -> bool:
         lines = _notes(journal)
         who = f"process {lines[0].get('process')}" if lines else "another process"
         raise InputError(
-            f"{folder}: {who} is writing into it; wait until that ends, or name another folder"
+            str(folder),
+            "must not be written by two processes",
+            value=lines[0].get("process") if lines else None,
+            found=f"{who} is writing into it",
+            remedy=("wait until that ends", "name another folder"),
         ) from None
     except OSError:
         return False
@@ -309,7 +360,7 @@ def _appear(scratch: Path, goal: Path, journal: IO[str]) -> None:
     for name in files:
         if (goal / name).is_dir():
             raise InputError(
-                f"{goal / name}: is a folder, but a file of that name must be written; move it away"
+                str(goal / name), "must be a file", found="is a folder", remedy="move it away"
             )
     one_step = scratch.parent != goal and not (goal.exists() and len(files) == 1)
     if one_step and _swapped_in(scratch, goal, journal):

@@ -37,7 +37,7 @@ def regular_file(path: Path, *, folder: bool = False, pipe: bool = False) -> os.
         status = path.stat()
     except (OSError, ValueError) as error:  # a null byte in a name is a ValueError
         told = getattr(error, "strerror", None) or error
-        raise InputError(f"{str(path)[:200]}: cannot be read ({told})") from None
+        raise InputError(str(path)[:200], f"cannot be read ({told})") from None
     mode = status.st_mode
     inherited = path.absolute().parent in (Path("/dev"), Path("/dev/fd"))
     if (
@@ -47,4 +47,4 @@ def regular_file(path: Path, *, folder: bool = False, pipe: bool = False) -> os.
     ):
         return status
     kind = next((word for test, word in _KINDS if test(mode)), "of another kind")
-    raise InputError(f"{path}: cannot be read (it is {kind}, not a regular file)")
+    raise InputError(str(path), "must be a regular file", value=kind, found=f"is {kind}")

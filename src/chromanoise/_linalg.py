@@ -29,15 +29,20 @@ def _of_finite(solver: Callable[..., Any], what: str, *arrays: Array, **options:
     for array in arrays:
         bad = ~np.isfinite(array)
         if bad.any():
+            first = np.asarray(array)[bad][0]
             raise InputError(
-                f"{what}: {int(bad.sum())} of {bad.size} numbers overflow double precision, the "
-                f"first is {np.asarray(array)[bad][0]:g}; choose less extreme values of the light, "
-                "the exposure, the pixel or the matrix"
+                what,
+                "must be finite",
+                value=first,
+                found=f"{int(bad.sum())} of {bad.size} numbers overflow double precision; the "
+                f"first is {first:g}",
+                remedy="choose less extreme values of the light, the exposure, the pixel or the "
+                "matrix",
             )
     try:
         return solver(*arrays, **options)
     except np.linalg.LinAlgError as error:
-        raise InputError(f"{what}: no solution in double precision ({error})") from None
+        raise InputError(what, f"has no solution in double precision ({error})") from None
 
 
 cholesky = partial(_of_finite, np.linalg.cholesky)

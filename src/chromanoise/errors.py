@@ -132,6 +132,12 @@ class InputError(ValueError):
             text += f"; {', or '.join(told)}"
         return text
 
+    @property
+    def setting_name(self) -> str:
+        """The last name in `setting`: ``formats`` of ``pictures.0.formats.1``."""
+        names = [step for step in self.setting.split(".") if not step.isdigit()]
+        return names[-1] if names else ""
+
     def called(self, subject: str) -> "InputError":
         """The same error with another name of its subject.
 

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from chromanoise.catalog import KNOWN_SENSORS, sensor_named
 from chromanoise.catalog.entries import KINDS, catalog_entries, catalog_entry, entries_as_json
-from chromanoise.errors import InputError
+from chromanoise.errors import InputError, Setting
 from chromanoise.exposure import expected_electrons, saturating_exposure
 from chromanoise.io.spectra import ASK, Answers
 from chromanoise.noise import with_noise
@@ -24,6 +24,7 @@ from chromanoise.spectra import (
     with_infrared,
 )
 from chromanoise.spectra.tables import formulas, packaged_table, sources
+from outcomes import refused_input
 
 ALL = Answers(beyond="zero", peak_qe=0.5, per="energy")
 ENTRIES = catalog_entries()
@@ -124,8 +125,9 @@ def test_a_sensor_answers_at_once_if_and_only_if_it_asks_nothing(entry):
     if not entry.asks:
         sensor_named(name, DEFAULT_GRID)
         return
-    with pytest.raises(InputError, match="--"):
+    with pytest.raises(InputError) as refused:
         sensor_named(name, DEFAULT_GRID, answers=ASK)
+    assert any(isinstance(one, Setting) for one in refused.value.remedy)
 
 
 def test_what_is_asked_is_told_option_by_option():
@@ -184,7 +186,7 @@ def test_every_reflectance_and_filter_lies_between_0_and_1():
 
 
 def test_skin_ends_at_950_nm_and_asks_what_follows():
-    with pytest.raises(InputError, match="skin is given on 420-950 nm only"):
+    with refused_input(subject="reflectance of skin", value=(420.0, 950.0), setting="beyond"):
         reflectance_named("skin", DEFAULT_GRID)
     held = reflectance_named("skin", DEFAULT_GRID, beyond="hold")
     assert held.notes == ("reflectance of skin: hold beyond 420-950 nm",)
@@ -203,24 +205,31 @@ def test_an_ircut_by_name_passes_half_at_its_edge():
 
 def test_a_gray_card_is_the_same_at_every_wavelength():
     assert reflectance_named("gray-18", DEFAULT_GRID).values == pytest.approx(0.18, abs=1e-15)
-    with pytest.raises(InputError, match="0 to 100"):
+    with refused_input(subject="percent of gray-180", value=180.0):
         reflectance_named("gray-180", DEFAULT_GRID)
+
+
+@pytest.mark.parametrize(
+    ("ask", "fields"),
+    [
+        (lambda: reflectance_named("gray-1.2.3", DEFAULT_GRID), {"value": "1.2.3"}),
+        (lambda: illuminant_named("E+1.2.3xLED850", DEFAULT_GRID), {"value": "1.2.3"}),
+        (lambda: illuminant_named("E+1xLED850/5", DEFAULT_GRID), {"subject": "width_nm"}),
+        (lambda: illuminant_named("E+1xLED1040", DEFAULT_GRID), {"subject": "peak_nm"}),
+    ],
+)
+def test_a_family_of_names_refuses_wrong_numbers_by_their_fields(ask, fields):
+    with refused_input(**fields) as refused:
+        ask()
+    assert "\n" not in str(refused.value)
 
 
 @pytest.mark.parametrize(
     ("ask", "part"),
     [
         (lambda: reflectance_named("lwan", DEFAULT_GRID), "did you mean lawn"),
-        (lambda: reflectance_named("gray-1.2.3", DEFAULT_GRID), "not a number"),
-        (lambda: filter_named("ircut-schot", DEFAULT_GRID), "did you mean ircut-schott"),
-        (lambda: filter_named("ircut-6.5.0", DEFAULT_GRID), "not a number"),
         (lambda: illuminant_named("halogn", DEFAULT_GRID), "did you mean halogen"),
-        (lambda: illuminant_named("X+1xLED850", DEFAULT_GRID), "unknown illuminant 'X'"),
-        (lambda: illuminant_named("E+1.2.3xLED850", DEFAULT_GRID), "not a number"),
-        (lambda: illuminant_named("E+1xLED850/5", DEFAULT_GRID), "at least 10 nm"),
-        (lambda: illuminant_named("E+1xLED1040", DEFAULT_GRID), "within 440-1010 nm"),
-        (lambda: sensor_named("mt9v24", DEFAULT_GRID), "did you mean mt9v024"),
-        (lambda: catalog_entry("skni"), "did you mean scenes or skin"),
+        (lambda: illuminant_named("X+1xLED850", DEFAULT_GRID), "'X'"),
     ],
 )
 def test_what_is_not_there_is_refused_in_one_sentence(ask, part):
@@ -241,7 +250,7 @@ def test_a_name_of_a_family_finds_its_entry():
 
 
 def test_daylight_beyond_the_cies_end_is_asked_and_never_invented():
-    with pytest.raises(InputError, match="300-780 nm only"):
+    with refused_input(value=(300.0, 780.0), setting="beyond"):
         illuminant_named("D65", DEFAULT_GRID)
     assert "none is invented" in catalog_entry("D65").provenance.defects
     assert catalog_entry("D65").asks == ("--illuminant-beyond",)
@@ -305,7 +314,7 @@ def test_more_diode_is_more_infrared_and_the_visible_keeps_its_shape(base, a, b)
 
 def test_a_negative_ratio_is_refused():
     lamp = illuminant_named("E", DEFAULT_GRID)
-    with pytest.raises(InputError, match="ratio of infrared must be 0 to"):
+    with refused_input(subject="ratio of infrared", value=-0.1):
         with_infrared(lamp, peak_nm=850, ratio=-0.1)
 
 

@@ -20,6 +20,7 @@ from hypothesis import strategies as st
 from chromanoise.errors import InputError
 from chromanoise.io.cubes import read_cube
 from chromanoise.scene import Cube
+from outcomes import refused_input
 
 REAL = Path(__file__).resolve().parents[2].parent / "shared" / "data" / "cubes"
 NM = (400.0, 450.0, 500.0, 600.0, 700.0)
@@ -224,7 +225,7 @@ def test_the_callers_scale_wins_over_the_header(tmp_path):
         path = write_envi(tmp_path, data_type=2, reflectance_scale_factor=factor)
         cube = read_cube(path, scale=0.5)
         assert cube.scale == 0.5
-        assert any("--scale" in note for note in cube.notes)
+        assert any("x 0.5" in note for note in cube.notes)
 
 
 def test_real_numbers_without_a_scale_are_reflectance(tmp_path):
@@ -233,8 +234,10 @@ def test_real_numbers_without_a_scale_are_reflectance(tmp_path):
 
 @pytest.mark.parametrize("data_type", [1, 2, 3, 12, 13, 14, 15])
 def test_integers_without_a_scale_are_refused(tmp_path, data_type):
-    with pytest.raises(InputError, match=r"stores integers .*--scale .*1e-4"):
-        read_cube(write_envi(tmp_path, data_type=data_type))
+    path = write_envi(tmp_path, data_type=data_type)
+    with refused_input(subject=str(path), setting="scale") as caught:
+        read_cube(path)
+    assert np.dtype(caught.value.value).kind in "iu"
 
 
 RADIANCE = [
@@ -253,11 +256,11 @@ RADIANCE = [
 @pytest.mark.parametrize("words", RADIANCE)
 def test_radiance_is_refused_unless_the_caller_says_a_scale(tmp_path, words):
     path = write_envi(tmp_path, **words)
-    with pytest.raises(InputError, match=r"says? radiance .*white reference .*--scale"):
+    with refused_input(subject=str(path), setting="scale", requirement="reflectance"):
         read_cube(path)
     cube = read_cube(path, scale=0.01)
     assert cube.scale == 0.01
-    assert any("radiance" in note and "--scale says" in note for note in cube.notes)
+    assert any("radiance" in note and "scale to reflectance" in note for note in cube.notes)
 
 
 @pytest.mark.parametrize(
@@ -275,11 +278,12 @@ def test_reflectance_is_not_taken_for_radiance(tmp_path, words):
 
 @pytest.mark.parametrize("scale", [0.0, -1.0, float("nan"), float("inf")])
 def test_an_impossible_scale_is_refused(tmp_path, scale):
-    with pytest.raises(InputError, match=r"--scale .*must be finite and > 0"):
+    with refused_input(subject="scale") as caught:
         read_cube(write_envi(tmp_path), scale=scale)
+    np.testing.assert_equal(caught.value.value, scale)
 
 
-# --wavelengths
+# wavelengths
 
 
 def test_the_callers_wavelengths_are_evenly_spaced_and_win_over_the_file(tmp_path):
@@ -301,131 +305,149 @@ def test_the_callers_wavelengths_may_fall(tmp_path):
 
 @pytest.mark.parametrize("ends", [(500, 500), (0.4, 0.8), (400, float("nan")), (400, 1e300)])
 def test_impossible_wavelengths_of_the_caller_are_refused(tmp_path, ends):
-    with pytest.raises(InputError, match="--wavelengths FIRST:LAST must be two different numbers"):
+    with refused_input(subject="wavelengths") as caught:
         read_cube(write_envi(tmp_path), wavelengths=ends)
+    np.testing.assert_equal(caught.value.value, ends)
 
 
 # ENVI: what is wrong is said
 
 ENVI_FAULTS = [
-    *[({"drop": (k,)}, f"lacks the required key '{k}'") for k in
-      ("samples", "lines", "bands", "data type", "interleave")],
-    ({"data_type": 6}, "complex numbers"),
-    ({"data_type": 9}, "complex numbers"),
-    ({"data_type": 7}, "'data type' 7 is not known"),
-    ({"interleave": "bis"}, "'interleave' must be bsq, bil or bip, but is 'bis'"),
-    ({"byte_order": 2}, "'byte order' must be 0"),
-    ({"drop": ("header offset",), "extra": b"header offset = -4"}, "whole number from 0.*'-4'"),
-    ({"samples": 0}, "'samples' must be at least 1"),
-    ({"lines": -3}, "'lines' must be a whole number from 0 to .*, but is '-3'"),
-    ({"bands": "9" * 5000}, "'bands' must be a whole number from 0 to .*, but is '9{40}'"),
-    ({"bands": "5.5"}, "'bands' must be a whole number from 0 to .*, but is '5.5'"),
-    ({"lines": 4}, r"truncated: it holds 240 bytes, but .* describes 320 bytes"),
-    ({"samples": 10**17, "lines": 10**17}, "truncated"),
-    ({"lines": 2}, r"longer than its header says: it holds 240 bytes, but .* 160 bytes"),
-    ({"drop": ("header offset",), "header_offset": 8}, "longer than its header says"),
-    ({"file_compression": 1}, "compressed"),
-    ({"extra": b"bands = 6"}, "'bands' stands twice, as '5' and '6'"),
-    ({"extra": b"fwhm = {1, 2\n"}, "line 11: the brace opened here is never closed"),
-    ({"drop": ("wavelength",)}, r"does not declare the wavelengths of its 5 bands.*--wavelengths"),
-    ({"wavelength": "{}"}, "does not declare the wavelengths"),
-    ({"wavelength": "{ , }"}, "'wavelength' is empty"),
-    ({"drop": ("wavelength",), "band_names": "{400 nm, red, 500 nm, 600 nm, 700 nm}"},
-     "does not declare the wavelengths"),
-    ({"wavelength": "{400, 450, 500}"}, r"has 5 bands but 3 wavelengths.*--wavelengths"),
-    ({"wavelength": "{400, 450, x, 600, 700}"}, "entry 2 of 'wavelength' is 'x'"),
-    ({"wavelength": "{400, nan, 500, 600, 700}"}, "entry 1 of 'wavelength' is 'nan'"),
-    ({"wavelength": "{400, 450, 450, 600, 700}"}, "450 nm follows 450 nm at band 2"),
-    ({"wavelength": "{400, 500, 450, 600, 700}"}, "450 nm follows 500 nm at band 2"),
-    ({"wavelength": "{700, 600, 650, 450, 400}"}, "650 nm follows 600 nm at band 2"),
-    ({"wavelength": "{.4, .45, .5, .6, .7}"}, r"must be 100 .. 20000 nm.*first is 0.4 nm at"),
-    ({"wavelength": "{1, 2, 3, 4, 5}", "wavelength_units": "Index"}, "wavelength"),
-    ({"wavelength_units": "Wavenumber"}, "'wavelength units' 'wavenumber'.*--wavelengths"),
-    ({"wavelength": "{1, 2, 3, 4, 500}", "wavelength_units": "Unknown"}, "wavelength"),
-    ({"wavelength": "{1e308, 2, 3, 4, 5}", "wavelength_units": "um"}, "must be 100 .. 20000 nm"),
-    ({"reflectance_scale_factor": "0"}, "'reflectance scale factor' must be > 0"),
-    ({"reflectance_scale_factor": "ten"}, "reflectance scale factor is 'ten', not a finite"),
+    *[({"drop": (k,)}, (k,)) for k in ("samples", "lines", "bands", "data type", "interleave")],
+    ({"data_type": 6}, ("data type",)),
+    ({"data_type": 9}, ("data type",)),
+    ({"data_type": 7}, ("data type", "7")),
+    ({"interleave": "bis"}, ("interleave", "'bis'")),
+    ({"byte_order": 2}, ("byte order",)),
+    ({"drop": ("header offset",), "extra": b"header offset = -4"}, ("header offset", "-4")),
+    ({"samples": 0}, ("samples",)),
+    ({"lines": -3}, ("lines", "-3")),
+    ({"bands": "9" * 5000}, ("bands", "9" * 40)),
+    ({"bands": "5.5"}, ("bands", "5.5")),
+    ({"lines": 4}, ("240 bytes", "320")),
+    ({"samples": 10**17, "lines": 10**17}, ("240 bytes",)),
+    ({"lines": 2}, ("240 bytes", "160")),
+    ({"drop": ("header offset",), "header_offset": 8}, ("240 bytes",)),
+    ({"file_compression": 1}, ("compress",)),
+    ({"extra": b"bands = 6"}, ("bands", "'5'", "'6'")),
+    ({"extra": b"fwhm = {1, 2\n"}, ("line 11",)),
+    ({"wavelength": "{ , }"}, ("wavelength",)),
+    ({"wavelength": "{400, 450, x, 600, 700}"}, ("entry 2", "wavelength", "'x'")),
+    ({"wavelength": "{400, nan, 500, 600, 700}"}, ("entry 1", "wavelength", "nan")),
+    ({"wavelength": "{1, 2, 3, 4, 5}", "wavelength_units": "Index"}, ("wavelength",)),
+    ({"wavelength_units": "Wavenumber"}, ("wavelength units", "wavenumber")),
+    ({"wavelength": "{1, 2, 3, 4, 500}", "wavelength_units": "Unknown"}, ("wavelength",)),
+    ({"reflectance_scale_factor": "0"}, ("reflectance scale factor",)),
+    ({"reflectance_scale_factor": "ten"}, ("reflectance scale factor", "'ten'")),
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize(("changed", "sentence"), ENVI_FAULTS)
-def test_a_fault_of_an_envi_header_is_said_in_one_sentence(tmp_path, changed, sentence):
+@pytest.mark.parametrize(("changed", "parts"), ENVI_FAULTS)
+def test_a_fault_of_an_envi_header_is_said_in_one_sentence(tmp_path, changed, parts):
     path = write_envi(tmp_path, **changed)
-    with pytest.raises(InputError, match=sentence) as caught:
+    with refused_input() as caught:
         read_cube(path)
-    assert str(tmp_path) in str(caught.value)
+    for part in (str(tmp_path), *parts):
+        assert part in str(caught.value)
     assert "\n" not in str(caught.value)
 
 
+ENVI_WAVELENGTHS = [
+    ({"drop": ("wavelength",)}, {}),
+    ({"wavelength": "{}"}, {}),
+    ({"drop": ("wavelength",), "band_names": "{400 nm, red, 500 nm, 600 nm, 700 nm}"}, {}),
+    ({"wavelength": "{400, 450, 500}"}, {"value": 3}),
+    ({"wavelength": "{400, 450, 450, 600, 700}"}, {"where": "band 2 (from 0)", "value": 450}),
+    ({"wavelength": "{400, 500, 450, 600, 700}"}, {"where": "band 2 (from 0)", "value": 450}),
+    ({"wavelength": "{700, 600, 650, 450, 400}"}, {"where": "band 2 (from 0)", "value": 650}),
+    ({"wavelength": "{.4, .45, .5, .6, .7}"}, {"where": "band 0 (from 0)", "value": 0.4}),
+    ({"wavelength": "{1e308, 2, 3, 4, 5}", "wavelength_units": "um"}, {"value": np.inf}),
+]
+
+
+@pytest.mark.parametrize(("changed", "fields"), ENVI_WAVELENGTHS)
+def test_wavelengths_that_a_header_lacks_or_confuses_are_resolved_by_the_caller(
+    tmp_path, changed, fields
+):
+    path = write_envi(tmp_path, **changed)
+    with refused_input(subject=str(path), setting="wavelengths", **fields):
+        read_cube(path)
+    assert read_cube(path, wavelengths=(400, 800)).wavelength_nm[1] == 500
+
+
 def test_a_cube_of_one_band_is_refused(tmp_path):
-    with pytest.raises(InputError, match="mine has 1 band, but a cube needs at least 2"):
+    with refused_input(subject="mine", value=1):
         Cube(wavelength_nm=np.array([550.0]), stored=np.ones((3, 4, 1)), source="mine")
     path = write_envi(tmp_path, numbers(bands=1), wavelength="{500}")
-    with pytest.raises(InputError, match="has 1 band, but a cube needs at least 2"):
+    with refused_input(subject=str(path), value=1):
         read_cube(path)
 
 
 def test_text_that_is_no_envi_header_is_refused(tmp_path):
     path = write_envi(tmp_path)
     path.write_text("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n")
-    with pytest.raises(InputError, match=r"not an ENVI header.*'#\?RADIANCE'"):
+    with refused_input() as caught:
         read_cube(path)
+    assert "'#?RADIANCE'" in str(caught.value)
 
 
 def test_a_header_of_many_mebibytes_is_refused(tmp_path):
     path = write_envi(tmp_path, extra=b"; " + b"x" * 17 * 2**20)
-    with pytest.raises(InputError, match="17 MiB is too large for an ENVI header"):
+    with refused_input() as caught:
         read_cube(path)
+    assert "17 MiB" in str(caught.value)
 
 
 def test_a_hostile_band_name_does_not_stop_the_reader(tmp_path):
     path = write_envi(tmp_path, drop=("wavelength",), band_names="{" + "9" * 100_000 + "}")
     start = time.perf_counter()
-    with pytest.raises(InputError, match="does not declare the wavelengths"):
+    with refused_input(subject=str(path), setting="wavelengths"):
         read_cube(path)
     assert time.perf_counter() - start < 5  # seconds; a careless pattern takes minutes
 
 
 def test_an_array_name_that_is_no_text_is_told_on_one_line(tmp_path):
     path = write_npz(tmp_path / "a.npz", **{"a\nb": np.ones((2, 2, 2))})
-    with pytest.raises(InputError, match=r"it holds a\?b 2x2x2 float64"):
+    with refused_input(setting="key", found="holds a?b 2x2x2 float64"):
         read_cube(path)
 
 
 def test_a_header_without_data_is_refused(tmp_path):
     path = write_envi(tmp_path)
     path.with_suffix(".img").unlink()
-    with pytest.raises(InputError, match="the data of this ENVI header is missing"):
+    with refused_input() as caught:
         read_cube(path)
+    assert str(path) in str(caught.value)
 
 
 def test_a_header_beside_two_data_files_is_refused_and_naming_the_data_is_the_cure(tmp_path):
     path = write_envi(tmp_path)
     (tmp_path / "cube.raw").write_bytes(b"other")
-    with pytest.raises(InputError, match=r"2 files could be the data .*cube.img, cube.raw"):
+    with refused_input() as caught:
         read_cube(path)
+    assert "cube.img, cube.raw" in str(caught.value)
     assert_holds(read_cube(tmp_path / "cube.img"), numbers())
 
 
 def test_an_option_that_does_not_fit_an_envi_file_is_not_passed_over(tmp_path):
     path = write_envi(tmp_path)
-    with pytest.raises(InputError, match="holds 3x4 pixels, but --shape says 4x3"):
+    with refused_input(subject="shape", value=(4, 3), remedy=("omit it",)):
         read_cube(path, shape=(4, 3))
     cube = read_cube(path, shape=(3, 4), key="V")
-    assert any("--key V not used" in note for note in cube.notes)
+    assert any("key 'V' not used" in note for note in cube.notes)
 
 
 # files that are no cube
 
 
 def test_what_is_no_file_is_refused(tmp_path):
-    with pytest.raises(InputError, match=r"cannot be read .*No such file"):
+    with refused_input(subject=str(tmp_path / "nowhere.hdr"), requirement="No such file"):
         read_cube(tmp_path / "nowhere.hdr")
-    with pytest.raises(InputError, match="is a directory"):
+    with refused_input(subject=str(tmp_path)):
         read_cube(tmp_path)
-    with pytest.raises(InputError, match=r"cannot be read .*null byte"):
+    with refused_input(subject="a\0b.mat"):
         read_cube("a\0b.mat")
-    with pytest.raises(InputError, match="not a regular file"):
+    with refused_input(subject="/dev/null", value="a device"):
         read_cube("/dev/null")
 
 
@@ -436,27 +458,27 @@ def test_a_file_that_may_not_be_opened_is_refused(tmp_path, monkeypatch, name):
 
     (tmp_path / name).write_bytes(b"x")
     monkeypatch.setattr(Path, "open", locked)
-    with pytest.raises(InputError, match=r"cannot be read \(Permission denied\)"):
+    with refused_input(subject=str(tmp_path / name), requirement="Permission denied"):
         read_cube(tmp_path / name)
 
 
 @pytest.mark.parametrize("name", ["a.hdr", "a.mat", "a.npz", "a.npy", "a.img", "a.xyz"])
 def test_an_empty_file_is_refused(tmp_path, name):
     (tmp_path / name).write_bytes(b"")
-    with pytest.raises(InputError, match="the file is empty"):
+    with refused_input(subject=str(tmp_path / name), value=0):
         read_cube(tmp_path / name)
 
 
 def test_an_ending_that_is_not_read_is_refused_and_the_others_are_named(tmp_path):
     (tmp_path / "a.gif").write_bytes(b"GIF89a")
-    with pytest.raises(InputError, match=r"not read from .gif files; read are ENVI .* .mat, .npz"):
+    with refused_input(value=".gif", requirement=r"ENVI .* \.mat, \.npz"):
         read_cube(tmp_path / "a.gif")
 
 
 @pytest.mark.parametrize("name", ["a.img", "a"])
 def test_envi_data_without_a_header_is_refused(tmp_path, name):
     (tmp_path / name).write_bytes(b"\0" * 8)
-    with pytest.raises(InputError, match=r"no ENVI header .*a.hdr.* stands beside it"):
+    with refused_input(subject=str(tmp_path / name), requirement=r"a\.hdr"):
         read_cube(tmp_path / name)
 
 
@@ -464,8 +486,9 @@ def test_envi_data_without_a_header_is_refused(tmp_path, name):
 @pytest.mark.parametrize("content", [b"\0", b"nonsense" * 100, b"PK\x03\x04", b"\x93NUMPY\x01\x00"])
 def test_nonsense_is_refused(tmp_path, name, content):
     (tmp_path / name).write_bytes(content)
-    with pytest.raises(InputError, match=r"damaged or|not a \w+ file"):
+    with refused_input() as caught:
         read_cube(tmp_path / name)
+    assert str(tmp_path / name) in str(caught.value)
 
 
 # MATLAB and NumPy
@@ -513,7 +536,7 @@ def test_falling_wavelengths_turn_named_arrays_about(tmp_path, write, name):
 @both
 def test_named_integers_need_a_scale(tmp_path, write, name):
     path = write(tmp_path / name, wavelength_nm=np.array(NM), reflectance=numbers().astype("u2"))
-    with pytest.raises(InputError, match=r"stores integers \(uint16\)"):
+    with refused_input(subject=str(path), value="uint16", setting="scale"):
         read_cube(path)
     assert read_cube(path, scale=1e-4).scale == 1e-4
 
@@ -569,8 +592,9 @@ def test_a_matlab_shape_that_does_not_fit_the_numbers_is_refused(tmp_path):
         content = bytearray(path.read_bytes())
         struct.pack_into("<i", content, 128 + 8 + 16 + 8, rows)
         path.write_bytes(content)
-        with pytest.raises(InputError, match=r"do not fit its shape|cannot hold|is empty"):
+        with refused_input() as caught:
             read_cube(path, key="V", wavelengths=(400, 800))
+        assert "'V'" in str(caught.value)
 
 
 def test_a_compressed_matlab_array_without_its_checksum_is_refused(tmp_path):
@@ -639,44 +663,47 @@ def test_npy_stays_on_disk(tmp_path, order):
     cube = read_cube(tmp_path / "a.npy", wavelengths=(400, 800), key="x")
     assert isinstance(cube.stored, np.memmap)
     assert_holds(cube, numbers() / 128)
-    assert any("--key x not used" in note for note in cube.notes)
+    assert any("key 'x' not used" in note for note in cube.notes)
 
 
+V = "array 'V'"
 NAMED_FAULTS = [
-    ({"V": np.ones((2, 2, 3))}, {}, r"has no array 'reflectance'; it holds V 2x2x3 float64; .*key"),
-    ({"V": np.ones((2, 2, 3))}, {"key": "W"}, r"has no array 'W'; it holds V 2x2x3"),
-    ({"V": np.ones((2, 2, 3))}, {"key": "V"}, r"does not declare the wavelengths of its 3 bands"),
-    ({"V": np.ones((6, 3))}, {"key": "V"}, r"'V' is 6x3, pixels in one axis.*--shape ROWSxCOLUMNS"),
-    ({"V": np.ones((6, 3))}, {"key": "V", "shape": (2, 4)}, r"--shape 2x4 is 8 pixels.*neither"),
-    ({"V": np.ones((6, 3))}, {"key": "V", "shape": (-2, -3)}, r"neither axis"),
-    ({"V": np.ones((6, 6))}, {"key": "V", "shape": (2, 3)}, r"fits both axes"),
-    ({"V": np.ones((2, 2, 3))}, {"key": "V", "shape": (1, 4)}, "holds 2x2 pixels, but --shape"),
-    ({"V": np.ones((2, 2, 2, 3))}, {"key": "V"}, r"must have axes \(rows, columns, bands\)"),
-    ({"V": np.ones((2, 2, 3)) * 1j}, {"key": "V"}, r"complex128"),
-    ({"V": np.ones((2, 2, 3)) > 0}, {"key": "V"}, r"of type bool, not real numbers"),
-    ({"V": np.ones((2, 2, 0))}, {"key": "V"}, r"empty .2x2x0"),
+    ({"V": np.ones((2, 2, 3))}, {}, {"setting": "key", "found": "holds V 2x2x3 float64"}),
+    ({"V": np.ones((2, 2, 3))}, {"key": "W"}, {"setting": "key", "value": ("V",)}),
+    ({"V": np.ones((2, 2, 3))}, {"key": "V"}, {"setting": "wavelengths"}),
+    ({"V": np.ones((6, 3))}, {"key": "V"}, {"setting": "shape", "value": (6, 3), "where": V}),
+    ({"V": np.ones((6, 3))}, {"key": "V", "shape": (2, 4)}, {"subject": "shape", "value": (2, 4)}),
+    ({"V": np.ones((6, 3))}, {"key": "V", "shape": (-2, -3)},
+     {"subject": "shape", "value": (-2, -3)}),
+    ({"V": np.ones((6, 6))}, {"key": "V", "shape": (2, 3)}, {"where": V, "value": (6, 6)}),
+    ({"V": np.ones((2, 2, 3))}, {"key": "V", "shape": (1, 4)},
+     {"subject": "shape", "value": (1, 4)}),
+    ({"V": np.ones((2, 2, 2, 3))}, {"key": "V"}, {"where": V, "value": (2, 2, 2, 3)}),
+    ({"V": np.ones((2, 2, 3)) * 1j}, {"key": "V"}, {"where": V, "value": "complex128"}),
+    ({"V": np.ones((2, 2, 3)) > 0}, {"key": "V"}, {"where": V, "value": "bool"}),
+    ({"V": np.ones((2, 2, 0))}, {"key": "V"}, {"where": V, "value": (2, 2, 0)}),
     ({"reflectance": np.ones((2, 2, 3)), "wavelength_nm": np.arange(400.0, 404)}, {},
-     "has 3 bands but 4 wavelengths"),
+     {"setting": "wavelengths", "value": 4}),
     ({"reflectance": np.ones((2, 2, 2)), "wavelength_nm": np.array([0.4, 0.5])}, {},
-     "must be 100 .. 20000 nm"),
+     {"setting": "wavelengths", "value": 0.4}),
     ({"reflectance": np.ones((2, 2, 2)), "wavelength_nm": np.array([400, np.nan])}, {},
-     "first is nan nm at band 1"),
+     {"setting": "wavelengths", "where": "band 1 (from 0)"}),
     ({"reflectance": np.ones((2, 2, 2)), "wavelength_nm": np.array([400, 400])}, {},
-     "400 nm follows 400 nm at band 1"),
+     {"setting": "wavelengths", "where": "band 1 (from 0)", "value": 400}),
     ({"reflectance": np.ones((2, 2, 2)), "wavelength_nm": np.array([400, 500j])}, {},
-     "complex128"),
+     {"where": "array 'wavelength_nm'", "value": "complex128"}),
     ({"reflectance": np.ones((2, 2, 2)), "wavelength_nm": np.array(["a", "b"])}, {},
-     "array 'wavelength_nm' is of type str"),
+     {"where": "array 'wavelength_nm'"}),
 ]  # fmt: skip
 
 
 @both
-@pytest.mark.parametrize(("arrays", "options", "sentence"), NAMED_FAULTS)
+@pytest.mark.parametrize(("arrays", "options", "fields"), NAMED_FAULTS)
 def test_a_fault_of_named_arrays_is_said_in_one_sentence(
-    tmp_path, write, name, arrays, options, sentence
+    tmp_path, write, name, arrays, options, fields
 ):
     path = write(tmp_path / name, **arrays)
-    with pytest.raises(InputError, match=sentence) as caught:
+    with refused_input(**fields) as caught:
         read_cube(path, **options)
     assert name in str(caught.value)
     assert "\n" not in str(caught.value)
@@ -685,7 +712,7 @@ def test_a_fault_of_named_arrays_is_said_in_one_sentence(
 @both
 def test_radiance_is_known_by_the_file_name_too(tmp_path, write, name):
     path = write(tmp_path / f"radiance_{name}", V=np.ones((2, 2, 3)))
-    with pytest.raises(InputError, match="the file name says radiance"):
+    with refused_input(subject=str(path), setting="scale", requirement="reflectance"):
         read_cube(path, key="V")
 
 
@@ -701,7 +728,7 @@ def test_objects_are_never_unpickled(tmp_path):
     np.savez(tmp_path / "a.npz", reflectance=bombs, wavelength_nm=np.array([400, 500]))
     np.save(tmp_path / "a.npy", bombs)
     for name in ("a.npz", "a.npy"):
-        with pytest.raises(InputError, match="of type object, not real numbers"):
+        with refused_input(subject=str(tmp_path / name), value="object"):
             read_cube(tmp_path / name)
 
 
@@ -710,7 +737,7 @@ def test_objects_are_never_unpickled(tmp_path):
 )
 def test_matlab_cells_structs_words_and_sparse_arrays_are_refused(tmp_path, thing):
     path = write_mat(tmp_path / "a.mat", V=thing)
-    with pytest.raises(InputError, match="not real numbers"):
+    with refused_input(subject=str(path), where=V, setting="key"):
         read_cube(path, key="V")
 
 
@@ -718,7 +745,7 @@ def test_structured_numpy_arrays_are_refused(tmp_path):
     for names in ("ab", "a\u03bb"):
         with warnings.catch_warnings(action="ignore"):  # of NumPy's format 3.0
             np.savez(tmp_path / "a.npz", V=np.zeros((2, 2, 2), dtype=[(n, "f4") for n in names]))
-        with pytest.raises(InputError, match="not real numbers"):
+        with refused_input(subject=str(tmp_path / "a.npz"), where=V, setting="key"):
             read_cube(tmp_path / "a.npz", key="V")
 
 
@@ -726,7 +753,7 @@ def test_a_matlab_7_3_file_that_is_cut_is_refused(tmp_path):
     pytest.importorskip("h5py", reason="it reads MATLAB 7.3")
     start = b"MATLAB 7.3 MAT-file".ljust(124) + b"\x00\x02IM"
     (tmp_path / "cut.mat").write_bytes(start + bytes(100))
-    with pytest.raises(InputError, match=r"not a readable MATLAB 7\.3 file"):
+    with refused_input(subject=str(tmp_path / "cut.mat"), requirement=r"MATLAB 7\.3"):
         read_cube(tmp_path / "cut.mat")
 
 
@@ -742,7 +769,7 @@ def test_a_npy_that_is_cut_or_lengthened_is_refused(tmp_path, cut):
     np.save(whole, np.ones((2, 2, 3)))
     for content in (whole.getvalue()[:-cut], whole.getvalue() + bytes(cut)):
         (tmp_path / "a.npy").write_bytes(content)
-        with pytest.raises(InputError, match=r"holds \d+ bytes, but its header describes 224"):
+        with refused_input(value=len(content), requirement=r"\b224 bytes"):
             read_cube(tmp_path / "a.npy", wavelengths=(400, 800))
 
 
@@ -752,8 +779,9 @@ def test_a_cut_file_of_named_arrays_is_refused(tmp_path, write, name):
     whole = path.read_bytes()
     for length in (len(whole) // 2, len(whole) - 30):
         path.write_bytes(whole[:length])
-        with pytest.raises(InputError, match="damaged or"):
+        with refused_input() as caught:
             read_cube(path)
+        assert str(path) in str(caught.value)
 
 
 def test_a_small_npz_that_claims_a_huge_array_is_refused_before_it_is_read(tmp_path):
@@ -761,7 +789,7 @@ def test_a_small_npz_that_claims_a_huge_array_is_refused_before_it_is_read(tmp_p
     content = b"\x93NUMPY\x01\x00" + struct.pack("<H", 118) + header.ljust(117) + b"\n"
     with zipfile.ZipFile(tmp_path / "a.npz", "w") as archive:
         archive.writestr("reflectance.npy", content)
-    with pytest.raises(InputError, match="holds 128 bytes, but its header describes 8"):
+    with refused_input(where="array 'reflectance'", value=128):
         read_cube(tmp_path / "a.npz")
 
 
@@ -769,7 +797,7 @@ def test_an_array_larger_than_the_memory_is_refused_before_it_is_read(tmp_path, 
     paths = [write(tmp_path / name, reflectance=np.ones((8, 8, 8))) for write, name in WRITERS]
     monkeypatch.setattr("os.sysconf", lambda _: 10)  # pages, and bytes per page
     for path in paths:
-        with pytest.raises(InputError, match=r"needs 4.0 KiB of memory, .* 100 bytes.*ENVI"):
+        with refused_input(where="array 'reflectance'", value=4096, requirement="100 bytes"):
             read_cube(path)
 
 
@@ -779,7 +807,7 @@ def test_memory_that_runs_out_is_said(tmp_path, monkeypatch):
 
     path = write_npz(tmp_path / "a.npz", reflectance=np.ones((2, 2, 2)))
     monkeypatch.setattr(np.lib.format, "read_array", starved)
-    with pytest.raises(InputError, match="too large for this machine's memory"):
+    with refused_input(subject=str(path), requirement="memory"):
         read_cube(path)
 
 
@@ -876,8 +904,9 @@ def real(name):
 
 def test_samson_is_a_matlab_matrix_of_95_by_95_pixels():
     path = real("samson_dataset.mat")
-    with pytest.raises(InputError, match=r"holds A 3x9025 .*Y 156x9025"):
+    with refused_input(setting="key") as caught:
         read_cube(path)
+    assert {"A", "Y"} <= set(caught.value.value)
     cube = read_cube(path, key="Y", shape=(95, 95), wavelengths=(401, 889))
     assert cube.stored.shape == (95, 95, 156)
     matrix = scipy.io.loadmat(path)["Y"]
@@ -893,7 +922,7 @@ def test_samson_is_a_matlab_matrix_of_95_by_95_pixels():
 )
 def test_aviris_radiance_is_refused_and_read_with_a_scale(name, shape, ends):
     for path in (real(name), real(f"{name}.hdr")):
-        with pytest.raises(InputError, match="says radiance"):
+        with refused_input(subject=str(path), setting="scale"):
             read_cube(path)
         cube = read_cube(path, scale=0.05)
         assert cube.stored.shape == shape
@@ -902,7 +931,7 @@ def test_aviris_radiance_is_refused_and_read_with_a_scale(name, shape, ends):
 
 def test_the_wheat_needs_wavelengths():
     for path in (real("wheat_grain.hdr"), real("wheat_grain.img")):
-        with pytest.raises(InputError, match="--wavelengths FIRST:LAST"):
+        with refused_input(setting="wavelengths"):
             read_cube(path)
         cube = read_cube(path, wavelengths=(400, 902.2))
         assert (cube.stored.shape, cube.stored.dtype) == ((200, 200, 10), np.float64)
@@ -911,7 +940,7 @@ def test_the_wheat_needs_wavelengths():
 
 def test_the_corn_needs_a_scale_and_says_what_its_header_lacks():
     for path in (real("corn-kernel-hyperspectral.hdr"), real("corn-kernel-hyperspectral.raw")):
-        with pytest.raises(InputError, match=r"stores integers \(uint16\).*--scale"):
+        with refused_input(value="uint16", setting="scale"):
             read_cube(path)
         cube = read_cube(path, scale=1e-4)
         assert (cube.stored.shape, cube.stored.dtype) == ((31, 43, 580), np.uint16)

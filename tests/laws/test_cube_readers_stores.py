@@ -15,11 +15,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from chromanoise import _sandbox
 from chromanoise.errors import InputError
-from chromanoise.io.cubes import cube_from_xarray, hdf5, hdf5_child, picture_to_xarray, read_cube
-from chromanoise.io.cubes.hdf5_chunks import ChunkRows
+from chromanoise.io.cubes import cube_from_xarray, picture_to_xarray, read_cube
+from chromanoise.io.cubes.hdf5_chunks import Chunks
 from chromanoise.scene import row_source
 from chromanoise.scene.file_rows import FileRows, PlaneRows
+from outcomes import refused_input
 
 h5py = pytest.importorskip("h5py", reason="comes with chromanoise[cubes]")
 xarray = pytest.importorskip("xarray", reason="comes with chromanoise[cubes]")
@@ -28,34 +30,6 @@ Image = pytest.importorskip("PIL.Image")
 tifffile = pytest.importorskip("tifffile")
 
 NM = (400.0, 450.0, 500.0, 600.0, 700.0)
-IN_OWN_PROCESS = hdf5._asked
-
-
-def asked_here(path, what, **more):
-    """What the process of `hdf5_child` answers, without starting it."""
-    question = {"path": str(path), **more}
-    try:
-        told = getattr(hdf5_child, f"_{what}")(question)
-        answer, *content = [one for one in told if one is not None]
-    except MemoryError:
-        raise
-    except Exception as error:  # as the process tells it
-        raise ValueError(str(error)) from error
-    return json.loads(json.dumps(answer)), b"".join(content)
-
-
-@pytest.fixture(scope="module", autouse=True)
-def one_process():
-    """Sound files are opened here: the start of a process costs more than all else in a test."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(hdf5, "_asked", asked_here)
-        yield
-
-
-@pytest.fixture
-def own_process(monkeypatch):
-    """As users have it: whatever libhdf5 does happens in a process of its own."""
-    monkeypatch.setattr(hdf5, "_asked", IN_OWN_PROCESS)
 
 
 def numbers(rows=3, columns=4, bands=5, dtype=np.float64):
@@ -104,7 +78,7 @@ def write_mat73(path, cube, name="reflectance", matlab_class="double", wavelengt
 
 
 @pytest.mark.parametrize("options", [{}, {"chunks": (2, 3, 2), "compression": "gzip"}])
-def test_matlab_7_3_has_its_axes_turned_about(own_process, tmp_path, options):
+def test_matlab_7_3_has_its_axes_turned_about(tmp_path, options):
     cube = read_cube(write_mat73(tmp_path / "a.mat", numbers(), **options))
     assert_holds(cube, numbers())
     assert isinstance(cube.stored, FileRows) == (not options)
@@ -121,16 +95,19 @@ def test_matlab_7_3_pixels_run_along_the_columns(tmp_path):
 @pytest.mark.parametrize("kind", ["logical", "cell", "char", "struct"])
 def test_what_is_no_number_in_matlab_7_3_is_refused(tmp_path, kind):
     path = write_mat73(tmp_path / "a.mat", numbers(), matlab_class=kind)
-    refused(path, "not real numbers")
+    with refused_input(subject=str(path), where="array 'reflectance'", setting="key"):
+        read_cube(path)
 
 
 def test_empty_and_complex_arrays_of_matlab_7_3_are_refused(tmp_path):
     path = write_mat73(tmp_path / "a.mat", np.zeros((2, 1)))
     with h5py.File(path, "r+") as file:
         file["reflectance"].attrs["MATLAB_empty"] = np.uint8(1)
-    refused(path, "is empty")
+    with refused_input(subject=str(path), where="array 'reflectance'", value=(0,)):
+        read_cube(path)
     both = np.ones((2, 2, 2), dtype=[("real", "f8"), ("imag", "f8")])
-    refused(write_mat73(tmp_path / "b.mat", both), "not real numbers")
+    with refused_input(where="array 'reflectance'", setting="key"):
+        read_cube(write_mat73(tmp_path / "b.mat", both))
 
 
 def test_a_cut_matlab_7_3_file_is_refused(tmp_path):
@@ -168,11 +145,13 @@ def test_falling_wavelengths_turn_the_bands_of_a_source_about(tmp_path, options)
 
 
 def test_a_cube_whose_axes_cannot_be_told_apart_is_refused(tmp_path):
-    refused(write_redfish(tmp_path / "a.h5", numbers(5, 4, 5)), "fit 2 of its axes")
+    with refused_input(where="array 'Hymage'", value=(5, 4, 5)):
+        read_cube(write_redfish(tmp_path / "a.h5", numbers(5, 4, 5)))
 
 
 def test_redfish_of_other_types_does_not_say_what_it_means(tmp_path):
-    refused(write_redfish(tmp_path / "a.h5", numbers(), dtype=np.int32), "stores integers .int32.")
+    with refused_input(setting="scale", value="int32"):
+        read_cube(write_redfish(tmp_path / "a.h5", numbers(), dtype=np.int32))
 
 
 @pytest.mark.parametrize(
@@ -244,22 +223,24 @@ def test_scale_and_percent_are_those_of_the_file(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("attributes", "match"),
+    ("attributes", "fields"),
     [
-        ({"units": "W m-2 sr-1 um-1"}, "say radiance"),
-        ({"long_name": "at-sensor radiance"}, "says radiance"),
-        ({"add_offset": 3.0}, "'add_offset' asks for an offset"),
-        ({"scale_factor": -1.0}, "must be finite and > 0, but is -1"),
-        ({"scale_factor": np.nan}, "must be finite and > 0, but is nan"),
-        ({"scale_factor": "one"}, "'scale_factor' is no number"),
+        ({"units": "W m-2 sr-1 um-1"}, {}),
+        ({"long_name": "at-sensor radiance"}, {}),
+        ({"add_offset": 3.0}, {"where": "attribute 'add_offset'", "value": 3.0}),
+        ({"scale_factor": -1.0}, {"where": "attribute 'scale_factor'", "value": -1.0}),
+        ({"scale_factor": np.inf}, {"where": "attribute 'scale_factor'", "value": np.inf}),
+        ({"scale_factor": np.nan}, {"where": "attribute 'scale_factor'"}),
+        ({"scale_factor": "one"}, {"where": "attribute 'scale_factor'", "value": "one"}),
     ],
 )
-def test_attributes_that_forbid_the_cube_are_told(tmp_path, attributes, match):
+def test_attributes_that_forbid_the_cube_are_told(tmp_path, attributes, fields):
     with h5py.File(tmp_path / "a.h5", "w") as file:
         file["reflectance"] = numbers()
         file["wavelength_nm"] = NM
         file["reflectance"].attrs.update(attributes)
-    refused(tmp_path / "a.h5", match)
+    with refused_input(subject=str(tmp_path / "a.h5"), setting="scale", **fields):
+        read_cube(tmp_path / "a.h5")
 
 
 def test_a_fill_value_is_noted_and_its_nan_refused_with_that_note(tmp_path):
@@ -272,8 +253,11 @@ def test_a_fill_value_is_noted_and_its_nan_refused_with_that_note(tmp_path):
         file["wavelength_nm"] = NM
         file["reflectance"].attrs["_FillValue"] = np.nan
     found = read_cube(tmp_path / "a.h5")
-    with pytest.raises(InputError, match=r"nan at row 1, column 1.*ignore value, which is not"):
+    with refused_input(setting="bad_pixels") as caught:
         reflectance_rows(found, 0, 3)
+    assert caught.value.where.startswith("row 1, column 1 ")
+    assert np.isnan(caught.value.value)
+    assert any("data ignore value" in str(one) for one in caught.value.remedy)
 
 
 def test_nothing_outside_an_hdf5_file_is_read(tmp_path):
@@ -289,7 +273,8 @@ def test_nothing_outside_an_hdf5_file_is_read(tmp_path):
         layout = h5py.VirtualLayout((3, 4, 5), "u2")
         layout[...] = h5py.VirtualSource(str(secret), "Hymage", (3, 4, 5))
         file.create_virtual_dataset("virtual", layout)
-    refused(tmp_path / "a.h5", "has no array 'link'; it holds", key="link")
+    with refused_input(subject=str(tmp_path / "a.h5"), setting="key"):
+        read_cube(tmp_path / "a.h5", key="link")
     refused(tmp_path / "a.h5", "lie in other files", key="raw")
     refused(tmp_path / "a.h5", "lie in other files", key="virtual")
 
@@ -306,7 +291,9 @@ def test_numbers_that_were_never_written_are_not_taken_for_zeros(tmp_path):
 
 def test_old_netcdf_is_refused_with_its_cure(tmp_path):
     (tmp_path / "a.nc").write_bytes(b"CDF\x01" + bytes(100))
-    refused(tmp_path / "a.nc", "is no HDF5 file, as NetCDF-4 is; convert it .nccopy")
+    with refused_input(subject=str(tmp_path / "a.nc")) as caught:
+        read_cube(tmp_path / "a.nc")
+    assert "nccopy" in caught.value.remedy[0]
 
 
 @pytest.mark.parametrize("name", ["x", "reflectance"])
@@ -319,12 +306,21 @@ def test_objects_words_and_references_are_refused(tmp_path, name):
         file["no/shape"] = h5py.Empty("f4")
         file["scalar"] = 3.0
     for key in ("words", "ref", "truth", "complex"):
-        refused(tmp_path / "a.h5", "not real numbers", key=key)
-    refused(tmp_path / "a.h5", "must have axes", key="scalar")
-    refused(tmp_path / "a.h5", "has no array", key=name)
+        with refused_input(where=f"array {key!r}", setting="key"):
+            read_cube(tmp_path / "a.h5", key=key)
+    with refused_input(where="array 'scalar'", value=()):
+        read_cube(tmp_path / "a.h5", key="scalar")
+    with refused_input(subject=str(tmp_path / "a.h5"), setting="key"):
+        read_cube(tmp_path / "a.h5", key=name)
 
 
 # HDF5 chunks, which are read without libhdf5
+
+
+def is_read_without_libhdf5(source):
+    with source.opened() as array:
+        return isinstance(array, Chunks)
+
 
 spans = st.tuples(st.integers(1, 9), st.integers(1, 9), st.integers(2, 9))
 ways = st.sampled_from([
@@ -350,7 +346,7 @@ def test_chunks_are_read_as_h5py_reads_them(folder, sizes, chunk, way, dtype, fi
         written.create_dataset("a", data=cube, **options)
     source = row_source(read_cube(path, scale=1.0, wavelengths=(400, 700)).stored)
     plain = not {"fletcher32", "scaleoffset"} & way.keys() and way.get("compression") != "lzf"
-    assert isinstance(source, ChunkRows) == plain
+    assert is_read_without_libhdf5(source) == plain
     start = data.draw(st.integers(0, sizes[0] - 1))
     stop = data.draw(st.integers(start + 1, sizes[0]))
     keep = data.draw(st.sampled_from([slice(None), slice(None, None, -1), slice(1, None, 2)]))
@@ -364,7 +360,7 @@ def test_chunks_may_hold_the_bands_along_any_axis(tmp_path, axis):
     stored = np.moveaxis(numbers(), 2, axis)
     path = write_redfish(tmp_path / "a.h5", stored, chunks=(2, 2, 2), compression="gzip")
     source = row_source(read_cube(path).stored)
-    assert isinstance(source, ChunkRows)
+    assert is_read_without_libhdf5(source)
     np.testing.assert_array_equal(source.rows(1, 3), numbers()[1:3])
 
 
@@ -386,17 +382,17 @@ def test_a_filter_that_was_left_out_of_a_chunk_is_not_undone(tmp_path):
         made = file.create_dataset("a", data=np.ones((4, 4, 2), "<f4"), **options)
         made.id.write_direct_chunk((2, 0, 0), zlib.compress(sevens.tobytes()), filter_mask=1)
     source = row_source(read_cube(tmp_path / "a.h5", wavelengths=(400, 700)).stored)
-    assert isinstance(source, ChunkRows)
+    assert is_read_without_libhdf5(source)
     np.testing.assert_array_equal(source.rows(2, 4), sevens)
 
 
-def test_a_list_of_wavelengths_that_is_not_whole_is_refused(own_process, tmp_path):
+def test_a_list_of_wavelengths_that_is_not_whole_is_refused(tmp_path):
     path = write_redfish(tmp_path / "a.h5", numbers())
     with h5py.File(path, "r+") as file:
         del file["Wavelength"]
         made = file.create_dataset("Wavelength", data=NM, chunks=(5,), compression="gzip")
         made.id.write_direct_chunk((0,), zlib.compress(np.array(NM[:2]).tobytes()))
-    refused(path, "a chunk holds 16 bytes instead of 40")
+    refused(path, "chunk 0 holds 16 bytes instead of 40")
 
 
 # HDF5 files on which libhdf5 loops or crashes
@@ -405,17 +401,25 @@ LOOPS = "import itertools\nFile = lambda *_: sum(itertools.repeat(0))"  # holds 
 CRASHES = "import faulthandler\nFile = lambda *_: faulthandler._sigsegv()"
 
 
+@pytest.fixture
+def impatient(monkeypatch):
+    """Another child process before and after, and 2 s for a call."""
+    monkeypatch.setattr("chromanoise.io.cubes.hdf5._LIMIT_S", 2.0)
+    _sandbox.close_sandbox()
+    yield
+    _sandbox.close_sandbox()
+
+
 @pytest.mark.parametrize(
-    ("library", "told"), [(LOOPS, "does not come back within 1.5 s"), (CRASHES, "crashes")]
+    ("library", "told"), [(LOOPS, "does not return within 2 s"), (CRASHES, "crashes")]
 )
 def test_a_library_that_loops_or_crashes_costs_a_sentence(
-    own_process, tmp_path, monkeypatch, library, told
+    impatient, tmp_path, monkeypatch, library, told
 ):
     path = write_redfish(tmp_path / "a.h5", numbers())
-    (tmp_path / "h5py.py").write_text(library)  # for the other process; here it is loaded already
+    (tmp_path / "h5py.py").write_text(library)  # for the child process; here it is loaded already
     monkeypatch.syspath_prepend(tmp_path)
-    monkeypatch.setattr("chromanoise.io.cubes.hdf5._LIMIT_S", 1.5)
-    refused(path, rf"not a readable HDF5 file \(libhdf5 {told}.*save it again")
+    refused(path, rf"not a readable HDF5 file \(its library {told}.*save it again")
 
 
 def without_end(path):
@@ -434,28 +438,10 @@ def without_end(path):
     return path
 
 
-def test_a_damaged_heap_does_not_hang_the_reader(own_process, tmp_path, monkeypatch):
-    monkeypatch.setattr("chromanoise.io.cubes.hdf5._LIMIT_S", 2.0)
+def test_a_damaged_heap_does_not_hang_the_reader(impatient, tmp_path):
     begun = time.monotonic()
     assert_cube_or_sentence(without_end(tmp_path / "a.h5"))
     assert time.monotonic() - begun < 60
-
-
-def test_the_process_that_asks_libhdf5_ends_by_itself(tmp_path):
-    """Even when the one who waits for it is killed."""
-    asked = {"what": "arrays", "path": str(without_end(tmp_path / "a.h5")), "limit_s": 1.5}
-    asked |= {"attributes": ["units"], "most": 9}
-    child = subprocess.Popen([sys.executable, "-P", hdf5_child.__file__], stdin=subprocess.PIPE,
-                             stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)  # fmt: skip
-    child.stdin.write(json.dumps(asked).encode())
-    child.stdin.close()
-    assert child.wait(timeout=60) in (0, 1, hdf5_child.FAULT)
-
-
-def test_no_second_python_is_started_by_a_program_that_is_none(own_process, tmp_path, monkeypatch):
-    path = write_redfish(tmp_path / "a.h5", numbers())
-    monkeypatch.setattr(sys, "frozen", True, raising=False)
-    refused(path, "read by a second Python, which this program cannot start; store it as ENVI")
 
 
 # without the packages
@@ -532,7 +518,8 @@ def test_a_zarr_folder_with_a_link_is_refused(tmp_path):
 @pytest.mark.parametrize("key", ["../secret.zarr/reflectance", "/../../etc", "a/../../b", ".", ""])
 def test_no_key_leads_out_of_a_zarr_folder(tmp_path, key):
     write_zarr(tmp_path / "secret.zarr")
-    refused(write_zarr(tmp_path / "a.zarr"), "has no array", key=key)
+    with refused_input(subject=str(tmp_path / "a.zarr"), setting="key"):
+        read_cube(write_zarr(tmp_path / "a.zarr"), key=key)
 
 
 def test_nothing_in_a_zarr_folder_is_unpickled(tmp_path):
@@ -627,7 +614,8 @@ def test_pages_of_other_sizes_are_refused(tmp_path):
     with tifffile.TiffWriter(tmp_path / "a.tif") as file:
         for rows in (3, 4):
             file.write(np.ones((rows, 4), "f4"), photometric="minisblack")
-    refused(tmp_path / "a.tif", "pages must be alike, but page 1", wavelengths=(400, 800))
+    with refused_input(subject=str(tmp_path / "a.tif"), where="page 1 (from 0)"):
+        read_cube(tmp_path / "a.tif", wavelengths=(400, 800))
 
 
 def test_a_cut_tiff_is_refused(tmp_path):
@@ -638,7 +626,7 @@ def test_a_cut_tiff_is_refused(tmp_path):
     whole = path.read_bytes()
     for length in (len(whole) - 10, len(whole) // 2, 20):
         path.write_bytes(whole[:length])
-        with pytest.raises(InputError, match=r"a\.tif: (not a readable TIFF|page [24] )"):
+        with refused_input(subject=str(path)):
             read_cube(path, wavelengths=(400, 800))
 
 
@@ -656,7 +644,8 @@ def test_a_folder_named_as_cave_is_31_bands_from_400_to_700_nm(tmp_path):
     cube = numbers(3, 4, 31, np.uint16) * 300
     folder = write_pngs(tmp_path / "thing_ms", cube)
     (folder / "thing_RGB.bmp").write_bytes(b"BM")
-    refused(folder, "stores integers .uint16.*--scale")
+    with refused_input(subject=str(folder), value="uint16", setting="scale"):
+        read_cube(folder)
     found = read_cube(folder, scale=1 / 65535)
     assert_holds(found, cube, np.arange(400, 701, 10))
     assert noted(found, "CAVE")
@@ -681,25 +670,32 @@ def test_faults_of_a_folder_are_told(tmp_path):
     ask = {"scale": 1 / 255, "wavelengths": (400, 700)}
     gap = write_pngs(tmp_path / "gap", cube)
     (gap / "thing_ms_03.png").unlink()
-    refused(gap, "number 4 follows 2", **ask)
+    with refused_input(subject=str(gap), value=4):
+        read_cube(gap, **ask)
     twice = write_pngs(tmp_path / "twice", cube)
     shutil.copy(twice / "thing_ms_01.png", twice / "other_1.png")
-    refused(twice, "bear the same number", **ask)
+    with refused_input(subject=str(twice), value=1):
+        read_cube(twice, **ask)
     unnamed = write_pngs(tmp_path / "unnamed", cube)
     shutil.copy(unnamed / "thing_ms_01.png", unnamed / "preview.png")
-    refused(unnamed, "bears no number", **ask)
+    with refused_input(subject=str(unnamed / "preview.png"), value="preview"):
+        read_cube(unnamed, **ask)
     color = write_pngs(tmp_path / "color", cube)
     Image.fromarray(np.zeros((3, 4, 3), np.uint8)).save(color / "thing_ms_02.png")
-    refused(color, "pixels of kind RGB", **ask)
+    with refused_input(subject=str(color / "thing_ms_02.png"), value="RGB"):
+        read_cube(color, **ask)
     mixed = write_pngs(tmp_path / "mixed", cube)
     Image.fromarray(np.zeros((4, 4), np.uint8)).save(mixed / "thing_ms_02.png")
-    refused(mixed, "all bands must be alike", **ask)
+    with refused_input(subject=str(mixed / "thing_ms_02.png"), value=(4, 4, "uint8")):
+        read_cube(mixed, **ask)
     cut = write_pngs(tmp_path / "cut", numbers(64, 64, 5, np.uint8))
     whole = (cut / "thing_ms_02.png").read_bytes()
     (cut / "thing_ms_02.png").write_bytes(whole[: len(whole) // 2])
-    refused(cut, "not a readable PNG file", **ask)
+    with refused_input(subject=str(cut / "thing_ms_02.png"), requirement="PNG"):
+        read_cube(cut, **ask)
     (tmp_path / "empty").mkdir()
-    refused(tmp_path / "empty", "is a directory, and neither", **ask)
+    with refused_input(subject=str(tmp_path / "empty")):
+        read_cube(tmp_path / "empty", **ask)
 
 
 # xarray
@@ -729,7 +725,7 @@ def test_the_unit_of_a_coordinate_makes_it_the_bands():
     array = labeled().rename(wavelength="band")
     assert_holds(cube_from_xarray(array), numbers())
     array = array.drop_vars("band")
-    with pytest.raises(InputError, match="does not declare the wavelengths"):
+    with refused_input(setting="wavelengths"):
         cube_from_xarray(array)
     assert_holds(
         cube_from_xarray(array, wavelengths=(400, 800)), numbers(), [400, 500, 600, 700, 800]
@@ -737,19 +733,19 @@ def test_the_unit_of_a_coordinate_makes_it_the_bands():
 
 
 @pytest.mark.parametrize(
-    ("array", "match"),
+    ("array", "fields"),
     [
-        (xarray.DataArray(np.ones((2, 2, 2)), dims=("a", "b", "c")), "must bear the wavelengths"),
-        (xarray.DataArray(np.ones((2, 2)), dims=("y", "wavelength")), "have three axes"),
-        (labeled().to_dataset(name="rho"), "must be an xarray.DataArray, but is a Dataset"),
-        (np.ones((2, 2, 2)), "but is a ndarray"),
-        (labeled(units="W/m2/sr/nm"), "say radiance"),
-        (labeled(dtype=np.uint16), "stores integers"),
-        (labeled() > 0, "must hold real numbers"),
+        (xarray.DataArray(np.ones((2, 2, 2)), dims=("a", "b", "c")), {"value": ("a", "b", "c")}),
+        (xarray.DataArray(np.ones((2, 2)), dims=("y", "wavelength")), {"value": (2, 2, "float64")}),
+        (labeled().to_dataset(name="rho"), {"value": "Dataset"}),
+        (np.ones((2, 2, 2)), {"value": "ndarray"}),
+        (labeled(units="W/m2/sr/nm"), {"setting": "scale"}),
+        (labeled(dtype=np.uint16), {"setting": "scale", "value": "uint16"}),
+        (labeled() > 0, {"value": (5, 3, 4, "bool")}),
     ],
 )
-def test_a_labeled_array_that_is_no_cube_is_refused(array, match):
-    with pytest.raises(InputError, match=match):
+def test_a_labeled_array_that_is_no_cube_is_refused(array, fields):
+    with refused_input(**fields):
         cube_from_xarray(array)
 
 
@@ -832,7 +828,7 @@ def test_an_altered_zarr_folder_gives_a_cube_or_one_sentence(folder, changes, k,
 
 
 @given(changes=edits, packed=st.booleans(), matlab=st.booleans())
-@settings(max_examples=6)  # each starts two processes or three
+@settings(max_examples=20)
 def test_an_altered_hdf5_file_gives_a_cube_or_one_sentence(folder, changes, packed, matlab):
     options = {"chunks": (2, 2, 2), "compression": "gzip"} if packed else {}
     if matlab:
@@ -840,6 +836,4 @@ def test_an_altered_hdf5_file_gives_a_cube_or_one_sentence(folder, changes, pack
     else:
         path = write_redfish(folder / "a.h5", numbers(), **options)
     path.write_bytes(edited(path.read_bytes(), changes))
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(hdf5, "_asked", IN_OWN_PROCESS)
-        assert_cube_or_sentence(path)
+    assert_cube_or_sentence(path)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from chromanoise import _linalg
-from chromanoise.errors import InputError
+from outcomes import refused_input
 
 ONE = ("cholesky", "eigh", "eigvalsh", "inv", "matrix_rank", "pinv", "qr", "svd")
 TWO = ("lstsq", "solve")
@@ -15,12 +15,12 @@ TWO = ("lstsq", "solve")
 def test_a_number_that_is_not_finite_is_refused_with_the_name_of_its_matrix(name, bad):
     matrix = np.array([[2.0, 0.0], [0.0, bad]])
     arrays = [matrix] if name in ONE else [np.eye(2), matrix]
-    with pytest.raises(InputError, match="the matrix of a camera: 1 of 4 numbers"):
+    with refused_input(subject="the matrix of a camera", requirement="finite"):
         getattr(_linalg, name)("the matrix of a camera", *arrays)
 
 
 def test_a_matrix_without_a_solution_is_refused_with_its_name():
-    with pytest.raises(InputError, match="a singular matrix"):
+    with refused_input(subject="a singular matrix", value=None):
         _linalg.inv("a singular matrix", np.zeros((2, 2)))
 
 

@@ -11,7 +11,7 @@ import pytest
 import chromanoise
 from chromanoise import _files
 from chromanoise._files import claimed_folder, refuse_unwritable, whole_folder
-from chromanoise.errors import InputError
+from outcomes import refused_input
 
 NEW = {"a.png": "new a", "b.png": "new b", "summary.json": "new"}
 REPLACED = {"b.png": "old b", "summary.json": "old"}
@@ -92,7 +92,7 @@ def test_files_of_the_same_name_are_replaced_and_others_stay_the_same_files(out)
 
 def test_a_folder_in_the_place_of_a_file_is_refused_and_nothing_changes(out):
     (out / "a.png").mkdir()
-    with pytest.raises(InputError, match=r"a\.png: is a folder"):
+    with refused_input(subject=str(out / "a.png"), found="is a folder"):
         written(out)
     assert tree(out.parent) == {f"o/{name}": text for name, text in OLD.items()}
 
@@ -154,7 +154,7 @@ def test_a_file_that_fails_to_move_leaves_no_summary_beside_half_of_the_files(ou
         return move(path, target)
 
     monkeypatch.setattr(Path, "replace", moved)
-    with pytest.raises(InputError, match="a disk error"):
+    with refused_input(subject=str(out), requirement="a disk error"):
         written(out)
     left = {name: text for name, text in OLD.items() if name != "summary.json"}
     assert tree(out.parent) == {f"o/{k}": v for k, v in (left | {"a.png": "new a"}).items()}
@@ -211,17 +211,17 @@ def test_a_folder_that_another_run_writes_is_refused_with_its_process(tmp_path, 
     with whole_folder(out) as scratch:
         put(scratch, NEW)
         for second in (refuse_unwritable, written):
-            with pytest.raises(InputError, match=f"process {os.getpid()} is writing into it"):
+            with refused_input(value=os.getpid()):
                 second(out)
         monkeypatch.chdir(out)
-        with pytest.raises(InputError, match=f"process {os.getpid()} is writing into it"):
+        with refused_input(value=os.getpid()):
             written(Path())
         monkeypatch.chdir(tmp_path)
     assert tree(out.parent) == {f"o/{name}": text for name, text in (OLD | NEW).items()}
     monkeypatch.chdir(out)
     with whole_folder(Path()), monkeypatch.context() as elsewhere:
         elsewhere.chdir(tmp_path)
-        with pytest.raises(InputError, match=f"process {os.getpid()} is writing into it"):
+        with refused_input(value=os.getpid()):
             written(out)
 
 

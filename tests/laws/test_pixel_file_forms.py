@@ -14,6 +14,7 @@ from chromanoise.io.pixels.photon_transfer_csv import (
     is_photon_transfer_text,
     read_photon_transfer_csv,
 )
+from outcomes import refused_input
 
 ROWS = "64,1.5\n164,51.5\n264,101.5\n364,151.5\n"
 
@@ -47,19 +48,20 @@ def test_with_its_levels_a_noise_profile_tells_the_gain_too(file):
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "where", "value"),
     [
-        ("NoiseProfile: 0.0002\n", r"S and O of each channel, but holds 1"),
-        ("a\nNoiseProfile: 0.0002 low\n", r"line 2: '0.0002 low' are no finite numbers"),
-        ("NoiseProfile: 0.0002 1e-6\nBlackLevel: 64\n", r"write both or neither"),
-        ("NoiseProfile: 2e-4 1e-6\nBlackLevel: 6 7\nWhiteLevel: 9", r"one number each"),
-        ("NoiseProfile: 2e-4 -1e-6\n", r"O of pixel.txt"),
+        ("NoiseProfile: 0.0002\n", "NoiseProfile", 1),
+        ("a\nNoiseProfile: 0.0002 low\n", "line 2", "0.0002 low"),
+        ("NoiseProfile: 0.0002 1e-6\nBlackLevel: 64\n", "WhiteLevel", None),
+        ("NoiseProfile: 2e-4 1e-6\nBlackLevel: 6 7\nWhiteLevel: 9", "BlackLevel", [6.0, 7.0]),
+        ("NoiseProfile: 2e-4 -1e-6\n", "O", -1e-6),
     ],
 )
-def test_a_noise_profile_that_is_cut_short_is_refused(file, text, told):
+def test_a_noise_profile_that_is_cut_short_is_refused(file, text, where, value):
     assert is_noise_profile_text(text)
-    with pytest.raises(InputError, match=told):
-        read_noise_profile(file(text))
+    path = file(text)
+    with refused_input(subject=str(path), where=where, value=value):
+        read_noise_profile(path)
 
 
 @pytest.mark.parametrize(
@@ -74,8 +76,9 @@ def test_a_photon_transfer_says_its_units_in_any_of_the_usual_ways(file, head):
 
 def test_a_photon_transfer_without_units_is_asked_for_them(file):
     assert is_photon_transfer_text("mean,variance")
-    with pytest.raises(InputError, match=r"line 1 names mean and variance without a unit.*mean_dn"):
-        read_photon_transfer_csv(file(f"mean,variance\n{ROWS}"))
+    path = file(f"mean,variance\n{ROWS}")
+    with refused_input(subject=str(path), where="line 1", value=["mean", "variance"]):
+        read_photon_transfer_csv(path)
 
 
 def test_a_file_of_no_known_form_is_told_all_forms_with_an_example_each():

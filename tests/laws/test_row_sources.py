@@ -11,12 +11,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from chromanoise.errors import InputError
 from chromanoise.scene import Cube, RowSource, bands_within, row_source
 from chromanoise.scene.cube import reflectance_rows
 from chromanoise.scene.file_rows import FileRows, PlaneRows
 from chromanoise.scene.rows import ArrayRows
 from chromanoise.spectra import Grid
+from outcomes import refused_input
 
 slices = st.builds(
     slice,
@@ -133,10 +133,10 @@ def test_many_threads_read_the_same_source(tmp_path):
 def test_a_file_cut_while_it_is_read_is_said(tmp_path):
     source = row_source(mapped(tmp_path / "a", np.ones((4, 3, 2)), (2, 0, 1), "<f4"))
     (tmp_path / "a").write_bytes(bytes(50))
-    with pytest.raises(InputError, match=r"ended \d+ bytes too early; it was cut short"):
+    with refused_input(subject=str(tmp_path / "a"), remedy=("copy it again",)):
         source.rows(3, 4)
     (tmp_path / "a").unlink()
-    with pytest.raises(InputError, match="cannot be read"):
+    with refused_input(subject=str(tmp_path / "a")):
         source.rows(0, 1)
 
 
@@ -144,7 +144,7 @@ def test_a_file_cut_while_it_is_read_is_said(tmp_path):
 def test_rows_beyond_the_picture_are_refused(tmp_path, start, stop):
     pixels = mapped(tmp_path / "a", np.ones((4, 3, 2)), (0, 1, 2), "<f4")
     for stored in (pixels, np.ones((4, 3, 2))):
-        with pytest.raises(InputError, match=r"rows must be START < STOP within 0 \.\. 4"):
+        with refused_input(value=(start, stop)):
             row_source(stored).rows(start, stop)
 
 
@@ -202,7 +202,7 @@ def test_a_bad_value_is_told_with_its_place_whatever_the_source(tmp_path):
     numbers[2, 1, 1] = np.nan
     source = row_source(mapped(tmp_path / "a", numbers, (2, 0, 1), "<f4"))
     cube = Cube(wavelength_nm=np.array([400.0, 500.0]), stored=source, source="test")
-    with pytest.raises(InputError, match=r"first is nan at row 2, column 1 \(from 0\), 500 nm"):
+    with refused_input(subject="test", where="row 2, column 1 (from 0), 500 nm"):
         reflectance_rows(cube, 1, 4)
 
 

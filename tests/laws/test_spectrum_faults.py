@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 from scipy.io import savemat
 
-from chromanoise.errors import InputError
+from chromanoise.errors import Setting
 from chromanoise.io.spectra import Answers, qe_of, read_curves
 from chromanoise.io.spectra.writing import spectra_csv, spectra_spdx
 from chromanoise.spectra import Spectra
+from outcomes import refused_input
 
 AT_NM = np.arange(400.0, 701.0, 10.0)
 
@@ -44,8 +45,9 @@ def test_no_straight_line_bridges_lost_values_of_matlab_unsaid(tmp_path):
 def test_a_wavelength_that_is_no_number_is_refused(tmp_path):
     at = AT_NM.copy()
     at[3] = np.nan
-    with pytest.raises(InputError, match=r"'wavelength' holds NaN"):
-        read_curves(matlab(tmp_path / "lost.mat", np.ones((at.size, 1)), at))
+    path = matlab(tmp_path / "lost.mat", np.ones((at.size, 1)), at)
+    with refused_input(subject=str(path), where="array 'wavelength'"):
+        read_curves(path)
 
 
 def test_square_data_say_which_axis_was_taken(tmp_path):
@@ -61,16 +63,17 @@ def test_empty_cells_are_said_with_their_curve_and_range(file):
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "where", "value"),
     [
-        ("nm,R,G\n400,.1,.2\n500,.2\n600,.3,.4,.5\n", r"line 4 has 4 cells, the heading has 3"),
-        ("nm,R\n400,.1\n-400,.2\n500,.1\n", r"line 3: a wavelength must be > 0, but is -400"),
-        ("X,Y\n400,.1\n500,.2\n0,.2\n", r"line 4: a wavelength must be > 0, but is 0"),
+        ("nm,R,G\n400,.1,.2\n500,.2\n600,.3,.4,.5\n", "line 4", 4),
+        ("nm,R\n400,.1\n-400,.2\n500,.1\n", "line 3", -400.0),
+        ("X,Y\n400,.1\n500,.2\n0,.2\n", "line 4", 0.0),
     ],
 )
-def test_a_row_that_does_not_fit_is_named_by_its_line(file, text, told):
-    with pytest.raises(InputError, match=told):
-        read_curves(file(text))
+def test_a_row_that_does_not_fit_is_named_by_its_line(file, text, where, value):
+    path = file(text)
+    with refused_input(subject=str(path), where=where, value=value):
+        read_curves(path)
 
 
 def test_one_ragged_row_has_and_two_have(file):
@@ -130,9 +133,14 @@ def test_csv_of_ours_keeps_source_notes_and_how_light_is_counted(file):
 
 def test_a_sensor_that_says_nothing_is_asked_all_in_one_sentence(file):
     path = file("nm,R,G\n400,.1,.2\n700,.3,.1\n")
-    both = r"--energy or --photons, and --absolute or --relative"
-    with pytest.raises(InputError, match=both):
+    with refused_input(subject=str(path)) as caught:
         qe_of(read_curves(path), Answers())
+    per, level = caught.value.remedy
+    assert per == Setting("per", ("energy", "photon"))
+    assert level == Setting("level", ("absolute", "relative"))
+    # both must be answered: joined by "and", in whatever words a shell has for them
+    assert str(caught.value).endswith(f"; {per}, and {level}")
+    assert caught.value.sentence(render=lambda one: one.name).endswith("; per, and level")
     said = Answers(per="photon", level="absolute")
     notes = qe_of(read_curves(path, answers=said), said).notes
     assert not any("say" in note or "taken as absolute" in note for note in notes)

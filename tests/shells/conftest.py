@@ -2,18 +2,28 @@
 
 import pytest
 
-from chromanoise.cli import main
+from chromanoise.cli import entry, main
+from chromanoise.errors import InputError, errors_in
+from outcomes import Outcome
 
 
 @pytest.fixture
-def run(capsys):
-    """Run the command line; give back (exit code, standard output, standard error)."""
+def run(capsys, monkeypatch):
+    """Run the command line; give back its `Outcome`."""
+    ended, sentence = [], entry._sentence
+
+    def recorded(error, command):
+        ended.extend(errors_in(error) if isinstance(error, InputError) else ())
+        return sentence(error, command)
+
+    monkeypatch.setattr(entry, "_sentence", recorded)
 
     def call(*arguments):
+        ended.clear()
         with pytest.raises(SystemExit) as stop:
             main([str(argument) for argument in arguments])
-        told = capsys.readouterr()
-        return stop.value.code, told.out, told.err
+        text = capsys.readouterr()
+        return Outcome(stop.value.code, text.out, text.err, errors=tuple(ended))
 
     return call
 

@@ -99,12 +99,12 @@ def test_json_and_markdown_go_to_files_whole(run, tmp_path):
     assert "ircut-schott" in out
     assert len(json.loads(goal.read_text())["entries"]) == 4
     assert page.read_text().startswith("# The catalogue")
-    refused(run("catalog", "--json", "-", "--markdown", "-"), "name a file")
+    refused(run("catalog", "--json", "-", "--markdown", "-"), "--json", "--markdown")
 
 
 def test_what_is_not_in_the_catalogue_is_refused_with_the_nearest_name(run):
-    refused(run("catalog", "mt9v024"), "did you mean", "mt9v024-rgbw")
-    refused(run("catalog", "sensors", "--folder", "nowhere"), "nowhere: is no folder")
+    refused(run("catalog", "mt9v024"), "mt9v024-rgbw", value="mt9v024")
+    refused(run("catalog", "sensors", "--folder", "nowhere"), "nowhere")
 
 
 def test_devices_answer_through_every_command_and_ask_through_its_options(run):
@@ -112,9 +112,9 @@ def test_devices_answer_through_every_command_and_ask_through_its_options(run):
     assert (code, err) == (0, "")
     assert "G exceeds W" in out
     assert "stands in for full_well_e, read_noise_e" in out
-    refused(run("analyze", "mt9m131"), "400-1000 nm only", "--beyond")
-    refused(run("analyze", "ar0132at-rgbw"), "--peak-qe")
-    refused(run("analyze", "nikon-d5100"), "--energy or --photons")
+    refused(run("analyze", "mt9m131"), "1000 nm", "--beyond", setting="sensors.0.name")
+    refused(run("analyze", "ar0132at-rgbw"), "--peak-qe", setting="sensors.0.name")
+    refused(run("analyze", "nikon-d5100"), "--energy", "--photons", setting="sensors.0.name")
     code, out, err = run(
         "analyze", "nikon-d5100", "--energy", "--peak-qe", "0.5", "--beyond", "zero", "--json", "-"
     )
@@ -191,42 +191,47 @@ def test_a_lamp_of_a_file_can_have_a_diode_beside_it(folder):
 
 
 def test_a_word_of_another_kind_is_refused(folder, run):
-    refused(run("analyze", "my-lamp"), "my-lamp is a table of kind illuminant", "a sensor is asked")
-    refused(run("analyze", "my-camra"), "did you mean my-camera")
+    lamp = run("analyze", "my-lamp")
+    refused(lamp, "my-lamp", "illuminant", "sensor", setting="sensors.0.name")
+    refused(run("analyze", "my-camra"), "my-camera", setting="sensors.0.name")
 
 
 @pytest.mark.parametrize(
     ("sources", "files", "parts"),
     [
-        (SENSOR, {}, ["[my-camera]", "my-camera.csv is not beside it"]),
-        ("", {"stray.csv": LAMP_CSV}, ["stray.csv: has no provenance", "[stray]"]),
-        (SENSOR.replace('source = "made up for this test"\n', ""), {}, ["[my-camera]", "source"]),
-        (SENSOR.replace('license = "CC0-1.0"', 'license = " "'), {}, ["license in words"]),
-        (SENSOR.replace("license", "licence"), {}, ["unknown key", "'licence'", "license?"]),
-        (SENSOR.replace('"absolute"', '"abs"'), {}, ["level in", "[my-camera]", "absolute"]),
-        (SENSOR.replace("my-camera", "onyx-rgbw"), {"onyx-rgbw.csv": CAMERA_CSV}, ["built in"]),
-        (LAMP.replace("my-lamp", "D65"), {"D65.csv": LAMP_CSV}, ["D65 is built in already"]),
-        (LAMP.replace("my-lamp", "3200K"), {"3200K.csv": LAMP_CSV}, ["3200K is built in"]),
-        (LAMP.replace('per = "photon"', ""), {"my-lamp.csv": LAMP_CSV}, ["how it counts light"]),
-        (SENSOR.replace("[my-camera]", '["../my-camera"]'), {}, ["letters, digits"]),
-        (SENSOR.replace("[my-camera]", '["/etc/passwd"]'), {}, ["letters, digits"]),
-        (SENSOR.replace("[my-camera]", '["a.b"]'), {}, ["letters, digits"]),
-        (SENSOR.replace('kind = "sensor"', 'kind = "scene"'), {}, ["kind in", "scene"]),
-        ("[my-camera\nkind=1", {}, ["SOURCES.toml: is no TOML", "line 1"]),
-        ("a = 1\n" + SENSOR, {}, ["a stands outside of a section"]),
-        (SENSOR.replace("2.5", '"2.5"'), {}, ["pitch_um must be a number"]),
-        (SENSOR.replace("2.5", "-2.5"), {"my-camera.csv": CAMERA_CSV}, ["pitch_um", "> 0"]),
-        (SENSOR.replace(', source = "this test"', ""), {}, ["pixel of my-camera needs a source"]),
-        (SENSOR.replace("bayer", "RG/G"), {"my-camera.csv": CAMERA_CSV}, ["mosaic rows"]),
-        (SENSOR.replace('"bayer"', "3"), {}, ["[my-camera]", "mosaic must be text", "3"]),
-        (SENSOR + 'per = "energy"\n', {}, ["QE is per photon", "per says energy"]),
-        (RESPONSE + 'per = "energy"\n', {}, ["absolute response is in A/W", "V/(lx s)"]),
-        (RESPONSE.replace("V/(lx s)", "A/W") + 'per = "photon"\n', {}, ["A/W is per energy"]),
-        (RESPONSE.replace("V/(lx s)", "e-/photon") + 'per = "energy"\n', {}, ["e-/photon is per"]),
-        (SENSOR, {"my-camera.csv": CAMERA_CSV.replace("0.6", "x")}, ["line 3, column R"]),
-        (SENSOR, {"my-camera.csv": CAMERA_CSV.replace("0.6", "1.6")}, ["1.6", "column R"]),
-        (SENSOR, {"my-camera.csv": CAMERA_CSV.replace("R,G", "X,G")}, ["mosaic channel"]),
-        ("x = " + "[" * 5000, {}, ["is no TOML"]),
+        (SENSOR, {}, ["SOURCES.toml", "my-camera", "my-camera.csv"]),
+        ("", {"stray.csv": LAMP_CSV}, ["stray.csv", "[stray]"]),
+        (SENSOR.replace('source = "made up for this test"\n', ""), {}, ["my-camera", "source"]),
+        (SENSOR.replace('license = "CC0-1.0"', 'license = " "'), {}, ["my-camera", "license"]),
+        (SENSOR.replace("license", "licence"), {}, ["'licence'", "license"]),
+        (SENSOR.replace('"absolute"', '"abs"'), {}, ["level", "my-camera", "'abs'", "absolute"]),
+        (SENSOR.replace("my-camera", "onyx-rgbw"), {"onyx-rgbw.csv": CAMERA_CSV}, ["onyx-rgbw"]),
+        (LAMP.replace("my-lamp", "D65"), {"D65.csv": LAMP_CSV}, ["D65.csv"]),
+        (LAMP.replace("my-lamp", "3200K"), {"3200K.csv": LAMP_CSV}, ["3200K.csv"]),
+        (
+            LAMP.replace('per = "photon"', ""),
+            {"my-lamp.csv": LAMP_CSV},
+            ["my-lamp", "per", "energy", "photon"],
+        ),
+        (SENSOR.replace("[my-camera]", '["../my-camera"]'), {}, ["../my-camera"]),
+        (SENSOR.replace("[my-camera]", '["/etc/passwd"]'), {}, ["/etc/passwd"]),
+        (SENSOR.replace("[my-camera]", '["a.b"]'), {}, ["a.b"]),
+        (SENSOR.replace('kind = "sensor"', 'kind = "scene"'), {}, ["kind", "'scene'"]),
+        ("[my-camera\nkind=1", {}, ["SOURCES.toml", "line 1"]),
+        ("a = 1\n" + SENSOR, {}, ["SOURCES.toml", "a"]),
+        (SENSOR.replace("2.5", '"2.5"'), {}, ["my-camera", "pitch_um", "'2.5'"]),
+        (SENSOR.replace("2.5", "-2.5"), {"my-camera.csv": CAMERA_CSV}, ["pitch_um", "-2.5"]),
+        (SENSOR.replace(', source = "this test"', ""), {}, ["my-camera", "pixel", "source"]),
+        (SENSOR.replace("bayer", "RG/G"), {"my-camera.csv": CAMERA_CSV}, ["mosaic", "row 1"]),
+        (SENSOR.replace('"bayer"', "3"), {}, ["my-camera", "mosaic", "3"]),
+        (SENSOR + 'per = "energy"\n', {}, ["my-camera", "QE", "energy"]),
+        (RESPONSE + 'per = "energy"\n', {}, ["my-camera", "A/W", "V/(lx s)"]),
+        (RESPONSE.replace("V/(lx s)", "A/W") + 'per = "photon"\n', {}, ["my-camera", "A/W"]),
+        (RESPONSE.replace("V/(lx s)", "e-/photon") + 'per = "energy"\n', {}, ["e-/photon"]),
+        (SENSOR, {"my-camera.csv": CAMERA_CSV.replace("0.6", "x")}, ["line 3", "R", "'x'"]),
+        (SENSOR, {"my-camera.csv": CAMERA_CSV.replace("0.6", "1.6")}, ["my-camera", "1.6", "R"]),
+        (SENSOR, {"my-camera.csv": CAMERA_CSV.replace("R,G", "X,G")}, ["my-camera", "'R'", "X, G"]),
+        ("x = " + "[" * 5000, {}, ["SOURCES.toml"]),
     ],
 )
 def test_a_fault_of_the_users_folder_is_one_sentence_with_its_file(
@@ -245,8 +250,8 @@ def test_a_fault_of_the_folder_is_told_even_where_a_built_in_name_is_asked_for(
     (tmp_path / "stray.csv").write_text(LAMP_CSV)
     (tmp_path / "SOURCES.toml").write_text("")
     monkeypatch.setenv("CHROMANOISE_CATALOG", str(tmp_path))
-    refused(run("analyze", "onyx-rgbw"), "stray.csv: has no provenance")
-    refused(run("catalog"), "stray.csv: has no provenance")
+    refused(run("analyze", "onyx-rgbw"), "stray.csv")
+    refused(run("catalog"), "stray.csv")
 
 
 def test_a_table_that_leads_out_of_its_folder_is_refused(tmp_path, monkeypatch):
@@ -256,16 +261,16 @@ def test_a_table_that_leads_out_of_its_folder_is_refused(tmp_path, monkeypatch):
     (inside / "my-camera.csv").symlink_to(outside)
     (inside / "SOURCES.toml").write_text(SENSOR)
     monkeypatch.setenv("CHROMANOISE_CATALOG", str(inside))
-    with pytest.raises(InputError, match="leads out of its folder"):
+    with pytest.raises(InputError, match="my-camera"):
         sensor_of_word("my-camera")
 
 
 def test_a_folder_without_sources_or_in_another_encoding_is_refused(tmp_path, monkeypatch):
     monkeypatch.setenv("CHROMANOISE_CATALOG", str(tmp_path))
-    with pytest.raises(InputError, match=r"SOURCES\.toml: cannot be read"):
+    with pytest.raises(InputError, match=r"SOURCES\.toml"):
         sensor_of_word("onyx-rgbw")
     (tmp_path / "SOURCES.toml").write_bytes(b"\xff\xfe\x00")
-    with pytest.raises(InputError, match="not a UTF-8 text file"):
+    with pytest.raises(InputError, match=r"SOURCES\.toml"):
         sensor_of_word("onyx-rgbw")
 
 
@@ -276,7 +281,7 @@ def test_the_option_takes_the_place_of_the_environment(run, folder, tmp_path_fac
     code, out, err = run("catalog", "my-lamp", "--folder", other)
     assert (code, err) == (0, "")
     assert str(other / "my-lamp.csv") in out
-    refused(run("catalog", "my-camera", "--folder", other), "unknown entry")
+    refused(run("catalog", "my-camera", "--folder", other), value="my-camera")
 
 
 def test_a_response_in_amperes_per_watt_is_the_qe_that_it_stands_for(tmp_path, monkeypatch):
@@ -307,7 +312,8 @@ def test_the_same_folder_elsewhere_gives_the_same_hash(folder, tmp_path_factory,
 
 @pytest.mark.parametrize("word", ["0K", "LED0", "LED500/0"])
 def test_a_light_of_nothing_is_refused_by_its_name(run, word):
-    refused(run("analyze", "onyx-rgbw", "--illuminant", word), f"illuminant {word} must be", "> 0")
+    outcome = run("analyze", "onyx-rgbw", "--illuminant", word)
+    refused(outcome, word, setting="light.illuminant", value=0.0)
 
 
 @pytest.mark.parametrize(

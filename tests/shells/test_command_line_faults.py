@@ -82,7 +82,7 @@ def test_without_arguments_the_help_is_printed(run):
 )
 def test_an_empty_word_is_refused(run, here, words):
     before = words[-2] if words[-1] == "" else words[-1].rstrip("=")
-    refused(run(*words), before, "empty")
+    refused(run(*words), before)
     assert list(here.iterdir()) == []
 
 
@@ -118,15 +118,16 @@ def test_a_channel_with_almost_no_electrons_is_refused_before_a_matrix_is_solved
     (here / "tiny.csv").write_text(TOO_FAINT)
     lens = ("--f-number", 54734.5, "--pitch-um", 0.0132912)
     light = ("--lux", 0.01, "--time-ms", 81125.6)
-    refused(run("analyze", "tiny.csv", "--matrix", "lmmse", *light, *lens), "tiny", "channel R")
+    refused(run("analyze", "tiny.csv", "--matrix", "lmmse", *light, *lens), "tiny", "R")
 
 
 @pytest.mark.parametrize("name", ["ridge=1e308", "noise-regularized=1e16", "ridge=-1", "ridge=nan"])
 def test_a_parameter_of_a_matrix_beyond_its_bounds_is_refused_by_all_shells(run, here, name):
     method, _, value = name.partition("=")
-    refused(run("analyze", "onyx-rgb", "--matrix", name), method, f"{float(value):g}")
+    parts = (method, f"{float(value):g}")
+    refused(run("analyze", "onyx-rgb", "--matrix", name), *parts, setting="matrices.0")
     (here / "s.toml").write_text(f'matrices = ["{name}"]\n[[sensors]]\nname = "onyx-rgb"\n')
-    refused(run("run", "s.toml"), "s.toml:1", method, f"{float(value):g}")
+    refused(run("run", "s.toml"), "s.toml:1", *parts, setting="matrices.0")
 
 
 @pytest.mark.parametrize(
@@ -143,9 +144,7 @@ def test_a_parameter_of_a_matrix_beyond_its_bounds_is_refused_by_all_shells(run,
 def test_a_loop_of_links_is_refused_and_not_changed(run, here, words):
     (here / "s.toml").write_text('[[sensors]]\nname = "onyx-rgb"\n')
     (here / "loop.csv").symlink_to("loop.csv")
-    code, _, err = run(*words)
-    assert (code, err.count("\n")) == (2, 1)
-    assert "loop.csv" in err
+    refused(run(*words), "loop.csv")
     assert (here / "loop.csv").is_symlink()
 
 
@@ -161,7 +160,7 @@ def test_pictures_without_compiled_kernels_are_refused(run, monkeypatch):
 
 
 def test_the_message_for_a_full_disk_names_the_file(run, here):
-    refused(run("analyze", "onyx-rgb", "--json", "/dev/full"), "/dev/full", "No space left")
+    refused(run("analyze", "onyx-rgb", "--json", "/dev/full"), "/dev/full")
     full = OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))  # as a write raises it, without a name
     goal = Path("pictures")
     with pytest.raises(InputError, match=r"^pictures: .*No space left"), whole_folder(goal):
@@ -182,13 +181,14 @@ def test_an_impossible_number_of_draws_is_refused(run, draws):
 
 def test_more_sensors_than_a_run_takes_are_refused_by_all_shells(run, here):
     (here / "s.toml").write_text('[[sensors]]\nname = "onyx-rgb"\n' * 1001)
-    refused(run("run", "s.toml"), "s.toml:1: sensors", "1000", "1001")
-    refused(run("analyze", *["onyx-rgb"] * 1001), "1000", "1001")
+    refused(run("run", "s.toml"), "s.toml:1: sensors", "1000", setting="sensors", value=1001)
+    many = ["onyx-rgb"] * 1001
+    refused(run("analyze", *many), "SENSOR", "1000", setting="sensors", value=1001)
 
 
 def test_an_overflow_during_a_computation_is_refused(run, monkeypatch):
     monkeypatch.setattr(main.commands, "main", lambda **_: np.array([1e308]) * 10)
-    refused(run("catalog"), "double precision", "overflow")
+    refused(run("catalog"), "overflow")
 
 
 def test_a_stop_that_a_library_turns_into_another_exception_is_a_stop(run, monkeypatch):
@@ -211,7 +211,7 @@ def test_a_local_cluster_whose_workers_end_at_once_is_refused(run, monkeypatch):
 
     monkeypatch.setattr(distributed, "LocalCluster", fails)
     words = ("simulate", "builtin:checker", "--sensor", "onyx-rgb", "--scheduler", "local")
-    refused(run(*words), "worker")
+    refused(run(*words))
 
 
 @pytest.mark.parametrize(

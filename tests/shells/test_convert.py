@@ -97,22 +97,22 @@ def test_a_date_makes_the_bytes_the_same_on_every_day(done, here):
 @pytest.mark.parametrize(
     ("arguments", "parts"),
     [
-        (("cam.csv", "cam.csv"), ("OUT cam.csv", "is the file that is read")),
-        (("cam.csv", "./cam.csv"), ("is the file that is read",)),
+        (("cam.csv", "cam.csv"), ("OUT", "cam.csv")),
+        (("cam.csv", "./cam.csv"), ("OUT", "cam.csv")),
         (("cam.csv", "x.xlsx"), (".csv, .json, .spdx",)),
         (("cam.csv", "x.csv", "--as", "rawtoaces"), ("--as rawtoaces", ".json")),
-        (("cam.csv", "x.json", "--as", "rawtoaces"), ("--energy or --photons",)),
-        (("cam.csv", "x.spdx"), ("2 curves (A, B)", "--column")),
+        (("cam.csv", "x.json", "--as", "rawtoaces"), ("cam.csv", "--energy", "--photons")),
+        (("cam.csv", "x.spdx"), ("cam.csv", "A, B", "--column")),
         (("cam.csv", "x.spdx", "--column", "C"), ("'C'",)),
         (("cam.csv", "x.spdx", "--column", "A", "--created", "soon"), ("--created", "2026-01-31")),
-        (("nowhere.csv", "x.json"), ("nowhere.csv", "cannot be read")),
-        (("nowhere.json", "x.csv"), ("nowhere.json", "cannot be read")),
+        (("nowhere.csv", "x.json"), ("nowhere.csv",)),
+        (("nowhere.json", "x.csv"), ("nowhere.json",)),
         (("onyx", "x.json"), ("onyx-rgb",)),
-        (("onyx-rgbw", "x.json", "--column", "R"), ("--column", "keeps all")),
-        (("old.json", "x.csv"), ("schema_version must be 1, but is 9",)),
+        (("onyx-rgbw", "x.json", "--column", "R"), ("--column",)),
+        (("old.json", "x.csv"), ("old.json", "schema_version", "9")),
         (("ar0132at-rgbw", "x.csv"), ("ar0132at-rgbw", "--peak-qe")),
-        (("onyx-rgbw", "x.csv", "--peak-qe", 0.3), ("--peak-qe: nothing of onyx-rgbw asks",)),
-        (("onyx-rgbw", "x.csv", "--quantity", "QE"), ("--quantity", "onyx-rgbw says what it is")),
+        (("onyx-rgbw", "x.csv", "--peak-qe", 0.3), ("--peak-qe", "onyx-rgbw")),
+        (("onyx-rgbw", "x.csv", "--quantity", "QE"), ("--quantity", "onyx-rgbw")),
     ],
 )
 def test_what_cannot_be_converted_is_one_sentence_and_writes_nothing(run, here, arguments, parts):
@@ -156,7 +156,7 @@ def test_the_ending_decides_the_form_and_is_refused_before_the_work(run, done, h
         assert (here / f"t{ending}").read_text().startswith(begin)
     refused(run(command, "nothing", *few, "--table", "t.pdf"), "t.pdf", ".csv, .json, .md, .tex")
     (here / "cam.csv").write_text("mine")
-    refused(run(command, "cam.csv", *few, "--table", "cam.csv"), "is the file that is read")
+    refused(run(command, "cam.csv", *few, "--table", "cam.csv"), "--table", "cam.csv")
     assert (here / "cam.csv").read_text() == "mine"
 
 
@@ -226,10 +226,10 @@ def test_a_number_that_is_given_wins_over_the_file_and_the_note_says_so(done, he
 @pytest.mark.parametrize(
     ("text", "parts"),
     [
-        ('{"noiseprofiles": []}', ("darktable", "relative", "read_noise_e")),
-        ("quantum efficiency = 60 %", ("neither pitch nor full well nor read noise",)),
+        ('{"noiseprofiles": []}', ("p.txt", "darktable", "--read-noise-e")),
+        ("quantum efficiency = 60 %", ("p.txt", "pitch", "full well", "read noise")),
         ("nonsense", ("p.txt", "EMVA 1288")),
-        ("mean_dn,variance_dn2\n1,x", ("p.txt", "line 2")),
+        ("mean_dn,variance_dn2\n1,x", ("p.txt", "line 2", "'x'")),
     ],
 )
 def test_a_file_that_makes_no_pixel_is_refused_with_what_to_do(run, here, text, parts):
@@ -243,7 +243,7 @@ def test_every_command_that_takes_sensors_takes_the_pixel_of_a_file_and_never_ov
     (here / "p.json").write_text('{"sigma_d": {"value": 3, "unit": "e-"}}')
     for asked in (("matrix", "onyx-rgb"), ("compare", "onyx-rgb", "--points", 2)):
         done(*asked, "--pixel", "p.json")
-        refused(run(*asked, "--pixel", "p.json", "--json", "p.json"), "is the file that is read")
+        refused(run(*asked, "--pixel", "p.json", "--json", "p.json"), "--json", "p.json")
     done("simulate", "builtin:checker", "--sensor", "onyx-rgb", "--pixel", "p.json", "-o", "o")
     assert PAPER_PIXEL.read_noise_e == 10  # so that 3 is the file's
     told = json.loads((here / "o" / "summary.json").read_text())["pictures"][0]

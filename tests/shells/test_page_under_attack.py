@@ -24,6 +24,7 @@ import tifffile
 
 from attack_page import _tree, attacked, memory_bytes
 from attack_questions import BOMBS, FILES, damaged
+from chromanoise import _sandbox
 from chromanoise.errors import InputError
 from chromanoise.io.mat5 import mat_array
 from chromanoise.page import asked, processes, work, worker
@@ -364,7 +365,7 @@ def test_a_limit_of_the_processor_that_several_threads_reach_is_said_to_be_one_o
     long = work.JOBS | {"previewed": replace(work.JOBS["previewed"], cpu_s=1, limit_s=60.0)}
     monkeypatch.setattr(work, "JOBS", long)
     # what the server sees where threads use a second of the processor in less than a second
-    for code in (-signal.SIGXCPU, processes.WATCHDOG):
+    for code in (-signal.SIGXCPU, _sandbox.WATCHDOG):
         ended = processes.ProcessEndedError(0.6, has_begun=True, exit_code=code)
         assert "longer than 1 s" in str(work._stopped(work.JOBS["previewed"], ended, LANE))
 
@@ -451,9 +452,9 @@ def test_an_error_outside_of_an_answer_is_written_out_with_an_exit_code(capfd):
     for served_one in (fails, lacks, lambda: None):
         child = os.fork()
         if child == 0:
-            worker._exit_after(served_one)
+            _sandbox.exit_after(served_one)
         codes.append(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))
-    assert codes == [processes.FAILED, processes.NO_MEMORY, 0]
+    assert codes == [_sandbox.FAILED, _sandbox.NO_MEMORY, 0]
     assert "KeyError: 'lost'" in capfd.readouterr().err
 
 

@@ -46,36 +46,34 @@ prnu = "x"
 
 def test_all_faults_of_a_study_are_told_at_once_each_at_its_line(run, here):
     (here / "s.toml").write_text(WRONG)
-    code, _, err = run("run", "s.toml", "--out", "out")
-    assert code == 2
-    for start in (
-        "s.toml:2: sensors.0.name: unknown sensor 'onix-rgbw'; did you mean onyx-rgbw",
-        "s.toml:6: sensors.2.name: 'onyx-rgbw' stands twice",
-        "s.toml:8: light.illuminant: relative power of CIE illuminant D65 is given on 300-780 nm",
-        "s.toml:9: light.level_lux: level_lux must be 1e-15 to 1e+15 [lx]",
-        "s.toml:11: pictures.0.mosaic: unknown mosaic",
-        "s.toml:13: pictures.1.mosaic: channel W of onyx-rgbw sits over no pixel",
-        "s.toml:14: pictures.1.prnu: input should be a valid number",
-    ):
-        assert start in err
-    assert '(light.beyond = "zero" or "hold")' in err
-    assert "--" not in err
+    outcome = run("run", "s.toml", "--out", "out")
+    for line, key in [
+        (2, "sensors.0.name"),
+        (6, "sensors.2.name"),
+        (8, "light.illuminant"),
+        (9, "light.level_lux"),
+        (11, "pictures.0.mosaic"),
+        (13, "pictures.1.mosaic"),
+        (14, "pictures.1.prnu"),
+    ]:
+        refused(outcome, f"chromanoise: s.toml:{line}: {key}: ", setting=key)
+    refused(outcome, "'onix-rgbw'", "onyx-rgbw", "300-780 nm", "1e+300", "channel W")
     assert not (here / "out").exists()
 
 
 def test_a_study_is_no_output_and_says_which_command_takes_it(run, made):
-    refused(run("rerun", "s.toml", "--out", "again"), "is a study", "chromanoise run s.toml")
+    refused(run("rerun", "s.toml", "--out", "again"), "chromanoise run s.toml")
 
 
 def test_an_input_that_changed_is_named(run, made):
     (made / "cam.csv").write_text(CAMERA.format(end=0.4))
     for command in (("rerun", "out", "--out", "again"), ("run", "s.toml", "--out", "out")):
-        refused(run(*command), "cam.csv has changed since")
+        refused(run(*command), "cam.csv")
 
 
 def test_an_input_that_is_gone_is_named(run, made):
     (made / "cam.csv").unlink()
-    refused(run("rerun", "out", "--out", "again"), "cam.csv is there no longer")
+    refused(run("rerun", "out", "--out", "again"), "cam.csv")
 
 
 def test_a_catalogue_folder_that_is_missing_is_asked_for(run, made, monkeypatch):
@@ -91,7 +89,7 @@ def test_a_catalogue_folder_that_is_missing_is_asked_for(run, made, monkeypatch)
     code, _, err = run("run", "s.toml", "--out", "shed")
     assert code == 0, err
     monkeypatch.delenv("CHROMANOISE_CATALOG")
-    refused(run("rerun", "shed", "--out", "again"), "unknown 'shed'; set CHROMANOISE_CATALOG")
+    refused(run("rerun", "shed", "--out", "again"), "shed", "CHROMANOISE_CATALOG")
 
 
 def test_a_result_that_was_changed_is_computed_anew_and_said(run, made):
@@ -102,7 +100,7 @@ def test_a_result_that_was_changed_is_computed_anew_and_said(run, made):
     file.write_text(json.dumps(told, indent=1) + "\n")
     code, _, err = run("run", "s.toml", "--out", "out")
     assert code == 0
-    assert "its file was changed or truncated" in err
+    assert "kernel" in err
     assert file.read_bytes() == right
     file.write_bytes(right[:100])
     assert run("run", "s.toml", "--out", "out")[0] == 0
@@ -123,7 +121,7 @@ def test_csv_json_and_csv_again_keeps_source_and_notes(run, here):
 
 def test_no_result_takes_the_place_of_another(run, here):
     both = ("--json", "zz.json", "--table", "./zz.json")
-    refused(run("analyze", "onyx-rgbw", *both), "zz.json", "is the file of --json too")
+    refused(run("analyze", "onyx-rgbw", *both), "--table", "zz.json", "--json")
     assert not (here / "zz.json").exists()
 
 
@@ -172,11 +170,11 @@ def test_a_pixel_of_the_catalogue_is_one_that_could_be(run, here, monkeypatch):
         'pixel = { pitch_um = -3, source = "a guess" }\n'
     )
     monkeypatch.setenv("CHROMANOISE_CATALOG", str(here))
-    refused(run("catalog", "shed"), "pitch_um", "> 0", "-3")
+    refused(run("catalog", "shed"), "SOURCES.toml", "shed", "pitch_um", value=-3.0)
 
 
 def test_a_missing_envi_header_is_named_once(run, here):
     (here / "passwd").write_text("no picture")
-    code, _, err = run("simulate", "passwd", "--sensor", "onyx-rgb", "--out", "o")
-    assert code == 2
-    assert err.count("passwd.hdr") == 1
+    outcome = run("simulate", "passwd", "--sensor", "onyx-rgb", "--out", "o")
+    refused(outcome, setting="pictures.0.cube")
+    assert outcome[2].count("passwd.hdr") == 1

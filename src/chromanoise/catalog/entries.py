@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from chromanoise import _check
+from chromanoise.catalog.names import unknown_name
 from chromanoise.catalog.sensors import SENSOR_NAMES, sensor_named
 from chromanoise.errors import InputError
 from chromanoise.io.spectra import power_of_photons
@@ -108,7 +109,21 @@ def catalog_entry(name: str, *, folder: Path | None = None) -> Entry:
         pattern = entry.provenance.pattern
         if pattern and re.fullmatch(pattern, name):
             return entry
-    return entries[_check.one_of("entry of the catalogue", name, [*KINDS, *entries])]
+    if name in KINDS:
+        raise InputError("entry", "must be one entry, not a kind", value=name)
+    raise unknown_name("entry", name, [*KINDS, *entries])
+
+
+def catalog_names(kind: str, *, folder: Path | None = None) -> tuple[str, ...]:
+    """The names of one kind (``illuminant``), a user's own last; families as ``<T>K``.
+
+    Raises
+    ------
+    InputError
+        As `own_tables`.
+    """
+    own = [table.provenance for table in own_tables(folder).values()]
+    return tuple(told.name for told in (*_provenances(), *own) if told.kind == kind)
 
 
 def own_tables(folder: Path | None) -> Mapping[str, UserTable]:
@@ -126,7 +141,11 @@ def own_tables(folder: Path | None) -> Mapping[str, UserTable]:
     for name, table in tables.items():
         if name in names or any(re.fullmatch(pattern, name) for pattern in patterns):
             raise InputError(
-                f"{table.path}: {name} is built in already; give the table another name"
+                str(table.path),
+                "must not have the name of a built-in entry",
+                value=name,
+                found=f"{name!r} is one",
+                remedy="give the table another name",
             )
     return tables
 
@@ -141,10 +160,8 @@ def own_table(name: str, kind: str) -> UserTable | None:
     """
     table = own_tables(catalog_folder()).get(name)
     if table is not None and table.provenance.kind != kind:
-        raise InputError(
-            f"{name} is a table of kind {table.provenance.kind} in {table.path.parent}, "
-            f"but a {kind} is asked for"
-        )
+        found = f"{name!r} is a table of kind {table.provenance.kind} in {table.path.parent}"
+        raise InputError(kind, f"must be of kind {kind}", value=name, found=found)
     return table
 
 

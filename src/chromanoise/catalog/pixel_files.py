@@ -14,7 +14,7 @@ from chromanoise.catalog.resolve import (
     is_file_word,
     sensor_of_word,
 )
-from chromanoise.errors import InputError
+from chromanoise.errors import InputError, Setting
 from chromanoise.io.pixels import (
     read_emva_sheet,
     read_noise_profile,
@@ -24,9 +24,13 @@ from chromanoise.io.pixels.noise_profile import (
     is_noise_profile_text,
 )
 from chromanoise.io.pixels.photon_transfer_csv import is_photon_transfer_text
-from chromanoise.io.pixels.source_text import source_json, source_text
+from chromanoise.io.pixels.source_text import (
+    about,
+    errors_in_file,
+    source_json,
+    source_text,
+)
 from chromanoise.io.spectra import ASK, Answers, read_curves
-from chromanoise.io.spectra.own_json import named
 from chromanoise.io.spectra_json import sensor_from_json
 from chromanoise.sensor import (
     Converter,
@@ -56,10 +60,8 @@ def read_pixel_source(path: Path | str) -> PixelSource:
         As the reader of its kind, or if the file is darktable's, which is relative only.
     """
     path = Path(path)
-    try:
+    with errors_in_file(path):
         return _source(path, source_text(path))
-    except InputError as error:
-        raise named(error, path.name) from None
 
 
 def _source(path: Path, text: str) -> PixelSource:
@@ -67,8 +69,10 @@ def _source(path: Path, text: str) -> PixelSource:
         held = source_json(text, str(path))
         if "noiseprofiles" in held:
             raise InputError(
-                f"{path}: darktable's noise profiles are relative and make no pixel; name a data "
-                "sheet or a photon transfer, or say --read-noise-e (read_noise_e in a study)"
+                str(path),
+                "must give electrons to be a pixel",
+                found="holds the noise profiles of darktable, which are relative",
+                remedy=("give a data sheet or a photon transfer", Setting("read_noise_e")),
             )
         return read_noise_profile(path) if {"S", "O"} <= set(held) else read_emva_sheet(path)
     if is_noise_profile_text(text):
@@ -91,7 +95,7 @@ def own_sensor_of(path: Path) -> Sensor | None:
         with path.open("rb") as file:
             head = file.read(_HEAD_BYTES).lstrip(_BEFORE_JSON)
     except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror})") from None
+        raise InputError(str(path), f"cannot be read ({error.strerror})") from None
     if not head.startswith(b"{") or b'"chromanoise sensor"' not in head:
         return None
     return sensor_from_json(source_text(path), source=str(path))
@@ -221,8 +225,10 @@ def _on_pixel(
     flaws, converter = _flaws(source), _converter(source)
     if all(value is None for value in told.values()) and not flaws and not converter.known:
         raise InputError(
-            f"{file}: gives neither pitch nor full well nor read noise, nor a value for pictures; "
-            f"{'; '.join(source.notes)}"
+            file,
+            "must give pitch, full well, read noise or a value for pictures",
+            value=source.notes,
+            found=f"gives none of them ({'; '.join(source.notes)})",
         )
     merged = {name: told[name] if given[name] is None else given[name] for name in _TOLD}
     sensor = made(merged)
@@ -251,7 +257,7 @@ def _converter(source: PixelSource) -> Converter:
             black_level_dn=source.black_level_dn,
         )
     except InputError as error:
-        raise named(error, source.source) from None
+        raise about(error, source.source, error.subject) from None
 
 
 def _notes(

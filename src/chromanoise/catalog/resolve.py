@@ -7,15 +7,16 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Literal
 
-from chromanoise._check import one_of
 from chromanoise.catalog.entries import (
     catalog_entry,
     catalog_file_of,
     catalog_folder,
+    catalog_names,
     own_power,
     own_table,
     own_tables,
 )
+from chromanoise.catalog.names import unknown_name
 from chromanoise.catalog.sensor_tables import sensor_from_table
 from chromanoise.catalog.sensors import KNOWN_SENSORS, sensor_named
 from chromanoise.errors import InputError
@@ -148,20 +149,19 @@ def filter_of_word(word: str, *, answers: Answers = ASK) -> Spectra:
     elif (own := own_table(word, "filter")) is not None:
         curve = replace(user_curves(own), source=word, notes=(own.provenance.source,))
     else:
-        tables = own_tables(catalog_folder())
-        own_names = [name for name, table in tables.items() if table.provenance.kind == "filter"]
-        try:
-            return filter_named(word, DEFAULT_GRID, beyond=answers.beyond, others=own_names)
-        except InputError as error:
-            raise _neither(error, word, "filter") from None
+        _refuse_unknown(word, "filter")
+        return filter_named(word, DEFAULT_GRID, beyond=answers.beyond)
     if len(curve.names) != 1:
         raise InputError(
-            f"{curve.source}: holds {len(curve.names)} curves ({', '.join(curve.names[:8])}), but "
-            "a filter is one; leave the others out of the file"
+            curve.source,
+            "must hold one curve to be a filter",
+            value=curve.names,
+            found=f"holds {len(curve.names)} ({', '.join(curve.names[:8])})",
+            remedy="remove the others from the file",
         )
-    cure = "; divide percent by 100" if curve.values.max() > 1 else SMALL_NEGATIVES
+    remedy = "divide percent by 100" if curve.values.max() > 1 else SMALL_NEGATIVES
     used = used_on_grid(curve.wavelength_nm, DEFAULT_GRID)
-    refuse_outside(curve, high=1.0, cure=cure, used=used)
+    refuse_outside(curve, high=1.0, remedy=remedy, used=used)
     return means_on_grid(curve, DEFAULT_GRID, beyond=answers.beyond)
 
 
@@ -286,17 +286,28 @@ def file_there(word: str, kind: WordKind) -> Path:
     file = file_of(word)
     if not os.path.lexists(file):
         raise InputError(
-            f"{word}: cannot be read (No such file or directory), and the catalog has no {kind} "
-            "of that name"
+            word,
+            "cannot be read (No such file or directory), and the catalog has no "
+            f"{_CATALOG_KIND[kind]} of that name",
         )
     return file
 
 
-def _neither(error: InputError, word: str, kind: WordKind) -> InputError:
-    """The error for an unknown name, which adds that there is no such file either."""
+_CATALOG_KIND: Mapping[WordKind, str] = {
+    "sensor": "sensor",
+    "light": "illuminant",
+    "filter": "filter",
+}
+
+
+def _refuse_unknown(word: str, kind: WordKind) -> None:
+    """Refuse a word that is neither a built-in name nor a file."""
     if _BUILT_IN[kind](word):
-        return error
-    return InputError(f"{error}; and there is no file of that name")
+        return
+    subject = _CATALOG_KIND[kind]
+    known = catalog_names(subject, folder=catalog_folder())
+    rule = "must be a name of the catalog or a file"
+    raise unknown_name(subject, word, known, requirement=rule)
 
 
 def _files(word: str, kind: WordKind) -> tuple[Path, ...]:
@@ -321,10 +332,8 @@ def _light(word: str, answers: Answers) -> Illuminant:
     own = own_table(word, "illuminant")
     if own is not None:
         return illuminant_from(own_power(own), DEFAULT_GRID, name=word, beyond=answers.beyond)
-    try:
-        return illuminant_named(word, DEFAULT_GRID, beyond=answers.beyond)
-    except InputError as error:
-        raise _neither(error, word, "light") from None
+    _refuse_unknown(word, "light")
+    return illuminant_named(word, DEFAULT_GRID, beyond=answers.beyond)
 
 
 def _catalogue_sensor(word: str, answers: Answers, pixel: dict[str, float]) -> Sensor:
@@ -332,10 +341,5 @@ def _catalogue_sensor(word: str, answers: Answers, pixel: dict[str, float]) -> S
     if own is not None:
         curves = user_curves(own)
         return sensor_from_table(own.provenance, curves, DEFAULT_GRID, answers=answers, pixel=pixel)
-    tables = own_tables(catalog_folder())
-    known = [name for name, table in tables.items() if table.provenance.kind == "sensor"]
-    try:
-        one_of("sensor", word, (*KNOWN_SENSORS, *known))
-    except InputError as error:
-        raise _neither(error, word, "sensor") from None
+    _refuse_unknown(word, "sensor")
     return sensor_named(word, DEFAULT_GRID, answers=answers, pixel=pixel)

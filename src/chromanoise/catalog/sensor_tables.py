@@ -7,7 +7,7 @@ from typing import get_args
 import numpy as np
 
 from chromanoise._colour import colour_science
-from chromanoise.errors import InputError
+from chromanoise.errors import InputError, Setting
 from chromanoise.io.spectra import Answers, Understood, qe_of
 from chromanoise.io.spectra.parsed import Quantity
 from chromanoise.sensor.mosaic import mosaic_named
@@ -93,7 +93,7 @@ def sensor_from_table(
     """
     named = replace(curves, source=provenance.name)
     qe = qe_of(_understood(provenance, named, answers), answers)
-    refuse_outside(qe, high=1.0, cure="; a smaller --peak-qe, if the curves are relative")
+    refuse_outside(qe, high=1.0, remedy=Setting("peak_qe"))
     resampled = means_on_grid(qe, grid, beyond=answers.beyond)
     own, assumed = _pixel(provenance, pixel)
     return Sensor(
@@ -117,7 +117,12 @@ def _understood(provenance: Provenance, curves: Spectra, answers: Answers) -> Un
     """The table as a file that tells all that its provenance does."""
     quantity = provenance.quantity
     if quantity not in get_args(Quantity):
-        raise InputError(f"{provenance.name}: holds {quantity}, but a sensor needs QE or response")
+        raise InputError(
+            provenance.name,
+            "must hold QE or response to be a sensor",
+            value=quantity,
+            found=f"holds {quantity}",
+        )
     return Understood(
         curves=curves,
         format="table",

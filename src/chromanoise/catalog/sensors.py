@@ -9,9 +9,15 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from types import MappingProxyType
 
-from chromanoise import _check
-from chromanoise._check import Array
-from chromanoise._shapes import Float
+from chromanoise._check import (
+    Array,
+)
+from chromanoise._shapes import (
+    Float,
+)
+from chromanoise.catalog.names import (
+    unknown_name,
+)
 from chromanoise.catalog.sensor_tables import CAMERA_NAMES, DEVICE_NAMES, camera_named, device_named
 from chromanoise.io.spectra import ASK, Answers
 from chromanoise.sensor.models import MODELS
@@ -107,7 +113,8 @@ def sensor_named(
     >>> sensor.names, sensor.qe[15].round(2)                            # at 550 nm, G above W
     (('R', 'G', 'B', 'W'), array([0.05, 0.61, 0.07, 0.54]))
     """
-    _check.one_of("sensor", name, KNOWN_SENSORS)
+    if name not in KNOWN_SENSORS:
+        raise unknown_name("sensor", name, KNOWN_SENSORS)
     if name in DEVICE_NAMES:
         return device_named(name, grid, answers, pixel)
     if name in CAMERA_NAMES:

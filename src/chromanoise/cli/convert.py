@@ -11,8 +11,13 @@ from chromanoise._check import one_of
 from chromanoise._files import write_whole
 from chromanoise.catalog import idle_answers, own_sensor_of
 from chromanoise.catalog.resolve import file_there, is_file_word, sensor_of_word
-from chromanoise.cli.answers import answering, answers_of, of_one_file
+from chromanoise.cli.answers import (
+    answering,
+    answers_of,
+    of_one_file,
+)
 from chromanoise.cli.output import refuse_inputs
+from chromanoise.cli.rendering import options_text
 from chromanoise.errors import InputError
 from chromanoise.io.spectra import Understood, read_curves
 from chromanoise.io.spectra.writing import (
@@ -163,7 +168,10 @@ def _with_notes(told: Understood) -> tuple[Spectra, list[str]]:
     said = (*told.said_notes, *told.curves.notes, *told.notes, *told.defects)
     notes = tuple(dict.fromkeys(said))  # what the file said already is said once
     source = told.said_source or told.curves.source
-    lost = [f"what nobody said: {q.asks} ({q.options})" for q in told.questions]
+    lost = [
+        f"what nobody said: {q.asks} ({' or '.join(map(options_text, q.settings))})"
+        for q in told.questions
+    ]
     if told.deviations is not None:
         lost.append("standard deviations")
     return replace(told.curves, source=source, notes=notes), lost

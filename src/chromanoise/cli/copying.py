@@ -3,7 +3,7 @@
 import click
 
 from chromanoise.errors import InputError
-from chromanoise.study import Study, study_as_python, study_as_toml
+from chromanoise.study import Study, refuse_idle, study_as_python, study_as_toml
 
 _TEXTS = {"python": study_as_python, "toml": study_as_toml}
 _NOT_COPIED = {
@@ -23,7 +23,7 @@ def print_copy(kind: str, study: Study) -> None:
     Raises
     ------
     InputError
-        If an option was given that is not part of a study.
+        If an option was given that is not part of a study, or a setting changes nothing.
     """
     context = click.get_current_context()
     for name, option in _NOT_COPIED.items():
@@ -35,4 +35,5 @@ def print_copy(kind: str, study: Study) -> None:
                 found=None,
                 remedy="omit it",
             )
+    refuse_idle(study)
     click.echo(_TEXTS[kind](study), nl=False)

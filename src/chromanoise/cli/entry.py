@@ -112,7 +112,7 @@ def _sentence(error: BaseException, command: str) -> str | None:
         case InputError():
             from chromanoise.cli.rendering import sentences
 
-            return sentences(error, command)
+            return sentences(error, command, _options_of(command))
         case ArithmeticError() | RuntimeWarning():
             return (
                 f"a number exceeds double precision ({error}); choose less extreme values of the "
@@ -123,6 +123,13 @@ def _sentence(error: BaseException, command: str) -> str | None:
         case MemoryError():
             return "this machine does not have enough memory; use a smaller cube or fewer bands"
     return None
+
+
+def _options_of(command: str) -> dict[str, str]:
+    """The options of a command by the names of their parameters."""
+    found = commands.get_command(click.Context(commands), command)
+    options = [one for one in found.params if isinstance(one, click.Option)] if found else []
+    return {str(one.name): max(one.opts, key=len) for one in options}
 
 
 def _stop_on_signals(stopped: threading.Event) -> None:

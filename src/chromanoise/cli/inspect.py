@@ -10,6 +10,7 @@ import numpy as np
 from chromanoise.catalog import own_sensor_of
 from chromanoise.cli.answers import answering, answers_of, of_one_file
 from chromanoise.cli.output import refuse_inputs, write_json
+from chromanoise.cli.rendering import options_text
 from chromanoise.errors import InputError
 from chromanoise.io.spectra import Understood, read_curves
 from chromanoise.io.spectra.merging import gaps_nm, step_nm
@@ -120,7 +121,10 @@ def told_as_text(file: Path, told: Understood) -> list[str]:
     lines += [f"  note           {note}" for note in told.said_notes]
     lines += [f"  done           {note}" for note in told.notes]
     lines += [f"  DEFECT         {defect}" for defect in told.defects]
-    lines += [f"  ASK            {q.asks} ({q.options})" for q in told.questions]
+    lines += [
+        f"  ASK            {q.asks} ({' or '.join(map(options_text, q.settings))})"
+        for q in told.questions
+    ]
     return lines
 
 
@@ -132,7 +136,10 @@ def _undeclared(told: Understood) -> str:
 def told_as_json(file: Path, told: Understood) -> dict[str, Any]:
     """The preview as data, the curves included."""
     curves = told.curves
-    questions = [{"about": q.about, "asks": q.asks, "options": q.options} for q in told.questions]
+    questions = [
+        {"about": q.about, "asks": q.asks, "options": " or ".join(map(options_text, q.settings))}
+        for q in told.questions
+    ]
     return {
         "file": str(file),
         "format": told.format,

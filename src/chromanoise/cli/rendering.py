@@ -1,9 +1,13 @@
 """Errors in the terms of the command line: a setting is an option."""
 
+from collections.abc import Mapping
+
 from chromanoise.errors import InputError, Setting, errors_in
 
+_NONE: Mapping[str, str] = {}
 
-def sentences(error: InputError, command: str = "") -> str:
+
+def sentences(error: InputError, command: str = "", options: Mapping[str, str] = _NONE) -> str:
     """One sentence per error, with options in place of settings.
 
     Parameters
@@ -12,44 +16,71 @@ def sentences(error: InputError, command: str = "") -> str:
         Of the library.
     command
         Name of the command, which decides between options of one name.
+    options
+        Of the command, by parameter: also those that are no settings of a study, as ``threads``.
     """
     if getattr(error, "in_place", False):  # a study file: its sentences name file, line and key
         return str(error)
-    lines = [_sentence(one, command) for one in errors_in(error)]
+    lines = [_sentence(one, command, options) for one in errors_in(error)]
     return "\n".join(dict.fromkeys(lines))
 
 
-def _sentence(error: InputError, command: str) -> str:
-    from chromanoise.study import option_of
-
+def _sentence(error: InputError, command: str, options: Mapping[str, str]) -> str:
     subject = error.subject
-    name = _flat(error.setting, command) if error.setting else None
-    if name is not None and subject in (name, error.setting.rpartition(".")[2]):
-        subject = option_of(name, error.value)
+    if error.setting:
+        name = _flat(error.setting, command)
+        if name is not None and subject in (name, error.setting_name, "matrix"):
+            subject = _option(name, command, error.value)
+    else:
+        subject = options.get(subject, subject)
     return error.sentence(subject=subject, render=lambda setting: _remedy(setting, command))
 
 
 def _remedy(setting: Setting, command: str) -> str:
-    from chromanoise.study import FLAGS, option_of
+    return f"give {options_text(setting, command)}"
+
+
+def options_text(setting: Setting, command: str = "") -> str:
+    """A setting as options of the command line: ``--energy or --photons``, ``--beyond zero``.
+
+    Parameters
+    ----------
+    setting
+        By the key of a study, or by the parameter of a reader.
+    command
+        Name of the command.
+    """
+    from chromanoise.study import FLAGS
 
     name = _flat(setting.name, command) or setting.name
     flags = FLAGS.get(name)
     values = [str(value) for value in setting.values]
     if flags:
-        return f"give {' or '.join(flags[value] for value in values or flags)}"
+        return " or ".join(flags[value] for value in values or flags)
     if values == ["True"]:
-        return f"give {option_of(name)}"
-    return f"give {' '.join([option_of(name), ' or '.join(values)]).strip()}"
+        return _option(name, command)
+    return f"{_option(name, command)} {' or '.join(values)}".strip()
+
+
+def _option(name: str, command: str, value: object = None) -> str:
+    """The option of a setting, or the argument."""
+    from chromanoise.study import option_of
+
+    if name == "cube" or (name == "sensors" and command != "simulate"):
+        return {"cube": "CUBE", "sensors": "SENSOR"}[name]
+    return option_of(name, value)
 
 
 def _flat(key: str, command: str) -> str | None:
     """The setting of a key of a study, as this command calls it; a key without dots is one."""
     from chromanoise.study import ANALYSIS, COMPARISON, MATRIX, RENDERING, argument_of
 
-    if key.startswith("matrices."):
+    if key.startswith("matrices"):
         return "method" if command == "matrix" else "matrix"
     if key.startswith("sensors.") and key.endswith(".name"):
-        return "sensors" if command == "simulate" else None
+        return "sensors"
+    if key == "pictures.0.cube":
+        return "cube"
     names = RENDERING if command == "simulate" else {**ANALYSIS, **COMPARISON, **MATRIX}
     alone = "qe_scale" if key == "scale" else key  # of a command whose subject is one file
     return argument_of(key, names) or (None if "." in key else alone)

@@ -174,7 +174,6 @@ def _taken(study: Study, work: Work, out: Path) -> list[tuple[str, list[str]]]:
     rows = row_source(cube.stored).shape[0] * frames * len(points)
     summaries: list[dict[str, Any]] = []
     lines: list[tuple[str, list[str]]] = []
-    click.echo(f"at {conditions(points)}", err=True)
     with whole_folder(out) as folder, progress_of("the pictures", rows, "rows") as advance:
         start = time.perf_counter()
         for _, taken in captures(study, 0, cube, cameras, work=replace(work, progress=advance)):
@@ -188,6 +187,7 @@ def _taken(study: Study, work: Work, out: Path) -> list[tuple[str, list[str]]]:
             lines.append((_line(taken, out, files), _notes(taken, stem, missing)))
         summary = {"version": __version__, "cube": cube.source, "pictures": summaries}
         write_json(summary, str(folder / "summary.json"))
+    click.echo(f"at {conditions(points)}", err=True)
     return lines
 
 

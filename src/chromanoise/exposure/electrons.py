@@ -118,16 +118,21 @@ def time_to_saturation(
     InputError
         If no channel sees any light.
     """
-    share = _check.positive("share of full well", "1", share)
+    share = _check.positive("share", "1", share)
     if share > 1:
         raise InputError(
-            f"share of full well must be at most 1, but is {share:g} (percent? divide by 100)"
+            "share",
+            "must be at most 1 [share of full well]",
+            value=share,
+            remedy="divide percent by 100",
         )
     per_second = expected_electrons(
         scene, sensor, Exposure(time_s=1.0, f_number=f_number, magnification=magnification)
     )
     if not per_second.max() > 0:
-        raise InputError(f"no channel of {sensor.name} sees any light of this scene")
+        raise InputError(
+            f"sensor {sensor.name}", "must see light of the scene", found="no channel sees any"
+        )
     return float(share * sensor.pixel.full_well_e / per_second.max())
 
 
@@ -149,7 +154,10 @@ def saturating_exposure(
 def refuse_other_grid(scene: Scene, sensor: Sensor) -> None:
     """Scene and sensor must sample light at the same wavelengths."""
     if scene.illuminant.grid != sensor.grid:
+        lit, own = scene.illuminant.grid, sensor.grid
         raise InputError(
-            f"scene and sensor must share one grid, but the illuminant {scene.illuminant.name} is "
-            f"on {scene.illuminant.grid} and {sensor.name} on {sensor.grid}"
+            "grid",
+            "must be the same for scene and sensor",
+            value=(lit, own),
+            found=f"the illuminant {scene.illuminant.name} is on {lit} and {sensor.name} on {own}",
         )

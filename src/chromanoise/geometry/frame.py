@@ -79,7 +79,11 @@ def dual_frame(basis: Float[Array, "n p"], *, names: tuple[str, ...], metric: Me
     for name, length in zip(names, lengths, strict=True):
         if not length > 0:
             raise InputError(
-                f"channel {name} is zero at every wavelength, so it spans nothing; leave it out"
+                f"channel {name}",
+                "must be above 0 at some wavelength",
+                value=0.0,
+                found="is zero at all of them and spans nothing",
+                remedy="omit it",
             )
     u, singular, vt = svd(f"channels {', '.join(names)}", directions, full_matrices=False)
     kept = singular > RANK_TOLERANCE * singular[0]

@@ -12,8 +12,14 @@ import numpy as np
 
 from chromanoise import _check
 from chromanoise._check import Array
-from chromanoise._shapes import Float, Int
-from chromanoise.errors import InputError
+from chromanoise._shapes import (
+    Float,
+    Int,
+)
+from chromanoise.errors import (
+    InputError,
+    Setting,
+)
 from chromanoise.sensor import Mosaic
 
 
@@ -50,8 +56,10 @@ class FilterBank:
         side = kernels.shape[-1]
         if kernels.shape != (*tile.shape, len(self.names), side, side) or side % 2 == 0:
             raise InputError(
-                f"kernels of {self.made_by} must be {(*tile.shape, len(self.names))} filters of "
-                f"k x k with an odd k, got {kernels.shape}"
+                f"kernels of {self.made_by}",
+                f"must be {(*tile.shape, len(self.names))} filters of k x k with an odd k",
+                value=kernels.shape,
+                found=f"have shape {kernels.shape}",
             )
         object.__setattr__(self, "kernels", _check.frozen(kernels))
 
@@ -88,8 +96,10 @@ def channel_tile(mosaic: Mosaic, names: Sequence[str]) -> Int[Array, "ty tx"]:
     for name in wanted:
         if name not in mosaic.names:
             raise InputError(
-                f"channel {name!r} sits over no pixel of the mosaic ({', '.join(mosaic.names)}), "
-                "so it cannot be interpolated; leave it out"
+                f"channel {name!r}",
+                f"must be in the mosaic ({', '.join(mosaic.names)}) to be interpolated",
+                found="is over no pixel of it",
+                remedy="omit it",
             )
     return np.array([[wanted.index(name) for name in row] for row in mosaic.pattern])
 
@@ -206,9 +216,12 @@ def malvar_filters(mosaic: Mosaic, names: Sequence[str] | None = None) -> Filter
     wanted = tuple(names or mosaic.names)
     if not is_bayer(mosaic):
         raise InputError(
-            "Malvar's filters are for a Bayer array (2 x 2, one channel on a diagonal, two others "
-            f"beside it), but the mosaic is {'/'.join(' '.join(row) for row in mosaic.pattern)}; "
-            "take the gradient-corrected ones (`gradient`, gradient_corrected_filters)"
+            "mosaic",
+            "must be a Bayer array (2 x 2, one channel on a diagonal, two others beside it) for "
+            "Malvar's filters",
+            value=mosaic.pattern,
+            found=f"is {'/'.join(' '.join(row) for row in mosaic.pattern)}",
+            remedy=Setting("demosaic", ("gradient",)),
         )
     tile = channel_tile(mosaic, wanted)
     around = channels_around(tile, 1)
@@ -283,9 +296,12 @@ def border_pixels(shape: tuple[int, int], bank: FilterBank) -> tuple[Array, Arra
     period = bank.kernels.shape[:2]
     if shape[0] < period[0] or shape[1] < period[1]:
         raise InputError(
-            f"a picture of {shape[0]} x {shape[1]} does not hold one tile of the mosaic "
-            f"({period[0]} x {period[1]}), so some channel is nowhere measured; take the raw "
-            "mosaic, or a larger picture"
+            "the picture",
+            f"must hold one tile of the mosaic ({period[0]} x {period[1]}), so that every "
+            "channel is measured",
+            value=tuple(shape),
+            found=f"is {shape[0]} x {shape[1]}",
+            remedy=("take the raw mosaic", "take a larger picture"),
         )
     rows, columns = (_mirrored(n, t, bank.radius) for n, t in zip(shape, period, strict=True))
     return rows[:, None], columns[None, :]

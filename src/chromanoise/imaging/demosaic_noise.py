@@ -95,8 +95,10 @@ def noise_power_spectrum(
     variance, side = _per_channel(bank, variance_e2), 2 * bank.radius + 1
     if min(shape) < side:
         raise InputError(
-            f"a Fourier plane of {shape[0]} x {shape[1]} is too small for filters of "
-            f"{side} x {side}, so noise would wrap onto itself; ask for {side} x {side} at least"
+            "shape",
+            f"must be at least {side} x {side}, as the filters are, or noise wraps onto itself",
+            value=tuple(shape),
+            found=f"is {shape[0]} x {shape[1]}",
         )
     tile = channel_tile(bank.mosaic, bank.names)
     offsets = np.arange(-bank.radius, bank.radius + 1)

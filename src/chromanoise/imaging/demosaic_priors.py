@@ -69,8 +69,10 @@ class PicturePrior:
         least = eigvalsh("covariance_e2", unit).min()
         if np.abs(unit - unit.T).max() > 1e-9 or least < -1e-9:
             raise InputError(
-                "covariance_e2 must be symmetric and positive semidefinite [e-^2], but its least "
-                f"eigenvalue, channels scaled to 1, is {least:.3g}"
+                "covariance_e2",
+                "must be symmetric and positive semidefinite [e-^2]",
+                value=float(least),
+                found=f"its least eigenvalue, with channels scaled to 1, is {least:.3g}",
             )
         _check.freeze(self, "covariance_e2", "noise_e2")
 
@@ -109,7 +111,12 @@ def picture_prior(
     """
     colors = _check.finite("electrons", "e-", electrons)
     if len(colors) < 2:
-        raise InputError(f"a prior needs at least 2 colors, got {len(colors)}")
+        raise InputError(
+            "electrons",
+            "must hold at least 2 colors",
+            value=len(colors),
+            found=f"holds {len(colors)}",
+        )
     away = colors - colors.mean(axis=0)
     return PicturePrior(
         names=tuple(names),
@@ -162,8 +169,10 @@ def gradient_corrected_filters(
         return malvar_filters(mosaic, names)
     if prior is None:
         raise InputError(
-            f"gradient correction of a mosaic of {', '.join(mosaic.names)} needs a prior, because "
-            "it must know how strong the channels are; make one with picture_prior"
+            "prior",
+            f"must be given for a mosaic of {', '.join(mosaic.names)}, because gradient "
+            "correction needs the strengths of the channels",
+            remedy="make one with picture_prior",
         )
     plain = bilinear_filters(mosaic, names)
     told = _ordered(prior, plain.names)
@@ -218,8 +227,10 @@ def lmmse_filters(mosaic: Mosaic, prior: PicturePrior, *, side: int | None = Non
     width = max(7, 2 * longest - 1) if side is None else side
     if width % 2 == 0 or width < longest:
         raise InputError(
-            f"the window must have an odd side of at least {longest} pixels, the period of the "
-            f"mosaic, to hold every channel, but side is {width}"
+            "side",
+            f"must be odd and at least {longest} [pixels], the period of the mosaic, to hold "
+            "every channel",
+            value=width,
         )
     window = channels_around(tile, width // 2)
     kernels = np.empty((*tile.shape, len(prior.names), width, width))

@@ -64,8 +64,10 @@ def developed(
     _check.same_names("development", sensor=situation.sensor.names, filters=bank.names)
     if bank.mosaic != raw.mosaic:
         raise InputError(
-            f"the filters are made for the mosaic {bank.mosaic.pattern}, but the picture has "
-            f"{raw.mosaic.pattern}; make them for that"
+            "filters",
+            f"must be made for the mosaic of the picture, {raw.mosaic.pattern}",
+            value=bank.mosaic.pattern,
+            found=f"are made for {bank.mosaic.pattern}",
         )
     matrix = matrix or kernel_matrix(situation.sensor, situation.exposure)
     matrices, white = color_matrices(matrix, situation)

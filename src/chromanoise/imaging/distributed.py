@@ -7,7 +7,7 @@ from concurrent.futures import CancelledError, Executor
 from contextlib import ExitStack, contextmanager
 from multiprocessing import resource_tracker
 
-from chromanoise.errors import InputError
+from chromanoise.errors import InputError, Setting
 
 _QUIET = {
     "distributed.admin.large-graph-warning-threshold": "1 GiB",  # blocks are
@@ -45,8 +45,12 @@ def cluster(scheduler: str, *, workers: int | None = None) -> Iterator[Executor]
         from dask.distributed import Client, LocalCluster
     except ImportError:
         raise InputError(
-            "a cluster needs dask; pip install 'chromanoise[distributed]', or leave --scheduler "
-            "away for the threads of this machine"
+            "scheduler",
+            "needs the package dask, which is not installed",
+            remedy=(
+                "install it with pip install 'chromanoise[distributed]'",
+                "omit the scheduler to use the threads of this machine",
+            ),
         ) from None
     with ExitStack() as stack:
         stack.enter_context(dask.config.set(_QUIET))
@@ -61,8 +65,10 @@ def cluster(scheduler: str, *, workers: int | None = None) -> Iterator[Executor]
                     )
                 except (RuntimeError, OSError, TimeoutError):
                     raise InputError(
-                        "the local cluster cannot be started, because a worker process ended at "
-                        "its start, usually for lack of memory; use fewer workers"
+                        "the local cluster",
+                        "cannot be started, because a worker process ended at its start, "
+                        "usually for lack of memory",
+                        remedy="use fewer workers",
                     ) from None
                 scheduler = stack.enter_context(processes).scheduler_address
         stack.enter_context(_lost_workers_told(scheduler))
@@ -74,8 +80,10 @@ def cluster(scheduler: str, *, workers: int | None = None) -> Iterator[Executor]
             )
         except (OSError, TimeoutError, ValueError) as error:
             raise InputError(
-                f"the scheduler {scheduler!r} does not answer ({error}); give its address as "
-                "tcp://host:port, or local"
+                "scheduler",
+                "must be the address of one that runs, as tcp://host:port, or local",
+                value=scheduler,
+                found=f"{scheduler!r} does not answer ({error})",
             ) from None
         stack.enter_context(client)
         if client.scheduler_comm is not None:
@@ -111,6 +119,8 @@ def _lost_workers_told(scheduler: str) -> Iterator[None]:
         yield
     except (KilledWorker, CancelledError) as error:
         raise InputError(
-            f"the cluster {scheduler} lost its workers ({type(error).__name__}); see their logs: "
-            "memory is the usual cause, and a smaller --tile needs less"
+            f"the cluster {scheduler}",
+            f"lost its workers ({type(error).__name__}), usually for lack of memory (smaller "
+            "tiles need less)",
+            remedy=("see their logs", Setting("tile_rows")),
         ) from None

@@ -34,6 +34,7 @@ _UNKNOWN_LIGHT = 0
 _READABLE_REPEATS = ((2, 2), (4, 2), (6, 6))  # rows, columns
 _SIDES = (22, 64_000)  # LibRaw opens nothing smaller or larger
 _LARGEST_BYTES = 2**32 - 2**20  # offsets are 32 bits; the tags take their part
+_TIFF = "write the mosaic as TIFF"
 _PARTS = 1_000_000  # denominator of all fractions
 _BYTE, _ASCII, _SHORT, _LONG, _RATIONAL, _SIGNED_RATIONAL, _DOUBLE = 1, 2, 3, 4, 5, 10, 12
 
@@ -89,7 +90,12 @@ class RawProfile:
         ):
             own = _check.finite(f"{name} of {self.sensor_name}", "1", getattr(self, name))
             if own.shape != wanted:
-                raise InputError(f"{name} of {self.sensor_name} must be {wanted}, got {own.shape}")
+                raise InputError(
+                    f"{name} of {self.sensor_name}",
+                    f"must have shape {wanted}",
+                    value=own.shape,
+                    found=f"has {own.shape}",
+                )
         _refuse_untold_numbers(self)
         _check.freeze(self, "color_matrix", "as_shot_neutral", "noise_profile")
 
@@ -125,7 +131,12 @@ def raw_profile(
     _check.same_names("DNG", sensor=sensor.names, matrix=matrix.channels)
     white = expected_electrons(white_scene(situation), sensor, situation.exposure)
     if not white.max() > 0:
-        raise InputError(f"{sensor.name}: a perfect white under {lamp.name} gives no electrons")
+        raise InputError(
+            sensor.name,
+            f"must give electrons for a perfect white under {lamp.name}",
+            value=float(white.max()),
+            found="gives none",
+        )
     white_level_dn = _white_level_dn(situation, adc, imperfections)
     noise_e = noise_without_light_e(
         imperfections,
@@ -160,8 +171,10 @@ def _white_level_dn(situation: Situation, adc: Adc, imperfections: Imperfections
     white_level_dn = math.floor(min(full_dn + 0.5, adc.top_code))
     if white_level_dn <= adc.black_level_dn:
         raise InputError(
-            f"{sensor.name}: a full well has the code {white_level_dn}, not above the black level "
-            f"{adc.black_level_dn}; lower the gain of {adc.gain_e_per_dn:g} e-/DN"
+            sensor.name,
+            f"code of full well must be above the black level {adc.black_level_dn} [DN]",
+            value=white_level_dn,
+            remedy=f"lower the gain of {adc.gain_e_per_dn:g} e-/DN",
         )
     return white_level_dn
 
@@ -195,14 +208,23 @@ def camera_matrix(to_xyz: Float[Array, "3 p"], white: Float[Array, " p"]) -> Flo
            [0.  , 0.25, 0.  ],
            [0.  , 0.  , 1.  ]])
     """
-    if matrix_rank("matrix of a DNG", to_xyz) < 3:
+    rank = matrix_rank("matrix of a DNG", to_xyz)
+    if rank < 3:
         raise InputError(
-            "a matrix to XYZ of a rank below 3 has no inverse, which a DNG needs; take a sensor "
-            "with three channels that differ"
+            "matrix to XYZ",
+            "must have rank 3 for a DNG, which needs its inverse",
+            value=rank,
+            found=f"has rank {rank}",
+            remedy="take a sensor with three channels that differ",
         )
     luminance = to_xyz[1] @ white
     if not luminance > 0:
-        raise InputError(f"the white of a DNG needs a luminance above 0, but has {luminance:g}")
+        raise InputError(
+            "white of a DNG",
+            "must have a luminance > 0 [lx]",
+            value=float(luminance),
+            found=f"has {luminance:g} lx",
+        )
     return pinv("matrix of a DNG", to_xyz) * (luminance / white.max())
 
 
@@ -247,13 +269,19 @@ def refuse_dng_size(name: str, *, height: int, width: int) -> None:
     """
     if not all(_SIDES[0] <= side <= _SIDES[1] for side in (height, width)):
         raise InputError(
-            f"{name}: readers of DNG open pictures of {_SIDES[0]} to {_SIDES[1]} pixels a side, "
-            f"but this one has {height} x {width}; write the mosaic as TIFF"
+            name,
+            f"must have {_SIDES[0]} to {_SIDES[1]} pixels a side, which readers of DNG open",
+            value=(height, width),
+            found=f"has {height} x {width}",
+            remedy=_TIFF,
         )
     if 2 * height * width > _LARGEST_BYTES:
         raise InputError(
-            f"{name}: a DNG ends at 4 GiB, but {height} x {width} pixels take "
-            f"{2 * height * width / 2**30:.1f}; write the mosaic as TIFF"
+            name,
+            "must be at most 4 GiB as a DNG",
+            value=2 * height * width,
+            found=f"{height} x {width} pixels take {2 * height * width / 2**30:.1f}",
+            remedy=_TIFF,
         )
 
 
@@ -314,9 +342,12 @@ def _readable_pattern(sensor_name: str, mosaic: Mosaic) -> Array:
         if (tiled == np.tile(block, (again[0] // rows, again[1] // columns))).all():
             return block.copy()
     raise InputError(
-        f"{sensor_name}: readers of DNG know mosaics that repeat in 2 columns and 1, 2 or 4 rows, "
-        f"or in 6 x 6 of R, G, B, but this one repeats in {own.shape[0]} rows and "
-        f"{own.shape[1]} columns; write the mosaic as TIFF"
+        sensor_name,
+        "must have a mosaic that repeats in 2 columns and 1, 2 or 4 rows, or in 6 x 6 of R, G, "
+        "B, which readers of DNG support",
+        value=own.shape,
+        found=f"has one that repeats in {own.shape[0]} rows and {own.shape[1]} columns",
+        remedy=_TIFF,
     )
 
 
@@ -325,14 +356,19 @@ def _refuse_untold_channels(sensor_name: str, channels: tuple[str, ...], mosaic:
     unknown = [name for name in channels if name not in _COLOR_CODES]
     if unknown:
         raise InputError(
-            f"{sensor_name}: a DNG knows channels named {', '.join(_COLOR_CODES)}, but not "
-            f"{', '.join(unknown)}; write the mosaic as TIFF"
+            sensor_name,
+            f"must have channels that a DNG supports ({', '.join(_COLOR_CODES)})",
+            value=tuple(unknown),
+            found=f"has {', '.join(unknown)}",
+            remedy=_TIFF,
         )
     if set(channels) != set(mosaic.names) or not 3 <= len(channels) <= 4:
         raise InputError(
-            f"{sensor_name}: a DNG needs 3 or 4 channels, all of them in the mosaic, but the "
-            f"sensor has {', '.join(channels)} and the mosaic {', '.join(mosaic.names)}; write "
-            "the mosaic as TIFF"
+            sensor_name,
+            "must have 3 or 4 channels for a DNG, all of them in the mosaic",
+            value=channels,
+            found=f"has {', '.join(channels)}, and the mosaic {', '.join(mosaic.names)}",
+            remedy=_TIFF,
         )
     _readable_pattern(sensor_name, mosaic)
 
@@ -340,17 +376,27 @@ def _refuse_untold_channels(sensor_name: str, channels: tuple[str, ...], mosaic:
 def _refuse_untold_numbers(profile: RawProfile) -> None:
     """What would not survive as a fraction of 32-bit integers, or is no noise."""
     name = profile.sensor_name
-    if not (np.abs(profile.color_matrix) < 2**31 / _PARTS).all():
+    largest = float(np.abs(profile.color_matrix).max())
+    if not largest < 2**31 / _PARTS:
         raise InputError(
-            f"{name}: a DNG holds matrix entries below {2**31 // _PARTS}, but the largest is "
-            f"{np.abs(profile.color_matrix).max():g}; the channels are nearly the same, or their "
-            "unit is not that of a white of 1"
+            name,
+            f"matrix entries must be below {2**31 // _PARTS} in a DNG",
+            value=largest,
+            found=f"the largest is {largest:g}",
+            remedy=("take channels that differ more", "scale them to a white of 1"),
         )
     neutral = profile.as_shot_neutral
     if not ((neutral >= 1 / _PARTS) & (neutral <= 1)).all():
         raise InputError(
-            f"{name}: as_shot_neutral must lie between {1 / _PARTS:g} and 1, but is "
-            f"{neutral.tolist()}; divide what a gray gives by its largest channel"
+            name,
+            f"as_shot_neutral must be {1 / _PARTS:g} .. 1",
+            value=neutral.tolist(),
+            remedy="divide the values of a gray by the largest",
         )
     if not (profile.noise_profile > 0).all():
-        raise InputError(f"{name}: S and O of a noise profile must be > 0, as rounding alone is")
+        raise InputError(
+            name,
+            "S and O of the noise profile must be > 0, as rounding alone is",
+            value=float(profile.noise_profile.min()),
+            found=f"the least is {profile.noise_profile.min():g}",
+        )

@@ -14,7 +14,7 @@ from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._shapes import Float
 from chromanoise.color import linear_srgb
-from chromanoise.errors import InputError
+from chromanoise.errors import InputError, Setting
 
 REC709 = (0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290)
 """x, y of red, green, blue and white of sRGB (ITU-R BT.709-6, table 1)."""
@@ -69,9 +69,7 @@ def write_xyz_exr(
     """
     sees = _check.finite("white XYZ", "that of the picture", white)
     if not sees.sum() > 0:
-        raise InputError(
-            f"{path}: the white of the picture must have X + Y + Z > 0, but is {sees.tolist()}"
-        )
+        raise InputError(str(path), "white must have X + Y + Z > 0", value=sees.tolist())
     neutral = tuple(float(v) for v in sees[:2] / sees.sum())
     _write_rgb(path, xyz, half, {"chromaticities": CIE_XYZ, "adoptedNeutral": neutral})
 
@@ -81,13 +79,21 @@ def _write_rgb(
 ) -> None:
     library = openexr()
     if not color.size:
-        raise InputError(f"{path}: a picture needs at least one pixel, but is {color.shape}")
+        raise InputError(
+            str(path),
+            "must have at least one pixel",
+            value=color.shape,
+            found=f"has shape {color.shape}",
+        )
     if not np.isfinite(color).all():
-        _check.finite(f"{path}: color", "1", color)
+        _check.finite(f"color of {path}", "1", color)
     if half and (largest := float(np.abs(color).max())) > _LARGEST_HALF:
         raise InputError(
-            f"{path}: half floats end at {_LARGEST_HALF:g}, but the picture has values up to "
-            f"{largest:g}; write float32"
+            str(path),
+            f"must have values up to {_LARGEST_HALF:g} in half floats",
+            value=largest,
+            found=f"has values up to {largest:g}",
+            remedy=Setting("half", (False,)),
         )
     kept = np.ascontiguousarray(color, dtype=np.float16 if half else np.float32)
     header = {
@@ -100,7 +106,7 @@ def _write_rgb(
         with library.File(header, {"RGB": kept}) as file:
             file.write(str(path))
     except (RuntimeError, OSError) as error:
-        raise InputError(f"{path}: cannot be written ({error})") from None
+        raise InputError(str(path), f"cannot be written ({error})") from None
 
 
 def openexr() -> Any:
@@ -115,5 +121,7 @@ def openexr() -> Any:
         return import_module("OpenEXR")
     except ImportError:
         raise InputError(
-            "EXR files need the package OpenEXR; pip install 'chromanoise[exr]', or write TIFF"
+            "EXR files",
+            "need the package OpenEXR, which is not installed",
+            remedy=("install it with pip install 'chromanoise[exr]'", "write TIFF"),
         ) from None

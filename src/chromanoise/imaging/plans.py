@@ -48,7 +48,7 @@ def draw_of(
     """
     for name, value in (("seed", seed), ("frame", frame)):
         if not isinstance(value, int) or not 0 <= value < 1 << 32:
-            raise InputError(f"{name} must be a whole number from 0 to 2^32 - 1, but is {value}")
+            raise InputError(name, "must be a whole number from 0 to 2^32 - 1", value=value)
     more = situation.sensor.imperfections if imperfections is None else imperfections
     dark_e = _check.within(
         "electrons of the dark current",
@@ -81,9 +81,11 @@ def demand_well(situation: Situation, draw: Draw) -> None:
     full_well_e = situation.sensor.pixel.full_well_e
     if draw.dark_e >= full_well_e:
         raise InputError(
-            f"{situation.sensor.name}: {draw.dark_e:g} dark electrons in "
-            f"{situation.exposure.time_s:g} s fill the well of {full_well_e:g} e-; expose for less "
-            "time, or give a smaller dark current"
+            situation.sensor.name,
+            f"must collect fewer dark electrons than its full well of {full_well_e:g} e-",
+            value=float(draw.dark_e),
+            found=f"collects {draw.dark_e:g} in {situation.exposure.time_s:g} s",
+            remedy=("expose for less time", "give a smaller dark current"),
         )
 
 
@@ -207,9 +209,12 @@ def white_lux_of(matrix: ColorMatrix, situation: Situation) -> Float[Array, " 3"
     white = matrix.matrix @ expected_electrons(white_scene(situation), sensor, situation.exposure)
     if not white[1] > 0:
         raise InputError(
-            f"{sensor.name}: its {matrix.made_by} matrix gives a perfect white under {lamp.name} a "
-            f"luminance of {white[1]:.3g} lx, so no picture can be scaled to it; take another "
-            "light, sensor or matrix"
+            sensor.name,
+            f"its {matrix.made_by} matrix must give a perfect white under {lamp.name} a "
+            "luminance > 0 [lx]",
+            value=float(white[1]),
+            found=f"gives {white[1]:.3g} lx",
+            remedy="take another light, sensor or matrix",
         )
     return white
 

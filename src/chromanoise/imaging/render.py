@@ -8,7 +8,7 @@ from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._shapes import Float, Float32, UInt8, UInt16
 from chromanoise.color import ColorMatrix, kernel_matrix
-from chromanoise.errors import InputError
+from chromanoise.errors import InputError, Setting
 from chromanoise.exposure import Exposure, Situation
 from chromanoise.imaging.light import BadPixels, Light, light_of
 from chromanoise.imaging.plans import (
@@ -297,8 +297,10 @@ def mosaic_of(situation: Situation, mosaic: Mosaic | None) -> Mosaic:
     mosaic = mosaic or sensor.mosaic
     if mosaic is None:
         raise InputError(
-            f"{sensor.name} has no mosaic; name the channels over its pixels, one of "
-            f"{', '.join(sensor.names)} for each"
+            "mosaic",
+            f"must be given, because {sensor.name} has none (one of {', '.join(sensor.names)} "
+            "for each pixel)",
+            remedy=Setting("mosaic"),
         )
     for name in mosaic.names:
         _check.one_of(f"mosaic channel of {sensor.name}", name, sensor.names)

@@ -51,7 +51,9 @@ def tiff_rows(
         at the end.
     """
     if not all(size >= 1 for size in shape):
-        raise InputError(f"{path}: a picture needs at least one pixel, but is {shape}")
+        raise InputError(
+            str(path), "must have at least one pixel", value=shape, found=f"has shape {shape}"
+        )
     missing = np.ones(shape[0], dtype=bool)
     lock = Lock()
     with _told(path):
@@ -78,8 +80,11 @@ def tiff_rows(
         yield put
         if missing.any():
             raise InputError(
-                f"{path}: {int(missing.sum())} of {shape[0]} rows were never written; the first "
-                f"is row {int(missing.argmax())} (from 0)"
+                str(path),
+                f"must be given all {shape[0]} rows",
+                where=f"row {int(missing.argmax())} (from 0)",
+                value=int(missing.sum()),
+                found=f"this and others, {int(missing.sum())} in all, were never written",
             )
     except BaseException:
         _closed_quietly(file)  # what went wrong first is what is told
@@ -130,18 +135,30 @@ def _told(path: Path) -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        raise InputError(f"{path}: cannot be written ({error.strerror})") from None
+        raise InputError(str(path), f"cannot be written ({error.strerror})") from None
 
 
 def _refuse_unfit(path: Path, start: int, rows: Array, shape: tuple[int, ...], dtype: str) -> None:
     if rows.dtype.newbyteorder("=") != np.dtype(dtype):
-        raise InputError(f"{path}: rows must be {dtype}, but are {rows.dtype}; convert them first")
+        raise InputError(
+            str(path),
+            f"rows must be {dtype}",
+            value=str(rows.dtype),
+            found=f"are {rows.dtype}",
+            remedy="convert them first",
+        )
     if rows.shape[1:] != shape[1:]:
         raise InputError(
-            f"{path}: a row must be {shape[1:]}, but rows from {start} on are {rows.shape[1:]}"
+            str(path),
+            f"rows must have shape {shape[1:]}",
+            where=f"rows from {start}",
+            value=rows.shape[1:],
+            found=f"have {rows.shape[1:]}",
         )
     if not 0 <= start <= start + rows.shape[0] <= shape[0]:
         raise InputError(
-            f"{path}: has rows 0 to {shape[0] - 1}, but rows {start} to "
-            f"{start + rows.shape[0] - 1} are put"
+            str(path),
+            f"rows must lie within 0 .. {shape[0] - 1}",
+            value=(start, start + rows.shape[0] - 1),
+            found=f"{start} to {start + rows.shape[0] - 1} were given",
         )

@@ -86,7 +86,7 @@ def noisy_electrons(
     _whole("seed", seed, _SEED_BITS)
     _whole("frame", frame, _FRAME_BITS)
     if threads is not None and threads < 1:
-        raise InputError(f"threads must be at least 1, but is {threads}")
+        raise InputError("threads", "must be at least 1", value=threads)
     _demand_room(mean_e.shape, first_row, first_column, width)
     with np.errstate(over="ignore"):  # what float32 cannot hold is refused as infinite
         mean = np.ascontiguousarray(mean_e, dtype=np.float32).reshape(-1, channels)
@@ -141,20 +141,32 @@ def _fill(
 
 def _whole(name: str, value: int, bits: int) -> None:
     if value != int(value) or not 0 <= value < 1 << bits:
-        raise InputError(f"{name} must be a whole number from 0 to 2^{bits} - 1, but is {value}")
+        raise InputError(name, f"must be a whole number from 0 to 2^{bits} - 1", value=value)
 
 
 def _demand_room(shape: tuple[int, ...], first_row: int, first_column: int, width: int) -> None:
     height, own_width, channels = shape
     if first_row < 0 or first_column < 0 or first_column + own_width > width:
         raise InputError(
-            f"a tile {own_width} pixels wide at row {first_row} and column {first_column} does not "
-            f"lie in a picture {width} pixels wide; give the width of the whole picture"
+            "width",
+            f"must hold a tile {own_width} pixels wide at row {first_row} and column "
+            f"{first_column} [pixels]",
+            value=width,
+            remedy="give the width of the whole picture",
         )
     if (first_row + height) * width > 1 << _PIXEL_BITS:
         raise InputError(
-            f"the picture has {(first_row + height) * width} pixels, but the random words are "
-            f"counted up to 2^{_PIXEL_BITS}; give its parts seeds of their own"
+            "the picture",
+            f"must have at most 2^{_PIXEL_BITS} pixels, because random words are counted up to "
+            "that",
+            value=(first_row + height) * width,
+            found=f"has {(first_row + height) * width}",
+            remedy="give its parts seeds of their own",
         )
     if not 1 <= channels <= _MOST_CHANNELS:
-        raise InputError(f"mean_e must have 1 to {_MOST_CHANNELS} channels, but has {channels}")
+        raise InputError(
+            "mean_e",
+            f"must have 1 to {_MOST_CHANNELS} channels",
+            value=channels,
+            found=f"has {channels}",
+        )

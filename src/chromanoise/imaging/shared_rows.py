@@ -15,8 +15,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from chromanoise._check import Array
-from chromanoise._shapes import Shaped
-from chromanoise.errors import InputError
+from chromanoise._shapes import (
+    Shaped,
+)
+from chromanoise.errors import (
+    InputError,
+    Setting,
+)
 
 Kind = tuple[tuple[int, ...], type[np.generic]]
 """Shape and type of an array, its first axis the rows."""
@@ -61,7 +66,9 @@ class SharedRows:
                 at, left = at + written, left[written:]
         except OSError as error:
             raise InputError(
-                f"the picture cannot be kept in memory ({error}); make a part of it at a time"
+                "the picture",
+                f"cannot be kept in memory ({error})",
+                remedy="make a part of it at a time",
             ) from None
         finally:
             os.close(memory)
@@ -72,12 +79,14 @@ class SharedRows:
             memory = os.open(self.path, os.O_WRONLY)
         except OSError:
             raise InputError(
-                f"a worker cannot open {self.path}, where the rows are to be put; set "
-                "same_machine only where all workers are processes of this machine"
+                self.path,
+                "must be open to every worker, as where all are processes of this machine",
+                found="cannot be opened",
+                remedy=Setting("same_machine", (False,)),
             ) from None
         if _identity(memory) != self.memory:
             os.close(memory)
-            raise InputError("the picture that a worker makes rows of was given up meanwhile")
+            raise InputError("the picture", "was abandoned while a worker made rows of it")
         return memory
 
 

@@ -7,8 +7,9 @@ from pathlib import Path
 from typing import Any
 
 from chromanoise._check import distinct, one_of
+from chromanoise._files import renamed
 from chromanoise.color import ColorMatrix
-from chromanoise.errors import InputError
+from chromanoise.errors import InputError, Setting
 from chromanoise.exposure import Situation
 from chromanoise.imaging.demosaic import FilterBank
 from chromanoise.imaging.demosaic_methods import DEMOSAICING
@@ -60,7 +61,7 @@ class Asked:
     Raises
     ------
     InputError
-        If a format is unknown, stands twice, or is of what is not made.
+        If a format is unknown or repeated, or is of what is not made.
     """
 
     mosaic: Mosaic | None
@@ -77,9 +78,21 @@ class Asked:
         for name in distinct("names of formats", self.formats or ()):
             one_of("format", name, tuple(FORMATS))
             if name in _RAW and not self.raw:
-                raise InputError(f"format {name} is of a mosaic; name a mosaic too")
+                raise InputError(
+                    "formats",
+                    "must not be of a mosaic where none is given",
+                    value=name,
+                    found=f"{name} is of a mosaic",
+                    remedy=Setting("mosaic"),
+                )
             if name not in _RAW and self.raw and self.demosaic is None:
-                raise InputError(f"format {name} is of color, but only raw codes are asked for")
+                raise InputError(
+                    "formats",
+                    "must be of raw codes where no color is requested",
+                    value=name,
+                    found=f"{name} is of color",
+                    remedy="omit it",
+                )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -97,8 +110,8 @@ class Prepared:
         Of raw codes, and the filters that make them color; ``None`` where there are none.
     profile
         Of a DNG, where one can be written.
-    untold
-        Why there is no DNG although codes are kept; empty otherwise.
+    no_profile
+        Why there is no DNG although codes are kept; ``None`` otherwise.
     """
 
     situation: Situation
@@ -108,7 +121,7 @@ class Prepared:
     adc: Adc | None = None
     bank: FilterBank | None = None
     profile: RawProfile | None = None
-    untold: str = ""
+    no_profile: InputError | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -156,7 +169,7 @@ def prepared(cube: Cube, situation: Situation, matrix: ColorMatrix, asked: Asked
         method = DEMOSAICING[one_of("demosaicing", asked.demosaic, tuple(DEMOSAICING))]
         bank = method(mosaic, situation)
         color_matrices(matrix, situation)
-    profile, untold = _profile(situation, matrix, mosaic, adc, asked)
+    profile, no_profile = _profile(situation, matrix, mosaic, adc, asked)
     if "dng" in insisted:
         height, width, _ = row_source(cube.stored).shape
         refuse_dng_size(f"DNG of {situation.sensor.name}", height=height, width=width)
@@ -168,7 +181,7 @@ def prepared(cube: Cube, situation: Situation, matrix: ColorMatrix, asked: Asked
         adc=adc,
         bank=bank,
         profile=profile,
-        untold=untold,
+        no_profile=no_profile,
     )
 
 
@@ -178,16 +191,16 @@ def _profile(
     mosaic: Mosaic,
     adc: Adc,
     asked: Asked,
-) -> tuple[RawProfile | None, str]:
+) -> tuple[RawProfile | None, InputError | None]:
     """Of a DNG, or why there is none; refused only where somebody insists on one."""
     if "dng" not in (asked.formats or _RAW):
-        return None, ""
+        return None, None
     try:
-        return raw_profile(situation, matrix, mosaic=mosaic, adc=adc), ""
+        return raw_profile(situation, matrix, mosaic=mosaic, adc=adc), None
     except InputError as error:
         if asked.formats:
             raise
-        return None, str(error)
+        return None, error
 
 
 def shot(cube: Cube, camera: Prepared, *, frame: int, work: Work) -> Shot:
@@ -260,8 +273,10 @@ def write_shot(folder: Path, stem: str, taken: Shot) -> tuple[list[str], list[st
     """
     if stem.startswith(".") or any(letter in stem for letter in "/\\\0"):
         raise InputError(
-            f"file name {stem!r}: names a picture in its folder, so it must not begin with a dot "
-            "nor hold a slash, a backslash or a null byte; take another name"
+            "file name",
+            "must not begin with a dot nor hold a slash, a backslash or a null byte",
+            value=stem,
+            remedy="use another name",
         )
     formats = taken.camera.asked.formats
     if formats is not None:
@@ -279,11 +294,11 @@ def write_shot(folder: Path, stem: str, taken: Shot) -> tuple[list[str], list[st
 
 
 def _written(name: str, stem: Path, taken: Shot) -> str:
-    """The file's name; complaints leave out the scratch folder, which each run calls otherwise."""
+    """The file's name; errors omit the scratch folder, whose name differs from run to run."""
     try:
         return FORMATS[name](stem, taken)
     except InputError as error:
-        raise InputError(str(error).replace(f"{stem.parent}{os.sep}", "")) from None
+        raise renamed(error, f"{stem.parent}{os.sep}", "") from None
 
 
 def _named(stem: Path, ending: str) -> Path:
@@ -331,7 +346,8 @@ def _raw(stem: Path, taken: Shot) -> str:
 def _dng(stem: Path, taken: Shot) -> str:
     assert taken.raw is not None
     if taken.camera.profile is None:
-        raise InputError(taken.camera.untold)
+        assert taken.camera.no_profile is not None
+        raise taken.camera.no_profile
     write_dng(path := _named(stem, ".dng"), taken.raw.codes, taken.camera.profile)
     return path.name
 

@@ -76,9 +76,9 @@ class Work:
 
     def __post_init__(self) -> None:
         if self.threads is not None and not 1 <= self.threads <= _MOST_THREADS:
-            raise InputError(f"threads must be 1 to {_MOST_THREADS}, but is {self.threads}")
+            raise InputError("threads", f"must be 1 to {_MOST_THREADS}", value=self.threads)
         if self.tile_rows is not None and self.tile_rows < 1:
-            raise InputError(f"a tile must have at least 1 row, but {self.tile_rows} are asked for")
+            raise InputError("tile_rows", "must be at least 1 [rows]", value=self.tile_rows)
 
 
 def row_blocks(source: RowSource, work: Work) -> list[Block]:
@@ -143,7 +143,12 @@ def made(
     from numba import config
 
     if config.DISABLE_JIT:
-        raise InputError("NUMBA_DISABLE_JIT is set, but pictures need compiled kernels; unset it")
+        raise InputError(
+            "NUMBA_DISABLE_JIT",
+            "must not be set, because pictures need compiled kernels",
+            value=config.DISABLE_JIT,
+            remedy="unset it",
+        )
     if work.executor is None:
         outputs = tuple(new_rows(shape, dtype) for shape, dtype in kinds)
         return outputs, filled(fill, plan, blocks, outputs, work)

@@ -145,7 +145,7 @@ def _rows_of_text(path: Path, body: bytes, order: str) -> tuple[str, ...]:
 
 
 def _damage(path: Path, what: str) -> InputError:
-    return InputError(f"{path}: damaged or cut short: {what}; save it again")
+    return InputError(str(path), f"is damaged or cut short: {what}", remedy="save it again")
 
 
 def _variables(path: Path) -> Iterator[tuple[_Element, _Opening]]:
@@ -171,7 +171,9 @@ def _byte_order(path: Path, start: bytes) -> str:
     version = struct.unpack(order + "H", start[124:126])[0] if order else 0
     if version != 0x100:
         raise InputError(
-            f"{path}: not a MATLAB file of version 5; save it with -v7, or convert it to .npz"
+            str(path),
+            "is not a MATLAB file of version 5",
+            remedy=("save it with -v7", "convert it to .npz"),
         )
     return order
 
@@ -246,7 +248,10 @@ def _body(
     _, size = _without_tag(path, inflater.decompress(raw, 8), element.order)
     if largest_bytes is not None and size > largest_bytes:
         raise InputError(
-            f"{path}: an array of {size / 2**20:.0f} MiB is too large for a table of spectra"
+            str(path),
+            f"arrays must be at most {largest_bytes / 2**20:.0f} MiB for a table of spectra",
+            value=size,
+            found=f"one is {size / 2**20:.0f} MiB",
         )
     if needed_bytes is not None and not 0 <= size - needed_bytes < 8:
         raise _damage(path, "a compressed array does not end where it should")

@@ -136,7 +136,7 @@ def matrix_profile_json(made: MadeMatrix) -> str:
     what = f"{made.matrix.made_by} matrix of {made.sensor}"
     if matrix_rank(what, to_xyz) < 3:
         raise InputError(
-            f"the {what} has no inverse, which a camera profile asks for; export it as CSV or JSON"
+            what, "must have an inverse for a camera profile", remedy="export it as CSV or JSON"
         )
     told: dict[str, Any] = {
         "header": {"schema": "chromanoise camera profile", **_facts(made)},
@@ -163,6 +163,9 @@ def _facts(made: MadeMatrix) -> dict[str, Any]:
 def _refuse_not_three(made: MadeMatrix, what: str) -> None:
     if len(made.matrix.channels) != 3:
         raise InputError(
-            f"{what} holds a 3 x 3 matrix, but {made.sensor} has {len(made.matrix.channels)} "
-            f"channels ({', '.join(made.matrix.channels)}); export it as CSV or JSON"
+            made.sensor,
+            f"must have 3 channels for {what}",
+            value=made.matrix.channels,
+            found=f"has {len(made.matrix.channels)}: {', '.join(made.matrix.channels)}",
+            remedy="export the matrix as CSV or JSON",
         )

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
+from chromanoise.errors import Remedy, Setting
 from chromanoise.io.spectra import ASK, Answers, qe_of, read_curves
 from chromanoise.sensor.pixel import Pixel
 from chromanoise.sensor.sensor import Sensor
@@ -44,8 +45,9 @@ def read_sensor(path: Path | str, grid: Grid, pixel: Pixel, *, answers: Answers 
     path = Path(path)
     told = read_curves(path, answers=answers)
     curves = qe_of(told, answers)
-    cure = "; say --percent if it is percent" if curves.values.max() > 1 else SMALL_NEGATIVES
-    return _sensor(path, curves, grid, pixel, answers.beyond, cure=cure)
+    percent = Setting("scale", ("percent",))
+    remedy = percent if curves.values.max() > 1 else SMALL_NEGATIVES
+    return _sensor(path, curves, grid, pixel, answers.beyond, remedy=remedy)
 
 
 def read_sensor_csv(
@@ -53,7 +55,7 @@ def read_sensor_csv(
 ) -> Sensor:
     """The sensor whose absolute QE per channel stands in ``wavelength_nm,R,G,...``.
 
-    Nothing is understood here beyond that one form, so nothing can be misunderstood.
+    No other form is read, so nothing has to be inferred.
 
     Parameters
     ----------
@@ -73,8 +75,8 @@ def read_sensor_csv(
     """
     path = Path(path)
     curves = read_spectra_csv(path, quantity="QE", unit="e-/photon")
-    percent = "; divide percent by 100" if curves.values.max() > 1 else SMALL_NEGATIVES
-    return _sensor(path, curves, grid, pixel, beyond, cure=percent)
+    remedy = "divide percent by 100" if curves.values.max() > 1 else SMALL_NEGATIVES
+    return _sensor(path, curves, grid, pixel, beyond, remedy=remedy)
 
 
 def _sensor(
@@ -84,10 +86,10 @@ def _sensor(
     pixel: Pixel,
     beyond: Beyond,
     *,
-    cure: str,
+    remedy: Remedy,
 ) -> Sensor:
     used = used_on_grid(curves.wavelength_nm, grid)
-    refuse_outside(curves, high=1.0, cure=cure, used=used)
+    refuse_outside(curves, high=1.0, remedy=remedy, used=used)
     resampled = means_on_grid(curves, grid, beyond=beyond)
     return Sensor(
         name=path.stem,

@@ -87,7 +87,7 @@ def sensor_from_json(text: str, *, source: str = "sensor") -> Sensor:
     Raises
     ------
     InputError
-        If the text is no JSON, is of another schema or version, or the sensor is wrong.
+        If the text is not JSON, is of another schema or version, or the sensor is wrong.
     """
     held = held_json(text, _SENSOR_SCHEMA, source=source)
     try:
@@ -95,7 +95,12 @@ def sensor_from_json(text: str, *, source: str = "sensor") -> Sensor:
         wells = {k: number_of(pixel[k]) for k in ("pitch_um", "full_well_e", "read_noise_e")}
         own = Grid(*(number_of(grid[key]) for key in ("start", "stop", "step")))
         if own.n > _LARGEST_GRID:
-            raise InputError(f"{source}: a grid of {own.n} wavelengths is too large")
+            raise InputError(
+                source,
+                f"must be at most {_LARGEST_GRID} wavelengths",
+                value=own.n,
+                where="key 'grid_nm'",
+            )
         return Sensor(
             name=word_of(held["name"]),
             grid=own,

@@ -21,8 +21,8 @@ class Column:
     unit
         Of its numbers; empty for words and for numbers without a unit.
     digits
-        How its numbers are written, in Python's format language: ``.2f`` two decimals, ``.4g`` four
-        digits; empty for all that tell the number from its neighbors.
+        How its numbers are rounded for readers, in Python's format language: ``.2f`` two decimals,
+        ``.4g`` four digits; empty for all digits.
 
     Raises
     ------
@@ -36,12 +36,15 @@ class Column:
 
     def __post_init__(self) -> None:
         if not self.name.strip():
-            raise InputError("a column of a table needs a name")
+            raise InputError("Column.name", "must not be empty", value=self.name)
         try:
             format(1.0, self.digits)
         except ValueError:
             raise InputError(
-                f"digits of column {self.name} must be a format as .2f or .4g, not {self.digits!r}"
+                "Column.digits",
+                "must be a format such as .2f or .4g",
+                value=self.digits,
+                where=f"column {self.name!r}",
             ) from None
 
 
@@ -76,14 +79,20 @@ class Table:
         for i, row in enumerate(self.rows):
             if len(row) != len(self.columns):
                 raise InputError(
-                    f"table {self.title!r}: row {i} (from 0) has {len(row)} cells for "
-                    f"{len(self.columns)} columns"
+                    f"table {self.title!r}",
+                    f"must have {len(self.columns)} cells, one per column",
+                    value=len(row),
+                    found=f"has {len(row)}",
+                    where=f"row {i} (from 0)",
                 )
             for column, cell in zip(self.columns, row, strict=True):
                 if isinstance(cell, float) and not math.isfinite(cell):
                     raise InputError(
-                        f"table {self.title!r}: {column.name} in row {i} (from 0) is {cell}; "
-                        "what is not defined is None"
+                        f"table {self.title!r}",
+                        "must be finite",
+                        value=cell,
+                        where=f"column {column.name!r} in row {i} (from 0)",
+                        remedy="use None where it is not defined",
                     )
 
 
@@ -99,6 +108,11 @@ def written(cell: Entry, digits: str) -> str:
         return ""
     if isinstance(cell, bool | str):
         return str(cell)
-    text = format(cell, digits) if digits else repr(cell)
+    text = format(cell, digits) if digits else repr(_plain(cell))
     # a small negative number rounds to "-0.0", which no reader wants to meet
     return text.removeprefix("-") if float(text.replace("%", "")) == 0 else text
+
+
+def _plain(number: float) -> float:
+    """Of Python's own type: the text of a NumPy number names its type."""
+    return float(number) if isinstance(number, float) else number

@@ -1,7 +1,7 @@
-"""A table as text that other programs read: CSV, JSON, Markdown, LaTeX.
+"""A table as text: CSV and JSON for programs, Markdown and LaTeX for readers.
 
-CSV, Markdown and LaTeX hold numbers with the digits of their column; JSON holds them whole, so that
-what is read back is the table itself. What is not defined is an empty cell, in JSON ``null``.
+CSV and JSON hold all digits, so the same numbers are read back; Markdown and LaTeX round to the
+digits of the column. What is not defined is an empty cell, in JSON ``null``.
 """
 
 import csv
@@ -25,6 +25,7 @@ from chromanoise.io.table import (
 SCHEMA = "chromanoise table"
 
 _FORMULA = ("=", "+", "-", "@", "\t", "＝", "＋", "－", "＠")
+_LABEL = re.compile(r"[A-Za-z0-9:._-]+")
 _MARKDOWN = re.compile(r"([\\`*_\[\]<>#|~&])")
 _LATEX = {
     "\\": r"\textbackslash{}",
@@ -75,12 +76,17 @@ def table_writer(path: Path) -> Callable[[Table], str]:
     writers = {".csv": table_csv, ".json": table_json, ".md": table_markdown, ".tex": table_latex}
     ending = path.suffix.lower()
     if ending not in writers:
-        raise InputError(f"{path}: a table is written as {', '.join(writers)}; end the name so")
+        raise InputError(
+            str(path),
+            f"must end in {', '.join(writers)} for a table",
+            value=path.suffix,
+            found=f"ends in {path.suffix!r}",
+        )
     return writers[ending]
 
 
 def table_csv(table: Table) -> str:
-    """One row of heads, ``name [unit]``, then the rows, as RFC 4180 but for its line ends.
+    """One row of heads, ``name [unit]``, then the rows with all digits, as RFC 4180 with LF.
 
     Words that a spreadsheet would take for a formula get an apostrophe before them.
     """
@@ -89,10 +95,7 @@ def table_csv(table: Table) -> str:
     writer.writerow([_harmless(head(column)) for column in table.columns])
     for row in table.rows:
         writer.writerow(
-            [
-                _harmless(cell) if isinstance(cell, str) else written(cell, column.digits)
-                for column, cell in zip(table.columns, row, strict=True)
-            ]
+            [_harmless(cell) if isinstance(cell, str) else written(cell, "") for cell in row]
         )
     return text.getvalue()
 
@@ -117,7 +120,7 @@ def table_from_json(text: str, *, source: str = "table") -> Table:
     Raises
     ------
     InputError
-        If the text is no JSON, is of another schema or version, or no table.
+        If the text is not JSON, is of another schema or version, or no table.
     """
     held = held_json(text, SCHEMA, source=source)
     try:
@@ -134,7 +137,7 @@ def table_from_json(text: str, *, source: str = "table") -> Table:
         raise named(error, source) from None
     except (KeyError, TypeError):
         raise InputError(
-            f"{source}: a table has title, columns (name, unit, digits), rows and notes"
+            source, "must have title, columns (name, unit, digits), rows and notes, as a table"
         ) from None
 
 
@@ -159,7 +162,22 @@ def table_markdown(table: Table) -> str:
 
 
 def table_latex(table: Table, label: str = "") -> str:
-    r"""A ``table`` of LaTeX's own commands, with ``\caption``; UTF-8 assumed."""
+    r"""A ``table`` with the rules of the package booktabs and a ``\caption``; UTF-8 assumed.
+
+    Parameters
+    ----------
+    table
+        The heads are ``name [unit]``.
+    label
+        For ``\ref``; without it there is no ``\label``.
+
+    Raises
+    ------
+    InputError
+        If the label has other characters than letters, digits and ``: . _ -``.
+    """
+    if label and not _LABEL.fullmatch(label):
+        raise InputError("label", "must consist of letters, digits and : . _ -", value=label)
     kinds = "".join("r" if _numeric(table, i) else "l" for i in range(len(table.columns)))
     heads = " & ".join(_latex(head(column)) for column in table.columns)
     rows = [
@@ -170,15 +188,16 @@ def table_latex(table: Table, label: str = "") -> str:
         for row in table.rows
     ]
     lines = [
+        r"% needs \usepackage{booktabs}",
         r"\begin{table}",
         rf"\caption{{{_latex(table.title)}}}",
         *([rf"\label{{{label}}}"] if label else []),
         rf"\begin{{tabular}}{{{kinds}}}",
-        r"\hline",
+        r"\toprule",
         rf"{heads} \\",
-        r"\hline",
+        r"\midrule",
         *(rf"{row} \\" for row in rows),
-        r"\hline",
+        r"\bottomrule",
         r"\end{tabular}",
         *(rf"\par {_latex(note)}" for note in table.notes),
         r"\end{table}",

@@ -54,7 +54,7 @@ def page_sentence(error: InputError) -> str:
         return f"set {name} to {values}" if values else f"set {name}"
 
     subject = error.subject
-    if error.setting and subject == error.setting.rpartition(".")[2]:
+    if error.setting and subject == error.setting_name:
         subject = subject.replace("_", " ")
     return error.sentence(subject=subject, render=told)
 

@@ -7,7 +7,6 @@ is started separately.
 
 import contextlib
 import itertools
-import os
 import pickle
 import socket
 import struct
@@ -19,13 +18,12 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any, BinaryIO
 
+from chromanoise._sandbox import exit_code, started_python
+
 _SIZE = struct.calcsize("q")
 FORKS = sys.platform == "linux"
-WATCHDOG, FAILED, NO_MEMORY = 1, 70, 71
-"""Exit codes of the processes; faulthandler sets the first."""
 BEGINS_S = 120.0  # the first picture after an installation compiles for half a minute
 _REPLY_S = 10.0
-_ENDING_S = 2.0  # whoever forks needs longer only while it imports and has no children yet
 _PROGRAM = "from chromanoise.page.worker import main; main()"
 
 
@@ -170,7 +168,7 @@ class Nursery:
         for process in self._started:
             if not FORKS:
                 process.kill()
-            _exit_code(process)
+            exit_code(process)
             for end in (process.stdin, process.stdout):
                 if end is not None:
                     end.close()
@@ -230,31 +228,15 @@ class Nursery:
             process.stdout,  # type: ignore[arg-type]
             process.stdin,  # type: ignore[arg-type]
             interrupt=process.kill,
-            ended=partial(_exit_code, process),
+            ended=partial(exit_code, process),
         )
-
-
-def _exit_code(process: "subprocess.Popen[bytes]") -> int:
-    try:
-        return process.wait(_ENDING_S)
-    except subprocess.TimeoutExpired:
-        process.kill()
-        return process.wait()
 
 
 def _started(how: str, **ends: int) -> "subprocess.Popen[bytes]":
-    if not sys.executable or getattr(sys, "frozen", False):
+    try:
+        # in a new session Ctrl-C reaches only the server, which ends them
+        return started_python(_PROGRAM, how, start_new_session=True, **ends)
+    except RuntimeError:
         raise RuntimeError(
             "the page needs worker processes, but this Python cannot start another Python"
-        )
-    return subprocess.Popen(
-        # -P: do not import from the working folder
-        [sys.executable, "-P", "-W", "ignore", "-c", _PROGRAM, how],
-        env={
-            **os.environ,
-            "PYTHONPATH": os.pathsep.join(entry for entry in sys.path if entry),
-            "OPENBLAS_NUM_THREADS": os.environ.get("OPENBLAS_NUM_THREADS", "1"),
-        },
-        start_new_session=True,  # Ctrl-C reaches only the server, which ends them
-        **ends,  # type: ignore[call-overload]
-    )
+        ) from None

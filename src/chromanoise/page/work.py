@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from queue import SimpleQueue
 from typing import Any
 
+from chromanoise import _sandbox
 from chromanoise.page import processes
 from chromanoise.page.asked import QuestionError
 from chromanoise.page.processes import Nursery, ProcessEndedError, Worker
@@ -20,7 +21,7 @@ MOST_WAITING = 48
 LONGEST_WAIT_S = 25.0  # in a queue; with the longest job, an answer takes at most a minute
 MOST_ANSWER_BYTES = 16_000_000
 _KILLED = -9  # SIGKILL, by no name on Windows
-_TOO_LONG = (processes.WATCHDOG, -getattr(signal, "SIGXCPU", 24))
+_TOO_LONG = (_sandbox.WATCHDOG, -getattr(signal, "SIGXCPU", 24))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -64,7 +65,7 @@ class Job:
 LANES: Mapping[str, Lane] = {
     "questions": Lane(workers=2, memory_bytes=100_000_000),
     "pictures": Lane(workers=1, memory_bytes=380_000_000),  # 150 MB of it for compiled kernels
-    "uploads": Lane(workers=1, memory_bytes=280_000_000),
+    "uploads": Lane(workers=1, memory_bytes=240_000_000),
 }
 JOBS: Mapping[str, Job] = {
     "choices": Job(lane="questions", cpu_s=15, limit_s=30.0),
@@ -210,7 +211,7 @@ def _stopped(job: Job, ended: ProcessEndedError, lane: Lane) -> QuestionError:
         sentence = f"the computation did not start within {processes.BEGINS_S:g} s; ask again"
     elif code in _TOO_LONG or (code is None and ended.seconds >= min(job.cpu_s, job.limit_s)):
         sentence = f"this takes longer than {job.cpu_s} s and was stopped; ask for less"
-    elif code == processes.NO_MEMORY:
+    elif code == _sandbox.NO_MEMORY:
         sentence = _no_memory(lane)
     elif code == _KILLED:
         sentence = "the operating system stopped this, perhaps for lack of memory; ask for less"

@@ -11,20 +11,16 @@ import struct
 import sys
 import time
 import traceback
-from collections.abc import Callable
 from functools import partial
-from pathlib import Path
-from typing import Any, BinaryIO, NoReturn
+from typing import Any, BinaryIO
 
+from chromanoise._sandbox import exit_after, held_bytes
 from chromanoise.errors import InputError
 from chromanoise.page.asked import QuestionError
 from chromanoise.page.desk import Desk
-from chromanoise.page.processes import FAILED, NO_MEMORY
 from chromanoise.page.uploads import Kept, Upload
 
 _SIZE = struct.calcsize("q")
-_STATM = Path("/proc/self/statm")
-_DATA = 5  # its number there
 _EXIT_S = 1.0  # a process that has closed its channel needs less
 
 
@@ -36,7 +32,7 @@ def main() -> None:
     reads, writes = sys.stdin.buffer, sys.stdout.buffer
     (size,) = struct.unpack("q", reads.read(_SIZE))
     study = reads.read(size)
-    _exit_after(
+    exit_after(
         lambda: _Answering(Desk(Kept(), study=pickle.loads(study)), reads, writes, None).serve()
     )
 
@@ -62,7 +58,7 @@ def _forking(control: socket.socket) -> None:
         child = os.fork()
         if child == 0:
             control.close()
-            _exit_after(partial(_child, desk, ends[0], memory_bytes))
+            exit_after(partial(_child, desk, ends[0], memory_bytes))
         with contextlib.suppress(OSError):  # the child may have been quicker
             os.setpgid(child, child)
         os.close(ends[0])
@@ -84,20 +80,6 @@ def _exit_code(child: int, *, wait_s: float) -> int:
     return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
 
 
-def _exit_after(served: Callable[[], None]) -> NoReturn:
-    """End this process, with a traceback on stderr where it failed."""
-    code = FAILED
-    try:
-        served()
-        code = 0
-    except MemoryError:
-        code = NO_MEMORY
-    except BaseException:
-        traceback.print_exc()
-    finally:
-        os._exit(code)
-
-
 def _child(desk: Desk, end: int, memory_bytes: int) -> None:
     with contextlib.suppress(OSError):
         os.setpgid(0, 0)
@@ -114,14 +96,10 @@ def _bounded(memory_bytes: int) -> int:
     """
     import resource
 
-    held = _held_bytes()
+    held = held_bytes()
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     resource.setrlimit(resource.RLIMIT_DATA, (held + memory_bytes,) * 2)
     return held + memory_bytes // 2
-
-
-def _held_bytes() -> int:
-    return int(_STATM.read_text().split()[_DATA]) * os.sysconf("SC_PAGE_SIZE")
 
 
 class _Answering:
@@ -159,7 +137,7 @@ class _Answering:
         """Whether a new process should replace it: its child processes inherit its CPU time."""
         if self._bound is None:
             return False
-        return _held_bytes() > self._bound or time.process_time() > cpu_s
+        return held_bytes() > self._bound or time.process_time() > cpu_s
 
     def _asked(self) -> tuple[str, tuple[Upload, ...], tuple[Any, ...], int, float] | None:
         try:

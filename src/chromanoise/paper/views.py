@@ -188,7 +188,7 @@ def channel_plane(
     -----
     Clouet, Vaillant & Alleysson (CIC27, 2019), Figures 3, 4, 6, 9 and 10.
     """
-    column = _AXIS_NAMES.index(one_of("color axis", axis, _AXIS_NAMES))
+    column = _AXIS_NAMES.index(one_of("axis", axis, _AXIS_NAMES))
     name = f"{', '.join(channels)} of {analysis.sensor.name}"
     sensor = with_channels(analysis.sensor, channels, name=name)
     two = analyzed(analysis.scene, sensor, analysis.exposure, analysis.matrix.metric)
@@ -283,11 +283,16 @@ def _refuse_no_plane(two: Analysis) -> None:
     first, second = two.sensor.names
     if two.matrix.frame.rank < 2 or two.between_deg[0, 1] < _PARALLEL_DEG:
         raise InputError(
-            f"channels {first} and {second} of one direction span no plane; choose two that differ"
+            f"channels {first} and {second}",
+            "must differ in direction to span a plane",
+            found="have the same direction",
+            remedy="choose two that differ",
         )
     for name, mean in zip(two.sensor.names, two.raw.mean, strict=True):
         if not mean > 0:
-            raise InputError(f"channel {name} sees none of this light: there is nothing to draw")
+            raise InputError(
+                f"channel {name}", "must see some of this light", value=0.0, found="sees none"
+            )
 
 
 def _measured(two: Analysis, to_plane: Float[Array, "2 2"]) -> Measurement:
@@ -306,7 +311,11 @@ def _color_axis(two: Analysis, view: PlaneView, measured: Measurement, column: i
     seen = view.seen(axis)
     length = float(np.linalg.norm(seen))
     if not length > 0:
-        raise InputError(f"no light that {two.sensor.name} tells apart has any color")
+        raise InputError(
+            f"channels of {two.sensor.name}",
+            f"must see part of the color axis {_AXIS_NAMES[column]}",
+            found="their plane is perpendicular to it",
+        )
     direction = seen / length
     color = two.color.mean[column]
     return ColorAxis(

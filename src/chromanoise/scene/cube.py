@@ -6,8 +6,15 @@ import numpy as np
 
 from chromanoise import _check
 from chromanoise._check import Array
-from chromanoise._shapes import Float, Shaped
-from chromanoise.errors import InputError
+from chromanoise._shapes import (
+    Float,
+    Shaped,
+)
+from chromanoise.errors import (
+    InputError,
+    Remedy,
+    Setting,
+)
 from chromanoise.scene.rows import RowSource, row_source, with_bands
 from chromanoise.spectra import Grid
 
@@ -44,16 +51,21 @@ class Cube:
 
     def __post_init__(self) -> None:
         if np.size(self.wavelength_nm) == 1:
-            raise InputError(f"{self.source} has 1 band, but a cube needs at least 2")
+            raise InputError(self.source, "must have at least 2 bands", value=1, found="has 1 band")
         wavelength = _check.increasing(f"wavelength_nm of {self.source}", "nm", self.wavelength_nm)
         if len(self.stored.shape) != 3 or 0 in self.stored.shape:
             raise InputError(
-                f"{self.source} must be (rows, columns, bands) and not empty, "
-                f"got {self.stored.shape}"
+                self.source,
+                "must have axes (rows, columns, bands) and must not be empty",
+                value=tuple(self.stored.shape),
+                found=f"has shape {tuple(self.stored.shape)}",
             )
         if self.stored.shape[2] != wavelength.size:
             raise InputError(
-                f"{self.source} has {self.stored.shape[2]} bands but {wavelength.size} wavelengths"
+                self.source,
+                "must have one wavelength per band",
+                value=wavelength.size,
+                found=f"has {self.stored.shape[2]} bands and {wavelength.size} wavelengths",
             )
         _check.positive(f"scale of {self.source}", "reflectance per stored unit", self.scale)
         object.__setattr__(self, "wavelength_nm", _check.frozen(wavelength))
@@ -82,27 +94,28 @@ def reflectance_rows(
     if bad.any():
         row, column, band = (int(i) for i in np.argwhere(bad)[0])
         first, last = first_row + start, first_row + stop - 1
+        value = float(rho[row, column, band])
         raise InputError(
-            f"{cube.source}: reflectance must be 0 .. {BRIGHTEST:g}, but "
-            f"{int(bad.sum())} of {bad.size} values in rows {first}-{last} are not; the first "
-            f"is {rho[row, column, band]:g} at row {first + row}, column {column} (from 0), "
-            f"{cube.wavelength_nm[band]:g} nm; {_cure(rho[row, column, band], cube)}"
+            cube.source,
+            f"reflectance must be 0 .. {BRIGHTEST:g}",
+            where=f"row {first + row}, column {column} (from 0), {cube.wavelength_nm[band]:g} nm",
+            value=value,
+            found=f"is {value:g} ({int(bad.sum())} of {bad.size} values in rows "
+            f"{first}-{last} are out of range)",
+            remedy=_remedy(value, cube),
         )
     return rho
 
 
-def _cure(value: float, cube: Cube) -> str:
+def _remedy(value: float, cube: Cube) -> tuple[Remedy, ...]:
     if np.isnan(value) or value < 0:
         ignored = any("data ignore value" in note for note in cube.notes)
-        told = " (its header names a data ignore value, which is not applied)" if ignored else ""
+        note = " (its header names a data ignore value, which is not applied)" if ignored else ""
         return (
-            f"set pixels without a value to 0 and noise below 0 to 0, or cut them off{told}; "
-            "--bad-pixels zero does the first"
+            Setting("bad_pixels", ("zero",)),
+            f"set pixels without a value and noise below 0 to 0, or cut them off{note}",
         )
-    return (
-        "radiance or counts must be turned into reflectance first (divide by a white reference), "
-        "or scaled with --scale"
-    )
+    return ("divide radiance or counts by a white reference", Setting("scale"))
 
 
 def bands_within(cube: Cube, grid: Grid) -> Cube:

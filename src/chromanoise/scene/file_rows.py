@@ -49,11 +49,20 @@ class FileRows:
         size = self.stored.itemsize
         if any(stride % size for stride in self.strides) or self.stored.kind not in "fiu":
             raise InputError(
-                f"{self.path}: {self.stored} numbers at strides of {self.strides} bytes are not "
-                "read in place; save it as ENVI or .npy"
+                str(self.path),
+                "must hold real numbers whose strides are multiples of their size",
+                value=self.strides,
+                found=f"holds {self.stored} numbers at strides of {self.strides} bytes",
+                remedy="save it as ENVI or .npy",
             )
-        if _span(self.shape, self.strides, size)[0] + self.offset < 0:
-            raise InputError(f"{self.path}: its first number would lie before the file")
+        low = _span(self.shape, self.strides, size)[0] + self.offset
+        if low < 0:
+            raise InputError(
+                str(self.path),
+                "must hold all its numbers",
+                value=low,
+                found=f"its first number would lie at byte {low}",
+            )
 
     @property
     def dtype(self) -> np.dtype:
@@ -118,7 +127,13 @@ class PlaneRows:
         for plane in self.planes:
             alike = (plane.shape, plane.stored) == (first.shape, first.stored)
             if not alike or plane.shape[2] != 1 or plane.strides[:2] != packed:
-                raise InputError(f"{plane.path}: planes must be alike and without gaps")
+                raise InputError(
+                    str(plane.path),
+                    "planes must be alike and without gaps",
+                    value=plane.shape,
+                    found=f"one has shape {plane.shape}, type {plane.stored} "
+                    f"and strides {plane.strides}",
+                )
 
     @property
     def shape(self) -> tuple[int, int, int]:
@@ -161,8 +176,10 @@ def refuse_other_rows(source: str, shape: tuple[int, int, int], start: int, stop
     """Refuse rows that are none, or beyond the picture."""
     if not 0 <= start < stop <= shape[0]:
         raise InputError(
-            f"{source}: rows must be START < STOP within 0 .. {shape[0]}, but {start} to {stop} "
-            "were asked for"
+            source,
+            f"must be read in rows START < STOP within 0 .. {shape[0]}",
+            value=(start, stop),
+            found=f"rows {start} to {stop} were requested",
         )
 
 
@@ -231,7 +248,7 @@ def _opened(path: Path) -> BinaryIO:
     try:
         return path.open("rb", buffering=0)
     except OSError as error:
-        raise InputError(f"{path}: cannot be read ({reason(error)})") from None
+        raise InputError(str(path), f"cannot be read ({reason(error)})") from None
 
 
 def _read_into(file: BinaryIO, at: int, part: memoryview, path: Path) -> None:
@@ -241,12 +258,15 @@ def _read_into(file: BinaryIO, at: int, part: memoryview, path: Path) -> None:
             count = _read_some(file, at, part)
             if not count:
                 raise InputError(
-                    f"{path}: ended {len(part)} bytes too early; it was cut short while it was "
-                    "being read, copy it again"
+                    str(path),
+                    "must keep its size while it is read",
+                    value=len(part),
+                    found=f"ended {len(part)} bytes too early",
+                    remedy="copy it again",
                 )
             at, part = at + count, part[count:]
     except OSError as error:
-        raise InputError(f"{path}: cannot be read ({reason(error)})") from None
+        raise InputError(str(path), f"cannot be read ({reason(error)})") from None
 
 
 def _read_some(file: BinaryIO, at: int, part: memoryview) -> int:

@@ -32,7 +32,7 @@ class Adc:
 
     def __post_init__(self) -> None:
         if not isinstance(self.bits, int) or self.bits not in range(8, 17):
-            raise InputError(f"an ADC has 8 to 16 bits, but {self.bits} are asked for")
+            raise InputError("bits", "must be a whole number from 8 to 16", value=self.bits)
         _check.within("gain_e_per_dn", "e-/DN", self.gain_e_per_dn, 1e-12, 1e15)
         _check.within("black_level_dn", "DN", self.black_level_dn, 0, self.top_code - 1)
 

@@ -30,7 +30,7 @@ def behind_ir_cut(sensor: Sensor, edge_nm: float, *, told: bool = True) -> Senso
         If the edge leaves that range.
     """
     low, high = LOWEST_EDGE_NM, HIGHEST_EDGE_NM
-    edge = _check.within("edge of an added IR-cut", "nm", edge_nm, low, high)
+    edge = _check.within("edge_nm", "nm", edge_nm, low, high)
     note = (f"behind an added model IR-cut at {edge:g} nm",) if told else ()
     qe = sensor.qe * ir_cut(sensor.grid, edge_nm=edge)[:, None]
     return replace(sensor, qe=qe, notes=(*sensor.notes, *note))
@@ -65,7 +65,7 @@ def with_shifted_curves(sensor: Sensor, shift_nm: float) -> Sensor:
     >>> with_shifted_curves(one, 5.0).qe[:, 0]
     array([0.1 , 0.3 , 0.35])
     """
-    shift = _check.within("shift of curves", "nm", shift_nm, -MOST_SHIFT_NM, MOST_SHIFT_NM)
+    shift = _check.within("shift_nm", "nm", shift_nm, -MOST_SHIFT_NM, MOST_SHIFT_NM)
     if shift == 0:
         return sensor
     at, grid = sensor.grid.wavelength_nm, sensor.grid

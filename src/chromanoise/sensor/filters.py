@@ -53,8 +53,10 @@ def silicon_qe(
     known = table.wavelength_nm
     if wavelength[0] < known[0] or wavelength[-1] > known[-1]:
         raise InputError(
-            f"the absorption of silicon is tabulated on {known[0]:g}-{known[-1]:g} nm, "
-            f"but the grid is {grid}"
+            "grid",
+            f"must lie within {known[0]:g}-{known[-1]:g} nm, where the absorption of silicon is "
+            "tabulated",
+            value=grid,
         )
     per_cm = np.exp(np.interp(wavelength, known, np.log(table.values[:, 0])))
     per_um = per_cm * _CM_PER_UM
@@ -92,12 +94,14 @@ def resin_filter(
     array([0.02, 0.86, 0.03, 0.94])
     """
     for name, value in (("peak", peak), ("leak", leak), ("floor", floor)):
-        _check.fraction(f"{name} of a resin filter", "1", value)
+        _check.fraction(name, "1", value)
     scale = _check.positive("edge_nm", "nm", edge_nm)
     if not low_nm < high_nm <= leak_nm:
         raise InputError(
-            f"a resin filter needs low < high <= leak [nm], but they are "
-            f"{low_nm:g}, {high_nm:g}, {leak_nm:g}"
+            "low_nm, high_nm and leak_nm",
+            "must satisfy low_nm < high_nm <= leak_nm [nm]",
+            value=(low_nm, high_nm, leak_nm),
+            found=f"are {low_nm:g}, {high_nm:g} and {leak_nm:g}",
         )
     wavelength = grid.wavelength_nm
     passband = _rise(wavelength, low_nm, scale) * _rise(-wavelength, -high_nm, scale)
@@ -179,7 +183,12 @@ def _number(text: str, name: str) -> float:
     try:
         return float(text)
     except ValueError:
-        raise InputError(f"filter {name!r}: {text!r} is not a number") from None
+        raise InputError(
+            "filter",
+            "must have numbers after ircut-, as ircut-650/8 [nm]",
+            value=name,
+            found=f"{text!r} of {name!r} is not a number",
+        ) from None
 
 
 def _rise(at: Float[Array, " n"], middle: float, scale: float) -> Float[Array, " n"]:

@@ -8,6 +8,7 @@ taken off, as shielded pixels tell it to a sensor.
 from dataclasses import dataclass
 
 from chromanoise import _check
+from chromanoise.errors import InputError
 
 _MOST = 1e12  # beyond any pixel, and beyond what float32 tells apart
 
@@ -42,7 +43,10 @@ class Imperfections:
         _check.within("dark_current_e_per_s", "e-/s", self.dark_current_e_per_s, 0.0, _MOST)
         _check.within("dsnu_e", "e-", self.dsnu_e, 0.0, _MOST)
         _check.within("row_noise_e", "e-", self.row_noise_e, 0.0, _MOST)
-        _check.within("prnu (0.01 is one percent)", "1", self.prnu, 0.0, 0.2)
+        if not 0.0 <= self.prnu <= 0.2:
+            raise InputError(
+                "prnu", "must be 0 to 0.2 [1]", value=self.prnu, remedy="write 1 percent as 0.01"
+            )
 
 
 def dark_electrons_e(imperfections: Imperfections, *, time_s: float) -> float:

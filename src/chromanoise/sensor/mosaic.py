@@ -25,12 +25,16 @@ class Mosaic:
 
     def __post_init__(self) -> None:
         if not self.pattern or not self.pattern[0]:
-            raise InputError("a mosaic needs at least one row with one channel")
+            raise InputError(
+                "mosaic", "must have at least one row with one channel", value=self.pattern
+            )
         for i, row in enumerate(self.pattern):
             if len(row) != len(self.pattern[0]):
                 raise InputError(
-                    f"mosaic rows must be equally long, but row {i} has {len(row)} channels "
-                    f"and row 0 has {len(self.pattern[0])}"
+                    "mosaic",
+                    "must have rows of equal length",
+                    value=(len(self.pattern[0]), len(row)),
+                    found=f"row 0 has {len(self.pattern[0])} channels and row {i} has {len(row)}",
                 )
 
     @property
@@ -90,9 +94,17 @@ def mosaic_named(text: str) -> Mosaic:
         return _NAMED[text]()
     rows = [row.strip() for row in text.split("/")]
     if len(rows) == 1 and len(text) > 2 and " " not in text.strip():
-        _check.one_of("mosaic (or give its rows, as RG/GB)", text, MOSAIC_NAMES)
+        try:
+            _check.one_of("mosaic", text, MOSAIC_NAMES)
+        except InputError as error:
+            raise InputError(
+                "mosaic",
+                "must be a known name, or rows as RG/GB",
+                value=text,
+                remedy=error.remedy,
+            ) from None
     if not all(rows):
-        raise InputError(f"mosaic {text!r}: a row between slashes is empty")
+        raise InputError("mosaic", "must have a channel in each row, as RG/GB", value=text)
     spaced = any(" " in row for row in rows)
     return Mosaic(tuple(tuple(row.split() if spaced else row) for row in rows))
 

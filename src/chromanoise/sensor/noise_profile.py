@@ -201,7 +201,12 @@ def _refuse_odd(
     values: Array, names: Sequence[str], black_dn: float, white_dn: float, source: str
 ) -> None:
     if values.ndim != 2 or values.shape[1] != 2 or not len(values):
-        raise InputError(f"{source}: a noise profile has S and O per channel, got {values.shape}")
+        raise InputError(
+            source,
+            "must give S and O of each channel",
+            value=values.shape,
+            found=f"its profile has shape {values.shape}",
+        )
     for name, (shot, _) in zip(names, values.tolist(), strict=True):
         _check.within(f"S of channel {name} of {source}", "1", shot, 1e-15, 1e3)
     _check.not_negative(f"black level of {source}", "DN", black_dn)
@@ -211,8 +216,11 @@ def _refuse_odd(
     if shots.max() > (1 + _ALIKE) * shots.min():
         told = ", ".join(f"{n} {s:.3g}" for n, s in zip(names, shots.tolist(), strict=True))
         raise InputError(
-            f"{source}: S differs between channels ({told}), so their codes were multiplied, as by "
-            "a white balance; give the S and O of one channel that was not, most often green"
+            source,
+            "must have the same S in all channels",
+            value=dict(zip(names, shots.tolist(), strict=True)),
+            found=f"S is {told}, so the codes were multiplied, as by a white balance",
+            remedy="give S and O of one channel that was not multiplied, usually green",
         )
 
 

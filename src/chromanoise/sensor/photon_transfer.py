@@ -195,8 +195,12 @@ def _demand_three(source: str, levels: Levels, low: Array, saturation: float | N
     count = np.unique(at.round(9)).size
     if count < 3 and saturation is not None:
         raise InputError(
-            f"{source}: only {count} rows lie below 70 % of saturation ({saturation:g} DN); a fit "
-            "needs 3, so measure with less light"
+            source,
+            "must have at least 3 rows of different mean, the dark included, below 70 % of "
+            f"saturation ({saturation:g} DN)",
+            value=count,
+            found=f"has {count}",
+            remedy="measure with less light",
         )
     if count < 3:
         raise _undetermined(source)
@@ -204,8 +208,9 @@ def _demand_three(source: str, levels: Levels, low: Array, saturation: float | N
 
 def _undetermined(source: str) -> InputError:
     return InputError(
-        f"{source}: its means differ too little for a slope; a photon transfer needs at least 3 "
-        "rows of different mean, the dark included"
+        source,
+        "must have at least 3 rows of different mean, the dark included",
+        found="its means differ too little for a slope",
     )
 
 
@@ -249,8 +254,11 @@ def _curves(levels: Levels, source: str, *, spatial: bool) -> _Curves:
     gain = float(own.values[slope])
     if gain <= _LEAST_GAIN:
         raise InputError(
-            f"{source}: the variance does not grow with the mean (slope {gain:g} DN); are "
-            "the columns mean and variance, and was the light changed?"
+            source,
+            "must have a variance that grows with the mean",
+            value=gain,
+            found=f"the slope is {gain:g} DN",
+            remedy="check that the columns are mean and variance, and that the light was changed",
         )
     return _Curves(
         line=line,

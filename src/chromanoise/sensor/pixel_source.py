@@ -6,7 +6,7 @@ A data sheet, a noise profile and a photon-transfer table each know a part; noth
 from dataclasses import dataclass
 
 from chromanoise import _check
-from chromanoise.errors import InputError
+from chromanoise.errors import InputError, Setting
 from chromanoise.sensor.adc import Adc
 from chromanoise.sensor.imperfections import NONE, Imperfections
 from chromanoise.sensor.pixel import Pixel
@@ -71,7 +71,14 @@ class PixelSource:
         if self.read_noise_e is not None:
             _check.not_negative(f"read_noise_e {where}", "e-", self.read_noise_e)
         if self.qe is not None:
-            _check.within(f"QE {where} (percent? divide by 100)", "e-/photon", self.qe, 0.0, 1.0)
+            _refuse_percent(f"qe {where}", self.qe)
+
+
+def _refuse_percent(name: str, qe: float) -> None:
+    if not 0.0 <= qe <= 1.0:
+        raise InputError(
+            name, "must be 0 to 1 [e-/photon]", value=qe, remedy="divide percent by 100"
+        )
 
 
 PIXEL_FILES = (
@@ -135,13 +142,22 @@ def pixel_from(
         own = getattr(source, name)
         if own is not None and answer is not None:
             raise InputError(
-                f"{source.source} says {name} = {own:g}, but {answer:g} is given too; leave the "
-                "answer out, or mend the source"
+                name,
+                f"must be omitted where {source.source} gives it",
+                value=answer,
+                found=f"{answer:g} is given besides {own:g}",
+                remedy=("omit it", "correct the source"),
             )
         told = answer if own is None else own
         if told is not None:
             known[name] = float(told)
     still = [question for question in open_questions(source) if question.split(":")[0] not in known]
     if still:
-        raise InputError(f"{source.source} does not make a pixel yet: {' '.join(still)}")
+        missing = [question.split(":")[0] for question in still]
+        raise InputError(
+            source.source,
+            "must give pitch_um, full_well_e and read_noise_e for a pixel",
+            found=f"gives no {' and no '.join(missing)}",
+            remedy=Setting(missing[0]) if len(missing) == 1 else "set each of them",
+        )
     return Pixel(**known)

@@ -68,9 +68,12 @@ class Sensor:
         qe = _check.fraction(f"QE of sensor {self.name}", "e-/photon", self.qe)
         if qe.ndim != 2 or qe.shape[1] == 0:
             raise InputError(
-                f"QE of sensor {self.name} must be (wavelengths, channels), got {qe.shape}"
+                f"QE of sensor {self.name}",
+                "must be (wavelengths, channels)",
+                value=qe.shape,
+                found=f"has shape {qe.shape}",
             )
-        _check.one_of("origin of curves", self.origin, get_args(Origin))
+        _check.one_of("origin", self.origin, get_args(Origin))
         _check.same_length("wavelengths", grid=self.grid.n, qe=qe.shape[0])
         _check.same_length("channels", names=len(self.names), qe=qe.shape[1])
         names = _check.distinct(f"channel names of {self.name}", self.names)
@@ -78,8 +81,9 @@ class Sensor:
             _check.one_of(f"mosaic channel of {self.name}", name, names)
         if self.stacked and float(qe.sum(axis=1).max()) > 1 + 1e-9:
             raise InputError(
-                f"the stacked channels of {self.name} give {qe.sum(axis=1).max():.3g} electrons "
-                "for a photon of one wavelength; together they can give one at most"
+                f"QE of sensor {self.name}",
+                "must sum to at most 1 over the stacked channels at each wavelength [e-/photon]",
+                value=float(qe.sum(axis=1).max()),
             )
         object.__setattr__(self, "qe", _check.frozen(qe))
         object.__setattr__(self, "names", names)

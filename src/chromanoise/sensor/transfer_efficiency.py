@@ -21,14 +21,25 @@ def quantum_efficiency(
     if photons is None or not levels.black_known:
         return None, None
     if not photons.max() > 0:
-        raise InputError(f"{source}: the photons of all lit rows are 0; leave the column out")
+        raise InputError(
+            source,
+            "must be > 0 in a lit row",
+            value=0.0,
+            found="is 0 in all of them",
+            where="column 'photons'",
+            remedy="omit the column",
+        )
     response, error = _slope_through_origin(photons, levels.x)
     qe = response / gain
     qe_se = abs(qe) * float(np.hypot(error / response, gain_se / gain)) if response else error
     if not 0 <= qe <= 1 + _IMPOSSIBLE_Z * qe_se:
         raise InputError(
-            f"{source}: the photons give a quantum efficiency of {qe:.4g} +- {qe_se:.2g}; it must "
-            "be 0 to 1, so give mean photons per pixel and exposure, or leave the column out"
+            source,
+            "must give a quantum efficiency of 0 to 1 [e-/photon]",
+            value=qe,
+            found=f"gives {qe:.4g} +- {qe_se:.2g}",
+            where="column 'photons'",
+            remedy=("give the mean photons per pixel and exposure", "omit the column"),
         )
     if qe > 1:
         notes.append(f"{source}: the QE of {qe:.4g} +- {qe_se:.2g} lies above 1 within its error")

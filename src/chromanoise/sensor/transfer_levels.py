@@ -111,8 +111,10 @@ def levels_of(table: PhotonTransfer, black_dn: float | None) -> Levels:
         base = lowest if black_dn is None else _check.not_negative("black_dn", "DN", black_dn)
         if base > lowest:
             raise InputError(
-                f"{table.source}: black_dn is {base:g}, above the lowest mean of {lowest:g} DN; "
-                "give the code without light"
+                "black_dn",
+                f"must be at most {lowest:g} DN, the lowest mean of {table.source}",
+                value=base,
+                remedy="give the code without light",
             )
         return Levels(
             x=table.mean_dn - base,
@@ -126,8 +128,11 @@ def levels_of(table: PhotonTransfer, black_dn: float | None) -> Levels:
     darks, dark_of = found
     if black_dn is not None:
         raise InputError(
-            f"{table.source}: its dark rows give a black level of {darks.mean_dn[0]:g} DN, but "
-            f"{black_dn:g} is given too; omit it"
+            "black_dn",
+            f"must be omitted where {table.source} has dark rows",
+            value=black_dn,
+            found=f"{black_dn:g} is given besides the {darks.mean_dn[0]:g} DN of those rows",
+            remedy="omit it",
         )
     lit = ~table.dark
     return Levels(

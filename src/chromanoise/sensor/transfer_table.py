@@ -75,16 +75,22 @@ class PhotonTransfer:
             object.__setattr__(self, name, _check.frozen(values))
         if self.samples is not None:
             _check.same_length("rows", mean_dn=self.mean_dn.size, samples=self.samples.size)
-            if not ((self.samples >= 2) & (self.samples <= _MOST_SAMPLES)).all():
+            bad = ~((self.samples >= 2) & (self.samples <= _MOST_SAMPLES))
+            if bad.any():
                 raise InputError(
-                    f"{self.source}: a variance needs at least 2 samples in every row, and at most "
-                    f"{_MOST_SAMPLES:g}"
+                    self.source,
+                    f"must be 2 to {_MOST_SAMPLES:g} in every row",
+                    value=float(self.samples[bad][0]),
+                    where="column 'samples'",
                 )
             _check.freeze(self, "samples")
         if np.unique(self.mean_dn.round(9)).size < 3:
+            count = np.unique(self.mean_dn.round(9)).size
             raise InputError(
-                f"{self.source}: a photon transfer needs at least 3 rows of different mean, "
-                f"but has {np.unique(self.mean_dn.round(9)).size}"
+                self.source,
+                "must have at least 3 rows of different mean",
+                value=count,
+                found=f"has {count}",
             )
         _check.freeze(self, "dark")
         _refuse_odd_darks(self)
@@ -112,15 +118,23 @@ def _largest(values: Array) -> float:
 def _refuse_odd_darks(table: PhotonTransfer) -> None:
     """Refuse dark values that are given twice, incompletely, or not for every exposure time."""
     if table.dark.all():
-        raise InputError(f"{table.source}: all rows are dark; a gain needs rows with light")
+        raise InputError(
+            table.source, "must have rows with light for a gain", found="all rows are dark"
+        )
     columns = table.dark_mean_dn is not None, table.dark_variance_dn2 is not None
     if columns[0] != columns[1]:
         missing = "dark_mean_dn" if columns[1] else "dark_variance_dn2"
-        raise InputError(f"{table.source}: the dark of each level needs the column {missing} too")
+        raise InputError(
+            table.source,
+            "must have both columns, dark_mean_dn and dark_variance_dn2",
+            found=f"has no {missing}",
+        )
     if columns[0] and table.dark.any():
         raise InputError(
-            f"{table.source}: has dark rows and the columns dark_mean_dn and dark_variance_dn2; "
-            "keep one of the two"
+            table.source,
+            "must have either dark rows or the columns dark_mean_dn and dark_variance_dn2",
+            found="has both",
+            remedy="keep one of the two",
         )
     if table.time_ms is None or not table.dark.any():
         return
@@ -128,10 +142,15 @@ def _refuse_odd_darks(table: PhotonTransfer) -> None:
     off = np.abs(times[nearest(times, table.time_ms)] - table.time_ms)
     alone = off > _SAME_TIME * table.time_ms
     if alone.any():
+        time_ms = float(table.time_ms[alone][0])
         raise InputError(
-            f"{table.source}: no dark row has the time_ms {table.time_ms[alone][0]:g} of the lit "
-            f"row of mean {table.mean_dn[alone][0]:g} DN; measure one, or remove the column "
-            "time_ms if the dark does not depend on the time"
+            table.source,
+            "must have a dark row for the time of each lit row",
+            value=time_ms,
+            found=f"has none of {time_ms:g} ms, the time of the lit row of mean "
+            f"{table.mean_dn[alone][0]:g} DN",
+            where="column 'time_ms'",
+            remedy=("measure one", "omit the column if the dark does not depend on the time"),
         )
 
 

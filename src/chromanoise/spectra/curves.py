@@ -1,5 +1,6 @@
 """Curves over wavelength as they were measured, and how they come onto the grid."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Literal, get_args
 
@@ -7,15 +8,22 @@ import numpy as np
 
 from chromanoise import _check
 from chromanoise._check import Array
-from chromanoise._shapes import Bool, Float
-from chromanoise.errors import InputError
+from chromanoise._shapes import (
+    Bool,
+    Float,
+)
+from chromanoise.errors import (
+    InputError,
+    Remedy,
+    Setting,
+)
 from chromanoise.spectra.grid import Grid
 
 Beyond = Literal["refuse", "zero", "hold"]
 """What a curve is taken to be where it was not measured."""
 
-SMALL_NEGATIVES = "; --negatives zero sets small ones to 0"
-"""What messages advise for small negative values, as digitizing and dark readings leave them."""
+SMALL_NEGATIVES = Setting("negatives", ("zero",))
+"""Sets small negative values to 0, as digitizing and dark readings leave them."""
 
 _SLACK_NM = 1e-6  # wavelengths read from text may miss the grid's end by rounding
 
@@ -60,7 +68,7 @@ class Spectra:
         wavelength = _check.increasing(f"wavelength_nm of {where}", "nm", self.wavelength_nm)
         values = _check.finite(where, self.unit, self.values)
         if values.ndim != 2:
-            raise InputError(f"{where} must be (wavelengths, curves), got {values.shape}")
+            raise InputError(where, "must be (wavelengths, curves)", value=values.shape)
         _check.same_length("wavelengths", wavelength_nm=wavelength.size, values=values.shape[0])
         _check.same_length("curves", names=len(self.names), values=values.shape[1])
         object.__setattr__(self, "wavelength_nm", _check.frozen(wavelength))
@@ -82,7 +90,7 @@ def interpolation_matrix(
     beyond
         ``refuse``, or take the curve as ``zero`` or ``hold`` its last value outside.
     what
-        Name of the curve in a complaint.
+        Name of the curve in an error.
 
     Returns
     -------
@@ -103,22 +111,30 @@ def interpolation_matrix(
     >>> matrix @ np.array([1.0, 3.0])
     array([1., 2., 3.])
     """
-    _check.one_of("continuation", beyond, get_args(Beyond))
+    _check.one_of("beyond", beyond, get_args(Beyond))
     known = np.asarray(wavelength_nm, dtype=np.float64)
     wanted = grid.wavelength_nm
     if known[0] > wanted[-1] or known[-1] < wanted[0]:
         raise InputError(
-            f"{what} is given on {known[0]:g}-{known[-1]:g} nm, which does not meet the grid "
-            f"{grid}; are its wavelengths in nm?"
+            what,
+            f"must meet the grid {grid}",
+            value=(float(known[0]), float(known[-1])),
+            found=f"covers {known[0]:g}-{known[-1]:g} nm",
+            remedy="check that its wavelengths are in nm",
         )
     short = (wanted < known[0] - _SLACK_NM) | (wanted > known[-1] + _SLACK_NM)
     notes: tuple[str, ...] = ()
     if short.any():
         if beyond == "refuse":
             raise InputError(
-                f"{what} is given on {known[0]:g}-{known[-1]:g} nm only, but the grid {grid} asks "
-                f"for it at {wanted[short][0]:g} nm; say what follows, zero or hold (--beyond, for "
-                "an illuminant --illuminant-beyond), or take a measurement that reaches further"
+                what,
+                f"must cover the grid {grid}",
+                value=(float(known[0]), float(known[-1])),
+                found=f"covers {known[0]:g}-{known[-1]:g} nm only, without {wanted[short][0]:g} nm",
+                remedy=(
+                    Setting("beyond", ("zero", "hold")),
+                    "use a measurement that covers the grid",
+                ),
             )
         notes = (f"{what}: {beyond} beyond {known[0]:g}-{known[-1]:g} nm",)
     at = np.clip(wanted, known[0], known[-1])
@@ -188,7 +204,7 @@ def refuse_outside(
     *,
     low: float = 0.0,
     high: float = np.inf,
-    cure: str = "",
+    remedy: Remedy | Sequence[Remedy] = (),
     used: Bool[Array, " m"] | None = None,
 ) -> None:
     """Refuse curves with a value outside ``low`` to ``high``, and name the first one.
@@ -199,15 +215,15 @@ def refuse_outside(
         The curves.
     low, high
         The values that are allowed, in the unit of the curves.
-    cure
-        What the user can do, for the end of the sentence.
+    remedy
+        What the user can do.
     used
         Wavelengths at which the values matter, from `used_on_grid`; ``None`` for all.
 
     Raises
     ------
     InputError
-        Names source, curve, wavelength and value, and ``cure``.
+        Names source, curve, wavelength and value.
     """
     bad = (spectra.values < low) | (spectra.values > high)
     if used is not None:
@@ -215,12 +231,15 @@ def refuse_outside(
     if not bad.any():
         return
     row, column = (int(i) for i in np.argwhere(bad)[0])
+    value = float(spectra.values[row, column])
     demand = f"{low:g} .. {high:g}" if np.isfinite(high) else f">= {low:g}"
     raise InputError(
-        f"{spectra.source}: {spectra.quantity} must be {demand} [{spectra.unit}], but "
-        f"{int(bad.sum())} of {bad.size} values are not; the first is "
-        f"{spectra.values[row, column]:g} in column {spectra.names[column]} at "
-        f"{spectra.wavelength_nm[row]:g} nm{cure}"
+        spectra.source,
+        f"{spectra.quantity} must be {demand} [{spectra.unit}]",
+        value=value,
+        found=f"is {value:g} ({int(bad.sum())} of {bad.size} values are outside)",
+        where=f"column {spectra.names[column]!r} at {spectra.wavelength_nm[row]:g} nm",
+        remedy=remedy,
     )
 
 

@@ -45,8 +45,10 @@ class Grid:
         steps = (self.stop_nm - self.start_nm) / self.step_nm
         if steps < 1 or abs(steps - round(steps)) > 1e-9:
             raise InputError(
-                f"Grid must go up from {self.start_nm:g} to {self.stop_nm:g} nm in whole steps, "
-                f"but a step of {self.step_nm:g} nm fits {steps:g} times"
+                "Grid",
+                f"must go up from {self.start_nm:g} to {self.stop_nm:g} nm in whole steps",
+                value=(self.start_nm, self.stop_nm, self.step_nm),
+                found=f"a step of {self.step_nm:g} nm fits {steps:g} times",
             )
 
     @classmethod

@@ -9,8 +9,13 @@ import numpy as np
 from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._colour import colour_science
-from chromanoise._shapes import Float
-from chromanoise.errors import InputError
+from chromanoise._shapes import (
+    Float,
+)
+from chromanoise.errors import (
+    InputError,
+    Setting,
+)
 from chromanoise.spectra.curves import (
     SMALL_NEGATIVES,
     Beyond,
@@ -157,10 +162,12 @@ def led_white(grid: Grid) -> Illuminant:
 
 
 def narrow_diode(width_nm: float, grid: Grid) -> InputError:
-    """The complaint about a diode that the grid cannot hold."""
+    """The error of a diode that is too narrow for the grid."""
     return InputError(
-        f"an LED {width_nm:g} nm wide falls between the {grid.step_nm:g} nm steps of the grid; "
-        f"take a width of at least {2 * grid.step_nm:g} nm, or a finer grid"
+        "width_nm",
+        f"must be at least {2 * grid.step_nm:g} [nm], two steps of the grid",
+        value=width_nm,
+        remedy="use a finer grid",
     )
 
 
@@ -216,11 +223,14 @@ def illuminant_from(
     """
     if len(spectrum.names) != 1:
         raise InputError(
-            f"illuminant {name} must be one curve, but {spectrum.source} holds "
-            f"{len(spectrum.names)}: {', '.join(spectrum.names)}"
+            spectrum.source,
+            f"must hold one curve, for illuminant {name}",
+            value=spectrum.names,
+            found=f"holds {len(spectrum.names)}: {', '.join(spectrum.names)}",
+            remedy=Setting("columns"),
         )
     used = used_on_grid(spectrum.wavelength_nm, grid, from_nm=_OBSERVER_START_NM)
-    refuse_outside(spectrum, cure=SMALL_NEGATIVES, used=used)
+    refuse_outside(spectrum, remedy=SMALL_NEGATIVES, used=used)
     # values outside the grid and the observer's range are not used, so they may be anything
     spectrum = replace(spectrum, values=np.where(used[:, None], spectrum.values, 0.0))
     known, power = spectrum.wavelength_nm, spectrum.values[:, 0]
@@ -257,7 +267,9 @@ def _lux_of(power: Power, name: str) -> float:
     lux = LUMEN_PER_WATT * float(observer.values[:, 1] @ curve)
     if not lux > _DARKEST_LM_PER_W * max(float(curve.sum()), np.finfo(float).tiny):
         raise InputError(
-            f"illuminant {name} gives no visible light between 360 and 830 nm, "
-            "so no level in lux can describe it"
+            f"illuminant {name}",
+            "must have visible light between 360 and 830 nm, for a level in lux",
+            value=lux,
+            found="has none",
         )
     return lux

@@ -217,8 +217,10 @@ def _diode_within(grid: Grid, peak_nm: float, width_nm: float) -> Power:
         raise narrow_diode(width, grid)
     if peak - 2 * width < at[0] or peak + 2 * width > at[-1]:
         raise InputError(
-            f"an LED of {peak:g} nm, {width:g} nm wide, reaches out of the grid {grid}; its peak "
-            f"must lie within {at[0] + 2 * width:g}-{at[-1] - 2 * width:g} nm"
+            "peak_nm",
+            f"must be {at[0] + 2 * width:g} to {at[-1] - 2 * width:g} [nm]",
+            value=peak,
+            found=f"an LED of {peak:g} nm, {width:g} nm wide, reaches outside of the grid {grid}",
         )
     return partial(diode_power, peak_nm=peak, width_nm=width)
 
@@ -227,4 +229,6 @@ def _number(text: str, name: str) -> float:
     try:
         return float(text)
     except ValueError:
-        raise InputError(f"illuminant {name!r}: {text!r} is not a number") from None
+        raise InputError(
+            f"illuminant {name!r}", "must have a number", value=text, found=f"{text!r} is not one"
+        ) from None

@@ -33,14 +33,22 @@ def read_spectra_csv(path: Path | str, *, quantity: str, unit: str) -> Spectra:
     try:
         size = regular_file(path).st_size
         if size > _LARGEST_BYTES:
-            raise InputError(f"{path}: {size / 2**20:.0f} MiB is too large for a table of spectra")
+            raise InputError(
+                str(path),
+                f"must be at most {_LARGEST_BYTES // 2**20} MiB for a table of spectra",
+                value=size,
+                found=f"is {size / 2**20:.0f} MiB",
+            )
         text = path.read_text(encoding="utf-8-sig")
     except UnicodeDecodeError as error:
         raise InputError(
-            f"{path}: not a UTF-8 text file (byte {error.start} is not text); save it as CSV UTF-8"
+            str(path),
+            "is not UTF-8 text",
+            where=f"byte {error.start}",
+            remedy="save it as CSV UTF-8",
         ) from None
     except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror})") from None
+        raise InputError(str(path), f"cannot be read ({error.strerror})") from None
     return spectra_from_text(text, source=str(path), quantity=quantity, unit=unit)
 
 
@@ -57,14 +65,20 @@ def spectra_from_text(text: str, *, source: str, quantity: str, unit: str) -> Sp
     lines = [(i, line) for i, line in lines if not line.lstrip().startswith("#")]
     if len(lines) < 3:
         raise InputError(
-            f"{source}: needs a header wavelength_nm,name,... and at least 2 rows, "
-            f"but has {len(lines)} lines"
+            source,
+            "must have a header wavelength_nm,name,... and at least 2 rows",
+            value=len(lines),
+            found=f"has {len(lines)} lines",
         )
     header = _cells(lines[0][1], lines[0][0], source)
     if header[0].lower() != "wavelength_nm" or len(header) < 2:
         raise InputError(
-            f"{source}: line {lines[0][0]} must be the header wavelength_nm,name,..., "
-            f"but starts with {header[0][:60]!r}; separate cells with commas"
+            source,
+            "must be the header wavelength_nm,name,...",
+            value=header[0],
+            found=f"starts with {header[0][:60]!r}",
+            where=f"line {lines[0][0]}",
+            remedy="separate cells with commas",
         )
     rows = [_numbers(line, i, header, source) for i, line in lines[1:]]
     _refuse_unsorted([row[0] for row in rows], [i for i, _ in lines[1:]], source)
@@ -83,15 +97,21 @@ def _cells(line: str, number: int, source: str) -> list[str]:
     try:
         return [cell.strip() for cell in next(csv.reader(io.StringIO(line), strict=True))]
     except csv.Error as error:
-        raise InputError(f"{source}: line {number} is no row of a CSV ({error})") from None
+        raise InputError(
+            source, f"is not a row of a CSV ({error})", where=f"line {number}"
+        ) from None
 
 
 def _numbers(line: str, number: int, header: list[str], source: str) -> list[float]:
     cells = _cells(line, number, source)
     if len(cells) != len(header):
         raise InputError(
-            f"{source}: line {number} has {len(cells)} cells, but the header names {len(header)}; "
-            "give each row one cell per column, with a decimal point"
+            source,
+            f"must have {len(header)} cells, as the header",
+            value=len(cells),
+            found=f"has {len(cells)}",
+            where=f"line {number}",
+            remedy="give each row one cell per column, with a decimal point",
         )
     values = []
     for name, cell in zip(header, cells, strict=True):
@@ -101,8 +121,11 @@ def _numbers(line: str, number: int, header: list[str], source: str) -> list[flo
             value = math.nan
         if not math.isfinite(value):
             raise InputError(
-                f"{source}: line {number}, column {name}: {cell[:40]!r} is not a finite number; "
-                "mend it or leave the row out"
+                source,
+                "must be a finite number",
+                value=cell,
+                where=f"line {number}, column {name!r}",
+                remedy="correct it, or remove the row",
             )
         values.append(value)
     return values
@@ -112,7 +135,10 @@ def _refuse_unsorted(wavelengths: list[float], numbers: list[int], source: str) 
     for i in range(1, len(wavelengths)):
         if wavelengths[i] <= wavelengths[i - 1]:
             raise InputError(
-                f"{source}: line {numbers[i]}: wavelength_nm must increase, but "
-                f"{wavelengths[i]:g} nm follows {wavelengths[i - 1]:g} nm; "
-                "sort the rows and drop repeated ones"
+                source,
+                "wavelength_nm must increase",
+                value=wavelengths[i],
+                found=f"{wavelengths[i]:g} nm follows {wavelengths[i - 1]:g} nm",
+                where=f"line {numbers[i]}",
+                remedy="sort the rows and remove repeated ones",
             )

@@ -62,7 +62,12 @@ def _gray(name: str, percent: str, grid: Grid) -> Spectra:
     try:
         share = float(percent) / 100
     except ValueError:
-        raise InputError(f"reflectance {name!r}: {percent!r} is not a number") from None
+        raise InputError(
+            f"reflectance {name!r}",
+            "must have a number of percent",
+            value=percent,
+            found=f"{percent!r} is not a number",
+        ) from None
     _check.within(f"percent of {name}", "%", 100 * share, 0.0, 100.0)
     return Spectra(
         wavelength_nm=grid.wavelength_nm,

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
         Given,
         makers_of,
         operating_points_of,
+        refuse_idle,
     )
     from chromanoise.study.calls import (
         FLAGS,
@@ -157,6 +158,7 @@ __all__ = [
     "provenance",
     "read_study",
     "recorded_run",
+    "refuse_idle",
     "render_study",
     "run",
     "run_study",

@@ -15,7 +15,7 @@ from chromanoise.catalog.resolve import (
     illuminant_of_word,
     is_file_word,
 )
-from chromanoise.errors import InputError
+from chromanoise.errors import InputError, StudyError
 from chromanoise.exposure import EQUAL_TERMS, Exposure, Situation
 from chromanoise.io.cubes import read_cube
 from chromanoise.io.spectra import Answers
@@ -57,13 +57,30 @@ def operating_points_of(study: Study, given: Given = NOTHING_GIVEN) -> list[Situ
         If a name names nothing, a file cannot be read, a setting has no effect, or no light reaches
         a sensor.
     """
-    for error in (*duplicates(study), *idle_settings(study, given)):
-        raise error
+    refuse_idle(study, given)
     illuminant = illuminant_of(study, given)
     sensors = [
         sensor_of(part, key=f"sensors.{i}", given=given) for i, part in enumerate(study.sensors)
     ]
     return with_distinct_names(operating_points_in(study, illuminant, sensors))
+
+
+def refuse_idle(study: Study, given: Given = NOTHING_GIVEN) -> None:
+    """Refuse repeated sensors and settings that change nothing, all at once.
+
+    Raises
+    ------
+    InputError
+        If there is one.
+    """
+    errors = [*duplicates(study), *idle_settings(study, given)]
+    if errors:
+        raise refusal(errors)
+
+
+def refusal(errors: Sequence[InputError]) -> InputError:
+    """All errors as one that can be raised."""
+    return errors[0] if len(errors) == 1 else StudyError(errors)
 
 
 def with_distinct_names(points: Sequence[Situation]) -> list[Situation]:
@@ -92,10 +109,10 @@ def duplicates(study: Study) -> list[InputError]:
     return [
         InputError(
             "name",
-            "must not be repeated with nothing changed",
+            "must differ from every other in its name or its settings",
             value=part.name,
-            found=f"{part.name!r} is",
-            remedy="change one or omit it",
+            found=f"{part.name!r} is repeated",
+            remedy="change a setting of one, or omit one",
             setting=f"sensors.{i}.name",
         )
         for i, part in enumerate(study.sensors)
@@ -202,7 +219,7 @@ def illuminant_of(study: Study, given: Given = NOTHING_GIVEN) -> Illuminant:
     word = study.light.illuminant
     if word in given.illuminants:
         return given.illuminants[word]
-    with _key("light.illuminant", lambda name: f"light.{'column' if name == 'columns' else name}"):
+    with keyed("light.illuminant", lambda name: f"light.{'column' if name == 'columns' else name}"):
         return illuminant_of_word(word, answers=light_answers_of(study))
 
 
@@ -236,7 +253,9 @@ def sensor_of(part: SensorPart, *, key: str = "sensors.0", given: Given = NOTHIN
     InputError
         If its name names nothing, or a file cannot be read.
     """
-    with _key(f"{key}.name", lambda name: f"{key}.{_ANSWER_KEYS.get(name, name)}"):
+    own = {name: f"{key}.{place}" for name, place in _ANSWER_KEYS.items()}
+    own |= {} if part.pixel.file is None else {part.pixel.file: f"{key}.pixel.file"}
+    with keyed(f"{key}.name", lambda name: own.get(name, f"{key}.{name}"), own):
         if part.name in given.sensors:
             sensor = on_pixel(given.sensors[part.name], **part.pixel.model_dump())
         else:
@@ -248,7 +267,7 @@ def sensor_of(part: SensorPart, *, key: str = "sensors.0", given: Given = NOTHIN
             negatives=part.negatives,
             wavelength_unit=part.filter_wavelength_unit,
         )
-        with _key(f"{key}.filter", lambda name: f"{key}.{_FILTER_KEYS.get(name, name)}"):
+        with keyed(f"{key}.filter", lambda name: f"{key}.{_FILTER_KEYS.get(name, name)}"):
             sensor = behind_filter_of_word(sensor, part.filter, answers=answers)
     return sensor if part.ircut_nm is None else behind_ir_cut(sensor, part.ircut_nm)
 
@@ -264,12 +283,24 @@ def _answers(part: SensorPart) -> Answers:
 
 
 @contextmanager
-def _key(key: str, names: Callable[[str], str]) -> Iterator[None]:
-    """An error inside names the key of the study, and its settings by their keys."""
+def keyed(
+    key: str, names: Callable[[str], str] = str, own: Mapping[str, str] | None = None
+) -> Iterator[None]:
+    """An error inside names the key of the study, and its settings by their keys.
+
+    Parameters
+    ----------
+    key
+        Of the value that is used inside.
+    names
+        From a parameter of the library to its key.
+    own
+        Keys of other values that are used inside, by the subject of their errors.
+    """
     try:
         yield
     except InputError as error:
-        raise error.inside(key, names) from None
+        raise error.inside((own or {}).get(error.subject, key), names) from None
 
 
 def unresolved(study: Study) -> list[InputError]:
@@ -308,16 +339,17 @@ def makers_of(study: Study) -> Mapping[str, MatrixMaker]:
     """
     for i in range(len(study.matrices)):
         _matrix_fits(i, study.matrices[i])
-    return matrix_makers(study.matrices, study.metric, prior=study.prior)  # type: ignore[arg-type]
+    with keyed("matrices", str):
+        return matrix_makers(study.matrices, study.metric, prior=study.prior)  # type: ignore[arg-type]
 
 
 def _matrix_fits(number: int, name: str) -> None:
-    with _key(f"matrices.{number}", str):
+    with keyed(f"matrices.{number}", str):
         matrix_makers([name], "quanta")
 
 
 def _mosaic_fits(number: int, part: PicturePart, sensors: Sequence[Sensor | None]) -> None:
-    with _key(f"pictures.{number}.mosaic", str):
+    with keyed(f"pictures.{number}.mosaic", str):
         own = {channel for row in mosaic_named(str(part.mosaic)).pattern for channel in row}
     for sensor in sensors:
         idle = [name for name in sensor.names if name not in own] if sensor else []
@@ -359,11 +391,11 @@ def cube_of(part: PicturePart, *, key: str = "pictures.0") -> Cube:
         for name, value in how.items():
             if value is not None:
                 raise _idle(f"{key}.{name}", value, part.cube)
-        with _key(f"{key}.cube", str):
+        with keyed(f"{key}.cube", str):
             return builtin_cube(part.cube)
     if isinstance(part.wavelengths, str):
         how["wavelengths"] = file_of(part.wavelengths)
-    with _key(f"{key}.cube", lambda name: f"{key}.{name}"):
+    with keyed(f"{key}.cube", lambda name: f"{key}.{name}"):
         return read_cube(file_of(part.cube), **how)
 
 

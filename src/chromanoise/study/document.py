@@ -12,7 +12,7 @@ from chromanoise.analysis.color_matrices import METHODS
 from chromanoise.analysis.comparison.quantities import QUANTITIES
 from chromanoise.analysis.comparison.sweeps import SWEEPS
 from chromanoise.analysis.priors import DEFAULT_PRIOR, PRIORS
-from chromanoise.errors import InputError, Setting
+from chromanoise.errors import InputError, Setting, StudyError
 from chromanoise.imaging import DEMOSAICING
 from chromanoise.imaging.shots import FORMATS, MOST_FRAMES
 from chromanoise.io.spectra.parsed import Negatives, Unit
@@ -129,9 +129,9 @@ class ExposurePart(_Part):
         if self.time_ms is not None and self.equal != "exposure":
             raise InputError(
                 "equal",
-                "must be exposure where time_ms gives all sensors one time",
+                "must be 'exposure' where a time is given, which all sensors share",
                 value=self.equal,
-                remedy="omit one of them",
+                remedy="omit the time or the rule",
             )
         return self
 
@@ -213,15 +213,19 @@ class PicturePart(_Part):
     @model_validator(mode="after")
     def _of_a_mosaic(self) -> "PicturePart":
         given = {name: getattr(self, name) for name in _OF_MOSAIC}
-        idle = [name for name, value in given.items() if value is not None and value is not False]
-        if self.mosaic is None and idle:
-            raise InputError(
-                " and ".join(idle),
+        idle = [
+            InputError(
+                name,
                 "must not be given without a mosaic",
-                value={name: given[name] for name in idle},
+                value=value,
                 found=None,
                 remedy=Setting("mosaic"),
             )
+            for name, value in given.items()
+            if value is not None and value is not False
+        ]
+        if self.mosaic is None and idle:
+            raise StudyError(idle)
         if self.mosaic is not None and self.clip:
             raise InputError(
                 "clip",
@@ -233,7 +237,7 @@ class PicturePart(_Part):
         if self.raw_only and self.demosaic is not None:
             raise InputError(
                 "demosaic",
-                "must not be given with raw_only",
+                "must not be given where only raw codes are asked for",
                 value=self.demosaic,
                 found=None,
                 remedy="omit one of them",

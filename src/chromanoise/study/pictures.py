@@ -1,8 +1,9 @@
 """The pictures of a study: what each part asks for, prepared before anything is computed."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
+from chromanoise._check import distinct
 from chromanoise.analysis.color_matrices import MatrixMaker
 from chromanoise.exposure import Situation
 from chromanoise.imaging import Work
@@ -18,7 +19,7 @@ from chromanoise.imaging.shots import (
 )
 from chromanoise.scene import Cube
 from chromanoise.sensor import PixelOverrides, mosaic_named
-from chromanoise.study.assembly import cube_of
+from chromanoise.study.assembly import cube_of, keyed
 from chromanoise.study.document import PicturePart, Study
 from chromanoise.study.results import Pictures
 
@@ -62,12 +63,23 @@ def prepared_cameras(
     InputError
         If the cube cannot be read, or as `asked_of` and `prepared`.
     """
-    part = study.pictures[number]
-    cube, asked = cube_of(part, key=f"pictures.{number}"), asked_of(part, seed=study.seed)
-    return cube, {
-        name: [prepared(cube, each, maker(each), asked) for each in situations]
-        for name, maker in makers.items()
-    }
+    refuse_shared_file_names(situations)
+    part, key = study.pictures[number], f"pictures.{number}"
+    cube = cube_of(part, key=key)
+    own = {name: f"{key}.{name}" for name in PicturePart.model_fields}
+    own |= {"black_level_dn": f"{key}.black_level", "names of formats": f"{key}.formats"}
+    with keyed(f"{key}.mosaic", own.__getitem__, own):
+        asked = asked_of(part, seed=study.seed)
+    with keyed(key, lambda name: own.get(name, name), own):
+        return cube, {
+            name: [prepared(cube, each, maker(each), asked) for each in situations]
+            for name, maker in makers.items()
+        }
+
+
+def refuse_shared_file_names(situations: Sequence[Situation]) -> None:
+    """Refuse sensors whose names differ, but not as parts of names of files."""
+    distinct("file names of sensors", [file_word(each.sensor.name) for each in situations])
 
 
 def first_frame(study: Study, number: int) -> int:

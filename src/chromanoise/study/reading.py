@@ -17,7 +17,7 @@ from chromanoise.analysis.comparison.sweeps import SWEEPS
 from chromanoise.analysis.priors import PRIORS
 from chromanoise.catalog.resolve import file_of, word_beside
 from chromanoise.color import SPACES
-from chromanoise.errors import InputError, Setting, StudyError
+from chromanoise.errors import InputError, Setting, StudyError, errors_in
 from chromanoise.imaging import DEMOSAICING
 from chromanoise.imaging.shots import FORMATS
 from chromanoise.spectra import METRICS
@@ -185,7 +185,7 @@ def _validated(
             if one["type"] != "too_short"
             or not any(k[: len(one["loc"])] == one["loc"] != k for k in inside)
         ]
-        faults = [_fault(one) for one in shown]
+        faults = [fault for one in shown for fault in _faults(one)]
         study = _without(told, [one["loc"] for one in shown])
     if study is not None:
         faults += [*_unknown_names(study), *(unfit(study) if study.sensors[0].name else ())]
@@ -209,9 +209,8 @@ def in_study(error: InputError, place: str) -> str:
         File and line, or the change that holds the value.
     """
     key = _short(error.setting) or "the study"
-    last = key.rpartition(".")[2]
     begin = f"{place}: {key}"
-    if error.subject != last:
+    if error.subject != (error.setting_name or key):
         return f"{begin}: {error.sentence(render=_setting_of_study)}"
     text = error.sentence(subject="", render=_setting_of_study).lstrip(" :,")
     return f"{begin}: {text}"
@@ -303,13 +302,24 @@ def _step(at: Any, step: str | int, following: Any, change: str) -> Any:
     raise InputError(f"--set {change}: the study has nothing at {_short(repr(step))}")
 
 
-def _fault(error: Any) -> InputError:
+def _faults(error: Any) -> list[InputError]:
     key: Key = error["loc"]
-    setting, last = _dotted(key), _short(str(key[-1])) if key else "the study"
+    setting = _dotted(key)
     raised = error.get("ctx", {}).get("error")
     if isinstance(raised, InputError):  # of a check of the study itself
-        own = f"{setting}.{raised.subject}" if key else raised.subject
-        return raised.inside(raised.setting or own, lambda name: f"{setting}.{name}".lstrip("."))
+        return [_of_part(one, setting) for one in errors_in(raised)]
+    return [_of_type(error, key, setting)]
+
+
+def _of_part(error: InputError, part: str) -> InputError:
+    """The error of a check that sees one part of a study, with the whole key."""
+    own = f"{part}.{error.subject}".lstrip(".")
+    return error.inside(error.setting or own, lambda name: f"{part}.{name}".lstrip("."))
+
+
+def _of_type(error: Any, key: Key, setting: str) -> InputError:
+    """The error of a value that its type or its bounds exclude."""
+    last = next((_short(step) for step in reversed(key) if isinstance(step, str)), "the study")
     if error["type"] == "extra_forbidden":
         return InputError(
             last,
@@ -378,7 +388,7 @@ def _unknown_names(study: Study) -> list[InputError]:
         asked.append((("sweeps", i, "quantity"), sweep.quantity, list(QUANTITIES)))
     return [
         InputError(
-            str(key[-1]),
+            next(step for step in reversed(key) if isinstance(step, str)),
             "must be a known name",
             value=word,
             remedy=_meant(word, known),

@@ -7,7 +7,6 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from chromanoise._check import distinct
 from chromanoise.analysis.color_matrices import MatrixMaker
 from chromanoise.analysis.comparison.bands import CrossoverBand, crossover_bands
 from chromanoise.analysis.comparison.crossing import crossovers
@@ -21,9 +20,14 @@ from chromanoise.imaging import Work
 from chromanoise.metrics import matrix_report
 from chromanoise.scene.rows import row_source
 from chromanoise.study.analyses import outcome_of
-from chromanoise.study.assembly import NOTHING_GIVEN, Given, makers_of, operating_points_of
+from chromanoise.study.assembly import NOTHING_GIVEN, Given, keyed, makers_of, operating_points_of
 from chromanoise.study.document import Study, SweepPart
-from chromanoise.study.pictures import file_word, pictures_taken, prepared_cameras
+from chromanoise.study.pictures import (
+    file_word,
+    pictures_taken,
+    prepared_cameras,
+    refuse_shared_file_names,
+)
 from chromanoise.study.results import (
     Analyses,
     Comparison,
@@ -149,7 +153,7 @@ def prepared_run(
         If a name names nothing or a file cannot be read; before anything is computed.
     """
     points = operating_points_of(study, given)
-    distinct("file names of sensors", [file_word(point.sensor.name) for point in points])
+    refuse_shared_file_names(points)
     makers = makers_of(study)
     steps = (
         *_analyses(study, points, makers),
@@ -190,7 +194,8 @@ def _matrices(study: Study, points: Points, makers: Makers) -> Iterator[Step]:
 
 def _sweeps(study: Study, points: Points, makers: Makers) -> Iterator[Step]:
     for i, part in enumerate(study.sweeps, 1):
-        values = swept_values(SWEEPS[part.vary], part.first, part.last, part.points)
+        with keyed(f"sweeps.{i - 1}"):
+            values = swept_values(SWEEPS[part.vary], part.first, part.last, part.points)
         yield Step(
             name=f"sweep-{i}-{part.vary}-{part.quantity}",
             what=f"{QUANTITIES[part.quantity].what} over {SWEEPS[part.vary].what}",

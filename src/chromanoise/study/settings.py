@@ -23,6 +23,7 @@ from chromanoise.analysis.priors import DEFAULT_PRIOR
 from chromanoise.errors import InputError, StudyError
 from chromanoise.io.spectra.parsed import Negatives, Unit
 from chromanoise.spectra import Illuminant
+from chromanoise.study.assembly import keyed
 from chromanoise.study.document import Study
 from chromanoise.study.reading import study_from_data
 
@@ -199,7 +200,8 @@ def compare_study(
         If a value cannot be used, has no effect, or is what varies.
     """
     _refuse_unknown(settings, "compare")
-    vary = one_of("vary", str(settings.get("vary") or "lux"), tuple(SWEEPS))
+    with keyed("sweeps.0.vary"):
+        vary = one_of("vary", str(settings.get("vary") or "lux"), tuple(SWEEPS))
     for name in {"time-ms": ("time_ms",), "read-noise-e": ("read_noise_e",)}.get(vary, ()):
         if settings.get(name) is not None:
             raise InputError(
@@ -378,6 +380,7 @@ def argument_of(key: str, names: Mapping[str, tuple[str, ...]] = SHARED) -> str 
     ('per', 'illuminant_per', None)
     """
     general = re.sub(r"^(sensors|pictures)\.\d+", lambda m: _GENERAL[m[1]], key)
+    general = re.sub(r"\.\d+$", "", general)  # an entry of a list
     return next((name for name, keys in names.items() if general in keys), None)
 
 
@@ -467,7 +470,7 @@ def _refuse_two_times(data: dict[str, Any]) -> None:
     if rule.get("time_ms") is not None and rule.get("saturate") is not None:
         raise InputError(
             "time_ms",
-            "must not be given beside the share of full well that solves it",
+            "must not be given with a share of full well, from which the time is solved",
             value=rule["time_ms"],
             found=None,
             remedy="omit one of them",

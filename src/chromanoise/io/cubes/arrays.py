@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from chromanoise._check import Array, printable
-from chromanoise.errors import InputError
+from chromanoise.errors import InputError, Setting
 from chromanoise.io.cubes.bounds import kind_of, refuse_impossible
 from chromanoise.io.cubes.faults import reading
 from chromanoise.io.cubes.found import Found, Notes, by
@@ -78,8 +78,11 @@ def _chosen(path: Path, key: str | None, arrays: _Arrays) -> str:
     listed = list(arrays.items())[:_MOST_LISTED]
     told = ", ".join(f"{printable(n)} {by(s)} {kind_of(t)}" for n, (s, t) in listed)
     raise InputError(
-        f"{path}: has no array {name!r}; it holds {told or 'no arrays'}"
-        + ("; name the cube with --key" if arrays else "")
+        str(path),
+        f"must hold an array {name!r}",
+        value=tuple(arrays),
+        found=f"holds {told or 'no arrays'}",
+        remedy=Setting("key") if arrays else (),
     )
 
 
@@ -90,7 +93,11 @@ def _loaded(path: Path, name: str, arrays: _Arrays, form: _Format) -> Array:
         array = form.array(path, name)
     if array.shape != shape:
         raise InputError(
-            f"{path}: array {name!r} says that it is {by(shape)}, but is {by(array.shape)}; "
-            "it is damaged, save it again"
+            str(path),
+            f"must be {by(shape)}, as it declares",
+            where=f"array {name!r}",
+            value=array.shape,
+            found=f"is {by(array.shape)}",
+            remedy="save it again, because it is damaged",
         )
     return array.astype(dtype, copy=False)

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from chromanoise.errors import InputError
+from chromanoise.errors import InputError, Setting
 from chromanoise.io.cubes.faults import IN_PLACE
 from chromanoise.io.cubes.found import by
 
@@ -46,11 +46,22 @@ def refuse_impossible(
     count = math.prod(shape)
     size = path.stat().st_size if size is None else size
     if min(shape, default=1) < 1:
-        raise InputError(f"{path}: array {name!r} is empty ({by(shape)}); save it again")
+        raise InputError(
+            str(path),
+            "must not be empty",
+            where=f"array {name!r}",
+            value=shape,
+            found=f"is {by(shape)}",
+            remedy="save it again",
+        )
     if count * (stored_item_bytes or dtype.itemsize) > size * MOST_INFLATED:
         raise InputError(
-            f"{path}: array {name!r} is declared as {by(shape)}, which {size} bytes in the file "
-            "cannot hold; the file is damaged, save it again"
+            str(path),
+            f"must fit into the {size} bytes of the file",
+            where=f"array {name!r}",
+            value=shape,
+            found=f"is declared as {by(shape)}",
+            remedy="save it again, because the file is damaged",
         )
     refuse_large(path, name, count * dtype.itemsize)
 
@@ -59,8 +70,12 @@ def refuse_large(path: Path, name: str, size: int) -> None:
     """Refuse an array that needs more memory than is available."""
     if size > memory_bytes():
         raise InputError(
-            f"{path}: array {name!r} needs {_bytes(size)} of memory, but only "
-            f"{_bytes(memory_bytes())} are available; {IN_PLACE}"
+            str(path),
+            f"must fit into the available memory of {_bytes(memory_bytes())}",
+            where=f"array {name!r}",
+            value=size,
+            found=f"needs {_bytes(size)}",
+            remedy=IN_PLACE,
         )
 
 
@@ -68,8 +83,12 @@ def refuse_not_numbers(path: Path, name: str, dtype: np.dtype) -> None:
     """Refuse words, objects, complex numbers and truth values."""
     if dtype.kind not in "fiu":
         raise InputError(
-            f"{path}: array {name!r} is of type {kind_of(dtype)}, not real numbers; save it as a "
-            "plain array of real numbers, or name another with --key"
+            str(path),
+            "must hold real numbers",
+            where=f"array {name!r}",
+            value=kind_of(dtype),
+            found=f"is of type {kind_of(dtype)}",
+            remedy=("save it as a plain array of real numbers", Setting("key")),
         )
 
 

@@ -1,8 +1,6 @@
 """How the faults of foreign readers are told."""
 
-import importlib
-import os
-import threading
+import importlib.util
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -47,21 +45,42 @@ _OWN = {
 }
 
 
-def library(name: str, what: str, *, extra: str = "cubes") -> Any:
+def library(name: str, what: str, *, extra: str = "cubes", where: str = "") -> Any:
     """A package that only some cubes need.
+
+    Parameters
+    ----------
+    name
+        Of the package.
+    what, where
+        The file that needs it, and the place in it.
+    extra
+        The extra of chromanoise that installs it.
 
     Raises
     ------
     InputError
-        If it is not installed; how to install it is told.
+        If it is not installed.
     """
     try:
         return importlib.import_module(name)
     except ImportError:
-        raise InputError(
-            f"{what}: needs the package {name}, which is not installed; "
-            f"pip install 'chromanoise[{extra}]'"
-        ) from None
+        raise _absent(name, what, extra, where) from None
+
+
+def refuse_absent_library(name: str, what: str, *, extra: str = "cubes", where: str = "") -> None:
+    """The same for a package that only the child process imports."""
+    if importlib.util.find_spec(name) is None:
+        raise _absent(name, what, extra, where)
+
+
+def _absent(name: str, what: str, extra: str, where: str) -> InputError:
+    return InputError(
+        what,
+        f"needs the package {name}, which is not installed",
+        where=where,
+        remedy=f"install it with pip install 'chromanoise[{extra}]'",
+    )
 
 
 @contextmanager
@@ -80,44 +99,31 @@ def reading_rows(path: Path, kind: str) -> Iterator[None]:
     except InputError:
         raise
     except MemoryError:
-        raise InputError(f"{path}: too large for this machine's memory; {IN_PLACE}") from None
+        raise InputError(
+            str(path),
+            "must fit into the memory of this machine",
+            found="is too large",
+            remedy=IN_PLACE,
+        ) from None
     except Exception as error:  # parsers throw anything
         raise _unreadable(path, kind, error) from None
-
-
-_STDERR, _ONE_AT_A_TIME = 2, threading.Lock()
-
-
-@contextmanager
-def without_chatter() -> Iterator[None]:
-    """Suppress what C libraries write to stderr, as libtiff does for damaged files."""
-    with _ONE_AT_A_TIME:
-        try:
-            kept = os.dup(_STDERR)
-        except OSError:  # a program may run without a stderr
-            yield
-            return
-        nowhere = os.open(os.devnull, os.O_WRONLY)
-        os.dup2(nowhere, _STDERR)
-        os.close(nowhere)
-        try:
-            yield
-        finally:
-            os.dup2(kept, _STDERR)
-            os.close(kept)
 
 
 def _unreadable(path: Path, kind: str, error: Exception) -> InputError:
     other = _content_of(path)
     if other and other not in _OWN.get(kind, ()):
         return InputError(
-            f"{path}: is {other}, not a {kind} file; correct the ending of its name, or name "
-            "another file"
+            str(path),
+            f"must be in {kind} format",
+            value=other,
+            found=f"is {other}",
+            remedy=("correct the ending of its name", "name another file"),
         )
     told = reason(error)
     return InputError(
-        f"{path}: not a readable {kind} file{f' ({told})' if told else ''}; it is damaged or "
-        "truncated, save it again"
+        str(path),
+        f"is not a readable {kind} file{f' ({told})' if told else ''}",
+        remedy="save it again, because it is damaged or truncated",
     )
 
 

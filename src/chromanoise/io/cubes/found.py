@@ -25,8 +25,8 @@ class Found:
 
 
 def unused_key(key: str | None) -> Notes:
-    """A note where --key has nothing to choose from."""
-    return () if key is None else (f"--key {key} not used: the file holds one array",)
+    """A note where ``key`` has nothing to choose from."""
+    return () if key is None else (f"key {key!r} not used: the file holds one array",)
 
 
 def by(shape: tuple[int, ...]) -> str:
@@ -37,9 +37,12 @@ def by(shape: tuple[int, ...]) -> str:
 def refuse_other_shape(
     path: Path, pixels: Shaped[Array, "h w m"] | RowSource, shape: tuple[int, int] | None
 ) -> None:
-    """Refuse a --shape that contradicts the picture in the file."""
+    """Refuse a ``shape`` that contradicts the picture in the file."""
     if shape is not None and tuple(shape) != pixels.shape[:2]:
         raise InputError(
-            f"{path}: the file holds {by(pixels.shape[:2])} pixels, but --shape says "
-            f"{by(shape)}; leave --shape away"
+            "shape",
+            f"must be that of {path}, {by(pixels.shape[:2])} pixels",
+            value=tuple(shape),
+            found=f"is {by(shape)}",
+            remedy="omit it",
         )

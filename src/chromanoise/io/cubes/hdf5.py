@@ -1,32 +1,32 @@
 """HDF5 files: NetCDF-4, MATLAB 7.3, CEA-LETI's ReDFISh, and what other programs write.
 
 Nothing outside the file is ever read: links to other files are not followed, and arrays whose
-numbers lie in other files are refused. What a file holds is found out by a process of its own, for
-libhdf5 crashes or loops on some damaged files.
+numbers lie in other files are refused. libhdf5 (2.0.0) crashes or loops on some damaged files, so a
+file is first opened in the child process of `_sandbox`. Numbers that lie plainly in the file, or
+went through zlib, are then read without libhdf5.
 """
 
-import json
 import math
-import os
-import subprocess
-import sys
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, nullcontext
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from chromanoise import _sandbox
 from chromanoise._check import Array, printable
-from chromanoise._shapes import Int64, Shaped, UInt8
+from chromanoise._shapes import Int64, Shaped
 from chromanoise.errors import InputError
-from chromanoise.io.cubes import hdf5_child
-from chromanoise.io.cubes.faults import IN_PLACE, library, reading, reading_rows
-from chromanoise.io.cubes.hdf5_chunks import ChunkRows
+from chromanoise.io.cubes.bounds import memory_bytes
+from chromanoise.io.cubes.faults import library, reading, refuse_absent_library
+from chromanoise.io.cubes.hdf5_chunks import DEFLATE, SHUFFLE, Chunks
 from chromanoise.io.cubes.labeled import Axes, Labeled, Store
+from chromanoise.io.cubes.stored_rows import StoredRows
 from chromanoise.io.spectra.wavelength_lists import SPECTRAL_NAMES
-from chromanoise.scene.file_rows import FileRows, refuse_other_rows
-from chromanoise.scene.rows import RowSource, block
+from chromanoise.scene.file_rows import FileRows
+from chromanoise.scene.rows import RowSource
 
 ENDINGS = (".h5", ".hdf5", ".hdf", ".he5", ".nc", ".nc4", ".cdf")
 _SIGNATURE = b"\x89HDF\r\n\x1a\n"
@@ -41,62 +41,10 @@ _READ = frozenset({
     "matlab_class", "matlab_sparse", "matlab_empty",
 }) | SPECTRAL_NAMES  # fmt: skip
 _MOST_ARRAYS = 10_000
-_LIMIT_S = 20.0  # how long libhdf5 may be busy with one array, or one part of it
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Hdf5Rows:
-    """Rows of an array that only libhdf5 can decode.
-
-    Attributes
-    ----------
-    path, name
-        The file and the array in it.
-    axes
-        Which of its axes are rows, columns, bands.
-    shape
-        Rows, columns, bands.
-    bands
-        Which of the stored bands, in which order.
-    stored
-        Type of the numbers in the file.
-    chunk_rows
-        Rows that are stored together.
-    """
-
-    path: Path
-    name: str
-    axes: Axes
-    shape: tuple[int, int, int]
-    bands: range
-    stored: np.dtype
-    chunk_rows: int
-
-    @property
-    def dtype(self) -> np.dtype:
-        """Of what ``rows`` gives; in the byte order of this machine."""
-        return self.stored.newbyteorder("=")
-
-    def rows(
-        self, start: int, stop: int, *, into: UInt8[Array, " bytes"] | None = None
-    ) -> Shaped[Array, "rows w m"]:
-        """The rows ``start`` to ``stop``, with the strides in which they are stored."""
-        refuse_other_rows(str(self.path), self.shape, start, stop)
-        h5py = library("h5py", str(self.path))
-        with reading_rows(self.path, "HDF5"), h5py.File(self.path, "r") as file:
-            read = block(file[self.name], self.axes, start, stop, self.bands)
-        if read.shape != (stop - start, *self.shape[1:]):
-            raise InputError(f"{self.path}: was changed while it was being read")
-        return read.astype(self.dtype, copy=False)
-
-    def scratch_bytes(self, rows: int) -> int:
-        """How large ``into`` must be for so many rows; 0 if it is not used. [bytes]"""
-        return 0
-
-    def with_bands(self, keep: slice) -> "Hdf5Rows":
-        """The same with some of the bands; nothing is read."""
-        bands = self.bands[keep]
-        return replace(self, bands=bands, shape=(*self.shape[:2], len(bands)))
+_LONGEST_ATTRIBUTE = 100_000
+_PACKING_BYTES = 4096  # tables and checksums that compression may add to a chunk
+_LIMIT_S = 60.0  # for so many arrays, or chunks
+_SLOWEST_BYTES_PER_S = 1e7  # of reading and unpacking
 
 
 def is_hdf5(path: Path) -> bool:
@@ -115,158 +63,276 @@ def hdf5_store(path: Path, *, matlab: bool = False) -> Store:
     InputError
         If h5py is not installed, or the file is damaged.
     """
-    kind = _kind(matlab)
-    library("h5py", f"{path}: {kind} files")
+    kind = "MATLAB 7.3" if matlab else "HDF5"
+    refuse_absent_library("h5py", f"{path}: {kind} files")
     with reading(path, kind):
-        told, _ = _asked(path, "arrays", attributes=sorted(_READ), most=_MOST_ARRAYS)
-        if len(told["arrays"]) > _MOST_ARRAYS:
-            raise InputError(f"{path}: holds more than {_MOST_ARRAYS} arrays")
-        arrays = {
-            str(array["name"]): _labeled(array, matlab)
-            for array in told["arrays"]
-            if not array["name"].startswith("#")  # what MATLAB keeps for itself
-        }
-        top = dict(told["attributes"])
+        listed, attributes = _sandbox.sandboxed(_listed, path, path=path, limit_s=_LIMIT_S)
+    if len(listed) > _MOST_ARRAYS:
+        raise InputError(f"{path}: holds more than {_MOST_ARRAYS} arrays")
+    arrays = {
+        name: _by_matlab(array) if matlab else array
+        for name, array in listed.items()
+        if not name.startswith("#")  # what MATLAB keeps for itself
+    }
+
+    def numbers(name: str) -> Shaped[Array, "..."]:
+        size = math.prod(arrays[name].shape) * arrays[name].dtype.itemsize
+        with reading(path, kind):
+            read = _sandbox.sandboxed(
+                _numbers,
+                path,
+                name,
+                path=path,
+                limit_s=_LIMIT_S + size / _SLOWEST_BYTES_PER_S,
+                memory_bytes=_sandbox.MEMORY_BYTES + 2 * size,
+            )
+        return read.T if matlab else read
+
+    def source(name: str, axes: Axes) -> RowSource:
+        row, column, band = (2 - axis for axis in axes) if matlab else axes
+        with reading(path, kind):
+            return _sandbox.sandboxed(
+                _source,
+                path,
+                name,
+                (row, column, band),
+                path=path,
+                limit_s=_LIMIT_S,
+                memory_bytes=memory_bytes(),  # chunks may be large, and many
+            )
+
     return Store(
         path=path,
         kind=kind,
         bytes=path.stat().st_size,
         arrays=arrays,
-        numbers=partial(_numbers, path, matlab),
-        source=partial(_source, path, matlab),
-        attributes=top,
+        numbers=numbers,
+        source=source,
+        attributes=attributes,
         matlab=matlab,
     )
 
 
-def _kind(matlab: bool) -> str:
-    return "MATLAB 7.3" if matlab else "HDF5"
-
-
-def _labeled(told: dict[str, Any], matlab: bool) -> Labeled:
-    attributes = told["attributes"]
-    shape = tuple(told["shape"])
-    dtype = np.dtype(told["dtype"])
-    if not matlab:
-        return Labeled(shape=shape, dtype=dtype, axes=tuple(told["axes"]), attributes=attributes)
-    word = str(attributes.get("matlab_class", "double"))
-    if word not in _MATLAB_NUMBERS or "matlab_sparse" in attributes:
+def _by_matlab(stored: Labeled) -> Labeled:
+    word = str(stored.attributes.get("matlab_class", "double"))
+    dtype = stored.dtype
+    if word not in _MATLAB_NUMBERS or "matlab_sparse" in stored.attributes:
         dtype = np.dtype("?") if word == "logical" else np.dtype("O")
-    shape = (0,) if "matlab_empty" in attributes else shape[::-1]
-    return Labeled(shape=shape, dtype=dtype, attributes=attributes)
+    shape = (0,) if "matlab_empty" in stored.attributes else stored.shape[::-1]
+    return Labeled(shape=shape, dtype=dtype, attributes=stored.attributes)
 
 
-def _numbers(path: Path, matlab: bool, name: str) -> Shaped[Array, "..."]:
-    with reading(path, _kind(matlab)):
-        place, content = _asked(path, "numbers", name=name)
-        _refuse_incomplete(path, name, place)
-        numbers = np.frombuffer(content, np.dtype(place["dtype"])).reshape(place["shape"])
-    return numbers.T if matlab else numbers
+@contextmanager
+def _opened(path: Path, name: str) -> Iterator[Any]:
+    with _file(path) as file:
+        yield file[name]
 
 
-def _source(path: Path, matlab: bool, name: str, axes: Axes) -> RowSource:
-    """What lies plainly in the file, or went through zlib, is read without libhdf5."""
-    with reading(path, _kind(matlab)):
-        place, content = _asked(path, "place", name=name)
-        _refuse_incomplete(path, name, place)
-        stored, sizes = np.dtype(place["dtype"]), place["shape"]
-        row, column, band = (2 - axis for axis in axes) if matlab else axes
-        shape = sizes[row], sizes[column], sizes[band]
-        chunks, offset = place["chunks"], place["offset"]
-    if offset is not None and offset + math.prod(sizes) * stored.itemsize <= path.stat().st_size:
-        steps = sizes[1] * sizes[2] * stored.itemsize, sizes[2] * stored.itemsize, stored.itemsize
-        strides = steps[row], steps[column], steps[band]
-        return FileRows(path=path, offset=offset, stored=stored, shape=shape, strides=strides)
-    bands = range(shape[2])
-    if place.get("filters") is not None:
-        return _chunk_rows(path, place, content, (row, column, band), bands)
-    return Hdf5Rows(
-        path=path,
-        name=name,
-        axes=(row, column, band),
-        shape=shape,
-        bands=bands,
-        stored=stored,
-        chunk_rows=min(int(chunks[row]), shape[0]) if chunks else 1,
-    )
+def _file(path: Path) -> Any:
+    return library("h5py", str(path)).File(path, "r")
 
 
-def _chunk_rows(
-    path: Path, place: dict[str, Any], content: bytes, axes: Axes, bands: range
-) -> ChunkRows:
-    with reading(path, "HDF5"):
-        first, second, third = place["shape"]
-        long, wide, deep = place["chunks"]
-        return ChunkRows(
+# in the child process: what the file holds
+
+
+def _listed(path: Path) -> tuple[dict[str, Labeled], Mapping[str, Any]]:
+    """All arrays by their names, at most one too many; and the attributes of the file.
+
+    Links out of the file, and links that go round, are not followed.
+    """
+    with _file(path) as file:
+        names: list[str] = []
+        dataset_type = library("h5py", str(path)).Dataset
+
+        def see(name: str, thing: Any) -> bool | None:
+            if isinstance(thing, dataset_type) and thing.shape is not None:
+                names.append(name)
+            return True if len(names) > _MOST_ARRAYS else None
+
+        file.visititems(see)
+        arrays = {
+            name: Labeled(
+                shape=tuple(int(n) for n in dataset.shape),
+                dtype=_dtype(dataset),
+                axes=_axes(dataset),
+                attributes=_attributes(dataset.attrs),
+            )
+            for name, dataset in ((name, file[name]) for name in names)
+        }
+        return arrays, _attributes(file.attrs)
+
+
+def _dtype(dataset: Any) -> np.dtype:
+    try:
+        return np.dtype(dataset.dtype.str)
+    except (TypeError, ValueError):  # types that NumPy does not have
+        return np.dtype("O")
+
+
+def _axes(dataset: Any) -> tuple[str, ...]:
+    """Names of the axes, by the lists of coordinates that NetCDF attaches to them, or by labels."""
+    if not {"DIMENSION_LIST", "DIMENSION_LABELS"} & set(dataset.attrs):
+        return ()
+    scales = (str(d[0].name).strip("/") if len(d) else "" for d in dataset.dims)
+    return tuple(scale or str(d.label) for scale, d in zip(scales, dataset.dims, strict=True))
+
+
+def _attributes(attributes: Any) -> dict[str, Any]:
+    """Those that are understood, by names in lower case; a damaged one may claim any size."""
+    shapes = {n: attributes.get_id(n).shape for n in list(attributes) if n.lower() in _READ}
+    return {
+        name.lower(): _plain(attributes[name])
+        for name, shape in shapes.items()
+        if shape is not None and math.prod(shape) <= _LONGEST_ATTRIBUTE
+    }
+
+
+def _plain(value: Any) -> Any:
+    """Texts, numbers and arrays of numbers; None for anything else."""
+    array = np.asarray(value)
+    if array.dtype.kind in "OSU" and array.size == 1:
+        word = array.ravel()[0]
+        text = word.decode("utf-8", "replace") if isinstance(word, bytes) else word
+        return str(text) if isinstance(text, str) else None
+    return array if array.dtype.kind in "biuf" else None
+
+
+# in the child process: the numbers of one array
+
+
+def _source(path: Path, name: str, axes: Axes) -> RowSource:
+    """Its rows; what cannot be read without libhdf5 is tried here first."""
+    with _file(path) as file:
+        dataset = file[name]
+        _refuse_incomplete(path, name, dataset)
+        sizes, stored, chunk = tuple(map(int, dataset.shape)), _dtype(dataset), dataset.chunks
+        shape = sizes[axes[0]], sizes[axes[1]], sizes[axes[2]]
+        size, end = stored.itemsize, path.stat().st_size
+        offset = dataset.id.get_offset() if chunk is None else None
+        plain = offset is not None and _lies_as_numpy_has_it(dataset)
+        if offset is not None and plain and offset + math.prod(sizes) * size <= end:
+            steps = sizes[1] * sizes[2] * size, sizes[2] * size, size
+            strides = steps[axes[0]], steps[axes[1]], steps[axes[2]]
+            return FileRows(path=path, offset=offset, stored=stored, shape=shape, strides=strides)
+        array = _without_libhdf5(path, file, dataset)
+        if array is None:
+            dataset[tuple(slice(0, n) for n in chunk or (1,) * dataset.ndim)]
+        return StoredRows(
             path=path,
-            index=_inside(np.frombuffer(content, np.int64).reshape(-1, 3), path),
-            filters=tuple(place["filters"]),
-            sizes=(first, second, third),
-            chunk=(long, wide, deep),
+            kind="HDF5",
+            opened=partial(nullcontext, array) if array else partial(_opened, path, name),
             axes=axes,
-            bands=bands,
-            stored=np.dtype(place["dtype"]),
+            shape=shape,
+            bands=range(shape[2]),
+            stored=stored,
+            chunk_rows=min(chunk[axes[0]], shape[0]) if chunk else 1,
         )
 
 
-def _inside(index: Int64[Array, "chunks 3"], path: Path) -> Int64[Array, "chunks 3"]:
-    """The index, refused if a chunk lies beyond the end of the file."""
+def _numbers(path: Path, name: str) -> Shaped[Array, "..."]:
+    """All of them."""
+    with _file(path) as file:
+        dataset = file[name]
+        _refuse_incomplete(path, name, dataset)
+        return np.asarray((_without_libhdf5(path, file, dataset) or dataset)[...])
+
+
+def _without_libhdf5(path: Path, file: Any, dataset: Any) -> Chunks | None:
+    """The array, if its chunks can be read so: h5py fills short ones with what lies in memory."""
+    filters = _filters(dataset)
+    index = None if filters is None else _index(dataset, filters, file.userblock_size)
+    if filters is None or index is None:
+        _refuse_long_chunks(dataset)
+        return None
     beyond = (index[:, :2] < 0).any(axis=1) | (index[:, 0] > path.stat().st_size - index[:, 1])
     if beyond.any():
         raise ValueError(f"{int(beyond.sum())} of {len(index)} chunks lie beyond its end")
-    return index
+    return Chunks(
+        path=path,
+        index=index,
+        filters=filters,
+        shape=dataset.shape,
+        chunk=dataset.chunks,
+        dtype=_dtype(dataset),
+    )
 
 
-def _refuse_incomplete(path: Path, name: str, place: dict[str, Any]) -> None:
+def _refuse_incomplete(path: Path, name: str, dataset: Any) -> None:
     """HDF5 gives zeros for what a program that was stopped did not come to write."""
-    if place["elsewhere"]:
+    if dataset.external or dataset.is_virtual:
         raise InputError(
             f"{path}: the numbers of array {printable(name)!r} lie in other files, which are not "
             "read; store them in one file"
         )
-    if place["missing"] > 0:
-        chunks = f"{place['missing']} of its {place['parts']} chunks were"
-        told = "its numbers were" if place["chunks"] is None else chunks
+    if dataset.chunks is None:
+        needed = math.prod(dataset.shape) * dataset.dtype.itemsize
+        absent = "its numbers were" if dataset.id.get_storage_size() < needed else ""
+    else:
+        per_axis = zip(dataset.shape, dataset.chunks, strict=True)
+        parts = math.prod(-(-n // long) for n, long in per_axis)
+        missing = parts - dataset.id.get_num_chunks()
+        absent = f"{missing} of its {parts} chunks were" if missing > 0 else ""
+    if absent:
         raise InputError(
-            f"{path}: array {printable(name)!r} is not complete, {told} never written; save it "
+            f"{path}: array {printable(name)!r} is not complete, {absent} never written; save it "
             "again"
         )
 
 
-# the process that asks libhdf5
+def _refuse_long_chunks(dataset: Any) -> None:
+    """Refuse compressed chunks longer than uncompressed ones: libhdf5 inflates all of a chunk."""
+    if dataset.chunks is None:
+        return
+    whole = math.prod(dataset.chunks) * dataset.dtype.itemsize
+    longest = max((chunk.size for chunk in _chunks(dataset)), default=0)
+    if longest > whole + whole // 8 + _PACKING_BYTES:
+        raise ValueError(
+            f"a compressed chunk has {longest} bytes, uncompressed it would have {whole}"
+        )
 
 
-def _asked(path: Path, what: str, **more: Any) -> tuple[dict[str, Any], bytes]:
-    """The answer of the other process, and the bytes that follow it."""
-    question = {"what": what, "path": str(path.absolute()), "limit_s": _LIMIT_S, **more}
-    paths = os.pathsep.join(entry for entry in sys.path if entry)
-    done = subprocess.run(
-        [_python(path), "-P", "-W", "ignore", hdf5_child.__file__],
-        input=json.dumps(question).encode(),
-        capture_output=True,
-        check=False,
-        env={**os.environ, "PYTHONPATH": paths, "OPENBLAS_NUM_THREADS": "1"},
+def _chunks(dataset: Any) -> list[Any]:
+    chunks: list[Any] = []
+    dataset.id.chunk_iter(chunks.append)
+    return chunks
+
+
+def _lies_as_numpy_has_it(dataset: Any) -> bool:
+    """Whether the bytes in the file are those of the NumPy type."""
+    if dataset.dtype.kind not in "fiu":
+        return False
+    types = library("h5py.h5t", "HDF5 files")
+    return bool(dataset.id.get_type().equal(types.py_create(dataset.dtype)))
+
+
+def _filters(dataset: Any) -> tuple[int, ...] | None:
+    """What chunks went through, in that order; None if only libhdf5 can undo it."""
+    if dataset.chunks is None or not _lies_as_numpy_has_it(dataset):
+        return None
+    made = dataset.id.get_create_plist()
+    filters = [made.get_filter(k) for k in range(made.get_nfilters())]
+    known = all(
+        kind == DEFLATE or (kind == SHUFFLE and values[:1] == (dataset.dtype.itemsize,))
+        for kind, _, values, _ in filters
     )
-    if done.returncode:
-        raise _fault(done.returncode, done.stderr)
-    line, _, content = done.stdout.partition(b"\n")
-    return json.loads(line), content
+    return tuple(int(kind) for kind, *_ in filters) if known else None
 
 
-def _fault(code: int, told: bytes) -> Exception:
-    """What became of the other process."""
-    if code == hdf5_child.NO_MEMORY:
-        return MemoryError()
-    if code == hdf5_child.FAULT:
-        return ValueError(told.decode("utf-8", "replace"))
-    if told.startswith(b"Timeout ("):
-        return ValueError(f"libhdf5 does not come back within {_LIMIT_S:g} s")
-    return ValueError(f"libhdf5 crashes, exit code {code}")
-
-
-def _python(path: Path) -> str:
-    if sys.executable and not getattr(sys, "frozen", False):
-        return sys.executable
-    raise InputError(
-        f"{path}: HDF5 is read by a second Python, which this program cannot start; {IN_PLACE}"
-    )
+def _index(dataset: Any, filters: tuple[int, ...], before: int) -> Int64[Array, "chunks 3"] | None:
+    """Per chunk first byte, length, and filters left out; None if the file cannot tell."""
+    grid = [-(-n // long) for n, long in zip(dataset.shape, dataset.chunks, strict=True)]
+    index = np.full((math.prod(grid), 3), -1, dtype=np.int64)
+    for chunk in _chunks(dataset):
+        at = [n // long for n, long in zip(chunk.chunk_offset, dataset.chunks, strict=True)]
+        number = np.ravel_multi_index(at, grid)
+        index[number] = chunk.byte_offset, chunk.size, chunk.filter_mask
+    whole = math.prod(dataset.chunks) * dataset.dtype.itemsize
+    if DEFLATE in filters and (index[:, 1] == whole).any():
+        return None  # HDF5 may leave chunks at the edge as they are, and does not tell
+    _, first = dataset.id.read_direct_chunk((0,) * dataset.ndim)
+    for shift in (0, before):  # versions differ in where they count from
+        with Path(dataset.file.filename).open("rb") as file:
+            file.seek(index[0, 0] + shift)
+            if file.read(len(first)) == first and len(first) == index[0, 1]:
+                return index + np.array([shift, 0, 0])
+    return None

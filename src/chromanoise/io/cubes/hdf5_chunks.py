@@ -1,4 +1,4 @@
-"""Rows of HDF5 arrays that are stored in chunks, read without libhdf5.
+"""HDF5 arrays that are stored in chunks, read without libhdf5.
 
 libhdf5 (2.0.0) gives whatever lies in memory for a chunk that inflates to too few bytes, and reads
 one chunk at a time. Here a chunk that is not whole is refused, and threads read at once.
@@ -7,25 +7,22 @@ one chunk at a time. Here a chunk that is not whole is refused, and threads read
 import itertools
 import math
 import zlib
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
-from typing import BinaryIO
+from typing import Any, BinaryIO
 
 import numpy as np
 
 from chromanoise import _check
 from chromanoise._check import Array
-from chromanoise._shapes import Int64, Shaped, UInt8
-from chromanoise.io.cubes.faults import reading_rows
-from chromanoise.io.cubes.hdf5_child import DEFLATE, SHUFFLE
-from chromanoise.scene.file_rows import refuse_other_rows
+from chromanoise._shapes import Int64, Shaped
 
-Box = tuple[range, range, range]
+DEFLATE, SHUFFLE = 1, 2  # as HDF5 numbers its filters
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class ChunkRows:
-    """Rows of chunks that are stored plainly, shuffled or deflated.
+class Chunks:
+    """An array whose chunks are stored plainly, shuffled or deflated; it is sliced like one.
 
     Attributes
     ----------
@@ -36,92 +33,53 @@ class ChunkRows:
         out (bit k: the k-th); chunks in the order of C.
     filters
         What each chunk went through when it was written, in that order, as HDF5 numbers them.
-    sizes, chunk
-        Numbers along each stored axis, in the array and in a chunk.
-    axes
-        Which of the stored axes are rows, columns, bands.
-    bands
-        Which of the stored bands, in which order.
-    stored
+    shape, chunk
+        Numbers along each axis, in the array and in a chunk.
+    dtype
         Type of the numbers in the file.
     """
 
     path: Path
     index: Int64[Array, "chunks 3"]
     filters: tuple[int, ...]
-    sizes: tuple[int, int, int]
-    chunk: tuple[int, int, int]
-    axes: tuple[int, int, int]
-    bands: range
-    stored: np.dtype
+    shape: tuple[int, ...]
+    chunk: tuple[int, ...]
+    dtype: np.dtype
 
     def __post_init__(self) -> None:
         _check.same_length("chunks", index=len(self.index), grid=math.prod(self.grid))
         _check.freeze(self, "index")
 
     @property
-    def grid(self) -> tuple[int, int, int]:
-        """Chunks along each stored axis."""
-        rows, columns, bands = (
-            -(-n // long) for n, long in zip(self.sizes, self.chunk, strict=True)
-        )
-        return rows, columns, bands
+    def grid(self) -> tuple[int, ...]:
+        """Chunks along each axis."""
+        return tuple(-(-n // long) for n, long in zip(self.shape, self.chunk, strict=True))
 
-    @property
-    def shape(self) -> tuple[int, int, int]:
-        """Rows, columns, bands."""
-        return self.sizes[self.axes[0]], self.sizes[self.axes[1]], len(self.bands)
+    def __getitem__(self, asked: Any) -> Shaped[Array, "..."]:
+        """Part of the array, out of all chunks that it touches.
 
-    @property
-    def dtype(self) -> np.dtype:
-        """Of what ``rows`` gives; in the byte order of this machine."""
-        return self.stored.newbyteorder("=")
-
-    @property
-    def chunk_rows(self) -> int:
-        """Rows that are stored, and so decoded, together."""
-        return min(self.chunk[self.axes[0]], self.shape[0])
-
-    def rows(
-        self, start: int, stop: int, *, into: UInt8[Array, " bytes"] | None = None
-    ) -> Shaped[Array, "rows w m"]:
-        """The rows ``start`` to ``stop``, with the strides in which they are stored."""
-        refuse_other_rows(str(self.path), self.shape, start, stop)
-        up = self.bands if self.bands.step > 0 else self.bands[::-1]
-        asked = [range(0, 1)] * 3
-        asked[self.axes[0]] = range(start, stop)
-        asked[self.axes[1]] = range(self.shape[1])
-        asked[self.axes[2]] = range(up[0], up[-1] + 1)
-        with reading_rows(self.path, "HDF5"):
-            box = _box(self, (asked[0], asked[1], asked[2])).transpose(self.axes)
-        return box[:, :, :: up.step] if up == self.bands else box[:, :, :: up.step][:, :, ::-1]
-
-    def scratch_bytes(self, rows: int) -> int:
-        """How large ``into`` must be for so many rows; 0 if it is not used. [bytes]"""
-        return 0
-
-    def with_bands(self, keep: slice) -> "ChunkRows":
-        """The same with some of the bands; nothing is read."""
-        return replace(self, bands=self.bands[keep])
-
-
-def _box(source: ChunkRows, asked: Box) -> Shaped[Array, "a b c"]:
-    """A part of the array, its axes as stored, out of all chunks that it touches."""
-    result = np.empty([len(span) for span in asked], dtype=source.dtype)
-    along = [
-        range(span[0] // long, span[-1] // long + 1)
-        for span, long in zip(asked, source.chunk, strict=True)
-    ]
-    with source.path.open("rb", buffering=0) as file:
-        for at in itertools.product(*along):
-            overlaps = [
-                _overlap(k * long, long, span)
-                for k, long, span in zip(at, source.chunk, asked, strict=True)
-            ]
-            number = int(np.ravel_multi_index(at, source.grid))
-            numbers = _chunk(source, file, number)
-            result[tuple(to for _, to in overlaps)] = numbers[tuple(of for of, _ in overlaps)]
-    return result
+        Parameters
+        ----------
+        asked
+            A slice for each axis, which goes up; or ``...`` for the whole array.
+        """
+        asked = (slice(None),) * len(self.shape) if asked is ... else asked
+        wanted = [range(n)[part] for part, n in zip(asked, self.shape, strict=True)]
+        spans = [range(one[0], one[-1] + 1) for one in wanted]
+        result = np.empty([len(span) for span in spans], self.dtype.newbyteorder("="))
+        touched = [
+            range(span[0] // long, span[-1] // long + 1)
+            for span, long in zip(spans, self.chunk, strict=True)
+        ]
+        with self.path.open("rb", buffering=0) as file:
+            for at in itertools.product(*touched):
+                overlaps = [
+                    _overlap(k * long, long, span)
+                    for k, long, span in zip(at, self.chunk, spans, strict=True)
+                ]
+                numbers = _chunk(self, file, int(np.ravel_multi_index(at, self.grid)))
+                result[tuple(to for _, to in overlaps)] = numbers[tuple(of for of, _ in overlaps)]
+        return result[tuple(slice(None, None, one.step) for one in wanted)]
 
 
 def _overlap(first: int, long: int, span: range) -> tuple[slice, slice]:
@@ -130,21 +88,21 @@ def _overlap(first: int, long: int, span: range) -> tuple[slice, slice]:
     return slice(start - first, stop - first), slice(start - span.start, stop - span.start)
 
 
-def _chunk(source: ChunkRows, file: BinaryIO, number: int) -> Shaped[Array, "a b c"]:
+def _chunk(source: Chunks, file: BinaryIO, number: int) -> Shaped[Array, "a b c"]:
     first, length, left_out = (int(n) for n in source.index[number])
     file.seek(first)
     content = file.read(length)
-    needed = math.prod(source.chunk) * source.stored.itemsize
+    needed = math.prod(source.chunk) * source.dtype.itemsize
     for k, kind in reversed(list(enumerate(source.filters))):
         if left_out >> k & 1:
             continue
         if kind == DEFLATE:
             content = zlib.decompressobj().decompress(content, needed + 1)
         elif kind == SHUFFLE and len(content) == needed:
-            content = _in_order(content, source.stored.itemsize)
+            content = _in_order(content, source.dtype.itemsize)
     if len(content) != needed:
         raise ValueError(f"chunk {number} holds {len(content)} bytes instead of {needed}")
-    return np.frombuffer(content, dtype=source.stored).reshape(source.chunk)
+    return np.frombuffer(content, dtype=source.dtype).reshape(source.chunk)
 
 
 def _in_order(content: bytes, size: int) -> bytes:

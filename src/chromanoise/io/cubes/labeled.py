@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from chromanoise._check import Array, printable
-from chromanoise.errors import InputError
+from chromanoise.errors import InputError, Setting
 from chromanoise.io.cubes.bounds import (
     MOST_INFLATED,
     kind_of,
@@ -106,7 +106,12 @@ def labeled_cube(store: Store, key: str | None, shape: tuple[int, int] | None) -
     refuse_not_numbers(store.path, name, array.dtype)
     if min(array.shape, default=1) < 1:
         raise InputError(
-            f"{store.path}: array {name!r} is empty ({by(array.shape)}); save it again"
+            str(store.path),
+            "must not be empty",
+            where=f"array {name!r}",
+            value=array.shape,
+            found=f"is {by(array.shape)}",
+            remedy="save it again",
         )
     wavelengths, count = _wavelengths(store, name)
     if len(array.shape) == 3:
@@ -152,8 +157,11 @@ def _no_such(store: Store, key: str) -> InputError:
     listed = list(store.arrays.items())[:_MOST_LISTED]
     told = ", ".join(f"{printable(n)} {by(a.shape)} {kind_of(a.dtype)}" for n, a in listed)
     return InputError(
-        f"{store.path}: has no array {key!r}; it holds {told or 'no arrays'}"
-        + ("; name the cube with --key" if listed else "")
+        str(store.path),
+        f"must hold an array {key!r}",
+        value=tuple(store.arrays),
+        found=f"holds {told or 'no arrays'}",
+        remedy=Setting("key") if listed else (),
     )
 
 
@@ -168,9 +176,12 @@ def _cube_axes(store: Store, name: str, count: int | None) -> tuple[Axes, Notes]
     fits = [i for i, n in enumerate(array.shape) if n == count]
     if len(fits) > 1:
         raise InputError(
-            f"{store.path}: array {name!r} is {by(array.shape)} and has {count} wavelengths, which "
-            f"fit {len(fits)} of its axes, so bands and pixels cannot be told apart; save it with "
-            "axes (rows, columns, bands) as .npy"
+            str(store.path),
+            f"must have only one axis of {count}, the number of wavelengths",
+            where=f"array {name!r}",
+            value=array.shape,
+            found=f"is {by(array.shape)}, so bands and pixels cannot be distinguished",
+            remedy="save it with axes (rows, columns, bands) as .npy",
         )
     if not fits:
         return (0, 1, 2), (f"axes of {name!r} taken as rows, columns, bands",)
@@ -197,14 +208,22 @@ def _refuse_large_rows(store: Store, name: str, source: RowSource) -> None:
     needed = width * bands * source.chunk_rows * source.dtype.itemsize
     if needed > memory_bytes() // 2:
         raise InputError(
-            f"{store.path}: array {name!r} needs {needed / 2**30:.1f} GiB of memory for the rows "
-            "that are stored together; store it with smaller chunks, or as ENVI"
+            str(store.path),
+            f"rows that are stored together must fit into half of the available "
+            f"memory ({memory_bytes() / 2**30:.1f} GiB)",
+            where=f"array {name!r}",
+            value=needed,
+            found=f"need {needed / 2**30:.1f} GiB",
+            remedy=("store it with smaller chunks", "store it as ENVI"),
         )
     if needed > max(_HARMLESS_BYTES, store.bytes * MOST_INFLATED):
         raise InputError(
-            f"{store.path}: array {name!r} declares {needed / 2**20:.0f} MiB for the rows that are "
-            f"stored together, which {store.bytes} bytes cannot hold; the file is damaged, save it "
-            "again"
+            str(store.path),
+            f"rows that are stored together must fit into the {store.bytes} bytes of the file",
+            where=f"array {name!r}",
+            value=needed,
+            found=f"need {needed / 2**20:.0f} MiB",
+            remedy="save it again, because the file is damaged",
         )
 
 
@@ -303,18 +322,25 @@ def attribute_scale(path: Path | str, attributes: Mapping[str, Any]) -> float | 
         If an offset is asked for too, or the factor is no number > 0.
     """
     percent = 0.01 if _text(attributes.get("units", "")).strip().lower() in _PERCENT else None
-    if _number(path, "add_offset", attributes.get("add_offset", 0.0)) != 0:
+    offset = _number(path, "add_offset", attributes.get("add_offset", 0.0))
+    if offset != 0:
         raise InputError(
-            f"{path}: 'add_offset' asks for an offset, which is not applied here; apply it and "
-            "save the cube again, or say --scale (reflectance per stored unit)"
+            str(path),
+            "must be 0, because offsets are not applied",
+            where="attribute 'add_offset'",
+            value=offset,
+            remedy=("apply the offset and save the cube again", Setting("scale")),
         )
     if "scale_factor" not in attributes:
         return percent
     factor = _number(path, "scale_factor", attributes["scale_factor"])
     if not (factor > 0 and math.isfinite(factor)):
         raise InputError(
-            f"{path}: 'scale_factor' must be finite and > 0, but is {factor:g}; mend it or say "
-            "--scale"
+            str(path),
+            "must be finite and > 0 [reflectance per stored unit]",
+            where="attribute 'scale_factor'",
+            value=factor,
+            remedy=("correct it", Setting("scale")),
         )
     return factor * (percent or 1.0)
 
@@ -322,7 +348,13 @@ def attribute_scale(path: Path | str, attributes: Mapping[str, Any]) -> float | 
 def _number(path: Path | str, what: str, value: Any) -> float:
     array = np.asarray(value)
     if array.size != 1 or array.dtype.kind not in "fiu":
-        raise InputError(f"{path}: {what!r} is no number; mend it or say --scale")
+        raise InputError(
+            str(path),
+            "must be one number",
+            where=f"attribute {what!r}",
+            value=printable(str(value)),
+            remedy=("correct it", Setting("scale")),
+        )
     return float(array.ravel()[0])
 
 

@@ -7,8 +7,14 @@ import numpy as np
 
 from chromanoise import _check
 from chromanoise._check import Array
-from chromanoise._shapes import Float, Shaped
-from chromanoise.errors import InputError
+from chromanoise._shapes import (
+    Float,
+    Shaped,
+)
+from chromanoise.errors import (
+    InputError,
+    Setting,
+)
 from chromanoise.io.cubes.found import Found, Notes
 from chromanoise.io.cubes.wavelength_file import read_wavelengths
 from chromanoise.scene.rows import RowSource, with_bands
@@ -16,6 +22,7 @@ from chromanoise.scene.rows import RowSource, with_bands
 _SHORTEST_NM, _LONGEST_NM = 100.0, 20000.0
 _RADIANCE = re.compile(r"radiance|(?<![a-z])rdn(?![a-z])", re.I)
 _REFLECTANCE = re.compile(r"reflectance|(?<![a-z])rfl(?![a-z])", re.I)
+_TWO_OR_ALL = "first and last in nm where they are evenly spaced, or a file that lists all"
 _WATT = re.compile(r"(?i:radiance|watt)|(?<![A-Za-z])[mun\u00b5\u03bc]?W(?:c?m|[^A-Za-z]|$)")
 
 
@@ -23,21 +30,27 @@ def scale_and_notes(path: Path | str, found: Found, scale: float | None) -> tupl
     """Reflectance per stored unit: the caller's word, else the file's, else 1 for real numbers."""
     radiance = _radiance_words(path, found)
     if scale is not None:
-        _check.positive(f"--scale for {path}", "reflectance per stored unit", scale)
-        said = (f"{radiance}, but --scale says that it is reflectance",) if radiance else ()
-        return float(scale), (*said, f"reflectance = stored x {scale:g}, as --scale says")
+        _check.positive("scale", "reflectance per stored unit", scale)
+        said = (f"{radiance}, but a scale to reflectance is given",) if radiance else ()
+        return float(scale), (*said, f"reflectance = stored x {scale:g}, as given")
     if radiance:
         raise InputError(
-            f"{path}: {radiance}, not reflectance; divide it by the illuminant or a white "
-            "reference first, or say --scale (reflectance per stored unit) if it is reflectance"
+            str(path),
+            "must hold reflectance, or numbers of known scale (reflectance per stored unit)",
+            found=radiance,
+            remedy=("divide it by the illuminant or a white reference", Setting("scale")),
         )
     own = found.scale()
     if own is not None:
         return own, (f"reflectance = stored x {own:g}, as the header says",)
     if found.pixels.dtype.kind in "iu":
         raise InputError(
-            f"{path}: stores integers ({found.pixels.dtype.name}) and does not say what they "
-            "mean; say --scale (reflectance per stored unit), e.g. 1e-4 for reflectance x 10000"
+            str(path),
+            "must declare the scale of its integers (reflectance per stored unit, "
+            "1e-4 for reflectance x 10000)",
+            value=found.pixels.dtype.name,
+            found=f"stores {found.pixels.dtype.name} and declares none",
+            remedy=Setting("scale"),
         )
     return 1.0, ()
 
@@ -62,7 +75,9 @@ def wavelengths_and_notes(
     """Centers of the bands [nm]: the caller's word, else the file's."""
     bands = found.pixels.shape[2]
     if bands < 2:
-        raise InputError(f"{path}: has {bands} band, but a cube needs at least 2")
+        raise InputError(
+            str(path), "must have at least 2 bands", value=bands, found=f"has {bands} band"
+        )
     if said is not None:
         over = "; those in the file are not used" if found.wavelengths else ""
         if isinstance(said, str | Path):
@@ -71,14 +86,19 @@ def wavelengths_and_notes(
         return spread, (note + over,)
     if found.wavelengths is None:
         raise InputError(
-            f"{path}: does not declare the wavelengths of its {bands} bands; give --wavelengths "
-            "FIRST:LAST in nm if they are evenly spaced, or a file that lists them"
+            str(path),
+            f"must declare the wavelengths of its {bands} bands ({_TWO_OR_ALL})",
+            found="declares none",
+            remedy=Setting("wavelengths"),
         )
     wavelength, notes = found.wavelengths()
     if wavelength.size != bands:
         raise InputError(
-            f"{path}: has {bands} bands but {wavelength.size} wavelengths; correct it, or give "
-            "--wavelengths FIRST:LAST in nm if they are evenly spaced, or a file that lists them"
+            str(path),
+            f"must have one wavelength per band ({_TWO_OR_ALL})",
+            value=wavelength.size,
+            found=f"has {bands} bands and {wavelength.size} wavelengths",
+            remedy=("correct it", Setting("wavelengths")),
         )
     return wavelength, notes
 
@@ -88,10 +108,12 @@ def _spread(ends: tuple[float, float], bands: int) -> tuple[Float[Array, " m"], 
     first, last = (float(end) for end in ends)
     if first == last or not all(_SHORTEST_NM <= end <= _LONGEST_NM for end in (first, last)):
         raise InputError(
-            f"--wavelengths FIRST:LAST must be two different numbers within {_SHORTEST_NM:g} .. "
-            f"{_LONGEST_NM:g} nm, but is {first:g}:{last:g}"
+            "wavelengths",
+            f"must be two different numbers within {_SHORTEST_NM:g} .. {_LONGEST_NM:g} [nm]",
+            value=(first, last),
+            found=f"is {first:g}:{last:g}",
         )
-    note = f"{bands} wavelengths evenly from {first:g} to {last:g} nm, as --wavelengths says"
+    note = f"{bands} wavelengths evenly from {first:g} to {last:g} nm, as given"
     return np.linspace(first, last, bands), note
 
 
@@ -113,9 +135,12 @@ def _refuse_not_light(path: Path | str, wavelength: Float[Array, " m"]) -> None:
     if bad.any():
         i = int(np.argmax(bad))
         raise InputError(
-            f"{path}: wavelengths must be {_SHORTEST_NM:g} .. {_LONGEST_NM:g} nm, but "
-            f"{int(bad.sum())} of {bad.size} are not; the first is {wavelength[i]:g} nm at band "
-            f"{i} (from 0); mend them or their unit, or give --wavelengths FIRST:LAST in nm"
+            str(path),
+            f"wavelength must be {_SHORTEST_NM:g} .. {_LONGEST_NM:g} [nm]",
+            where=f"band {i} (from 0)",
+            value=float(wavelength[i]),
+            found=f"is {wavelength[i]:g} nm ({int(bad.sum())} of {bad.size} are out of range)",
+            remedy=("correct the wavelengths or their unit", Setting("wavelengths")),
         )
 
 
@@ -125,7 +150,10 @@ def _refuse_disorder(
     if wrong.any():
         i = int(np.argmax(wrong))
         raise InputError(
-            f"{path}: wavelengths must rise or fall from band to band, but "
-            f"{wavelength[i + 1]:g} nm follows {wavelength[i]:g} nm at band {i + 1} (from 0); "
-            "sort the bands and drop repeated ones, or give --wavelengths FIRST:LAST"
+            str(path),
+            "wavelengths must rise or fall from band to band",
+            where=f"band {i + 1} (from 0)",
+            value=float(wavelength[i + 1]),
+            found=f"{wavelength[i + 1]:g} nm follows {wavelength[i]:g} nm",
+            remedy=("sort the bands and drop repeated ones", Setting("wavelengths")),
         )

@@ -37,11 +37,15 @@ def npz_arrays(path: Path) -> dict[str, Declared]:
                 name = info.filename.removesuffix(".npy")
                 if info.compress_type not in _METHODS:
                     raise InputError(
-                        f"{path}: array {name!r} is compressed with a method that NumPy does not "
-                        "use; save it with numpy.savez"
+                        str(path),
+                        "must be stored or deflated, as NumPy does",
+                        where=f"array {name!r}",
+                        value=info.compress_type,
+                        found=f"has compression method {info.compress_type}",
+                        remedy="save it with numpy.savez",
                     )
                 with archive.open(info) as stream:
-                    arrays[name] = _declared(stream, info.file_size, f"{path}: array {name!r}")
+                    arrays[name] = _declared(stream, info.file_size, path, f"array {name!r}")
     return arrays
 
 
@@ -60,15 +64,19 @@ def npy_array(path: Path) -> Shaped[Array, "..."]:
         If it is of another type, or its header does not fit the bytes that follow it.
     """
     with path.open("rb") as stream:
-        _, dtype = _declared(stream, path.stat().st_size, str(path))
+        _, dtype = _declared(stream, path.stat().st_size, path, "")
     if dtype.kind not in "fiu":
         raise InputError(
-            f"{path}: is of type {dtype.name}, not real numbers; save it as a plain array"
+            str(path),
+            "must hold real numbers",
+            value=dtype.name,
+            found=f"is of type {dtype.name}",
+            remedy="save it as a plain array",
         )
     return np.lib.format.open_memmap(path, mode="r")
 
 
-def _declared(stream: IO[bytes] | io.BufferedIOBase, size: int, source: str) -> Declared:
+def _declared(stream: IO[bytes] | io.BufferedIOBase, size: int, path: Path, where: str) -> Declared:
     """Shape and type that the header at the start of ``stream`` tells; objects without shape."""
     version = np.lib.format.read_magic(stream)
     if version not in _HEADER_READERS:
@@ -79,7 +87,11 @@ def _declared(stream: IO[bytes] | io.BufferedIOBase, size: int, source: str) -> 
     told = stream.tell() + math.prod(shape) * dtype.itemsize
     if size != told:
         raise InputError(
-            f"{source} holds {size} bytes, but its header describes {told}; it is truncated or "
-            "damaged, save it again"
+            str(path),
+            f"must hold the {told} bytes that its header describes",
+            where=where,
+            value=size,
+            found=f"holds {size}",
+            remedy="save it again, because it is truncated or damaged",
         )
     return shape, dtype

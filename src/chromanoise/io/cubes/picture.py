@@ -4,8 +4,13 @@ import math
 from pathlib import Path
 
 from chromanoise._check import Array
-from chromanoise._shapes import Shaped
-from chromanoise.errors import InputError
+from chromanoise._shapes import (
+    Shaped,
+)
+from chromanoise.errors import (
+    InputError,
+    Setting,
+)
 from chromanoise.io.cubes.found import Notes, by, refuse_other_shape
 
 
@@ -18,8 +23,12 @@ def picture(
         return array, ()
     if array.ndim != 2 or not array.size:
         raise InputError(
-            f"{path}: {what} must have axes (rows, columns, bands), or pixels in one axis and "
-            f"bands in the other, and not be empty, but is {by(array.shape)}"
+            str(path),
+            "must have axes (rows, columns, bands), or pixels in one axis and bands in the other, "
+            "and must not be empty",
+            where=what,
+            value=array.shape,
+            found=f"is {by(array.shape)}",
         )
     rows, columns = _rows_and_columns(path, what, array, shape)
     spectra = array if array.shape[0] == rows * columns else array.T
@@ -32,20 +41,30 @@ def picture(
 def _rows_and_columns(
     path: Path, what: str, array: Array, shape: tuple[int, int] | None
 ) -> tuple[int, int]:
-    told = f"{path}: {what} is {by(array.shape)}"
     if shape is None:
         raise InputError(
-            f"{told}, pixels in one axis; say its rows and columns with --shape ROWSxCOLUMNS"
+            str(path),
+            "must have rows and columns in two axes, or a given shape (rows, columns) [pixels]",
+            where=what,
+            value=array.shape,
+            found=f"is {by(array.shape)}",
+            remedy=Setting("shape"),
         )
     fits = [min(shape) > 0 and n == math.prod(shape) for n in array.shape]
     if not any(fits):
         raise InputError(
-            f"{told}, but --shape {by(shape)} is {math.prod(shape)} pixels, which is neither "
-            "axis; mend --shape ROWSxCOLUMNS"
+            "shape",
+            f"must have as many pixels as an axis of {what} in {path} ({by(array.shape)})",
+            value=tuple(shape),
+            found=f"{by(shape)} is {math.prod(shape)} pixels",
         )
     if all(fits):
         raise InputError(
-            f"{told}, and --shape {by(shape)} fits both axes, so pixels and bands cannot be told "
-            "apart; save it with axes (rows, columns, bands)"
+            str(path),
+            f"must have only one axis of {math.prod(shape)} pixels ({by(shape)})",
+            where=what,
+            value=array.shape,
+            found=f"is {by(array.shape)}, so pixels and bands cannot be distinguished",
+            remedy="save it with axes (rows, columns, bands)",
         )
     return shape

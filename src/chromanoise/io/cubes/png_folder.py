@@ -41,7 +41,12 @@ def png_folder_cube(path: Path, shape: tuple[int, int] | None) -> Found:
     """
     files = _pngs(path)
     if len(files) > _MOST_BANDS:
-        raise InputError(f"{path}: holds more than {_MOST_BANDS} PNGs")
+        raise InputError(
+            str(path),
+            f"must hold at most {_MOST_BANDS} PNGs",
+            value=len(files),
+            found=f"holds {len(files)}",
+        )
     numbers, ordered = _ordered(path, files)
     pixels = _stacked(path, ordered)
     refuse_other_shape(path, pixels, shape)
@@ -67,14 +72,20 @@ def _ordered(path: Path, files: list[Path]) -> tuple[list[int], list[Path]]:
         found = _LAST_NUMBER.search(file.stem)
         if found is None:
             raise InputError(
-                f"{file}: bears no number, so its place among the bands is not known; number the "
-                "files, or move this one away"
+                str(file),
+                "must have a number in its name, which gives its place among the bands",
+                value=file.stem,
+                found="has none",
+                remedy=("number the files", "move this one away"),
             )
         number = int(found[1])
         if number in by_number:
             raise InputError(
-                f"{path}: {by_number[number].name} and {file.name} bear the same number; move "
-                "one away"
+                str(path),
+                "must have one PNG per number",
+                value=number,
+                found=f"{by_number[number].name} and {file.name} have the same number",
+                remedy="move one away",
             )
         by_number[number] = file
     numbers = sorted(by_number)
@@ -87,8 +98,11 @@ def _refuse_gaps(path: Path, numbers: list[int]) -> None:
     if not (steps == steps[0]).all() or (steps[0] > 1 and not _are_wavelengths(numbers)):
         i = int(np.argmax(steps > steps.min()))
         raise InputError(
-            f"{path}: a band seems to be missing: number {numbers[i + 1]} follows {numbers[i]} in "
-            "the names of the files; they must step evenly"
+            str(path),
+            "numbers in the names of the files must step evenly",
+            value=numbers[i + 1],
+            found=f"number {numbers[i + 1]} follows {numbers[i]}",
+            remedy="add the band that is missing",
         )
 
 
@@ -114,12 +128,15 @@ def _stacked(path: Path, files: list[Path]) -> Shaped[Array, "h w m"]:
     for file, (size, dtype) in zip(files, opened, strict=True):
         if (size, dtype) != opened[0]:
             raise InputError(
-                f"{file}: is {size[0]}x{size[1]} {dtype.name}, but {files[0].name} is "
-                f"{opened[0][0][0]}x{opened[0][0][1]} {opened[0][1].name}; all bands must be alike"
+                str(file),
+                f"must be {opened[0][0][0]}x{opened[0][0][1]} {opened[0][1].name} as "
+                f"{files[0].name}, because all bands must be alike",
+                value=(*size, dtype.name),
+                found=f"is {size[0]}x{size[1]} {dtype.name}",
             )
     (width, height), dtype = opened[0]
     total = sum(file.stat().st_size for file in files)
-    refuse_impossible(path, "of all bands", (len(files), height, width), dtype, size=total)
+    refuse_impossible(path, "all bands", (len(files), height, width), dtype, size=total)
     planes = np.empty((len(files), height, width), dtype=dtype)
     for plane, file in zip(planes, files, strict=True):
         with reading(file, "PNG"), _image(file) as image:
@@ -133,8 +150,11 @@ def _size_and_kind(file: Path) -> tuple[tuple[int, int], np.dtype]:
         mode = str(image.mode)
     if mode not in _GRAY:
         raise InputError(
-            f"{file}: has pixels of kind {mode}, but a band must be gray, 8 or 16 bit; save it "
-            "so, or move this file away"
+            str(file),
+            "must be gray with 8 or 16 bits",
+            value=mode,
+            found=f"has pixels of kind {mode}",
+            remedy=("save it so", "move it away"),
         )
     return size, _GRAY[mode]
 

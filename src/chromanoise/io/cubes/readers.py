@@ -44,7 +44,7 @@ def read_cube(
 
     Read are ENVI, MATLAB, .npz, .npy, HDF5, NetCDF-4, Zarr, TIFF of one page per band, and a folder
     of one PNG per band. ENVI, .npy, HDF5, Zarr and TIFF without compression stay on disk. Bands
-    come in the order of rising wavelength; whatever was assumed stands in the notes.
+    come in the order of rising wavelength; the notes list what was assumed.
 
     Parameters
     ----------
@@ -69,8 +69,8 @@ def read_cube(
     Raises
     ------
     InputError
-        If the file cannot be read, holds radiance or unscaled integers, or does not tell its
-        wavelengths; the cure is told.
+        If the file cannot be read, holds radiance or unscaled integers, or does not declare its
+        wavelengths.
 
     Examples
     --------
@@ -102,11 +102,17 @@ def _refuse_no_file(path: Path) -> None:
     if path.is_dir():
         return
     if status.st_size == 0:
-        raise InputError(f"{path}: the file is empty; copy or save it again")
+        raise InputError(
+            str(path),
+            "must not be empty",
+            value=0,
+            found="has 0 bytes",
+            remedy="copy or save it again",
+        )
     try:
         path.open("rb").close()
     except OSError as error:
-        raise InputError(f"{path}: cannot be read ({reason(error)})") from None
+        raise InputError(str(path), f"cannot be read ({reason(error)})") from None
 
 
 def _found(path: Path, key: str | None, shape: tuple[int, int] | None) -> Found:
@@ -146,15 +152,20 @@ def _folder(path: Path, key: str | None, shape: tuple[int, int] | None) -> Found
     if is_png_folder(path):
         return _only_one(png_folder_cube(path, shape), key)
     raise InputError(
-        f"{path}: is a directory, and neither a Zarr store nor a folder of one PNG per band; name "
-        "the cube's file in it"
+        str(path),
+        "must be a file, a Zarr store or a folder of one PNG per band",
+        found="is another directory",
+        remedy="name the file of the cube in it",
     )
 
 
 def _hdf5(path: Path, key: str | None, shape: tuple[int, int] | None) -> Found:
     if not is_hdf5(path):
         raise InputError(
-            f"{path}: is no HDF5 file, as NetCDF-4 is; convert it (nccopy -k nc4), or save it again"
+            str(path),
+            "must be an HDF5 file, as NetCDF-4 is",
+            found="is in another format",
+            remedy=("convert it (nccopy -k nc4)", "save it again"),
         )
     return labeled_cube(hdf5_store(path), key, shape)
 
@@ -163,11 +174,11 @@ def _envi(path: Path, key: str | None, shape: tuple[int, int] | None) -> Found:
     try:
         pair = envi_pair(path)
         if pair is None:
-            raise InputError(_unknown(path))
+            raise _unknown(path)
         header = read_envi_header(pair[0])
         pixels, notes = envi_pixels(header, pair[1])
     except OSError as error:
-        raise InputError(f"{path}: cannot be read ({reason(error)})") from None
+        raise InputError(str(path), f"cannot be read ({reason(error)})") from None
     refuse_other_shape(path, pixels, shape)
     return Found(
         pixels=pixels,
@@ -179,15 +190,19 @@ def _envi(path: Path, key: str | None, shape: tuple[int, int] | None) -> Found:
     )
 
 
-def _unknown(path: Path) -> str:
+def _unknown(path: Path) -> InputError:
     if path.suffix.lower() in ("", *DATA_SUFFIXES):
         # the same where the file has no ending
         names = dict.fromkeys((f"{path.name}.hdr", f"{path.stem}.hdr"))
-        return (
-            f"{path}: no ENVI header ({' or '.join(names)}) stands beside it; "
-            "without one the numbers cannot be read"
+        return InputError(
+            str(path),
+            f"needs an ENVI header beside it ({' or '.join(names)}) to read its numbers",
+            found="has none",
         )
-    return (
-        f"{path}: cubes are not read from {path.suffix} files; read are ENVI (.hdr and its data), "
-        ".mat, .npz, .npy, .h5, .nc, .zarr, .tif and folders of PNGs"
+    return InputError(
+        str(path),
+        "must be a cube in a supported format: ENVI (.hdr and its data), .mat, .npz, .npy, .h5, "
+        ".nc, .zarr, .tif or a folder of PNGs",
+        value=path.suffix,
+        found=f"ends in {path.suffix}",
     )

@@ -66,11 +66,16 @@ def tiff_cube(path: Path, shape: tuple[int, int] | None) -> Found:
 def _pages(path: Path, file: Any) -> list[Any]:
     """The pages, thumbnails and masks left away."""
     if len(file.pages) > _MOST_PAGES:
-        raise InputError(f"{path}: holds more than {_MOST_PAGES} pages")
+        raise InputError(
+            str(path),
+            f"must hold at most {_MOST_PAGES} pages",
+            value=len(file.pages),
+            found=f"holds {len(file.pages)}",
+        )
     pages = [page.aspage() for page in file.pages]
     whole = [page for page in pages if not page.is_reduced]
     if not whole:
-        raise InputError(f"{path}: holds no pages")
+        raise InputError(str(path), "must hold pages", found="holds none")
     return whole
 
 
@@ -78,12 +83,18 @@ def _refuse_unlike(path: Path, pages: list[Any]) -> None:
     first = pages[0]
     for i, page in enumerate(pages):
         if page.dtype is None:
-            raise InputError(f"{path}: page {i} (from 0) holds no plain numbers")
+            raise InputError(
+                str(path), "must hold plain numbers", where=f"page {i} (from 0)", found="holds none"
+            )
         refuse_not_numbers(path, f"page {i}", np.dtype(page.dtype))
         if (page.shape, page.dtype) != (first.shape, first.dtype):
             raise InputError(
-                f"{path}: its pages must be alike, but page {i} (from 0) is {by(page.shape)} "
-                f"{page.dtype} and page 0 is {by(first.shape)} {first.dtype}; save them alike"
+                str(path),
+                f"must be {by(first.shape)} {first.dtype} as page 0",
+                where=f"page {i} (from 0)",
+                value=(*page.shape, str(page.dtype)),
+                found=f"is {by(page.shape)} {page.dtype}",
+                remedy="save all pages alike",
             )
         _refuse_incomplete(path, i, page)
 
@@ -94,13 +105,19 @@ def _refuse_incomplete(path: Path, i: int, page: Any) -> None:
     places = (*page.dataoffsets, *page.databytecounts)
     if not all(isinstance(place, int) for place in places):
         raise InputError(
-            f"{path}: page {i} (from 0) does not say where its numbers are; save it again"
+            str(path),
+            "must declare where its numbers are",
+            where=f"page {i} (from 0)",
+            remedy="save it again",
         )
     ends = [at + n for at, n in zip(page.dataoffsets, page.databytecounts, strict=True)]
     if not ends or min(page.dataoffsets) <= 0 or min(page.databytecounts) <= 0 or max(ends) > size:
         raise InputError(
-            f"{path}: page {i} (from 0) is not complete; the file is cut short or was never "
-            "finished, save it again"
+            str(path),
+            "must be complete",
+            where=f"page {i} (from 0)",
+            found="the file is truncated or was never finished",
+            remedy="save it again",
         )
 
 
@@ -116,8 +133,11 @@ def _pixels(
         return decoded_pages(path, pages).transpose(1, 2, 0), notes
     if many or len(first.shape) != 3 or first.axes not in ("YXS", "SYX"):
         raise InputError(
-            f"{path}: must have one page per band, or one page of many samples, but has "
-            f"{len(pages)} pages of {by(first.shape)}; save it so, or as ENVI"
+            str(path),
+            "must have one page per band, or one page of many samples",
+            value=(len(pages), *first.shape),
+            found=f"has {len(pages)} pages of {by(first.shape)}",
+            remedy=("save it so", "save it as ENVI"),
         )
     order = tuple(first.axes.index(axis) for axis in "YXS")
     notes = ("samples of the page taken as bands",)

@@ -8,12 +8,16 @@ from typing import Any
 
 import numpy as np
 
+from chromanoise import _sandbox
 from chromanoise._check import Array
 from chromanoise._shapes import Shaped
 from chromanoise.errors import InputError
 from chromanoise.io.cubes.bounds import MOST_INFLATED, refuse_impossible
-from chromanoise.io.cubes.faults import library, without_chatter
+from chromanoise.io.cubes.faults import library
+from chromanoise.io.cubes.found import by
 
+_LIMIT_S = 60.0
+_SLOWEST_BYTES_PER_S = 1e7
 _HARMLESS_BYTES = 64 * 2**20
 _DEFLATE, _LZMA = (8, 32946), 34925
 _MOST_BY_LZMA = 8192  # largest compression ratio of LZMA
@@ -34,14 +38,25 @@ def decoded_pages(path: Path, pages: list[Any]) -> Shaped[Array, "pages ..."]:
     declared = (len(pages), *(int(n) for n in first.shape))
     packed = sum(sum(page.databytecounts) for page in pages)
     size = min(packed, path.stat().st_size)  # pages may share their bytes
-    refuse_impossible(path, "of all pages", declared, dtype, size=size)
-    numbers = np.empty(declared, dtype=dtype)
-    for plane, page in zip(numbers, pages, strict=True):
+    refuse_impossible(path, "all pages", declared, dtype, size=size)
+    for page in pages:
         _refuse_overfull(path, page)
-        decoded = _decoded(path, page)
-        if decoded.shape != plane.shape:
-            raise InputError(f"{path}: a page does not have its declared size; save it again")
-        plane[...] = decoded
+    numbers = np.empty(declared, dtype=dtype)
+    for k, page in enumerate(pages):
+        decoded = _by_tifffile(page)
+        if decoded is None:
+            numbers[k:] = _by_pillow(path, pages[k:])
+            break
+        if decoded.shape != declared[1:]:
+            raise InputError(
+                str(path),
+                f"must be {by(declared[1:])}, as it declares",
+                where=f"page {k} (from 0)",
+                value=decoded.shape,
+                found=f"is {by(decoded.shape)}",
+                remedy="save it again",
+            )
+        numbers[k] = decoded
     return numbers
 
 
@@ -63,41 +78,80 @@ def _refuse_overfull(path: Path, page: Any) -> None:
             file.seek(at)
             if len(unpacker().decompress(file.read(count), whole + 1)) > whole:
                 raise InputError(
-                    f"{path}: a strip unpacks to more than its {whole} bytes; the file is damaged, "
-                    "save it again"
+                    str(path),
+                    f"must unpack to at most {whole} bytes",
+                    where=f"strip at byte {at}",
+                    found="unpacks to more",
+                    remedy="save it again, because the file is damaged",
                 )
 
 
-def _decoded(path: Path, page: Any) -> Shaped[Array, "..."]:
+def _by_tifffile(page: Any) -> Shaped[Array, "..."] | None:
+    """The numbers of a page; None if its compression needs the package imagecodecs."""
     try:
         return np.asarray(page.asarray())
     except (ImportError, KeyError, ValueError) as error:
         if not isinstance(error, ImportError) and "imagecodecs" not in str(error):
             raise
-    decoded = _by_pillow(page, path)
-    if decoded is None:
-        compression = getattr(page.compression, "name", page.compression)
-        what = f"{path}: decoding its pages ({compression}, {page.dtype})"
-        library("imagecodecs", what, extra="tiff")
-        raise InputError(f"{what} is not possible; save it uncompressed, or with deflate")
-    return decoded
+        return None
 
 
-def _by_pillow(page: Any, path: Path) -> Shaped[Array, "h w"] | None:
-    """The numbers of a grayscale page; None if Pillow would change or cannot decode them."""
-    from PIL.TiffImagePlugin import TiffImageFile
+def _by_pillow(path: Path, pages: list[Any]) -> Shaped[Array, "pages h w"]:
+    """The numbers of grayscale pages, refused if Pillow would change or cannot decode them."""
+    first, dtype = pages[0], np.dtype(pages[0].dtype).newbyteorder("=")
+    size = len(pages) * math.prod(first.shape) * dtype.itemsize
+    numbers = None
+    if all(_is_as_pillow_has_it(page) for page in pages):
+        numbers = _sandbox.sandboxed(
+            _read_by_pillow,
+            path,
+            [page.index for page in pages],
+            first.shape,
+            dtype,
+            path=path,
+            limit_s=_LIMIT_S + size / _SLOWEST_BYTES_PER_S,
+            memory_bytes=_sandbox.MEMORY_BYTES + 3 * size,
+        )
+    if numbers is None:
+        compression = getattr(first.compression, "name", first.compression)
+        where = f"pages ({compression}, {first.dtype})"
+        library("imagecodecs", str(path), extra="tiff", where=where)
+        raise InputError(
+            str(path),
+            "cannot be decoded",
+            where=where,
+            remedy="save it uncompressed or with deflate",
+        )
+    return numbers
 
+
+def _is_as_pillow_has_it(page: Any) -> bool:
     turned = page.tags.get(_ORIENTATION)
     upright = turned is None or turned.value == _UPRIGHT
-    if len(page.shape) != 2 or page.photometric != _BLACK_IS_0 or not upright:
+    return bool(len(page.shape) == 2 and page.photometric == _BLACK_IS_0 and upright)
+
+
+def _read_by_pillow(
+    path: Path, indices: list[int], shape: tuple[int, int], dtype: np.dtype
+) -> Shaped[Array, "pages h w"] | None:
+    """In the child process, because libtiff parses the file, and writes about it to stderr."""
+    from PIL.TiffImagePlugin import TiffImageFile
+
+    numbers = np.empty((len(indices), *shape), dtype=dtype)
+    try:
+        image = TiffImageFile(path)
+    except (SyntaxError, KeyError, ValueError):  # a kind that Pillow does not support
         return None
-    with without_chatter():
-        try:
-            image = TiffImageFile(path)
-            image.seek(page.index)
-        except (SyntaxError, KeyError, ValueError):  # a kind that Pillow does not support
-            return None
-        with image:
-            numbers = np.asarray(image)
-    same = numbers.dtype.newbyteorder("=") == np.dtype(page.dtype).newbyteorder("=")
-    return numbers if same else None
+    with image:
+        for plane, index in zip(numbers, indices, strict=True):
+            try:
+                image.seek(index)
+            except (SyntaxError, KeyError, ValueError):
+                return None
+            decoded = np.asarray(image)
+            if decoded.shape != plane.shape:
+                raise ValueError("a page does not have its declared size")
+            if decoded.dtype != plane.dtype:
+                return None
+            plane[...] = decoded
+    return numbers

@@ -15,6 +15,7 @@ from chromanoise.io.spectra.parsed import Unit
 from chromanoise.io.spectra.wavelength_lists import NM_PER
 
 _LARGEST_BYTES = 2**20
+_LIST = "name a text file that lists one wavelength per band"
 _CELL = re.compile(r"[,;\t]|\s{2,}")
 _BETWEEN = re.compile(r"\s*[,;]\s*|\s+")
 
@@ -55,31 +56,43 @@ def read_wavelengths(path: Path, bands: int) -> Float[Array, " bands"]:
     if bands not in counts:
         told = " or ".join(str(count) for count in dict.fromkeys(counts))
         raise InputError(
-            f"{path}: lists {told} wavelengths, but the cube has {bands} bands; list one per band"
+            str(path),
+            f"must list one wavelength for each of the {bands} bands of the cube",
+            value=tuple(dict.fromkeys(counts)),
+            found=f"lists {told}",
         )
     cells = [cell for row in (columns if counts[0] == bands else rows) for cell in row]
     values = [_number(cell) for cell in cells]
     if not all(math.isfinite(value) for value in values):
-        wrong = next(c for c, value in zip(cells, values, strict=True) if not math.isfinite(value))
-        raise InputError(f"{path}: {wrong[:40]!r} is not a wavelength; write a number")
+        wrong = next(i for i, value in enumerate(values) if not math.isfinite(value))
+        raise InputError(
+            str(path), "must be a number", where=f"entry {wrong + 1}", value=cells[wrong][:40]
+        )
     return np.array(values) * nm_per
 
 
 def _text(path: Path) -> str:
-    if regular_file(path).st_size > _LARGEST_BYTES:
+    size = regular_file(path).st_size
+    if size > _LARGEST_BYTES:
         raise InputError(
-            f"{path}: is larger than {_LARGEST_BYTES // 2**20} MiB; name a text file that lists "
-            "one wavelength per band"
+            str(path),
+            f"must have at most {_LARGEST_BYTES // 2**20} MiB",
+            value=size,
+            found=f"has {size} bytes",
+            remedy=_LIST,
         )
     try:
         return path.read_text(encoding="utf-8-sig")
     except UnicodeDecodeError as error:
         raise InputError(
-            f"{path}: not a UTF-8 text file (byte {error.start} is not text); name a text file "
-            "that lists one wavelength per band"
+            str(path),
+            "must be a UTF-8 text file",
+            value=error.start,
+            found=f"byte {error.start} is not text",
+            remedy=_LIST,
         ) from None
     except OSError as error:
-        raise InputError(f"{path}: cannot be read ({reason(error)})") from None
+        raise InputError(str(path), f"cannot be read ({reason(error)})") from None
 
 
 def _parts(path: Path, text: str) -> tuple[str, list[list[str]]]:
@@ -93,7 +106,7 @@ def _parts(path: Path, text: str) -> tuple[str, list[list[str]]]:
         elif cells:
             rows.append(cells)
     if not rows:
-        raise InputError(f"{path}: lists no wavelengths; write one per band")
+        raise InputError(str(path), "must list one wavelength per band", found="lists none")
     return "\n".join(heading), rows
 
 
@@ -105,8 +118,12 @@ def _unit(path: Path, heading: str) -> float:
     told = [*([f"[{key}]"] if key else []), *filter(is_wavelength_heading, first)]
     units = {_unit_of(path, text) for text in told} - {None}
     if len(units) > 1:
+        names = tuple(sorted(str(unit) for unit in units))
         raise InputError(
-            f"{path}: its headings name two units, {' and '.join(map(str, units))}; name one"
+            str(path),
+            "headings must name one unit",
+            value=names,
+            found=f"name {' and '.join(names)}",
         )
     return NM_PER[next(iter(units)) or "nm"] if units else 1.0
 
@@ -115,9 +132,22 @@ def _unit_of(path: Path, text: str) -> Unit | None:
     try:
         unit = wavelength_unit_of(text)
     except InputError as error:
-        raise InputError(f"{path}: {error}") from None
+        raise InputError(
+            str(path),
+            error.requirement,
+            value=error.value,
+            found=error.found,
+            where=", ".join(part for part in (error.subject, error.where) if part),
+            remedy=error.remedy,
+        ) from None
     if unit == "1/cm":
-        raise InputError(f"{path}: lists wavenumbers; write wavelengths in nm")
+        raise InputError(
+            str(path),
+            "must list wavelengths",
+            value=unit,
+            found="lists wavenumbers",
+            remedy="write wavelengths in nm",
+        )
     return unit
 
 

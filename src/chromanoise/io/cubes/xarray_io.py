@@ -89,13 +89,18 @@ def cube_from_xarray(
 def _found(source: str, array: Any) -> Found:
     if not all(hasattr(array, name) for name in ("dims", "coords", "attrs", "data", "transpose")):
         raise InputError(
-            f"{source}: must be an xarray.DataArray, but is a {type(array).__name__}; take one "
-            "variable of a Dataset"
+            source,
+            "must be an xarray.DataArray",
+            value=type(array).__name__,
+            found=f"is a {type(array).__name__}",
+            remedy="take one variable of a Dataset",
         )
     if array.ndim != 3 or not array.size or array.dtype.kind not in "fiu":
         raise InputError(
-            f"{source}: must hold real numbers, have three axes and not be empty, but is "
-            f"{by(array.shape)} {array.dtype}"
+            source,
+            "must hold real numbers, have three axes and not be empty",
+            value=(*array.shape, str(array.dtype)),
+            found=f"is {by(array.shape)} {array.dtype}",
         )
     attributes = {str(k).lower(): v for k, v in array.attrs.items()}
     axis, notes = _band_axis(source, array)
@@ -125,8 +130,11 @@ def _band_axis(source: str, array: Any) -> tuple[Any, Notes]:
             rows, columns = (axis for axis in array.dims if axis != found[0])
             return found[0], (f"axes {rows!r}, {columns!r} taken as rows and columns",)
     raise InputError(
-        f"{source}: one of its axes {', '.join(map(repr, array.dims))} must bear the wavelengths; "
-        "name it 'wavelength'"
+        source,
+        "one of its axes must have the wavelengths",
+        value=tuple(array.dims),
+        found=f"it has {', '.join(map(repr, array.dims))}",
+        remedy="name that axis 'wavelength'",
     )
 
 

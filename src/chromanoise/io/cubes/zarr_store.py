@@ -8,7 +8,7 @@ import json
 import math
 import os
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -17,15 +17,15 @@ import numpy as np
 
 from chromanoise._check import Array, printable
 from chromanoise._inputs import regular_file
-from chromanoise._shapes import Shaped, UInt8
+from chromanoise._shapes import Shaped
 from chromanoise.errors import InputError
 from chromanoise.io.cubes.bounds import MOST_INFLATED, memory_bytes
-from chromanoise.io.cubes.faults import library, reading, reading_rows
+from chromanoise.io.cubes.faults import library, reading
 from chromanoise.io.cubes.found import Notes
 from chromanoise.io.cubes.labeled import Axes, Labeled, Store
+from chromanoise.io.cubes.stored_rows import StoredRows
 from chromanoise.io.cubes.zarr_codecs import guard_codecs
-from chromanoise.scene.file_rows import refuse_other_rows
-from chromanoise.scene.rows import RowSource, block
+from chromanoise.scene.rows import RowSource
 
 _HEADERS = (".zarray", "zarr.json")
 _CODECS = frozenset({
@@ -37,60 +37,6 @@ _LARGEST_HEADER_BYTES = 16 * 2**20
 _MOST_ARRAYS = 10_000
 _TEXTS = (*_HEADERS, ".zgroup", ".zattrs", ".zmetadata")
 _PACKING_BYTES = 2**20  # index of a shard, tables and checksums
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class ZarrRows:
-    """Rows of one array in a Zarr folder.
-
-    Attributes
-    ----------
-    path, name
-        The folder and the array in it; empty if the folder is the array.
-    axes
-        Which of its axes are rows, columns, bands.
-    shape
-        Rows, columns, bands.
-    bands
-        Which of the stored bands, in which order.
-    stored
-        Type of the numbers.
-    chunk_rows
-        Rows that are stored together.
-    """
-
-    path: Path
-    name: str
-    axes: Axes
-    shape: tuple[int, int, int]
-    bands: range
-    stored: np.dtype
-    chunk_rows: int
-
-    @property
-    def dtype(self) -> np.dtype:
-        """Of what ``rows`` gives; in the byte order of this machine."""
-        return self.stored.newbyteorder("=")
-
-    def rows(
-        self, start: int, stop: int, *, into: UInt8[Array, " bytes"] | None = None
-    ) -> Shaped[Array, "rows w m"]:
-        """The rows ``start`` to ``stop``, with the strides in which they are stored."""
-        refuse_other_rows(str(self.path), self.shape, start, stop)
-        with reading_rows(self.path, "Zarr"):
-            read = block(_opened(self.path, self.name), self.axes, start, stop, self.bands)
-        if read.shape != (stop - start, *self.shape[1:]):
-            raise InputError(f"{self.path}: was changed while it was being read")
-        return read.astype(self.dtype, copy=False)
-
-    def scratch_bytes(self, rows: int) -> int:
-        """How large ``into`` must be for so many rows; 0 if it is not used. [bytes]"""
-        return 0
-
-    def with_bands(self, keep: slice) -> "ZarrRows":
-        """The same with some of the bands; nothing is read."""
-        bands = self.bands[keep]
-        return replace(self, bands=bands, shape=(*self.shape[:2], len(bands)))
 
 
 def is_zarr(path: Path) -> bool:
@@ -211,6 +157,11 @@ def _codecs(header: Any) -> Iterator[str]:
             waiting += inner.get("index_codecs") or []
 
 
+@contextmanager
+def _opened_for_rows(path: Path, name: str) -> Iterator[Any]:
+    yield _opened(path, name)
+
+
 def _opened(path: Path, name: str) -> Any:
     zarr = library("zarr", str(path))
     guard_codecs()
@@ -230,9 +181,10 @@ def _source(path: Path, arrays: Mapping[str, Labeled], name: str, axes: Axes) ->
         array = _opened(path, name)
     sizes = arrays[name].shape
     shape = sizes[axes[0]], sizes[axes[1]], sizes[axes[2]]
-    return ZarrRows(
+    return StoredRows(
         path=path,
-        name=name,
+        kind="Zarr",
+        opened=partial(_opened_for_rows, path, name),
         axes=axes,
         shape=shape,
         bands=range(shape[2]),

@@ -14,9 +14,19 @@ import numpy as np
 
 from chromanoise import _check
 from chromanoise._check import Array
-from chromanoise._shapes import Float
-from chromanoise.errors import InputError
-from chromanoise.io.pixels.source_text import finite_number, source_json, source_text
+from chromanoise._shapes import (
+    Float,
+)
+from chromanoise.errors import (
+    InputError,
+    Setting,
+)
+from chromanoise.io.pixels.source_text import (
+    errors_in_file,
+    finite_number,
+    source_json,
+    source_text,
+)
 from chromanoise.sensor.adc import Adc
 from chromanoise.sensor.pixel_source import PixelSource
 
@@ -79,10 +89,10 @@ def read_darktable_noise(path: Path | str, *, maker: str, model: str, iso: float
     """
     path = Path(path)
     held = source_json(source_text(path), str(path))
-    makers = _listed(held, "noiseprofiles", "maker", str(path))
-    maker = _check.one_of(f"maker in {path.name}", maker, sorted(makers))
-    models = _listed(makers[maker], "models", "model", f"{path}: {maker}")
-    model = _check.one_of(f"model of {maker} in {path.name}", model, sorted(models))
+    makers = _listed(held, "noiseprofiles", "maker", path, "")
+    maker = _known("maker", maker, makers, f"{path}")
+    models = _listed(makers[maker], "models", "model", path, maker)
+    model = _known("model", model, models, f"{path} for {maker}")
     camera = f"{maker} {model}"
     profiles = models[model].get("profiles")
     entries = profiles if isinstance(profiles, list) else []
@@ -90,16 +100,21 @@ def read_darktable_noise(path: Path | str, *, maker: str, model: str, iso: float
     if not mine:
         isos = sorted({str(e.get("iso")) for e in entries if isinstance(e, dict)}, key=_by_size)
         raise InputError(
-            f"{path.name}: {camera} has no profile of ISO {iso:g}; it has {', '.join(isos[:40])}"
+            "iso",
+            f"must be listed in {path} for {camera}",
+            value=iso,
+            remedy=f"choose from {', '.join(isos[:40])}",
         )
-    a, b = (_three(mine[0].get(key), f"{path}: {key} of {camera} at ISO {iso:g}") for key in "ab")
+    place = f"of {camera} at ISO {iso:g}"
+    a, b = (_three(mine[0].get(key), path, f"{key} {place}") for key in "ab")
     notes = [
         f"{path.name}: {camera}, relative noise of developed pictures; it tells neither gain nor "
         "full well"
     ]
     if len(mine) > 1:
         notes.append(f"{path.name}: {len(mine)} profiles of ISO {iso:g}; the first is taken")
-    return RelativeNoise(camera=camera, iso=float(iso), a=a, b=b, notes=tuple(notes))
+    with errors_in_file(path):
+        return RelativeNoise(camera=camera, iso=float(iso), a=a, b=b, notes=tuple(notes))
 
 
 def pixel_from_darktable(
@@ -134,8 +149,12 @@ def pixel_from_darktable(
     """
     if (full_well_e is None) == (adc is None):
         raise InputError(
-            f"the noise profile of {noise.camera} at ISO {noise.iso:g} is relative; give either "
-            "full_well_e (electrons where the codes end) or the converter (adc), and only one"
+            f"the noise profile of {noise.camera} at ISO {noise.iso:g}",
+            "is relative and needs either full_well_e (electrons where the codes end) or adc (the "
+            "converter)",
+            value=(full_well_e, adc),
+            found="has neither" if adc is None else "has both",
+            remedy=(Setting("full_well_e"), Setting("adc")) if adc is None else "omit one",
         )
     if full_well_e is None and adc is not None:
         full_well_e = adc.gain_e_per_dn * (adc.top_code - adc.black_level_dn)
@@ -154,7 +173,16 @@ def pixel_from_darktable(
     )
 
 
-def _listed(held: Any, key: str, name: str, where: str) -> Mapping[str, dict[str, Any]]:
+def _known(name: str, value: str, choices: Mapping[str, Any], where: str) -> str:
+    try:
+        return _check.one_of(name, value, sorted(choices))
+    except InputError as error:
+        raise InputError(
+            name, f"must be listed in {where}", value=value, remedy=error.remedy
+        ) from None
+
+
+def _listed(held: Any, key: str, name: str, path: Path, where: str) -> Mapping[str, dict[str, Any]]:
     """The objects under ``key``, by their ``name``."""
     entries = held.get(key) if isinstance(held, dict) else None
     found: dict[str, dict[str, Any]] = {}
@@ -162,15 +190,20 @@ def _listed(held: Any, key: str, name: str, where: str) -> Mapping[str, dict[str
         if isinstance(entry, dict) and isinstance(entry.get(name), str):
             found.setdefault(entry[name], entry)
     if not found:
-        raise InputError(f"{where} holds no {key} with a {name}; is it darktable's noiseprofiles?")
+        raise InputError(
+            str(path),
+            f"has no {key} with a {name}",
+            where=where,
+            remedy="give the file noiseprofiles.json of darktable",
+        )
     return found
 
 
-def _three(values: Any, what: str) -> Float[Array, " 3"]:
+def _three(values: Any, path: Path, where: str) -> Float[Array, " 3"]:
     entries: Sequence[Any] = values if isinstance(values, list) else []
     numbers = [number for entry in entries if (number := finite_number(entry)) is not None]
     if len(numbers) != 3 or len(entries) != 3:
-        raise InputError(f"{what} must be three finite numbers")
+        raise InputError(str(path), "must be three finite numbers", value=values, where=where)
     return np.array(numbers)
 
 

@@ -5,14 +5,21 @@ of its chapter 10.
 """
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
 from chromanoise import _check
 from chromanoise.errors import InputError
 from chromanoise.io.pixels.emva_checks import alike, contradictions
-from chromanoise.io.pixels.source_text import finite_number, source_json, source_text
+from chromanoise.io.pixels.source_text import (
+    about,
+    errors_in_file,
+    finite_number,
+    source_json,
+    source_text,
+)
 from chromanoise.sensor.adc import Adc
 from chromanoise.sensor.imperfections import Imperfections
 from chromanoise.sensor.pixel_source import PIXEL_FILES, PixelSource
@@ -84,7 +91,7 @@ _LINE = re.compile(
 
 @dataclass(frozen=True, slots=True)
 class _Value:
-    """One number of the sheet: what it is called there, in which unit, and where it stands."""
+    """One number of the sheet: its name there, its unit and its place (line and name)."""
 
     name: str
     number: float
@@ -119,11 +126,12 @@ def read_emva_sheet(path: Path | str) -> PixelSource:
     path = Path(path)
     text = source_text(path)
     rows = (_json_rows if text.lstrip().startswith("{") else _text_rows)(text, path)
-    return pixel_from_emva(
-        {name: (number, unit) for name, number, unit, _ in rows},
-        source=path.name,
-        where={name: place for name, _, _, place in rows},
-    )
+    with errors_in_file(path):
+        return pixel_from_emva(
+            {name: (number, unit) for name, number, unit, _ in rows},
+            source=path.name,
+            where={name: place for name, _, _, place in rows},
+        )
 
 
 def pixel_from_emva(
@@ -162,20 +170,38 @@ def pixel_from_emva(
         if key is None:
             unused.append(name)
             continue
-        value = _valued(key, name, number, unit, places.get(name, source))
+        place = ", ".join(part for part in (places.get(name, ""), name[:40]) if part)
+        with _errors_at(source, place):
+            value = _valued(key, name, number, unit, place)
         first = found.setdefault(key, value)
         if first.unit != value.unit or not alike(first.number, value.number):
             raise InputError(
-                f"{value.where}: {name} = {value.number:g} {value.unit} says again what "
-                f"{first.name} = {first.number:g} {first.unit} says; keep one"
+                source,
+                f"must agree with {first.name} = {first.number:g} {first.unit}",
+                value=value.number,
+                found=f"is {value.number:g} {value.unit}",
+                where=value.where,
+                remedy="keep one of the two",
             )
     if not found:
+        names = [name[:40] for name in unused[:5]]
         raise InputError(
-            f"{source}: holds no value of an EMVA 1288 sheet, e.g. sigma_d = 2.4 e-; "
-            f"it names {', '.join(name[:40] for name in unused[:5]) or 'nothing'}; the file of a "
-            f"pixel is {PIXEL_FILES}"
+            source,
+            "must hold a value of an EMVA 1288 sheet, e.g. sigma_d = 2.4 e-",
+            value=names,
+            found=f"names {', '.join(names) or 'nothing'}",
+            remedy=f"give {PIXEL_FILES}",
         )
     return _told(found, unused, source)
+
+
+@contextmanager
+def _errors_at(source: str, place: str = "") -> Iterator[None]:
+    """Errors that are raised inside are about a place in the sheet, or about a value of it."""
+    try:
+        yield
+    except InputError as error:
+        raise about(error, source, place or error.subject) from None
 
 
 def _text_rows(text: str, path: Path) -> list[tuple[str, float, str, str]]:
@@ -184,18 +210,28 @@ def _text_rows(text: str, path: Path) -> list[tuple[str, float, str, str]]:
         line = raw.split("#")[0].strip().strip(",;")
         if not line:
             continue
-        where, name = f"{path}: line {i}", re.split(r"[\[:=;,\t]", line)[0].strip()
+        where, name = f"line {i}", re.split(r"[\[:=;,\t]", line)[0].strip()
         matched = _LINE.fullmatch(line)
         if matched is None:
             if _key(name) is None:
                 continue  # a heading, or words about the camera
             raise InputError(
-                f"{where}: {line[:60]!r} is no value; write {name} = number unit, with a decimal "
-                "point"
+                str(path),
+                "must be a value with its unit",
+                value=line[:60],
+                where=where,
+                remedy=f"write {name[:40]} = number unit, with a decimal point",
             )
         name = matched["name"].strip().strip('"')
         if any(name == row[0] for row in rows):
-            raise InputError(f"{where}: {name[:40]!r} stands twice; keep one")
+            raise InputError(
+                str(path),
+                "must have each name once",
+                value=name[:40],
+                found=f"{name[:40]!r} is repeated",
+                where=where,
+                remedy="keep one",
+            )
         unit = matched["left"] or (matched["right"] or "").strip(' ;,\t[]"')
         rows.append((name, float(matched["value"]), unit, where))
     return rows
@@ -210,10 +246,12 @@ def _json_rows(text: str, path: Path) -> list[tuple[str, float, str, str]]:
         unit = entry.get("unit", "") if isinstance(entry, dict) else ""
         if number is None or not isinstance(unit, str):
             raise InputError(
-                f'{path}: {name} must be {{"value": number, "unit": "..."}}, as '
-                '"sigma_d": {"value": 2.4, "unit": "e-"}'
+                str(path),
+                'must be {"value": number, "unit": "..."}, as {"value": 2.4, "unit": "e-"}',
+                value=entry,
+                where=name[:40],
             )
-        rows.append((name, number, unit, f"{path}: {name}"))
+        rows.append((name, number, unit, ""))
     return rows
 
 
@@ -236,28 +274,29 @@ def _valued(key: str, name: str, number: float, unit: str, where: str) -> _Value
     known = _UNIT_OF.get(unit.strip().lower())
     if known not in allowed:
         had = f"has the unit {unit[:20]!r}" if unit.strip() else "has no unit"
-        raise InputError(f"{where}: {name} {had}; write it in {' or '.join(allowed)}")
-    _check.within(f"{where}: {name}", known, number, 0.0, 1e15)
+        raise InputError(name, f"must be in {' or '.join(allowed)}", value=unit, found=had)
+    _check.within(name, known, number, 0.0, 1e15)
     if known == "%":
         return _Value(name, number / 100, "1", where)
     if known in ("dB", "bit") and key != "bits":
-        _check.within(f"{where}: {name}", known, number, 0.0, 300.0)
+        _check.within(name, known, number, 0.0, 300.0)
         return _Value(name, 10 ** (number / 20) if known == "dB" else 2**number, "1", where)
     if key == "gain" and known == "e-/DN":
-        inverse = _check.positive(f"{where}: {name}", known, number)
+        inverse = _check.positive(name, known, number)
         return _Value(name, 1 / inverse, "DN/e-", where)
     return _Value(name, number, known, where)
 
 
 def _told(found: Mapping[str, _Value], unused: list[str], source: str) -> PixelSource:
-    gain = _gain(found)
-    electrons = {key: _electrons(found.get(key), gain) for key in ("read_noise", "dsnu")}
-    current = _electrons(found.get("dark_current"), gain)
+    gain = _gain(found, source)
+    electrons = {key: _electrons(found.get(key), gain, source) for key in ("read_noise", "dsnu")}
+    current = _electrons(found.get("dark_current"), gain, source)
     prnu = found.get("prnu")
     whole, level, adc_notes = _codes(found.get("bits"), found.get("black"), source)
     adc = None
     if gain is not None and whole is not None:
-        adc = Adc(bits=whole, gain_e_per_dn=1 / gain, black_level_dn=level or 0)
+        with _errors_at(source):
+            adc = Adc(bits=whole, gain_e_per_dn=1 / gain, black_level_dn=level or 0)
     silent = [
         name
         for name, known in (("dark current", current), ("DSNU", electrons["dsnu"]), ("PRNU", prnu))
@@ -304,22 +343,26 @@ def _number(found: Mapping[str, _Value], key: str) -> float | None:
     return found[key].number if key in found else None
 
 
-def _gain(found: Mapping[str, _Value]) -> float | None:
+def _gain(found: Mapping[str, _Value], source: str) -> float | None:
     """K. [DN/e-]"""
     for key in ("gain", "gain_inverse"):
         if key in found:
-            number = _check.positive(found[key].where, found[key].unit, found[key].number)
+            with _errors_at(source, found[key].where):
+                number = _check.positive(key, found[key].unit, found[key].number)
             return number if key == "gain" else 1 / number
     return None
 
 
-def _electrons(value: _Value | None, gain: float | None) -> float | None:
+def _electrons(value: _Value | None, gain: float | None, source: str) -> float | None:
     """In electrons (per second); codes become electrons through the gain."""
     if value is None or value.unit.startswith("e-"):
         return value.number if value else None
     if gain is None:
         raise InputError(
-            f"{value.where}: {value.name} in {value.unit} needs the gain; add K = number DN/e-"
+            source,
+            f"needs the gain where it is in {value.unit}",
+            where=value.where,
+            remedy="add K = number DN/e-",
         )
     return value.number / gain
 
@@ -329,7 +372,7 @@ def _codes(
 ) -> tuple[int | None, int | None, tuple[str, ...]]:
     """Bits and black level as whole numbers, and notes on how they were obtained."""
     if bits is not None and not float(bits.number).is_integer():
-        raise InputError(f"{bits.where}: an ADC has whole bits, not {bits.number:g}")
+        raise InputError(source, "must be a whole number", value=bits.number, where=bits.where)
     whole = int(bits.number) if bits else None
     if black is None:
         notes = (

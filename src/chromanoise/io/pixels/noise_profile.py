@@ -7,7 +7,12 @@ import numpy as np
 
 from chromanoise import _check
 from chromanoise.errors import InputError
-from chromanoise.io.pixels.source_text import finite_number, source_json, source_text
+from chromanoise.io.pixels.source_text import (
+    errors_in_file,
+    finite_number,
+    source_json,
+    source_text,
+)
 from chromanoise.sensor import PixelSource, pixel_from_noise_profile
 from chromanoise.sensor.noise_profile import pixel_without_levels
 
@@ -40,22 +45,30 @@ def read_noise_profile(path: Path | str) -> PixelSource:
         return _pixel_of_text(text, path)
     held = source_json(text, str(path))
     if not isinstance(held, dict) or any(key not in held for key in _KEYS):
-        raise InputError(f"{path}: a noise profile is a JSON object with {', '.join(_KEYS)}")
+        missing = [key for key in _KEYS if not isinstance(held, dict) or key not in held]
+        raise InputError(
+            str(path),
+            f"must be a JSON object with {', '.join(_KEYS)} to be a noise profile",
+            found=f"has no {' and no '.join(missing)}",
+        )
     rows = {key: _numbers(held[key], key, path) for key in _KEYS}
-    _check.same_length(f"channels in {path}", S=len(rows["S"]), O=len(rows["O"]))
-    levels = [rows[key] for key in _KEYS[2:]]
-    if any(len(level) != 1 for level in levels):
-        raise InputError(f"{path}: black and white level must be one number each, for all channels")
+    for key in _KEYS[2:]:
+        if len(rows[key]) != 1:
+            raise InputError(
+                str(path), "must be one number for all channels", value=rows[key], where=key
+            )
     names = held.get("channels", [])
     if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
-        raise InputError(f"{path}: channels must be a list of names")
-    return pixel_from_noise_profile(
-        np.array([rows["S"], rows["O"]]).T,
-        black_level_dn=levels[0][0],
-        white_level_dn=levels[1][0],
-        channels=names,
-        source=path.name,
-    )
+        raise InputError(str(path), "must be a list of names", value=names, where="channels")
+    with errors_in_file(path):
+        _check.same_length("channels", S=len(rows["S"]), O=len(rows["O"]))
+        return pixel_from_noise_profile(
+            np.array([rows["S"], rows["O"]]).T,
+            black_level_dn=rows["black_level_dn"][0],
+            white_level_dn=rows["white_level_dn"][0],
+            channels=names,
+            source=path.name,
+        )
 
 
 def is_noise_profile_text(text: str) -> bool:
@@ -73,22 +86,33 @@ def _pixel_of_text(text: str, path: Path) -> PixelSource:
     numbers = _tagged(_TAG, text, path) or []
     if len(numbers) < 2 or len(numbers) % 2:
         raise InputError(
-            f"{path}: NoiseProfile must hold S and O of each channel, but holds {len(numbers)} "
-            "numbers; write NoiseProfile: 0.0002 0.000001"
+            str(path),
+            "must hold S and O of each channel",
+            value=len(numbers),
+            found=f"holds {len(numbers)} numbers",
+            where="NoiseProfile",
+            remedy="write NoiseProfile: 0.0002 0.000001",
         )
     profile = np.array(numbers).reshape(-1, 2)
     levels = [_tagged(tag, text, path) for tag in (_BLACK, _WHITE)]
     if all(level is None for level in levels):
-        return pixel_without_levels(profile, source=path.name)
+        with errors_in_file(path):
+            return pixel_without_levels(profile, source=path.name)
     black, white = (set(level or ()) for level in levels)
-    if len(black) != 1 or len(white) != 1:
-        raise InputError(
-            f"{path}: BlackLevel and WhiteLevel must be one number each, for all channels; write "
-            "both or neither"
+    for name, level in (("BlackLevel", black), ("WhiteLevel", white)):
+        if len(level) != 1:
+            raise InputError(
+                str(path),
+                "must be one number for all channels",
+                value=sorted(level) or None,
+                found="is missing" if not level else "",
+                where=name,
+                remedy="write both BlackLevel and WhiteLevel or neither",
+            )
+    with errors_in_file(path):
+        return pixel_from_noise_profile(
+            profile, black_level_dn=black.pop(), white_level_dn=white.pop(), source=path.name
         )
-    return pixel_from_noise_profile(
-        profile, black_level_dn=black.pop(), white_level_dn=white.pop(), source=path.name
-    )
 
 
 def _tagged(tag: re.Pattern[str], text: str, path: Path) -> list[float] | None:
@@ -101,7 +125,9 @@ def _tagged(tag: re.Pattern[str], text: str, path: Path) -> list[float] | None:
     found = [number for number in numbers if number is not None]
     if len(found) < len(words):
         line = text[: match.start(1)].count("\n") + 1
-        raise InputError(f"{path}: line {line}: {match[1].strip()[:60]!r} are no finite numbers")
+        raise InputError(
+            str(path), "must be finite numbers", value=match[1].strip()[:60], where=f"line {line}"
+        )
     return found
 
 
@@ -117,5 +143,7 @@ def _numbers(value: object, key: str, path: Path) -> list[float]:
     numbers = [finite_number(entry) for entry in entries]
     found = [number for number in numbers if number is not None]
     if not numbers or len(found) < len(numbers):
-        raise InputError(f"{path}: {key} must be a finite number or a list of them")
+        raise InputError(
+            str(path), "must be a finite number or a list of them", value=value, where=key
+        )
     return found

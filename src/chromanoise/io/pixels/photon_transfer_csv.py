@@ -8,7 +8,7 @@ import numpy as np
 
 from chromanoise._check import Array
 from chromanoise.errors import InputError
-from chromanoise.io.pixels.source_text import source_text
+from chromanoise.io.pixels.source_text import errors_in_file, source_text
 from chromanoise.io.spectra.delimited import DELIMITERS, cells_of_line, decimal_sign, split_line
 from chromanoise.io.spectra.parsed import Row
 from chromanoise.io.spectra.tables import number_in
@@ -65,8 +65,10 @@ def read_photon_transfer_csv(path: Path | str) -> PhotonTransfer:
     ]
     if not lines or len(lines) > _LARGEST_ROWS:
         raise InputError(
-            f"{path}: a photon transfer has a header {','.join(_NEEDED)} and at most "
-            f"{_LARGEST_ROWS} rows, but this file has {len(lines)} lines"
+            str(path),
+            f"must have a header {','.join(_NEEDED)} and at most {_LARGEST_ROWS} rows",
+            value=len(lines),
+            found=f"has {len(lines)} lines",
         )
     sign = _delimiter(lines[0][1])
     header = _header(lines[0], sign, path)
@@ -74,16 +76,18 @@ def read_photon_transfer_csv(path: Path | str) -> PhotonTransfer:
     decimal = decimal_sign(rows, sign, str(path))
     columns = _columns(rows, header, decimal, path)
     unused = [name for name in header if name not in (*_NUMBERS, _SPATIAL, "light")]
-    return PhotonTransfer(
-        mean_dn=columns["mean_dn"],
-        variance_dn2=columns.get(_SPATIAL, columns.get("variance_dn2", np.array([]))),
-        dark=_dark(rows, header, columns.get("photons"), path),
-        samples=columns.get("samples"),
-        source=path.name,
-        spatial=_SPATIAL in header,
-        **{name: columns.get(name) for name in _NUMBERS[3:]},
-        notes=(f"{path.name}: columns not used: {', '.join(unused)[:200]}",) if unused else (),
-    )
+    dark = _dark(rows, header, columns.get("photons"), path)
+    with errors_in_file(path):
+        return PhotonTransfer(
+            mean_dn=columns["mean_dn"],
+            variance_dn2=columns.get(_SPATIAL, columns.get("variance_dn2", np.array([]))),
+            dark=dark,
+            samples=columns.get("samples"),
+            source=path.name,
+            spatial=_SPATIAL in header,
+            **{name: columns.get(name) for name in _NUMBERS[3:]},
+            notes=(f"{path.name}: columns not used: {', '.join(unused)[:200]}",) if unused else (),
+        )
 
 
 def is_photon_transfer_text(text: str) -> bool:
@@ -123,25 +127,35 @@ def _name(cell: str) -> str:
 
 
 def _header(first: tuple[int, str], sign: str, path: Path) -> list[str]:
-    where = f"{path}: line {first[0]}"
+    where = f"line {first[0]}"
     cells_of_line(first[1], first[0], sign, str(path))
     header = _names(first[1], sign)
     bare = [name for name in ("mean", "variance") if name in header]
     if bare:
         raise InputError(
-            f"{where} names {' and '.join(bare)} without a unit; if they are in codes, write "
-            f"{','.join(_NEEDED)}"
+            str(path),
+            "must give the unit of each column",
+            value=bare,
+            found=f"names {' and '.join(bare)} without a unit",
+            where=where,
+            remedy=f"write {','.join(_NEEDED)} if they are in codes",
         )
     variances = [name for name in (_NEEDED[1], _SPATIAL) if name in header]
     if len(variances) == 2:
         raise InputError(
-            f"{where} names a temporal and a spatial variance; keep only variance_dn2 (for the "
-            f"gain) or only {_SPATIAL}"
+            str(path),
+            "must name either a temporal or a spatial variance",
+            value=variances,
+            found="names both",
+            where=where,
+            remedy=f"keep only variance_dn2 (for the gain) or only {_SPATIAL}",
         )
     if "mean_dn" not in header or not variances or len(set(header)) < len(header):
         raise InputError(
-            f"{where} must name each column once, {' and '.join(_NEEDED)} among them, "
-            f"but is {first[1].strip()[:60]!r}"
+            str(path),
+            f"must name each column once, {' and '.join(_NEEDED)} among them",
+            value=first[1].strip()[:60],
+            where=where,
         )
     return header
 
@@ -151,14 +165,18 @@ def _columns(rows: list[Row], header: list[str], decimal: str, path: Path) -> di
     wanted = [(k, name) for k, name in enumerate(header) if name in (*_NUMBERS, _SPATIAL)]
     columns: dict[str, Array] = {name: np.empty(len(rows)) for _, name in wanted}
     for i, row in enumerate(rows):
-        where = f"{path}: line {row.number}"
+        where = f"line {row.number}"
         if len(row.cells) != len(header):
             raise InputError(
-                f"{where} has {len(row.cells)} cells, but the header names {len(header)}; with "
-                "decimal commas, separate the cells by semicolons"
+                str(path),
+                f"must have the {len(header)} cells that the header names",
+                value=len(row.cells),
+                found=f"has {len(row.cells)}",
+                where=where,
+                remedy="separate the cells by semicolons if the numbers have decimal commas",
             )
         for k, name in wanted:
-            columns[name][i] = _number(row.cells[k], decimal, f"{where}, column {name}")
+            columns[name][i] = _number(row.cells[k], decimal, path, f"{where}, column {name!r}")
     return columns
 
 
@@ -169,16 +187,26 @@ def _dark(rows: list[Row], header: list[str], photons: Array | None, path: Path)
         return none
     at = header.index("light")
     for row, without in zip(rows, none, strict=True):
-        where, cell = f"{path}: line {row.number}, column light", row.cells[at].lower()
+        where, cell = f"line {row.number}, column 'light'", row.cells[at].lower()
         if cell not in ("dark", "light"):
-            raise InputError(f"{where}: {row.cells[at][:40]!r} is neither dark nor light")
+            raise InputError(
+                str(path), "must be dark or light", value=row.cells[at][:40], where=where
+            )
         if photons is not None and (cell == "dark") != without:
-            raise InputError(f"{where}: {cell!r} contradicts the photons of its row")
+            raise InputError(
+                str(path), "must agree with the photons of its row", value=cell, where=where
+            )
     return np.array([row.cells[at].lower() == "dark" for row in rows], dtype=bool)
 
 
-def _number(cell: str, decimal: str, where: str) -> float:
+def _number(cell: str, decimal: str, path: Path, where: str) -> float:
     value = math.nan if "%" in cell else number_in(cell, decimal_comma=decimal == ",")
     if not math.isfinite(value):
-        raise InputError(f"{where}: {cell[:40]!r} is not a finite number; mend it or leave it out")
+        raise InputError(
+            str(path),
+            "must be a finite number",
+            value=cell[:40],
+            where=where,
+            remedy="correct the cell or omit its row",
+        )
     return value

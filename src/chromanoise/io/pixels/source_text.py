@@ -1,6 +1,8 @@
 """Text and JSON of files that describe a pixel: one sentence where they cannot be read."""
 
 import json
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -23,36 +25,98 @@ def source_text(path: Path) -> str:
         with path.open("rb") as file:
             content = file.read(_LARGEST_BYTES + 1)
     except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror})") from None
+        raise InputError(str(path), f"cannot be read ({error.strerror})") from None
     if len(content) > _LARGEST_BYTES:
-        raise InputError(f"{path}: more than {_LARGEST_BYTES // 2**20} MiB are no table of a pixel")
+        raise InputError(
+            str(path),
+            f"must be at most {_LARGEST_BYTES // 2**20} MiB to describe a pixel",
+            found="is larger",
+        )
     try:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         raise InputError(
-            f"{path}: not a UTF-8 text file (byte {error.start} is not text); save it as UTF-8"
+            str(path),
+            "is not UTF-8 text",
+            where=f"byte {error.start}",
+            remedy="save it as UTF-8",
         ) from None
 
 
-def source_json(text: str, where: str) -> Any:
-    """What JSON text holds.
+def in_file(error: InputError, path: Path) -> InputError:
+    """The same error about a file: what was its subject becomes a place in the file.
+
+    Parameters
+    ----------
+    error
+        About the file already, about a thing of it (``pitch_um of sheet.txt``), or about a value.
+    path
+        The file.
+
+    Examples
+    --------
+    >>> error = InputError("pitch_um of a.txt", "must be finite and > 0 [um]", value=0.0)
+    >>> str(in_file(error, Path("sheets/a.txt")))
+    'sheets/a.txt, pitch_um: must be finite and > 0 [um], but is 0'
+    """
+    if not error.requirement or error.subject == str(path):
+        told = str(error)
+        return error if path.name in told else InputError(f"{path}: {told}")
+    thing = "" if error.subject == path.name else error.subject.removesuffix(f" of {path.name}")
+    return about(error, str(path), thing)
+
+
+def about(error: InputError, subject: str, place: str) -> InputError:
+    """The same error about another subject, at a place in it."""
+    return InputError(
+        subject,
+        error.requirement,
+        value=error.value,
+        found=error.found,
+        where=", ".join(part for part in (place, error.where) if part),
+        remedy=error.remedy,
+    )
+
+
+@contextmanager
+def errors_in_file(path: Path) -> Iterator[None]:
+    """Errors that are raised inside are about the file, as `in_file`."""
+    try:
+        yield
+    except InputError as error:
+        raise in_file(error, path) from None
+
+
+def source_json(text: str, source: str) -> Any:
+    """What the JSON text of the file ``source`` holds.
 
     Raises
     ------
     InputError
-        If it is not JSON, names a key twice, or nests too deep.
+        If it is not JSON, repeats a key, or is nested too deeply.
     """
     try:
         return json.loads(text, object_pairs_hook=_once)
     except json.JSONDecodeError as error:
-        raise InputError(f"{where}: line {error.lineno} is not JSON ({error.msg})") from None
-    except _TwiceError as error:
-        raise InputError(f"{where}: {str(error)[:60]!r} stands twice; keep one") from None
+        raise InputError(
+            source, f"is not JSON ({error.msg})", where=f"line {error.lineno}"
+        ) from None
+    except _RepeatedError as error:
+        key = str(error)[:60]
+        raise InputError(
+            source,
+            "must have each key once",
+            value=key,
+            found=f"{key!r} is repeated",
+            remedy="keep one",
+        ) from None
     except (RecursionError, ValueError):  # a number of thousands of digits is a ValueError
-        raise InputError(f"{where}: JSON nests too deep or holds a number too long") from None
+        raise InputError(
+            source, "is nested too deeply or holds a number that is too long"
+        ) from None
 
 
-class _TwiceError(Exception):
+class _RepeatedError(Exception):
     pass
 
 
@@ -60,7 +124,7 @@ def _once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     found: dict[str, Any] = {}
     for key, value in pairs:
         if key in found:
-            raise _TwiceError(key)
+            raise _RepeatedError(key)
         found[key] = value
     return found
 

@@ -78,7 +78,7 @@ def _span(words: list[str], first: str, last: str, source: str) -> tuple[int, in
         return start, words.index(last, start)
     except ValueError:
         raise InputError(
-            f"{source}: {first} and {last} must enclose a part of a CGATS file"
+            source, f"must have {first} and {last} around a part of a CGATS file"
         ) from None
 
 
@@ -98,8 +98,11 @@ def _facts(tokens: list[_Token]) -> dict[str, str]:
 def _wavelengths(facts: dict[str, str], fields: list[str], source: str) -> np.ndarray:
     if len(fields) < 2:
         raise InputError(
-            f"{source}: the CGATS table has {len(fields)} spectral fields (SPEC_400 ...); "
-            "it needs 2, is it a table of spectra?"
+            source,
+            "must have at least 2 spectral fields (SPEC_400 ...) in its CGATS table",
+            value=len(fields),
+            found=f"has {len(fields)}",
+            remedy="check that it is a table of spectra",
         )
     named = np.array([float(match[1]) for f in fields if (match := _FIELD.fullmatch(f))])
     ends = [facts.get(key, "") for key in ("SPECTRAL_START_NM", "SPECTRAL_END_NM")]
@@ -108,8 +111,10 @@ def _wavelengths(facts: dict[str, str], fields: list[str], source: str) -> np.nd
     told = np.linspace(number_in(ends[0]), number_in(ends[1]), named.size)
     if np.abs(told - named).max() > 1.0:  # the names of the fields are rounded
         raise InputError(
-            f"{source}: SPECTRAL_START_NM and SPECTRAL_END_NM say {ends[0]}-{ends[1]}, but the "
-            f"fields are {fields[0]} to {fields[-1]}"
+            source,
+            "SPECTRAL_START_NM and SPECTRAL_END_NM must agree with the fields",
+            value=(ends[0], ends[1]),
+            found=f"are {ends[0]} and {ends[1]}, and the fields are {fields[0]} to {fields[-1]}",
         )
     return told
 
@@ -118,7 +123,7 @@ def _norm(facts: dict[str, str], source: str) -> float:
     text = facts.get("SPECTRAL_NORM", "1")
     norm = number_in(text)
     if not 1e-30 < norm < 1e30:
-        raise InputError(f"{source}: SPECTRAL_NORM must be a number > 0, but is {text!r}")
+        raise InputError(source, "must be a number > 0", value=text, where="SPECTRAL_NORM")
     return norm
 
 
@@ -126,7 +131,11 @@ def _sets(tokens: list[_Token], fields: list[str], source: str) -> list[list[_To
     if not tokens or len(tokens) % len(fields):
         line = tokens[-1][0] if tokens else 0
         raise InputError(
-            f"{source}: line {line}: {len(tokens)} values do not fill sets of {len(fields)} fields"
+            source,
+            f"must have sets of {len(fields)} values, as many as fields",
+            value=len(tokens),
+            found=f"has {len(tokens)} values in all",
+            where=f"line {line}",
         )
     return [tokens[i : i + len(fields)] for i in range(0, len(tokens), len(fields))]
 
@@ -135,7 +144,7 @@ def _value(token: _Token, source: str) -> float:
     number, text = token
     value = number_in(text)
     if value != value:
-        raise InputError(f"{source}: line {number}: {text[:40]!r} is not a finite number")
+        raise InputError(source, "must be a finite number", value=text, where=f"line {number}")
     return value
 
 

@@ -130,7 +130,7 @@ def wavelength_unit_of(heading: str) -> Unit | None:
     last = inside or (words[-1] if words else "")
     if last.lower() in _NOT_READ or re.match(r"[\d.]+\s*[^\W\d]", inside):
         raise InputError(
-            f"wavelengths are in {last!r} by their heading; give them in nm, um, angstrom or 1/cm"
+            "heading of the wavelengths", "must have the unit nm, um, angstrom or 1/cm", value=last
         )
     if (inside or heading[-2:].strip("_")) in ("A", "A.", "AA") and (inside or "_" in heading):
         return "angstrom"
@@ -141,7 +141,10 @@ def wavelength_unit_of(heading: str) -> Unit | None:
     units = {unit for unit in found if unit}
     if len(units) > 1:
         raise InputError(
-            f"the heading {heading[:60]!r} names the units {' and '.join(sorted(units))}; keep one"
+            "heading of the wavelengths",
+            "must name one unit",
+            value=heading,
+            found=f"{heading[:60]!r} names {' and '.join(sorted(units))}",
         )
     return next(iter(units), None)
 
@@ -192,8 +195,10 @@ def known_unit(unit: str, source: str) -> Unit:
     known = None if bare.lower() in _NOT_READ else wavelength_unit_of(f"[{bare}]")
     if known is None:
         raise InputError(
-            f"{source}: wavelengths in {unit[:40]!r} are not supported; write them in nm, um, "
-            "angstrom or 1/cm"
+            source,
+            "wavelengths must be in nm, um, angstrom or 1/cm",
+            value=unit,
+            found=f"are in {unit[:40]!r}",
         )
     return known
 

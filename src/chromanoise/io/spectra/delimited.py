@@ -38,13 +38,19 @@ def read_delimited(text: str, source: str) -> Found:
         If a row is no row of numbers; its line is told.
     """
     if text.count("\n") + text.count("\r") > 2 * _MOST_LINES:
-        raise InputError(f"{source}: more than {_MOST_LINES} lines are no table of spectra")
+        raise InputError(source, f"must have at most {_MOST_LINES} lines for a table of spectra")
     comments: list[Row] = []
     lines: list[tuple[int, str]] = []
     for number, line in enumerate(re.split(r"\r\n|\r|\n", text), 1):
         bare = line.strip().strip('"')
         if len(line) > _LONGEST_LINE:
-            raise InputError(f"{source}: line {number} has {len(line)} characters: no row")
+            raise InputError(
+                source,
+                f"must have at most {_LONGEST_LINE} characters",
+                value=len(line),
+                found=f"has {len(line)}",
+                where=f"line {number}",
+            )
         if bare.startswith(_COMMENT):
             comments.append(Row(number=number, cells=(_comment_text(bare),)))
         elif bare:
@@ -137,7 +143,7 @@ def _quoted(line: str, sign: str) -> list[str]:
 def cells_of_line(line: str, number: int, delimiter: str, source: str) -> tuple[str, ...]:
     """The cells of a line, without blanks around them; an unclosed quotation is refused."""
     if line.count('"') % 2:
-        raise InputError(f"{source}: line {number} opens a quotation that it does not close")
+        raise InputError(source, "has a quotation mark that is not closed", where=f"line {number}")
     return tuple(cell.strip() for cell in split_line(line, delimiter))
 
 
@@ -189,7 +195,10 @@ def decimal_sign(rows: list[Row], delimiter: str, source: str) -> str:
                 with_point = row.number
     if with_comma and with_point:
         raise InputError(
-            f"{source}: line {with_comma} has a decimal comma, line {with_point} a decimal point; "
-            "write all numbers in one way"
+            source,
+            "must have one decimal sign",
+            value=(with_comma, with_point),
+            found=f"line {with_comma} has a decimal comma and line {with_point} a decimal point",
+            remedy="write all numbers in one way",
         )
     return "," if with_comma else "."

@@ -1,4 +1,4 @@
-"""The one door for files of spectra: which reader a file wants, and how its faults are told."""
+"""Entry point for files of spectra: chooses the reader, and turns its exceptions into errors."""
 
 import codecs
 import re
@@ -51,7 +51,7 @@ def read_curves(path: Path | str, *, answers: Answers = ASK) -> Understood:
     Raises
     ------
     InputError
-        If nothing can be understood; the file, and the line where there are lines, are told.
+        If the file cannot be read; names the file, and the line where there are lines.
 
     Examples
     --------
@@ -64,7 +64,7 @@ def read_curves(path: Path | str, *, answers: Answers = ASK) -> Understood:
     (array([400., 500.]), array([0.125, 0.5  ]), 'semicolon', ',')
     """
     path = Path(path)
-    with _faults_told(path):
+    with _errors_of(path):
         return meaning_of(_found(path, _content(path)), answers)
 
 
@@ -77,8 +77,11 @@ def _refuse_large(path: Path) -> None:
     size = regular_file(path).st_size
     if size > _LARGEST_BYTES:
         raise InputError(
-            f"{path}: {size / 2**20:.0f} MiB is too large for a table of spectra "
-            f"({_LARGEST_BYTES // 2**20} MiB at most); leave out what is no curve"
+            str(path),
+            f"must be at most {_LARGEST_BYTES // 2**20} MiB for a table of spectra",
+            value=size,
+            found=f"is {size / 2**20:.0f} MiB",
+            remedy="remove what is not a curve",
         )
 
 
@@ -114,7 +117,13 @@ def _of_text(text: str, source: str) -> Found:
 
 def _refuse_kind(path: Path, kind: tuple[str, str] | None) -> None:
     if kind is not None:
-        raise InputError(f"{path}: is {kind[0]}, not a file of spectra; {kind[1]}")
+        raise InputError(
+            str(path),
+            "is not a file of spectra",
+            value=kind[0],
+            found=f"is {kind[0]}",
+            remedy=kind[1],
+        )
 
 
 def _decoded(path: Path, content: bytes) -> tuple[str, tuple[str, ...]]:
@@ -124,11 +133,16 @@ def _decoded(path: Path, content: bytes) -> tuple[str, tuple[str, ...]]:
         text = content.decode(coding)
     except UnicodeDecodeError as error:
         raise InputError(
-            f"{path}: not a UTF-8 text file (byte {error.start} is not text); save it as CSV UTF-8"
+            str(path),
+            "is not UTF-8 text",
+            where=f"byte {error.start}",
+            remedy="save it as CSV UTF-8",
         ) from None
     if "\0" in text:
         line = text[: text.index("\0")].count("\n") + 1
-        raise InputError(f"{path}: line {line} holds null bytes, so it is no text file")
+        raise InputError(
+            str(path), "has null bytes, so it is not a text file", where=f"line {line}"
+        )
     return text, notes
 
 
@@ -158,8 +172,8 @@ def _is_utf8(content: bytes) -> bool:
 
 
 @contextmanager
-def _faults_told(path: Path) -> Iterator[None]:
-    """Turns whatever a parser throws at a bad file into one sentence."""
+def _errors_of(path: Path) -> Iterator[None]:
+    """Turns any exception of a parser into an `InputError`."""
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
@@ -167,11 +181,12 @@ def _faults_told(path: Path) -> Iterator[None]:
     except InputError:
         raise
     except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror or error})") from None
+        raise InputError(str(path), f"cannot be read ({error.strerror or error})") from None
     except MemoryError:
-        raise InputError(f"{path}: too large for this machine's memory") from None
+        raise InputError(str(path), "is too large for the memory of this machine") from None
     except Exception:  # parsers raise anything, with messages about themselves
         raise InputError(
-            f"{path}: cannot be read as a file of spectra; it is damaged, truncated or of an "
-            "unknown format: save it again, or as CSV"
+            str(path),
+            "cannot be read as a file of spectra: it is damaged, truncated or of an unknown format",
+            remedy=("save it again", "save it as CSV"),
         ) from None

@@ -9,8 +9,14 @@ from pathlib import Path
 import numpy as np
 
 from chromanoise._check import Array
-from chromanoise._shapes import Float, Shaped
-from chromanoise.errors import InputError
+from chromanoise._shapes import (
+    Float,
+    Shaped,
+)
+from chromanoise.errors import (
+    InputError,
+    Setting,
+)
 from chromanoise.io.spectra.wavelength_lists import NAMED_WAVELENGTH, NM_PER, nanometers
 
 DATA_SUFFIXES = (".sli", ".img", ".raw", ".dat", ".bin", ".bsq", ".bil", ".bip")
@@ -61,15 +67,19 @@ class EnviHeader:
         text = self.word(key)
         if not re.fullmatch(r"\+?[0-9]{1,18}", text):
             raise InputError(
-                f"{self.source}: {key!r} must be a whole number from 0 to 10^18, "
-                f"but is {text[:40]!r}"
+                self.source,
+                "must be a whole number from 0 to 10^18",
+                value=text,
+                where=f"key {key!r}",
             )
         return int(text)
 
     def word(self, key: str) -> str:
         """The text that stands under ``key``; refused if absent."""
         if key not in self.fields:
-            raise InputError(f"{self.source}: the header lacks the required key {key!r}; add it")
+            raise InputError(
+                self.source, "is missing in the header", where=f"key {key!r}", remedy="add it"
+            )
         return self.fields[key]
 
 
@@ -93,13 +103,17 @@ def _data_beside(header: Path) -> Path:
     found = sorted(_beside(header, names))
     if not found:
         raise InputError(
-            f"{header}: the data of this ENVI header is missing; looked beside it for "
-            f"{header.stem} with nothing or one of {' '.join(DATA_SUFFIXES)} after it"
+            str(header),
+            "must have its data in the same folder",
+            found=f"there is no {header.stem}, alone or with {' '.join(DATA_SUFFIXES)} after it",
         )
     if len(found) > 1:
         raise InputError(
-            f"{header}: {len(found)} files could be the data of this ENVI header "
-            f"({', '.join(p.name for p in found)}); name the data file itself"
+            str(header),
+            "must have one data file",
+            value=tuple(p.name for p in found),
+            found=f"{len(found)} could be it: {', '.join(p.name for p in found)}",
+            remedy="name the data file instead of the header",
         )
     return found[0]
 
@@ -116,11 +130,14 @@ def read_envi_header(path: Path) -> EnviHeader:
     Raises
     ------
     InputError
-        If it is no ENVI header, a brace stays open, or it says the layout twice.
+        If it is not an ENVI header, a brace is not closed, or the layout has two values.
     """
     if path.stat().st_size > _LARGEST_HEADER_BYTES:
         raise InputError(
-            f"{path}: {path.stat().st_size / 2**20:.0f} MiB is too large for an ENVI header"
+            str(path),
+            f"must be at most {_LARGEST_HEADER_BYTES // 2**20} MiB for an ENVI header",
+            value=path.stat().st_size,
+            found=f"is {path.stat().st_size / 2**20:.0f} MiB",
         )
     return envi_header(_decoded(path.read_bytes()), source=str(path))
 
@@ -143,14 +160,21 @@ def envi_header(text: str, *, source: str) -> EnviHeader:
     lines = re.split(r"\r\n|\r|\n", text)
     if lines[0].strip() != "ENVI":
         raise InputError(
-            f"{source}: not an ENVI header, its first line must be ENVI, but is {lines[0][:40]!r}"
+            source,
+            "is not an ENVI header, whose first line is ENVI",
+            value=lines[0],
+            found=f"begins with {lines[0][:40]!r}",
         )
     fields: dict[str, str] = {}
     for key, value in _pairs(lines[1:], source):
         if key in _LAYOUT and fields.get(key, value) != value:
             raise InputError(
-                f"{source}: {key!r} stands twice, as {fields[key][:40]!r} and {value[:40]!r}; "
-                "keep the true one"
+                source,
+                "must have one value",
+                value=(fields[key], value),
+                found=f"has {fields[key][:40]!r} and {value[:40]!r}",
+                where=f"key {key!r}",
+                remedy="keep the true one",
             )
         fields[key] = value
     return EnviHeader(source=source, fields=fields)
@@ -162,20 +186,22 @@ def _pairs(lines: list[str], source: str) -> Iterator[tuple[str, str]]:
         key, equals, value = line.partition("=")
         value = value.strip()
         if value.startswith("{"):
-            value = _braced(value[1:], (text for _, text in kept), f"{source}: line {number}")
+            value = _braced(value[1:], (text for _, text in kept), source, number)
         if equals:
             yield " ".join(key.lower().split()), value
 
 
-def _braced(text: str, following: Iterator[str], where: str) -> str:
+def _braced(text: str, following: Iterator[str], source: str, number: int) -> str:
     """The text up to the closing brace, which may stand some lines below."""
     parts = [text]
     while "}" not in parts[-1]:
         more = next(following, None)
         if more is None:
             raise InputError(
-                f"{where}: the brace opened here is never closed; the header is cut short, or "
-                "lacks a }"
+                source,
+                "opens a brace that is not closed",
+                where=f"line {number}",
+                remedy=("complete the header", "add the missing }"),
             )
         parts.append(more)
     parts[-1] = parts[-1].partition("}")[0]
@@ -207,7 +233,7 @@ def envi_pixels(
 def _positive(header: EnviHeader, key: str) -> int:
     number = header.whole(key)
     if number < 1:
-        raise InputError(f"{header.source}: {key!r} must be at least 1, but is {number}")
+        raise InputError(header.source, "must be at least 1", value=number, where=f"key {key!r}")
     return number
 
 
@@ -215,19 +241,27 @@ def _dtype(header: EnviHeader) -> np.dtype:
     code = header.whole("data type")
     if code in _COMPLEX:
         raise InputError(
-            f"{header.source}: 'data type' {code} is complex numbers, but a reflectance is real; "
-            "save real numbers, such as data type 4"
+            header.source,
+            "must be a type of real numbers",
+            value=code,
+            found=f"{code} is complex",
+            where="key 'data type'",
+            remedy="save real numbers, such as data type 4",
         )
     if code not in _DTYPES:
         raise InputError(
-            f"{header.source}: 'data type' {code} is not known; known: "
-            f"{', '.join(str(known) for known in _DTYPES)}"
+            header.source,
+            f"must be one of {', '.join(str(known) for known in _DTYPES)}",
+            value=code,
+            where="key 'data type'",
         )
     order = header.whole("byte order", default=0)
     if order not in (0, 1):
         raise InputError(
-            f"{header.source}: 'byte order' must be 0 (little-endian) or 1 (big-endian), "
-            f"but is {order}"
+            header.source,
+            "must be 0 (little-endian) or 1 (big-endian)",
+            value=order,
+            where="key 'byte order'",
         )
     return np.dtype("<>"[order] + _DTYPES[code])
 
@@ -236,7 +270,7 @@ def _interleave(header: EnviHeader) -> str:
     word = header.word("interleave").lower()
     if word not in _AXES:
         raise InputError(
-            f"{header.source}: 'interleave' must be bsq, bil or bip, but is {word[:40]!r}"
+            header.source, "must be bsq, bil or bip", value=word, where="key 'interleave'"
         )
     return word
 
@@ -244,8 +278,11 @@ def _interleave(header: EnviHeader) -> str:
 def _refuse_compressed(header: EnviHeader) -> None:
     if header.whole("file compression", default=0) != 0:
         raise InputError(
-            f"{header.source}: 'file compression' says that the data is compressed, which is not "
-            "read here; save it uncompressed"
+            header.source,
+            "must be 0, because compressed data is not read",
+            value=header.fields["file compression"],
+            where="key 'file compression'",
+            remedy="save the data uncompressed",
         )
 
 
@@ -253,11 +290,13 @@ def _refuse_wrong_size(header: EnviHeader, data: Path, told: int) -> None:
     size = data.stat().st_size
     if size == told:
         return
-    fault = "is truncated: it" if size < told else "is longer than its header says: it"
+    fault = "truncated" if size < told else "too long"
     raise InputError(
-        f"{data}: {fault} holds {size} bytes, but {header.source} describes {told} bytes (header "
-        "offset included); copy the data again, or mend samples, lines, bands, data type or "
-        "header offset"
+        str(data),
+        f"must have {told} bytes, header offset included, as {header.source} describes",
+        value=size,
+        found=f"has {size} bytes and is {fault}",
+        remedy=("copy the data again", "correct samples, lines, bands, data type or header offset"),
     )
 
 
@@ -284,17 +323,22 @@ def envi_scale(header: EnviHeader) -> float | None:
     gains = [key for key in _GAINS if key in header.fields]
     if gains:
         raise InputError(
-            f"{header.source}: {gains[0]!r} asks for a gain or offset per band, which is not "
-            "applied here; apply it and save the cube again, or say --scale (reflectance per "
-            "stored unit)"
+            header.source,
+            "gains and offsets per band are not applied",
+            where=f"key {gains[0]!r}",
+            remedy=("apply them and save the cube again", Setting("scale")),
         )
-    if "reflectance scale factor" not in header.fields:
+    key = "reflectance scale factor"
+    if key not in header.fields:
         return None
-    factor = _number(header, "reflectance scale factor", header.word("reflectance scale factor"))
+    factor = _number(header, f"key {key!r}", header.word(key))
     if not (factor > 0 and math.isfinite(1 / factor)):
         raise InputError(
-            f"{header.source}: 'reflectance scale factor' must be > 0, but is {factor:g}; "
-            "mend it or say --scale"
+            header.source,
+            "must be > 0",
+            value=factor,
+            where="key 'reflectance scale factor'",
+            remedy=("correct it", Setting("scale")),
         )
     return 1 / factor
 
@@ -324,8 +368,10 @@ def _listed_wavelengths(header: EnviHeader) -> list[float]:
     cells = [cell for cell in re.split(r"[,\s]+", header.word("wavelength")) if cell]
     if not cells:
         raise InputError(
-            f"{header.source}: the list 'wavelength' is empty; fill it, or give --wavelengths "
-            "FIRST:LAST in nm if the bands are evenly spaced"
+            header.source,
+            "must not be empty",
+            where="key 'wavelength'",
+            remedy=("fill the list", Setting("wavelengths")),
         )
     return [_number(header, f"entry {i} of 'wavelength'", cell) for i, cell in enumerate(cells)]
 
@@ -339,11 +385,11 @@ def _named_wavelengths(header: EnviHeader) -> Float[Array, " m"] | None:
     return np.array([float(m[1]) * NM_PER[m[2].lower()] for m in found if m is not None])
 
 
-def _number(header: EnviHeader, what: str, text: str) -> float:
+def _number(header: EnviHeader, where: str, text: str) -> float:
     try:
         value = float(text)
     except ValueError:
         value = math.nan
     if not math.isfinite(value):
-        raise InputError(f"{header.source}: {what} is {text[:40]!r}, not a finite number")
+        raise InputError(header.source, "must be a finite number", value=text, where=where)
     return value

@@ -32,8 +32,10 @@ def envi_library(path: Path, content: bytes) -> tuple[EnviHeader, Path] | None:
     pair = envi_pair(path)
     if pair is None and path.suffix.lower() == ".sli":
         raise InputError(
-            f"{path}: the header of this ENVI spectral library is missing; put "
-            f"{path.stem}.hdr in the same folder"
+            str(path),
+            "must have its ENVI header in the same folder",
+            value=f"{path.stem}.hdr",
+            found=f"there is no {path.stem}.hdr",
         )
     return None if pair is None else _library(*pair)
 
@@ -43,8 +45,11 @@ def _library(header_file: Path, data: Path) -> tuple[EnviHeader, Path]:
     kind = header.fields.get("file type", "")
     if kind.lower() != _LIBRARY:
         raise InputError(
-            f"{header_file}: its file type must be ENVI Spectral Library, but is {kind[:40]!r}; a "
-            "cube is not a file of spectra"
+            str(header_file),
+            "must be ENVI Spectral Library",
+            value=kind,
+            where="key 'file type'",
+            remedy="name a file of spectra, not a cube",
         )
     return header, data
 
@@ -65,13 +70,18 @@ def read_envi_library(header: EnviHeader, data: Path) -> Found:
     gains = [key for key in _GAINS if key in header.fields]
     if gains:
         raise InputError(
-            f"{header.source}: {gains[0]!r} is not applied here; apply it and save the library "
-            "again"
+            header.source,
+            "gains and offsets are not applied",
+            where=f"key {gains[0]!r}",
+            remedy="apply them and save the library again",
         )
     pixels, notes = envi_pixels(header, data)
     if pixels.shape[2] != 1:
         raise InputError(
-            f"{header.source}: a spectral library has 1 band, but this has {pixels.shape[2]}"
+            header.source,
+            "must have 1 band, as a spectral library",
+            value=pixels.shape[2],
+            found=f"has {pixels.shape[2]}",
         )
     factor = _factor(header)
     table = pixels[:, :, 0].astype(np.float64)
@@ -122,7 +132,7 @@ def _factor(header: EnviHeader) -> float:
     factor = number_in(told)
     if not factor > 0:
         raise InputError(
-            f"{header.source}: 'reflectance scale factor' must be > 0, but is {told[:40]!r}"
+            header.source, "must be > 0", value=told, where="key 'reflectance scale factor'"
         )
     return factor
 
@@ -133,11 +143,18 @@ def _wavelengths(header: EnviHeader, count: int) -> tuple[Array, str]:
     numbers = np.array([number_in(cell) for cell in cells])
     if numbers.size != count:
         raise InputError(
-            f"{header.source}: 'wavelength' lists {numbers.size} numbers, but 'samples' is {count}"
+            header.source,
+            f"must list {count} numbers, as many as 'samples'",
+            value=numbers.size,
+            found=f"lists {numbers.size}",
+            where="key 'wavelength'",
         )
     if np.isnan(numbers).any():
-        wrong = cells[int(np.isnan(numbers).argmax())]
-        raise InputError(f"{header.source}: the wavelength {wrong[:40]!r} is not a number")
+        at = int(np.isnan(numbers).argmax())
+        wrong = cells[at]
+        raise InputError(
+            header.source, "must be a number", value=wrong, where=f"entry {at} of 'wavelength'"
+        )
     unit = header.fields.get("wavelength units", "")
     if unit.lower() in _UNSAID:
         return numbers, ""

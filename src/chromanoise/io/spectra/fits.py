@@ -38,8 +38,9 @@ def read_fits(path: Path, content: bytes) -> Found:
             if at_names:
                 return _table(path, part, place, at_names[0])
     raise InputError(
-        f"{path}: none of its tables has a column named wavelength, wave, lambda or wl; write the "
-        "spectrum as a table with such a column, or as CSV"
+        str(path),
+        "must have a table with a column named wavelength, wave, lambda or wl",
+        remedy=("write the spectrum as such a table", "save it as CSV"),
     )
 
 
@@ -48,30 +49,33 @@ def _astropy_fits(path: Path) -> Any:
         return importlib.import_module("astropy.io.fits")
     except ImportError:
         raise InputError(
-            f"{path}: is a FITS file, which needs the package astropy; "
-            "pip install 'chromanoise[fits]'"
+            str(path),
+            "is a FITS file, which needs the package astropy",
+            remedy="install it with: pip install 'chromanoise[fits]'",
         ) from None
 
 
 def _table(path: Path, part: Any, place: int, at_name: str) -> Found:
     if at_name.lower().startswith("loglam"):
         raise InputError(
-            f"{path}: its column {at_name!r} holds logarithms of wavelengths; write wavelengths"
+            str(path), "must hold wavelengths, not their logarithms", where=f"column {at_name!r}"
         )
     units = {column.name: (column.unit or "").strip() for column in part.columns}
     at = _numbers(path, part, at_name)
     if part.data[at_name].dtype.itemsize == 4:  # 0.4 um in 4 bytes is 0.4, not 0.4000000060
         at = np.array([float(str(np.float32(value))) for value in at])
     if not np.isfinite(at).all():
-        raise InputError(f"{path}: the column {at_name!r} has rows without a wavelength")
+        raise InputError(str(path), "has rows without a wavelength", where=f"column {at_name!r}")
     others = [name for name in part.columns.names if name != at_name]
     curves = {
         name: values for name in others if (values := _curve(path, part, name, at)) is not None
     }
     if not 0 < len(curves) <= _MOST_CURVES:
         raise InputError(
-            f"{path}: {len(curves)} columns have the length of {at_name!r}; a table of spectra "
-            f"needs 1 to {_MOST_CURVES}"
+            str(path),
+            f"must have 1 to {_MOST_CURVES} columns with the length of {at_name!r}",
+            value=len(curves),
+            found=f"has {len(curves)}",
         )
     unit = known_unit(units[at_name], str(path)) if units[at_name] else ""
     missing = [
@@ -107,11 +111,16 @@ def _numbers(path: Path, part: Any, name: str) -> Array:
     """One number per row, or the one row of a table whose cells are lists; NaN for ``TNULLn``."""
     column = np.asarray(part.data[name])
     if column.dtype.kind not in "fiu" or (column.ndim > 1 and len(column) != 1):
-        raise InputError(f"{path}: the column {name!r} is not a list of numbers")
+        raise InputError(str(path), "is not a list of numbers", where=f"column {name!r}")
     values = column.astype(np.float64).ravel()
     stored, null = np.asarray(part.data)[name], part.columns[name].null
     if stored.dtype.kind in "iu" and null is not None:  # TNULLn is the number before TSCALn, TZEROn
         values[stored.ravel() == null] = np.nan
     if (np.abs(values) > _LARGEST).any():
-        raise InputError(f"{path}: the column {name!r} holds numbers beyond 1e30")
+        raise InputError(
+            str(path),
+            "must be at most 1e30",
+            value=float(np.nanmax(np.abs(values))),
+            where=f"column {name!r}",
+        )
     return values

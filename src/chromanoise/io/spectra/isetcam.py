@@ -42,11 +42,21 @@ def read_isetcam(path: Path) -> Found:
     if at_name is None or "data" not in arrays:
         held = ", ".join(list(arrays)[:20]) or "no arrays"
         raise InputError(
-            f"{path}: needs the arrays wavelength and data as ISETCam writes them, but holds {held}"
+            str(path),
+            "must have the arrays wavelength and data, as ISETCam writes them",
+            value=tuple(arrays),
+            found=f"has {held}",
         )
     wavelength = _real(path, at_name, arrays[at_name]).ravel()
     if np.isnan(wavelength).any():
-        raise InputError(f"{path}: the array {at_name!r} holds NaN; mend or drop it")
+        raise InputError(
+            str(path),
+            "must be finite numbers",
+            value=math.nan,
+            found="has NaN",
+            where=f"array {at_name!r}",
+            remedy=("correct it", "remove it"),
+        )
     data = _upright(path, _real(path, "data", arrays["data"]), wavelength.size)
     square = _square_note(data.shape[1], wavelength.size)
     words = {w: mat_texts(path, w, largest_bytes=_LARGEST_BYTES) for w in _WORDS if w in arrays}
@@ -92,14 +102,28 @@ def _camera_of_jiang(path: Path, arrays: dict) -> Found:
     """
     curves = {name: _real(path, name, arrays[name]).ravel() for name in "rgb"}
     if any(curve.size != _JIANG_NM.size for curve in curves.values()):
-        sizes = ", ".join(f"{curve.size}" for curve in curves.values())
+        sizes = tuple(curve.size for curve in curves.values())
         raise InputError(
-            f"{path}: has r, g and b of {sizes} values, but no wavelengths; only the "
-            f"{_JIANG_NM.size} values of the database of Jiang et al. (400-720 nm, step 10 nm) are "
-            "accepted without; add an array 'wavelength', or write a CSV"
+            str(path),
+            "must have an array of wavelengths",
+            value=sizes,
+            found=f"has only r, g and b of {', '.join(map(str, sizes))} values",
+            remedy=(
+                "add an array 'wavelength'",
+                "save it as CSV",
+                f"give r, g and b {_JIANG_NM.size} values for 400-720 nm in steps of 10 nm, as "
+                "in the database of Jiang et al.",
+            ),
         )
     if not all(np.isfinite(curve).all() for curve in curves.values()):
-        raise InputError(f"{path}: r, g or b holds NaN; correct it")
+        raise InputError(
+            str(path),
+            "must be finite numbers",
+            value=math.nan,
+            found="have NaN",
+            where="arrays r, g, b",
+            remedy="correct them",
+        )
     return Found(
         source=str(path),
         format="MATLAB, a camera of Jiang et al. (2013)",
@@ -121,13 +145,31 @@ def _camera_of_jiang(path: Path, arrays: dict) -> Found:
 def _real(path: Path, name: str, declared: tuple[tuple[int, ...], np.dtype]) -> Array:
     shape, dtype = declared
     if dtype.kind not in "fiu" or len(shape) != 2 or min(shape) < 1:
-        raise InputError(f"{path}: the array {name!r} must be a table of real numbers")
+        raise InputError(
+            str(path),
+            "must be a table of real numbers",
+            value=(shape, str(dtype)),
+            found=f"has the shape {shape} and the type {dtype}",
+            where=f"array {name!r}",
+        )
     if math.prod(shape) * 8 > _LARGEST_BYTES:
-        raise InputError(f"{path}: the array {name!r} is too large for a table of spectra")
+        raise InputError(
+            str(path),
+            f"must be at most {_LARGEST_BYTES // 2**20} MiB for a table of spectra",
+            value=shape,
+            found=f"has the shape {shape}",
+            where=f"array {name!r}",
+        )
     array = mat_array(path, name, largest_bytes=_LARGEST_BYTES).astype(np.float64)
     beyond = np.abs(array) > 1e30
     if beyond.any():
-        raise InputError(f"{path}: the array {name!r} holds {array[beyond][0]:g}; mend it")
+        raise InputError(
+            str(path),
+            "must be at most 1e30",
+            value=float(array[beyond][0]),
+            where=f"array {name!r}",
+            remedy="correct it",
+        )
     return array
 
 
@@ -137,7 +179,11 @@ def _upright(path: Path, data: Array, n: int) -> Array:
         data = data.T
     if data.shape[0] != n or data.shape[1] > _MOST_CURVES:
         raise InputError(
-            f"{path}: wavelength has {n} entries, but data is {data.shape[0]} by {data.shape[1]}"
+            str(path),
+            f"must have {n} rows, as many as wavelengths",
+            value=data.shape,
+            found=f"is {data.shape[0]} by {data.shape[1]}",
+            where="array 'data'",
         )
     return data
 

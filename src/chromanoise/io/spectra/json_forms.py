@@ -40,8 +40,11 @@ def read_json(text: str, source: str) -> Found:
         return own_spectra(whole, source)
     if isinstance(schema, str) and schema.startswith("chromanoise "):
         raise InputError(
-            f"{source}: is JSON of the schema {schema[:40]!r}, but curves need the "
-            f"schema {SPECTRA_SCHEMA!r}; convert it to .csv, or name another file"
+            source,
+            f"must have the schema {SPECTRA_SCHEMA!r}",
+            value=schema,
+            found=f"has {schema[:40]!r}",
+            remedy=("convert it to .csv", "name another file"),
         )
     try:
         if "ssf_bands" in whole:
@@ -51,7 +54,7 @@ def read_json(text: str, source: str) -> Found:
         if "spectral_data" not in whole and (found := _lists(whole, source)) is not None:
             return found
     except (TypeError, OverflowError) as error:
-        raise InputError(f"{source}: its lists are not curves ({error})") from None
+        raise InputError(source, f"its lists are not curves ({error})") from None
     return read_rawtoaces(whole, source)
 
 
@@ -61,7 +64,14 @@ def _parsed(text: str, source: str) -> dict[str, Any]:
         if len(members) < len(pairs):
             names = [name for name, _ in pairs]
             twice = next(name for name in names if names.count(name) > 1)
-            raise InputError(f"{source}: the key {twice[:40]!r} occurs twice; remove one")
+            raise InputError(
+                source,
+                "must occur once",
+                value=twice,
+                found="is repeated",
+                where=f"key {twice[:40]!r}",
+                remedy="remove one",
+            )
         return members
 
     try:
@@ -70,11 +80,12 @@ def _parsed(text: str, source: str) -> dict[str, Any]:
         raise
     except json.JSONDecodeError as error:
         raise InputError(
-            f"{source}: line {error.lineno}, column {error.colno} is not JSON ({error.msg})"
+            source, f"is not JSON ({error.msg})", where=f"line {error.lineno}, column {error.colno}"
         ) from None
     except (RecursionError, ValueError):  # a number of thousands of digits is a ValueError
         raise InputError(
-            f"{source}: its brackets are nested too deeply, or a number is too long"
+            source,
+            "is not JSON, because its brackets are nested too deeply or a number is too long",
         ) from None
     assert isinstance(whole, dict)  # it begins with a brace
     return whole
@@ -85,7 +96,10 @@ def _camera_of_dcamprof(whole: Mapping[str, Any], source: str) -> Found:
     missing = [key for key in _SSF.values() if key not in whole]
     if missing:
         raise InputError(
-            f"{source}: has ssf_bands as DCamProf's cameras have, but lacks {', '.join(missing)}"
+            source,
+            f"must have {', '.join(missing)} beside ssf_bands, as a camera of DCamProf",
+            value=tuple(missing),
+            found=f"{', '.join(missing)} is missing",
         )
     at = _bands(whole["ssf_bands"], source)
     name = whole.get("camera_name")
@@ -109,7 +123,7 @@ def _spectrum_of_dcamprof(whole: Mapping[str, Any], source: str) -> Found:
     at = _bands(whole["bands"], source)
     scale = number_of(whole.get("scale", 1))
     if not 0 < scale <= _LARGEST:
-        raise InputError(f"{source}: its scale must be > 0, but is {scale:g}")
+        raise InputError(source, "must be > 0", value=scale, where="key 'scale'")
     (column,) = _columns({str(whole.get("name") or "spectrum"): whole["spectrum"]}, at, source)
     return Found(
         source=source,
@@ -129,8 +143,10 @@ def _bands(told: Any, source: str) -> Array:
         return bands
     if bands[2] > bands[1] - bands[0] or (bands[1] - bands[0]) / bands[2] > 10_000:
         raise InputError(
-            f"{source}: bands of three numbers are first, last and step, but are "
-            f"{', '.join(f'{number:g}' for number in bands)}"
+            source,
+            "must be first, last and step, if they are three numbers",
+            value=bands.tolist(),
+            where="key 'bands'",
         )
     return np.arange(bands[0], bands[1] + bands[2] / 2, bands[2])
 
@@ -177,10 +193,15 @@ def _columns(lists: Mapping[str, Any], at: Array, source: str) -> tuple[Column, 
         values = array_of(told, 1)
         if values.size != at.size:
             raise InputError(
-                f"{source}: {name[:40]!r} has {values.size} values, but there are {at.size} "
-                "wavelengths"
+                source,
+                f"must have {at.size} values, as many as wavelengths",
+                value=values.size,
+                found=f"has {values.size}",
+                where=f"key {name[:40]!r}",
             )
         if not (np.abs(np.append(values, at)) <= _LARGEST).all():
-            raise InputError(f"{source}: {name[:40]!r} must be finite numbers below 1e30")
+            raise InputError(
+                source, "must be finite numbers of at most 1e30", where=f"key {name[:40]!r}"
+            )
         columns.append(Column(name=name, unit="", wavelength=at, values=values))
     return tuple(columns)

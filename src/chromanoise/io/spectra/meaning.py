@@ -2,12 +2,12 @@
 
 import re
 from dataclasses import replace
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 
 from chromanoise._check import Array
-from chromanoise.errors import InputError
+from chromanoise.errors import InputError, Setting
 from chromanoise.io.spectra.declared import (
     is_wavelength_heading,
     level_of_key,
@@ -19,6 +19,7 @@ from chromanoise.io.spectra.declared import (
 )
 from chromanoise.io.spectra.defects import defects_of
 from chromanoise.io.spectra.merging import Sorted, gaps_nm, on_common, sorted_points, step_nm
+from chromanoise.io.spectra.own_json import named
 from chromanoise.io.spectra.parsed import (
     Answers,
     Column,
@@ -62,7 +63,7 @@ def meaning_of(found: Found, answers: Answers) -> Understood:
     Raises
     ------
     InputError
-        If the unit of the wavelengths cannot be told, a curve has fewer than two points, or the
+        If the unit of the wavelengths is not known, a curve has fewer than two points, or the
         numbers contradict what the file says of them.
     """
     columns, deviations = _chosen(found, answers)
@@ -117,11 +118,21 @@ def _chosen(found: Found, answers: Answers) -> tuple[list[Column], list[Column]]
     names = [c.name for c in curves]
     for i, name in enumerate(names):
         if name in names[:i]:
-            raise InputError(f"{found.source}: the curve {name!r} stands twice; rename one")
+            raise InputError(
+                found.source,
+                "must have different names for its curves",
+                value=name,
+                found=f"{name!r} is repeated",
+                remedy="rename one",
+            )
     for name in answers.columns:
         if name not in names:
             raise InputError(
-                f"{found.source}: has no curve {name!r}; it has {', '.join(names[:20])}"
+                found.source,
+                f"must have the curve {name!r}",
+                value=tuple(names),
+                found=f"has {', '.join(names[:20])}",
+                remedy=Setting("columns"),
             )
     if answers.columns:
         curves = [curves[names.index(name)] for name in dict.fromkeys(answers.columns)]
@@ -131,28 +142,35 @@ def _chosen(found: Found, answers: Answers) -> tuple[list[Column], list[Column]]
 def _wavelength_unit(
     found: Found, answers: Answers, columns: list[Column]
 ) -> tuple[Unit, tuple[str, ...]]:
-    """The declared unit, else that of the option, else the only one that fits the numbers."""
+    """The declared unit, else that of the answer, else the only one that fits the numbers."""
     known = [c.wavelength for c in columns if c.wavelength.size]
     if not known:
-        raise InputError(f"{found.source}: its curves have no points")
+        raise InputError(found.source, "has curves without points")
     low = min(float(at.min()) for at in known)
     high = max(float(at.max()) for at in known)
     if low <= 0:
-        raise InputError(f"{found.source}: a wavelength must be > 0, but one is {low:g}")
+        raise InputError(
+            found.source, "wavelengths must be > 0", value=low, found=f"one is {low:g}"
+        )
     declared, answer = _declared_unit(found), answers.wavelength_unit
     span = f"{low:g}-{high:g}"
     other = _contradicted(declared, low, high)
     if declared and other:
         if answer is None:
             raise InputError(
-                f"{found.source}: its wavelengths are {span} {declared} by its heading, but the "
-                f"numbers look like {other}; give --wavelength-unit {other} or {declared}"
+                found.source,
+                "wavelengths must be plausible in their unit",
+                value=declared,
+                found=f"{span} {declared}, as its heading declares, look like {other}",
+                remedy=Setting("wavelength_unit", (other, declared)),
             )
         declared = answer if answer == other else declared  # the numbers contradict the heading
     if answer and declared and answer != declared:
         raise InputError(
-            f"{found.source}: declares its wavelengths in {declared}, but --wavelength-unit is "
-            f"{answer}; omit the option, or correct the file"
+            "wavelength_unit",
+            f"must be {declared!r}, as {found.source} declares",
+            value=answer,
+            remedy=("omit it", "correct the file"),
         )
     if declared or answer:
         return declared or answer or "nm", ()
@@ -177,9 +195,11 @@ def _contradicted(declared: Unit | None, low: float, high: float) -> Unit | None
 
 def _unit_wanted(found: Found, span: str) -> InputError:
     return InputError(
-        f"{found.source}: does not declare the unit of its wavelengths, {span}; give "
-        "--wavelength-unit nm, um, angstrom or 1/cm (for a filter --filter-wavelength-unit, for an "
-        "illuminant --illuminant-wavelength-unit)"
+        found.source,
+        "must declare the unit of its wavelengths",
+        value=span,
+        found=f"{span} have none",
+        remedy=Setting("wavelength_unit", get_args(Unit)),
     )
 
 
@@ -203,11 +223,17 @@ def _declared_unit(found: Found) -> Unit | None:
             "its key": _unit_of_key(found),
         }
     except InputError as error:
-        raise InputError(f"{found.source}: {error}") from None
+        raise named(error, found.source) from None
     said = {where: unit for where, unit in units.items() if unit}
     if len(set(said.values())) > 1:
         told = ", ".join(f"{unit} by {where}" for where, unit in said.items())
-        raise InputError(f"{found.source}: its wavelengths are in {told}; correct one")
+        raise InputError(
+            found.source,
+            "must declare one unit of wavelengths",
+            value=told,
+            found=f"declares {told}",
+            remedy="correct one",
+        )
     return next(iter(said.values()), None)
 
 
@@ -246,8 +272,11 @@ def _scale(
     if declared is None and 0 < len(percent) < len(columns):
         other = next(c.name for c in columns if c not in percent)
         raise InputError(
-            f"{found.source}: {percent[0].name} is in percent by its heading, but {other} is not; "
-            "give all curves one unit, or name the wanted ones (--column)"
+            found.source,
+            "must have all curves in one unit",
+            value=(percent[0].name, other),
+            found=f"{percent[0].name} is in percent by its heading and {other} is not",
+            remedy=("give all curves one unit", Setting("columns")),
         )
     if declared == "percent" or percent:
         return "percent", 0.01, ("declared as percent: divided by 100",)

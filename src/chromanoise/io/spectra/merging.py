@@ -6,8 +6,13 @@ import numpy as np
 
 from chromanoise import _check
 from chromanoise._check import Array
-from chromanoise._shapes import Float
-from chromanoise.errors import InputError
+from chromanoise._shapes import (
+    Float,
+)
+from chromanoise.errors import (
+    InputError,
+    Setting,
+)
 from chromanoise.io.spectra.parsed import Column, Unit
 from chromanoise.spectra.curves import Beyond
 
@@ -86,8 +91,11 @@ def sorted_points(column: Column, unit: Unit, source: str) -> Sorted:
     distinct, first, count = np.unique(rising, return_index=True, return_counts=True)
     if distinct.size < 2:
         raise InputError(
-            f"{source}: the curve {column.name!r} has {distinct.size} "
-            f"wavelength{'s' * (distinct.size != 1)}; it needs 2"
+            source,
+            "must have at least 2 wavelengths",
+            value=distinct.size,
+            found=f"has {distinct.size}",
+            where=f"curve {column.name!r}",
         )
     spread = np.maximum.reduceat(values, first) - np.minimum.reduceat(values, first)
     means = np.where(spread > 0, np.add.reduceat(values, first) / count, values[first])
@@ -110,7 +118,12 @@ def on_common(
     """
     at = np.unique(np.concatenate([p.wavelength_nm for p in points]))
     if at.size * len(points) > _MOST_VALUES:
-        raise InputError(f"{source}: {len(points)} curves at {at.size} wavelengths are too many")
+        raise InputError(
+            source,
+            f"must have at most {_MOST_VALUES} values",
+            value=at.size * len(points),
+            found=f"has {len(points)} curves at {at.size} wavelengths",
+        )
     starts = [float(p.wavelength_nm[0]) for p in points]
     ends = [float(p.wavelength_nm[-1]) for p in points]
     low, high = max(starts), min(ends)
@@ -119,12 +132,16 @@ def on_common(
         told = f"the curves share {low:g}-{high:g} nm of {min(starts):g}-{max(ends):g} nm"
         if beyond == "refuse":
             at = at[(at >= low) & (at <= high)]
-            notes = (f"{told}: cut to what they share (--beyond zero or hold keeps the rest)",)
+            notes = (f"{told}: cut to what they share (beyond zero or hold keeps the rest)",)
         else:
             notes = (f"{told}: {beyond} beyond each curve's own end",)
     if at.size < 2:
         raise InputError(
-            f"{source}: its curves share no two wavelengths; say --beyond zero or hold"
+            source,
+            "curves must share at least 2 wavelengths",
+            value=at.size,
+            found=f"share {at.size}",
+            remedy=Setting("beyond", ("zero", "hold")),
         )
     side = 0.0 if beyond == "zero" else None
     values = [np.interp(at, p.wavelength_nm, p.values, left=side, right=side) for p in points]

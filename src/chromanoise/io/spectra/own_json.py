@@ -27,9 +27,20 @@ def as_json(told: Mapping[str, Any]) -> str:
 
 
 def named(error: InputError, source: str) -> InputError:
-    """The complaint of a noun, with the file from which the noun was to be made."""
-    told = str(error)
-    return InputError(told if source in told else f"{source}: {told}")
+    """The error of a value, with the file that holds the value as its subject."""
+    if source in error.subject:
+        return error
+    if not error.requirement:
+        return InputError(f"{source}: {error}")
+    return InputError(
+        source,
+        error.requirement,
+        value=error.value,
+        found=error.found,
+        where=", ".join(filter(None, (error.subject, error.where))),
+        remedy=error.remedy,
+        setting=error.setting,
+    )
 
 
 def held_json(text: str, schema: str, *, source: str) -> dict[str, Any]:
@@ -42,19 +53,22 @@ def held_json(text: str, schema: str, *, source: str) -> dict[str, Any]:
     schema
         Which one: ``chromanoise sensor``, for example.
     source
-        Where the text is from, for the complaint.
+        Where the text is from; used in errors.
 
     Raises
     ------
     InputError
-        If it is no JSON, or of another schema or version.
+        If it is not JSON, or of another schema or version.
     """
     try:
         held = json.loads(text)
     except (ValueError, RecursionError):
-        raise InputError(f"{source}: not JSON; give a file with the schema {schema!r}") from None
-    if not isinstance(held, dict) or held.get("schema") != schema:
-        raise InputError(f"{source}: its schema must be {schema!r}")
+        raise InputError(
+            source, "is not JSON", remedy=f"give a file with the schema {schema!r}"
+        ) from None
+    found = held.get("schema") if isinstance(held, dict) else None
+    if found != schema or not isinstance(held, dict):
+        raise InputError(source, f"must be {schema!r}", value=found, where="key 'schema'")
     _refuse_other_version(held, source)
     return held
 
@@ -80,11 +94,20 @@ def own_spectra(held: Mapping[str, Any], source: str) -> Found:
         raise named(error, source) from None
     if values.shape != (wavelength.size, len(names)):
         raise InputError(
-            f"{source}: values must be {wavelength.size} rows, one per wavelength, of "
-            f"{len(names)} numbers, one per name, but are {values.shape[0]} of {values.shape[1]}"
+            source,
+            f"must be {wavelength.size} rows (wavelengths) of {len(names)} numbers (names)",
+            value=values.shape,
+            found=f"is {values.shape[0]} of {values.shape[1]}",
+            where="key 'values'",
         )
     if not (np.abs(values) <= _LARGEST).all():
-        raise InputError(f"{source}: the values must be finite and below 1e30; correct them")
+        raise InputError(
+            source,
+            "must be finite and at most 1e30",
+            value=float(np.abs(values).max()),
+            where="key 'values'",
+            remedy="correct them",
+        )
     ratio = quantity in ("QE", "reflectance", "transmittance")
     facts = {"scale": "fraction" if ratio else "as written", **_texts(held)}
     return Found(
@@ -134,34 +157,34 @@ def unfit(source: str, what: str, error: Exception) -> InputError:
     """The error for JSON of a known schema in which something is missing or wrong."""
     told = f"{error.args[0]!r} is missing" if isinstance(error, KeyError) else str(error)
     told = " ".join(told.split())[:200]
-    return InputError(f"{source}: not the JSON of a {what} as chromanoise writes it ({told})")
+    return InputError(source, f"is not the JSON of a {what} as chromanoise writes it ({told})")
 
 
 def word_of(value: Any) -> str:
     """A text in JSON; a TypeError for anything else."""
     if not isinstance(value, str):
-        raise TypeError(f"{str(value)[:40]} is no text")
+        raise TypeError(f"{str(value)[:40]} is not text")
     return value
 
 
 def words_of(values: Any) -> tuple[str, ...]:
     """A list of texts in JSON; a TypeError for anything else."""
     if not isinstance(values, list):
-        raise TypeError(f"{str(values)[:40]} is no list of text")
+        raise TypeError(f"{str(values)[:40]} is not a list of text")
     return tuple(word_of(value) for value in values)
 
 
 def number_of(value: Any) -> float:
     """A number in JSON; a TypeError for anything else."""
     if isinstance(value, bool) or not isinstance(value, int | float):
-        raise TypeError(f"{str(value)[:40]} is no number")
+        raise TypeError(f"{str(value)[:40]} is not a number")
     return float(value)
 
 
 def array_of(values: Any, depth: int) -> Array:
     """Numbers in ``depth`` lists, the inner ones equally long; a TypeError for anything else."""
     if not isinstance(values, list):
-        raise TypeError(f"{str(values)[:40]} is no list of numbers")
+        raise TypeError(f"{str(values)[:40]} is not a list of numbers")
     if depth == 1:
         return np.array([number_of(value) for value in values], dtype=np.float64)
     arrays = [array_of(row, depth - 1) for row in values]
@@ -177,6 +200,9 @@ def _texts(held: Mapping[str, Any]) -> dict[str, str]:
 def _refuse_other_version(held: Mapping[str, Any], source: str) -> None:
     if held.get("schema_version") != SCHEMA_VERSION:
         raise InputError(
-            f"{source}: schema_version must be {SCHEMA_VERSION}, but is "
-            f"{str(held.get('schema_version'))[:20]}; read it with the version that wrote it"
+            source,
+            f"must be {SCHEMA_VERSION}",
+            value=held.get("schema_version"),
+            where="key 'schema_version'",
+            remedy="read it with the version that wrote it",
         )

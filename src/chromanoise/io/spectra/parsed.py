@@ -8,8 +8,13 @@ import numpy as np
 
 from chromanoise import _check
 from chromanoise._check import Array
-from chromanoise._shapes import Float
-from chromanoise.errors import InputError
+from chromanoise._shapes import (
+    Float,
+)
+from chromanoise.errors import (
+    InputError,
+    Setting,
+)
 from chromanoise.spectra.curves import Beyond, Spectra
 
 Quantity = Literal["QE", "response", "reflectance", "transmittance", "power"]
@@ -80,16 +85,16 @@ class Question:
     Attributes
     ----------
     about
-        The field of `Answers` that settles it.
+        The field of `Answers` that it is about.
     asks
         The question.
-    options
-        How the command line answers.
+    settings
+        Fields of `Answers` that answer it: one of them is enough.
     """
 
     about: str
     asks: str
-    options: str
+    settings: tuple[Setting, ...]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -232,7 +237,7 @@ class Understood:
 
     def __post_init__(self) -> None:
         if not np.isfinite(self.factor) or self.factor <= 0:
-            raise InputError(f"factor must be finite and > 0, but is {self.factor:g}")
+            raise InputError("factor", "must be finite and > 0", value=self.factor)
         if self.deviations is not None:
             _check.same_length(
                 "wavelengths",

@@ -1,22 +1,60 @@
-"""Facts that neither a file nor its user has declared, as questions with the options for them.
+"""Facts that neither a file nor its user has declared, as questions with the settings for them.
 
-`chromanoise inspect` shows the questions; `qe_of` and `power_of` refuse with the same words.
+A preview of a file shows the questions; `qe_of` and `power_of` refuse with the same words.
 """
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from typing import Literal
+from typing import Literal, get_args
 
+from chromanoise.errors import InputError, Render, Setting
 from chromanoise.io.spectra.defects import judged, looks_normalized
-from chromanoise.io.spectra.parsed import Answers, Quantity, Question, Understood
+from chromanoise.io.spectra.parsed import Answers, Level, Quantity, Question, Scale, Understood
+from chromanoise.spectra.curves import SMALL_NEGATIVES
 
 _GRID_NM = (400.0, 1050.0)
+_PER = Setting("per", ("energy", "photon"))
 _MENTIONED = r"(?i)\b(qe|quantum efficiency|responsivity|sensitivity|reflect\w*|transmi\w*|A/W)\b"
 
 
 Use = Literal["sensor", "light", "filter", "reflectance"]
 """What curves are read for."""
+
+
+class UndeclaredError(InputError):
+    """Questions that must be answered before curves of a file can be used.
+
+    Parameters
+    ----------
+    subject
+        The file.
+    questions
+        All of them; ``remedy`` holds their settings in the same order.
+
+    Examples
+    --------
+    >>> light = Question(about="columns", asks="which curve?", settings=(Setting("columns"),))
+    >>> str(UndeclaredError("lamp.csv", (light,)))
+    'lamp.csv: which curve?; set columns'
+    """
+
+    counts: tuple[int, ...]
+
+    def __init__(self, subject: str, questions: Sequence[Question]) -> None:
+        super().__init__(
+            subject,
+            "; ".join(question.asks for question in questions),
+            remedy=[one for question in questions for one in question.settings],
+        )
+        self.counts = tuple(len(question.settings) for question in questions)
+
+    def sentence(self, *, subject: str | None = None, render: Render = str) -> str:
+        """As of `InputError`, but with the settings of all questions: each must be answered."""
+        settings = iter(one for one in self.remedy if isinstance(one, Setting))
+        told = [" or ".join(render(next(settings)) for _ in range(count)) for count in self.counts]
+        text = self.subject if subject is None else subject
+        return f"{text}: {self.requirement}; {', and '.join(told)}"
 
 
 def use_of(quantity: Quantity | None) -> Use:
@@ -60,7 +98,7 @@ def sensor_questions(told: Understood, answers: Answers) -> Iterator[Question]:
         yield Question(
             about="per",
             asks="it does not declare whether its response is per energy or per photon",
-            options="--energy or --photons",
+            settings=(_PER,),
         )
     if told.level == "relative" or (told.level is None and looks_normalized(told.curves)):
         if answers.peak_qe is None:
@@ -69,7 +107,7 @@ def sensor_questions(told: Understood, answers: Answers) -> Iterator[Question]:
         yield Question(
             about="level",
             asks="it does not declare whether its values are absolute or relative",
-            options="--absolute or --relative",
+            settings=(Setting("level", get_args(Level)),),
         )
 
 
@@ -80,13 +118,13 @@ def light_questions(told: Understood) -> Iterator[Question]:
         yield Question(
             about="columns",
             asks=f"it holds {len(names)} curves, {', '.join(names[:8])}: which is the light?",
-            options="--illuminant-column",
+            settings=(Setting("columns"),),
         )
     if told.per is None:
         yield Question(
             about="per",
             asks="it does not declare whether light is counted as energy or in photons",
-            options="--illuminant-energy or --illuminant-photons",
+            settings=(_PER,),
         )
 
 
@@ -97,11 +135,11 @@ def _documented(told: Understood) -> bool:
 
 def _peak(told: Understood) -> Question:
     if told.level == "relative":
-        why, options = "its curves are relative", "--peak-qe"
-    else:
-        why = "its highest value is exactly 1 or 100"
-        options = "--peak-qe, or --absolute if the values are QE"
-    return Question(about="peak_qe", asks=f"{why}; what is the highest QE?", options=options)
+        asks = "its curves are relative; what is the highest QE?"
+        return Question(about="peak_qe", asks=asks, settings=(Setting("peak_qe"),))
+    asks = "its highest value is exactly 1 or 100; what is the highest QE, or are the values QE?"
+    settings = (Setting("peak_qe"), Setting("level", ("absolute",)))
+    return Question(about="peak_qe", asks=asks, settings=settings)
 
 
 def _quantity(told: Understood, words: str) -> Iterator[Question]:
@@ -111,7 +149,7 @@ def _quantity(told: Understood, words: str) -> Iterator[Question]:
         yield Question(
             about="quantity",
             asks=f"what are the curves?{hint}",
-            options="--quantity QE, response, reflectance, transmittance or power",
+            settings=(Setting("quantity", get_args(Quantity)),),
         )
 
 
@@ -124,7 +162,7 @@ def _scale(told: Understood, answers: Answers) -> Iterator[Question]:
         yield Question(
             about="scale",
             asks=f"the highest value is {highest:g}: are they fractions or percent?",
-            options="--fraction or --percent",
+            settings=(Setting("scale", get_args(Scale)),),
         )
 
 
@@ -133,8 +171,8 @@ def _negatives(told: Understood, answers: Answers) -> Iterator[Question]:
     if answers.negatives == "refuse" and negative.any():
         yield Question(
             about="negatives",
-            asks=f"{int(negative.sum())} values are negative: are small ones to be taken as 0?",
-            options="--negatives zero",
+            asks=f"{int(negative.sum())} values are negative: are small ones 0?",
+            settings=(SMALL_NEGATIVES,),
         )
 
 
@@ -144,5 +182,5 @@ def _beyond(told: Understood, answers: Answers) -> Iterator[Question]:
         yield Question(
             about="beyond",
             asks=f"the curves cover {low:g}-{high:g} nm of 400-1050 nm: what is beyond?",
-            options="--beyond zero or hold",
+            settings=(Setting("beyond", ("zero", "hold")),),
         )

@@ -27,9 +27,14 @@ def read_rawtoaces(whole: Mapping[str, Any], source: str) -> Found:
     spectral = _member(whole, "spectral_data", source)
     data = _member(_member(spectral, "data", source), "main", source)
     rows = [_row(at, values, source) for at, values in data.items()]
-    if len(rows) < 2 or len({len(row) for row in rows}) != 1:
+    sizes = sorted({str(len(row) - 1) for row in rows})
+    if len(rows) < 2 or len(sizes) != 1:
         raise InputError(
-            f"{source}: spectral_data.data.main needs 2 wavelengths with the same number of values"
+            source,
+            "must have 2 wavelengths with the same number of values",
+            value=len(rows),
+            found=f"{len(rows)} have {', '.join(sizes) or 'none'}",
+            where="key 'spectral_data.data.main'",
         )
     table = np.array(rows, dtype=np.float64)
     names = _names(spectral, table.shape[1] - 1, source)
@@ -63,7 +68,9 @@ def _member(of: Mapping[str, Any], name: str, source: str) -> dict[str, Any]:
     member = of.get(name)
     if not isinstance(member, dict):
         raise InputError(
-            f"{source}: lacks the object {name!r}; a rawtoaces file has spectral_data.data.main"
+            source,
+            f"must have the object {name!r}, as a rawtoaces file with spectral_data.data.main",
+            value=member,
         )
     return member
 
@@ -74,12 +81,20 @@ def _row(at: str, values: Any, source: str) -> list[float]:
     wavelength = number_in(at)
     if wavelength != wavelength or len(real) != len(cells) or not cells:
         raise InputError(
-            f"{source}: the entry {at[:40]!r} of spectral_data.data.main must be a wavelength with "
-            "a list of numbers"
+            source,
+            "must be a wavelength with a list of numbers",
+            value=values,
+            where=f"entry {at[:40]!r} of spectral_data.data.main",
         )
     row = [wavelength, *(_float(v) for v in real)]
     if not all(abs(v) <= _LARGEST for v in row):
-        raise InputError(f"{source}: the values at {at[:40]!r} must be finite; mend them")
+        raise InputError(
+            source,
+            "must be finite and at most 1e30",
+            value=values,
+            where=f"entry {at[:40]!r} of spectral_data.data.main",
+            remedy="correct it",
+        )
     return row
 
 
@@ -97,6 +112,9 @@ def _names(spectral: dict[str, Any], curves: int, source: str) -> tuple[str, ...
         return tuple(str(k + 1) for k in range(curves))
     if not isinstance(names, list) or len(names) != curves:
         raise InputError(
-            f"{source}: spectral_data.index.main must name the {curves} values of each wavelength"
+            source,
+            f"must name the {curves} values of each wavelength",
+            value=names,
+            where="key 'spectral_data.index.main'",
         )
     return tuple(str(name) for name in names)

@@ -76,24 +76,26 @@ def table_of(
     Raises
     ------
     InputError
-        If fewer than two rows hold numbers, or a cell of them is none; its line is told.
+        If fewer than two rows hold numbers, or a cell of them is not a number; names its line.
     """
     if sum(len(row.cells) for row in rows) > _MOST_CELLS:
-        raise InputError(f"{source}: more than {_MOST_CELLS} cells are no table of spectra")
+        raise InputError(source, f"must have at most {_MOST_CELLS} cells for a table of spectra")
     rows, turned = as_columns(with_plain_wavelengths(rows))
     first = _first_row_of_numbers(rows, decimal == ",")
     body = [row for row in rows[first:] if any(row.cells)]
     if len(body) < 2:
         raise InputError(
-            f"{source}: needs at least 2 rows of a wavelength and a value, but {len(body)} of its "
-            f"{len(rows)} {where}s is one"
+            source,
+            "must have at least 2 rows of a wavelength and a value",
+            value=len(body),
+            found=f"has {len(body)} in {len(rows)} {where}s",
         )
     heads = _with_row_of_units([_bare(row.cells) for row in rows[:first]])
     width = _width(body, rows[:first], head)
     names = _head(heads, head, width)
     _refuse_wavelengths_elsewhere(names, source)
     numbers, ragged = _numbers(body, names, decimal, source, where)
-    _refuse_no_wavelengths(numbers, body, _in_pairs(heads, numbers), f"{source}: {where}")
+    _refuse_no_wavelengths(numbers, body, _in_pairs(heads, numbers), source, where)
     words = " ".join([*comments, *(" ".join(cells) for cells in heads[:-1])])
     keys = dict(declared_keys([*comments, *(": ".join(h) for h in heads if len(h) == 2)]))
     if any("%" in cell for cell in body[0].cells):
@@ -147,17 +149,27 @@ def _refuse_wavelengths_elsewhere(names: tuple[str, ...], source: str) -> None:
     if len(others) == 1 and others[0] > 0:
         k = others[0]
         raise InputError(
-            f"{source}: its heading says {names[k][:40]!r} over column {k + 1}; put the "
-            "wavelengths into the first column, and remove columns that are not curves"
+            source,
+            "must have the wavelengths in the first column",
+            value=names[k],
+            found=f"{names[k][:40]!r} is the heading of column {k + 1}",
+            remedy="move them there, and remove columns that are not curves",
         )
 
 
-def _refuse_no_wavelengths(numbers: np.ndarray, body: list[Row], pairs: bool, place: str) -> None:
+def _refuse_no_wavelengths(
+    numbers: np.ndarray, body: list[Row], pairs: bool, source: str, where: str
+) -> None:
     at = numbers[:, ::2] if pairs else numbers[:, :1]
     wrong = np.argwhere(at <= 0)
     if len(wrong):
         i, k = (int(n) for n in wrong[0])
-        raise InputError(f"{place} {body[i].number}: a wavelength must be > 0, but is {at[i, k]:g}")
+        raise InputError(
+            source,
+            "the wavelength must be > 0",
+            value=float(at[i, k]),
+            where=f"{where} {body[i].number}",
+        )
 
 
 def _numbers(
@@ -170,8 +182,12 @@ def _numbers(
         cells = _bare(row.cells)
         if len(cells) > width:
             raise InputError(
-                f"{source}: {where} {row.number} has {len(cells)} cells, the heading has {width}"
-                "; where commas part the fractions, part the cells with semicolons"
+                source,
+                f"must have at most {width} cells, as the heading",
+                value=len(cells),
+                found=f"has {len(cells)}",
+                where=f"{where} {row.number}",
+                remedy="separate cells with semicolons if commas are decimal signs",
             )
         if len(row.cells) < width:
             short.append(row.number)
@@ -179,8 +195,11 @@ def _numbers(
             table[i, k] = value = number_in(cell, decimal_comma=decimal == ",")
             if value != value and cell.lower() not in _MISSING:
                 raise InputError(
-                    f"{source}: {where} {row.number}, column {names[k][:40] or k + 1}: "
-                    f"{cell[:40]!r} is not a finite number below {_LARGEST:g}; mend or drop it"
+                    source,
+                    f"must be a finite number below {_LARGEST:g}",
+                    value=cell,
+                    where=f"{where} {row.number}, column {names[k][:40] or str(k + 1)!r}",
+                    remedy=("correct it", "remove the row"),
                 )
     if not short:
         return table, ()
@@ -248,10 +267,17 @@ def _shared(
     lost = np.flatnonzero(~np.isfinite(numbers[:, 0]))
     if lost.size:
         raise InputError(
-            f"{found['source']}: {where} {at_lines[int(lost[0])]} has values but no wavelength"
+            found["source"],
+            "has values but no wavelength",
+            where=f"{where} {at_lines[int(lost[0])]}",
         )
     if numbers.shape[1] < 2:
-        raise InputError(f"{found['source']}: has one column only; a curve needs two")
+        raise InputError(
+            found["source"],
+            "must have at least 2 columns",
+            value=numbers.shape[1],
+            found=f"has {numbers.shape[1]}",
+        )
     names = [name_and_unit(text) if unit is None else (text, unit) for text in head[1:]]
     columns, missing = [], []
     for k, (name, unit) in enumerate(names):

@@ -29,7 +29,7 @@ def read_tm27(text: str, source: str) -> Found:
     Raises
     ------
     InputError
-        If it is no TM-27, or a value is no number; the line is told where XML itself is broken.
+        If it is not TM-27, or a value is not a number; names the line where XML itself is broken.
 
     Notes
     -----
@@ -40,7 +40,12 @@ def read_tm27(text: str, source: str) -> Found:
     parts = {e.tag.rpartition("}")[2]: (e.text or "").strip() for e in root.iter()}
     points = [e for e in root.iter() if e.tag.rpartition("}")[2] == "SpectralData"]
     if len(points) < 2:
-        raise InputError(f"{source}: has {len(points)} SpectralData; a curve needs 2")
+        raise InputError(
+            source,
+            "must have at least 2 SpectralData",
+            value=len(points),
+            found=f"has {len(points)}",
+        )
     rows = [
         (_number(e.get("wavelength", ""), k, source), _number(e.text or "", k, source))
         for k, e in enumerate(points, 1)
@@ -78,7 +83,7 @@ def _ours(pattern: str, comments: str) -> Any:
 
 def _root(text: str, source: str) -> ElementTree.Element:
     if re.search(r"<!\s*(DOCTYPE|ENTITY)", text, re.IGNORECASE):
-        raise InputError(f"{source}: declares a document type; leave it out")
+        raise InputError(source, "must not declare a document type", remedy="remove it")
     plain = re.sub(r"\A\s*<\?xml[^>]*\?>", "", text)  # the text is decoded already
     try:
         root = ElementTree.fromstring(plain)
@@ -86,16 +91,22 @@ def _root(text: str, source: str) -> ElementTree.Element:
         line, column = error.position
         line += text[: text.find("?>") + 2].count("\n") if plain != text else 0
         raise InputError(
-            f"{source}: line {line}, column {column + 1} is no XML ({error})"
+            source, f"is not XML ({error})", where=f"line {line}, column {column + 1}"
         ) from None
     if not root.tag.rpartition("}")[2].upper().startswith("IESTM27"):
-        raise InputError(f"{source}: is XML, but no IES TM-27 ({root.tag[:60]})")
+        raise InputError(
+            source,
+            "is XML, but not IES TM-27",
+            value=root.tag,
+            found=f"its root is {root.tag[:60]}",
+        )
     return root
 
 
 def _number(text: str, k: int, source: str) -> float:
     value = number_in(text)
     if value != value:
-        told = text.strip()[:40]
-        raise InputError(f"{source}: SpectralData {k}: {told!r} is not a finite number")
+        raise InputError(
+            source, "must be a finite number", value=text.strip(), where=f"SpectralData {k}"
+        )
     return value

@@ -1,4 +1,4 @@
-"""Curves for a purpose: quantum efficiencies per photon, or power; no question left open."""
+"""Curves for a purpose, once all questions are answered: QE per photon, or power."""
 
 from collections.abc import Iterable
 from dataclasses import replace
@@ -9,7 +9,7 @@ import numpy as np
 from chromanoise.errors import InputError
 from chromanoise.io.spectra.defects import defects_of_a_light, looks_normalized
 from chromanoise.io.spectra.parsed import Answers, Question, Understood
-from chromanoise.io.spectra.questions import light_questions, sensor_questions
+from chromanoise.io.spectra.questions import UndeclaredError, light_questions, sensor_questions
 from chromanoise.spectra.curves import Spectra
 from chromanoise.units import photons_per_joule
 
@@ -17,7 +17,7 @@ _ELEMENTARY_CHARGE_C = 1.602176634e-19
 
 
 def qe_of(told: Understood, answers: Answers) -> Spectra:
-    """The curves as electrons per photon; what had to be taken for granted is in the notes.
+    """The curves as electrons per photon; assumptions are in the notes.
 
     Parameters
     ----------
@@ -29,7 +29,9 @@ def qe_of(told: Understood, answers: Answers) -> Spectra:
     Raises
     ------
     InputError
-        If the file holds something else, or a question must be answered first.
+        If the file holds something else.
+    UndeclaredError
+        If questions must be answered first; ``remedy`` holds the settings.
 
     Notes
     -----
@@ -51,7 +53,10 @@ def qe_of(told: Understood, answers: Answers) -> Spectra:
     source = told.curves.source
     if told.quantity in ("reflectance", "transmittance", "power"):
         raise InputError(
-            f"{source}: holds {told.quantity}, but a sensor needs quantum efficiencies"
+            source,
+            "must hold quantum efficiencies or responses, for a sensor",
+            value=told.quantity,
+            found=f"holds {told.quantity}",
         )
     _refuse_open(told, sensor_questions(told, answers))
     curves, notes = told.curves, _said(told)
@@ -71,11 +76,7 @@ def _refuse_open(told: Understood, questions: Iterable[Question]) -> None:
     """Refuse curves with open questions, in one sentence that names all of them."""
     asked = tuple(questions)
     if asked:
-        why = "; ".join(question.asks for question in asked)
-        raise InputError(
-            f"{told.curves.source}: {why}; give "
-            + ", and ".join(question.options for question in asked)
-        )
+        raise UndeclaredError(told.curves.source, asked)
 
 
 def _with_height(
@@ -84,7 +85,9 @@ def _with_height(
     highest = float(curves.values.max())
     assert answers.peak_qe is not None  # asked for by `sensor_questions`
     if highest <= 0:
-        raise InputError(f"{curves.source}: its curves are nowhere above 0")
+        raise InputError(
+            curves.source, "must have a value above 0", value=highest, found="all are 0 or less"
+        )
     told = f"relative curves, scaled to a highest QE of {answers.peak_qe:g}"
     return replace(curves, values=curves.values * (answers.peak_qe / highest)), (*notes, told)
 
@@ -95,15 +98,20 @@ def power_of(told: Understood) -> Spectra:
     Raises
     ------
     InputError
-        If it is not one curve, is given per wavenumber, or does not declare whether light is
-        counted as energy or in photons.
+        If it is given per wavenumber.
+    UndeclaredError
+        If it is not one curve, or does not declare whether light is counted as energy or in
+        photons; ``remedy`` holds the settings.
     """
     curves = told.curves
     _refuse_open(told, light_questions(told))
     if told.wavelength_unit == "1/cm":
         raise InputError(
-            f"{curves.source}: gives light per wavenumber, and 1/cm is not a constant number "
-            "of nm; convert it to light per nm"
+            curves.source,
+            "must give light per wavelength",
+            value=told.wavelength_unit,
+            found="gives it per wavenumber in 1/cm, which is not a constant number of nm",
+            remedy="convert it to light per nm",
         )
     notes = _said(replace(told, defects=defects_of_a_light(told.defects)))
     if told.per == "photon":

@@ -9,8 +9,13 @@ from pathlib import Path
 import numpy as np
 
 from chromanoise._check import Array, printable
-from chromanoise._shapes import Float
-from chromanoise.errors import InputError
+from chromanoise._shapes import (
+    Float,
+)
+from chromanoise.errors import (
+    InputError,
+    Setting,
+)
 from chromanoise.io.spectra.declared import UNITS, unit_that_fits
 
 Notes = tuple[str, ...]
@@ -91,8 +96,11 @@ def listed_wavelengths(
     for one, (other, _) in zip(lists[1:], others, strict=True):
         if first.shape != other.shape or not np.allclose(first, other, rtol=_SAME, atol=0):
             raise InputError(
-                f"{path}: {printable(lists[0].name)!r} and {printable(one.name)!r} both list "
-                "wavelengths, but differ; give --wavelengths FIRST:LAST in nm, or a file of them"
+                str(path),
+                "lists of wavelengths must agree",
+                value=(lists[0].name, one.name),
+                found=f"{printable(lists[0].name)!r} and {printable(one.name)!r} differ",
+                remedy=Setting("wavelengths"),
             )
     return first, notes
 
@@ -100,8 +108,12 @@ def listed_wavelengths(
 def _nanometers_of(path: Path | str, one: Listed) -> tuple[Float[Array, " m"], Notes]:
     if not 1 <= one.size <= _MOST_WAVELENGTHS:
         raise InputError(
-            f"{path}: array {printable(one.name)!r} lists {one.size} wavelengths; correct it, or "
-            "give --wavelengths FIRST:LAST in nm, or a file of them"
+            str(path),
+            f"must list 1 to {_MOST_WAVELENGTHS} wavelengths",
+            value=one.size,
+            found=f"lists {one.size}",
+            where=f"array {printable(one.name)!r}",
+            remedy=("correct it", Setting("wavelengths")),
         )
     return nanometers(path, one.name, np.ravel(one.numbers()), one.unit)
 
@@ -150,7 +162,10 @@ def nanometers(
             what = "nm" if fitting == "nm" else "micrometers"
             return listed * NM_PER[fitting], (f"{name!r} has {told}: wavelengths taken as {what}",)
     raise InputError(
-        f"{path}: {printable(name)!r} has {told} for wavelengths {low:g} .. {high:g}, so they "
-        "cannot be converted to nm; declare nm or um there, or give --wavelengths FIRST:LAST in nm "
-        "or a file of them"
+        str(path),
+        "must declare nm or um",
+        value=(float(low), float(high)),
+        found=f"has {told} for wavelengths {low:g} .. {high:g}",
+        where=f"list {printable(name)!r}",
+        remedy=("declare it", Setting("wavelengths")),
     )

@@ -30,7 +30,7 @@ def read_workbook(path: Path) -> Found:
         book.close()
     filled = [(title, rows) for title, rows in sheets.items() if rows]
     if not filled:
-        raise InputError(f"{path}: all its sheets are empty")
+        raise InputError(str(path), "has only empty sheets")
     title, rows = filled[0]
     comments = tuple(r.cells[0] for r in rows if len([c for c in r.cells if c]) == 1)
     form = f"XLSX, sheet {title}" + (f" of {len(filled)}" if len(filled) > 1 else "")
@@ -42,8 +42,9 @@ def _openpyxl(path: Path) -> Any:
         return importlib.import_module("openpyxl")
     except ImportError:
         raise InputError(
-            f"{path}: needs the package openpyxl, which is not installed; "
-            "pip install 'chromanoise[xlsx]'"
+            str(path),
+            "needs the package openpyxl, which is not installed",
+            remedy="install it with: pip install 'chromanoise[xlsx]'",
         ) from None
 
 
@@ -51,22 +52,44 @@ def _refuse_bombs(path: Path) -> None:
     """Nothing that grows beyond measure, no entities in its XML."""
     with zipfile.ZipFile(path) as archive:
         parts = archive.infolist()
-        if sum(part.file_size for part in parts) > _LARGEST_BYTES:
-            raise InputError(f"{path}: unpacks to more than {_LARGEST_BYTES // 2**20} MiB")
+        size = sum(part.file_size for part in parts)
+        if size > _LARGEST_BYTES:
+            raise InputError(
+                str(path),
+                f"must unpack to at most {_LARGEST_BYTES // 2**20} MiB",
+                value=size,
+                found=f"unpacks to {size / 2**20:.0f} MiB",
+            )
         for part in parts:
             if part.filename.lower().endswith((".xml", ".rels")):
                 text = archive.read(part).replace(b"\0", b"").upper()
                 if b"<!DOCTYPE" in text or b"<!ENTITY" in text:
-                    raise InputError(f"{path}: declares a document type in {part.filename}")
+                    raise InputError(
+                        str(path),
+                        "must not declare a document type",
+                        where=f"part {part.filename!r}",
+                    )
 
 
 def _rows(path: Path, sheet: Any) -> list[Row]:
     if (sheet.max_row or 0) > _MOST_ROWS or (sheet.max_column or 0) > _MOST_COLUMNS:
-        raise InputError(f"{path}: sheet {sheet.title} is too large for a table of spectra")
+        raise InputError(
+            str(path),
+            f"must have at most {_MOST_ROWS} rows and {_MOST_COLUMNS} columns",
+            value=(sheet.max_row, sheet.max_column),
+            found=f"has {sheet.max_row} and {sheet.max_column}",
+            where=f"sheet {sheet.title!r}",
+        )
     rows = []
     for number, values in enumerate(sheet.iter_rows(values_only=True), 1):
         if number > _MOST_ROWS or len(values) > _MOST_COLUMNS:
-            raise InputError(f"{path}: sheet {sheet.title} is too large for spectra")
+            raise InputError(
+                str(path),
+                f"must have at most {_MOST_ROWS} rows and {_MOST_COLUMNS} columns",
+                value=(number, len(values)),
+                found="has more",
+                where=f"sheet {sheet.title!r}",
+            )
         if any(value is not None for value in values):
             rows.append(Row(number=number, cells=tuple(_text(value) for value in values)))
     return rows

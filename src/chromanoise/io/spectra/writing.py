@@ -144,17 +144,30 @@ def rawtoaces_json(per_energy: Spectra, header: Mapping[str, Any]) -> str:
     missing = [name for name in "RGB" if name not in per_energy.names]
     if missing:
         raise InputError(
-            f"{source}: a rawtoaces camera has channels R, G and B, but {', '.join(missing)} "
-            f"is missing among {', '.join(per_energy.names)}; write the sensor's own JSON"
+            source,
+            "must have channels R, G and B for rawtoaces",
+            value=per_energy.names,
+            found=f"{', '.join(missing)} is missing among {', '.join(per_energy.names)}",
+            remedy="write the JSON of the sensor",
         )
     wavelength = per_energy.wavelength_nm
-    if not (wavelength == np.round(wavelength)).all():
+    odd = wavelength != np.round(wavelength)
+    if odd.any():
+        part = float(wavelength[odd][0])
         raise InputError(
-            f"{source}: rawtoaces names wavelengths by whole nm, but some of these are no whole nm"
+            source,
+            "must have wavelengths of whole nm for rawtoaces",
+            value=part,
+            found=f"has {part:g} nm",
         )
     values = per_energy.values[:, [per_energy.names.index(name) for name in "RGB"]]
     if not values.max() > 0:
-        raise InputError(f"{source}: all of R, G and B are zero, which has no relative scale")
+        raise InputError(
+            source,
+            "must have R, G and B above 0 for a relative scale",
+            value=float(values.max()),
+            found="all are 0",
+        )
     rows = (values / values.max()).tolist()
     data = {f"{at:.0f}": row for at, row in zip(wavelength.tolist(), rows, strict=True)}
     told = {
@@ -199,7 +212,12 @@ def spectra_spdx(
     and its unit told in the comments.
     """
     if name not in spectra.names:
-        raise InputError(f"{spectra.source} has no curve {name!r}, but {', '.join(spectra.names)}")
+        raise InputError(
+            spectra.source,
+            f"must have the curve {name!r}",
+            value=spectra.names,
+            found=f"has {', '.join(spectra.names)}",
+        )
     words = spectra.quantity.lower()
     quantity = {q.lower(): q for q in _TM27_QUANTITIES}.get(words, "other")
     what = f"{spectra.quantity} [{spectra.unit}]"
@@ -274,8 +292,11 @@ def _csv(spectra: Spectra, facts: Mapping[str, str]) -> str:
     for name in spectra.names:
         if name.strip() != name or len(name.splitlines()) != 1 or "\0" in name:
             raise InputError(
-                f"{spectra.source}: {name!r} cannot head a column of a CSV, for it has outer "
-                "spaces or a line's end; rename it, or write JSON"
+                spectra.source,
+                "must have names without outer spaces and line ends, to head columns of a CSV",
+                value=name,
+                found=f"has {name!r}",
+                remedy=("rename it", "write JSON"),
             )
     text = io.StringIO()
     comments = {
@@ -317,5 +338,11 @@ def _xml(text: str) -> str:
             or 0xD800 <= code < 0xE000
             or code >> 1 == 0x7FFF
         ):
-            raise InputError(f"{text[:40]!r} holds {letter!r}, which XML forbids; rename it")
+            raise InputError(
+                repr(text[:40]),
+                "must have only characters that XML allows",
+                value=letter,
+                found=f"has {letter!r}",
+                remedy="rename it",
+            )
     return escape(" ".join(text.split()))

@@ -46,18 +46,20 @@ def user_tables(folder: Path) -> Mapping[str, UserTable]:
     Raises
     ------
     InputError
-        If there is no such folder, SOURCES.toml cannot be understood, a table has no section, a
-        section no table, or a name is none.
+        If there is no such folder, SOURCES.toml cannot be read, a table has no section, a section
+        has no table, or a name is not allowed.
     """
     if not folder.is_dir():
-        raise InputError(f"{folder}: is no folder of a catalogue; name one that holds {SOURCES}")
+        raise InputError(
+            str(folder), "is not a catalog folder", remedy=f"name a folder that holds {SOURCES}"
+        )
     source = folder / SOURCES
     told = table_provenances(_text(source), str(source))
     tables = {name: _table(folder, name, provenance) for name, provenance in told.items()}
     for path in sorted(folder.glob("*.csv")):
         if path.stem not in tables:
             raise InputError(
-                f"{path}: has no provenance; give it a section [{path.stem}] in {source}"
+                str(path), "has no provenance", remedy=f"add a section [{path.stem}] to {source}"
             )
     return tables
 
@@ -68,37 +70,53 @@ def user_curves(table: UserTable) -> Spectra:
     Raises
     ------
     InputError
-        If the table cannot be read; file, line and column are told.
+        If the table cannot be read; names file, line and column.
     """
     told = table.provenance
     return read_spectra_csv(table.path, quantity=told.quantity, unit=told.unit)
 
 
 def _table(folder: Path, name: str, provenance: Provenance) -> UserTable:
-    where = f"{folder / SOURCES}: [{name}]"
+    source, where = str(folder / SOURCES), f"section [{name}]"
     if not _NAME.fullmatch(name):
         raise InputError(
-            f"{where}: a name is made of letters, digits, - and _, for it names a file beside it"
+            source,
+            "the name must consist of letters, digits, - and _, because it is also a file name",
+            value=name,
+            where=where,
         )
-    _check.one_of(f"kind in {where}", provenance.kind, _KINDS)
+    _check.one_of(f"kind in {source}, {where}", provenance.kind, _KINDS)
     if provenance.kind == "illuminant" and provenance.per is None:
-        raise InputError(f'{where} must say how it counts light: per = "energy" or per = "photon"')
+        raise InputError(
+            source,
+            "must declare how light is counted",
+            where=where,
+            remedy=('write per = "energy"', 'write per = "photon"'),
+        )
     path = folder / f"{name}.csv"
     if not path.is_file():
-        raise InputError(f"{where}: its table {path.name} is not beside it")
+        raise InputError(source, f"its table {path.name} is not in the same folder", where=where)
     if Path(os.path.realpath(path)).parent != Path(os.path.realpath(folder)):
-        raise InputError(f"{path}: leads out of its folder; copy the table into it")
+        raise InputError(
+            str(path), "leads out of its folder", remedy="copy the table into the folder"
+        )
     return UserTable(provenance=provenance, path=path)
 
 
 def _text(path: Path) -> str:
     try:
-        if regular_file(path).st_size > _LARGEST_BYTES:
-            raise InputError(f"{path}: is larger than 1 MiB, too large to tell of sources")
+        size = regular_file(path).st_size
+        if size > _LARGEST_BYTES:
+            raise InputError(
+                str(path),
+                f"must be at most {_LARGEST_BYTES // 2**20} MiB",
+                value=size,
+                found=f"is {size / 2**20:.1f} MiB",
+            )
         return path.read_text(encoding="utf-8-sig")
     except UnicodeDecodeError as error:
         raise InputError(
-            f"{path}: not a UTF-8 text file (byte {error.start} is not text)"
+            str(path), "is not UTF-8 text", where=f"byte {error.start}", remedy="save it as UTF-8"
         ) from None
     except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror})") from None
+        raise InputError(str(path), f"cannot be read ({error.strerror})") from None

@@ -17,6 +17,7 @@ _OF_TABLES = (*_REQUIRED, "what", "per", "done", "mosaic", "pixel")
 _OF_THE_HOUSE = ("name", "names", "pattern", "range_nm", "carried_as", "channels")
 _ABSOLUTE = ("A/W", "e-/photon")  # units of a response whose height means something
 _PIXEL = ("pitch_um", "full_well_e", "read_noise_e")
+_Place = tuple[str, str]  # file, section
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -86,7 +87,7 @@ class Provenance:
             _check.one_of(f"per of {self.name}", self.per, _PERS)
         if self.pixel and not self.pixel_source:
             raise InputError(
-                f"the pixel of {self.name} needs a source, as every number of the catalogue"
+                f"pixel of {self.name}", "must have a source, as every number of the catalog"
             )
         if self.kind == "sensor":
             _refuse_contradiction(self)
@@ -97,23 +98,37 @@ def _refuse_contradiction(told: Provenance) -> None:
     unit = told.unit.replace(" ", "")
     if told.quantity == "QE" and told.per == "energy":
         raise InputError(
-            f"{told.name}: QE is per photon, but per says energy; leave per away, or say quantity "
-            '= "response"'
+            told.name,
+            "QE is per photon",
+            value=told.per,
+            found=f"per is {told.per!r}",
+            remedy=("omit per", 'write quantity = "response"'),
         )
     if told.quantity != "response":
         return
     if told.per == "photon" and "/W" in unit:
         raise InputError(
-            f'{told.name}: {told.unit} is per energy, but per says photon; say per = "energy"'
+            told.name,
+            f"{told.unit} is per energy",
+            value=told.per,
+            found=f"per is {told.per!r}",
+            remedy='write per = "energy"',
         )
     if told.level == "absolute" and unit not in _ABSOLUTE:
         raise InputError(
-            f"{told.name}: an absolute response is in {' or '.join(_ABSOLUTE)}, but its unit is "
-            f'{told.unit}; convert it, or say level = "relative"'
+            told.name,
+            f"the unit of an absolute response must be {' or '.join(_ABSOLUTE)}",
+            value=told.unit,
+            found=f"is {told.unit}",
+            remedy=("convert the values", 'write level = "relative"'),
         )
     if told.level == "absolute" and unit == "e-/photon" and told.per == "energy":
         raise InputError(
-            f'{told.name}: e-/photon is per photon, but per says energy; say per = "photon"'
+            told.name,
+            "e-/photon is per photon",
+            value=told.per,
+            found=f"per is {told.per!r}",
+            remedy='write per = "photon"',
         )
 
 
@@ -132,7 +147,7 @@ def table_provenances(text: str, source: str, *, house: bool = False) -> dict[st
     Raises
     ------
     InputError
-        If it is no TOML, a section lacks something or says something unknown.
+        If it is not TOML, or a section lacks a key or has an unknown one.
 
     Examples
     --------
@@ -152,10 +167,10 @@ def table_provenances(text: str, source: str, *, house: bool = False) -> dict[st
     keys = (*_OF_TABLES, "name") if house else _OF_TABLES
     told = {}
     for table, section in sections_of(text, source).items():
-        where = f"{source}: [{table}]"
-        _checked(section, where, keys)
+        place = source, f"section [{table}]"
+        _checked(section, place, keys)
         name = str(section.get("name", table))
-        told[table] = _provenance(name, _text(section, "what", where), section, where, table=table)
+        told[table] = _provenance(name, _text(section, "what", place), section, place, table=table)
     return told
 
 
@@ -169,58 +184,69 @@ def formula_provenances(text: str, source: str) -> dict[str, Provenance]:
     """
     told: dict[str, Provenance] = {}
     for key, section in sections_of(text, source).items():
-        where = f"{source}: [{key}]"
-        _checked(section, where, (*_OF_TABLES, *_OF_THE_HOUSE))
+        place = source, f"section [{key}]"
+        _checked(section, place, (*_OF_TABLES, *_OF_THE_HOUSE))
         names = section["names"] if "names" in section else {key: section["what"]}
         for name, what in names.items():
-            told[name] = _provenance(name, what, section, where)
+            told[name] = _provenance(name, what, section, place)
     return told
 
 
 def sections_of(text: str, source: str) -> dict[str, dict[str, Any]]:
-    """The sections of a TOML file; the file and the line of a fault are told.
+    """The sections of a TOML file.
 
     Raises
     ------
     InputError
-        If it is no TOML, or something stands outside of a section.
+        If it is not TOML, or a key is outside of a section; names file and line.
     """
     try:
         told = tomllib.loads(text)
     except (tomllib.TOMLDecodeError, RecursionError) as error:
-        raise InputError(f"{source}: is no TOML ({error})") from None
+        raise InputError(source, f"is not TOML ({error})") from None
     for key, section in told.items():
         if not isinstance(section, dict):
-            raise InputError(f"{source}: {key} stands outside of a section; put it into one")
+            raise InputError(
+                source,
+                "must be inside a section",
+                value=section,
+                found="is outside of all",
+                where=f"key {key!r}",
+            )
     return told
 
 
-def _checked(section: dict[str, Any], where: str, keys: tuple[str, ...]) -> None:
+def _checked(section: dict[str, Any], place: _Place, keys: tuple[str, ...]) -> None:
     for key in section:
-        _check.one_of(f"key in {where}", key, keys)
+        _check.one_of(f"key in {', '.join(place)}", key, keys)
     for key in _REQUIRED:
-        _text(section, key, where)
+        _text(section, key, place)
     for key, known in (("kind", get_args(Kind)), ("level", _LEVELS), ("per", _PERS)):
         if key in section:
-            _check.one_of(f"{key} in {where}", section[key], known)
+            _check.one_of(f"{key} in {', '.join(place)}", section[key], known)
     for key in ("done", "mosaic", "pattern", "carried_as"):
         if not isinstance(section.get(key, ""), str):
-            raise InputError(f"{where}: {key} must be text, but is {section[key]!r}")
+            raise InputError(
+                place[0], "must be text", value=section[key], where=f"{place[1]}, key {key!r}"
+            )
 
 
-def _text(section: dict[str, Any], key: str, where: str) -> str:
+def _text(section: dict[str, Any], key: str, place: _Place) -> str:
     value = section.get(key)
     if not isinstance(value, str) or not value.strip():
         raise InputError(
-            f"{where} must say its {key} in words; no entry stands here without provenance"
+            place[0],
+            "must be text that is not empty, because every entry needs a provenance",
+            value=value,
+            where=f"{place[1]}, key {key!r}",
         )
     return value
 
 
 def _provenance(
-    name: str, what: str, section: dict[str, Any], where: str, *, table: str = ""
+    name: str, what: str, section: dict[str, Any], place: _Place, *, table: str = ""
 ) -> Provenance:
-    pixel = dict(_pixel(section, where))
+    pixel = dict(_pixel(section, place))
     texts = {key: section[key] for key in _REQUIRED}
     optional = {
         key: str(section[key])
@@ -247,16 +273,26 @@ def _range(told: Any, name: str) -> tuple[float, float] | None:
     return None if told is None else (float(told[0]), float(told[1]))
 
 
-def _pixel(section: dict[str, Any], where: str) -> Iterator[tuple[str, float]]:
+def _pixel(section: dict[str, Any], place: _Place) -> Iterator[tuple[str, float]]:
     told = section.get("pixel", {})
     if not isinstance(told, dict):
-        raise InputError(f"{where}: pixel must be a table, as {{ pitch_um = 6.0, source = ... }}")
+        raise InputError(
+            place[0],
+            "must be a table, as { pitch_um = 6.0, source = ... }",
+            value=told,
+            where=f"{place[1]}, key 'pixel'",
+        )
     for key, value in told.items():
-        _check.one_of(f"key of the pixel in {where}", key, (*_PIXEL, "source"))
+        _check.one_of(f"key of the pixel in {', '.join(place)}", key, (*_PIXEL, "source"))
         if key == "source":
             continue
         if isinstance(value, bool) or not isinstance(value, int | float):
-            raise InputError(f"{where}: {key} must be a number, but is {value!r}")
+            raise InputError(
+                place[0],
+                "must be a number",
+                value=value,
+                where=f"{place[1]}, key {key!r} of the pixel",
+            )
         allowed = _check.not_negative if key == "read_noise_e" else _check.positive
-        allowed(f"{where}: {key}", "um" if key == "pitch_um" else "e-", value)
+        allowed(f"{', '.join(place)}: {key}", "um" if key == "pitch_um" else "e-", value)
         yield key, float(value)

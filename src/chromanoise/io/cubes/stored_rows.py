@@ -1,0 +1,75 @@
+"""Rows of arrays that a library decodes when they are asked for."""
+
+from collections.abc import Callable
+from contextlib import AbstractContextManager
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from chromanoise._check import Array
+from chromanoise._shapes import Shaped, UInt8
+from chromanoise.errors import InputError
+from chromanoise.io.cubes.faults import reading_rows
+from chromanoise.io.cubes.labeled import Axes
+from chromanoise.scene.file_rows import refuse_other_rows
+from chromanoise.scene.rows import block
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class StoredRows:
+    """Rows of one array in a file or folder of arrays.
+
+    Attributes
+    ----------
+    path, kind
+        The file or folder, and what people call its format.
+    opened
+        Opens the array for each block of rows. It can be pickled, so that another process can take
+        the source.
+    axes
+        Which of the axes of the array are rows, columns, bands.
+    shape
+        Rows, columns, bands.
+    bands
+        Which of the stored bands, in which order.
+    stored
+        Type of the numbers.
+    chunk_rows
+        Rows that are stored together.
+    """
+
+    path: Path
+    kind: str
+    opened: Callable[[], AbstractContextManager[Any]]
+    axes: Axes
+    shape: tuple[int, int, int]
+    bands: range
+    stored: np.dtype
+    chunk_rows: int
+
+    @property
+    def dtype(self) -> np.dtype:
+        """Of what ``rows`` gives; in the byte order of this machine."""
+        return self.stored.newbyteorder("=")
+
+    def rows(
+        self, start: int, stop: int, *, into: UInt8[Array, " bytes"] | None = None
+    ) -> Shaped[Array, "rows w m"]:
+        """The rows ``start`` to ``stop``, with the strides in which they are stored."""
+        refuse_other_rows(str(self.path), self.shape, start, stop)
+        with reading_rows(self.path, self.kind), self.opened() as array:
+            read = block(array, self.axes, start, stop, self.bands)
+        if read.shape != (stop - start, *self.shape[1:]):
+            raise InputError(f"{self.path}: was changed while it was being read")
+        return read.astype(self.dtype, copy=False)
+
+    def scratch_bytes(self, rows: int) -> int:
+        """How large ``into`` must be for so many rows; 0 if it is not used. [bytes]"""
+        return 0
+
+    def with_bands(self, keep: slice) -> "StoredRows":
+        """The same with some of the bands; nothing is read."""
+        bands = self.bands[keep]
+        return replace(self, bands=bands, shape=(*self.shape[:2], len(bands)))
