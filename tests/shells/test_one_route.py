@@ -336,7 +336,7 @@ def page_agrees(told, parts):
 
 def page_refuses(error, asked, parts):
     """The same key and demand, or no page has this fault."""
-    if error.requirement.startswith(NOT_OF_A_PAGE):
+    if kept_by_a_page(error, asked):
         return
     assert isinstance(parts, QuestionError), (error.setting, asked)
     demand = error.requirement or error.subject
@@ -345,11 +345,11 @@ def page_refuses(error, asked, parts):
     ), (vars(error), parts.faults)
 
 
-NOT_OF_A_PAGE = (
-    *("must be of a trained matrix", "must not be given beside the share"),
-    "must not be repeated with nothing changed",
-)
-"""A page keeps what another control puts out of effect, and a copy that is about to be changed."""
+def kept_by_a_page(error, asked):
+    """A page keeps what another control puts out of effect, and a copy about to be changed."""
+    if error.setting == "exposure.time_ms":
+        return "saturate" in asked.settings
+    return error.setting == "prior" or asked.sensors.count(error.value) > 1
 
 
 def routes_agree(asked):
