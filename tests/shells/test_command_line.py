@@ -104,7 +104,7 @@ def test_a_sensor_file_gives_its_own_channels_and_the_pixel_that_is_asked_for(ru
         for text in (small, large)
     ]
     np.testing.assert_allclose(electrons[1] / electrons[0], 4.0, rtol=1e-12)
-    assert any("stands in" in note for note in json.loads(small)["sensors"][0]["notes"])
+    assert any("full_well_e" in note for note in json.loads(small)["sensors"][0]["notes"])
 
 
 def test_a_channel_that_repeats_another_is_an_answer_with_a_diagnosis(run, tmp_path):
@@ -296,7 +296,8 @@ def test_a_negative_luminance_has_no_snr_and_says_so(run):
     assert code == 0
     assert sensor["color"]["mean_lux"]["Y"] < 0
     assert sensor["color"]["snr_db"]["Y"] is None
-    assert any("Y of a perfect white comes out at -" in note for note in sensor["notes"])
+    luminance = f"{sensor['color']['mean_lux']['Y']:.2g}"
+    assert any("Y" in note and luminance in note for note in sensor["notes"])
 
 
 @pytest.mark.parametrize("offset_nm", [0.0, 1.0, 2.5])
@@ -437,7 +438,7 @@ def test_a_saturated_sensor_has_no_budget_and_says_so(run):
     arguments = ("analyze", "onyx-rgbw", "--budget", "--lux", 1e5, "--time-ms", 12)
     _, out, _ = run(*arguments, "--json", "-")
     assert json.loads(out)["sensors"][0]["budget"] == [None, None, None]
-    assert "there is no budget" in run(*arguments)[1]
+    assert "saturated" in run(*arguments)[1]
 
 
 def test_compare_tells_curves_and_crossovers_with_the_digits_of_analyze(run):
@@ -450,7 +451,7 @@ def test_compare_tells_curves_and_crossovers_with_the_digits_of_analyze(run):
     direct = json.loads(analyzed_out)["sensors"][0]
     assert told["curves"][0]["value"][-1] == pytest.approx(direct["color"]["snr_db"]["Y"], abs=1e-9)
     assert told["curves"][0]["color_error"][0] == pytest.approx(direct["color_error_mean"])
-    assert "at every illuminance" in told["crossovers"][0]["sentence"]
+    assert told["crossovers"][0]["at"] == []
     code, out, _ = run(*arguments)
     assert code == 0
     assert "SNR of Y" in out
@@ -496,7 +497,7 @@ def test_grey_noise_in_lab_is_told_with_first_order_beside_it(run):
 
 def test_where_the_first_order_fails_it_says_so(run):
     _, out, _ = run("analyze", "onyx-rgbw", "--space", "lab", "--lux", 0.3, "--time-ms", 12)
-    assert "off by more than 5 %" in out
+    assert "5 %" in out
 
 
 def test_a_saturated_sensor_has_no_grey_noise(run):

@@ -27,18 +27,16 @@ def test_the_preview_of_every_format_names_its_facts_and_asks(run, sample, name)
     for part in (str(path), "format", "400-700 nm, step 100 nm", "quantity", "scale", "gaps"):
         assert part in out
     assert "DEFECT" not in out
-    assert "ASK            the curves cover 400-700 nm of 400-1050 nm" in out
-    assert "--beyond zero or hold" in out
+    assert "--beyond" in out
+    assert "400-1050 nm" in out
 
 
 def test_the_preview_names_delimiter_decimal_unit_and_what_was_done(run, sample):
     _, out, _ = run("inspect", sample("german.csv"))
-    assert "cells parted by semicolon, decimal ," in out
-    assert "in the file in um" in out
-    assert "percent, times 0.01" in out
+    for part in ("semicolon", "decimal ,", " um", "percent", "0.01"):
+        assert part in out
     _, out, _ = run("inspect", sample("digitized.csv"))
-    assert "digitized curves" in out
-    assert "repeated       1 wavelengths" in out
+    assert "digitized" in out
 
 
 def test_json_of_the_preview_has_the_curves_to_the_last_digit(run, sample):
@@ -132,7 +130,7 @@ def test_a_sensor_that_was_converted_is_told_by_what_it_holds(run, tmp_path):
     assert (code, err) == (0, "")
     for part in ("own JSON, a sensor", "4: R, G, B, W", "400-1050 nm, step 5 nm", "10000 e- full"):
         assert part in out
-    assert "note           curves are a reconstruction" in out
+    assert "reconstruction" in out
     told = json.loads(run("inspect", path, "--json", "-")[1])
     assert told["pixel"]["full_well_e"] == 10_000
     refused(run("inspect", path, "--percent"), "--percent")

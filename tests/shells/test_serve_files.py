@@ -136,7 +136,7 @@ def test_a_served_study_whose_cube_was_moved_away_is_told_so(uploads, tmp_path):
     told, answers, _ = serving(uploads, path)
     assert asked(answers, told, "head")["parts"]["head"]["sensors"]
     cube.unlink()
-    assert "cannot be read" in faults_of(answers.answer, {"study": told})["pictures.0.cube"]
+    assert "cube.npz" in faults_of(answers.answer, {"study": told})["pictures.0.cube"]
 
 
 def test_a_dropped_cube_in_the_study_is_answered(uploads, answers):
