@@ -3,9 +3,6 @@
 One module per chart; what does not exist is ``None``, with a sentence in ``why_not``.
 """
 
-from chromanoise.analysis.budgets import (
-    coordinate_budget,
-)
 from chromanoise.charts.budget import cause_label
 from chromanoise.charts.by_name import PARTS, drawing
 from chromanoise.charts.shown import Look, Shown, shown
