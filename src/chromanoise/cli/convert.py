@@ -222,7 +222,7 @@ def _one(names: tuple[str, ...], columns: tuple[str, ...], source: str) -> str:
         source,
         "must hold one curve for TM-27",
         value=names,
-        found=f"holds {len(names)} ({', '.join(names[:12])})",
+        found=f"holds {len(names)} curves ({', '.join(names[:12])})",
         remedy=Setting("columns"),
     )
 
