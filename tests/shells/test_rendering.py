@@ -60,6 +60,12 @@ def wrong(subject, key, *, value=1, remedy=()):
         (wrong("matrices", "matrices.0"), "compare", "--matrix must be right, but is 1"),
         (wrong("matrix", "matrices.0"), "matrix", "--method must be right, but is 1"),
         (wrong("vary", "sweeps.0.vary"), "compare", "--sweep must be right, but is 1"),
+        (
+            wrong("points", "outputs.pareto.points"),
+            "matrix",
+            "POINTS of --pareto must be right, but is 1",
+        ),
+        (wrong("first", "sweeps.0.first"), "compare", "FIRST of --sweep must be right, but is 1"),
         (wrong("sensors", "sensors.1.name"), "analyze", "SENSOR must be right, but is 1"),
         (wrong("name", "sensors.1.name"), "simulate", "--sensor must be right, but is 1"),
         (wrong("cube", "pictures.0.cube"), "simulate", "CUBE must be right, but is 1"),

@@ -5,6 +5,13 @@ from collections.abc import Mapping
 from chromanoise.errors import InputError, Setting, errors_in
 
 _NONE: Mapping[str, str] = {}
+_PARTS = {
+    "first": "FIRST",
+    "last": "LAST",
+    "pareto_first": "FIRST",
+    "pareto_last": "LAST",
+    "pareto_points": "POINTS",
+}  # of an option that takes several settings, as its help calls them
 
 
 def sentences(error: InputError, command: str = "", options: Mapping[str, str] = _NONE) -> str:
@@ -30,7 +37,8 @@ def _sentence(error: InputError, command: str, options: Mapping[str, str]) -> st
     if error.setting:
         name = _flat(error.setting, command)
         if name is not None and subject in (name, error.setting_name, "matrix"):
-            subject = _option(name, command, error.value)
+            part = f"{_PARTS[name]} of " if name in _PARTS else ""
+            subject = part + _option(name, command, error.value)
     else:
         subject = options.get(subject, subject)
     return error.sentence(subject=subject, render=lambda setting: _remedy(setting, command))
