@@ -430,26 +430,26 @@ def in_arguments(error: InputError, function: str) -> InputError:
         "pictures": "cube",
     }
     names = _FUNCTIONS[function]
+
+    def translated(one: InputError) -> InputError:
+        inside = one.inside(one.setting, lambda key: argument_of(key, names) or key)
+        return _called_flat(inside, names, positional)
+
     if isinstance(error, StudyError):
-        return StudyError([_called_flat(one, names, positional) for one in error.errors])
-    return _called_flat(error, names, positional)
+        return StudyError([translated(one) for one in error.errors])
+    return translated(error)
 
 
 def _called_flat(
     error: InputError, names: Mapping[str, tuple[str, ...]], positional: Mapping[str, str]
 ) -> InputError:
-    """The error with flat names in place of keys: its subject, and its settings."""
-
-    def flat(key: str) -> str:
-        return argument_of(key, names) or key
-
+    """The error with the flat name of the setting, where its subject is the setting."""
     called = argument_of(error.setting, names)
     if re.fullmatch(r"matrices\.\d+|sensors\.\d+\.name|pictures\.\d+\.cube", error.setting):
         called = positional.get(error.setting.partition(".")[0])
-    renamed = error.inside(error.setting, flat)
-    if called is None or error.subject != error.setting.rpartition(".")[2]:
-        return renamed
-    return renamed.called(called)
+    key = error.setting
+    own = (key.partition(".")[0], key.rpartition(".")[2])
+    return error if called is None or error.subject not in own else error.called(called)
 
 
 def _refuse_unknown(settings: Settings, function: str) -> None:
