@@ -20,7 +20,7 @@ from jaxtyping import Float
 
 from chromanoise import _check
 from chromanoise._check import Array
-from chromanoise.color.noisy_color import NoisyColor
+from chromanoise.color.noisy_colors import NoisyColor
 from chromanoise.color.spaces import Space
 from chromanoise.noise import Measurement
 

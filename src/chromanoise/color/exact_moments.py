@@ -15,7 +15,7 @@ from jaxtyping import Float
 from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._linalg import qr
-from chromanoise.color.noisy_color import ElectronSource, NoisyColor
+from chromanoise.color.noisy_colors import ElectronSource, NoisyColor
 from chromanoise.color.propagation import SpaceMoments
 from chromanoise.color.spaces import Space
 from chromanoise.errors import InputError

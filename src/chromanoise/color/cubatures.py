@@ -15,7 +15,7 @@ from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._colour import colour_science
 from chromanoise._linalg import eigh, svd
-from chromanoise.color.noisy_color import NoisyColor
+from chromanoise.color.noisy_colors import NoisyColor
 from chromanoise.color.propagation import SpaceMoments
 from chromanoise.color.spaces import LAB, Space
 from chromanoise.errors import InputError
