@@ -1,7 +1,7 @@
 """From electrons to color: matrices (eq. 6), XYZ with covariance (eq. 5), spaces, sRGB."""
 
 from chromanoise.color.chromaticity import XYY, xyy
-from chromanoise.color.cubature import (
+from chromanoise.color.cubatures import (
     Cubature,
     cubature,
     gaussian_cubature,
@@ -12,9 +12,14 @@ from chromanoise.color.differences import (
     balanced_cielab,
     cie1976_difference,
 )
-from chromanoise.color.exact import exact
+from chromanoise.color.exact import (
+    exact,
+)
 from chromanoise.color.first_order import (
     first_order,
+)
+from chromanoise.color.exact_moments import (
+    exact,
 )
 from chromanoise.color.fitted import (
     ParetoCurve,
@@ -28,9 +33,10 @@ from chromanoise.color.fitted import (
     training_color_error,
     white_preserving,
 )
+from chromanoise.color.linearized import first_order
 from chromanoise.color.matrices import ColorMatrix, colored, kernel_matrix, scene_xyz
 from chromanoise.color.noise_gain import bounded_psi, noise_gain, white_normalized
-from chromanoise.color.noisy_color import UNBOUNDED, ElectronSource, NoisyColor, noisy_color
+from chromanoise.color.noisy_colors import UNBOUNDED, ElectronSource, NoisyColor, noisy_color
 from chromanoise.color.picture import adapted_to_d65, srgb_from_linear, srgb_from_xyz
 from chromanoise.color.propagation import (
     FIRST_ORDER_TOLERANCE,

@@ -381,13 +381,9 @@ def _above_zero(raw_mean: Array, *, degree: int) -> Array:
     mean = _check.non_negative("raw_mean", "e-", raw_mean)
     if _pairs_of(mean, degree) and not (mean > 0).all():
         first = tuple(int(i) for i in np.argwhere(mean <= 0)[0])
-        raise InputError(
-            "raw_mean",
-            "must be > 0 [e-] for the noise of a root",
-            value=0.0,
-            found=f"is 0 at index {first} (from 0)",
-            remedy="take root_polynomial_color_exact, degree 1 or a linear matrix there",
-        )
+        found = f"is 0 at index {first} (from 0)"
+        remedy = "take root_polynomial_color_exact, degree 1 or a linear matrix there"
+        raise InputError("raw_mean", "must be > 0 [e-]", value=0.0, found=found, remedy=remedy)
     return mean
 
 

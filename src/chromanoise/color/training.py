@@ -130,7 +130,7 @@ def smooth_training(
 ) -> Training:
     """Reflectances whose mean and covariance are exactly those of a smoothness prior.
 
-    Around a grey of ``mean``, K_ij = sd^2 exp(-(l_i - l_j)^2 / (2 width^2)). The set is not
+    Around a gray of ``mean``, K_ij = sd^2 exp(-(l_i - l_j)^2 / (2 width^2)). The set is not
     drawn: the principal components of K are added with the signs of a Hadamard matrix, whose
     columns are orthogonal and sum to zero, so that no draw stands between prior and matrix.
 
@@ -139,7 +139,7 @@ def smooth_training(
     illuminant
         The lamp; its grid is that of the prior.
     mean, sd
-        Mean grey and standard deviation at every wavelength. [1]
+        Mean gray and standard deviation at every wavelength. [1]
     width_nm
         Distance over which reflectances stay alike. [nm]
 

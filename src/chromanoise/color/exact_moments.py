@@ -27,6 +27,10 @@ from chromanoise.color.propagation import (
 from chromanoise.color.spaces import (
     Space,
 )
+from chromanoise.color.noisy_colors import (
+    ElectronSource,
+    NoisyColor,
+)
 from chromanoise.errors import InputError
 from chromanoise.noise import poisson_gaussian_ppf, read_moments, read_values
 from chromanoise.rng import stream

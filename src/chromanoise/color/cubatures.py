@@ -32,6 +32,9 @@ from chromanoise.color.spaces import (
     LAB,
     Space,
 )
+from chromanoise.color.noisy_colors import (
+    NoisyColor,
+)
 from chromanoise.errors import InputError
 
 _VALUES_PER_CHUNK = 500_000  # cubature points at once: some 50 MB, however large the picture

@@ -113,6 +113,7 @@ def noisy_color(source: ElectronSource, white: Float[Array, " 3"]) -> NoisyColor
     100 electrons with 10 e- of read noise, 0.01 lx each: mean 1 lx, variance 200 / 100^2.
 
     >>> import numpy as np
+    >>> from chromanoise.color import ElectronSource, noisy_color
     >>> source = ElectronSource(mean_e=np.array([100.0]), matrix=np.full((3, 1), 0.01),
     ...                         read_noise_e=10.0)
     >>> noisy_color(source, np.ones(3)).xyz.variance
