@@ -8,19 +8,8 @@ from chromanoise.color.cubatures import (
     gaussian_expectation,
     mean_ciede2000,
 )
-from chromanoise.color.differences import (
-    balanced_cielab,
-    cie1976_difference,
-)
-from chromanoise.color.exact import (
-    exact,
-)
-from chromanoise.color.first_order import (
-    first_order,
-)
-from chromanoise.color.exact_moments import (
-    exact,
-)
+from chromanoise.color.differences import balanced_cielab, cie1976_difference
+from chromanoise.color.exact_moments import exact
 from chromanoise.color.fitted import (
     ParetoCurve,
     kernel,

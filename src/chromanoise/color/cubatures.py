@@ -12,29 +12,12 @@ import numpy as np
 
 from chromanoise import _check
 from chromanoise._check import Array
-from chromanoise._colour import (
-    colour_science,
-)
-from chromanoise._linalg import (
-    eigh,
-    svd,
-)
-from chromanoise._shapes import (
-    Float,
-)
-from chromanoise.color.noisy_color import (
-    NoisyColor,
-)
-from chromanoise.color.propagation import (
-    SpaceMoments,
-)
-from chromanoise.color.spaces import (
-    LAB,
-    Space,
-)
-from chromanoise.color.noisy_colors import (
-    NoisyColor,
-)
+from chromanoise._colour import colour_science
+from chromanoise._linalg import eigh, svd
+from chromanoise._shapes import Float
+from chromanoise.color.noisy_colors import NoisyColor
+from chromanoise.color.propagation import SpaceMoments
+from chromanoise.color.spaces import LAB, Space
 from chromanoise.errors import InputError
 
 _VALUES_PER_CHUNK = 500_000  # cubature points at once: some 50 MB, however large the picture

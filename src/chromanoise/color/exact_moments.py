@@ -14,23 +14,10 @@ import numpy as np
 from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._linalg import qr
-from chromanoise._shapes import (
-    Float,
-)
-from chromanoise.color.noisy_color import (
-    ElectronSource,
-    NoisyColor,
-)
-from chromanoise.color.propagation import (
-    SpaceMoments,
-)
-from chromanoise.color.spaces import (
-    Space,
-)
-from chromanoise.color.noisy_colors import (
-    ElectronSource,
-    NoisyColor,
-)
+from chromanoise._shapes import Float
+from chromanoise.color.noisy_colors import ElectronSource, NoisyColor
+from chromanoise.color.propagation import SpaceMoments
+from chromanoise.color.spaces import Space
 from chromanoise.errors import InputError
 from chromanoise.noise import poisson_gaussian_ppf, read_moments, read_values
 from chromanoise.rng import stream

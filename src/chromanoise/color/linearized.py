@@ -4,25 +4,9 @@ import numpy as np
 
 from chromanoise._check import Array
 from chromanoise._linalg import eigh, eigvalsh
-from chromanoise._shapes import (
-    Float,
-)
-from chromanoise.color.cubature import (
-    covariance_root,
-    gaussian_cubature,
-    gaussian_moments,
-)
-from chromanoise.color.noisy_color import (
-    NoisyColor,
-)
-from chromanoise.color.cubatures import (
-    covariance_root,
-    gaussian_cubature,
-    gaussian_moments,
-)
-from chromanoise.color.noisy_colors import (
-    NoisyColor,
-)
+from chromanoise._shapes import Float
+from chromanoise.color.cubatures import covariance_root, gaussian_cubature, gaussian_moments
+from chromanoise.color.noisy_colors import NoisyColor
 from chromanoise.color.propagation import SpaceMoments
 from chromanoise.color.spaces import Space
 

@@ -19,15 +19,8 @@ import numpy as np
 
 from chromanoise import _check
 from chromanoise._check import Array
-from chromanoise._shapes import (
-    Float,
-)
-from chromanoise.color.noisy_color import (
-    NoisyColor,
-)
-from chromanoise.color.noisy_colors import (
-    NoisyColor,
-)
+from chromanoise._shapes import Float
+from chromanoise.color.noisy_colors import NoisyColor
 from chromanoise.color.spaces import Space
 from chromanoise.noise import Measurement
 
