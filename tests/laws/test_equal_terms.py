@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from chromanoise.catalog import SENSOR_NAMES, sensor_named
-from chromanoise.errors import InputError
 from chromanoise.exposure import (
     equal_exposure,
     equal_light,
@@ -15,6 +14,7 @@ from chromanoise.exposure import (
 from chromanoise.scene import flat_field
 from chromanoise.sensor import PAPER_PIXEL, Sensor
 from chromanoise.spectra import DEFAULT_GRID, equal_energy
+from outcomes import refused_input
 
 WHITE = flat_field(equal_energy(DEFAULT_GRID), level_lux=10.0)
 SENSORS = [sensor_named(name, DEFAULT_GRID) for name in SENSOR_NAMES]
@@ -60,7 +60,7 @@ def test_at_equal_light_every_set_of_channels_gets_the_same_photons():
 
 
 def test_a_stack_that_makes_two_electrons_of_a_photon_is_refused():
-    with pytest.raises(InputError, match="one at most"):
+    with refused_input(value=1.2, requirement="at most 1"):
         Sensor(
             name="magic",
             grid=DEFAULT_GRID,

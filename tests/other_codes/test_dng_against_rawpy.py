@@ -9,7 +9,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from chromanoise.color import kernel_matrix, linear_srgb
-from chromanoise.errors import InputError
 from chromanoise.exposure import Exposure, Situation, expected_electrons
 from chromanoise.imaging import acquired
 from chromanoise.imaging.dng import (
@@ -23,6 +22,7 @@ from chromanoise.imaging.dng import (
 from chromanoise.scene import Scene, flat_cube
 from chromanoise.sensor import Adc, Imperfections, Mosaic, bayer, rgbw_2x2, rgbw_sparse_4x4
 from chromanoise.spectra import cie_illuminant
+from outcomes import refused_input
 from strategies import GRID, bell_qe, pixel_with, sensor_of
 
 rawpy = pytest.importorskip("rawpy")
@@ -295,7 +295,7 @@ def test_the_white_level_is_where_pixels_saturate_and_the_noise_profile_knows_th
 def test_a_gain_that_hides_the_full_well_is_refused():
     situation = seen_by("RGB", pixel=pixel_with(20.0, full_well_e=5000.0))
     adc = Adc(bits=8, gain_e_per_dn=20_000.0, black_level_dn=50)
-    with pytest.raises(InputError, match="code 50, not above the black level 50; lower the gain"):
+    with refused_input(value=50, requirement="black level 50"):
         raw_profile(situation, matrix_of(situation), mosaic=bayer(), adc=adc)
 
 
@@ -334,44 +334,54 @@ def test_rows_that_come_in_parts_make_the_same_dng(tmp_path):
 
 
 UNREADABLE = {
-    "repeats in 4 rows and 4 columns; write the mosaic as TIFF": {"mosaic": rgbw_sparse_4x4()},
-    "repeats in 8 rows and 2 columns": {
-        "mosaic": of("RG", "GB", "WG", "GB", "GR", "BG", "GW", "BG")
-    },
-    "repeats in 2 rows and 3 columns": {"mosaic": of("RGB", "BRW")},
-    "not NIR; write the mosaic as TIFF": {"mosaic": Mosaic((("R", "G"), ("B", "NIR")))},
-    "needs 3 or 4 channels": {"mosaic": of("W")},
-    "needs 3 or 4 channels, all of them in the mosaic": {"channels": ("R", "G", "W")},
-    r"color_matrix of toy must be \(3, 3\), got \(4, 3\)": {
-        "color_matrix": np.ones((4, 3)),
-        "as_shot_neutral": np.ones(4),
-        "noise_profile": np.ones((4, 2)),
-    },
-    "noise_profile of toy must be finite": {"noise_profile": np.full((3, 2), np.nan)},
-    "matrix entries below 2147, but the largest is 3000": {"color_matrix": 3000 * np.eye(3)},
-    "as_shot_neutral must lie between 1e-06 and 1": {"as_shot_neutral": np.array([1, 0.0, 1])},
-    "S and O of a noise profile must be > 0": {"noise_profile": np.zeros((3, 2))},
+    "4 rows and columns": ({"mosaic": rgbw_sparse_4x4()}, {"value": (4, 4)}),
+    "8 rows": (
+        {"mosaic": of("RG", "GB", "WG", "GB", "GR", "BG", "GW", "BG")},
+        {"value": (8, 2)},
+    ),
+    "3 columns": ({"mosaic": of("RGB", "BRW")}, {"value": (2, 3)}),
+    "a channel of no DNG": ({"mosaic": Mosaic((("R", "G"), ("B", "NIR")))}, {"value": ("NIR",)}),
+    "one channel": ({"mosaic": of("W")}, {"requirement": "3 or 4 channels"}),
+    "a channel without pixel": (
+        {"channels": ("R", "G", "W")},
+        {"value": ("R", "G", "W"), "requirement": "3 or 4 channels"},
+    ),
+    "a matrix of four rows": (
+        {
+            "color_matrix": np.ones((4, 3)),
+            "as_shot_neutral": np.ones(4),
+            "noise_profile": np.ones((4, 2)),
+        },
+        {"subject": "color_matrix of toy", "value": (4, 3)},
+    ),
+    "noise of NaN": (
+        {"noise_profile": np.full((3, 2), np.nan)},
+        {"subject": "noise_profile of toy", "requirement": "finite"},
+    ),
+    "large entries": ({"color_matrix": 3000 * np.eye(3)}, {"value": 3000.0}),
+    "a neutral of 0": ({"as_shot_neutral": np.array([1, 0.0, 1])}, {"value": [1.0, 0.0, 1.0]}),
+    "no noise": ({"noise_profile": np.zeros((3, 2))}, {"value": 0.0}),
 }
 
 
-@pytest.mark.parametrize(("told", "changed"), UNREADABLE.items())
-def test_what_a_dng_cannot_say_is_refused_in_one_sentence(told, changed):
-    with pytest.raises(InputError, match=told) as refused:
+@pytest.mark.parametrize(("changed", "fields"), UNREADABLE.values(), ids=UNREADABLE)
+def test_what_a_dng_cannot_hold_is_refused_with_what_came(changed, fields):
+    with refused_input(**fields) as refused:
         profile_of(**{"mosaic": bayer(), **changed})
     assert "\n" not in str(refused.value)
 
 
 @pytest.mark.parametrize(
-    ("size", "told"),
+    ("size", "value"),
     [
-        ((21, 40), "22 to 64000 pixels a side, but this one has 21 x 40; write the mosaic as TIFF"),
-        ((40, 64_001), "but this one has 40 x 64001"),
-        ((60_000, 60_000), r"ends at 4 GiB, but 60000 x 60000 pixels take 6.7"),
+        ((21, 40), (21, 40)),
+        ((40, 64_001), (40, 64_001)),
+        ((60_000, 60_000), 2 * 60_000**2),
     ],
 )
-def test_sizes_that_readers_do_not_open_are_refused(tmp_path, size, told):
+def test_sizes_that_readers_do_not_open_are_refused(tmp_path, size, value):
     with (
-        pytest.raises(InputError, match=told),
+        refused_input(value=value),
         dng_rows(tmp_path / "a.dng", height=size[0], width=size[1], profile=profile_of(bayer())),
     ):
         pytest.fail("opened")
@@ -389,13 +399,13 @@ def test_libraw_opens_the_smallest_and_the_widest_that_we_write(tmp_path, height
 def test_a_light_that_the_sensor_does_not_see_and_a_matrix_without_inverse_make_no_raw_file():
     situation = seen_by("RGB")
     dark = replace(situation.sensor, qe=0 * situation.sensor.qe)
-    with pytest.raises(InputError, match="gives no electrons"):
+    with refused_input(subject=dark.name, value=0.0):
         raw_profile(replace(situation, sensor=dark), matrix_of(situation), mosaic=bayer(), adc=ADC)
-    with pytest.raises(InputError, match=r"sensor has R, G, B, matrix has R, G, B, W"):
+    with refused_input(requirement="channels"):
         raw_profile(situation, matrix_of(seen_by("RGBW")), mosaic=bayer(), adc=ADC)
-    with pytest.raises(InputError, match="has no inverse"):
+    with refused_input(value=1, requirement="rank 3"):
         camera_matrix(np.ones((3, 3)), np.ones(3))
-    with pytest.raises(InputError, match="a luminance above 0"):
+    with refused_input(value=-1.0, requirement="luminance"):
         camera_matrix(np.diag([1.0, -1.0, 1.0]), np.ones(3))
 
 

@@ -157,7 +157,7 @@ UNREADABLE = [
     (
         "bands.npy",
         array_file(),
-        "does not declare the wavelengths of its 66 bands; the page cannot",
+        "the page has no control for wavelengths",
     ),
     ("junk.csv", b"\x00\xff\x13" * 700, ""),
     ("empty.csv", b"", "empty"),

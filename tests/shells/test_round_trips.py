@@ -170,7 +170,7 @@ def test_a_rawtoaces_camera_that_convert_writes_it_writes_again_the_same(done, h
         assert again == data
 
 
-def test_a_table_in_json_keeps_all_digits_and_a_csv_those_of_its_columns(done, here):
+def test_a_table_in_json_and_in_csv_keeps_all_digits(done, here):
     done("analyze", "onyx-rgbw", "model-rgb", "--table", "t.json")
     done("analyze", "onyx-rgbw", "model-rgb", "--table", "t.csv")
     text = (here / "t.json").read_text()
@@ -178,9 +178,9 @@ def test_a_table_in_json_keeps_all_digits_and_a_csv_those_of_its_columns(done, h
     assert [list(row) for row in table.rows] == json.loads(text)["rows"]
     rows = list(csv.reader((here / "t.csv").read_text().splitlines()))[1:]
     for row, cells in zip(table.rows, rows, strict=True):
-        for column, value, cell in zip(table.columns, row, cells, strict=True):
+        for value, cell in zip(row, cells, strict=True):
             if isinstance(value, float):
-                assert cell == format(value, column.digits)
+                assert float(cell) == value
 
 
 @pytest.mark.parametrize("ending", ["csv", "json", "clf", "dcp.json"])
