@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 from races import Times, raced
-from subject import SEED, situation
+from subject import SEED, operating_point
 
 from chromanoise.imaging import Picture, Work, rendered
 from chromanoise.imaging.distributed import cluster
@@ -25,7 +25,7 @@ def cluster_race(path: Path, *, workers: int, rounds: int) -> Times:
     InputError
         If dask is not installed.
     """
-    cube, at = read_cube(path), situation()
+    cube, at = read_cube(path), operating_point()
 
     def by(work: Work) -> Picture:
         return rendered(cube, at, seed=SEED, work=work)

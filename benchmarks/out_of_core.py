@@ -13,7 +13,7 @@ from pathlib import Path
 from files import dropped_from_cache
 from memory import status_bytes
 from races import Times
-from subject import SEED, cube_of, situation, textured
+from subject import SEED, cube_of, operating_point, textured
 
 from chromanoise.imaging import Work, acquired
 from chromanoise.io.cubes import read_cube
@@ -52,7 +52,7 @@ def _plainly(path: Path) -> float:
 
 
 def _acquired(path: Path, threads: int) -> float:
-    at, work = situation(), Work(threads=threads)
+    at, work = operating_point(), Work(threads=threads)
     acquired(cube_of(textured(16, 16)), at, seed=SEED, work=work)
     start = time.perf_counter()
     acquired(read_cube(path), at, seed=SEED, work=work)

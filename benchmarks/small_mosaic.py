@@ -12,9 +12,9 @@ from pathlib import Path
 
 import numpy as np
 from memory import status_bytes
-from subject import CHANNELS, SEED, cube_of, situation, textured
+from subject import CHANNELS, SEED, cube_of, operating_point, textured
 
-from chromanoise.exposure import Situation
+from chromanoise.exposure import OperatingPoint
 from chromanoise.imaging import Work, acquired
 from chromanoise.imaging.light import light_of
 from chromanoise.scene import Cube
@@ -31,7 +31,7 @@ def small_cube() -> Cube:
 
 def small_paths(cube: Cube) -> tuple[dict[str, Doing], list[str]]:
     """What takes part, and a line for each that cannot."""
-    at = situation()
+    at = operating_point()
     electrons = _electrons_by_numpy(cube, at)
     paths: dict[str, Doing] = {
         "here": lambda: acquired(cube, at, mosaic=rgbw_2x2(), seed=SEED, work=Work(threads=1)),
@@ -47,7 +47,7 @@ def small_paths(cube: Cube) -> tuple[dict[str, Doing], list[str]]:
     return paths, missing
 
 
-def _electrons_by_numpy(cube: Cube, at: Situation) -> Doing:
+def _electrons_by_numpy(cube: Cube, at: OperatingPoint) -> Doing:
     """Expected electrons of the channel over each pixel: only these are computed."""
     light = light_of(cube, at, beyond="refuse")
     weights = light.weights[:CHANNELS, : cube.stored.shape[2]].T
@@ -64,7 +64,7 @@ def _electrons_by_numpy(cube: Cube, at: Situation) -> Doing:
     return electrons
 
 
-def _fifteen_lines(electrons: Doing, at: Situation) -> Doing:
+def _fifteen_lines(electrons: Doing, at: OperatingPoint) -> Doing:
     pixel, top = at.sensor.pixel, 2**BITS - 1
     dn_per_e = top / pixel.full_well_e
     rng = np.random.default_rng(SEED)
@@ -79,7 +79,7 @@ def _fifteen_lines(electrons: Doing, at: Situation) -> Doing:
     return codes
 
 
-def _prysm(electrons: Doing, at: Situation) -> Doing:
+def _prysm(electrons: Doing, at: OperatingPoint) -> Doing:
     pixel = at.sensor.pixel
     detector = importlib.import_module("prysm.detector").Detector(
         dark_current=0,
@@ -93,7 +93,7 @@ def _prysm(electrons: Doing, at: Situation) -> Doing:
     return lambda: detector.expose(electrons())
 
 
-def _getframes(electrons: Doing, at: Situation) -> Doing:
+def _getframes(electrons: Doing, at: OperatingPoint) -> Doing:
     getframes, pixel = importlib.import_module("getframes"), at.sensor.pixel
     config = getframes.CameraConfig(
         name="paper",
@@ -122,7 +122,7 @@ def peak_of_cube() -> float:
 
 def _peak() -> float:
     """In a process of its own: warm up on a small cube, then take a large one."""
-    at, work = situation(), Work(threads=2)
+    at, work = operating_point(), Work(threads=2)
     acquired(cube_of(textured(64, 64, BANDS)), at, mosaic=rgbw_2x2(), work=work)
     before = status_bytes("VmRSS")
     cube = cube_of(np.full((SIDE, SIDE, BANDS), 0.4, np.float32))

@@ -11,7 +11,7 @@ import numpy as np
 
 from chromanoise.catalog import sensor_named
 from chromanoise.color import kernel_matrix
-from chromanoise.exposure import Exposure, Situation
+from chromanoise.exposure import Exposure, OperatingPoint
 from chromanoise.imaging.light import Light, light_of
 from chromanoise.imaging.plans import (
     ColorPlan,
@@ -36,9 +36,9 @@ SEED = 7
 _REPEATED_ROWS = 64  # drawing 2 GB of numbers would take longer than all that is measured
 
 
-def situation() -> Situation:
+def operating_point() -> OperatingPoint:
     """The paper's RGBW sensor, 12 ms at 10 lx: up to 10,000 electrons."""
-    return Situation(
+    return OperatingPoint(
         sensor=sensor_named("onyx-rgbw", DEFAULT_GRID),
         exposure=Exposure(time_s=0.012),
         illuminant=equal_energy(DEFAULT_GRID),
@@ -104,7 +104,7 @@ class Plans:
 
 def plans_of(cube: Cube) -> Plans:
     """As `chromanoise.imaging.rendered` and its siblings make them."""
-    at = situation()
+    at = operating_point()
     light, draw = light_of(cube, at, beyond="refuse"), draw_of(at, seed=SEED)
     matrix = kernel_matrix(at.sensor, at.exposure)
     matrices, _ = color_matrices(matrix, at)

@@ -7,7 +7,7 @@ from bandwidth import reading
 from c_kernel import NoKernelError, c_paths, compiled
 from plain_numpy import numpy_paths
 from races import Ratio, Times, raced, ratio
-from subject import BANDS, SEED, engine, large_cubes, outputs_for, plans_of, situation
+from subject import BANDS, SEED, engine, large_cubes, operating_point, outputs_for, plans_of
 from table import Row, Skipped
 
 from chromanoise.imaging import Work, acquired, electrons_of_cube, rendered
@@ -48,7 +48,7 @@ def pictures_race(height: int, width: int, *, rounds: int, threads: int) -> tupl
 
 def _fresh(cube: Cube, threads: int) -> dict[str, Callable[[], object]]:
     """The public functions, which give new arrays at each call."""
-    at, work = situation(), Work(threads=threads)
+    at, work = operating_point(), Work(threads=threads)
     return {
         "electrons": lambda: electrons_of_cube(cube, at, work=work),
         "raw": lambda: acquired(cube, at, seed=SEED, work=work),

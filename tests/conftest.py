@@ -8,7 +8,7 @@ from beartype import BeartypeConf, beartype
 from hypothesis import settings
 from jaxtyping import install_import_hook
 
-from chromanoise._colour import colour_science
+from chromanoise._colour_science import colour_science
 
 colour_science()  # first of all: imported bare it sets numpy's print options to those of 1.13
 TESTS = Path(__file__).parent

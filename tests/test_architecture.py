@@ -55,7 +55,7 @@ def test_analyze_imports_no_library_that_it_does_not_use():
         "    main(['analyze', 'onyx-rgbw'])\n"
         "assert 'onyx-rgbw' in told.getvalue()"
     )
-    assert "chromanoise.analysis.stages" in imported
+    assert "chromanoise.analysis.analysis" in imported
     assert not unused & imported
 
 

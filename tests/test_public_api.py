@@ -35,7 +35,7 @@ NAMES = [
     "Scene",
     "Sensor",
     "Setting",
-    "Situation",
+    "OperatingPoint",
     "Spectra",
     "Study",
     "__version__",

@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from chromanoise.analysis import compared, crossover_sentence, crossovers, matrix_makers
-from chromanoise.exposure import Situation
+from chromanoise.exposure import OperatingPoint
 from chromanoise.figures import chromanoise_style, draw_color_errors, draw_comparison
 from chromanoise.imaging import write_png
 from chromanoise.paper import PaperStudy, paper_study
@@ -38,7 +38,7 @@ def write_crossover(study: PaperStudy) -> None:
     """Both sensors over the light level, with the kernel and with LMMSE."""
     lamp = equal_energy(DEFAULT_GRID)
     contestants = [
-        Situation(
+        OperatingPoint(
             sensor=study.columns[name].sensor,
             exposure=study.columns[name].exposure,
             illuminant=lamp,

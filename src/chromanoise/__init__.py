@@ -57,7 +57,7 @@ if TYPE_CHECKING:
     from chromanoise.catalog import sensor_named
     from chromanoise.color import ColorMatrix
     from chromanoise.errors import InputError, Setting
-    from chromanoise.exposure import Exposure, Situation
+    from chromanoise.exposure import Exposure, OperatingPoint
     from chromanoise.io.cubes import read_cube
     from chromanoise.io.spectra import read_curves
     from chromanoise.noise import Measurement
@@ -89,13 +89,13 @@ __all__ = [
     "Matrices",
     "Measurement",
     "Mosaic",
+    "OperatingPoint",
     "Pictures",
     "Pixel",
     "Results",
     "Scene",
     "Sensor",
     "Setting",
-    "Situation",
     "Spectra",
     "Study",
     "analysis",

@@ -4,26 +4,26 @@ import pytest
 
 from chromanoise.catalog import catalog_entries, catalog_entry, sensor_named
 from chromanoise.catalog.names import unknown_name
-from chromanoise.catalog.resolve import filter_of_word, illuminant_of_word, sensor_of_word
+from chromanoise.catalog.resolve import resolve_filter, resolve_illuminant, resolve_sensor
 from chromanoise.sensor import filter_named
 from chromanoise.spectra import DEFAULT_GRID
 from outcomes import refused_input
 
 UNKNOWN = {
-    "sensor": (sensor_of_word, "sensor", "onyx-rgwb", "onyx-rgbw"),
-    "sensor like none": (sensor_of_word, "sensor", "zzzzzzqq", "see the catalog"),
-    "light": (illuminant_of_word, "illuminant", "halogn", "halogen"),
-    "CIE illuminant": (illuminant_of_word, "illuminant", "D66", "D65"),
-    "diode": (illuminant_of_word, "illuminant", "LED9x0", "LED<nm>/<width>"),
+    "sensor": (resolve_sensor, "sensor", "onyx-rgwb", "onyx-rgbw"),
+    "sensor like none": (resolve_sensor, "sensor", "zzzzzzqq", "see the catalog"),
+    "light": (resolve_illuminant, "illuminant", "halogn", "halogen"),
+    "CIE illuminant": (resolve_illuminant, "illuminant", "D66", "D65"),
+    "diode": (resolve_illuminant, "illuminant", "LED9x0", "LED<nm>/<width>"),
     "light with a diode": (
-        lambda word: illuminant_of_word(f"{word}+1xLED850"),
+        lambda word: resolve_illuminant(f"{word}+1xLED850"),
         "illuminant",
         "X",
         "see the catalog",
     ),
-    "filter": (filter_of_word, "filter", "ircut-schot", "ircut-schott"),
-    "model of a filter": (filter_of_word, "filter", "ircut-6x50", "ircut-<nm>/<width>"),
-    "filter like none": (filter_of_word, "filter", "q", "see the catalog"),
+    "filter": (resolve_filter, "filter", "ircut-schot", "ircut-schott"),
+    "model of a filter": (resolve_filter, "filter", "ircut-6x50", "ircut-<nm>/<width>"),
+    "filter like none": (resolve_filter, "filter", "q", "see the catalog"),
     "sensor by name": (
         lambda word: sensor_named(word, DEFAULT_GRID),
         "sensor",
@@ -55,7 +55,7 @@ def test_the_nearest_names_are_few():
     assert error.remedy[0].count("camera-") == 3
 
 
-@pytest.mark.parametrize("ask", [sensor_of_word, filter_of_word])
+@pytest.mark.parametrize("ask", [resolve_sensor, resolve_filter])
 def test_a_file_that_is_missing_is_refused_by_its_name(ask):
     with refused_input(subject="missing/curves.csv", value=None):
         ask("missing/curves.csv")
@@ -75,4 +75,4 @@ def test_a_filter_file_of_two_curves_is_refused(tmp_path):
     path = tmp_path / "two.csv"
     path.write_text("wavelength_nm,a,b\n400,0.5,0.5\n1050,0.5,0.5\n")
     with refused_input(value=("a", "b"), requirement="one curve"):
-        filter_of_word(str(path))
+        resolve_filter(str(path))

@@ -8,7 +8,7 @@ import pytest
 from chromanoise.analysis import analyzed, chart_as_json, chart_noise, matrix_makers
 from chromanoise.catalog import sensor_named
 from chromanoise.color import kernel_matrix
-from chromanoise.exposure import Exposure, Situation
+from chromanoise.exposure import Exposure, OperatingPoint
 from chromanoise.noise import sample_electrons
 from chromanoise.rng import stream
 from chromanoise.scene import Scene, flat_field
@@ -81,10 +81,12 @@ def test_a_saturated_sensor_has_no_chart():
 def test_another_matrix_changes_color_and_leaves_raw_alone():
     sensor, exposure = sensor_named("onyx-rgbw", DEFAULT_GRID), Exposure(time_s=0.0119)
     white = flat_field(LAMP, level_lux=1.0)
-    situation = Situation(sensor=sensor, exposure=exposure, illuminant=LAMP, level_lux=1.0)
+    operating_point = OperatingPoint(
+        sensor=sensor, exposure=exposure, illuminant=LAMP, level_lux=1.0
+    )
     (maker,) = matrix_makers(["lmmse"], "quanta").values()
     kernel = analyzed(white, sensor, exposure)
-    trained = analyzed(white, sensor, exposure, matrix=maker(situation))
+    trained = analyzed(white, sensor, exposure, matrix=maker(operating_point))
     assert kernel.matrix.matrix == pytest.approx(kernel_matrix(sensor, exposure).matrix)
     assert trained.raw.covariance == pytest.approx(kernel.raw.covariance)
     assert trained.color_snr_loss_db < kernel.color_snr_loss_db - 2

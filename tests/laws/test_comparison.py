@@ -18,7 +18,7 @@ from chromanoise.analysis import (
 )
 from chromanoise.catalog import sensor_named
 from chromanoise.color import kernel_matrix
-from chromanoise.exposure import Exposure, Situation, expected_electrons, white_scene
+from chromanoise.exposure import Exposure, OperatingPoint, expected_electrons, white_scene
 from chromanoise.scene import flat_field
 from chromanoise.sensor import Pixel, Sensor
 from chromanoise.spectra import DEFAULT_GRID, equal_energy
@@ -30,12 +30,12 @@ LEVELS = np.geomspace(1e-3, 1e2, 26)
 NM = DEFAULT_GRID.wavelength_nm
 
 
-def kernel(situation):
-    return kernel_matrix(situation.sensor, situation.exposure, "quanta")
+def kernel(operating_point):
+    return kernel_matrix(operating_point.sensor, operating_point.exposure, "quanta")
 
 
 def used(sensor, exposure=EXPOSURE, level_lux=1.0):
-    return Situation(sensor=sensor, exposure=exposure, illuminant=LAMP, level_lux=level_lux)
+    return OperatingPoint(sensor=sensor, exposure=exposure, illuminant=LAMP, level_lux=level_lux)
 
 
 def one_channel(name, qe, read_noise_e, full_well_e=1e9):

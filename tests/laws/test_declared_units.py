@@ -10,7 +10,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from scipy.io import savemat
 
-from chromanoise.catalog.resolve import filter_of_word, illuminant_of_word
+from chromanoise.catalog.resolve import resolve_filter, resolve_illuminant
 from chromanoise.errors import InputError
 from chromanoise.io import read_sensor
 from chromanoise.io.spectra import Answers, power_of, read_curves
@@ -236,11 +236,11 @@ def test_negative_values_outside_the_grid_do_not_matter(tmp_path):
     assert _qe(noisy, Answers()).tolist() == _qe(clean, Answers()).tolist()
     for path in (clean, noisy):
         path.write_text(path.read_text().replace("QE", "transmittance"))
-    one, two = (filter_of_word(str(path)).values for path in (clean, noisy))
+    one, two = (resolve_filter(str(path)).values for path in (clean, noisy))
     assert one.tolist() == two.tolist()
     for path in (clean, noisy):
         path.write_text(path.read_text().replace("transmittance", "power"))
-    one, two = (illuminant_of_word(str(path)).irradiance for path in (clean, noisy))
+    one, two = (resolve_illuminant(str(path)).irradiance for path in (clean, noisy))
     assert one.tolist() == two.tolist()
 
 
@@ -255,9 +255,9 @@ def test_small_negative_values_are_refused_or_set_to_0_with_a_note(tmp_path, hea
             sensor = read_sensor(path, DEFAULT_GRID, PAPER_PIXEL, answers=answers)
             return sensor.qe, sensor.notes
         if heading.endswith("transmittance"):
-            curve = filter_of_word(str(path), answers=answers)
+            curve = resolve_filter(str(path), answers=answers)
             return curve.values, curve.notes
-        light = illuminant_of_word(str(path), answers=answers)
+        light = resolve_illuminant(str(path), answers=answers)
         return light.irradiance, light.notes
 
     with refused_input(subject=str(path), value=-0.0003, setting="negatives"):

@@ -15,7 +15,7 @@ import tifffile
 
 from chromanoise.cli import main
 from chromanoise.errors import InputError
-from chromanoise.exposure import Situation
+from chromanoise.exposure import OperatingPoint
 from chromanoise.imaging import Work, acquired, electrons_of_cube, rendered, shared_rows
 from chromanoise.imaging import distributed as on_clusters
 from chromanoise.imaging.distributed import cluster
@@ -36,7 +36,7 @@ WAVELENGTH = np.linspace(400, 700, 31)
 SENSOR = sensor_of(
     bell_qe([600.0, 540.0, 450.0], [35.0, 35.0, 25.0], [0.6, 0.7, 0.6]), names=("R", "G", "B")
 )
-SITUATION = Situation(
+SITUATION = OperatingPoint(
     sensor=SENSOR, exposure=EXPOSURE, illuminant=equal_energy(GRID), level_lux=30.0
 )
 

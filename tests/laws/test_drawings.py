@@ -101,7 +101,7 @@ def analyzed_as_json():
     """What ``chromanoise analyze --budget --json`` writes."""
     outputs, of = OutputsPart(budget=True), usual()
     (maker,) = of.makers.values()
-    outcomes = [outcome_of(each, maker, outputs) for each in of.situations]
+    outcomes = [outcome_of(each, maker, outputs) for each in of.operating_points]
     return outcomes_as_json(outcomes, outputs)["sensors"]
 
 
@@ -231,7 +231,7 @@ def test_a_coordinate_made_of_infrared_has_an_snr_but_no_budget_and_says_why():
     assert sensor["steps"] == []
     assert "its Z comes from the infrared" in sensor["why_not"]
     assert "no SNR" not in sensor["why_not"]
-    (cut,) = (SWEEPS["ircut-nm"].at(one, 700.0) for one in of.situations)
+    (cut,) = (SWEEPS["ircut-nm"].at(one, 700.0) for one in of.operating_points)
     assert np.isnan(QUANTITIES["snr-z"].of(cut, of.analyses[0].matrix))
     assert drawing("budget", of, Look(coordinate="X"))["sensors"][0]["why_not"] is None
 
@@ -241,12 +241,12 @@ def test_curves_and_crossovers_over_the_light_are_those_of_compare(matrices):
     of = shown(study_of(*BOTH, matrices=matrices))
     told = drawing("levels", of)
     values = swept_values(SWEEPS["lux"], 0.01, 10_000.0, 73)
-    curves = compared(of.situations, of.makers, values)
+    curves = compared(of.operating_points, of.makers, values)
     assert told["lux"] == values.tolist()
     for drawn, curve in zip(told["curves"], curves, strict=True):
         known = [np.nan if v is None else v for v in drawn["values"]]
         np.testing.assert_array_equal(known, curve.value)
-    (crossed,) = crossovers(of.situations, of.makers, curves)
+    (crossed,) = crossovers(of.operating_points, of.makers, curves)
     assert [c["lux"] for c in told["crossovers"]] == list(crossed.at or (None,))
     assert told["crossovers"][0]["sentence"] == crossover_sentence(crossed)
 
@@ -300,14 +300,14 @@ def test_no_sentence_or_slider_tells_a_level_with_an_e(level_lux):
 def test_many_light_levels_at_once_give_what_they_give_one_by_one():
     of = usual()
     levels = np.array([0.01, 0.3, 9.0, 11.0, 1000.0])
-    for situation, analysis in zip(of.situations, of.analyses, strict=True):
+    for operating_point, analysis in zip(of.operating_points, of.analyses, strict=True):
         for name in ("snr-x", "snr-y", "snr-z"):
             quantity = QUANTITIES[name]
             alone = [
-                quantity.of(SWEEPS["lux"].at(situation, level), analysis.matrix)
+                quantity.of(SWEEPS["lux"].at(operating_point, level), analysis.matrix)
                 for level in levels.tolist()
             ]
-            together = quantity.over_levels(situation, analysis.matrix, levels)
+            together = quantity.over_levels(operating_point, analysis.matrix, levels)
             np.testing.assert_allclose(together, alone, rtol=1e-12)
 
 
@@ -332,16 +332,16 @@ def test_a_matrix_per_level_gives_what_it_gives_level_by_level(matrix, light):
     method = METHODS[word]
     own = {method.parameter: float(number)} if number else {}
     of = shown(study_of("onyx-rgb-ircut", "model-rgbir", light={"illuminant": light}))
-    for curve, situation in zip(
-        compared(of.situations, matrix_makers([matrix], "quanta"), levels),
-        of.situations,
+    for curve, operating_point in zip(
+        compared(of.operating_points, matrix_makers([matrix], "quanta"), levels),
+        of.operating_points,
         strict=True,
     ):
         for i, level in enumerate(levels.tolist()):
-            lit = SWEEPS["lux"].at(situation, level)
-            training = training_named("chart-nir", situation.illuminant)
+            lit = SWEEPS["lux"].at(operating_point, level)
+            training = training_named("chart-nir", operating_point.illuminant)
             made = method.make(
-                situation.sensor, situation.exposure, training, level_lux=level, **own
+                operating_point.sensor, operating_point.exposure, training, level_lux=level, **own
             )
             snr = QUANTITIES["snr-y"].of(lit, made)
             error = QUANTITIES["color-error"].of(lit, made)
@@ -371,9 +371,9 @@ def test_levels_are_drawn_without_making_a_matrix_per_level(matrix, monkeypatch)
 
 
 def test_the_fullest_level_is_where_the_fullest_channel_holds_its_well():
-    for situation in usual().situations:
-        fullest = fullest_level_lux(situation)
-        full, above = (SWEEPS["lux"].at(situation, fullest * f) for f in (1.0, 1.0 + 1e-9))
+    for operating_point in usual().operating_points:
+        fullest = fullest_level_lux(operating_point)
+        full, above = (SWEEPS["lux"].at(operating_point, fullest * f) for f in (1.0, 1.0 + 1e-9))
         assert not is_saturated(full)
         assert is_saturated(above)
         electrons = expected_electrons(white_scene(full), full.sensor, full.exposure)
@@ -394,7 +394,10 @@ def test_two_sensors_are_equal_where_their_curves_cross():
     assert found[0]["lux"] is not None
     (maker,) = of.makers.values()
     for crossing in found:
-        lit = [SWEEPS["lux"].at(situation, crossing["lux"]) for situation in of.situations]
+        lit = [
+            SWEEPS["lux"].at(operating_point, crossing["lux"])
+            for operating_point in of.operating_points
+        ]
         ours, theirs = (QUANTITIES["snr-y"].of(each, maker(each)) for each in lit)
         assert ours == pytest.approx(theirs, abs=1e-6)
 
@@ -726,8 +729,8 @@ def test_every_set_of_sensors_has_a_verdict_of_whole_sentences(names, level_lux)
 
 def test_equal_sensors_are_told_apart_and_level():
     study = study_of("onyx-rgbw")
-    of = shown(study, situations=operating_points_of(study) * 2)
-    assert [s.sensor.name for s in of.situations] == ["onyx-rgbw", "onyx-rgbw (2)"]
+    of = shown(study, operating_points=operating_points_of(study) * 2)
+    assert [s.sensor.name for s in of.operating_points] == ["onyx-rgbw", "onyx-rgbw (2)"]
     assert "level with onyx-rgbw (2)" in drawing("head", of)["verdict"][0]
 
 

@@ -12,14 +12,14 @@ from hypothesis import strategies as st
 from chromanoise.catalog import own_sensor_of, read_pixel_source, sensor_named
 from chromanoise.errors import InputError
 from chromanoise.io.pixels import RelativeNoise, read_darktable_noise
-from chromanoise.io.spectra import Understood, read_curves
+from chromanoise.io.sensor_json import sensor_json, spectra_json
+from chromanoise.io.spectra import ParsedSpectra, read_curves
 from chromanoise.io.spectra.writing import sensor_spectra
-from chromanoise.io.spectra_json import sensor_json, spectra_json
 from chromanoise.io.table import (
     Column,
     Table,
 )
-from chromanoise.io.tables import table_from_json, table_json
+from chromanoise.io.table_formats import table_from_json, table_json
 from chromanoise.sensor import PixelSource, Sensor
 from chromanoise.spectra import Grid
 from chromanoise.study import (
@@ -127,7 +127,7 @@ KINDS = dict.fromkeys(("sheet", "sheet-json", "profile", "transfer"), PixelSourc
     "study": Study,
     "output": Study,
     "sensor-json": Sensor,
-    "spectra-json": Understood,
+    "spectra-json": ParsedSpectra,
     "table": Table,
 }
 
@@ -141,7 +141,7 @@ def numbers_of(told):
     if isinstance(told, Sensor):
         pixel = told.pixel
         return [pixel.pitch_um, pixel.full_well_e, pixel.read_noise_e]
-    if isinstance(told, Understood):
+    if isinstance(told, ParsedSpectra):
         return np.abs(told.curves.values).ravel()
     return []
 

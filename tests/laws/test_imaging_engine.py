@@ -7,7 +7,13 @@ import numpy as np
 import pytest
 
 from chromanoise.color import kernel_matrix
-from chromanoise.exposure import Exposure, Situation, band_weights, expected_electrons, white_scene
+from chromanoise.exposure import (
+    Exposure,
+    OperatingPoint,
+    band_weights,
+    expected_electrons,
+    white_scene,
+)
 from chromanoise.imaging import (
     Work,
     acquired,
@@ -43,7 +49,7 @@ def sensor_with(channels, read_noise_e=5.0, full_well_e=1e6):
 
 
 def used(channels=3, time_s=0.02, level_lux=10.0, **pixel):
-    return Situation(
+    return OperatingPoint(
         sensor=sensor_with(channels, **pixel),
         exposure=Exposure(time_s=time_s),
         illuminant=LAMP,
@@ -77,8 +83,10 @@ def cube_of(array, scale=1.0):
     return Cube(wavelength_nm=GRID.wavelength_nm, stored=array, scale=scale, source="a cube")
 
 
-def electrons_by_numpy(cube, situation):
-    weights, _ = band_weights(cube, white_scene(situation), situation.sensor, situation.exposure)
+def electrons_by_numpy(cube, operating_point):
+    weights, _ = band_weights(
+        cube, white_scene(operating_point), operating_point.sensor, operating_point.exposure
+    )
     return np.asarray(cube.stored, dtype=np.float64) @ (weights * cube.scale)
 
 
@@ -86,10 +94,10 @@ def electrons_by_numpy(cube, situation):
 @pytest.mark.parametrize("channels", [1, 3, 5, 8])
 def test_electrons_are_those_of_a_product_in_float64_however_the_cube_lies(layout, channels):
     array, scale = stored()
-    situation = used(channels)
+    operating_point = used(channels)
     cube = cube_of(LAYOUTS[layout](array), scale)
-    expected = electrons_by_numpy(cube_of(array, scale), situation)
-    assert electrons_of_cube(cube, situation) == pytest.approx(expected, rel=2e-6)
+    expected = electrons_by_numpy(cube_of(array, scale), operating_point)
+    assert electrons_of_cube(cube, operating_point) == pytest.approx(expected, rel=2e-6)
 
 
 @pytest.mark.parametrize(
@@ -103,39 +111,39 @@ def test_numbers_of_every_type_are_read_as_they_are(dtype):
         scale = 1 / 120
         array = np.round(array * 120)
     array = array.astype(dtype)
-    situation = used()
-    expected = electrons_by_numpy(cube_of(array, scale), situation)
+    operating_point = used()
+    expected = electrons_by_numpy(cube_of(array, scale), operating_point)
     for name in ("bands together", "pixels of a band together"):
         cube = cube_of(LAYOUTS[name](array), scale)
-        assert electrons_of_cube(cube, situation) == pytest.approx(expected, rel=2e-6)
+        assert electrons_of_cube(cube, operating_point) == pytest.approx(expected, rel=2e-6)
 
 
 @pytest.mark.parametrize("channels", [3, 4, 5])
 def test_the_color_picture_is_its_noisy_electrons_times_the_matrix(channels):
-    cube, situation = cube_of(stored()[0]), used(channels)
-    matrix = kernel_matrix(situation.sensor, situation.exposure)
-    picture = rendered(cube, situation, seed=11, frame=3)
+    cube, operating_point = cube_of(stored()[0]), used(channels)
+    matrix = kernel_matrix(operating_point.sensor, operating_point.exposure)
+    picture = rendered(cube, operating_point, seed=11, frame=3)
     noisy = noisy_electrons(
-        electrons_of_cube(cube, situation),
-        read_noise_e=situation.sensor.pixel.read_noise_e,
-        seed=int(draw_of(situation, seed=11).key),
+        electrons_of_cube(cube, operating_point),
+        read_noise_e=operating_point.sensor.pixel.read_noise_e,
+        seed=int(draw_of(operating_point, seed=11).key),
         frame=3,
     ).astype(float)
     white = matrix.matrix @ expected_electrons(
-        white_scene(situation), situation.sensor, situation.exposure
+        white_scene(operating_point), operating_point.sensor, operating_point.exposure
     )
     expected = noisy @ (matrix.matrix / white[1]).T
     assert picture.xyz == pytest.approx(expected, abs=1e-5 * np.abs(expected).max())
 
 
 def test_the_picture_without_noise_is_the_float64_picture():
-    cube, situation = cube_of(stored()[0]), used()
-    matrix = kernel_matrix(situation.sensor, situation.exposure).matrix
+    cube, operating_point = cube_of(stored()[0]), used()
+    matrix = kernel_matrix(operating_point.sensor, operating_point.exposure).matrix
     white = matrix @ expected_electrons(
-        white_scene(situation), situation.sensor, situation.exposure
+        white_scene(operating_point), operating_point.sensor, operating_point.exposure
     )
-    expected = electrons_by_numpy(cube, situation) @ (matrix / white[1]).T
-    assert rendered(cube, situation, noisy=False).xyz == pytest.approx(expected, abs=3e-6)
+    expected = electrons_by_numpy(cube, operating_point) @ (matrix / white[1]).T
+    assert rendered(cube, operating_point, noisy=False).xyz == pytest.approx(expected, abs=3e-6)
 
 
 TILES = {
@@ -152,16 +160,16 @@ def test_each_pixel_of_the_mosaic_has_the_noise_that_its_channel_has_there(tile,
     """Bit by bit: numpy picks the channel from the full picture and converts."""
     cube = cube_of(LAYOUTS[layout](stored()[0]))
     channels = 7 if tile == "seven channels" else 3
-    situation, mosaic = used(channels, full_well_e=1800.0), TILES[tile]
+    operating_point, mosaic = used(channels, full_well_e=1800.0), TILES[tile]
     adc = Adc(bits=10, gain_e_per_dn=2.6, black_level_dn=64)
-    raw = acquired(cube, situation, mosaic=mosaic, adc=adc, seed=5, frame=1)
+    raw = acquired(cube, operating_point, mosaic=mosaic, adc=adc, seed=5, frame=1)
     noisy = noisy_electrons(
-        electrons_of_cube(cube, situation),
-        read_noise_e=situation.sensor.pixel.read_noise_e,
-        seed=int(draw_of(situation, seed=5).key),
+        electrons_of_cube(cube, operating_point),
+        read_noise_e=operating_point.sensor.pixel.read_noise_e,
+        seed=int(draw_of(operating_point, seed=5).key),
         frame=1,
     )
-    names = situation.sensor.names
+    names = operating_point.sensor.names
     pattern = np.array([[names.index(name) for name in row] for row in mosaic.pattern])
     height, width, _ = noisy.shape
     over = np.tile(pattern, (height, width))[:height, :width]
@@ -178,11 +186,13 @@ def test_each_pixel_of_the_mosaic_has_the_noise_that_its_channel_has_there(tile,
 
 @pytest.mark.parametrize(("tile_rows", "threads"), [(1, 1), (3, 2), (1000, 4)])
 def test_neither_tiles_nor_threads_change_a_bit_of_the_mosaic(tile_rows, threads):
-    cube, situation = cube_of(stored(40)[0]), used()
+    cube, operating_point = cube_of(stored(40)[0]), used()
     more = Imperfections(dark_current_e_per_s=100.0, dsnu_e=3.0, prnu=0.01, row_noise_e=2.0)
     asked = {"mosaic": bayer(), "seed": 2, "imperfections": more}
-    whole = acquired(cube, situation, **asked)
-    tiled = acquired(cube, situation, **asked, work=Work(tile_rows=tile_rows, threads=threads))
+    whole = acquired(cube, operating_point, **asked)
+    tiled = acquired(
+        cube, operating_point, **asked, work=Work(tile_rows=tile_rows, threads=threads)
+    )
     assert (whole.codes == tiled.codes).all()
     assert (whole.mean_e == tiled.mean_e).all()
 
@@ -190,10 +200,13 @@ def test_neither_tiles_nor_threads_change_a_bit_of_the_mosaic(tile_rows, threads
 def test_the_top_code_is_the_largest_that_the_bits_hold_and_nothing_wraps():
     cube = flat_cube(GRID.wavelength_nm, 1.0, height=20, width=20)
     for bits in (8, 12, 16):
-        situation = used(1, level_lux=1e7, full_well_e=5000.0)
+        operating_point = used(1, level_lux=1e7, full_well_e=5000.0)
         mosaic = Mosaic((("R",),))
         raw = acquired(
-            cube, situation, mosaic=mosaic, adc=adc_to_full_well(situation.sensor.pixel, bits=bits)
+            cube,
+            operating_point,
+            mosaic=mosaic,
+            adc=adc_to_full_well(operating_point.sensor.pixel, bits=bits),
         )
         assert (raw.codes == 2**bits - 1).all()
         assert raw.above_full_well == pytest.approx([1.0])
@@ -202,10 +215,10 @@ def test_the_top_code_is_the_largest_that_the_bits_hold_and_nothing_wraps():
 @pytest.mark.parametrize("level_lux", [0.02, 1.0, 30.0])
 def test_codes_of_a_flat_field_scatter_as_the_exact_moments_say(level_lux):
     """From the dark, where black holds, to full well, where the top code does."""
-    situation = used(1, level_lux=level_lux, full_well_e=2000.0)
-    adc = adc_to_full_well(situation.sensor.pixel, bits=8)
+    operating_point = used(1, level_lux=level_lux, full_well_e=2000.0)
+    adc = adc_to_full_well(operating_point.sensor.pixel, bits=8)
     cube = flat_cube(GRID.wavelength_nm, 0.8, height=300, width=300)
-    raw = acquired(cube, situation, mosaic=Mosaic((("R",),)), adc=adc, seed=4)
+    raw = acquired(cube, operating_point, mosaic=Mosaic((("R",),)), adc=adc, seed=4)
     moments = read_moments(
         np.array([raw.mean_e[0]]),
         read_noise_e=5.0,
@@ -271,10 +284,10 @@ def test_progress_tells_every_row_once():
 def test_noise_of_the_developed_picture_is_what_the_closed_form_predicts(made, tile):
     """A flat field through mosaic, converter, demosaicing and matrix, place by place."""
     channels, mosaic = (3, bayer()) if tile == "bayer" else (4, rgbw_sparse_4x4())
-    situation = used(channels, level_lux=10.0)
-    names = situation.sensor.names
+    operating_point = used(channels, level_lux=10.0)
+    names = operating_point.sensor.names
     scene = flat_field(LAMP, level_lux=10.0, reflectance=0.5)
-    electrons = expected_electrons(scene, situation.sensor, situation.exposure)
+    electrons = expected_electrons(scene, operating_point.sensor, operating_point.exposure)
     prior = picture_prior(
         np.outer([0.2, 0.5, 0.9], electrons) * np.linspace(0.7, 1.3, channels) ** [[1], [0], [-1]],
         names,
@@ -287,16 +300,18 @@ def test_noise_of_the_developed_picture_is_what_the_closed_form_predicts(made, t
     }[made]()
     adc = Adc(bits=16, gain_e_per_dn=3.0, black_level_dn=500)
     cube = flat_cube(GRID.wavelength_nm, 0.5, height=240, width=240)
-    raw = acquired(cube, situation, mosaic=mosaic, adc=adc, seed=6)
+    raw = acquired(cube, operating_point, mosaic=mosaic, adc=adc, seed=6)
     picture = developed(raw, bank)
     white = float(
         (
-            kernel_matrix(situation.sensor, situation.exposure).matrix
-            @ expected_electrons(white_scene(situation), situation.sensor, situation.exposure)
+            kernel_matrix(operating_point.sensor, operating_point.exposure).matrix
+            @ expected_electrons(
+                white_scene(operating_point), operating_point.sensor, operating_point.exposure
+            )
         )[1]
     )
     ty, tx = len(mosaic.pattern), len(mosaic.pattern[0])
-    predicted = developed_color(scene, situation, bank, adc)
+    predicted = developed_color(scene, operating_point, bank, adc)
     for i in range(ty):
         for j in range(tx):
             # far enough apart that no two pixels share a raw one
@@ -316,22 +331,22 @@ def test_a_processor_pool_makes_the_same_bits():
     from concurrent.futures import ProcessPoolExecutor
     from multiprocessing import get_context
 
-    cube, situation = cube_of(stored(40)[0]), used()
-    here = acquired(cube, situation, mosaic=bayer(), seed=2)
+    cube, operating_point = cube_of(stored(40)[0]), used()
+    here = acquired(cube, operating_point, mosaic=bayer(), seed=2)
     with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
         there = acquired(
-            cube, situation, mosaic=bayer(), seed=2, work=Work(executor=pool, tile_rows=16)
+            cube, operating_point, mosaic=bayer(), seed=2, work=Work(executor=pool, tile_rows=16)
         )
     assert (here.codes == there.codes).all()
     assert (here.mean_e == there.mean_e).all()
 
 
 def test_filters_of_another_mosaic_are_refused():
-    situation = used()
-    raw = acquired(cube_of(stored(8)[0]), situation, mosaic=bayer())
+    operating_point = used()
+    raw = acquired(cube_of(stored(8)[0]), operating_point, mosaic=bayer())
     other = Mosaic((("G", "R"), ("B", "G")))
     with refused_input(subject="filters", value=other.pattern):
-        developed(raw, bilinear_filters(other, situation.sensor.names))
+        developed(raw, bilinear_filters(other, operating_point.sensor.names))
 
 
 ODD_LAYOUTS = LAYOUTS | {
@@ -346,25 +361,25 @@ ODD_LAYOUTS = LAYOUTS | {
 @pytest.mark.parametrize("layout", ODD_LAYOUTS)
 @pytest.mark.parametrize("width", [1, 37])
 def test_no_bit_depends_on_blocks_however_the_cube_lies(layout, width):
-    situation = used()
+    operating_point = used()
     cube = cube_of(ODD_LAYOUTS[layout](stored(23, width)[0]))
-    whole = electrons_of_cube(cube, situation)
+    whole = electrons_of_cube(cube, operating_point)
     for tile_rows in (1, 2, 5):
-        tiled = electrons_of_cube(cube, situation, work=Work(tile_rows=tile_rows, threads=2))
+        tiled = electrons_of_cube(cube, operating_point, work=Work(tile_rows=tile_rows, threads=2))
         assert (tiled == whole).all()
 
 
 @pytest.mark.parametrize("layout", ["bands together", "pixels of a band together"])
 @pytest.mark.parametrize(("height", "width"), [(9, 1500), (2, 4101)])
 def test_rows_that_share_a_tile_and_rows_of_several_tiles_are_like_any_other(height, width, layout):
-    situation, mosaic = used(5), TILES["odd"]
+    operating_point, mosaic = used(5), TILES["odd"]
     cube = cube_of(LAYOUTS[layout](stored(height, width)[0]))
-    expected = electrons_by_numpy(cube, situation)
-    assert electrons_of_cube(cube, situation) == pytest.approx(expected, rel=2e-6)
+    expected = electrons_by_numpy(cube, operating_point)
+    assert electrons_of_cube(cube, operating_point) == pytest.approx(expected, rel=2e-6)
     asked = {"seed": 3, "imperfections": Imperfections(row_noise_e=4.0, prnu=0.01)}
     row_by_row = Work(tile_rows=1, threads=1)
     for make in (rendered, partial(acquired, mosaic=mosaic)):
-        whole, rows = (make(cube, situation, work=w, **asked) for w in (Work(), row_by_row))
+        whole, rows = (make(cube, operating_point, work=w, **asked) for w in (Work(), row_by_row))
         picture = "codes" if make is not rendered else "xyz"
         assert (getattr(whole, picture) == getattr(rows, picture)).all()
         assert whole.mean_e == pytest.approx(rows.mean_e, rel=1e-12)
@@ -374,17 +389,21 @@ def test_rows_that_share_a_tile_and_rows_of_several_tiles_are_like_any_other(hei
 
 def spread_of(**strengths):
     """Electrons of three channels at every pixel, told by their own matrix: X is R ..."""
-    situation = used(3, level_lux=100.0, read_noise_e=0.0)
-    matrix = replace(kernel_matrix(situation.sensor, situation.exposure), matrix=np.eye(3))
+    operating_point = used(3, level_lux=100.0, read_noise_e=0.0)
+    matrix = replace(
+        kernel_matrix(operating_point.sensor, operating_point.exposure), matrix=np.eye(3)
+    )
     cube = flat_cube(GRID.wavelength_nm, 0.5, height=150, width=150)
     picture = rendered(
         cube,
-        situation,
+        operating_point,
         matrix=matrix,
         noisy=False,
         imperfections=Imperfections(**strengths),
     )
-    white = expected_electrons(white_scene(situation), situation.sensor, situation.exposure)
+    white = expected_electrons(
+        white_scene(operating_point), operating_point.sensor, operating_point.exposure
+    )
     return picture.xyz.astype(float) * white[1], picture.mean_e
 
 
@@ -453,7 +472,7 @@ def test_a_view_is_read_as_it_lies(columns, bands):
 
 def test_more_light_than_can_be_counted_is_refused():
     cube = flat_cube(GRID.wavelength_nm, 0.5, height=2, width=2)
-    aperture = Situation(
+    aperture = OperatingPoint(
         sensor=replace(
             sensor_with(3), pixel=replace(sensor_with(3).pixel, pitch_um=1e6, full_well_e=1e12)
         ),

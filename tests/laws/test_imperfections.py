@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from chromanoise.exposure import Exposure, Situation
+from chromanoise.exposure import Exposure, OperatingPoint
 from chromanoise.imaging import acquired, rendered
 from chromanoise.scene import Cube, flat_cube
 from chromanoise.sensor import Adc, Imperfections, Mosaic, bayer, noise_without_light_e
@@ -19,7 +19,7 @@ def used(channels=3, *, level_lux=10.0, read_noise_e=5.0, full_well_e=1e6):
     """A toy of this many channels, 20 ms in the light of a lamp."""
     qe = bell_qe(np.linspace(430, 670, channels), np.full(channels, 35.0), np.full(channels, 0.6))
     pixel = pixel_with(read_noise_e, full_well_e=full_well_e)
-    return Situation(
+    return OperatingPoint(
         sensor=sensor_of(qe, names=tuple("RGB"[:channels]), pixel=pixel, name="toy"),
         exposure=Exposure(time_s=0.02),
         illuminant=cie_a(GRID),
@@ -79,16 +79,16 @@ def test_dark_current_adds_noise_for_the_time_of_the_exposure_and_its_mean_is_ta
 
 def test_dark_electrons_leave_less_of_the_well():
     cube = flat_cube(GRID.wavelength_nm, 1.0, height=20, width=20)
-    situation = used(1, level_lux=1e7, full_well_e=5000.0)
+    operating_point = used(1, level_lux=1e7, full_well_e=5000.0)
     more = Imperfections(dark_current_e_per_s=100_000.0)  # 2,000 e- in 20 ms
     adc = Adc(bits=16, gain_e_per_dn=1.0, black_level_dn=1000)
-    raw = acquired(cube, situation, mosaic=RED_ONLY, adc=adc, imperfections=more)
+    raw = acquired(cube, operating_point, mosaic=RED_ONLY, adc=adc, imperfections=more)
     assert (raw.codes == 1000 + 5000 - 2000).all()
     assert raw.above_full_well == pytest.approx([1.0])
     with refused_input(value=5000.0):
         acquired(
             cube,
-            situation,
+            operating_point,
             mosaic=RED_ONLY,
             imperfections=Imperfections(dark_current_e_per_s=250_000.0),
         )
@@ -117,10 +117,10 @@ def test_one_imperfection_says_nothing_of_another_or_of_the_light(flaw, other):
 
 
 def test_a_clipped_picture_is_held_at_what_dark_electrons_leave_of_the_well():
-    situation, dark = used(full_well_e=1600.0), Imperfections(dark_current_e_per_s=10_000.0)
+    operating_point, dark = used(full_well_e=1600.0), Imperfections(dark_current_e_per_s=10_000.0)
     less = used(full_well_e=1400.0)  # 200 dark electrons in 20 ms
     asked = {"noisy": False, "clip": True}
-    held = rendered(varied_cube(), situation, **asked, imperfections=dark)
+    held = rendered(varied_cube(), operating_point, **asked, imperfections=dark)
     assert 0.1 < held.above_full_well[1] < 0.9
     np.testing.assert_array_equal(held.xyz, rendered(varied_cube(), less, **asked).xyz)
 
@@ -145,17 +145,19 @@ def test_codes_without_light_scatter_as_told_for_them():
 
 
 def test_a_picture_with_dark_current_has_the_colors_of_one_without():
-    cube, situation = varied_cube(), used()
+    cube, operating_point = varied_cube(), used()
     asked = {"noisy": False, "seed": 3}
-    plain = rendered(cube, situation, **asked)
-    warm = rendered(cube, situation, **asked, imperfections=Imperfections(dark_current_e_per_s=1e4))
+    plain = rendered(cube, operating_point, **asked)
+    warm = rendered(
+        cube, operating_point, **asked, imperfections=Imperfections(dark_current_e_per_s=1e4)
+    )
     assert warm.xyz == pytest.approx(plain.xyz, rel=1e-4, abs=1e-5)
 
 
 def test_options_that_are_switched_on_leave_the_shot_noise_as_it_was():
-    cube, situation = varied_cube(), used()
-    plain = acquired(cube, situation, mosaic=bayer(), seed=3)
+    cube, operating_point = varied_cube(), used()
+    plain = acquired(cube, operating_point, mosaic=bayer(), seed=3)
     shifted = acquired(
-        cube, situation, mosaic=bayer(), seed=3, imperfections=Imperfections(dsnu_e=1e-9)
+        cube, operating_point, mosaic=bayer(), seed=3, imperfections=Imperfections(dsnu_e=1e-9)
     )
     assert np.abs(plain.codes.astype(int) - shifted.codes).max() <= 1

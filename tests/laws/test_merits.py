@@ -25,7 +25,7 @@ from chromanoise.analysis import (
 from chromanoise.catalog import sensor_named
 from chromanoise.color import chart_training, cielab, colored, lmmse
 from chromanoise.errors import InputError
-from chromanoise.exposure import Situation, expected_electrons, saturating_exposure
+from chromanoise.exposure import OperatingPoint, expected_electrons, saturating_exposure
 from chromanoise.imaging import bilinear_filters, demosaicked
 from chromanoise.metrics import matrix_report, visual_noise_of_picture
 from chromanoise.noise import with_noise
@@ -54,9 +54,11 @@ def rgb_sensor(**more):
 def merits_at(sensor, *, exposure=EXPOSURE, lux=10.0, metric="quanta", method="kernel", **more):
     lamp = equal_energy(sensor.grid)
     maker = matrix_makers([method], metric, prior="chart")[method]
-    situation = Situation(sensor=sensor, exposure=exposure, illuminant=lamp, level_lux=lux)
+    operating_point = OperatingPoint(
+        sensor=sensor, exposure=exposure, illuminant=lamp, level_lux=lux
+    )
     white = flat_field(lamp, level_lux=lux)
-    analysis = analyzed(white, sensor, exposure, metric, matrix=maker(situation))
+    analysis = analyzed(white, sensor, exposure, metric, matrix=maker(operating_point))
     return merits_of(analysis, maker=maker, **more)
 
 
@@ -206,10 +208,12 @@ def test_the_adapting_matrix_has_snr_10_at_the_light_for_which_it_is_made():
     sensor = rgb_sensor()
     lux = values(merits_at(sensor, method="lmmse"))["snr10_adapted"]
     maker = matrix_makers(["lmmse"], "quanta", prior="chart")["lmmse"]
-    situation = Situation(sensor=sensor, exposure=EXPOSURE, illuminant=LAMP, level_lux=lux)
+    operating_point = OperatingPoint(
+        sensor=sensor, exposure=EXPOSURE, illuminant=LAMP, level_lux=lux
+    )
     gray = flat_field(LAMP, level_lux=lux, reflectance=0.18)
     raw = with_noise(expected_electrons(gray, sensor, EXPOSURE), sensor)
-    color = colored(raw, maker(situation))
+    color = colored(raw, maker(operating_point))
     assert color.mean[1] / np.sqrt(color.variance[1]) == pytest.approx(10.0, rel=1e-9)
 
 
@@ -352,42 +356,50 @@ def test_a_merit_without_value_and_reason_is_refused(value, missing):
 @settings(max_examples=20, deadline=None)
 @given(sensors(min_channels=2), st.floats(0.01, 100.0))
 def test_along_the_curve_color_error_grows_and_noise_falls(sensor, lux):
-    situation = Situation(sensor=sensor, exposure=EXPOSURE, illuminant=LAMP, level_lux=lux)
-    curve = pareto_of(situation, noise_weights(1e-3, 1e3), prior="chart")
+    operating_point = OperatingPoint(
+        sensor=sensor, exposure=EXPOSURE, illuminant=LAMP, level_lux=lux
+    )
+    curve = pareto_of(operating_point, noise_weights(1e-3, 1e3), prior="chart")
     slack = 1e-9 * curve.color_error_rms.max()
     assert (np.diff(curve.color_error_rms) >= -slack).all()
     assert (np.diff(curve.noise_rms) <= 1e-9 * curve.noise_rms.max()).all()
 
 
 def test_at_weight_1_the_curve_has_the_lmmse_matrix():
-    situation = Situation(sensor=rgb_sensor(), exposure=EXPOSURE, illuminant=LAMP, level_lux=1.0)
-    curve = pareto_of(situation, noise_weights(0.01, 100.0, points=3), prior="chart")
-    ours = lmmse(situation.sensor, EXPOSURE, chart_training(LAMP), level_lux=1.0)
+    operating_point = OperatingPoint(
+        sensor=rgb_sensor(), exposure=EXPOSURE, illuminant=LAMP, level_lux=1.0
+    )
+    curve = pareto_of(operating_point, noise_weights(0.01, 100.0, points=3), prior="chart")
+    ours = lmmse(operating_point.sensor, EXPOSURE, chart_training(LAMP), level_lux=1.0)
     assert curve.matrix[1] == pytest.approx(ours.matrix, rel=1e-9)
 
 
 def reported(sensor, exposure):
-    situation = Situation(sensor=sensor, exposure=exposure, illuminant=LAMP, level_lux=10.0)
-    matrix = matrix_makers(["lmmse"], "quanta", prior="chart")["lmmse"](situation)
+    operating_point = OperatingPoint(
+        sensor=sensor, exposure=exposure, illuminant=LAMP, level_lux=10.0
+    )
+    matrix = matrix_makers(["lmmse"], "quanta", prior="chart")["lmmse"](operating_point)
     report = matrix_report(matrix, sensor, exposure, LAMP, level_lux=10.0)
-    return situation, matrix, report
+    return operating_point, matrix, report
 
 
 def test_a_saturated_white_has_no_snr_along_the_curve():
     sensor = rgb_sensor()
     exposure = filled(sensor, 1.0)
-    situation, matrix, report = reported(sensor, replace(exposure, time_s=2 * exposure.time_s))
-    curve = pareto_of(situation, noise_weights(0.1, 10.0, points=3), prior="chart")
+    operating_point, matrix, report = reported(
+        sensor, replace(exposure, time_s=2 * exposure.time_s)
+    )
+    curve = pareto_of(operating_point, noise_weights(0.1, 10.0, points=3), prior="chart")
     assert white_snr_db(curve, report) == (None, None, None)
-    told = matrix_as_json(situation, matrix, report, curve)
+    told = matrix_as_json(operating_point, matrix, report, curve)
     assert [point["snr_y_db"] for point in told["pareto"]] == [None] * 3
     assert told["report"]["snr_db"] is None
 
 
 def test_the_matrix_in_json_is_on_the_curve_in_json_at_its_weight():
-    situation, matrix, report = reported(rgb_sensor(), EXPOSURE)
-    curve = pareto_of(situation, noise_weights(0.01, 100.0, points=3), prior="chart")
-    told = matrix_as_json(situation, matrix, report, curve)
+    operating_point, matrix, report = reported(rgb_sensor(), EXPOSURE)
+    curve = pareto_of(operating_point, noise_weights(0.01, 100.0, points=3), prior="chart")
+    told = matrix_as_json(operating_point, matrix, report, curve)
     json.dumps(told, allow_nan=False)
     at_1 = told["pareto"][1]
     assert at_1["weight"] == pytest.approx(1.0)
@@ -411,9 +423,11 @@ def test_weights_that_make_no_curve_are_refused(asked, fields):
 
 
 def test_a_prior_that_nobody_named_is_refused():
-    situation = Situation(sensor=rgb_sensor(), exposure=EXPOSURE, illuminant=LAMP, level_lux=1.0)
+    operating_point = OperatingPoint(
+        sensor=rgb_sensor(), exposure=EXPOSURE, illuminant=LAMP, level_lux=1.0
+    )
     with refused_input(subject="prior", value="charts"):
-        pareto_of(situation, noise_weights(0.1, 1.0), prior="charts")
+        pareto_of(operating_point, noise_weights(0.1, 1.0), prior="charts")
 
 
 def test_a_viewing_from_nowhere_is_refused():

@@ -9,7 +9,7 @@ from chromanoise.analysis import analyzed, coordinate_budget, electrons_at, stag
 from chromanoise.analysis.comparison.quantities import QUANTITIES
 from chromanoise.catalog import sensor_named
 from chromanoise.color import kernel_matrix
-from chromanoise.exposure import Exposure, Situation, expected_electrons, white_scene
+from chromanoise.exposure import Exposure, OperatingPoint, expected_electrons, white_scene
 from chromanoise.noise import Readout, read_moments
 from chromanoise.scene import Scene
 from chromanoise.spectra import DEFAULT_GRID, colorchecker, equal_energy
@@ -17,7 +17,7 @@ from outcomes import refused_input
 
 LAMP = equal_energy(DEFAULT_GRID)
 SENSOR = sensor_named("onyx-rgbw", DEFAULT_GRID)
-POINT = Situation(
+POINT = OperatingPoint(
     sensor=SENSOR, exposure=Exposure(time_s=0.012), illuminant=LAMP, level_lux=10.0
 )  # fmt: skip
 MATRIX = kernel_matrix(SENSOR, POINT.exposure)

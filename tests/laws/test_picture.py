@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from chromanoise.color import adapted_to_d65, colored, kernel_matrix, srgb_from_xyz
-from chromanoise.exposure import Exposure, Situation, expected_electrons
+from chromanoise.exposure import Exposure, OperatingPoint, expected_electrons
 from chromanoise.imaging import Work, rendered
 from chromanoise.metrics import snr_db
 from chromanoise.noise import with_noise
@@ -26,7 +26,7 @@ def picture_of(cube, sensor=SENSOR, **more):
 
 
 def used(sensor=SENSOR, exposure=EXPOSURE):
-    return Situation(sensor=sensor, exposure=exposure, illuminant=LAMP, level_lux=LUX)
+    return OperatingPoint(sensor=sensor, exposure=exposure, illuminant=LAMP, level_lux=LUX)
 
 
 def grey(reflectance=0.5, height=40, width=50):

@@ -18,9 +18,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from PIL import Image
 
-from chromanoise._colour import colour_science
+from chromanoise._colour_science import colour_science
 from chromanoise._files import whole_folder
-from chromanoise.exposure import Situation
+from chromanoise.exposure import OperatingPoint
 from chromanoise.imaging import acquired, rendered
 from chromanoise.imaging.exr import write_linear_exr, write_xyz_exr
 from chromanoise.imaging.writers import (
@@ -367,7 +367,7 @@ def test_without_openexr_the_command_that_installs_it_is_told(tmp_path, monkeypa
 
 
 RGB = sensor_of(bell_qe([450, 540, 610], [30, 45, 40], [0.6, 0.7, 0.6]), names=("B", "G", "R"))
-SITUATION = Situation(sensor=RGB, exposure=EXPOSURE, illuminant=cie_a(GRID), level_lux=10.0)
+SITUATION = OperatingPoint(sensor=RGB, exposure=EXPOSURE, illuminant=cie_a(GRID), level_lux=10.0)
 GREY = flat_cube(GRID.wavelength_nm, 0.5, height=4, width=6)
 
 

@@ -10,7 +10,7 @@ import pytest
 from chromanoise.analysis import analyzed
 from chromanoise.catalog import sensor_named
 from chromanoise.errors import InputError, Setting
-from chromanoise.exposure import Exposure, Situation, expected_electrons, time_to_saturation
+from chromanoise.exposure import Exposure, OperatingPoint, expected_electrons, time_to_saturation
 from chromanoise.geometry import dual_frame
 from chromanoise.imaging import Work, rendered
 from chromanoise.io import read_sensor_csv
@@ -75,7 +75,7 @@ def picture_of(cube, **more):
 
 
 def used(illuminant=None, level_lux=10.0):
-    return Situation(
+    return OperatingPoint(
         sensor=white_channel(),
         exposure=EXPOSURE,
         illuminant=illuminant or LAMP,

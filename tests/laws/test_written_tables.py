@@ -13,7 +13,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from chromanoise._colour import colour_science
+from chromanoise._colour_science import colour_science
 from chromanoise.analysis import compared
 from chromanoise.analysis.tables import (
     analyses_as_table,
@@ -22,8 +22,9 @@ from chromanoise.analysis.tables import (
 from chromanoise.catalog import sensor_named
 from chromanoise.color import kernel_matrix
 from chromanoise.errors import InputError
-from chromanoise.exposure import Exposure, Situation
+from chromanoise.exposure import Exposure, OperatingPoint
 from chromanoise.io import read_sensor_csv
+from chromanoise.io.sensor_json import sensor_from_json, sensor_json, spectra_json
 from chromanoise.io.spectra import read_curves
 from chromanoise.io.spectra.writing import (
     sensor_csv,
@@ -32,13 +33,12 @@ from chromanoise.io.spectra.writing import (
     spectra_csv,
     spectra_spdx,
 )
-from chromanoise.io.spectra_json import sensor_from_json, sensor_json, spectra_json
 from chromanoise.io.table import (
     Column,
     Table,
     written,
 )
-from chromanoise.io.tables import (
+from chromanoise.io.table_formats import (
     table_csv,
     table_from_json,
     table_json,
@@ -494,7 +494,7 @@ def test_a_comparison_has_a_row_per_light_and_nothing_where_nothing_is_defined()
         names=("W",),
         pixel=Pixel(pitch_um=10.0, full_well_e=1e4, read_noise_e=10.0),
     )
-    used = Situation(
+    used = OperatingPoint(
         sensor=sensor,
         exposure=Exposure(time_s=0.01),
         illuminant=equal_energy(DEFAULT_GRID),

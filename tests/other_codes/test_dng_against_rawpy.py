@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from chromanoise.color import kernel_matrix, linear_srgb
-from chromanoise.exposure import Exposure, Situation, expected_electrons
+from chromanoise.exposure import Exposure, OperatingPoint, expected_electrons
 from chromanoise.imaging import acquired
 from chromanoise.imaging.dng import (
     RawProfile,
@@ -79,17 +79,19 @@ def profile_of(mosaic, adc=ADC, **changed):
 
 def seen_by(names, lamp=LAMP, **more):
     sensor = camera(names, **more)
-    return Situation(sensor=sensor, exposure=EXPOSURE, illuminant=lamp, level_lux=20.0)
+    return OperatingPoint(sensor=sensor, exposure=EXPOSURE, illuminant=lamp, level_lux=20.0)
 
 
-def electrons_of(situation, reflectance=None):
+def electrons_of(operating_point, reflectance=None):
     rho = np.ones(GRID.n) if reflectance is None else reflectance
-    patch = Scene(illuminant=situation.illuminant, level_lux=situation.level_lux, reflectance=rho)
-    return expected_electrons(patch, situation.sensor, situation.exposure)
+    patch = Scene(
+        illuminant=operating_point.illuminant, level_lux=operating_point.level_lux, reflectance=rho
+    )
+    return expected_electrons(patch, operating_point.sensor, operating_point.exposure)
 
 
-def matrix_of(situation):
-    return kernel_matrix(situation.sensor, situation.exposure)
+def matrix_of(operating_point):
+    return kernel_matrix(operating_point.sensor, operating_point.exposure)
 
 
 def fine_adc(white_e):
@@ -206,10 +208,10 @@ def flat_codes(electrons, mosaic, names, adc, size=40):
 @pytest.mark.parametrize("lamp", ["D65", "A", "FL11"])
 @pytest.mark.parametrize(("names", "mosaic"), [("RGB", bayer()), ("RGBW", rgbw_2x2())])
 def test_libraw_develops_a_gray_as_gray(tmp_path, names, mosaic, lamp):
-    situation = seen_by(names, cie_illuminant(lamp, GRID))
-    white = electrons_of(situation)
+    operating_point = seen_by(names, cie_illuminant(lamp, GRID))
+    white = electrons_of(operating_point)
     adc = fine_adc(white)
-    profile = raw_profile(situation, matrix_of(situation), mosaic=mosaic, adc=adc)
+    profile = raw_profile(operating_point, matrix_of(operating_point), mosaic=mosaic, adc=adc)
     write_dng(tmp_path / "a.dng", flat_codes(0.3 * white, mosaic, names, adc), profile)
     color = developed(tmp_path / "a.dng")
     assert color == pytest.approx(color.mean() * np.ones(3), rel=5e-3)
@@ -222,11 +224,11 @@ def pale(center_nm):
 
 @pytest.mark.parametrize("center_nm", [450, 520, 600])
 def test_libraw_develops_our_color(tmp_path, center_nm):
-    situation = seen_by("RGB")
-    matrix, white = matrix_of(situation), electrons_of(situation)
+    operating_point = seen_by("RGB")
+    matrix, white = matrix_of(operating_point), electrons_of(operating_point)
     adc = fine_adc(white)
-    electrons = electrons_of(situation, pale(center_nm))
-    profile = raw_profile(situation, matrix, mosaic=bayer(), adc=adc)
+    electrons = electrons_of(operating_point, pale(center_nm))
+    profile = raw_profile(operating_point, matrix, mosaic=bayer(), adc=adc)
     write_dng(tmp_path / "a.dng", flat_codes(electrons, bayer(), "RGB", adc), profile)
     theirs = developed(tmp_path / "a.dng")
     ours = linear_srgb(matrix.matrix @ electrons, matrix.matrix @ white)
@@ -238,22 +240,22 @@ def test_libraw_develops_our_color(tmp_path, center_nm):
 def test_a_reader_who_does_what_the_specification_says_finds_our_color(tmp_path, names, mosaic):
     # DNG 1.4, chapter 6: XYZ is the pseudo-inverse of ColorMatrix1 times the channels in the order
     # of CFAPlaneColor, here R G B W
-    situation = seen_by(names)
-    matrix = matrix_of(situation)
-    profile = raw_profile(situation, matrix, mosaic=mosaic, adc=ADC)
+    operating_point = seen_by(names)
+    matrix = matrix_of(operating_point)
+    profile = raw_profile(operating_point, matrix, mosaic=mosaic, adc=ADC)
     write_dng(tmp_path / "a.dng", drawn(22, 22), profile)
     with tifffile.TiffFile(tmp_path / "a.dng") as file:
         parts = np.array(file.pages[0].tags["ColorMatrix1"].value).reshape(-1, 2)
     inverse = np.linalg.pinv((parts[:, 0] / parts[:, 1]).reshape(-1, 3))
-    for electrons in (electrons_of(situation), electrons_of(situation, pale(450))):
+    for electrons in (electrons_of(operating_point), electrons_of(operating_point, pale(450))):
         theirs, ours = inverse @ electrons, matrix.matrix @ electrons
         assert theirs / theirs[1] == pytest.approx(ours / ours[1], rel=1e-4)
 
 
 def test_the_noise_profile_is_the_variance_of_codes(tmp_path):
     adc = Adc(bits=14, gain_e_per_dn=1.7, black_level_dn=300)
-    situation = seen_by("RGB")
-    profile = raw_profile(situation, matrix_of(situation), mosaic=bayer(), adc=adc)
+    operating_point = seen_by("RGB")
+    profile = raw_profile(operating_point, matrix_of(operating_point), mosaic=bayer(), adc=adc)
     write_dng(tmp_path / "a.dng", drawn(22, 22), profile)
     with tifffile.TiffFile(tmp_path / "a.dng") as file:
         slope, offset = file.pages[0].tags["NoiseProfile"].value[:2]
@@ -261,7 +263,9 @@ def test_the_noise_profile_is_the_variance_of_codes(tmp_path):
     rng = np.random.default_rng(5)
     n = 200_000
     for mean_e in (0.0, 30.0, 2000.0, 20_000.0):
-        electrons = rng.poisson(mean_e, n) + rng.normal(0, situation.sensor.pixel.read_noise_e, n)
+        electrons = rng.poisson(mean_e, n) + rng.normal(
+            0, operating_point.sensor.pixel.read_noise_e, n
+        )
         x = (np.round(black + electrons / adc.gain_e_per_dn) - black) / (top - black)
         told = slope * x.mean() + offset
         # kurtosis of a Poisson variate adds mean / n to the relative variance of a variance
@@ -271,15 +275,15 @@ def test_the_noise_profile_is_the_variance_of_codes(tmp_path):
 
 def test_the_white_level_is_where_pixels_saturate_and_the_noise_profile_knows_the_dark(tmp_path):
     flaws = Imperfections(dark_current_e_per_s=100_000.0, row_noise_e=15.0)  # 2,000 e- in 20 ms
-    situation = seen_by("RGB", pixel=pixel_with(20.0, full_well_e=5000.0))
+    operating_point = seen_by("RGB", pixel=pixel_with(20.0, full_well_e=5000.0))
     adc = Adc(bits=14, gain_e_per_dn=2.0, black_level_dn=300)
     profile = raw_profile(
-        situation, matrix_of(situation), mosaic=bayer(), adc=adc, imperfections=flaws
+        operating_point, matrix_of(operating_point), mosaic=bayer(), adc=adc, imperfections=flaws
     )
 
     def codes(rho, level_lux):
         cube = flat_cube(GRID.wavelength_nm, rho, height=400, width=400)
-        lit = replace(situation, level_lux=level_lux)
+        lit = replace(operating_point, level_lux=level_lux)
         return acquired(cube, lit, mosaic=bayer(), adc=adc, imperfections=flaws).codes
 
     full, dark = codes(1.0, 1e6), codes(0.0, 1.0).astype(float)
@@ -293,10 +297,10 @@ def test_the_white_level_is_where_pixels_saturate_and_the_noise_profile_knows_th
 
 
 def test_a_gain_that_hides_the_full_well_is_refused():
-    situation = seen_by("RGB", pixel=pixel_with(20.0, full_well_e=5000.0))
+    operating_point = seen_by("RGB", pixel=pixel_with(20.0, full_well_e=5000.0))
     adc = Adc(bits=8, gain_e_per_dn=20_000.0, black_level_dn=50)
     with refused_input(value=50, requirement="black level 50"):
-        raw_profile(situation, matrix_of(situation), mosaic=bayer(), adc=adc)
+        raw_profile(operating_point, matrix_of(operating_point), mosaic=bayer(), adc=adc)
 
 
 def test_noise_of_a_code_by_hand():
@@ -397,12 +401,17 @@ def test_libraw_opens_the_smallest_and_the_widest_that_we_write(tmp_path, height
 
 
 def test_a_light_that_the_sensor_does_not_see_and_a_matrix_without_inverse_make_no_raw_file():
-    situation = seen_by("RGB")
-    dark = replace(situation.sensor, qe=0 * situation.sensor.qe)
+    operating_point = seen_by("RGB")
+    dark = replace(operating_point.sensor, qe=0 * operating_point.sensor.qe)
     with refused_input(subject=dark.name, value=0.0):
-        raw_profile(replace(situation, sensor=dark), matrix_of(situation), mosaic=bayer(), adc=ADC)
+        raw_profile(
+            replace(operating_point, sensor=dark),
+            matrix_of(operating_point),
+            mosaic=bayer(),
+            adc=ADC,
+        )
     with refused_input(requirement="channels"):
-        raw_profile(situation, matrix_of(seen_by("RGBW")), mosaic=bayer(), adc=ADC)
+        raw_profile(operating_point, matrix_of(seen_by("RGBW")), mosaic=bayer(), adc=ADC)
     with refused_input(value=1, requirement="rank 3"):
         camera_matrix(np.ones((3, 3)), np.ones(3))
     with refused_input(value=-1.0, requirement="luminance"):
@@ -410,10 +419,12 @@ def test_a_light_that_the_sensor_does_not_see_and_a_matrix_without_inverse_make_
 
 
 def test_what_the_engine_acquires_comes_back_from_its_dng(tmp_path):
-    situation = seen_by("RGBW")
+    operating_point = seen_by("RGBW")
     cube = flat_cube(GRID.wavelength_nm, 0.5, height=23, width=26)
-    raw = acquired(cube, situation, mosaic=rgbw_2x2(), seed=4)
-    profile = raw_profile(situation, matrix_of(situation), mosaic=raw.mosaic, adc=raw.adc)
+    raw = acquired(cube, operating_point, mosaic=rgbw_2x2(), seed=4)
+    profile = raw_profile(
+        operating_point, matrix_of(operating_point), mosaic=raw.mosaic, adc=raw.adc
+    )
     write_dng(tmp_path / "a.dng", raw.codes, profile)
     with rawpy.imread(str(tmp_path / "a.dng")) as seen:
         assert (seen.raw_image_visible == raw.codes).all()

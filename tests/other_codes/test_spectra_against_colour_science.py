@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.io import loadmat, savemat
 
-from chromanoise._colour import colour_science
+from chromanoise._colour_science import colour_science
 from chromanoise.io.spectra import Answers, read_curves
 
 REPOSITORY = Path(__file__).parents[2]

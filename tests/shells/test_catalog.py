@@ -9,9 +9,9 @@ import pytest
 from chromanoise.catalog.entries import KINDS, catalog_entries, catalog_file_of
 from chromanoise.catalog.resolve import (
     illuminant_files,
-    illuminant_of_word,
+    resolve_illuminant,
+    resolve_sensor,
     sensor_files,
-    sensor_of_word,
 )
 from chromanoise.errors import InputError
 from chromanoise.io.spectra import Answers
@@ -139,7 +139,7 @@ def test_a_users_sensor_and_lamp_stand_beside_the_built_in_ones(run, folder):
 
 
 def test_a_users_sensor_has_its_own_pixel_mosaic_and_curves(folder):
-    sensor = sensor_of_word("my-camera", full_well_e=5000.0)
+    sensor = resolve_sensor("my-camera", full_well_e=5000.0)
     assert (sensor.pixel.pitch_um, sensor.pixel.full_well_e) == (2.5, 5000.0)
     assert set(sensor.mosaic.names) == {"R", "G", "B"}
     # halfway from 0.1 to 0.6 at 550 nm
@@ -149,7 +149,7 @@ def test_a_users_sensor_has_its_own_pixel_mosaic_and_curves(folder):
 
 
 def test_a_users_lamp_that_counts_photons_is_flat_in_photons(folder):
-    photons = photon_irradiance(illuminant_of_word("my-lamp"))
+    photons = photon_irradiance(resolve_illuminant("my-lamp"))
     # 2 points, 380 and 1060 nm: in the middle, straight lines of power would be 25 % too high
     assert photons == pytest.approx(photons[0], rel=1e-4)
 
@@ -157,7 +157,7 @@ def test_a_users_lamp_that_counts_photons_is_flat_in_photons(folder):
 def test_a_file_of_photons_rises_straight_between_its_two_points(tmp_path):
     (tmp_path / "rising.csv").write_text("wavelength_nm,photons\n380,380\n1060,1060\n")
     answers = Answers(quantity="power", per="photon")
-    lamp = illuminant_of_word(str(tmp_path / "rising.csv"), answers=answers)
+    lamp = resolve_illuminant(str(tmp_path / "rising.csv"), answers=answers)
     # photons in proportion to the wavelength: the same power everywhere
     assert lamp.irradiance == pytest.approx(lamp.irradiance[0], rel=1e-4)
     assert any("photons" in note for note in lamp.notes)
@@ -184,8 +184,8 @@ def test_the_files_of_a_word_are_told_so_that_a_run_can_hold_them(folder, monkey
 def test_a_lamp_of_a_file_can_have_a_diode_beside_it(folder):
     word = f"{folder / 'my-lamp.csv'}+1xLED850"
     answers = Answers(quantity="power", per="energy")
-    lit = illuminant_of_word(word, answers=answers)
-    bare = illuminant_of_word(str(folder / "my-lamp.csv"), answers=answers)
+    lit = resolve_illuminant(word, answers=answers)
+    bare = resolve_illuminant(str(folder / "my-lamp.csv"), answers=answers)
     at = DEFAULT_GRID.wavelength_nm < 700
     np.testing.assert_allclose(
         lit.irradiance[at] / bare.irradiance[at], (lit.irradiance / bare.irradiance)[0], rtol=1e-9
@@ -265,16 +265,16 @@ def test_a_table_that_leads_out_of_its_folder_is_refused(tmp_path, monkeypatch):
     (inside / "SOURCES.toml").write_text(SENSOR)
     monkeypatch.setenv("CHROMANOISE_CATALOG", str(inside))
     with pytest.raises(InputError, match="my-camera"):
-        sensor_of_word("my-camera")
+        resolve_sensor("my-camera")
 
 
 def test_a_folder_without_sources_or_in_another_encoding_is_refused(tmp_path, monkeypatch):
     monkeypatch.setenv("CHROMANOISE_CATALOG", str(tmp_path))
     with pytest.raises(InputError, match=r"SOURCES\.toml"):
-        sensor_of_word("onyx-rgbw")
+        resolve_sensor("onyx-rgbw")
     (tmp_path / "SOURCES.toml").write_bytes(b"\xff\xfe\x00")
     with pytest.raises(InputError, match=r"SOURCES\.toml"):
-        sensor_of_word("onyx-rgbw")
+        resolve_sensor("onyx-rgbw")
 
 
 def test_the_option_takes_the_place_of_the_environment(run, folder, tmp_path_factory):
@@ -295,7 +295,7 @@ def test_a_response_in_amperes_per_watt_is_the_qe_that_it_stands_for(tmp_path, m
         "wavelength_nm,W\n400,0.161311\n500,0.201639\n1050,0.423442\n"
     )
     monkeypatch.setenv("CHROMANOISE_CATALOG", str(tmp_path))
-    assert sensor_of_word("my-camera").qe == pytest.approx(0.5, rel=1e-5)
+    assert resolve_sensor("my-camera").qe == pytest.approx(0.5, rel=1e-5)
 
 
 def test_the_same_folder_elsewhere_gives_the_same_hash(folder, tmp_path_factory, monkeypatch):
@@ -332,7 +332,7 @@ def test_the_help_names_the_lights_of_the_catalogue(run, command, words):
 def test_the_home_of_the_user_is_found_in_names_of_files(folder, monkeypatch):
     monkeypatch.setenv("HOME", str(folder))
     assert sensor_files("~/my-camera.csv") == (folder / "my-camera.csv",)
-    sensor = sensor_of_word("~/my-camera.csv", answers=Answers(quantity="QE"))
+    sensor = resolve_sensor("~/my-camera.csv", answers=Answers(quantity="QE"))
     assert sensor.name == "my-camera"
-    lit = illuminant_of_word("~/my-lamp.csv", answers=Answers(quantity="power", per="photon"))
+    lit = resolve_illuminant("~/my-lamp.csv", answers=Answers(quantity="power", per="photon"))
     assert lit.name == "my-lamp"

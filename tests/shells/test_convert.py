@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from chromanoise.catalog import sensor_named
+from chromanoise.io.sensor_json import sensor_from_json
 from chromanoise.io.spectra import read_curves
-from chromanoise.io.spectra_json import sensor_from_json
-from chromanoise.io.tables import table_from_json
+from chromanoise.io.table_formats import table_from_json
 from chromanoise.sensor import PAPER_PIXEL
 from chromanoise.spectra import DEFAULT_GRID
 from outcomes import refused

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from chromanoise.catalog.resolve import (
-    filter_of_word,
     illuminant_files,
-    illuminant_of_word,
     is_file_word,
+    resolve_filter,
+    resolve_illuminant,
 )
 from chromanoise.io.spectra import Answers
 from chromanoise.study import read_study, study_hash
@@ -130,9 +130,9 @@ def test_an_envi_library_works_as_light_and_filter(here):
         "wavelength = {380, 1060}\nspectra names = {spectral power [W]}\n"
     )
     (here / "x.sli").write_bytes(np.array([0.25, 0.75]).tobytes())
-    passes = filter_of_word("x.sli")
+    passes = resolve_filter("x.sli")
     assert passes.values[:, 0] == pytest.approx(0.25 + 0.5 * (passes.wavelength_nm - 380) / 680)
-    light = illuminant_of_word("x.hdr", answers=Answers(quantity="power", per="energy"))
+    light = resolve_illuminant("x.hdr", answers=Answers(quantity="power", per="energy"))
     slope = light.irradiance / (0.25 + 0.5 * (light.grid.wavelength_nm - 380) / 680)
     assert slope == pytest.approx(slope[0])
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from chromanoise.catalog import sensor_named
-from chromanoise.catalog.resolve import behind_filter_of_word, filter_files, filter_of_word
+from chromanoise.catalog.resolve import behind_resolved_filter, filter_files, resolve_filter
 from chromanoise.io.spectra import Answers
 from chromanoise.spectra import DEFAULT_GRID
 from chromanoise.study import (
@@ -47,7 +47,7 @@ def folder(tmp_path, monkeypatch):
 @pytest.mark.parametrize("word", ["gray-glass", "glass.csv", "./glass.csv"])
 def test_a_gray_glass_of_a_quarter_takes_three_quarters_of_every_curve(folder, word):
     bare = sensor_named("onyx-rgb", DEFAULT_GRID)
-    behind = behind_filter_of_word(bare, word)
+    behind = behind_resolved_filter(bare, word)
     np.testing.assert_allclose(behind.qe, bare.qe / 4, rtol=1e-12)
     assert behind.name == f"onyx-rgb+{'gray-glass' if word == 'gray-glass' else 'glass'}"
     assert behind.pixel == bare.pixel
@@ -70,9 +70,9 @@ def test_behind_a_gray_glass_the_time_of_saturation_is_four_times_as_long(run, f
 
 def test_a_measured_filter_brings_its_source_and_a_model_says_that_it_is_one():
     assert "Schott" in " ".join(
-        filter_of_word("ircut-schott", answers=Answers(beyond="hold")).notes
+        resolve_filter("ircut-schott", answers=Answers(beyond="hold")).notes
     )
-    (note,) = filter_of_word("ircut-650/20").notes
+    (note,) = resolve_filter("ircut-650/20").notes
     assert "model" in note
 
 

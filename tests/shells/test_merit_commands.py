@@ -13,7 +13,7 @@ from chromanoise.analysis import (
     pareto_of,
 )
 from chromanoise.catalog import sensor_named
-from chromanoise.exposure import Exposure, Situation
+from chromanoise.exposure import Exposure, OperatingPoint
 from chromanoise.scene import flat_field
 from chromanoise.spectra import DEFAULT_GRID, equal_energy
 from outcomes import refused
@@ -23,7 +23,7 @@ LAMP = equal_energy(DEFAULT_GRID)
 
 def situation_of(name, lux, time_s):
     sensor = sensor_named(name, DEFAULT_GRID)
-    return Situation(
+    return OperatingPoint(
         sensor=sensor, exposure=Exposure(time_s=time_s), illuminant=LAMP, level_lux=lux
     )
 
@@ -32,10 +32,12 @@ def test_json_of_merit_has_the_digits_of_the_library(run):
     arguments = ("--matrix", "lmmse", "--prior", "chart", "--lux", 2, "--time-ms", 10)
     code, out, _ = run("analyze", "model-rgb-ircut", *arguments, "--merit", "--json", "-")
     told = json.loads(out)["sensors"][0]["merits"]
-    situation = situation_of("model-rgb-ircut", 2.0, 0.010)
+    operating_point = situation_of("model-rgb-ircut", 2.0, 0.010)
     maker = matrix_makers(["lmmse"], "quanta", prior="chart")["lmmse"]
     white = flat_field(LAMP, level_lux=2.0)
-    analysis = analyzed(white, situation.sensor, situation.exposure, matrix=maker(situation))
+    analysis = analyzed(
+        white, operating_point.sensor, operating_point.exposure, matrix=maker(operating_point)
+    )
     assert code == 0
     assert told == json.loads(json.dumps(merits_as_json(merits_of(analysis, maker=maker))))
     assert told["values"]["snr10_adapted"]["value"] > 0
@@ -79,8 +81,8 @@ def test_json_of_pareto_has_the_digits_of_the_library(run):
         *("--pareto", "0.01:100:5", "--json", "-"),
     )
     told = json.loads(out)
-    situation = situation_of("onyx-rgbw", 1.0, 0.012)
-    curve = pareto_of(situation, noise_weights(0.01, 100.0, points=5), prior="smooth-100")
+    operating_point = situation_of("onyx-rgbw", 1.0, 0.012)
+    curve = pareto_of(operating_point, noise_weights(0.01, 100.0, points=5), prior="smooth-100")
     assert code == 0
     assert [p["weight"] for p in told["pareto"]] == curve.weight.tolist()
     assert [p["color_error_rms_lux"] for p in told["pareto"]] == curve.color_error_rms.tolist()

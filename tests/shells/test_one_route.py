@@ -18,7 +18,7 @@ import chromanoise as cn
 from chromanoise.cli.entry import commands
 from chromanoise.errors import InputError, errors_in
 from chromanoise.page.answers import Answers
-from chromanoise.page.asked import QuestionError
+from chromanoise.page.requests import QuestionError
 from chromanoise.page.studies import Studies
 from chromanoise.page.uploads import Uploads
 
@@ -172,10 +172,10 @@ def calls(draw, troubles=TROUBLE):
         told |= {"qe_scale": "percent", "beyond": draw(st.sampled_from(["zero", "hold"]))}
     if troubles and draw(st.booleans()):
         told |= draw(st.sampled_from(troubles))
-    return asked_of({"sensors": tuple(sensors)} | told)
+    return capture_settings_of({"sensors": tuple(sensors)} | told)
 
 
-def asked_of(told):
+def capture_settings_of(told):
     settings = {name: value for name, value in told.items() if value is not None}
     return Asked(settings.pop("sensors"), settings.pop("matrix"), settings)
 
@@ -391,7 +391,7 @@ def test_every_route_gives_the_same_analysis(asked):
 def test_every_route_gives_the_same_refusal(trouble):
     of_file = {"qe_scale", "beyond", "peak_qe"} & trouble.keys()
     told = {"sensors": ("cam.csv",), "qe_scale": "percent", "beyond": "zero"} if of_file else {}
-    asked = asked_of({"sensors": ("onyx-rgbw",), "matrix": "kernel"} | told | trouble)
+    asked = capture_settings_of({"sensors": ("onyx-rgbw",), "matrix": "kernel"} | told | trouble)
     assert isinstance(routes_agree(asked), Refusal)
 
 
@@ -425,13 +425,13 @@ MATRIXED = [
 @pytest.mark.parametrize("told", COMPARED, ids=str)
 def test_a_comparison_is_the_same_by_every_route(told):
     start = {"sensors": ("onyx-rgbw", "onyx-rgb-ircut"), "matrix": "kernel", "points": 3}
-    routes_agree(replace(asked_of(start | told), function="compare"))
+    routes_agree(replace(capture_settings_of(start | told), function="compare"))
 
 
 @pytest.mark.parametrize("told", MATRIXED, ids=str)
 def test_a_color_matrix_is_the_same_by_every_route(told):
     start = {"sensors": ("onyx-rgbw",), "matrix": "kernel"}
-    routes_agree(replace(asked_of(start | told), function="matrix"))
+    routes_agree(replace(capture_settings_of(start | told), function="matrix"))
 
 
 def times_ms(told):

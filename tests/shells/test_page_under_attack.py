@@ -27,9 +27,9 @@ from attack_questions import BOMBS, FILES, damaged
 from chromanoise import _sandbox
 from chromanoise.errors import InputError
 from chromanoise.io.mat5 import mat_array
-from chromanoise.page import asked, processes, work, worker
-from chromanoise.page.asked import Bodies, QuestionError
-from chromanoise.page.desk import Desk
+from chromanoise.page import processes, work, worker
+from chromanoise.page.requests import Bodies, QuestionError
+from chromanoise.page.services import Desk
 from chromanoise.page.uploads import Kept, Uploads
 from chromanoise.page.work import Workers
 from served_page import served

@@ -10,7 +10,7 @@ import tifffile
 from PIL import Image
 
 from chromanoise.catalog import sensor_with_pixel
-from chromanoise.io.spectra_json import sensor_from_json, sensor_json
+from chromanoise.io.sensor_json import sensor_from_json, sensor_json
 from chromanoise.page.pictures import Pictures
 from chromanoise.page.studies import Studies, files_of, served_data
 from chromanoise.page.uploads import Uploads

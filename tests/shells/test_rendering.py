@@ -5,7 +5,7 @@ import pytest
 import chromanoise as cn
 from chromanoise.cli.rendering import sentences
 from chromanoise.errors import InputError, Setting, StudyError
-from chromanoise.page.asked import page_sentence
+from chromanoise.page.requests import page_sentence
 from chromanoise.study import ANALYSIS, flat_names, study_from_text
 from chromanoise.study.reading import in_study
 

@@ -174,7 +174,7 @@ def answered(data, slide, i):
 
 
 def fresh(level_lux, time_ms, ircut_nm=None, light="E"):
-    """Asked as a study of its own, the time given and not solved."""
+    """CaptureSettings as a study of its own, the time given and not solved."""
     cut = "" if ircut_nm is None else f"ircut_nm = {ircut_nm!r}\n"
     sensors = TWO.replace('"\n', f'"\n{cut}')
     lit = f"[light]\nilluminant = '{light}'\nlevel_lux = {level_lux!r}\n"
@@ -186,7 +186,7 @@ def fresh(level_lux, time_ms, ircut_nm=None, light="E"):
 def test_what_a_slider_shows_is_a_fresh_analysis_at_that_value(page, there, slide, i):
     data = block(page)
     value = data["slides"][slide]["values"][i]
-    time_ms = 1e3 * there.situations[0].exposure.time_s
+    time_ms = 1e3 * there.operating_points[0].exposure.time_s
     asked = {
         0: lambda: fresh(value, time_ms),
         1: lambda: fresh(10.0, time_ms, value),

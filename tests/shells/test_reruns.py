@@ -222,7 +222,7 @@ def test_only_another_place_or_machine_in_the_record_is_no_difference_of_results
 
 def record_of(folder, **variables):
     source = Path(chromanoise.__file__).parents[1]
-    script = "from chromanoise.study.numerics import numerics; print(repr(numerics()))"
+    script = "from chromanoise.study.numeric_libraries import numerics; print(repr(numerics()))"
     done = subprocess.run(
         [sys.executable, "-c", script], cwd=folder, capture_output=True, text=True, check=True,
         env={**os.environ, "PYTHONPATH": str(source), **variables}, timeout=60,

@@ -7,9 +7,9 @@ import xml.etree.ElementTree as ElementTree
 import numpy as np
 import pytest
 
-from chromanoise.catalog.resolve import filter_of_word, illuminant_of_word, sensor_of_word
+from chromanoise.catalog.resolve import resolve_filter, resolve_illuminant, resolve_sensor
 from chromanoise.io.spectra import Answers, read_curves
-from chromanoise.io.tables import table_from_json
+from chromanoise.io.table_formats import table_from_json
 
 AT_NM = np.array([400.0, 437.5, 500.0, 612.3, 700.0, 1050.0])
 SMALL = 10.0 ** np.array([-1, -3, -12, 0, -6, -2])
@@ -101,8 +101,8 @@ def test_the_qe_that_convert_writes_is_the_sensor_that_it_read(done, here, endin
     write_csv(here / "cam.csv", (values(3) + 0.01).clip(max=1).tolist(), "RGB")
     answers = ("--quantity", "QE", "--absolute")
     done("convert", "cam.csv", f"again{ending}", *answers)
-    first = sensor_of_word("cam.csv", answers=Answers(quantity="QE", level="absolute"))
-    again = sensor_of_word(f"again{ending}")
+    first = resolve_sensor("cam.csv", answers=Answers(quantity="QE", level="absolute"))
+    again = resolve_sensor(f"again{ending}")
     assert np.array_equal(first.qe, again.qe)
     assert first.names == again.names
     ours = json.loads(done("analyze", f"again{ending}", "--json", "-")[0])["sensors"][0]
@@ -125,9 +125,9 @@ def test_a_sensor_of_the_catalog_comes_back_from_either_file(done, here, ending)
 def test_a_light_that_convert_writes_is_the_light_that_it_read(done, here, ending):
     write_csv(here / "lamp.csv", (values(1) + 0.1).tolist(), ["lamp"])
     done("convert", "lamp.csv", f"again{ending}", "--quantity", "power", "--photons")
-    first = illuminant_of_word("lamp.csv", answers=Answers(quantity="power", per="photon"))
-    again = illuminant_of_word(f"again{ending}")
-    mixed = illuminant_of_word(f"again{ending}+0.5xLED850")
+    first = resolve_illuminant("lamp.csv", answers=Answers(quantity="power", per="photon"))
+    again = resolve_illuminant(f"again{ending}")
+    mixed = resolve_illuminant(f"again{ending}+0.5xLED850")
     assert np.array_equal(first.irradiance, again.irradiance)
     # the diode adds almost no illuminance
     assert mixed.irradiance.sum() == pytest.approx(1.5 * again.irradiance.sum(), rel=1e-3)
@@ -138,7 +138,7 @@ def test_a_light_that_convert_writes_is_the_light_that_it_read(done, here, endin
 def test_a_filter_that_convert_writes_is_the_filter_that_it_read(done, here, ending):
     write_csv(here / "glass.csv", values(1).tolist(), ["glass"])
     done("convert", "glass.csv", f"again{ending}", "--quantity", "transmittance")
-    first, again = filter_of_word("glass.csv"), filter_of_word(f"again{ending}")
+    first, again = resolve_filter("glass.csv"), resolve_filter(f"again{ending}")
     assert np.array_equal(first.values, again.values)
     done("analyze", "onyx-rgbw", "--filter", f"again{ending}")
 
@@ -153,8 +153,8 @@ def test_curves_that_convert_writes_work_in_the_users_folder(done, here, monkeyp
         'defects = "none"\nquantity = "QE"\nunit = "e-/photon"\nlevel = "absolute"\n'
     )
     monkeypatch.setenv("CHROMANOISE_CATALOG", str(folder))
-    first = sensor_of_word("cam.csv", answers=Answers(quantity="QE", level="absolute"))
-    assert np.array_equal(sensor_of_word("my-cam").qe, first.qe)
+    first = resolve_sensor("cam.csv", answers=Answers(quantity="QE", level="absolute"))
+    assert np.array_equal(resolve_sensor("my-cam").qe, first.qe)
 
 
 def test_a_rawtoaces_camera_that_convert_writes_it_writes_again_the_same(done, here):

@@ -16,7 +16,7 @@ import pytest
 
 from chromanoise.charts import PARTS, drawing, shown
 from chromanoise.page.files import asset
-from chromanoise.page.guard import JSON_BYTES, UPLOAD_BYTES
+from chromanoise.page.middleware import JSON_BYTES, UPLOAD_BYTES
 from chromanoise.page.server import listening_socket, page_server
 from chromanoise.page.uploads import MOST_FILES, Uploads
 from chromanoise.study import study_from_data, study_from_text

@@ -12,9 +12,9 @@ from PIL import Image
 from chromanoise.errors import InputError
 from chromanoise.page import answers as answering
 from chromanoise.page.answers import Answers
-from chromanoise.page.asked import QuestionError
-from chromanoise.page.desk import Desk
 from chromanoise.page.pictures import Pictures
+from chromanoise.page.requests import QuestionError
+from chromanoise.page.services import Desk
 from chromanoise.page.studies import MOST_SENSORS, Studies, files_of, served_data
 from chromanoise.page.uploads import Uploads
 from chromanoise.study import read_study, run_study, study_from_data, study_from_text, study_hash

@@ -14,11 +14,11 @@ from PIL import Image
 
 from chromanoise.catalog import sensor_named
 from chromanoise.errors import InputError
-from chromanoise.exposure import Situation, saturating_exposure
+from chromanoise.exposure import OperatingPoint, saturating_exposure
 from chromanoise.imaging import DEMOSAICING, acquired, developed, rendered
-from chromanoise.imaging.shots import write_shot
+from chromanoise.imaging.capture import write_capture
 from chromanoise.io.cubes import read_cube
-from chromanoise.io.spectra_json import sensor_json
+from chromanoise.io.sensor_json import sensor_json
 from chromanoise.scene import flat_field
 from chromanoise.sensor import Imperfections, Mosaic, bayer, rgb_ir, rgbw_2x2, rgbw_sparse_4x4
 from chromanoise.spectra import DEFAULT_GRID, equal_energy
@@ -67,7 +67,7 @@ def used(name, lux=10.0):
     lamp, sensor = equal_energy(DEFAULT_GRID), sensor_named(name, DEFAULT_GRID)
     white = flat_field(lamp, level_lux=lux)
     exposure = saturating_exposure(white, sensor, f_number=1.8, share=0.99)
-    return Situation(sensor=sensor, exposure=exposure, illuminant=lamp, level_lux=lux)
+    return OperatingPoint(sensor=sensor, exposure=exposure, illuminant=lamp, level_lux=lux)
 
 
 def codes_in(folder, stem):
@@ -138,9 +138,9 @@ def test_raw_only_writes_codes_and_no_color(take):
 @pytest.mark.parametrize("method", ["bilinear", "malvar", "gradient", "lmmse"])
 def test_the_color_of_a_mosaic_is_that_of_the_library(take, cube, method):
     folder, (told,), _, _ = take("o", "model-rgb", "--mosaic", "sensor", "--demosaic", method)
-    situation = used("model-rgb")
-    raw = acquired(read_cube(cube), situation)
-    ours = developed(raw, DEMOSAICING[method](bayer(), situation))
+    operating_point = used("model-rgb")
+    raw = acquired(read_cube(cube), operating_point)
+    ours = developed(raw, DEMOSAICING[method](bayer(), operating_point))
     assert (tifffile.imread(folder / "model-rgb.xyz.tiff") == ours.xyz).all()
     with Image.open(folder / "model-rgb.png") as picture:
         assert (np.asarray(picture) == ours.srgb).all()
@@ -529,7 +529,7 @@ def test_channels_that_the_mosaic_leaves_out_are_missed_only_by_color(run, take,
 
 def test_what_color_lacks_is_told_before_the_long_work(run, cube, tmp_path, monkeypatch):
     monkeypatch.setattr(
-        import_module("chromanoise.imaging.shots"),
+        import_module("chromanoise.imaging.capture"),
         "acquired",
         lambda *_, **__: pytest.fail("worked"),
     )
@@ -551,7 +551,7 @@ def test_a_dng_that_nobody_could_open_is_refused_before_the_work(
     run, tmp_path, monkeypatch, sensor, options, part
 ):
     monkeypatch.setattr(
-        import_module("chromanoise.imaging.shots"),
+        import_module("chromanoise.imaging.capture"),
         "acquired",
         lambda *_, **__: pytest.fail("worked"),
     )
@@ -562,7 +562,7 @@ def test_a_dng_that_nobody_could_open_is_refused_before_the_work(
 
 
 def test_an_exr_without_its_package_is_refused_before_the_work(run, cube, tmp_path, monkeypatch):
-    shots = import_module("chromanoise.imaging.shots")
+    shots = import_module("chromanoise.imaging.capture")
     monkeypatch.setattr(shots, "rendered", lambda *_, **__: pytest.fail("worked"))
     monkeypatch.setitem(sys.modules, "OpenEXR", None)
     outcome = run(
@@ -610,16 +610,16 @@ def test_a_stem_that_leads_elsewhere_is_refused_before_anything_is_written(
         shots.append(taken)
         return [], []
 
-    monkeypatch.setattr("chromanoise.cli.simulate.write_shot", kept)
+    monkeypatch.setattr("chromanoise.cli.simulate.write_capture", kept)
     out = tmp_path / "out"
     assert run("simulate", "builtin:checker", "--sensor", "model-rgb", "-o", out)[0] == 0
     (taken,) = shots
     before = sorted(tmp_path.rglob("*"))
     for stem in ("../x", "a/b", "a\\b", "a\0b", ".x", ".."):
         with pytest.raises(InputError):
-            write_shot(out, stem, taken)
+            write_capture(out, stem, taken)
     assert sorted(tmp_path.rglob("*")) == before
-    assert write_shot(out, "x", taken)[0] == ["x.png", "x.xyz.tiff"]
+    assert write_capture(out, "x", taken)[0] == ["x.png", "x.xyz.tiff"]
 
 
 def test_two_sensors_whose_files_would_have_one_name_are_refused(run, tmp_path):

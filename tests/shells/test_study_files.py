@@ -6,7 +6,7 @@ import pytest
 
 from chromanoise.analysis import analyses_as_json, analyzed, budgets_as_json, matrix_makers
 from chromanoise.catalog import sensor_named
-from chromanoise.exposure import Situation, saturating_exposure
+from chromanoise.exposure import OperatingPoint, saturating_exposure
 from chromanoise.scene import flat_field
 from chromanoise.spectra import DEFAULT_GRID, equal_energy
 from outcomes import refused
@@ -98,7 +98,7 @@ def of_library(names, lux):
     exposure = min(solved, key=lambda one: one.time_s)  # one time for all, at which none saturates
     analyses = []
     for sensor in sensors:
-        used = Situation(sensor=sensor, exposure=exposure, illuminant=lamp, level_lux=lux)
+        used = OperatingPoint(sensor=sensor, exposure=exposure, illuminant=lamp, level_lux=lux)
         analyses.append(analyzed(white, sensor, exposure, matrix=maker(used)))
     told = analyses_as_json(analyses)
     for own, analysis in zip(told["sensors"], analyses, strict=True):

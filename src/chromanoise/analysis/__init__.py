@@ -5,12 +5,27 @@ from typing import TYPE_CHECKING
 from chromanoise._lazy import lazy_names
 
 if TYPE_CHECKING:
+    from chromanoise.analysis.analysis import (
+        Analysis,
+        analyzed,
+        color_snr_db,
+        color_snr_loss_db,
+        contravariant_snr_db,
+        diagnosis,
+        mean_color_error,
+        raw_snr_db,
+    )
     from chromanoise.analysis.budgets import (
         color_budgets,
         contravariant_budgets,
         coordinate_budget,
         lab_budgets,
         missing_lab_budgets,
+    )
+    from chromanoise.analysis.chart_noise import (
+        ChartNoise,
+        chart_as_json,
+        chart_noise,
     )
     from chromanoise.analysis.color_matrices import (
         METHODS,
@@ -19,6 +34,11 @@ if TYPE_CHECKING:
         known_matrices,
         matrix_makers,
         trained_names,
+    )
+    from chromanoise.analysis.color_space_noise import (
+        GrayNoise,
+        gray_noise,
+        gray_noise_as_json,
     )
     from chromanoise.analysis.comparison.bands import (
         CrossoverBand,
@@ -55,7 +75,7 @@ if TYPE_CHECKING:
         Merit,
         Viewing,
     )
-    from chromanoise.analysis.figures_of_merit.listed import (
+    from chromanoise.analysis.figures_of_merit.merits import (
         Merits,
         merits_as_json,
         merits_of,
@@ -72,30 +92,10 @@ if TYPE_CHECKING:
         pareto_of,
         white_snr_db,
     )
-    from chromanoise.analysis.patches import (
-        ChartNoise,
-        chart_as_json,
-        chart_noise,
-    )
-    from chromanoise.analysis.perceived import (
-        GrayNoise,
-        gray_noise,
-        gray_noise_as_json,
-    )
     from chromanoise.analysis.priors import (
         DEFAULT_PRIOR,
         PRIORS,
         Prior,
-    )
-    from chromanoise.analysis.stages import (
-        Analysis,
-        analyzed,
-        color_snr_db,
-        color_snr_loss_db,
-        contravariant_snr_db,
-        diagnosis,
-        mean_color_error,
-        raw_snr_db,
     )
 
 __all__ = [

@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 from functools import lru_cache
 
-from chromanoise.analysis.perceived import GRAY
-from chromanoise.analysis.stages import Analysis, color_snr_db
+from chromanoise.analysis.analysis import Analysis, color_snr_db
+from chromanoise.analysis.color_space_noise import GRAY
 from chromanoise.color import LAB
 from chromanoise.metrics import Budget, color_budget, contravariant_budget, lab_budget
 from chromanoise.scene import flat_field

@@ -22,12 +22,12 @@ from chromanoise.color import (
     white_preserving,
 )
 from chromanoise.errors import InputError
-from chromanoise.exposure import Exposure, Situation
+from chromanoise.exposure import Exposure, OperatingPoint
 from chromanoise.sensor import Sensor
 from chromanoise.spectra import Metric
 
-MatrixMaker = Callable[[Situation], ColorMatrix]
-"""A color matrix for a situation: some adapt to the light level."""
+MatrixMaker = Callable[[OperatingPoint], ColorMatrix]
+"""A color matrix for an operating point: some adapt to the light level."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -95,7 +95,7 @@ def matrix_makers(
 
 
 def matrices_over_levels(
-    maker: MatrixMaker, situation: Situation, level_lux: Float[Array, " k"]
+    maker: MatrixMaker, operating_point: OperatingPoint, level_lux: Float[Array, " k"]
 ) -> Float[Array, "k c p"] | None:
     """What a maker makes at many light levels, all at once. [lx/e-]
 
@@ -106,7 +106,7 @@ def matrices_over_levels(
     ----------
     maker
         Of `matrix_makers`, or your own.
-    situation
+    operating_point
         Whose level is not looked at.
     level_lux
         Illuminances, > 0. [lx]
@@ -121,10 +121,10 @@ def matrices_over_levels(
     method: Method = maker.keywords["method"]
     if method.over_light is None:
         return None
-    training = training_named(maker.keywords["prior"], situation.illuminant)
+    training = training_named(maker.keywords["prior"], operating_point.illuminant)
     parameters = maker.keywords["parameters"]
     return method.over_light(
-        situation.sensor, situation.exposure, training, level_lux, **parameters
+        operating_point.sensor, operating_point.exposure, training, level_lux, **parameters
     )
 
 
@@ -173,23 +173,23 @@ def _number(text: str, name: str) -> float:
 
 
 def _made(
-    situation: Situation,
+    operating_point: OperatingPoint,
     *,
     method: Method,
     prior: str,
     metric: Metric,
     parameters: dict[str, Any],
 ) -> ColorMatrix:
-    training = training_named(prior, situation.illuminant) if method.trained else None
+    training = training_named(prior, operating_point.illuminant) if method.trained else None
     if method.over_light is None:
         own = tuple(parameters.items())
-        sensor, exposure = situation.sensor, situation.exposure
+        sensor, exposure = operating_point.sensor, operating_point.exposure
         return _of_any_light(method.make, sensor, exposure, training, metric, own)
     return method.make(
-        situation.sensor,
-        situation.exposure,
+        operating_point.sensor,
+        operating_point.exposure,
         training,
-        level_lux=situation.level_lux,
+        level_lux=operating_point.level_lux,
         metric=metric,
         **parameters,
     )

@@ -5,11 +5,7 @@ from dataclasses import asdict
 from typing import Any
 
 from chromanoise import __version__
-from chromanoise.analysis.budgets import color_budgets, contravariant_budgets, lab_budgets
-from chromanoise.analysis.comparison.crossing import Crossover, crossover_as_json
-from chromanoise.analysis.comparison.curves import Curve
-from chromanoise.analysis.defined import defined
-from chromanoise.analysis.stages import (
+from chromanoise.analysis.analysis import (
     Analysis,
     color_snr_db,
     color_snr_loss_db,
@@ -18,6 +14,10 @@ from chromanoise.analysis.stages import (
     mean_color_error,
     raw_snr_db,
 )
+from chromanoise.analysis.budgets import color_budgets, contravariant_budgets, lab_budgets
+from chromanoise.analysis.comparison.crossing import Crossover, crossover_as_json
+from chromanoise.analysis.comparison.curves import Curve
+from chromanoise.analysis.undefined import defined
 from chromanoise.metrics import Budget
 
 

@@ -12,7 +12,7 @@ from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._shapes import Bool, Float
 from chromanoise.color import UNBOUNDED, ColorMatrix, ElectronSource, NoisyColor, colored, scene_xyz
-from chromanoise.exposure import Situation, expected_electrons
+from chromanoise.exposure import OperatingPoint, expected_electrons
 from chromanoise.geometry import contravariant
 from chromanoise.metrics import optimal_linear_snr_db, signal_snr_db
 from chromanoise.noise import (
@@ -51,7 +51,7 @@ class Stages:
         One matrix per level, in place of the numbers of ``matrix``; ``None`` for those. [lx/e-]
     """
 
-    point: Situation
+    point: OperatingPoint
     matrix: ColorMatrix
     scene: Scene
     level_lux: Float[Array, " k"] | None
@@ -115,7 +115,7 @@ class Stages:
 
 
 def electrons_at(
-    point: Situation,
+    point: OperatingPoint,
     *,
     level_lux: Float[Array, " k"] | None = None,
     reflectance: float | Float[Array, "*patches n"] = 1.0,
@@ -142,7 +142,7 @@ def electrons_at(
 
 
 def stages_at(
-    point: Situation,
+    point: OperatingPoint,
     matrix: ColorMatrix,
     *,
     level_lux: Float[Array, " k"] | None = None,
@@ -215,7 +215,7 @@ def noisy_color_at(stages: Stages, white: Float[Array, " 3"]) -> NoisyColor:
 
 
 def _scene(
-    point: Situation,
+    point: OperatingPoint,
     level_lux: Float[Array, " k"] | None,
     reflectance: float | Float[Array, "*patches n"],
 ) -> Scene:

@@ -8,11 +8,11 @@ import numpy as np
 from chromanoise import __version__, _check
 from chromanoise._check import Array
 from chromanoise._shapes import Float
-from chromanoise.analysis.defined import defined
 from chromanoise.analysis.priors import DEFAULT_PRIOR, PRIORS, training_named
+from chromanoise.analysis.undefined import defined
 from chromanoise.color import ColorMatrix, ParetoCurve, pareto
 from chromanoise.errors import InputError
-from chromanoise.exposure import Situation
+from chromanoise.exposure import OperatingPoint
 from chromanoise.metrics import MatrixReport
 from chromanoise.sensor import left_out_of_closed_form
 
@@ -48,7 +48,7 @@ def noise_weights(first: float, last: float, *, points: int = 13) -> Float[Array
 
 
 def pareto_of(
-    situation: Situation, weights: Float[Array, " q"], *, prior: str = DEFAULT_PRIOR
+    operating_point: OperatingPoint, weights: Float[Array, " q"], *, prior: str = DEFAULT_PRIOR
 ) -> ParetoCurve:
     """The Pareto curve of a sensor in use, trained on a prior that has a name.
 
@@ -69,9 +69,13 @@ def pareto_of(
     Vora & Herley (ICIP 1998), with shot noise.
     """
     _check.one_of("prior", prior, tuple(PRIORS))
-    training = training_named(prior, situation.illuminant)
+    training = training_named(prior, operating_point.illuminant)
     return pareto(
-        situation.sensor, situation.exposure, training, weights, level_lux=situation.level_lux
+        operating_point.sensor,
+        operating_point.exposure,
+        training,
+        weights,
+        level_lux=operating_point.level_lux,
     )
 
 
@@ -83,20 +87,20 @@ def white_snr_db(curve: ParetoCurve, report: MatrixReport) -> tuple[float | None
 
 
 def matrix_as_json(
-    situation: Situation,
+    operating_point: OperatingPoint,
     matrix: ColorMatrix,
     report: MatrixReport,
     curve: ParetoCurve | None = None,
 ) -> dict[str, Any]:
     """A matrix, what it is worth, and the curve on which it competes; undefined is ``None``."""
-    told, sensor = asdict(report), situation.sensor
+    told, sensor = asdict(report), operating_point.sensor
     snr = report.snr_db or {}
     return {
         "version": __version__,
         "sensor": sensor.name,
-        "illuminant": situation.illuminant.name,
-        "level_lux": situation.level_lux,
-        "time_ms": 1e3 * situation.exposure.time_s,
+        "illuminant": operating_point.illuminant.name,
+        "level_lux": operating_point.level_lux,
+        "time_ms": 1e3 * operating_point.exposure.time_s,
         "matrix": {
             "made_by": matrix.made_by,
             "metric": matrix.metric,
@@ -110,7 +114,11 @@ def matrix_as_json(
             "snr_db": {name: defined(value) for name, value in snr.items()} or None,
         },
         "pareto": None if curve is None else _points(curve, report),
-        "notes": [*sensor.notes, *left_out_of_closed_form(sensor), *situation.illuminant.notes],
+        "notes": [
+            *sensor.notes,
+            *left_out_of_closed_form(sensor),
+            *operating_point.illuminant.notes,
+        ],
     }
 
 

@@ -3,9 +3,14 @@
 from collections.abc import Sequence
 
 from chromanoise import _check
+from chromanoise.analysis.analysis import (
+    Analysis,
+    color_snr_db,
+    color_snr_loss_db,
+    mean_color_error,
+)
 from chromanoise.analysis.comparison.curves import Curve
-from chromanoise.analysis.defined import defined
-from chromanoise.analysis.stages import Analysis, color_snr_db, color_snr_loss_db, mean_color_error
+from chromanoise.analysis.undefined import defined
 from chromanoise.color import ColorMatrix
 from chromanoise.errors import InputError
 from chromanoise.io.table import Column, Entry, Table, written

@@ -12,7 +12,7 @@ from chromanoise.catalog.resolve import (
     file_of,
     file_there,
     is_file_word,
-    sensor_of_word,
+    resolve_sensor,
 )
 from chromanoise.errors import InputError, Setting
 from chromanoise.io.pixels import (
@@ -30,8 +30,8 @@ from chromanoise.io.pixels.source_text import (
     source_json,
     source_text,
 )
+from chromanoise.io.sensor_json import sensor_from_json
 from chromanoise.io.spectra import ASK, Answers, read_curves
-from chromanoise.io.spectra_json import sensor_from_json
 from chromanoise.sensor import (
     Converter,
     PixelSource,
@@ -145,7 +145,7 @@ def _own_sensor(word: str) -> Sensor | None:
 def _sensor(word: str, answers: Answers, changes: dict[str, Any]) -> Sensor:
     own = _own_sensor(word)
     if own is None:
-        return sensor_of_word(word, answers=answers, **changes)
+        return resolve_sensor(word, answers=answers, **changes)
     return on_pixel(own, **changes)
 
 
@@ -158,7 +158,7 @@ def sensor_with_pixel(
     full_well_e: float | None = None,
     read_noise_e: float | None = None,
 ) -> Sensor:
-    """A sensor as `sensor_of_word` or of our own JSON, on the pixel that a file tells of.
+    """A sensor as `resolve_sensor` or of our own JSON, on the pixel that a file tells of.
 
     The file gives pitch, full well and read noise of the pixel, and the imperfections and the
     converter, which only pictures of the sensor use.
@@ -166,7 +166,7 @@ def sensor_with_pixel(
     Parameters
     ----------
     word, answers
-        As `sensor_of_word`.
+        As `resolve_sensor`.
     file
         Of `read_pixel_source`; ``None`` for the sensor's own pixel.
     pitch_um, full_well_e, read_noise_e
@@ -175,7 +175,7 @@ def sensor_with_pixel(
     Raises
     ------
     InputError
-        As `sensor_of_word` and `read_pixel_source`, or if the file tells none of the three.
+        As `resolve_sensor` and `read_pixel_source`, or if the file tells none of the three.
     """
     given = {"pitch_um": pitch_um, "full_well_e": full_well_e, "read_noise_e": read_noise_e}
     return _on_pixel(partial(_sensor, word, answers), file, given)

@@ -44,7 +44,7 @@ WordKind = Literal["sensor", "light", "filter"]
 """What a word names that may also name a file."""
 
 
-def sensor_of_word(
+def resolve_sensor(
     word: str,
     *,
     answers: Answers = ASK,
@@ -80,7 +80,7 @@ def sensor_of_word(
     return replace(sensor, pixel=replace(sensor.pixel, **given))
 
 
-def illuminant_of_word(word: str, *, answers: Answers = ASK) -> Illuminant:
+def resolve_illuminant(word: str, *, answers: Answers = ASK) -> Illuminant:
     """An illuminant by name, of the user's own folder or from a file of one curve.
 
     Each may have an infrared diode beside it, as ``A+0.5xLED850`` or ``lamp.csv+1xLED940/50``.
@@ -133,7 +133,7 @@ def filter_files(word: str) -> tuple[Path, ...]:
     return _files(word, "filter")
 
 
-def filter_of_word(word: str, *, answers: Answers = ASK) -> Spectra:
+def resolve_filter(word: str, *, answers: Answers = ASK) -> Spectra:
     """The transmittance of a filter by name, of the user's own folder or from a file of one curve.
 
     Raises
@@ -165,7 +165,7 @@ def filter_of_word(word: str, *, answers: Answers = ASK) -> Spectra:
     return means_on_grid(curve, DEFAULT_GRID, beyond=answers.beyond)
 
 
-def behind_filter_of_word(sensor: Sensor, word: str, *, answers: Answers = ASK) -> Sensor:
+def behind_resolved_filter(sensor: Sensor, word: str, *, answers: Answers = ASK) -> Sensor:
     """The same sensor behind one more filter: ``onyx-rgb`` becomes ``onyx-rgb+ircut-650``.
 
     Parameters
@@ -173,24 +173,24 @@ def behind_filter_of_word(sensor: Sensor, word: str, *, answers: Answers = ASK) 
     sensor
         On the grid of 400-1050 nm that all words share.
     word
-        As `filter_of_word`.
+        As `resolve_filter`.
     answers
         The user's answers about the filter's file; ``beyond`` also applies to filters by name.
 
     Raises
     ------
     InputError
-        As `filter_of_word`.
+        As `resolve_filter`.
 
     Examples
     --------
-    >>> bare = sensor_of_word("onyx-rgb")
-    >>> cut = behind_filter_of_word(bare, "ircut-650")
+    >>> bare = resolve_sensor("onyx-rgb")
+    >>> cut = behind_resolved_filter(bare, "ircut-650")
     >>> half = cut.grid.wavelength_nm == 650             # the model lets half through at its edge
     >>> cut.name, (cut.qe[half] / bare.qe[half]).round(6)
     ('onyx-rgb+ircut-650', array([[0.5, 0.5, 0.5]]))
     """
-    curve = filter_of_word(word, answers=answers)
+    curve = resolve_filter(word, answers=answers)
     name = Path(word).stem if is_file_word(word, "filter") else word
     note = "; ".join((f"behind the filter {name}", *curve.notes))
     return behind_filter(sensor, curve.values[:, 0], name=f"{sensor.name}+{name}", note=note)

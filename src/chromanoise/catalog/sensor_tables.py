@@ -6,9 +6,9 @@ from typing import get_args
 
 import numpy as np
 
-from chromanoise._colour import colour_science
+from chromanoise._colour_science import colour_science
 from chromanoise.errors import InputError, Setting
-from chromanoise.io.spectra import Answers, Understood, qe_of
+from chromanoise.io.spectra import Answers, ParsedSpectra, qe_of
 from chromanoise.io.spectra.parsed import Quantity
 from chromanoise.sensor.mosaic import mosaic_named
 from chromanoise.sensor.pixel import PAPER_PIXEL, Pixel
@@ -113,7 +113,7 @@ def sensor_from_table(
     )
 
 
-def _understood(provenance: Provenance, curves: Spectra, answers: Answers) -> Understood:
+def _understood(provenance: Provenance, curves: Spectra, answers: Answers) -> ParsedSpectra:
     """The table as a file that tells all that its provenance does."""
     quantity = provenance.quantity
     if quantity not in get_args(Quantity):
@@ -123,7 +123,7 @@ def _understood(provenance: Provenance, curves: Spectra, answers: Answers) -> Un
             value=quantity,
             found=f"holds {quantity}",
         )
-    return Understood(
+    return ParsedSpectra(
         curves=curves,
         format="table",
         delimiter="",

@@ -5,7 +5,7 @@ One module per chart; what does not exist is ``None``, with a sentence in ``why_
 
 from chromanoise.charts.budget import cause_label
 from chromanoise.charts.by_name import PARTS, drawing
-from chromanoise.charts.shown import Look, Shown, shown
+from chromanoise.charts.charted_study import Look, Shown, shown
 from chromanoise.charts.verdicts import verdict_sentences
 
 __all__ = [

@@ -3,10 +3,10 @@
 from typing import Any
 
 from chromanoise import _check
+from chromanoise.analysis.analysis import Analysis, color_snr_db
 from chromanoise.analysis.budgets import coordinate_budget
-from chromanoise.analysis.stages import Analysis, color_snr_db
-from chromanoise.charts.shown import Look, Shown, saturation_sentence
-from chromanoise.charts.text import NONE, decimal, operating_point, signed, table
+from chromanoise.charts.charted_study import Look, Shown, saturation_sentence
+from chromanoise.charts.text import NONE, conditions_text, decimal, signed, table
 from chromanoise.color import LAB
 from chromanoise.exposure import expected_electrons
 from chromanoise.metrics import (
@@ -39,7 +39,9 @@ def drawn_budget(shown: Shown, look: Look) -> dict[str, Any]:
     _check.one_of("coordinate", look.coordinate, tuple(known))
     sensors = [_sensor(analysis, look.coordinate) for analysis in shown.analyses]
     return {
-        "title": f"Budget of the SNR of {look.coordinate} at {operating_point(shown.situations)}",
+        "title": (
+            f"Budget of the SNR of {look.coordinate} at {conditions_text(shown.operating_points)}"
+        ),
         "description": _description(sensors, look.coordinate),
         "coordinate": look.coordinate,
         "coordinates": list(known),

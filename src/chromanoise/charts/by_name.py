@@ -5,13 +5,13 @@ from typing import Any
 
 from chromanoise import _check
 from chromanoise.charts.budget import drawn_budget
-from chromanoise.charts.chart import drawn_chart
+from chromanoise.charts.charted_study import Look, Shown
+from chromanoise.charts.color_checker import drawn_chart
+from chromanoise.charts.electrons import drawn_head
 from chromanoise.charts.ellipses import drawn_ellipses
-from chromanoise.charts.head import drawn_head
-from chromanoise.charts.levels import drawn_levels
 from chromanoise.charts.pareto import drawn_pareto
 from chromanoise.charts.sensitivities import drawn_sensitivities
-from chromanoise.charts.shown import Look, Shown
+from chromanoise.charts.snr_over_light import drawn_levels
 from chromanoise.charts.stages import drawn_stages
 from chromanoise.charts.vectors import drawn_vectors
 

@@ -7,7 +7,8 @@ import numpy as np
 from chromanoise._check import Array
 from chromanoise._linalg import eigvalsh
 from chromanoise._shapes import Float
-from chromanoise.analysis.stages import Analysis
+from chromanoise.analysis.analysis import Analysis
+from chromanoise.charts.charted_study import Look, Shown
 from chromanoise.charts.patches import (
     Patches,
     hex_colors,
@@ -15,11 +16,10 @@ from chromanoise.charts.patches import (
     quick_cubature,
     why_no_patches,
 )
-from chromanoise.charts.shown import Look, Shown
 from chromanoise.charts.text import (
     NONE,
+    conditions_text,
     decimal,
-    operating_point,
     table,
 )
 from chromanoise.color import (
@@ -46,7 +46,7 @@ def drawn_ellipses(shown: Shown, look: Look) -> dict[str, Any]:
     across, up = _NAMES[look.plane]
     return {
         "title": f"Noise of the ColorChecker in {across} and {up}, {SIGMAS:g} standard deviations, "
-        f"at {operating_point(shown.situations)}",
+        f"at {conditions_text(shown.operating_points)}",
         "description": _description(sensors, look.plane),
         "plane": look.plane,
         "names": [across, up],

@@ -2,15 +2,15 @@
 
 from typing import Any
 
+from chromanoise.analysis.analysis import Analysis, color_snr_db
 from chromanoise.analysis.color_matrices import trained_names
-from chromanoise.analysis.defined import defined
 from chromanoise.analysis.pareto import noise_weights, pareto_of
 from chromanoise.analysis.priors import training_named
-from chromanoise.analysis.stages import Analysis, color_snr_db
-from chromanoise.charts.shown import Look, Shown, saturation_sentence
-from chromanoise.charts.text import brief, decimal, operating_point, table
+from chromanoise.analysis.undefined import defined
+from chromanoise.charts.charted_study import Look, Shown, saturation_sentence
+from chromanoise.charts.text import brief, conditions_text, decimal, table
 from chromanoise.color import ParetoCurve, training_color_error
-from chromanoise.exposure import Situation
+from chromanoise.exposure import OperatingPoint
 
 LIGHTEST, HEAVIEST, POINTS = 1e-3, 1e3, 13
 
@@ -23,11 +23,11 @@ def drawn_pareto(shown: Shown, look: Look) -> dict[str, Any]:
     weights = noise_weights(LIGHTEST, HEAVIEST, points=POINTS)
     prior = shown.study.prior
     sensors = [
-        _sensor(situation, analysis, pareto_of(situation, weights, prior=prior), prior)
-        for situation, analysis in zip(shown.situations, shown.analyses, strict=True)
+        _sensor(operating_point, analysis, pareto_of(operating_point, weights, prior=prior), prior)
+        for operating_point, analysis in zip(shown.operating_points, shown.analyses, strict=True)
     ]
     return {
-        "title": f"Color error against SNR of Y at {operating_point(shown.situations)}",
+        "title": f"Color error against SNR of Y at {conditions_text(shown.operating_points)}",
         "description": _description(sensors),
         "prior": prior,
         "unit": "Delta E*ab",
@@ -39,7 +39,7 @@ def drawn_pareto(shown: Shown, look: Look) -> dict[str, Any]:
 
 
 def _sensor(
-    situation: Situation, analysis: Analysis, curve: ParetoCurve, prior: str
+    operating_point: OperatingPoint, analysis: Analysis, curve: ParetoCurve, prior: str
 ) -> dict[str, Any]:
     full = saturation_sentence(analysis)
     points = [
@@ -52,14 +52,14 @@ def _sensor(
         for i, weight in enumerate(curve.weight)
     ]
     error = training_color_error(
-        situation.sensor,
-        situation.exposure,
-        training_named(prior, situation.illuminant),
+        operating_point.sensor,
+        operating_point.exposure,
+        training_named(prior, operating_point.illuminant),
         analysis.matrix,
-        level_lux=situation.level_lux,
+        level_lux=operating_point.level_lux,
     )
     now = {"color_error": error, "snr_db": color_snr_db(analysis)["Y"]}
-    return {"name": situation.sensor.name, "points": points, "now": now, "why_not": full}
+    return {"name": operating_point.sensor.name, "points": points, "now": now, "why_not": full}
 
 
 def _description(sensors: list[dict[str, Any]]) -> str:

@@ -10,12 +10,12 @@ from chromanoise._check import Array
 from chromanoise._shapes import (
     Float,
 )
+from chromanoise.analysis.analysis import Analysis, color_snr_db
 from chromanoise.analysis.operating_point import (
     noisy_color_at,
     stages_at,
 )
-from chromanoise.analysis.stages import Analysis, color_snr_db
-from chromanoise.charts.shown import saturation_sentence
+from chromanoise.charts.charted_study import saturation_sentence
 from chromanoise.color import (
     LAB,
     ColorNoise,

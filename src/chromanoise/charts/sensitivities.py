@@ -2,14 +2,14 @@
 
 from typing import Any
 
-from chromanoise.charts.shown import Look, Shown
+from chromanoise.charts.charted_study import Look, Shown
 from chromanoise.charts.text import decimal, listed, table
 from chromanoise.spectra import INFRARED_FROM_NM
 
 
 def drawn_sensitivities(shown: Shown, look: Look) -> dict[str, Any]:
     """Quantum efficiency of each channel, and the light's power in parts of its peak."""
-    lamp = shown.situations[0].illuminant
+    lamp = shown.operating_points[0].illuminant
     power = lamp.irradiance
     sensors = [
         {
@@ -19,7 +19,7 @@ def drawn_sensitivities(shown: Shown, look: Look) -> dict[str, Any]:
                 for i, name in enumerate(one.sensor.names)
             ],
         }
-        for one in shown.situations
+        for one in shown.operating_points
     ]
     wavelength_nm, relative = lamp.grid.wavelength_nm.tolist(), (power / power.max()).tolist()
     return {

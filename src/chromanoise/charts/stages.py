@@ -2,19 +2,19 @@
 
 from typing import Any
 
-from chromanoise.analysis.defined import defined
-from chromanoise.analysis.operating_point import noisy_color_at, stages_at
-from chromanoise.analysis.perceived import GRAY
-from chromanoise.analysis.stages import (
+from chromanoise.analysis.analysis import (
     Analysis,
     color_snr_db,
     color_snr_loss_db,
     contravariant_snr_db,
     raw_snr_db,
 )
+from chromanoise.analysis.color_space_noise import GRAY
+from chromanoise.analysis.operating_point import noisy_color_at, stages_at
+from chromanoise.analysis.undefined import defined
+from chromanoise.charts.charted_study import Look, Shown, saturation_sentence
 from chromanoise.charts.patches import quick_cubature
-from chromanoise.charts.shown import Look, Shown, saturation_sentence
-from chromanoise.charts.text import NONE, UNDEFINED, brief, decimal, operating_point, table
+from chromanoise.charts.text import NONE, UNDEFINED, brief, conditions_text, decimal, table
 from chromanoise.color import LAB, propagate
 
 _KINDS = (  # key, title, unit, what it is of
@@ -46,7 +46,7 @@ def drawn_stages(shown: Shown, look: Look) -> dict[str, Any]:
     ]
     kinds = [_kind(sensors, *kind) for kind in _KINDS]
     return {
-        "title": f"SNR from raw to color at {operating_point(shown.situations)}",
+        "title": f"SNR from raw to color at {conditions_text(shown.operating_points)}",
         "gray": GRAY,
         "sensors": sensors,
         "kinds": kinds,

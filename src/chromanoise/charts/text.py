@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from decimal import ROUND_HALF_UP, Decimal
 from typing import Any
 
-from chromanoise.exposure import Situation
+from chromanoise.exposure import OperatingPoint
 from chromanoise.study import conditions
 
 NONE = "–"
@@ -117,7 +117,7 @@ def level_in_words(level_lux: float, digits: int = 3) -> str:
     return ten if factor == "1" else f"{factor}·{ten}"
 
 
-def setting(points: Sequence[Situation]) -> str:
+def setting(points: Sequence[OperatingPoint]) -> str:
     """Illuminant, time and aperture: the operating point without its level.
 
     Examples
@@ -130,14 +130,14 @@ def setting(points: Sequence[Situation]) -> str:
     return conditions(points).partition(", ")[2]
 
 
-def operating_point(points: Sequence[Situation]) -> str:
+def conditions_text(points: Sequence[OperatingPoint]) -> str:
     """Level, illuminant, time and aperture, as a title has them.
 
     Examples
     --------
     >>> from chromanoise.study import operating_points_of, study_from_data
     >>> study = study_from_data({"sensors": [{"name": "onyx-rgbw"}]}, source="")
-    >>> operating_point(operating_points_of(study))
+    >>> conditions_text(operating_points_of(study))
     '10 lx (illuminant E, 11.94 ms, f/1.8)'
     """
     return f"{level_in_words(points[0].level_lux, 4)} ({setting(points)})"

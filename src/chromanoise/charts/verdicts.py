@@ -5,11 +5,11 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from chromanoise import _check
+from chromanoise.analysis.analysis import Analysis, color_snr_db, mean_color_error, raw_snr_db
 from chromanoise.analysis.budgets import coordinate_budget
-from chromanoise.analysis.stages import Analysis, color_snr_db, mean_color_error, raw_snr_db
-from chromanoise.charts.shown import saturation_sentence
-from chromanoise.charts.text import operating_point
-from chromanoise.exposure import Situation
+from chromanoise.charts.charted_study import saturation_sentence
+from chromanoise.charts.text import conditions_text
+from chromanoise.exposure import OperatingPoint
 from chromanoise.metrics import Budget
 from chromanoise.metrics.budget import CORRELATION, FILTERS, INFRARED, READ_NOISE, REST, WEIGHTS
 
@@ -172,7 +172,7 @@ def _told(decibels: float) -> str:
 
 def _setting(analyses: Sequence[Analysis], equal: str) -> str:
     points = [
-        Situation(
+        OperatingPoint(
             sensor=one.sensor,
             exposure=one.exposure,
             illuminant=one.scene.illuminant,
@@ -180,7 +180,7 @@ def _setting(analyses: Sequence[Analysis], equal: str) -> str:
         )
         for one in analyses
     ]
-    return f"At {operating_point(points)},{_TERMS[equal]}"
+    return f"At {conditions_text(points)},{_TERMS[equal]}"
 
 
 def _shared(able: Sequence[Analysis]) -> list[str]:

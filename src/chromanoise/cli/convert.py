@@ -10,7 +10,7 @@ import click
 from chromanoise._check import one_of
 from chromanoise._files import write_whole
 from chromanoise.catalog import idle_answers, own_sensor_of
-from chromanoise.catalog.resolve import file_there, is_file_word, sensor_of_word
+from chromanoise.catalog.resolve import file_there, is_file_word, resolve_sensor
 from chromanoise.cli.answers import (
     answering,
     answers_of,
@@ -19,7 +19,8 @@ from chromanoise.cli.answers import (
 from chromanoise.cli.output import refuse_inputs
 from chromanoise.cli.rendering import options_text
 from chromanoise.errors import InputError, Setting
-from chromanoise.io.spectra import Understood, read_curves
+from chromanoise.io.sensor_json import sensor_json, spectra_json
+from chromanoise.io.spectra import ParsedSpectra, read_curves
 from chromanoise.io.spectra.writing import (
     photons_as_energy,
     rawtoaces_header,
@@ -30,7 +31,6 @@ from chromanoise.io.spectra.writing import (
     spectra_csv,
     spectra_spdx,
 )
-from chromanoise.io.spectra_json import sensor_json, spectra_json
 from chromanoise.sensor import Sensor
 from chromanoise.spectra import Spectra
 
@@ -103,7 +103,7 @@ def _day(created: str | None) -> str:
         raise InputError("--created", "must be a date as 2026-01-31", value=created) from None
 
 
-def _read(source: str, options: dict[str, Any]) -> Sensor | Understood:
+def _read(source: str, options: dict[str, Any]) -> Sensor | ParsedSpectra:
     """A sensor of the catalog or of a chromanoise JSON file, or the parsed curves of a file."""
     if not is_file_word(source, "sensor"):
         if options["quantity"] is not None:
@@ -123,7 +123,7 @@ def _read(source: str, options: dict[str, Any]) -> Sensor | Understood:
                 remedy="omit it",
                 setting=name,
             )
-        return sensor_of_word(source, answers=answers_of(options))
+        return resolve_sensor(source, answers=answers_of(options))
     path = file_there(source, "sensor")
     own = own_sensor_of(path)
     return own if own is not None else read_curves(path, answers=answers_of(options))
@@ -148,7 +148,7 @@ def _of_sensor(sensor: Sensor, kind: str, day: str, columns: tuple[str, ...]) ->
     return text, [*pixel, *_unit_lost(sensor_spectra(sensor)), *_others(sensor.names, name)]
 
 
-def _of_spectra(told: Understood, kind: str, day: str, columns: tuple[str, ...]) -> Converted:
+def _of_spectra(told: ParsedSpectra, kind: str, day: str, columns: tuple[str, ...]) -> Converted:
     spectra, unsaid = _with_notes(told)
     facts = _facts(told)
     if kind == ".json":
@@ -166,14 +166,14 @@ def _of_spectra(told: Understood, kind: str, day: str, columns: tuple[str, ...])
     return text, [*unsaid, *_unit_lost(spectra), *_others(spectra.names, name)]
 
 
-def _facts(told: Understood) -> dict[str, str]:
+def _facts(told: ParsedSpectra) -> dict[str, str]:
     """The facts that a format can declare; percent values are already converted to fractions."""
     scale = "as written" if told.scale == "as written" else "fraction"
     facts = {"level": told.level, "per": told.per, "scale": scale}
     return {key: fact for key, fact in facts.items() if fact is not None}
 
 
-def _with_notes(told: Understood) -> tuple[Spectra, list[str]]:
+def _with_notes(told: ParsedSpectra) -> tuple[Spectra, list[str]]:
     """The curves, with all changes made to them as notes, and a list of unknown facts."""
     said = (*told.said_notes, *told.curves.notes, *told.notes, *told.defects)
     notes = tuple(dict.fromkeys(said))  # what the file said already is said once
@@ -187,7 +187,7 @@ def _with_notes(told: Understood) -> tuple[Spectra, list[str]]:
     return replace(told.curves, source=source, notes=notes), lost
 
 
-def _per_energy(told: Understood) -> Spectra:
+def _per_energy(told: ParsedSpectra) -> Spectra:
     curves = told.curves
     if told.quantity not in (None, "QE", "response"):
         raise InputError(

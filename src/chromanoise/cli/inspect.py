@@ -12,10 +12,10 @@ from chromanoise.cli.answers import answering, answers_of, of_one_file
 from chromanoise.cli.output import refuse_inputs, write_json
 from chromanoise.cli.rendering import options_text
 from chromanoise.errors import InputError
-from chromanoise.io.spectra import Understood, read_curves
+from chromanoise.io.sensor_json import sensor_json
+from chromanoise.io.spectra import ParsedSpectra, read_curves
 from chromanoise.io.spectra.merging import gaps_nm, step_nm
 from chromanoise.io.spectra.writing import mosaic_text, sensor_spectra
-from chromanoise.io.spectra_json import sensor_json
 from chromanoise.sensor import Sensor
 from chromanoise.spectra import Spectra
 
@@ -95,7 +95,7 @@ def _gaps(gaps: tuple[tuple[float, float], ...]) -> str:
     return ", ".join(f"{a:g}-{b:g} nm" for a, b in gaps) or "none"
 
 
-def told_as_text(file: Path, told: Understood) -> list[str]:
+def told_as_text(file: Path, told: ParsedSpectra) -> list[str]:
     """The preview, line by line."""
     curves = told.curves
     cells = f", cells parted by {told.delimiter}, decimal {told.decimal}" if told.delimiter else ""
@@ -128,12 +128,12 @@ def told_as_text(file: Path, told: Understood) -> list[str]:
     return lines
 
 
-def _undeclared(told: Understood) -> str:
+def _undeclared(told: ParsedSpectra) -> str:
     assumed = "not declared; a sensor takes it as absolute QE per photon (headed wavelength_nm)"
     return assumed if told.own_form else "unknown"
 
 
-def told_as_json(file: Path, told: Understood) -> dict[str, Any]:
+def told_as_json(file: Path, told: ParsedSpectra) -> dict[str, Any]:
     """The preview as data, the curves included."""
     curves = told.curves
     questions = [

@@ -22,7 +22,7 @@ from chromanoise.cli.output import refuse_taken_inputs, write_json, write_table
 from chromanoise.cli.progress import progress_of_step
 from chromanoise.color import ColorMatrix
 from chromanoise.errors import InputError
-from chromanoise.exposure import Situation, expected_electrons, white_scene
+from chromanoise.exposure import OperatingPoint, expected_electrons, white_scene
 from chromanoise.io.matrices import (
     MadeMatrix,
     matrix_clf,
@@ -101,14 +101,18 @@ def matrix(
         print_pareto(result.pareto, report, point.sensor.name)
 
 
-def _made(situation: Situation, made: ColorMatrix) -> MadeMatrix:
+def _made(operating_point: OperatingPoint, made: ColorMatrix) -> MadeMatrix:
     """The matrix with what a reader of its file must know."""
-    sensor, exposure, lamp = situation.sensor, situation.exposure, situation.illuminant
-    white_e = expected_electrons(white_scene(situation), sensor, exposure)
+    sensor, exposure, lamp = (
+        operating_point.sensor,
+        operating_point.exposure,
+        operating_point.illuminant,
+    )
+    white_e = expected_electrons(white_scene(operating_point), sensor, exposure)
     return MadeMatrix(
         sensor=sensor.name,
         illuminant=lamp.name,
-        level_lux=situation.level_lux,
+        level_lux=operating_point.level_lux,
         time_s=exposure.time_s,
         matrix=made,
         white_e=white_e,

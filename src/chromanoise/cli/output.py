@@ -13,7 +13,7 @@ from chromanoise.errors import InputError
 from chromanoise.io.table import (
     Table,
 )
-from chromanoise.io.tables import table_writer
+from chromanoise.io.table_formats import table_writer
 
 _ANOTHER = "name another file"
 

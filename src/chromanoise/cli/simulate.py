@@ -23,15 +23,15 @@ from chromanoise.cli.output import write_json
 from chromanoise.cli.progress import progress_of
 from chromanoise.errors import InputError
 from chromanoise.imaging import DEMOSAICING, Work
-from chromanoise.imaging.distributed import cluster
-from chromanoise.imaging.shots import (
+from chromanoise.imaging.capture import (
     FORMATS,
-    Shot,
+    Capture,
     any_picture,
+    capture_summary,
     is_held,
-    shot_summary,
-    write_shot,
+    write_capture,
 )
+from chromanoise.imaging.distributed import cluster
 from chromanoise.scene.rows import row_source
 from chromanoise.sensor import MOSAIC_NAMES
 from chromanoise.study import (
@@ -177,13 +177,16 @@ def _taken(study: Study, work: Work, out: Path) -> list[tuple[str, list[str]]]:
     with whole_folder(out) as folder, progress_of("the pictures", rows, "rows") as advance:
         start = time.perf_counter()
         for _, taken in captures(study, 0, cube, cameras, work=replace(work, progress=advance)):
-            name, frame = file_word(taken.camera.situation.sensor.name), any_picture(taken).frame
+            name, frame = (
+                file_word(taken.camera.operating_point.sensor.name),
+                any_picture(taken).frame,
+            )
             stem = name + (f"-{frame:04d}" if frames > 1 else "")
-            files, missing = write_shot(folder, stem, taken)
+            files, missing = write_capture(folder, stem, taken)
             # the seconds are all that another run changes
             seconds, start = time.perf_counter() - start, time.perf_counter()
             taking = {"seconds": seconds, "not_written": missing}
-            summaries.append(shot_summary(taken, files) | taking)
+            summaries.append(capture_summary(taken, files) | taking)
             lines.append((_line(taken, out, files), _notes(taken, stem, missing)))
         summary = {"version": __version__, "cube": cube.source, "pictures": summaries}
         write_json(summary, str(folder / "summary.json"))
@@ -226,16 +229,16 @@ def _pair(option: str, text: str | None, separator: str, kind: Any) -> Any:
     return first, second
 
 
-def _line(taken: Shot, out: Path, files: list[str]) -> str:
-    situation = taken.camera.situation
-    means = zip(situation.sensor.names, any_picture(taken).mean_e, strict=True)
+def _line(taken: Capture, out: Path, files: list[str]) -> str:
+    operating_point = taken.camera.operating_point
+    means = zip(operating_point.sensor.names, any_picture(taken).mean_e, strict=True)
     told = ", ".join(f"{name} {e:.0f} e-" for name, e in means)
-    return f"{out}/{', '.join(files)}: {situation.exposure.time_s * 1e3:.4g} ms, mean {told}"
+    return f"{out}/{', '.join(files)}: {operating_point.exposure.time_s * 1e3:.4g} ms, mean {told}"
 
 
-def _notes(taken: Shot, stem: str, not_written: list[str]) -> list[str]:
+def _notes(taken: Capture, stem: str, not_written: list[str]) -> list[str]:
     """What is worth knowing, once for a burst."""
-    picture, names = any_picture(taken), taken.camera.situation.sensor.names
+    picture, names = any_picture(taken), taken.camera.operating_point.sensor.names
     if picture.frame > 0:
         return []
     what = "clipped there" if is_held(taken) else "not clipped; --clip does so"

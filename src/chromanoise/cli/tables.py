@@ -19,10 +19,10 @@ from chromanoise.analysis import (
     missing_lab_budgets,
     raw_snr_db,
 )
+from chromanoise.analysis.color_space_noise import GRAY
 from chromanoise.analysis.comparison.bands import CrossoverBand, band_sentence
 from chromanoise.analysis.comparison.crossing import Crossover, crossover_sentence
 from chromanoise.analysis.comparison.curves import Curve
-from chromanoise.analysis.perceived import GRAY
 from chromanoise.catalog.sensors import RECONSTRUCTION
 from chromanoise.color import ColorMatrix
 from chromanoise.metrics import Budget, MatrixReport

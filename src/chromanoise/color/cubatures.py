@@ -12,7 +12,7 @@ import numpy as np
 
 from chromanoise import _check
 from chromanoise._check import Array
-from chromanoise._colour import colour_science
+from chromanoise._colour_science import colour_science
 from chromanoise._linalg import eigh, svd
 from chromanoise._shapes import Float
 from chromanoise.color.noisy_colors import NoisyColor

@@ -9,13 +9,13 @@ from chromanoise.exposure.electrons import (
     saturating_exposure,
     time_to_saturation,
 )
+from chromanoise.exposure.operating_point import OperatingPoint, white_scene
 from chromanoise.exposure.rules import EQUAL_TERMS, equal_exposure, equal_light, equal_saturation
-from chromanoise.exposure.situation import Situation, white_scene
 
 __all__ = [
     "EQUAL_TERMS",
     "Exposure",
-    "Situation",
+    "OperatingPoint",
     "band_weights",
     "equal_exposure",
     "equal_light",

@@ -8,13 +8,13 @@ from matplotlib.axes import Axes
 
 from chromanoise.analysis import Analysis, coordinate_budget
 from chromanoise.charts import cause_label
-from chromanoise.charts.shown import saturation_sentence
+from chromanoise.charts.charted_study import saturation_sentence
 from chromanoise.charts.text import UNDEFINED, brief, decimal
-from chromanoise.exposure import Situation
+from chromanoise.exposure import OperatingPoint
 from chromanoise.figures.pareto import draw_trade
 from chromanoise.figures.pictures import draw_picture
 from chromanoise.figures.style import INK, channel_color, sensor_dashes
-from chromanoise.imaging.shots import Shot
+from chromanoise.imaging.capture import Capture
 from chromanoise.metrics import Budget
 from chromanoise.study import MatrixResult, conditions
 
@@ -156,7 +156,7 @@ def _draw_entries(results: Sequence[MatrixResult], ax: Axes) -> None:
     ax.grid(visible=True, axis="y", alpha=0.25)
 
 
-def draw_capture(capture: Shot, ax: Axes) -> Axes:
+def draw_capture(capture: Capture, ax: Axes) -> Axes:
     """A picture, pixel for pixel; codes of a mosaic without color as gray, from 0 to the top code.
 
     Parameters
@@ -166,7 +166,7 @@ def draw_capture(capture: Shot, ax: Axes) -> Axes:
     ax
         To draw on.
     """
-    point = capture.camera.situation
+    point = capture.camera.operating_point
     if capture.picture is not None:
         draw_picture(capture.picture.srgb, ax)
         what = f"{point.sensor.name}, sRGB"
@@ -179,15 +179,15 @@ def draw_capture(capture: Shot, ax: Axes) -> Axes:
     return _titled(ax, what, [point])
 
 
-def _titled(ax: Axes, what: str, points: Sequence[Situation]) -> Axes:
+def _titled(ax: Axes, what: str, points: Sequence[OperatingPoint]) -> Axes:
     facts = fill(f"at {conditions(points)}", _WIDE, break_on_hyphens=False)
     ax.set_title(f"{what}\n{facts}", loc="left", fontsize=9)
     return ax
 
 
-def _points(analyses: Sequence[Analysis]) -> list[Situation]:
+def _points(analyses: Sequence[Analysis]) -> list[OperatingPoint]:
     return [
-        Situation(
+        OperatingPoint(
             sensor=one.sensor,
             exposure=one.exposure,
             illuminant=one.scene.illuminant,

@@ -8,8 +8,8 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from chromanoise.analysis import Crossover, coordinate_budget
 from chromanoise.charts import Shown, drawing
-from chromanoise.charts.levels import level_curves
-from chromanoise.charts.text import operating_point, setting
+from chromanoise.charts.snr_over_light import level_curves
+from chromanoise.charts.text import conditions_text, setting
 from chromanoise.figures.budget import draw_budget
 from chromanoise.figures.comparison import draw_color_errors, draw_comparison
 from chromanoise.figures.ellipses import draw_ellipses
@@ -29,7 +29,7 @@ def study_figures(of: Shown) -> Mapping[str, Figure]:
     Parameters
     ----------
     of
-        A study as `chromanoise.charts.shown` gives it.
+        A study as `chromanoise.charts.charted_study` gives it.
 
     Raises
     ------
@@ -60,7 +60,7 @@ def _entitle(figure: Figure, title: str) -> None:
 
 
 def _sensitivities(of: Shown) -> Figure:
-    sensors = [one.sensor for one in of.situations]
+    sensors = [one.sensor for one in of.operating_points]
     figure = _framed(2.8 * len(sensors))
     highest = 1.15 * max(float(sensor.qe.max()) for sensor in sensors)
     panels = figure.subplots(len(sensors), 1, sharex=True, squeeze=False)[:, 0]
@@ -77,7 +77,7 @@ def _comparison(of: Shown) -> Figure:
     figure = _framed(5.6)
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=(2, 1))
     crossed = [pair for pair in pairs if isinstance(pair, Crossover)]
-    title = f"{curves[0].quantity.what} against illuminance ({setting(of.situations)})"
+    title = f"{curves[0].quantity.what} against illuminance ({setting(of.operating_points)})"
     draw_comparison(curves, above, crossovers=crossed, title=title).set_xlabel("")
     draw_color_errors(curves, below)
     return figure
@@ -95,7 +95,7 @@ def _budget(of: Shown) -> Figure | None:
         draw_budget(budget, sensor, ax, top_db=highest)
     for ax in panels[:-1]:
         ax.set_xlabel("")
-    _entitle(figure, f"Budget of the SNR of Y at {operating_point(of.situations)}")
+    _entitle(figure, f"Budget of the SNR of Y at {conditions_text(of.operating_points)}")
     return figure
 
 

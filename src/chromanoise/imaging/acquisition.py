@@ -16,6 +16,7 @@ import numpy as np
 from chromanoise.imaging.blocks import RUN
 from chromanoise.imaging.kernel_cache import kernel
 from chromanoise.imaging.noise_blocks import draw_light, draw_readout, room_for
+from chromanoise.imaging.noise_draws import normal_quantile
 from chromanoise.imaging.philox import (
     LIGHT,
     PER_CALL,
@@ -27,7 +28,6 @@ from chromanoise.imaging.philox import (
     word_at,
     words_at,
 )
-from chromanoise.imaging.variates import normal_quantile
 
 _F = np.float32
 _ZERO, _ONE = _F(0.0), _F(1.0)

@@ -10,8 +10,8 @@ import numpy as np
 
 from chromanoise.imaging.blocks import RUN
 from chromanoise.imaging.kernel_cache import kernel
-from chromanoise.imaging.lanes import fused
 from chromanoise.imaging.layout import three_together
+from chromanoise.imaging.simd import fused
 
 ENCODED = 16384
 """Entries of the table of sRGB codes."""

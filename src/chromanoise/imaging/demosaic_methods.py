@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping
 
-from chromanoise.exposure import Situation, expected_electrons
+from chromanoise.exposure import OperatingPoint, expected_electrons
 from chromanoise.imaging.demosaic import FilterBank, bilinear_filters, malvar_filters
 from chromanoise.imaging.demosaic_priors import (
     PicturePrior,
@@ -15,7 +15,7 @@ from chromanoise.sensor import Mosaic
 from chromanoise.spectra import colorchecker
 
 
-def chart_prior(situation: Situation) -> PicturePrior:
+def chart_prior(operating_point: OperatingPoint) -> PicturePrior:
     """Pictures whose channels covary as those of the ColorChecker do in this light and exposure.
 
     Raises
@@ -23,34 +23,36 @@ def chart_prior(situation: Situation) -> PicturePrior:
     InputError
         If the sensor's grid leaves 400-1050 nm, where the chart is measured.
     """
-    sensor = situation.sensor
+    sensor = operating_point.sensor
     scene = Scene(
-        illuminant=situation.illuminant,
-        level_lux=situation.level_lux,
+        illuminant=operating_point.illuminant,
+        level_lux=operating_point.level_lux,
         reflectance=colorchecker(sensor.grid).values.T,
     )
-    electrons = expected_electrons(scene, sensor, situation.exposure)
+    electrons = expected_electrons(scene, sensor, operating_point.exposure)
     noise_e2 = electrons.mean(axis=0) + sensor.pixel.read_noise_e**2
     return picture_prior(electrons, sensor.names, noise_e2=noise_e2)
 
 
-def _bilinear(mosaic: Mosaic, situation: Situation) -> FilterBank:
-    return bilinear_filters(mosaic, situation.sensor.names)
+def _bilinear(mosaic: Mosaic, operating_point: OperatingPoint) -> FilterBank:
+    return bilinear_filters(mosaic, operating_point.sensor.names)
 
 
-def _malvar(mosaic: Mosaic, situation: Situation) -> FilterBank:
-    return malvar_filters(mosaic, situation.sensor.names)
+def _malvar(mosaic: Mosaic, operating_point: OperatingPoint) -> FilterBank:
+    return malvar_filters(mosaic, operating_point.sensor.names)
 
 
-def _gradient(mosaic: Mosaic, situation: Situation) -> FilterBank:
-    return gradient_corrected_filters(mosaic, situation.sensor.names, chart_prior(situation))
+def _gradient(mosaic: Mosaic, operating_point: OperatingPoint) -> FilterBank:
+    return gradient_corrected_filters(
+        mosaic, operating_point.sensor.names, chart_prior(operating_point)
+    )
 
 
-def _lmmse(mosaic: Mosaic, situation: Situation) -> FilterBank:
-    return lmmse_filters(mosaic, chart_prior(situation))
+def _lmmse(mosaic: Mosaic, operating_point: OperatingPoint) -> FilterBank:
+    return lmmse_filters(mosaic, chart_prior(operating_point))
 
 
-DEMOSAICING: Mapping[str, Callable[[Mosaic, Situation], FilterBank]] = {
+DEMOSAICING: Mapping[str, Callable[[Mosaic, OperatingPoint], FilterBank]] = {
     "bilinear": _bilinear,
     "malvar": _malvar,
     "gradient": _gradient,

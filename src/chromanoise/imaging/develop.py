@@ -10,7 +10,7 @@ from chromanoise._check import Array
 from chromanoise._shapes import Float, Float32, UInt8, UInt16
 from chromanoise.color import ColorMatrix, kernel_matrix
 from chromanoise.errors import InputError
-from chromanoise.exposure import Situation, expected_electrons
+from chromanoise.exposure import OperatingPoint, expected_electrons
 from chromanoise.imaging.blocks import Scratch, new_rows
 from chromanoise.imaging.demosaic import FilterBank
 from chromanoise.imaging.demosaic_noise import demosaicked_covariance
@@ -48,7 +48,7 @@ def developed(
     raw
         Of `acquired`.
     bank
-        Linear demosaicing, e.g. `bilinear_filters(raw.mosaic, raw.situation.sensor.names)`.
+        Linear demosaicing, e.g. `bilinear_filters(raw.mosaic, raw.operating_point.sensor.names)`.
     matrix
         From electrons to XYZ; the kernel (eq. 6, quanta) if ``None``.
     work
@@ -60,8 +60,8 @@ def developed(
         If the filters are of another mosaic or other channels, the picture is smaller than a tile
         of the mosaic, or the matrix has no luminance for this light.
     """
-    situation = raw.situation
-    _check.same_names("development", sensor=situation.sensor.names, filters=bank.names)
+    operating_point = raw.operating_point
+    _check.same_names("development", sensor=operating_point.sensor.names, filters=bank.names)
     if bank.mosaic != raw.mosaic:
         raise InputError(
             "filters",
@@ -69,8 +69,8 @@ def developed(
             value=bank.mosaic.pattern,
             found=f"are made for {bank.mosaic.pattern}",
         )
-    matrix = matrix or kernel_matrix(situation.sensor, situation.exposure)
-    matrices, white = color_matrices(matrix, situation)
+    matrix = matrix or kernel_matrix(operating_point.sensor, operating_point.exposure)
+    matrices, white = color_matrices(matrix, operating_point)
     height, width = raw.codes.shape
     plan = _Development(
         codes=raw.codes,
@@ -84,7 +84,7 @@ def developed(
     blocks = [(start, min(start + rows, height)) for start in range(0, height, rows)]
     filled(_developed_block, plan, blocks, (xyz, srgb), replace(work, executor=None))
     return Picture(
-        situation=situation,
+        operating_point=operating_point,
         matrix=matrix,
         seed=raw.seed,
         frame=raw.frame,
@@ -119,7 +119,7 @@ def _developed_block(
 
 def developed_color(
     scene: Scene,
-    situation: Situation,
+    operating_point: OperatingPoint,
     bank: FilterBank,
     adc: Adc,
     *,
@@ -134,7 +134,7 @@ def developed_color(
     ----------
     scene
         A single point (`flat_field`).
-    situation, bank, matrix
+    operating_point, bank, matrix
         As they develop the picture.
     adc
         Its rounding adds gain^2 / 12 to the variance of each raw pixel.
@@ -149,10 +149,10 @@ def developed_color(
     C K D K^T C^T with D of eq. 7 and K the filters. Nothing is held at black or full well, and
     pixels have no imperfections.
     """
-    sensor = situation.sensor
+    sensor = operating_point.sensor
     _check.same_names("development", sensor=sensor.names, filters=bank.names)
-    matrix = matrix or kernel_matrix(sensor, situation.exposure)
-    raw = with_noise(expected_electrons(scene, sensor, situation.exposure), sensor)
+    matrix = matrix or kernel_matrix(sensor, operating_point.exposure)
+    raw = with_noise(expected_electrons(scene, sensor, operating_point.exposure), sensor)
     variance: Float[Array, " p"] = raw.variance + adc.gain_e_per_dn**2 / 12
     return tuple(
         tuple(

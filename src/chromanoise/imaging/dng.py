@@ -22,7 +22,7 @@ from chromanoise._linalg import matrix_rank, pinv
 from chromanoise._shapes import Float, UInt16
 from chromanoise.color import ColorMatrix
 from chromanoise.errors import InputError
-from chromanoise.exposure import Situation, expected_electrons, white_scene
+from chromanoise.exposure import OperatingPoint, expected_electrons, white_scene
 from chromanoise.imaging.row_files import PutRows, tiff_rows
 from chromanoise.sensor import Adc, Imperfections, Mosaic
 from chromanoise.sensor.imperfections import dark_electrons_e
@@ -101,7 +101,7 @@ class RawProfile:
 
 
 def raw_profile(
-    situation: Situation,
+    operating_point: OperatingPoint,
     matrix: ColorMatrix,
     *,
     mosaic: Mosaic,
@@ -112,7 +112,7 @@ def raw_profile(
 
     Parameters
     ----------
-    situation
+    operating_point
         A sensor of channels R, G, B and perhaps one more, in the light of the picture; one whose
         name has no number in Exif is told as unknown.
     matrix
@@ -126,10 +126,10 @@ def raw_profile(
     InputError
         If a perfect white gives no electrons, or `RawProfile` refuses what it is given.
     """
-    sensor, lamp = situation.sensor, situation.illuminant
+    sensor, lamp = operating_point.sensor, operating_point.illuminant
     imperfections = sensor.imperfections if imperfections is None else imperfections
     _check.same_names("DNG", sensor=sensor.names, matrix=matrix.channels)
-    white = expected_electrons(white_scene(situation), sensor, situation.exposure)
+    white = expected_electrons(white_scene(operating_point), sensor, operating_point.exposure)
     if not white.max() > 0:
         raise InputError(
             sensor.name,
@@ -137,11 +137,11 @@ def raw_profile(
             value=float(white.max()),
             found="gives none",
         )
-    white_level_dn = _white_level_dn(situation, adc, imperfections)
+    white_level_dn = _white_level_dn(operating_point, adc, imperfections)
     noise_e = noise_without_light_e(
         imperfections,
         read_noise_e=sensor.pixel.read_noise_e,
-        time_s=situation.exposure.time_s,
+        time_s=operating_point.exposure.time_s,
     )
     noise = noise_profile(adc, read_noise_e=noise_e, white_level_dn=white_level_dn)
     return RawProfile(
@@ -157,7 +157,7 @@ def raw_profile(
     )
 
 
-def _white_level_dn(situation: Situation, adc: Adc, imperfections: Imperfections) -> int:
+def _white_level_dn(operating_point: OperatingPoint, adc: Adc, imperfections: Imperfections) -> int:
     """Code of full well, dark electrons taken off, or the top code if that comes first.
 
     Raises
@@ -165,8 +165,8 @@ def _white_level_dn(situation: Situation, adc: Adc, imperfections: Imperfections
     InputError
         If a full pixel cannot be told from a dark one.
     """
-    sensor = situation.sensor
-    dark_e = dark_electrons_e(imperfections, time_s=situation.exposure.time_s)
+    sensor = operating_point.sensor
+    dark_e = dark_electrons_e(imperfections, time_s=operating_point.exposure.time_s)
     full_dn = adc.black_level_dn + (sensor.pixel.full_well_e - dark_e) / adc.gain_e_per_dn
     white_level_dn = math.floor(min(full_dn + 0.5, adc.top_code))
     if white_level_dn <= adc.black_level_dn:

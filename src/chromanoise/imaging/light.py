@@ -9,7 +9,7 @@ import numpy as np
 from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._shapes import Float32, Int64
-from chromanoise.exposure import Situation, band_weights, white_scene
+from chromanoise.exposure import OperatingPoint, band_weights, white_scene
 from chromanoise.imaging.blocks import (
     CHANNELS_AT_ONCE,
     LANES,
@@ -67,17 +67,17 @@ class Light:
 
 
 def light_of(
-    cube: Cube, situation: Situation, *, beyond: Beyond, bad_pixels: BadPixels = "refuse"
+    cube: Cube, operating_point: OperatingPoint, *, beyond: Beyond, bad_pixels: BadPixels = "refuse"
 ) -> Light:
-    """Eq. 2 for this cube in this situation, folded into one weight per band and channel.
+    """Eq. 2 for this cube in this operating point, folded into one weight per band and channel.
 
     Raises
     ------
     InputError
         As `band_weights`, or if its electrons are more than can be counted.
     """
-    white, sensor = white_scene(situation), situation.sensor
-    weights, notes = band_weights(cube, white, sensor, situation.exposure, beyond=beyond)
+    white, sensor = white_scene(operating_point), operating_point.sensor
+    weights, notes = band_weights(cube, white, sensor, operating_point.exposure, beyond=beyond)
     bands, channels = weights.shape
     shape = (_up_to(CHANNELS_AT_ONCE, channels), _up_to(PADDED_BANDS, bands))
     padded = np.zeros(shape, np.float32)

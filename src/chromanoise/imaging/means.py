@@ -13,8 +13,8 @@ from typing import no_type_check
 import numpy as np
 from numba import njit
 
-from chromanoise.imaging.adders import band_adder, own_band_adder, pixel_adder, weighted_sum
 from chromanoise.imaging.blocks import CHANNELS_AT_ONCE, RUN_LANES
+from chromanoise.imaging.dot_kernels import band_adder, own_band_adder, pixel_adder, weighted_sum
 
 BANDS_AT_ONCE = 8
 """So many streams the memory follows; the sums are kept and fetched an eighth as often."""

@@ -12,8 +12,7 @@ import numpy as np
 from numba import njit
 
 from chromanoise.imaging.kernel_cache import kernel
-from chromanoise.imaging.philox import LIGHT, PER_CALL, READOUT, groups_of, words_at
-from chromanoise.imaging.variates import (
+from chromanoise.imaging.noise_draws import (
     FEW_E,
     SMOOTH_E,
     chance_of_none,
@@ -22,6 +21,7 @@ from chromanoise.imaging.variates import (
     quantile_of_log,
     read_quantile_of_many,
 )
+from chromanoise.imaging.philox import LIGHT, PER_CALL, READOUT, groups_of, words_at
 
 LANES = 1024
 """Lanes of a block, if a pixel has not more channels than that."""

@@ -16,7 +16,7 @@ from chromanoise._check import Array
 from chromanoise._shapes import Float, Float32, Float64, Int64, UInt8, UInt16
 from chromanoise.color import ColorMatrix, linear_srgb, srgb_from_linear
 from chromanoise.errors import InputError
-from chromanoise.exposure import Situation, expected_electrons, white_scene
+from chromanoise.exposure import OperatingPoint, expected_electrons, white_scene
 from chromanoise.imaging.blocks import Scratch
 from chromanoise.imaging.light import Light, on_rows
 from chromanoise.imaging.records import Converter, Draw, RowsInMemory, Well
@@ -32,7 +32,7 @@ Counts = Float64[Array, "rows 3 p"]
 
 
 def draw_of(
-    situation: Situation,
+    operating_point: OperatingPoint,
     *,
     seed: int,
     frame: int = 0,
@@ -49,17 +49,17 @@ def draw_of(
     for name, value in (("seed", seed), ("frame", frame)):
         if not isinstance(value, int) or not 0 <= value < 1 << 32:
             raise InputError(name, "must be a whole number from 0 to 2^32 - 1", value=value)
-    more = situation.sensor.imperfections if imperfections is None else imperfections
+    more = operating_point.sensor.imperfections if imperfections is None else imperfections
     dark_e = _check.within(
         "electrons of the dark current",
         "e-",
-        dark_electrons_e(more, time_s=situation.exposure.time_s),
+        dark_electrons_e(more, time_s=operating_point.exposure.time_s),
         0.0,
         _MOST_E,
     )
-    who = zlib.crc32(situation.sensor.name.encode())
+    who = zlib.crc32(operating_point.sensor.name.encode())
     return Draw(
-        read_noise_e=np.float32(situation.sensor.pixel.read_noise_e),
+        read_noise_e=np.float32(operating_point.sensor.pixel.read_noise_e),
         prnu=np.float32(more.prnu),
         dark_e=np.float32(dark_e),
         dsnu_e=np.float32(more.dsnu_e),
@@ -70,7 +70,7 @@ def draw_of(
     )
 
 
-def demand_well(situation: Situation, draw: Draw) -> None:
+def demand_well(operating_point: OperatingPoint, draw: Draw) -> None:
     """Where electrons are held at full well, dark ones must leave some of it.
 
     Raises
@@ -78,20 +78,20 @@ def demand_well(situation: Situation, draw: Draw) -> None:
     InputError
         If they do not.
     """
-    full_well_e = situation.sensor.pixel.full_well_e
+    full_well_e = operating_point.sensor.pixel.full_well_e
     if draw.dark_e >= full_well_e:
         raise InputError(
-            situation.sensor.name,
+            operating_point.sensor.name,
             f"must collect fewer dark electrons than its full well of {full_well_e:g} e-",
             value=float(draw.dark_e),
-            found=f"collects {draw.dark_e:g} in {situation.exposure.time_s:g} s",
+            found=f"collects {draw.dark_e:g} in {operating_point.exposure.time_s:g} s",
             remedy=("expose for less time", "give a smaller dark current"),
         )
 
 
-def _most_e(situation: Situation, draw: Draw) -> float:
+def _most_e(operating_point: OperatingPoint, draw: Draw) -> float:
     """What dark electrons leave of the full well."""
-    return situation.sensor.pixel.full_well_e - float(draw.dark_e)
+    return operating_point.sensor.pixel.full_well_e - float(draw.dark_e)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -114,10 +114,12 @@ class RawPlan:
     adc: Converter
 
 
-def raw_plan(light: Light, draw: Draw, situation: Situation, mosaic: Mosaic, adc: Adc) -> RawPlan:
+def raw_plan(
+    light: Light, draw: Draw, operating_point: OperatingPoint, mosaic: Mosaic, adc: Adc
+) -> RawPlan:
     """The plan of one frame of a mosaic."""
-    demand_well(situation, draw)
-    names, most_e = situation.sensor.names, _most_e(situation, draw)
+    demand_well(operating_point, draw)
+    names, most_e = operating_point.sensor.names, _most_e(operating_point, draw)
     tile = [[names.index(name) for name in row] for row in mosaic.pattern]
     numbers = (most_e, 1.0 / adc.gain_e_per_dn, adc.black_level_dn, adc.top_code)
     converter = Converter(*(np.float32(number) for number in numbers))
@@ -134,7 +136,7 @@ def raw_block(
     InputError
         If the cube holds what is no reflectance there.
     """
-    from chromanoise.imaging.fused import raw_rows
+    from chromanoise.imaging.fused_kernels import raw_rows
 
     counts = np.zeros((stop - start, 3, plan.light.channels))
 
@@ -168,20 +170,20 @@ class ColorPlan:
 def color_plan(
     light: Light,
     draw: Draw,
-    situation: Situation,
+    operating_point: OperatingPoint,
     matrices: Float32[Array, "6 p"],
     *,
     clip: bool,
 ) -> ColorPlan:
     """The plan of a picture; ``matrices`` of `color_matrices`."""
     if clip:
-        demand_well(situation, draw)
-    well = Well(np.float32(_most_e(situation, draw)), clip)
+        demand_well(operating_point, draw)
+    well = Well(np.float32(_most_e(operating_point, draw)), clip)
     return ColorPlan(light=light, draw=draw, well=well, matrices=matrices)
 
 
 def color_matrices(
-    matrix: ColorMatrix, situation: Situation
+    matrix: ColorMatrix, operating_point: OperatingPoint
 ) -> tuple[Float32[Array, "6 p"], Float64[Array, " 3"]]:
     """To XYZ and to linear sRGB, white-balanced; and XYZ of the white. Y of a white is 1.
 
@@ -190,13 +192,13 @@ def color_matrices(
     InputError
         As `white_lux_of`, or if the white is no color that an eye could adapt to.
     """
-    white_lux = white_lux_of(matrix, situation)
+    white_lux = white_lux_of(matrix, operating_point)
     to_xyz, white = matrix.matrix / white_lux[1], white_lux / white_lux[1]
     to_srgb = linear_srgb(np.eye(3), white).T @ to_xyz
     return np.concatenate([to_xyz, to_srgb]).astype(np.float32), white
 
 
-def white_lux_of(matrix: ColorMatrix, situation: Situation) -> Float[Array, " 3"]:
+def white_lux_of(matrix: ColorMatrix, operating_point: OperatingPoint) -> Float[Array, " 3"]:
     """XYZ of a perfect white seen through the matrix. [lx]
 
     Raises
@@ -204,9 +206,11 @@ def white_lux_of(matrix: ColorMatrix, situation: Situation) -> Float[Array, " 3"
     InputError
         If the matrix is of other channels, or makes no luminance of it.
     """
-    sensor, lamp = situation.sensor, situation.illuminant
+    sensor, lamp = operating_point.sensor, operating_point.illuminant
     _check.same_names("picture", sensor=sensor.names, matrix=matrix.channels)
-    white = matrix.matrix @ expected_electrons(white_scene(situation), sensor, situation.exposure)
+    white = matrix.matrix @ expected_electrons(
+        white_scene(operating_point), sensor, operating_point.exposure
+    )
     if not white[1] > 0:
         raise InputError(
             sensor.name,
@@ -234,7 +238,7 @@ def color_block(
     InputError
         As `raw_block`.
     """
-    from chromanoise.imaging.fused import color_rows
+    from chromanoise.imaging.fused_kernels import color_rows
 
     counts = np.zeros((stop - start, 3, plan.light.channels))
 
@@ -292,7 +296,7 @@ def electron_block(
     InputError
         As `raw_block`.
     """
-    from chromanoise.imaging.fused import electron_rows
+    from chromanoise.imaging.fused_kernels import electron_rows
 
     def fill(stored: RowsInMemory) -> None:
         electron_rows(stored, out)

@@ -9,7 +9,7 @@ from chromanoise._check import Array
 from chromanoise._shapes import Float, Float32, UInt8, UInt16
 from chromanoise.color import ColorMatrix, kernel_matrix
 from chromanoise.errors import InputError, Setting
-from chromanoise.exposure import Exposure, Situation
+from chromanoise.exposure import Exposure, OperatingPoint
 from chromanoise.imaging.light import BadPixels, Light, light_of
 from chromanoise.imaging.plans import (
     ElectronPlan,
@@ -37,7 +37,7 @@ class Picture:
 
     Attributes
     ----------
-    situation, matrix, seed, frame
+    operating_point, matrix, seed, frame
         How it was made.
     xyz
         Linear XYZ with noise; Y = 1 for a perfect white seen by the same sensor.
@@ -55,7 +55,7 @@ class Picture:
         What was assumed on the way.
     """
 
-    situation: Situation
+    operating_point: OperatingPoint
     matrix: ColorMatrix
     seed: int
     frame: int
@@ -74,23 +74,23 @@ class Picture:
 
     @property
     def sensor(self) -> Sensor:
-        """Of the situation."""
-        return self.situation.sensor
+        """Of the operating point."""
+        return self.operating_point.sensor
 
     @property
     def exposure(self) -> Exposure:
-        """Of the situation."""
-        return self.situation.exposure
+        """Of the operating point."""
+        return self.operating_point.exposure
 
     @property
     def illuminant(self) -> Illuminant:
-        """Of the situation."""
-        return self.situation.illuminant
+        """Of the operating point."""
+        return self.operating_point.illuminant
 
     @property
     def level_lux(self) -> float:
-        """Of the situation. [lx]"""
-        return self.situation.level_lux
+        """Of the operating point. [lx]"""
+        return self.operating_point.level_lux
 
     @property
     def metric(self) -> Metric:
@@ -104,7 +104,7 @@ class RawPicture:
 
     Attributes
     ----------
-    situation, seed, frame
+    operating_point, seed, frame
         How it was made.
     mosaic, adc
         Which channel lies where, and what a code means.
@@ -118,7 +118,7 @@ class RawPicture:
         What was assumed on the way.
     """
 
-    situation: Situation
+    operating_point: OperatingPoint
     seed: int
     frame: int
     mosaic: Mosaic
@@ -135,7 +135,7 @@ class RawPicture:
 
 def rendered(
     cube: Cube,
-    situation: Situation,
+    operating_point: OperatingPoint,
     *,
     matrix: ColorMatrix | None = None,
     seed: int = 0,
@@ -153,7 +153,7 @@ def rendered(
     ----------
     cube
         Reflectances; each number is read once.
-    situation
+    operating_point
         Sensor, exposure and light.
     matrix
         From electrons to XYZ; the kernel (eq. 6, quanta) if ``None``.
@@ -181,19 +181,21 @@ def rendered(
         If the cube holds what is no reflectance, ends short of the grid, a number is out of range,
         or the matrix has no luminance for this light.
     """
-    cube = bands_within(cube, situation.sensor.grid)
-    light = light_of(cube, situation, beyond=beyond, bad_pixels=bad_pixels)
-    draw = draw_of(situation, seed=seed, frame=frame, imperfections=imperfections, noisy=noisy)
-    matrix = matrix or kernel_matrix(situation.sensor, situation.exposure)
-    matrices, white = color_matrices(matrix, situation)
-    plan = color_plan(light, draw, situation, matrices, clip=clip)
+    cube = bands_within(cube, operating_point.sensor.grid)
+    light = light_of(cube, operating_point, beyond=beyond, bad_pixels=bad_pixels)
+    draw = draw_of(
+        operating_point, seed=seed, frame=frame, imperfections=imperfections, noisy=noisy
+    )
+    matrix = matrix or kernel_matrix(operating_point.sensor, operating_point.exposure)
+    matrices, white = color_matrices(matrix, operating_point)
+    plan = color_plan(light, draw, operating_point, matrices, clip=clip)
     height, width, _ = light.source.shape
     kinds = (((height, width, 3), np.float32), ((height, width, 3), np.uint8))
     blocks = row_blocks(light.source, work)
     (xyz, srgb), counts = made(color_block, plan, plan_for_rows, blocks, kinds, work)
     total, above, bad = np.concatenate(counts).sum(axis=0)
     return Picture(
-        situation=situation,
+        operating_point=operating_point,
         matrix=matrix,
         seed=seed,
         frame=frame,
@@ -203,13 +205,13 @@ def rendered(
         mean_e=total / (height * width),
         above_full_well=above / (height * width),
         clipped=clip,
-        notes=_notes(situation, light, int(bad[0])),
+        notes=_notes(operating_point, light, int(bad[0])),
     )
 
 
 def acquired(
     cube: Cube,
-    situation: Situation,
+    operating_point: OperatingPoint,
     *,
     mosaic: Mosaic | None = None,
     adc: Adc | None = None,
@@ -230,7 +232,7 @@ def acquired(
     adc
         The converter; if ``None``, that of the sensor, by default 12 bits, top code at full well,
         black level 0.
-    cube, situation, seed, frame, imperfections, noisy, beyond, bad_pixels, work
+    cube, operating_point, seed, frame, imperfections, noisy, beyond, bad_pixels, work
         As `rendered`. Each pixel has the noise that its channel has there.
 
     Raises
@@ -238,13 +240,15 @@ def acquired(
     InputError
         As `rendered`, or if there is no mosaic or it names a channel that the sensor lacks.
     """
-    sensor = situation.sensor
-    mosaic = mosaic_of(situation, mosaic)
+    sensor = operating_point.sensor
+    mosaic = mosaic_of(operating_point, mosaic)
     adc = adc or adc_of(sensor.converter, sensor.pixel)
     cube = bands_within(cube, sensor.grid)
-    light = light_of(cube, situation, beyond=beyond, bad_pixels=bad_pixels)
-    draw = draw_of(situation, seed=seed, frame=frame, imperfections=imperfections, noisy=noisy)
-    plan = raw_plan(light, draw, situation, mosaic, adc)
+    light = light_of(cube, operating_point, beyond=beyond, bad_pixels=bad_pixels)
+    draw = draw_of(
+        operating_point, seed=seed, frame=frame, imperfections=imperfections, noisy=noisy
+    )
+    plan = raw_plan(light, draw, operating_point, mosaic, adc)
     height, width, _ = light.source.shape
     kinds = (((height, width), np.uint16),)
     blocks = row_blocks(light.source, work)
@@ -252,7 +256,7 @@ def acquired(
     own = _pixels_of_channels(plan.tile, height, width, light.channels)
     total, above, bad = np.concatenate(counts).sum(axis=0)
     return RawPicture(
-        situation=situation,
+        operating_point=operating_point,
         seed=seed,
         frame=frame,
         mosaic=mosaic,
@@ -260,13 +264,13 @@ def acquired(
         codes=codes,
         mean_e=total / np.maximum(own, 1),
         above_full_well=above / np.maximum(own, 1),
-        notes=_notes(situation, light, int(bad[0])),
+        notes=_notes(operating_point, light, int(bad[0])),
     )
 
 
 def electrons_of_cube(
     cube: Cube,
-    situation: Situation,
+    operating_point: OperatingPoint,
     *,
     beyond: Beyond = "refuse",
     bad_pixels: BadPixels = "refuse",
@@ -276,8 +280,8 @@ def electrons_of_cube(
 
     Parameters, errors as `rendered`.
     """
-    cube = bands_within(cube, situation.sensor.grid)
-    light = light_of(cube, situation, beyond=beyond, bad_pixels=bad_pixels)
+    cube = bands_within(cube, operating_point.sensor.grid)
+    light = light_of(cube, operating_point, beyond=beyond, bad_pixels=bad_pixels)
     height, width, _ = light.source.shape
     kinds = (((height, width, light.channels), np.float32),)
     plan, blocks = ElectronPlan(light=light), row_blocks(light.source, work)
@@ -285,7 +289,7 @@ def electrons_of_cube(
     return electrons
 
 
-def mosaic_of(situation: Situation, mosaic: Mosaic | None) -> Mosaic:
+def mosaic_of(operating_point: OperatingPoint, mosaic: Mosaic | None) -> Mosaic:
     """The mosaic of a raw picture: the one that is given, otherwise the sensor's own.
 
     Raises
@@ -293,7 +297,7 @@ def mosaic_of(situation: Situation, mosaic: Mosaic | None) -> Mosaic:
     InputError
         If there is none, or it names a channel that the sensor lacks.
     """
-    sensor = situation.sensor
+    sensor = operating_point.sensor
     mosaic = mosaic or sensor.mosaic
     if mosaic is None:
         raise InputError(
@@ -318,8 +322,13 @@ def _pixels_of_channels(tile: Array, height: int, width: int, channels: int) -> 
     return counts
 
 
-def _notes(situation: Situation, light: Light, bad: int) -> tuple[str, ...]:
+def _notes(operating_point: OperatingPoint, light: Light, bad: int) -> tuple[str, ...]:
     pixels = "1 pixel" if bad == 1 else f"{bad} pixels"
     mended = f"{pixels} held what is no reflectance; 0 was taken instead"
-    notes = (*situation.sensor.notes, *situation.illuminant.notes, *light.cube.notes, *light.notes)
+    notes = (
+        *operating_point.sensor.notes,
+        *operating_point.illuminant.notes,
+        *light.cube.notes,
+        *light.notes,
+    )
     return (*notes, mended) if bad else notes

@@ -18,7 +18,7 @@ import numpy as np
 from chromanoise._check import Array
 from chromanoise._shapes import Float, UInt8, UInt16
 from chromanoise.color import adapted_to_d65, srgb_from_xyz
-from chromanoise.exposure import Situation
+from chromanoise.exposure import OperatingPoint
 from chromanoise.imaging.render import Picture, RawPicture
 from chromanoise.imaging.row_files import PutRows, tiff_rows
 from chromanoise.sensor import Adc, Mosaic
@@ -192,12 +192,12 @@ def picture_summary(
         How long each step took, where that was measured: the only entry that a rerun changes. [s]
     """
     return {
-        **_situation_summary(picture.situation, picture.xyz.shape[:2]),
+        **_situation_summary(picture.operating_point, picture.xyz.shape[:2]),
         "metric": picture.metric,
         "seed": picture.seed,
         "frame": picture.frame,
-        "mean_e": _by_channel(picture.situation, picture.mean_e),
-        "above_full_well_share": _by_channel(picture.situation, picture.above_full_well),
+        "mean_e": _by_channel(picture.operating_point, picture.mean_e),
+        "above_full_well_share": _by_channel(picture.operating_point, picture.above_full_well),
         "clipped": picture.clipped,
         "white_xyz": [float(v) for v in picture.white],
         "notes": list(picture.notes),
@@ -218,31 +218,31 @@ def raw_summary(
         How long each step took, where that was measured: the only entry that a rerun changes. [s]
     """
     return {
-        **_situation_summary(picture.situation, picture.codes.shape),
+        **_situation_summary(picture.operating_point, picture.codes.shape),
         "mosaic": [list(row) for row in picture.mosaic.pattern],
         "bits": picture.adc.bits,
         "gain_e_per_dn": picture.adc.gain_e_per_dn,
         "black_level_dn": picture.adc.black_level_dn,
         "seed": picture.seed,
         "frame": picture.frame,
-        "mean_e": _by_channel(picture.situation, picture.mean_e),
-        "above_full_well_share": _by_channel(picture.situation, picture.above_full_well),
+        "mean_e": _by_channel(picture.operating_point, picture.mean_e),
+        "above_full_well_share": _by_channel(picture.operating_point, picture.above_full_well),
         "notes": list(picture.notes),
         **({} if seconds is None else {"seconds": dict(seconds)}),
     }
 
 
-def _situation_summary(situation: Situation, size: tuple[int, ...]) -> dict[str, Any]:
+def _situation_summary(operating_point: OperatingPoint, size: tuple[int, ...]) -> dict[str, Any]:
     return {
-        "sensor": situation.sensor.name,
+        "sensor": operating_point.sensor.name,
         "height_px": size[0],
         "width_px": size[1],
-        "time_ms": 1e3 * situation.exposure.time_s,
-        "f_number": situation.exposure.f_number,
-        "illuminant": situation.illuminant.name,
-        "level_lux": situation.level_lux,
+        "time_ms": 1e3 * operating_point.exposure.time_s,
+        "f_number": operating_point.exposure.f_number,
+        "illuminant": operating_point.illuminant.name,
+        "level_lux": operating_point.level_lux,
     }
 
 
-def _by_channel(situation: Situation, values: Float[Array, " p"]) -> dict[str, float]:
-    return dict(zip(situation.sensor.names, (float(v) for v in values), strict=True))
+def _by_channel(operating_point: OperatingPoint, values: Float[Array, " p"]) -> dict[str, float]:
+    return dict(zip(operating_point.sensor.names, (float(v) for v in values), strict=True))

@@ -5,7 +5,7 @@ from functools import lru_cache
 import numpy as np
 
 from chromanoise._check import Array, frozen
-from chromanoise._colour import colour_science
+from chromanoise._colour_science import colour_science
 from chromanoise._shapes import Float
 from chromanoise.color import ColorMatrix, balanced_cielab, cie1976_difference
 from chromanoise.exposure import Exposure, expected_electrons

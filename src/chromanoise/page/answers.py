@@ -8,9 +8,9 @@ from typing import Any
 
 from chromanoise.charts import PARTS, Look, Shown, drawing, shown
 from chromanoise.errors import InputError
-from chromanoise.exposure import Situation
-from chromanoise.page.asked import QuestionError, field, malformed, page_sentence
-from chromanoise.page.remembered import Remembered
+from chromanoise.exposure import OperatingPoint
+from chromanoise.page.cache import Remembered
+from chromanoise.page.requests import QuestionError, field, malformed, page_sentence
 from chromanoise.page.studies import Studies, labeled, spoken
 from chromanoise.page.uploads import Upload
 from chromanoise.study import Study, study_as_command, study_as_python, study_as_toml
@@ -45,10 +45,10 @@ class Answers:
         number, wanted = field(question, "number", int, 0), _wanted(question)
         look = look_of(field(question, "look", dict, {}))
         study, used = self._studies.read(field(question, "study", dict, {}))
-        situations = self._studies.situations(study, used)
+        operating_points = self._studies.operating_points(study, used)
         hashed = self._studies.hash_of(study, used)
         parts = ", ".join(
-            f'"{part}": {self._part(part, study, situations, look, used)}' for part in wanted
+            f'"{part}": {self._part(part, study, operating_points, look, used)}' for part in wanted
         )
         told = {
             "number": number,
@@ -78,18 +78,18 @@ class Answers:
         self,
         part: str,
         study: Study,
-        situations: Sequence[Situation],
+        operating_points: Sequence[OperatingPoint],
         look: Look,
         used: list[Upload],
     ) -> str:
         looked = tuple(getattr(look, name) for name in _LOOKS.get(part, ()))
-        nouns = tuple((one.sensor, one.illuminant) for one in situations)
+        nouns = tuple((one.sensor, one.illuminant) for one in operating_points)
         # sensitivities are the one that neither level nor exposure changes
         words = "" if part == "sensitivities" else study.model_dump_json(exclude=_BESIDE)
         try:
             return self._parts.of(
                 (part, looked, nouns, words),
-                lambda: self._drawn(part, study, situations, look),
+                lambda: self._drawn(part, study, operating_points, look),
             )
         except InputError as error:  # not remembered: sensitivities have the key of other studies
             return json.dumps({"fault": spoken(page_sentence(error), used)})
@@ -97,12 +97,14 @@ class Answers:
             _LOG.exception("the drawing %s failed", part)
             return json.dumps({"fault": f"{part} could not be computed for this study"})
 
-    def _drawn(self, part: str, study: Study, situations: Sequence[Situation], look: Look) -> str:
+    def _drawn(
+        self, part: str, study: Study, operating_points: Sequence[OperatingPoint], look: Look
+    ) -> str:
         key: Hashable = (
             study.model_dump_json(exclude=_BESIDE),
-            *((one.sensor, one.illuminant) for one in situations),
+            *((one.sensor, one.illuminant) for one in operating_points),
         )
-        seen = self._shown.of(key, lambda: shown(study, situations=situations))
+        seen = self._shown.of(key, lambda: shown(study, operating_points=operating_points))
         return json.dumps(drawing(part, seen, look), allow_nan=False)
 
 

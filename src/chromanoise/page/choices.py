@@ -7,7 +7,7 @@ from chromanoise import __version__
 from chromanoise.analysis.color_matrices import METHODS
 from chromanoise.analysis.priors import PRIORS
 from chromanoise.catalog.entries import catalog_entries, catalog_folder
-from chromanoise.catalog.resolve import illuminant_of_word, sensor_of_word
+from chromanoise.catalog.resolve import resolve_illuminant, resolve_sensor
 from chromanoise.charts import PARTS
 from chromanoise.color import SPACES
 from chromanoise.errors import InputError
@@ -65,7 +65,7 @@ def _sensors() -> list[dict[str, Any]]:
     told = []
     for entry in catalog_entries("sensors", folder=catalog_folder()):
         try:
-            sensor = sensor_of_word(entry.provenance.name)
+            sensor = resolve_sensor(entry.provenance.name)
         except InputError:
             continue  # its table needs to be told something first, which a name cannot
         told.append(
@@ -96,7 +96,7 @@ def _illuminants() -> list[str]:
     usable = []
     for name in (*names, *_FORMULAS):
         try:
-            illuminant_of_word(name)
+            resolve_illuminant(name)
         except InputError:
             continue
         usable.append(name)

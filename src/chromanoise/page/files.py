@@ -9,7 +9,7 @@ from starlette.requests import Request
 from starlette.responses import Response
 
 from chromanoise._palette import palette_css
-from chromanoise.page.guard import content_policy, fault_reply
+from chromanoise.page.middleware import content_policy, fault_reply
 
 _TYPES = {
     "css": "text/css",

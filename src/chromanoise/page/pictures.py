@@ -10,12 +10,12 @@ from typing import Any
 from chromanoise.analysis.color_matrices import matrix_makers
 from chromanoise.catalog.resolve import file_of
 from chromanoise.errors import InputError
-from chromanoise.exposure import Situation
+from chromanoise.exposure import OperatingPoint
 from chromanoise.imaging import Work, rendered
 from chromanoise.imaging.writers import picture_summary, png_bytes
-from chromanoise.io.cubes.faults import reading
-from chromanoise.page.asked import QuestionError, field, malformed, page_sentence
-from chromanoise.page.remembered import Remembered
+from chromanoise.io.cubes.errors import reading
+from chromanoise.page.cache import Remembered
+from chromanoise.page.requests import QuestionError, field, malformed, page_sentence
 from chromanoise.page.studies import Studies, spoken, stamps_of
 from chromanoise.page.uploads import Upload
 from chromanoise.scene import Cube
@@ -25,7 +25,7 @@ from chromanoise.study import Study
 from chromanoise.study.assembly import cube_of, with_distinct_names
 from chromanoise.study.document import PicturePart
 from chromanoise.study.hashes import FileWord
-from chromanoise.study.pictures import asked_of
+from chromanoise.study.pictures import capture_settings_of
 
 MOST_VALUES = 64_000_000
 _UNPACKED_BYTES = 512_000_000
@@ -51,22 +51,22 @@ class Pictures:
         """
         study, used = self._studies.read(field(question, "study", dict, {}))
         noisy, which = field(question, "noisy", bool, True), field(question, "sensor", int, 0)
-        situations = self._studies.situations(study, used)
-        if not 0 <= which < len(situations):
+        operating_points = self._studies.operating_points(study, used)
+        if not 0 <= which < len(operating_points):
             raise QuestionError(
                 ("sensor", f"the study has no sensor {which}; counting starts at 0")
             )
         where, part = self._part(study, question.get("cube"), used)
-        nouns = (situations[which].sensor, situations[which].illuminant)
-        situation = with_distinct_names(situations)[which]
+        nouns = (operating_points[which].sensor, operating_points[which].illuminant)
+        operating_point = with_distinct_names(operating_points)[which]
         try:
             stamps = stamps_of(study.model_copy(update={"pictures": (part,)}), "pictures.")
             about = (part.model_dump_json(include=_OF_CUBE), stamps)
             cube = self._cubes.of(about, lambda: bounded_cube(part))
             words = (part.model_dump_json(), study.model_dump_json(exclude=_BESIDE), stamps)
             png, summary = self._taken.of(
-                (noisy, situation.sensor.name, nouns, *words),
-                lambda: _taken(cube, part, study, situation, noisy=noisy),
+                (noisy, operating_point.sensor.name, nouns, *words),
+                lambda: _taken(cube, part, study, operating_point, noisy=noisy),
             )
         except InputError as error:
             raise QuestionError((where, spoken(page_sentence(error), used))) from None
@@ -131,16 +131,16 @@ def bounded_cube(part: PicturePart) -> Cube:
 
 
 def _taken(
-    cube: Cube, part: PicturePart, study: Study, situation: Situation, *, noisy: bool
+    cube: Cube, part: PicturePart, study: Study, operating_point: OperatingPoint, *, noisy: bool
 ) -> tuple[bytes, str]:
     makers = matrix_makers(study.matrices[:1], study.metric, prior=study.prior)  # type: ignore[arg-type]
     (maker,) = makers.values()
-    pixel = asked_of(part, seed=study.seed).pixel
-    used = replace(situation, sensor=overridden(situation.sensor, pixel, raw=False))
+    pixel = capture_settings_of(part, seed=study.seed).pixel
+    used = replace(operating_point, sensor=overridden(operating_point.sensor, pixel, raw=False))
     picture = rendered(
         cube,
         used,
-        matrix=maker(situation),
+        matrix=maker(operating_point),
         seed=study.seed,
         noisy=noisy,
         clip=part.clip,

@@ -4,10 +4,10 @@ from typing import Any
 
 from chromanoise.catalog import own_sensor_of
 from chromanoise.errors import InputError, Setting
-from chromanoise.io.spectra import Understood, read_curves
+from chromanoise.io.spectra import ParsedSpectra, read_curves
 from chromanoise.io.spectra.defects import defects_of_a_light
-from chromanoise.page.asked import QuestionError, page_sentence
 from chromanoise.page.pictures import cube_of_upload
+from chromanoise.page.requests import QuestionError, page_sentence
 from chromanoise.page.studies import served_data
 from chromanoise.page.uploads import Upload, in_words
 from chromanoise.scene.rows import row_source
@@ -149,7 +149,7 @@ def _spectra(upload: Upload) -> Told:
     return {"kind": kind, "preview": _sentences(told, kind), "asks": _asks(told, kind)}
 
 
-def _kind(told: Understood) -> str:
+def _kind(told: ParsedSpectra) -> str:
     """A light where it is one or may be: one curve of nobody knows what."""
     if told.quantity == "power":
         return "light"
@@ -163,7 +163,7 @@ def _kind(told: Understood) -> str:
     return "light" if told.quantity is None and len(told.curves.names) == 1 else "sensor"
 
 
-def _sentences(told: Understood, kind: str) -> list[str]:
+def _sentences(told: ParsedSpectra, kind: str) -> list[str]:
     curves: Spectra = told.curves
     names = ", ".join(curves.names[:_MOST_NAMES])
     more = ", ..." if len(curves.names) > _MOST_NAMES else ""
@@ -182,7 +182,7 @@ def _sentences(told: Understood, kind: str) -> list[str]:
     ]
 
 
-def _asks(told: Understood, kind: str) -> list[Told]:
+def _asks(told: ParsedSpectra, kind: str) -> list[Told]:
     asked = []
     for question in told.questions:
         key, choices = _ASKS.get(question.about, (None, []))

@@ -19,9 +19,9 @@ from starlette.responses import Response
 from starlette.routing import Route
 from starlette.types import ASGIApp, Receive, Scope, Send
 
-from chromanoise.page.asked import Bodies, QuestionError, malformed, passed_over, question_of
 from chromanoise.page.files import asset_reply, index, page_policy
-from chromanoise.page.guard import UPLOAD_BYTES, AsciiJSONResponse, fault_reply, guarded
+from chromanoise.page.middleware import UPLOAD_BYTES, AsciiJSONResponse, fault_reply, guarded
+from chromanoise.page.requests import Bodies, QuestionError, malformed, passed_over, question_of
 from chromanoise.page.uploads import Uploads
 from chromanoise.page.work import Workers
 

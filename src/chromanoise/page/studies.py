@@ -11,9 +11,9 @@ from chromanoise._inputs import regular_file
 from chromanoise.analysis.color_matrices import matrix_makers
 from chromanoise.catalog.resolve import file_of, is_file_word
 from chromanoise.errors import InputError, errors_in
-from chromanoise.exposure import Situation
-from chromanoise.page.asked import MOST_ENTRIES, QuestionError, page_sentence, refuse_long_lists
-from chromanoise.page.remembered import Remembered
+from chromanoise.exposure import OperatingPoint
+from chromanoise.page.cache import Remembered
+from chromanoise.page.requests import MOST_ENTRIES, QuestionError, page_sentence, refuse_long_lists
 from chromanoise.page.uploads import Kept, Upload, in_path, in_words
 from chromanoise.sensor import Sensor
 from chromanoise.spectra import Illuminant, infrared_parts
@@ -110,7 +110,7 @@ class Studies:
             _at(f"matrices.{i}", [], partial(matrix_makers, [name], "quanta"))
         return study
 
-    def situations(self, study: Study, used: list[Upload]) -> list[Situation]:
+    def operating_points(self, study: Study, used: list[Upload]) -> list[OperatingPoint]:
         """Each sensor in its light with its exposure.
 
         Raises
@@ -135,7 +135,7 @@ class Studies:
             study, used = self.read(told)
             found = [(e.setting, spoken(page_sentence(e), used)) for e in unresolved(study)]
             if not found:
-                self.situations(study, used)
+                self.operating_points(study, used)
         except QuestionError as error:
             found = list(error.faults)
         return [f"{where}: {sentence}" for where, sentence in found]

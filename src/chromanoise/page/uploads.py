@@ -9,7 +9,7 @@ from collections import OrderedDict
 from dataclasses import dataclass
 from pathlib import Path
 
-from chromanoise.page.asked import QuestionError
+from chromanoise.page.requests import QuestionError
 
 MOST_FILES = 32
 MOST_BYTES = 128_000_000

@@ -12,8 +12,8 @@ from typing import Any
 
 from chromanoise import _sandbox
 from chromanoise.page import processes
-from chromanoise.page.asked import QuestionError
 from chromanoise.page.processes import Nursery, ProcessEndedError, Worker
+from chromanoise.page.requests import QuestionError
 from chromanoise.page.uploads import Upload
 
 _LOG = logging.getLogger("chromanoise.page")

@@ -16,8 +16,8 @@ from typing import Any, BinaryIO
 
 from chromanoise._sandbox import exit_after, held_bytes
 from chromanoise.errors import InputError
-from chromanoise.page.asked import QuestionError
-from chromanoise.page.desk import Desk
+from chromanoise.page.requests import QuestionError
+from chromanoise.page.services import Desk
 from chromanoise.page.uploads import Kept, Upload
 
 _SIZE = struct.calcsize("q")

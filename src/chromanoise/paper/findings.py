@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from chromanoise.analysis.stages import (
+from chromanoise.analysis.analysis import (
     Analysis,
     color_snr_db,
     mean_color_error,

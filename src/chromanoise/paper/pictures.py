@@ -1,6 +1,6 @@
 """The paper's Figure 8: one scene through both sensors at the same exposure."""
 
-from chromanoise.exposure import Situation
+from chromanoise.exposure import OperatingPoint
 from chromanoise.imaging import Picture, rendered
 from chromanoise.paper import study as paper
 from chromanoise.paper.study import PaperStudy
@@ -16,7 +16,7 @@ def paper_pictures(study: PaperStudy, *, seed: int = 0) -> tuple[Picture, Pictur
     first, second = (
         rendered(
             cube,
-            Situation(
+            OperatingPoint(
                 sensor=analysis.sensor,
                 exposure=analysis.exposure,
                 illuminant=study.scene.illuminant,

@@ -6,7 +6,7 @@ from functools import partial
 
 import numpy as np
 
-from chromanoise.analysis.stages import Analysis, color_snr_db, contravariant_snr_db, raw_snr_db
+from chromanoise.analysis.analysis import Analysis, color_snr_db, contravariant_snr_db, raw_snr_db
 from chromanoise.metrics import snr_db
 from chromanoise.noise import Estimate, monte_carlo, with_noise
 from chromanoise.paper import study as paper

@@ -6,7 +6,7 @@ geometrical interpretation", CIC27 (2019), Tables 1-5.
 
 from dataclasses import dataclass
 
-from chromanoise.analysis.stages import Analysis, analyzed
+from chromanoise.analysis.analysis import Analysis, analyzed
 from chromanoise.catalog import sensor_named
 from chromanoise.exposure import Exposure, time_to_saturation
 from chromanoise.scene import Scene, flat_field

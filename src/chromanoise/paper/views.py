@@ -12,7 +12,7 @@ import numpy as np
 from chromanoise._check import Array, one_of
 from chromanoise._linalg import eigvalsh
 from chromanoise._shapes import Float
-from chromanoise.analysis.stages import Analysis, analyzed, color_snr_db
+from chromanoise.analysis.analysis import Analysis, analyzed, color_snr_db
 from chromanoise.errors import InputError
 from chromanoise.geometry import PlaneView, ellipse_outline, plane_view
 from chromanoise.noise import Measurement, sample_electrons, through

@@ -10,7 +10,7 @@ from chromanoise import _check
 from chromanoise.analysis import SWEEPS, analyzed
 from chromanoise.charts import Shown
 from chromanoise.charts.text import level_in_words
-from chromanoise.exposure import Situation, white_scene
+from chromanoise.exposure import OperatingPoint, white_scene
 from chromanoise.spectra import INFRARED_FROM_NM
 
 _STEP = 10.0 ** (1 / 8)  # of the light level: eight answers per decade
@@ -57,10 +57,10 @@ def slides_of(of: Shown) -> tuple[Slide, ...]:
 
     The light level goes up to where every sensor is saturated, for the time is the study's own.
     """
-    count = max(5, min(_MOST_ANSWERS, _ROOM // len(of.situations)))
-    step = (len(of.situations) + 1) // 2
-    infrared = (_ir_cut(_EDGES_NM[::step]),) if _sees_infrared(of.situations) else ()
-    more = (_infrared(_RATIOS[:: (step + 1) // 2]),) if _sees_diode(of.situations) else ()
+    count = max(5, min(_MOST_ANSWERS, _ROOM // len(of.operating_points)))
+    step = (len(of.operating_points) + 1) // 2
+    infrared = (_ir_cut(_EDGES_NM[::step]),) if _sees_infrared(of.operating_points) else ()
+    more = (_infrared(_RATIOS[:: (step + 1) // 2]),) if _sees_diode(of.operating_points) else ()
     return (_level(of, count), *infrared, *more)
 
 
@@ -84,16 +84,16 @@ def at_value(of: Shown, slide: Slide, value: float | None) -> Shown:
     if value is None:
         return of
     change = SWEEPS[slide.key].at
-    situations = tuple(change(one, value) for one in of.situations)
+    operating_points = tuple(change(one, value) for one in of.operating_points)
     maker = next(iter(of.makers.values()))
     analyses = tuple(
         analyzed(white_scene(one), one.sensor, one.exposure, matrix=maker(one))
-        for one in situations
+        for one in operating_points
     )
-    level_lux = situations[0].level_lux
+    level_lux = operating_points[0].level_lux
     light = of.study.light.model_copy(update={"level_lux": level_lux})
     study = of.study.model_copy(update={"light": light})
-    return replace(of, study=study, situations=situations, analyses=analyses)
+    return replace(of, study=study, operating_points=operating_points, analyses=analyses)
 
 
 def _level(of: Shown, count: int) -> Slide:
@@ -134,16 +134,16 @@ def _infrared(ratios: Sequence[float]) -> Slide:
     )
 
 
-def _sees_diode(situations: Sequence[Situation]) -> bool:
+def _sees_diode(operating_points: Sequence[OperatingPoint]) -> bool:
     seen = (
         np.interp(_DIODE_NM, one.sensor.grid.wavelength_nm, one.sensor.qe.max(axis=1))
-        for one in situations
+        for one in operating_points
     )
     return bool(max(seen) > _SEES_INFRARED)
 
 
-def _sees_infrared(situations: Sequence[Situation]) -> bool:
-    for one in situations:
+def _sees_infrared(operating_points: Sequence[OperatingPoint]) -> bool:
+    for one in operating_points:
         beyond = one.sensor.grid.wavelength_nm > INFRARED_FROM_NM
         lit = one.illuminant.irradiance > 0
         if (beyond & lit).any() and np.max(one.sensor.qe[beyond & lit]) > _SEES_INFRARED:

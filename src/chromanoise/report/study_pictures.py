@@ -7,7 +7,7 @@ from chromanoise._check import Array
 from chromanoise._shapes import UInt8
 from chromanoise.charts import Shown
 from chromanoise.imaging import Work
-from chromanoise.imaging.shots import shot
+from chromanoise.imaging.capture import shot
 from chromanoise.study.pictures import first_frame, prepared_cameras
 
 
@@ -45,11 +45,13 @@ def sights_of(of: Shown, *, work: Work | None = None) -> tuple[Sight, ...]:
     InputError
         If a cube cannot be read, or holds what is no reflectance.
     """
-    names = tuple(one.sensor.name for one in of.situations)
+    names = tuple(one.sensor.name for one in of.operating_points)
     matrix, maker = next(iter(of.makers.items()))
     told = []
     for number, part in enumerate(of.study.pictures):
-        cube, cameras = prepared_cameras(of.study, number, list(of.situations), {matrix: maker})
+        cube, cameras = prepared_cameras(
+            of.study, number, list(of.operating_points), {matrix: maker}
+        )
         frame = first_frame(of.study, number)
         taken = [
             shot(cube, camera, frame=frame, work=work or Work()).picture

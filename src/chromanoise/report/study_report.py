@@ -249,4 +249,4 @@ def _notes(head: dict[str, Any]) -> list[str]:
 
 
 def _names(of: Shown) -> str:
-    return ", ".join(one.sensor.name for one in of.situations)
+    return ", ".join(one.sensor.name for one in of.operating_points)

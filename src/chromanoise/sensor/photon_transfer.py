@@ -16,10 +16,9 @@ from chromanoise._check import Array
 from chromanoise.errors import InputError
 from chromanoise.sensor.imperfections import Imperfections
 from chromanoise.sensor.noise_profile import ROUNDING_DN2
-from chromanoise.sensor.pixel_source import PixelSource
-from chromanoise.sensor.transfer_efficiency import quantum_efficiency
-from chromanoise.sensor.transfer_levels import Levels, levels_of
-from chromanoise.sensor.transfer_regression import (
+from chromanoise.sensor.photon_transfer_levels import Levels, levels_of
+from chromanoise.sensor.photon_transfer_qe import quantum_efficiency
+from chromanoise.sensor.photon_transfer_regression import (
     Regression,
     mean_error2,
     residuals_z,
@@ -27,8 +26,9 @@ from chromanoise.sensor.transfer_regression import (
     variance_error2,
     weighted_fit,
 )
-from chromanoise.sensor.transfer_saturation import saturated_row
-from chromanoise.sensor.transfer_table import PhotonTransfer, TransferFit
+from chromanoise.sensor.photon_transfer_saturation import saturated_row
+from chromanoise.sensor.photon_transfer_table import PhotonTransfer, TransferFit
+from chromanoise.sensor.pixel_source import PixelSource
 
 __all__ = ["PhotonTransfer", "TransferFit", "photon_transfer_fit", "pixel_from_photon_transfer"]
 

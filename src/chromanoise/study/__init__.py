@@ -26,7 +26,7 @@ if TYPE_CHECKING:
         operating_points_of,
         refuse_idle,
     )
-    from chromanoise.study.calls import (
+    from chromanoise.study.commands import (
         FLAGS,
         OTHER_NAMES,
         Call,
@@ -101,7 +101,7 @@ if TYPE_CHECKING:
     from chromanoise.study.starter import (
         STARTER,
     )
-    from chromanoise.study.texts import (
+    from chromanoise.study.toml_text import (
         study_as_toml,
     )
 

@@ -4,14 +4,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from chromanoise.analysis.analysis import Analysis, analyzed
+from chromanoise.analysis.chart_noise import ChartNoise, chart_as_json, chart_noise
 from chromanoise.analysis.color_matrices import MatrixMaker
+from chromanoise.analysis.color_space_noise import GrayNoise, gray_noise, gray_noise_as_json
 from chromanoise.analysis.export import analyses_as_json, budgets_as_json
-from chromanoise.analysis.figures_of_merit.listed import Merits, merits_as_json, merits_of
-from chromanoise.analysis.patches import ChartNoise, chart_as_json, chart_noise
-from chromanoise.analysis.perceived import GrayNoise, gray_noise, gray_noise_as_json
-from chromanoise.analysis.stages import Analysis, analyzed
+from chromanoise.analysis.figures_of_merit.merits import Merits, merits_as_json, merits_of
 from chromanoise.color import SPACES, UNBOUNDED
-from chromanoise.exposure import Situation, white_scene
+from chromanoise.exposure import OperatingPoint, white_scene
 from chromanoise.noise import Readout
 from chromanoise.study.document import OutputsPart
 
@@ -36,12 +36,14 @@ class Outcome:
     merits: Merits | None
 
 
-def outcome_of(situation: Situation, maker: MatrixMaker, outputs: OutputsPart) -> Outcome:
+def outcome_of(
+    operating_point: OperatingPoint, maker: MatrixMaker, outputs: OutputsPart
+) -> Outcome:
     """All that is asked of a sensor in use.
 
     Parameters
     ----------
-    situation
+    operating_point
         Sensor, exposure and light.
     maker
         Of its color matrix.
@@ -53,16 +55,16 @@ def outcome_of(situation: Situation, maker: MatrixMaker, outputs: OutputsPart) -
     InputError
         If the matrix cannot be made, or what is asked cannot be computed.
     """
-    sensor = situation.sensor
+    sensor = operating_point.sensor
     held = None
     if outputs.clip:
         held = Readout(black_e=0.0, full_well_e=sensor.pixel.full_well_e)
     analysis = analyzed(
-        white_scene(situation),
+        white_scene(operating_point),
         sensor,
-        situation.exposure,
+        operating_point.exposure,
         readout=held,
-        matrix=maker(situation),
+        matrix=maker(operating_point),
     )
     space = SPACES[outputs.space] if outputs.space is not None else None
     return Outcome(

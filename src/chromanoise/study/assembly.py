@@ -10,13 +10,13 @@ from chromanoise._check import within
 from chromanoise.analysis.color_matrices import METHODS, MatrixMaker, matrix_makers
 from chromanoise.catalog import idle_answers, on_pixel, sensor_with_pixel
 from chromanoise.catalog.resolve import (
-    behind_filter_of_word,
+    behind_resolved_filter,
     file_of,
-    illuminant_of_word,
     is_file_word,
+    resolve_illuminant,
 )
 from chromanoise.errors import InputError, StudyError
-from chromanoise.exposure import EQUAL_TERMS, Exposure, Situation
+from chromanoise.exposure import EQUAL_TERMS, Exposure, OperatingPoint
 from chromanoise.io.cubes import read_cube
 from chromanoise.io.spectra import Answers
 from chromanoise.scene import Cube, Scene, builtin_cube, flat_field
@@ -48,7 +48,7 @@ class Given:
 NOTHING_GIVEN = Given()
 
 
-def operating_points_of(study: Study, given: Given = NOTHING_GIVEN) -> list[Situation]:
+def operating_points_of(study: Study, given: Given = NOTHING_GIVEN) -> list[OperatingPoint]:
     """Each sensor of the study in its light, with its exposure.
 
     Raises
@@ -83,13 +83,13 @@ def refusal(errors: Sequence[InputError]) -> InputError:
     return errors[0] if len(errors) == 1 else StudyError(errors)
 
 
-def with_distinct_names(points: Sequence[Situation]) -> list[Situation]:
+def with_distinct_names(points: Sequence[OperatingPoint]) -> list[OperatingPoint]:
     """Sensors of one name get a number: a sensor is often compared with a changed copy.
 
     ``cam``, ``cam`` become ``cam`` and ``cam (2)``; a number that is a name already is skipped.
     """
     names = [one.sensor.name for one in points]
-    distinct: list[Situation] = []
+    distinct: list[OperatingPoint] = []
     for i, (one, name) in enumerate(zip(points, names, strict=True)):
         taken = {before.sensor.name for before in distinct}
         taken |= {later for later in names[i + 1 :] if later != name}
@@ -171,7 +171,7 @@ def _idle(key: str, value: Any, of: str) -> InputError:
 
 def operating_points_in(
     study: Study, illuminant: Illuminant, sensors: Sequence[Sensor]
-) -> list[Situation]:
+) -> list[OperatingPoint]:
     """Sensors in a light, on the terms of the study.
 
     Parameters
@@ -194,7 +194,7 @@ def operating_points_in(
         _within("exposure.time_ms", "ms", rule.time_ms, _TIME_MS)
     white = flat_field(illuminant, level_lux=light.level_lux)
     return [
-        Situation(
+        OperatingPoint(
             sensor=sensor, exposure=exposure, illuminant=illuminant, level_lux=light.level_lux
         )
         for sensor, exposure in zip(sensors, _exposures(study, white, sensors), strict=True)
@@ -220,7 +220,7 @@ def illuminant_of(study: Study, given: Given = NOTHING_GIVEN) -> Illuminant:
     if word in given.illuminants:
         return given.illuminants[word]
     with keyed("light.illuminant", lambda name: f"light.{'column' if name == 'columns' else name}"):
-        return illuminant_of_word(word, answers=light_answers_of(study))
+        return resolve_illuminant(word, answers=light_answers_of(study))
 
 
 def light_answers_of(study: Study) -> Answers:
@@ -268,7 +268,7 @@ def sensor_of(part: SensorPart, *, key: str = "sensors.0", given: Given = NOTHIN
             wavelength_unit=part.filter_wavelength_unit,
         )
         with keyed(f"{key}.filter", lambda name: f"{key}.{_FILTER_KEYS.get(name, name)}"):
-            sensor = behind_filter_of_word(sensor, part.filter, answers=answers)
+            sensor = behind_resolved_filter(sensor, part.filter, answers=answers)
     return sensor if part.ircut_nm is None else behind_ir_cut(sensor, part.ircut_nm)
 
 

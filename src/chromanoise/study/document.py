@@ -14,7 +14,7 @@ from chromanoise.analysis.comparison.sweeps import SWEEPS
 from chromanoise.analysis.priors import DEFAULT_PRIOR, PRIORS
 from chromanoise.errors import InputError, Setting, StudyError
 from chromanoise.imaging import DEMOSAICING
-from chromanoise.imaging.shots import FORMATS, MOST_FRAMES
+from chromanoise.imaging.capture import FORMATS, MOST_FRAMES
 from chromanoise.io.spectra.parsed import Negatives, Unit
 from chromanoise.scene import BUILTIN_CUBES
 from chromanoise.sensor import MOSAIC_NAMES

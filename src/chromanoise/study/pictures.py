@@ -5,17 +5,17 @@ from pathlib import Path
 
 from chromanoise._check import distinct
 from chromanoise.analysis.color_matrices import MatrixMaker
-from chromanoise.exposure import Situation
+from chromanoise.exposure import OperatingPoint
 from chromanoise.imaging import Work
-from chromanoise.imaging.shots import (
-    Asked,
+from chromanoise.imaging.capture import (
+    Capture,
+    CaptureSettings,
     Prepared,
-    Shot,
     any_picture,
+    capture_summary,
     prepared,
     shot,
-    shot_summary,
-    write_shot,
+    write_capture,
 )
 from chromanoise.scene import Cube
 from chromanoise.sensor import PixelOverrides, mosaic_named
@@ -24,7 +24,9 @@ from chromanoise.study.document import PicturePart, Study
 from chromanoise.study.results import Pictures
 
 
-def asked_of(part: PicturePart, *, seed: int, key: str = "pictures.0") -> Asked:
+def capture_settings_of(
+    part: PicturePart, *, seed: int, key: str = "pictures.0"
+) -> CaptureSettings:
     """What a part of a study asks of its pictures.
 
     Parameters
@@ -45,7 +47,7 @@ def asked_of(part: PicturePart, *, seed: int, key: str = "pictures.0") -> Asked:
     if part.mosaic is not None and part.mosaic != "sensor":
         with keyed(f"{key}.mosaic"):
             mosaic = mosaic_named(part.mosaic)
-    return Asked(
+    return CaptureSettings(
         mosaic=mosaic,
         raw=part.mosaic is not None,
         demosaic=None if part.raw_only else part.demosaic or "bilinear",
@@ -66,31 +68,34 @@ def asked_of(part: PicturePart, *, seed: int, key: str = "pictures.0") -> Asked:
 
 
 def prepared_cameras(
-    study: Study, number: int, situations: list[Situation], makers: Mapping[str, MatrixMaker]
+    study: Study,
+    number: int,
+    operating_points: list[OperatingPoint],
+    makers: Mapping[str, MatrixMaker],
 ) -> tuple[Cube, dict[str, list[Prepared]]]:
     """The cube, and the cameras of each matrix, of a part of the pictures (from 0).
 
     Raises
     ------
     InputError
-        If the cube cannot be read, or as `asked_of` and `prepared`.
+        If the cube cannot be read, or as `capture_settings_of` and `prepared`.
     """
-    refuse_shared_file_names(situations)
+    refuse_shared_file_names(operating_points)
     part, key = study.pictures[number], f"pictures.{number}"
     cube = cube_of(part, key=key)
     own = {name: f"{key}.{name}" for name in PicturePart.model_fields}
     own |= {"black_level_dn": f"{key}.black_level", "names of formats": f"{key}.formats"}
     with keyed(key, lambda name: own.get(name, name), own):
-        asked = asked_of(part, seed=study.seed, key=key)
+        asked = capture_settings_of(part, seed=study.seed, key=key)
         return cube, {
-            name: [prepared(cube, each, maker(each), asked) for each in situations]
+            name: [prepared(cube, each, maker(each), asked) for each in operating_points]
             for name, maker in makers.items()
         }
 
 
-def refuse_shared_file_names(situations: Sequence[Situation]) -> None:
+def refuse_shared_file_names(operating_points: Sequence[OperatingPoint]) -> None:
     """Refuse sensors whose names differ, but not as parts of names of files."""
-    distinct("file names of sensors", [file_word(each.sensor.name) for each in situations])
+    distinct("file names of sensors", [file_word(each.sensor.name) for each in operating_points])
 
 
 def first_frame(study: Study, number: int) -> int:
@@ -115,20 +120,20 @@ def pictures_taken(
         If the cube holds what is no reflectance, or a file cannot be written.
     """
     part, summaries, kept = study.pictures[number], [], []
-    points: dict[str, Situation] = {}
+    points: dict[str, OperatingPoint] = {}
     for name, taken in captures(study, number, cube, cameras, work=work):
-        points[taken.camera.situation.sensor.name] = taken.camera.situation
+        points[taken.camera.operating_point.sensor.name] = taken.camera.operating_point
         if folder is None:
-            summaries.append({"matrix": name} | shot_summary(taken, []))
+            summaries.append({"matrix": name} | capture_summary(taken, []))
             kept.append(taken)
             continue
-        sensor = taken.camera.situation.sensor.name
+        sensor = taken.camera.operating_point.sensor.name
         stem = f"picture-{number + 1}-{file_word(sensor)}-{file_word(name)}"
         frame = any_picture(taken).frame - first_frame(study, number)
-        files, missing = write_shot(
+        files, missing = write_capture(
             folder, stem + (f"-{frame:04d}" if part.frames > 1 else ""), taken
         )
-        summary = {"matrix": name} | shot_summary(taken, files)
+        summary = {"matrix": name} | capture_summary(taken, files)
         summaries.append(summary | ({"not_written": missing} if missing else {}))
     return Pictures(
         cube=part.cube,
@@ -140,7 +145,7 @@ def pictures_taken(
 
 def captures(
     study: Study, number: int, cube: Cube, cameras: Mapping[str, list[Prepared]], *, work: Work
-) -> Iterator[tuple[str, Shot]]:
+) -> Iterator[tuple[str, Capture]]:
     """Each picture of a part (from 0) as it is taken, with the name of its matrix.
 
     Raises

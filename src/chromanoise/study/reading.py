@@ -19,7 +19,7 @@ from chromanoise.catalog.resolve import file_of, word_beside
 from chromanoise.color import SPACES
 from chromanoise.errors import InputError, Setting, StudyError, errors_in
 from chromanoise.imaging import DEMOSAICING
-from chromanoise.imaging.shots import FORMATS
+from chromanoise.imaging.capture import FORMATS
 from chromanoise.spectra import METRICS
 from chromanoise.study.assembly import unresolved
 from chromanoise.study.document import Study

@@ -18,7 +18,7 @@ from chromanoise.imaging import Work
 from chromanoise.io.spectra.own_json import named
 from chromanoise.study.document import Study
 from chromanoise.study.hashes import changes_since, file_stamps, in_catalog, provenance, study_hash
-from chromanoise.study.numerics import numerics
+from chromanoise.study.numeric_libraries import numerics
 from chromanoise.study.running import Progress, no_progress, prepared_run
 
 STUDY_FILE = "study.json"

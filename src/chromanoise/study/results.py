@@ -26,10 +26,10 @@ from chromanoise.analysis import (
 from chromanoise.analysis.comparison.crossing import Crossover
 from chromanoise.analysis.tables import analyses_as_table, curves_as_table, matrix_as_table
 from chromanoise.color import ColorMatrix, ParetoCurve
-from chromanoise.exposure import Situation
-from chromanoise.imaging.shots import Shot
+from chromanoise.exposure import OperatingPoint
+from chromanoise.imaging.capture import Capture
 from chromanoise.io.table import Column, Table
-from chromanoise.io.tables import table_latex
+from chromanoise.io.table_formats import table_latex
 from chromanoise.metrics import MatrixReport
 from chromanoise.study.analyses import Outcome, outcomes_as_json
 from chromanoise.study.document import OutputsPart, Study
@@ -37,7 +37,7 @@ from chromanoise.study.document import OutputsPart, Study
 _MOST_TIMES = 3
 
 
-def conditions(points: Sequence[Situation]) -> str:
+def conditions(points: Sequence[OperatingPoint]) -> str:
     """The operating point in words: level, illuminant, time and aperture.
 
     Parameters
@@ -163,7 +163,7 @@ class Analyses(Result):
     """
 
     matrix: str
-    points: tuple[Situation, ...]
+    points: tuple[OperatingPoint, ...]
     outcomes: tuple[Outcome, ...]
     outputs: OutputsPart
 
@@ -224,7 +224,7 @@ class MatrixResult:
         The curve of color error against noise; ``None`` where it is not asked for.
     """
 
-    point: Situation
+    point: OperatingPoint
     matrix: ColorMatrix
     report: MatrixReport
     pareto: ParetoCurve | None
@@ -290,7 +290,7 @@ class Comparison(Result):
         The rule of the exposure, and what trained matrices are trained on.
     """
 
-    points: tuple[Situation, ...]
+    points: tuple[OperatingPoint, ...]
     curves: tuple[Curve, ...]
     crossovers: tuple[Crossover, ...]
     bands: tuple[CrossoverBand, ...]
@@ -348,9 +348,9 @@ class Pictures(Result):
     """
 
     cube: str
-    points: tuple[Situation, ...]
+    points: tuple[OperatingPoint, ...]
     summaries: tuple[dict[str, Any], ...]
-    captures: tuple[Shot, ...] = ()
+    captures: tuple[Capture, ...] = ()
 
     def to_dict(self) -> dict[str, Any]:
         """The cube and the summaries."""
@@ -412,7 +412,7 @@ class Results:
     """
 
     study: Study
-    points: tuple[Situation, ...]
+    points: tuple[OperatingPoint, ...]
     analyses: dict[str, Analyses] = field(default_factory=dict)
     matrices: dict[str, Matrices] = field(default_factory=dict)
     sweeps: tuple[Comparison, ...] = ()

@@ -15,7 +15,7 @@ from chromanoise.analysis.comparison.quantities import QUANTITIES
 from chromanoise.analysis.comparison.sweeps import SWEEPS, swept_values
 from chromanoise.analysis.pareto import noise_weights, pareto_of
 from chromanoise.errors import InputError
-from chromanoise.exposure import Situation
+from chromanoise.exposure import OperatingPoint
 from chromanoise.imaging import Work
 from chromanoise.metrics import matrix_report
 from chromanoise.scene.rows import row_source
@@ -38,7 +38,7 @@ from chromanoise.study.results import (
 )
 
 Makers = Mapping[str, MatrixMaker]
-Points = list[Situation]
+Points = list[OperatingPoint]
 StepResult = Analyses | Matrices | Comparison | Pictures
 Advance = Callable[[int], None]
 
@@ -90,7 +90,7 @@ class Prepared:
         All that the study asks for, in order.
     """
 
-    points: tuple[Situation, ...]
+    points: tuple[OperatingPoint, ...]
     steps: tuple[Step, ...]
 
 

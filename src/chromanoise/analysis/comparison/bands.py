@@ -12,7 +12,7 @@ from chromanoise.analysis.comparison.curves import compared
 from chromanoise.analysis.comparison.quantities import SNR_Y, Quantity
 from chromanoise.analysis.comparison.sweeps import SWEEPS, Sweep
 from chromanoise.analysis.priors import PRIORS
-from chromanoise.exposure import Situation
+from chromanoise.exposure import OperatingPoint
 from chromanoise.spectra import Metric
 
 
@@ -41,7 +41,7 @@ class CrossoverBand:
 
 
 def crossover_bands(
-    contestants: Sequence[Situation],
+    contestants: Sequence[OperatingPoint],
     names: Sequence[str],
     at: Float[Array, " k"],
     *,

@@ -13,9 +13,9 @@ from chromanoise.analysis.color_matrices import MatrixMaker
 from chromanoise.analysis.comparison.curves import Curve
 from chromanoise.analysis.comparison.quantities import Quantity, color_error
 from chromanoise.analysis.comparison.sweeps import Sweep
-from chromanoise.analysis.defined import defined
+from chromanoise.analysis.undefined import defined
 from chromanoise.errors import InputError
-from chromanoise.exposure import Situation
+from chromanoise.exposure import OperatingPoint
 
 _TIE = 1e-9  # of the unit of a quantity: rounding
 _CROSSING_TOLERANCE = 1e-9  # of the logarithm of the value, or of the span of a linear sweep
@@ -73,7 +73,9 @@ class Incomparable:
 
 
 def crossovers(
-    contestants: Sequence[Situation], makers: Mapping[str, MatrixMaker], curves: Sequence[Curve]
+    contestants: Sequence[OperatingPoint],
+    makers: Mapping[str, MatrixMaker],
+    curves: Sequence[Curve],
 ) -> tuple[Crossover, ...]:
     """For each matrix and each pair of sensors, where their order changes.
 
@@ -95,7 +97,9 @@ def crossovers(
 
 
 def crossovers_or_reasons(
-    contestants: Sequence[Situation], makers: Mapping[str, MatrixMaker], curves: Sequence[Curve]
+    contestants: Sequence[OperatingPoint],
+    makers: Mapping[str, MatrixMaker],
+    curves: Sequence[Curve],
 ) -> tuple[Crossover | Incomparable, ...]:
     """As `crossovers`, but a pair that cannot be compared does not silence the others.
 
@@ -107,11 +111,13 @@ def crossovers_or_reasons(
     return tuple(_crossover_or_reason(*pair) for pair in _pairs(contestants, makers, curves))
 
 
-_Side = tuple[Situation, Curve]
+_Side = tuple[OperatingPoint, Curve]
 
 
 def _pairs(
-    contestants: Sequence[Situation], makers: Mapping[str, MatrixMaker], curves: Sequence[Curve]
+    contestants: Sequence[OperatingPoint],
+    makers: Mapping[str, MatrixMaker],
+    curves: Sequence[Curve],
 ) -> Iterator[tuple[MatrixMaker, _Side, _Side]]:
     for name, maker in makers.items():
         mine = [curve for curve in curves if curve.matrix == name]
@@ -130,14 +136,14 @@ def _crossover_or_reason(maker: MatrixMaker, one: _Side, other: _Side) -> Crosso
 
 
 def _asked(
-    contestant: Situation,
+    contestant: OperatingPoint,
     maker: MatrixMaker,
     sweep: Sweep,
-    of: Callable[[Situation, Any], float],
+    of: Callable[[OperatingPoint, Any], float],
     value: float,
 ) -> float:
-    situation = sweep.at(contestant, value)
-    return of(situation, maker(situation))
+    operating_point = sweep.at(contestant, value)
+    return of(operating_point, maker(operating_point))
 
 
 def _crossover(maker: MatrixMaker, one: _Side, other: _Side) -> Crossover:

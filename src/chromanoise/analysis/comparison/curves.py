@@ -18,7 +18,7 @@ from chromanoise.analysis.comparison.quantities import (
     is_saturated_over_levels,
 )
 from chromanoise.analysis.comparison.sweeps import SWEEPS, Sweep
-from chromanoise.exposure import Situation
+from chromanoise.exposure import OperatingPoint
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -59,7 +59,7 @@ class Curve:
 
 
 def compared(
-    contestants: Sequence[Situation],
+    contestants: Sequence[OperatingPoint],
     makers: Mapping[str, MatrixMaker],
     at: Float[Array, " k"],
     *,
@@ -100,7 +100,7 @@ def compared(
 
 
 def _curve(
-    contestant: Situation,
+    contestant: OperatingPoint,
     name: str,
     maker: MatrixMaker,
     values: Float[Array, " k"],
@@ -135,7 +135,7 @@ _Asked = tuple[Float[Array, " k"], Float[Array, " k"], Bool[Array, " k"]]
 
 
 def _over_levels(
-    contestant: Situation, maker: MatrixMaker, values: Float[Array, " k"], quantity: Quantity
+    contestant: OperatingPoint, maker: MatrixMaker, values: Float[Array, " k"], quantity: Quantity
 ) -> _Asked | None:
     """All levels at once; ``None`` where quantity or maker can only be asked one by one."""
     if quantity.over_levels is None:
@@ -153,16 +153,16 @@ def _over_levels(
 
 
 def _one_by_one(
-    situations: Sequence[Situation],
+    operating_points: Sequence[OperatingPoint],
     maker: MatrixMaker,
     quantity: Quantity,
     progress: Callable[[int], None],
 ) -> _Asked:
     asked, errors, full = [], [], []
-    for situation in situations:
-        matrix = maker(situation)
-        asked.append(quantity.of(situation, matrix))
-        errors.append(color_error(situation, matrix))
-        full.append(is_saturated(situation))
+    for operating_point in operating_points:
+        matrix = maker(operating_point)
+        asked.append(quantity.of(operating_point, matrix))
+        errors.append(color_error(operating_point, matrix))
+        full.append(is_saturated(operating_point))
         progress(1)
     return np.array(asked), np.array(errors), np.array(full)

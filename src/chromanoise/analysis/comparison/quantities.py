@@ -1,4 +1,4 @@
-"""What can be asked of a situation with a color matrix, as one number."""
+"""What can be asked of an operating point with a color matrix, as one number."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -11,14 +11,14 @@ from chromanoise._shapes import (
     Bool,
     Float,
 )
+from chromanoise.analysis.color_space_noise import (
+    GRAY,
+)
 from chromanoise.analysis.operating_point import (
     Stages,
     electrons_at,
     noisy_color_at,
     stages_at,
-)
-from chromanoise.analysis.perceived import (
-    GRAY,
 )
 from chromanoise.color import (
     LAB,
@@ -27,7 +27,7 @@ from chromanoise.color import (
     propagate,
 )
 from chromanoise.exposure import (
-    Situation,
+    OperatingPoint,
 )
 from chromanoise.metrics import (
     chart_color_error,
@@ -38,7 +38,7 @@ from chromanoise.noise import saturated
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Quantity:
-    """One number of a situation.
+    """One number of an operating point.
 
     Attributes
     ----------
@@ -61,17 +61,17 @@ class Quantity:
     what: str
     unit: str
     more_is_better: bool
-    of: Callable[[Situation, ColorMatrix], float]
+    of: Callable[[OperatingPoint, ColorMatrix], float]
     over_levels: Callable[..., Array] | None = None
 
 
-def color_snr(situation: Situation, matrix: ColorMatrix, *, coordinate: str) -> float:
+def color_snr(operating_point: OperatingPoint, matrix: ColorMatrix, *, coordinate: str) -> float:
     """SNR of X, Y or Z of a perfect white; NaN where it has none. [dB]"""
-    return float(_color_snr(stages_at(situation, matrix), coordinate))
+    return float(_color_snr(stages_at(operating_point, matrix), coordinate))
 
 
 def color_snr_over_levels(
-    situation: Situation,
+    operating_point: OperatingPoint,
     matrix: ColorMatrix,
     level_lux: Float[Array, " k"],
     *,
@@ -91,7 +91,7 @@ def color_snr_over_levels(
     matrices
         One per level, in place of the numbers of ``matrix``. [lx/e-]
     """
-    at = stages_at(situation, matrix, level_lux=level_lux, lux_per_e=matrices)
+    at = stages_at(operating_point, matrix, level_lux=level_lux, lux_per_e=matrices)
     return _color_snr(at, coordinate)
 
 
@@ -100,92 +100,98 @@ def _color_snr(at: Stages, coordinate: str) -> Float[Array, "*lv"]:
 
 
 def is_saturated_over_levels(
-    situation: Situation, level_lux: Float[Array, " k"]
+    operating_point: OperatingPoint, level_lux: Float[Array, " k"]
 ) -> Bool[Array, " k"]:
     """Whether a channel is saturated on a perfect white, at many light levels, the time kept.
 
     Parameters
     ----------
-    situation
+    operating_point
         A sensor in use; its own light level is not asked.
     level_lux
         Illuminance. [lx]
     """
-    electrons = electrons_at(situation, level_lux=level_lux)
-    return np.asarray(saturated(electrons, situation.sensor.pixel).any(axis=-1))
+    electrons = electrons_at(operating_point, level_lux=level_lux)
+    return np.asarray(saturated(electrons, operating_point.sensor.pixel).any(axis=-1))
 
 
-def fullest_level_lux(situation: Situation) -> float | None:
+def fullest_level_lux(operating_point: OperatingPoint) -> float | None:
     """Up to which illuminance on a perfect white no channel is saturated, the time kept. [lx]
 
     ``None`` where no channel sees the light. Electrons are linear in light, so it is the full
     well over the electrons of one lux in the channel that gets most.
     """
-    most = float(electrons_at(situation, level_lux=np.ones(1)).max())
-    return situation.sensor.pixel.full_well_e / most if most > 0 else None
+    most = float(electrons_at(operating_point, level_lux=np.ones(1)).max())
+    return operating_point.sensor.pixel.full_well_e / most if most > 0 else None
 
 
-def best_snr(situation: Situation, matrix: ColorMatrix) -> float:
+def best_snr(operating_point: OperatingPoint, matrix: ColorMatrix) -> float:
     """SNR of the best linear readout of a perfect white, whatever the matrix. [dB]"""
-    return float(stages_at(situation, matrix).optimal_linear_snr_db)
+    return float(stages_at(operating_point, matrix).optimal_linear_snr_db)
 
 
 def best_snr_over_levels(
-    situation: Situation,
+    operating_point: OperatingPoint,
     matrix: ColorMatrix,
     level_lux: Float[Array, " k"],
     *,
     matrices: Float[Array, "k c p"] | None = None,
 ) -> Float[Array, " k"]:
     """`best_snr` at many light levels; parameters as `color_snr_over_levels`. [dB]"""
-    return stages_at(situation, matrix, level_lux=level_lux).optimal_linear_snr_db
+    return stages_at(operating_point, matrix, level_lux=level_lux).optimal_linear_snr_db
 
 
-def color_loss(situation: Situation, matrix: ColorMatrix) -> float:
+def color_loss(operating_point: OperatingPoint, matrix: ColorMatrix) -> float:
     """How far SNR of Y stays below the best linear readout. [dB]"""
-    at = stages_at(situation, matrix)
+    at = stages_at(operating_point, matrix)
     return float(at.optimal_linear_snr_db - _color_snr(at, "Y"))
 
 
 def color_loss_over_levels(
-    situation: Situation,
+    operating_point: OperatingPoint,
     matrix: ColorMatrix,
     level_lux: Float[Array, " k"],
     *,
     matrices: Float[Array, "k c p"] | None = None,
 ) -> Float[Array, " k"]:
     """`color_loss` at many light levels; parameters as `color_snr_over_levels`. [dB]"""
-    at = stages_at(situation, matrix, level_lux=level_lux, lux_per_e=matrices)
+    at = stages_at(operating_point, matrix, level_lux=level_lux, lux_per_e=matrices)
     return at.optimal_linear_snr_db - _color_snr(at, "Y")
 
 
-def color_error(situation: Situation, matrix: ColorMatrix) -> float:
+def color_error(operating_point: OperatingPoint, matrix: ColorMatrix) -> float:
     """Mean over the ColorChecker, without noise; NaN where the white is no color. [Delta E*ab]"""
-    error = chart_color_error(situation.sensor, matrix, situation.exposure, situation.illuminant)
+    error = chart_color_error(
+        operating_point.sensor, matrix, operating_point.exposure, operating_point.illuminant
+    )
     return float("nan") if error is None else float(error.mean())
 
 
-def color_errors(situation: Situation, matrices: Float[Array, "k c p"]) -> Float[Array, " k"]:
+def color_errors(
+    operating_point: OperatingPoint, matrices: Float[Array, "k c p"]
+) -> Float[Array, " k"]:
     """`color_error` of many matrices of one sensor and time. [Delta E*ab]"""
-    return mean_chart_errors(situation.sensor, matrices, situation.exposure, situation.illuminant)
+    return mean_chart_errors(
+        operating_point.sensor, matrices, operating_point.exposure, operating_point.illuminant
+    )
 
 
-def gray_delta_e(situation: Situation, matrix: ColorMatrix) -> float:
+def gray_delta_e(operating_point: OperatingPoint, matrix: ColorMatrix) -> float:
     """Mean color difference that noise makes on an 18 % gray. [Delta E*ab]"""
-    if is_saturated(situation):
+    if is_saturated(operating_point):
         return float("nan")
-    white = matrix.matrix @ electrons_at(situation)
+    white = matrix.matrix @ electrons_at(operating_point)
     if not (white > 0).all():
         return float("nan")
-    gray = noisy_color_at(stages_at(situation, matrix, reflectance=GRAY), white)
+    gray = noisy_color_at(stages_at(operating_point, matrix, reflectance=GRAY), white)
     difference = propagate(gray, LAB, cubature).delta_e
     assert difference is not None  # CIELAB has one
     return float(difference)
 
 
-def is_saturated(situation: Situation) -> bool:
+def is_saturated(operating_point: OperatingPoint) -> bool:
     """Whether a channel is saturated on a perfect white."""
-    return bool(saturated(electrons_at(situation), situation.sensor.pixel).any())
+    return bool(saturated(electrons_at(operating_point), operating_point.sensor.pixel).any())
 
 
 def _snr(name: str, coordinate: str) -> Quantity:

@@ -1,6 +1,7 @@
 """What can be varied: light level, time, read noise, IR-cut edge, the light and its infrared.
 
-A sweep changes one thing of a situation and nothing else: the time, for one, stays what it was.
+A sweep changes one thing of an operating point and nothing else: the time, for example, stays as it
+was.
 """
 
 from collections.abc import Callable, Mapping
@@ -12,7 +13,7 @@ from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._shapes import Float
 from chromanoise.errors import InputError
-from chromanoise.exposure import Situation
+from chromanoise.exposure import OperatingPoint
 from chromanoise.sensor import behind_ir_cut
 from chromanoise.spectra import black_body, with_infrared
 
@@ -36,7 +37,7 @@ class Sweep:
     lowest, highest
         Between which it makes sense. [unit]
     at
-        The situation with that value.
+        The operating point with that value.
     """
 
     name: str
@@ -45,36 +46,40 @@ class Sweep:
     logarithmic: bool
     lowest: float
     highest: float
-    at: Callable[[Situation, float], Situation]
+    at: Callable[[OperatingPoint, float], OperatingPoint]
 
 
-def _at_level(situation: Situation, level_lux: float) -> Situation:
-    return replace(situation, level_lux=level_lux)
+def _at_level(operating_point: OperatingPoint, level_lux: float) -> OperatingPoint:
+    return replace(operating_point, level_lux=level_lux)
 
 
-def _at_time(situation: Situation, time_ms: float) -> Situation:
-    return replace(situation, exposure=replace(situation.exposure, time_s=1e-3 * time_ms))
+def _at_time(operating_point: OperatingPoint, time_ms: float) -> OperatingPoint:
+    return replace(
+        operating_point, exposure=replace(operating_point.exposure, time_s=1e-3 * time_ms)
+    )
 
 
-def _at_read_noise(situation: Situation, read_noise_e: float) -> Situation:
-    pixel = replace(situation.sensor.pixel, read_noise_e=read_noise_e)
-    return replace(situation, sensor=replace(situation.sensor, pixel=pixel))
+def _at_read_noise(operating_point: OperatingPoint, read_noise_e: float) -> OperatingPoint:
+    pixel = replace(operating_point.sensor.pixel, read_noise_e=read_noise_e)
+    return replace(operating_point, sensor=replace(operating_point.sensor, pixel=pixel))
 
 
-def _at_ir_cut(situation: Situation, edge_nm: float) -> Situation:
+def _at_ir_cut(operating_point: OperatingPoint, edge_nm: float) -> OperatingPoint:
     """A model IR-cut in front of what the sensor is: one that has a cut has two then."""
-    return replace(situation, sensor=behind_ir_cut(situation.sensor, edge_nm, told=False))
+    return replace(
+        operating_point, sensor=behind_ir_cut(operating_point.sensor, edge_nm, told=False)
+    )
 
 
-def _at_temperature(situation: Situation, kelvin: float) -> Situation:
-    grid = situation.illuminant.grid
-    return replace(situation, illuminant=black_body(grid, kelvin))
+def _at_temperature(operating_point: OperatingPoint, kelvin: float) -> OperatingPoint:
+    grid = operating_point.illuminant.grid
+    return replace(operating_point, illuminant=black_body(grid, kelvin))
 
 
-def _at_infrared(situation: Situation, ratio: float) -> Situation:
+def _at_infrared(operating_point: OperatingPoint, ratio: float) -> OperatingPoint:
     """An 850 nm illuminator beside the light; the lux stay what they were."""
-    light = with_infrared(situation.illuminant, peak_nm=_ILLUMINATOR_NM, ratio=ratio)
-    return replace(situation, illuminant=light)
+    light = with_infrared(operating_point.illuminant, peak_nm=_ILLUMINATOR_NM, ratio=ratio)
+    return replace(operating_point, illuminant=light)
 
 
 SWEEPS: Mapping[str, Sweep] = {

@@ -11,11 +11,11 @@ from chromanoise._check import Array
 from chromanoise._shapes import (
     Float,
 )
+from chromanoise.analysis.analysis import Analysis
 from chromanoise.analysis.operating_point import (
     electrons_at,
     stages_at,
 )
-from chromanoise.analysis.stages import Analysis
 from chromanoise.errors import InputError
 from chromanoise.metrics.snr import LEAST_COLOR
 from chromanoise.noise import saturated

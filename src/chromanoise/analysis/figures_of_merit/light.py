@@ -7,7 +7,9 @@ import numpy as np
 
 from chromanoise._check import Array
 from chromanoise._shapes import Float
+from chromanoise.analysis.analysis import Analysis
 from chromanoise.analysis.color_matrices import MatrixMaker
+from chromanoise.analysis.color_space_noise import GRAY
 from chromanoise.analysis.figures_of_merit.entries import (
     Merit,
     Viewing,
@@ -16,10 +18,8 @@ from chromanoise.analysis.figures_of_merit.entries import (
     white_color,
     white_electrons,
 )
-from chromanoise.analysis.perceived import GRAY
-from chromanoise.analysis.stages import Analysis
 from chromanoise.color import LINEAR_SRGB, LUV
-from chromanoise.exposure import Situation
+from chromanoise.exposure import OperatingPoint
 from chromanoise.imaging import bilinear_filters, noise_power_spectrum
 from chromanoise.metrics import (
     ISO_12232_2019,
@@ -96,19 +96,19 @@ def _noise_speeds(analysis: Analysis) -> tuple[Merit, ...]:
     )
 
 
-def _adapted_light(situation: Situation, maker: MatrixMaker) -> float | None:
+def _adapted_light(operating_point: OperatingPoint, maker: MatrixMaker) -> float | None:
     return illuminance_for_snr_adapted(
-        situation.sensor,
-        situation.illuminant,
-        situation.exposure,
-        lambda lux: maker(replace(situation, level_lux=lux)),
+        operating_point.sensor,
+        operating_point.illuminant,
+        operating_point.exposure,
+        lambda lux: maker(replace(operating_point, level_lux=lux)),
         reflectance=GRAY,
     )
 
 
-def _adapts(situation: Situation, maker: MatrixMaker) -> bool:
-    brighter = replace(situation, level_lux=2.0 * situation.level_lux)
-    here, there = maker(situation).matrix, maker(brighter).matrix
+def _adapts(operating_point: OperatingPoint, maker: MatrixMaker) -> bool:
+    brighter = replace(operating_point, level_lux=2.0 * operating_point.level_lux)
+    here, there = maker(operating_point).matrix, maker(brighter).matrix
     return bool(np.abs(there - here).max() > _SAME_MATRIX * np.abs(here).max())
 
 

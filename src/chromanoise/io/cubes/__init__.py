@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 from chromanoise._lazy import lazy_names
 
 if TYPE_CHECKING:
-    from chromanoise.io.cubes.readers import (
+    from chromanoise.io.cubes.dispatch import (
         read_cube,
     )
     from chromanoise.io.cubes.xarray_io import (

@@ -11,10 +11,10 @@ import numpy as np
 from chromanoise._check import Array, printable
 from chromanoise.errors import InputError, Setting
 from chromanoise.io.cubes.bounds import kind_of, refuse_impossible
-from chromanoise.io.cubes.faults import reading
-from chromanoise.io.cubes.found import Found, Notes, by
+from chromanoise.io.cubes.errors import reading
 from chromanoise.io.cubes.npz import npz_array, npz_arrays
 from chromanoise.io.cubes.picture import picture
+from chromanoise.io.cubes.raw_cube import Found, Notes, by
 from chromanoise.io.mat5 import mat_array, mat_arrays
 from chromanoise.io.spectra.wavelength_lists import (
     SPECTRAL_NAMES,

@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 
 from chromanoise.errors import InputError, Setting
-from chromanoise.io.cubes.faults import IN_PLACE
-from chromanoise.io.cubes.found import by
+from chromanoise.io.cubes.errors import IN_PLACE
+from chromanoise.io.cubes.raw_cube import by
 
 MOST_INFLATED = 1032
 """Largest compression ratio of deflate; files that declare a larger one are refused."""

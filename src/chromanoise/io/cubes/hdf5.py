@@ -20,7 +20,7 @@ from chromanoise._check import Array, printable
 from chromanoise._shapes import Int64, Shaped
 from chromanoise.errors import InputError
 from chromanoise.io.cubes.bounds import memory_bytes
-from chromanoise.io.cubes.faults import library, reading, refuse_absent_library
+from chromanoise.io.cubes.errors import library, reading, refuse_absent_library
 from chromanoise.io.cubes.hdf5_chunks import DEFLATE, SHUFFLE, Chunks
 from chromanoise.io.cubes.labeled import Axes, Labeled, Store
 from chromanoise.io.cubes.stored_rows import StoredRows

@@ -22,8 +22,8 @@ from chromanoise.io.cubes.bounds import (
     refuse_impossible,
     refuse_not_numbers,
 )
-from chromanoise.io.cubes.found import Found, Notes, by, refuse_other_shape
 from chromanoise.io.cubes.picture import picture
+from chromanoise.io.cubes.raw_cube import Found, Notes, by, refuse_other_shape
 from chromanoise.io.spectra.wavelength_lists import (
     BAND_NAMES,
     NM_PER,

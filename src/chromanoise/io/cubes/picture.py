@@ -11,7 +11,7 @@ from chromanoise.errors import (
     InputError,
     Setting,
 )
-from chromanoise.io.cubes.found import Notes, by, refuse_other_shape
+from chromanoise.io.cubes.raw_cube import Notes, by, refuse_other_shape
 
 
 def picture(

@@ -10,8 +10,8 @@ from chromanoise._check import Array
 from chromanoise._shapes import Float, Shaped
 from chromanoise.errors import InputError
 from chromanoise.io.cubes.bounds import refuse_impossible
-from chromanoise.io.cubes.faults import reading
-from chromanoise.io.cubes.found import Found, Notes, refuse_other_shape
+from chromanoise.io.cubes.errors import reading
+from chromanoise.io.cubes.raw_cube import Found, Notes, refuse_other_shape
 
 _LAST_NUMBER = re.compile(r"(\d{1,6})(?=\D*$)")
 _CAVE = re.compile(r".*_ms_\d\d$", re.I)

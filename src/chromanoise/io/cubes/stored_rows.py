@@ -11,7 +11,7 @@ import numpy as np
 from chromanoise._check import Array
 from chromanoise._shapes import Shaped, UInt8
 from chromanoise.errors import InputError
-from chromanoise.io.cubes.faults import reading_rows
+from chromanoise.io.cubes.errors import reading_rows
 from chromanoise.io.cubes.labeled import Axes
 from chromanoise.scene.file_rows import refuse_other_rows
 from chromanoise.scene.rows import block

@@ -14,8 +14,8 @@ from chromanoise._check import Array
 from chromanoise._shapes import Float, Shaped
 from chromanoise.errors import InputError
 from chromanoise.io.cubes.bounds import refuse_not_numbers
-from chromanoise.io.cubes.faults import reading
-from chromanoise.io.cubes.found import Found, Notes, by, refuse_other_shape
+from chromanoise.io.cubes.errors import reading
+from chromanoise.io.cubes.raw_cube import Found, Notes, by, refuse_other_shape
 from chromanoise.io.cubes.tiff_pages import decoded_pages
 from chromanoise.io.spectra.wavelength_lists import (
     NAMED_WAVELENGTH,

@@ -13,8 +13,8 @@ from chromanoise._check import Array
 from chromanoise._shapes import Shaped
 from chromanoise.errors import InputError
 from chromanoise.io.cubes.bounds import MOST_INFLATED, refuse_impossible
-from chromanoise.io.cubes.faults import library
-from chromanoise.io.cubes.found import by
+from chromanoise.io.cubes.errors import library
+from chromanoise.io.cubes.raw_cube import by
 
 _LIMIT_S = 60.0
 _SLOWEST_BYTES_PER_S = 1e7

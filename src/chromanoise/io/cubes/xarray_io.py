@@ -8,10 +8,10 @@ import numpy as np
 from chromanoise._check import Array
 from chromanoise._shapes import Float, UInt8
 from chromanoise.errors import InputError
-from chromanoise.io.cubes.faults import library
-from chromanoise.io.cubes.found import Found, Notes, by
+from chromanoise.io.cubes.errors import library
+from chromanoise.io.cubes.interpretation import rising, scale_and_notes, wavelengths_and_notes
 from chromanoise.io.cubes.labeled import attribute_scale
-from chromanoise.io.cubes.meaning import rising, scale_and_notes, wavelengths_and_notes
+from chromanoise.io.cubes.raw_cube import Found, Notes, by
 from chromanoise.io.spectra.wavelength_lists import BAND_NAMES, NM_PER, SPECTRAL_NAMES, nanometers
 from chromanoise.scene.cube import Cube
 from chromanoise.scene.rows import ArrayRows, RowSource

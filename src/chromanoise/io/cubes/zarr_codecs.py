@@ -4,7 +4,7 @@ from functools import cache
 from typing import Any
 
 from chromanoise.io.cubes.bounds import MOST_INFLATED
-from chromanoise.io.cubes.faults import library
+from chromanoise.io.cubes.errors import library
 
 _HARMLESS_BYTES = 64 * 2**20
 _BLOSC_HEADER_BYTES = 16  # the last four are the length of the chunk

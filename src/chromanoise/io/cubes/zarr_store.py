@@ -20,9 +20,9 @@ from chromanoise._inputs import regular_file
 from chromanoise._shapes import Shaped
 from chromanoise.errors import InputError
 from chromanoise.io.cubes.bounds import MOST_INFLATED, memory_bytes
-from chromanoise.io.cubes.faults import library, reading
-from chromanoise.io.cubes.found import Notes
+from chromanoise.io.cubes.errors import library, reading
 from chromanoise.io.cubes.labeled import Axes, Labeled, Store
+from chromanoise.io.cubes.raw_cube import Notes
 from chromanoise.io.cubes.stored_rows import StoredRows
 from chromanoise.io.cubes.zarr_codecs import guard_codecs
 from chromanoise.scene.rows import RowSource

@@ -12,7 +12,7 @@ from chromanoise.io.pixels.source_text import errors_in_file, source_text
 from chromanoise.io.spectra.delimited import DELIMITERS, cells_of_line, decimal_sign, split_line
 from chromanoise.io.spectra.parsed import Row
 from chromanoise.io.spectra.tables import number_in
-from chromanoise.sensor.transfer_table import PhotonTransfer
+from chromanoise.sensor.photon_transfer_table import PhotonTransfer
 
 _NEEDED = ("mean_dn", "variance_dn2")
 _SPATIAL = "spatial_variance_dn2"

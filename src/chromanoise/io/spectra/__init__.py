@@ -14,8 +14,8 @@ if TYPE_CHECKING:
     from chromanoise.io.spectra.parsed import (
         ASK,
         Answers,
+        ParsedSpectra,
         Question,
-        Understood,
     )
     from chromanoise.io.spectra.uses import (
         power_of,
@@ -26,8 +26,8 @@ if TYPE_CHECKING:
 __all__ = [
     "ASK",
     "Answers",
+    "ParsedSpectra",
     "Question",
-    "Understood",
     "library_files",
     "power_of",
     "power_of_photons",

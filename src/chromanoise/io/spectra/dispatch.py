@@ -15,11 +15,11 @@ from chromanoise.io.spectra.cgats import is_cgats, read_cgats
 from chromanoise.io.spectra.delimited import read_delimited
 from chromanoise.io.spectra.envi_library import envi_library, read_envi_library
 from chromanoise.io.spectra.fits import read_fits
+from chromanoise.io.spectra.interpretation import meaning_of
 from chromanoise.io.spectra.isetcam import is_matlab, read_isetcam
 from chromanoise.io.spectra.json_forms import read_json
 from chromanoise.io.spectra.kinds import kind_of, kind_of_zip
-from chromanoise.io.spectra.meaning import meaning_of
-from chromanoise.io.spectra.parsed import ASK, Answers, Found, Understood
+from chromanoise.io.spectra.parsed import ASK, Answers, Found, ParsedSpectra
 from chromanoise.io.spectra.tm27 import read_tm27
 from chromanoise.io.spectra.workbook import read_workbook
 
@@ -28,7 +28,7 @@ _MOST_HIGH = 0.1
 _CONTROL = re.compile(rb"[\x00-\x08\x0e-\x1f]")
 
 
-def read_curves(path: Path | str, *, answers: Answers = ASK) -> Understood:
+def read_curves(path: Path | str, *, answers: Answers = ASK) -> ParsedSpectra:
     r"""The curves of a file, and what was understood of it.
 
     Delimited text with any of the usual separators, digitized curves, ISETCam ``.mat``, cameras of
@@ -45,7 +45,7 @@ def read_curves(path: Path | str, *, answers: Answers = ASK) -> Understood:
 
     Returns
     -------
-    Understood
+    ParsedSpectra
         The curves, with unit, level and how each was found.
 
     Raises

@@ -182,7 +182,7 @@ class Found:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Understood:
+class ParsedSpectra:
     """Curves, and all that is known, was done and remains open about them.
 
     Attributes

@@ -10,7 +10,7 @@ from typing import Literal, get_args
 
 from chromanoise.errors import InputError, Render, Setting
 from chromanoise.io.spectra.defects import judged, looks_normalized
-from chromanoise.io.spectra.parsed import Answers, Level, Quantity, Question, Scale, Understood
+from chromanoise.io.spectra.parsed import Answers, Level, ParsedSpectra, Quantity, Question, Scale
 from chromanoise.spectra.curves import SMALL_NEGATIVES
 
 _GRID_NM = (400.0, 1050.0)
@@ -67,7 +67,7 @@ def use_of(quantity: Quantity | None) -> Use:
     return others.get(quantity, "sensor")
 
 
-def questions_of(told: Understood, words: str, answers: Answers) -> Understood:
+def questions_of(told: ParsedSpectra, words: str, answers: Answers) -> ParsedSpectra:
     """The same with the open questions of the use that its quantity suggests.
 
     Parameters
@@ -92,7 +92,7 @@ def questions_of(told: Understood, words: str, answers: Answers) -> Understood:
     return replace(told, questions=asked)
 
 
-def sensor_questions(told: Understood, answers: Answers) -> Iterator[Question]:
+def sensor_questions(told: ParsedSpectra, answers: Answers) -> Iterator[Question]:
     """Questions about a sensor: per photon or per energy, and the height of the curves."""
     if told.per is None and not _documented(told):
         yield Question(
@@ -111,7 +111,7 @@ def sensor_questions(told: Understood, answers: Answers) -> Iterator[Question]:
         )
 
 
-def light_questions(told: Understood) -> Iterator[Question]:
+def light_questions(told: ParsedSpectra) -> Iterator[Question]:
     """Questions about an illuminant: which curve it is, and as energy or in photons."""
     names = told.curves.names
     if len(names) != 1:
@@ -128,12 +128,12 @@ def light_questions(told: Understood) -> Iterator[Question]:
         )
 
 
-def _documented(told: Understood) -> bool:
+def _documented(told: ParsedSpectra) -> bool:
     """A table headed ``wavelength_nm``: absolute QE per photon unless it declares otherwise."""
     return told.own_form and told.quantity is None
 
 
-def _peak(told: Understood) -> Question:
+def _peak(told: ParsedSpectra) -> Question:
     if told.level == "relative":
         asks = "its curves are relative; what is the highest QE?"
         return Question(about="peak_qe", asks=asks, settings=(Setting("peak_qe"),))
@@ -142,7 +142,7 @@ def _peak(told: Understood) -> Question:
     return Question(about="peak_qe", asks=asks, settings=settings)
 
 
-def _quantity(told: Understood, words: str) -> Iterator[Question]:
+def _quantity(told: ParsedSpectra, words: str) -> Iterator[Question]:
     if told.quantity is None and not _documented(told):
         found = re.search(_MENTIONED, words)
         hint = f" (its text mentions {found[1]!r}, but free text is not used)" if found else ""
@@ -153,7 +153,7 @@ def _quantity(told: Understood, words: str) -> Iterator[Question]:
         )
 
 
-def _scale(told: Understood, answers: Answers) -> Iterator[Question]:
+def _scale(told: ParsedSpectra, answers: Answers) -> Iterator[Question]:
     if answers.scale or told.quantity in ("power", "response"):
         return
     highest = float(judged(told.curves).values.max()) / told.factor
@@ -166,7 +166,7 @@ def _scale(told: Understood, answers: Answers) -> Iterator[Question]:
         )
 
 
-def _negatives(told: Understood, answers: Answers) -> Iterator[Question]:
+def _negatives(told: ParsedSpectra, answers: Answers) -> Iterator[Question]:
     negative = judged(told.curves).values < 0
     if answers.negatives == "refuse" and negative.any():
         yield Question(
@@ -176,7 +176,7 @@ def _negatives(told: Understood, answers: Answers) -> Iterator[Question]:
         )
 
 
-def _beyond(told: Understood, answers: Answers) -> Iterator[Question]:
+def _beyond(told: ParsedSpectra, answers: Answers) -> Iterator[Question]:
     low, high = (float(end) for end in told.curves.wavelength_nm[[0, -1]])
     if answers.beyond == "refuse" and (low > _GRID_NM[0] or high < _GRID_NM[1]):
         yield Question(

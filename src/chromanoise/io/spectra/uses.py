@@ -8,7 +8,7 @@ import numpy as np
 
 from chromanoise.errors import InputError
 from chromanoise.io.spectra.defects import defects_of_a_light, looks_normalized
-from chromanoise.io.spectra.parsed import Answers, Question, Understood
+from chromanoise.io.spectra.parsed import Answers, ParsedSpectra, Question
 from chromanoise.io.spectra.questions import UndeclaredError, light_questions, sensor_questions
 from chromanoise.spectra.curves import Spectra
 from chromanoise.units import photons_per_joule
@@ -16,7 +16,7 @@ from chromanoise.units import photons_per_joule
 _ELEMENTARY_CHARGE_C = 1.602176634e-19
 
 
-def qe_of(told: Understood, answers: Answers) -> Spectra:
+def qe_of(told: ParsedSpectra, answers: Answers) -> Spectra:
     """The curves as electrons per photon; assumptions are in the notes.
 
     Parameters
@@ -42,7 +42,7 @@ def qe_of(told: Understood, answers: Answers) -> Spectra:
     --------
     >>> curves = Spectra(wavelength_nm=np.array([400.0, 800.0]), values=np.array([[.5], [1.0]]),
     ...                  names=("mono",), quantity="response", unit="1", source="a sheet")
-    >>> told = Understood(
+    >>> told = ParsedSpectra(
     ...     curves=curves, format="text", delimiter="", decimal="", wavelength_unit="nm",
     ...     scale="as written", factor=1.0, step_nm=400.0, gaps_nm=(), merged=0,
     ...     quantity="response", level="relative", per="energy", deviations=None, notes=(),
@@ -72,7 +72,7 @@ def qe_of(told: Understood, answers: Answers) -> Spectra:
     return replace(curves, quantity="QE", unit="e-/photon", notes=(*curves.notes, *notes))
 
 
-def _refuse_open(told: Understood, questions: Iterable[Question]) -> None:
+def _refuse_open(told: ParsedSpectra, questions: Iterable[Question]) -> None:
     """Refuse curves with open questions, in one sentence that names all of them."""
     asked = tuple(questions)
     if asked:
@@ -92,7 +92,7 @@ def _with_height(
     return replace(curves, values=curves.values * (answers.peak_qe / highest)), (*notes, told)
 
 
-def power_of(told: Understood) -> Spectra:
+def power_of(told: ParsedSpectra) -> Spectra:
     """One curve of relative power over wavelength, as `illuminant_from` wants it.
 
     Raises
@@ -154,10 +154,10 @@ def power_of_photons(curves: Spectra) -> Spectra:
     )
 
 
-def _said(told: Understood) -> tuple[str, ...]:
+def _said(told: ParsedSpectra) -> tuple[str, ...]:
     """Notes and defects, each with the name of the file."""
     return tuple(f"{_name(told)}: {text}" for text in (*told.notes, *told.defects))
 
 
-def _name(told: Understood) -> str:
+def _name(told: ParsedSpectra) -> str:
     return Path(told.curves.source).name

@@ -1,12 +1,12 @@
-"""What a page shows of a study: its situations, their matrices and every stage, computed once."""
+"""What is drawn of a study: its operating points, their matrices and every stage, computed once."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from chromanoise import _check
+from chromanoise.analysis.analysis import Analysis, analyzed
 from chromanoise.analysis.color_matrices import MatrixMaker, matrix_makers
-from chromanoise.analysis.stages import Analysis, analyzed
-from chromanoise.exposure import Situation, white_scene
+from chromanoise.exposure import OperatingPoint, white_scene
 from chromanoise.study.assembly import operating_points_of, with_distinct_names
 from chromanoise.study.document import Study
 
@@ -19,7 +19,7 @@ class Shown:
     ----------
     study
         What was asked.
-    situations
+    operating_points
         Each sensor with its exposure, in its light.
     makers
         Color matrices by name; drawings of one matrix take the first.
@@ -28,12 +28,14 @@ class Shown:
     """
 
     study: Study
-    situations: tuple[Situation, ...]
+    operating_points: tuple[OperatingPoint, ...]
     makers: Mapping[str, MatrixMaker]
     analyses: tuple[Analysis, ...]
 
     def __post_init__(self) -> None:
-        _check.same_length("sensors", situations=len(self.situations), analyses=len(self.analyses))
+        _check.same_length(
+            "sensors", operating_points=len(self.operating_points), analyses=len(self.analyses)
+        )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -60,14 +62,14 @@ class Look:
             _check.positive("magnification of ellipsoids", "1", self.magnification)
 
 
-def shown(study: Study, *, situations: Sequence[Situation] | None = None) -> Shown:
+def shown(study: Study, *, operating_points: Sequence[OperatingPoint] | None = None) -> Shown:
     """The study with every stage of each sensor.
 
     Parameters
     ----------
     study
         To be drawn.
-    situations
+    operating_points
         Its sensors in use, where they are known already.
 
     Raises
@@ -75,16 +77,23 @@ def shown(study: Study, *, situations: Sequence[Situation] | None = None) -> Sho
     InputError
         If a name names nothing, a file cannot be read, or a matrix cannot be made.
     """
-    situations = (
-        operating_points_of(study) if situations is None else with_distinct_names(situations)
+    operating_points = (
+        operating_points_of(study)
+        if operating_points is None
+        else with_distinct_names(operating_points)
     )
     makers = matrix_makers(study.matrices, study.metric, prior=study.prior)  # type: ignore[arg-type]
     first = next(iter(makers.values()))
     analyses = [
         analyzed(white_scene(one), one.sensor, one.exposure, matrix=first(one))
-        for one in situations
+        for one in operating_points
     ]
-    return Shown(study=study, situations=tuple(situations), makers=makers, analyses=tuple(analyses))
+    return Shown(
+        study=study,
+        operating_points=tuple(operating_points),
+        makers=makers,
+        analyses=tuple(analyses),
+    )
 
 
 def saturation_sentence(analysis: Analysis) -> str | None:

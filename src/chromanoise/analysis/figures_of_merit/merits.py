@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from chromanoise import _check
+from chromanoise.analysis.analysis import Analysis
 from chromanoise.analysis.color_matrices import MatrixMaker
 from chromanoise.analysis.figures_of_merit.entries import Merit, Viewing
 from chromanoise.analysis.figures_of_merit.filters import (
@@ -18,7 +19,6 @@ from chromanoise.analysis.figures_of_merit.light import (
     viewed_pixels_per_degree,
     visual_merits,
 )
-from chromanoise.analysis.stages import Analysis
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -15,7 +15,7 @@ from chromanoise.errors import (
     InputError,
     Setting,
 )
-from chromanoise.io.cubes.found import Found, Notes
+from chromanoise.io.cubes.raw_cube import Found, Notes
 from chromanoise.io.cubes.wavelength_file import read_wavelengths
 from chromanoise.scene.rows import RowSource, with_bands
 

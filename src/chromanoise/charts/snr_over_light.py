@@ -15,8 +15,8 @@ from chromanoise.analysis.comparison.crossing import (
 from chromanoise.analysis.comparison.curves import Curve, compared
 from chromanoise.analysis.comparison.quantities import QUANTITIES, Quantity, fullest_level_lux
 from chromanoise.analysis.comparison.sweeps import SWEEPS, swept_values
-from chromanoise.analysis.defined import defined
-from chromanoise.charts.shown import Look, Shown
+from chromanoise.analysis.undefined import defined
+from chromanoise.charts.charted_study import Look, Shown
 from chromanoise.charts.text import (
     UNDEFINED,
     brief,
@@ -39,7 +39,7 @@ def drawn_levels(shown: Shown, look: Look) -> dict[str, Any]:
     """
     quantity, makers, values = _quantity(look), shown.makers, drawn_lux(shown)
     curves, pairs = level_curves(shown, quantity)
-    fullest = [fullest_level_lux(one) for one in shown.situations for _ in makers]
+    fullest = [fullest_level_lux(one) for one in shown.operating_points for _ in makers]
     drawn = [
         {
             "name": f"{curve.sensor}, {curve.matrix}" if len(makers) > 1 else curve.sensor,
@@ -53,7 +53,7 @@ def drawn_levels(shown: Shown, look: Look) -> dict[str, Any]:
     crossed = [entry for pair in pairs for entry in _crossed(pair)]
     lux = values.tolist()
     return {
-        "title": f"{quantity.what} against illuminance ({setting(shown.situations)})",
+        "title": f"{quantity.what} against illuminance ({setting(shown.operating_points)})",
         "description": _description(drawn, crossed, lux, quantity.unit),
         "lux": lux,
         "now_lux": shown.study.light.level_lux,
@@ -72,8 +72,10 @@ def level_curves(
 ) -> tuple[Sequence[Curve], Sequence[Crossover | Incomparable]]:
     """A quantity of each sensor with each matrix over the light level, and where they cross."""
     values, makers = drawn_lux(shown), shown.makers
-    curves = compared(shown.situations, makers, values, sweep=SWEEPS["lux"], quantity=quantity)
-    return curves, crossovers_or_reasons(shown.situations, makers, curves)
+    curves = compared(
+        shown.operating_points, makers, values, sweep=SWEEPS["lux"], quantity=quantity
+    )
+    return curves, crossovers_or_reasons(shown.operating_points, makers, curves)
 
 
 def drawn_lux(shown: Shown) -> Float[Array, " k"]:

@@ -5,10 +5,10 @@ from contextlib import suppress
 from typing import Any
 
 from chromanoise.page.answers import Answers
-from chromanoise.page.asked import QuestionError, data_of
 from chromanoise.page.choices import choices
 from chromanoise.page.pictures import Pictures
 from chromanoise.page.previews import preview_of
+from chromanoise.page.requests import QuestionError, data_of
 from chromanoise.page.studies import Studies, files_of
 from chromanoise.page.uploads import Kept, Upload
 from chromanoise.study import study_from_data

@@ -9,9 +9,9 @@ import numpy as np
 from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._shapes import Bool, Float
-from chromanoise.analysis.defined import defined
+from chromanoise.analysis.analysis import Analysis, color_snr_db
 from chromanoise.analysis.operating_point import noisy_color_at, stages_at
-from chromanoise.analysis.stages import Analysis, color_snr_db
+from chromanoise.analysis.undefined import defined
 from chromanoise.color import (
     FIRST_ORDER_TOLERANCE,
     LAB,

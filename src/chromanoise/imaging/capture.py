@@ -10,7 +10,7 @@ from chromanoise._check import distinct, one_of
 from chromanoise._files import renamed
 from chromanoise.color import ColorMatrix
 from chromanoise.errors import InputError, Setting
-from chromanoise.exposure import Situation
+from chromanoise.exposure import OperatingPoint
 from chromanoise.imaging.demosaic import FilterBank
 from chromanoise.imaging.demosaic_methods import DEMOSAICING
 from chromanoise.imaging.develop import developed
@@ -36,7 +36,7 @@ from chromanoise.spectra import Beyond
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Asked:
+class CaptureSettings:
     """What is asked of a picture, beyond cube, sensor and light.
 
     Attributes
@@ -101,7 +101,7 @@ class Prepared:
 
     Attributes
     ----------
-    situation, matrix
+    operating_point, matrix
         Sensor (with the imperfections and converter of its pictures), exposure and light; the
         matrix from electrons to XYZ.
     asked
@@ -114,9 +114,9 @@ class Prepared:
         Why there is no DNG although codes are kept; ``None`` otherwise.
     """
 
-    situation: Situation
+    operating_point: OperatingPoint
     matrix: ColorMatrix
-    asked: Asked
+    asked: CaptureSettings
     mosaic: Mosaic | None = None
     adc: Adc | None = None
     bank: FilterBank | None = None
@@ -125,7 +125,7 @@ class Prepared:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Shot:
+class Capture:
     """A picture as it was taken: codes, color, or both."""
 
     camera: Prepared
@@ -133,14 +133,16 @@ class Shot:
     picture: Picture | None
 
 
-def prepared(cube: Cube, situation: Situation, matrix: ColorMatrix, asked: Asked) -> Prepared:
+def prepared(
+    cube: Cube, operating_point: OperatingPoint, matrix: ColorMatrix, asked: CaptureSettings
+) -> Prepared:
     """A camera ready to take pictures of a cube, so that no long work ends in a refusal.
 
     Parameters
     ----------
     cube
         Of which only the size is looked at.
-    situation
+    operating_point
         Sensor, exposure and light.
     matrix
         From electrons to XYZ.
@@ -156,25 +158,27 @@ def prepared(cube: Cube, situation: Situation, matrix: ColorMatrix, asked: Asked
     insisted = asked.formats or ()
     if "exr" in insisted:
         openexr()
-    situation = replace(situation, sensor=overridden(situation.sensor, asked.pixel, raw=asked.raw))
+    operating_point = replace(
+        operating_point, sensor=overridden(operating_point.sensor, asked.pixel, raw=asked.raw)
+    )
     if asked.raw or asked.clip:
-        demand_well(situation, draw_of(situation, seed=0))
+        demand_well(operating_point, draw_of(operating_point, seed=0))
     if not asked.raw:
-        color_matrices(matrix, situation)
-        return Prepared(situation=situation, matrix=matrix, asked=asked)
-    adc = adc_of(situation.sensor.converter, situation.sensor.pixel)
-    mosaic = mosaic_of(situation, asked.mosaic)
+        color_matrices(matrix, operating_point)
+        return Prepared(operating_point=operating_point, matrix=matrix, asked=asked)
+    adc = adc_of(operating_point.sensor.converter, operating_point.sensor.pixel)
+    mosaic = mosaic_of(operating_point, asked.mosaic)
     bank = None
     if asked.demosaic is not None:
         method = DEMOSAICING[one_of("demosaicing", asked.demosaic, tuple(DEMOSAICING))]
-        bank = method(mosaic, situation)
-        color_matrices(matrix, situation)
-    profile, no_profile = _profile(situation, matrix, mosaic, adc, asked)
+        bank = method(mosaic, operating_point)
+        color_matrices(matrix, operating_point)
+    profile, no_profile = _profile(operating_point, matrix, mosaic, adc, asked)
     if "dng" in insisted:
         height, width, _ = row_source(cube.stored).shape
-        refuse_dng_size(f"DNG of {situation.sensor.name}", height=height, width=width)
+        refuse_dng_size(f"DNG of {operating_point.sensor.name}", height=height, width=width)
     return Prepared(
-        situation=situation,
+        operating_point=operating_point,
         matrix=matrix,
         asked=asked,
         mosaic=mosaic,
@@ -186,24 +190,24 @@ def prepared(cube: Cube, situation: Situation, matrix: ColorMatrix, asked: Asked
 
 
 def _profile(
-    situation: Situation,
+    operating_point: OperatingPoint,
     matrix: ColorMatrix,
     mosaic: Mosaic,
     adc: Adc,
-    asked: Asked,
+    asked: CaptureSettings,
 ) -> tuple[RawProfile | None, InputError | None]:
     """Of a DNG, or why there is none; refused only where somebody insists on one."""
     if "dng" not in (asked.formats or _RAW):
         return None, None
     try:
-        return raw_profile(situation, matrix, mosaic=mosaic, adc=adc), None
+        return raw_profile(operating_point, matrix, mosaic=mosaic, adc=adc), None
     except InputError as error:
         if asked.formats:
             raise
         return None, error
 
 
-def shot(cube: Cube, camera: Prepared, *, frame: int, work: Work) -> Shot:
+def shot(cube: Cube, camera: Prepared, *, frame: int, work: Work) -> Capture:
     """Take one picture.
 
     Parameters
@@ -231,39 +235,41 @@ def shot(cube: Cube, camera: Prepared, *, frame: int, work: Work) -> Shot:
         "work": work,
     }
     if not asked.raw:
-        picture = rendered(cube, camera.situation, matrix=camera.matrix, clip=asked.clip, **common)
-        return Shot(camera=camera, raw=None, picture=picture)
-    raw = acquired(cube, camera.situation, mosaic=camera.mosaic, adc=camera.adc, **common)
+        picture = rendered(
+            cube, camera.operating_point, matrix=camera.matrix, clip=asked.clip, **common
+        )
+        return Capture(camera=camera, raw=None, picture=picture)
+    raw = acquired(cube, camera.operating_point, mosaic=camera.mosaic, adc=camera.adc, **common)
     color = None
     if camera.bank is not None:
         here = Work(threads=work.threads)  # the codes are in this memory
         color = developed(raw, camera.bank, matrix=camera.matrix, work=here)
-    return Shot(camera=camera, raw=raw, picture=color)
+    return Capture(camera=camera, raw=raw, picture=color)
 
 
-def any_picture(taken: Shot) -> Picture | RawPicture:
+def any_picture(taken: Capture) -> Picture | RawPicture:
     """Color if there is some, otherwise the codes."""
     found = taken.picture or taken.raw
     assert found is not None
     return found
 
 
-def is_held(taken: Shot) -> bool:
+def is_held(taken: Capture) -> bool:
     """Whether electrons above full well were held there: a converter always does."""
     return taken.raw is not None or (taken.picture is not None and taken.picture.clipped)
 
 
-def shot_summary(taken: Shot, files: list[str]) -> dict[str, Any]:
+def capture_summary(taken: Capture, files: list[str]) -> dict[str, Any]:
     """How it was taken, as plain data."""
     told: dict[str, Any] = {"files": files}
     if taken.raw is not None:
         told |= raw_summary(taken.raw)
     if taken.picture is not None:
         told |= picture_summary(taken.picture)
-    return told | {"imperfections": asdict(taken.camera.situation.sensor.imperfections)}
+    return told | {"imperfections": asdict(taken.camera.operating_point.sensor.imperfections)}
 
 
-def write_shot(folder: Path, stem: str, taken: Shot) -> tuple[list[str], list[str]]:
+def write_capture(folder: Path, stem: str, taken: Capture) -> tuple[list[str], list[str]]:
     """Write the files: their names, and what could not be written although nobody insisted.
 
     Raises
@@ -293,7 +299,7 @@ def write_shot(folder: Path, stem: str, taken: Shot) -> tuple[list[str], list[st
     return files, notes
 
 
-def _written(name: str, stem: Path, taken: Shot) -> str:
+def _written(name: str, stem: Path, taken: Capture) -> str:
     """The file's name; errors omit the scratch folder, whose name differs from run to run."""
     try:
         return FORMATS[name](stem, taken)
@@ -305,45 +311,45 @@ def _named(stem: Path, ending: str) -> Path:
     return stem.parent / f"{stem.name}{ending}"
 
 
-def _png(stem: Path, taken: Shot) -> str:
+def _png(stem: Path, taken: Capture) -> str:
     assert taken.picture is not None
     write_png(path := _named(stem, ".png"), taken.picture.srgb)
     return path.name
 
 
-def _xyz(stem: Path, taken: Shot) -> str:
+def _xyz(stem: Path, taken: Capture) -> str:
     assert taken.picture is not None
     write_xyz_tiff(path := _named(stem, ".xyz.tiff"), taken.picture.xyz)
     return path.name
 
 
-def _srgb16(stem: Path, taken: Shot) -> str:
+def _srgb16(stem: Path, taken: Capture) -> str:
     assert taken.picture is not None
     codes = sixteen_bit_srgb(taken.picture.xyz, taken.picture.white)
     write_srgb_tiff(path := _named(stem, ".srgb16.tiff"), codes)
     return path.name
 
 
-def _exr(stem: Path, taken: Shot) -> str:
+def _exr(stem: Path, taken: Capture) -> str:
     assert taken.picture is not None
     write_linear_exr(path := _named(stem, ".exr"), taken.picture.xyz, taken.picture.white)
     return path.name
 
 
-def _raw(stem: Path, taken: Shot) -> str:
+def _raw(stem: Path, taken: Capture) -> str:
     assert taken.raw is not None
     raw = taken.raw
     write_mosaic_tiff(
         path := _named(stem, ".raw.tiff"),
         raw.codes,
-        sensor_name=raw.situation.sensor.name,
+        sensor_name=raw.operating_point.sensor.name,
         mosaic=raw.mosaic,
         adc=raw.adc,
     )
     return path.name
 
 
-def _dng(stem: Path, taken: Shot) -> str:
+def _dng(stem: Path, taken: Capture) -> str:
     assert taken.raw is not None
     if taken.camera.profile is None:
         assert taken.camera.no_profile is not None
@@ -352,7 +358,7 @@ def _dng(stem: Path, taken: Shot) -> str:
     return path.name
 
 
-FORMATS: Mapping[str, Callable[[Path, Shot], str]] = {
+FORMATS: Mapping[str, Callable[[Path, Capture], str]] = {
     "png": _png,
     "xyz": _xyz,
     "srgb16": _srgb16,

@@ -4,7 +4,7 @@ import numpy as np
 
 from chromanoise._check import Array
 from chromanoise.errors import InputError
-from chromanoise.sensor.transfer_levels import Levels
+from chromanoise.sensor.photon_transfer_levels import Levels
 
 _IMPOSSIBLE_Z = 5.0  # standard errors above 1 beyond which the photons cannot be right
 

@@ -15,7 +15,7 @@ from typing import no_type_check
 import numpy as np
 from numba import njit
 
-from chromanoise.imaging.lanes import fused
+from chromanoise.imaging.simd import fused
 
 FEW_E = np.float32(20.0)
 """From this mean on the expansion is used; below, the distribution function is summed. [e-]"""

@@ -21,7 +21,7 @@ from chromanoise.color import (
     kernel_matrix,
 )
 from chromanoise.errors import InputError
-from chromanoise.exposure import Exposure, Situation
+from chromanoise.exposure import Exposure, OperatingPoint
 from chromanoise.geometry import (
     NearestMix,
     angles_between_deg,
@@ -103,9 +103,9 @@ class Analysis:
     color_snr_loss_db: float
 
     @property
-    def point(self) -> Situation:
+    def point(self) -> OperatingPoint:
         """Sensor, exposure, lamp and illuminance, without the patch."""
-        return Situation(
+        return OperatingPoint(
             sensor=self.sensor,
             exposure=self.exposure,
             illuminant=self.scene.illuminant,
@@ -168,7 +168,7 @@ def analyzed(
             found=f"has reflectances of shape {scene.reflectance.shape}",
             remedy="analyze one at a time",
         )
-    point = Situation(
+    point = OperatingPoint(
         sensor=sensor, exposure=exposure, illuminant=scene.illuminant, level_lux=scene.level_lux
     )
     matrix = kernel_matrix(sensor, exposure, metric) if matrix is None else matrix

@@ -25,9 +25,9 @@ from chromanoise.io.spectra.parsed import (
     Column,
     Found,
     Level,
+    ParsedSpectra,
     Per,
     Quantity,
-    Understood,
     Unit,
 )
 from chromanoise.io.spectra.questions import questions_of
@@ -57,7 +57,7 @@ _FRACTION_AT_MOST, _PERCENT_AT_MOST = 1.5, 100.0
 _MOST_SENTENCES = 3
 
 
-def meaning_of(found: Found, answers: Answers) -> Understood:
+def meaning_of(found: Found, answers: Answers) -> ParsedSpectra:
     """What a file's columns are, with the user's answers where the file is silent.
 
     Raises
@@ -81,7 +81,7 @@ def meaning_of(found: Found, answers: Answers) -> Understood:
         *_unnamed(found, columns, answers),
     )
     spread = [sorted_points(column, unit, found.source) for column in deviations]
-    told = Understood(
+    told = ParsedSpectra(
         curves=curves,
         format=found.format,
         delimiter=found.delimiter,

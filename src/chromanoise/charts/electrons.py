@@ -2,8 +2,8 @@
 
 from typing import Any
 
-from chromanoise.analysis.stages import Analysis, diagnosis
-from chromanoise.charts.shown import Look, Shown, saturated_names
+from chromanoise.analysis.analysis import Analysis, diagnosis
+from chromanoise.charts.charted_study import Look, Shown, saturated_names
 from chromanoise.charts.text import brief, decimal, electrons, level_in_words, table
 from chromanoise.charts.verdicts import verdict_sentences
 

@@ -11,11 +11,11 @@ from chromanoise._check import Array
 from chromanoise._shapes import (
     Float,
 )
+from chromanoise.analysis.analysis import Analysis, color_snr_db
 from chromanoise.analysis.operating_point import (
     noisy_color_at,
     stages_at,
 )
-from chromanoise.analysis.stages import Analysis, color_snr_db
 from chromanoise.color import (
     FIRST_ORDER_TOLERANCE,
     ColorNoise,

@@ -8,7 +8,7 @@ from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._linalg import pinv
 from chromanoise.errors import InputError
-from chromanoise.sensor.transfer_table import PhotonTransfer, nearest
+from chromanoise.sensor.photon_transfer_table import PhotonTransfer, nearest
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

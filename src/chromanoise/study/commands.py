@@ -18,7 +18,7 @@ from chromanoise.study.settings import (
     matrix_study,
     render_study,
 )
-from chromanoise.study.texts import study_as_toml
+from chromanoise.study.toml_text import study_as_toml
 
 FLAGS: Mapping[str, Mapping[str, str]] = {
     "qe_scale": {"percent": "--percent", "fraction": "--fraction"},

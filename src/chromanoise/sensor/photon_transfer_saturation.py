@@ -3,8 +3,8 @@
 import numpy as np
 
 from chromanoise._check import Array
-from chromanoise.sensor.transfer_regression import variance_error2
-from chromanoise.sensor.transfer_table import PhotonTransfer
+from chromanoise.sensor.photon_transfer_regression import variance_error2
+from chromanoise.sensor.photon_transfer_table import PhotonTransfer
 
 _FALLEN_Z = 5.0  # standard errors of the difference of two variances: a fall beyond is real
 _FALLEN = 0.05  # of a variance: a fall beyond is real where samples are not known

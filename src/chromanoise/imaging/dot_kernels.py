@@ -9,7 +9,7 @@ from numba import types
 from numba.extending import intrinsic
 
 from chromanoise.imaging.blocks import LANES, RUN_LANES
-from chromanoise.imaging.lanes import (
+from chromanoise.imaging.simd import (
     F32,
     I32,
     I64,

@@ -14,12 +14,12 @@ from typing import no_type_check
 
 import numpy as np
 
+from chromanoise.imaging.accumulators import count_means, hold_at_well, strands_for, total_means
 from chromanoise.imaging.acquisition import acquire, room_for_run, row_offset_e
 from chromanoise.imaging.blocks import RUN
 from chromanoise.imaging.color_kernels import colors_of_run
 from chromanoise.imaging.kernel_cache import kernel
 from chromanoise.imaging.means import TILE
-from chromanoise.imaging.tallies import count_means, hold_at_well, strands_for, total_means
 from chromanoise.imaging.tiles import (
     channels_over,
     means_by_channel,

@@ -10,7 +10,7 @@ import numpy as np
 
 from chromanoise._check import Array
 from chromanoise._linalg import matrix_rank, pinv
-from chromanoise.sensor.transfer_levels import Levels
+from chromanoise.sensor.photon_transfer_levels import Levels
 
 _ROUNDS = 20  # of weights; they settle in about five
 _LEAST_SHARE = 1e-9  # of the largest variance, so that no row has an infinite weight

@@ -10,7 +10,7 @@ from chromanoise.spectra import Illuminant
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Situation:
+class OperatingPoint:
     """One sensor, its exposure, and the light that it looks at.
 
     Attributes
@@ -35,6 +35,6 @@ class Situation:
         _check.positive("level_lux", "lx", self.level_lux)
 
 
-def white_scene(situation: Situation) -> Scene:
+def white_scene(operating_point: OperatingPoint) -> Scene:
     """A perfect white in that light."""
-    return flat_field(situation.illuminant, level_lux=situation.level_lux)
+    return flat_field(operating_point.illuminant, level_lux=operating_point.level_lux)

@@ -10,7 +10,7 @@ from starlette.requests import Request
 from starlette.types import Receive
 
 from chromanoise.errors import InputError, Setting
-from chromanoise.page.guard import JSON_BYTES
+from chromanoise.page.middleware import JSON_BYTES
 
 _PATIENCE_S = 30.0
 _PASSED_OVER_BYTES = 32_000_000
