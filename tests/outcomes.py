@@ -66,7 +66,8 @@ def refused_input(*, setting=None, requirement=None, **fields):
 
 
 def _agrees(error, setting, requirement, fields):
-    names = [one.name for one in error.remedy if isinstance(one, Setting)]
+    settings = [one.name for one in error.remedy if isinstance(one, Setting)]
+    names = [*settings, *(name.rpartition(".")[2] for name in settings)]
     return (
         all(getattr(error, name) == value for name, value in fields.items())
         and (setting is None or setting in names)

@@ -397,9 +397,12 @@ def test_a_file_named_like_an_illuminant_does_not_hide_it(run, tmp_path, monkeyp
 
 def test_a_diode_with_its_width_can_be_named(run):
     assert run("analyze", "model-mono", "--illuminant", "LED550/30")[0] == 0
-    for word, value in (("LED850", 850.0), ("LED550/2", 2.0)):
+    for word, subject in (
+        ("LED850", "illuminant 850 nm LED, 20 nm wide"),
+        ("LED550/2", "width_nm"),
+    ):
         outcome = run("analyze", "model-mono", "--illuminant", word)
-        refused(outcome, value=value, setting="light.illuminant")
+        refused(outcome, subject=subject, setting="light.illuminant")
 
 
 def test_an_illuminant_that_ends_short_has_its_own_answer(run):

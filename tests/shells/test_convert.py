@@ -150,7 +150,7 @@ def test_a_table_of_compare_has_a_row_per_value_and_one_of_matrix_a_row_per_coor
 @pytest.mark.parametrize("command", ["analyze", "compare", "matrix"])
 def test_the_ending_decides_the_form_and_is_refused_before_the_work(run, done, here, command):
     few = ("--points", 2) if command == "compare" else ()
-    for ending, part in ((".md", "**"), (".tex", r"\begin{table}"), (".CSV", "onyx-rgb")):
+    for ending, part in ((".md", "**"), (".tex", r"\begin{table}"), (".CSV", ",")):
         done(command, "onyx-rgb", *few, "--table", f"t{ending}")
         assert part in (here / f"t{ending}").read_text()
     refused(run(command, "nothing", *few, "--table", "t.pdf"), "t.pdf", ".csv, .json, .md, .tex")

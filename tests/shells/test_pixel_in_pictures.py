@@ -169,8 +169,8 @@ def test_simulate_its_study_and_its_script_give_the_same_picture(take, run, here
             assert told["notes"] == own["notes"]
         else:
             folder.mkdir()
-            script = out.replace("'cube.npz'", "'../cube.npz'").replace(
-                "'sheet.txt'", "'../sheet.txt'"
+            script = out.replace('"cube.npz"', '"../cube.npz"').replace(
+                '"sheet.txt"', '"../sheet.txt"'
             )
             subprocess.run([sys.executable, "-c", script], cwd=folder, check=True, stdout=-3)
         theirs = sorted(

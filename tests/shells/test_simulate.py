@@ -470,7 +470,7 @@ def test_on_a_screen_a_bar_tells_rows_and_goes_away(run, cube, tmp_path, monkeyp
         (("--mosaic", "RG//GB"), ("RG//GB",), "mosaic"),
         (("--mosaic", "RG/GX"), ("X", "model-rgb", "R, G, B"), ""),
         (("--mosaic", "RG/RG"), ("B", "R, G"), ""),
-        (("--mosaic", "RGG/BRG", "--demosaic", "malvar"), ("Malvar", "Bayer"), ""),
+        (("--mosaic", "RGG/BRG", "--demosaic", "malvar"), ("Malvar", "Bayer"), "mosaic"),
         (("--scheduler", "local", "--threads", 0), ("threads", "0"), None),
     ],
 )
@@ -515,7 +515,7 @@ def test_bits_that_no_arithmetic_survives_are_one_sentence_too(run, cube, tmp_pa
 
 def test_a_sensor_without_a_mosaic_cannot_lend_its_own(run, cube, tmp_path):
     asked = ("simulate", cube, "--sensor", "model-mono", "-o", tmp_path / "o", "--mosaic")
-    refused(run(*asked, "sensor"), "model-mono", "W", setting="pictures.0")
+    refused(run(*asked, "sensor"), "model-mono", "W", setting="pictures.0.mosaic")
     refused(run(*asked, "bayer"), "model-mono", "R", "W", setting="pictures.0")
     assert nothing_left(tmp_path)
 

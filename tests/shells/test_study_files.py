@@ -68,7 +68,7 @@ def test_a_run_into_results_of_another_study_and_a_rerun_onto_itself_are_refused
     only = (*FEW, "--set", 'matrices=["kernel"]')
     assert run("run", "study.toml", *only)[0] == 0
     before = files_of(tmp_path / "out" / "study")
-    refused(run("run", "study.toml", *only, "--set", "seed=1"), "--out")
+    refused(run("run", "study.toml", *only, "--set", "seed=1"), subject="out/study")
     refused(run("rerun", "out/study", "-o", "out/study"), subject="--out", value="out/study")
     refused(run("rerun", "study.toml", "-o", "o"), "study.toml", "chromanoise run")
     (tmp_path / "file").write_text("")
