@@ -95,7 +95,15 @@ def test_a_relative_path_is_that_of_the_caller(tmp_path, monkeypatch):
     assert sandboxed(Path.read_text, Path("a.txt"), path=Path("a.txt")) == "here"
 
 
-def test_an_interrupted_call_does_not_leave_its_answer_to_the_next_one():
+@pytest.fixture
+def interruptible():
+    """Ctrl-C interrupts, even where the shell that started the tests ignores it."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+def test_an_interrupted_call_does_not_leave_its_answer_to_the_next_one(interruptible):
     call(abs, 0)
     child = _sandbox._child(os.getpid())
     timer = threading.Timer(0.3, os.kill, (os.getpid(), signal.SIGINT))

@@ -27,7 +27,7 @@ from attack_questions import BOMBS, FILES, damaged
 from chromanoise import _sandbox
 from chromanoise.errors import InputError
 from chromanoise.io.mat5 import mat_array
-from chromanoise.page import processes, work, worker
+from chromanoise.page import processes, requests, work, worker
 from chromanoise.page.requests import Bodies, QuestionError
 from chromanoise.page.services import Desk
 from chromanoise.page.uploads import Kept, Uploads
@@ -241,7 +241,7 @@ class Coming:
 
 
 def test_when_bodies_exceed_their_memory_the_one_that_waited_longest_is_dropped(monkeypatch):
-    monkeypatch.setattr(asked, "_MOST_COMING_BYTES", 2500)
+    monkeypatch.setattr(requests, "_MOST_COMING_BYTES", 2500)
 
     async def bodies():
         kept, requests = Bodies(), [Coming() for _ in range(3)]
@@ -260,7 +260,7 @@ def test_when_bodies_exceed_their_memory_the_one_that_waited_longest_is_dropped(
 
 
 def test_a_body_that_stops_coming_is_not_waited_for(monkeypatch):
-    monkeypatch.setattr(asked, "_REST_S", 0.01)
+    monkeypatch.setattr(requests, "_REST_S", 0.01)
     with pytest.raises(QuestionError) as error:
         asyncio.run(Bodies().body_of(Coming(), most_bytes=5000))
     assert error.value.status == 408

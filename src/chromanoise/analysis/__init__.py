@@ -22,7 +22,7 @@ if TYPE_CHECKING:
         lab_budgets,
         missing_lab_budgets,
     )
-    from chromanoise.analysis.chart_noise import (
+    from chromanoise.analysis.chart_patches import (
         ChartNoise,
         chart_as_json,
         chart_noise,

@@ -154,18 +154,15 @@ def simulate(
         return
     refuse_unwritable(out)
     work = Work(threads=threads, tile_rows=tile)
-    with ExitStack() as stack:
-        if scheduler:
-            executor = stack.enter_context(cluster(scheduler, workers=threads))
-            work = replace(work, executor=executor, same_machine=scheduler == "local")
-        lines = _taken(study, work, out)
-    for line, notes in lines:
+    for line, notes in _taken(study, work, out, scheduler):
         click.echo(line)
         for note in notes:
             click.echo(note, err=True)
 
 
-def _taken(study: Study, work: Work, out: Path) -> list[tuple[str, list[str]]]:
+def _taken(
+    study: Study, work: Work, out: Path, scheduler: str | None
+) -> list[tuple[str, list[str]]]:
     """Take and write the pictures: for each a line and its notes."""
     points = operating_points_of(study)
     makers = makers_of(study)
@@ -174,7 +171,12 @@ def _taken(study: Study, work: Work, out: Path) -> list[tuple[str, list[str]]]:
     rows = row_source(cube.stored).shape[0] * frames * len(points)
     summaries: list[dict[str, Any]] = []
     lines: list[tuple[str, list[str]]] = []
-    with whole_folder(out) as folder, progress_of("the pictures", rows, "rows") as advance:
+    with ExitStack() as stack:
+        folder = stack.enter_context(whole_folder(out))
+        if scheduler:
+            executor = stack.enter_context(cluster(scheduler, workers=work.threads))
+            work = replace(work, executor=executor, same_machine=scheduler == "local")
+        advance = stack.enter_context(progress_of("the pictures", rows, "rows"))
         start = time.perf_counter()
         for _, taken in captures(study, 0, cube, cameras, work=replace(work, progress=advance)):
             name, frame = (

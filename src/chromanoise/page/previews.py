@@ -50,7 +50,8 @@ def preview_of(upload: Upload) -> Told:
 
 def _without_settings(error: InputError) -> str:
     """The sentence for a file that the page has no controls for: it must declare more itself."""
-    names = [one.name.replace("_", " ") for one in error.remedy if isinstance(one, Setting)]
+    settings = [one.name for one in error.remedy if isinstance(one, Setting)]
+    names = [name.rpartition(".")[2].replace("_", " ") for name in settings]
     if not names:
         return page_sentence(error)
     rest = [one for one in error.remedy if not isinstance(one, Setting)]

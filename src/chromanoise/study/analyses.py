@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from chromanoise.analysis.analysis import Analysis, analyzed
-from chromanoise.analysis.chart_noise import ChartNoise, chart_as_json, chart_noise
+from chromanoise.analysis.chart_patches import ChartNoise, chart_as_json, chart_noise
 from chromanoise.analysis.color_matrices import MatrixMaker
 from chromanoise.analysis.color_space_noise import GrayNoise, gray_noise, gray_noise_as_json
 from chromanoise.analysis.export import analyses_as_json, budgets_as_json
