@@ -207,13 +207,8 @@ def asked_of_name(word: str) -> tuple[str, ...]:
     """
     own = own_table(word, "sensor")
     if word not in KNOWN_SENSORS and own is None:
-        return (
-            "scale",
-            "level",
-            "per",
-            "wavelength_unit",
-            "peak_qe",
-        )  # reading it raises the error
+        # reading the word later raises the error
+        return ("scale", "level", "per", "wavelength_unit", "peak_qe")
     known = catalog_entry(word, folder=catalog_folder()).provenance
     unsaid = known.quantity == "response" and known.per is None
     return (*(["per"] if unsaid else []), *(["peak_qe"] if known.level == "relative" else []))
