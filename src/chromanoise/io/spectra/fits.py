@@ -100,7 +100,7 @@ def _table(path: Path, part: Any, place: int, at_name: str) -> Found:
 
 
 def _curve(path: Path, part: Any, name: str, at: Array) -> Array | None:
-    """The numbers of a column; None where it holds text or has another length."""
+    """The numbers of a column; None if it contains text or has another length."""
     if part.data[name].dtype.kind not in "fiu":
         return None
     values = _numbers(path, part, name)
