@@ -1,4 +1,4 @@
-"""From names to things: sensors, filters and illuminants of the catalog or of a file."""
+"""Sensors, filters and illuminants by name, from the catalog or from a file."""
 
 from typing import TYPE_CHECKING
 

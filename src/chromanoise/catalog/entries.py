@@ -1,4 +1,4 @@
-"""What is built in, and what a user's own folder adds: nothing without its provenance."""
+"""Catalog entries with their provenance: built-in ones, and those of a user's folder."""
 
 import os
 import re
@@ -25,32 +25,32 @@ KINDS: Mapping[str, str] = {
     "filters": "filter",
     "scenes": "scene",
 }
-"""The kinds of entries, as the command names them."""
+"""The kinds of entries: their names on the command line and in a provenance."""
 
 FOLDER_VARIABLE = "CHROMANOISE_CATALOG"
-"""The environment variable that names a user's own folder."""
+"""The environment variable with the path of a user's folder."""
 
 _FOUND_IN = ("QE", "response", "reflectance", "transmittance")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Entry:
-    """One entry of the catalogue.
+    """One entry of the catalog.
 
     Attributes
     ----------
     provenance
         Name, kind, source, license, quantity, known defects.
     start_nm, stop_nm
-        Where it begins and ends; None for a formula that does not. [nm]
+        First and last wavelength; None for a formula without limits. [nm]
     found
-        What the library itself finds odd in its numbers.
+        Defects that the library itself detects in the data.
     asks
-        What it needs to be told before it answers on 400-1050 nm, as options.
+        The command-line options that are required to use it on 400-1050 nm.
     channels
-        Of a sensor: its channels; of a table of several curves: their names.
+        The channels of a sensor, or the names of the curves of a table.
     file
-        The table of a user's own folder; None for what is built in.
+        The table in a user's folder; None for built-in entries.
     """
 
     provenance: Provenance
@@ -63,25 +63,25 @@ class Entry:
 
 
 def catalog_folder() -> Path | None:
-    """The user's own folder, as the environment names it; None where it names none."""
+    """The user's folder from the environment variable; None if the variable is not set."""
     named = os.environ.get(FOLDER_VARIABLE, "")
     return Path(named) if named else None
 
 
 def catalog_entries(kind: str | None = None, *, folder: Path | None = None) -> tuple[Entry, ...]:
-    """The entries of one kind, or all of them; a user's own stand last.
+    """The entries of one kind, or all of them; those of a user's folder come last.
 
     Parameters
     ----------
     kind
         One of `KINDS`; None for all.
     folder
-        A user's own folder, if any.
+        A user's folder, if any.
 
     Raises
     ------
     InputError
-        If there is no such kind, or something in the folder has no provenance.
+        If the kind is unknown, or a table in the folder has no provenance.
     """
     kinds = [*KINDS] if kind is None else [_check.one_of("kind", kind, [*KINDS])]
     own = own_tables(folder)
@@ -90,12 +90,12 @@ def catalog_entries(kind: str | None = None, *, folder: Path | None = None) -> t
 
 
 def catalog_entry(name: str, *, folder: Path | None = None) -> Entry:
-    """The entry called ``name``, or that of the family to which it belongs.
+    """The entry ``name``, or the entry of the family to which the name belongs.
 
     Raises
     ------
     InputError
-        If nothing is called that; the nearest names are told.
+        If the name is unknown; the message suggests similar names.
 
     Examples
     --------
@@ -115,29 +115,31 @@ def catalog_entry(name: str, *, folder: Path | None = None) -> Entry:
 
 
 def catalog_names(kind: str, *, folder: Path | None = None) -> tuple[str, ...]:
-    """The names of one kind (``illuminant``), a user's own last; families as ``<T>K``.
+    """The names of one kind (``illuminant``), the user's last; families as ``<T>K``.
 
     Raises
     ------
     InputError
-        As `own_tables`.
+        As for `own_tables`.
     """
     own = [table.provenance for table in own_tables(folder).values()]
-    return tuple(told.name for told in (*_provenances(), *own) if told.kind == kind)
+    return tuple(
+        provenance.name for provenance in (*_provenances(), *own) if provenance.kind == kind
+    )
 
 
 def own_tables(folder: Path | None) -> Mapping[str, UserTable]:
-    """The tables of a user's folder by name; none without a folder.
+    """The tables of a user's folder by name; empty without a folder.
 
     Raises
     ------
     InputError
-        If one has no provenance, or the name of something that is built in.
+        If a table has no provenance, or has the name of a built-in entry.
     """
     tables = {} if folder is None else user_tables(folder)
     built_in = _provenances()
-    names = {told.name for told in built_in}
-    patterns = [told.pattern for told in built_in if told.pattern]
+    names = {provenance.name for provenance in built_in}
+    patterns = [provenance.pattern for provenance in built_in if provenance.pattern]
     for name, table in tables.items():
         if name in names or any(re.fullmatch(pattern, name) for pattern in patterns):
             raise InputError(
@@ -151,12 +153,12 @@ def own_tables(folder: Path | None) -> Mapping[str, UserTable]:
 
 
 def own_table(name: str, kind: str) -> UserTable | None:
-    """The table ``name`` of the folder that the environment names; None where there is none.
+    """The table ``name`` of the user's folder; None if there is none.
 
     Raises
     ------
     InputError
-        As `own_tables`, and if it is of another kind.
+        As for `own_tables`, or if the table is of another kind.
     """
     table = own_tables(catalog_folder()).get(name)
     if table is not None and table.provenance.kind != kind:
@@ -166,14 +168,14 @@ def own_table(name: str, kind: str) -> UserTable | None:
 
 
 def catalog_file_of(name: str) -> Path | None:
-    """The table of the user's folder behind a name of a sensor or light; None for built-in names.
+    """The user's table for the name of a sensor or light; None for built-in names.
 
-    A light with an infrared diode beside it has the table of that light.
+    For a light with an added infrared diode, this is the table of the light.
 
     Raises
     ------
     InputError
-        As `own_tables`.
+        As for `own_tables`.
     """
     parts = infrared_parts(name)
     if parts is not None:
@@ -183,7 +185,7 @@ def catalog_file_of(name: str) -> Path | None:
 
 
 def own_power(table: UserTable) -> Spectra:
-    """The curve of a user's light as power, whichever way its table counts light.
+    """The curve of a user's light as power, converted if its table counts photons.
 
     Raises
     ------
@@ -195,76 +197,78 @@ def own_power(table: UserTable) -> Spectra:
 
 
 def entries_as_json(entries: Sequence[Entry]) -> dict[str, Any]:
-    """The entries as plain data, all that is known of each."""
+    """The entries with all their fields, as data for JSON."""
     return {"entries": [_as_json(entry) for entry in entries]}
 
 
 def pixel_told(entry: Entry) -> str:
-    """The pixel of a sensor in one phrase, and where each number of it comes from."""
-    told = entry.provenance
-    known = ", ".join(f"{key} {value:g}" for key, value in told.pixel.items())
-    absent = [key for key in ("pitch_um", "full_well_e", "read_noise_e") if key not in told.pixel]
-    stands_in = f"the paper's stands in for {', '.join(absent)}" if absent else ""
-    phrases = (f"{known} ({told.pixel_source})" if known else "", stands_in)
+    """The pixel of a sensor in one phrase, with the source of each number."""
+    provenance = entry.provenance
+    known = ", ".join(f"{key} {value:g}" for key, value in provenance.pixel.items())
+    absent = [
+        key for key in ("pitch_um", "full_well_e", "read_noise_e") if key not in provenance.pixel
+    ]
+    default = f"{', '.join(absent)} from the paper's pixel" if absent else ""
+    phrases = (f"{known} ({provenance.pixel_source})" if known else "", default)
     return "; ".join(phrase for phrase in phrases if phrase)
 
 
 def _as_json(entry: Entry) -> dict[str, Any]:
-    told = entry.provenance
+    provenance = entry.provenance
     data: dict[str, Any] = {
-        "name": told.name,
-        "kind": told.kind,
-        "what": told.what,
-        "source": told.source,
-        "license": told.license,
+        "name": provenance.name,
+        "kind": provenance.kind,
+        "what": provenance.what,
+        "source": provenance.source,
+        "license": provenance.license,
         "start_nm": entry.start_nm,
         "stop_nm": entry.stop_nm,
-        "quantity": told.quantity,
-        "unit": told.unit,
-        "level": told.level,
-        "per": told.per,
-        "done": told.done,
-        "defects": told.defects,
+        "quantity": provenance.quantity,
+        "unit": provenance.unit,
+        "level": provenance.level,
+        "per": provenance.per,
+        "done": provenance.done,
+        "defects": provenance.defects,
         "found": list(entry.found),
         "asks": list(entry.asks),
         "curves": list(entry.channels),
         "file": None if entry.file is None else str(entry.file),
     }
-    if told.kind == "sensor":
-        data["mosaic"] = told.mosaic or None
-        data["pixel"] = {**told.pixel, "told": pixel_told(entry)}
+    if provenance.kind == "sensor":
+        data["mosaic"] = provenance.mosaic or None
+        data["pixel"] = {**provenance.pixel, "told": pixel_told(entry)}
     return data
 
 
 def _provenances() -> tuple[Provenance, ...]:
-    """All that is built in, tables first, parts of something else left out."""
+    """The provenances of all built-in entries, tables first; those of kind ``part`` are omitted."""
     return tuple(p for p in (*sources().values(), *formulas().values()) if p.kind != "part")
 
 
-def _built_in(told: Provenance) -> Entry:
-    if told.table:
-        return _of_table(told, catalogue_curves(told))
-    start, stop = told.range_nm or (None, None)
-    channels = told.channels
-    if told.kind == "sensor" and told.name in SENSOR_NAMES:
-        channels = sensor_named(told.name, DEFAULT_GRID).names
-    asks = tuple(_asks(told, start, stop))
-    return Entry(provenance=told, start_nm=start, stop_nm=stop, asks=asks, channels=channels)
+def _built_in(provenance: Provenance) -> Entry:
+    if provenance.table:
+        return _of_table(provenance, catalogue_curves(provenance))
+    start, stop = provenance.range_nm or (None, None)
+    channels = provenance.channels
+    if provenance.kind == "sensor" and provenance.name in SENSOR_NAMES:
+        channels = sensor_named(provenance.name, DEFAULT_GRID).names
+    asks = tuple(_asks(provenance, start, stop))
+    return Entry(provenance=provenance, start_nm=start, stop_nm=stop, asks=asks, channels=channels)
 
 
 def _own(table: UserTable) -> Entry:
     return replace(_of_table(table.provenance, user_curves(table)), file=table.path)
 
 
-def _of_table(told: Provenance, curves: Spectra) -> Entry:
+def _of_table(provenance: Provenance, curves: Spectra) -> Entry:
     start, stop = float(curves.wavelength_nm[0]), float(curves.wavelength_nm[-1])
     found: tuple[str, ...] = ()
-    if told.quantity in _FOUND_IN:
-        kind: Any = told.quantity
+    if provenance.quantity in _FOUND_IN:
+        kind: Any = provenance.quantity
         found = defects_of(curves, kind, "fraction", (), level=None)
-    asks = tuple(_asks(told, start, stop))
+    asks = tuple(_asks(provenance, start, stop))
     return Entry(
-        provenance=told,
+        provenance=provenance,
         start_nm=start,
         stop_nm=stop,
         found=found,
@@ -273,12 +277,12 @@ def _of_table(told: Provenance, curves: Spectra) -> Entry:
     )
 
 
-def _asks(told: Provenance, start_nm: float | None, stop_nm: float | None) -> Iterator[str]:
+def _asks(provenance: Provenance, start_nm: float | None, stop_nm: float | None) -> Iterator[str]:
     first, last = DEFAULT_GRID.wavelength_nm[[0, -1]]
-    option = "--illuminant-beyond" if told.kind == "illuminant" else "--beyond"
+    option = "--illuminant-beyond" if provenance.kind == "illuminant" else "--beyond"
     if (start_nm or first) > first or (stop_nm or last) < last:
         yield option
-    if told.kind == "sensor" and told.level == "relative":
+    if provenance.kind == "sensor" and provenance.level == "relative":
         yield "--peak-qe"
-    if told.kind == "sensor" and told.quantity == "response" and told.per is None:
+    if provenance.kind == "sensor" and provenance.quantity == "response" and provenance.per is None:
         yield "--energy or --photons"

@@ -15,13 +15,13 @@ def unknown_name(
     Parameters
     ----------
     subject
-        What the name is for: ``sensor``, ``illuminant``, ``filter``.
+        What the name stands for: ``sensor``, ``illuminant``, ``filter``.
     name
-        As the user wrote it.
+        The name that the user wrote.
     known
-        The names of the catalog; families as ``LED<nm>/<width>``.
+        The names in the catalog; families as ``LED<nm>/<width>``.
     requirement
-        What must hold.
+        The requirement in the message.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""A pixel from a file of any kind that tells of one, under a sensor that has its own."""
+"""Replace the pixel of a sensor by one from a data sheet, noise profile or photon transfer."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, replace
@@ -42,22 +42,23 @@ from chromanoise.sensor import (
 
 _HEAD_BYTES = 200  # of the JSON, which name its schema
 _BEFORE_JSON = b"\xef\xbb\xbf \t\r\n"
-_TOLD = ("pitch_um", "full_well_e", "read_noise_e")
+_PIXEL_FIELDS = ("pitch_um", "full_well_e", "read_noise_e")
 
 
 def read_pixel_source(path: Path | str) -> PixelSource:
-    """What a file tells of a pixel: EMVA 1288 sheet, DNG noise profile, photon transfer.
+    """The pixel data in a file: EMVA 1288 sheet, DNG noise profile or photon transfer.
 
     Parameters
     ----------
     path
-        JSON with ``S`` and ``O`` or a line ``NoiseProfile: S O`` is a noise profile, a table headed
-        ``mean_dn,variance_dn2`` a photon transfer, all else a data sheet.
+        The file. JSON with ``S`` and ``O`` or a line ``NoiseProfile: S O`` is a noise profile, a
+        table headed ``mean_dn,variance_dn2`` is a photon transfer, anything else a data sheet.
 
     Raises
     ------
     InputError
-        As the reader of its kind, or if the file is darktable's, which is relative only.
+        As for the reader of each kind, or if the file is from darktable, whose noise profiles
+        are relative.
     """
     path = Path(path)
     with errors_in_file(path):
@@ -88,7 +89,7 @@ def own_sensor_of(path: Path) -> Sensor | None:
     Raises
     ------
     InputError
-        If it has that schema, but is of another version or invalid.
+        If the file has that schema but another version, or is invalid.
     """
     regular_file(path)
     try:
@@ -102,14 +103,14 @@ def own_sensor_of(path: Path) -> Sensor | None:
 
 
 def idle_answers(words: Sequence[str], answers: Answers) -> tuple[str, ...]:
-    """The answers that no sensor of a line asks for, by the fields of `Answers`.
+    """The given answers that none of the sensors needs, as names of fields of `Answers`.
 
-    Of a file that cannot be read all are taken as asked for: its reader complains.
+    A file that cannot be read counts as needing all; reading it later raises the error.
 
     Raises
     ------
     InputError
-        If the user's folder cannot be understood.
+        If the user's folder is invalid.
 
     Examples
     --------
@@ -158,24 +159,24 @@ def sensor_with_pixel(
     full_well_e: float | None = None,
     read_noise_e: float | None = None,
 ) -> Sensor:
-    """A sensor as `resolve_sensor` or of our own JSON, on the pixel that a file tells of.
+    """A sensor from `resolve_sensor` or from our own JSON, with the pixel of a file.
 
-    The file gives pitch, full well and read noise of the pixel, and the imperfections and the
-    converter, which only pictures of the sensor use.
+    The file gives pitch, full well and read noise of the pixel. It may also give imperfections
+    and the converter, which only simulated pictures use.
 
     Parameters
     ----------
     word, answers
-        As `resolve_sensor`.
+        As for `resolve_sensor`.
     file
-        Of `read_pixel_source`; ``None`` for the sensor's own pixel.
+        A file for `read_pixel_source`; ``None`` keeps the sensor's pixel.
     pitch_um, full_well_e, read_noise_e
-        They win over the file, which wins over the sensor's own. [um], [e-], [e-]
+        They override the file, which overrides the sensor's pixel. [um], [e-], [e-]
 
     Raises
     ------
     InputError
-        As `resolve_sensor` and `read_pixel_source`, or if the file tells none of the three.
+        As for `resolve_sensor` and `read_pixel_source`, or if the file gives no value.
     """
     given = {"pitch_um": pitch_um, "full_well_e": full_well_e, "read_noise_e": read_noise_e}
     return _on_pixel(partial(_sensor, word, answers), file, given)
@@ -189,25 +190,25 @@ def on_pixel(
     full_well_e: float | None = None,
     read_noise_e: float | None = None,
 ) -> Sensor:
-    """A sensor on the pixel that a file tells of, as `sensor_with_pixel`.
+    """A sensor with the pixel of a file; see `sensor_with_pixel`.
 
     Parameters
     ----------
     sensor
-        Whose pixel is changed.
+        The sensor whose pixel is replaced.
     file, pitch_um, full_well_e, read_noise_e
-        As `sensor_with_pixel`. [um], [e-], [e-]
+        As for `sensor_with_pixel`. [um], [e-], [e-]
 
     Raises
     ------
     InputError
-        As `sensor_with_pixel`.
+        As for `sensor_with_pixel`.
     """
     given = {"pitch_um": pitch_um, "full_well_e": full_well_e, "read_noise_e": read_noise_e}
 
     def changed(pixel: dict[str, float | None]) -> Sensor:
-        told = {name: value for name, value in pixel.items() if value is not None}
-        return replace(sensor, pixel=replace(sensor.pixel, **told))
+        known = {name: value for name, value in pixel.items() if value is not None}
+        return replace(sensor, pixel=replace(sensor.pixel, **known))
 
     return _on_pixel(changed, file, given)
 
@@ -217,26 +218,28 @@ def _on_pixel(
     file: str | None,
     given: dict[str, float | None],
 ) -> Sensor:
-    """What is made of the numbers given, which win over those of the file."""
+    """The sensor that ``made`` returns for the given values, which override those of the file."""
     if file is None:
         return made(given)
     source = read_pixel_source(file_of(file))
-    told = {name: getattr(source, name) for name in _TOLD}
+    from_file = {name: getattr(source, name) for name in _PIXEL_FIELDS}
     flaws, converter = _flaws(source), _converter(source)
-    if all(value is None for value in told.values()) and not flaws and not converter.known:
+    if all(value is None for value in from_file.values()) and not flaws and not converter.known:
         raise InputError(
             file,
             "must give pitch, full well, read noise or a value for pictures",
             value=source.notes,
             found=f"gives none of them ({'; '.join(source.notes)})",
         )
-    merged = {name: told[name] if given[name] is None else given[name] for name in _TOLD}
+    merged = {
+        name: from_file[name] if given[name] is None else given[name] for name in _PIXEL_FIELDS
+    }
     sensor = made(merged)
     return replace(
         sensor,
         imperfections=replace(sensor.imperfections, **flaws),
         converter=converter if converter.known else sensor.converter,
-        notes=(*sensor.notes, *_notes(source, told, given, {**flaws, **converter.known})),
+        notes=(*sensor.notes, *_notes(source, from_file, given, {**flaws, **converter.known})),
     )
 
 
@@ -261,12 +264,14 @@ def _converter(source: PixelSource) -> Converter:
 
 
 def _notes(
-    source: PixelSource, told: dict[str, Any], given: dict[str, Any], more: dict[str, float]
+    source: PixelSource, from_file: dict[str, Any], given: dict[str, Any], more: dict[str, float]
 ) -> list[str]:
-    """Notes on which numbers are from the file, and which stay the sensor's own."""
-    taken = [name for name in _TOLD if told[name] is not None and given[name] is None]
-    won = [name for name in _TOLD if told[name] is not None and given[name] is not None]
-    silent = [name for name in _TOLD if told[name] is None and given[name] is None]
+    """Notes that state which values are from the file, given, or unchanged."""
+    taken = [name for name in _PIXEL_FIELDS if from_file[name] is not None and given[name] is None]
+    won = [
+        name for name in _PIXEL_FIELDS if from_file[name] is not None and given[name] is not None
+    ]
+    silent = [name for name in _PIXEL_FIELDS if from_file[name] is None and given[name] is None]
     taken += more
     notes = [f"{', '.join(taken)} of {source.source}"] if taken else []
     if won:

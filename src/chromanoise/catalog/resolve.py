@@ -1,4 +1,4 @@
-"""A word or a file name to a sensor or a light: what a person writes, in a study or a command."""
+"""Resolve a name or a path, from a study or a command, to a sensor, light or filter."""
 
 import os
 import re
@@ -41,7 +41,7 @@ from chromanoise.spectra.tables.folder import SOURCES, user_curves
 
 _ENDING = re.compile(r"\.[A-Za-z]\w*$")  # no name in the catalog matches: FL3.1, 5500.5K
 WordKind = Literal["sensor", "light", "filter"]
-"""What a word names that may also name a file."""
+"""What a word refers to; the word is a name of the catalog or a path."""
 
 
 def resolve_sensor(
@@ -52,21 +52,22 @@ def resolve_sensor(
     full_well_e: float | None = None,
     read_noise_e: float | None = None,
 ) -> Sensor:
-    """A catalogue sensor or a file of curves, with what is asked of its pixel.
+    """A sensor of the catalog or from a file of curves, with the given pixel values.
 
     Parameters
     ----------
     word
-        A name of the catalogue, the user's own folder included, or a file (`is_file_word`).
+        A name in the catalog or the user's folder, or a file (`is_file_word`).
     answers
-        To what the file or the catalogue's table cannot tell.
+        Metadata that the file or the catalog's table lacks.
     pitch_um, full_well_e, read_noise_e
-        Instead of the sensor's own; the paper's pixel stands in where a file has none.
+        They override the sensor's values. A file of curves has none: its default is the paper's
+        pixel. [um], [e-], [e-]
 
     Raises
     ------
     InputError
-        If nothing is called that, the file cannot be read, or the pixel cannot be.
+        If the name is unknown, the file cannot be read, or a pixel value is invalid.
     """
     changes = {"pitch_um": pitch_um, "full_well_e": full_well_e, "read_noise_e": read_noise_e}
     given = {key: value for key, value in changes.items() if value is not None}
@@ -81,40 +82,40 @@ def resolve_sensor(
 
 
 def resolve_illuminant(word: str, *, answers: Answers = ASK) -> Illuminant:
-    """An illuminant by name, of the user's own folder or from a file of one curve.
+    """An illuminant by name, from the user's folder or from a file of one curve.
 
-    Each may have an infrared diode beside it, as ``A+0.5xLED850`` or ``lamp.csv+1xLED940/50``.
+    Each may have an added infrared diode, as in ``A+0.5xLED850`` or ``lamp.csv+1xLED940/50``.
 
     Raises
     ------
     InputError
-        If nothing is called that, or the file cannot be read.
+        If the name is unknown, or the file cannot be read.
     """
     return mixed(word, lambda base: _light(base, answers))
 
 
 def sensor_files(word: str) -> tuple[Path, ...]:
-    """The files whose content decides what a sensor's word means; none if it is built in.
+    """The files on which a sensor depends; none if it is built in.
 
-    Of a table of the user's folder also its SOURCES.toml, which tells pixel and level.
+    For a table of the user's folder they include its SOURCES.toml, which gives pixel and level.
 
     Raises
     ------
     InputError
-        If the user's folder cannot be understood.
+        If the user's folder is invalid.
     """
     return _files(word, "sensor")
 
 
 def illuminant_files(word: str) -> tuple[Path, ...]:
-    """The files whose content decides what a light's word means; none if it is built in.
+    """The files on which a light depends; none if it is built in.
 
-    An infrared diode beside the light adds none.
+    An added infrared diode depends on no file.
 
     Raises
     ------
     InputError
-        If the user's folder cannot be understood.
+        If the user's folder is invalid.
     """
     parts = infrared_parts(word)
     if parts is not None:
@@ -123,18 +124,18 @@ def illuminant_files(word: str) -> tuple[Path, ...]:
 
 
 def filter_files(word: str) -> tuple[Path, ...]:
-    """The files whose content decides what a filter's word means; none if it is built in.
+    """The files on which a filter depends; none if it is built in.
 
     Raises
     ------
     InputError
-        If the user's folder cannot be understood.
+        If the user's folder is invalid.
     """
     return _files(word, "filter")
 
 
 def resolve_filter(word: str, *, answers: Answers = ASK) -> Spectra:
-    """The transmittance of a filter by name, of the user's own folder or from a file of one curve.
+    """The transmittance of a filter by name, from the user's folder or from a file of one curve.
 
     Raises
     ------
@@ -171,22 +172,22 @@ def behind_resolved_filter(sensor: Sensor, word: str, *, answers: Answers = ASK)
     Parameters
     ----------
     sensor
-        On the grid of 400-1050 nm that all words share.
+        A sensor on the default grid, 400-1050 nm.
     word
-        As `resolve_filter`.
+        As for `resolve_filter`.
     answers
         The user's answers about the filter's file; ``beyond`` also applies to filters by name.
 
     Raises
     ------
     InputError
-        As `resolve_filter`.
+        As for `resolve_filter`.
 
     Examples
     --------
     >>> bare = resolve_sensor("onyx-rgb")
     >>> cut = behind_resolved_filter(bare, "ircut-650")
-    >>> half = cut.grid.wavelength_nm == 650             # the model lets half through at its edge
+    >>> half = cut.grid.wavelength_nm == 650             # the model transmits 0.5 at its edge
     >>> cut.name, (cut.qe[half] / bare.qe[half]).round(6)
     ('onyx-rgb+ircut-650', array([[0.5, 0.5, 0.5]]))
     """
@@ -197,40 +198,41 @@ def behind_resolved_filter(sensor: Sensor, word: str, *, answers: Answers = ASK)
 
 
 def asked_of_name(word: str) -> tuple[str, ...]:
-    """The fields of `Answers` that a sensor of the catalogue asks for; none of what it lacks.
+    """The fields of `Answers` that a sensor of the catalog requires.
 
     Raises
     ------
     InputError
-        If the user's folder cannot be understood.
+        If the user's folder is invalid.
     """
     own = own_table(word, "sensor")
     if word not in KNOWN_SENSORS and own is None:
-        return ("scale", "level", "per", "wavelength_unit", "peak_qe")  # its reader complains
-    told = catalog_entry(word, folder=catalog_folder()).provenance
-    unsaid = told.quantity == "response" and told.per is None
-    return (*(["per"] if unsaid else []), *(["peak_qe"] if told.level == "relative" else []))
+        # reading the word later raises the error
+        return ("scale", "level", "per", "wavelength_unit", "peak_qe")
+    known = catalog_entry(word, folder=catalog_folder()).provenance
+    unsaid = known.quantity == "response" and known.per is None
+    return (*(["per"] if unsaid else []), *(["peak_qe"] if known.level == "relative" else []))
 
 
 def is_file_word(word: str, kind: WordKind, folder: Path = Path()) -> bool:
     """Whether a word for a sensor, light or filter names a file.
 
-    It does if it looks like a path or ends in a dot and letters, or if there is a file of that name
-    and the catalog has no such name: a file never hides a name of the catalog.
+    A word names a file if it looks like a path or ends in a dot and letters, or if such a file
+    exists and the catalog has no such name. A file never overrides a name in the catalog.
 
     Parameters
     ----------
     word
-        For a light, without the added infrared diodes.
+        The word; for a light, without the added infrared diodes.
     kind
-        What the word is to name.
+        What the word refers to.
     folder
-        The folder to which the name of the file is relative.
+        The folder to which a file name is relative.
 
     Raises
     ------
     InputError
-        If the user's folder cannot be understood.
+        If the user's folder is invalid.
 
     Examples
     --------
@@ -254,12 +256,12 @@ _BUILT_IN: Mapping[WordKind, Callable[[str], bool]] = {
 
 
 def word_beside(word: str, kind: WordKind, folder: Path) -> str:
-    """A word of a study in ``folder``; the name of a file is relative to that folder.
+    """A word of a study in ``folder``, with a relative file name resolved against that folder.
 
     Raises
     ------
     InputError
-        If the user's folder cannot be understood.
+        If the user's folder is invalid.
 
     Examples
     --------
@@ -281,7 +283,7 @@ def file_there(word: str, kind: WordKind) -> Path:
     Raises
     ------
     InputError
-        If it is missing; the message adds that the catalog has no such name either.
+        If the file is missing; the message adds that the catalog has no such name either.
     """
     file = file_of(word)
     if not os.path.lexists(file):
@@ -301,7 +303,7 @@ _CATALOG_KIND: Mapping[WordKind, str] = {
 
 
 def _refuse_unknown(word: str, kind: WordKind) -> None:
-    """Refuse a word that is neither a built-in name nor a file."""
+    """Raise an error for a word that is neither a built-in name nor a file."""
     if _BUILT_IN[kind](word):
         return
     subject = _CATALOG_KIND[kind]
@@ -318,7 +320,7 @@ def _files(word: str, kind: WordKind) -> tuple[Path, ...]:
 
 
 def file_of(word: str) -> Path:
-    """The file that a word names, ``~`` being the home of its user."""
+    """The path that a word names; ``~`` is expanded to the home directory."""
     try:
         return Path(word).expanduser()
     except RuntimeError:  # no home is known

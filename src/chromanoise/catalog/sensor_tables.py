@@ -1,4 +1,4 @@
-"""Sensors from tables with provenance: typed in from data sheets, carried by colour-science."""
+"""Sensors from tables with provenance: from data sheets, and cameras of colour-science."""
 
 from collections.abc import Mapping
 from dataclasses import fields, replace
@@ -18,40 +18,46 @@ from chromanoise.spectra.tables import catalogue_curves, catalogue_tables, formu
 from chromanoise.spectra.tables.provenance import Provenance
 
 DEVICE_NAMES = tuple(catalogue_tables("sensor"))
-"""Sensors whose curves are typed in from data sheets."""
+"""Sensors whose curves are copied from data sheets."""
 
 CAMERA_NAMES = tuple(
-    name for name, told in formulas().items() if told.carried_as and not told.table
+    name
+    for name, provenance in formulas().items()
+    if provenance.carried_as and not provenance.table
 )
-"""Cameras that colour-science carries."""
+"""Cameras that colour-science includes."""
 
 
 def device_named(name: str, grid: Grid, answers: Answers, pixel: Mapping[str, float]) -> Sensor:
-    """The device of the catalogue; what its table cannot tell is asked as of a file.
+    """The device of the catalog; ``answers`` supplies metadata that its table lacks.
 
     Raises
     ------
     InputError
-        If the table ends short of the grid or is relative, and ``answers`` does not say more.
+        If the table does not cover the grid or is relative, and ``answers`` lacks the setting.
     """
-    told = catalogue_tables("sensor")[name]
-    return sensor_from_table(told, catalogue_curves(told), grid, answers=answers, pixel=pixel)
+    provenance = catalogue_tables("sensor")[name]
+    return sensor_from_table(
+        provenance, catalogue_curves(provenance), grid, answers=answers, pixel=pixel
+    )
 
 
 def camera_named(name: str, grid: Grid, answers: Answers, pixel: Mapping[str, float]) -> Sensor:
-    """The camera that colour-science carries, its curves relative and without an infrared.
+    """A camera of colour-science. Its curves are relative and lack the infrared.
 
     Raises
     ------
     InputError
-        Until ``answers`` says how light is counted, what the highest QE is and what follows.
+        Unless ``answers`` gives ``per``, ``peak_qe`` and ``beyond``.
     """
-    told = formulas()[name]
-    return sensor_from_table(told, camera_curves(told), grid, answers=answers, pixel=pixel)
+    provenance = formulas()[name]
+    return sensor_from_table(
+        provenance, camera_curves(provenance), grid, answers=answers, pixel=pixel
+    )
 
 
 def camera_curves(provenance: Provenance) -> Spectra:
-    """The relative curves of a camera, as colour-science carries them."""
+    """The relative curves of a camera of colour-science."""
     measured = colour_science().MSDS_CAMERA_SENSITIVITIES[provenance.carried_as]
     return Spectra(
         wavelength_nm=np.asarray(measured.wavelengths, dtype=np.float64),
@@ -71,25 +77,26 @@ def sensor_from_table(
     answers: Answers,
     pixel: Mapping[str, float],
 ) -> Sensor:
-    """The sensor of a table with provenance, its defects and what was assumed in its notes.
+    """The sensor of a table with provenance; its notes list defects and assumptions.
 
     Parameters
     ----------
     provenance
-        What is known of the table.
+        The provenance of the table.
     curves
-        Its channels.
+        The curves of its channels.
     grid
-        Where they are wanted.
+        The target grid.
     answers
-        What the table cannot tell: ``beyond`` its end, ``peak_qe`` of relative curves, ``per``.
+        Metadata that the table lacks: extrapolation ``beyond`` its ends, ``peak_qe`` of relative
+        curves, ``per``.
     pixel
-        Instead of what its source says of the pixel, by the names of `Pixel`.
+        Values that override those of the source, by the names of `Pixel`.
 
     Raises
     ------
     InputError
-        If something must be answered first, or a QE lies outside 0 .. 1.
+        If required metadata is missing, or a QE lies outside 0 .. 1.
     """
     named = replace(curves, source=provenance.name)
     qe = qe_of(_understood(provenance, named, answers), answers)
@@ -114,7 +121,7 @@ def sensor_from_table(
 
 
 def _understood(provenance: Provenance, curves: Spectra, answers: Answers) -> ParsedSpectra:
-    """The table as a file that tells all that its provenance does."""
+    """The table as if it were parsed from a file with the metadata of its provenance."""
     quantity = provenance.quantity
     if quantity not in get_args(Quantity):
         raise InputError(
@@ -145,7 +152,7 @@ def _understood(provenance: Provenance, curves: Spectra, answers: Answers) -> Pa
 
 
 def _pixel(provenance: Provenance, given: Mapping[str, float]) -> tuple[Pixel, tuple[str, ...]]:
-    """What the source says of the pixel; the paper's stands in for the rest, and is told."""
+    """The pixel of the source, with the paper's pixel for missing values, and a note on them."""
     known = {**provenance.pixel, **given}
     missing = [field.name for field in fields(Pixel) if field.name not in known]
     pixel = replace(PAPER_PIXEL, **known)

@@ -1,8 +1,8 @@
 """Sensors by name.
 
-The four ``onyx-*`` sensors are a reconstruction consistent with the figures that the paper
-prints: its Figure 7 shows the curves of the Teledyne e2v Onyx as a picture only. They are
-neither a measurement nor an independent validation.
+The four ``onyx-*`` sensors are a reconstruction consistent with the printed figures of the paper,
+whose Figure 7 shows the curves of the Teledyne e2v Onyx only as a picture. They are neither a
+measurement nor an independent validation.
 """
 
 from collections.abc import Callable, Mapping
@@ -33,7 +33,7 @@ RECONSTRUCTION = (
 
 
 def onyx_rgbw(grid: Grid) -> Sensor:
-    """The paper's RGBW_n: R, G, B and white on bare silicon, no IR-cut (reconstruction)."""
+    """The paper's RGBW_n: R, G, B and white without an IR-cut filter (reconstruction)."""
     curves = on_grid(packaged_table("onyx_reconstruction"), grid)
     return Sensor(
         name="onyx-rgbw",
@@ -48,12 +48,12 @@ def onyx_rgbw(grid: Grid) -> Sensor:
 
 
 def onyx_rgb(grid: Grid) -> Sensor:
-    """R, G and B without IR-cut: the first sensor that the paper sets aside (reconstruction)."""
+    """R, G and B without IR-cut: the first sensor that the paper excludes (reconstruction)."""
     return with_channels(onyx_rgbw(grid), ("R", "G", "B"), name="onyx-rgb", mosaic=bayer())
 
 
 def onyx_rgbw_ircut(grid: Grid) -> Sensor:
-    """RGBW behind the IR-cut: the second sensor that the paper sets aside (reconstruction)."""
+    """RGBW behind the IR-cut: the second sensor that the paper excludes (reconstruction)."""
     return behind_filter(onyx_rgbw(grid), _onyx_ir_cut(grid), name="onyx-rgbw-ircut")
 
 
@@ -70,10 +70,10 @@ _MAKERS: dict[str, Callable[[Grid], Sensor]] = {
     **MODELS,
 }
 SENSOR_NAMES = tuple(_MAKERS)
-"""The paper's sensors and the models: made on any grid within 400-1050 nm, no question asked."""
+"""The paper's sensors and the models; they need no answers on any grid within 400-1050 nm."""
 
 KNOWN_SENSORS = (*SENSOR_NAMES, *DEVICE_NAMES, *CAMERA_NAMES)
-"""What `sensor_named` knows: those, real devices, and the cameras of colour-science."""
+"""The names for `sensor_named`: SENSOR_NAMES, real devices, and cameras of colour-science."""
 
 
 def sensor_named(
@@ -83,19 +83,19 @@ def sensor_named(
     answers: Answers = ASK,
     pixel: Mapping[str, float] = MappingProxyType({}),
 ) -> Sensor:
-    """The catalogue's sensor ``name`` on ``grid``.
+    """The sensor ``name`` of the catalog on ``grid``.
 
     Parameters
     ----------
     name
         One of `KNOWN_SENSORS`.
     grid
-        Where its curves are wanted.
+        The target grid.
     answers
-        What the table of a real device cannot tell: what follows its end, the highest QE of
+        Metadata that the table of a real device lacks: the extrapolation, the highest QE of
         relative curves, how light was counted.
     pixel
-        Instead of the sensor's own, by the names of `Pixel`. [um], [e-], [e-]
+        Values that override the sensor's, by the names of `Pixel`. [um], [e-], [e-]
 
     Returns
     -------
@@ -105,7 +105,7 @@ def sensor_named(
     Raises
     ------
     InputError
-        If nothing is called that (the nearest names are told), or its table asks for an answer.
+        If the name is unknown (the message suggests similar names), or an answer is missing.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Files in and out: `spectra`, `cubes` and `pixels` read what people have, the rest writes."""
+"""Readers (`spectra`, `cubes`, `pixels`) and writers of files."""
 
 from typing import TYPE_CHECKING
 

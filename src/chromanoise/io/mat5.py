@@ -1,7 +1,7 @@
-"""Arrays of real numbers, and words, in MATLAB files of version 5 (``save -v7`` and before).
+"""Arrays of real numbers and text in MATLAB files of version 5 (``save -v7`` and before).
 
-The format is that of MathWorks, "MAT-File Format" (level 5). It is read here because SciPy's
-reader (1.17) ends the whole process on some damaged files instead of raising an error
+The format is documented in MathWorks, "MAT-File Format" (level 5). SciPy's reader (1.17) is not
+used because it crashes the process on some damaged files instead of raising an error
 (scipy/scipy, pull request 25349).
 """
 
@@ -49,7 +49,7 @@ class _Element:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Opening:
-    """What a variable says before its numbers, which begin ``length`` bytes after its tag."""
+    """The header of a variable; its numbers begin ``length`` bytes after its tag."""
 
     name: str
     shape: tuple[int, ...]
@@ -58,12 +58,12 @@ class _Opening:
 
 
 def mat_arrays(path: Path) -> dict[str, tuple[tuple[int, ...], np.dtype]]:
-    """Shape and type of every variable, numbers unread; cells and structs count as objects.
+    """Shape and type of every variable, without reading numbers; cells and structs are objects.
 
     Raises
     ------
     InputError
-        If the file is of another MATLAB version, or damaged.
+        If the file has another MATLAB version, or is damaged.
     """
     arrays: dict[str, tuple[tuple[int, ...], np.dtype]] = {}
     for _, opening in _variables(path):
@@ -75,27 +75,27 @@ def mat_arrays(path: Path) -> dict[str, tuple[tuple[int, ...], np.dtype]]:
 
 
 def mat_array(path: Path, name: str, *, largest_bytes: int | None = None) -> Shaped[Array, "..."]:
-    """The numbers of one variable, in the type in which MATLAB packed them.
+    """The numbers of one variable, in the type in which MATLAB stored them.
 
     Parameters
     ----------
     path, name
         The file, and the variable in it.
     largest_bytes
-        What the variable may take in memory; None: what it takes.
+        The largest size of the variable in memory; None for no limit.
 
     Raises
     ------
     InputError
-        If they do not fit the shape that the file tells, or take more than ``largest_bytes``.
+        If the numbers do not fit the declared shape, or need more than ``largest_bytes``.
     """
     element, opening = next((e, o) for e, o in _variables(path) if o.name == name)
     with path.open("rb") as file:
         first = _first_bytes(path, file, element)
     kind, start, count = _part(first, opening.length, element.order)
     dtype = np.dtype(element.order + _PACKED_AS[kind]) if kind in _PACKED_AS else np.dtype("O")
-    told = math.prod(opening.shape) * dtype.itemsize
-    if dtype.hasobject or count != told:  # checked before all of it is inflated
+    expected = math.prod(opening.shape) * dtype.itemsize
+    if dtype.hasobject or count != expected:  # checked before all of it is inflated
         raise _damage(path, f"the numbers of array {name!r} do not fit its shape")
     body = _body(path, element, largest_bytes, needed_bytes=start + count)
     if not 0 <= len(body) - start - count < 8:
@@ -105,12 +105,12 @@ def mat_array(path: Path, name: str, *, largest_bytes: int | None = None) -> Sha
 
 
 def mat_texts(path: Path, name: str, *, largest_bytes: int | None = None) -> tuple[str, ...]:
-    """The words of one variable: rows of characters, or a cell array of them; else none.
+    """The texts of one variable: rows of characters, or a cell array of them; else empty.
 
     Raises
     ------
     InputError
-        If the variable is damaged, or takes more than ``largest_bytes``.
+        If the variable is damaged, or needs more than ``largest_bytes``.
     """
     element, opening = next((e, o) for e, o in _variables(path) if o.name == name)
     body, order = _body(path, element, largest_bytes), element.order
@@ -187,7 +187,7 @@ def _first_bytes(path: Path, file: BinaryIO, element: _Element) -> bytes:
 
 
 def _without_tag(path: Path, inflated: bytes, order: str) -> tuple[bytes, int]:
-    """What follows the tag of an inflated array, and how long the tag says it is."""
+    """The bytes after the tag of an inflated array, and the length that the tag declares."""
     kind, count = struct.unpack(order + "II", inflated[:8].ljust(8, b"\0"))
     if kind != _MATRIX:
         raise _damage(path, "what is compressed is no array")
@@ -195,7 +195,7 @@ def _without_tag(path: Path, inflated: bytes, order: str) -> tuple[bytes, int]:
 
 
 def _opening(path: Path, body: bytes, order: str) -> _Opening:
-    """Flags, dimensions and name; things without dimensions count as objects."""
+    """Flags, dimensions and name; a variable without dimensions counts as an object."""
     kind, start, count = _part(body, 0, order)
     if kind != _FLAGS or count != 8:
         raise _damage(path, "an array lacks its flags")
@@ -223,7 +223,7 @@ def _part(body: bytes, at: int, order: str) -> tuple[int, int, int]:
 
 
 def _after(start: int, count: int) -> int:
-    """Where the next tag is: at the next multiple of 8."""
+    """The position of the next tag: the next multiple of 8."""
     return -(-(start + count) // 8) * 8
 
 
@@ -238,7 +238,7 @@ def _dtype(flags: int) -> np.dtype:
 def _body(
     path: Path, element: _Element, largest_bytes: int | None, *, needed_bytes: int | None = None
 ) -> bytes:
-    """All bytes of a variable, inflated only if their number is what its parts need."""
+    """All bytes of a variable, inflated only if their declared number is plausible."""
     with path.open("rb") as file:
         file.seek(element.start)
         raw = file.read(element.size)

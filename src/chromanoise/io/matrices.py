@@ -1,7 +1,7 @@
-"""A color matrix as text that other programs read: CSV, JSON, CLF, camera-profile JSON.
+"""Write a color matrix for other programs: CSV, JSON, CLF, camera-profile JSON.
 
-CLF and the camera profile hold the white-normalized matrix: from raw over the raw of a perfect
-white to XYZ with Y = 1 for that white, as a raw converter meets it after white balance.
+CLF and the camera profile contain the white-normalized matrix. It maps raw divided by the raw of a
+perfect white to XYZ with Y = 1 for that white, as in a raw converter after white balance.
 """
 
 import csv
@@ -23,12 +23,12 @@ from chromanoise.errors import InputError
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class MadeMatrix:
-    """A matrix, and what a reader of its file must know.
+    """A matrix with the conditions for which it was made.
 
     Attributes
     ----------
     sensor, illuminant
-        Names.
+        Names of the sensor and the illuminant.
     level_lux, time_s
         The exposure for which it was made. [lx], [s]
     matrix
@@ -36,9 +36,9 @@ class MadeMatrix:
     white_e
         Expected electrons of a perfect white. [e-]
     white_lux
-        Its Y. [lx]
+        Illuminance Y of the white. [lx]
     notes
-        E.g. that curves are a reconstruction.
+        Notes, e.g. that curves are a reconstruction.
     """
 
     sensor: str
@@ -57,12 +57,12 @@ class MadeMatrix:
 
 
 def balanced(made: MadeMatrix) -> Float[Array, "c p"]:
-    """From raw over the raw of the white to XYZ over the Y of the white."""
+    """The matrix from raw over the raw of the white to XYZ over the Y of the white."""
     return np.asarray(made.matrix.matrix * made.white_e / made.white_lux)
 
 
 def matrix_csv(made: MadeMatrix) -> str:
-    """One row per color coordinate, in lx/e-; what it is stands in comments."""
+    """One row per color coordinate, in lx/e-; comments describe the matrix."""
     text = io.StringIO()
     for name, value in _facts(made).items():
         text.write(f"# {name}: {value}\n")
@@ -74,8 +74,8 @@ def matrix_csv(made: MadeMatrix) -> str:
 
 
 def matrix_json(made: MadeMatrix) -> str:
-    """Everything: the matrix in lx/e- and white-normalized, its channels and how it was made."""
-    told: dict[str, Any] = {
+    """All data: the matrix in lx/e- and white-normalized, its channels and how it was made."""
+    data: dict[str, Any] = {
         **_facts(made),
         "channels": list(made.matrix.channels),
         "coordinates": list(made.matrix.coordinates),
@@ -83,7 +83,7 @@ def matrix_json(made: MadeMatrix) -> str:
         "white_e": made.white_e.tolist(),
         "balanced": balanced(made).tolist(),
     }
-    return json.dumps(told, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+    return json.dumps(data, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
 
 
 def matrix_clf(made: MadeMatrix) -> str:
@@ -92,7 +92,7 @@ def matrix_clf(made: MadeMatrix) -> str:
     Raises
     ------
     InputError
-        If the sensor has not three channels.
+        If the sensor does not have three channels.
     """
     _refuse_not_three(made, "CLF")
     rows = "\n".join("    " + " ".join(map(repr, row)) for row in balanced(made).tolist())
@@ -117,15 +117,15 @@ def matrix_clf(made: MadeMatrix) -> str:
 
 
 def matrix_profile_json(made: MadeMatrix) -> str:
-    """The matrix under the names of a DNG camera profile, whose ColorMatrix goes the other way.
+    """The matrix as JSON with the field names of a DNG camera profile.
 
-    ``ColorMatrix1`` takes XYZ to camera native (raw over the largest raw of the white),
-    ``AsShotNeutral`` is the white in it, ``CameraToXYZ`` takes white-balanced raw to XYZ.
+    ``ColorMatrix1`` maps XYZ to camera native (raw over the largest raw of the white),
+    ``AsShotNeutral`` is the white in it, ``CameraToXYZ`` maps white-balanced raw to XYZ.
 
     Raises
     ------
     InputError
-        If the sensor has not three channels, or the matrix has no inverse.
+        If the sensor does not have three channels, or the matrix has no inverse.
 
     Notes
     -----
@@ -138,13 +138,13 @@ def matrix_profile_json(made: MadeMatrix) -> str:
         raise InputError(
             what, "must have an inverse for a camera profile", remedy="export it as CSV or JSON"
         )
-    told: dict[str, Any] = {
+    data: dict[str, Any] = {
         "header": {"schema": "chromanoise camera profile", **_facts(made)},
         "ColorMatrix1": (neutral[:, None] * inv(what, to_xyz)).tolist(),
         "AsShotNeutral": neutral.tolist(),
         "CameraToXYZ": to_xyz.tolist(),
     }
-    return json.dumps(told, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+    return json.dumps(data, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
 
 
 def _facts(made: MadeMatrix) -> dict[str, Any]:

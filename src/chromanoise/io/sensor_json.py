@@ -1,4 +1,4 @@
-"""Sensors and spectra as JSON of this library, and the reader of sensors."""
+"""Write sensors and spectra as JSON of this library, and read sensors from it."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, fields
@@ -33,7 +33,7 @@ def spectra_json(spectra: Spectra, facts: Mapping[str, str] | None = None) -> st
     Parameters
     ----------
     spectra
-        Any.
+        The spectra to write.
     facts
         Other facts: level, per and scale, with the values of `Found`.
     """
@@ -55,7 +55,7 @@ def spectra_json(spectra: Spectra, facts: Mapping[str, str] | None = None) -> st
 
 
 def sensor_json(sensor: Sensor) -> str:
-    """All of the sensor; `sensor_from_json` gives it back."""
+    """All data of the sensor; `sensor_from_json` reads it."""
     grid, pixel = sensor.grid, sensor.pixel
     return as_json(
         {
@@ -82,12 +82,12 @@ def sensor_json(sensor: Sensor) -> str:
 
 
 def sensor_from_json(text: str, *, source: str = "sensor") -> Sensor:
-    """The sensor that `sensor_json` wrote.
+    """Read the sensor from text of `sensor_json`.
 
     Raises
     ------
     InputError
-        If the text is not JSON, is of another schema or version, or the sensor is wrong.
+        If the text is not JSON, has another schema or version, or the sensor is invalid.
     """
     held = held_json(text, _SENSOR_SCHEMA, source=source)
     try:
@@ -133,9 +133,9 @@ def _whole(value: Any) -> int:
     return int(value)
 
 
-def _held(told: dict[str, Any], names: Sequence[str], kind: Callable[[Any], Any]) -> dict[str, Any]:
+def _held(data: dict[str, Any], names: Sequence[str], kind: Callable[[Any], Any]) -> dict[str, Any]:
     """The values of these names, if present."""
-    return {name: kind(told[name]) for name in names if name in told}
+    return {name: kind(data[name]) for name in names if name in data}
 
 
 def _flag(value: Any) -> bool:

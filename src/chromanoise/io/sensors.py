@@ -23,28 +23,28 @@ _WIDE_GAP_NM = 30.0
 
 
 def read_sensor(path: Path | str, grid: Grid, pixel: Pixel, *, answers: Answers = ASK) -> Sensor:
-    """The sensor whose curves stand in a file of any format of `read_curves`.
+    """Read a sensor from a file of curves in any format of `read_curves`.
 
     Parameters
     ----------
     path
-        The file; the sensor takes its name without ending.
+        The file; its name without the suffix becomes the name of the sensor.
     grid
-        Where the curves are wanted.
+        The target grid.
     pixel
-        The pixel under them: the file does not say.
+        The pixel of the sensor, which the file does not contain.
     answers
-        What the user knows and the file does not say; ``beyond`` holds for the grid as well.
+        Metadata that the file lacks; ``beyond`` also applies to the grid.
 
     Raises
     ------
     InputError
-        If the file cannot be understood, a question must be answered first, a QE lies outside
-        0 .. 1, or the curves end short of the grid.
+        If the file cannot be parsed, required metadata is missing, a QE lies outside 0 .. 1, or
+        the curves do not cover the grid.
     """
     path = Path(path)
-    told = read_curves(path, answers=answers)
-    curves = qe_of(told, answers)
+    parsed = read_curves(path, answers=answers)
+    curves = qe_of(parsed, answers)
     percent = Setting("scale", ("percent",))
     remedy = percent if curves.values.max() > 1 else SMALL_NEGATIVES
     return _sensor(path, curves, grid, pixel, answers.beyond, remedy=remedy)
@@ -53,25 +53,25 @@ def read_sensor(path: Path | str, grid: Grid, pixel: Pixel, *, answers: Answers 
 def read_sensor_csv(
     path: Path | str, grid: Grid, pixel: Pixel, *, beyond: Beyond = "refuse"
 ) -> Sensor:
-    """The sensor whose absolute QE per channel stands in ``wavelength_nm,R,G,...``.
+    """Read a sensor from absolute QE per channel in a CSV ``wavelength_nm,R,G,...``.
 
-    No other form is read, so nothing has to be inferred.
+    No other form is accepted, so nothing is inferred.
 
     Parameters
     ----------
     path
-        CSV file; the sensor takes its name without ending.
+        The CSV file; its name without the suffix becomes the name of the sensor.
     grid
-        Where the curves are wanted.
+        The target grid.
     pixel
-        The pixel under them: the file does not say.
+        The pixel of the sensor, which the file does not contain.
     beyond
-        What the curves are where the file ends short of the grid.
+        How to extrapolate curves that do not cover the grid.
 
     Raises
     ------
     InputError
-        If the file cannot be read, a QE lies outside 0 .. 1, or the curves end short.
+        If the file cannot be read, a QE lies outside 0 .. 1, or the curves do not cover the grid.
     """
     path = Path(path)
     curves = read_spectra_csv(path, quantity="QE", unit="e-/photon")
@@ -102,7 +102,7 @@ def _sensor(
 
 
 def _gaps(curves: Spectra) -> tuple[str, ...]:
-    """A note where neighbors stand so far apart that straight lines between them are a guess."""
+    """A note if neighboring samples are so far apart that linear interpolation is uncertain."""
     widest = float(np.diff(curves.wavelength_nm).max())
     if widest <= _WIDE_GAP_NM:
         return ()

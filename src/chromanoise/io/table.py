@@ -1,4 +1,4 @@
-"""A table: a title, columns with units and digits, rows of numbers and words."""
+"""A table: a title, columns with units and digits, and rows of numbers or text."""
 
 import math
 from dataclasses import dataclass
@@ -17,17 +17,17 @@ class Column:
     Attributes
     ----------
     name
-        What it is.
+        The heading of the column.
     unit
-        Of its numbers; empty for words and for numbers without a unit.
+        The unit of its numbers; empty for text and for numbers without a unit.
     digits
-        How its numbers are rounded for readers, in Python's format language: ``.2f`` two decimals,
-        ``.4g`` four digits; empty for all digits.
+        Format of the numbers for display, as a Python format specification: ``.2f`` for two
+        decimals, ``.4g`` for four digits; empty for all digits.
 
     Raises
     ------
     InputError
-        If the name is empty or the digits are no format of a number.
+        If the name is empty or ``digits`` is not a format specification for a number.
     """
 
     name: str
@@ -55,18 +55,18 @@ class Table:
     Attributes
     ----------
     title
-        What it shows.
+        The title of the table.
     columns
-        Name, unit and digits of each.
+        The columns.
     rows
         One cell per column; ``None`` where a quantity is not defined.
     notes
-        What a reader must know.
+        Remarks below the table.
 
     Raises
     ------
     InputError
-        If a row is not as long as the columns, or a number is not finite.
+        If a row does not have one cell per column, or a number is not finite.
     """
 
     title: str
@@ -97,7 +97,7 @@ class Table:
 
 
 def written(cell: Entry, digits: str) -> str:
-    """A cell as text, its number with the digits of its column; nothing for ``None``.
+    """A cell as text, a number with the digits of its column; empty for ``None``.
 
     Examples
     --------
@@ -109,10 +109,10 @@ def written(cell: Entry, digits: str) -> str:
     if isinstance(cell, bool | str):
         return str(cell)
     text = format(cell, digits) if digits else repr(_plain(cell))
-    # a small negative number rounds to "-0.0", which no reader wants to meet
+    # a small negative number would be shown as "-0.0"
     return text.removeprefix("-") if float(text.replace("%", "")) == 0 else text
 
 
 def _plain(number: float) -> float:
-    """Of Python's own type: the text of a NumPy number names its type."""
+    """The number as a Python float, because the repr of a NumPy number includes its type."""
     return float(number) if isinstance(number, float) else number

@@ -1,7 +1,7 @@
 """A table as text: CSV and JSON for programs, Markdown and LaTeX for readers.
 
-CSV and JSON hold all digits, so the same numbers are read back; Markdown and LaTeX round to the
-digits of the column. What is not defined is an empty cell, in JSON ``null``.
+CSV and JSON have all digits, so reading them restores the same numbers; Markdown and LaTeX round to
+the digits of the column. An undefined value is an empty cell, or ``null`` in JSON.
 """
 
 import csv
@@ -66,12 +66,12 @@ _LATEX = {
 
 
 def table_writer(path: Path) -> Callable[[Table], str]:
-    """How a table becomes the text of a file, by the ending of its name.
+    """The function that writes a table as text, chosen by the suffix of the file name.
 
     Raises
     ------
     InputError
-        If the name ends otherwise.
+        If the suffix is not supported.
     """
     writers = {".csv": table_csv, ".json": table_json, ".md": table_markdown, ".tex": table_latex}
     ending = path.suffix.lower()
@@ -86,9 +86,9 @@ def table_writer(path: Path) -> Callable[[Table], str]:
 
 
 def table_csv(table: Table) -> str:
-    """One row of heads, ``name [unit]``, then the rows with all digits, as RFC 4180 with LF.
+    """A row of headings, ``name [unit]``, then the rows with all digits, as RFC 4180 with LF.
 
-    Words that a spreadsheet would take for a formula get an apostrophe before them.
+    Text that a spreadsheet would interpret as a formula is prefixed with an apostrophe.
     """
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
@@ -101,8 +101,8 @@ def table_csv(table: Table) -> str:
 
 
 def table_json(table: Table) -> str:
-    """Everything, numbers whole: `table_from_json` gives the table back."""
-    told: dict[str, Any] = {
+    """All data of the table with all digits; `table_from_json` reads it."""
+    data: dict[str, Any] = {
         "schema": SCHEMA,
         "schema_version": SCHEMA_VERSION,
         "version": __version__,
@@ -111,16 +111,16 @@ def table_json(table: Table) -> str:
         "rows": [list(row) for row in table.rows],
         "notes": list(table.notes),
     }
-    return json.dumps(told, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+    return json.dumps(data, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
 
 
 def table_from_json(text: str, *, source: str = "table") -> Table:
-    """The table that `table_json` wrote.
+    """Read the table from text of `table_json`.
 
     Raises
     ------
     InputError
-        If the text is not JSON, is of another schema or version, or no table.
+        If the text is not JSON, has another schema or version, or is not a table.
     """
     held = held_json(text, SCHEMA, source=source)
     try:
@@ -142,7 +142,7 @@ def table_from_json(text: str, *, source: str = "table") -> Table:
 
 
 def table_markdown(table: Table) -> str:
-    """A table of GitHub-flavored Markdown under its title, columns of numbers to the right."""
+    """The title and a table in GitHub-flavored Markdown; columns of numbers are right-aligned."""
     heads = " | ".join(_markdown(head(column)) for column in table.columns)
     rules = " | ".join("---:" if _numeric(table, i) else "---" for i in range(len(table.columns)))
     rows = [
@@ -162,19 +162,19 @@ def table_markdown(table: Table) -> str:
 
 
 def table_latex(table: Table, label: str = "") -> str:
-    r"""A ``table`` with the rules of the package booktabs and a ``\caption``; UTF-8 assumed.
+    r"""A LaTeX ``table`` with the rules of the package booktabs and a ``\caption``, in UTF-8.
 
     Parameters
     ----------
     table
-        The heads are ``name [unit]``.
+        The table; its headings are ``name [unit]``.
     label
-        For ``\ref``; without it there is no ``\label``.
+        The label for ``\ref``; if empty, no ``\label`` is written.
 
     Raises
     ------
     InputError
-        If the label has other characters than letters, digits and ``: . _ -``.
+        If the label has characters other than letters, digits and ``: . _ -``.
     """
     if label and not _LABEL.fullmatch(label):
         raise InputError("label", "must consist of letters, digits and : . _ -", value=label)
@@ -206,7 +206,7 @@ def table_latex(table: Table, label: str = "") -> str:
 
 
 def head(column: Column) -> str:
-    """Name and unit.
+    """The heading of a column: name and unit.
 
     Examples
     --------
@@ -217,7 +217,7 @@ def head(column: Column) -> str:
 
 
 def _harmless(text: str) -> str:
-    """No formula (OWASP, CSV injection): spaces before a sign do not hide it from all programs."""
+    """Text that cannot act as a formula (OWASP, CSV injection), even after leading spaces."""
     plain = text.replace("\r\n", "\n").replace("\r", "\n")  # csv would leave a lone \r unquoted
     guarded = plain.startswith(_FORMULA) or plain.lstrip().startswith(_FORMULA)
     return f"'{plain}" if guarded else plain

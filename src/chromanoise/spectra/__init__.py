@@ -1,4 +1,4 @@
-"""One wavelength grid; curves, illuminants, observers, reflectances, and their metric."""
+"""The wavelength grid, spectral curves, illuminants, observers, reflectances and the metric."""
 
 from typing import TYPE_CHECKING
 

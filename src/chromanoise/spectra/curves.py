@@ -1,4 +1,4 @@
-"""Curves over wavelength as they were measured, and how they come onto the grid."""
+"""Measured spectral curves and their resampling onto the wavelength grid."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -20,10 +20,10 @@ from chromanoise.errors import (
 from chromanoise.spectra.grid import Grid
 
 Beyond = Literal["refuse", "zero", "hold"]
-"""What a curve is taken to be where it was not measured."""
+"""How a curve is extrapolated: refuse with an error, use zero, or hold the last value."""
 
 SMALL_NEGATIVES = Setting("negatives", ("zero",))
-"""Sets small negative values to 0, as digitizing and dark readings leave them."""
+"""Sets small negative values, which digitizing or dark readings can cause, to 0."""
 
 _SLACK_NM = 1e-6  # wavelengths read from text may miss the grid's end by rounding
 
@@ -35,24 +35,24 @@ class Spectra:
     Attributes
     ----------
     wavelength_nm
-        Where the curves are known. [nm]
+        The wavelengths of the samples. [nm]
     values
         One column per curve, in ``unit``.
     names
-        One per curve.
+        One name per curve.
     quantity
-        What the curves are, e.g. "QE" or "reflectance"; used in messages.
+        The quantity of the curves, e.g. "QE" or "reflectance"; used in messages.
     unit
-        The unit of ``values``, "1" for a ratio.
+        The unit of ``values``; "1" for a ratio.
     source
-        Where the numbers come from.
+        The origin of the numbers.
     notes
-        What was done to them since, e.g. how they were continued beyond their ends.
+        How the numbers were processed, e.g. how they were extrapolated.
 
     Raises
     ------
     InputError
-        If wavelengths do not increase, a value is not finite, or the shapes do not belong together.
+        If wavelengths do not increase, a value is not finite, or the shapes do not match.
     """
 
     wavelength_nm: Float[Array, " m"]
@@ -79,30 +79,32 @@ class Spectra:
 def interpolation_matrix(
     wavelength_nm: Float[Array, " m"], grid: Grid, *, beyond: Beyond, what: str
 ) -> tuple[Float[Array, "n m"], tuple[str, ...]]:
-    """The linear interpolation from ``m`` known wavelengths to the grid, and notes on its ends.
+    """The linear interpolation from ``m`` samples to the grid, and notes on extrapolation.
 
     Parameters
     ----------
     wavelength_nm
-        Where the curve is known, increasing. [nm]
+        The wavelengths of the samples, increasing. [nm]
     grid
-        Where it is wanted.
+        The target grid.
     beyond
-        ``refuse``, or take the curve as ``zero`` or ``hold`` its last value outside.
+        Outside the samples: ``refuse`` with an error, use ``zero``, or ``hold`` the last value.
     what
-        Name of the curve in an error.
+        The name of the curve in error messages.
 
     Returns
     -------
     matrix
-        ``matrix @ values`` lies on the grid; no weight is negative, so no curve overshoots.
+        ``matrix @ values`` gives the values on the grid. No weight is negative, so the result
+        cannot overshoot.
     notes
-        One sentence if a continuation was used, else nothing.
+        One sentence if the curve was extrapolated, else empty.
 
     Raises
     ------
     InputError
-        If the curve ends short of the grid and ``beyond`` is ``refuse``, or if they do not meet.
+        If the curve does not cover the grid and ``beyond`` is ``refuse``, or if the two do not
+        overlap.
 
     Examples
     --------
@@ -150,10 +152,11 @@ def interpolation_matrix(
 
 
 def means_on_grid(spectra: Spectra, grid: Grid, *, beyond: Beyond = "refuse") -> Spectra:
-    """As `on_grid`, but a table finer than the grid gives its means over the cells of the grid.
+    """Resample like `on_grid`, but average a table that is finer than the grid over grid cells.
 
-    So no spectral line and no narrow band falls between two samples. A cell reaches half a step
-    to each side, less where the table ends, and straight lines keep their values.
+    Averaging ensures that a spectral line or a narrow band between two grid points is not lost.
+    A cell extends half a step to each side, or less where the table ends. Linear curves keep
+    their values.
     """
     sampled = on_grid(spectra, grid, beyond=beyond)
     known, at = spectra.wavelength_nm, grid.wavelength_nm
@@ -175,16 +178,16 @@ def means_on_grid(spectra: Spectra, grid: Grid, *, beyond: Beyond = "refuse") ->
 def used_on_grid(
     wavelength_nm: Float[Array, " m"], grid: Grid, *, from_nm: float | None = None
 ) -> Bool[Array, " m"]:
-    """Which points of a curve `means_on_grid` uses; the others may have any value.
+    """A mask of the points of a curve that `means_on_grid` uses; the others are ignored.
 
     Parameters
     ----------
     wavelength_nm
-        Of the curve, increasing. [nm]
+        The wavelengths of the curve, increasing. [nm]
     grid
         The target grid: points in its cells are used, and the next one beyond each end.
     from_nm
-        A lower start than the grid's, if more of the curve is integrated. [nm]
+        The start of the integration, if it lies below the grid. [nm]
 
     Examples
     --------
@@ -207,23 +210,23 @@ def refuse_outside(
     remedy: Remedy | Sequence[Remedy] = (),
     used: Bool[Array, " m"] | None = None,
 ) -> None:
-    """Refuse curves with a value outside ``low`` to ``high``, and name the first one.
+    """Raise an error if any value lies outside ``low`` to ``high``; it names the first such value.
 
     Parameters
     ----------
     spectra
         The curves.
     low, high
-        The values that are allowed, in the unit of the curves.
+        The allowed range, in the unit of the curves.
     remedy
-        What the user can do.
+        What the user can do about it.
     used
-        Wavelengths at which the values matter, from `used_on_grid`; ``None`` for all.
+        Mask of the wavelengths to check, from `used_on_grid`; ``None`` checks all.
 
     Raises
     ------
     InputError
-        Names source, curve, wavelength and value.
+        If a value is out of range. The message names source, curve, wavelength and value.
     """
     bad = (spectra.values < low) | (spectra.values > high)
     if used is not None:
@@ -244,21 +247,21 @@ def refuse_outside(
 
 
 def on_grid(spectra: Spectra, grid: Grid, *, beyond: Beyond = "refuse") -> Spectra:
-    """The same curves on ``grid``, by linear interpolation between their neighbours.
+    """The curves on ``grid``, by linear interpolation between neighboring samples.
 
     Parameters
     ----------
     spectra
-        Curves, as measured.
+        Measured curves.
     grid
-        Where they are wanted.
+        The target grid.
     beyond
-        What to do where they end short of the grid; the choice is told in ``notes``.
+        How to extrapolate curves that do not cover the grid; ``notes`` records the choice.
 
     Raises
     ------
     InputError
-        As `interpolation_matrix`.
+        As for `interpolation_matrix`.
     """
     what = f"{spectra.quantity} of {spectra.source}"
     matrix, notes = interpolation_matrix(spectra.wavelength_nm, grid, beyond=beyond, what=what)

@@ -1,4 +1,4 @@
-"""The one wavelength grid on which light, filters and observers meet."""
+"""The common wavelength grid of illuminants, sensors, filters and observers."""
 
 from dataclasses import dataclass
 
@@ -19,7 +19,7 @@ class Grid:
     start_nm, stop_nm
         First and last wavelength. [nm]
     step_nm
-        Distance of neighbours: the paper's delta-lambda. [nm]
+        Distance between neighboring wavelengths: the paper's delta-lambda. [nm]
 
     Raises
     ------
@@ -53,12 +53,12 @@ class Grid:
 
     @classmethod
     def uniform(cls, start_nm: float, stop_nm: float, step_nm: float) -> "Grid":
-        """The grid from ``start_nm`` to ``stop_nm``.
+        """Make the grid from ``start_nm`` to ``stop_nm``.
 
         Parameters
         ----------
         start_nm, stop_nm, step_nm
-            First and last wavelength, and their distance. [nm]
+            First wavelength, last wavelength and step. [nm]
 
         Returns
         -------
@@ -87,4 +87,4 @@ class Grid:
 
 
 DEFAULT_GRID = Grid.uniform(400, 1050, 5)
-"""The paper's range, where silicon answers. The sum of eq. 2 runs over these 131 wavelengths."""
+"""The paper's range, where silicon is sensitive. Eq. 2 sums over these 131 wavelengths."""

@@ -1,4 +1,4 @@
-"""Light sources, normalized to one lux so that a level in lux says how much light there is."""
+"""Light sources, normalized to one lux, so that an illuminance in lux scales them."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -42,7 +42,7 @@ _HALOGEN_K = 3200.0
 _HALOGEN_NOTE = "halogen: a black body of 3200 K, without the emissivity of tungsten"
 _WHITE_NOTE = "led-white: a model of a blue diode and a phosphor, 4167 K, not a lamp"
 _OBSERVER_START_NM = 360.0
-_DARKEST_LM_PER_W = 1e-3  # a source below this gives no light that lux could measure
+_DARKEST_LM_PER_W = 1e-3  # a source below this has practically no visible light
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -52,13 +52,13 @@ class Illuminant:
     Attributes
     ----------
     name
-        How it is called in results.
+        The name in results.
     grid
         Its wavelengths.
     irradiance
         Spectral irradiance at 1 lx. [W m-2 nm-1 lx-1]
     notes
-        What was assumed, e.g. beyond the end of its measurement.
+        Assumptions, e.g. how the measured curve was extrapolated.
 
     Raises
     ------
@@ -114,18 +114,18 @@ def black_body(grid: Grid, temperature_k: float) -> Illuminant:
 
 
 def led(grid: Grid, peak_nm: float, width_nm: float = 20.0) -> Illuminant:
-    """One light-emitting diode: Ohno's two-term model around ``peak_nm``.
+    """A light-emitting diode, by Ohno's two-term model around ``peak_nm``.
 
     Parameters
     ----------
     peak_nm, width_nm
-        Peak wavelength and the width of Ohno's model, whose full width at half maximum is 0.92
-        of it. [nm]
+        Peak wavelength and the width parameter of Ohno's model. The full width at half maximum
+        is 0.92 times the width parameter. [nm]
 
     Raises
     ------
     InputError
-        If the diode is too narrow for the grid, or gives no light that lux can measure (850 nm).
+        If the diode is too narrow for the grid, or has practically no visible light (850 nm).
 
     Notes
     -----
@@ -141,17 +141,18 @@ def led(grid: Grid, peak_nm: float, width_nm: float = 20.0) -> Illuminant:
 
 
 def halogen(grid: Grid) -> Illuminant:
-    """A halogen lamp as the black body of its color temperature, 3200 K."""
+    """A halogen lamp, modeled as a black body of 3200 K."""
     return replace(black_body(grid, _HALOGEN_K), name="halogen", notes=(_HALOGEN_NOTE,))
 
 
 def led_white(grid: Grid) -> Illuminant:
-    """A white LED of 4167 K as a model: a blue diode and a phosphor of the same height.
+    """A white LED of 4167 K, modeled as a blue diode and a phosphor of equal peak height.
 
     Notes
     -----
-    The diode is Ohno's (Opt. Eng. 44 (2005), 111302, eq. 1) at 450 nm, 24 nm wide; the phosphor a
-    Gaussian around 580 nm with a standard deviation of 60 nm. Both are ours, and no lamp's.
+    The diode follows Ohno (Opt. Eng. 44 (2005), 111302, eq. 1) at 450 nm, 24 nm wide; the phosphor
+    is a Gaussian around 580 nm with a standard deviation of 60 nm. These parameters are our own
+    choice and do not describe a real lamp.
     """
 
     def power(wavelength_nm: Float[Array, " m"]) -> Float[Array, " m"]:
@@ -162,7 +163,7 @@ def led_white(grid: Grid) -> Illuminant:
 
 
 def narrow_diode(width_nm: float, grid: Grid) -> InputError:
-    """The error of a diode that is too narrow for the grid."""
+    """The error for a diode that is too narrow for the grid."""
     return InputError(
         "width_nm",
         f"must be at least {2 * grid.step_nm:g} [nm], two steps of the grid",
@@ -174,21 +175,22 @@ def narrow_diode(width_nm: float, grid: Grid) -> InputError:
 def diode_power(
     wavelength_nm: Float[Array, " m"], *, peak_nm: float, width_nm: float
 ) -> Float[Array, " m"]:
-    """Relative power of Ohno's diode (`led`)."""
+    """Relative power of Ohno's diode model (`led`)."""
     bell = np.exp(-(((wavelength_nm - peak_nm) / width_nm) ** 2))
     return (bell + 2 * bell**5) / 3
 
 
 def astm_g173(grid: Grid, *, beyond: Beyond = "refuse") -> Illuminant:
-    """Daylight that reaches the near infrared: ASTM G173-03 global tilt, 5 nm means."""
+    """Daylight including the near infrared: ASTM G173-03 global tilt, averaged over 5 nm."""
     return illuminant_from(packaged_table("astm_g173_global"), grid, name="G173", beyond=beyond)
 
 
 def cie_illuminant(name: str, grid: Grid, *, beyond: Beyond = "refuse") -> Illuminant:
     """A tabulated CIE illuminant (D65, D50, FL2, LED-B3 ...).
 
-    Most end at 780 nm: on a grid that goes further, ``beyond`` must say what follows. Daylight is
-    a packaged table; the others are those of colour-science, whose import takes a second.
+    Most tables end at 780 nm. On a grid that extends further, ``beyond`` must be ``zero`` or
+    ``hold``. Daylight is a packaged table; the others come from colour-science, whose import takes
+    a second.
     """
     daylight = packaged_table("cie_daylight")
     if name in daylight.names:
@@ -218,8 +220,8 @@ def illuminant_from(
     Raises
     ------
     InputError
-        If there is not exactly one curve, if it is negative somewhere, ends short of the grid,
-        or gives no visible light.
+        If there is not exactly one curve, or if the curve has a negative value, does not cover
+        the grid, or has no visible light.
     """
     if len(spectrum.names) != 1:
         raise InputError(
@@ -231,7 +233,7 @@ def illuminant_from(
         )
     used = used_on_grid(spectrum.wavelength_nm, grid, from_nm=_OBSERVER_START_NM)
     refuse_outside(spectrum, remedy=SMALL_NEGATIVES, used=used)
-    # values outside the grid and the observer's range are not used, so they may be anything
+    # values outside the grid and the observer's range are not used, so they are not checked
     spectrum = replace(spectrum, values=np.where(used[:, None], spectrum.values, 0.0))
     known, power = spectrum.wavelength_nm, spectrum.values[:, 0]
     resampled = means_on_grid(spectrum, grid, beyond=beyond)

@@ -1,8 +1,8 @@
-"""In which unit a spectrum is a vector: radiant power or photons.
+"""The unit of spectra as vectors: radiant power or photons.
 
-Eq. 5 applies color-matching functions, which are made for radiant power, to the spectrum of
-eq. 4. Two consistent choices exist, and they give different dual bases, kernels and
-contravariant coordinates, so every result carries which one it used:
+Eq. 5 applies color-matching functions, which are defined for radiant power, to the spectrum of
+eq. 4. Two consistent choices exist. They give different dual bases, kernels and contravariant
+coordinates, so every result records which one was used:
 
 ========== ============================ ==================== =======================
 metric     light L                      sensor f             color axes H
@@ -11,7 +11,7 @@ metric     light L                      sensor f             color axes H
 ``quanta`` [photons s-1 um-2 nm-1]      k QE                 K_m CMF h c / lambda
 ========== ============================ ==================== =======================
 
-F^T L is the same number of electrons, and H^T L the same lux, in both.
+Both metrics give the same number of electrons F^T L and the same illuminance H^T L.
 """
 
 from typing import Literal, get_args
@@ -29,7 +29,7 @@ METRICS: tuple[Metric, ...] = get_args(Metric)
 
 
 def photons_per_unit(grid: Grid, metric: Metric) -> Float[Array, " n"]:
-    """Photons s-1 um-2 nm-1 in one unit of light of the metric, at each wavelength.
+    """Photons s-1 um-2 nm-1 per unit of light in this metric, at each wavelength.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Lights by name, alone or with an infrared diode beside them."""
+"""Illuminants by name, alone or with an added infrared diode."""
 
 import re
 from collections.abc import Callable
@@ -40,37 +40,37 @@ _MIXTURE = re.compile(r"(.+)\+([\d.]+(?:[eE]-?\d+)?)xLED([\d.]+)(?:/([\d.]+))?")
 def illuminant_named(
     name: str, grid: Grid = DEFAULT_GRID, *, beyond: Beyond = "refuse"
 ) -> Illuminant:
-    """The illuminant a person means by ``name``.
+    """The illuminant with this name.
 
-    E, A, G173 (daylight to 1050 nm), ``halogen``, ``led-white``, the measured lamps of the
-    catalogue, any CIE illuminant of colour-science (D65, FL2, LED-B3), ``<T>K`` for a black body,
+    Names are E, A, G173 (daylight to 1050 nm), ``halogen``, ``led-white``, the measured lamps of
+    the catalog, any CIE illuminant of colour-science (D65, FL2, LED-B3), ``<T>K`` for a black body,
     ``LED<peak>`` or ``LED<peak>/<width>`` for a diode, and ``<light>+<ratio>xLED<peak>`` for a
-    light with an infrared diode beside it (`with_infrared`).
+    light with an added infrared diode (`with_infrared`).
 
     Parameters
     ----------
     name
-        One of these.
+        One of these names.
     grid
-        Where it is wanted. [nm]
+        The target grid. [nm]
     beyond
-        What follows where its table ends: ``refuse``, ``zero`` or ``hold``.
+        How to extrapolate a table that does not cover the grid: ``refuse``, ``zero`` or ``hold``.
 
     Returns
     -------
     Illuminant
-        At one lux. [W m-2 nm-1 lx-1]
+        Normalized to one lux. [W m-2 nm-1 lx-1]
 
     Raises
     ------
     InputError
-        If nothing is called that; the nearest names are told.
+        If the name is unknown; the message suggests similar names.
     """
     return mixed(name, lambda bare: _light_named(bare, grid, beyond))
 
 
 def is_light_name(name: str) -> bool:
-    """Whether `illuminant_named` knows a light by this name, without an added diode.
+    """Whether `illuminant_named` accepts this name of a light without an added diode.
 
     Examples
     --------
@@ -86,43 +86,43 @@ def _known_lights() -> tuple[str, ...]:
 
 
 def _cie_names() -> tuple[str, ...]:
-    """The lights of `cie_illuminant`: those that the catalogue gives a range but no table."""
+    """The lights of `cie_illuminant`: catalog entries with a range but without a table."""
     listed = formulas().values()
     return tuple(sorted(t.name for t in listed if t.kind == "illuminant" and t.range_nm))
 
 
 def mixed(name: str, light: Callable[[str], Illuminant]) -> Illuminant:
-    """The illuminant ``name``, where ``light`` knows those without a diode beside them.
+    """The illuminant ``name``, with ``light`` resolving names that have no added diode.
 
     Parameters
     ----------
     name
-        As `illuminant_named` has it; of several diodes, each is in proportion to all that stands
-        before it.
+        A name as for `illuminant_named`. If it adds several diodes, the ratio of each is relative
+        to everything before it in the name.
     light
-        From the name of a light to the light.
+        Returns the light for a name.
 
     Raises
     ------
     InputError
-        As ``light``, and if a diode cannot be (`with_infrared`).
+        If ``light`` raises it, or if a diode is invalid (`with_infrared`).
     """
     parts = infrared_parts(name)
     if parts is None:
         return light(name)
-    base, told = parts
-    return replace(with_infrared(mixed(base, light), **told), name=name)
+    base, diode = parts
+    return replace(with_infrared(mixed(base, light), **diode), name=name)
 
 
 def infrared_parts(name: str) -> tuple[str, dict[str, float]] | None:
-    """The light before the last diode of a name, and that diode as `with_infrared` takes it.
+    """The part of a name before its last diode, and that diode as arguments of `with_infrared`.
 
-    None where the name has no diode beside its light.
+    Returns None if the name has no added diode.
 
     Raises
     ------
     InputError
-        If something in it is no number.
+        If the ratio, peak or width is not a number.
 
     Examples
     --------
@@ -161,27 +161,28 @@ def _light_named(name: str, grid: Grid, beyond: Beyond) -> Illuminant:
 def with_infrared(
     illuminant: Illuminant, *, peak_nm: float, width_nm: float = 20.0, ratio: float
 ) -> Illuminant:
-    """The light with an infrared diode beside it; both together give one lux.
+    """The light plus an infrared diode; the sum is normalized to one lux.
 
     Parameters
     ----------
     illuminant
         Any light.
     peak_nm, width_nm
-        Of the diode, as in `led`. [nm]
+        Peak and width of the diode, as in `led`. [nm]
     ratio
-        Radiant power of the diode over that of the light, both on the light's grid, >= 0; 0 gives
-        the light back as it is. [W/W]
+        Radiant power of the diode divided by that of the light, both on the light's grid, >= 0.
+        With 0 the light is returned unchanged. [W/W]
 
     Raises
     ------
     InputError
-        If the ratio is negative, or the diode is too narrow for the grid or reaches out of it.
+        If the ratio is negative, or the diode is too narrow for the grid or extends beyond it.
 
     Notes
     -----
-    A diode alone gives no lux that could set its level; beside a lamp it has one, and the little
-    of it that the eye still sees is counted.
+    An infrared diode alone has practically no illuminance, so its level cannot be set in lux.
+    Here its ratio to a light sets its level. The normalization includes the small visible part of
+    the diode.
 
     Examples
     --------
@@ -207,7 +208,7 @@ def with_infrared(
 
 
 def _diode_within(grid: Grid, peak_nm: float, width_nm: float) -> Power:
-    """The diode, if the grid holds it: all but 1e-4 of its power lies within two widths."""
+    """The power of a diode that lies within the grid; two widths contain all but 1e-4 of it."""
     peak, width = (
         _check.positive("peak_nm", "nm", peak_nm),
         _check.positive("width_nm", "nm", width_nm),

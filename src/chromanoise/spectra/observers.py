@@ -1,4 +1,4 @@
-"""The human observer: CIE 1931 color-matching functions and the color axes they span."""
+"""The CIE 1931 observer: its color-matching functions and the color axes that they span."""
 
 from functools import cache
 
@@ -11,7 +11,7 @@ from chromanoise.spectra.tables import packaged_table
 from chromanoise.units import LUMEN_PER_WATT, UM2_PER_M2, photons_per_joule
 
 INFRARED_FROM_NM = 700.0
-"""Beyond it light counts as infrared: y-bar is below 0.5 % of its peak."""
+"""Longer wavelengths count as infrared: y-bar is below 0.5 % of its peak."""
 
 
 @cache
@@ -56,7 +56,7 @@ def color_axes(grid: Grid, metric: Metric) -> Float[Array, "n 3"]:
     Notes
     -----
     Clouet, Vaillant & Alleysson (CIC27, 2019), eq. 5, with the factor K_m delta-lambda so that
-    Y is an illuminance. A common factor changes no angle and no SNR.
+    Y is an illuminance. A common factor changes neither angles nor SNR.
     """
     lux_per_watt = LUMEN_PER_WATT * grid.step_nm * cie_1931(grid).values
     watt_per_unit = (

@@ -1,4 +1,4 @@
-"""Spectra from text: ``wavelength_nm`` and one column per curve."""
+"""Read spectra from CSV text: ``wavelength_nm`` and one column per curve."""
 
 import csv
 import io
@@ -22,12 +22,13 @@ def read_spectra_csv(path: Path | str, *, quantity: str, unit: str) -> Spectra:
     path
         The file, UTF-8. Lines that start with ``#`` are comments.
     quantity, unit
-        What its columns are; used in messages.
+        Quantity and unit of the columns; used in messages.
 
     Raises
     ------
     InputError
-        If the file cannot be read or a cell is not a number; file, line and column are told.
+        If the file cannot be read or a cell is not a number; the message names file, line and
+        column.
     """
     path = Path(path)
     try:
@@ -53,7 +54,7 @@ def read_spectra_csv(path: Path | str, *, quantity: str, unit: str) -> Spectra:
 
 
 def spectra_from_text(text: str, *, source: str, quantity: str, unit: str) -> Spectra:
-    r"""The curves of CSV text; ``source`` names it in messages and results.
+    r"""The curves of CSV text; ``source`` is its name in messages and results.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Reflectances that are measured into the near infrared, and gray cards."""
+"""Measured reflectances that include the near infrared, and gray cards."""
 
 import re
 from functools import cache
@@ -16,7 +16,7 @@ from chromanoise.spectra.tables import catalogue_curves, catalogue_tables, packa
 def colorchecker(grid: Grid) -> Spectra:
     """The 24 patches of a ColorChecker, measured from 400 to 1050 nm, in reading order.
 
-    Dark skin first, black last; ``SOURCES.toml`` tells who measured them.
+    Dark skin is first, black last; ``SOURCES.toml`` names the source of the measurement.
 
     Examples
     --------
@@ -28,27 +28,27 @@ def colorchecker(grid: Grid) -> Spectra:
 
 
 def reflectance_named(name: str, grid: Grid, *, beyond: Beyond = "refuse") -> Spectra:
-    """The reflectances that the catalogue calls ``name``.
+    """The reflectances of the catalog entry ``name``.
 
     Parameters
     ----------
     name
-        ``colorchecker``, ``lawn``, ``skin`` ..., or ``gray-<percent>``, the same at every
+        ``colorchecker``, ``lawn``, ``skin`` ..., or ``gray-<percent>``, which is constant over
         wavelength.
     grid
-        Where they are wanted.
+        The target grid.
     beyond
-        What they are where the table ends short of the grid, as that of skin does at 950 nm.
+        How to extrapolate a table that does not cover the grid; that of skin ends at 950 nm.
 
     Raises
     ------
     InputError
-        If nothing is called that, or the table ends short and ``beyond`` refuses.
+        If the name is unknown, or the table does not cover the grid and ``beyond`` is ``refuse``.
 
     Examples
     --------
     >>> lawn = reflectance_named("lawn", Grid.uniform(400, 1050, 50))
-    >>> lawn.values[[3, 8], 0].round(2)         # at 550 and 800 nm: green, and far more beyond
+    >>> lawn.values[[3, 8], 0].round(2)         # at 550 and 800 nm
     array([0.07, 0.47])
     """
     if match := re.fullmatch(r"gray-([\d.]+)", name):

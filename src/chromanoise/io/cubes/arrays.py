@@ -31,7 +31,7 @@ _Arrays = Mapping[str, tuple[tuple[int, ...], np.dtype]]
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class _Format:
-    """How files of named arrays are listed and read, how they order pixels and pack numbers."""
+    """The functions that list and read a format of named arrays, and its storage order."""
 
     kind: str
     arrays: Callable[[Path], _Arrays]
@@ -51,7 +51,7 @@ NAMED = {
 def named_arrays(
     path: Path, key: str | None, shape: tuple[int, int] | None, form: _Format
 ) -> Found:
-    """What stands under ``key`` in a file of format ``form``, and its wavelengths if it has any."""
+    """The array ``key`` in a file of format ``form``, and its wavelengths if there are any."""
     with reading(path, form.kind):
         arrays = form.arrays(path)
     name = _chosen(path, key, arrays)
@@ -76,12 +76,12 @@ def _chosen(path: Path, key: str | None, arrays: _Arrays) -> str:
     if name in arrays:
         return name
     listed = list(arrays.items())[:_MOST_LISTED]
-    told = ", ".join(f"{printable(n)} {by(s)} {kind_of(t)}" for n, (s, t) in listed)
+    listing = ", ".join(f"{printable(n)} {by(s)} {kind_of(t)}" for n, (s, t) in listed)
     raise InputError(
         str(path),
         f"must hold an array {name!r}",
         value=tuple(arrays),
-        found=f"holds {told or 'no arrays'}",
+        found=f"holds {listing or 'no arrays'}",
         remedy=Setting("key") if arrays else (),
     )
 

@@ -1,4 +1,4 @@
-"""Refuse arrays before memory is allocated: not numbers, or larger than the file can hold."""
+"""Reject arrays that are not numeric or are implausibly large, before allocating memory."""
 
 import math
 import os
@@ -28,16 +28,16 @@ def refuse_impossible(
     size: int | None = None,
     stored_item_bytes: int | None = None,
 ) -> None:
-    """Refuse, before it is read, an array that is not numeric or exceeds its file or the memory.
+    """Raise an error for an array that is not numeric or exceeds its file or the memory.
 
     Parameters
     ----------
     path, name
-        The file, and the array in it that is to be held in memory.
+        The file, and the array in it that will be loaded into memory.
     shape, dtype
-        As the file declares them.
+        Shape and type as the file declares them.
     size
-        Size of all stored data, where it is not the size of ``path``. [bytes]
+        Size of all stored data, if it differs from the size of ``path``. [bytes]
     stored_item_bytes
         Size of one number before compression, where the file may store it in fewer bytes than
         ``dtype`` has. [bytes]
@@ -67,7 +67,7 @@ def refuse_impossible(
 
 
 def refuse_large(path: Path, name: str, size: int) -> None:
-    """Refuse an array that needs more memory than is available."""
+    """Raise an error for an array that needs more memory than is available."""
     if size > memory_bytes():
         raise InputError(
             str(path),
@@ -80,7 +80,7 @@ def refuse_large(path: Path, name: str, size: int) -> None:
 
 
 def refuse_not_numbers(path: Path, name: str, dtype: np.dtype) -> None:
-    """Refuse words, objects, complex numbers and truth values."""
+    """Raise an error for text, objects, complex numbers and booleans."""
     if dtype.kind not in "fiu":
         raise InputError(
             str(path),
@@ -108,8 +108,8 @@ def memory_bytes() -> int:
     """Memory available to this process: free memory, within the limit of its cgroup. [bytes]"""
     limits = [_installed_bytes()]
     with suppress(OSError):
-        told = re.search(r"MemAvailable:\s*(\d+) kB", Path("/proc/meminfo").read_text())
-        limits += [int(told[1]) * 1024] if told else []
+        available = re.search(r"MemAvailable:\s*(\d+) kB", Path("/proc/meminfo").read_text())
+        limits += [int(available[1]) * 1024] if available else []
     for file in _GROUP_LIMITS:
         with suppress(OSError, ValueError):  # "max": no limit
             limits.append(int(Path(file).read_text()))

@@ -1,4 +1,4 @@
-"""Hyperspectral cubes from files, by the endings of their names."""
+"""Read hyperspectral cubes from files; the suffix of the name selects the reader."""
 
 from dataclasses import replace
 from functools import partial
@@ -40,36 +40,36 @@ def read_cube(
     wavelengths: tuple[float, float] | Path | str | None = None,
     scale: float | None = None,
 ) -> Cube:
-    """The cube of reflectances in a file or folder.
+    """Read a cube of reflectances from a file or folder.
 
-    Read are ENVI, MATLAB, .npz, .npy, HDF5, NetCDF-4, Zarr, TIFF of one page per band, and a folder
-    of one PNG per band. ENVI, .npy, HDF5, Zarr and TIFF without compression stay on disk. Bands
-    come in the order of rising wavelength; the notes list what was assumed.
+    Supported are ENVI, MATLAB, .npz, .npy, HDF5, NetCDF-4, Zarr, TIFF of one page per band, and a
+    folder of one PNG per band. ENVI, .npy, HDF5, Zarr and uncompressed TIFF stay on disk. Bands are
+    in the order of increasing wavelength; the notes list assumptions.
 
     Parameters
     ----------
     path
-        The file; of an ENVI pair either one.
+        The file or folder; for an ENVI pair, either file.
     key
-        Name of the array in a .mat, .npz, HDF5, NetCDF or Zarr; ``reflectance`` if not given.
+        Name of the array in a .mat, .npz, HDF5, NetCDF or Zarr file; default ``reflectance``.
     shape
         Rows and columns of an array that stores pixels in one axis. [pixels]
     wavelengths
         Centers of the first and the last band, with the others evenly spaced between; or a text
-        file that lists all (`chromanoise.io.cubes.wavelength_file`). Overrides the cube's own.
+        file that lists all (`chromanoise.io.cubes.wavelength_file`). Overrides those of the cube.
         [nm]
     scale
-        Reflectance per stored unit; wins over the file, and over its saying that it is radiance.
+        Reflectance per stored unit. Overrides the file, even if it declares radiance.
 
     Returns
     -------
     Cube
-        Its rows are read when they are needed.
+        The cube; its rows are read when they are needed.
 
     Raises
     ------
     InputError
-        If the file cannot be read, holds radiance or unscaled integers, or does not declare its
+        If the file cannot be read, contains radiance or unscaled integers, or does not declare its
         wavelengths.
 
     Examples
@@ -116,7 +116,7 @@ def _refuse_no_file(path: Path) -> None:
 
 
 def _found(path: Path, key: str | None, shape: tuple[int, int] | None) -> Found:
-    """What stands in ``path``, by its ending; anything else must have an ENVI header beside it."""
+    """Read ``path`` by its suffix; a file with any other suffix needs an ENVI header."""
     ending = path.suffix.lower()
     if path.is_dir():
         return _folder(path, key, shape)
@@ -137,7 +137,7 @@ def _found(path: Path, key: str | None, shape: tuple[int, int] | None) -> Found:
 
 
 def _header_of(path: Path) -> Path | None:
-    """An ENVI header that bears the name of the file, if there is one."""
+    """The ENVI header with the name of the file, or None."""
     pair = envi_pair(path)
     return None if pair is None else pair[0]
 
@@ -192,7 +192,7 @@ def _envi(path: Path, key: str | None, shape: tuple[int, int] | None) -> Found:
 
 def _unknown(path: Path) -> InputError:
     if path.suffix.lower() in ("", *DATA_SUFFIXES):
-        # the same where the file has no ending
+        # both names are equal if the file has no suffix
         names = dict.fromkeys((f"{path.name}.hdr", f"{path.stem}.hdr"))
         return InputError(
             str(path),

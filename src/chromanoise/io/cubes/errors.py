@@ -1,4 +1,4 @@
-"""How the faults of foreign readers are told."""
+"""Turn exceptions of third-party readers into errors of this library."""
 
 import importlib.util
 import warnings
@@ -46,21 +46,21 @@ _OWN = {
 
 
 def library(name: str, what: str, *, extra: str = "cubes", where: str = "") -> Any:
-    """A package that only some cubes need.
+    """Import an optional package that only some cubes need.
 
     Parameters
     ----------
     name
-        Of the package.
+        Name of the package.
     what, where
-        The file that needs it, and the place in it.
+        The file that needs the package, and the place in it.
     extra
         The extra of chromanoise that installs it.
 
     Raises
     ------
     InputError
-        If it is not installed.
+        If the package is not installed.
     """
     try:
         return importlib.import_module(name)
@@ -69,7 +69,7 @@ def library(name: str, what: str, *, extra: str = "cubes", where: str = "") -> A
 
 
 def refuse_absent_library(name: str, what: str, *, extra: str = "cubes", where: str = "") -> None:
-    """The same for a package that only the child process imports."""
+    """Like `library`, for a package that only the child process imports."""
     if importlib.util.find_spec(name) is None:
         raise _absent(name, what, extra, where)
 
@@ -85,7 +85,7 @@ def _absent(name: str, what: str, extra: str, where: str) -> InputError:
 
 @contextmanager
 def reading(path: Path, kind: str) -> Iterator[None]:
-    """Turns whatever a foreign reader throws at a bad file into one sentence."""
+    """Turn any exception of a third-party reader into an `InputError`, and ignore warnings."""
     with warnings.catch_warnings(), reading_rows(path, kind):
         warnings.simplefilter("ignore")
         yield
@@ -93,7 +93,7 @@ def reading(path: Path, kind: str) -> Iterator[None]:
 
 @contextmanager
 def reading_rows(path: Path, kind: str) -> Iterator[None]:
-    """The same where several threads read at once: warnings, which they share, stay as they are."""
+    """Like `reading`, for several threads: warning filters, which they share, are not changed."""
     try:
         yield
     except InputError:
@@ -105,7 +105,7 @@ def reading_rows(path: Path, kind: str) -> Iterator[None]:
             found="is too large",
             remedy=IN_PLACE,
         ) from None
-    except Exception as error:  # parsers throw anything
+    except Exception as error:  # parsers raise arbitrary exceptions
         raise _unreadable(path, kind, error) from None
 
 
@@ -119,10 +119,10 @@ def _unreadable(path: Path, kind: str, error: Exception) -> InputError:
             found=f"is {other}",
             remedy=("correct the ending of its name", "name another file"),
         )
-    told = reason(error)
+    cause = reason(error)
     return InputError(
         str(path),
-        f"is not a readable {kind} file{f' ({told})' if told else ''}",
+        f"is not a readable {kind} file{f' ({cause})' if cause else ''}",
         remedy="save it again, because it is damaged or truncated",
     )
 

@@ -1,9 +1,9 @@
-"""HDF5 files: NetCDF-4, MATLAB 7.3, CEA-LETI's ReDFISh, and what other programs write.
+"""HDF5 files: NetCDF-4, MATLAB 7.3, CEA-LETI's ReDFISh, and files of other programs.
 
-Nothing outside the file is ever read: links to other files are not followed, and arrays whose
-numbers lie in other files are refused. libhdf5 (2.0.0) crashes or loops on some damaged files, so a
-file is first opened in the child process of `_sandbox`. Numbers that lie plainly in the file, or
-went through zlib, are then read without libhdf5.
+Only the file itself is read: links to other files are not followed, and arrays with external data
+raise an error. libhdf5 (2.0.0) crashes or loops on some damaged files, so a file is first opened in
+the child process of `_sandbox`. Uncompressed numbers, and numbers compressed with zlib, are then
+read without libhdf5.
 """
 
 import math
@@ -30,7 +30,7 @@ from chromanoise.scene.rows import RowSource
 
 ENDINGS = (".h5", ".hdf5", ".hdf", ".he5", ".nc", ".nc4", ".cdf")
 _SIGNATURE = b"\x89HDF\r\n\x1a\n"
-_STARTS = (0, 512, 1024, 2048)  # where the signature may stand: after a block of the user's
+_STARTS = (0, 512, 1024, 2048)  # possible offsets of the signature, after a user block
 _MATLAB_NUMBERS = frozenset({
     "double", "single", "int8", "uint8", "int16", "uint16", "int32", "uint32", "int64",
     "uint64",
@@ -48,15 +48,15 @@ _SLOWEST_BYTES_PER_S = 1e7  # of reading and unpacking
 
 
 def is_hdf5(path: Path) -> bool:
-    """Whether the file bears the signature of HDF5, or calls itself MATLAB 7.3."""
+    """Whether the file has the signature of HDF5 or of MATLAB 7.3."""
     with path.open("rb") as file:
         start = file.read(_STARTS[-1] + len(_SIGNATURE))
-    told = {b"IM": b"\x00\x02", b"MI": b"\x02\x00"}.get(start[126:128])
-    return told == start[124:126] or any(start.startswith(_SIGNATURE, at) for at in _STARTS)
+    version = {b"IM": b"\x00\x02", b"MI": b"\x02\x00"}.get(start[126:128])
+    return version == start[124:126] or any(start.startswith(_SIGNATURE, at) for at in _STARTS)
 
 
 def hdf5_store(path: Path, *, matlab: bool = False) -> Store:
-    """The arrays of an HDF5 file, numbers unread.
+    """The arrays of an HDF5 file, without their numbers.
 
     Raises
     ------
@@ -72,7 +72,7 @@ def hdf5_store(path: Path, *, matlab: bool = False) -> Store:
     arrays = {
         name: _by_matlab(array) if matlab else array
         for name, array in listed.items()
-        if not name.startswith("#")  # what MATLAB keeps for itself
+        if not name.startswith("#")  # MATLAB's internal data
     }
 
     def numbers(name: str) -> Shaped[Array, "..."]:
@@ -132,13 +132,13 @@ def _file(path: Path) -> Any:
     return library("h5py", str(path)).File(path, "r")
 
 
-# in the child process: what the file holds
+# in the child process: the content of the file
 
 
 def _listed(path: Path) -> tuple[dict[str, Labeled], Mapping[str, Any]]:
-    """All arrays by their names, at most one too many; and the attributes of the file.
+    """All arrays by name, at most one more than allowed, and the attributes of the file.
 
-    Links out of the file, and links that go round, are not followed.
+    Links to other files and cyclic links are not followed.
     """
     with _file(path) as file:
         names: list[str] = []
@@ -178,7 +178,7 @@ def _axes(dataset: Any) -> tuple[str, ...]:
 
 
 def _attributes(attributes: Any) -> dict[str, Any]:
-    """Those that are understood, by names in lower case; a damaged one may claim any size."""
+    """The supported attributes, by names in lower case, except those that declare a huge size."""
     shapes = {n: attributes.get_id(n).shape for n in list(attributes) if n.lower() in _READ}
     return {
         name.lower(): _plain(attributes[name])
@@ -201,7 +201,7 @@ def _plain(value: Any) -> Any:
 
 
 def _source(path: Path, name: str, axes: Axes) -> RowSource:
-    """Its rows; what cannot be read without libhdf5 is tried here first."""
+    """The rows of an array; one that needs libhdf5 is tested here first."""
     with _file(path) as file:
         dataset = file[name]
         _refuse_incomplete(path, name, dataset)

@@ -1,7 +1,7 @@
 """HDF5 arrays that are stored in chunks, read without libhdf5.
 
-libhdf5 (2.0.0) gives whatever lies in memory for a chunk that inflates to too few bytes, and reads
-one chunk at a time. Here a chunk that is not whole is refused, and threads read at once.
+libhdf5 (2.0.0) returns uninitialized memory for a chunk that inflates to too few bytes, and reads
+one chunk at a time. Here an incomplete chunk raises an error, and several threads can read.
 """
 
 import itertools
@@ -17,12 +17,12 @@ from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._shapes import Int64, Shaped
 
-DEFLATE, SHUFFLE = 1, 2  # as HDF5 numbers its filters
+DEFLATE, SHUFFLE = 1, 2  # HDF5 filter numbers
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Chunks:
-    """An array whose chunks are stored plainly, shuffled or deflated; it is sliced like one.
+    """An array whose chunks are uncompressed, shuffled or deflated; it supports slicing.
 
     Attributes
     ----------
@@ -32,9 +32,9 @@ class Chunks:
         Of each chunk the first byte in the file, the length in bytes, and which filters were left
         out (bit k: the k-th); chunks in the order of C.
     filters
-        What each chunk went through when it was written, in that order, as HDF5 numbers them.
+        HDF5 numbers of the filters, in the order in which they were applied on writing.
     shape, chunk
-        Numbers along each axis, in the array and in a chunk.
+        Length of each axis, of the array and of a chunk.
     dtype
         Type of the numbers in the file.
     """
@@ -52,11 +52,11 @@ class Chunks:
 
     @property
     def grid(self) -> tuple[int, ...]:
-        """Chunks along each axis."""
+        """The number of chunks along each axis."""
         return tuple(-(-n // long) for n, long in zip(self.shape, self.chunk, strict=True))
 
     def __getitem__(self, asked: Any) -> Shaped[Array, "..."]:
-        """Part of the array, out of all chunks that it touches.
+        """Part of the array, from all chunks that overlap it.
 
         Parameters
         ----------
@@ -83,7 +83,7 @@ class Chunks:
 
 
 def _overlap(first: int, long: int, span: range) -> tuple[slice, slice]:
-    """Where a chunk and what is asked for meet: in the chunk, and in the result."""
+    """The overlap of a chunk and the requested part: slices of the chunk and of the result."""
     start, stop = max(first, span.start), min(first + long, span.stop)
     return slice(start - first, stop - first), slice(start - span.start, stop - span.start)
 
@@ -106,5 +106,5 @@ def _chunk(source: Chunks, file: BinaryIO, number: int) -> Shaped[Array, "a b c"
 
 
 def _in_order(content: bytes, size: int) -> bytes:
-    """Numbers, out of all their first bytes, all their second bytes ..."""
+    """Undo the shuffle filter, which stores all first bytes, then all second bytes, ..."""
     return np.frombuffer(content, np.uint8).reshape(size, -1).T.tobytes()

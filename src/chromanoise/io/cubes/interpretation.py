@@ -1,4 +1,4 @@
-"""What the numbers of a file are: reflectance or not, in which unit, at which wavelengths."""
+"""Interpret the numbers of a file: scale to reflectance, and wavelengths of the bands."""
 
 import re
 from pathlib import Path
@@ -27,7 +27,7 @@ _WATT = re.compile(r"(?i:radiance|watt)|(?<![A-Za-z])[mun\u00b5\u03bc]?W(?:c?m|[
 
 
 def scale_and_notes(path: Path | str, found: Found, scale: float | None) -> tuple[float, Notes]:
-    """Reflectance per stored unit: the caller's word, else the file's, else 1 for real numbers."""
+    """Reflectance per stored unit: as given, else from the file, else 1 for real numbers."""
     radiance = _radiance_words(path, found)
     if scale is not None:
         _check.positive("scale", "reflectance per stored unit", scale)
@@ -56,7 +56,7 @@ def scale_and_notes(path: Path | str, found: Found, scale: float | None) -> tupl
 
 
 def _radiance_words(path: Path | str, found: Found) -> str:
-    """Where the file says that it is radiance; empty if nowhere."""
+    """The place where the file declares radiance, as a sentence; empty if there is none."""
     for where, text in (
         ("file name", Path(path).name),
         ("header's description", found.description),
@@ -72,7 +72,7 @@ def _radiance_words(path: Path | str, found: Found) -> str:
 def wavelengths_and_notes(
     path: Path | str, found: Found, said: tuple[float, float] | Path | str | None
 ) -> tuple[Float[Array, " m"], Notes]:
-    """Centers of the bands [nm]: the caller's word, else the file's."""
+    """Centers of the bands [nm]: as given, else from the file."""
     bands = found.pixels.shape[2]
     if bands < 2:
         raise InputError(
@@ -104,7 +104,7 @@ def wavelengths_and_notes(
 
 
 def _spread(ends: tuple[float, float], bands: int) -> tuple[Float[Array, " m"], str]:
-    """``bands`` wavelengths evenly from the first to the last. [nm]"""
+    """``bands`` evenly spaced wavelengths from the first to the last. [nm]"""
     first, last = (float(end) for end in ends)
     if first == last or not all(_SHORTEST_NM <= end <= _LONGEST_NM for end in (first, last)):
         raise InputError(
@@ -120,7 +120,7 @@ def _spread(ends: tuple[float, float], bands: int) -> tuple[Float[Array, " m"], 
 def rising(
     path: Path | str, pixels: Shaped[Array, "h w m"] | RowSource, wavelength: Float[Array, " m"]
 ) -> tuple[Shaped[Array, "h w m"] | RowSource, Float[Array, " m"], Notes]:
-    """Bands in the order of rising wavelength; a falling order is turned about, no other."""
+    """Bands in increasing order; decreasing order is reversed, any other raises an error."""
     _refuse_not_light(path, wavelength)
     if wavelength[-1] >= wavelength[0]:
         _refuse_disorder(path, wavelength, np.diff(wavelength) <= 0)

@@ -1,7 +1,7 @@
-"""Cubes from stores of named arrays that carry labels: HDF5, NetCDF-4, Zarr.
+"""Cubes from files of named arrays with labels: HDF5, NetCDF-4, Zarr.
 
-Such files tell which axis is which by names, by a list of wavelengths, or not at all; what they do
-not tell is assumed and noted, or refused where several things could be meant.
+Such files identify their axes by names, by a list of wavelengths, or not at all. Missing metadata
+is assumed and noted; ambiguous metadata raises an error.
 """
 
 import math
@@ -46,16 +46,16 @@ Axes = tuple[int, int, int]
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Labeled:
-    """One stored array, numbers unread.
+    """One stored array, without its numbers.
 
     Attributes
     ----------
     shape, dtype
-        As they are stored.
+        Shape and type as stored.
     axes
-        Name of each axis; empty where it has none.
+        Name of each axis; empty if it has none.
     attributes
-        Texts and numbers that stand with it, by names in lower case.
+        Texts and numbers attached to the array, by names in lower case.
     """
 
     shape: tuple[int, ...]
@@ -71,21 +71,21 @@ class Store:
     Attributes
     ----------
     path, kind
-        The file, and what people call its format.
+        The file, and the common name of its format.
     arrays
-        By their names, ``folder/name``.
+        The arrays by name, ``folder/name``.
     bytes
         Size of the file.
     numbers
         Reads a whole array.
     source
-        Rows of an array, of which rows, columns and bands are the axes told.
+        Returns the rows of an array, given the axes of rows, columns and bands.
     notes
-        What is to be said of an array before it is read.
+        Returns notes on an array before it is read.
     attributes
-        What stands with the file as a whole.
+        Attributes of the file as a whole.
     matlab
-        Whether it is MATLAB's: axes are turned about already, and pixels run along the columns.
+        Whether MATLAB wrote it: axes are already reversed, and pixels are in column order.
     """
 
     path: Path
@@ -100,7 +100,7 @@ class Store:
 
 
 def labeled_cube(store: Store, key: str | None, shape: tuple[int, int] | None) -> Found:
-    """What stands under ``key``, or as the only picture, and what is told of it."""
+    """The cube in the array ``key``, or in the only array with three axes, with its metadata."""
     name, chosen = _chosen(store, key)
     array = store.arrays[name]
     refuse_not_numbers(store.path, name, array.dtype)
@@ -155,18 +155,18 @@ def _chosen(store: Store, key: str | None) -> tuple[str, Notes]:
 
 def _no_such(store: Store, key: str) -> InputError:
     listed = list(store.arrays.items())[:_MOST_LISTED]
-    told = ", ".join(f"{printable(n)} {by(a.shape)} {kind_of(a.dtype)}" for n, a in listed)
+    listing = ", ".join(f"{printable(n)} {by(a.shape)} {kind_of(a.dtype)}" for n, a in listed)
     return InputError(
         str(store.path),
         f"must hold an array {key!r}",
         value=tuple(store.arrays),
-        found=f"holds {told or 'no arrays'}",
+        found=f"holds {listing or 'no arrays'}",
         remedy=Setting("key") if listed else (),
     )
 
 
 def _cube_axes(store: Store, name: str, count: int | None) -> tuple[Axes, Notes]:
-    """Which axes are rows, columns and bands: by their names, else by the wavelengths."""
+    """The axes of rows, columns and bands, by their names, else by the wavelengths."""
     array = store.arrays[name]
     if store.matlab:
         return (0, 1, 2), ()
@@ -200,7 +200,7 @@ def _bands_last(band: int) -> Axes:
 
 
 def _refuse_large_rows(store: Store, name: str, source: RowSource) -> None:
-    """Refuse rows whose chunks need more memory than is available or than the file can hold.
+    """Raise an error if chunks need more memory than is available or than the file can contain.
 
     Absent chunks and chunks of one repeated number may declare any size; small sizes are accepted.
     """
@@ -230,7 +230,7 @@ def _refuse_large_rows(store: Store, name: str, source: RowSource) -> None:
 def _wavelengths(
     store: Store, name: str
 ) -> tuple[Callable[[], tuple[Array, Notes]] | None, int | None]:
-    """A function that reads the wavelengths, and their number; None where the file has none.
+    """A function that reads the wavelengths, and their number; None if the file has none.
 
     The first of these that has wavelengths is used: the attributes of the array, the coordinates of
     its axes, the attributes of the file, lists in the folder of the array or at the top.
@@ -296,7 +296,7 @@ def _listed(store: Store, name: str) -> Listed:
 
 
 def _is_spectral(name: str, array: Labeled) -> bool:
-    """Band numbers are no wavelengths."""
+    """Whether an array has wavelengths; band numbers do not count."""
     unit = _text(array.attributes.get("units", "")).strip().lower()
     return _last(name).lower() in SPECTRAL_NAMES or unit in NM_PER
 
@@ -314,12 +314,12 @@ def _scale(path: Path, name: str, array: Labeled) -> float | None:
 
 
 def attribute_scale(path: Path | str, attributes: Mapping[str, Any]) -> float | None:
-    """``scale_factor`` of the CF conventions, and percent as .01; None if neither is told.
+    """``scale_factor`` of the CF conventions, times .01 for percent; None if neither is declared.
 
     Raises
     ------
     InputError
-        If an offset is asked for too, or the factor is no number > 0.
+        If there is also an offset, or the factor is not a number > 0.
     """
     percent = 0.01 if _text(attributes.get("units", "")).strip().lower() in _PERCENT else None
     offset = _number(path, "add_offset", attributes.get("add_offset", 0.0))
@@ -367,6 +367,6 @@ def _texts(array: Labeled, *names: str) -> str:
 
 
 def _passed_over(array: Labeled) -> Notes:
-    """Named as `cure` of the cube knows it: a value that stands for none."""
+    """A note on attributes for missing values, worded so that the cube recognizes it."""
     named = [name for name in _CLAMPED if name in array.attributes]
     return (f"data ignore value in the file but not applied: {', '.join(named)}",) if named else ()

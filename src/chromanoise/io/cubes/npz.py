@@ -1,4 +1,4 @@
-"""Arrays in NumPy's own files; nothing is ever unpickled."""
+"""Arrays in NumPy's file formats; pickled data are never loaded."""
 
 import io
 import math
@@ -16,19 +16,19 @@ Declared = tuple[tuple[int, ...], np.dtype]
 
 _METHODS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)  # the methods that NumPy writes
 
-_HEADER_READERS = {  # the third, (3, 0), only serves structures
+_HEADER_READERS = {  # version (3, 0) is only for structured types
     (1, 0): np.lib.format.read_array_header_1_0,
     (2, 0): np.lib.format.read_array_header_2_0,
 }
 
 
 def npz_arrays(path: Path) -> dict[str, Declared]:
-    """Shape and type of every array in a ``.npz``, numbers unread.
+    """Shape and type of every array in a ``.npz``, without reading the numbers.
 
     Raises
     ------
     InputError
-        If an array's header does not fit the bytes that follow it.
+        If the header of an array does not match the number of bytes after it.
     """
     arrays = {}
     with zipfile.ZipFile(path) as archive:
@@ -61,7 +61,7 @@ def npy_array(path: Path) -> Shaped[Array, "..."]:
     Raises
     ------
     InputError
-        If it is of another type, or its header does not fit the bytes that follow it.
+        If the array has another type, or its header does not match the number of bytes after it.
     """
     with path.open("rb") as stream:
         _, dtype = _declared(stream, path.stat().st_size, path, "")
@@ -77,18 +77,18 @@ def npy_array(path: Path) -> Shaped[Array, "..."]:
 
 
 def _declared(stream: IO[bytes] | io.BufferedIOBase, size: int, path: Path, where: str) -> Declared:
-    """Shape and type that the header at the start of ``stream`` tells; objects without shape."""
+    """Shape and type from the header at the start of ``stream``; objects have no shape."""
     version = np.lib.format.read_magic(stream)
     if version not in _HEADER_READERS:
         return (), np.dtype("O")
     shape, _, dtype = _HEADER_READERS[version](stream)
     if dtype.hasobject:
         return (), np.dtype("O")
-    told = stream.tell() + math.prod(shape) * dtype.itemsize
-    if size != told:
+    expected = stream.tell() + math.prod(shape) * dtype.itemsize
+    if size != expected:
         raise InputError(
             str(path),
-            f"must hold the {told} bytes that its header describes",
+            f"must hold the {expected} bytes that its header describes",
             where=where,
             value=size,
             found=f"holds {size}",

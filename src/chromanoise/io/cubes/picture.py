@@ -1,4 +1,4 @@
-"""Pixels in one axis, made a picture."""
+"""Reshape arrays with all pixels in one axis to pictures."""
 
 import math
 from pathlib import Path
@@ -17,7 +17,7 @@ from chromanoise.io.cubes.raw_cube import Notes, by, refuse_other_shape
 def picture(
     path: Path, what: str, array: Array, shape: tuple[int, int] | None, *, by_columns: bool
 ) -> tuple[Shaped[Array, "rows columns bands"], Notes]:
-    """A view with axes (rows, columns, bands), and how the pixels were taken."""
+    """A view with axes (rows, columns, bands), and a note on the order of the pixels."""
     if array.ndim == 3 and array.size:
         refuse_other_shape(path, array, shape)
         return array, ()

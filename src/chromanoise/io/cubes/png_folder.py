@@ -1,4 +1,4 @@
-"""A folder of one PNG per band, as the CAVE database has them."""
+"""A folder of one PNG per band, as in the CAVE database."""
 
 import re
 from pathlib import Path
@@ -22,7 +22,7 @@ _MOST_BANDS = 10_000
 
 
 def is_png_folder(path: Path) -> bool:
-    """Whether at least two PNGs lie in the folder."""
+    """Whether the folder contains at least two PNGs."""
     return len(_pngs(path)) > 1
 
 
@@ -32,7 +32,7 @@ def png_folder_cube(path: Path, shape: tuple[int, int] | None) -> Found:
     Raises
     ------
     InputError
-        If a number is missing or stands twice, or the pictures differ in size or kind.
+        If a number is missing or repeated, or the pictures differ in size or type.
 
     Notes
     -----
@@ -50,10 +50,10 @@ def png_folder_cube(path: Path, shape: tuple[int, int] | None) -> Found:
     numbers, ordered = _ordered(path, files)
     pixels = _stacked(path, ordered)
     refuse_other_shape(path, pixels, shape)
-    told = _wavelengths(numbers, ordered)
+    listed = _wavelengths(numbers, ordered)
     return Found(
         pixels=pixels,
-        wavelengths=None if told is None else lambda: told,
+        wavelengths=None if listed is None else lambda: listed,
         notes=(f"bands taken in the order of the numbers {numbers[0]} to {numbers[-1]} in the "
                "names of the files",),
     )  # fmt: skip
@@ -123,7 +123,7 @@ def _wavelengths(numbers: list[int], files: list[Path]) -> tuple[Float[Array, " 
 
 
 def _stacked(path: Path, files: list[Path]) -> Shaped[Array, "h w m"]:
-    """All bands in memory; PNG cannot be read from the middle."""
+    """All bands in memory, because PNG does not support reading single rows."""
     opened = [_size_and_kind(file) for file in files]
     for file, (size, dtype) in zip(files, opened, strict=True):
         if (size, dtype) != opened[0]:

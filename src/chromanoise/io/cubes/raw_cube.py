@@ -1,4 +1,4 @@
-"""What a file of pixels says, before it is a cube."""
+"""The content of a file of pixels before it becomes a cube."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ Notes = tuple[str, ...]
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Found:
-    """What a file holds; wavelengths and scale are read only where the caller does not say."""
+    """The content of a file; wavelengths and scale are read only if the caller gives none."""
 
     pixels: Shaped[Array, "h w m"] | RowSource
     wavelengths: Callable[[], tuple[Array, Notes]] | None = None
@@ -25,19 +25,19 @@ class Found:
 
 
 def unused_key(key: str | None) -> Notes:
-    """A note where ``key`` has nothing to choose from."""
+    """A note that ``key`` is not used, because the file has only one array."""
     return () if key is None else (f"key {key!r} not used: the file holds one array",)
 
 
 def by(shape: tuple[int, ...]) -> str:
-    """A shape as people write it: 156x9025."""
+    """A shape as text: 156x9025."""
     return "x".join(str(n) for n in shape) or "scalar"
 
 
 def refuse_other_shape(
     path: Path, pixels: Shaped[Array, "h w m"] | RowSource, shape: tuple[int, int] | None
 ) -> None:
-    """Refuse a ``shape`` that contradicts the picture in the file."""
+    """Raise an error if ``shape`` contradicts the picture in the file."""
     if shape is not None and tuple(shape) != pixels.shape[:2]:
         raise InputError(
             "shape",

@@ -1,4 +1,4 @@
-"""Rows of arrays that a library decodes when they are asked for."""
+"""Rows of arrays that a library decodes on demand."""
 
 from collections.abc import Callable
 from contextlib import AbstractContextManager
@@ -24,20 +24,20 @@ class StoredRows:
     Attributes
     ----------
     path, kind
-        The file or folder, and what people call its format.
+        The file or folder, and the common name of its format.
     opened
         Opens the array for each block of rows. It can be pickled, so that another process can take
         the source.
     axes
-        Which of the axes of the array are rows, columns, bands.
+        The axes of the array that are rows, columns and bands.
     shape
-        Rows, columns, bands.
+        Numbers of rows, columns and bands.
     bands
-        Which of the stored bands, in which order.
+        The selected stored bands, in order.
     stored
         Type of the numbers.
     chunk_rows
-        Rows that are stored together.
+        The number of rows per stored chunk.
     """
 
     path: Path
@@ -51,7 +51,7 @@ class StoredRows:
 
     @property
     def dtype(self) -> np.dtype:
-        """Of what ``rows`` gives; in the byte order of this machine."""
+        """Type of the numbers from ``rows``, in the byte order of this machine."""
         return self.stored.newbyteorder("=")
 
     def rows(
@@ -72,10 +72,10 @@ class StoredRows:
         return read.astype(self.dtype, copy=False)
 
     def scratch_bytes(self, rows: int) -> int:
-        """How large ``into`` must be for so many rows; 0 if it is not used. [bytes]"""
+        """The size that ``into`` needs for this number of rows; 0 if it is not used. [bytes]"""
         return 0
 
     def with_bands(self, keep: slice) -> "StoredRows":
-        """The same with some of the bands; nothing is read."""
+        """The same rows with a selection of bands; nothing is read."""
         bands = self.bands[keep]
         return replace(self, bands=bands, shape=(*self.shape[:2], len(bands)))

@@ -33,13 +33,13 @@ _LISTED = re.compile(
 _MOST_PAGES = 20_000
 _UNCOMPRESSED = 1
 
-logging.getLogger("tifffile").addHandler(logging.NullHandler())  # its faults are reported here
+logging.getLogger("tifffile").addHandler(logging.NullHandler())  # errors are raised here
 
 
 def tiff_cube(path: Path, shape: tuple[int, int] | None) -> Found:
-    """The bands of a TIFF: its pages, or the samples of its one page.
+    """The bands of a TIFF: its pages, or the samples of its only page.
 
-    What is not compressed is read in place.
+    Uncompressed data are read in place.
 
     Raises
     ------
@@ -64,7 +64,7 @@ def tiff_cube(path: Path, shape: tuple[int, int] | None) -> Found:
 
 
 def _pages(path: Path, file: Any) -> list[Any]:
-    """The pages, thumbnails and masks left away."""
+    """The pages without thumbnails and masks."""
     if len(file.pages) > _MOST_PAGES:
         raise InputError(
             str(path),
@@ -100,7 +100,7 @@ def _refuse_unlike(path: Path, pages: list[Any]) -> None:
 
 
 def _refuse_incomplete(path: Path, i: int, page: Any) -> None:
-    """The library gives zeros for strips that are missing."""
+    """Raise an error if strips are missing, for which the library returns zeros."""
     size = path.stat().st_size
     places = (*page.dataoffsets, *page.databytecounts)
     if not all(isinstance(place, int) for place in places):
@@ -147,8 +147,8 @@ def _pixels(
 
 
 def _is_plain(page: Any) -> bool:
-    """Whether the numbers lie uncompressed and one after the other."""
-    told = math.prod(page.shape) * np.dtype(page.dtype).itemsize
+    """Whether the numbers are uncompressed and contiguous."""
+    expected = math.prod(page.shape) * np.dtype(page.dtype).itemsize
     offsets, counts = page.dataoffsets, page.databytecounts
     joined = all(a + n == b for a, n, b in zip(offsets[:-1], counts[:-1], offsets[1:], strict=True))
     whole_bytes = page.bitspersample == np.dtype(page.dtype).itemsize * 8
@@ -160,7 +160,7 @@ def _is_plain(page: Any) -> bool:
         and not page.is_subsampled
         and whole_bytes
         and joined
-        and sum(counts) == told
+        and sum(counts) == expected
     )
 
 
@@ -198,7 +198,7 @@ def _plane(path: Path, page: Any) -> FileRows:
 def _wavelengths(
     path: Path, texts: list[str], bands: int
 ) -> Callable[[], tuple[Float[Array, " m"], Notes]] | None:
-    """Out of the description of the first page, or one out of each page's."""
+    """The wavelengths from the description of the first page, or one from that of each page."""
     listed = _listed(texts[0])
     if listed is not None:
         name, values = listed
@@ -213,13 +213,13 @@ def _wavelengths(
 def _listed(text: str) -> tuple[str, Array] | None:
     """A list called wavelength, as JSON or as ``wavelength = {400, 410}``."""
     try:
-        told = json.loads(text)
+        data = json.loads(text)
     except (ValueError, RecursionError):
-        told = None
-    if isinstance(told, dict):
-        for key in told:
+        data = None
+    if isinstance(data, dict):
+        for key in data:
             if key.lower() in SPECTRAL_NAMES:
-                return _numbers(key, told[key])
+                return _numbers(key, data[key])
     match = _LISTED.search(text)
     return None if match is None else _numbers("wavelength", match[1].replace(",", " ").split())
 

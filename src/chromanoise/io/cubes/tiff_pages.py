@@ -25,7 +25,7 @@ _BLACK_IS_0, _UPRIGHT, _ORIENTATION = 1, 1, 274
 
 
 def decoded_pages(path: Path, pages: list[Any]) -> Shaped[Array, "pages ..."]:
-    """The numbers of pages of equal shape and type.
+    """The numbers of pages with the same shape and type.
 
     Raises
     ------
@@ -61,7 +61,7 @@ def decoded_pages(path: Path, pages: list[Any]) -> Shaped[Array, "pages ..."]:
 
 
 def _refuse_overfull(path: Path, page: Any) -> None:
-    """Refuse strips that unpack to more than declared: tifffile unpacks them completely."""
+    """Raise an error for strips that inflate to more than declared; tifffile has no limit."""
     most: int
     unpacker: Any
     if page.compression in _DEFLATE:
@@ -97,7 +97,7 @@ def _by_tifffile(page: Any) -> Shaped[Array, "..."] | None:
 
 
 def _by_pillow(path: Path, pages: list[Any]) -> Shaped[Array, "pages h w"]:
-    """The numbers of grayscale pages, refused if Pillow would change or cannot decode them."""
+    """The numbers of grayscale pages; an error if Pillow would change or cannot decode them."""
     first, dtype = pages[0], np.dtype(pages[0].dtype).newbyteorder("=")
     size = len(pages) * math.prod(first.shape) * dtype.itemsize
     numbers = None
@@ -134,7 +134,7 @@ def _is_as_pillow_has_it(page: Any) -> bool:
 def _read_by_pillow(
     path: Path, indices: list[int], shape: tuple[int, int], dtype: np.dtype
 ) -> Shaped[Array, "pages h w"] | None:
-    """In the child process, because libtiff parses the file, and writes about it to stderr."""
+    """Run in the child process, because libtiff parses the file and writes to stderr."""
     from PIL.TiffImagePlugin import TiffImageFile
 
     numbers = np.empty((len(indices), *shape), dtype=dtype)

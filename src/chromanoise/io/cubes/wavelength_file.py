@@ -32,7 +32,7 @@ def read_wavelengths(path: Path, bands: int) -> Float[Array, " bands"]:
     path
         The file.
     bands
-        Number of bands of the cube, and so of wavelengths.
+        The number of bands of the cube, which is also the number of wavelengths.
 
     Raises
     ------
@@ -54,12 +54,12 @@ def read_wavelengths(path: Path, bands: int) -> Float[Array, " bands"]:
     columns = [row[:1] for row in rows]
     counts = [sum(len(row) for row in part) for part in (columns, rows)]
     if bands not in counts:
-        told = " or ".join(str(count) for count in dict.fromkeys(counts))
+        texts = " or ".join(str(count) for count in dict.fromkeys(counts))
         raise InputError(
             str(path),
             f"must list one wavelength for each of the {bands} bands of the cube",
             value=tuple(dict.fromkeys(counts)),
-            found=f"lists {told}",
+            found=f"lists {texts}",
         )
     cells = [cell for row in (columns if counts[0] == bands else rows) for cell in row]
     values = [_number(cell) for cell in cells]
@@ -115,8 +115,8 @@ def _unit(path: Path, heading: str) -> float:
     lines = [line.lstrip("# ").strip() for line in heading.splitlines()]
     first = [_CELL.split(line, maxsplit=1)[0] for line in lines]
     key = declared_keys(lines).get("wavelength_unit")
-    told = [*([f"[{key}]"] if key else []), *filter(is_wavelength_heading, first)]
-    units = {_unit_of(path, text) for text in told} - {None}
+    texts = [*([f"[{key}]"] if key else []), *filter(is_wavelength_heading, first)]
+    units = {_unit_of(path, text) for text in texts} - {None}
     if len(units) > 1:
         names = tuple(sorted(str(unit) for unit in units))
         raise InputError(

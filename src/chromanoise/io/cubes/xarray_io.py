@@ -1,4 +1,4 @@
-"""Labeled arrays of xarray: in as cubes, out as pictures."""
+"""Read cubes from, and write pictures to, labeled arrays of xarray."""
 
 from pathlib import Path
 from typing import Any, Protocol, runtime_checkable
@@ -19,7 +19,7 @@ from chromanoise.scene.rows import ArrayRows, RowSource
 
 @runtime_checkable
 class ColorPicture(Protocol):
-    """What `picture_to_xarray` asks of a picture."""
+    """The attributes of a picture that `picture_to_xarray` needs."""
 
     @property
     def xyz(self) -> Float[Array, "h w 3"]:
@@ -35,7 +35,7 @@ class ColorPicture(Protocol):
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What was assumed."""
+        """Assumptions."""
 
 
 def cube_from_xarray(
@@ -44,24 +44,24 @@ def cube_from_xarray(
     wavelengths: tuple[float, float] | Path | str | None = None,
     scale: float | None = None,
 ) -> Cube:
-    """The cube of reflectances in an ``xarray.DataArray``; nothing is copied or computed yet.
+    """The cube of reflectances in an ``xarray.DataArray``, without copying or computing data.
 
     Parameters
     ----------
     array
-        Three axes, of which one bears wavelengths: by its name (``wavelength``, ``band`` ...) or by
-        the unit of its coordinate (nm, um); the others are rows and columns in their order. A dask
-        array is computed when its rows are asked for.
+        An array with three axes. One is the wavelength, identified by its name (``wavelength``,
+        ``band`` ...) or by the unit of its coordinate (nm, um); the others are rows and columns in
+        this order. A dask array is computed when its rows are read.
     wavelengths
         Centers of the first and the last band, with the others evenly spaced between; or a text
         file that lists all. Overrides the coordinate. [nm]
     scale
-        Reflectance per stored unit; wins over ``scale_factor``.
+        Reflectance per stored unit; overrides ``scale_factor``.
 
     Raises
     ------
     InputError
-        If it is no such array, holds radiance or unscaled integers, or bears no wavelengths.
+        If it is not such an array, contains radiance or unscaled integers, or has no wavelengths.
 
     Examples
     --------
@@ -139,7 +139,7 @@ def _band_axis(source: str, array: Any) -> tuple[Any, Notes]:
 
 
 def _is_spectral(array: Any, axis: Any) -> bool:
-    """Whether the axis has a coordinate of wavelengths; band numbers are none."""
+    """Whether the axis has a coordinate of wavelengths; band numbers do not count."""
     if axis not in array.coords or array.coords[axis].dtype.kind not in "fiu":
         return False
     unit = str(array.coords[axis].attrs.get("units", "")).strip().lower()
@@ -159,7 +159,7 @@ def picture_to_xarray(picture: ColorPicture) -> Any:
     Parameters
     ----------
     picture
-        What `chromanoise.imaging.rendered` gives.
+        A result of `chromanoise.imaging.rendered`.
 
     Raises
     ------

@@ -14,7 +14,7 @@ _ZSTD_BLOCK_BYTES = 2**17
 
 @cache
 def guard_codecs() -> None:
-    """Make numcodecs refuse chunks that are shorter than declared or unpack to too many bytes.
+    """Make numcodecs reject chunks that are shorter than declared or inflate to too many bytes.
 
     numcodecs (0.16) reads beyond the end of a Blosc chunk that declares a greater length, which
     crashes the process, and allocates as much memory as a Zstandard frame declares.
@@ -34,9 +34,9 @@ def _looked_at(unpack: Any, look: Any) -> Any:
 
 
 def _refuse_short_blosc(given: memoryview) -> None:
-    told = int.from_bytes(given[_BLOSC_HEADER_BYTES - 4 : _BLOSC_HEADER_BYTES], "little")
-    if given.nbytes < _BLOSC_HEADER_BYTES or told > given.nbytes:
-        raise ValueError(f"a chunk has {given.nbytes} bytes, but declares {told}")
+    declared = int.from_bytes(given[_BLOSC_HEADER_BYTES - 4 : _BLOSC_HEADER_BYTES], "little")
+    if given.nbytes < _BLOSC_HEADER_BYTES or declared > given.nbytes:
+        raise ValueError(f"a chunk has {given.nbytes} bytes, but declares {declared}")
 
 
 def _refuse_large_zstd(given: memoryview) -> None:
@@ -48,7 +48,7 @@ def _refuse_large_zstd(given: memoryview) -> None:
 def _zstd_bytes(given: memoryview) -> int:
     """Unpacked size that a frame declares, or the most that its blocks allow (RFC 8878). [bytes]"""
     if bytes(given[:4]) != _ZSTD_MAGIC or given.nbytes < 5:
-        return 0  # numcodecs refuses it
+        return 0  # numcodecs rejects it
     descriptor = given[4]
     single = descriptor >> 5 & 1
     at = 6 - single + (0, 1, 2, 4)[descriptor & 3]

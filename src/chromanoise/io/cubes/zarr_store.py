@@ -1,7 +1,7 @@
 """Zarr folders, format 2 and 3.
 
-What stands in such a folder is vetted before the zarr package sees it: a format-2 filter may name
-``pickle``, which runs whatever the file says, and a link may lead out of the folder.
+The content of a folder is checked before the zarr package reads it: a format-2 filter may name
+``pickle``, which can run arbitrary code, and a link may point outside of the folder.
 """
 
 import json
@@ -45,12 +45,12 @@ def is_zarr(path: Path) -> bool:
 
 
 def zarr_store(path: Path) -> Store:
-    """The arrays of a Zarr folder, numbers unread.
+    """The arrays of a Zarr folder, without their numbers.
 
     Raises
     ------
     InputError
-        If zarr is not installed, or the folder holds what cannot be trusted or read.
+        If zarr is not installed, or the folder has unsafe or unreadable content.
     """
     library("zarr", f"{path}: Zarr folders")
     arrays: dict[str, Labeled] = {}
@@ -81,7 +81,7 @@ def zarr_store(path: Path) -> Store:
 
 
 def _folders(path: Path) -> Iterator[tuple[Path, list[str], int]]:
-    """Every folder with the names and the size of its files; a link anywhere is refused."""
+    """Every folder with the names and the size of its files; a link raises an error."""
     for folder, inner, names in os.walk(path):
         entries = list(os.scandir(folder))
         linked = next((e.path for e in entries if e.is_symlink()), None)
@@ -114,21 +114,21 @@ def _json(path: Path) -> Mapping[str, Any]:
             value=size,
             found=f"has {size} bytes",
         )
-    told = json.loads(path.read_bytes())
-    if not isinstance(told, dict):
+    data = json.loads(path.read_bytes())
+    if not isinstance(data, dict):
         raise InputError(str(path), "is not a Zarr header", remedy="save the cube again")
-    return told
+    return data
 
 
 def _attributes(folder: Path, header: Mapping[str, Any]) -> Mapping[str, Any]:
-    told = header.get("attributes", {})
+    data = header.get("attributes", {})
     if (folder / ".zattrs").is_file():
-        told = _json(folder / ".zattrs")
-    return {k.lower(): v for k, v in told.items()} if isinstance(told, dict) else {}
+        data = _json(folder / ".zattrs")
+    return {k.lower(): v for k, v in data.items()} if isinstance(data, dict) else {}
 
 
 def _vetted(path: Path, folder: Path, name: str) -> Labeled | None:
-    """What the header of one array says, if everything in it may be run; None for a group."""
+    """The header of one array, if all its codecs are allowed; None for a group."""
     header = _header(folder)
     if header.get("node_type", "array") != "array":
         return None
@@ -156,7 +156,7 @@ def _vetted(path: Path, folder: Path, name: str) -> Labeled | None:
 
 
 def _codecs(header: Any) -> Iterator[str]:
-    """Names of all that unpacks the chunks, also inside shards; whatever is odd gets a name."""
+    """Names of all codecs of the chunks, also inside shards; an invalid entry also gets a name."""
     version_2 = [header.get("compressor"), *(header.get("filters") or [])]
     for codec in [c for c in version_2 if c is not None]:
         yield str(codec.get("id", "nothing")) if isinstance(codec, dict) else "nothing"
@@ -208,7 +208,7 @@ def _source(path: Path, arrays: Mapping[str, Labeled], name: str, axes: Axes) ->
 
 
 def _absent_chunks(path: Path, name: str) -> Notes:
-    """Chunks that hold nothing but the fill value are left away by Zarr: told, not refused."""
+    """A note on missing chunks; Zarr omits chunks that contain only the fill value."""
     with reading(path, "Zarr"):
         array = _opened(path, name)
         whole, there = int(array.nchunks), int(array.nchunks_initialized)
@@ -237,7 +237,7 @@ def _absent_chunks(path: Path, name: str) -> Notes:
 
 
 def _refuse_large_chunks(path: Path, name: str) -> None:
-    """Refuse chunks that exceed the memory, and files that are larger packed than unpacked."""
+    """Raise an error for chunks that exceed the memory or are larger than their numbers."""
     with reading(path, "Zarr"):
         array = _opened(path, name)
         size = math.prod(array.shards or array.chunks) * array.dtype.itemsize

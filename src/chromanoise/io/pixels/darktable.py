@@ -1,8 +1,8 @@
 """darktable's noise profiles: variance = a x + b per channel, relative only.
 
-They are made from developed pictures (demosaiced, white-balanced, filtered by a wavelet), which
-scales a and b by a factor that is nowhere told. b / a does not know that factor: with a full well
-from elsewhere it gives the read noise, and nothing gives the full well.
+The profiles are measured on developed pictures (demosaiced, white-balanced, filtered by a wavelet),
+which scales a and b by an unknown factor. The ratio b / a does not depend on that factor. Together
+with a full well from another source it gives the read noise. The profile cannot give the full well.
 """
 
 from collections.abc import Mapping, Sequence
@@ -30,28 +30,28 @@ from chromanoise.io.pixels.source_text import (
 from chromanoise.sensor.adc import Adc
 from chromanoise.sensor.pixel_source import PixelSource
 
-_GREEN = 1  # the channel that a white balance leaves alone
+_GREEN = 1  # the channel that a white balance does not change
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class RelativeNoise:
-    """One profile of darktable: variance = a x + b, x = 1 where the codes end.
+    """One profile of darktable: variance = a x + b, with x = 1 at the largest code.
 
     Attributes
     ----------
     camera
         Maker and model.
     iso
-        The setting of the gain.
+        The ISO setting.
     a, b
-        Of red, green and blue, up to one unknown factor. [1]
+        Coefficients of red, green and blue, up to one unknown factor. [1]
     notes
-        What a reader of a result must know.
+        Remarks that apply to results.
 
     Raises
     ------
     InputError
-        If an entry is not finite or an a is not above 0.
+        If an entry is not finite, or an entry of ``a`` is not > 0.
     """
 
     camera: str
@@ -78,14 +78,15 @@ def read_darktable_noise(path: Path | str, *, maker: str, model: str, iso: float
     path
         The file that darktable installs.
     maker, model
-        As they stand there, e.g. ``Canon``, ``EOS-1Ds``.
+        Names as in that file, e.g. ``Canon``, ``EOS-1Ds``.
     iso
-        One that was measured: nothing is interpolated.
+        A measured ISO; there is no interpolation.
 
     Raises
     ------
     InputError
-        If the file is of another kind, or knows no such camera or ISO; the nearest are told.
+        If the file has another format, or lacks the camera or ISO; the message suggests similar
+        ones.
     """
     path = Path(path)
     held = source_json(source_text(path), str(path))
@@ -120,16 +121,16 @@ def read_darktable_noise(path: Path | str, *, maker: str, model: str, iso: float
 def pixel_from_darktable(
     noise: RelativeNoise, *, full_well_e: float | None = None, adc: Adc | None = None
 ) -> PixelSource:
-    """The read noise of green, once something absolute is known beside the profile.
+    """The read noise of green, from a profile and an absolute full well.
 
     Parameters
     ----------
     noise
         A profile.
     full_well_e
-        Electrons where the codes end, at the profile's ISO. [e-]
+        Electrons at the largest code, at the ISO of the profile. [e-]
     adc
-        Or the converter at that ISO: its range times its gain are these electrons.
+        Alternatively the converter at that ISO; its range times its gain gives these electrons.
 
     Raises
     ------
@@ -139,7 +140,7 @@ def pixel_from_darktable(
     Notes
     -----
     With E electrons at x = 1 and an unknown factor c, a = c / E and b = c (sigma / E)^2, so that
-    sigma^2 = E b / a. Green is taken, which the white balance does not multiply.
+    sigma^2 = E b / a. Green is used because white balance does not scale it.
 
     Examples
     --------
@@ -160,16 +161,16 @@ def pixel_from_darktable(
         full_well_e = adc.gain_e_per_dn * (adc.top_code - adc.black_level_dn)
     well = _check.positive("full_well_e", "e-", full_well_e or 0.0)
     read2 = well * float(noise.b[_GREEN]) / float(noise.a[_GREEN])
-    told = f"{noise.camera}: read noise from b / a of green and {well:.4g} e- at the top"
+    note = f"{noise.camera}: read noise from b / a of green and {well:.4g} e- at the top"
     if read2 < 0:
-        told = f"{noise.camera}: b of green is negative, so that it tells no read noise"
+        note = f"{noise.camera}: b of green is negative, so that it tells no read noise"
     return PixelSource(
         source=f"darktable's profile of {noise.camera} at ISO {noise.iso:g}",
         full_well_e=well,
         read_noise_e=float(np.sqrt(read2)) if read2 >= 0 else None,
         gain_e_per_dn=adc.gain_e_per_dn if adc else None,
         adc=adc,
-        notes=(*noise.notes, told),
+        notes=(*noise.notes, note),
     )
 
 

@@ -1,4 +1,4 @@
-"""A pixel from the values of an EMVA 1288 data sheet, each with its unit, checked by the others.
+"""A pixel from the values of an EMVA 1288 data sheet, with units and consistency checks.
 
 EMVA Standard 1288, Release 4.0 Linear (2021): the camera model of its chapter 2, the summary sheet
 of its chapter 10.
@@ -91,7 +91,7 @@ _LINE = re.compile(
 
 @dataclass(frozen=True, slots=True)
 class _Value:
-    """One number of the sheet: its name there, its unit and its place (line and name)."""
+    """One number of the sheet, with its name, unit and place (line and name) in the sheet."""
 
     name: str
     number: float
@@ -105,23 +105,23 @@ def read_emva_sheet(path: Path | str) -> PixelSource:
     Parameters
     ----------
     path
-        Lines ``name = value unit``, ``name: value unit``, ``name [unit] = value`` or
-        ``name,value,unit``; ``#`` starts a comment. Or a JSON object of name to
-        ``{"value": .., "unit": ".."}``. Names are those of the standard, as ``sigma_d``, or words,
-        as ``temporal dark noise``.
+        A file of lines ``name = value unit``, ``name: value unit``, ``name [unit] = value`` or
+        ``name,value,unit``, in which ``#`` starts a comment; or a JSON object that maps a name to
+        ``{"value": .., "unit": ".."}``. Names are symbols of the standard, e.g. ``sigma_d``, or
+        terms, e.g. ``temporal dark noise``.
 
     Raises
     ------
     InputError
-        If the file cannot be read, a known value stands twice, has no unit or a wrong one, or is
-        beyond what a pixel could have.
+        If the file cannot be read, or a known value is repeated, has no unit or a wrong unit, or
+        is out of range.
 
     Notes
     -----
-    Values are held against each other: SNR_max^2 = u_e.sat, DR = u_e.sat / u_e.min, u_e.min =
-    sqrt(sigma_d^2 + 1/(12 K^2)) + 1/2, electrons = QE photons. What disagrees by more than 5 % is
-    told in the notes, not mended. The saturation capacity, where the variance peaks, stands for the
-    full well.
+    Values are checked against each other: SNR_max^2 = u_e.sat, DR = u_e.sat / u_e.min, u_e.min =
+    sqrt(sigma_d^2 + 1/(12 K^2)) + 1/2, electrons = QE photons. The notes report deviations of more
+    than 5 %; values are not corrected. The saturation capacity, at which the variance peaks, is
+    used as the full well.
     """
     path = Path(path)
     text = source_text(path)
@@ -147,19 +147,19 @@ def pixel_from_emva(
     values
         Number and unit of each name, e.g. ``{"sigma_d": (2.4, "e-")}``.
     source
-        Where the numbers come from.
+        The name of the source, for messages and notes.
     where
         The place of each name, for messages.
 
     Raises
     ------
     InputError
-        As `read_emva_sheet`.
+        As for `read_emva_sheet`.
 
     Examples
     --------
-    >>> told = pixel_from_emva({"K": (0.5, "DN/e-"), "sigma_d": (4.0, "DN"), "PRNU": (1.0, "%")})
-    >>> told.gain_e_per_dn, told.read_noise_e, told.imperfections.prnu
+    >>> read = pixel_from_emva({"K": (0.5, "DN/e-"), "sigma_d": (4.0, "DN"), "PRNU": (1.0, "%")})
+    >>> read.gain_e_per_dn, read.read_noise_e, read.imperfections.prnu
     (2.0, 8.0, 0.01)
     """
     places = where or {}
@@ -192,7 +192,7 @@ def pixel_from_emva(
             found=f"names {', '.join(names) or 'nothing'}",
             remedy=f"give {PIXEL_FILES}",
         )
-    return _told(found, unused, source)
+    return _pixel_source(found, unused, source)
 
 
 @contextmanager
@@ -256,7 +256,7 @@ def _json_rows(text: str, path: Path) -> list[tuple[str, float, str, str]]:
 
 
 def _key(name: str) -> str | None:
-    """What a name of the sheet stands for: Greek, dots, dashes and spaces do not matter."""
+    """The key for a name in the sheet; Greek letters, dots, dashes and spaces are normalized."""
     return _KEY_OF.get(_plain(name))
 
 
@@ -287,7 +287,7 @@ def _valued(key: str, name: str, number: float, unit: str, where: str) -> _Value
     return _Value(name, number, known, where)
 
 
-def _told(found: Mapping[str, _Value], unused: list[str], source: str) -> PixelSource:
+def _pixel_source(found: Mapping[str, _Value], unused: list[str], source: str) -> PixelSource:
     gain = _gain(found, source)
     electrons = {key: _electrons(found.get(key), gain, source) for key in ("read_noise", "dsnu")}
     current = _electrons(found.get("dark_current"), gain, source)
@@ -354,7 +354,7 @@ def _gain(found: Mapping[str, _Value], source: str) -> float | None:
 
 
 def _electrons(value: _Value | None, gain: float | None, source: str) -> float | None:
-    """In electrons (per second); codes become electrons through the gain."""
+    """The value in electrons (per second); the gain converts codes to electrons."""
     if value is None or value.unit.startswith("e-"):
         return value.number if value else None
     if gain is None:
@@ -388,7 +388,7 @@ def _codes(
 
 
 def _in_electrons(found: Mapping[str, _Value], gain: float | None) -> dict[str, float]:
-    """The values that can be held against each other, in the units of `contradictions`."""
+    """The values that can be checked against each other, in the units of `contradictions`."""
     values = {key: value.number for key, value in found.items()}
     if gain is not None:
         values["gain"] = gain

@@ -1,22 +1,22 @@
-"""What the values of an EMVA 1288 data sheet must be to each other."""
+"""Relations that the values of an EMVA 1288 data sheet must satisfy."""
 
 from collections.abc import Callable, Mapping
 from math import sqrt
 
 from chromanoise.sensor.noise_profile import ROUNDING_DN2
 
-_TOLERANCE = 0.05  # values of a sheet are rounded, and measured each on its own
+_TOLERANCE = 0.05  # values of a sheet are rounded, and are measured separately
 
 
 def contradictions(values: Mapping[str, float], source: str) -> tuple[str, ...]:
-    """What values of a sheet say of each other and do not agree in, one sentence each.
+    """The relations between values of a sheet that do not hold, one sentence each.
 
     Parameters
     ----------
     values
-        By the keys of `chromanoise.io.pixels.emva`; electrons, photons, DN/e-, ratios.
+        The values, by the keys of `chromanoise.io.pixels.emva`; electrons, photons, DN/e-, ratios.
     source
-        Where they come from.
+        The name of the sheet.
 
     Notes
     -----
@@ -30,9 +30,9 @@ def contradictions(values: Mapping[str, float], source: str) -> tuple[str, ...]:
     """
     n = values
     notes = [
-        f"{source}: {what} = {told(n):.4g}, but {other} gives {expected(n):.4g}; one is wrong"
-        for needs, what, told, other, expected in _LAWS
-        if all(key in n for key in needs.split()) and not alike(told(n), expected(n))
+        f"{source}: {what} = {stated(n):.4g}, but {other} gives {expected(n):.4g}; one is wrong"
+        for needs, what, stated, other, expected in _LAWS
+        if all(key in n for key in needs.split()) and not alike(stated(n), expected(n))
     ]
     codes = 2 ** n["bits"] - 1 if 8 <= n.get("bits", 0) <= 16 else 0.0
     top = n.get("gain", 0.0) * n.get("full_well", 0.0) + n.get("black", 0.0)

@@ -1,4 +1,4 @@
-"""The noise profile of DNG and Android, from JSON or from text as tools list the tags of a DNG."""
+"""The noise profile of DNG and Android, from JSON or from a text list of the tags of a DNG."""
 
 import re
 from pathlib import Path
@@ -29,14 +29,14 @@ def read_noise_profile(path: Path | str) -> PixelSource:
     Parameters
     ----------
     path
-        ``S`` and ``O`` are numbers, or lists with one number per channel; ``channels`` may name
-        them. Or text, as tools that list the tags of a DNG print them: ``NoiseProfile: S O ..``
-        with a pair per channel, perhaps ``BlackLevel: ..`` and ``WhiteLevel: ..``.
+        A JSON file in which ``S`` and ``O`` are numbers, or lists with one number per channel;
+        ``channels`` may name them. Or a text list of the tags of a DNG: ``NoiseProfile: S O ..``
+        with a pair per channel, and optionally ``BlackLevel: ..`` and ``WhiteLevel: ..``.
 
     Raises
     ------
     InputError
-        If the file cannot be read, a key is missing or not a number, or as
+        If the file cannot be read, or a key is missing or not a number; also as for
         `pixel_from_noise_profile`.
     """
     path = Path(path)
@@ -116,7 +116,7 @@ def _pixel_of_text(text: str, path: Path) -> PixelSource:
 
 
 def _tagged(tag: re.Pattern[str], text: str, path: Path) -> list[float] | None:
-    """The numbers behind a tag; None where it does not stand."""
+    """The numbers after a tag; None if the tag is missing."""
     match = tag.search(text)
     if match is None:
         return None

@@ -38,12 +38,12 @@ _LARGEST_ROWS = 100_000
 
 
 def read_photon_transfer_csv(path: Path | str) -> PhotonTransfer:
-    """The photon transfer of a text file, one row per light.
+    """Read photon-transfer data from a text file, one row per exposure.
 
     Parameters
     ----------
     path
-        The first row names the columns, separated by commas, semicolons, tabs or blanks:
+        The file. Its first row names the columns, separated by commas, semicolons, tabs or blanks:
         ``mean_dn`` and ``variance_dn2`` (or with the unit in brackets, ``mean [DN]`` and
         ``variance [DN^2]``), or ``spatial_variance_dn2`` if the variance is over the pixels of one
         picture; optionally ``samples`` (number of pixels of each variance), ``light`` (``dark`` or
@@ -54,8 +54,8 @@ def read_photon_transfer_csv(path: Path | str) -> PhotonTransfer:
     Raises
     ------
     InputError
-        If the file cannot be read, a column is missing, or a cell is not a number; file, line and
-        column are told.
+        If the file cannot be read, a column is missing, or a cell is not a number; the message
+        names file, line and column.
     """
     path = Path(path)
     lines = [
@@ -91,7 +91,7 @@ def read_photon_transfer_csv(path: Path | str) -> PhotonTransfer:
 
 
 def is_photon_transfer_text(text: str) -> bool:
-    r"""Whether the first row that is no comment names a mean and a variance.
+    r"""Whether the first row that is not a comment names a mean and a variance.
 
     Examples
     --------
@@ -181,7 +181,7 @@ def _columns(rows: list[Row], header: list[str], decimal: str, path: Path) -> di
 
 
 def _dark(rows: list[Row], header: list[str], photons: Array | None, path: Path) -> Array:
-    """Which rows are dark, by the column light or by 0 photons."""
+    """A mask of the dark rows, by the column ``light`` or by 0 photons."""
     none = np.zeros(len(rows), dtype=bool) if photons is None else photons == 0
     if "light" not in header:
         return none

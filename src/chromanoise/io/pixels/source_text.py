@@ -1,4 +1,4 @@
-"""Text and JSON of files that describe a pixel: one sentence where they cannot be read."""
+"""Read text and JSON of files that describe a pixel, with one error for each fault."""
 
 import json
 from collections.abc import Iterator
@@ -18,7 +18,7 @@ def source_text(path: Path) -> str:
     Raises
     ------
     InputError
-        If it cannot be read, is too large, or is not text.
+        If the file cannot be read, is too large, or is not text.
     """
     regular_file(path)
     try:
@@ -44,12 +44,12 @@ def source_text(path: Path) -> str:
 
 
 def in_file(error: InputError, path: Path) -> InputError:
-    """The same error about a file: what was its subject becomes a place in the file.
+    """The error with the file as its subject; the former subject becomes a place in the file.
 
     Parameters
     ----------
     error
-        About the file already, about a thing of it (``pitch_um of sheet.txt``), or about a value.
+        An error about the file, about a part of it (``pitch_um of sheet.txt``), or about a value.
     path
         The file.
 
@@ -60,14 +60,14 @@ def in_file(error: InputError, path: Path) -> InputError:
     'sheets/a.txt, pitch_um: must be finite and > 0 [um], but is 0'
     """
     if not error.requirement or error.subject == str(path):
-        told = str(error)
-        return error if path.name in told else InputError(f"{path}: {told}")
+        message = str(error)
+        return error if path.name in message else InputError(f"{path}: {message}")
     thing = "" if error.subject == path.name else error.subject.removesuffix(f" of {path.name}")
     return about(error, str(path), thing)
 
 
 def about(error: InputError, subject: str, place: str) -> InputError:
-    """The same error about another subject, at a place in it."""
+    """The error with another subject and a place in it."""
     return InputError(
         subject,
         error.requirement,
@@ -80,7 +80,7 @@ def about(error: InputError, subject: str, place: str) -> InputError:
 
 @contextmanager
 def errors_in_file(path: Path) -> Iterator[None]:
-    """Errors that are raised inside are about the file, as `in_file`."""
+    """Turn errors that are raised inside into errors about the file, with `in_file`."""
     try:
         yield
     except InputError as error:
@@ -88,12 +88,12 @@ def errors_in_file(path: Path) -> Iterator[None]:
 
 
 def source_json(text: str, source: str) -> Any:
-    """What the JSON text of the file ``source`` holds.
+    """The data in the JSON text of the file ``source``.
 
     Raises
     ------
     InputError
-        If it is not JSON, repeats a key, or is nested too deeply.
+        If the text is not JSON, repeats a key, or is nested too deeply.
     """
     try:
         return json.loads(text, object_pairs_hook=_once)

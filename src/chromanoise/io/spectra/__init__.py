@@ -1,4 +1,4 @@
-"""Spectral curves from the file formats in use, and what the file leaves open."""
+"""Read spectral curves from common file formats, with questions for missing metadata."""
 
 from typing import TYPE_CHECKING
 

@@ -1,4 +1,4 @@
-"""CGATS tables of spectra, as Argyll's ``.sp`` files are."""
+"""CGATS tables of spectra, such as the ``.sp`` files of Argyll."""
 
 import re
 
@@ -33,7 +33,7 @@ def read_cgats(text: str, source: str) -> Found:
     Raises
     ------
     InputError
-        If the table has no spectral fields, or a value is no number; its line is told.
+        If the table has no spectral fields, or a value is not a number; the message names the line.
     """
     tokens = _tokens(text)
     words = [token for _, token in tokens]
@@ -88,7 +88,7 @@ def _between(words: list[str], first: str, last: str, source: str) -> list[str]:
 
 
 def _facts(tokens: list[_Token]) -> dict[str, str]:
-    """The first word of each line, and the second."""
+    """The first two words of each line."""
     lines: dict[int, list[str]] = {}
     for number, token in tokens:
         lines.setdefault(number, []).append(token)
@@ -108,15 +108,15 @@ def _wavelengths(facts: dict[str, str], fields: list[str], source: str) -> np.nd
     ends = [facts.get(key, "") for key in ("SPECTRAL_START_NM", "SPECTRAL_END_NM")]
     if not all(np.isfinite(number_in(end)) for end in ends):
         return named
-    told = np.linspace(number_in(ends[0]), number_in(ends[1]), named.size)
-    if np.abs(told - named).max() > 1.0:  # the names of the fields are rounded
+    expected = np.linspace(number_in(ends[0]), number_in(ends[1]), named.size)
+    if np.abs(expected - named).max() > 1.0:  # the names of the fields are rounded
         raise InputError(
             source,
             "SPECTRAL_START_NM and SPECTRAL_END_NM must agree with the fields",
             value=(ends[0], ends[1]),
             found=f"are {ends[0]} and {ends[1]}, and the fields are {fields[0]} to {fields[-1]}",
         )
-    return told
+    return expected
 
 
 def _norm(facts: dict[str, str], source: str) -> float:

@@ -1,7 +1,7 @@
-"""What a file declares: units in headings, and ``key: value`` lines of a closed vocabulary.
+"""Declarations in a file: units in headings, and ``key: value`` lines with known keys.
 
-Headings and these keys decide what the curves are. Free text does not: otherwise a title or a
-comment about the measurement could change units or scale.
+Only headings and these keys determine units, scale and quantity. Free text is ignored, so that a
+title or a comment about the measurement cannot change them.
 """
 
 import re
@@ -117,7 +117,7 @@ def wavelength_unit_of(heading: str) -> Unit | None:
     Raises
     ------
     InputError
-        If it names two units, or one that is not supported for wavelengths.
+        If the heading names two units, or one that is not supported for wavelengths.
 
     Examples
     --------
@@ -150,7 +150,7 @@ def wavelength_unit_of(heading: str) -> Unit | None:
 
 
 def unit_that_fits(low: float, high: float) -> Unit | None:
-    """The only unit in which numbers are wavelengths of light that silicon answers to.
+    """The only unit in which the numbers are wavelengths to which silicon is sensitive.
 
     Parameters
     ----------
@@ -160,7 +160,7 @@ def unit_that_fits(low: float, high: float) -> Unit | None:
     Returns
     -------
     unit
-        ``None`` where none fits, or where a unit ten times smaller fits as well.
+        ``None`` if none fits, or if a unit ten times smaller also fits.
 
     Examples
     --------
@@ -184,7 +184,7 @@ def known_unit(unit: str, source: str) -> Unit:
     Raises
     ------
     InputError
-        If it is not supported for wavelengths.
+        If the unit is not supported for wavelengths.
 
     Examples
     --------
@@ -204,7 +204,7 @@ def known_unit(unit: str, source: str) -> Unit:
 
 
 def is_wavelength_heading(cell: str) -> bool:
-    """Whether a cell is the heading of a column of wavelengths, and names nothing else.
+    """Whether a cell is only the heading of a column of wavelengths.
 
     Examples
     --------
@@ -218,7 +218,7 @@ def is_wavelength_heading(cell: str) -> bool:
 
 
 def is_row_of_units(cells: Iterable[str]) -> bool:
-    """Whether the cells are the unit of wavelengths, followed by units of values only.
+    """Whether the cells are a unit of wavelengths followed only by units of values.
 
     Examples
     --------

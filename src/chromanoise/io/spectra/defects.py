@@ -1,4 +1,4 @@
-"""What the numbers of a file show to be wrong or odd; nothing that they do not show."""
+"""Detect defects of curves from their numbers."""
 
 import re
 from collections.abc import Iterator, Sequence
@@ -71,7 +71,7 @@ def judged(curves: Spectra) -> Spectra:
 
 
 def defects_of_a_light(defects: tuple[str, ...]) -> tuple[str, ...]:
-    """Those that matter for a light, whose heights are relative anyhow.
+    """The defects that matter for a light, whose values are always relative.
 
     Examples
     --------
@@ -82,7 +82,7 @@ def defects_of_a_light(defects: tuple[str, ...]) -> tuple[str, ...]:
 
 
 def looks_normalized(curves: Spectra) -> bool:
-    """Whether the highest value is exactly one, as of curves that were divided by it.
+    """Whether the highest value is exactly one, as in curves normalized to their maximum.
 
     Examples
     --------
@@ -115,7 +115,7 @@ def _out_of_range(
 
 
 def _outliers(curves: Spectra, quantity: Quantity | None) -> Iterator[str]:
-    """Values of hundreds among fractions, as where water takes all the light."""
+    """Values of hundreds among fractions, as in bands that water absorbs."""
     usual = float(np.quantile(curves.values, 0.95))
     wild = curves.values > 100
     if quantity != "power" and usual <= 1.5 and wild.any():
@@ -146,7 +146,7 @@ def _normalized(curves: Spectra) -> Iterator[str]:
 
 
 def _channel(curves: Spectra, words: str) -> np.ndarray | None:
-    """The one curve whose name begins with one of these words, e.g. ``g``, ``G1`` or ``gAR01``."""
+    """The only curve whose name begins with one of these words, e.g. ``g``, ``G1`` or ``gAR01``."""
     pattern = rf"(?:{words})(?![a-z])"
     here = [i for i, name in enumerate(curves.names) if re.match(pattern, _small_first(name))]
     return curves.values[:, here[0]] if len(here) == 1 else None
@@ -201,8 +201,8 @@ def _rounded_wavelengths(curves: Spectra) -> Iterator[str]:
     whole = bool((at == np.round(at)).all())
     if whole and at.size > 10 and steps.size == 2 and steps[1] - steps[0] == 1 and steps[0] > 1:
         mean = float((at[-1] - at[0]) / (at.size - 1))
-        told = f"{steps[0]:g} and {steps[1]:g} for {mean:.2f}"
-        yield f"wavelengths look rounded to whole nm: steps of {told}"
+        steps_text = f"{steps[0]:g} and {steps[1]:g} for {mean:.2f}"
+        yield f"wavelengths look rounded to whole nm: steps of {steps_text}"
 
 
 def _gaps(points: Sequence[Sorted]) -> Iterator[str]:

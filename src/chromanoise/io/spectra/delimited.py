@@ -1,4 +1,4 @@
-"""Delimited text: comma, semicolon, tabulator or blanks; decimal point or comma."""
+"""Delimited text: comma, semicolon, tab or spaces; decimal point or comma."""
 
 import csv
 import io
@@ -35,7 +35,7 @@ def read_delimited(text: str, source: str) -> Found:
     Raises
     ------
     InputError
-        If a row is no row of numbers; its line is told.
+        If a row is not numeric; the message names the line.
     """
     if text.count("\n") + text.count("\r") > 2 * _MOST_LINES:
         raise InputError(source, f"must have at most {_MOST_LINES} lines for a table of spectra")
@@ -79,13 +79,13 @@ def read_delimited(text: str, source: str) -> Found:
 
 
 def _comment_text(line: str) -> str:
-    """A comment without its marks; ``%ECSV`` names the format of the file."""
+    """A comment without its marks; ``%ECSV`` is kept, because it names the format."""
     text = line.lstrip("#/; ")
     return text if text.startswith("%ECSV") else text.lstrip("#%/; ")
 
 
 def _said(facts: Mapping[str, str], keys: Mapping[str, str]) -> dict[str, Any]:
-    """Source and notes, and the keys of a table that this library wrote."""
+    """Source, notes and keys of a table that this library wrote."""
     notes = tuple(note for note in facts.get("notes", "").split("; ") if note)
     quantity = name_and_unit(keys.get("quantity", ""))[0]  # earlier versions wrote its unit there
     return {
@@ -127,7 +127,7 @@ def split_line(line: str, delimiter: str) -> list[str]:
 
 
 def _split_at_blanks(line: str) -> list[str]:
-    """Cells between blanks; a quoted cell, and a name with its unit in brackets, stay whole."""
+    """Cells separated by spaces; quoted cells and names with bracketed units stay whole."""
     if '"' in line:
         return [cell for cell in _quoted(" ".join(line.split()), " ") if cell]
     return re.sub(r"(?<=\w)\s+(?=[\[(])", "", line).split()
@@ -141,7 +141,7 @@ def _quoted(line: str, sign: str) -> list[str]:
 
 
 def cells_of_line(line: str, number: int, delimiter: str, source: str) -> tuple[str, ...]:
-    """The cells of a line, without blanks around them; an unclosed quotation is refused."""
+    """The cells of a line, stripped of spaces; an unclosed quotation raises an error."""
     if line.count('"') % 2:
         raise InputError(source, "has a quotation mark that is not closed", where=f"line {number}")
     return tuple(cell.strip() for cell in split_line(line, delimiter))
@@ -183,7 +183,7 @@ def _with_ecsv_units(rows: list[Row], comments: list[str]) -> list[Row]:
 
 
 def decimal_sign(rows: list[Row], delimiter: str, source: str) -> str:
-    """How the cells part their fractions; both ways in one file are refused."""
+    """The decimal mark of the cells; two different marks in one file raise an error."""
     if delimiter == "comma":
         return "."
     with_comma = with_point = 0

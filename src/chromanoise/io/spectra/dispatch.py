@@ -1,4 +1,4 @@
-"""Entry point for files of spectra: chooses the reader, and turns its exceptions into errors."""
+"""Read a file of spectra: choose the reader and turn its exceptions into errors."""
 
 import codecs
 import re
@@ -29,29 +29,30 @@ _CONTROL = re.compile(rb"[\x00-\x08\x0e-\x1f]")
 
 
 def read_curves(path: Path | str, *, answers: Answers = ASK) -> ParsedSpectra:
-    r"""The curves of a file, and what was understood of it.
+    r"""Read the curves of a file, and report how the file was parsed.
 
-    Delimited text with any of the usual separators, digitized curves, ISETCam ``.mat``, cameras of
-    Jiang et al. ``.mat``, JSON of this library, of rawtoaces, of DCamProf (ssf-data) or in plain
-    lists, CGATS and Argyll ``.sp``, IES TM-27 ``.spdx``, ENVI spectral libraries ``.sli`` with
-    ``.hdr``, FITS tables, and ``.xlsx``. The file's content decides, not its name.
+    Supported are delimited text with the usual separators, digitized curves, ISETCam ``.mat``,
+    cameras of Jiang et al. ``.mat``, JSON of this library, of rawtoaces, of DCamProf (ssf-data) or
+    in plain lists, CGATS and Argyll ``.sp``, IES TM-27 ``.spdx``, ENVI spectral libraries ``.sli``
+    with ``.hdr``, FITS tables, and ``.xlsx``. The content of the file selects the reader, not its
+    name.
 
     Parameters
     ----------
     path
         The file, of 4 MiB at most.
     answers
-        What its user knows and the file does not say.
+        Metadata that the file lacks.
 
     Returns
     -------
     ParsedSpectra
-        The curves, with unit, level and how each was found.
+        The curves, with unit and level and how they were determined.
 
     Raises
     ------
     InputError
-        If the file cannot be read; names the file, and the line where there are lines.
+        If the file cannot be read; the message names the file, and the line of a text file.
 
     Examples
     --------
@@ -173,7 +174,7 @@ def _is_utf8(content: bytes) -> bool:
 
 @contextmanager
 def _errors_of(path: Path) -> Iterator[None]:
-    """Turns any exception of a parser into an `InputError`."""
+    """Turn any exception of a parser into an `InputError`."""
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
@@ -184,7 +185,7 @@ def _errors_of(path: Path) -> Iterator[None]:
         raise InputError(str(path), f"cannot be read ({error.strerror or error})") from None
     except MemoryError:
         raise InputError(str(path), "is too large for the memory of this machine") from None
-    except Exception:  # parsers raise anything, with messages about themselves
+    except Exception:  # parsers raise arbitrary exceptions with unhelpful messages
         raise InputError(
             str(path),
             "cannot be read as a file of spectra: it is damaged, truncated or of an unknown format",

@@ -1,4 +1,4 @@
-"""ENVI cubes: a text header that says how the numbers lie in the file beside it."""
+"""ENVI cubes: a text header that describes the layout of a separate data file."""
 
 import math
 import re
@@ -52,16 +52,16 @@ class EnviHeader:
     Attributes
     ----------
     source
-        The file; used in messages.
+        The name of the file in messages.
     fields
-        Keys in lower case; braces taken off the values.
+        The values by keys in lower case, without braces.
     """
 
     source: str
     fields: Mapping[str, str]
 
     def whole(self, key: str, *, default: int | None = None) -> int:
-        """The number >= 0 that stands under ``key``; refused if absent without ``default``."""
+        """The number >= 0 of ``key``; an error if it is absent and there is no ``default``."""
         if default is not None and key not in self.fields:
             return default
         text = self.word(key)
@@ -75,7 +75,7 @@ class EnviHeader:
         return int(text)
 
     def word(self, key: str) -> str:
-        """The text that stands under ``key``; refused if absent."""
+        """The text of ``key``; an error if it is absent."""
         if key not in self.fields:
             raise InputError(
                 self.source, "is missing in the header", where=f"key {key!r}", remedy="add it"
@@ -84,12 +84,12 @@ class EnviHeader:
 
 
 def envi_pair(path: Path) -> tuple[Path, Path] | None:
-    """Header and data of the cube of which ``path`` is one; None if no header is beside it.
+    """Header and data of the cube to which ``path`` belongs; None if there is no header.
 
     Raises
     ------
     InputError
-        If the header's data is missing, or several files could be it.
+        If the data file of the header is missing or ambiguous.
     """
     if path.suffix.lower() == ".hdr":
         return path, _data_beside(path)
@@ -119,18 +119,18 @@ def _data_beside(header: Path) -> Path:
 
 
 def _beside(path: Path, names: set[str]) -> list[Path]:
-    """Other files in the folder of ``path`` that bear one of the lower-case names."""
+    """Other files in the folder of ``path`` with one of the lower-case names."""
     near = (p for p in path.parent.iterdir() if p.name.lower() in names and p.name != path.name)
     return [p for p in near if p.is_file()]
 
 
 def read_envi_header(path: Path) -> EnviHeader:
-    """The header in ``path``; comments and keys without a value are passed over.
+    """Read the header in ``path``; comments and keys without a value are ignored.
 
     Raises
     ------
     InputError
-        If it is not an ENVI header, a brace is not closed, or the layout has two values.
+        If it is not an ENVI header, a brace is not closed, or a key of the layout is repeated.
     """
     if path.stat().st_size > _LARGEST_HEADER_BYTES:
         raise InputError(
@@ -150,7 +150,7 @@ def _decoded(raw: bytes) -> str:
 
 
 def envi_header(text: str, *, source: str) -> EnviHeader:
-    r"""The header that stands in ``text``.
+    r"""Parse the header in ``text``.
 
     Examples
     --------
@@ -192,7 +192,7 @@ def _pairs(lines: list[str], source: str) -> Iterator[tuple[str, str]]:
 
 
 def _braced(text: str, following: Iterator[str], source: str, number: int) -> str:
-    """The text up to the closing brace, which may stand some lines below."""
+    """The text up to the closing brace, which may be on a later line."""
     parts = [text]
     while "}" not in parts[-1]:
         more = next(following, None)
@@ -211,12 +211,12 @@ def _braced(text: str, following: Iterator[str], source: str, number: int) -> st
 def envi_pixels(
     header: EnviHeader, data: Path
 ) -> tuple[Shaped[Array, "rows columns bands"], tuple[str, ...]]:
-    """A view into ``data`` as the header lays it out, and what was assumed. Nothing is copied.
+    """A view of ``data`` in the layout of the header, without copying, and notes on assumptions.
 
     Raises
     ------
     InputError
-        If a key is missing or impossible, or the file is shorter or longer than it should be.
+        If a key is missing or invalid, or the size of the file differs from the declared one.
     """
     count = {axis: _positive(header, axis) for axis in ("lines", "samples", "bands")}
     dtype = _dtype(header)
@@ -286,14 +286,14 @@ def _refuse_compressed(header: EnviHeader) -> None:
         )
 
 
-def _refuse_wrong_size(header: EnviHeader, data: Path, told: int) -> None:
+def _refuse_wrong_size(header: EnviHeader, data: Path, expected: int) -> None:
     size = data.stat().st_size
-    if size == told:
+    if size == expected:
         return
-    fault = "truncated" if size < told else "too long"
+    fault = "truncated" if size < expected else "too long"
     raise InputError(
         str(data),
-        f"must have {told} bytes, header offset included, as {header.source} describes",
+        f"must have {expected} bytes, header offset included, as {header.source} describes",
         value=size,
         found=f"has {size} bytes and is {fault}",
         remedy=("copy the data again", "correct samples, lines, bands, data type or header offset"),
@@ -313,12 +313,12 @@ def _layout_notes(header: EnviHeader) -> tuple[str, ...]:
 
 
 def envi_scale(header: EnviHeader) -> float | None:
-    """Reflectance per stored unit, from ``reflectance scale factor``; None if not told.
+    """Reflectance per stored unit, from ``reflectance scale factor``; None if not declared.
 
     Raises
     ------
     InputError
-        If the header asks for a gain or offset per band instead, which is not applied.
+        If the header has a gain or offset per band instead, which is not supported.
     """
     gains = [key for key in _GAINS if key in header.fields]
     if gains:
@@ -344,17 +344,17 @@ def envi_scale(header: EnviHeader) -> float | None:
 
 
 def has_envi_wavelengths(header: EnviHeader) -> bool:
-    """Whether ``envi_wavelengths`` has something to read."""
+    """Whether the header has wavelengths for `envi_wavelengths`."""
     return bool(header.fields.get("wavelength")) or _named_wavelengths(header) is not None
 
 
 def envi_wavelengths(header: EnviHeader) -> tuple[Float[Array, " m"], tuple[str, ...]]:
-    """Centers of the bands as the header tells them [nm], and what was assumed.
+    """Centers of the bands from the header [nm], and notes on assumptions.
 
     Raises
     ------
     InputError
-        If an entry is no number, or the unit is not told and cannot be guessed.
+        If an entry is not a number, or the unit is neither declared nor clear from the numbers.
     """
     named = _named_wavelengths(header)
     if not header.fields.get("wavelength") and named is not None:
@@ -377,7 +377,7 @@ def _listed_wavelengths(header: EnviHeader) -> list[float]:
 
 
 def _named_wavelengths(header: EnviHeader) -> Float[Array, " m"] | None:
-    """Wavelengths out of names such as ``376.44 Nanometers``, if every name has one. [nm]"""
+    """Wavelengths from names such as ``376.44 Nanometers``, if every name has one. [nm]"""
     names = [name for name in header.fields.get("band names", "").split(",") if name.strip()]
     found = [NAMED_WAVELENGTH.search(name) for name in names]
     if not found or None in found:

@@ -23,7 +23,7 @@ def envi_library(path: Path, content: bytes) -> tuple[EnviHeader, Path] | None:
     Raises
     ------
     InputError
-        If it is the header of something else, or the other file is missing.
+        If the header is not that of a library, or the other file is missing.
     """
     if content.lstrip()[:5].split() == [b"ENVI"]:
         return _library(*(envi_pair(path.with_suffix(".hdr")) or (path, path)))
@@ -60,7 +60,7 @@ def read_envi_library(header: EnviHeader, data: Path) -> Found:
     Raises
     ------
     InputError
-        If the header lacks something or contradicts the data.
+        If the header lacks a key or contradicts the data.
 
     Notes
     -----
@@ -89,9 +89,9 @@ def read_envi_library(header: EnviHeader, data: Path) -> Found:
     wavelength, heading = _wavelengths(header, table.shape[1])
     names = _names(header, table.shape[0])
     missing = [
-        told
+        text
         for name, here in zip(names, known, strict=True)
-        for told in missing_told(
+        for text in missing_told(
             name, wavelength, here, "values that are not numbers or marked as deleted"
         )
     ]
@@ -116,23 +116,23 @@ def read_envi_library(header: EnviHeader, data: Path) -> Found:
 
 
 def library_files(path: Path) -> tuple[Path, ...]:
-    """All files that a file of spectra consists of: header and data of a library, or itself.
+    """All files that belong to a file of spectra: header and data of a library, or the file.
 
     Raises
     ------
     InputError
-        If the data of a header are missing.
+        If the data file of a header is missing.
     """
     pair = envi_pair(path) if path.suffix.lower() in (".sli", ".hdr") and path.exists() else None
     return pair or (path,)
 
 
 def _factor(header: EnviHeader) -> float:
-    told = header.fields.get("reflectance scale factor", "1")
-    factor = number_in(told)
+    text = header.fields.get("reflectance scale factor", "1")
+    factor = number_in(text)
     if not factor > 0:
         raise InputError(
-            header.source, "must be > 0", value=told, where="key 'reflectance scale factor'"
+            header.source, "must be > 0", value=text, where="key 'reflectance scale factor'"
         )
     return factor
 

@@ -79,9 +79,9 @@ def _table(path: Path, part: Any, place: int, at_name: str) -> Found:
         )
     unit = known_unit(units[at_name], str(path)) if units[at_name] else ""
     missing = [
-        told
+        sentence
         for name, values in curves.items()
-        for told in missing_told(
+        for sentence in missing_told(
             name, at, np.isfinite(values), "values that are no number (NaN or TNULL)"
         )
     ]
@@ -100,7 +100,7 @@ def _table(path: Path, part: Any, place: int, at_name: str) -> Found:
 
 
 def _curve(path: Path, part: Any, name: str, at: Array) -> Array | None:
-    """The numbers of a column; None where it holds text or has another length."""
+    """The numbers of a column; None if it contains text or has another length."""
     if part.data[name].dtype.kind not in "fiu":
         return None
     values = _numbers(path, part, name)

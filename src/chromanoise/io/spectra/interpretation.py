@@ -1,4 +1,4 @@
-"""From what stands in a file to curves in nm: units, scale, quantity, and what stays open."""
+"""Interpret the content of a file: units, scale, quantity, and open questions."""
 
 import re
 from dataclasses import replace
@@ -58,13 +58,13 @@ _MOST_SENTENCES = 3
 
 
 def meaning_of(found: Found, answers: Answers) -> ParsedSpectra:
-    """What a file's columns are, with the user's answers where the file is silent.
+    """Interpret the columns of a file, using the answers of the user for missing metadata.
 
     Raises
     ------
     InputError
-        If the unit of the wavelengths is not known, a curve has fewer than two points, or the
-        numbers contradict what the file says of them.
+        If the unit of the wavelengths is unknown, a curve has fewer than two points, or the
+        numbers contradict the metadata of the file.
     """
     columns, deviations = _chosen(found, answers)
     unit, unit_note = _wavelength_unit(found, answers, columns)
@@ -81,7 +81,7 @@ def meaning_of(found: Found, answers: Answers) -> ParsedSpectra:
         *_unnamed(found, columns, answers),
     )
     spread = [sorted_points(column, unit, found.source) for column in deviations]
-    told = ParsedSpectra(
+    parsed = ParsedSpectra(
         curves=curves,
         format=found.format,
         delimiter=found.delimiter,
@@ -106,11 +106,11 @@ def meaning_of(found: Found, answers: Answers) -> ParsedSpectra:
         said_source=found.said_source,
         said_notes=found.said_notes,
     )
-    return questions_of(told, found.words, answers)
+    return questions_of(parsed, found.words, answers)
 
 
 def _chosen(found: Found, answers: Answers) -> tuple[list[Column], list[Column]]:
-    """The curves that are wanted, and the columns of their standard deviations."""
+    """The selected curves, and the columns of their standard deviations."""
     spread = [c for c in found.columns if re.search(_DEVIATION, f"{c.name} {c.unit}")]
     curves = [c for c in found.columns if c not in spread]
     if not curves:
@@ -142,7 +142,7 @@ def _chosen(found: Found, answers: Answers) -> tuple[list[Column], list[Column]]
 def _wavelength_unit(
     found: Found, answers: Answers, columns: list[Column]
 ) -> tuple[Unit, tuple[str, ...]]:
-    """The declared unit, else that of the answer, else the only one that fits the numbers."""
+    """The declared unit, else the answer, else the only unit that fits the numbers."""
     known = [c.wavelength for c in columns if c.wavelength.size]
     if not known:
         raise InputError(found.source, "has curves without points")
@@ -215,7 +215,7 @@ def _unit_of_key(found: Found) -> Unit | None:
 
 
 def _declared_unit(found: Found) -> Unit | None:
-    """The unit that format, heading or key declares; different declarations are refused."""
+    """The unit that format, heading or key declares; contradicting ones raise an error."""
     try:
         units = {
             "its format": found.wavelength_unit,
@@ -226,12 +226,12 @@ def _declared_unit(found: Found) -> Unit | None:
         raise named(error, found.source) from None
     said = {where: unit for where, unit in units.items() if unit}
     if len(set(said.values())) > 1:
-        told = ", ".join(f"{unit} by {where}" for where, unit in said.items())
+        units_text = ", ".join(f"{unit} by {where}" for where, unit in said.items())
         raise InputError(
             found.source,
             "must declare one unit of wavelengths",
-            value=told,
-            found=f"declares {told}",
+            value=units_text,
+            found=f"declares {units_text}",
             remedy="correct one",
         )
     return next(iter(said.values()), None)
@@ -248,7 +248,7 @@ def _quantity(found: Found, answers: Answers, columns: list[Column]) -> Quantity
 
 
 def _heads(found: Found, columns: list[Column]) -> str:
-    """Headings and declared units in lower case, the only text that decides."""
+    """Headings and declared units in lower case; other text is not interpreted."""
     heads = (f"{c.name} [{c.unit}]" if c.unit else c.name for c in columns)
     return " ; ".join([*heads, found.keys.get("unit", "")]).lower()
 
@@ -285,7 +285,7 @@ def _scale(
     if highest <= _FRACTION_AT_MOST:
         return "fraction", 1.0, ()
     if highest <= _PERCENT_AT_MOST and min(highs) <= 1:
-        return "fraction", 1.0, ()  # a curve of fractions beside it: no file mixes the two
+        return "fraction", 1.0, ()  # another curve is in fractions, and files do not mix the two
     if highest <= _PERCENT_AT_MOST and quantity is not None:
         note = f"no {quantity} is {highest:g}: taken as percent, divided by 100"
         return "percent", 0.01, (note,)
@@ -293,7 +293,7 @@ def _scale(
 
 
 def _highest(points: Sorted) -> float:
-    """The highest value at wavelengths that sensors use, else anywhere; at least 0."""
+    """The highest value at 400-1050 nm, or at any wavelength if none is there; at least 0."""
     at = points.wavelength_nm
     here = points.values[(at >= _SENSITIVE_NM[0]) & (at <= _SENSITIVE_NM[1])]
     return float((here if here.size else points.values).max(initial=0.0))
@@ -348,7 +348,7 @@ def _unnamed(found: Found, columns: list[Column], answers: Answers) -> tuple[str
 
 
 def _few(sentences: tuple[str, ...]) -> tuple[str, ...]:
-    """The first sentences of a kind, and the number of the others."""
+    """The first sentences, and the number of the others."""
     more = len(sentences) - _MOST_SENTENCES
     if more <= 1:
         return sentences
@@ -373,7 +373,7 @@ def _spectra(
 
 
 def _gaps_nm(curves: Spectra, points: list[Sorted]) -> tuple[tuple[float, float], ...]:
-    """Those of all curves, and of each alone."""
+    """The gaps of the common wavelengths and of each curve."""
     each = (gap for at in points for gap in gaps_nm(at.wavelength_nm))
     return tuple(sorted({*gaps_nm(curves.wavelength_nm), *each}))
 

@@ -1,4 +1,4 @@
-"""MATLAB files: ISETCam's ``wavelength``, ``data``, ``filterNames``; a camera's ``r, g, b``."""
+"""MATLAB files: ISETCam's ``wavelength``, ``data``, ``filterNames``, or ``r, g, b`` of a camera."""
 
 import math
 from collections.abc import Mapping
@@ -20,14 +20,14 @@ _JIANG_NM = np.arange(400.0, 721.0, 10.0)
 
 
 def is_matlab(content: bytes) -> bool:
-    """Whether these bytes begin a MATLAB file of version 5."""
+    """Whether these are the first bytes of a MATLAB file of version 5."""
     return content.startswith(b"MATLAB 5.0") or (
         len(content) >= 128 and content[124:128] in (b"\x00\x01IM", b"\x01\x00MI")
     )
 
 
 def read_isetcam(path: Path) -> Found:
-    """The curves of a MATLAB file, their names, and its other texts.
+    """Read the curves of a MATLAB file, with their names and other texts.
 
     Raises
     ------
@@ -61,12 +61,12 @@ def read_isetcam(path: Path) -> Found:
     square = _square_note(data.shape[1], wavelength.size)
     words = {w: mat_texts(path, w, largest_bytes=_LARGEST_BYTES) for w in _WORDS if w in arrays}
     names, notes = _names(path, arrays, data.shape[1], words.get("name", ()))
-    told = " ".join(" ".join(texts) for texts in words.values())
+    text = " ".join(" ".join(texts) for texts in words.values())
     known = [np.isfinite(data[:, k]) for k in range(data.shape[1])]
     missing = [
-        told
+        text
         for name, here in zip(names, known, strict=True)
-        for told in missing_told(name, wavelength, here, "values that are no number (NaN)")
+        for text in missing_told(name, wavelength, here, "values that are no number (NaN)")
     ]
     comment = " ".join(" ".join(words.get("comment", ())).split())
     return Found(
@@ -76,7 +76,7 @@ def read_isetcam(path: Path) -> Found:
             Column(name=name, unit="", wavelength=wavelength[here], values=data[here, k])
             for k, (name, here) in enumerate(zip(names, known, strict=True))
         ),
-        words=told,
+        words=text,
         keys=_keys(words),
         per="photon" if words.get("units") == ("photons",) else None,
         wavelength_unit=None,

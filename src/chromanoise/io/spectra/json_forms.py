@@ -136,9 +136,9 @@ def _spectrum_of_dcamprof(whole: Mapping[str, Any], source: str) -> Found:
     )
 
 
-def _bands(told: Any, source: str) -> Array:
+def _bands(given: Any, source: str) -> Array:
     """Wavelengths from a list of all, or from three numbers: first, last, step."""
-    bands = array_of(told, 1)
+    bands = array_of(given, 1)
     if bands.size != 3 or not 0 < bands[2] <= bands[1]:
         return bands
     if bands[2] > bands[1] - bands[0] or (bands[1] - bands[0]) / bands[2] > 10_000:
@@ -189,8 +189,8 @@ def _words(whole: Mapping[str, Any]) -> list[str]:
 
 def _columns(lists: Mapping[str, Any], at: Array, source: str) -> tuple[Column, ...]:
     columns = []
-    for name, told in lists.items():
-        values = array_of(told, 1)
+    for name, given in lists.items():
+        values = array_of(given, 1)
         if values.size != at.size:
             raise InputError(
                 source,

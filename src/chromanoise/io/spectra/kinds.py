@@ -1,4 +1,4 @@
-"""Files of other kinds, recognized by their first bytes."""
+"""Recognize files that are not spectra by their first bytes."""
 
 import struct
 
@@ -32,16 +32,16 @@ _START = 512
 
 
 def kind_of(content: bytes) -> tuple[str, str] | None:
-    r"""The kind of a file by its first bytes, and what to do with it; None if it may be text.
+    r"""The kind of a file by its first bytes, and a remedy; None if it may be text.
 
     Examples
     --------
     >>> kind_of(b"\x89PNG\r\n\x1a\n..."), kind_of(b"nm,R\n400,0.1\n")
     (('a PNG picture', 'digitize its curves, and save them as CSV'), None)
     """
-    for start, name, cure in _KINDS:
+    for start, name, remedy in _KINDS:
         if content.startswith(start):
-            return name, cure
+            return name, remedy
     if content[:_START].lstrip().lower().startswith(_HTML):
         return "an HTML page", "download the file that it links to, or save its table as CSV"
     if len(content) > 20 and _is_matlab_4(content):
@@ -69,7 +69,7 @@ def kind_of_zip(names: list[str]) -> tuple[str, str] | None:
 
 
 def _is_matlab_4(content: bytes) -> bool:
-    """The type of MATLAB 4, then two sizes, a flag and the length of a name, four bytes each.
+    """Whether the header of MATLAB 4 is valid: type, two sizes, a flag and a name length.
 
     MathWorks, "MAT-File Format", level 4.
     """

@@ -14,7 +14,7 @@ _LEAST_NM = 100.0
 
 
 def as_columns(rows: Sequence[Row]) -> tuple[Sequence[Row], tuple[str, ...]]:
-    """Rows with one wavelength each, and a note if the table was transposed.
+    """Rows with one wavelength per row, and a note if the table was transposed.
 
     Notes
     -----

@@ -1,4 +1,4 @@
-"""Curves with lists of wavelengths of their own, brought onto one list."""
+"""Resample curves with different wavelengths to a common list of wavelengths."""
 
 from dataclasses import dataclass
 
@@ -27,17 +27,17 @@ class Sorted:
     Attributes
     ----------
     name
-        Its name.
+        The name of the curve.
     wavelength_nm
-        Increasing. [nm]
+        Increasing wavelengths. [nm]
     values
-        In the file's unit.
+        The values, in the unit of the file.
     unsorted
-        Whether the file has it in another order.
+        Whether the rows of the file are not in increasing order.
     merged
-        How many points went into others at the same wavelength.
+        The number of points that were merged with others at the same wavelength.
     conflicts_nm
-        Wavelengths at which points that went together differ. [nm]
+        Wavelengths at which merged points have different values. [nm]
     """
 
     name: str
@@ -53,7 +53,7 @@ class Sorted:
 
 
 def in_nm(wavelength: Float[Array, " m"], unit: Unit) -> Float[Array, " m"]:
-    """Wavelengths in a unit, or wavenumbers in 1/cm, converted in the same order. [nm]
+    """Convert wavelengths in a unit, or wavenumbers in 1/cm, without sorting. [nm]
 
     Examples
     --------
@@ -71,7 +71,7 @@ def in_nm(wavelength: Float[Array, " m"], unit: Unit) -> Float[Array, " m"]:
 
 
 def sorted_points(column: Column, unit: Unit, source: str) -> Sorted:
-    """A curve in the order of its wavelengths, repeated ones merged to their mean.
+    """Sort a curve by wavelength, and merge repeated wavelengths to their mean.
 
     Raises
     ------
@@ -112,9 +112,10 @@ def sorted_points(column: Column, unit: Unit, source: str) -> Sorted:
 def on_common(
     points: list[Sorted], beyond: Beyond, source: str
 ) -> tuple[tuple[Float[Array, " m"], Float[Array, "m k"]], tuple[str, ...]]:
-    """All curves at the wavelengths of any of them, straight lines between their own points.
+    """Interpolate all curves linearly to the union of their wavelengths.
 
-    Where a curve ends before the others, it is zero, holds, or (``refuse``) all are cut.
+    A curve that ends before the others is extrapolated by ``zero`` or ``hold``; with ``refuse``,
+    all curves are cut to their common range.
     """
     at = np.unique(np.concatenate([p.wavelength_nm for p in points]))
     if at.size * len(points) > _MOST_VALUES:
@@ -129,12 +130,12 @@ def on_common(
     low, high = max(starts), min(ends)
     notes: tuple[str, ...] = ()
     if min(starts) < low or high < max(ends):
-        told = f"the curves share {low:g}-{high:g} nm of {min(starts):g}-{max(ends):g} nm"
+        shared = f"the curves share {low:g}-{high:g} nm of {min(starts):g}-{max(ends):g} nm"
         if beyond == "refuse":
             at = at[(at >= low) & (at <= high)]
-            notes = (f"{told}: cut to what they share (beyond zero or hold keeps the rest)",)
+            notes = (f"{shared}: cut to what they share (beyond zero or hold keeps the rest)",)
         else:
-            notes = (f"{told}: {beyond} beyond each curve's own end",)
+            notes = (f"{shared}: {beyond} beyond each curve's own end",)
     if at.size < 2:
         raise InputError(
             source,
@@ -149,7 +150,7 @@ def on_common(
 
 
 def step_nm(wavelength_nm: Float[Array, " m"]) -> float | None:
-    """The distance of neighbors; None where it varies by more than 0.1 %. [nm]
+    """The distance between neighbors; None if it varies by more than 0.1 %. [nm]
 
     Examples
     --------
@@ -162,7 +163,7 @@ def step_nm(wavelength_nm: Float[Array, " m"]) -> float | None:
 
 
 def gaps_nm(wavelength_nm: Float[Array, " m"]) -> tuple[tuple[float, float], ...]:
-    """From and to of steps wider than 2.5 times the usual one, and than 5 nm. [nm]
+    """Start and end of steps wider than 2.5 times the usual step and wider than 5 nm. [nm]
 
     Examples
     --------

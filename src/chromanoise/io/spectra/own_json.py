@@ -1,4 +1,4 @@
-"""JSON in versioned schemas of this library; files of other versions are refused."""
+"""JSON in versioned schemas of this library; files of other versions raise an error."""
 
 import json
 from collections.abc import Mapping
@@ -12,7 +12,7 @@ from chromanoise.errors import InputError
 from chromanoise.io.spectra.parsed import Column, Found, Level, Per, Quantity, Scaled
 
 SCHEMA_VERSION = 1
-"""Of every schema; a file of another version is not read."""
+"""The version of every schema; a file of another version is not read."""
 
 SPECTRA_SCHEMA = "chromanoise spectra"
 UNIT_OF_COLUMN = {"1": "", "e-/photon": ""}
@@ -21,13 +21,13 @@ UNIT_OF_COLUMN = {"1": "", "e-/photon": ""}
 _LARGEST = 1e30  # as in all other files of spectra
 
 
-def as_json(told: Mapping[str, Any]) -> str:
-    """Text with all digits; what is not finite is an error."""
-    return json.dumps(told, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+def as_json(data: Mapping[str, Any]) -> str:
+    """JSON text with all digits; numbers that are not finite raise an error."""
+    return json.dumps(data, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
 
 
 def named(error: InputError, source: str) -> InputError:
-    """The error of a value, with the file that holds the value as its subject."""
+    """The error about a value, with the file that contains the value as its subject."""
     if source in error.subject:
         return error
     if not error.requirement:
@@ -44,21 +44,21 @@ def named(error: InputError, source: str) -> InputError:
 
 
 def held_json(text: str, schema: str, *, source: str) -> dict[str, Any]:
-    """What a text in one of our own schemas holds.
+    """The data in a text of one of our own schemas.
 
     Parameters
     ----------
     text
         The whole file.
     schema
-        Which one: ``chromanoise sensor``, for example.
+        The schema, e.g. ``chromanoise sensor``.
     source
-        Where the text is from; used in errors.
+        The origin of the text; used in errors.
 
     Raises
     ------
     InputError
-        If it is not JSON, or of another schema or version.
+        If the text is not JSON, or has another schema or version.
     """
     try:
         held = json.loads(text)
@@ -79,7 +79,7 @@ def own_spectra(held: Mapping[str, Any], source: str) -> Found:
     Raises
     ------
     InputError
-        If it is of another version, or something in it is missing or wrong.
+        If the version differs, or a value is missing or invalid.
     """
     _refuse_other_version(held, source)
     try:
@@ -122,7 +122,7 @@ def own_spectra(held: Mapping[str, Any], source: str) -> Found:
             )
             for k, name in enumerate(names)
         ),
-        heading="wavelength_nm",  # as the CSV of the same curves is headed
+        heading="wavelength_nm",  # the heading of the CSV of the same curves
         wavelength_unit="nm",
         said_source=said_source,
         said_notes=said_notes,
@@ -131,7 +131,7 @@ def own_spectra(held: Mapping[str, Any], source: str) -> Found:
 
 
 def declared(facts: Mapping[str, str], notes: tuple[str, ...] = ()) -> dict[str, Any]:
-    """Quantity, level, per and scale that a file of this library declares, as fields of `Found`.
+    """Quantity, level, per and scale of a file of this library, as fields of `Found`.
 
     Unknown words are ignored. Files of earlier versions have level and per in their notes.
 
@@ -154,10 +154,10 @@ def declared(facts: Mapping[str, str], notes: tuple[str, ...] = ()) -> dict[str,
 
 
 def unfit(source: str, what: str, error: Exception) -> InputError:
-    """The error for JSON of a known schema in which something is missing or wrong."""
-    told = f"{error.args[0]!r} is missing" if isinstance(error, KeyError) else str(error)
-    told = " ".join(told.split())[:200]
-    return InputError(source, f"is not the JSON of a {what} as chromanoise writes it ({told})")
+    """The error for JSON of a known schema in which a value is missing or invalid."""
+    fault = f"{error.args[0]!r} is missing" if isinstance(error, KeyError) else str(error)
+    fault = " ".join(fault.split())[:200]
+    return InputError(source, f"is not the JSON of a {what} as chromanoise writes it ({fault})")
 
 
 def word_of(value: Any) -> str:

@@ -1,4 +1,4 @@
-"""What a file of spectra says, what its user adds, and what was understood of both."""
+"""Data classes: what a reader found in a file, the answers of the user, the parsed spectra."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -28,28 +28,28 @@ Negatives = Literal["refuse", "zero"]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Answers:
-    """What the user says about a file; None leaves it to the file.
+    """Metadata that the user supplies for a file; None uses that of the file.
 
     Attributes
     ----------
     quantity
-        What the curves are.
+        The quantity of the curves.
     scale
-        Whether 1 or 100 is the whole.
+        Whether values are fractions (1 is the whole) or percent (100 is the whole).
     level
-        Whether the height of the curves means something.
+        Whether the values are absolute or only relative.
     per
         Whether light was counted in photons or in energy.
     wavelength_unit
         The unit of the wavelengths.
     beyond
-        What a curve is where others of the file go on.
+        How to extrapolate a curve that ends before the others of the file or before the grid.
     columns
-        The curves that are wanted; none: all.
+        The curves to read; if empty, all.
     peak_qe
-        Of relative curves of a sensor: the highest quantum efficiency. [e-/photon]
+        The highest quantum efficiency, for relative curves of a sensor. [e-/photon]
     negatives
-        Whether small negative values, as digitizing or a dark reading leaves them, are set to 0.
+        Whether small negative values, which digitizing or dark readings can cause, are set to 0.
     """
 
     quantity: Quantity | None = None
@@ -75,21 +75,21 @@ class Answers:
 
 
 ASK = Answers()
-"""No answer: what the file does not say becomes a question."""
+"""No answers: missing metadata becomes a question."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Question:
-    """Something that neither the file nor its user has said.
+    """Missing metadata, which neither the file nor its user has given.
 
     Attributes
     ----------
     about
-        The field of `Answers` that it is about.
+        The field of `Answers` that is missing.
     asks
-        The question.
+        The text of the question.
     settings
-        Fields of `Answers` that answer it: one of them is enough.
+        The fields of `Answers` that answer it; one of them is enough.
     """
 
     about: str
@@ -107,18 +107,18 @@ class Row:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Column:
-    """One curve as it stands in the file, in the file's own units and order.
+    """One curve as stored in the file, in the units and order of the file.
 
     Attributes
     ----------
     name
-        Its name, without unit.
+        The name, without unit.
     unit
-        The unit beside the name; empty where there is none.
+        The unit after the name; empty if there is none.
     wavelength
-        Where it is given, in any order, in the file's unit.
+        The wavelengths of the samples, in any order, in the unit of the file.
     values
-        What it is there.
+        The values at these wavelengths.
     """
 
     name: str
@@ -133,32 +133,32 @@ class Column:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Found:
-    """What a reader found in a file, before it is given a meaning.
+    """The content of a file, before units and quantities are interpreted.
 
     Attributes
     ----------
     source
-        The file, as messages name it.
+        The name of the file in messages.
     format
         The kind of file.
     columns
         The curves.
     heading
-        What stands over the column of wavelengths.
+        The heading of the column of wavelengths.
     words
         Titles and comments: free text, which has no effect.
     keys
         Declarations of the file, with the names of `declared_keys`.
     delimiter, decimal
-        How a text parts cells and fractions; empty where that does not apply.
+        The cell delimiter and the decimal mark of a text; empty if not applicable.
     quantity, level, per, wavelength_unit, scale
-        What the format itself says.
+        Metadata that the format itself implies.
     named
         Whether the file names its curves.
     notes, defects
-        What the reader did, and what it stumbled over.
+        How the reader processed the file, and the defects that it detected.
     said_source, said_notes
-        Where the file says that its curves come from, and the notes that it keeps of them.
+        The source of the curves and the notes on them, as the file declares them.
     """
 
     source: str
@@ -183,35 +183,35 @@ class Found:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ParsedSpectra:
-    """Curves, and all that is known, was done and remains open about them.
+    """Curves with their metadata, notes on processing, and open questions.
 
     Attributes
     ----------
     curves
-        On one list of increasing wavelengths, the factor of ``scale`` applied.
+        The curves on common increasing wavelengths, multiplied by ``factor``.
     format, delimiter, decimal
-        The kind of file; how its text parts cells and fractions.
+        The kind of file; its cell delimiter and its decimal mark.
     wavelength_unit
-        In which the file gives wavelengths.
+        The unit of the wavelengths in the file.
     scale, factor
-        ``fraction``, ``percent`` or ``as written``, and by what the numbers were multiplied.
+        ``fraction``, ``percent`` or ``as written``, and the factor applied to the numbers.
     step_nm
-        Distance of neighbors; None where it varies. [nm]
+        Distance between neighboring wavelengths; None if it varies. [nm]
     gaps_nm
-        From and to of each stretch that is much wider than the steps. [nm]
+        Start and end of each gap that is much wider than the usual step. [nm]
     merged
-        Points that stood at a wavelength of their curve more than once and became one.
+        The number of points that were merged with others at the same wavelength.
     quantity, level, per
-        What the curves are, whether their height means something, whether light was counted in
-        photons or energy; None where unknown.
+        The quantity of the curves, whether they are absolute or relative, and whether light was
+        counted in photons or energy; None if unknown.
     deviations
-        Standard deviations, where the file gives them beside the curves.
+        Standard deviations, if the file has columns of them.
     notes, defects, questions
-        What was done, what the numbers show to be wrong or odd, what remains to be answered.
+        How the file was processed, defects of the data, and missing metadata.
     own_form
-        Whether it is headed ``wavelength_nm``, as the documented table of a sensor's QE.
+        Whether the heading is ``wavelength_nm``, as in the documented table of a sensor's QE.
     said_source, said_notes
-        As `Found`.
+        As in `Found`.
     """
 
     curves: Spectra

@@ -1,6 +1,6 @@
-"""Facts that neither a file nor its user has declared, as questions with the settings for them.
+"""Questions about metadata that neither a file nor its user has given, with their settings.
 
-A preview of a file shows the questions; `qe_of` and `power_of` refuse with the same words.
+A preview of a file shows the questions; `qe_of` and `power_of` raise errors with the same text.
 """
 
 import re
@@ -19,18 +19,18 @@ _MENTIONED = r"(?i)\b(qe|quantum efficiency|responsivity|sensitivity|reflect\w*|
 
 
 Use = Literal["sensor", "light", "filter", "reflectance"]
-"""What curves are read for."""
+"""The purpose for which curves are read."""
 
 
 class UndeclaredError(InputError):
-    """Questions that must be answered before curves of a file can be used.
+    """Raised for questions that must be answered before the curves of a file can be used.
 
     Parameters
     ----------
     subject
         The file.
     questions
-        All of them; ``remedy`` holds their settings in the same order.
+        All questions; ``remedy`` contains their settings in the same order.
 
     Examples
     --------
@@ -50,15 +50,17 @@ class UndeclaredError(InputError):
         self.counts = tuple(len(question.settings) for question in questions)
 
     def sentence(self, *, subject: str | None = None, render: Render = str) -> str:
-        """As of `InputError`, but with the settings of all questions: each must be answered."""
+        """As in `InputError`, but with the settings of all questions, which all need answers."""
         settings = iter(one for one in self.remedy if isinstance(one, Setting))
-        told = [" or ".join(render(next(settings)) for _ in range(count)) for count in self.counts]
+        needed = [
+            " or ".join(render(next(settings)) for _ in range(count)) for count in self.counts
+        ]
         text = self.subject if subject is None else subject
-        return f"{text}: {self.requirement}; {', and '.join(told)}"
+        return f"{text}: {self.requirement}; {', and '.join(needed)}"
 
 
 def use_of(quantity: Quantity | None) -> Use:
-    """The use of curves of a quantity; without a quantity, a sensor."""
+    """The use of curves with this quantity; without a quantity, a sensor."""
     others: dict[Quantity | None, Use] = {
         "power": "light",
         "transmittance": "filter",
@@ -68,14 +70,14 @@ def use_of(quantity: Quantity | None) -> Use:
 
 
 def questions_of(told: ParsedSpectra, words: str, answers: Answers) -> ParsedSpectra:
-    """The same with the open questions of the use that its quantity suggests.
+    """The parsed file with the open questions of the use that its quantity implies.
 
     Parameters
     ----------
     told
         The parsed file.
     words
-        The file's free text, which a question may quote but which answers none.
+        The free text of the file. A question may quote it, but it answers none.
     answers
         The user's answers.
     """
@@ -93,7 +95,7 @@ def questions_of(told: ParsedSpectra, words: str, answers: Answers) -> ParsedSpe
 
 
 def sensor_questions(told: ParsedSpectra, answers: Answers) -> Iterator[Question]:
-    """Questions about a sensor: per photon or per energy, and the height of the curves."""
+    """Questions about a sensor: per photon or per energy, and the scale of the curves."""
     if told.per is None and not _documented(told):
         yield Question(
             about="per",
@@ -112,7 +114,7 @@ def sensor_questions(told: ParsedSpectra, answers: Answers) -> Iterator[Question
 
 
 def light_questions(told: ParsedSpectra) -> Iterator[Question]:
-    """Questions about an illuminant: which curve it is, and as energy or in photons."""
+    """Questions about an illuminant: which curve to use, and energy or photons."""
     names = told.curves.names
     if len(names) != 1:
         yield Question(

@@ -13,12 +13,12 @@ _LARGEST = 1e30
 
 
 def read_rawtoaces(whole: Mapping[str, Any], source: str) -> Found:
-    """The curves of a camera or an illuminant as rawtoaces keeps them.
+    """Read the curves of a camera or an illuminant in the format of rawtoaces.
 
     Raises
     ------
     InputError
-        If it has no ``spectral_data`` of the right form.
+        If ``spectral_data`` is missing or has another form.
 
     Notes
     -----

@@ -1,4 +1,4 @@
-"""Tables of cells, whoever cut them out: where the numbers begin, and which column is what."""
+"""Interpret tables of cells from any format: find the rows of numbers and assign the columns."""
 
 import re
 from collections import Counter
@@ -29,7 +29,7 @@ _NAN = float("nan")
 
 
 def is_number(cell: str, *, decimal_comma: bool) -> bool:
-    """Whether a cell is a plain number, a percent sign allowed.
+    """Whether a cell is a number, with or without a percent sign.
 
     Examples
     --------
@@ -43,7 +43,7 @@ def is_number(cell: str, *, decimal_comma: bool) -> bool:
 
 
 def number_in(cell: str, *, decimal_comma: bool = False) -> float:
-    """The number in a cell, percent sign dropped; NaN if it is none or beyond 1e30.
+    """The number in a cell without its percent sign; NaN if it is not a number or exceeds 1e30.
 
     Examples
     --------
@@ -76,7 +76,8 @@ def table_of(
     Raises
     ------
     InputError
-        If fewer than two rows hold numbers, or a cell of them is not a number; names its line.
+        If fewer than two rows have numbers, or a cell of them is not a number; the message names
+        the line.
     """
     if sum(len(row.cells) for row in rows) > _MOST_CELLS:
         raise InputError(source, f"must have at most {_MOST_CELLS} cells for a table of spectra")
@@ -121,14 +122,14 @@ def _first_row_of_numbers(rows: Sequence[Row], comma: bool) -> int:
 
 
 def _with_row_of_units(heads: list[tuple[str, ...]]) -> list[tuple[str, ...]]:
-    """A row of units below the names becomes part of them."""
+    """Append a row of units to the names above it."""
     if len(heads) > 1 and len(heads[-1]) == len(heads[-2]) and is_row_of_units(heads[-1]):
         return [*heads[:-2], with_units(heads[-2], heads[-1])]
     return heads
 
 
 def _bare(cells: tuple[str, ...]) -> tuple[str, ...]:
-    """Without the empty cells at the end that spreadsheets write."""
+    """The rows without the empty cells at the end that spreadsheets write."""
     last = max((i for i, cell in enumerate(cells) if cell), default=-1)
     return cells[: last + 1]
 
@@ -140,7 +141,7 @@ def _width(body: list[Row], heads: Sequence[Row], head: tuple[str, ...]) -> int:
     if named < 2 or usual - named > 1:
         return usual
     room = len(heads[-1].cells) if heads else len(head)
-    ragged = len(lengths) > 1 and usual > room  # then the heading is right, and rows are not
+    ragged = len(lengths) > 1 and usual > room  # then the heading is correct and the rows are not
     return named if ragged else max(named, usual)
 
 
@@ -203,13 +204,13 @@ def _numbers(
                 )
     if not short:
         return table, ()
-    told = ", ".join(str(number) for number in short[:5]) + (", ..." if len(short) > 5 else "")
-    which = f"{where} {told} has" if len(short) == 1 else f"{where}s {told} have"
+    numbers = ", ".join(str(number) for number in short[:5]) + (", ..." if len(short) > 5 else "")
+    which = f"{where} {numbers} has" if len(short) == 1 else f"{where}s {numbers} have"
     return table, (f"ragged rows: {which} fewer than {width} cells",)
 
 
 def _in_pairs(heads: list[tuple[str, ...]], numbers: np.ndarray) -> bool:
-    """Whether each curve has its own wavelengths: the heading says X,Y, or the numbers show it."""
+    """Whether each curve has its own wavelengths, by the heading (X,Y) or by the numbers."""
     pairs = numbers.shape[1] // 2
     if pairs < 1 or numbers.shape[1] % 2:
         return False
@@ -231,8 +232,8 @@ def _digitized(found: dict, heads: list[tuple[str, ...]], numbers: np.ndarray) -
     names = [head for head in heads if {c.lower() for c in head} - {"x", "y", ""}]
     columns = []
     for k in range(numbers.shape[1] // 2):
-        told = names[-1][2 * k] if names and 2 * k < len(names[-1]) else ""
-        name, unit = name_and_unit(told)
+        heading = names[-1][2 * k] if names and 2 * k < len(names[-1]) else ""
+        name, unit = name_and_unit(heading)
         at, values = numbers[:, 2 * k], numbers[:, 2 * k + 1]
         both = np.isfinite(at) & np.isfinite(values)
         columns.append(
@@ -296,7 +297,7 @@ def _shared(
 
 
 def missing_told(name: str, wavelength: Array, known: Array, what: str) -> list[str]:
-    """One sentence where a curve has no value at some of its wavelengths, in the file's unit."""
+    """A sentence if a curve lacks values at some wavelengths, which are in the file's unit."""
     lost = wavelength[~known]
     if not lost.size:
         return []

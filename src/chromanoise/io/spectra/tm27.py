@@ -24,12 +24,12 @@ _NAMES = ("Manufacturer", "CatalogNumber", "Description")
 
 
 def read_tm27(text: str, source: str) -> Found:
-    """The spectrum of a TM-27 file; a document type is refused, so no entity is ever expanded.
+    """Read a TM-27 file; a document type raises an error, so that no entities are expanded.
 
     Raises
     ------
     InputError
-        If it is not TM-27, or a value is not a number; names the line where XML itself is broken.
+        If it is not TM-27, or a value is not a number; the message names the line of an XML error.
 
     Notes
     -----
@@ -51,21 +51,21 @@ def read_tm27(text: str, source: str) -> Found:
         for k, e in enumerate(points, 1)
     ]
     table = np.array(rows, dtype=np.float64)
-    told = parts.get("SpectralQuantity", "").lower()
+    quantity_word = parts.get("SpectralQuantity", "").lower()
     comments = parts.get("Comments", "")
-    quantity = _QUANTITIES.get(told) or _ours(_QUANTITY, comments)
+    quantity = _QUANTITIES.get(quantity_word) or _ours(_QUANTITY, comments)
     ratio = quantity == "QE"  # electrons per photon
     per: Per | None = "photon" if ratio else _ours(_PER, comments)
     level: Level | None = _ours(_LEVEL, comments)
-    if quantity == "power" and told != "other":
-        per, level = per or "energy", "relative" if told == "relative" else "absolute"
+    if quantity == "power" and quantity_word != "other":
+        per, level = per or "energy", "relative" if quantity_word == "relative" else "absolute"
     name = " - ".join(parts[n] for n in _NAMES if parts.get(n)) or "spectrum"
     kept = ("SpectralQuantity", "BandwidthFWHM", "BandwidthCorrected", "Comments")
     return Found(
         source=source,
         format="IES TM-27",
         columns=(Column(name=name, unit="", wavelength=table[:, 0], values=table[:, 1]),),
-        words=told,
+        words=quantity_word,
         wavelength_unit="nm",
         quantity=quantity,
         per=per,
@@ -76,7 +76,7 @@ def read_tm27(text: str, source: str) -> Found:
 
 
 def _ours(pattern: str, comments: str) -> Any:
-    """What the comments of a file of our own say, for which TM-27 has no word."""
+    """The metadata in the comments of a file of this library that TM-27 has no field for."""
     match = re.match(pattern, comments)
     return match[1] if match else None
 

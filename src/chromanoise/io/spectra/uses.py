@@ -1,4 +1,4 @@
-"""Curves for a purpose, once all questions are answered: QE per photon, or power."""
+"""Convert parsed curves to QE per photon or to power, once all questions are answered."""
 
 from collections.abc import Iterable
 from dataclasses import replace
@@ -17,37 +17,37 @@ _ELEMENTARY_CHARGE_C = 1.602176634e-19
 
 
 def qe_of(told: ParsedSpectra, answers: Answers) -> Spectra:
-    """The curves as electrons per photon; assumptions are in the notes.
+    """Convert curves to electrons per photon; the notes list assumptions.
 
     Parameters
     ----------
     told
-        What was understood of the file.
+        The parsed file.
     answers
-        What its user said; ``peak_qe`` gives relative curves their height.
+        The answers of the user; ``peak_qe`` scales relative curves.
 
     Raises
     ------
     InputError
-        If the file holds something else.
+        If the file contains another quantity.
     UndeclaredError
         If questions must be answered first; ``remedy`` holds the settings.
 
     Notes
     -----
-    A response S per energy is S h c / lambda per photon; one in A/W is divided by the elementary
-    charge e: QE = S h c / (e lambda).
+    A response S per energy equals S h c / lambda per photon. A response in A/W is also divided by
+    the elementary charge e: QE = S h c / (e lambda).
 
     Examples
     --------
     >>> curves = Spectra(wavelength_nm=np.array([400.0, 800.0]), values=np.array([[.5], [1.0]]),
     ...                  names=("mono",), quantity="response", unit="1", source="a sheet")
-    >>> told = ParsedSpectra(
+    >>> parsed = ParsedSpectra(
     ...     curves=curves, format="text", delimiter="", decimal="", wavelength_unit="nm",
     ...     scale="as written", factor=1.0, step_nm=400.0, gaps_nm=(), merged=0,
     ...     quantity="response", level="relative", per="energy", deviations=None, notes=(),
     ...     defects=(), questions=())
-    >>> qe_of(told, Answers(peak_qe=0.6)).values.ravel()    # the same per photon at both
+    >>> qe_of(parsed, Answers(peak_qe=0.6)).values.ravel()  # equal per photon at both
     array([0.6, 0.6])
     """
     source = told.curves.source
@@ -73,7 +73,7 @@ def qe_of(told: ParsedSpectra, answers: Answers) -> Spectra:
 
 
 def _refuse_open(told: ParsedSpectra, questions: Iterable[Question]) -> None:
-    """Refuse curves with open questions, in one sentence that names all of them."""
+    """Raise an error if there are open questions; its message lists all of them."""
     asked = tuple(questions)
     if asked:
         raise UndeclaredError(told.curves.source, asked)
@@ -88,19 +88,19 @@ def _with_height(
         raise InputError(
             curves.source, "must have a value above 0", value=highest, found="all are 0 or less"
         )
-    told = f"relative curves, scaled to a highest QE of {answers.peak_qe:g}"
-    return replace(curves, values=curves.values * (answers.peak_qe / highest)), (*notes, told)
+    note = f"relative curves, scaled to a highest QE of {answers.peak_qe:g}"
+    return replace(curves, values=curves.values * (answers.peak_qe / highest)), (*notes, note)
 
 
 def power_of(told: ParsedSpectra) -> Spectra:
-    """One curve of relative power over wavelength, as `illuminant_from` wants it.
+    """Convert one curve to relative power over wavelength, for `illuminant_from`.
 
     Raises
     ------
     InputError
-        If it is given per wavenumber.
+        If the light is given per wavenumber.
     UndeclaredError
-        If it is not one curve, or does not declare whether light is counted as energy or in
+        If the file has several curves, or does not declare whether light is counted as energy or in
         photons; ``remedy`` holds the settings.
     """
     curves = told.curves
@@ -120,17 +120,17 @@ def power_of(told: ParsedSpectra) -> Spectra:
 
 
 def power_of_photons(curves: Spectra) -> Spectra:
-    """Curves that count photons as relative power, straight lines of photons kept as they are.
+    """Convert curves of photons to relative power, with linear interpolation in photons.
 
     Parameters
     ----------
     curves
-        Relative photons per wavelength. They are taken at every nanometer before they are
-        multiplied by the energy of a photon: what is straight in photons is bent in power.
+        Relative photons per wavelength. They are interpolated to every nanometer before they are
+        multiplied by the photon energy, because a line in photons is not a line in power.
 
     Notes
     -----
-    A photon has the energy h c / lambda; that at the shortest wavelength is 1 here.
+    A photon has the energy h c / lambda, here normalized to 1 at the shortest wavelength.
 
     Examples
     --------
@@ -155,7 +155,7 @@ def power_of_photons(curves: Spectra) -> Spectra:
 
 
 def _said(told: ParsedSpectra) -> tuple[str, ...]:
-    """Notes and defects, each with the name of the file."""
+    """Notes and defects, each prefixed with the name of the file."""
     return tuple(f"{_name(told)}: {text}" for text in (*told.notes, *told.defects))
 
 

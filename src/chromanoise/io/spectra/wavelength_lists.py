@@ -56,13 +56,13 @@ class Listed:
     Attributes
     ----------
     name
-        In the file; it may end in a unit (``bands_nm``).
+        Name in the file; it may end in a unit (``bands_nm``).
     size
         Number of its entries.
     numbers
         Function that reads them.
     unit
-        As the file declares it for the list; empty if it does not.
+        The unit that the file declares for the list; empty if it declares none.
     """
 
     name: str
@@ -72,12 +72,12 @@ class Listed:
 
 
 def is_list(shape: tuple[int, ...]) -> bool:
-    """Whether an array of this shape holds its numbers along one axis."""
+    """Whether an array of this shape is one-dimensional, except for axes of length 1."""
     return len(shape) > 0 and max(shape) == np.prod(shape, dtype=object)
 
 
 def fitting(lists: Sequence[Listed], lengths: Collection[int]) -> tuple[Listed, ...]:
-    """The lists with one of these lengths; else the first, which the caller refuses."""
+    """The lists with one of these lengths; else the first, which the caller rejects."""
     fit = tuple(one for one in lists if one.size in lengths)
     return fit or tuple(lists[:1])
 
@@ -118,7 +118,7 @@ def _nanometers_of(path: Path | str, one: Listed) -> tuple[Float[Array, " m"], N
     return nanometers(path, one.name, np.ravel(one.numbers()), one.unit)
 
 
-@np.errstate(all="ignore")  # overflows are refused later, as not in the range of light
+@np.errstate(all="ignore")  # overflows raise an error later, as out of range
 def nanometers(
     path: Path | str, name: str, values: Array, unit: str, *, unit_key: str = "unit"
 ) -> tuple[Float[Array, " m"], Notes]:
@@ -133,7 +133,7 @@ def nanometers(
     values
         The numbers, in any unit.
     unit
-        As the file declares it; empty if it does not.
+        The unit that the file declares; empty if it declares none.
     unit_key
         Name of the field in the file that declares the unit.
 
@@ -150,7 +150,7 @@ def nanometers(
     listed = np.asarray(values, dtype=np.float64)
     word = unit.strip().lower()
     in_name = name.lower().rpartition("_")[2]
-    told = f"{unit_key} {printable(word)!r}" if word else f"no {unit_key}"
+    unit_text = f"{unit_key} {printable(word)!r}" if word else f"no {unit_key}"
     low, high = listed.min(), listed.max()
     if word in NM_PER:
         return listed * NM_PER[word], ()
@@ -160,12 +160,13 @@ def nanometers(
         fitting = unit_that_fits(low, high)
         if fitting == "nm" or (fitting == "um" and word != "index"):
             what = "nm" if fitting == "nm" else "micrometers"
-            return listed * NM_PER[fitting], (f"{name!r} has {told}: wavelengths taken as {what}",)
+            note = f"{name!r} has {unit_text}: wavelengths taken as {what}"
+            return listed * NM_PER[fitting], (note,)
     raise InputError(
         str(path),
         "must declare nm or um",
         value=(float(low), float(high)),
-        found=f"has {told} for wavelengths {low:g} .. {high:g}",
+        found=f"has {unit_text} for wavelengths {low:g} .. {high:g}",
         where=f"list {printable(name)!r}",
         remedy=("declare it", Setting("wavelengths")),
     )

@@ -1,4 +1,4 @@
-"""Spreadsheets (``.xlsx``), read with openpyxl where that is installed."""
+"""Read spreadsheets (``.xlsx``) with openpyxl, if it is installed."""
 
 import importlib
 import zipfile
@@ -14,13 +14,13 @@ _MOST_ROWS, _MOST_COLUMNS = 20_000, 1_000
 
 
 def read_workbook(path: Path) -> Found:
-    """The curves of the first sheet that holds any cells.
+    """Read the curves of the first sheet that is not empty.
 
     Raises
     ------
     InputError
         If openpyxl is not installed, the file inflates to more than 16 MiB or declares a document
-        type, or a cell is no number; its row is told.
+        type, or a cell is not a number; the message names the row.
     """
     _refuse_bombs(path)
     book = _openpyxl(path).load_workbook(path, read_only=True, data_only=True)
@@ -49,7 +49,7 @@ def _openpyxl(path: Path) -> Any:
 
 
 def _refuse_bombs(path: Path) -> None:
-    """Nothing that grows beyond measure, no entities in its XML."""
+    """Raise an error if the archive inflates to too many bytes, or its XML declares entities."""
     with zipfile.ZipFile(path) as archive:
         parts = archive.infolist()
         size = sum(part.file_size for part in parts)
@@ -96,7 +96,7 @@ def _rows(path: Path, sheet: Any) -> list[Row]:
 
 
 def _text(value: Any) -> str:
-    """A cell as it would stand in a text: numbers with all their digits."""
+    """A cell as text; numbers with all their digits."""
     if value is None:
         return ""
     return repr(value) if isinstance(value, float) else str(value).strip()

@@ -1,7 +1,6 @@
-"""Sensors and spectra as text that other programs read: CSV, camera JSON, IES TM-27.
+"""Write sensors and spectra for other programs: CSV, camera JSON, IES TM-27.
 
-Numbers are written with all digits that tell them from their neighbors, so that what is read back
-is what was written.
+Numbers are written with all significant digits, so reading them restores the same values.
 """
 
 import csv
@@ -43,21 +42,21 @@ def sensor_spectra(sensor: Sensor) -> Spectra:
 
 
 def spectra_csv(spectra: Spectra, facts: Mapping[str, str] | None = None) -> str:
-    """``wavelength_nm,name,..`` and one row per wavelength; what they are stands in comments.
+    """``wavelength_nm,name,..`` and one row per wavelength; comments contain the metadata.
 
-    `read_curves` takes quantity, unit and facts from these comments.
+    `read_curves` reads quantity, unit and facts from these comments.
 
     Parameters
     ----------
     spectra
-        Any.
+        The spectra to write.
     facts
         Other facts: level, per and scale, with the values of `Found`.
 
     Raises
     ------
     InputError
-        If a name cannot stand in the head of a CSV that is read by lines.
+        If a name cannot be the heading of a column in a CSV.
     """
     return _csv(spectra, facts or {})
 
@@ -65,13 +64,13 @@ def spectra_csv(spectra: Spectra, facts: Mapping[str, str] | None = None) -> str
 def sensor_csv(sensor: Sensor) -> str:
     """The QE of each channel under ``wavelength_nm,R,..``, as `read_sensor_csv` reads it.
 
-    Pixel, mosaic and origin stand in comments, which readers pass over: the pixel must be given
-    again. `sensor_json` keeps all.
+    Pixel, mosaic and origin are written as comments, which readers ignore; the pixel must be given
+    again when the file is read. `sensor_json` preserves all data.
 
     Raises
     ------
     InputError
-        As `spectra_csv`.
+        As for `spectra_csv`.
     """
     pixel = sensor.pixel
     return _csv(
@@ -90,29 +89,30 @@ def sensor_csv(sensor: Sensor) -> str:
 def sensor_rawtoaces_json(
     sensor: Sensor, *, created: str, manufacturer: str = "", license_name: str = "unstated"
 ) -> str:
-    """R, G and B of the sensor as rawtoaces reads a camera: relative, per energy, largest 1.
+    """R, G and B of the sensor in the camera format of rawtoaces: per energy, maximum 1.
 
     Parameters
     ----------
     sensor
-        With channels R, G and B; others are left out.
+        It must have channels R, G and B; others are omitted.
     created
         Date and time of the document, RFC 3339, e.g. ``2026-01-31T12:00:00Z``.
     manufacturer
-        Of the camera.
+        The manufacturer of the camera.
     license_name
-        Under which the curves may be used.
+        The license of the curves.
 
     Raises
     ------
     InputError
-        If a channel is missing, all curves are zero, or a wavelength is no whole nm.
+        If a channel is missing, all curves are zero, or a wavelength is not a whole number of nm.
 
     Notes
     -----
     Schema 1.0.0 of rawtoaces-data. rawtoaces multiplies its curves with spectra of power, so QE,
-    electrons per photon, is multiplied by the wavelength: photons per joule go as lambda. One
-    factor for all channels keeps their balance; the absolute scale is lost.
+    electrons per photon, is multiplied by the wavelength, because photons per joule are
+    proportional to lambda. All channels have the same factor, so their ratios are preserved; the
+    absolute scale is lost.
     """
     header = _rawtoaces_header(sensor, created, manufacturer, license_name)
     per_energy = photons_as_energy(sensor_spectra(sensor))
@@ -120,25 +120,25 @@ def sensor_rawtoaces_json(
 
 
 def photons_as_energy(spectra: Spectra) -> Spectra:
-    """Curves per photon as curves per energy, up to one factor: photons per joule go as lambda."""
+    """Convert curves per photon to curves per energy (times lambda), up to a constant factor."""
     values = spectra.values * spectra.wavelength_nm[:, None]
     return replace(spectra, values=values, unit="relative, per energy")
 
 
 def rawtoaces_json(per_energy: Spectra, header: Mapping[str, Any]) -> str:
-    """R, G and B of curves per energy as rawtoaces reads a camera, the largest 1.
+    """R, G and B of curves per energy, in the camera format of rawtoaces, with maximum 1.
 
     Parameters
     ----------
     per_energy
-        With channels R, G and B; others are left out.
+        It must have channels R, G and B; others are omitted.
     header
-        Of the document, as schema 1.0.0 of rawtoaces-data names it.
+        The header of the document in schema 1.0.0 of rawtoaces-data.
 
     Raises
     ------
     InputError
-        As `sensor_rawtoaces_json`.
+        As for `sensor_rawtoaces_json`.
     """
     source = per_energy.source
     missing = [name for name in "RGB" if name not in per_energy.names]
@@ -170,7 +170,7 @@ def rawtoaces_json(per_energy: Spectra, header: Mapping[str, Any]) -> str:
         )
     rows = (values / values.max()).tolist()
     data = {f"{at:.0f}": row for at, row in zip(wavelength.tolist(), rows, strict=True)}
-    told = {
+    document = {
         "header": dict(header),
         "spectral_data": {
             "units": "relative",
@@ -182,34 +182,35 @@ def rawtoaces_json(per_energy: Spectra, header: Mapping[str, Any]) -> str:
             "data": {"main": data},
         },
     }
-    return as_json(told)
+    return as_json(document)
 
 
 def spectra_spdx(
     spectra: Spectra, name: str, *, created: str, facts: Mapping[str, str] | None = None
 ) -> str:
-    """One curve as IES TM-27-14, the XML that ends in ``.spdx``.
+    """One curve as IES TM-27-14, an XML file with the suffix ``.spdx``.
 
     Parameters
     ----------
     spectra
-        Any.
+        The spectra to write.
     name
-        Which curve.
+        The name of the curve.
     created
-        Date of the document, e.g. ``2026-01-31``: a clock would make every file another.
+        Date of the document, e.g. ``2026-01-31``; the clock is not used, so that the same input
+        gives the same file.
     facts
         As for `spectra_csv`; they are written into the comments.
 
     Raises
     ------
     InputError
-        If there is no such curve, or words hold what XML forbids.
+        If there is no such curve, or a text has characters that XML forbids.
 
     Notes
     -----
-    ANSI/IES TM-27-14. What its list of quantities has no word for is ``other``, with the quantity
-    and its unit told in the comments.
+    ANSI/IES TM-27-14. A quantity that is not in its list is written as ``other``, with the quantity
+    and its unit in the comments.
     """
     if name not in spectra.names:
         raise InputError(
@@ -222,12 +223,12 @@ def spectra_spdx(
     quantity = {q.lower(): q for q in _TM27_QUANTITIES}.get(words, "other")
     what = f"{spectra.quantity} [{spectra.unit}]"
     said = [f"{_TM27_FACTS[key]}{value}" for key, value in (facts or {}).items()]
-    told = "; ".join((what, *said, f"source: {_but_folder(spectra.source)}", *spectra.notes))
+    comments = "; ".join((what, *said, f"source: {_but_folder(spectra.source)}", *spectra.notes))
     header = {
         "Description": name,
         "DocumentCreator": f"chromanoise {__version__}",
         "DocumentCreationDate": created,
-        "Comments": told,
+        "Comments": comments,
     }
     column = spectra.values[:, spectra.names.index(name)].tolist()
     data = (
@@ -318,19 +319,19 @@ def _csv(spectra: Spectra, facts: Mapping[str, str]) -> str:
 
 
 def mosaic_text(mosaic: Mosaic | None) -> str:
-    """One word per row of the pattern, ``none`` where each pixel has all channels."""
+    """The rows of the pattern, separated by ``/``; ``none`` if each pixel has all channels."""
     return "/".join(" ".join(row) for row in mosaic.pattern) if mosaic else "none"
 
 
 def _but_folder(source: str) -> str:
-    """A source that is a file by its name: where it lay says nothing elsewhere."""
+    """The source without its folder, if it is a path."""
     path = Path(source)
     there = os.path.isfile(source)  # noqa: PTH113 - also accepts names that are too long
     return path.name if path.is_absolute() or there else source
 
 
 def _xml(text: str) -> str:
-    """Escaped; refused where a letter cannot stand in XML 1.0 at all."""
+    """The text escaped for XML; a character that XML 1.0 forbids raises an error."""
     for letter in text:
         code = ord(letter)
         if (

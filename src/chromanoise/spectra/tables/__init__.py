@@ -1,4 +1,4 @@
-"""Facts typed in from published sources; ``SOURCES.toml`` says which, and what was done to them."""
+"""Packaged tables from published sources; ``SOURCES.toml`` lists origin and processing."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -16,13 +16,13 @@ from chromanoise.spectra.tables.provenance import (
 
 @cache
 def sources() -> Mapping[str, Provenance]:
-    """For each packaged table: what it is, where it comes from, and what to know about it."""
+    """The provenance of each packaged table."""
     return table_provenances(_packaged("SOURCES.toml"), "SOURCES.toml", house=True)
 
 
 @cache
 def formulas() -> Mapping[str, Provenance]:
-    """The same for what is made by a formula or found in colour-science, by name."""
+    """The provenance, by name, of what a formula or colour-science provides."""
     return formula_provenances(_packaged("FORMULAS.toml"), "FORMULAS.toml")
 
 
@@ -36,18 +36,18 @@ def packaged_table(name: str) -> Spectra:
 
 
 def catalogue_tables(kind: str) -> dict[str, Provenance]:
-    """The packaged tables of one kind, by their names in the catalogue.
+    """The packaged tables of one kind, by their names in the catalog.
 
     Examples
     --------
     >>> catalogue_tables("illuminant")["G173"].table
     'astm_g173_global'
     """
-    return {told.name: told for told in sources().values() if told.kind == kind}
+    return {entry.name: entry for entry in sources().values() if entry.kind == kind}
 
 
 def catalogue_curves(provenance: Provenance) -> Spectra:
-    """The curves of a packaged table; messages call them by their name in the catalogue."""
+    """The curves of a packaged table, with their catalog name as source in messages."""
     return replace(packaged_table(provenance.table), source=provenance.name)
 
 

@@ -26,9 +26,9 @@ class UserTable:
     Attributes
     ----------
     provenance
-        What its section of SOURCES.toml says.
+        The section of SOURCES.toml for this table.
     path
-        The table.
+        The CSV file.
     """
 
     provenance: Provenance
@@ -54,8 +54,8 @@ def user_tables(folder: Path) -> Mapping[str, UserTable]:
             str(folder), "is not a catalog folder", remedy=f"name a folder that holds {SOURCES}"
         )
     source = folder / SOURCES
-    told = table_provenances(_text(source), str(source))
-    tables = {name: _table(folder, name, provenance) for name, provenance in told.items()}
+    provenances = table_provenances(_text(source), str(source))
+    tables = {name: _table(folder, name, provenance) for name, provenance in provenances.items()}
     for path in sorted(folder.glob("*.csv")):
         if path.stem not in tables:
             raise InputError(
@@ -65,15 +65,15 @@ def user_tables(folder: Path) -> Mapping[str, UserTable]:
 
 
 def user_curves(table: UserTable) -> Spectra:
-    """The curves of a user's table, named by it.
+    """The curves of a user's table.
 
     Raises
     ------
     InputError
-        If the table cannot be read; names file, line and column.
+        If the table cannot be read; the message names file, line and column.
     """
-    told = table.provenance
-    return read_spectra_csv(table.path, quantity=told.quantity, unit=told.unit)
+    known = table.provenance
+    return read_spectra_csv(table.path, quantity=known.quantity, unit=known.unit)
 
 
 def _table(folder: Path, name: str, provenance: Provenance) -> UserTable:

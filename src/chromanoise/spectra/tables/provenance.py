@@ -1,4 +1,4 @@
-"""Where numbers come from: the sections of SOURCES.toml, of the package's own or of a user's."""
+"""Provenance of tables: the sections of a SOURCES.toml, packaged or in a user's folder."""
 
 import tomllib
 from collections.abc import Iterator, Mapping
@@ -15,49 +15,50 @@ _TEXTS = ("quantity", "unit", "source", "license", "defects")
 _REQUIRED = ("kind", "level", *_TEXTS)
 _OF_TABLES = (*_REQUIRED, "what", "per", "done", "mosaic", "pixel")
 _OF_THE_HOUSE = ("name", "names", "pattern", "range_nm", "carried_as", "channels")
-_ABSOLUTE = ("A/W", "e-/photon")  # units of a response whose height means something
+_ABSOLUTE = ("A/W", "e-/photon")  # units of an absolute response
 _PIXEL = ("pitch_um", "full_well_e", "read_noise_e")
 _Place = tuple[str, str]  # file, section
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Provenance:
-    """What must be known of numbers before they may be used.
+    """Origin, license, meaning and known defects of a table or formula.
 
     Attributes
     ----------
     name
-        In the catalogue.
+        The name in the catalog.
     kind
-        What it describes; a ``part`` is of something else and not in the catalogue.
+        What it describes. A ``part`` belongs to another entry and is not in the catalog.
     what
-        In one phrase.
+        A description in one phrase.
     quantity, unit
-        Of its curves.
+        Quantity and unit of its curves.
     level
-        Whether their height means something: ``absolute`` or ``relative``.
+        Whether the scale of the curves is ``absolute`` or only ``relative``.
     per
-        Whether light is counted in photons or as energy; None where that is unknown or idle.
+        Whether light is counted in photons or as energy; None if unknown or not applicable.
     source, license
-        Where the facts come from, and the license of that source.
+        The source of the data, and its license.
     done
-        What was done to them on the way in.
+        How the data were processed before they were stored.
     defects
-        What is known to be wrong or odd.
+        Known defects of the data.
     mosaic
-        Of a sensor: as `chromanoise.sensor.mosaic_named` reads it; empty where unknown.
+        For a sensor: its mosaic as `chromanoise.sensor.mosaic_named` reads it; empty if unknown.
     pixel, pixel_source
-        Of a sensor: what is known of its pixel, by the names of `chromanoise.sensor.Pixel`.
+        For a sensor: the known values of its pixel, by the names of `chromanoise.sensor.Pixel`, and
+        their source.
     table
-        Its packaged table; empty for a formula.
+        The packaged table; empty for a formula.
     pattern
-        Of a family of names: the regular expression of all.
+        For a family of names: the regular expression that matches them.
     range_nm
-        Where a formula or a library's table begins and ends; None where it does not. [nm]
+        First and last wavelength of a formula or a library's table; None if unlimited. [nm]
     carried_as
-        Its name in colour-science, where that is another.
+        The name in colour-science, if it differs.
     channels
-        Of such a camera.
+        The channels of a camera of colour-science.
     """
 
     name: str
@@ -93,65 +94,65 @@ class Provenance:
             _refuse_contradiction(self)
 
 
-def _refuse_contradiction(told: Provenance) -> None:
-    """What a sensor's section says of its curves must not be two things at once."""
-    unit = told.unit.replace(" ", "")
-    if told.quantity == "QE" and told.per == "energy":
+def _refuse_contradiction(provenance: Provenance) -> None:
+    """Raise an error if quantity, unit, level and per of a sensor contradict each other."""
+    unit = provenance.unit.replace(" ", "")
+    if provenance.quantity == "QE" and provenance.per == "energy":
         raise InputError(
-            told.name,
+            provenance.name,
             "QE is per photon",
-            value=told.per,
-            found=f"per is {told.per!r}",
+            value=provenance.per,
+            found=f"per is {provenance.per!r}",
             remedy=("omit per", 'write quantity = "response"'),
         )
-    if told.quantity != "response":
+    if provenance.quantity != "response":
         return
-    if told.per == "photon" and "/W" in unit:
+    if provenance.per == "photon" and "/W" in unit:
         raise InputError(
-            told.name,
-            f"{told.unit} is per energy",
-            value=told.per,
-            found=f"per is {told.per!r}",
+            provenance.name,
+            f"{provenance.unit} is per energy",
+            value=provenance.per,
+            found=f"per is {provenance.per!r}",
             remedy='write per = "energy"',
         )
-    if told.level == "absolute" and unit not in _ABSOLUTE:
+    if provenance.level == "absolute" and unit not in _ABSOLUTE:
         raise InputError(
-            told.name,
+            provenance.name,
             f"the unit of an absolute response must be {' or '.join(_ABSOLUTE)}",
-            value=told.unit,
-            found=f"is {told.unit}",
+            value=provenance.unit,
+            found=f"is {provenance.unit}",
             remedy=("convert the values", 'write level = "relative"'),
         )
-    if told.level == "absolute" and unit == "e-/photon" and told.per == "energy":
+    if provenance.level == "absolute" and unit == "e-/photon" and provenance.per == "energy":
         raise InputError(
-            told.name,
+            provenance.name,
             "e-/photon is per photon",
-            value=told.per,
-            found=f"per is {told.per!r}",
+            value=provenance.per,
+            found=f"per is {provenance.per!r}",
             remedy='write per = "photon"',
         )
 
 
 def table_provenances(text: str, source: str, *, house: bool = False) -> dict[str, Provenance]:
-    """One provenance per table: the sections of a SOURCES.toml, by the names of their tables.
+    """The sections of a SOURCES.toml as provenances, by the names of their tables.
 
     Parameters
     ----------
     text
-        The TOML.
+        The TOML text.
     source
-        Its file, as messages name it.
+        The name of its file in messages.
     house
-        Whether it is the package's own, which may name an entry otherwise than its table.
+        Whether it is the package's own file, where an entry may have another name than its table.
 
     Raises
     ------
     InputError
-        If it is not TOML, or a section lacks a key or has an unknown one.
+        If the text is not TOML, or a section lacks a key or has an unknown one.
 
     Examples
     --------
-    >>> told = table_provenances('''[lamp]
+    >>> provenances = table_provenances('''[lamp]
     ... kind = "illuminant"
     ... what = "a desk lamp"
     ... quantity = "power"
@@ -161,35 +162,37 @@ def table_provenances(text: str, source: str, *, house: bool = False) -> dict[st
     ... license = "CC0-1.0"
     ... defects = "none known"
     ... ''', "SOURCES.toml")
-    >>> told["lamp"].source
+    >>> provenances["lamp"].source
     'measured at home'
     """
     keys = (*_OF_TABLES, "name") if house else _OF_TABLES
-    told = {}
+    provenances = {}
     for table, section in sections_of(text, source).items():
         place = source, f"section [{table}]"
         _checked(section, place, keys)
         name = str(section.get("name", table))
-        told[table] = _provenance(name, _text(section, "what", place), section, place, table=table)
-    return told
+        provenances[table] = _provenance(
+            name, _text(section, "what", place), section, place, table=table
+        )
+    return provenances
 
 
 def formula_provenances(text: str, source: str) -> dict[str, Provenance]:
-    """One provenance per name of FORMULAS.toml: what is made by a formula or found in a library.
+    """The provenance of each name in FORMULAS.toml: data from a formula or from a library.
 
     Raises
     ------
     InputError
-        As `table_provenances`.
+        As for `table_provenances`.
     """
-    told: dict[str, Provenance] = {}
+    provenances: dict[str, Provenance] = {}
     for key, section in sections_of(text, source).items():
         place = source, f"section [{key}]"
         _checked(section, place, (*_OF_TABLES, *_OF_THE_HOUSE))
         names = section["names"] if "names" in section else {key: section["what"]}
         for name, what in names.items():
-            told[name] = _provenance(name, what, section, place)
-    return told
+            provenances[name] = _provenance(name, what, section, place)
+    return provenances
 
 
 def sections_of(text: str, source: str) -> dict[str, dict[str, Any]]:
@@ -198,13 +201,13 @@ def sections_of(text: str, source: str) -> dict[str, dict[str, Any]]:
     Raises
     ------
     InputError
-        If it is not TOML, or a key is outside of a section; names file and line.
+        If the text is not TOML, or a key is outside of a section; the message names the file.
     """
     try:
-        told = tomllib.loads(text)
+        sections = tomllib.loads(text)
     except (tomllib.TOMLDecodeError, RecursionError) as error:
         raise InputError(source, f"is not TOML ({error})") from None
-    for key, section in told.items():
+    for key, section in sections.items():
         if not isinstance(section, dict):
             raise InputError(
                 source,
@@ -213,7 +216,7 @@ def sections_of(text: str, source: str) -> dict[str, dict[str, Any]]:
                 found="is outside of all",
                 where=f"key {key!r}",
             )
-    return told
+    return sections
 
 
 def _checked(section: dict[str, Any], place: _Place, keys: tuple[str, ...]) -> None:
@@ -267,22 +270,22 @@ def _provenance(
     )
 
 
-def _range(told: Any, name: str) -> tuple[float, float] | None:
-    if isinstance(told, dict):
-        told = told[name]
-    return None if told is None else (float(told[0]), float(told[1]))
+def _range(given: Any, name: str) -> tuple[float, float] | None:
+    if isinstance(given, dict):
+        given = given[name]
+    return None if given is None else (float(given[0]), float(given[1]))
 
 
 def _pixel(section: dict[str, Any], place: _Place) -> Iterator[tuple[str, float]]:
-    told = section.get("pixel", {})
-    if not isinstance(told, dict):
+    data = section.get("pixel", {})
+    if not isinstance(data, dict):
         raise InputError(
             place[0],
             "must be a table, as { pitch_um = 6.0, source = ... }",
-            value=told,
+            value=data,
             where=f"{place[1]}, key 'pixel'",
         )
-    for key, value in told.items():
+    for key, value in data.items():
         _check.one_of(f"key of the pixel in {', '.join(place)}", key, (*_PIXEL, "source"))
         if key == "source":
             continue
