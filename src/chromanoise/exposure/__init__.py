@@ -1,4 +1,4 @@
-"""Light meets sensor: expected electrons (eq. 1-2), and the time that fills the well."""
+"""Expected electrons (eq. 1-2), exposure settings, and rules for equal exposure."""
 
 from chromanoise.exposure.cubes import band_weights
 from chromanoise.exposure.electrons import (

@@ -1,4 +1,4 @@
-"""Eq. 2 for a cube: resampling, illuminant, exposure and QE folded into one weight per band."""
+"""Eq. 2 for a cube: resampling, illuminant, exposure and QE as one weight per band."""
 
 from chromanoise._check import Array
 from chromanoise._shapes import Float
@@ -11,33 +11,33 @@ from chromanoise.spectra import Beyond, interpolation_matrix
 def band_weights(
     cube: Cube, white: Scene, sensor: Sensor, exposure: Exposure, *, beyond: Beyond = "refuse"
 ) -> tuple[Float[Array, "m p"], tuple[str, ...]]:
-    """Electrons per unit of reflectance in each band: ``rho @ weights`` are the electrons. [e-]
+    """Electrons per unit of reflectance in each band; ``rho @ weights`` gives electrons. [e-]
 
-    Interpolating a cube onto the grid is linear, so it is done once for the weights and never
-    for the pixels.
+    Interpolation of a cube onto the grid is linear, so it is applied once to the weights instead
+    of to each pixel.
 
     Parameters
     ----------
     cube
-        Only its wavelengths are asked.
+        Only its wavelengths are used.
     white
-        A perfect white (`flat_field`) in the light that falls on the cube.
+        A perfect white (`flat_field`) under the illuminant of the cube.
     sensor, exposure
-        What looks at it, and how.
+        The sensor and its exposure.
     beyond
-        What the reflectances are where the cube ends short of the grid.
+        How to extrapolate reflectances where the cube does not cover the grid.
 
     Returns
     -------
     weights
         One column per channel.
     notes
-        How the cube was continued where it ends short of the grid.
+        How the cube was extrapolated where it does not cover the grid.
 
     Raises
     ------
     InputError
-        If the cube ends short of the grid and ``beyond`` is ``refuse``, or scene and sensor are
+        If the cube does not cover the grid and ``beyond`` is ``refuse``, or scene and sensor are
         on different grids.
     """
     refuse_other_grid(white, sensor)

@@ -1,4 +1,4 @@
-"""Eq. 1-2: how many electrons a scene leaves in each channel."""
+"""Eq. 1-2: expected electrons of a scene in each channel."""
 
 from dataclasses import dataclass
 
@@ -14,7 +14,7 @@ from chromanoise.spectra.metric import photons_per_unit
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Exposure:
-    """How long and through which aperture the sensor looks.
+    """Integration time, f-number and magnification of an exposure.
 
     Attributes
     ----------
@@ -24,13 +24,13 @@ class Exposure:
         f_# of the lens.
     magnification
         ``None`` for the paper's distant Lambertian scene, 1 / (4 f#^2) of the illuminance.
-        A number m takes the camera equation 1 / (1 + 4 f#^2 (1 + |m|)^2) instead, which at
+        A number m selects the camera equation 1 / (1 + 4 f#^2 (1 + |m|)^2) instead, which at
         f/1.8 and m = 0 is 0.32 dB darker.
 
     Raises
     ------
     InputError
-        If a value is not positive, or beyond what double precision holds.
+        If a value is not positive, or out of the range of double precision.
     """
 
     time_s: float
@@ -47,7 +47,7 @@ class Exposure:
 
 
 def exposure_factor(exposure: Exposure, pixel: Pixel, step_nm: float) -> float:
-    """The k of eq. 2: t a^2 delta-lambda / (4 f#^2). [s um2 nm]
+    """The factor k of eq. 2: t a^2 delta-lambda / (4 f#^2). [s um2 nm]
 
     Examples
     --------
@@ -59,14 +59,14 @@ def exposure_factor(exposure: Exposure, pixel: Pixel, step_nm: float) -> float:
 
 
 def _image_illuminance(exposure: Exposure) -> float:
-    """Illuminance on the pixel per illuminance on a white scene."""
+    """Illuminance on the pixel divided by the illuminance on a white scene."""
     if exposure.magnification is None:
         return 1.0 / (4.0 * exposure.f_number**2)
     return 1.0 / (1.0 + 4.0 * exposure.f_number**2 * (1.0 + abs(exposure.magnification)) ** 2)
 
 
 def measurement_vectors(sensor: Sensor, exposure: Exposure, metric: Metric) -> Float[Array, "n p"]:
-    """The F of eq. 3: one column f_i = k QE_i per channel, so that M = F^T L.
+    """The matrix F of eq. 3: one column f_i = k QE_i per channel, so that M = F^T L.
 
     Parameters
     ----------
@@ -88,7 +88,7 @@ def expected_electrons(scene: Scene, sensor: Sensor, exposure: Exposure) -> Floa
 
     Notes
     -----
-    Clouet, Vaillant & Alleysson (CIC27, 2019), eq. 1-2. The integral is the paper's plain sum.
+    Clouet, Vaillant & Alleysson (CIC27, 2019), eq. 1-2. The integral is a plain sum, as there.
     """
     refuse_other_grid(scene, sensor)
     return light(scene, "quanta") @ measurement_vectors(sensor, exposure, "quanta")
@@ -102,21 +102,21 @@ def time_to_saturation(
     share: float = 0.99,
     magnification: float | None = None,
 ) -> float:
-    """The time that brings the most sensitive channel to ``share`` of full well. [s]
+    """The time at which the most sensitive channel reaches ``share`` of full well. [s]
 
     Parameters
     ----------
     scene
-        The brightest of its points decides.
+        Scene; its brightest point determines the time.
     f_number, magnification
         As `Exposure`.
     share
-        Of full well, by light alone; the paper takes 0.99.
+        Share of full well, without dark electrons; the paper uses 0.99.
 
     Raises
     ------
     InputError
-        If no channel sees any light.
+        If no channel receives light.
     """
     share = _check.positive("share", "1", share)
     if share > 1:
@@ -144,7 +144,7 @@ def saturating_exposure(
     share: float = 0.99,
     magnification: float | None = None,
 ) -> Exposure:
-    """The exposure of `time_to_saturation`."""
+    """The exposure with the time of `time_to_saturation`."""
     time_s = time_to_saturation(
         scene, sensor, f_number=f_number, share=share, magnification=magnification
     )
@@ -152,7 +152,7 @@ def saturating_exposure(
 
 
 def refuse_other_grid(scene: Scene, sensor: Sensor) -> None:
-    """Scene and sensor must sample light at the same wavelengths."""
+    """Check that scene and sensor have the same wavelength grid."""
     if scene.illuminant.grid != sensor.grid:
         lit, own = scene.illuminant.grid, sensor.grid
         raise InputError(

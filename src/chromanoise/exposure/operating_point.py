@@ -1,4 +1,4 @@
-"""A sensor in use: with its exposure, in its light."""
+"""Operating point: a sensor with its exposure and light."""
 
 from dataclasses import dataclass
 
@@ -11,14 +11,14 @@ from chromanoise.spectra import Illuminant
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class OperatingPoint:
-    """One sensor, its exposure, and the light that it looks at.
+    """A sensor, its exposure, and the light on the scene.
 
     Attributes
     ----------
     sensor, exposure
-        What looks, and how.
+        The sensor and its exposure.
     illuminant, level_lux
-        The light, and how much of it falls on the scene. [lx]
+        The illuminant, and its illuminance on the scene. [lx]
 
     Raises
     ------
@@ -36,5 +36,5 @@ class OperatingPoint:
 
 
 def white_scene(operating_point: OperatingPoint) -> Scene:
-    """A perfect white in that light."""
+    """A perfect white under this illuminant."""
     return flat_field(operating_point.illuminant, level_lux=operating_point.level_lux)

@@ -1,6 +1,6 @@
-"""On what terms sensors are compared: the same time, the same filling, or the same photons.
+"""Exposure rules for comparing sensors: equal time, equal saturation, or equal photons.
 
-The terms decide who wins, so each comparison names its own.
+The rule determines which sensor is best, so each comparison names its rule.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -19,18 +19,18 @@ def equal_saturation(
     share: float = 0.99,
     magnification: float | None = None,
 ) -> list[Exposure]:
-    """Each sensor has its own time, at which its most sensitive channel fills ``share``.
+    """Each sensor has its own time: its most sensitive channel reaches ``share`` of full well.
 
     Parameters
     ----------
     white
-        The brightest thing that must not saturate.
+        The brightest object that must not saturate.
     sensors
-        To be compared.
+        The sensors to compare.
     f_number, magnification
         As `Exposure`, the same for all.
     share
-        Of full well.
+        Share of full well.
 
     Raises
     ------
@@ -53,7 +53,7 @@ def equal_exposure(
     share: float = 0.99,
     magnification: float | None = None,
 ) -> list[Exposure]:
-    """All sensors have the same time: the longest at which none fills more than ``share``.
+    """All sensors have the same time: the longest at which none exceeds ``share``.
 
     Parameters, errors as `equal_saturation`.
     """
@@ -71,11 +71,11 @@ def equal_light(
     share: float = 0.99,
     magnification: float | None = None,
 ) -> list[Exposure]:
-    """Each set of channels gets the same photons, however many pixels share them.
+    """Each set of channels receives the same photons, for any number of pixels per set.
 
-    The time goes as 1 / (pixels a^2): four channels on four pixels have three quarters of the time
-    of three, and a stack on one pixel three times theirs. It is as long as it can be while none
-    fills more than ``share``.
+    The time is proportional to 1 / (pixels a^2): four channels on four pixels have 3/4 of the time
+    of three channels on three pixels, and three stacked channels on one pixel have 3 times that
+    time. It is the longest at which no sensor exceeds ``share`` of full well.
 
     Parameters, errors as `equal_saturation`.
     """
@@ -94,4 +94,4 @@ EQUAL_TERMS: Mapping[str, Callable[..., list[Exposure]]] = {
     "saturation": equal_saturation,
     "light": equal_light,
 }
-"""The terms by the names that a comparison tells."""
+"""The exposure rules by name."""

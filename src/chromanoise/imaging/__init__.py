@@ -1,6 +1,6 @@
-"""The way of the light for a whole picture.
+"""Simulation of whole images: electrons, noise, raw codes, demosaicing, color and files.
 
-Kernels are compiled on their first call and kept; importing this compiles nothing.
+Kernels are compiled on their first call and cached; importing this package compiles nothing.
 """
 
 from typing import TYPE_CHECKING

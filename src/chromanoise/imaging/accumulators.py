@@ -1,8 +1,9 @@
 # mypy: disable-error-code="no-untyped-def,no-untyped-call,misc"
-"""What the summary of a picture counts, row by row: expected electrons and what exceeds full well.
+"""Counts per row for the summary of an image: expected electrons, and pixels above full well.
 
-Sums are kept in float64 and in many strands: one strand waits for each addition before the next.
-The strands begin anew with every tile of a row, so no choice of blocks or threads changes a bit.
+Sums are float64 and split into many partial sums, because additions to one sum depend on each
+other. Partial sums restart with every tile of a row, so results are bit-identical for any choice of
+blocks and threads.
 """
 
 from typing import no_type_check

@@ -1,11 +1,10 @@
 # mypy: disable-error-code="no-untyped-def,no-untyped-call,misc"
-"""One noisy acquisition of a run of pixels: from expected electrons to those that are read.
+"""One noisy acquisition of a run of pixels: from expected electrons to electrons after readout.
 
-In the order of the light: sensitivity that differs from pixel to pixel, dark electrons, shot noise
-and read noise (`noise_blocks`), offsets that differ from pixel to pixel and from row to row. What
-the dark gives on average is taken off: shielded pixels tell it to the sensor.
+In physical order: PRNU, dark electrons, shot noise and read noise (`noise_blocks`), DSNU, and row
+noise. The mean of the dark electrons is subtracted, as sensors do with their shielded pixels.
 
-Functions without annotations are compiled, serial and free of the interpreter's lock; ``draw`` is
+Functions without annotations are compiled, serial, and release the GIL; ``draw`` is
 a `Draw`.
 """
 
@@ -59,7 +58,7 @@ def acquire(mean, pixel, n, channels, draw, row_e, room, electrons):
     """
     words, block = room
     lanes = n * channels.shape[0]
-    # without noise dark electrons would only be added and taken off again
+    # without noise, adding and subtracting dark electrons has no effect
     dark_e = draw.dark_e if draw.noisy else _ZERO
     if draw.prnu > _ZERO or dark_e > _ZERO:
         _imperfect_means(mean, pixel, n, channels, draw, dark_e)

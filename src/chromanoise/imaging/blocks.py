@@ -1,4 +1,4 @@
-"""How a block of rows lies in memory, and memory that is used again."""
+"""Memory layout of a block of rows, and reusable memory."""
 
 import contextlib
 import math
@@ -14,34 +14,34 @@ from chromanoise.imaging.records import Layout
 from chromanoise.scene.rows import RowSource
 
 LANES = 8
-"""Bands of a pixel that are added side by side."""
+"""Number of bands of a pixel that are added in parallel."""
 RUN_LANES = 16
-"""Pixels of a band that are."""
+"""Number of pixels of a band that are added in parallel."""
 CHANNELS_AT_ONCE = 4
-"""Channels that are summed side by side; weights are filled up with zeros to a multiple of it."""
+"""Number of channels that are summed in parallel; weights are zero-padded to a multiple of it."""
 RUN = 256
-"""Pixels of a row that get their noise and color together; with four channels 1024 lanes."""
+"""Number of pixels per run for noise and color; 1024 lanes with four channels."""
 PADDED_BANDS = 16
-"""Weights have a multiple of so many bands, zeros at the end."""
+"""Bands of the weights are zero-padded to a multiple of this number."""
 
 _LARGE_PAGE_BYTES = 2 << 20
-_NATIVE = "bBhHiIfd"  # types that the kernels read as they are
+_NATIVE = "bBhHiIfd"  # types that the kernels read directly
 
 
 def in_large_pages(size_bytes: int) -> UInt8[Array, " bytes"]:
     """New memory in pages of 2 MB, if the system has them; the last may be small.
 
-    Each page that is touched first costs a fault, and a file is copied into large ones in 2/3 of
-    the time. numpy asks for them too, but may get memory that was in small pages before.
+    The first access to each page causes a page fault; copying a file into large pages takes 2/3 of
+    the time. numpy requests them too, but may reuse memory with small pages.
     """
     if not hasattr(mmap, "MADV_HUGEPAGE"):
         return np.empty(size_bytes, np.uint8)
-    own = mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS  # Python shares by default, in small pages
+    own = mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS  # not the default: shared, small pages
     try:
         room = mmap.mmap(-1, size_bytes + _LARGE_PAGE_BYTES, flags=own)
     except (OSError, OverflowError):
-        return np.empty(size_bytes, np.uint8)  # which says that there is no memory
-    with contextlib.suppress(OSError):  # a system without them
+        return np.empty(size_bytes, np.uint8)  # which raises MemoryError
+    with contextlib.suppress(OSError):  # a system without large pages
         room.madvise(mmap.MADV_HUGEPAGE)
     memory = np.frombuffer(room, np.uint8)
     first = -memory.ctypes.data % _LARGE_PAGE_BYTES
@@ -49,7 +49,7 @@ def in_large_pages(size_bytes: int) -> UInt8[Array, " bytes"]:
 
 
 def new_rows(shape: tuple[int, ...], dtype: DTypeLike) -> Shaped[Array, "rows ..."]:
-    """An array to be filled; a large one in large pages."""
+    """An uninitialized array, in large pages if it is large."""
     kind = np.dtype(dtype)
     size_bytes = math.prod(shape) * kind.itemsize
     if size_bytes < 2 * _LARGE_PAGE_BYTES:
@@ -58,13 +58,13 @@ def new_rows(shape: tuple[int, ...], dtype: DTypeLike) -> Shaped[Array, "rows ..
 
 
 class Scratch(threading.local):
-    """Memory of a thread that is used again for every block: fresh memory is slow to touch."""
+    """Memory of a thread that is reused for every block, because first access to memory is slow."""
 
     def __init__(self) -> None:
         self._memory = np.empty(0, np.uint8)
 
     def of(self, size_bytes: int) -> UInt8[Array, " bytes"] | None:
-        """So many bytes that belong to this thread; ``None`` for none."""
+        """Memory of this size that belongs to this thread; ``None`` for size 0."""
         if size_bytes == 0:
             return None
         if self._memory.size < size_bytes:
@@ -73,9 +73,9 @@ class Scratch(threading.local):
 
 
 def is_planar(source: RowSource) -> bool:
-    """Whether neighbors of a band lie nearer than the bands of a pixel, in the first row.
+    """Whether neighbors in a band are closer in memory than the bands of a pixel, in the first row.
 
-    It decides the order of sums, and so the last bits, for all blocks of the source alike.
+    It determines the order of sums, and so the last bits, equally for all blocks of the source.
     """
     _, pixel, band = (abs(stride) for stride in source.rows(0, 1).strides)
     return pixel < band
@@ -84,17 +84,17 @@ def is_planar(source: RowSource) -> bool:
 def flattened(
     block: Shaped[Array, "rows w m"], *, planar: bool
 ) -> tuple[Num[Array, " numbers"], Layout]:
-    """The numbers of a block as they lie in memory, and the steps between them.
+    """The numbers of a block as stored in memory, and their strides.
 
-    Copied where the kernels could not read them in the wanted order: bands backwards or not
-    beside each other, other byte order, types that are no numbers of the processor.
+    They are copied if the kernels cannot read them directly: reversed or non-contiguous bands,
+    another byte order, or types that the processor does not support.
 
     Parameters
     ----------
     block
-        Of a source of rows.
+        Block from a source of rows.
     planar
-        Of the source: pixels of a band beside each other, or bands of a pixel.
+        Layout of the source: whether the pixels of a band are contiguous, or the bands of a pixel.
     """
     if block.dtype.char not in _NATIVE or not block.dtype.isnative:
         block = block.astype(np.float32 if block.dtype.itemsize < 8 else np.float64)
@@ -108,7 +108,7 @@ def flattened(
         steps = [stride // block.itemsize for stride in block.strides]
     rows, pixels, bands = block.shape
     row, pixel, band = steps
-    # numpy says any step of an axis of one; with one band both orders are the same sum
+    # the stride of an axis of length 1 is arbitrary; with one band both orders give the same sum
     pixel = 1 if planar or bands == 1 else max(pixel, bands)
     band = (band if bands > 1 else pixels) if planar else 1
     span = 1 + (rows - 1) * row + (pixels - 1) * pixel + (bands - 1) * band

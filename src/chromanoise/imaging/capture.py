@@ -1,4 +1,4 @@
-"""A picture as a camera takes it: what is asked for, what is prepared once, and the files."""
+"""Capture of an image: its settings, the camera prepared once for all frames, and the files."""
 
 import os
 from collections.abc import Callable, Mapping
@@ -37,31 +37,32 @@ from chromanoise.spectra import Beyond
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CaptureSettings:
-    """What is asked of a picture, beyond cube, sensor and light.
+    """Settings of a capture, in addition to cube, sensor and light.
 
     Attributes
     ----------
     mosaic
-        Which channel sits over which pixel; the sensor's own if ``None``.
+        The channel of each pixel; the sensor's own mosaic if ``None``.
     raw
-        Codes of a mosaic; otherwise every channel is at every pixel.
+        Whether the image has raw codes of a mosaic; otherwise every pixel has every channel.
     demosaic
-        Of `DEMOSAICING`; ``None`` for codes without color.
+        Method of `DEMOSAICING`; ``None`` for codes without color.
     pixel
         Values that override the sensor's own imperfections and converter.
     seed
-        Of the noise.
+        Seed of the noise.
     clip
-        Hold electrons between 0 and full well; a converter does so anyway.
+        Whether electrons are clipped to 0 and full well; a converter always clips.
     beyond, bad_pixels
         As `rendered`.
     formats
-        Of `FORMATS`; ``None`` for png and xyz of color, raw and, where it can be, dng of codes.
+        Names from `FORMATS`; ``None`` for png and xyz of color, and raw and, if possible, dng of
+        codes.
 
     Raises
     ------
     InputError
-        If a format is unknown or repeated, or is of what is not made.
+        If a format is unknown or repeated, or needs codes or color that are not made.
     """
 
     mosaic: Mosaic | None
@@ -97,21 +98,21 @@ class CaptureSettings:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Prepared:
-    """A camera before its first picture: all that every frame of it shares.
+    """A camera prepared for capture: all data that its frames share.
 
     Attributes
     ----------
     operating_point, matrix
-        Sensor (with the imperfections and converter of its pictures), exposure and light; the
+        Sensor (with the imperfections and converter of its images), exposure and light; the
         matrix from electrons to XYZ.
     asked
-        What its pictures are to be.
+        Settings of its images.
     mosaic, adc, bank
-        Of raw codes, and the filters that make them color; ``None`` where there are none.
+        Mosaic and converter of raw codes, and demosaicing filters; ``None`` if not used.
     profile
-        Of a DNG, where one can be written.
+        Profile of the DNG, if one can be written; otherwise ``None``.
     no_profile
-        Why there is no DNG although codes are kept; ``None`` otherwise.
+        Reason why no DNG is written although codes are written; ``None`` otherwise.
     """
 
     operating_point: OperatingPoint
@@ -126,7 +127,7 @@ class Prepared:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Capture:
-    """A picture as it was taken: codes, color, or both."""
+    """The result of a capture: codes, color, or both."""
 
     camera: Prepared
     raw: RawPicture | None
@@ -136,24 +137,24 @@ class Capture:
 def prepared(
     cube: Cube, operating_point: OperatingPoint, matrix: ColorMatrix, asked: CaptureSettings
 ) -> Prepared:
-    """A camera ready to take pictures of a cube, so that no long work ends in a refusal.
+    """A camera for capturing a cube; invalid settings are refused before any long computation.
 
     Parameters
     ----------
     cube
-        Of which only the size is looked at.
+        The cube; only its size is used.
     operating_point
         Sensor, exposure and light.
     matrix
-        From electrons to XYZ.
+        Matrix from electrons to XYZ.
     asked
-        What its pictures are to be.
+        Settings of its images.
 
     Raises
     ------
     InputError
-        If the mosaic names a channel that the sensor lacks or is no mosaic of the demosaicing, the
-        matrix has no luminance, or a format that is insisted on cannot be written.
+        If the mosaic names a channel that the sensor lacks or does not suit the demosaicing, the
+        matrix gives no luminance, or a requested format cannot be written.
     """
     insisted = asked.formats or ()
     if "exr" in insisted:
@@ -196,7 +197,7 @@ def _profile(
     adc: Adc,
     asked: CaptureSettings,
 ) -> tuple[RawProfile | None, InputError | None]:
-    """Of a DNG, or why there is none; refused only where somebody insists on one."""
+    """The DNG profile, or the reason why there is none; an error only if a DNG was requested."""
     if "dng" not in (asked.formats or _RAW):
         return None, None
     try:
@@ -208,18 +209,18 @@ def _profile(
 
 
 def shot(cube: Cube, camera: Prepared, *, frame: int, work: Work) -> Capture:
-    """Take one picture.
+    """Capture one image.
 
     Parameters
     ----------
     cube
         Reflectances.
     camera
-        Of `prepared`.
+        Result of `prepared`.
     frame
-        Which picture of a burst.
+        Number of the image in a burst.
     work
-        Who does it.
+        Threads or executor for the computation.
 
     Raises
     ------
@@ -248,19 +249,19 @@ def shot(cube: Cube, camera: Prepared, *, frame: int, work: Work) -> Capture:
 
 
 def any_picture(taken: Capture) -> Picture | RawPicture:
-    """Color if there is some, otherwise the codes."""
+    """The color image if there is one, otherwise the codes."""
     found = taken.picture or taken.raw
     assert found is not None
     return found
 
 
 def is_held(taken: Capture) -> bool:
-    """Whether electrons above full well were held there: a converter always does."""
+    """Whether electrons were clipped at full well; a converter always clips."""
     return taken.raw is not None or (taken.picture is not None and taken.picture.clipped)
 
 
 def capture_summary(taken: Capture, files: list[str]) -> dict[str, Any]:
-    """How it was taken, as plain data."""
+    """Summary of the capture as plain data."""
     told: dict[str, Any] = {"files": files}
     if taken.raw is not None:
         told |= raw_summary(taken.raw)
@@ -270,7 +271,7 @@ def capture_summary(taken: Capture, files: list[str]) -> dict[str, Any]:
 
 
 def write_capture(folder: Path, stem: str, taken: Capture) -> tuple[list[str], list[str]]:
-    """Write the files: their names, and what could not be written although nobody insisted.
+    """Write the files; the result is their names, and notes on files that could not be written.
 
     Raises
     ------

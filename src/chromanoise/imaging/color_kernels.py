@@ -1,7 +1,7 @@
 # mypy: disable-error-code="no-untyped-def,no-untyped-call,misc"
-"""Eq. 5 for a run of pixels: electrons to XYZ and to codes of sRGB, channel after channel.
+"""Eq. 5 for a run of pixels: electrons to XYZ and to sRGB codes, one channel after the other.
 
-Functions without annotations are compiled, serial and free of the interpreter's lock.
+Functions without annotations are compiled, serial, and release the GIL.
 """
 
 from typing import no_type_check
@@ -14,7 +14,7 @@ from chromanoise.imaging.layout import three_together
 from chromanoise.imaging.simd import fused
 
 ENCODED = 16384
-"""Entries of the table of sRGB codes."""
+"""Number of entries in the table of sRGB codes."""
 
 _F = np.float32
 _ZERO, _ONE, _HALF = _F(0.0), _F(1.0), _F(0.5)
@@ -103,6 +103,6 @@ def color_of_electrons(electrons, matrices, table, xyz, srgb):
 def _entries(screen, entry):
     """Where in the table of codes a linear value stands; held to 0 .. 1."""
     for i in range(screen.size):
-        within = screen[i] if screen[i] > _ZERO else _ZERO  # NaN too
+        within = screen[i] if screen[i] > _ZERO else _ZERO  # also for NaN
         within = within if within < _ONE else _ONE
         entry[i] = np.int32(within * _F(ENCODED - 1) + _HALF)

@@ -1,8 +1,8 @@
 """Every channel at every pixel: linear demosaicing of any periodic mosaic.
 
-A linear method is a table of filters, one for each place of the tile and each channel, so that its
-noise has a closed form (`demosaic_noise`). Here: what such a table is, what it makes of a raw
-picture, and the two tables that need no model of pictures.
+A linear method is a table of filters, one for each position in the tile and each channel, so its
+noise has a closed form (`demosaic_noise`). This module defines the table, its application to a raw
+image, and the two methods that need no statistical model of images.
 """
 
 from collections.abc import Sequence
@@ -30,19 +30,19 @@ class FilterBank:
     Attributes
     ----------
     mosaic
-        Which channel sits over which pixel; its tile starts at row 0, column 0 of the picture.
+        The channel of each pixel; its tile starts at row 0, column 0 of the image.
     names
         The ``p`` channels, in the order of the result.
     kernels
         Weights of the k x k pixels around a pixel, per row and column of the tile and channel.
         [1]
     made_by
-        The method, named in results.
+        Name of the method in results.
 
     Raises
     ------
     InputError
-        If the kernels do not belong to the mosaic and the names, or have no middle.
+        If the kernels do not match the mosaic and the names, or have an even size.
     """
 
     mosaic: Mosaic
@@ -65,24 +65,24 @@ class FilterBank:
 
     @property
     def radius(self) -> int:
-        """Pixels that a filter reaches on each side."""
+        """Radius of the filters. [pixels]"""
         return self.kernels.shape[-1] // 2
 
 
 def channel_tile(mosaic: Mosaic, names: Sequence[str]) -> Int[Array, "ty tx"]:
-    """Which of ``names`` sits at each place of the tile, as its index.
+    """Index in ``names`` of the channel at each position in the tile.
 
     Parameters
     ----------
     mosaic
         The periodic array.
     names
-        Channels in the order of the result; each of them occurs in the mosaic.
+        Channels in the order of the result; each must occur in the mosaic.
 
     Raises
     ------
     InputError
-        If a channel of one is missing in the other.
+        If a channel of the mosaic is not in ``names``, or the reverse.
 
     Examples
     --------
@@ -105,7 +105,7 @@ def channel_tile(mosaic: Mosaic, names: Sequence[str]) -> Int[Array, "ty tx"]:
 
 
 def channels_around(tile: Int[Array, "ty tx"], radius: int) -> Int[Array, "ty tx k k"]:
-    """The channel of each pixel of a window of ``2 radius + 1`` around each place of the tile.
+    """Channels in the window of side ``2 radius + 1`` around each position in the tile.
 
     Examples
     --------
@@ -121,11 +121,11 @@ def channels_around(tile: Int[Array, "ty tx"], radius: int) -> Int[Array, "ty tx
 
 
 def channel_period(tile: Int[Array, "ty tx"], channel: int) -> tuple[int, int]:
-    """Rows and columns after which the places of one channel repeat: the tile's or a part of it.
+    """Period of one channel in rows and columns: that of the tile or a divisor of it.
 
     Examples
     --------
-    White of a sparse array repeats with 2 x 2, though the tile has 4 x 4.
+    White of a sparse array repeats after 2 x 2 pixels, although the tile has 4 x 4.
 
     >>> from chromanoise.sensor import rgbw_sparse_4x4
     >>> channel_period(channel_tile(rgbw_sparse_4x4(), ("R", "G", "B", "W")), 3)
@@ -140,7 +140,7 @@ def channel_period(tile: Int[Array, "ty tx"], channel: int) -> tuple[int, int]:
 
 
 def bilinear_filters(mosaic: Mosaic, names: Sequence[str] | None = None) -> FilterBank:
-    """Interpolation of each channel by itself, with weights that fall linearly with distance.
+    """Interpolation of each channel separately, with weights that fall linearly with distance.
 
     Parameters
     ----------
@@ -152,20 +152,20 @@ def bilinear_filters(mosaic: Mosaic, names: Sequence[str] | None = None) -> Filt
     Raises
     ------
     InputError
-        If ``names`` are not those of the mosaic.
+        If ``names`` are not the channels of the mosaic.
 
     Notes
     -----
     Where a channel repeats after s rows and t columns, the weights of its pixels are
-    (1 - |dy|/s) (1 - |dx|/t) over their sum. The window of |dy| < s, |dx| < t always holds the
-    channel: it meets each of its places in the period. Over one such place the weights sum to 1
-    and have no first moment (bilinear interpolation of a grid), so constants and ramps come out
-    exactly whatever the number of places. A pixel keeps the channel that it measures. For a Bayer
+    (1 - |dy|/s) (1 - |dx|/t) over their sum. The window |dy| < s, |dx| < t always contains
+    each position of the channel in its period. For one such position the weights sum to 1 and have
+    no first moment (bilinear interpolation on a grid), so constants and ramps are exact for any
+    number of positions. The measured channel of a pixel is unchanged. For a Bayer
     array these are the classical filters.
 
     Examples
     --------
-    Green at a red pixel is the mean of its four neighbours.
+    Green at a red pixel is the mean of its four neighbors.
 
     >>> from chromanoise.sensor import bayer
     >>> bilinear_filters(bayer(), ("R", "G", "B")).kernels[0, 0, 1] * 4
@@ -232,7 +232,7 @@ def malvar_filters(mosaic: Mosaic, names: Sequence[str] | None = None) -> Filter
 
 
 def is_bayer(mosaic: Mosaic) -> bool:
-    """Whether one of three channels stands on a diagonal of a 2 x 2 tile, and two beside it."""
+    """Whether one of three channels is on a diagonal of a 2 x 2 tile, and two are off it."""
     if [len(row) for row in mosaic.pattern] != [2, 2] or len(mosaic.names) != 3:
         return False
     (a, b), (c, d) = mosaic.pattern
@@ -240,7 +240,7 @@ def is_bayer(mosaic: Mosaic) -> bool:
 
 
 def demosaicked(raw_e: Float[Array, "h w"], bank: FilterBank) -> Float[Array, "h w p"]:
-    """All channels of a raw picture, in plain float64: what the compiled way is held against.
+    """All channels of a raw image in float64: the reference for the compiled kernels.
 
     Parameters
     ----------
@@ -252,12 +252,12 @@ def demosaicked(raw_e: Float[Array, "h w"], bank: FilterBank) -> Float[Array, "h
     Raises
     ------
     InputError
-        If the picture is smaller than one tile of the mosaic, or holds NaN or infinity.
+        If the image is smaller than one tile of the mosaic, or contains NaN or infinity.
 
     Notes
     -----
-    Beyond the border lies the mirror image, moved to the nearest pixel of the same channel; where
-    the period is 2 that is the mirror image without the border pixel repeated.
+    Outside the border the image is mirrored and shifted to the nearest pixel of the same channel;
+    for a period of 2 this is the mirror image without repetition of the border pixel.
 
     Examples
     --------
@@ -278,9 +278,9 @@ def demosaicked(raw_e: Float[Array, "h w"], bank: FilterBank) -> Float[Array, "h
 
 
 def border_pixels(shape: tuple[int, int], bank: FilterBank) -> tuple[Array, Array]:
-    """Rows and columns of a picture that, taken together, surround it by ``bank.radius`` pixels.
+    """Row and column indices that pad an image by ``bank.radius`` pixels on each side.
 
-    Indexing the picture with the pair (an open mesh, as `numpy.ix_`) makes the padded picture.
+    Indexing the image with the pair (an open mesh, as `numpy.ix_`) gives the padded image.
 
     Raises
     ------
@@ -308,7 +308,7 @@ def border_pixels(shape: tuple[int, int], bank: FilterBank) -> tuple[Array, Arra
 
 
 def bank_of(made_by: str, mosaic: Mosaic, names: tuple[str, ...], kernels: Array) -> FilterBank:
-    """A filter bank without the empty margin that its kernels may have.
+    """A filter bank whose kernels have their margin of zeros removed.
 
     Examples
     --------
@@ -326,7 +326,7 @@ def bank_of(made_by: str, mosaic: Mosaic, names: tuple[str, ...], kernels: Array
 
 
 def _mirrored(count: int, period: int, radius: int) -> Int[Array, " padded"]:
-    """In-picture stand-ins of -radius .. count + radius - 1, each of the phase of its own place."""
+    """Indices in the image for -radius .. count + radius - 1, each of the same phase."""
     places = np.arange(-radius, count + radius)
     for i in np.flatnonzero((places < 0) | (places >= count)):
         mirror = -places[i] if places[i] < 0 else 2 * (count - 1) - places[i]
@@ -348,7 +348,7 @@ def _tent(here: Array, period: tuple[int, int]) -> Float[Array, "ty tx k k"]:
 
 
 def _malvar(here: Array) -> Float[Array, "5 5"]:
-    """The published filter for a channel, told by where it sits among the 3 x 3 pixels around."""
+    """The published filter for a channel, selected by its positions in the 3 x 3 window."""
     kernel = np.zeros((5, 5))
     if here[1, 1]:
         kernel[2, 2] = 8.0
@@ -357,7 +357,7 @@ def _malvar(here: Array) -> Float[Array, "5 5"]:
     elif here[0, 0]:  # red at blue, blue at red
         kernel[2] = kernel[:, 2] = (-1.5, 0.0, 6.0, 0.0, -1.5)
         kernel[1, 1] = kernel[1, 3] = kernel[3, 1] = kernel[3, 3] = 2.0
-    else:  # red or blue at green, written for neighbours to the left and right
+    else:  # red or blue at green, written for neighbors to the left and right
         kernel[:, 2] = (0.5, 0.0, 5.0, 0.0, 0.5)
         kernel[2] = (-1.0, 4.0, 5.0, 4.0, -1.0)
         kernel[1, 1] = kernel[1, 3] = kernel[3, 1] = kernel[3, 3] = -1.0

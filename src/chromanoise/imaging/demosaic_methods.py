@@ -1,4 +1,4 @@
-"""Demosaicing methods that have a name, made for one sensor in use."""
+"""Demosaicing methods by name, built for one operating point."""
 
 from collections.abc import Callable, Mapping
 
@@ -16,12 +16,12 @@ from chromanoise.spectra import colorchecker
 
 
 def chart_prior(operating_point: OperatingPoint) -> PicturePrior:
-    """Pictures whose channels covary as those of the ColorChecker do in this light and exposure.
+    """Prior for images with the channel covariance of the ColorChecker at this operating point.
 
     Raises
     ------
     InputError
-        If the sensor's grid leaves 400-1050 nm, where the chart is measured.
+        If the sensor's grid is not within 400-1050 nm, the range of the chart data.
     """
     sensor = operating_point.sensor
     scene = Scene(

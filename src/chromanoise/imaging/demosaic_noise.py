@@ -1,7 +1,7 @@
-"""The noise of a demosaicked picture in closed form, for raw pixels that are independent.
+"""Noise of a demosaicked image in closed form, for independent noise of the raw pixels.
 
-A filter bank takes each raw pixel to its neighbours in a known way, so the covariance of the
-channels follows at each place of the tile, and the noise power spectrum over the whole picture.
+A filter bank is linear, so it determines the covariance of the channels at each position in the
+tile, and the noise power spectrum over the whole image.
 """
 
 import numpy as np
@@ -16,14 +16,15 @@ from chromanoise.imaging.demosaic import FilterBank, channel_tile, channels_arou
 def demosaicked_covariance(
     bank: FilterBank, variance_e2: Float[Array, " p"]
 ) -> Float[Array, "ty tx p p"]:
-    """Covariance of the channels of one pixel, at each place of the tile. [e-^2]
+    """Covariance of the channels of one pixel, at each position in the tile. [e-^2]
 
     Parameters
     ----------
     bank
-        The method.
+        The demosaicing method.
     variance_e2
-        Of a raw pixel of each channel, independent of all others; eq. 7 for a flat field. [e-^2]
+        Variance of a raw pixel of each channel, independent of the others; eq. 7 for a flat
+        field. [e-^2]
 
     Raises
     ------
@@ -32,12 +33,12 @@ def demosaicked_covariance(
 
     Notes
     -----
-    Sum over the pixels of the window of the product of two filters and the variance of the pixel.
-    The mean over the places is the covariance of a pixel picked at random.
+    Sum over the window of the product of two filters and the variance of the pixel. The mean over
+    the positions is the covariance of a random pixel.
 
     Examples
     --------
-    Green at a red pixel is a mean of four; red itself is as it was measured.
+    Green at a red pixel is a mean of four pixels; red is unchanged.
 
     >>> from chromanoise.imaging.demosaic import bilinear_filters
     >>> from chromanoise.sensor import bayer
@@ -59,7 +60,7 @@ def demosaicked_covariance(
 def noise_power_spectrum(
     bank: FilterBank, variance_e2: Float[Array, " p"], shape: tuple[int, int]
 ) -> Float[Array, "h w p p"]:
-    """Noise power and co-spectra of the channels, averaged over the places of the tile. [e-^2]
+    """Noise power and co-spectra of the channels, averaged over the positions in the tile. [e-^2]
 
     Parameters
     ----------
@@ -75,16 +76,16 @@ def noise_power_spectrum(
 
     Notes
     -----
-    A raw pixel at place q of the tile answers with the transfer functions H_qc(f), which need no
-    approximation; the mean spectrum is sum over q of v_q Re(H_qc H_qd*) / (number of places), with
-    frequencies as `np.fft.fftfreq`. Its mean over the plane is the mean covariance, the scale that
-    `merit.visual_noise_from_spectrum` takes; through a color matrix C it is C S C^T. The quadrature
-    part is odd in frequency, and nothing that looks alike from left and right can see it. What the
-    tile makes of itself at its own frequencies (correlation between frequencies) is averaged out.
+    A raw pixel at position q has the transfer functions H_qc(f) to channel c. The mean spectrum is
+    exact: the sum over q of v_q Re(H_qc H_qd*) / (number of positions), with
+    frequencies as `np.fft.fftfreq`. Its mean over the plane is the mean covariance, the scaling
+    that `metrics.visual_noise_from_spectrum` takes; through a color matrix C it is C S C^T. The
+    quadrature part is odd in frequency and has no effect through symmetric filters. The correlation
+    between frequencies that the period of the tile causes is averaged out.
 
     Examples
     --------
-    Without interpolation the noise stays white.
+    Without interpolation the noise remains white.
 
     >>> from chromanoise.imaging.demosaic import bilinear_filters
     >>> from chromanoise.sensor import Mosaic
@@ -112,7 +113,7 @@ def noise_power_spectrum(
 
 
 def _answers(bank: FilterBank, place: tuple[int, int]) -> Float[Array, "p k k"]:
-    """What a raw pixel of 1 at a place of the tile adds to each channel of the pixels around it."""
+    """Response of the channels of the surrounding pixels to a raw value of 1 at each position."""
     (ty, tx), radius = bank.kernels.shape[:2], bank.radius
     out = np.empty(bank.kernels.shape[2:])
     for i, j in np.ndindex(*out.shape[1:]):

@@ -1,7 +1,7 @@
-"""Demosaicing filters that know what pictures look like: neighbours are alike, channels too.
+"""Demosaicing filters from a prior: neighbors and channels of an image are correlated.
 
-The model is the simplest that says both: the covariance of channel c here and channel d at a
-distance r is C_cd rho^r. From it follow how much of another channel's detail to add
+The model is the simplest that has both correlations: the covariance of channel c at a pixel and
+channel d at a distance r is C_cd rho^r. It determines how much of another channel's detail to add
 (`gradient_corrected_filters`) and the best weights of a whole window (`lmmse_filters`).
 """
 
@@ -30,19 +30,19 @@ from chromanoise.sensor import Mosaic
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class PicturePrior:
-    """Second moments of pictures, and of the noise in them.
+    """Second moments of images, and of the noise in them.
 
     Attributes
     ----------
     names
         The ``p`` channels.
     covariance_e2
-        Of the channels of one pixel over all that may be pictured. [e-^2]
+        Covariance of the channels of one pixel over all images. [e-^2]
     noise_e2
         Variance of the noise of a raw pixel, per channel. [e-^2]
     correlation
-        Of neighbouring pixels of one channel; at a distance of r pixels it is this to the power
-        of r. [1]
+        Correlation of neighboring pixels of one channel; at a distance of r pixels it is this value
+        to the power r. [1]
 
     Raises
     ------
@@ -84,23 +84,23 @@ def picture_prior(
     noise_e2: Float[Array, " p"],
     correlation: float = 0.95,
 ) -> PicturePrior:
-    """The prior of pictures whose colors are like those of a set, a chart for instance.
+    """The prior of images with the color statistics of a given set, such as a chart.
 
     Parameters
     ----------
     electrons
         Expected electrons of each color of the set. [e-]
     names
-        Channels.
+        Channel names.
     noise_e2
         Variance of the noise of a raw pixel, per channel: eq. 7 at the mean of the set. [e-^2]
     correlation
-        Of neighbouring pixels; 0.95 is usual of photographs. [1]
+        Correlation of neighboring pixels; 0.95 is typical of photographs. [1]
 
     Raises
     ------
     InputError
-        If an entry is not finite, a channel sees no difference, or there is one color only.
+        If an entry is not finite, a channel is constant, or there is only one color.
 
     Examples
     --------
@@ -129,7 +129,7 @@ def picture_prior(
 def gradient_corrected_filters(
     mosaic: Mosaic, names: Sequence[str] | None = None, prior: PicturePrior | None = None
 ) -> FilterBank:
-    """Bilinear interpolation plus a share of the detail that other channels show.
+    """Bilinear interpolation plus a fraction of the detail of other channels.
 
     Parameters
     ----------
@@ -138,28 +138,29 @@ def gradient_corrected_filters(
     names
         As `bilinear_filters`.
     prior
-        What pictures look like. Only a Bayer array can do without one: it gets Malvar's published
-        filters then, gains of photographs whose channels are equally strong.
+        Statistics of the images. Optional only for a Bayer array, which then gets the
+        published filters of Malvar, with gains from photographs whose channels are equally strong.
 
     Raises
     ------
     InputError
-        If ``names`` or those of the prior are not those of the mosaic, or there is no prior for an
-        array other than Bayer.
+        If ``names`` or those of the prior are not the channels of the mosaic, or there is no prior
+        for an array other than Bayer.
 
     Notes
     -----
-    Two details may be added to the bilinear estimate of c, and neither moves a constant or a
-    ramp. One is the pixel's own sample minus the mean of its four next of the same place in the
-    channel's period, the Laplacian of Malvar, He & Cutler (2004). The other is the channel with
-    most pixels, interpolated here, minus the same interpolated where c was sampled: the color
-    difference of Adams & Hamilton (US 5,506,619), made linear. Their gains are those of least
-    squared error under the prior, Cov(e, z) Cov(z)^-1 with e the error of the bilinear estimate;
-    Malvar's gains came from least squares over photographs in the same way.
+    Two details may be added to the bilinear estimate of c, and neither changes a constant or a
+    ramp. One is the pixel's own sample minus the mean of the four nearest pixels at the same
+    position in the channel's period, the Laplacian of Malvar, He & Cutler (2004). The other
+    is the channel with the most pixels, interpolated at this pixel, minus its interpolation from
+    the pixels of c: the color difference of Adams & Hamilton (US 5,506,619), made linear.
+    Their gains are those of least squared error under the prior, Cov(e, z) Cov(z)^-1 with e the
+    error of the bilinear estimate; Malvar's gains came from least squares over photographs in the
+    same way.
 
     Examples
     --------
-    One channel everywhere: nothing is missing.
+    With one channel, no value is missing.
 
     >>> alone = picture_prior(np.array([[1.0], [2.0]]), ("W",), noise_e2=np.zeros(1))
     >>> gradient_corrected_filters(Mosaic((("W",),)), prior=alone).kernels.ravel()
@@ -188,14 +189,14 @@ def gradient_corrected_filters(
 
 
 def lmmse_filters(mosaic: Mosaic, prior: PicturePrior, *, side: int | None = None) -> FilterBank:
-    """The best linear estimate of each channel from all pixels of a window, whatever their channel.
+    """The best linear estimate of each channel from all pixels of a window, of any channel.
 
     Parameters
     ----------
     mosaic
         The periodic array.
     prior
-        What pictures look like, and how noisy the raw pixels are; its names order the result.
+        Statistics of the images and of the raw noise; its names give the order of the result.
     side
         Rows and columns of the window, odd. By default 7, or 2 t - 1 for a longer period t.
         [pixels]
@@ -207,16 +208,16 @@ def lmmse_filters(mosaic: Mosaic, prior: PicturePrior, *, side: int | None = Non
 
     Notes
     -----
-    Least squared error among the weights that reproduce every uniform color: those of channel d
-    sum to 1 for d = c and to 0 otherwise, so no mean color need be known (ordinary cokriging;
-    Wackernagel, Multivariate Geostatistics, Springer (2003), chapter 24). A window as long as the
-    tile meets every place of it, hence every channel. Where there is noise, a measured channel is
-    smoothed as well. For Bayer arrays: Trussell & Hartley, IEEE Trans. Image Process. 11, 485
-    (2002); Portilla, Otaduy & Dorronsoro, ICIP (2005).
+    These weights have the least squared error of all that reproduce uniform colors: those of
+    channel d sum to 1 for d = c and to 0 otherwise, so the mean color need not be known (ordinary
+    cokriging; Wackernagel, Multivariate Geostatistics, Springer (2003), chapter 24). A window
+    as long as the tile contains every position in it, hence every channel. If there is noise, a
+    measured channel is smoothed as well. For Bayer arrays: Trussell & Hartley, IEEE Trans. Image
+    Process. 11, 485 (2002); Portilla, Otaduy & Dorronsoro, ICIP (2005).
 
     Examples
     --------
-    Of one channel without noise nothing is missing.
+    With one channel and no noise, the measured value is the estimate.
 
     >>> alone = picture_prior(np.array([[1.0], [2.0]]), ("W",), noise_e2=np.zeros(1))
     >>> lmmse_filters(Mosaic((("W",),)), alone, side=3).kernels.round(12).ravel() + 0.0
@@ -240,7 +241,7 @@ def lmmse_filters(mosaic: Mosaic, prior: PicturePrior, *, side: int | None = Non
 
 
 def _ordered(prior: PicturePrior, names: tuple[str, ...]) -> PicturePrior:
-    """The prior of the same channels in another order."""
+    """The prior with its channels in another order."""
     for name in names:
         _check.one_of("channel of the prior", name, prior.names)
     _check.same_length("channels", mosaic=len(names), prior=len(prior.names))
@@ -254,7 +255,7 @@ def _ordered(prior: PicturePrior, names: tuple[str, ...]) -> PicturePrior:
 
 
 def _moments(prior: PicturePrior, window: Array) -> tuple[Array, Array]:
-    """Covariance of the raw pixels of a window, and of them with each channel at its middle."""
+    """Covariance of the raw pixels of a window, and with the channels at its center."""
     at = np.argwhere(np.ones(window.shape)) - window.shape[0] // 2
     channel = window.ravel()
     rho = prior.correlation
@@ -268,7 +269,7 @@ def _moments(prior: PicturePrior, window: Array) -> tuple[Array, Array]:
 
 
 def _unbiased(prior: PicturePrior, window: Array) -> Float[Array, "p k k"]:
-    """Cokriging weights; electrons are scaled so that strong and weak channels weigh alike."""
+    """Cokriging weights; electrons are scaled to give all channels equal weight."""
     pixels, wanted = _moments(prior, window)
     p, scale = len(prior.names), np.sqrt(np.diagonal(prior.covariance_e2))
     pixel_scale = scale[window.ravel()]
@@ -303,7 +304,7 @@ def _details(
 
 
 def _laplacian(period: tuple[int, int], radius: int) -> Float[Array, "k k"]:
-    """A pixel minus the mean of four pixels of its own place in the period."""
+    """A pixel minus the mean of four pixels at the same position in the period."""
     kernel = np.zeros((2 * radius + 1, 2 * radius + 1))
     kernel[radius, radius] = 1.0
     for row, column in ((period[0], 0), (-period[0], 0), (0, period[1]), (0, -period[1])):

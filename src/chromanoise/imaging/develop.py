@@ -1,4 +1,4 @@
-"""Raw codes to a color picture, and the noise that it will have."""
+"""Development of raw codes to a color image, and the noise of the result."""
 
 from dataclasses import dataclass, replace
 from typing import Any
@@ -26,7 +26,7 @@ _BLOCK_ROWS = 64
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class _Development:
-    """What a block of codes needs to become color."""
+    """All data that a block of codes needs for its conversion to color."""
 
     codes: UInt16[Array, "h w"]
     adc: Adc
@@ -41,24 +41,24 @@ def developed(
     matrix: ColorMatrix | None = None,
     work: Work = ALL_CORES,
 ) -> Picture:
-    """The color picture of a mosaic: codes to electrons, every channel at every pixel, then color.
+    """The color image of raw codes: electrons, then demosaicing, then the color matrix.
 
     Parameters
     ----------
     raw
-        Of `acquired`.
+        Result of `acquired`.
     bank
         Linear demosaicing, e.g. `bilinear_filters(raw.mosaic, raw.operating_point.sensor.names)`.
     matrix
-        From electrons to XYZ; the kernel (eq. 6, quanta) if ``None``.
+        Matrix from electrons to XYZ; the kernel (eq. 6, quanta) if ``None``.
     work
-        Which threads do it, and on how many rows; an executor is not asked, as the codes are here.
+        Threads and rows per block; an executor is not used, because the codes are in memory here.
 
     Raises
     ------
     InputError
-        If the filters are of another mosaic or other channels, the picture is smaller than a tile
-        of the mosaic, or the matrix has no luminance for this light.
+        If the filters are for another mosaic or other channels, the image is smaller than a tile
+        of the mosaic, or the matrix gives no luminance for this illuminant.
     """
     operating_point = raw.operating_point
     _check.same_names("development", sensor=operating_point.sensor.names, filters=bank.names)
@@ -127,26 +127,26 @@ def developed_color(
 ) -> tuple[tuple[Measurement, ...], ...]:
     """XYZ of a flat scene after demosaicing, with its covariance: one per place of the tile. [lx]
 
-    Neighbors share raw pixels, so noise is correlated from pixel to pixel; that is told by
-    `noise_power_spectrum`.
+    Neighbors share raw pixels, so their noise is correlated; `noise_power_spectrum` gives this
+    correlation.
 
     Parameters
     ----------
     scene
         A single point (`flat_field`).
     operating_point, bank, matrix
-        As they develop the picture.
+        As used to develop the image.
     adc
-        Its rounding adds gain^2 / 12 to the variance of each raw pixel.
+        Converter; its rounding adds gain^2 / 12 to the variance of each raw pixel.
 
     Raises
     ------
     InputError
-        If the filters are of other channels than the sensor.
+        If the channels of the filters are not those of the sensor.
 
     Notes
     -----
-    C K D K^T C^T with D of eq. 7 and K the filters. Nothing is held at black or full well, and
+    C K D K^T C^T with D of eq. 7 and K the filters. Nothing is clipped at black or full well, and
     pixels have no imperfections.
     """
     sensor = operating_point.sensor

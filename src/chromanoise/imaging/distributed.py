@@ -1,4 +1,4 @@
-"""A picture on the machines of a dask cluster; the bits are those of one machine."""
+"""Rendering on a dask cluster, with results bit-identical to those of one machine."""
 
 import logging
 import signal
@@ -11,7 +11,7 @@ from chromanoise.errors import InputError, Setting
 
 _QUIET = {
     "distributed.admin.large-graph-warning-threshold": "1 GiB",  # blocks are
-    # all cores have work: what watches them many times a second would take its share
+    # all cores are busy: frequent monitoring would take time from them
     "distributed.worker.profile.enabled": False,
     "distributed.admin.tick.interval": "1s",
     "distributed.admin.system-monitor.interval": "5s",
@@ -19,7 +19,7 @@ _QUIET = {
     "distributed.scheduler.work-stealing-interval": "1s",
 }
 _ANSWERS_WITHIN_S = 10.0
-_SENDS_EVERY_S = 0.001  # dask would let all but the first task wait for 0.01 s
+_SENDS_EVERY_S = 0.001  # the default of dask delays all but the first task by 0.01 s
 
 
 @contextmanager
@@ -29,10 +29,10 @@ def cluster(scheduler: str, *, workers: int | None = None) -> Iterator[Executor]
     Parameters
     ----------
     scheduler
-        Address as ``tcp://host:8786``, whose workers must have chromanoise and reach the cube's
+        Address such as ``tcp://host:8786``, whose workers need chromanoise and access to the cube's
         file; ``local`` for processes of this machine.
     workers
-        Processes of ``local``; one per core if ``None``.
+        Number of processes for ``local``; one per core if ``None``.
 
     Raises
     ------
@@ -61,7 +61,7 @@ def cluster(scheduler: str, *, workers: int | None = None) -> Iterator[Executor]
                         n_workers=workers,
                         threads_per_worker=1,
                         dashboard_address="127.0.0.1:0",  # any free port, for this machine only
-                        silence_logs=logging.CRITICAL,  # the caller reports a fault once
+                        silence_logs=logging.CRITICAL,  # the caller reports an error once
                     )
                 except (RuntimeError, OSError, TimeoutError):
                     raise InputError(
@@ -76,7 +76,7 @@ def cluster(scheduler: str, *, workers: int | None = None) -> Iterator[Executor]
             client = Client(  # type: ignore[no-untyped-call]
                 scheduler,
                 timeout=_ANSWERS_WITHIN_S,
-                set_as_default=False,  # or one that fails would stay the scheduler of all of dask
+                set_as_default=False,  # otherwise a failed one would stay the default of dask
             )
         except (OSError, TimeoutError, ValueError) as error:
             raise InputError(
@@ -93,16 +93,16 @@ def cluster(scheduler: str, *, workers: int | None = None) -> Iterator[Executor]
 
 @contextmanager
 def _stop_waiting() -> Iterator[None]:
-    """Ctrl-C waits until the workers have started, and they never hear it.
+    """Block Ctrl-C until the workers have started, and in the workers.
 
-    A terminal sends it to every process, but only the one that asked for the picture should end,
-    and end its workers; of themselves they die with a trace each, and half a cluster may not end
-    at all. What is blocked here stays blocked in processes that are started here.
+    A terminal sends the signal to every process, but only the main process should end, and then
+    end its workers. Workers that receive the signal print a traceback each, and a partly started
+    cluster may not end at all. Processes that are started here inherit the blocked signal.
     """
     if not hasattr(signal, "pthread_sigmask"):
         yield
         return
-    resource_tracker.ensure_running()  # or its own start would let Ctrl-C through again
+    resource_tracker.ensure_running()  # otherwise its later start would unblock Ctrl-C
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield
@@ -112,7 +112,7 @@ def _stop_waiting() -> Iterator[None]:
 
 @contextmanager
 def _lost_workers_told(scheduler: str) -> Iterator[None]:
-    """Dask starts a lost worker's block again elsewhere, a few times."""
+    """Report lost workers as InputError; dask first retries their blocks a few times."""
     from dask.distributed import KilledWorker
 
     try:

@@ -1,9 +1,9 @@
-"""Raw pictures as DNG, the format that raw developers open.
+"""Raw images as DNG, the format that raw developers open.
 
-What is written is a plain TIFF whose tags tell the mosaic, the range of the codes, the way from XYZ
-to the camera and the noise. LibRaw, by way of rawpy, is taken as the measure of what can be read:
-it knows mosaics that repeat in 2 columns and 1, 2 or 4 rows, or in 6 x 6 of red, green and blue. Of
-any other it opens the file, takes wrong colors for right and says nothing, so these are refused.
+The file is a plain TIFF with tags for the mosaic, the range of the codes, the matrix from XYZ to
+the camera and the noise. Only files that LibRaw (through rawpy) reads correctly are written: it
+supports mosaics that repeat in 2 columns and 1, 2 or 4 rows, or in 6 x 6 of red, green and blue. It
+opens any other mosaic with wrong colors and without an error, so these are refused here.
 
 Adobe, Digital Negative (DNG) Specification, 1.4.0.0 (2012); tag numbers are those of its chapter 4.
 """
@@ -32,8 +32,8 @@ _COLOR_CODES = {"R": 0, "G": 1, "B": 2, "C": 3, "M": 4, "Y": 5, "W": 6}  # tag 5
 _LIGHT_SOURCES = {"A": 17, "D55": 20, "D65": 21, "D75": 22, "D50": 23}  # Exif LightSource
 _UNKNOWN_LIGHT = 0
 _READABLE_REPEATS = ((2, 2), (4, 2), (6, 6))  # rows, columns
-_SIDES = (22, 64_000)  # LibRaw opens nothing smaller or larger
-_LARGEST_BYTES = 2**32 - 2**20  # offsets are 32 bits; the tags take their part
+_SIDES = (22, 64_000)  # smallest and largest that LibRaw opens
+_LARGEST_BYTES = 2**32 - 2**20  # offsets have 32 bits; the tags need some of the space
 _TIFF = "write the mosaic as TIFF"
 _PARTS = 1_000_000  # denominator of all fractions
 _BYTE, _ASCII, _SHORT, _LONG, _RATIONAL, _SIGNED_RATIONAL, _DOUBLE = 1, 2, 3, 4, 5, 10, 12
@@ -41,33 +41,33 @@ _BYTE, _ASCII, _SHORT, _LONG, _RATIONAL, _SIGNED_RATIONAL, _DOUBLE = 1, 2, 3, 4,
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class RawProfile:
-    """What a raw developer must know of a camera and its light.
+    """Metadata of a camera and its illuminant for raw developers.
 
     Attributes
     ----------
     sensor_name
-        How the camera is called.
+        Name of the camera.
     channels
-        3 or 4 of R, G, B, C, M, Y, W: all that the mosaic has, in the order of the arrays here.
+        3 or 4 of R, G, B, C, M, Y, W: all channels of the mosaic, in the order of the arrays.
     mosaic
-        Which channel sits over which pixel.
+        The channel of each pixel.
     adc
-        Black level and top code.
+        Converter, with black level and top code.
     white_level_dn
-        Code of a pixel that is full, or the top code if that comes first. [DN]
+        Code of a full pixel, or the top code if that is lower. [DN]
     color_matrix
         From XYZ (Y = 1 for a perfect white) to the channels, in any unit common to them.
     as_shot_neutral
-        What a gray gives, the largest 1.
+        Channel values of a gray, scaled to a maximum of 1.
     noise_profile
         S and O of each channel, variance = S x + O, with x = 0 at black and 1 at the white level.
     illuminant
-        The light that ``color_matrix`` was made for.
+        The illuminant for which ``color_matrix`` was made.
 
     Raises
     ------
     InputError
-        If a DNG cannot say it, or LibRaw would misread it.
+        If a value cannot be stored in a DNG, or LibRaw would misread it.
     """
 
     sensor_name: str
@@ -108,23 +108,23 @@ def raw_profile(
     adc: Adc,
     imperfections: Imperfections | None = None,
 ) -> RawProfile:
-    """What a raw developer must know of a sensor in its light, as its color is made here.
+    """DNG metadata of an operating point, for the same color as this package computes.
 
     Parameters
     ----------
     operating_point
-        A sensor of channels R, G, B and perhaps one more, in the light of the picture; one whose
-        name has no number in Exif is told as unknown.
+        A sensor with channels R, G, B and optionally one more, under the illuminant of the image;
+        an illuminant without an Exif number is written as unknown.
     matrix
-        From electrons to XYZ, made for that light.
+        Matrix from electrons to XYZ for this illuminant.
     mosaic, adc, imperfections
-        Those that made the codes; the sensor's own imperfections if ``None``. NoiseProfile holds
-        what they add in the dark; it has no term for PRNU.
+        Those of the codes; imperfections are the sensor's own if ``None``. NoiseProfile includes
+        their noise in the dark; it has no term for PRNU.
 
     Raises
     ------
     InputError
-        If a perfect white gives no electrons, or `RawProfile` refuses what it is given.
+        If a perfect white gives no electrons, or `RawProfile` refuses a value.
     """
     sensor, lamp = operating_point.sensor, operating_point.illuminant
     imperfections = sensor.imperfections if imperfections is None else imperfections
@@ -158,12 +158,12 @@ def raw_profile(
 
 
 def _white_level_dn(operating_point: OperatingPoint, adc: Adc, imperfections: Imperfections) -> int:
-    """Code of full well, dark electrons taken off, or the top code if that comes first.
+    """Code of full well minus dark electrons, or the top code if that is lower.
 
     Raises
     ------
     InputError
-        If a full pixel cannot be told from a dark one.
+        If a full pixel and a dark pixel have the same code.
     """
     sensor = operating_point.sensor
     dark_e = dark_electrons_e(imperfections, time_s=operating_point.exposure.time_s)
@@ -180,26 +180,26 @@ def _white_level_dn(operating_point: OperatingPoint, adc: Adc, imperfections: Im
 
 
 def camera_matrix(to_xyz: Float[Array, "3 p"], white: Float[Array, " p"]) -> Float[Array, "p 3"]:
-    """The matrix from XYZ to the channels that a reader inverts to find ``to_xyz``.
+    """The matrix from XYZ to the channels, which a reader inverts to obtain ``to_xyz``.
 
     Parameters
     ----------
     to_xyz
-        From the channels to XYZ, of rank 3.
+        Matrix from the channels to XYZ, of rank 3.
     white
-        The channels of a perfect white; the result is scaled to its largest, and to Y = 1.
+        Channel values of a perfect white; the result is scaled to a maximum of 1 at Y = 1.
 
     Raises
     ------
     InputError
-        If ``to_xyz`` has a rank below 3 or gives the white no luminance.
+        If ``to_xyz`` has a rank below 3, or the white has no luminance.
 
     Notes
     -----
     DNG 1.4, chapter 6, takes the (pseudo-)inverse of ColorMatrix1, and the pseudo-inverse of a
-    pseudo-inverse is the matrix itself. LibRaw first scales each row to the white, which with a
-    fourth channel leads to another inverse: its grays are right, its colors are not those of
-    ``to_xyz``. No ColorMatrix1 could make both right.
+    pseudo-inverse is the matrix itself. LibRaw first scales each row to the white, which for
+    four channels gives another inverse: its grays are correct, but its colors differ from those of
+    ``to_xyz``. No ColorMatrix1 can make both correct.
 
     Examples
     --------
@@ -231,22 +231,22 @@ def camera_matrix(to_xyz: Float[Array, "3 p"], white: Float[Array, " p"]) -> Flo
 def dng_rows(
     path: Path, *, height: int, width: int, profile: RawProfile
 ) -> AbstractContextManager[PutRows]:
-    """An uncompressed 16-bit DNG to be filled with rows of codes [rows width], uint16.
+    """Write an uncompressed 16-bit DNG by rows of codes [rows width], uint16.
 
     Parameters
     ----------
     path
         A file that may be replaced.
     height, width
-        [pixels] 22 to 64,000 each, which is what LibRaw opens.
+        [pixels] 22 to 64,000 each, the range that LibRaw opens.
     profile
-        What a raw developer must know.
+        Metadata for raw developers.
 
     Raises
     ------
     InputError
-        If the size is beyond what can be read, the file cannot be written, or rows do not fit or
-        are missing at the end.
+        If the size is out of range, the file cannot be written, or rows have a wrong shape or are
+        missing at the end.
     """
     refuse_dng_size(str(path), height=height, width=width)
     return tiff_rows(
@@ -260,12 +260,12 @@ def dng_rows(
 
 
 def refuse_dng_size(name: str, *, height: int, width: int) -> None:
-    """Say, before a picture is taken, that no reader would open its DNG.
+    """Check the size of a DNG before the image is computed.
 
     Raises
     ------
     InputError
-        If a side is shorter than 22 or longer than 64,000 pixels, or the file passed 4 GiB.
+        If a side is shorter than 22 or longer than 64,000 pixels, or the file would exceed 4 GiB.
     """
     if not all(_SIDES[0] <= side <= _SIDES[1] for side in (height, width)):
         raise InputError(
@@ -286,13 +286,13 @@ def refuse_dng_size(name: str, *, height: int, width: int) -> None:
 
 
 def write_dng(path: Path, codes: UInt16[Array, "h w"], profile: RawProfile) -> None:
-    """Codes under a mosaic as DNG; see `dng_rows` for a picture that comes in parts."""
+    """Write codes of a mosaic as DNG; `dng_rows` writes an image in parts."""
     with dng_rows(path, height=codes.shape[0], width=codes.shape[1], profile=profile) as put:
         put(0, codes)
 
 
 def _tags(profile: RawProfile) -> tuple[tuple[Any, ...], ...]:
-    """(number, type, count, value, written once) of every tag beyond those of a TIFF."""
+    """(number, type, count, value, written once) of each tag that a plain TIFF lacks."""
     order = sorted(range(len(profile.channels)), key=lambda i: _COLOR_CODES[profile.channels[i]])
     planes = bytes(_COLOR_CODES[profile.channels[i]] for i in order)
     pattern = _readable_pattern(profile.sensor_name, profile.mosaic)
@@ -310,7 +310,7 @@ def _tags(profile: RawProfile) -> tuple[tuple[Any, ...], ...]:
             (33421, _SHORT, 2, pattern.shape),  # CFARepeatPatternDim
             (33422, _BYTE, pattern.size, pattern.tobytes()),  # CFAPattern
             (50706, _BYTE, 4, bytes([1, 4, 0, 0])),  # DNGVersion
-            (50707, _BYTE, 4, bytes([1, 1, 0, 0])),  # DNGBackwardVersion: all that is needed
+            (50707, _BYTE, 4, bytes([1, 1, 0, 0])),  # DNGBackwardVersion: the oldest that suffices
             (50708, _ASCII, 0, f"chromanoise {name}"),  # UniqueCameraModel
             (50710, _BYTE, len(planes), planes),  # CFAPlaneColor
             (50711, _SHORT, 1, 1),  # CFALayout: rectangular
@@ -331,12 +331,12 @@ def _fractions(values: Array) -> tuple[int, ...]:
 
 
 def _readable_pattern(sensor_name: str, mosaic: Mosaic) -> Array:
-    """Color codes of the mosaic in the first block that LibRaw knows and that repeats like it."""
+    """Color codes in the first block size of LibRaw that is a multiple of the mosaic period."""
     own = np.array([[_COLOR_CODES[name] for name in row] for row in mosaic.pattern], np.uint8)
     for rows, columns in _READABLE_REPEATS:
         if rows == 6 and set(mosaic.names) != {"R", "G", "B"}:
             continue
-        again = (rows * own.shape[0], columns * own.shape[1])  # both repeat in it
+        again = (rows * own.shape[0], columns * own.shape[1])  # a common multiple of both
         tiled = np.tile(own, (rows, columns))
         block = tiled[:rows, :columns]
         if (tiled == np.tile(block, (again[0] // rows, again[1] // columns))).all():
@@ -374,7 +374,7 @@ def _refuse_untold_channels(sensor_name: str, channels: tuple[str, ...], mosaic:
 
 
 def _refuse_untold_numbers(profile: RawProfile) -> None:
-    """What would not survive as a fraction of 32-bit integers, or is no noise."""
+    """Refuse values that 32-bit fractions cannot represent, or an invalid noise profile."""
     name = profile.sensor_name
     largest = float(np.abs(profile.color_matrix).max())
     if not largest < 2**31 / _PARTS:

@@ -1,5 +1,5 @@
 # mypy: disable-error-code="no-untyped-def,no-untyped-call,misc"
-"""Four compiled sums over the bands of pixels: of one pixel or of a run, by pixel or by band."""
+"""Compiled sums over the bands of pixels: for one pixel or a run, by pixel or by band."""
 
 from functools import partial
 from typing import no_type_check
@@ -29,11 +29,11 @@ from chromanoise.imaging.simd import (
     weight_rows,
 )
 
-_UNROLLED = 4  # times that a loop over the bands of a pixel is written out
-_LINE = 16  # numbers of a cache line, if they are float32
-# How many numbers ahead memory is asked for, cache by cache. The far one keeps memory busy while
-# sums are made, the near one has them at hand. In pixels of a band there is no near one: sixteen
-# lines of eight bands may fall on one place of the first cache.
+_UNROLLED = 4  # unroll factor of the loop over the bands of a pixel
+_LINE = 16  # float32 numbers per cache line
+# Prefetch distances, in numbers, per cache level. The far prefetch overlaps memory access with the
+# sums; the near one loads the first cache. For pixels of a band there is no near prefetch, because
+# sixteen lines of eight bands may map to the same set of the first cache.
 _AHEAD = {1: 1024, 2: 8192}
 _AHEAD_OF_BAND = {2: 768}
 
@@ -84,7 +84,7 @@ def pixel_adder():
                 four = ir.VectorType(F32, 4).as_pointer()
                 builder.store(folded(builder, totals), builder.bitcast(place, four), align=4)
 
-            # where the next pixel follows at once, the last lanes may look into it: their weight is
+            # if the next pixel follows directly, the last lanes may read from it: their weight is
             # 0; the last `LANES` pixels leave room for that however few bands there are
             together = builder.icmp_signed("==", pitch, bands)
             most = builder.sub(n, ir.Constant(I64, LANES))

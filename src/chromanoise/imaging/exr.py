@@ -1,7 +1,7 @@
-"""Linear light as OpenEXR, float32 or half, nothing clipped.
+"""Linear light as OpenEXR, float32 or half, without clipping.
 
-The library `OpenEXR` of the Academy Software Foundation writes it (extra ``exr``); it takes a
-picture as a whole.
+The files are written by the library `OpenEXR` of the Academy Software Foundation (extra ``exr``),
+which needs the whole image in memory.
 """
 
 from importlib import import_module
@@ -19,7 +19,7 @@ from chromanoise.errors import InputError, Setting
 REC709 = (0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290)
 """x, y of red, green, blue and white of sRGB (ITU-R BT.709-6, table 1)."""
 CIE_XYZ = (1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1 / 3, 1 / 3)
-"""The axes X, Y, Z as primaries: R, G, B of such a file are X, Y, Z."""
+"""The axes X, Y, Z as primaries: channels R, G, B of such a file are X, Y, Z."""
 
 _LARGEST_HALF = 65504.0  # IEEE 754 binary16
 
@@ -27,24 +27,24 @@ _LARGEST_HALF = 65504.0  # IEEE 754 binary16
 def write_linear_exr(
     path: Path, xyz: Float[Array, "h w 3"], white: Float[Array, " 3"], *, half: bool = False
 ) -> None:
-    """Linear sRGB (Rec. 709 primaries), white-balanced, 1 for a perfect white; noise below 0 stays.
+    """Linear sRGB (Rec. 709 primaries), white-balanced, white 1; negative noise is kept.
 
     Parameters
     ----------
     path
-        A file that may be replaced.
+        An existing file is replaced.
     xyz
         Linear, Y = 1 for the white.
     white
-        XYZ of a perfect white in the picture's light.
+        XYZ of a perfect white under the illuminant of the image.
     half
-        16-bit floats: half the size, a relative error of up to 2^-11.
+        Use 16-bit floats: half the size, and a relative error of up to 2^-11.
 
     Raises
     ------
     InputError
-        If OpenEXR is not installed, a value is not finite or too large for half, the white is no
-        color that an eye could adapt to, or the file cannot be written.
+        If OpenEXR is not installed, a value is not finite or too large for half, the white is
+        not valid for chromatic adaptation, or the file cannot be written.
     """
     color = linear_srgb(xyz.astype(np.float64), white)
     _write_rgb(path, color, half, {"chromaticities": REC709})
@@ -53,14 +53,14 @@ def write_linear_exr(
 def write_xyz_exr(
     path: Path, xyz: Float[Array, "h w 3"], white: Float[Array, " 3"], *, half: bool = False
 ) -> None:
-    """XYZ as it is, in the channels R, G, B of a file whose primaries are X, Y and Z.
+    """XYZ unchanged, in the channels R, G, B of a file whose primaries are X, Y and Z.
 
-    The chromaticity of ``white`` is kept as ``adoptedNeutral``, so that a reader can balance it.
+    The chromaticity of ``white`` is stored as ``adoptedNeutral``, so readers can white-balance.
 
     Parameters
     ----------
     path, xyz, white, half
-        As `write_linear_exr`; nothing is adapted.
+        As `write_linear_exr`; no chromatic adaptation is applied.
 
     Raises
     ------
@@ -110,7 +110,7 @@ def _write_rgb(
 
 
 def openexr() -> Any:
-    """The package that writes EXR.
+    """The imported package OpenEXR.
 
     Raises
     ------

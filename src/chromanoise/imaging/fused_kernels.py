@@ -1,12 +1,12 @@
 # mypy: disable-error-code="no-untyped-def,no-untyped-call,misc"
-"""From a block of rows of the cube to codes or color, in one pass that stays in the near caches.
+"""Conversion of a block of rows of the cube to codes or color, in one pass within the caches.
 
-A block is taken in tiles for the expected electrons (`tiles`), and these in runs of one row for
+A block is split into tiles for the expected electrons (`tiles`), and tiles into runs of one row for
 noise (`acquisition`) and codes or color (`color_kernels`). Functions without annotations are
-compiled, serial and free of the interpreter's lock; what threads share is only read.
+compiled, serial, and release the GIL; data shared by threads is read-only.
 
-``stored`` is the block as it lies in memory, `RowsInMemory`. Its weights are copied because a copy
-begins where the processor's vectors do: read across a cache line they take twice as long.
+``stored`` is the block as stored in memory, `RowsInMemory`. Its weights are copied to aligned
+memory, because vector loads across cache lines take twice as long.
 """
 
 import math
@@ -103,7 +103,7 @@ def _codes(electrons, channel, adc, counts, codes):
     for i in range(channel.size):
         held = min(electrons[i], adc.most_e)
         code = _F(math.floor(held * adc.dn_per_e + adc.black_dn + _HALF))
-        code = code if code > _ZERO else _ZERO  # NaN too
+        code = code if code > _ZERO else _ZERO  # also for NaN
         codes[i] = np.uint16(np.int32(code if code < adc.top_dn else adc.top_dn))
     for i in range(channel.size):
         if electrons[i] > adc.most_e:

@@ -1,4 +1,4 @@
-"""Where compiled kernels are kept: in a folder named by the content of all their sources.
+"""Cache of compiled kernels, in a folder named by a hash of all sources.
 
 numba checks only whether the file of a kernel has changed (some versions by its date), not the
 files of the functions that the kernel calls. The name of the folder is a hash of all sources of

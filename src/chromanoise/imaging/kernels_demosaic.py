@@ -1,10 +1,10 @@
 # mypy: disable-error-code="no-untyped-def,no-untyped-call,misc"
 """Linear demosaicing of a block of rows, compiled.
 
-The columns of the tile are laid apart first, so that equal filters run along contiguous memory.
-Each sum takes its pixels in the order of the filter's rows, one after the other, for any block of
-rows: the same bits, whoever computes it. Functions without annotations are compiled, serial and
-free of the interpreter's lock.
+The columns of the tile are separated first, so that each filter is applied along contiguous memory.
+Each sum adds its pixels in the order of the filter's rows for any block of rows, so results are
+bit-identical for any blocks and threads. Functions without annotations are compiled, serial, and
+release the GIL.
 """
 
 from dataclasses import dataclass
@@ -20,18 +20,18 @@ from chromanoise.imaging.kernel_cache import kernel
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Taps:
-    """The weights of a filter bank that are not 0, one after the other.
+    """The nonzero weights of a filter bank as one list.
 
     Attributes
     ----------
     starts
-        First tap of each filter, and the end of the last.
+        Index of the first tap of each filter, and the end of the last filter.
     rows, columns
-        Of the pixel in the window, from its upper left corner.
+        Position of each tap in the window, from its upper left corner.
     weights
-        One per tap.
+        Weight of each tap.
     radius
-        Pixels that a filter reaches on each side.
+        Radius of the filters. [pixels]
     """
 
     starts: Int[Array, "ty tx p1"]
@@ -42,7 +42,7 @@ class Taps:
 
 
 def taps_of(bank: FilterBank) -> Taps:
-    """The filter bank as the kernel wants it.
+    """The filter bank in the form that the kernel uses.
 
     Examples
     --------
@@ -67,14 +67,14 @@ def taps_of(bank: FilterBank) -> Taps:
 def surrounded_rows(
     raw: Num[Array, "h w"], bank: FilterBank, start: int, stop: int
 ) -> Float32[Array, "rows w2"]:
-    """Rows ``start`` to ``stop`` of a raw picture with the pixels around that filters need.
+    """Rows ``start`` to ``stop`` of a raw image, padded by the radius of the filters.
 
-    Electrons or codes; float32 holds both.
+    The values are electrons or codes; float32 represents both.
 
     Raises
     ------
     InputError
-        If the picture is smaller than one tile of the mosaic.
+        If the image is smaller than one tile of the mosaic.
 
     Examples
     --------
@@ -97,11 +97,11 @@ def demosaicked_rows(
     Parameters
     ----------
     surrounded
-        From `surrounded_rows`. [e-]
+        Result of `surrounded_rows`. [e-]
     taps
-        From `taps_of`.
+        Result of `taps_of`.
     first_row
-        Row of the picture at which the block starts: it tells the place in the tile.
+        Row of the image at which the block starts; it determines the position in the tile.
 
     Examples
     --------

@@ -1,8 +1,8 @@
 # mypy: disable-error-code="no-untyped-def,no-untyped-call,misc"
-"""Channels side by side at each pixel, or one after the other: from one to the other in a run.
+"""Conversion of a run of pixels between interleaved channels and separate channel arrays.
 
-Unsigned indices spare the question whether they are negative, and the loops become shuffles of
-whole vectors; with an index for the channel each number would be moved by itself.
+Unsigned indices need no check for negative values, so the loops compile to shuffles of whole
+vectors; with a loop over channels each number would be moved separately.
 """
 
 from typing import no_type_check

@@ -1,4 +1,4 @@
-"""How a block of a cube's rows becomes expected electrons, and what is refused on the way."""
+"""Conversion of a block of a cube's rows to expected electrons, with checks of the reflectances."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -24,32 +24,32 @@ from chromanoise.scene.cube import BRIGHTEST, reflectance_rows
 from chromanoise.scene.rows import RowSource, row_source
 from chromanoise.spectra import Beyond
 
-_MOST_E = 1e30  # of one stored number: what float32 can hold, and the sum of all bands
+_MOST_E = 1e30  # per stored number: so that the sum of all bands fits in float32
 
 BadPixels = Literal["refuse", "zero"]
-"""What is done with a number that is no reflectance."""
+"""Handling of invalid reflectances."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Light:
-    """How the numbers of a cube become expected electrons.
+    """Parameters for converting the numbers of a cube to expected electrons.
 
     Attributes
     ----------
     cube
-        Where they are read.
+        The cube that is read.
     weights
-        Electrons per stored number, channels and bands filled up with zeros. [e-]
+        Electrons per stored number, with channels and bands padded with zeros. [e-]
     channels
-        How many are real.
+        Number of channels without padding.
     notes
-        What was assumed of the spectra.
+        Assumptions on the spectra.
     planar
-        In which order its sums are taken.
+        Whether sums run over pixels of a band (planar) or over bands of a pixel.
     bad_pixels
-        What is done with numbers that are no reflectance: ``refuse``, or ``zero``.
+        Handling of invalid reflectances: ``refuse``, or ``zero``.
     first_row
-        Of the picture, that is the cube's first: more than 0 where only a part was sent.
+        Row of the image that is the first row of the cube; above 0 if only a part was sent.
     """
 
     cube: Cube
@@ -69,12 +69,12 @@ class Light:
 def light_of(
     cube: Cube, operating_point: OperatingPoint, *, beyond: Beyond, bad_pixels: BadPixels = "refuse"
 ) -> Light:
-    """Eq. 2 for this cube in this operating point, folded into one weight per band and channel.
+    """Eq. 2 for this cube and operating point, as one weight per band and channel.
 
     Raises
     ------
     InputError
-        As `band_weights`, or if its electrons are more than can be counted.
+        As `band_weights`, or if the number of electrons is out of range.
     """
     white, sensor = white_scene(operating_point), operating_point.sensor
     weights, notes = band_weights(cube, white, sensor, operating_point.exposure, beyond=beyond)
@@ -106,12 +106,12 @@ def on_rows(
     sums: Array,
     fill: Callable[[RowsInMemory], None],
 ) -> Int64[Array, " rows"]:
-    """Read the rows and do the work, which fills ``sums``; pixels of each row that were bad.
+    """Read the rows and call ``fill``, which fills ``sums``; the result is bad pixels per row.
 
     Raises
     ------
     InputError
-        If a number is no reflectance and bad pixels are refused.
+        If a reflectance is invalid and bad pixels are refused.
     """
     source = light.source
     start, stop = start - light.first_row, stop - light.first_row
@@ -124,7 +124,7 @@ def on_rows(
         sums[...] = 0
         _were_reflectances(light, mended, sums, fill)
     else:
-        # says which value is wrong, and where
+        # raises an error with the value and its position
         reflectance_rows(light.cube, start, stop, first_row=light.first_row)
     return bad
 
@@ -132,7 +132,7 @@ def on_rows(
 def _were_reflectances(
     light: Light, block: Array, sums: Array, fill: Callable[[RowsInMemory], None]
 ) -> bool:
-    """Do the work; whether all numbers were reflectances."""
+    """Call ``fill``; the result is whether all reflectances were valid."""
     flat, lay = flattened(block, planar=light.planar)
     seen = np.repeat(np.array([3e38, -3e38], np.float32), LANES)
     fill(RowsInMemory(flat=flat, lay=lay, weights=light.weights, seen=seen))
@@ -142,7 +142,7 @@ def _were_reflectances(
 
 
 def _mended(block: Array, scale: float) -> tuple[Array, Int64[Array, " rows"]]:
-    """The block with 0 for every number that is no reflectance; pixels that had one, per row."""
+    """The block with 0 for invalid reflectances, and the number of such pixels per row."""
     with np.errstate(invalid="ignore", over="ignore"):
         rho = block.astype(np.float64) * scale
     bad = ~((rho >= 0) & (rho <= BRIGHTEST))

@@ -1,11 +1,11 @@
 # mypy: disable-error-code="no-untyped-def,no-untyped-call,misc"
-"""Eq. 2 for the pixels of a cube: stored numbers times weights are expected electrons.
+"""Eq. 2 for the pixels of a cube: expected electrons are stored numbers times weights.
 
-The cube is read once, as it lies. Where the bands of a pixel lie together (BIP) each pixel is
-summed by `adders`; where the pixels of a band lie together (BIL, BSQ) a run of them is summed band
-by band. Both orders are fixed, so no choice of blocks changes a bit.
+The cube is read once, in its memory order. If the bands of a pixel are contiguous (BIP), each pixel
+is summed by `dot_kernels`; if the pixels of a band are contiguous (BIL, BSQ), a run of pixels is
+summed band by band. Both orders are fixed, so results are bit-identical for any choice of blocks.
 
-Functions without annotations are compiled; ``n`` pixels that follow each other are a tile.
+Functions without annotations are compiled; a tile is ``n`` consecutive pixels.
 """
 
 from typing import no_type_check
@@ -17,11 +17,11 @@ from chromanoise.imaging.blocks import CHANNELS_AT_ONCE, RUN_LANES
 from chromanoise.imaging.dot_kernels import band_adder, own_band_adder, pixel_adder, weighted_sum
 
 BANDS_AT_ONCE = 8
-"""So many streams the memory follows; the sums are kept and fetched an eighth as often."""
+"""Bands per pass, limited by the hardware prefetcher; sums are loaded and stored once per pass."""
 TILE = 4096
-"""Pixels whose sums are kept in the second cache while the bands go by, a long way each."""
+"""Number of pixels whose sums stay in the second cache during the loop over bands."""
 
-_AGAIN = 128  # pixels that stay in the cache until all channels have seen them
+_AGAIN = 128  # pixels that stay in the cache until all channels are summed
 _ZERO = np.float32(0.0)
 _add_some, _add_one = band_adder(BANDS_AT_ONCE), band_adder(1)
 _add_pixels = pixel_adder()

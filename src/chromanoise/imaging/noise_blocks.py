@@ -1,9 +1,9 @@
-"""Shot and read noise of a block of pixels: every loop over lanes is one that vectorizes.
+"""Shot and read noise of a block of pixels, in loops over lanes that vectorize.
 
-A lane is one channel of one pixel, in the order of memory. A block goes through: words of all
-lanes; their normal quantiles; what is read as if all means were high; then the lanes of low mean
-are collected, counted side by side, and put in place. If any lane has no read noise yet, words for
-it are made for the whole block, and that lane takes its own. Blocks stay in the first cache.
+A lane is one channel of one pixel, in memory order. The steps for a block are: random words of all
+lanes; their normal quantiles; electrons as if all means were high; then the lanes of low mean are
+collected, sampled in parallel, and written back. If any lane still lacks read noise, words for it
+are generated for the whole block, and each such lane uses its own. Blocks fit in the first cache.
 """
 
 from typing import no_type_check
@@ -24,9 +24,9 @@ from chromanoise.imaging.noise_draws import (
 from chromanoise.imaging.philox import LIGHT, PER_CALL, READOUT, groups_of, words_at
 
 LANES = 1024
-"""Lanes of a block, if a pixel has not more channels than that."""
+"""Number of lanes of a block, unless a pixel has more channels."""
 GROUP = 32
-"""Lanes that are counted side by side: as long as the slowest of them takes."""
+"""Number of lanes that are sampled in parallel; the slowest lane determines the time."""
 
 _TO_SHARE = 2.0**-32
 _ZERO, _INFINITE = np.float32(0.0), np.float32(np.inf)
@@ -102,7 +102,7 @@ def fill_words(pixel, group, count, channels, purpose, frame, seed, words):
         words[4 * q + 2] = w2
         words[4 * q + 3] = w3
     padded = groups * PER_CALL
-    if padded > channels:  # close the gaps
+    if padded > channels:  # remove the padding
         for i in range(1, count):
             for c in range(channels):
                 words[i * channels + c] = words[i * padded + c]

@@ -1,12 +1,13 @@
-"""From one random word to one variate: quantile functions without a branch.
+"""Quantile functions without branches, which map one random word to one variate.
 
-Each variate takes one word u of 32 bits, the share (u + 1/2) / 2^32, and rises with it; the
+Each variate is an increasing function of one word u of 32 bits, through (u + 1/2) / 2^32; the
 complement of the word gives the opposite normal variate. Only + - * /, square root, floor and fused
 multiply-add are used, whose roundings are fixed, so the bits are the same on every processor.
 
 Functions without annotations are compiled; ``f4`` is float32, ``u4`` uint32. Polynomials are summed
-in pairs: the processor waits for a chain of products, not for their number. A function that calls
-these needs ``error_model="numpy"``, or a test for division by zero keeps it from being vectorized.
+in pairs, because the latency of a chain of products limits speed, not their number. A function
+that calls these needs ``error_model="numpy"``, because a test for division by zero prevents
+vectorization.
 """
 
 import math
@@ -18,11 +19,11 @@ from numba import njit
 from chromanoise.imaging.simd import fused
 
 FEW_E = np.float32(20.0)
-"""From this mean on the expansion is used; below, the distribution function is summed. [e-]"""
+"""Mean from which the expansion is used; below it, the distribution function is summed. [e-]"""
 
 SMOOTH_E = np.float32(0.75)
-"""From this read noise s on the steps of whole electrons are smoothed out: they ripple the density
-by 2 exp(-2 pi^2 s^2) = 3e-5 of it, which 10^8 draws do not show. [e-]"""
+"""Read noise s from which the steps of whole electrons are negligible: their relative ripple of the
+density is 2 exp(-2 pi^2 s^2) = 3e-5, which 10^8 samples do not resolve. [e-]"""
 
 _F = np.float32
 _ONE = _F(1.0)

@@ -1,7 +1,7 @@
-"""Philox4x32-10: random words that are a function of where they are used, nothing else.
+"""Philox4x32-10: random words as a function of seed, pixel, purpose, frame and channel only.
 
-A cipher turns the 64-bit key and the 128-bit counter into four words of 32 bits. No state is
-carried along, so tiles, threads and machines may come in any order. The counter:
+A cipher turns the 64-bit key and the 128-bit counter into four words of 32 bits. There is no
+state, so the order of tiles, threads and machines is arbitrary. The counter:
 
 ====  =======  ==================================================================
 word  bits     what
@@ -20,8 +20,8 @@ The four words belong to the four channels of the group, in their order.
 Salmon, Moraes, Dror & Shaw, "Parallel random numbers: as easy as 1, 2, 3", SC11 (2011),
 doi:10.1145/2063384.2063405.
 
-Functions without annotations are compiled; a word is a uint64 whose high half is not read, as the
-wide multiply of the processor wants it.
+Functions without annotations are compiled; a word is a uint64 whose high half is ignored, for the
+wide multiplication of the processor.
 """
 
 from typing import no_type_check
@@ -33,7 +33,7 @@ LIGHT, READOUT, PIXEL_GAIN, PIXEL_OFFSET, ROW = range(5)
 """Purposes: shot noise, also with read noise as one sum; read noise by itself; PRNU; DSNU; rows."""
 
 PER_CALL = 4
-"""Channels that share one call of the cipher: a word each."""
+"""Number of channels that share one call of the cipher, one word each."""
 
 _WORD = np.uint64(0xFFFFFFFF)
 _HALF = np.uint64(32)

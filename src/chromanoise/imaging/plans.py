@@ -1,7 +1,7 @@
-"""All that a block of rows needs to become codes or color: worked out once, the same for all.
+"""Plans: all parameters for the conversion of a block of rows to codes or color, computed once.
 
-A plan is plain numbers and a source of rows, so that another process can take it and make the same
-bits of its own block.
+A plan contains plain numbers and a source of rows, so that it can be pickled, and another process
+computes bit-identical results for its block.
 """
 
 import zlib
@@ -25,7 +25,7 @@ from chromanoise.scene.rows import ArrayRows
 from chromanoise.sensor import Adc, Imperfections, Mosaic
 from chromanoise.sensor.imperfections import dark_electrons_e
 
-_MOST_E = 1e15  # beyond, float32 holds no electron
+_MOST_E = 1e15  # above, float32 does not resolve single electrons
 
 Counts = Float64[Array, "rows 3 p"]
 """Per row and channel: sum of expected electrons, pixels above full well, bad pixels. [e-, 1, 1]"""
@@ -39,12 +39,12 @@ def draw_of(
     imperfections: Imperfections | None = None,
     noisy: bool = True,
 ) -> Draw:
-    """The noise of a sensor in use; sensors of different names draw different noise.
+    """Noise parameters of an operating point; the noise depends on the name of the sensor.
 
     Raises
     ------
     InputError
-        If seed or frame are no whole numbers from 0 to 2^32 - 1.
+        If seed or frame is not an integer from 0 to 2^32 - 1.
     """
     for name, value in (("seed", seed), ("frame", frame)):
         if not isinstance(value, int) or not 0 <= value < 1 << 32:
@@ -71,12 +71,12 @@ def draw_of(
 
 
 def demand_well(operating_point: OperatingPoint, draw: Draw) -> None:
-    """Where electrons are held at full well, dark ones must leave some of it.
+    """Check that, with clipping, dark electrons do not fill the full well.
 
     Raises
     ------
     InputError
-        If they do not.
+        If they fill it.
     """
     full_well_e = operating_point.sensor.pixel.full_well_e
     if draw.dark_e >= full_well_e:
@@ -90,22 +90,22 @@ def demand_well(operating_point: OperatingPoint, draw: Draw) -> None:
 
 
 def _most_e(operating_point: OperatingPoint, draw: Draw) -> float:
-    """What dark electrons leave of the full well."""
+    """Full well minus dark electrons."""
     return operating_point.sensor.pixel.full_well_e - float(draw.dark_e)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class RawPlan:
-    """From rows to codes of a mosaic.
+    """Plan for the raw codes of a mosaic.
 
     Attributes
     ----------
     light, draw
-        Expected electrons, and noise.
+        Parameters of expected electrons, and of noise.
     tile
-        Numbers of channels in one period of the mosaic.
+        Indices of the channels in one period of the mosaic.
     adc
-        From electrons to codes.
+        The converter.
     """
 
     light: Light
@@ -117,7 +117,7 @@ class RawPlan:
 def raw_plan(
     light: Light, draw: Draw, operating_point: OperatingPoint, mosaic: Mosaic, adc: Adc
 ) -> RawPlan:
-    """The plan of one frame of a mosaic."""
+    """The plan for one frame of a mosaic."""
     demand_well(operating_point, draw)
     names, most_e = operating_point.sensor.names, _most_e(operating_point, draw)
     tile = [[names.index(name) for name in row] for row in mosaic.pattern]
@@ -134,7 +134,7 @@ def raw_block(
     Raises
     ------
     InputError
-        If the cube holds what is no reflectance there.
+        If the cube has an invalid reflectance in these rows.
     """
     from chromanoise.imaging.fused_kernels import raw_rows
 
@@ -149,16 +149,16 @@ def raw_block(
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ColorPlan:
-    """From rows to color, with all channels at every pixel.
+    """Plan for a color image, with all channels at every pixel.
 
     Attributes
     ----------
     light, draw
-        Expected electrons, and noise.
+        Parameters of expected electrons, and of noise.
     well
-        Full well, and whether electrons are held between 0 and it.
+        Full well, and whether electrons are clipped to 0 and full well.
     matrices
-        To XYZ of which a perfect white has Y = 1, and to linear sRGB, three rows each. [1/e-]
+        Matrices to XYZ (Y = 1 for a perfect white) and to linear sRGB, three rows each. [1/e-]
     """
 
     light: Light
@@ -175,7 +175,7 @@ def color_plan(
     *,
     clip: bool,
 ) -> ColorPlan:
-    """The plan of a picture; ``matrices`` of `color_matrices`."""
+    """The plan for a color image; ``matrices`` are from `color_matrices`."""
     if clip:
         demand_well(operating_point, draw)
     well = Well(np.float32(_most_e(operating_point, draw)), clip)
@@ -185,12 +185,12 @@ def color_plan(
 def color_matrices(
     matrix: ColorMatrix, operating_point: OperatingPoint
 ) -> tuple[Float32[Array, "6 p"], Float64[Array, " 3"]]:
-    """To XYZ and to linear sRGB, white-balanced; and XYZ of the white. Y of a white is 1.
+    """Matrices to XYZ and to white-balanced linear sRGB, and XYZ of the white, with Y = 1.
 
     Raises
     ------
     InputError
-        As `white_lux_of`, or if the white is no color that an eye could adapt to.
+        As `white_lux_of`, or if the white is not valid for chromatic adaptation.
     """
     white_lux = white_lux_of(matrix, operating_point)
     to_xyz, white = matrix.matrix / white_lux[1], white_lux / white_lux[1]
@@ -199,12 +199,12 @@ def color_matrices(
 
 
 def white_lux_of(matrix: ColorMatrix, operating_point: OperatingPoint) -> Float[Array, " 3"]:
-    """XYZ of a perfect white seen through the matrix. [lx]
+    """XYZ of a perfect white according to the matrix. [lx]
 
     Raises
     ------
     InputError
-        If the matrix is of other channels, or makes no luminance of it.
+        If the matrix is for other channels, or gives the white no luminance.
     """
     sensor, lamp = operating_point.sensor, operating_point.illuminant
     _check.same_names("picture", sensor=sensor.names, matrix=matrix.channels)
@@ -252,32 +252,32 @@ def color_block(
 
 @cache
 def srgb_table() -> UInt8[Array, " entries"]:
-    """8-bit codes of linear values, evenly from 0 to 1."""
+    """8-bit codes of linear values at equal steps from 0 to 1."""
     from chromanoise.imaging.color_kernels import ENCODED
 
     codes = np.round(255 * srgb_from_linear(np.linspace(0, 1, ENCODED))).astype(np.uint8)
-    codes.flags.writeable = False  # all pictures share it
+    codes.flags.writeable = False  # all images share it
     return codes
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ElectronPlan:
-    """From rows to expected electrons.
+    """Plan for expected electrons.
 
     Attributes
     ----------
     light
-        Expected electrons.
+        Parameters of expected electrons.
     """
 
     light: Light
 
 
 def plan_for_rows(plan: Any, start: int, stop: int) -> tuple[Any, list[Block]]:
-    """The plan as another process needs it for the rows ``start`` to ``stop``, and their pieces.
+    """The plan for rows ``start`` to ``stop`` in another process, and their pieces.
 
-    A cube in memory goes along with these rows only; one in a file is opened there again, also
-    where it is a memory map, which would go along whole and in another order of axes.
+    Of a cube in memory only these rows are sent. A cube in a file is opened again in the other
+    process, also if it is a memory map, which would be sent whole and with another axis order.
     """
     light, source, first_row = plan.light, plan.light.source, plan.light.first_row
     if isinstance(source, ArrayRows):

@@ -1,4 +1,4 @@
-"""Numbers with names that the compiled functions take as they are: tuples, not dataclasses."""
+"""Named tuples of parameters; numba accepts these directly, but not dataclasses."""
 
 from typing import NamedTuple
 
@@ -9,10 +9,10 @@ from chromanoise._shapes import Float32, Num
 
 
 class Layout(NamedTuple):
-    """How a block of rows lies in memory: its bands, and the steps between neighbors. [numbers]
+    """Memory layout of a block of rows: number of bands, and strides. [numbers]
 
-    Where the step from pixel to pixel is 1, the pixels of a band lie together; otherwise the bands
-    of a pixel do.
+    If the stride from pixel to pixel is 1, the pixels of a band are contiguous; otherwise the bands
+    of a pixel are.
     """
 
     bands: int
@@ -22,19 +22,19 @@ class Layout(NamedTuple):
 
 
 class RowsInMemory(NamedTuple):
-    """Rows of a cube as they lie in memory, and what makes electrons of their numbers."""
+    """Rows of a cube as stored in memory, and the weights from stored numbers to electrons."""
 
     flat: Num[Array, " numbers"]
-    """From the first band of the first pixel on."""
+    """Flat array that starts at the first band of the first pixel."""
     lay: Layout
     weights: Float32[Array, "channels bands"]
-    """Channels rounded up to 4, bands rounded up to 16, the rest 0."""
+    """Shape: channels rounded up to 4, bands rounded up to 16; padded with 0."""
     seen: Float32[Array, "16"]
-    """The least number so far in each of `LANES`, then the greatest."""
+    """The smallest number so far in each of `LANES` lanes, then the largest."""
 
 
 class Draw(NamedTuple):
-    """Which noise: its strengths, and where its random words come from."""
+    """Noise parameters: standard deviations, and the key and counter of the random words."""
 
     read_noise_e: np.float32
     prnu: np.float32
@@ -42,23 +42,23 @@ class Draw(NamedTuple):
     dsnu_e: np.float32
     row_noise_e: np.float32
     noisy: bool
-    """Whether there are shot noise and read noise; the imperfections stay."""
+    """Whether there is shot noise and read noise; imperfections do not depend on it."""
     key: np.uint64
     frame: np.uint64
 
 
 class Converter(NamedTuple):
-    """From electrons to codes."""
+    """Converter from electrons to codes."""
 
     most_e: np.float32
-    """What dark electrons leave of the full well."""
+    """Full well minus dark electrons."""
     dn_per_e: np.float32
     black_dn: np.float32
     top_dn: np.float32
 
 
 class Well(NamedTuple):
-    """What dark electrons leave of the full well, and whether electrons are held at 0 and there."""
+    """Full well minus dark electrons, and whether electrons are clipped to 0 and to it."""
 
     most_e: np.float32
     held: bool

@@ -1,4 +1,4 @@
-"""A cube through a sensor: to a noisy color picture, or to the raw codes of a mosaic."""
+"""Rendering of a cube by a sensor: a noisy color image, or the raw codes of a mosaic."""
 
 from dataclasses import dataclass
 
@@ -28,31 +28,31 @@ from chromanoise.sensor import Adc, Imperfections, Mosaic, Sensor, adc_of
 from chromanoise.spectra import Beyond, Illuminant, Metric
 
 ALL_CORES = Work()
-"""A thread for each core."""
+"""Default work: one thread per core."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Picture:
-    """What a sensor and its matrix make of a cube.
+    """Color image of a cube, rendered by a sensor and its matrix.
 
     Attributes
     ----------
     operating_point, matrix, seed, frame
-        How it was made.
+        Inputs of the image.
     xyz
-        Linear XYZ with noise; Y = 1 for a perfect white seen by the same sensor.
+        Linear XYZ with noise; Y = 1 for a perfect white captured by the same sensor.
     srgb
         8-bit sRGB, white-balanced on the illuminant.
     white
         XYZ of the perfect white in the units of ``xyz``.
     mean_e
-        Mean expected electrons of light per channel over the picture, dark ones left out. [e-]
+        Mean expected electrons per channel over the image, without dark electrons. [e-]
     above_full_well
-        Share of the noisy values per channel that, dark electrons counted in, exceed full well.
+        Share of the noisy values per channel that exceed full well, dark electrons included.
     clipped
-        Whether these were held at full well, and negative ones at 0.
+        Whether electrons were clipped to 0 and full well.
     notes
-        What was assumed on the way.
+        Assumptions made during rendering.
     """
 
     operating_point: OperatingPoint
@@ -74,48 +74,48 @@ class Picture:
 
     @property
     def sensor(self) -> Sensor:
-        """Of the operating point."""
+        """Sensor of the operating point."""
         return self.operating_point.sensor
 
     @property
     def exposure(self) -> Exposure:
-        """Of the operating point."""
+        """Exposure of the operating point."""
         return self.operating_point.exposure
 
     @property
     def illuminant(self) -> Illuminant:
-        """Of the operating point."""
+        """Illuminant of the operating point."""
         return self.operating_point.illuminant
 
     @property
     def level_lux(self) -> float:
-        """Of the operating point. [lx]"""
+        """Illuminance of the operating point. [lx]"""
         return self.operating_point.level_lux
 
     @property
     def metric(self) -> Metric:
-        """Of the matrix."""
+        """Metric of the matrix."""
         return self.matrix.metric
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class RawPicture:
-    """What the converter gives: one code per pixel, of the channel that lies over it.
+    """Raw image: one code per pixel, of the channel over this pixel.
 
     Attributes
     ----------
     operating_point, seed, frame
-        How it was made.
+        Inputs of the image.
     mosaic, adc
-        Which channel lies where, and what a code means.
+        The channel of each pixel, and the converter.
     codes
         0 to the top code. [DN]
     mean_e
-        Mean expected electrons of light per channel, over its own pixels. [e-]
+        Mean expected electrons per channel over its own pixels, without dark electrons. [e-]
     above_full_well
-        Share of the noisy values per channel that, dark electrons counted in, exceed full well.
+        Share of the noisy values per channel that exceed full well, dark electrons included.
     notes
-        What was assumed on the way.
+        Assumptions made during rendering.
     """
 
     operating_point: OperatingPoint
@@ -147,7 +147,7 @@ def rendered(
     bad_pixels: BadPixels = "refuse",
     work: Work = ALL_CORES,
 ) -> Picture:
-    """The noisy color picture of ``cube``: every channel at every pixel, then the color matrix.
+    """The noisy color image of ``cube``: every channel at every pixel, then the color matrix.
 
     Parameters
     ----------
@@ -156,30 +156,31 @@ def rendered(
     operating_point
         Sensor, exposure and light.
     matrix
-        From electrons to XYZ; the kernel (eq. 6, quanta) if ``None``.
+        Matrix from electrons to XYZ; the kernel (eq. 6, quanta) if ``None``.
     seed, frame
-        Whole numbers to 2^32 - 1: the same give the same picture, whatever threads and tiles.
-        Sensors of other names draw other noise: that of `noisy_electrons` with the seed
-        crc32(name) 2^32 + seed.
+        Integers from 0 to 2^32 - 1. Equal values give the same image for any threads and tiles.
+        Sensors with different names have different noise: that of `noisy_electrons` with the
+        seed crc32(name) 2^32 + seed.
     imperfections
-        Of real pixels; if ``None``, those of the sensor, which has none by default.
+        Imperfections of the pixels; if ``None``, those of the sensor, which are zero by default.
     noisy
-        False for no shot and no read noise, of dark electrons neither; other imperfections stay.
+        If false, there is no shot noise (also none of dark electrons) and no read noise; other
+        imperfections stay.
     clip
-        Hold electrons between 0 and full well, as a real sensor does. The paper does not.
+        Whether electrons are clipped to 0 and full well, as in a real sensor, unlike the paper.
     beyond
-        What the reflectances are where the cube ends short of the grid.
+        How to extrapolate reflectances where the cube does not cover the grid.
     bad_pixels
-        Numbers that are no reflectance (NaN, negative, above 2): ``refuse`` them, or take ``zero``
-        and say how many pixels had one.
+        Handling of invalid reflectances (NaN, negative, above 2): ``refuse`` raises an error,
+        ``zero`` replaces them by 0 and adds a note on the number of pixels.
     work
-        Who does it: no bit depends on it.
+        Threads or executor for the computation; the result does not depend on it.
 
     Raises
     ------
     InputError
-        If the cube holds what is no reflectance, ends short of the grid, a number is out of range,
-        or the matrix has no luminance for this light.
+        If the cube has an invalid reflectance or does not cover the grid, a number is out of
+        range, or the matrix gives no luminance for this illuminant.
     """
     cube = bands_within(cube, operating_point.sensor.grid)
     light = light_of(cube, operating_point, beyond=beyond, bad_pixels=bad_pixels)
@@ -228,12 +229,12 @@ def acquired(
     Parameters
     ----------
     mosaic
-        The sensor's own if ``None``.
+        The channel of each pixel; the sensor's own mosaic if ``None``.
     adc
         The converter; if ``None``, that of the sensor, by default 12 bits, top code at full well,
         black level 0.
     cube, operating_point, seed, frame, imperfections, noisy, beyond, bad_pixels, work
-        As `rendered`. Each pixel has the noise that its channel has there.
+        As `rendered`. The noise of a pixel is that of its channel in `rendered`.
 
     Raises
     ------
@@ -290,7 +291,7 @@ def electrons_of_cube(
 
 
 def mosaic_of(operating_point: OperatingPoint, mosaic: Mosaic | None) -> Mosaic:
-    """The mosaic of a raw picture: the one that is given, otherwise the sensor's own.
+    """The mosaic of a raw image: the given one, otherwise that of the sensor.
 
     Raises
     ------
@@ -312,7 +313,7 @@ def mosaic_of(operating_point: OperatingPoint, mosaic: Mosaic | None) -> Mosaic:
 
 
 def _pixels_of_channels(tile: Array, height: int, width: int, channels: int) -> Float[Array, " p"]:
-    """How many pixels of the picture each channel has."""
+    """Number of pixels of each channel in the image."""
     rows, columns = tile.shape
     whole = np.tile(tile, (-(-height // rows), 1))[:height]
     counts = np.zeros(channels)

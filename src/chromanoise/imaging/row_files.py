@@ -1,4 +1,4 @@
-"""Pictures written a few rows at a time: the file has its full size before the first row is put."""
+"""Image files written a few rows at a time; space is allocated before the first row."""
 
 import errno
 import os
@@ -14,7 +14,7 @@ from chromanoise._check import Array
 from chromanoise.errors import InputError
 
 PutRows = Callable[[int, Array], None]
-"""(index of the first row, rows): called from any thread, in any order, once for each row."""
+"""Function (index of the first row, rows): called from any thread, in any order, once per row."""
 
 
 @contextmanager
@@ -27,28 +27,28 @@ def tiff_rows(
     description: str,
     extratags: tuple[tuple[Any, ...], ...] = (),
 ) -> Iterator[PutRows]:
-    """A little-endian uncompressed TIFF of one strip, filled by the function that is yielded.
+    """Write a little-endian uncompressed TIFF of one strip with the yielded function.
 
-    Only the rows in hand are held in memory. Space is claimed before the first row, so that a full
-    disk is told before a long computation. On an error the file is left as it is: write into the
-    scratch of `chromanoise._files.whole_folder`, which leaves nothing behind.
+    Only the current rows are in memory. Space is allocated before the first row, so that a full
+    disk raises an error before a long computation. After an error the incomplete file stays: write
+    to the scratch folder of `chromanoise._files.whole_folder`, which is removed.
 
     Parameters
     ----------
     path
-        A file that may be replaced.
+        An existing file is replaced.
     shape
         (rows, columns) or (rows, columns, samples).
     dtype
-        Of numpy; rows of another type are refused, not converted.
+        Type of numpy; rows of another type are refused, not converted.
     photometric, description, extratags
-        As `tifffile.imwrite` takes them; a description may hold any letter (UTF-8).
+        As `tifffile.imwrite` takes them; a description may contain any character (UTF-8).
 
     Raises
     ------
     InputError
-        If the picture is empty, the file cannot be written, rows do not fit, or one is missing
-        at the end.
+        If the picture is empty, the file cannot be written, rows have a wrong shape, or one is
+        missing at the end.
     """
     if not all(size >= 1 for size in shape):
         raise InputError(
@@ -87,14 +87,14 @@ def tiff_rows(
                 found=f"this and others, {int(missing.sum())} in all, were never written",
             )
     except BaseException:
-        _closed_quietly(file)  # what went wrong first is what is told
+        _closed_quietly(file)  # so that the first error is reported
         raise
     with _told(path):
         file.close()
 
 
 def _empty_tiff(path: Path, **how: Any) -> tuple[BinaryIO, int]:
-    """The file with its tags and all of its space, and where the pixels start."""
+    """The file with its tags and allocated space, and the position of the pixels."""
     import tifffile
 
     place = tifffile.imwrite(
@@ -112,7 +112,7 @@ def _empty_tiff(path: Path, **how: Any) -> tuple[BinaryIO, int]:
 
 
 def _claim(file: BinaryIO, size: int) -> None:
-    """Ask for the space now where the system can; where it cannot, a full disk is told later."""
+    """Allocate the space if the system supports it; otherwise a full disk is detected later."""
     if not hasattr(os, "posix_fallocate"):
         return
     try:
@@ -131,7 +131,7 @@ def _closed_quietly(file: BinaryIO) -> None:
 
 @contextmanager
 def _told(path: Path) -> Iterator[None]:
-    """Failures of the disk as one sentence."""
+    """Context that turns an OSError into an InputError."""
     try:
         yield
     except OSError as error:

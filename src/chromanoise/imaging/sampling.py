@@ -1,4 +1,4 @@
-"""Noisy electrons of a picture: the same bits for any tiles, threads and order of work."""
+"""Noisy electrons of an image, bit-identical for any tiles, threads and order of work."""
 
 import os
 from concurrent.futures import ThreadPoolExecutor
@@ -11,7 +11,7 @@ from chromanoise._shapes import Float, Float32
 from chromanoise.errors import InputError
 from chromanoise.imaging.blocks import new_rows
 
-_CHUNK_LANES = 1 << 16  # values that a thread takes at a time: a millisecond
+_CHUNK_LANES = 1 << 16  # values per task of a thread, about a millisecond
 _PIXEL_BITS, _FRAME_BITS, _SEED_BITS = 48, 32, 64  # what the counter holds, see philox.py
 _MOST_CHANNELS = 1 << 16
 _MOST_E = 1e12  # its square is still a float32
@@ -28,7 +28,7 @@ def noisy_electrons(
     width: int | None = None,
     threads: int | None = None,
 ) -> Float32[Array, "h w p"]:
-    """One draw of the electrons that are read: Poisson(M) + s Z in every channel. [e-]
+    """One sample of the electrons after readout: Poisson(M) + s Z in every channel. [e-]
 
     Parameters
     ----------
@@ -41,33 +41,33 @@ def noisy_electrons(
     frame
         Number of the frame in a burst, 0 to 2^32 - 1.
     first_row, first_column, width
-        Where the pixels of ``mean_e`` lie in a picture of this width [pixels], so that the tiles
-        of a picture get what the whole picture gets. By default they are the whole width.
+        Position of ``mean_e`` in an image of this width [pixels], so that a tile has the same noise
+        as in the whole image. By default ``mean_e`` has the full width.
     threads
-        How many work at a time; as many as there are cores by default.
+        Number of threads; one per core by default.
 
     Raises
     ------
     InputError
         If a mean or the read noise is negative or not finite, if the tile does not fit into the
-        width, or if seed, frame or pixels are more than the counter holds.
+        width, or if seed, frame or pixel index exceed the range of the counter.
 
     Notes
     -----
     Salmon, Moraes, Dror & Shaw, SC11 (2011), for the counter-based words; each variate takes one
-    word of 32 bits through its quantile function, so it rises with the mean on either side of
-    20 e-, and chances below 2^-32 are not met.
+    word of 32 bits through its quantile function, so it increases with the mean below and above
+    20 e- separately, and probabilities below 2^-32 do not occur.
 
-    Below 20 e- the Poisson quantile is exact, and read noise takes a word of its own. From 20 e- on
+    Below 20 e- the Poisson quantile is exact, and read noise uses a separate word. From 20 e- on
     quantiles are Cornish-Fisher expansions. Of Poisson(M) alone: to the order M^-3/2 (its first
     three terms: Giles, "Algorithm 955", ACM TOMS 42 (2016)); it differs by 1 e- from the exact one
     in 1 of 10,000 draws at most. With s of .75 e- or more: of the sum Poisson(M) + s Z from one
-    word, to the order 1 / (M + s^2), its chances within 5e-6 of the exact ones; so with more read
-    noise a bright pixel is not the same whole number with something added.
+    word, to the order 1 / (M + s^2), its probabilities are within 5e-6 of the exact ones. Here
+    read noise is not added to a separate integer number of electrons.
 
     Examples
     --------
-    The lower half of a picture is the same when it is made alone.
+    The lower half of an image is the same when it is computed separately.
 
     >>> mean = np.full((4, 6, 3), 50.0)
     >>> whole = noisy_electrons(mean, read_noise_e=2.0, seed=7)
@@ -88,7 +88,7 @@ def noisy_electrons(
     if threads is not None and threads < 1:
         raise InputError("threads", "must be at least 1", value=threads)
     _demand_room(mean_e.shape, first_row, first_column, width)
-    with np.errstate(over="ignore"):  # what float32 cannot hold is refused as infinite
+    with np.errstate(over="ignore"):  # values above float32 are refused as infinite
         mean = np.ascontiguousarray(mean_e, dtype=np.float32).reshape(-1, channels)
     electrons = new_rows(mean.shape, np.float32)
     if electrons.size:
@@ -108,8 +108,8 @@ def _fill(
     read_noise_e: float,
     threads: int | None,
 ) -> int:
-    """Fill ``electrons`` chunk by chunk; how many means are refused."""
-    # here and not above: the compiler takes a quarter of a second to come
+    """Fill ``electrons`` chunk by chunk; the result is the number of refused means."""
+    # imported here because importing numba takes a quarter of a second
     from chromanoise.imaging.noise_blocks import fill_noise
 
     pixels, channels = mean.shape

@@ -1,8 +1,8 @@
-"""Rows that several processes of one machine put into the same memory.
+"""Rows that several processes of one machine write to shared memory.
 
-Sending a picture back costs as much as making it: it is packed, copied through sockets and
-unpacked, each time into fresh memory. Nor is the memory mapped where it is filled: to write a few
-rows at a time, as into a file, spares the worker a fault for every page.
+Sending an image between processes takes as long as computing it: it is packed, copied through
+sockets and unpacked, each time into new memory. Workers do not map the shared memory: they write a
+few rows at a time, as to a file, which avoids a page fault for every page.
 """
 
 import errno
@@ -29,16 +29,16 @@ Kind = tuple[tuple[int, ...], type[np.generic]]
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class SharedRows:
-    """An array of rows in memory, 0 at first; another process takes it along as a name.
+    """An array of rows in shared memory, initially 0; pickling it sends only its name.
 
     Attributes
     ----------
     path
-        Where other processes of this machine open the memory.
+        Path at which other processes of this machine open the memory.
     memory
-        Which memory it is: what is found there later may be another.
+        Identity of the memory, because the path may refer to other memory later.
     shape, dtype
-        Of the array.
+        Shape and type of the array.
     """
 
     path: str
@@ -47,16 +47,16 @@ class SharedRows:
     dtype: np.dtype
 
     def mapped(self) -> Shaped[Array, "rows ..."]:
-        """The array; what any process puts into it shows."""
+        """The array; it shows the rows that any process writes."""
         return np.asarray(np.memmap(self.path, self.dtype, "r+", shape=self.shape))
 
     def put(self, first: int, rows: Shaped[Array, "some ..."]) -> None:
-        """Put rows where they belong, the first of them at ``first``; they lie together in memory.
+        """Write contiguous rows into the array, starting at row ``first``.
 
         Raises
         ------
         InputError
-            If the memory is not there any more, or there is no room for them.
+            If the memory no longer exists, or has no space for the rows.
         """
         at, left = first * rows[:1].nbytes, rows.data.cast("B")
         memory = self._opened()
@@ -74,7 +74,7 @@ class SharedRows:
             os.close(memory)
 
     def _opened(self) -> int:
-        """The memory as a file; a picture that was given up may have left its name to another."""
+        """The memory as a file; its identity is checked because the path may be reused."""
         try:
             memory = os.open(self.path, os.O_WRONLY)
         except OSError:
@@ -97,14 +97,14 @@ def _identity(memory: int) -> tuple[int, int]:
 
 @contextmanager
 def shared_rows(*kinds: Kind) -> Iterator[tuple[SharedRows, ...] | None]:
-    """Memory for these arrays, which ends with this process; arrays that are mapped by then stay.
+    """Memory for these arrays, which is freed with this context; mapped arrays stay valid.
 
-    ``None`` where the system cannot share memory by name, or has not so much of it.
+    ``None`` if the system cannot share memory by name, or has too little memory.
     """
     with ExitStack() as stack:
         try:
             shared = tuple(_reserved(stack, shape, np.dtype(kind)) for shape, kind in kinds)
-        except (OSError, AttributeError):  # too large; no Linux
+        except (OSError, AttributeError):  # too large, or not Linux
             shared = None
         yield shared
 

@@ -1,10 +1,10 @@
 # mypy: disable-error-code="no-untyped-def,no-untyped-call,misc"
-"""Sums over the bands of pixels, always in the same order whatever the processor.
+"""Sums over the bands of pixels, in the same order on all processors.
 
-A compiler that may reorder a sum gives other bits on another processor; one that may not is eight
-times slower. So the order is written down: lane j of eight adds bands j, j + 8, j + 16 ... by fused
-multiply-add, and the lanes are folded in halves. The smallest and the largest stored number are
-found on the way, because each number is read only once.
+If the compiler may reorder sums, results differ between processors; if it may not, sums are eight
+times slower. Therefore the order is explicit: lane j of eight adds bands j, j + 8, j + 16 ... by
+fused multiply-add, and the lanes are folded in halves. The smallest and the largest stored number
+are found in the same loop, because each number is read only once.
 """
 
 from typing import no_type_check
@@ -20,7 +20,7 @@ F32, I32, I64 = ir.FloatType(), ir.IntType(32), ir.IntType(64)
 
 
 def multiply_add(builder, lanes):
-    """Fused multiply-add of so many lanes."""
+    """Number of lanes of the fused multiply-add."""
     kind, name = vector_of(lanes), "f32" if lanes == 1 else f"v{lanes}f32"
     signature = ir.FunctionType(kind, [kind] * 3)
     return cgutils.get_or_insert_function(builder.module, signature, f"llvm.fma.{name}")
@@ -110,7 +110,7 @@ def shuffled(builder, a, b, lanes):
 
 def folded(builder, vectors):
     """Each vector's lanes to one sum, halves onto halves: as many sums as vectors, 1 or 4."""
-    apart = LANES  # lanes of each sum that are still to be added
+    apart = LANES  # lanes of each sum that remain to be added
     count = len(vectors)
     while len(vectors) > 1:
         apart //= 2

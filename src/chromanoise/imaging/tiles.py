@@ -1,12 +1,12 @@
 # mypy: disable-error-code="no-untyped-def,no-untyped-call,misc"
-"""Expected electrons of a tile, in the order that its noise and color want.
+"""Expected electrons of a tile, in the order that noise and color use.
 
-A tile is some thousand pixels of a row, or of several short rows that follow each other in memory:
-the longer it goes on with a band, the better the memory keeps up. ``stored`` is the block as it
-lies in memory, `RowsInMemory`; ``sums`` (p * `TILE`,) and ``fours`` (p / 4, `TILE`, 4), p being
-rounded up to 4, are room for all channels.
+A tile is some thousand pixels of a row, or of several short rows that are contiguous in memory:
+memory access is faster for long runs in one band. ``stored`` is the block as stored in memory,
+`RowsInMemory`; ``sums`` (p * `TILE`,) and ``fours`` (p / 4, `TILE`, 4), p being rounded up to 4,
+are buffers for all channels.
 
-Functions without annotations are compiled, serial and free of the interpreter's lock.
+Functions without annotations are compiled, serial, and release the GIL.
 """
 
 from typing import no_type_check

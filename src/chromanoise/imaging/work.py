@@ -1,7 +1,7 @@
-"""Who does the work: threads of this process, or any executor; the result has the same bits.
+"""Scheduling of blocks on threads of this process or on any executor, with identical results.
 
-A picture is filled block by block. Each block is a function of its plan and its rows alone, so it
-does not matter who fills it, when, or beside whom.
+An image is computed block by block. Each block depends only on its plan and its rows, so the result
+does not depend on which thread or process computes a block, nor on the order.
 """
 
 import math
@@ -24,48 +24,48 @@ Block = tuple[int, int]
 """First row, and the row after the last."""
 
 FillBlock = Callable[..., Any]
-"""(plan, start, stop, scratch, one array per output) -> whatever is told of the block."""
+"""(plan, start, stop, scratch, one array per output) -> the result for the block."""
 
 Part = Callable[[Any, int, int], tuple[Any, list[Block]]]
-"""The plan as another process needs it for the rows of a block, and the pieces to fill it in."""
+"""The plan for the rows of a block in another process, and the pieces in which to fill it."""
 
-_SENT_AHEAD = 16  # blocks that wait at an executor
-_LARGE_BLOCK_BYTES = 64 << 20  # of what is in memory, or is sent
-_BLOCK_BESIDE_BYTES = 1 << 30  # of a file, for a process beside: a task costs ten milliseconds
-_BLOCK_ELSEWHERE_BYTES = 256 << 20  # for one elsewhere, whose rows come back
-_MOST_CHUNK_BYTES = 256 << 20  # that are decoded together
-_TURNS = 4  # of each worker at least, so that all end together
-_TURNS_OF_EQUALS = 2  # of workers of one machine
-_HANDFUL = 4  # blocks at most that a thread takes at a time: asking for them, it waits for others
-_HANDFULS = 16  # of each thread at least
+_SENT_AHEAD = 16  # blocks queued at an executor
+_LARGE_BLOCK_BYTES = 64 << 20  # for data in memory, or sent to workers
+_BLOCK_BESIDE_BYTES = 1 << 30  # of a file, for a local process: a task costs 10 ms
+_BLOCK_ELSEWHERE_BYTES = 256 << 20  # for a remote process, which sends its rows back
+_MOST_CHUNK_BYTES = 256 << 20  # most bytes that are decoded together
+_TURNS = 4  # smallest number of blocks per worker, so that all end together
+_TURNS_OF_EQUALS = 2  # the same for workers of one machine
+_HANDFUL = 4  # most blocks that a thread takes at a time, to reduce waits for the lock
+_HANDFULS = 16  # smallest number of batches per thread
 _MOST_THREADS = 1024
-_BLOCK_BYTES = 8 << 20  # read at a time: large for the disk, small for the memory
+_BLOCK_BYTES = 8 << 20  # bytes per read: efficient for the disk, small in memory
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Work:
-    """Who works, on how much at a time. Nothing here changes a bit of the result.
+    """Threads or executor, and rows per task. The result is bit-identical for all settings.
 
     Attributes
     ----------
     threads
-        Working at once, here or at the executor; as many as there are cores here if ``None``.
+        Number of concurrent workers; the number of local cores if ``None``.
     tile_rows
-        Rows that one takes at a time; what suits memory, file and workers if ``None``.
+        Rows per task; if ``None``, chosen to suit memory, file and workers.
     executor
-        Takes the blocks instead of threads of this process: of `concurrent.futures`, or
-        ``dask.distributed.Client.get_executor()``. Its workers must reach the cube's file; a cube
-        in memory is sent to them.
+        Executor used instead of threads of this process: from `concurrent.futures`, or
+        ``dask.distributed.Client.get_executor()``. Its workers must have access to the cube's
+        file; a cube in memory is sent to them.
     same_machine
-        Whether the executor's workers are processes of this machine, which put their rows in place
-        instead of sending them.
+        Whether the executor's workers are processes of this machine, which write their rows to
+        shared memory instead of sending them.
     progress
-        Is told how many more rows are done.
+        Function called with the number of rows that were completed.
 
     Raises
     ------
     InputError
-        If the number of threads is not 1 to 1024, or there are fewer rows than 1.
+        If the number of threads is not 1 to 1024, or the number of rows is less than 1.
     """
 
     threads: int | None = None
@@ -89,23 +89,23 @@ def row_blocks(source: RowSource, work: Work) -> list[Block]:
 
 
 def row_pieces(source: RowSource, start: int, stop: int) -> list[Block]:
-    """A block in pieces that stay in the cache between reading and counting."""
+    """A block in pieces that stay in the cache from reading to computation."""
     rows = _rows_of(source, _BLOCK_BYTES) if source.scratch_bytes(1) > 0 else stop - start
     return [(first, min(first + rows, stop)) for first in range(start, stop, rows)]
 
 
 def _rows_of(source: RowSource, size_bytes: int) -> int:
-    """Rows of about so many bytes, whole chunks if they are not too large."""
+    """Number of rows with about this many bytes, in whole chunks if these are not too large."""
     _, width, bands = source.shape
     row_bytes = width * bands * source.dtype.itemsize
     together = max(source.chunk_rows, 1)
     rows = max(1, round(size_bytes / row_bytes / together)) * together
-    most_bytes = max(size_bytes, _MOST_CHUNK_BYTES)  # then chunks are decoded again
+    most_bytes = max(size_bytes, _MOST_CHUNK_BYTES)  # larger chunks are decoded more than once
     return min(rows, max(1, most_bytes // row_bytes))
 
 
 def _block_bytes(source: RowSource, work: Work) -> int:
-    """Large where nothing is copied: handing a block over costs as much as a megabyte of it."""
+    """Block size: large if nothing is copied, because the overhead of a block equals about 1 MB."""
     in_file = source.scratch_bytes(1) > 0
     if in_file and work.executor is None:
         return _BLOCK_BYTES
@@ -123,22 +123,22 @@ def _threads(work: Work) -> int:
 def made(
     fill: FillBlock, plan: Any, part: Part, blocks: list[Block], kinds: tuple[Kind, ...], work: Work
 ) -> tuple[tuple[Array, ...], list[Any]]:
-    """New arrays filled block by block, and what was told of each block, in their order.
+    """New arrays filled block by block, and the result for each block, in order.
 
     Parameters
     ----------
     fill
-        A function of plan and block alone.
+        A function that depends only on plan and block.
     plan
-        All that it needs.
+        All data that ``fill`` needs.
     part
-        What is sent of it to an executor.
+        Function that gives the part of the plan to send to an executor.
     blocks
-        Of `row_blocks`.
+        Result of `row_blocks`.
     kinds
-        Shapes and types of the arrays; their first axis is the rows.
+        Shapes and types of the arrays; the first axis is rows.
     work
-        Who does it. The first fault ends it all.
+        Threads or executor. The first error ends the computation.
     """
     from numba import config
 
@@ -189,7 +189,7 @@ def filled(
 
 
 Submit = Callable[[int, int], tuple["Future[Any]", Callable[[Any], Any]]]
-"""A block to its future, and what is to be done here with its result."""
+"""A function from a block to its future, and to a function that handles its result here."""
 
 
 def _submitted(
@@ -207,7 +207,7 @@ def _sent(
     start: int,
     stop: int,
 ) -> tuple["Future[Any]", Callable[[Any], Any]]:
-    """The rows come back with what is told of them."""
+    """Submission for workers that send the rows back with the result."""
     kinds = [((stop - start, *out.shape[1:]), out.dtype) for out in outputs]
     own, pieces = part(plan, start, stop)
 
@@ -221,7 +221,7 @@ def _sent(
 
 
 def _filled_and_sent(fill: FillBlock, plan: Any, pieces: list[Block], kinds: list[Any]) -> Any:
-    """In another process: arrays of its own, that are sent back."""
+    """Runs in another process: fills new arrays, which are sent back."""
     rows, first = tuple(new_rows(shape, dtype) for shape, dtype in kinds), pieces[0][0]
     told = []
     for start, stop in pieces:
@@ -239,7 +239,7 @@ def _put(
     start: int,
     stop: int,
 ) -> tuple["Future[Any]", Callable[[Any], Any]]:
-    """The rows are where they belong; a block that is filled twice has the same bits both times."""
+    """Submission with shared memory; a block that is filled twice has the same bits both times."""
     own, pieces = part(plan, start, stop)
     return executor.submit(_filled_and_put, fill, own, pieces, shared), lambda told: told
 
@@ -247,7 +247,7 @@ def _put(
 def _filled_and_put(
     fill: FillBlock, plan: Any, pieces: list[Block], shared: tuple[SharedRows, ...]
 ) -> Any:
-    """In another process of the same machine."""
+    """Runs in another process of the same machine."""
     most = max(stop - start for start, stop in pieces)
     room = tuple(new_rows((most, *rows.shape[1:]), rows.dtype) for rows in shared)
     told = []
@@ -263,7 +263,7 @@ _scratch_there = Scratch()
 
 
 def _in_order(submit: Submit, blocks: list[Block], work: Work, ahead: int) -> list[Any]:
-    """A few blocks at a time, so that neither memory nor a fault waits for all of them."""
+    """Submit a few blocks at a time, which limits memory and reports an error early."""
     todo: Iterator[tuple[int, Block]] = iter(enumerate(blocks))
     doing: dict[Future[Any], tuple[int, Callable[[Any], Any]]] = {}
     told: list[Any] = [None] * len(blocks)
@@ -289,6 +289,6 @@ def _in_order(submit: Submit, blocks: list[Block], work: Work, ahead: int) -> li
 
 
 def _raise_first(doing: dict["Future[Any]", tuple[int, Callable[[Any], Any]]]) -> None:
-    """The fault of the first block that has one: the same whoever was quicker."""
+    """The error of the first failed block in order, independent of timing."""
     for future in sorted(doing, key=lambda one: doing[one][0]):
         future.result()

@@ -1,9 +1,9 @@
-"""Pictures to files.
+"""Writing images to PNG and TIFF files.
 
-PNG and TIFF stand here; `chromanoise.imaging.dng` has raw files that other programs develop,
-`chromanoise.imaging.exr` linear light. A file that is too large for memory is written through the
-functions that end in ``_rows``. All go to a path that may be replaced: give one in the scratch
-folder of `chromanoise._files.whole_folder`, and nothing half-written is ever seen.
+`chromanoise.imaging.dng` writes raw files for other programs, `chromanoise.imaging.exr` linear
+light. The functions that end in ``_rows`` write images that are too large for memory. All functions
+overwrite an existing file. With a path in the scratch folder of `chromanoise._files.whole_folder`,
+incomplete files are never visible.
 """
 
 import io
@@ -25,7 +25,7 @@ from chromanoise.sensor import Adc, Mosaic
 
 
 def png_bytes(srgb: UInt8[Array, "h w 3"]) -> bytes:
-    """The picture as a PNG file in memory."""
+    """The image as a PNG file in memory."""
     from PIL import Image
 
     buffer = io.BytesIO()
@@ -41,24 +41,24 @@ def write_png(path: Path, srgb: UInt8[Array, "h w 3"]) -> None:
 def sixteen_bit_srgb(
     xyz: Float[Array, "*px 3"], white: Float[Array, " 3"]
 ) -> UInt16[Array, "*px 3"]:
-    """Encoded sRGB, 0 .. 65535, white-balanced; colors out of gamut held at its border.
+    """Encoded sRGB, 0 .. 65535, white-balanced; colors out of gamut are clipped.
 
     Parameters
     ----------
     xyz
         Linear, Y = 1 for the white.
     white
-        XYZ of a perfect white in the picture's light.
+        XYZ of a perfect white under the illuminant of the image.
 
     Raises
     ------
     InputError
-        If the white is no color that an eye could adapt to.
+        If the white is not valid for chromatic adaptation.
 
     Notes
     -----
-    IEC 61966-2-1:1999, rounded to the nearest of 2^16 - 1 equal steps. Its printed matrix has four
-    digits: the blue of a perfect white stays 5 steps below the top.
+    IEC 61966-2-1:1999, rounded to the nearest of 2^16 - 1 equal steps. The matrix in the
+    standard has four digits, so the blue of a perfect white is 5 steps below the maximum.
 
     Examples
     --------
@@ -71,19 +71,19 @@ def sixteen_bit_srgb(
 
 
 def srgb_tiff_rows(path: Path, *, height: int, width: int) -> AbstractContextManager[PutRows]:
-    """A 16-bit sRGB TIFF to be filled with rows [rows width 3] of `sixteen_bit_srgb`.
+    """Write a 16-bit sRGB TIFF by rows [rows width 3] of `sixteen_bit_srgb`.
 
     Parameters
     ----------
     path
-        A file that may be replaced.
+        An existing file is replaced.
     height, width
         [pixels]
 
     Raises
     ------
     InputError
-        If the file cannot be written, or rows do not fit or are missing at the end.
+        If the file cannot be written, or rows have a wrong shape or are missing at the end.
     """
     return tiff_rows(
         path,
@@ -95,25 +95,25 @@ def srgb_tiff_rows(path: Path, *, height: int, width: int) -> AbstractContextMan
 
 
 def write_srgb_tiff(path: Path, srgb: UInt16[Array, "h w 3"]) -> None:
-    """16-bit sRGB as TIFF; see `srgb_tiff_rows` for a picture that comes in parts."""
+    """Write a 16-bit sRGB TIFF; `srgb_tiff_rows` writes an image in parts."""
     with srgb_tiff_rows(path, height=srgb.shape[0], width=srgb.shape[1]) as put:
         put(0, srgb)
 
 
 def xyz_tiff_rows(path: Path, *, height: int, width: int) -> AbstractContextManager[PutRows]:
-    """A float32 TIFF of linear XYZ, Y = 1 for a perfect white, to be filled with rows.
+    """Write a float32 TIFF of linear XYZ, Y = 1 for a perfect white, by rows.
 
     Parameters
     ----------
     path
-        A file that may be replaced.
+        An existing file is replaced.
     height, width
         [pixels]
 
     Raises
     ------
     InputError
-        If the file cannot be written, or rows do not fit or are missing at the end.
+        If the file cannot be written, or rows have a wrong shape or are missing at the end.
     """
     return tiff_rows(
         path,
@@ -125,7 +125,7 @@ def xyz_tiff_rows(path: Path, *, height: int, width: int) -> AbstractContextMana
 
 
 def write_xyz_tiff(path: Path, xyz: Float[Array, "h w 3"]) -> None:
-    """Linear XYZ as a float32 TIFF, h x w x 3, Y = 1 for a perfect white."""
+    """Write linear XYZ as a float32 TIFF, h x w x 3, Y = 1 for a perfect white."""
     with xyz_tiff_rows(path, height=xyz.shape[0], width=xyz.shape[1]) as put:
         put(0, xyz.astype(np.float32))
 
@@ -133,24 +133,24 @@ def write_xyz_tiff(path: Path, xyz: Float[Array, "h w 3"]) -> None:
 def mosaic_tiff_rows(
     path: Path, *, height: int, width: int, sensor_name: str, mosaic: Mosaic, adc: Adc
 ) -> AbstractContextManager[PutRows]:
-    """A 16-bit gray TIFF of codes under any mosaic, to be filled with rows.
+    """Write a 16-bit gray TIFF of the codes of any mosaic by rows.
 
-    Its description is JSON: sensor, bits, black level, gain and the pattern of the mosaic, whose
-    first pixel is that of the file.
+    Its description is JSON: sensor, bits, black level, gain and the pattern of the mosaic, which
+    starts at the first pixel of the file.
 
     Parameters
     ----------
     path
-        A file that may be replaced.
+        An existing file is replaced.
     height, width
         [pixels]
     sensor_name, mosaic, adc
-        What the description tells; the codes are written as they are.
+        Content of the description; the codes are written unchanged.
 
     Raises
     ------
     InputError
-        If the file cannot be written, or rows do not fit or are missing at the end.
+        If the file cannot be written, or rows have a wrong shape or are missing at the end.
     """
     told = {
         "sensor": sensor_name,
@@ -171,7 +171,7 @@ def mosaic_tiff_rows(
 def write_mosaic_tiff(
     path: Path, codes: UInt16[Array, "h w"], *, sensor_name: str, mosaic: Mosaic, adc: Adc
 ) -> None:
-    """Codes under a mosaic as 16-bit gray TIFF; see `mosaic_tiff_rows` for what it tells."""
+    """Write codes of a mosaic as a 16-bit gray TIFF; see `mosaic_tiff_rows` for its description."""
     height, width = codes.shape
     with mosaic_tiff_rows(
         path, height=height, width=width, sensor_name=sensor_name, mosaic=mosaic, adc=adc
@@ -182,14 +182,14 @@ def write_mosaic_tiff(
 def picture_summary(
     picture: Picture, *, seconds: Mapping[str, float] | None = None
 ) -> dict[str, Any]:
-    """How a picture was made, as plain data.
+    """Summary of an image as plain data.
 
     Parameters
     ----------
     picture
-        Any picture.
+        Any image.
     seconds
-        How long each step took, where that was measured: the only entry that a rerun changes. [s]
+        Duration of each step, if measured; the only entry that differs between equal runs. [s]
     """
     return {
         **_situation_summary(picture.operating_point, picture.xyz.shape[:2]),
@@ -208,14 +208,14 @@ def picture_summary(
 def raw_summary(
     picture: RawPicture, *, seconds: Mapping[str, float] | None = None
 ) -> dict[str, Any]:
-    """How a raw picture was made, as plain data.
+    """Summary of a raw image as plain data.
 
     Parameters
     ----------
     picture
-        Any raw picture.
+        Any raw image.
     seconds
-        How long each step took, where that was measured: the only entry that a rerun changes. [s]
+        Duration of each step, if measured; the only entry that differs between equal runs. [s]
     """
     return {
         **_situation_summary(picture.operating_point, picture.codes.shape),

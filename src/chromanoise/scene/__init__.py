@@ -1,4 +1,4 @@
-"""Light leaving the world: patches under a lamp, hyperspectral cubes."""
+"""Scenes: reflectances under an illuminant, and hyperspectral cubes."""
 
 from typing import TYPE_CHECKING
 

@@ -1,4 +1,4 @@
-"""Cubes that need no file."""
+"""Built-in cubes, which need no file."""
 
 from collections.abc import Callable
 
@@ -13,7 +13,7 @@ _GAP_REFLECTANCE = 0.04
 
 
 def checker_cube() -> Cube:
-    """A ColorChecker whose reflectances reach 1050 nm: 4 x 6 patches on a dark card."""
+    """A ColorChecker with reflectances up to 1050 nm: 4 x 6 patches on a dark background."""
     chart = colorchecker(DEFAULT_GRID)
     pitch = PATCH_PX + GAP_PX
     shape = (4 * pitch + GAP_PX, 6 * pitch + GAP_PX, DEFAULT_GRID.n)
@@ -34,12 +34,12 @@ BUILTIN_CUBES = tuple(f"builtin:{name}" for name in _MAKERS)
 
 
 def builtin_cube(name: str) -> Cube:
-    """The cube called ``builtin:...``.
+    """The cube with the name ``builtin:...``.
 
     Raises
     ------
     InputError
-        If there is none of that name.
+        If no built-in cube has this name.
     """
     _check.one_of("scene", name, BUILTIN_CUBES)
     return _MAKERS[name.removeprefix("builtin:")]()

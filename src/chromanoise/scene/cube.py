@@ -1,4 +1,4 @@
-"""A hyperspectral picture of reflectances, in memory or on disk."""
+"""A hyperspectral image of reflectances, in memory or on disk."""
 
 from dataclasses import dataclass, replace
 
@@ -28,14 +28,14 @@ class Cube:
     wavelength_nm
         Centers of the bands, increasing. [nm]
     stored
-        The numbers as they are stored, any real type: an array, which may be a memory map, or a
-        source of rows (`RowSource`).
+        The numbers as stored, of any real type: an array, which may be a memory map, or a
+        `RowSource`.
     scale
         Reflectance = stored * scale.
     source
-        File or maker; used in messages and results.
+        File or generator; used in messages and results.
     notes
-        What was assumed in reading it.
+        Assumptions made when the cube was read.
 
     Raises
     ------
@@ -72,7 +72,7 @@ class Cube:
 
 
 BRIGHTEST = 2.0
-"""Largest reflectance that is believed; more is radiance, counts or percent."""
+"""Largest accepted reflectance; larger values are probably radiance, counts or percent."""
 
 
 def reflectance_rows(
@@ -80,14 +80,14 @@ def reflectance_rows(
 ) -> Float[Array, "rows w m"]:
     """Reflectances of the rows ``start`` to ``stop``, as float64.
 
-    Complaints count rows from ``first_row``: of the picture that this cube is a part of.
+    Error messages count rows from ``first_row``, the first row of this cube in the whole picture.
 
     Raises
     ------
     InputError
-        If a value is NaN, negative, or brighter than any thing can be; the first is told.
+        If a value is NaN, negative, or above `BRIGHTEST`; the message gives the first one.
     """
-    with np.errstate(invalid="ignore", over="ignore"):  # what overflows is refused below
+    with np.errstate(invalid="ignore", over="ignore"):  # overflow is refused below
         stored = row_source(cube.stored).rows(start, stop)
         rho = np.asarray(stored, dtype=np.float64) * cube.scale
     bad = ~((rho >= 0) & (rho <= BRIGHTEST))
@@ -119,12 +119,12 @@ def _remedy(value: float, cube: Cube) -> tuple[Remedy, ...]:
 
 
 def bands_within(cube: Cube, grid: Grid) -> Cube:
-    """The cube without the bands that the grid never asks for; a neighbor on each side stays."""
+    """The cube with only the bands that the grid needs, and one neighbor on each side."""
     first = int(np.searchsorted(cube.wavelength_nm, grid.start_nm, side="right")) - 1
     last = int(np.searchsorted(cube.wavelength_nm, grid.stop_nm, side="left"))
     keep = slice(max(first, 0), last + 1)
     if cube.wavelength_nm[keep].size < 2:
-        return cube  # the curves do not meet: let the resampling say so
+        return cube  # no overlap: the resampling raises the error
     return replace(
         cube, wavelength_nm=cube.wavelength_nm[keep], stored=with_bands(cube.stored, keep)
     )
@@ -133,7 +133,7 @@ def bands_within(cube: Cube, grid: Grid) -> Cube:
 def flat_cube(
     wavelength_nm: Float[Array, " m"], reflectance: float, *, height: int, width: int
 ) -> Cube:
-    """A cube of equal pixels, for tests and noise measurements."""
+    """A cube with equal pixels, for tests and noise measurements."""
     wavelength = np.asarray(wavelength_nm, dtype=np.float64)
     stored = np.broadcast_to(np.float64(reflectance), (height, width, wavelength.size))
     return Cube(wavelength_nm=wavelength, stored=stored, source="a flat cube")

@@ -1,8 +1,8 @@
-"""Rows of numbers that lie in a file as they are.
+"""Rows of numbers that are stored uncompressed in a file.
 
-A memory map would do the same in fewer lines, but its pages count as memory of the process, and
-bands that lie far apart come page by page. So whole pieces are read into a buffer, which the caller
-may use again: new memory costs more than the reading.
+A memory map would be simpler, but its pages count as memory of the process, and bands that are far
+apart are loaded page by page. Therefore contiguous pieces are read into a buffer, which the caller
+may reuse, because allocating new memory takes longer than reading.
 """
 
 import math
@@ -18,25 +18,25 @@ from chromanoise._check import Array, reason
 from chromanoise._shapes import Shaped, UInt8
 from chromanoise.errors import InputError
 
-_MOST_UNUSED = 4  # times the bytes wanted: beyond, what is between is not kept
+_MOST_UNUSED = 4  # times the bytes wanted; above, unused bytes are not kept in memory
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class FileRows:
-    """Numbers that lie in a file as they are, in any order of the axes.
+    """Numbers stored uncompressed in a file, in any order of the axes.
 
     Attributes
     ----------
     path
         The file.
     offset
-        Where row 0, column 0, band 0 begins. [bytes]
+        Position of row 0, column 0, band 0. [bytes]
     stored
         Type of the numbers in the file, byte order included.
     shape
         Rows, columns, bands.
     strides
-        From one to the next of each; may be negative. [bytes]
+        Step along each axis; may be negative. [bytes]
     """
 
     path: Path
@@ -66,12 +66,12 @@ class FileRows:
 
     @property
     def dtype(self) -> np.dtype:
-        """Of what ``rows`` gives; in the byte order of this machine."""
+        """Type of the result of ``rows``, in the byte order of this machine."""
         return self.stored.newbyteorder("=")
 
     @property
     def chunk_rows(self) -> int:
-        """Rows that are stored, and so decoded, together."""
+        """Number of rows that are stored, and therefore decoded, together."""
         return 1
 
     def rows(
@@ -93,12 +93,12 @@ class FileRows:
         return np.ndarray(shape, self.dtype, numbers, -plan.low, plan.strides)
 
     def scratch_bytes(self, rows: int) -> int:
-        """How large ``into`` must be for so many rows; 0 if it is not used. [bytes]"""
+        """Size of ``into`` for this number of rows; 0 if it is not used. [bytes]"""
         shape = (min(rows, self.shape[0]), *self.shape[1:])
         return _plan(shape, self.strides, self.stored.itemsize).bytes
 
     def with_bands(self, keep: slice) -> "FileRows":
-        """The same with some of the bands; nothing is read."""
+        """The source restricted to some bands; nothing is read."""
         bands = range(self.shape[2])[keep]
         return replace(
             self,
@@ -110,12 +110,12 @@ class FileRows:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class PlaneRows:
-    """One source per band: pages of a file, or files.
+    """A cube of one source per band: pages of one file, or separate files.
 
     Attributes
     ----------
     planes
-        Alike; each lies row by row and without gaps, as they then do in memory.
+        Sources of equal shape, type and strides, each stored row by row without gaps.
     """
 
     planes: tuple[FileRows, ...]
@@ -142,12 +142,12 @@ class PlaneRows:
 
     @property
     def dtype(self) -> np.dtype:
-        """Of what ``rows`` gives; in the byte order of this machine."""
+        """Type of the result of ``rows``, in the byte order of this machine."""
         return self.planes[0].dtype
 
     @property
     def chunk_rows(self) -> int:
-        """Rows that are stored, and so decoded, together."""
+        """Number of rows that are stored, and therefore decoded, together."""
         return 1
 
     def rows(
@@ -164,16 +164,16 @@ class PlaneRows:
         return planes.transpose(1, 2, 0)
 
     def scratch_bytes(self, rows: int) -> int:
-        """How large ``into`` must be for so many rows; 0 if it is not used. [bytes]"""
+        """Size of ``into`` for this number of rows; 0 if it is not used. [bytes]"""
         return rows * self.shape[1] * self.shape[2] * self.dtype.itemsize
 
     def with_bands(self, keep: slice) -> "PlaneRows":
-        """The same with some of the bands; nothing is read."""
+        """The source restricted to some bands; nothing is read."""
         return replace(self, planes=self.planes[keep])
 
 
 def refuse_other_rows(source: str, shape: tuple[int, int, int], start: int, stop: int) -> None:
-    """Refuse rows that are none, or beyond the picture."""
+    """Refuse an empty range of rows, or rows outside the image."""
     if not 0 <= start < stop <= shape[0]:
         raise InputError(
             source,
@@ -185,10 +185,11 @@ def refuse_other_rows(source: str, shape: tuple[int, int, int], start: int, stop
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Plan:
-    """Which bytes of a file hold a block: ``pieces`` of ``length`` bytes, ``step`` bytes apart.
+    """The bytes of a file that hold a block: ``pieces`` of ``length`` bytes, ``step`` bytes apart.
 
-    ``low`` is from the first number of a piece to its first byte, negative where strides are;
-    ``strides`` are those in a buffer of all pieces; ``scattered`` pieces hold mostly other rows.
+    ``low`` is the offset from the first number of a piece to its first byte, negative for negative
+    strides; ``strides`` are those in a buffer of all pieces; ``scattered`` is true if the pieces
+    hold mostly other rows.
     """
 
     outer: int = 0
@@ -205,7 +206,7 @@ class _Plan:
 
 
 def _plan(shape: tuple[int, int, int], strides: tuple[int, int, int], size: int) -> _Plan:
-    """One piece if the rows lie apart from each other; else one per band, or per column."""
+    """One piece if the rows do not overlap; otherwise one per band, or per column."""
     low, high = _span(shape, strides, size)
     if high - low == math.prod(shape) * size or _apart(shape, strides, size):
         return _Plan(length=high - low, low=low, strides=strides)
@@ -227,13 +228,13 @@ def _plan(shape: tuple[int, int, int], strides: tuple[int, int, int], size: int)
 
 
 def _apart(shape: tuple[int, int, int], strides: tuple[int, int, int], size: int) -> bool:
-    """Whether every row ends before the next begins."""
+    """Whether each row ends before the next one begins."""
     low, high = _span(shape[1:], strides[1:], size)
     return abs(strides[0]) >= high - low
 
 
 def _span(shape: Sequence[int], strides: Sequence[int], size: int) -> tuple[int, int]:
-    """First byte, and byte after the last, of all numbers, counted from the first number."""
+    """First byte, and byte after the last, of all numbers, relative to the first number."""
     ends = [(n - 1) * stride for n, stride in zip(shape, strides, strict=True)]
     return sum(min(end, 0) for end in ends), sum(max(end, 0) for end in ends) + size
 
@@ -252,7 +253,7 @@ def _opened(path: Path) -> BinaryIO:
 
 
 def _read_into(file: BinaryIO, at: int, part: memoryview, path: Path) -> None:
-    """Fill ``part``; the system may give less than asked for, at most 2 GiB at a time."""
+    """Fill ``part``; one read may return less than requested, at most 2 GiB."""
     try:
         while part:
             count = _read_some(file, at, part)
@@ -270,7 +271,7 @@ def _read_into(file: BinaryIO, at: int, part: memoryview, path: Path) -> None:
 
 
 def _read_some(file: BinaryIO, at: int, part: memoryview) -> int:
-    if hasattr(os, "preadv"):  # half the calls of the other way; bands are many small pieces
+    if hasattr(os, "preadv"):  # half the calls of seek and read; bands are many small pieces
         return os.preadv(file.fileno(), [part], at)
     file.seek(at)
     return int(file.readinto(part))  # type: ignore[attr-defined]
@@ -285,7 +286,7 @@ def _native(numbers: Shaped[Array, " n"]) -> Shaped[Array, " n"]:
 def _gathered(
     source: FileRows, file: BinaryIO, at: int, shape: tuple[int, int, int], plan: _Plan
 ) -> Shaped[Array, "rows w m"]:
-    """A copy, plane by plane, where rows run fastest and so a plane is read for a few of them."""
+    """A copy, plane by plane, for strides in which rows are the fastest axis."""
     result = np.empty(shape, dtype=source.dtype)
     buffer = np.empty(plan.length, dtype=np.uint8)
     inner = 3 - plan.outer

@@ -1,4 +1,4 @@
-"""Cubes of any size, a few rows at a time: numbers are asked for, and only those are read."""
+"""Access to cubes of any size by rows: only the requested numbers are read."""
 
 import mmap
 from collections.abc import Sequence
@@ -15,9 +15,9 @@ from chromanoise.scene.file_rows import FileRows, refuse_other_rows
 
 @runtime_checkable
 class RowSource(Protocol):
-    """``h`` x ``w`` pixels with ``m`` bands somewhere; reading changes nothing, on any thread.
+    """Source of ``h`` x ``w`` pixels with ``m`` bands; reading is thread-safe.
 
-    Sources are nouns: they hold no open file, so that another process can take one and read on.
+    Sources hold no open file, so that they can be pickled and read in another process.
     """
 
     @property
@@ -26,30 +26,30 @@ class RowSource(Protocol):
 
     @property
     def dtype(self) -> np.dtype:
-        """Of what ``rows`` gives; in the byte order of this machine."""
+        """Type of the result of ``rows``, in the byte order of this machine."""
 
     @property
     def chunk_rows(self) -> int:
-        """Rows that are stored, and so decoded, together; blocks of a multiple cost least."""
+        """Number of rows that are decoded together; blocks of a multiple are cheapest to read."""
 
     def rows(
         self, start: int, stop: int, *, into: UInt8[Array, " bytes"] | None = None
     ) -> Shaped[Array, "rows w m"]:
         """The rows ``start`` to ``stop``, with the strides in which they are stored.
 
-        ``into`` is memory that may be used instead of new memory; it then belongs to the result.
+        ``into`` is memory that may be used for the result instead of new memory.
         """
 
     def scratch_bytes(self, rows: int) -> int:
-        """How large ``into`` must be for so many rows; 0 if it is not used. [bytes]"""
+        """Size of ``into`` for this number of rows; 0 if it is not used. [bytes]"""
 
     def with_bands(self, keep: slice) -> "RowSource":
-        """The same with some of the bands; nothing is read."""
+        """The source restricted to some bands; nothing is read."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ArrayRows:
-    """An array in memory, or anything that is sliced like one (a dask array).
+    """An array in memory, or any object that can be sliced like one (a dask array).
 
     Attributes
     ----------
@@ -67,12 +67,12 @@ class ArrayRows:
 
     @property
     def dtype(self) -> np.dtype:
-        """Of what ``rows`` gives; in the byte order of this machine."""
+        """Type of the result of ``rows``, in the byte order of this machine."""
         return np.dtype(self.array.dtype).newbyteorder("=")
 
     @property
     def chunk_rows(self) -> int:
-        """Rows that are stored, and so decoded, together."""
+        """Number of rows that are stored, and therefore decoded, together."""
         chunks = getattr(self.array, "chunks", None)
         return int(chunks[0][0]) if chunks else 1
 
@@ -84,21 +84,21 @@ class ArrayRows:
         return np.asarray(self.array[start:stop]).astype(self.dtype, copy=False)
 
     def scratch_bytes(self, rows: int) -> int:
-        """How large ``into`` must be for so many rows; 0 if it is not used. [bytes]"""
+        """Size of ``into`` for this number of rows; 0 if it is not used. [bytes]"""
         return 0
 
     def with_bands(self, keep: slice) -> "ArrayRows":
-        """The same with some of the bands; nothing is read."""
+        """The source restricted to some bands; nothing is read."""
         return replace(self, array=self.array[:, :, keep])
 
 
 def row_source(stored: Array | RowSource) -> RowSource:
-    """What reads rows of ``stored``: a memory map is read by its file, never through its pages.
+    """The source of rows of ``stored``; a memory map is read through its file, not its pages.
 
     Parameters
     ----------
     stored
-        Axes rows, columns, bands; an array, or a source already.
+        An array with axes rows, columns, bands, or a source of rows.
 
     Examples
     --------
@@ -123,16 +123,16 @@ def row_source(stored: Array | RowSource) -> RowSource:
 
 
 def with_bands(stored: Array | RowSource, keep: slice) -> Array | RowSource:
-    """``stored`` with some of its bands, nothing read and nothing copied."""
+    """``stored`` restricted to some bands; nothing is read or copied."""
     return stored[:, :, keep] if isinstance(stored, np.ndarray) else stored.with_bands(keep)
 
 
 def block(
     array: Any, axes: Sequence[int], start: int, stop: int, bands: range
 ) -> Shaped[Array, "rows w m"]:
-    """Rows of ``array``, whose axes rows, columns, bands are ``axes``, with some of its bands.
+    """Rows and some bands of ``array``; ``axes`` are its axes of rows, columns and bands.
 
-    Only slices that go up are asked for, which is all that libraries of stored arrays know.
+    Only ascending slices are used, because array storage libraries support no others.
     """
     up = bands if bands.step > 0 else bands[::-1]
     asked: list[slice] = [slice(None)] * 3

@@ -1,4 +1,4 @@
-"""Reflectances under a lamp: the L of eq. 2."""
+"""Reflectances under an illuminant: L of eq. 2."""
 
 from dataclasses import dataclass
 
@@ -18,12 +18,12 @@ class Scene:
     Attributes
     ----------
     illuminant
-        The lamp, at one lux.
+        The illuminant, at one lux.
     level_lux
-        Illuminance on the scene: the paper's N_lux. [lx]
+        Illuminance on the scene: N_lux in the paper. [lx]
     reflectance
-        On the illuminant's grid, any number of points before it; 0 .. 1 for matte things, more
-        where something fluoresces or shines.
+        Reflectances on the illuminant's grid (last axis), for any number of points; 0 .. 1 for
+        matte surfaces, above 1 for fluorescence or gloss.
 
     Raises
     ------
@@ -46,7 +46,7 @@ class Scene:
 
 
 def flat_field(illuminant: Illuminant, *, level_lux: float, reflectance: float = 1.0) -> Scene:
-    """One point of the same reflectance at every wavelength: the paper's test scene."""
+    """One point with the same reflectance at every wavelength: the test scene of the paper."""
     flat = np.full(illuminant.grid.n, float(reflectance))
     return Scene(illuminant=illuminant, level_lux=level_lux, reflectance=flat)
 

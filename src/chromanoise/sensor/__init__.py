@@ -1,4 +1,4 @@
-"""What a camera is: channels on silicon, the pixel under them, the mosaic over them."""
+"""Sensors: spectral channels, pixel, mosaic, converter and noise data."""
 
 from chromanoise.sensor.adc import (
     Adc,

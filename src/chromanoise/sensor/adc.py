@@ -9,7 +9,7 @@ from chromanoise.sensor.pixel import Pixel
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Adc:
-    """A linear converter: code = black level + electrons / gain, rounded and held to its range.
+    """A linear converter: code = black level + electrons / gain, rounded and clipped to its range.
 
     Attributes
     ----------
@@ -18,7 +18,7 @@ class Adc:
     gain_e_per_dn
         Electrons per code: the conversion gain K of a data sheet, inverted. [e-/DN]
     black_level_dn
-        Code of no electrons; noise below it survives down to code 0. [DN]
+        Code of a pixel without electrons; negative noise is kept down to code 0. [DN]
 
     Raises
     ------
@@ -38,7 +38,7 @@ class Adc:
 
     @property
     def top_code(self) -> int:
-        """The largest code, 2^bits - 1; brighter stays there and never wraps."""
+        """The largest code, 2^bits - 1; brighter pixels are clipped to it."""
         return 2**self.bits - 1
 
 

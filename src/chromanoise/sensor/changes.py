@@ -1,4 +1,4 @@
-"""A sensor whose curves are changed as a designer asks: an IR-cut in front, filters shifted."""
+"""Changes to a sensor's curves: an added IR-cut filter, or a shift in wavelength."""
 
 from dataclasses import replace
 
@@ -13,21 +13,21 @@ LOWEST_EDGE_NM, HIGHEST_EDGE_NM = 450.0, 2000.0
 
 
 def behind_ir_cut(sensor: Sensor, edge_nm: float, *, told: bool = True) -> Sensor:
-    """The same sensor behind a model IR-cut; one that has a cut has two then.
+    """The sensor behind a model IR-cut, in addition to any IR-cut that it already has.
 
     Parameters
     ----------
     sensor
         Any sensor.
     edge_nm
-        Where half the light passes; from 450 to 2000. [nm]
+        Wavelength of half transmittance; from 450 to 2000. [nm]
     told
-        Whether its notes say so.
+        Whether a note on the added IR-cut is added.
 
     Raises
     ------
     InputError
-        If the edge leaves that range.
+        If the edge is outside this range.
     """
     low, high = LOWEST_EDGE_NM, HIGHEST_EDGE_NM
     edge = _check.within("edge_nm", "nm", edge_nm, low, high)
@@ -37,23 +37,23 @@ def behind_ir_cut(sensor: Sensor, edge_nm: float, *, told: bool = True) -> Senso
 
 
 def with_shifted_curves(sensor: Sensor, shift_nm: float) -> Sensor:
-    """The same sensor with all of its curves moved along the wavelength.
+    """The sensor with all of its curves shifted in wavelength.
 
-    QE(λ) becomes QE(λ - shift), linear between the wavelengths of the grid. At the end from which
-    the curves move away nothing is known, so the value of the end is held there, and a note says
-    so; what moves beyond the other end is lost.
+    QE(λ) becomes QE(λ - shift), interpolated linearly on the grid. At the end from which the curves
+    move away, the end value is repeated because no data exist there, and a note reports this. At
+    the other end, values that move off the grid are dropped.
 
     Parameters
     ----------
     sensor
         Any sensor.
     shift_nm
-        Positive to the red; 0 gives the sensor itself. [nm]
+        Positive toward longer wavelengths; 0 returns the sensor itself. [nm]
 
     Raises
     ------
     InputError
-        If the shift is not finite, or more than 200 nm either way.
+        If the shift is not finite, or is larger than 200 nm in either direction.
 
     Examples
     --------
@@ -74,7 +74,7 @@ def with_shifted_curves(sensor: Sensor, shift_nm: float) -> Sensor:
     if shift < 0:
         unknown = (max(grid.stop_nm + shift, grid.start_nm), grid.stop_nm)
     note = (
-        f"curves shifted by {shift:+g} nm; from {unknown[0]:g} to {unknown[1]:g} nm, where nothing "
-        "is known then, they keep the value of their end"
+        f"curves shifted by {shift:+g} nm; from {unknown[0]:g} to {unknown[1]:g} nm, where no data "
+        "exist, the end value is repeated"
     )
     return replace(sensor, qe=qe, notes=(*sensor.notes, note))

@@ -1,7 +1,7 @@
-"""Models of what stands between light and electrons: silicon, resin, IR-cut.
+"""Models of silicon, color filters and IR-cut filters.
 
-They are models: shapes with the right physics and few parameters, for sensors that exist only
-as an idea. A real sensor comes with its curves.
+The models have the right physics and few parameters. They are for hypothetical sensors; a real
+sensor is given by its measured curves.
 """
 
 import re
@@ -26,8 +26,9 @@ def silicon_qe(
 ) -> Float[Array, " n"]:
     """Electrons per photon of a silicon photodiode (Beer-Lambert). [e-/photon]
 
-    (1 - R) exp(-alpha dead) (1 - exp(-alpha depth)): what is not reflected, not lost in the
-    dead layer at the surface, and absorbed before the collection depth ends.
+    (1 - R) exp(-alpha dead) (1 - exp(-alpha depth)): the share of the light that is
+    not reflected, not lost in the dead layer at the surface, and absorbed within the collection
+    depth.
 
     Parameters
     ----------
@@ -38,12 +39,12 @@ def silicon_qe(
     dead_layer_um
         Surface layer whose carriers are lost. [um]
     reflectance
-        Share of the light that never enters.
+        Share of the light that is reflected at the surface.
 
     Notes
     -----
-    Absorption at 300 K: Green & Keevers, Prog. Photovolt. 3 (1995) 189-192; interpolated in
-    its logarithm, which is what is smooth.
+    Absorption at 300 K: Green & Keevers, Prog. Photovolt. 3 (1995) 189-192; the
+    logarithm is interpolated because it is smooth.
     """
     depth = _check.positive("depth_um", "um", depth_um)
     dead = _check.not_negative("dead_layer_um", "um", dead_layer_um)
@@ -74,18 +75,18 @@ def resin_filter(
     leak: float = 0.95,
     floor: float = 0.02,
 ) -> Float[Array, " n"]:
-    """Transmittance of a dyed or pigmented resin: one passband, and open again in the NIR.
+    """Transmittance of a color filter resin: one passband, and transparent again in the NIR.
 
     Parameters
     ----------
     low_nm, high_nm
-        Where the passband rises and falls through half its height. [nm]
+        Wavelengths at which the passband rises and falls through half its height. [nm]
     leak_nm
-        Where the resin turns transparent again. [nm]
+        Wavelength above which the resin is transparent again. [nm]
     edge_nm
         Width of the edges (logistic scale). [nm]
     peak, leak, floor
-        Transmittance in the passband, in the NIR, and where the resin blocks.
+        Transmittance in the passband, in the NIR, and in the stopband.
 
     Examples
     --------
@@ -110,12 +111,12 @@ def resin_filter(
 
 
 def ir_cut(grid: Grid, *, edge_nm: float = 655.0, width_nm: float = 8.0) -> Float[Array, " n"]:
-    """Transmittance of an infrared cut: one logistic edge, open below, closed above.
+    """Transmittance of an IR-cut filter: 1 below a logistic edge, 0 above it.
 
     Parameters
     ----------
     edge_nm
-        Where half the light passes. [nm]
+        Wavelength of half transmittance. [nm]
     width_nm
         Logistic scale: 88 % passes two widths below the edge, 12 % two above. [nm]
     """
@@ -126,24 +127,25 @@ def ir_cut(grid: Grid, *, edge_nm: float = 655.0, width_nm: float = 8.0) -> Floa
 def filter_named(
     name: str, grid: Grid, *, beyond: Beyond = "refuse", others: Sequence[str] = ()
 ) -> Spectra:
-    """Transmittance of the filter that the catalogue calls ``name``, with what to know of it.
+    """Transmittance of the catalog filter ``name``, with notes on its source and defects.
 
     Parameters
     ----------
     name
-        A measured one, as ``ircut-schott``, or ``ircut-<nm>`` and ``ircut-<nm>/<width>`` for the
-        model `ir_cut`.
+        A measured filter, such as ``ircut-schott``, or ``ircut-<nm>`` or ``ircut-<nm>/<width>``
+        for the model `ir_cut`.
     grid
-        Where it is wanted.
+        Wavelengths of the result.
     beyond
-        What it is where its table ends short of the grid.
+        How to extrapolate where the table does not cover the grid.
     others
-        Names of others that may have been meant, for the complaint.
+        Other valid names, suggested in the error message.
 
     Raises
     ------
     InputError
-        If nothing is called that, or the table ends short and ``beyond`` refuses.
+        If no filter has this name, or the table does not cover the grid and ``beyond`` is
+        ``refuse``.
 
     Examples
     --------
@@ -163,13 +165,13 @@ def filter_named(
         )
     measured = catalogue_tables("filter")
     _check.one_of("filter", name, (*measured, "ircut-650", *others))
-    told = measured[name]
-    curve = replace(catalogue_curves(told), notes=(told.source, told.defects))
+    entry = measured[name]
+    curve = replace(catalogue_curves(entry), notes=(entry.source, entry.defects))
     return means_on_grid(curve, grid, beyond=beyond)
 
 
 def is_filter_name(name: str) -> bool:
-    """Whether `filter_named` knows a filter by this name.
+    """Whether `filter_named` accepts this name.
 
     Examples
     --------

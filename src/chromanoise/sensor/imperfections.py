@@ -1,8 +1,8 @@
-"""What real pixels add to shot and read noise; all of it is zero unless asked for, as in the paper.
+"""Noise of real pixels in addition to shot and read noise; zero by default, as in the paper.
 
-EMVA 1288 names: DSNU and PRNU differ from pixel to pixel and stay from frame to frame; row noise is
-new in every row and frame; dark current adds electrons with their own shot noise. Their mean is
-taken off, as shielded pixels tell it to a sensor.
+EMVA 1288 names: DSNU and PRNU differ from pixel to pixel and are the same in every frame; row
+noise differs in every row and frame; dark current adds electrons with their own shot noise. The
+mean of the dark signal is subtracted, as sensors do with their shielded pixels.
 """
 
 from dataclasses import dataclass
@@ -10,28 +10,28 @@ from dataclasses import dataclass
 from chromanoise import _check
 from chromanoise.errors import InputError
 
-_MOST = 1e12  # beyond any pixel, and beyond what float32 tells apart
+_MOST = 1e12  # above any real pixel, and above the resolution of float32
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Imperfections:
-    """Of one pixel design.
+    """Dark current, DSNU, PRNU and row noise of one pixel design.
 
     Attributes
     ----------
     dark_current_e_per_s
-        Electrons that come without light. [e-/s]
+        Electrons generated without light. [e-/s]
     dsnu_e
         Standard deviation of the dark signal over the pixels. [e-]
     prnu
         Standard deviation of the sensitivity over the pixels, e.g. 0.01. [1]
     row_noise_e
-        Standard deviation of what a whole row shares. [e-]
+        Standard deviation of the offset that all pixels of a row share. [e-]
 
     Raises
     ------
     InputError
-        If one is negative or not finite, or PRNU is 0.2 or more.
+        If a value is negative or not finite, or PRNU is 0.2 or more.
     """
 
     dark_current_e_per_s: float = 0.0
@@ -50,9 +50,9 @@ class Imperfections:
 
 
 def dark_electrons_e(imperfections: Imperfections, *, time_s: float) -> float:
-    """Mean electrons that come without light in ``time_s``. [e-]"""
+    """Mean number of dark electrons in ``time_s``. [e-]"""
     return imperfections.dark_current_e_per_s * time_s
 
 
 NONE = Imperfections()
-"""The pixel of the paper."""
+"""No imperfections: the pixel of the paper."""

@@ -1,6 +1,6 @@
-"""Sensors that exist as an idea: the industry's filter sets on one silicon, from `sensor.filters`.
+"""Model sensors: the industry's filter sets on the same silicon, from `sensor.filters`.
 
-All share silicon, resins and pixel, so that a comparison shows the filter set and nothing else.
+All have the same silicon, resins and pixel, so that a comparison shows only the filter set.
 """
 
 from collections.abc import Callable, Mapping
@@ -29,7 +29,7 @@ _RESINS: dict[str, dict[str, float]] = {
 
 
 def _transmittance(name: str, grid: Grid) -> Float[Array, " n"]:
-    """Of the resin over channel ``name``; W is bare, M passes what G does not."""
+    """Transmittance of the resin over channel ``name``; W has no filter, M transmits B and R."""
     if name == "W":
         return np.ones(grid.n)
     if name == "M":
@@ -63,7 +63,7 @@ def _resin_sensor(
 def three_layer(grid: Grid) -> Sensor:
     """Three stacked photodiodes behind an IR-cut: color by the depth at which silicon absorbs.
 
-    The layers end at 0.4, 1.2 and 4 um; each sees what the layers above have left.
+    The layers end at 0.4, 1.2 and 4 um; each absorbs the light that the layers above transmit.
     """
     ends_um = (0.4, 1.2, 4.0)
     whole = [silicon_qe(grid, depth_um=end, dead_layer_um=0.0) for end in ends_um]

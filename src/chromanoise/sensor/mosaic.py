@@ -1,4 +1,4 @@
-"""Which channel sits over which pixel."""
+"""Mosaics: the channel of each pixel."""
 
 from dataclasses import dataclass
 
@@ -18,7 +18,7 @@ class Mosaic:
     Raises
     ------
     InputError
-        If there is no channel, or the rows have different lengths.
+        If the pattern is empty, or the rows have different lengths.
     """
 
     pattern: tuple[tuple[str, ...], ...]
@@ -70,18 +70,18 @@ _NAMED = {
     "rgb-ir": rgb_ir,
 }
 MOSAIC_NAMES = tuple(_NAMED)
-"""What `mosaic_named` knows besides patterns."""
+"""The names that `mosaic_named` accepts in addition to patterns."""
 
 
 def mosaic_named(text: str) -> Mosaic:
     """A mosaic by name, or by its pattern: rows between slashes, channels between spaces.
 
-    Where no row has a space, each letter is a channel.
+    If no row contains a space, each letter is a channel.
 
     Raises
     ------
     InputError
-        If nothing is called that, or rows are not equally long.
+        If the text is neither a known name nor a pattern with rows of equal length.
 
     Examples
     --------

@@ -1,6 +1,6 @@
-"""The noise profile of DNG and Android: variance = S x + O, and the pixel that it tells of.
+"""The noise profile of DNG and Android, variance = S x + O, and the pixel derived from it.
 
-x is 0 at the black level and 1 at the white level; the variance is in the square of that unit.
+x is 0 at the black level and 1 at the white level; the variance is in the square of this unit.
 """
 
 import math
@@ -19,27 +19,27 @@ from chromanoise.sensor.pixel_source import PixelSource
 ROUNDING_DN2 = 1 / 12
 """Variance that rounding to whole codes adds (Sheppard). [DN^2]"""
 
-_ALIKE = 0.05  # channels of one converter agree in S better than this
+_ALIKE = 0.05  # S of channels with the same converter differs by less than this
 
 
 def noise_without_light_e(
     imperfections: Imperfections, *, read_noise_e: float, time_s: float
 ) -> float:
-    """Standard deviation of a pixel that sees no light. [e-]
+    """Standard deviation of a pixel without light. [e-]
 
     Parameters
     ----------
     imperfections
-        Of the pixel.
+        Dark current, DSNU and row noise of the pixel.
     read_noise_e
         Standard deviation of its readout. [e-]
     time_s
-        In which dark electrons come. [s]
+        Exposure time, in which dark electrons accumulate. [s]
 
     Notes
     -----
-    Root of s^2 + I t + DSNU^2 + row^2: readout, shot noise of dark electrons, and two spreads, all
-    independent (EMVA 1288, release 4.0).
+    Root of s^2 + I t + DSNU^2 + row^2: readout, shot noise of dark electrons, DSNU and row noise,
+    all independent (EMVA 1288, release 4.0).
 
     Examples
     --------
@@ -62,7 +62,7 @@ def noise_profile(
     adc
         Gain, black level and top code.
     read_noise_e
-        Standard deviation of all noise that comes without light. [e-]
+        Standard deviation of all noise without light. [e-]
     white_level_dn
         Code at which the pixel saturates; the top code if ``None``. [DN]
 
@@ -96,7 +96,7 @@ def pixel_from_noise_profile(
     channels: Sequence[str] = (),
     source: str = "noise profile",
 ) -> PixelSource:
-    """Gain and read noise of the pixel whose codes have this noise profile: `noise_profile` undone.
+    """Gain and read noise of the pixel with this noise profile: the inverse of `noise_profile`.
 
     Parameters
     ----------
@@ -105,7 +105,7 @@ def pixel_from_noise_profile(
     black_level_dn, white_level_dn
         Codes of x = 0 and x = 1. [DN]
     channels
-        Their names, for messages; their places (from 0) where none are given.
+        Their names, for messages; their indices (from 0) if not given.
     source
         Where the numbers come from.
 
@@ -113,19 +113,19 @@ def pixel_from_noise_profile(
     ------
     InputError
         If S is not above 0, a number is not finite, white is not above black, or the channels
-        differ in S by more than 5 %: then their codes were multiplied, and their noise with them.
+        differ in S by more than 5 %, which means that codes and noise were multiplied by a gain.
 
     Notes
     -----
-    1 / S = electrons from black to white; variance in codes of the dark O R^2 = (sigma / K)^2 +
-    1 / 12. Gain and read noise are those of the mean S and O. How many electrons fill the pixel
-    is not in a profile: white is where codes end, which at a raised gain (ISO) is long before.
+    1 / S = electrons from black to white; the dark variance in codes is O R^2 = (sigma / K)^2
+    + 1 / 12. Gain and read noise are those of the mean S and O. A profile does not contain the full
+    well: at a high gain (ISO) the codes reach the white level far below the full well.
 
     Examples
     --------
-    >>> told = pixel_from_noise_profile(np.array([[0.0025, 0.0100021]]),
-    ...                                 black_level_dn=55, white_level_dn=255)
-    >>> told.gain_e_per_dn, round(told.read_noise_e, 3)
+    >>> source = pixel_from_noise_profile(np.array([[0.0025, 0.0100021]]),
+    ...                                   black_level_dn=55, white_level_dn=255)
+    >>> source.gain_e_per_dn, round(source.read_noise_e, 3)
     (2.0, 40.0)
     """
     values = _check.finite(f"noise profile of {source}", "1", profile)
@@ -137,25 +137,27 @@ def pixel_from_noise_profile(
     gain = 1 / (shot * range_dn)
     read_dn2 = dark * range_dn**2 - ROUNDING_DN2
     adc, notes = _converter(gain, float(black_level_dn), float(white_level_dn), source)
-    told = [f"{source}: {1 / shot:.4g} e- lie between black and white; the full well may be larger"]
+    remarks = [
+        f"{source}: {1 / shot:.4g} e- lie between black and white; the full well may be larger"
+    ]
     if read_dn2 < 0:
-        told.append(
+        remarks.append(
             f"{source}: O is {dark:.3g}, less than rounding alone makes "
-            f"({ROUNDING_DN2 / range_dn**2:.3g}), so that it tells no read noise"
+            f"({ROUNDING_DN2 / range_dn**2:.3g}), so the read noise is unknown"
         )
     return PixelSource(
         source=source,
         read_noise_e=gain * float(np.sqrt(read_dn2)) if read_dn2 >= 0 else None,
         gain_e_per_dn=gain,
         adc=adc,
-        notes=(*told, *notes),
+        notes=(*remarks, *notes),
     )
 
 
 def pixel_without_levels(
     profile: Float[Array, "p 2"], *, channels: Sequence[str] = (), source: str = "noise profile"
 ) -> PixelSource:
-    """The read noise of a profile alone, in electrons, rounding to codes included.
+    """Read noise from a profile without levels, in electrons, rounding to codes included.
 
     Parameters
     ----------
@@ -173,8 +175,8 @@ def pixel_without_levels(
 
     Notes
     -----
-    1 / S electrons lie between black and white, so O = (sigma S)^2; black and white level would
-    tell the gain, and with it what of O is rounding.
+    1 / S electrons lie between black and white, so O = (sigma S)^2; black and white level
+    would give the gain, and with it the part of O that is rounding.
 
     Examples
     --------
@@ -191,7 +193,7 @@ def pixel_without_levels(
         read_noise_e=float(np.sqrt(dark)) / shot,
         notes=(
             f"{source}: {1 / shot:.4g} e- lie between black and white; the full well may be larger",
-            f"{source}: names no BlackLevel and WhiteLevel, so its gain stays unknown and the read "
+            f"{source}: has no BlackLevel and WhiteLevel, so its gain stays unknown and the read "
             "noise includes rounding to codes",
         ),
     )
@@ -214,12 +216,12 @@ def _refuse_odd(
     _check.positive(f"white minus black level of {source}", "DN", white_dn - black_dn)
     shots = values[:, 0]
     if shots.max() > (1 + _ALIKE) * shots.min():
-        told = ", ".join(f"{n} {s:.3g}" for n, s in zip(names, shots.tolist(), strict=True))
+        listed = ", ".join(f"{n} {s:.3g}" for n, s in zip(names, shots.tolist(), strict=True))
         raise InputError(
             source,
             "must have the same S in all channels",
             value=dict(zip(names, shots.tolist(), strict=True)),
-            found=f"S is {told}, so the codes were multiplied, as by a white balance",
+            found=f"S is {listed}, so the codes were multiplied, as by a white balance",
             remedy="give S and O of one channel that was not multiplied, usually green",
         )
 
@@ -227,12 +229,12 @@ def _refuse_odd(
 def _converter(
     gain: float, black_dn: float, white_dn: float, source: str
 ) -> tuple[Adc | None, tuple[str, ...]]:
-    """Of as many bits as the white level needs, and what is doubtful about it."""
+    """A converter with the bits that the white level needs, and notes on doubts."""
     bits = max(8, int(np.ceil(np.log2(white_dn + 1))))
     if bits > 16 or not black_dn.is_integer():
         return None, (
-            f"{source}: levels of {black_dn:g} and {white_dn:g} DN are those of no converter of 8 "
-            "to 16 bits with a whole black level; give its bits and black level",
+            f"{source}: levels of {black_dn:g} and {white_dn:g} DN do not fit a converter of 8 to "
+            "16 bits with an integer black level; give its bits and black level",
         )
     adc = Adc(bits=bits, gain_e_per_dn=gain, black_level_dn=int(black_dn))
     if adc.top_code == white_dn:

@@ -14,7 +14,7 @@ class PixelOverrides:
     Attributes
     ----------
     bits, black_level_dn
-        Of the converter. [1], [DN]
+        Number of bits and black level of the converter. [1], [DN]
     dark_current_e_per_s, dsnu_e, prnu, row_noise_e
         As `Imperfections`. [e-/s], [e-], [1], [e-]
     """
@@ -33,11 +33,11 @@ def overridden(sensor: Sensor, given: PixelOverrides, *, raw: bool) -> Sensor:
     Parameters
     ----------
     sensor
-        With its own imperfections and converter.
+        The sensor, with its own imperfections and converter.
     given
-        Values that override the sensor's.
+        Values that override those of the sensor.
     raw
-        Whether the picture has codes; if not, no converter is used.
+        Whether the picture is of raw codes; otherwise no converter is used.
 
     Raises
     ------
@@ -93,13 +93,14 @@ def _converter_notes(sensor: Sensor, known: Mapping[str, float], *, raw: bool) -
             "converter"
         ]
     adc, full_e = adc_of(sensor.converter, sensor.pixel), sensor.pixel.full_well_e
-    told = (
+    converter = (
         f"converter: {adc.bits} bits, {adc.gain_e_per_dn:.4g} e-/DN, black {adc.black_level_dn} DN"
     )
     if "gain_e_per_dn" in known and sensor.converter.bits is None:
-        return [f"{told}; the gain of the sensor's pixel is used only where the bits are given too"]
+        unused = "the gain of the sensor's pixel is used only where the bits are given too"
+        return [f"{converter}; {unused}"]
     last_e = (adc.top_code - adc.black_level_dn) * adc.gain_e_per_dn
-    return [f"{told}; codes end at {last_e:.4g} e-, {last_e / full_e:.3g} of the full well"]
+    return [f"{converter}; codes end at {last_e:.4g} e-, {last_e / full_e:.3g} of the full well"]
 
 
 def _listed(values: Mapping[str, float]) -> str:

@@ -32,11 +32,11 @@ from chromanoise.sensor.pixel_source import PixelSource
 
 __all__ = ["PhotonTransfer", "TransferFit", "photon_transfer_fit", "pixel_from_photon_transfer"]
 
-_FIT_SHARE = 0.7  # of saturation: where EMVA 1288 ends its fit of the gain
+_FIT_SHARE = 0.7  # of saturation: upper end of the gain fit in EMVA 1288
 _NAMED_Z = 5.0  # rows farther from the fit are named in a note
 _SCATTERED = 4.0  # of squared residuals per degree of freedom: twice the scatter expected
 _CURVED_Z = 3.0  # a larger quadratic term is significant
-_LEAST_GAIN = 1e-15  # of any converter [DN/e-]
+_LEAST_GAIN = 1e-15  # smallest gain of any converter [DN/e-]
 _LEAST_DARK_DN2 = 0.24  # EMVA 1288: below, the dark noise is mostly quantization
 
 
@@ -146,7 +146,7 @@ def photon_transfer_fit(table: PhotonTransfer, *, black_dn: float | None = None)
 
 
 def pixel_from_photon_transfer(fit: TransferFit) -> PixelSource:
-    """The pixel that a photon transfer tells of.
+    """The pixel values that a photon transfer gives.
 
     Parameters
     ----------
@@ -386,7 +386,7 @@ def _prnu(curves: _Curves) -> tuple[float | None, float | None]:
 def _oddities(
     table: PhotonTransfer, residual_z: Array, fitted: Array, chi2_per_row: float
 ) -> list[str]:
-    """Rows far off the fit, and scatter beyond what so many samples have."""
+    """Notes on rows far from the fit, and on scatter larger than the samples explain."""
     notes = [
         f"{table.source}: the row of mean {table.mean_dn[i]:g} DN is "
         f"{residual_z[i]:+.1f} standard errors off the fit"
@@ -395,6 +395,6 @@ def _oddities(
     if chi2_per_row > _SCATTERED:
         notes.append(
             f"{table.source}: rows scatter {np.sqrt(chi2_per_row):.2g} times as far as their "
-            "samples let expect, so standard errors are too small; did light or gain change?"
+            "samples explain, so standard errors are too small; did light or gain change?"
         )
     return notes

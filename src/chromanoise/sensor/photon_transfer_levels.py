@@ -83,7 +83,7 @@ class Levels:
         return self.x.size
 
     def of(self, rows: Array) -> "Levels":
-        """Some of the levels."""
+        """The selected levels."""
         return replace(
             self,
             x=self.x[rows],

@@ -17,7 +17,7 @@ def quantum_efficiency(
     source: str,
     notes: list[str],
 ) -> tuple[float | None, float | None]:
-    """Responsivity over gain; the error of the first from the scatter about its line."""
+    """QE = responsivity / gain; the error of the responsivity is from the scatter of its fit."""
     if photons is None or not levels.black_known:
         return None, None
     if not photons.max() > 0:

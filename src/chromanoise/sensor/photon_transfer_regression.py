@@ -12,9 +12,9 @@ from chromanoise._check import Array
 from chromanoise._linalg import matrix_rank, pinv
 from chromanoise.sensor.photon_transfer_levels import Levels
 
-_ROUNDS = 20  # of weights; they settle in about five
-_LEAST_SHARE = 1e-9  # of the largest variance, so that no row has an infinite weight
-_LARGEST_SLOPE = 1e15  # of any converter [DN]: above it, the means do not differ
+_ROUNDS = 20  # iterations of the weights, which converge in about five
+_LEAST_SHARE = 1e-9  # smallest variance, relative to the largest: keeps weights finite
+_LARGEST_SLOPE = 1e15  # [DN] larger than of any converter: then the means do not differ
 _UNKNOWN_SAMPLES = 1e4  # used for an unknown number; the scatter about the fit sets the scale
 
 
@@ -84,9 +84,9 @@ def straight_fit(levels: Levels, judged: Regression) -> Regression | None:
     Parameters
     ----------
     levels
-        Above their darks.
+        The lit rows above their dark values.
     judged
-        A fit that provides the errors of the levels.
+        Another fit, from which the errors of the levels are taken.
     """
     lever = _lever(levels.powers(bend=False), np.ones(len(levels)))
     if lever is None:
@@ -127,7 +127,7 @@ def _dark_variance(levels: Levels) -> Array:
 
 
 def _level_error2(levels: Levels, expected: Array, values: Array) -> Array:
-    """Of variance - slope mean, in which the fourth cumulant of the Poisson law cancels."""
+    """Squared error of variance - slope mean; the fourth cumulant of Poisson cancels in it."""
     dark = _dark_variance(levels)
     if levels.darks is None and levels.black_known:
         dark = np.full(len(levels), max(float(values[0]), 0.0))

@@ -1,4 +1,4 @@
-"""Where the variance of a photon transfer falls: saturation."""
+"""Saturation of a photon transfer: the level above which the variance falls."""
 
 import numpy as np
 
@@ -6,17 +6,17 @@ from chromanoise._check import Array
 from chromanoise.sensor.photon_transfer_regression import variance_error2
 from chromanoise.sensor.photon_transfer_table import PhotonTransfer
 
-_FALLEN_Z = 5.0  # standard errors of the difference of two variances: a fall beyond is real
-_FALLEN = 0.05  # of a variance: a fall beyond is real where samples are not known
-_CLIPPED = 0.5  # of a variance: a fall beyond is real however few the samples are
+_FALLEN_Z = 5.0  # a fall by more standard errors of the difference is significant
+_FALLEN = 0.05  # a fall by a larger share is significant if samples are unknown
+_CLIPPED = 0.5  # a fall by a larger share is significant for any number of samples
 
 
 def saturated_row(table: PhotonTransfer) -> int | None:
-    """Which of the lit rows has the largest variance; ``None`` where brighter rows do not fall.
+    """Index of the lit row of largest variance; ``None`` if the variance does not fall above it.
 
-    Scanned from the brightest row down to the first maximum that two rows in succession stay
-    below, as the reference code of EMVA 1288 does. A difference counts where it is larger than
-    sampling explains, or the scatter of a table that ends early would be taken for saturation.
+    Rows are scanned from the brightest down to the first maximum that exceeds the next two rows,
+    as in the reference code of EMVA 1288. A difference counts only if it is larger than sampling
+    explains; otherwise the scatter of a table that ends early would be taken for saturation.
     """
     lit = ~table.dark
     light = (table.mean_dn if table.photons is None else table.photons)[lit]

@@ -40,7 +40,7 @@ class PhotonTransfer:
     photons
         Mean number of photons on a pixel, for each row. [1]
     notes
-        What a reader of the result must know.
+        Remarks for readers of the result.
 
     Raises
     ------
@@ -191,7 +191,7 @@ class TransferFit:
     chi2_per_row
         Squared residuals per degree of freedom: about 1 where the samples are known. [1]
     notes
-        What was found odd.
+        Remarks on anomalies in the table.
     """
 
     source: str

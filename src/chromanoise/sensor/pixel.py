@@ -1,4 +1,4 @@
-"""The pixel under the filters."""
+"""The pixel: pitch, full well and read noise."""
 
 from dataclasses import dataclass
 
@@ -12,7 +12,7 @@ class Pixel:
     Attributes
     ----------
     pitch_um
-        Side of the square pixel: the paper's a_pix. [um]
+        Side of the square pixel: a_pix in the paper. [um]
     full_well_e
         Electrons at saturation. [e-]
     read_noise_e
@@ -21,8 +21,8 @@ class Pixel:
     Raises
     ------
     InputError
-        If a number is not finite, negative or beyond what any pixel could be, or pitch or full
-        well are 0.
+        If a number is not finite, negative or out of the range of real pixels, or if pitch or full
+        well is 0.
     """
 
     pitch_um: float

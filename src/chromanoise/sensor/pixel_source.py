@@ -1,6 +1,7 @@
-"""A pixel as far as a source tells it: what is known, what is not, and what must be asked.
+"""Pixel data of one source: known values, missing values, and questions for the user.
 
-A data sheet, a noise profile and a photon-transfer table each know a part; nothing is guessed.
+A data sheet, a noise profile and a photon-transfer table each give only some of the values. Missing
+values are never guessed.
 """
 
 from dataclasses import dataclass
@@ -14,7 +15,7 @@ from chromanoise.sensor.pixel import Pixel
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PixelSource:
-    """What a source says of a pixel; ``None`` where it does not say.
+    """Values that a source gives for a pixel; ``None`` for values that it does not give.
 
     Attributes
     ----------
@@ -29,20 +30,20 @@ class PixelSource:
     gain_e_per_dn
         Electrons per code. [e-/DN]
     bits, black_level_dn
-        Of the converter. [1], [DN]
+        Number of bits and black level of the converter. [1], [DN]
     adc
         The converter, where both gain and bits are known.
     imperfections
-        Of the pixels; zero where the source says nothing, which `notes` tell.
+        Imperfections of the pixels; zero if the source does not give them, with a note.
     qe, qe_at_nm
-        Quantum efficiency at one wavelength: a check for curves, not a curve. [e-/photon], [nm]
+        Quantum efficiency at one wavelength, to check QE curves against. [e-/photon], [nm]
     notes
-        What a reader of a result must know.
+        Remarks for readers of a result.
 
     Raises
     ------
     InputError
-        If a number is beyond what any pixel could have.
+        If a number is out of the range of real pixels.
     """
 
     source: str
@@ -86,7 +87,7 @@ PIXEL_FILES = (
     "mean_dn,variance_dn2), or a noise profile ('NoiseProfile: 0.0002 0.000001', or JSON as "
     '{"S": 0.0002, "O": 1e-6, "black_level_dn": 64, "white_level_dn": 1023})'
 )
-"""The files that tell of a pixel, each with an example, for messages."""
+"""The files that can describe a pixel, each with an example, for messages."""
 
 _QUESTIONS = {
     "pitch_um": "what is the pixel pitch? [um]",
@@ -96,7 +97,7 @@ _QUESTIONS = {
 
 
 def open_questions(source: PixelSource) -> tuple[str, ...]:
-    """What must be asked before the source makes a `Pixel`, one question each.
+    """One question for each value that the source lacks for a `Pixel`.
 
     Examples
     --------
@@ -122,14 +123,14 @@ def pixel_from(
     Parameters
     ----------
     source
-        What is known.
+        The known values.
     pitch_um, full_well_e, read_noise_e
-        Answers, each only where the source is silent. [um], [e-], [e-]
+        Answers, each only for a value that the source does not give. [um], [e-], [e-]
 
     Raises
     ------
     InputError
-        If a question stays open, or an answer speaks against the source.
+        If a value is still missing, or an answer is given for a value that the source gives.
 
     Examples
     --------
@@ -148,9 +149,9 @@ def pixel_from(
                 found=f"{answer:g} is given besides {own:g}",
                 remedy=("omit it", "correct the source"),
             )
-        told = answer if own is None else own
-        if told is not None:
-            known[name] = float(told)
+        value = answer if own is None else own
+        if value is not None:
+            known[name] = float(value)
     still = [question for question in open_questions(source) if question.split(":")[0] not in known]
     if still:
         missing = [question.split(":")[0] for question in still]

@@ -24,32 +24,32 @@ class Sensor:
     Attributes
     ----------
     name
-        How the sensor is called in results.
+        Name of the sensor in results.
     grid
-        The wavelengths of ``qe``.
+        Wavelength grid of ``qe``.
     qe
         Electrons per photon, filter and IR-cut included: the paper's QE = QE_ph T_f.
         [e-/photon]
     names
-        One per channel.
+        Channel names.
     pixel
         Pitch, full well, read noise.
     mosaic
-        Which channel sits over which pixel, where that is known.
+        The channel of each pixel, if known.
     stacked
-        Whether the channels lie one above the other and share the light of one pixel.
+        Whether the channels are stacked in depth and share the light of one pixel.
     imperfections, converter
         Used by pictures in addition to shot and read noise; closed forms leave both out.
     origin
-        What the curves are: ``given`` by the user, ``measured``, a ``model``, a
-        ``reconstruction``; told wherever the sensor appears.
+        Origin of the curves, shown with the sensor: ``given`` by the user, ``measured``,
+        ``model`` or ``reconstruction``.
     notes
-        What a reader of a result must know.
+        Remarks for readers of a result.
 
     Raises
     ------
     InputError
-        If a QE lies outside 0 .. 1, or the shapes do not belong together.
+        If a QE is outside 0 .. 1, or the shapes are inconsistent.
     """
 
     name: str
@@ -104,25 +104,25 @@ class Sensor:
 
 
 def pixels_of(sensor: Sensor) -> int:
-    """How many pixels one set of the channels takes: p, or 1 where they are stacked."""
+    """Number of pixels for one set of channels: p, or 1 if the channels are stacked."""
     return 1 if sensor.stacked else len(sensor.names)
 
 
 def behind_filter(
     sensor: Sensor, transmittance: Float[Array, " n"], *, name: str, note: str = ""
 ) -> Sensor:
-    """The same sensor behind one more filter, e.g. an IR-cut.
+    """The sensor behind one more filter, such as an IR-cut.
 
     Parameters
     ----------
     sensor
         Any sensor.
     transmittance
-        0 .. 1 on the sensor's grid.
+        Transmittance, 0 .. 1, on the sensor's grid.
     name
-        How the new sensor is called.
+        Name of the new sensor.
     note
-        Added to its notes.
+        Note added to the notes of the new sensor.
     """
     checked = _check.fraction(f"transmittance before {sensor.name}", "1", transmittance)
     _check.same_length("wavelengths", sensor=sensor.grid.n, transmittance=checked.size)
@@ -133,7 +133,7 @@ def behind_filter(
 def with_channels(
     sensor: Sensor, names: Sequence[str], *, name: str, mosaic: Mosaic | None = None
 ) -> Sensor:
-    """The sensor that has only the channels ``names``, in that order.
+    """The sensor with only the channels ``names``, in this order.
 
     Raises
     ------
