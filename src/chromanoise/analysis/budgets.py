@@ -81,8 +81,8 @@ def missing_lab_budgets(analysis: Analysis, budgets: Sequence[Budget | None]) ->
     name = analysis.sensor.name
     if analysis.saturated.any():
         return f"{name}: a channel is saturated on the white, so L*, a* and b* have no budget"
-    told = zip(LAB.coordinates, budgets, strict=True)
-    missing = [coordinate for coordinate, budget in told if budget is None]
+    found = zip(LAB.coordinates, budgets, strict=True)
+    missing = [coordinate for coordinate, budget in found if budget is None]
     if not missing:
         return None
     return (

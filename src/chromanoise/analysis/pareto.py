@@ -93,7 +93,7 @@ def matrix_as_json(
     curve: ParetoCurve | None = None,
 ) -> dict[str, Any]:
     """A matrix report and its Pareto curve as plain data; undefined values are ``None``."""
-    told, sensor = asdict(report), operating_point.sensor
+    data, sensor = asdict(report), operating_point.sensor
     snr = report.snr_db or {}
     return {
         "version": __version__,
@@ -109,7 +109,7 @@ def matrix_as_json(
             "lux_per_e": matrix.matrix.tolist(),
         },
         "report": {
-            **told,
+            **data,
             "condition": defined(report.condition),
             "snr_db": {name: defined(value) for name, value in snr.items()} or None,
         },

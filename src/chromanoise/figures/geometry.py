@@ -261,8 +261,8 @@ def _tilt(plane: ChannelPlane) -> str:
 
 
 def _raw_snr(plane: ChannelPlane) -> str:
-    told = (_decibels(name, value) for name, value in raw_snr_db(plane.two).items())
-    return "raw SNR " + ", ".join(told)
+    texts = (_decibels(name, value) for name, value in raw_snr_db(plane.two).items())
+    return "raw SNR " + ", ".join(texts)
 
 
 def _decibels(what: str, value: float | None) -> str:

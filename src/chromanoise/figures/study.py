@@ -84,8 +84,8 @@ def _comparison(of: Shown) -> Figure:
 
 
 def _budget(of: Shown) -> Figure | None:
-    told = [(one, coordinate_budget(one, "Y")) for one in of.analyses]
-    budgets = [(one.sensor, budget) for one, budget in told if budget is not None]
+    found = [(one, coordinate_budget(one, "Y")) for one in of.analyses]
+    budgets = [(one.sensor, budget) for one, budget in found if budget is not None]
     if not budgets:
         return None
     figure = _framed(2.6 * len(budgets))

@@ -101,8 +101,8 @@ def sensor_dashes(names: Iterable[str]) -> dict[str, Any]:
 
     Examples
     --------
-    >>> told = sensor_dashes(["mine", "onyx-rgbw", "yours"])
-    >>> told["onyx-rgbw"], told["mine"] == told["yours"]
+    >>> dashes = sensor_dashes(["mine", "onyx-rgbw", "yours"])
+    >>> dashes["onyx-rgbw"], dashes["mine"] == dashes["yours"]
     ('solid', False)
     """
     distinct = dict.fromkeys(names)

@@ -244,9 +244,7 @@ def shared_readings(
     vif = variance_inflation(frame)
     worst = int(np.argmax(vif))
     variance = all_e + chain.read_variance_e2
-    whitened = np.sqrt(
-        np.where(variance > 0, variance, 1.0)
-    )  # avoids 0 / 0
+    whitened = np.sqrt(np.where(variance > 0, variance, 1.0))  # avoids 0 / 0
     best, own = chain.with_infrared.sought_e / whitened, chain.single_row * whitened
     psi = np.degrees(np.arccos(np.clip(best @ own / np.sqrt((best @ best) * (own @ own)), -1, 1)))
     infrared = 1 - visible_e.sum() / all_e.sum()

@@ -3,9 +3,10 @@
 A white has a* = 0, so the signal is not a* itself but a change of it: the SNR here is one unit over
 the standard deviation, 1 / sigma, to first order at a given color. The signal is a change of the
 light that changes this coordinate by one and leaves the other two constant. Of all such changes
-`faintest_change` is used: the one with the lowest SNR for an ideal detector that counts every photon
-with its wavelength. So no cause includes a loss that no detector could avoid. Photon counting gives
-sqrt(p N) where the change is the light itself: the start of `chromanoise.metrics.budget`.
+`faintest_change` is used: the one with the lowest SNR for an ideal detector that counts every
+photon with its wavelength. So no cause includes a loss that no detector could avoid. Photon
+counting gives sqrt(p N) where the change is the light itself: the start of
+`chromanoise.metrics.budget`.
 
 ============ =============================================== ==================================
 cause        off                                             on

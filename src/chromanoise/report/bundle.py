@@ -84,17 +84,17 @@ def shortened(data: Any, *, digits: int = 5) -> Any:
     >>> shortened([26.123456, 26.2496, 12.0, "26.2496"])
     [26.123, 26.2496, 12, '26.2496']
     """
-    told = json.dumps(data, allow_nan=False)
-    return json.loads(told, parse_float=partial(_shortened, digits=digits))
+    text = json.dumps(data, allow_nan=False)
+    return json.loads(text, parse_float=partial(_shortened, digits=digits))
 
 
 def _shortened(number: str, digits: int) -> float | int:
     value = float(number)
     for more in range(digits, 18):
-        told = f"{value:.{more - 1}e}"
-        mantissa = told.partition("e")[0].rstrip("0")
+        text = f"{value:.{more - 1}e}"
+        mantissa = text.partition("e")[0].rstrip("0")
         if not mantissa.endswith("5"):
-            value = float(told)
+            value = float(text)
             break
     return int(value) if value.is_integer() and abs(value) < 1e15 else value
 
