@@ -61,9 +61,7 @@ def optimal_linear_snr_db(raw: Measurement) -> Float[Array, "*px"]:
     >>> round(float(optimal_linear_snr_db(two)), 4)       # 20 log10(5)
     13.9794
     """
-    silent = (
-        raw.variance == 0
-    )  # a channel without signal and noise adds 0; signal without noise gives inf
+    silent = raw.variance == 0  # no signal and no noise adds 0; signal without noise is inf
     covariance = raw.covariance + silent[..., None] * np.eye(len(raw.names))
     whitened = solve("covariance of the raw channels", covariance, raw.mean[..., None])[..., 0]
     endless = (silent & (raw.mean != 0)).any(axis=-1)

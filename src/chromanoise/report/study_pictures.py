@@ -1,4 +1,4 @@
-"""The pictures of a study, as they stand in a report."""
+"""The pictures of a study for its report."""
 
 from dataclasses import dataclass
 
