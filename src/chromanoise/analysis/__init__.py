@@ -1,4 +1,4 @@
-"""From one operating point to every stage; budgets, sweeps, comparison, figures of merit."""
+"""All results for sensors at an operating point: SNR, budgets, sweeps and comparisons."""
 
 from typing import TYPE_CHECKING
 

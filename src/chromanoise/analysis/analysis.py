@@ -1,4 +1,4 @@
-"""Everything about one sensor in front of one flat patch, in closed form."""
+"""Closed-form analysis of one sensor and one flat patch: all stages, SNR and conditioning."""
 
 import math
 from collections.abc import Mapping
@@ -44,42 +44,42 @@ from chromanoise.sensor import Sensor, left_out_of_closed_form
 from chromanoise.spectra import Metric, color_axes
 from chromanoise.units import decibel
 
-_WORTH_TELLING = 1e-3  # share of held readouts
+_WORTH_TELLING = 1e-3  # share of clipped readouts
 _WORTH_NAMING = 0.005  # weight of a channel in a mix
-_NEAR_MIX_DEG = 10.0  # a channel closer than this to the span of the others is worth a sentence
+_NEAR_MIX_DEG = 10.0  # a channel closer than this to the span of the others gets a note
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Analysis:
-    """One sensor, one exposure, every stage.
+    """Results of one sensor at one exposure, at every stage.
 
     Attributes
     ----------
     scene, sensor, exposure
-        What was looked at, with what, and how.
+        The patch, the sensor that measures it, and its exposure settings.
     raw, contravariant, color
         The measurement at each stage, with its covariance.
     matrix
-        The color matrix, the kernel unless another was given; carries the metric and the frame.
+        The color matrix, by default the kernel matrix; it holds the metric and the frame.
     saturated
-        One per channel. Where one is true, no SNR that uses it is defined.
+        One per channel. Where it is true, every SNR that uses the channel is undefined.
     expected_e
-        Expected electrons per channel, before anything is held. [e-]
+        Expected electrons per channel, before clipping. [e-]
     truth_xyz
-        X, Y, Z of the scene as the eye sees it. [lx]
+        X, Y, Z of the scene for the standard observer. [lx]
     black_share, full_share
-        Share of the readouts of each channel that are held at black, at full well; 0 where nothing
-        is.
+        Share of the readouts of each channel that are clipped at black and at full well; 0 without
+        clipping.
     vif
-        Variance inflation per channel; inf for a mix of others.
+        Variance inflation factor per channel; inf for a linear combination of other channels.
     between_deg, to_axes_deg
         Angles between channels, and to the color axes x, y, z. [deg]
     mix
-        The channel that is most nearly a mix of the others.
+        The channel that is closest to a linear combination of the others.
     spectral_snr_db
-        SNR of the rebuilt spectrum (eq. 4). [dB]
+        SNR of the reconstructed spectrum (eq. 4). [dB]
     optimal_linear_snr_db, color_snr_loss_db
-        Best SNR of any linear readout, and how far Y stays below it. [dB]
+        Best SNR of any linear readout, and the difference between it and the SNR of Y. [dB]
     """
 
     scene: Scene
@@ -139,20 +139,20 @@ def analyzed(
     readout: Readout | None = None,
     matrix: ColorMatrix | None = None,
 ) -> Analysis:
-    """Take one flat patch through every stage: eq. 1 to 7.
+    """Compute every stage of the measurement of one flat patch: eq. 1 to 7.
 
     Parameters
     ----------
     scene
-        A single point (`flat_field`).
+        A scene of one point (`flat_field`).
     sensor, exposure
-        What looks at it, and how.
+        The sensor and its exposure settings.
     metric
-        In which light is a vector.
+        Metric of the space of spectra.
     readout
-        Take the exact moments of what it clips and rounds; ``None`` for eq. 7, unclipped.
+        Clipping and rounding, with exact moments; ``None`` for eq. 7, unclipped.
     matrix
-        To color; ``None`` for the kernel (eq. 6) in ``metric``.
+        Color matrix; ``None`` for the kernel matrix (eq. 6) in ``metric``.
 
     Raises
     ------
@@ -205,7 +205,7 @@ def _db(value: float | None) -> str:
 def mean_color_error(analysis: Analysis) -> float | None:
     """Mean CIE 1976 difference over the ColorChecker, without noise. [Delta E*ab]
 
-    ``None`` where the white is no color, so that there is nothing to hold the patches against.
+    ``None`` where X, Y or Z of the sensor's white is not above 0, so that CIELAB is undefined.
     """
     error = chart_color_error(
         analysis.sensor, analysis.matrix, analysis.exposure, analysis.scene.illuminant
@@ -214,23 +214,23 @@ def mean_color_error(analysis: Analysis) -> float | None:
 
 
 def mix_sentence(mix: NearestMix) -> str:
-    """How near the channel is to which mix."""
+    """The linear combination that the channel is closest to, and its angle to it."""
     heavy = [item for item in mix.weights.items() if abs(item[1]) >= _WORTH_NAMING]
     parts = " ".join(f"{weight:+.2f} {name}" for name, weight in heavy or mix.weights.items())
     return f"{mix.channel} is {mix.angle_deg:.2g} deg from {parts.removeprefix('+')}"
 
 
 def raw_snr_db(analysis: Analysis) -> dict[str, float | None]:
-    """Raw SNR per channel; ``None`` where the channel is saturated or sees nothing. [dB]"""
+    """Raw SNR per channel; ``None`` where the channel is saturated or has no signal. [dB]"""
     hidden = dict(zip(analysis.sensor.names, analysis.saturated.tolist(), strict=True))
     return _told(snr_db(analysis.raw), hidden)
 
 
 def contravariant_snr_db(analysis: Analysis) -> dict[str, float | None]:
-    """Contravariant SNR per channel; ``None`` where it is not defined. [dB]
+    """Contravariant SNR per channel; ``None`` where it is undefined. [dB]
 
-    Every coordinate mixes all channels, so one saturated channel hides them all; a channel that
-    is a mix of others has no coordinate of its own.
+    Every coordinate is computed from all channels, so one saturated channel makes all of them
+    undefined. The coordinate of a channel that is a linear combination of others is undefined too.
     """
     lost = bool(analysis.saturated.any())
     hidden = {
@@ -241,15 +241,15 @@ def contravariant_snr_db(analysis: Analysis) -> dict[str, float | None]:
 
 
 def color_snr_db(analysis: Analysis) -> dict[str, float | None]:
-    """SNR of X, Y and Z; ``None`` while a channel is saturated, or where it is no signal. [dB]
+    """SNR of X, Y and Z; ``None`` where a channel is saturated or there is no signal. [dB]
 
-    A color below 0, or next to nothing of what the eye sees, is no signal: the matrix, which does
-    not know this light, made it.
+    A coordinate that is negative, or far smaller than for the standard observer, is not a signal:
+    it is an error of a color matrix that does not fit this light.
     """
     return dict(_color_snr_db(analysis))
 
 
-@lru_cache(maxsize=64)  # whether a color is one at all is asked at every turn
+@lru_cache(maxsize=64)  # called for every check of a white
 def _color_snr_db(analysis: Analysis) -> Mapping[str, float | None]:
     lost = bool(analysis.saturated.any())
     decibels = signal_snr_db(analysis.color, analysis.truth_xyz)
@@ -258,12 +258,12 @@ def _color_snr_db(analysis: Analysis) -> Mapping[str, float | None]:
 
 
 def color_snr_loss_db(analysis: Analysis) -> float | None:
-    """How far Y stays below the best linear readout; ``None`` where Y has no SNR. [dB]"""
+    """SNR of the best linear readout minus that of Y; ``None`` where Y has no SNR. [dB]"""
     return None if color_snr_db(analysis)["Y"] is None else analysis.color_snr_loss_db
 
 
 def diagnosis(analysis: Analysis) -> tuple[str, ...]:
-    """What a reader of these numbers must know, in sentences."""
+    """Warnings about these results: saturation, clipping, channels without signal."""
     sensor = analysis.sensor
     notes = (*sensor.notes, *left_out_of_closed_form(sensor), *analysis.scene.illuminant.notes)
     return (*notes, *_channel_notes(analysis), *_color_notes(analysis), *_frame_notes(analysis))

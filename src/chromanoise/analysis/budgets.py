@@ -1,4 +1,4 @@
-"""Where the signal-to-noise ratio of each coordinate goes: all budgets of an analysis."""
+"""The SNR budgets of all coordinates of an analysis."""
 
 from collections.abc import Sequence
 from functools import lru_cache
@@ -12,20 +12,20 @@ from chromanoise.scene import flat_field
 _CONTRAVARIANT = "M^"
 
 
-@lru_cache(maxsize=64)  # a verdict asks for what a waterfall draws
+@lru_cache(maxsize=64)  # verdict and waterfall chart use the same budget
 def coordinate_budget(
     analysis: Analysis, coordinate: str, *, reflectance: float = GRAY
 ) -> Budget | None:
     """The budget of X, Y, Z, of a contravariant coordinate as M^R, or of L*, a*, b* of a gray.
 
-    ``None`` while a channel is saturated, and where the coordinate has no SNR or no budget.
+    ``None`` where a channel is saturated, or the coordinate has no SNR or no budget.
 
     Parameters
     ----------
     analysis
-        Of a perfect white.
+        The analysis of a perfect white.
     coordinate
-        A name; one that the sensor does not have has no budget.
+        Its name; ``None`` is returned for a coordinate that the sensor does not have.
     reflectance
         Of the gray, for L*, a* and b*. [1]
     """
@@ -49,25 +49,25 @@ def coordinate_budget(
 
 
 def color_budgets(analysis: Analysis) -> tuple[Budget | None, ...]:
-    """Where the SNR of X, Y and Z went; ``None`` while a channel is saturated or without SNR."""
+    """SNR budgets of X, Y and Z; ``None`` where a channel is saturated or there is no SNR."""
     return tuple(coordinate_budget(analysis, name) for name in analysis.color.names)
 
 
 def contravariant_budgets(analysis: Analysis) -> tuple[Budget | None, ...]:
-    """Where the SNR of each contravariant coordinate went; ``None`` where it has none."""
+    """SNR budget of each contravariant coordinate; ``None`` where it has no SNR."""
     names = analysis.sensor.names
     return tuple(coordinate_budget(analysis, f"{_CONTRAVARIANT}{name}") for name in names)
 
 
 def lab_budgets(analysis: Analysis, *, reflectance: float = GRAY) -> tuple[Budget | None, ...]:
-    """Where one unit of L*, a* and b* of a gray is lost in noise, from all photons on.
+    """SNR budgets of one unit of L*, a* and b* of a gray, starting from all photons.
 
-    ``None`` while a channel is saturated on the white, and where a coordinate has no budget.
+    ``None`` where a channel is saturated on the white, or a coordinate has no budget.
 
     Parameters
     ----------
     analysis
-        Of a perfect white; the gray is in its light.
+        The analysis of a perfect white; the gray is under the same light.
     reflectance
         Of the gray. [1]
     """
@@ -77,12 +77,12 @@ def lab_budgets(analysis: Analysis, *, reflectance: float = GRAY) -> tuple[Budge
 
 
 def missing_lab_budgets(analysis: Analysis, budgets: Sequence[Budget | None]) -> str | None:
-    """Why a coordinate has none of its `lab_budgets`; ``None`` where none is missing."""
+    """The reason why `lab_budgets` lacks a coordinate; ``None`` where none is missing."""
     name = analysis.sensor.name
     if analysis.saturated.any():
         return f"{name}: a channel is saturated on the white, so L*, a* and b* have no budget"
-    told = zip(LAB.coordinates, budgets, strict=True)
-    missing = [coordinate for coordinate, budget in told if budget is None]
+    found = zip(LAB.coordinates, budgets, strict=True)
+    missing = [coordinate for coordinate, budget in found if budget is None]
     if not missing:
         return None
     return (

@@ -1,4 +1,4 @@
-"""A ColorChecker seen by one sensor: color error and noise of every patch, never one alone."""
+"""Color error and noise of every ColorChecker patch, measured by one sensor."""
 
 from dataclasses import dataclass
 from functools import partial
@@ -26,25 +26,26 @@ from chromanoise.metrics import chart_ciede2000, chart_color_error, signal_snr_d
 from chromanoise.noise import Readout
 from chromanoise.spectra import colorchecker
 
-_POINTS = 2**13  # per patch: a standard deviation is known to half a thousandth
+_POINTS = 2**13  # per patch: standard deviations are accurate to 0.05 %
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ChartNoise:
-    """Each patch of the chart, in the light and with the exposure of an analysis.
+    """Color error and noise of each patch, with the light and exposure of an analysis.
 
     Attributes
     ----------
     names
-        Of the 24 patches.
+        Names of the 24 patches.
     color_error, ciede2000
-        Without noise, CIE 1976 and CIEDE2000. [Delta E]
+        Color errors without noise, CIE 1976 and CIEDE2000. [Delta E]
     snr_y_db
-        SNR of Y; NaN where Y is no signal. [dB]
+        SNR of Y; NaN where Y has no signal. [dB]
     noise
-        In CIELAB, relative to the sensor's own white, from the exact Poisson-Gaussian distribution.
+        Noise in CIELAB, relative to the sensor's own white, from the exact Poisson-Gaussian
+        distribution.
     first_order_holds
-        Whether the first order misses no standard deviation by more than 5 %.
+        Whether every first-order standard deviation is within 5 % of the exact one.
     """
 
     names: tuple[str, ...]
@@ -59,21 +60,21 @@ class ChartNoise:
 
 
 def chart_noise(analysis: Analysis, *, readout: Readout = UNBOUNDED) -> ChartNoise | None:
-    """Color error and noise of the ColorChecker where the analysis has its white.
+    """Color error and noise of the ColorChecker under the light of the analysis.
 
-    ``None`` where a channel is saturated on the white or the white is no color.
+    ``None`` where a channel is saturated on the white, or X, Y or Z of the white is not above 0.
 
     Parameters
     ----------
     analysis
-        Of a perfect white.
+        The analysis of a perfect white.
     readout
-        What clips and rounds the values; nothing by default.
+        Clipping and rounding of the values; none by default.
 
     Raises
     ------
     InputError
-        If the grid leaves 400-1050 nm, where the chart is measured.
+        If the grid extends beyond 400-1050 nm, the range of the chart's data.
     """
     sensor, exposure, matrix = analysis.sensor, analysis.exposure, analysis.matrix
     lamp = analysis.scene.illuminant
@@ -99,12 +100,12 @@ def chart_noise(analysis: Analysis, *, readout: Readout = UNBOUNDED) -> ChartNoi
 
 
 def chart_as_json(chart: ChartNoise | None) -> list[dict[str, Any]] | None:
-    """One entry per patch; what is not defined is ``None``."""
+    """One entry per patch; undefined values are ``None``."""
     if chart is None:
         return None
     noise = chart.noise
     sd = noise.sd
-    assert noise.chroma_sd is not None  # CIELAB has both
+    assert noise.chroma_sd is not None  # CIELAB defines both
     assert noise.delta_e is not None
     return [
         {

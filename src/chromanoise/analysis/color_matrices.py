@@ -1,4 +1,4 @@
-"""Names of color matrices to functions: the one place where a word chooses a method."""
+"""Color matrix methods by name."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -27,26 +27,27 @@ from chromanoise.sensor import Sensor
 from chromanoise.spectra import Metric
 
 MatrixMaker = Callable[[OperatingPoint], ColorMatrix]
-"""A color matrix for an operating point: some adapt to the light level."""
+"""A function from an operating point to its color matrix; some depend on the light level."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Method:
-    """How a matrix is made.
+    """One method of computing a color matrix.
 
     Attributes
     ----------
     make
         One of the functions of `chromanoise.color` with the common signature.
     parameter
-        Its own parameter, if it has one.
+        Name of its parameter, if it has one.
     trained
-        Whether it looks at the prior.
+        Whether it is trained on the prior.
     over_light
-        Its matrices at many light levels at once; ``None`` where light changes nothing.
+        Function that returns the matrices of many light levels at once; ``None`` where the matrix
+        does not depend on the level.
     bounds
-        Lowest and highest value of the parameter; above it, the gains are too small for double
-        precision.
+        Lowest and highest value of the parameter; above the highest, the gains are too small for
+        double precision.
     """
 
     make: Callable[..., ColorMatrix]
@@ -72,16 +73,16 @@ METHODS: Mapping[str, Method] = {
 def matrix_makers(
     names: Sequence[str], metric: Metric, *, prior: str = DEFAULT_PRIOR
 ) -> Mapping[str, MatrixMaker]:
-    """The matrix methods that a person names.
+    """The color matrix methods with the given names.
 
     Parameters
     ----------
     names
-        Of `METHODS`; a method with a parameter as ``name=value``, e.g. ``ridge=0.01``.
+        Names from `METHODS`; a method with a parameter as ``name=value``, e.g. ``ridge=0.01``.
     metric
-        In which light is a vector.
+        Metric of the space of spectra.
     prior
-        Of `PRIORS`: what trained matrices are trained on.
+        A name from `PRIORS`: the training set of trained matrices.
 
     Raises
     ------
@@ -97,17 +98,17 @@ def matrix_makers(
 def matrices_over_levels(
     maker: MatrixMaker, operating_point: OperatingPoint, level_lux: Float[Array, " k"]
 ) -> Float[Array, "k c p"] | None:
-    """What a maker makes at many light levels, all at once. [lx/e-]
+    """The color matrices of a method at many light levels, computed at once. [lx/e-]
 
-    ``None`` where it has to be asked level by level: it makes one matrix for all of them, or is
-    not of `matrix_makers`.
+    ``None`` where the method must be called level by level: it gives one matrix for all levels, or
+    it does not come from `matrix_makers`.
 
     Parameters
     ----------
     maker
-        Of `matrix_makers`, or your own.
+        A method from `matrix_makers`, or a function of your own.
     operating_point
-        Whose level is not looked at.
+        The operating point; its light level is ignored.
     level_lux
         Illuminances, > 0. [lx]
 
@@ -129,12 +130,12 @@ def matrices_over_levels(
 
 
 def trained_names(names: Sequence[str]) -> list[str]:
-    """Those of the names whose matrix looks at the prior.
+    """The names among ``names`` whose matrix is trained on the prior.
 
     Raises
     ------
     InputError
-        If nothing is called that.
+        If there is no method of that name.
     """
     return [name.strip() for name in names if _method(name.strip()).trained]
 
@@ -204,5 +205,5 @@ def _of_any_light(
     metric: Metric,
     parameters: tuple[tuple[str, Any], ...],
 ) -> ColorMatrix:
-    """One per exposure: light only scales it all, so a sweep of the light asks for the same one."""
+    """The matrix of one exposure, cached: it is the same at every light level."""
     return make(sensor, exposure, training, level_lux=1.0, metric=metric, **dict(parameters))

@@ -34,20 +34,20 @@ GRAY = 0.18
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class GrayNoise:
-    """Noise of a gray by the three methods.
+    """Noise of a gray, computed by three methods.
 
     Attributes
     ----------
     reflectance
         Of the gray.
     exact
-        From the exact Poisson-Gaussian distribution: the one to read.
+        From the exact Poisson-Gaussian distribution: the reference.
     first_order, normal
-        By J S J^T, and by cubature over X, Y and Z taken as normal.
+        By J S J^T, and by cubature over X, Y and Z, assumed jointly normal.
     first_order_error, normal_error
-        Standard deviation of those two over the exact one, minus 1.
+        Standard deviation of each of these two over the exact one, minus 1.
     first_order_holds, normal_holds
-        Whether that is within 5 % for every coordinate.
+        Whether that error is within 5 % for every coordinate.
     """
 
     reflectance: float
@@ -70,20 +70,20 @@ def gray_noise(
     reflectance: float = GRAY,
     readout: Readout | None = None,
 ) -> GrayNoise | None:
-    """Noise of a gray under the analysis' light and exposure, relative to its perfect white.
+    """Noise of a gray with the light and exposure of the analysis, relative to a perfect white.
 
-    ``None`` where a channel is saturated on the white or the white is no color.
+    ``None`` where a channel is saturated on the white, or X, Y or Z of the white is not above 0.
 
     Parameters
     ----------
     analysis
-        Of a perfect white.
+        The analysis of a perfect white.
     space
         E.g. `chromanoise.color.LAB`.
     reflectance
         Of the gray. [1]
     readout
-        What clips and rounds the values; ``None`` for none. The white stays that of the electrons.
+        Clipping and rounding of the values; ``None`` for none. The white is never clipped.
     """
     if None in color_snr_db(analysis).values():
         return None
@@ -113,7 +113,7 @@ def gray_noise_as_json(noise: GrayNoise | None) -> dict[str, Any] | None:
         return None
     found = noise.exact
     names = found.measurement.names
-    assert found.sd_error is not None  # the exact method reports one
+    assert found.sd_error is not None  # the exact method always reports it
     return {
         "space": found.measurement.kind,
         "reflectance": noise.reflectance,

@@ -1,4 +1,4 @@
-"""Results as plain data, ready for ``json.dumps``: what is not defined is ``None``."""
+"""Results as plain data for ``json.dumps``; undefined values are ``None``."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict
@@ -22,7 +22,7 @@ from chromanoise.metrics import Budget
 
 
 def analyses_as_json(analyses: Sequence[Analysis]) -> dict[str, Any]:
-    """Several sensors, side by side."""
+    """Analyses of several sensors as plain data."""
     return {
         "version": __version__,
         "metric": analyses[0].matrix.metric,
@@ -33,7 +33,7 @@ def analyses_as_json(analyses: Sequence[Analysis]) -> dict[str, Any]:
 
 
 def comparison_as_json(curves: Sequence[Curve], crossed: Sequence[Crossover]) -> dict[str, Any]:
-    """Curves and crossovers as plain data; what is not defined is ``None``."""
+    """Curves and crossovers as plain data; undefined values are ``None``."""
     sweep, quantity = curves[0].sweep, curves[0].quantity
     return {
         "version": __version__,
@@ -60,7 +60,7 @@ def comparison_as_json(curves: Sequence[Curve], crossed: Sequence[Crossover]) ->
 
 
 def budgets_as_json(analysis: Analysis) -> dict[str, Any]:
-    """Budgets of color, contravariant coordinates and a gray's L*, a*, b*; ``None`` for none."""
+    """Budgets of X, Y, Z, contravariant coordinates and L*, a*, b* of a gray, or ``None``."""
     budgets = {
         "budget": color_budgets(analysis),
         "contravariant_budget": contravariant_budgets(analysis),

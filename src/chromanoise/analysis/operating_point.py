@@ -1,7 +1,7 @@
-"""One sensor in its light: electrons and measurements at every stage, for many levels and patches.
+"""Electrons and measurements of one sensor at every stage, for many levels and patches.
 
-Everything that asks for a signal-to-noise ratio of a sensor in use starts here: the analysis of one
-patch, sweeps over the light level, the patches of a chart.
+All computations of SNR use this module: the analysis of one patch, sweeps over the light level and
+the patches of a chart.
 """
 
 from dataclasses import dataclass
@@ -29,26 +29,26 @@ from chromanoise.scene import Scene
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Stages:
-    """A sensor in use at every stage; leading axes are light levels, then patches.
+    """Measurements at every stage; the leading axes are light levels, then patches.
 
     Attributes
     ----------
     point, matrix
-        Sensor, exposure and light; from electrons to color.
+        Sensor, exposure and light; the color matrix.
     scene
-        The patches; its level is one lux where ``level_lux`` is given.
+        The patches; the level of the scene is 1 lx where ``level_lux`` is given.
     level_lux
-        Illuminances of the leading axis; ``None`` for that of ``point`` alone. [lx]
+        Illuminances of the leading axis; ``None`` for the one level of ``point``. [lx]
     readout
-        What clips and rounds the values; ``None`` for nothing.
+        Clipping and rounding of the values; ``None`` for none.
     expected_e
-        Expected electrons per channel, before anything is clipped. [e-]
+        Expected electrons per channel, before clipping. [e-]
     raw
-        The electrons as they are read, with covariance.
+        The electrons after readout, with covariance.
     clipping
         Exact moments of the readout; ``None`` without one.
     lux_per_e
-        One matrix per level, in place of the numbers of ``matrix``; ``None`` for those. [lx/e-]
+        One matrix per level, used in place of ``matrix``; ``None`` to use ``matrix``. [lx/e-]
     """
 
     point: OperatingPoint
@@ -66,12 +66,12 @@ class Stages:
 
     @property
     def saturated(self) -> Bool[Array, "*px p"]:
-        """Where the expected electrons of a channel exceed full well."""
+        """True where the expected electrons of a channel exceed full well."""
         return saturated(self.expected_e, self.point.sensor.pixel)
 
     @property
     def truth_xyz(self) -> Float[Array, "*px 3"]:
-        """X, Y, Z as the eye sees them. [lx]"""
+        """X, Y, Z for the standard observer. [lx]"""
         return _at_levels(scene_xyz(self.scene, self.matrix.metric), self.level_lux)
 
     @property
@@ -99,7 +99,7 @@ class Stages:
 
     @property
     def color_snr_db(self) -> Float[Array, "*px c"]:
-        """SNR of each color coordinate; NaN while a channel is saturated or without signal. [dB]"""
+        """SNR of each color coordinate; NaN where a channel is saturated or has no signal. [dB]"""
         full = self.saturated.any(axis=-1, keepdims=True)
         if full.all():
             return np.full((*full.shape[:-1], len(self.matrix.coordinates)), np.nan)
@@ -107,7 +107,7 @@ class Stages:
 
     @property
     def optimal_linear_snr_db(self) -> Float[Array, "*px"]:
-        """SNR of the best linear readout; NaN while a channel is saturated. [dB]"""
+        """SNR of the best linear readout; NaN where a channel is saturated. [dB]"""
         full = self.saturated.any(axis=-1)
         if full.all():
             return np.full(full.shape, np.nan)
@@ -120,17 +120,18 @@ def electrons_at(
     level_lux: Float[Array, " k"] | None = None,
     reflectance: float | Float[Array, "*patches n"] = 1.0,
 ) -> Float[Array, "*px p"]:
-    """Expected electrons of patches at light levels, the exposure being kept (eq. 2). [e-]
+    """Expected electrons of patches at many light levels, with a fixed exposure (eq. 2). [e-]
 
     Parameters
     ----------
     point
         Sensor, exposure and light.
     level_lux
-        Illuminances, >= 0: the first axis of the result. ``None`` for that of ``point``, without
-        an axis. [lx]
+        Illuminances, >= 0: the first axis of the result. ``None`` for the level of ``point``,
+        without that axis. [lx]
     reflectance
-        One for all wavelengths, or on the grid of the light with any axes of patches before it.
+        One number for all wavelengths, or values on the grid of the light (last axis), preceded by
+        any axes of patches.
 
     Raises
     ------
@@ -150,20 +151,20 @@ def stages_at(
     readout: Readout | None = None,
     lux_per_e: Float[Array, "k c p"] | None = None,
 ) -> Stages:
-    """Every stage of a sensor in use: electrons, raw, contravariant and color coordinates.
+    """Compute every stage at an operating point: electrons, raw, contravariant, color coordinates.
 
     Parameters
     ----------
     point
         Sensor, exposure and light.
     matrix
-        To color.
+        Color matrix.
     level_lux, reflectance
         As `electrons_at`.
     readout
-        Take the exact moments of what it clips and rounds; ``None`` for eq. 7, unclipped.
+        Clipping and rounding, with exact moments; ``None`` for eq. 7, unclipped.
     lux_per_e
-        One matrix per level, in place of the numbers of ``matrix``. [lx/e-]
+        One matrix per level, used in place of ``matrix``. [lx/e-]
 
     Raises
     ------
@@ -196,14 +197,14 @@ def stages_at(
 
 
 def noisy_color_at(stages: Stages, white: Float[Array, " 3"]) -> NoisyColor:
-    """The colors of the patches with their electrons, for `chromanoise.color.propagate`.
+    """The colors of the patches with their electron counts, for `chromanoise.color.propagate`.
 
     Parameters
     ----------
     stages
-        With the one matrix for all levels.
+        Stages with one matrix for all levels.
     white
-        XYZ of a perfect white as the sensor sees it. [lx]
+        XYZ of a perfect white, measured by the sensor. [lx]
     """
     source = ElectronSource(
         mean_e=stages.expected_e,

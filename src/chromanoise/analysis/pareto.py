@@ -1,4 +1,4 @@
-"""The trade of color error against noise for a sensor in use, and what a matrix is, as data."""
+"""Color error against noise at an operating point, and matrix reports as plain data."""
 
 from dataclasses import asdict
 from typing import Any
@@ -16,16 +16,16 @@ from chromanoise.exposure import OperatingPoint
 from chromanoise.metrics import MatrixReport
 from chromanoise.sensor import left_out_of_closed_form
 
-_LIGHTEST, _HEAVIEST = 1e-15, 1e15  # weights beyond which double precision tells nothing
+_LIGHTEST, _HEAVIEST = 1e-15, 1e15  # limits of double precision
 
 
 def noise_weights(first: float, last: float, *, points: int = 13) -> Float[Array, " q"]:
-    """Weights of the noise from first to last, equally far apart in their logarithm. [1]
+    """Weights of the noise from first to last, equally spaced in their logarithm. [1]
 
     Raises
     ------
     InputError
-        If they are not above 0, do not rise, or there are fewer than 2 or over 100,000.
+        If a weight is not above 0, they do not increase, or ``points`` is not 2 to 100,000.
 
     Examples
     --------
@@ -50,19 +50,19 @@ def noise_weights(first: float, last: float, *, points: int = 13) -> Float[Array
 def pareto_of(
     operating_point: OperatingPoint, weights: Float[Array, " q"], *, prior: str = DEFAULT_PRIOR
 ) -> ParetoCurve:
-    """The Pareto curve of a sensor in use, trained on a prior that has a name.
+    """The Pareto curve of color error against noise at an operating point.
 
     Parameters
     ----------
     weights
-        Of the noise: 0 is least squares, 1 LMMSE. [1]
+        Weights of the noise: 0 is least squares, 1 LMMSE. [1]
     prior
-        Of `PRIORS`.
+        Name of the training set, from `PRIORS`.
 
     Raises
     ------
     InputError
-        If nothing is called so, or as `chromanoise.color.pareto`.
+        If there is no prior of that name, or as `chromanoise.color.pareto`.
 
     Notes
     -----
@@ -80,7 +80,7 @@ def pareto_of(
 
 
 def white_snr_db(curve: ParetoCurve, report: MatrixReport) -> tuple[float | None, ...]:
-    """SNR of Y along the curve; ``None`` while a channel is saturated on the white. [dB]"""
+    """SNR of Y along the curve; ``None`` where a channel is saturated on the white. [dB]"""
     if report.snr_db is None:
         return (None,) * curve.weight.size
     return tuple(defined(float(value)) for value in curve.snr_y_db)
@@ -92,8 +92,8 @@ def matrix_as_json(
     report: MatrixReport,
     curve: ParetoCurve | None = None,
 ) -> dict[str, Any]:
-    """A matrix, what it is worth, and the curve on which it competes; undefined is ``None``."""
-    told, sensor = asdict(report), operating_point.sensor
+    """A matrix report and its Pareto curve as plain data; undefined values are ``None``."""
+    data, sensor = asdict(report), operating_point.sensor
     snr = report.snr_db or {}
     return {
         "version": __version__,
@@ -109,7 +109,7 @@ def matrix_as_json(
             "lux_per_e": matrix.matrix.tolist(),
         },
         "report": {
-            **told,
+            **data,
             "condition": defined(report.condition),
             "snr_db": {name: defined(value) for name, value in snr.items()} or None,
         },

@@ -1,4 +1,4 @@
-"""Which reflectances a trained matrix expects: the spectral priors that have a name."""
+"""Spectral priors by name: the reflectances on which color matrices are trained."""
 
 from collections.abc import Callable, Mapping
 from functools import lru_cache, partial
@@ -7,16 +7,16 @@ from chromanoise.color import Training, chart_training, nir_diverse, smooth_trai
 from chromanoise.spectra import Illuminant
 
 Prior = Callable[[Illuminant], Training]
-"""Reflectances to train on, under a lamp."""
+"""A function from a lamp to a training set of reflectances."""
 
 
 def chart_with_nir(illuminant: Illuminant) -> Training:
-    """The ColorChecker, each patch also with nine other near infrareds."""
+    """The ColorChecker, each patch also with nine other near-infrared reflectances."""
     return nir_diverse(chart_training(illuminant))
 
 
 def smooth_with_nir(illuminant: Illuminant) -> Training:
-    """Smooth spectra (50 nm), each also with nine other near infrareds."""
+    """Smooth spectra (50 nm), each also with nine other near-infrared reflectances."""
     return nir_diverse(smooth_training(illuminant, width_nm=50.0))
 
 
@@ -27,21 +27,21 @@ PRIORS: Mapping[str, Prior] = {
     "smooth-50": partial(smooth_training, width_nm=50.0),
     "smooth-100": partial(smooth_training, width_nm=100.0),
 }
-"""The first is what a matrix is trained on unless another is asked for.
+"""Priors by name; the first is the default.
 
-Where the infrared follows the visible (chart, smooth), infrared electrons tell something about
-color; with the other near infrareds (nir) they tell nothing.
+In "chart" and "smooth" the near-infrared reflectance correlates with the visible one, so infrared
+electrons carry information about color; in the "nir" priors they carry none.
 """
 DEFAULT_PRIOR = "chart-nir"
 
 
 @lru_cache(maxsize=16)
 def training_named(prior: str, illuminant: Illuminant) -> Training:
-    """The training set of a prior under a lamp: one per lamp, as a sweep asks for it every time.
+    """The training set of a prior under a lamp, cached per lamp for sweeps.
 
     Parameters
     ----------
     prior
-        Of `PRIORS`.
+        A name from `PRIORS`.
     """
     return PRIORS[prior](illuminant)

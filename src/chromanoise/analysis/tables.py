@@ -1,4 +1,4 @@
-"""Results as tables: a title, columns with units and digits, rows of numbers and words."""
+"""Results as tables: a title, columns with units and digits, rows of numbers and text."""
 
 from collections.abc import Sequence
 
@@ -19,12 +19,12 @@ from chromanoise.sensor import left_out_of_closed_form
 
 
 def analyses_as_table(analyses: Sequence[Analysis]) -> Table:
-    """One row per sensor: exposure, SNR of color, bound, price, condition, color error.
+    """One row per sensor: exposure, SNR of color, best linear SNR, loss, condition, color error.
 
     Raises
     ------
     InputError
-        If there are none, or they have not the same color coordinates.
+        If there are no analyses, or their color coordinates differ.
     """
     if not analyses:
         raise InputError("analyses", "must hold at least one for a table", value=())
@@ -55,7 +55,7 @@ def analyses_as_table(analyses: Sequence[Analysis]) -> Table:
 
 
 def matrix_as_table(matrix: ColorMatrix, report: MatrixReport, sensor_name: str) -> Table:
-    """A color matrix, one row per coordinate; what it is worth stands in the notes."""
+    """A color matrix, one row per coordinate; color error, condition and SNR are in the notes."""
     columns = [Column(name=name, unit="lx/e-") for name in matrix.channels]
     rows = zip(matrix.coordinates, matrix.matrix.tolist(), strict=True)
     notes = [
@@ -74,12 +74,12 @@ def matrix_as_table(matrix: ColorMatrix, report: MatrixReport, sensor_name: str)
 
 
 def curves_as_table(curves: Sequence[Curve]) -> Table:
-    """A comparison: one row per value of the sweep, two columns per sensor and matrix.
+    """A comparison table: one row per value of the sweep, two columns per sensor and matrix.
 
     Raises
     ------
     InputError
-        If there are none, or they are not of one sweep.
+        If there are no curves, or they belong to different sweeps.
     """
     if not curves:
         raise InputError("curves", "must hold at least one for a table", value=())

@@ -1,10 +1,10 @@
-"""Numbers in plain data: NaN stands in no JSON, so what is not defined is ``None``."""
+"""Undefined numbers in plain data: JSON has no NaN, so they are ``None``."""
 
 import math
 
 
 def defined(value: float | None) -> float | None:
-    """The number, ``None`` where there is none or it is not finite.
+    """The number, or ``None`` where it is missing or not finite.
 
     Examples
     --------

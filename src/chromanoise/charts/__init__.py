@@ -1,6 +1,6 @@
 """Results as chart records: marks, axes, table rows and their text.
 
-One module per chart; what does not exist is ``None``, with a sentence in ``why_not``.
+One module per chart; undefined values are ``None``, with the reason in ``why_not``.
 """
 
 from chromanoise.charts.budget import cause_label

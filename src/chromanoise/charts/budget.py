@@ -1,4 +1,4 @@
-"""From all photons down to one coordinate, step by step."""
+"""The dB budget of one coordinate, from all photons, as a waterfall chart."""
 
 from typing import Any
 
@@ -51,7 +51,7 @@ def drawn_budget(shown: Shown, look: Look) -> dict[str, Any]:
 
 
 def cause_label(cause: str, coordinate: str) -> str:
-    """A cause of `chromanoise.metrics.Budget` as a reader of a chart knows it.
+    """The chart label of a cause of `chromanoise.metrics.Budget`.
 
     Examples
     --------
@@ -95,7 +95,7 @@ def _why_not(analysis: Analysis, coordinate: str) -> str:
 
 
 def _why_no_budget(analysis: Analysis, coordinate: str) -> str:
-    """Of a coordinate that has an SNR: a budget counts what the visible light makes of it."""
+    """Why a coordinate with an SNR has no budget: a budget counts only its visible part."""
     seen = without_infrared(analysis.scene)
     electrons = expected_electrons(seen, analysis.sensor, analysis.exposure)
     row = analysis.matrix.matrix[analysis.matrix.coordinates.index(coordinate)]

@@ -26,24 +26,24 @@ PARTS: Mapping[str, Callable[[Shown, Look], dict[str, Any]]] = {
     "chart": drawn_chart,
     "pareto": drawn_pareto,
 }
-"""What can be drawn of a study."""
+"""Names of the charts of a study."""
 
 
 def drawing(part: str, of: Shown, look: Look | None = None) -> dict[str, Any]:
-    """The data of one drawing.
+    """The data of one chart.
 
     Parameters
     ----------
     part
-        Of `PARTS`.
+        A name from `PARTS`.
     of
         A study as `shown` gives it.
     look
-        How it is looked at.
+        Options of the charts.
 
     Raises
     ------
     InputError
-        If there is no such drawing, or what is looked at does not exist.
+        If there is no such chart, or an option does not fit the study.
     """
     return PARTS[_check.one_of("part", part, tuple(PARTS))](of, look or Look())

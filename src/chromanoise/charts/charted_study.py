@@ -1,4 +1,4 @@
-"""What is drawn of a study: its operating points, their matrices and every stage, computed once."""
+"""A study with the results that its charts share, computed once."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -13,18 +13,18 @@ from chromanoise.study.document import Study
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Shown:
-    """A study with what all of its drawings share.
+    """A study with the results that all of its charts share.
 
     Attributes
     ----------
     study
-        What was asked.
+        The study.
     operating_points
-        Each sensor with its exposure, in its light.
+        Each sensor with its exposure and light.
     makers
-        Color matrices by name; drawings of one matrix take the first.
+        Color matrix methods by name; charts of one matrix use the first.
     analyses
-        Every stage of each sensor on a perfect white, with the first matrix.
+        Analysis of each sensor for a perfect white, with the first matrix.
     """
 
     study: Study
@@ -40,16 +40,16 @@ class Shown:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Look:
-    """How a study is looked at.
+    """Options of the charts of a study.
 
     Attributes
     ----------
     coordinate
-        Of the budget; X, Y and Z also of the curves over the light level.
+        Coordinate of the budget; X, Y and Z apply also to the curves over the light level.
     plane
-        Of the ellipses: ``ab`` or ``xy``.
+        Plane of the ellipses: ``ab`` or ``xy``.
     magnification
-        Of the ellipsoids; ``None`` for a round number that makes them visible.
+        Magnification of the ellipsoids; ``None`` for a round number that makes them visible.
     """
 
     coordinate: str = "Y"
@@ -63,19 +63,19 @@ class Look:
 
 
 def shown(study: Study, *, operating_points: Sequence[OperatingPoint] | None = None) -> Shown:
-    """The study with every stage of each sensor.
+    """The study with the analysis of each sensor.
 
     Parameters
     ----------
     study
-        To be drawn.
+        The study.
     operating_points
-        Its sensors in use, where they are known already.
+        Its operating points, if they are already computed.
 
     Raises
     ------
     InputError
-        If a name names nothing, a file cannot be read, or a matrix cannot be made.
+        If a name is unknown, a file cannot be read, or a matrix cannot be computed.
     """
     operating_points = (
         operating_points_of(study)
@@ -109,6 +109,6 @@ def saturation_sentence(analysis: Analysis) -> str | None:
 
 
 def saturated_names(analysis: Analysis) -> list[str]:
-    """The channels that a perfect white fills beyond full well."""
+    """The channels that a perfect white saturates."""
     full = zip(analysis.sensor.names, analysis.saturated, strict=True)
     return [name for name, hit in full if hit]

@@ -1,4 +1,4 @@
-"""The ColorChecker: color error and noise of every patch, never one alone."""
+"""Color error and noise of every ColorChecker patch."""
 
 from typing import Any
 
@@ -9,7 +9,7 @@ from chromanoise.charts.text import conditions_text, decimal, table
 
 
 def drawn_chart(shown: Shown, look: Look) -> dict[str, Any]:
-    """Each patch as it is and as each sensor makes it, with error and noise as CIE 1976."""
+    """True and measured color of each patch, with CIE 1976 color error and noise."""
     found = [patches_of(analysis) for analysis in shown.analyses]
     seen = next((one for one in found if one is not None), None)
     patches = [] if seen is None else _true_patches(seen)
@@ -60,7 +60,7 @@ def _sensor(analysis: Analysis, seen: Patches | None) -> dict[str, Any]:
 
 
 def _short(value: float) -> str:
-    """As a cell has room for it: three digits; the table has all."""
+    """Three digits, to fit a cell; the table has all digits."""
     if value >= 999.5:
         return ">999"
     return decimal(value, 0 if value >= 99.95 else 1)

@@ -1,4 +1,4 @@
-"""What stands above all: the verdict, the light, and each sensor in use."""
+"""The head of a page: verdict, light, and settings and electrons of each sensor."""
 
 from typing import Any
 
@@ -9,7 +9,7 @@ from chromanoise.charts.verdicts import verdict_sentences
 
 
 def drawn_head(shown: Shown, look: Look) -> dict[str, Any]:
-    """The verdict in sentences, the light, and what each sensor is set to."""
+    """The verdict in sentences, the light, and the settings of each sensor."""
     first = shown.analyses[0].scene
     sensors = [_sensor(analysis) for analysis in shown.analyses]
     level = {"level_lux": first.level_lux, "text": level_in_words(first.level_lux, 4)}
@@ -55,7 +55,7 @@ def _table(sensors: list[dict[str, Any]]) -> dict[str, Any]:
 
 
 def _electrons_table(sensors: list[dict[str, Any]]) -> dict[str, Any]:
-    """What each sensor collects of a perfect white, in which time."""
+    """Exposure time and electrons of a perfect white, per sensor."""
     channels = list(dict.fromkeys(name for one in sensors for name in one["channels"]))
     rows = []
     for one in sensors:

@@ -1,4 +1,4 @@
-"""Noise of each ColorChecker patch in a plane of color: ellipses at two standard deviations."""
+"""Noise ellipses of each ColorChecker patch at two standard deviations."""
 
 from typing import Any
 
@@ -41,7 +41,7 @@ _NONE = 1e-9  # of the plane's unit: a spread below it is rounding
 
 
 def drawn_ellipses(shown: Shown, look: Look) -> dict[str, Any]:
-    """The truth, the mean, the longer half axis and the closed outline, per patch and sensor."""
+    """True color, mean, longer half axis and closed outline, per patch and sensor."""
     sensors = [_sensor(analysis, look.plane) for analysis in shown.analyses]
     across, up = _NAMES[look.plane]
     return {
@@ -59,15 +59,15 @@ def drawn_ellipses(shown: Shown, look: Look) -> dict[str, Any]:
 def in_plane(
     seen: Patches, plane: str
 ) -> tuple[Float[Array, "k 2"], Float[Array, "k 2"], Float[Array, "k 2 2"]]:
-    """Truth, mean and covariance of each patch in the plane, averaged over the whole Gaussian.
+    """Truth, mean and covariance of each patch in the plane, averaged over the Gaussian.
 
-    In ``ab`` both sides are relative to their own white. In ``xy`` the sensor's X, Y, Z are
-    scaled so that its white is that of the light.
+    In ``ab`` truth and measurement are relative to their own white. In ``xy`` the sensor's X, Y, Z
+    are scaled so that its white equals that of the light.
 
     Parameters
     ----------
     seen
-        The chart as one sensor sees it, ``k`` patches.
+        The chart measured by one sensor, ``k`` patches.
     plane
         ``ab`` of CIELAB (CIE 15:2018), or ``xy`` of the CIE 1931 chromaticities.
     """

@@ -16,9 +16,9 @@ LIGHTEST, HEAVIEST, POINTS = 1e-3, 1e3, 13
 
 
 def drawn_pareto(shown: Shown, look: Look) -> dict[str, Any]:
-    """The curve of each sensor, and where it is now with the matrix that is looked at.
+    """The Pareto curve of each sensor, and the point of its current matrix.
 
-    All errors are means over what the matrices are trained on.
+    All color errors are means over the training set of the matrices.
     """
     weights = noise_weights(LIGHTEST, HEAVIEST, points=POINTS)
     prior = shown.study.prior

@@ -1,4 +1,4 @@
-"""The patches of a ColorChecker as the eye and as a sensor sees them, with the noise."""
+"""True and measured colors of the ColorChecker patches, with noise."""
 
 from dataclasses import dataclass
 from functools import lru_cache
@@ -35,20 +35,20 @@ from chromanoise.spectra import colorchecker
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Patches:
-    """Each patch of the chart, in the light and with the exposure of an analysis.
+    """Color and noise of each patch, with the light and exposure of an analysis.
 
     Attributes
     ----------
     names
-        Of the 24 patches.
+        Names of the 24 patches.
     truth, xyz
-        X, Y, Z as the eye sees them, and the sensor's with its covariance. [lx]
+        X, Y, Z for the standard observer, and measured by the sensor with covariance. [lx]
     true_white, white
-        The same of a perfect white. [lx]
+        The same for a perfect white. [lx]
     color_error
-        Without noise. [Delta E*ab]
+        Color error without noise. [Delta E*ab]
     noise
-        In CIELAB, relative to the sensor's own white, for noise that is normal.
+        Noise in CIELAB, relative to the sensor's own white, for normally distributed noise.
     """
 
     names: tuple[str, ...]
@@ -64,17 +64,17 @@ class Patches:
 
 
 def quick_cubature(color: NoisyColor, space: Space) -> SpaceMoments:
-    """The cubature with 384 points, which err by less than 3e-3 of a standard deviation."""
+    """The cubature with 384 points; its error is below 3e-3 of a standard deviation."""
     return cubature(color, space, rule=gaussian_cubature(radii=6, latitudes=4, longitudes=8))
 
 
 @lru_cache(maxsize=8)
 def patches_of(analysis: Analysis) -> Patches | None:
-    """The chart of an analysis, made once for all that draw it; ``None`` where white is no color.
+    """The patches for an analysis, cached; ``None`` where X, Y or Z of white is not above 0.
 
-    The noise is averaged over the whole Gaussian by 384 points per patch, which err by less than
-    3e-3 of a standard deviation; the exact distribution (`chromanoise.analysis.chart_noise`) takes
-    seconds, and parts from it where a patch has some ten electrons.
+    The noise is averaged over the Gaussian by 384 points per patch, with errors below 3e-3 of a
+    standard deviation. The exact distribution (`chromanoise.analysis.chart_noise`) takes seconds,
+    and differs where a patch has only about ten electrons.
     """
     sensor, exposure, matrix = analysis.sensor, analysis.exposure, analysis.matrix
     lamp = analysis.scene.illuminant
@@ -104,12 +104,12 @@ def why_no_patches(analysis: Analysis) -> str:
 
 
 def hex_colors(xyz: Float[Array, "k 3"], white: Float[Array, " 3"]) -> list[str]:
-    """Colors as a screen shows them, out of gamut held at its border.
+    """Hexadecimal sRGB codes of colors, with out-of-gamut colors clipped.
 
     Parameters
     ----------
     xyz, white
-        In the same unit; the white is adapted to that of the screen.
+        Colors and white in the same unit; the white is adapted to that of the screen.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Light and channels over the wavelength."""
+"""Spectrum of the light and quantum efficiencies over wavelength."""
 
 from typing import Any
 
@@ -8,7 +8,7 @@ from chromanoise.spectra import INFRARED_FROM_NM
 
 
 def drawn_sensitivities(shown: Shown, look: Look) -> dict[str, Any]:
-    """Quantum efficiency of each channel, and the light's power in parts of its peak."""
+    """Quantum efficiency of each channel, and the light's power relative to its peak."""
     lamp = shown.operating_points[0].illuminant
     power = lamp.irradiance
     sensors = [

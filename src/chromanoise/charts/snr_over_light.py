@@ -1,4 +1,4 @@
-"""SNR over the light level, and where sensors change places."""
+"""SNR over the light level, with the crossovers of sensors."""
 
 import math
 from collections.abc import Sequence
@@ -28,14 +28,14 @@ from chromanoise.charts.text import (
 )
 
 LOWEST_LUX, HIGHEST_LUX = 0.01, 10_000.0
-"""Of the curves, and of the page's slider: moonlight to a cloudy day."""
-_PER_DECADE = 12  # the points of ``chromanoise compare`` are among them
+"""Range of the curves and of the page's slider: moonlight to a cloudy day. [lx]"""
+_PER_DECADE = 12  # includes the points of ``chromanoise compare``
 
 
 def drawn_levels(shown: Shown, look: Look) -> dict[str, Any]:
     """Curves of SNR over lux, each sensor with each matrix, and their crossovers.
 
-    The times are those of the study's own level, as in ``chromanoise compare``.
+    Exposure times are those at the study's level, as in ``chromanoise compare``.
     """
     quantity, makers, values = _quantity(look), shown.makers, drawn_lux(shown)
     curves, pairs = level_curves(shown, quantity)
@@ -70,7 +70,7 @@ def drawn_levels(shown: Shown, look: Look) -> dict[str, Any]:
 def level_curves(
     shown: Shown, quantity: Quantity = QUANTITIES["snr-y"]
 ) -> tuple[Sequence[Curve], Sequence[Crossover | Incomparable]]:
-    """A quantity of each sensor with each matrix over the light level, and where they cross."""
+    """A quantity of each sensor with each matrix over the light level, with crossovers."""
     values, makers = drawn_lux(shown), shown.makers
     curves = compared(
         shown.operating_points, makers, values, sweep=SWEEPS["lux"], quantity=quantity
@@ -79,7 +79,7 @@ def level_curves(
 
 
 def drawn_lux(shown: Shown) -> Float[Array, " k"]:
-    """The light levels of the curves, to whole decades beyond a level that stands outside. [lx]"""
+    """The light levels of the curves, extended by whole decades to include the study's. [lx]"""
     sweep, level = SWEEPS["lux"], shown.study.light.level_lux
     first = min(LOWEST_LUX, 10.0 ** math.floor(math.log10(level)))
     last = max(HIGHEST_LUX, 10.0 ** math.ceil(math.log10(level)))
@@ -88,12 +88,12 @@ def drawn_lux(shown: Shown) -> Float[Array, " k"]:
 
 
 def _quantity(look: Look) -> Quantity:
-    """Of X, Y or Z where one of them is looked at, else of Y."""
+    """SNR of X, Y or Z if one of them is selected, else of Y."""
     return QUANTITIES.get(f"snr-{look.coordinate.lower()}", QUANTITIES["snr-y"])
 
 
 def _crossed(pair: Crossover | Incomparable) -> list[dict[str, Any]]:
-    """One entry for each level at which two change places, else one that says why there is none."""
+    """One entry per crossover; without crossovers, one entry with the reason."""
     between = {"first": pair.first, "second": pair.second, "matrix": pair.matrix}
     if isinstance(pair, Incomparable):
         return [{"lux": None, "sentence": pair.why, **between}]
@@ -102,7 +102,7 @@ def _crossed(pair: Crossover | Incomparable) -> list[dict[str, Any]]:
 
 
 def _notes(curves: list[dict[str, Any]]) -> list[str]:
-    """From where on each sensor is saturated, and which curve has no value at all."""
+    """The level at which each sensor saturates, and the curves without any value."""
     full = [
         f"{one['sensor']} {level_in_words(one['saturated_from_lux'])}"
         for one in curves

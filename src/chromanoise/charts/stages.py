@@ -57,7 +57,7 @@ def drawn_stages(shown: Shown, look: Look) -> dict[str, Any]:
 def _kind(
     sensors: list[dict[str, Any]], key: str, title: str, unit: str, of: str
 ) -> dict[str, Any]:
-    """One line per channel or coordinate: its value and text per sensor, ``None`` without such."""
+    """One line per channel or coordinate: value and text per sensor, ``None`` where missing."""
     each = [_values(sensor, key) for sensor in sensors]
     lines = []
     for name in dict.fromkeys(name for values in each for name in values):

@@ -1,4 +1,4 @@
-"""Numbers and levels as text, once for every table, label and sentence of a chart."""
+"""Numbers and levels as text, for tables, labels and sentences of charts."""
 
 from collections.abc import Sequence
 from decimal import ROUND_HALF_UP, Decimal
@@ -8,22 +8,22 @@ from chromanoise.exposure import OperatingPoint
 from chromanoise.study import conditions
 
 NONE = "–"
-"""What a cell shows where there is no value."""
+"""Text of a cell without a value."""
 UNDEFINED = "undefined"
-"""What a cell shows where a ratio does not exist."""
+"""Text of a cell where a ratio is undefined."""
 _MINUS = "\N{MINUS SIGN}"
 _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 def decimal(value: float | None, digits: int = 1, none: str = NONE) -> str:
-    """A number with fixed decimals, halves away from 0, and a true minus sign.
+    """A number with fixed decimals, ties rounded away from 0, and a true minus sign.
 
     Parameters
     ----------
     value
-        Finite; ``None`` where there is none.
+        A finite number, or ``None``.
     digits
-        After the point.
+        Number of decimals.
     none
         The text for ``None``.
 
@@ -41,7 +41,7 @@ def decimal(value: float | None, digits: int = 1, none: str = NONE) -> str:
 
 
 def signed(value: float, digits: int = 1) -> str:
-    """A change, with its sign.
+    """A change in dB with its sign.
 
     Examples
     --------
@@ -53,7 +53,7 @@ def signed(value: float, digits: int = 1) -> str:
 
 
 def brief(value: float | None, digits: int = 3) -> str:
-    """A number as short as it can be with so many significant digits.
+    """A number in its shortest form with the given number of significant digits.
 
     Examples
     --------
@@ -72,7 +72,7 @@ def brief(value: float | None, digits: int = 3) -> str:
 
 
 def electrons(value: float) -> str:
-    """A number of electrons: four significant digits, and never less than the whole ones.
+    """A number of electrons with four significant digits, or more up to whole electrons.
 
     Examples
     --------
@@ -94,7 +94,7 @@ def percent(share: float) -> str:
 
 
 def level_in_words(level_lux: float, digits: int = 3) -> str:
-    """A light level as people write it, with a power of ten where zeros would have to be counted.
+    """A light level as text, with a power of ten for very small or large values.
 
     Parameters
     ----------
@@ -131,7 +131,7 @@ def setting(points: Sequence[OperatingPoint]) -> str:
 
 
 def conditions_text(points: Sequence[OperatingPoint]) -> str:
-    """Level, illuminant, time and aperture, as a title has them.
+    """Level, illuminant, time and aperture, for a title.
 
     Examples
     --------

@@ -1,8 +1,8 @@
-"""Channels, light and its uncertainty in the three dimensions of color.
+"""Channels, light and its uncertainty as vectors in the three dimensions of color.
 
-One orthonormal frame spans the color axes x, y, z. What a vector has beyond it is not seen by any
-color coordinate, so its share of the norm is told beside it. Channels are in another unit than the
-light: each kind is drawn in parts of its own longest.
+One orthonormal frame spans the color axes x, y, z. The component of a vector outside this space
+does not affect any color coordinate, so the chart gives the share of the norm inside it. Channels
+and light have different units: each kind is drawn relative to its longest vector.
 """
 
 import math
@@ -22,7 +22,7 @@ from chromanoise.spectra import color_axes
 
 _AXES = ("x", "y", "z")
 _SIGMAS = 2.0
-_VISIBLE = 0.3  # of the longest light: how long the longest half axis is drawn at most
+_VISIBLE = 0.3  # largest length of a drawn half axis, relative to the longest light
 _ROUND = (1.0, 2.0, 5.0)
 
 
@@ -44,7 +44,7 @@ def color_frame(axes: Float[Array, "n 3"]) -> Float[Array, "n 3"]:
 
 
 def light_covariance(analysis: Analysis, frame: Float[Array, "n 3"]) -> Float[Array, "3 3"]:
-    """Covariance of the rebuilt spectrum (eq. 4), projected into a frame. [(unit of light)^2]"""
+    """Covariance of the reconstructed spectrum (eq. 4) in a frame. [(unit of light)^2]"""
     to_frame = frame.T @ analysis.matrix.frame.dual
     return np.asarray(to_frame @ analysis.raw.covariance @ to_frame.T)
 
@@ -55,7 +55,7 @@ def half_axes(covariance: Float[Array, "3 3"]) -> Float[Array, "3 3"]:
     Parameters
     ----------
     covariance
-        Symmetric; the half axes are in the root of its unit.
+        Symmetric matrix; the half axes have the square root of its unit.
     """
     variance, directions = eigh("covariance of the rebuilt light", covariance)
     return (directions * np.sqrt(np.maximum(variance, 0.0))).T[::-1]
@@ -77,7 +77,7 @@ def round_magnification(largest: float, wanted: float) -> float:
 
 
 def drawn_vectors(shown: Shown, look: Look) -> dict[str, Any]:
-    """Color axes, channels, rebuilt light and its ellipsoid in one frame."""
+    """Color axes, channels, reconstructed light and its ellipsoid in one frame."""
     first = shown.analyses[0]
     axes = color_axes(first.sensor.grid, first.matrix.metric)
     frame = color_frame(axes)
@@ -135,7 +135,7 @@ def drawn_vectors(shown: Shown, look: Look) -> dict[str, Any]:
 
 
 def _sentences(sensor: dict[str, Any]) -> dict[str, str]:
-    """``note``: what the drawing cannot show; ``description``: which arrows there are."""
+    """``note``: shares and magnification; ``description``: list of the arrows."""
     each = [f"{one['name']} {percent(one['norm_share'])}" for one in sensor["channels"]]
     arrows = [one["name"] for one in sensor["channels"]]
     if sensor["light"]:
@@ -182,7 +182,7 @@ def _vector(frame: Array, vector: Array, unit: float) -> dict[str, Any]:
 
 
 def _noise_share(analysis: Analysis, frame: Array) -> float:
-    """Share of the variance of the rebuilt spectrum that lies in the frame."""
+    """Share of the variance of the reconstructed spectrum that lies in the frame."""
     g = analysis.matrix.frame.inverse_gram
     whole = float(np.einsum("ij,ji->", g, analysis.raw.covariance))
     inside = float(np.trace(light_covariance(analysis, frame)))

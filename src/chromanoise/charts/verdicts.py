@@ -1,4 +1,4 @@
-"""Who has the better raw signal, who the better color, by how much and why: in sentences."""
+"""Sentences that compare sensors: raw SNR, luminance SNR, their difference and its causes."""
 
 from collections.abc import Mapping, Sequence
 
@@ -13,8 +13,8 @@ from chromanoise.exposure import OperatingPoint
 from chromanoise.metrics import Budget
 from chromanoise.metrics.budget import CORRELATION, FILTERS, INFRARED, READ_NOISE, REST, WEIGHTS
 
-_TIE_DB = 0.05  # what one decimal cannot tell apart
-_WORTH_DB = 0.3  # a cause that costs less is no reason
+_TIE_DB = 0.05  # differences below one decimal
+_WORTH_DB = 0.3  # least loss of a cause that is reported
 _WHY = {
     READ_NOISE: "read noise",
     WEIGHTS: "weighting its channels for the eye",
@@ -32,22 +32,23 @@ _TERMS: Mapping[str, str] = {
 
 
 def verdict_sentences(analyses: Sequence[Analysis], *, equal: str = "exposure") -> list[str]:
-    """What an engineer would say of these sensors side by side.
+    """Sentences that compare the sensors of several analyses.
 
-    First who has the better raw signal and who the better luminance, then why, then what the
-    color is worth; sensors that are saturated or have no luminance are told apart.
+    They compare raw SNR and luminance SNR, name the causes of the difference, and give the color
+    errors. Sensors that are saturated or have no luminance get a sentence of their own.
 
     Parameters
     ----------
     analyses
-        Of one light.
+        Analyses under one light.
     equal
-        Of `chromanoise.exposure.EQUAL_TERMS`: told where it is not one time for all.
+        Terms of the comparison, from `chromanoise.exposure.EQUAL_TERMS`; named in the text unless
+        all sensors have the same exposure time.
 
     Raises
     ------
     InputError
-        If there are no such terms.
+        If ``equal`` is unknown.
     """
     _check.one_of("terms of a comparison", equal, tuple(_TERMS))
     told = [sentence for a in analyses if (sentence := _left_out(a))]
@@ -59,7 +60,7 @@ def verdict_sentences(analyses: Sequence[Analysis], *, equal: str = "exposure") 
     best_raw = max(able, key=lambda a: _raw_db(a, able))
     best_color = max(able, key=_luminance_db)
     if abs(_luminance_db(best_raw) - _luminance_db(best_color)) < _TIE_DB:
-        best_color = best_raw  # equals: who leads in raw is named once
+        best_color = best_raw  # equal: the leader in raw is named once
     others = [a for a in able if a is not best_color]
     rival = best_raw if best_raw is not best_color else max(others, key=_luminance_db)
     first = _setting(analyses, equal) + _contest(best_color, rival, best_raw, able)
@@ -110,7 +111,7 @@ def _pair(first: Analysis, second: Analysis) -> str:
 
 
 def _reasons(winner: Analysis, loser: Analysis) -> list[str]:
-    """What costs the loser more than the winner: two causes, or as many as the gap takes."""
+    """Causes that cost the loser more than the winner: two, or as many as explain the gap."""
     gap = _luminance_db(winner) - _luminance_db(loser)
     good, bad = (_costs(coordinate_budget(a, "Y")) for a in (winner, loser))
     if gap < _TIE_DB or not (good and bad):
@@ -132,7 +133,7 @@ def _reason(cause: str, loss_db: float, winner_db: float, winner: str) -> str:
     beyond = f"{loss_db - winner_db:.1f} dB"
     if cause == _PHOTONS:
         return f"fewer photons reach its pixels: {beyond}"
-    if min(loss_db, winner_db) < -_TIE_DB:  # a cause that helps has no cost to name
+    if min(loss_db, winner_db) < -_TIE_DB:  # a gain is not called a cost
         return f"{_WHY[cause]}: {beyond} more than for {winner}"
     return f"{_WHY[cause]} costs {_told(loss_db)} dB, against {_told(winner_db)} dB for {winner}"
 
@@ -144,9 +145,9 @@ def _colors(able: Sequence[Analysis]) -> str:
 
 
 def _costs(budget: Budget | None) -> dict[str, float]:
-    """What each cause takes, with the photons that never came: they add up to minus the SNR.
+    """Loss of each cause, with the loss from missing photons: the sum is minus the SNR.
 
-    Infrared that passes for luminance is the rest of a budget; here it makes up for its noise.
+    Infrared that leaks into luminance is the rest of a budget; here it is offset against its noise.
     """
     if budget is None:
         return {}
@@ -156,7 +157,7 @@ def _costs(budget: Budget | None) -> dict[str, float]:
 
 
 def _largest(analysis: Analysis) -> str:
-    """What takes most of what the raw channels hold together; read noise is in that already."""
+    """The largest loss relative to the best linear SNR, which already contains read noise."""
     costs, whole_db = _costs(coordinate_budget(analysis, "Y")), analysis.color_snr_loss_db
     found = [(costs[cause], cause) for cause in _BELOW_THE_BOUND if cause in costs]
     if not found or min(whole_db, max(found)[0]) < _WORTH_DB:
@@ -167,7 +168,7 @@ def _largest(analysis: Analysis) -> str:
 
 
 def _told(decibels: float) -> str:
-    return f"{round(decibels, 1) + 0.0:.1f}"  # no minus before a zero
+    return f"{round(decibels, 1) + 0.0:.1f}"  # avoids -0.0
 
 
 def _setting(analyses: Sequence[Analysis], equal: str) -> str:
@@ -184,7 +185,7 @@ def _setting(analyses: Sequence[Analysis], equal: str) -> str:
 
 
 def _shared(able: Sequence[Analysis]) -> list[str]:
-    """Channels that all sensors have and that all see something in."""
+    """Channels that all sensors have, with signal in all of them."""
     found = [raw_snr_db(analysis) for analysis in able]
     return [
         name for name in able[0].sensor.names if all(one.get(name) is not None for one in found)
@@ -205,7 +206,7 @@ def _measure(able: Sequence[Analysis]) -> str:
 
 def _luminance_db(analysis: Analysis) -> float:
     found = color_snr_db(analysis)["Y"]
-    assert found is not None  # asked only of those that have one
+    assert found is not None  # called only for analyses with a value
     return found
 
 

@@ -1,4 +1,4 @@
-"""The chromaticity plane of 1931, with its slope, so that noise can follow a color into it."""
+"""The CIE 1931 chromaticity, with its Jacobian for the propagation of noise."""
 
 import numpy as np
 
@@ -13,15 +13,15 @@ def xyy(xyz: Float[Array, "*px 3"], white: Float[Array, " 3"]) -> Float[Array, "
     Parameters
     ----------
     xyz
-        In any unit.
+        X, Y, Z in any unit.
     white
-        Not looked at: a chromaticity has no white.
+        Ignored: a chromaticity does not depend on a white.
 
     Notes
     -----
     CIE 015:2018, eq. 7.1, with 1/d of x = X/d, d = X + Y + Z, replaced by d / max(d^2, a^2/4),
-    where a takes the absolute values: nothing changes for any color that light can have, and where
-    noise makes d cross zero the pole becomes a line, as in `cieluv`. Black has x = y = 0.
+    where a is the sum of the absolute values: physical colors are unchanged, and where noise makes
+    d cross zero the pole is replaced by a line, as in `cieluv`. Black has x = y = 0.
 
     Examples
     --------
@@ -34,7 +34,7 @@ def xyy(xyz: Float[Array, "*px 3"], white: Float[Array, " 3"]) -> Float[Array, "
 
 def _xyy_jacobian(xyz: Float[Array, "*px 3"], white: Float[Array, " 3"]) -> Float[Array, "*px 3 3"]:
     d, size = _sums(xyz)
-    regular = np.abs(d) >= size  # the sum itself is the size there
+    regular = np.abs(d) >= size  # there the size is |d|
     toward = np.where(regular, np.sign(d), 0.5 * np.sign(xyz))  # slope of the size
     reciprocal = d / size**2
     slope = 1 / size**2 - 2 * d * toward / size**3
@@ -45,7 +45,7 @@ def _xyy_jacobian(xyz: Float[Array, "*px 3"], white: Float[Array, " 3"]) -> Floa
 
 
 def _sums(xyz: Float[Array, "*px 3"]) -> tuple[Float[Array, "*px 1"], Float[Array, "*px 1"]]:
-    """X + Y + Z, and its size: never below half of that of the absolute values, never 0."""
+    """X + Y + Z, and its size: at least half the sum of the absolute values, never 0."""
     d, half = xyz.sum(axis=-1, keepdims=True), np.abs(xyz).sum(axis=-1, keepdims=True) / 2
     return d, np.where(half > 0, np.maximum(np.abs(d), half), 1.0)
 

@@ -1,7 +1,7 @@
-"""Averages over three jointly normal variables, by fixed points instead of draws.
+"""Averages over three jointly normal variables, by cubature instead of random samples.
 
-`cubature` averages the coordinates of a color space over the whole Gaussian of X, Y, Z, so it also
-finds the bias, which `first_order` cannot.
+`cubature` averages the coordinates of a color space over the Gaussian distribution of X, Y, Z, so
+it also computes the bias, unlike `first_order`.
 """
 
 from collections.abc import Callable
@@ -26,7 +26,7 @@ _EMPTY = 64 * np.finfo(float).eps  # eigenvalues below this share of the largest
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Cubature:
-    """Points and weights that stand for three independent standard normal variables.
+    """Points and weights of a cubature for three independent standard normal variables.
 
     Attributes
     ----------
@@ -47,18 +47,18 @@ class Cubature:
 def gaussian_cubature(*, radii: int = 16, latitudes: int = 8, longitudes: int = 32) -> Cubature:
     """A product rule over the sphere for three standard normal variables.
 
-    Along a ray from the mean even a color difference, the length of a vector, is smooth, and the
-    hemispheres part at the equator of the first axis, so a difference that only this axis makes is
-    averaged exactly too. The Gauss-Hermite product misses such means by .6 % with 8000 points.
+    A color difference, the length of a vector, is smooth along a ray from the mean, and the rule is
+    split at the equator of the first axis, so a difference along this axis alone is also averaged
+    exactly. A Gauss-Hermite product rule has errors of 0.6 % in such means with 8000 points.
 
     Parameters
     ----------
     radii
-        Gauss points for the radius, whose density is r^2 exp(-r^2 / 2).
+        Number of Gauss points for the radius, whose density is r^2 exp(-r^2 / 2).
     latitudes
-        Gauss-Legendre points per hemisphere, along the first axis.
+        Number of Gauss-Legendre points per hemisphere, along the first axis.
     longitudes
-        Equal steps around the first axis, turned from ring to ring.
+        Number of equal steps around the first axis, rotated from ring to ring.
 
     Raises
     ------
@@ -96,9 +96,9 @@ def gaussian_expectation(
     Parameters
     ----------
     of
-        Takes values [..., 3] and gives [..., q].
+        Function from values [..., 3] to [..., q].
     mean, covariance
-        Of the variables; the covariance may be singular.
+        Mean and covariance of the variables; the covariance may be singular.
     rule
         By default `gaussian_cubature`.
 
@@ -122,18 +122,18 @@ def gaussian_expectation(
 
 
 def cubature(color: NoisyColor, space: Space, *, rule: Cubature | None = None) -> SpaceMoments:
-    """Moments over the whole Gaussian of X, Y, Z; a method for `propagate`.
+    """Moments over the Gaussian distribution of X, Y, Z; a method for `propagate`.
 
     Parameters
     ----------
     color
-        X, Y, Z with their noise, taken as jointly normal.
+        X, Y, Z with their noise, assumed jointly normal.
     space
-        Where to.
+        The color space.
     rule
-        By default `gaussian_cubature`, 8192 points: on a gray at 5 dB it errs by less than 1e-3 of
-        a standard deviation, in CIELUV 6e-3. For a large picture 6 radii, 4 latitudes and 8
-        longitudes are 20 times as quick, and err by 3e-3 there, in CIELUV 2e-2.
+        By default `gaussian_cubature` with 8192 points: for a gray at 5 dB its error is below 1e-3
+        of a standard deviation, in CIELUV 6e-3. For a large picture 6 radii, 4 latitudes and 8
+        longitudes are 20 times as fast, with errors of 3e-3, in CIELUV 2e-2.
 
     Raises
     ------
@@ -142,8 +142,9 @@ def cubature(color: NoisyColor, space: Space, *, rule: Cubature | None = None) -
 
     Notes
     -----
-    Where a channel holds only some ten electrons, the skewness of the Poisson distribution makes
-    deep shadows rarer than here: sigma of L* is 7.18 instead of 7.70 at 10 dB. Use `exact` there.
+    Where a channel has only about ten electrons, the skewness of the Poisson distribution makes
+    very dark values rarer than assumed here: sigma of L* is 7.18 instead of 7.70 at 10 dB. Use
+    `exact` there.
     """
     white = color.white
     noiseless = space.from_xyz(color.noiseless_xyz, white)
@@ -208,7 +209,7 @@ def _coordinates(space: Space, xyz: Array, white: Array, noiseless: Array) -> Ar
 
 
 def _aligned_root(color: NoisyColor, space: Space) -> Float[Array, "*px 3 3"]:
-    """The root turned so that its columns are orthogonal in ``space``, the longest first."""
+    """The root rotated so that its columns are orthogonal in ``space``, the longest first."""
     slope = space.jacobian(color.xyz.mean, color.white)
     root = covariance_root(color.xyz.covariance, color.white)
     turn = svd(f"noise in {space.name}", slope @ root)[2]
@@ -216,9 +217,9 @@ def _aligned_root(color: NoisyColor, space: Space) -> Float[Array, "*px 3 3"]:
 
 
 def covariance_root(covariance: Float[Array, "*px 3 3"], scale: Float[Array, " 3"]) -> Array:
-    """A square root by eigenvalues, columns by size; what is rounding only becomes zero.
+    """A square root by eigenvalues, columns sorted by size; rounding errors are set to zero.
 
-    Taken in units of ``scale``: the white, so that noise common to X, Y, Z is one clean direction.
+    Computed in units of ``scale``, the white, so that noise common to X, Y, Z is one eigenvector.
     """
     values, vectors = eigh(
         "covariance relative to the white", covariance / (scale[:, None] * scale)
@@ -247,8 +248,8 @@ def gaussian_moments(
 ) -> tuple[Array, Array, Array]:
     """``of(values [m n 3], reference [m 1 3])`` [m n q] over the Gaussian.
 
-    Its value at the mean; what the mean over the Gaussian adds to that; its covariance. The
-    reference of each pixel is its mean unless another is given.
+    Returns the value at the mean, the difference between the mean over the Gaussian and this value,
+    and the covariance. The reference of each pixel is its mean unless another is given.
     """
     centers, roots = mean.reshape(-1, 1, 3), root.reshape(-1, 3, 3)
     references = centers if reference is None else reference.reshape(-1, 1, 3)
@@ -258,7 +259,7 @@ def gaussian_moments(
         center = centers[start : start + step]
         values = center + rule.points @ np.swapaxes(roots[start : start + step], -1, -2)
         against = references[start : start + step]
-        still = of(center, against)  # taken off first: a bias is small beside a coordinate
+        still = of(center, against)  # subtracted first: a bias is far smaller than a coordinate
         away = of(values, against) - still
         shift = (rule.weights @ away)[:, None]
         away = away - shift
@@ -290,7 +291,7 @@ def _gaussian_cubature(radii: int, latitudes: int, longitudes: int) -> Cubature:
 
 
 def _radius_rule(count: int) -> tuple[Array, Array]:
-    """Gauss points for the length of three standard normals (Stieltjes, then Golub-Welsch)."""
+    """Gauss points for the norm of three standard normals (Stieltjes, then Golub-Welsch)."""
     r, weight = np.polynomial.legendre.leggauss(400)
     r, weight = 7 * (r + 1), weight * (7 * (r + 1)) ** 2 * np.exp(-((7 * (r + 1)) ** 2) / 2)
     weight = weight / weight.sum()

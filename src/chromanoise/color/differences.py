@@ -12,7 +12,7 @@ def balanced_cielab(xyz: Float[Array, "*px 3"]) -> Float[Array, "*px 3"]:
     Parameters
     ----------
     xyz
-        X/Xn, Y/Yn, Z/Zn; also below 0, where the linear toe continues. [1]
+        X/Xn, Y/Yn, Z/Zn; also below 0, where the linear segment continues. [1]
 
     Notes
     -----

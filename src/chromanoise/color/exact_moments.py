@@ -1,8 +1,8 @@
 """Noise in a color space from the exact Poisson-Gaussian distribution of the electrons.
 
-Right in the dark and where values are clipped: each channel follows the exact distribution of its
-readout (`chromanoise.noise.poisson_gaussian_ppf`), point masses at black and full well included,
-and the average over all channels at once is taken at the points of randomized nets.
+The result is also valid in the dark and with clipping: each channel follows the exact distribution
+of its readout (`chromanoise.noise.poisson_gaussian_ppf`) with point masses at black and full well,
+and the average over all channels uses randomized quasi-Monte Carlo nets.
 """
 
 import math
@@ -22,22 +22,22 @@ from chromanoise.errors import InputError
 from chromanoise.noise import poisson_gaussian_ppf, read_moments, read_values
 from chromanoise.rng import stream
 
-_NETS = 8  # each scrambled on its own, so that they give their own error
+_NETS = 8  # each scrambled independently, to estimate the error
 _SEED = 20191
 _MOST_VALUES = 2**22  # points x channels of one net: some 250 MB for the eight
 
 
 def exact(color: NoisyColor, space: Space, *, points: int = 2**16) -> SpaceMoments:
-    """Moments over the exact distribution of the electrons as read; a method for `propagate`.
+    """Moments over the exact distribution of the electrons after readout; for `propagate`.
 
     Parameters
     ----------
     color
-        With its source (`noisy_color`); one color, or a few, which are taken one by one.
+        A color with its source (`noisy_color`), or a few colors, which are computed one by one.
     space
-        Where to.
+        The color space.
     points
-        Per net, a power of 2; eight nets are taken.
+        Points per net, a power of 2; eight nets are used.
 
     Raises
     ------
@@ -47,15 +47,15 @@ def exact(color: NoisyColor, space: Space, *, points: int = 2**16) -> SpaceMomen
 
     Notes
     -----
-    Sobol' nets, scrambled by random matrices (Matousek, *J. Complexity* 14 (1998) 527), go through
-    the quantile function of each channel, turned so that the first coordinate of the net carries
-    the first of the space, and so on (Imai & Tan, *J. Comput. Finance* 10 (2006) 129).
-    ``mean_error`` and ``sd_error`` come from the nets: mostly below 3e-4 of a standard deviation
-    for up to four channels, 3e-3 for sixteen in the dark.
+    Sobol' nets, scrambled by random matrices (Matousek, *J. Complexity* 14 (1998) 527), are mapped
+    by the quantile function of each channel, after a rotation that aligns the first coordinate of
+    the net with the first coordinate of the space, and so on (Imai & Tan, *J. Comput. Finance* 10
+    (2006) 129). ``mean_error`` and ``sd_error`` are estimated from the nets: mostly below 3e-4 of a
+    standard deviation for up to four channels, 3e-3 for sixteen in the dark.
 
     Examples
     --------
-    Far down in the toe L* is a line, 903.3 Y: mean 0 and standard deviation 903.3 * 1e-6 * 2.
+    Near black L* is linear, 903.3 Y: mean 0 and standard deviation 903.3 * 1e-6 * 2.
 
     >>> from chromanoise.color import LAB, noisy_color, propagate
     >>> dark = ElectronSource(mean_e=np.zeros(1), matrix=np.full((3, 1), 1e-6), read_noise_e=2.0)
@@ -109,7 +109,7 @@ def _source(color: NoisyColor) -> ElectronSource:
 
 
 def _seen(space: Space, white: Array, still: Array) -> Callable[[Array], Array]:
-    """Coordinates less the still ones, then C* less the still one and the color difference."""
+    """Coordinates minus the noiseless ones, then the same of C*, then the color difference."""
 
     def seen(xyz: Array) -> Array:
         noisy = space.from_xyz(xyz, white)
@@ -151,9 +151,9 @@ def _moments(
 def _turned(
     mean_e: Float[Array, " p"], source: ElectronSource, white: Float[Array, " 3"], space: Space
 ) -> Float[Array, "p p"]:
-    """The rotation whose first column is all that moves the first coordinate, and so on."""
+    """The rotation whose first column alone changes the first coordinate, and so on."""
     matrix, noise = source.matrix, source.read_noise_e
-    if noise == 0:  # single electrons make jumps, which a net takes best along its axes
+    if noise == 0:  # single electrons make steps, which a net averages best along its axes
         return np.eye(mean_e.size)
     moments = read_moments(mean_e, read_noise_e=noise, readout=source.readout)
     slope = space.jacobian(matrix @ moments.mean, white)

@@ -1,9 +1,9 @@
 """Color matrices fitted to a training set; one signature, from least squares to LMMSE.
 
-Every method is called as ``method(sensor, exposure, training, level_lux=..., metric=...)``, with
-its own strength where it has one, and returns a `ColorMatrix` in lx/e-. All but `kernel`
-minimise E|C M - XYZ|^2 over the set plus a penalty, so they do not depend on the metric; it is
-that of the frame which they carry.
+Every method is called as ``method(sensor, exposure, training, level_lux=..., metric=...)``, some
+with a further parameter, and returns a `ColorMatrix` in lx/e-. All methods except `kernel`
+minimize E|C M - XYZ|^2 over the set plus a penalty, so their matrix does not depend on the metric;
+only the frame stored with it does.
 """
 
 from dataclasses import dataclass, replace
@@ -35,12 +35,12 @@ class ParetoCurve:
     matrix
         One per weight. [lx/e-]
     color_error_rms
-        Of X, Y and Z together over the training set, without noise. [lx]
+        RMS error of X, Y and Z together over the training set, without noise. [lx]
     noise_rms
         Standard deviation of X, Y and Z together, averaged over the set. [lx]
     delta_e
-        Mean CIE 1976 color difference over the set, each side balanced on its own white; ``None``
-        where the sensor's white is no color.
+        Mean CIE 1976 color difference over the set, sensor and observer each balanced on their own
+        white; ``None`` where X, Y or Z of the sensor's white is not above 0.
     snr_y_db
         Luminance SNR of a perfect white. [dB]
     """
@@ -66,7 +66,7 @@ def kernel(
     level_lux: float,
     metric: Metric = "quanta",
 ) -> ColorMatrix:
-    """The kernel matrix of eq. 6, which asks neither the training set nor the light level."""
+    """The kernel matrix of eq. 6, which depends on neither the training set nor the light level."""
     return kernel_matrix(sensor, exposure, metric)
 
 
@@ -78,14 +78,14 @@ def least_squares(
     level_lux: float,
     metric: Metric = "quanta",
 ) -> ColorMatrix:
-    """The matrix of least color error over the training set, noise not asked: E|C M - XYZ|^2.
+    """The matrix of least color error over the training set, noise ignored: E|C M - XYZ|^2.
 
-    Where channels are a mix of others, the one with the smallest gains on the white.
+    Where channels are linearly dependent, the solution with the smallest gains relative to white.
 
     Raises
     ------
     InputError
-        If set and sensor are not on one grid, or a channel is zero at every wavelength.
+        If set and sensor have different grids, or a channel is zero at every wavelength.
     """
     seen = training_response(training, sensor, exposure, level_lux=level_lux)
     made_by = f"least squares ({training.source})"
@@ -105,7 +105,7 @@ def white_preserving(
     Raises
     ------
     InputError
-        As `least_squares`, and if no channel sees the lamp.
+        As `least_squares`, and if no channel receives light from the lamp.
 
     Notes
     -----
@@ -120,7 +120,7 @@ def white_preserving(
     relative = seen.electrons / white_scale(seen)  # the white is a row of ones
     ones = (seen.white_e > 0).astype(np.float64)
     direction = ones / np.linalg.norm(ones)
-    free = svd("white", direction[None])[2][1:].T  # spans what the white does not see
+    free = svd("white", direction[None])[2][1:].T  # spans the null space of the white
     fixed = np.outer(seen.white_xyz, ones / ones.sum())
     made_by = f"white-preserving ({training.source})"
     left, right = root * (relative @ free), root * (seen.xyz - relative @ fixed.T)
@@ -137,12 +137,12 @@ def lmmse(
     level_lux: float,
     metric: Metric = "quanta",
 ) -> ColorMatrix:
-    """The matrix of least expected error, color and noise together: one per light level.
+    """The matrix of least expected squared error, color and noise together, at one light level.
 
     Parameters
     ----------
     training
-        The prior: K = E[L L^T] over the set.
+        The prior, K = E[L L^T] over the set.
     level_lux
         Illuminance on the set; D = diag(E[M]) + s_rn^2 there. [lx]
 
@@ -169,16 +169,16 @@ def lmmse_over_light(
     *,
     weight: float = 1.0,
 ) -> Float[Array, "k 3 p"]:
-    """The LMMSE matrices of many light levels at once, as `lmmse` makes them one by one. [lx/e-]
+    """The matrices of `lmmse` for many light levels at once. [lx/e-]
 
-    Light only scales the training set, so it is reduced to p equations once.
+    The light level only scales the training set, so the set is reduced to p equations once.
 
     Parameters
     ----------
     level_lux
         Illuminances on the set, > 0. [lx]
     weight
-        Of the noise, as `noise_regularized`. [1]
+        Weight of the noise, as in `noise_regularized`. [1]
 
     Raises
     ------
@@ -211,13 +211,13 @@ def ridge(
     metric: Metric = "quanta",
     strength: float,
 ) -> ColorMatrix:
-    """Least squares with a penalty on the gains, alike for all channels.
+    """Least squares with a penalty on the gains, equal for all channels.
 
     Parameters
     ----------
     strength
-        Of the penalty, per mean square of the electrons: s tr(E[M M^T])/p |C|^2; 0 is least
-        squares. [1]
+        Strength s of the penalty s tr(E[M M^T])/p |C|^2, relative to the mean squared electrons;
+        0 is least squares. [1]
 
     Raises
     ------
@@ -241,12 +241,12 @@ def noise_regularized(
     metric: Metric = "quanta",
     weight: float,
 ) -> ColorMatrix:
-    """Least color error squared plus ``weight`` times the noise variance, both in XYZ.
+    """The matrix of least squared color error plus ``weight`` times noise variance, both in XYZ.
 
     Parameters
     ----------
     weight
-        Of tr(C D C^T), D the noise averaged over the set: 0 is least squares, 1 LMMSE. [1]
+        Weight of tr(C D C^T), D the noise averaged over the set: 0 is least squares, 1 LMMSE. [1]
 
     Raises
     ------
@@ -272,17 +272,17 @@ def pareto(
     *,
     level_lux: float,
 ) -> ParetoCurve:
-    """The whole curve of color error against noise, by one singular value decomposition.
+    """The curve of color error against noise, by one singular value decomposition.
 
     Parameters
     ----------
     weights
-        Of the noise, as `noise_regularized`. [1, (q,)]
+        Weights of the noise, as in `noise_regularized`. [1, (q,)]
 
     Raises
     ------
     InputError
-        If a weight is negative, set and sensor are not on one grid, or no channel sees the lamp.
+        If a weight is negative, set and sensor have different grids, or no channel receives light.
 
     Notes
     -----
@@ -313,21 +313,21 @@ def training_color_error(
     *,
     level_lux: float,
 ) -> float | None:
-    """Mean CIE 1976 color difference of any matrix over a training set, as `pareto` tells it. [1]
+    """Mean CIE 1976 color difference of a matrix over a training set, as in `pareto`. [1]
 
-    ``None`` where the sensor's white is no color.
+    ``None`` where X, Y or Z of the sensor's white is not above 0.
 
     Parameters
     ----------
     matrix
-        Of that sensor.
+        A color matrix of that sensor.
     level_lux
         Illuminance on the set. [lx]
 
     Raises
     ------
     InputError
-        If set and sensor are not on one grid.
+        If set and sensor have different grids.
     """
     seen = training_response(training, sensor, exposure, level_lux=level_lux)
     return _mean_delta_e(seen, matrix.matrix[None])[0]
@@ -360,7 +360,7 @@ def _penalized(
 ) -> ColorMatrix:
     """C of least E|C M - XYZ|^2 + sum_i penalty_i |C e_i|^2.
 
-    As stacked equations, because the normal equations would square the condition.
+    Solved as stacked equations, because the normal equations would square the condition number.
     """
     scale, root = white_scale(seen), np.sqrt(seen.share)[:, None]
     left = np.vstack([root * seen.electrons, np.diag(np.sqrt(penalty_e2))]) / scale
@@ -370,13 +370,13 @@ def _penalized(
 
 
 def _over_white(made_by: str, sensor: Sensor, seen: TrainingResponse) -> str:
-    """What messages call the equations of a matrix."""
+    """Name of the equations of a matrix in error messages."""
     return f"{made_by} for {sensor.name}, whose white has at least {seen.white_e.min():.3g} e-"
 
 
 def _along(seen: TrainingResponse, weight: Float[Array, " q"], what: str) -> Array:
     """The matrices of least E|C M - XYZ|^2 + w tr(C D C^T)."""
-    noisy = seen.noise_e2 > 0  # a channel without noise has no signal either
+    noisy = seen.noise_e2 > 0  # a channel without noise has no signal
     whitening = np.where(noisy, 1.0 / np.sqrt(np.where(noisy, seen.noise_e2, 1.0)), 0.0)
     root = np.sqrt(seen.share)[:, None]
     u, s, vt = svd(what, root * seen.electrons * whitening, full_matrices=False)

@@ -1,4 +1,4 @@
-"""Noise in a color space to first order: quick, and right while the noise is small."""
+"""Noise in a color space to first order: fast, and accurate for small noise."""
 
 import numpy as np
 
@@ -14,16 +14,16 @@ from chromanoise.color.spaces import Space
 def first_order(color: NoisyColor, space: Space) -> SpaceMoments:
     """J S J^T at the mean color, S being the covariance of X, Y, Z; a method for `propagate`.
 
-    Right while noise is small; `relative_sd_error` tells where it is not. On a gray of 18 % its
-    standard deviations are 5 % low at an SNR_Y of 12 dB, 10 % at 10 dB and 42 % at 5 dB. Its bias
-    is that of the mean of X, Y, Z alone: 0 where nothing is clipped.
+    It is accurate for small noise; `relative_sd_error` gives its error. For an 18 % gray its
+    standard deviations are 5 % too low at an SNR_Y of 12 dB, 10 % at 10 dB and 42 % at 5 dB. Its
+    bias contains only the bias of X, Y, Z: 0 without clipping.
 
     Parameters
     ----------
     color
         X, Y, Z with their noise.
     space
-        Where to.
+        The color space.
 
     Raises
     ------
@@ -33,10 +33,10 @@ def first_order(color: NoisyColor, space: Space) -> SpaceMoments:
     Notes
     -----
     JCGM 102:2011, 6.2. The covariance is the product of J S^(1/2) with its transpose, so noise
-    that X, Y and Z share leaves a* and b* of a neutral still to 1e-12, not just to 1e-8. The mean
-    color difference, E |J x|, is sqrt(8 / pi) R_G of the eigenvalues of J S J^T: the mean length
-    of three standard normals is sqrt(8 / pi), and Carlson's R_G averages the length over the
-    sphere (NIST DLMF 19.16.3, 19.23.6).
+    common to X, Y and Z changes a* and b* of a neutral by 1e-12 only, not by 1e-8. The mean color
+    difference, E |J x|, is sqrt(8 / pi) R_G of the eigenvalues of J S J^T: the mean length of three
+    standard normals is sqrt(8 / pi), and Carlson's R_G averages the length over the sphere (NIST
+    DLMF 19.16.3, 19.23.6).
     """
     mean, white = color.xyz.mean, color.white
     slope = space.jacobian(mean, white)
@@ -63,7 +63,7 @@ def _ab(coordinates: Float[Array, "*px 3"]) -> tuple[Array, Array]:
 def _chroma_sd(
     ab: Float[Array, "*px 2"], covariance: Float[Array, "*px 2 2"]
 ) -> Float[Array, "*px"]:
-    """Along the hue; where there is none, along the worst."""
+    """Standard deviation along the hue; for a neutral, the largest one in any direction."""
     chroma = np.linalg.norm(ab, axis=-1)
     hue = ab / np.where(chroma > 0, chroma, 1.0)[..., None]
     along = np.einsum("...i,...ij,...j->...", hue, covariance, hue)
@@ -75,7 +75,7 @@ def _chroma_sd(
 def _mean_length(
     center: Float[Array, "*px 3"], covariance: Float[Array, "*px 3 3"]
 ) -> Float[Array, "*px"]:
-    """Mean length of a normal vector about ``center``: closed form where that is 0."""
+    """Mean length of a normal vector around ``center``: closed form where ``center`` is 0."""
     from scipy.special import elliprg
 
     values, vectors = eigh("covariance of a color difference", covariance)

@@ -31,9 +31,9 @@ class ColorMatrix:
     made_by
         Method and equation.
     metric
-        In which light is a vector.
+        Metric of the space of spectra.
     frame
-        The sensor's frame: its rank and condition tell how far the matrix can be trusted.
+        The sensor's frame; its rank and condition show how reliable the matrix is.
 
     Raises
     ------
@@ -74,14 +74,14 @@ class ColorMatrix:
 
 
 def kernel_matrix(sensor: Sensor, exposure: Exposure, metric: Metric = "quanta") -> ColorMatrix:
-    """The kernel color matrix, H^T F (F^T F)^-1: the color of the spectrum that the sensor saw.
+    """The kernel color matrix, H^T F (F^T F)^-1: the color of the reconstructed spectrum.
 
     Parameters
     ----------
     sensor
-        p channels; where one is a mix of others the pseudo-inverse is taken.
+        p channels; where they are linearly dependent, the pseudo-inverse is used.
     exposure
-        Enters through F, so that electrons become lux.
+        Scales F, so that the matrix converts electrons to lux.
     metric
         In which light is a vector; the matrix depends on it.
 
@@ -117,7 +117,7 @@ def kernel_matrix(sensor: Sensor, exposure: Exposure, metric: Metric = "quanta")
 
 
 def scene_xyz(scene: Scene, metric: Metric = "quanta") -> Float[Array, "*px 3"]:
-    """X, Y, Z of the light that the eye sees: H^T L. [lx]"""
+    """X, Y, Z of the light for the standard observer: H^T L. [lx]"""
     return light(scene, metric) @ color_axes(scene.illuminant.grid, metric)
 
 

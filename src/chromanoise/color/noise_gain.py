@@ -1,4 +1,4 @@
-"""Kodak's noise gain Psi of a color matrix, and the best matrix that keeps it bounded."""
+"""Kodak's noise gain Psi of a color matrix, and the best matrix with bounded Psi."""
 
 from dataclasses import replace
 
@@ -16,7 +16,7 @@ from chromanoise.exposure import Exposure
 from chromanoise.sensor import Sensor
 from chromanoise.spectra import Metric
 
-_HALVINGS = 64  # of a bracket in logarithms: down to rounding
+_HALVINGS = 64  # of a bracket in logarithms, down to rounding
 
 
 def bounded_psi(
@@ -33,7 +33,7 @@ def bounded_psi(
     Parameters
     ----------
     limit
-        Of `noise_gain` of `white_normalized`. [1]
+        Upper limit of `noise_gain` of the `white_normalized` matrix. [1]
 
     Raises
     ------
@@ -42,9 +42,10 @@ def bounded_psi(
 
     Notes
     -----
-    US 5,609,978 (Kodak), whose Psi and 6.5 count rows in RGB; here they are X, Y and Z over those
-    of the white. A convex problem: each row is a ridge whose strength times its norm is the one
-    multiplier over the square of the white, found by bisection from the side that obeys.
+    US 5,609,978 (Kodak), whose Psi and its limit of 6.5 are for rows in RGB; here rows are X, Y and
+    Z over those of the white. The problem is convex: each row is a ridge solution whose strength
+    times its norm is the common multiplier over the square of the white, found by bisection from
+    the side within the limit.
     """
     _check.positive("limit of Psi", "1", limit)
     free = least_squares(sensor, exposure, training, level_lux=level_lux, metric=metric)
@@ -61,7 +62,7 @@ def bounded_psi(
 def white_normalized(
     matrix: Float[Array, "c p"], white_e: Float[Array, " p"], white_xyz: Float[Array, " c"]
 ) -> Float[Array, "c p"]:
-    """The matrix from raw over that of the white to color over that of the white.
+    """The matrix from raw relative to white to color relative to white.
 
     Its rows sum to 1 where the matrix preserves the white.
 
@@ -92,7 +93,7 @@ def noise_gain(matrix: Float[Array, "c p"]) -> float:
 
     Notes
     -----
-    US 5,609,978 (Kodak); the numbers of its three filter sets stand in docs/numbers.md.
+    US 5,609,978 (Kodak); docs/numbers.md lists the numbers of its three filter sets.
 
     Examples
     --------
@@ -107,7 +108,9 @@ def _rows_within(seen: TrainingResponse, limit: float) -> Float[Array, "3 p"]:
     root = np.sqrt(seen.share)[:, None]
     relative = root * seen.electrons / white_scale(seen)
     u, s, vt = svd("training set relative to the white", relative, full_matrices=False)
-    kept = np.where(s > RANK_TOLERANCE * s[0], s, 0.0)  # a mix of others would amplify rounding
+    kept = np.where(
+        s > RANK_TOLERANCE * s[0], s, 0.0
+    )  # linearly dependent channels would amplify rounding
     answer = kept * ((root * seen.xyz / seen.white_xyz).T @ u)  # V^T E[x y]
     emptying = seen.white_xyz**2 * np.linalg.norm(answer, axis=1)  # multipliers
 

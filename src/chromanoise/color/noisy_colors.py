@@ -1,4 +1,4 @@
-"""A color with its noise: what every method of propagation starts from."""
+"""A color with its noise: the input of every propagation method."""
 
 from dataclasses import dataclass
 
@@ -10,7 +10,7 @@ from chromanoise.errors import InputError
 from chromanoise.noise import Measurement, Readout, raw_measurement, read_moments, through
 
 UNBOUNDED = Readout()
-"""A readout that keeps every value, as the paper's."""
+"""A readout without clipping and rounding, as in the paper."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -31,8 +31,8 @@ class ElectronSource:
     Raises
     ------
     InputError
-        If a mean is negative or not finite, the read noise is negative, or the matrix has not one
-        column per channel.
+        If a mean is negative or not finite, the read noise is negative, or the number of columns of
+        the matrix differs from the number of channels.
     """
 
     mean_e: Float[Array, "*px p"]
@@ -51,16 +51,17 @@ class ElectronSource:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class NoisyColor:
-    """X, Y, Z of one point or of each pixel, with their noise and the white they belong to.
+    """X, Y, Z of one point or of each pixel, with their noise and their white.
 
     Attributes
     ----------
     xyz
-        Mean and covariance of X, Y, Z as they are read.
+        Mean and covariance of X, Y, Z after readout.
     white
         XYZ of a perfect white under the same light, in the unit of ``xyz``.
     source
-        The electrons that ``xyz`` is made of; ``None`` where only mean and covariance are known.
+        The electrons from which ``xyz`` is computed; ``None`` where only mean and covariance are
+        known.
 
     Raises
     ------
@@ -85,11 +86,11 @@ class NoisyColor:
 
     @property
     def noiseless_xyz(self) -> Float[Array, "*px 3"]:
-        """The color of the expected electrons, unclipped; the mean where they are not known."""
+        """The color of the expected electrons, unclipped; the mean where electrons are unknown."""
         if self.source is None:
             return self.xyz.mean
         mean = self.source.mean_e
-        rows = mean.reshape(-1, mean.shape[-1])  # one point is rounded like one of many
+        rows = mean.reshape(-1, mean.shape[-1])  # same rounding for one point as for many
         return (rows @ self.source.matrix.T).reshape(*mean.shape[:-1], 3)
 
 

@@ -1,4 +1,4 @@
-"""From linear XYZ to the pixels of a picture."""
+"""Conversion of linear XYZ to sRGB pixels."""
 
 import numpy as np
 
@@ -30,14 +30,14 @@ BRADFORD = np.array(
 
 
 def adapted_to_d65(xyz: Float[Array, "*px 3"], white: Float[Array, " 3"]) -> Float[Array, "*px 3"]:
-    """XYZ as it would look if ``white`` were D65: von Kries scaling in Bradford's cone space.
+    """XYZ adapted from ``white`` to D65: von Kries scaling in Bradford's cone space.
 
     Parameters
     ----------
     xyz
         Linear, Y = 1 for the white.
     white
-        XYZ of a perfect white in the picture's light.
+        XYZ of a perfect white under the light of the picture.
 
     Examples
     --------
@@ -59,7 +59,7 @@ def adapted_to_d65(xyz: Float[Array, "*px 3"], white: Float[Array, " 3"]) -> Flo
 
 
 def srgb_from_xyz(xyz: Float[Array, "*px 3"]) -> Float[Array, "*px 3"]:
-    """Encoded sRGB, 0 .. 1, colors out of gamut held at its border (IEC 61966-2-1).
+    """Encoded sRGB, 0 .. 1, with out-of-gamut colors clipped (IEC 61966-2-1).
 
     Parameters
     ----------

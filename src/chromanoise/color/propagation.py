@@ -1,14 +1,14 @@
-"""Noise of a color in a color space: one result, by one of three methods.
+"""Noise of a color in a color space, by one of three methods.
 
 ===============  =================================================  =============================
-method           takes                                              right
+method           uses                                               accurate
 ===============  =================================================  =============================
-`first_order`    the slope of the space at the mean: J S J^T        while noise is small
-`cubature`       X, Y, Z as jointly normal, by fixed points         while electrons are many
+`first_order`    the Jacobian of the space at the mean: J S J^T     for small noise
+`cubature`       X, Y, Z as jointly normal, by cubature             for many electrons
 `exact`          the exact Poisson-Gaussian distribution            always; reports its own error
 ===============  =================================================  =============================
 
-A method is a function of a `NoisyColor` and a `Space`; `functools.partial` sets its accuracy:
+A method is a function of a `NoisyColor` and a `Space`; set its accuracy by `functools.partial`:
 ``partial(exact, points=2**13)``.
 """
 
@@ -25,23 +25,23 @@ from chromanoise.color.spaces import Space
 from chromanoise.noise import Measurement
 
 FIRST_ORDER_TOLERANCE = 0.05
-"""Where the first order misses a standard deviation by more, it is not to be trusted."""
+"""Largest relative error of a standard deviation up to which the first order is valid."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class SpaceMoments:
-    """What a method finds; `propagate` makes a `ColorNoise` of it.
+    """Result of a propagation method, from which `propagate` creates a `ColorNoise`.
 
     Attributes
     ----------
     bias
         Mean minus the coordinates of the color without noise.
     covariance
-        Of the coordinates.
+        Covariance of the coordinates.
     chroma_sd, chroma_bias, delta_e
-        As `ColorNoise`; ``None`` in a space without color differences.
+        As in `ColorNoise`; ``None`` in a space without color differences.
     mean_error, sd_error
-        Standard errors of this method; ``None`` where it reports none.
+        Standard errors of this method; ``None`` if it reports none.
     """
 
     bias: Float[Array, "*px 3"]
@@ -54,7 +54,7 @@ class SpaceMoments:
 
 
 Method = Callable[[NoisyColor, Space], SpaceMoments]
-"""`first_order`, `cubature`, `exact`, or your own."""
+"""`first_order`, `cubature`, `exact`, or a function of your own."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -70,16 +70,16 @@ class ColorNoise:
     bias
         Mean minus ``noiseless``.
     chroma_sd
-        Standard deviation of C*. At a neutral, where C* has a kink, the first order takes the
-        largest one of any hue.
+        Standard deviation of C*. At a neutral, where C* has a kink, the first order returns the
+        largest one in any direction.
     chroma_bias
-        Mean of C* minus that of ``noiseless``: noise adds color to a gray.
+        Mean of C* minus that of ``noiseless``; positive for a gray, because noise adds chroma.
     delta_e
-        Mean CIE 1976 color difference to ``noiseless``. The three are ``None`` in a space where a
-        distance is no color difference.
+        Mean CIE 1976 color difference to ``noiseless``. All three are ``None`` in a space where a
+        distance is not a color difference.
     mean_error, sd_error
-        Standard error of the mean and of the standard deviation per coordinate, by the method
-        itself; ``None`` for a method that reports none.
+        Standard error of the mean and of the standard deviation per coordinate, estimated by the
+        method; ``None`` for a method that reports none.
     """
 
     measurement: Measurement
@@ -108,7 +108,7 @@ def propagate(color: NoisyColor, space: Space, method: Method) -> ColorNoise:
     Parameters
     ----------
     color
-        X, Y, Z with their noise; `exact` also needs its source, as `noisy_color` makes it.
+        X, Y, Z with their noise; `exact` also needs its source, as returned by `noisy_color`.
     space
         E.g. `chromanoise.color.LAB`.
     method
@@ -155,15 +155,15 @@ def propagate(color: NoisyColor, space: Space, method: Method) -> ColorNoise:
 
 
 def relative_sd_error(rough: Measurement, trusted: Measurement) -> Float[Array, "*px q"]:
-    """How far one method misses each standard deviation of another: their ratio, minus 1.
+    """Relative error of each standard deviation of one method against another: ratio minus 1.
 
-    -0.1 is 10 % too low, 0 right or no noise at all, inf that there is none where the rough one
-    finds some. Beyond `FIRST_ORDER_TOLERANCE` do not trust the first order.
+    -0.1 means 10 % too low, 0 equal (or both without noise), inf that only the rough method finds
+    noise. The first order is valid while the absolute value is within `FIRST_ORDER_TOLERANCE`.
 
     Parameters
     ----------
     rough, trusted
-        The same coordinates by two methods.
+        Measurements of the same coordinates by two methods.
 
     Examples
     --------
@@ -175,7 +175,9 @@ def relative_sd_error(rough: Measurement, trusted: Measurement) -> Float[Array, 
     one, two = np.sqrt(rough.variance), np.sqrt(trusted.variance)
     size = 1 + np.abs(rough.mean).max(axis=-1, keepdims=True)
     largest = np.maximum(one, two).max(axis=-1, keepdims=True)
-    nothing = np.maximum(1e-9 * largest, 1e-13 * size)  # still, but for rounding
+    nothing = np.maximum(
+        1e-9 * largest, 1e-13 * size
+    )  # below this a standard deviation is rounding
     one, two = np.where(one > nothing, one, 0.0), np.where(two > nothing, two, 0.0)
     ratio = np.where(two > 0, one / np.where(two > 0, two, 1.0), np.where(one > 0, np.inf, 1.0))
     return ratio - 1

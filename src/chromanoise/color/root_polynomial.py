@@ -1,8 +1,8 @@
-"""Root-polynomial color correction: curved, yet blind to exposure; with its noise.
+"""Root-polynomial color correction, nonlinear but exposure-invariant, and its noise.
 
-Noise comes in three grades: by the Jacobian, with the bias of second order that the bend of a root
-adds, and exactly, through moments of single channels. The last one is right in the dark too, and
-tells where the first may be used.
+Noise is available to first order by the Jacobian, with a bias of second order from the curvature of
+the root, and exactly through moments of single channels. The exact result is also valid in the dark
+and shows where the first order is accurate.
 """
 
 from dataclasses import dataclass
@@ -22,7 +22,7 @@ from chromanoise.noise import Measurement, expectation, with_noise
 from chromanoise.sensor import Sensor
 from chromanoise.spectra import Metric
 
-# where the quadrature over the read noise is cut, in units of it: a root begins upright at 0
+# where the quadrature is split, in units of the read noise: the root has infinite slope at 0
 _ROOT_KINKS = (0.0, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1)
 
 
@@ -43,7 +43,7 @@ class RootPolynomial:
     made_by
         Method and training set.
     metric
-        In which light is a vector; the fit does not depend on it.
+        Metric of the space of spectra; the fit does not depend on it.
     """
 
     matrix: Float[Array, "c q"]
@@ -92,12 +92,12 @@ def rooted(raw_mean: Float[Array, "*px p"], *, degree: int = 2) -> Float[Array, 
 
 
 def root_jacobian(raw_mean: Float[Array, "*px p"], *, degree: int = 2) -> Float[Array, "*px q p"]:
-    """How each term of `rooted` changes with each channel. [1]
+    """Derivative of each term of `rooted` with respect to each channel. [1]
 
     Raises
     ------
     InputError
-        If a channel is not above 0 where a root is taken: its slope is infinite there.
+        If a channel under a root is not above 0: the derivative is infinite there.
 
     Examples
     --------
@@ -125,14 +125,14 @@ def root_polynomial(
     metric: Metric = "quanta",
     degree: int = 2,
 ) -> RootPolynomial:
-    """Root-polynomial correction of least color error over a training set.
+    """The root-polynomial correction of least color error over a training set.
 
     Parameters
     ----------
     sensor, exposure
-        What looks, and how.
+        The sensor and its exposure settings.
     training
-        At least as many reflectances as terms, p + p (p - 1) / 2.
+        Training set with at least as many reflectances as terms, p + p (p - 1) / 2.
     level_lux
         Illuminance on the set; the fit does not depend on it. [lx]
     metric
@@ -143,7 +143,7 @@ def root_polynomial(
     Raises
     ------
     InputError
-        If set and sensor are not on one grid, or the set is smaller than the number of terms.
+        If set and sensor have different grids, or the set is smaller than the number of terms.
 
     Notes
     -----
@@ -176,13 +176,13 @@ def root_polynomial(
 def root_polynomial_color(raw: Measurement, model: RootPolynomial) -> Measurement:
     """Color and its first-order covariance, through the Jacobian of the roots. [lx]
 
-    The mean is that of the noiseless raw; `root_polynomial_bias` is what the noise adds to it, and
-    `root_first_order_error` tells where both orders are no longer to be trusted.
+    The mean is that of the noiseless raw values. `root_polynomial_bias` gives the bias by noise,
+    and `root_first_order_error` the error of the first order.
 
     Raises
     ------
     InputError
-        If the channels differ, or a mean is negative, or is 0 where a root is taken.
+        If the channels differ, a mean is negative, or a mean under a root is 0.
     """
     _check.same_names("color", raw=raw.names, model=model.channels)
     slope = model.matrix @ root_jacobian(raw.mean, degree=model.degree)
@@ -191,14 +191,15 @@ def root_polynomial_color(raw: Measurement, model: RootPolynomial) -> Measuremen
 
 
 def root_polynomial_bias(raw: Measurement, model: RootPolynomial) -> Float[Array, "*px c"]:
-    """What noise adds to the mean color, to second order: 1/2 tr(H D) of each root. [lx]
+    """Bias of the mean color by noise, to second order: 1/2 tr(H D) of each root. [lx]
 
     Parameters
     ----------
     raw
         Mean and covariance D of the channels. [e-]
     model
-        Its linear terms have no bias, its roots, being concave, a negative one.
+        The root polynomial; linear terms have no bias, roots a negative one because they are
+        concave.
 
     Raises
     ------
@@ -210,7 +211,7 @@ def root_polynomial_bias(raw: Measurement, model: RootPolynomial) -> Float[Array
     J. A. Rice, *Mathematical Statistics and Data Analysis* (3rd ed., 2007), section 4.6. With the
     Hessian H of sqrt(x y), 1/2 tr(H D) = -1/8 sqrt(x y) (D_xx/x^2 - 2 D_xy/(x y) + D_yy/y^2),
     minus an eighth of the root times the variance of log(x / y): noise that scales both channels
-    alike has none. Where read noise rules, the true bias turns positive; then ask
+    equally causes no bias. Where read noise dominates, the true bias is positive; then use
     `root_polynomial_color_exact`.
 
     Examples
@@ -238,9 +239,9 @@ def root_polynomial_bias(raw: Measurement, model: RootPolynomial) -> Float[Array
 def root_polynomial_color_exact(
     mean_e: Float[Array, "*px p"], model: RootPolynomial, *, read_noise_e: float
 ) -> Measurement:
-    """Mean color and its covariance over Poisson electrons and read noise, in the dark too. [lx]
+    """Exact mean color and covariance for Poisson electrons and read noise, also in the dark. [lx]
 
-    The root of a negative value is taken as 0; the linear terms keep it.
+    The root of a negative value is set to 0; linear terms keep negative values.
 
     Parameters
     ----------
@@ -254,16 +255,17 @@ def root_polynomial_color_exact(
     Raises
     ------
     InputError
-        If the number of channels differs, a mean is negative, or one is beyond 1e10.
+        If the number of channels differs, a mean is negative, or a mean is above 1e10.
 
     Notes
     -----
-    With r = sqrt(max(x, 0)), E r_i r_j = E r_i E r_j, and every covariance of two terms is made of
-    E r, var r, cov(x, r) and var x = M + s^2 of single channels, each one by `expectation`.
+    With r = sqrt(max(x, 0)), E r_i r_j = E r_i E r_j, and every covariance of two terms follows
+    from E r, var r, cov(x, r) and var x = M + s^2 of single channels, each computed by
+    `expectation`.
 
     Examples
     --------
-    Without light and readout there is nothing:
+    Without light and read noise the color is 0:
 
     >>> root = RootPolynomial(matrix=np.ones((1, 3)), channels=("a", "b"), coordinates=("Y",),
     ...                       degree=2, made_by="by hand", metric="quanta")
@@ -283,9 +285,9 @@ def root_first_order_error(
 ) -> Float[Array, "*px c"]:
     """Standard deviation by `root_polynomial_color` over the exact one, minus 1. [1]
 
-    The first order is to be trusted within `chromanoise.color.FIRST_ORDER_TOLERANCE`, 5 %. inf
-    where a channel under a root is dark, and the first order has no answer; 0 where nothing is
-    noisy.
+    The first order is valid within `chromanoise.color.FIRST_ORDER_TOLERANCE`, 5 %. The result is
+    inf where a channel under a root is dark, so that the first order is undefined, and 0 without
+    noise.
 
     Parameters
     ----------
@@ -294,7 +296,7 @@ def root_first_order_error(
     model
         A root polynomial of the sensor's channels.
     sensor
-        Its read noise is asked.
+        The sensor; only its read noise is used.
 
     Raises
     ------
@@ -303,9 +305,9 @@ def root_first_order_error(
 
     Notes
     -----
-    The root of two like channels falls 5 % short at 5.1 e- in each without readout, at 10.4 e-
-    with 2 e- of it, at 37.4 e- with 10 e-. In deeper dark the error changes sign and passes 0 by
-    accident (at 2.3 e- with 2 e-), so that the brightest level out of tolerance is what counts.
+    For the root of two equal channels the error is -5 % at 5.1 e- per channel without read noise,
+    at 10.4 e- with 2 e- of read noise, and at 37.4 e- with 10 e-. At lower levels the error changes
+    sign and passes through 0 (at 2.3 e- with 2 e-), so use the brightest level out of tolerance.
     """
     mean = _check.non_negative("mean_e", "e-", mean_e)
     s = sensor.pixel.read_noise_e
@@ -353,7 +355,7 @@ def _exact_terms(mean: Array, noise: float, degree: int) -> tuple[Array, Array]:
 def _covariance_of_roots(
     root: Array, variance: Array, one: tuple[int, int], other: tuple[int, int]
 ) -> Array:
-    """cov(r_i r_j, r_k r_l): none but through a channel that stands in both."""
+    """cov(r_i r_j, r_k r_l): 0 unless the two terms share a channel."""
     shared, alone = sorted({*one} & {*other}), sorted({*one} ^ {*other})
     if len(shared) == 2:
         (v, w), (m, n) = (np.moveaxis(each[..., shared], -1, 0) for each in (variance, root))
@@ -372,12 +374,12 @@ def _root_moments(mean: Array, noise: float) -> tuple[Array, Array, Array]:
 
     root = expectation(positive_root, mean, read_noise_e=noise, kinks_e=kinks)
     both = expectation(lambda x: x + positive_root(x), mean, read_noise_e=noise, kinks_e=kinks)
-    with_channel = 0.5 * (both.variance - root.variance - mean - noise**2)  # var(x + r) opened
+    with_channel = 0.5 * (both.variance - root.variance - mean - noise**2)  # from var(x + r)
     return root.mean, root.variance, with_channel
 
 
 def _above_zero(raw_mean: Array, *, degree: int) -> Array:
-    """The mean, refused where a root would have an infinite slope."""
+    """The mean; an error where a root would have an infinite slope."""
     mean = _check.non_negative("raw_mean", "e-", raw_mean)
     if _pairs_of(mean, degree) and not (mean > 0).all():
         first = tuple(int(i) for i in np.argwhere(mean <= 0)[0])
@@ -392,7 +394,7 @@ def _pairs_of(mean: Float[Array, "*px p"], degree: int) -> list[tuple[int, int]]
 
 
 def _pairs(p: int, degree: int) -> list[tuple[int, int]]:
-    """Which channels meet under a root."""
+    """The pairs of channels under a root."""
     if degree not in (1, 2):
         raise InputError("degree", "must be 1 or 2 for a root polynomial", value=degree)
     return list(combinations(range(p), 2)) if degree == 2 else []

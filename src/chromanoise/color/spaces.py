@@ -1,10 +1,11 @@
-"""Spaces that pictures and eyes use, each with its Jacobian, so that noise can follow color.
+"""Color spaces with their Jacobians for the propagation of noise.
 
-Every map is exact for the colors that light can have, and goes on beyond them without clipping:
-noise takes X, Y and Z below zero and above white, and a clip would hide it. How each goes on is
-said where it is defined. Noise has no say here; see `chromanoise.color.propagate`.
+Every map is exact for physical colors and continues beyond them without clipping: noise makes X, Y
+and Z negative or larger than white, and clipping would hide it. The docstring of each map defines
+how it continues. For noise see `chromanoise.color.propagate`.
 
-All maps ask only for the ratio of a color to its white: ``xyz`` and ``white`` may share any unit.
+All maps depend only on the ratio of a color to its white: ``xyz`` and ``white`` may have any common
+unit.
 """
 
 from collections.abc import Callable
@@ -26,14 +27,14 @@ _LAB = np.array([[0.0, 116.0, 0.0], [500.0, -500.0, 0.0], [0.0, 200.0, -200.0]])
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Space:
-    """A color space as a map from XYZ, and how the map bends.
+    """A color space: a map from XYZ and its Jacobian.
 
     Attributes
     ----------
     name
-        As the standard calls it, e.g. "CIELAB".
+        Its name in the standard, e.g. "CIELAB".
     coordinates
-        Their names, e.g. ("L*", "a*", "b*").
+        Names of the coordinates, e.g. ("L*", "a*", "b*").
     from_xyz
         (xyz [*px 3], white [3]) -> coordinates [*px 3]; ``xyz`` relative to a ``white`` of Y = 1.
     jacobian
@@ -82,7 +83,7 @@ def linear_srgb(xyz: Float[Array, "*px 3"], white: Float[Array, " 3"]) -> Float[
 
 
 def encoded_srgb(xyz: Float[Array, "*px 3"], white: Float[Array, " 3"]) -> Float[Array, "*px 3"]:
-    """Encoded sRGB, 0 .. 1 for what a display can show; beyond, its line and power law go on.
+    """Encoded sRGB, 0 .. 1 in gamut; the linear segment and the power law continue beyond.
 
     Parameters
     ----------
@@ -96,8 +97,8 @@ def encoded_srgb(xyz: Float[Array, "*px 3"], white: Float[Array, " 3"]) -> Float
 
     Notes
     -----
-    IEC 61966-2-1:1999. Below 0 the line 12.92 c goes on, above 1 the power law; its two pieces
-    miss each other by 2e-8 at 0.0031308, as in the standard.
+    IEC 61966-2-1:1999. Below 0 the line 12.92 c continues, above 1 the power law; the two pieces
+    differ by 2e-8 at 0.0031308, as in the standard.
 
     Examples
     --------
@@ -111,7 +112,7 @@ def encoded_srgb(xyz: Float[Array, "*px 3"], white: Float[Array, " 3"]) -> Float
 
 
 def cielab(xyz: Float[Array, "*px 3"], white: Float[Array, " 3"]) -> Float[Array, "*px 3"]:
-    """CIE 1976 L*, a*, b*; the linear toe goes on below zero, the cube root above white.
+    """CIE 1976 L*, a*, b*; the linear segment continues below zero, the cube root above white.
 
     Parameters
     ----------
@@ -139,7 +140,7 @@ def cielab(xyz: Float[Array, "*px 3"], white: Float[Array, " 3"]) -> Float[Array
 
 
 def cieluv(xyz: Float[Array, "*px 3"], white: Float[Array, " 3"]) -> Float[Array, "*px 3"]:
-    """CIE 1976 L*, u*, v*; the linear toe goes on below zero, the chromaticity is kept finite.
+    """CIE 1976 L*, u*, v*; the linear segment continues below zero, the chromaticity stays finite.
 
     Parameters
     ----------
@@ -154,10 +155,10 @@ def cieluv(xyz: Float[Array, "*px 3"], white: Float[Array, " 3"]) -> Float[Array
     Notes
     -----
     CIE 015:2018, eq. 8.25-8.30, with 1/d of u' = 4X/d and v' = 9Y/d, d = X + 15 Y + 3 Z, replaced
-    by d / max(d^2, a^2/4), where a takes the absolute values of X, Y, Z in d. Nothing changes while
-    d^2 >= a^2/4, so for no color that light can have. Beyond, where noise makes d cross zero, the
-    pole of 1/d (which would leave u* and v* without a variance) becomes a line through zero. At
-    black u* = v* = 0, and so is their slope.
+    by d / max(d^2, a^2/4), where a is d with the absolute values of X, Y, Z. Physical colors are
+    unchanged, as d^2 >= a^2/4. Where noise makes d cross zero, the pole of 1/d (which would make
+    the variance of u* and v* infinite) is replaced by a line through zero. At black u* = v* = 0,
+    and their slope is 0.
 
     Examples
     --------
@@ -196,7 +197,7 @@ def _cielab_jacobian(
 def _cieluv_jacobian(
     xyz: Float[Array, "*px 3"], white: Float[Array, " 3"]
 ) -> Float[Array, "*px 3 3"]:
-    black = (xyz == 0).all(axis=-1, keepdims=True)  # chromaticity has no slope there
+    black = (xyz == 0).all(axis=-1, keepdims=True)  # the slope of the chromaticity is 0 there
     neutral = _chromaticity(_white(white))
     y = xyz[..., 1:2] / white[1]
     lightness = (116 * _cube_root(y) - 16)[..., None]
@@ -213,11 +214,11 @@ def _cube_root(t: Array) -> Array:
 
 
 def _cube_root_slope(t: Array) -> Array:
-    return 1 / (3 * np.cbrt(np.maximum(t, _DELTA**3)) ** 2)  # held below the toe: a line
+    return 1 / (3 * np.cbrt(np.maximum(t, _DELTA**3)) ** 2)  # constant in the linear segment
 
 
 def _chromaticity(xyz: Float[Array, "*px 3"]) -> Float[Array, "*px 2"]:
-    """u', v' with the pole of 1/d bent into a line; zeros at black."""
+    """u', v' with the pole of 1/d replaced by a line; zeros at black."""
     d, half = (xyz @ _UV)[..., None], (np.abs(xyz) @ _UV)[..., None] / 2
     size = np.where(half > 0, np.maximum(np.abs(d), half), 1.0)
     return np.array([4.0, 9.0]) * (xyz[..., :2] / size) * (d / size)
@@ -279,4 +280,4 @@ SPACES: dict[str, Space] = {
     "lab": LAB,
     "luv": LUV,
 }
-"""By the name that a command line takes."""
+"""Color spaces by their command-line name."""

@@ -1,4 +1,4 @@
-"""Reflectances to learn a color matrix from, and what sensor and eye see of them."""
+"""Training sets for color matrices: reflectances, and their electrons and colors."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -16,13 +16,13 @@ from chromanoise.scene import Scene, flat_field, light
 from chromanoise.sensor import Sensor
 from chromanoise.spectra import INFRARED_FROM_NM, Illuminant, Metric, color_axes, colorchecker
 
-_FEWEST_E = 1e-280  # of a white; noise divided by fewer electrons exceeds double precision
+_FEWEST_E = 1e-280  # of a white; noise over fewer electrons overflows double precision
 _KEPT_VARIANCE = 1e-12  # of the largest component of a smoothness prior; less is rounding
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Training:
-    """``k`` reflectances under one lamp, from which a color matrix is fitted.
+    """``k`` reflectances under one lamp, to which a color matrix is fitted.
 
     Attributes
     ----------
@@ -35,14 +35,14 @@ class Training:
     source
         Where the reflectances come from.
     weights
-        How much each one counts, >= 0, in any unit; ``None`` counts all alike.
+        Weight of each reflectance, >= 0, in any unit; ``None`` for equal weights.
     notes
-        What was done to them since.
+        Processing steps after loading.
 
     Raises
     ------
     InputError
-        If there is no reflectance, one is negative, or the shapes do not belong together.
+        If there is no reflectance, one is negative, or the shapes do not match.
     """
 
     illuminant: Illuminant
@@ -78,16 +78,16 @@ class Training:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class TrainingResponse:
-    """What the sensor and the eye see of a training set.
+    """Electrons of the sensor and X, Y, Z of the observer for a training set.
 
     Attributes
     ----------
     share
-        How much each reflectance counts; sums to 1.
+        Weight of each reflectance; the sum is 1.
     electrons
         Expected electrons, without noise. [e-]
     xyz
-        Of the eye. [lx]
+        X, Y, Z for the standard observer. [lx]
     white_e, white_xyz
         The same for a perfect white. [e-], [lx]
     noise_e2
@@ -113,7 +113,7 @@ def chart_training(illuminant: Illuminant) -> Training:
     Raises
     ------
     InputError
-        If the illuminant's grid leaves 400-1050 nm.
+        If the illuminant's grid extends beyond 400-1050 nm.
     """
     chart = colorchecker(illuminant.grid)
     return Training(
@@ -128,11 +128,11 @@ def chart_training(illuminant: Illuminant) -> Training:
 def smooth_training(
     illuminant: Illuminant, *, mean: float = 0.5, sd: float = 0.1, width_nm: float = 50.0
 ) -> Training:
-    """Reflectances whose mean and covariance are exactly those of a smoothness prior.
+    """Reflectances with exactly the mean and covariance of a smoothness prior.
 
-    Around a gray of ``mean``, K_ij = sd^2 exp(-(l_i - l_j)^2 / (2 width^2)). The set is not
-    drawn: the principal components of K are added with the signs of a Hadamard matrix, whose
-    columns are orthogonal and sum to zero, so that no draw stands between prior and matrix.
+    Around a gray of ``mean``, K_ij = sd^2 exp(-(l_i - l_j)^2 / (2 width^2)). The set is not random:
+    the principal components of K are added with the signs of a Hadamard matrix, whose columns are
+    orthogonal and sum to zero, so the set has no sampling error.
 
     Parameters
     ----------
@@ -141,16 +141,16 @@ def smooth_training(
     mean, sd
         Mean gray and standard deviation at every wavelength. [1]
     width_nm
-        Distance over which reflectances stay alike. [nm]
+        Correlation length of the reflectances. [nm]
 
     Raises
     ------
     InputError
-        If a reflectance leaves 0 .. 1.
+        If a reflectance is outside 0 .. 1.
 
     Notes
     -----
-    Components below 1e-12 of the largest are left out.
+    Components below 1e-12 of the largest are omitted.
 
     Examples
     --------
@@ -193,19 +193,20 @@ def nir_diverse(
     levels: Sequence[float] = (0.0, 0.5, 1.0),
     edge_nm: float = INFRARED_FROM_NM,
 ) -> Training:
-    """Each reflectance, and the same again with other near infrareds: metamers for the eye.
+    """Each reflectance, and copies with other near-infrared values, which are visual metamers.
 
-    Beyond ``edge_nm`` a straight line from each of ``levels`` to each of ``levels`` takes the
-    place of what was measured, so a matrix fitted to the set learns that light there has no color.
+    Beyond ``edge_nm`` the copies replace the measured values by a straight line from each of
+    ``levels`` to each of ``levels``. So light there carries no color information for a matrix that
+    is fitted to the set.
 
     Parameters
     ----------
     training
-        Any set whose grid reaches beyond ``edge_nm``.
+        A training set whose grid extends beyond ``edge_nm``.
     levels
         Reflectances at the edge and at the end of the grid. [1]
     edge_nm
-        Where the visible ends. [nm]
+        End of the visible range. [nm]
 
     Raises
     ------
@@ -240,7 +241,7 @@ def nir_diverse(
 
 
 def shares(training: Training) -> Float[Array, " k"]:
-    """How much each reflectance counts, summing to 1."""
+    """Weight of each reflectance, with sum 1."""
     k = len(training.names)
     weights = np.ones(k) if training.weights is None else training.weights
     return np.asarray(weights / weights.sum())
@@ -249,16 +250,16 @@ def shares(training: Training) -> Float[Array, " k"]:
 def light_second_moment(
     training: Training, *, level_lux: float, metric: Metric = "quanta"
 ) -> Float[Array, "n n"]:
-    """K = E[L L^T] of the light that the set sends, about zero and not about its mean.
+    """K = E[L L^T] of the light from the set, about zero and not about its mean.
 
     Parameters
     ----------
     training
-        The prior.
+        The training set.
     level_lux
-        Illuminance on it. [lx]
+        Illuminance on the set. [lx]
     metric
-        In which light is a vector. [(unit of light)^2]
+        Metric of the space of spectra. [(unit of light)^2]
     """
     rows = light(_scene(training, level_lux), metric)
     return np.asarray(rows.T @ (shares(training)[:, None] * rows))
@@ -267,7 +268,7 @@ def light_second_moment(
 def training_response(
     training: Training, sensor: Sensor, exposure: Exposure, *, level_lux: float
 ) -> TrainingResponse:
-    """Electrons, colors and mean noise of a training set; unclipped, as the paper.
+    """Electrons, colors and mean noise of a training set, without clipping as in the paper.
 
     Shot noise is linear in light, so its variance averaged over the set is the mean of the
     electrons: D = diag(E[M]) + s_rn^2.
@@ -275,8 +276,8 @@ def training_response(
     Raises
     ------
     InputError
-        If the set and the sensor are not on one grid, or a channel collects too few electrons
-        of the lamp's light.
+        If the set and the sensor have different grids, or a channel collects too few electrons
+        from the lamp's light.
     """
     scene, grid = _scene(training, level_lux), training.illuminant.grid
     white = flat_field(training.illuminant, level_lux=level_lux)
@@ -306,7 +307,7 @@ def training_response(
 
 
 def white_scale(seen: TrainingResponse) -> Float[Array, " p"]:
-    """The electrons of the white, and 1 for a channel that does not see the lamp. [e-]"""
+    """Electrons of the white per channel; 1 for a channel without light. [e-]"""
     return np.where(seen.white_e > 0, seen.white_e, 1.0)
 
 

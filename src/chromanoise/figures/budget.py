@@ -1,4 +1,4 @@
-"""The dB budget as a waterfall: from all photons down to one coordinate."""
+"""The dB budget of one coordinate as a waterfall chart."""
 
 from matplotlib.axes import Axes
 
@@ -13,14 +13,14 @@ _ROOM = 0.14  # of the scale, for the numbers beside the bars
 
 
 def draw_budget(budget: Budget, sensor: Sensor, ax: Axes, *, top_db: float | None = None) -> Axes:
-    """One bar per cause, each beginning where the one above it ends.
+    """Draw one bar per cause; each bar starts at the end of the bar above it.
 
     Parameters
     ----------
     budget
-        Of one coordinate.
+        The budget of one coordinate.
     sensor
-        Whose it is.
+        The sensor of the budget.
     top_db
         Upper end of the scale, where panels share one. [dB]
     """

@@ -1,4 +1,4 @@
-"""Sensors over a sweep: a quantity, and the color error, which is never far from it."""
+"""Sensors over a sweep: a quantity and the color error."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -20,13 +20,13 @@ def draw_comparison(
     Parameters
     ----------
     curves
-        Of `chromanoise.analysis.compared`, all of one sweep and quantity.
+        Curves from `chromanoise.analysis.compared`, all of one sweep and quantity.
     ax
         To draw on.
     crossovers
-        Of `chromanoise.analysis.crossovers`: marked by circles with the value of the sweep.
+        Crossovers from `chromanoise.analysis.crossovers`, marked by circles and sweep values.
     title
-        Which should name the operating point.
+        Title, which should name the operating point.
     """
     for curve, style in zip(curves, _styles(curves), strict=True):
         ax.plot(curve.at, curve.value, label=f"{curve.sensor}, {curve.matrix}", **style)

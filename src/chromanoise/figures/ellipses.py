@@ -10,14 +10,14 @@ from chromanoise.figures.style import INK
 
 
 def draw_ellipses(data: dict[str, Any], i: int, ax: Axes) -> Axes:
-    """The ellipses of one sensor: a cross at the true color, a line to what is measured.
+    """Draw the ellipses of one sensor, crosses at true colors, and lines to measured colors.
 
     Parameters
     ----------
     data
-        The drawing ``ellipses`` of `chromanoise.charts`.
+        The chart ``ellipses`` of `chromanoise.charts`.
     i
-        Which of its sensors.
+        Index of the sensor.
     """
     sensor = data["sensors"][i]
     for patch in sensor["patches"]:

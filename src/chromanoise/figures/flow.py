@@ -1,4 +1,4 @@
-"""Figure 2: the way from scene to color, with the numbers of one analysis at each stage."""
+"""Figure 2: the stages from scene to color, with the numbers of one analysis."""
 
 from collections.abc import Callable
 
@@ -26,12 +26,12 @@ _TOP, _BOX_HEIGHT, _ROW = 0.0, 0.62, 0.19
 
 
 def draw_flow(analysis: Analysis, ax: Axes, *, rows: int = 4) -> Axes:
-    """Scene, exposure, noise, spectrum and color in a row, their numbers underneath.
+    """Draw scene, exposure, noise, spectrum and color in a row, with their numbers below.
 
     Parameters
     ----------
     rows
-        Room for so many channels, so that panels of different sensors are equally tall.
+        Number of rows for channels, so that panels of different sensors have equal height.
     """
     for i, stage in enumerate(_STAGES):
         _draw_stage(ax, i, stage)

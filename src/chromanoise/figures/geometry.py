@@ -1,7 +1,7 @@
 """Figures 3, 4, 6, 9 and 10: two channels, the light and its uncertainty in their true plane.
 
-Every panel is to scale: lengths and angles are those of the n-dimensional vectors. The arrows
-f are in another unit than the light and share one factor of their own.
+Every panel is to scale: lengths and angles are those of the n-dimensional vectors. The arrows f
+have another unit than the light and a common scale factor.
 """
 
 from collections.abc import Sequence
@@ -36,13 +36,13 @@ from chromanoise.figures.vectors import (
 from chromanoise.paper.views import ChannelPlane, MagnifiedNoise
 
 _ORIGIN = np.zeros(2)
-_AXIS_DASHES = (0, (7, 2, 1.5, 2))  # of a color axis: no channel and no sensor has it
+_AXIS_DASHES = (0, (7, 2, 1.5, 2))  # of a color axis; not used for channels or sensors
 _NO_NOISE = "to scale, without noise"
 _HAT = r"$\hat{\mathbf{L}}$"
 
 
 def draw_light_above_plane(plane: ChannelPlane, ax: Axes) -> Axes:
-    """The plane of two channels seen edge-on: how far the light stands above it."""
+    """The plane of two channels seen edge-on, with the distance of the light from it."""
     tilt = np.radians(plane.light_tilt_deg)
     tip = plane.light_length * np.array([np.cos(tilt), np.sin(tilt)])
     foot = tip * [1.0, 0.0]
@@ -115,7 +115,7 @@ def draw_color_projection(plane: ChannelPlane, ax: Axes) -> Axes:
 def draw_uncertainty(
     plane: ChannelPlane, noise: MagnifiedNoise, ax: Axes, *, title: str = ""
 ) -> Axes:
-    """Figure 9: the zone of the measured light that the noise of two channels leaves open."""
+    """Figure 9: the uncertainty of the measured light from the noise of two channels."""
     _draw_channels(plane, ax)
     _draw_channel_angle(plane, ax)
     _draw_noise(noise, ax)
@@ -126,7 +126,7 @@ def draw_uncertainty(
         for end, corner in zip(bar, _locus_sides(noise, i), strict=True):
             draw_drop(ax, corner, end, square=False)
         draw_bar(ax, bar, color)
-        # the locus begins where the bar does: a label before it lies clear of the noise
+        # the locus begins at the bar, so a label before it does not cover the noise
         write_at(ax, bar[0], f"$M_{{{as_index(name)}}}$", sides[i] - directions[i], color, points=9)
     _draw_noisy_light(plane, ax, beside=[])
     write_heading(
@@ -194,7 +194,7 @@ def _draw_light(plane: ChannelPlane, ax: Axes) -> None:
 def _draw_noisy_light(
     plane: ChannelPlane, ax: Axes, *, beside: Sequence[Float[Array, " 2"]]
 ) -> None:
-    """The measured light, thin and labeled along its shaft: at its tip lies the noise."""
+    """The measured light, thin and labeled along its shaft, because the noise is at its tip."""
     mean = plane.measured.mean
     draw_arrow(ax, _ORIGIN, mean, INK, width=1.0)
     side = open_side(mean, [*plane.arrows, *beside])
@@ -214,7 +214,7 @@ def _draw_noise(noise: MagnifiedNoise, ax: Axes) -> None:
 
 
 def _tips(plane: ChannelPlane) -> Float[Array, "2 2"]:
-    """Ends of the channel axes, beyond everything that lies on them."""
+    """Ends of the channel axes, beyond all marks on them."""
     on_axes = np.stack([plane.feet, plane.parts, plane.arrows])
     return 1.18 * np.linalg.norm(on_axes, axis=2).max(axis=0)[:, None] * _unit(plane.arrows)
 
@@ -234,7 +234,7 @@ def _outward(plane: ChannelPlane) -> Float[Array, "2 2"]:
 
 
 def _source(plane: ChannelPlane) -> str:
-    """Which channels of which sensor."""
+    """Label with the channels and the sensor."""
     label = sensor_label(plane.sensor_name, plane.two.sensor.origin)
     return f"{' and '.join(plane.channels)} of {label}"
 
@@ -261,8 +261,8 @@ def _tilt(plane: ChannelPlane) -> str:
 
 
 def _raw_snr(plane: ChannelPlane) -> str:
-    told = (_decibels(name, value) for name, value in raw_snr_db(plane.two).items())
-    return "raw SNR " + ", ".join(told)
+    texts = (_decibels(name, value) for name, value in raw_snr_db(plane.two).items())
+    return "raw SNR " + ", ".join(texts)
 
 
 def _decibels(what: str, value: float | None) -> str:

@@ -1,4 +1,4 @@
-"""Figure 1: which channel sits over which pixel."""
+"""Figure 1: the mosaic of channels over the pixels."""
 
 from matplotlib.axes import Axes
 from matplotlib.patches import Rectangle

@@ -1,4 +1,4 @@
-"""The ten figures of the paper, from a study of it."""
+"""The ten figures of the paper."""
 
 from collections.abc import Sequence
 
@@ -95,7 +95,7 @@ def paper_figures(
     planes
         `chromanoise.paper.paper_planes`.
     pictures
-        8-bit sRGB of the RGB sensor and of the RGBW sensor; without them there is no Figure 8.
+        8-bit sRGB of the RGB sensor and of the RGBW sensor; without them Figure 8 is omitted.
 
     Returns
     -------

@@ -11,12 +11,12 @@ _MARKS = "osD^vP"
 
 
 def draw_pareto(data: dict[str, Any], ax: Axes) -> Axes:
-    """One curve per sensor, its ends told by their weight, and a large mark where it is now.
+    """Draw one curve per sensor, ends labeled by weight, and a large mark at the current matrix.
 
     Parameters
     ----------
     data
-        The drawing ``pareto`` of `chromanoise.charts`.
+        The chart ``pareto`` of `chromanoise.charts`.
     """
     patterns = sensor_dashes(sensor["name"] for sensor in data["sensors"])
     for i, sensor in enumerate(data["sensors"]):
@@ -47,12 +47,12 @@ def draw_trade(
     dashes: Any = "solid",
     label: str | None = None,
 ) -> Axes:
-    """One curve of color error against SNR, its ends named by their weight.
+    """Draw one curve of color error against SNR, with ends labeled by weight.
 
     Parameters
     ----------
     snr_db, color_error
-        One per weight. [dB], [Delta E*ab]
+        One value per weight. [dB], [Delta E*ab]
     weights
         As text.
     ax

@@ -1,4 +1,4 @@
-"""Figure 8: what a noisy color picture looks like."""
+"""Figure 8: a noisy color picture."""
 
 from matplotlib.axes import Axes
 
@@ -7,7 +7,7 @@ from chromanoise._shapes import UInt8
 
 
 def draw_picture(srgb: UInt8[Array, "h w 3"], ax: Axes, *, title: str = "") -> Axes:
-    """A picture, pixel for pixel: no smoothing, which would take away the noise that it shows.
+    """Draw a picture without interpolation, which would smooth the noise.
 
     Parameters
     ----------

@@ -18,21 +18,21 @@ from chromanoise.imaging.capture import Capture
 from chromanoise.metrics import Budget
 from chromanoise.study import MatrixResult, conditions
 
-_WIDE = 62  # letters of a title, so that it fits the axes of a usual figure
+_WIDE = 62  # characters of a title line that fit the axes of a default figure
 _LEGEND_ROW = 0.45  # of a line of the legend, in rows of bars
 _HEIGHT = 0.8  # of the bars of one row together, in rows
 
 
 def draw_analyses(analyses: Sequence[Analysis], ax: Axes, *, coordinate: str = "Y") -> Axes:
-    """What each cause takes from the SNR of one coordinate: a bar per sensor and cause. [dB]
+    """Draw the loss of SNR of one coordinate: a bar per sensor and cause. [dB]
 
-    The legend gives the SNR that is left. A sensor without a budget has no bars, and its SNR is
-    named as undefined.
+    The legend gives the remaining SNR. A sensor without a budget has no bars, and the legend calls
+    its SNR undefined.
 
     Parameters
     ----------
     analyses
-        Of one light.
+        Analyses under one light.
     ax
         To draw on.
     coordinate
@@ -81,15 +81,15 @@ def _draw_losses(
 
 
 def draw_matrices(results: Sequence[MatrixResult], ax: Axes) -> Axes:
-    """Color error against SNR over the weight of the noise, if asked for; else the matrix as bars.
+    """Draw color error against SNR where the results have a Pareto curve, else matrices as bars.
 
-    The curve is one line per sensor, its ends named by their weight. The matrix is a bar per entry,
-    in groups of one coordinate, with the letter and the color of the channel. [lx/e-]
+    The curve is one line per sensor, with ends labeled by weight. A matrix has one bar per entry,
+    grouped by coordinate, with the letter and the color of the channel. [lx/e-]
 
     Parameters
     ----------
     results
-        One per sensor, all by one method.
+        One result per sensor, all by one method.
     ax
         To draw on.
     """
@@ -105,7 +105,7 @@ def draw_matrices(results: Sequence[MatrixResult], ax: Axes) -> Axes:
 def _draw_curves(results: Sequence[MatrixResult], ax: Axes) -> None:
     patterns = sensor_dashes(one.point.sensor.name for one in results)
     for one in results:
-        assert one.pareto is not None  # only then it is called
+        assert one.pareto is not None  # called only for results with a curve
         name, curve = one.point.sensor.name, one.pareto
         trades = zip(curve.snr_y_db.tolist(), curve.delta_e, curve.weight.tolist(), strict=True)
         known = [(snr, error, w) for snr, error, w in trades if error is not None]
@@ -157,7 +157,7 @@ def _draw_entries(results: Sequence[MatrixResult], ax: Axes) -> None:
 
 
 def draw_capture(capture: Capture, ax: Axes) -> Axes:
-    """A picture, pixel for pixel; codes of a mosaic without color as gray, from 0 to the top code.
+    """Draw a picture without interpolation; mosaic codes without color as gray, from 0 to the top.
 
     Parameters
     ----------
@@ -171,7 +171,7 @@ def draw_capture(capture: Capture, ax: Axes) -> Axes:
         draw_picture(capture.picture.srgb, ax)
         what = f"{point.sensor.name}, sRGB"
     else:
-        assert capture.raw is not None  # a capture has one of both
+        assert capture.raw is not None  # a capture has codes or color
         top = capture.raw.adc.top_code
         ax.imshow(capture.raw.codes, interpolation="none", cmap="gray", vmin=0, vmax=top)
         ax.set_axis_off()

@@ -19,16 +19,16 @@ _CENTERED: dict[str, Any] = {"ha": "center", "va": "center_baseline"}
 def draw_sensitivities(
     sensor: Sensor, ax: Axes, *, top: float | None = None, dashes: Any = None
 ) -> Axes:
-    """Quantum efficiency over wavelength, each curve with its letter, the near infrared shaded.
+    """Draw quantum efficiency over wavelength, with curve letters and the near infrared shaded.
 
     Parameters
     ----------
     sensor
-        Its curves are drawn with one dash pattern.
+        The sensor; all its curves have one dash pattern.
     top
         Upper end of the scale, where panels share one. [e-/photon]
     dashes
-        That pattern, where several sensors share a figure: of `sensor_dashes`.
+        The dash pattern, from `sensor_dashes`, where several sensors share a figure.
     """
     wavelength_nm = sensor.grid.wavelength_nm
     dashes = dashes or sensor_dashes([sensor.name])[sensor.name]
@@ -52,7 +52,7 @@ def draw_sensitivities(
 def _letter_place(
     wavelength_nm: Float[Array, " n"], qe: Float[Array, "n p"], i: int, top: float
 ) -> tuple[float, float]:
-    """Where the letter of channel ``i`` stands: at a high, flat part of it, clear of all curves."""
+    """Position of the letter of channel ``i``: at a high, flat part, clear of all curves."""
     inner = (wavelength_nm > wavelength_nm[0] + _HALF_WIDTH_NM) & (
         wavelength_nm < wavelength_nm[-1] - _HALF_WIDTH_NM
     )
@@ -73,7 +73,7 @@ def _rated_place(
     side: int,
     top: float,
 ) -> tuple[float, float, float]:
-    """A place above (side 1) or below (-1) the curve, and before it how good it is."""
+    """Rating and position of a place above (side 1) or below (-1) the curve."""
     near = qe[np.abs(wavelength_nm - at) <= _HALF_WIDTH_NM]
     own, others = near[:, i], np.delete(near, i, axis=1)
     edge = own.max() if side > 0 else own.min()
@@ -83,7 +83,7 @@ def _rated_place(
     hit = ((others.max(axis=0) > low) & (others.min(axis=0) < high)).any()
     outside = low < 0 or high > top
     rating = own.mean() - 3 * np.ptp(own)
-    rating += 0.1 * top * (side > 0)  # above is where one looks for a name
-    rating -= 0.5 * top * (at > INFRARED_FROM_NM)  # a channel is named after its visible band
+    rating += 0.1 * top * (side > 0)  # prefer places above the curve
+    rating -= 0.5 * top * (at > INFRARED_FROM_NM)  # prefer the visible range
     rating -= 10 * top * (hit or outside)
     return float(rating), float(at), float(height)

@@ -1,4 +1,4 @@
-"""The figures of a study: what its report draws, for papers and slides."""
+"""The figures of a study, with the charts of its report, for papers and slides."""
 
 from collections.abc import Mapping
 from textwrap import fill
@@ -24,12 +24,12 @@ _LETTERS_PER_IN = 13  # of a title
 def study_figures(of: Shown) -> Mapping[str, Figure]:
     """Sensitivities, comparison over the light level, budget, ellipses and Pareto curve, by name.
 
-    A figure of which no sensor has anything to show, as the budget of saturated ones, is left out.
+    A figure without data for any sensor, e.g. the budget of saturated sensors, is omitted.
 
     Parameters
     ----------
     of
-        A study as `chromanoise.charts.charted_study` gives it.
+        A study from `chromanoise.charts.charted_study`.
 
     Raises
     ------
@@ -53,7 +53,7 @@ def _framed(height_in: float, width_in: float = _WIDE_IN) -> Figure:
 
 
 def _entitle(figure: Figure, title: str) -> None:
-    """A title over all panels, in as many lines as the width asks for."""
+    """Draw a title over all panels, wrapped to the width of the figure."""
     letters = int(_LETTERS_PER_IN * figure.get_figwidth())
     lines = fill(title, letters, break_on_hyphens=False)
     figure.suptitle(lines, x=0.02, ha="left", fontsize=9)
@@ -84,8 +84,8 @@ def _comparison(of: Shown) -> Figure:
 
 
 def _budget(of: Shown) -> Figure | None:
-    told = [(one, coordinate_budget(one, "Y")) for one in of.analyses]
-    budgets = [(one.sensor, budget) for one, budget in told if budget is not None]
+    found = [(one, coordinate_budget(one, "Y")) for one in of.analyses]
+    budgets = [(one.sensor, budget) for one, budget in found if budget is not None]
     if not budgets:
         return None
     figure = _framed(2.6 * len(budgets))

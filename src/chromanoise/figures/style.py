@@ -1,4 +1,4 @@
-"""One look for all figures: colors that color-blind eyes tell apart, dashes, letters."""
+"""Common style of all figures: color-blind safe colors, dash patterns, letters."""
 
 import re
 from collections.abc import Iterable, Iterator
@@ -66,13 +66,13 @@ _RC = {
 
 @contextmanager
 def chromanoise_style() -> Iterator[None]:
-    """Matplotlib's own defaults plus this look, whatever the user's settings; undone after."""
+    """Context with Matplotlib's defaults plus this style, independent of the user's settings."""
     with matplotlib.style.context(["default", _RC]):
         yield
 
 
 def channel_color(name: str) -> str:
-    """The color of a channel by its name; ink for one that the palette does not know."""
+    """The color of a channel by its name; the text color for a name outside the palette."""
     return _palette.channel_color(name) or INK
 
 
@@ -89,20 +89,20 @@ def as_index(name: str) -> str:
 
 
 def sensor_dashes(names: Iterable[str]) -> dict[str, Any]:
-    """The dash pattern of each sensor of a figure, so that no curve is told by color alone.
+    """The dash pattern of each sensor of a figure, so that curves differ not only in color.
 
-    Those of the paper have their own; the others take those that are left, in their order, and
-    begin anew where all are taken.
+    The paper's sensors have fixed patterns; the others get the remaining patterns in order, which
+    repeat when all are used.
 
     Parameters
     ----------
     names
-        Of the sensors; one that comes twice counts once.
+        Names of the sensors; duplicates count once.
 
     Examples
     --------
-    >>> told = sensor_dashes(["mine", "onyx-rgbw", "yours"])
-    >>> told["onyx-rgbw"], told["mine"] == told["yours"]
+    >>> dashes = sensor_dashes(["mine", "onyx-rgbw", "yours"])
+    >>> dashes["onyx-rgbw"], dashes["mine"] == dashes["yours"]
     ('solid', False)
     """
     distinct = dict.fromkeys(names)

@@ -1,4 +1,4 @@
-"""Figures to files: PNG to look at, SVG to edit, PDF to print."""
+"""Write figures to PNG, SVG and PDF files."""
 
 from collections.abc import Mapping, Sequence
 from io import BytesIO
@@ -24,7 +24,7 @@ def write_figures(
     *,
     endings: Sequence[str] = tuple(_FORMATS),
 ) -> tuple[Path, ...]:
-    """Each figure in each format, named by its key; each file appears whole or not at all.
+    """Write each figure in each format, named by its key; every file is written atomically.
 
     Parameters
     ----------

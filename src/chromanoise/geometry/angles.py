@@ -1,4 +1,4 @@
-"""How far the channels stand apart: angles, variance inflation, and who is nearly a mix of whom."""
+"""Angles between channels, variance inflation, and near-linear dependence of channels."""
 
 from dataclasses import dataclass
 
@@ -11,7 +11,7 @@ from chromanoise.geometry.frame import Frame
 
 
 def variance_inflation(frame: Frame) -> Float[Array, " p"]:
-    """VIF_i = |f_i|^2 (G^-1)_ii = 1 / sin^2 phi_i; inf for a channel that is a mix of others.
+    """VIF_i = |f_i|^2 (G^-1)_ii = 1 / sin^2 phi_i; inf for a linearly dependent channel.
 
     phi_i is the angle between channel i and the span of the others. 1 for orthogonal channels.
 
@@ -41,18 +41,18 @@ def angles_to_axes_deg(frame: Frame, axes: Float[Array, "n c"]) -> Float[Array, 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class NearestMix:
-    """The channel that is most nearly a mix of the others, and that mix.
+    """The channel that is closest to a linear combination of the others, and its weights.
 
     Attributes
     ----------
     channel
-        Its name.
+        Name of the channel.
     weights
-        How much of each other channel approximates it best.
+        Weights of the other channels in the best approximation.
     angle_deg
-        Between the channel and the span of the others; 0 for an exact mix.
+        Angle between the channel and the span of the others; 0 for a linearly dependent channel.
     explained
-        cos^2 of that angle: the share of the channel that the mix reproduces.
+        cos^2 of that angle: the share of the channel that the linear combination reproduces.
     """
 
     channel: str
@@ -62,7 +62,7 @@ class NearestMix:
 
 
 def nearest_mix(frame: Frame) -> NearestMix | None:
-    """Which channel is most nearly a mix of the others; ``None`` for a single channel."""
+    """The channel closest to a linear combination of the others; ``None`` for a single one."""
     if len(frame.names) < 2:
         return None
     return min((_mix(frame, i) for i in range(len(frame.names))), key=lambda mix: mix.angle_deg)
@@ -87,10 +87,10 @@ def _mix(frame: Frame, i: int) -> NearestMix:
 
 
 def _in_span_of_others(frame: Frame) -> Bool[Array, " p"]:
-    """True where leaving the channel out does not lower the rank."""
+    """True where omitting the channel does not lower the rank."""
     directions, _ = unit_columns(frame.basis)
     p = directions.shape[1]
-    smallest = RANK_TOLERANCE * np.linalg.norm(directions, 2)  # what the frame itself calls zero
+    smallest = RANK_TOLERANCE * np.linalg.norm(directions, 2)  # the tolerance of the frame
     ranks = [
         matrix_rank("channels without one", np.delete(directions, i, axis=1), tol=smallest)
         for i in range(p)

@@ -1,4 +1,4 @@
-"""Eq. 3: from covariant to contravariant coordinates, with the noise."""
+"""Contravariant coordinates from covariant ones, with their noise (eq. 3)."""
 
 import numpy as np
 
@@ -34,7 +34,7 @@ def contravariant(raw: Measurement, frame: Frame) -> Measurement:
 
 
 def spectral_snr(raw: Measurement, frame: Frame) -> Float[Array, "*px"]:
-    """Amplitude SNR of the rebuilt spectrum: |L^| / sqrt(E |L^ - E L^|^2).
+    """Amplitude SNR of the reconstructed spectrum: |L^| / sqrt(E |L^ - E L^|^2).
 
     With mu and D the mean and covariance of the raw channels, its square is
     mu^T G^-1 mu / tr(G^-1 D). 0 in the dark.

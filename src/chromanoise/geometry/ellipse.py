@@ -12,12 +12,12 @@ from chromanoise._shapes import Float
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class PlaneView:
-    """Orthonormal coordinates in the plane that two channels span, lengths and angles kept.
+    """Orthonormal coordinates in the plane of two channels, which preserve lengths and angles.
 
     Attributes
     ----------
     axes
-        Two orthonormal columns; the first along the first channel.
+        Two orthonormal columns; the first is parallel to the first channel.
     vectors
         The two channels in the plane, one per column.
     """
@@ -37,7 +37,7 @@ def plane_view(first: Float[Array, " n"], second: Float[Array, " n"]) -> PlaneVi
     """The plane of two independent channels, the first drawn to the right, the second upward."""
     right = first / np.linalg.norm(first)
     rest = second - (second @ right) * right
-    rest -= (rest @ right) * right  # once more, so that the axes are orthogonal to rounding
+    rest -= (rest @ right) * right  # repeated, so that the axes are orthogonal to rounding
     axes = np.stack([right, rest / np.linalg.norm(rest)], axis=1)
     return PlaneView(axes=axes, vectors=axes.T @ np.stack([first, second], axis=1))
 

@@ -1,4 +1,4 @@
-"""The basis of sensor space and its dual."""
+"""The basis of sensor space and its dual basis."""
 
 from dataclasses import dataclass
 
@@ -14,26 +14,27 @@ from chromanoise.spectra import Metric
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Frame:
-    """``p`` measurement vectors, their dual basis, and how well they stand.
+    """``p`` measurement vectors, their dual basis and their conditioning.
 
     Attributes
     ----------
     basis
         F of eq. 3: one column f_i per channel. [e- per unit of light]
     dual
-        F G^-1, with f^i . f_j = delta_ij: the columns that rebuild light from electrons (eq. 4).
+        F G^-1, with f^i . f_j = delta_ij: columns that reconstruct light from electrons (eq. 4).
         [unit of light per e-]
     inverse_gram
-        G^-1 = (F^T F)^-1; the pseudo-inverse where the rank is short. [(unit of light)^2 per e-^2]
+        G^-1 = (F^T F)^-1; the pseudo-inverse where F is rank-deficient.
+        [(unit of light)^2 per e-^2]
     names
         One per channel.
     metric
-        In which light is a vector.
+        Metric of the space of spectra.
     rank
         Number of independent channels; less than p means the sensor is singular.
     condition
-        Largest over smallest singular value of the channels scaled to length 1, so that no
-        choice of gain hides or feigns a near-singular sensor; inf where the rank is short.
+        Largest over smallest singular value of the channels scaled to length 1, so that it does
+        not depend on gain; inf where F is rank-deficient.
     """
 
     basis: Float[Array, "n p"]
@@ -52,20 +53,20 @@ class Frame:
 def dual_frame(basis: Float[Array, "n p"], *, names: tuple[str, ...], metric: Metric) -> Frame:
     """The dual basis by singular values of the unit-length channels.
 
-    A channel that is a mix of others is an answer, not an error: ``rank`` falls short of p and
-    the pseudo-inverse stands in for G^-1.
+    Linearly dependent channels are not an error: ``rank`` is less than p, and the pseudo-inverse
+    replaces G^-1.
 
     Parameters
     ----------
     basis
-        F, one column per channel.
+        F, the matrix with one column per channel.
     names, metric
         Of the channels.
 
     Raises
     ------
     InputError
-        If a channel sees no light at all.
+        If a channel is zero at every wavelength.
 
     Examples
     --------
@@ -104,5 +105,5 @@ def dual_frame(basis: Float[Array, "n p"], *, names: tuple[str, ...], metric: Me
 
 
 def reconstructed_light(frame: Frame, mean_e: Float[Array, "*px p"]) -> Float[Array, "*px n"]:
-    """The spectrum that the sensor has seen, L^ = F G^-1 M (eq. 4)."""
+    """The spectrum reconstructed from the electrons, L^ = F G^-1 M (eq. 4)."""
     return mean_e @ frame.dual.T

@@ -1,4 +1,4 @@
-"""What a measurement is worth: SNR, optimum, loss, budget; color error; filters, speed, bits."""
+"""Metrics: SNR, optimal linear SNR, loss, budgets, color error, filter quality, speed, bits."""
 
 from chromanoise.metrics.accuracy import (
     chart_ciede2000,

@@ -1,4 +1,4 @@
-"""How far a sensor's color is from the eye's."""
+"""Color error of a sensor relative to the standard observer."""
 
 from functools import lru_cache
 
@@ -14,21 +14,21 @@ from chromanoise.sensor import Sensor
 from chromanoise.spectra import Illuminant, color_axes, colorchecker
 
 
-@lru_cache(maxsize=64)  # the matrix of one exposure is asked again and again
+@lru_cache(maxsize=64)  # reused for all levels of a sweep
 def chart_color_error(
     sensor: Sensor, matrix: ColorMatrix, exposure: Exposure, illuminant: Illuminant
 ) -> Float[Array, "24"] | None:
     """CIE 1976 color difference of each ColorChecker patch, without noise. [Delta E*ab]
 
-    ``None`` where the sensor's own white is no color (X, Y or Z not above 0).
+    ``None`` where X, Y or Z of the sensor's own white is not above 0.
 
-    Each side is white-balanced on its own perfect white: X, Y and Z are divided by those of a
-    reflectance of 1, as a camera does before anyone looks.
+    Sensor and observer are each white-balanced on their own perfect white: X, Y and Z are divided
+    by those of a reflectance of 1, as the white balance of a camera does.
 
     Raises
     ------
     InputError
-        If the sensor's grid leaves 400-1050 nm, where the chart is measured.
+        If the sensor's grid extends beyond 400-1050 nm, the range of the chart's data.
 
     Notes
     -----
@@ -41,7 +41,7 @@ def chart_color_error(
 def chart_ciede2000(
     sensor: Sensor, matrix: ColorMatrix, exposure: Exposure, illuminant: Illuminant
 ) -> Float[Array, "24"] | None:
-    """CIEDE2000 color difference of each ColorChecker patch, without noise; as the other. [1]
+    """CIEDE2000 color difference of each ColorChecker patch, without noise. [1]
 
     Parameters, errors and ``None`` as `chart_color_error`.
 
@@ -56,7 +56,7 @@ def chart_ciede2000(
 def chart_lab(
     sensor: Sensor, matrix: ColorMatrix, exposure: Exposure, illuminant: Illuminant
 ) -> tuple[Float[Array, "24 3"], Float[Array, "24 3"]] | None:
-    """L*, a*, b* of each ColorChecker patch as the eye and as the sensor sees it, without noise.
+    """L*, a*, b* of each ColorChecker patch for the observer and for the sensor, without noise.
 
     Parameters, errors and ``None`` as `chart_color_error`.
     """
@@ -76,7 +76,7 @@ def mean_chart_errors(
     Parameters
     ----------
     matrices
-        Of that sensor and exposure. [lx/e-]
+        Color matrices for that sensor and exposure. [lx/e-]
 
     Raises
     ------

@@ -1,10 +1,9 @@
-"""Where the SNR goes: from all photons that hit the pixels to one color coordinate, cause by cause.
+"""SNR budget: the loss per cause, from all incident photons to one color coordinate.
 
-Five causes are switched on one after the other, and each is charged the mean of what it costs over
-all orders that make sense: the filters come before all that they make possible, and the weights of
-the coordinate before the unmixing that refines them; read noise and infrared may come at any time
-after the filters. So the shares add up exactly, no order is preferred, and a cause that changes
-nothing costs nothing.
+Five causes of loss are switched on one after the other. The loss of a cause is its mean loss over
+all allowed orders (Shapley value): the filters come first, and the weights of the coordinate come
+before the correlation of the channels; read noise and infrared may come anywhere after the filters.
+So the losses add up exactly, no order is preferred, and a cause without effect has a loss of 0.
 
 ============ =============================================== ==================================
 cause        off                                             on
@@ -78,9 +77,9 @@ def color_budget(
     Parameters
     ----------
     scene
-        A single point (`flat_field`).
+        A scene of one point (`flat_field`).
     sensor, exposure
-        What looks at it, and how.
+        The sensor and its exposure settings.
     matrix
         The kernel matrix of that sensor and exposure (eq. 6).
     coordinate
@@ -103,7 +102,9 @@ def color_budget(
     if not min(usable) > 0:
         return None
     readings = _readings(chain, matrix.frame, got)
-    own = chain_snr_db(chain, frozenset(CAUSES) - {INFRARED})  # all light counts in the end
+    own = chain_snr_db(
+        chain, frozenset(CAUSES) - {INFRARED}
+    )  # at the end all light counts as signal
     readings[REST] = _rest_reading(chain_snr_db(chain, frozenset(CAUSES)) - own, coordinate)
     bound = chain_snr_db(chain, frozenset({FILTERS, READ_NOISE}))
     return chain_budget(
@@ -114,26 +115,26 @@ def color_budget(
 def contravariant_budget(
     scene: Scene, sensor: Sensor, exposure: Exposure, frame: Frame, channel: str
 ) -> Budget | None:
-    """The budget of one contravariant coordinate, or ``None`` where it is not defined.
+    """The budget of one contravariant coordinate, or ``None`` where it is undefined.
 
-    Here the infrared is signal like any other light, and "weights" is the step from the best
-    readout of all channels to the one channel alone.
+    Here infrared light counts as signal, and "weights" is the step from the best linear readout of
+    all channels to this channel alone.
 
     Parameters
     ----------
     scene
-        A single point (`flat_field`).
+        A scene of one point (`flat_field`).
     sensor, exposure
-        What looks at it, and how.
+        The sensor and its exposure settings.
     frame
-        Of that sensor and exposure.
+        The frame of that sensor and exposure.
     channel
-        Whose coordinate.
+        Name of the channel.
 
     Raises
     ------
     InputError
-        If there is no such channel, or the frame is of other channels.
+        If there is no such channel, or the channels of the frame differ from the sensor's.
     """
     _check.one_of("channel", channel, sensor.names)
     _check.same_names("budget", sensor=sensor.names, frame=frame.names)
@@ -156,7 +157,7 @@ def contravariant_budget(
 
 
 def weights_one_by_one(axis: Float[Array, " n"], frame: Frame) -> Float[Array, " p"]:
-    """What each channel alone tells of ``axis``: h.f / |f|^2, as if no two channels overlapped.
+    """Weights of the channels for ``axis``, h.f / |f|^2, neglecting the overlap of the channels.
 
     Examples
     --------
@@ -170,7 +171,7 @@ def weights_one_by_one(axis: Float[Array, " n"], frame: Frame) -> Float[Array, "
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class _Electrons:
-    """Photons on all pixels, and what of them the channels make electrons of."""
+    """Photons on all pixels, and the electrons that the channels collect from them."""
 
     photons: float
     photons_db: float
@@ -210,5 +211,5 @@ def _readings(chain: Chain, frame: Frame, got: _Electrons) -> dict[str, str]:
 
 
 def _rest_reading(rest_db: float, coordinate: str) -> str:
-    infrared = round(100 * (1 - 10 ** (rest_db / 20)), 1) + 0.0  # no minus before a zero
+    infrared = round(100 * (1 - 10 ** (rest_db / 20)), 1) + 0.0  # avoids -0.0
     return f"{infrared:.1f} % of {coordinate} is infrared that the matrix lets through"

@@ -1,9 +1,9 @@
-"""The way from all photons to one coordinate, with a switch for every cause of loss.
+"""The chain from all photons to one coordinate, with a switch for every cause of loss.
 
-What every budget shares: the causes and their order, the two nouns that come back, and the SNR of
-the readout that a set of switches describes. What signal, noise and rows are is said by
-`chromanoise.metrics.budget` for X, Y, Z and the contravariant coordinates, and by
-`chromanoise.metrics.lab_budget` for L*, a*, b*.
+This module holds what all budgets share: the causes and their order, the result types, and the SNR
+of the readout for a set of active causes. `chromanoise.metrics.budget` defines signal, noise and
+weights for X, Y, Z and the contravariant coordinates, `chromanoise.metrics.lab_budget` for L*, a*,
+b*.
 """
 
 from dataclasses import dataclass
@@ -29,16 +29,16 @@ _PRECEDENCE = (*((FILTERS, later) for later in CAUSES[1:]), (WEIGHTS, CORRELATIO
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Cost:
-    """What one cause costs.
+    """The loss of SNR that one cause makes.
 
     Attributes
     ----------
     cause
         One of `CAUSES`, or "rest".
     loss_db
-        Its Shapley value; negative where it helps. [dB]
+        Its Shapley value; negative where the cause raises the SNR. [dB]
     reading
-        What it is in terms of the sensor, in one sentence.
+        One sentence that explains the loss in terms of the sensor.
     """
 
     cause: str
@@ -48,21 +48,21 @@ class Cost:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Budget:
-    """From all photons down to one coordinate.
+    """The SNR budget of one coordinate, starting from all photons.
 
     Attributes
     ----------
     coordinate
         X, Y or Z; M^R for the contravariant coordinate of channel R; L*, a* or b*.
     photons_db
-        SNR of counting every photon that hits the p pixels, each with its wavelength: sqrt(p N)
-        where the signal is the light itself. [dB]
+        SNR of an ideal detector that counts every photon on the p pixels with its wavelength:
+        sqrt(p N) where the signal is the light itself. [dB]
     costs
         One per cause and the rest; their sum is ``photons_db`` minus ``snr_db``.
     optimal_linear_snr_db
         The best SNR of any linear readout of the real channels. [dB]
     snr_db
-        Of the coordinate; for L*, a* and b* one unit over its standard deviation. [dB]
+        SNR of the coordinate; for L*, a* and b* one unit over its standard deviation. [dB]
     """
 
     coordinate: str
@@ -84,7 +84,7 @@ class Budget:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Seen:
-    """What the channels get of the signal, and of the light that makes the noise.
+    """Electrons of the signal, and electrons that contribute shot noise.
 
     Attributes
     ----------
@@ -93,7 +93,7 @@ class Seen:
     noise_e
         Electrons whose shot noise counts. [e-]
     sought_e
-        The signal that the best linear readout is made for. [e-]
+        The signal for which the best linear readout is optimized. [e-]
     """
 
     signal_e: Float[Array, " p"]
@@ -106,20 +106,20 @@ class Seen:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Chain:
-    """Signals, noises and weights between which the causes switch.
+    """Signals, noise and weights that the causes switch between.
 
     Attributes
     ----------
     photons_db
-        Where it starts: `counting_snr_db`. [dB]
+        SNR at the start of the chain: `counting_snr_db`. [dB]
     without_infrared, with_infrared
-        What is seen while the cause "infrared" is off, and on.
+        Signal and noise with the cause "infrared" off, and on.
     row
-        The coordinate's own row over the unmixed channels.
+        The coordinate's row of the color matrix, applied to the unmixed channels.
     single_row
-        The coordinate's weights where channels are taken one by one.
+        The coordinate's weights where the overlap of the channels is neglected.
     read_variance_e2
-        Of each pixel. [e-^2]
+        Variance of the read noise of each pixel. [e-^2]
     """
 
     photons_db: float
@@ -136,20 +136,20 @@ class Chain:
 def counting_snr_db(
     light: Float[Array, " n"], change: Float[Array, " n"], photons_per_unit_light: float
 ) -> float:
-    """SNR of a change of light for a reader that counts every photon with its wavelength. [dB]
+    """SNR of a change of light for a detector that counts every photon with its wavelength. [dB]
 
     Parameters
     ----------
     light
-        Mean light per wavelength, >= 0; where it is 0 the change must be 0 too.
+        Mean light per wavelength, >= 0; where it is 0, the change must be 0 too.
     change
         The signal, in the unit of ``light``.
     photons_per_unit_light
-        On all pixels together. [photons per unit of light]
+        Photons on all pixels together. [photons per unit of light]
 
     Notes
     -----
-    Photons are Poisson and independent, so the SNRs of the wavelengths add in squares:
+    Photon counts are independent Poisson variables, so the squared SNRs of the wavelengths add:
     sum of (k dL)^2 / (k L). For dL = L it is sqrt(k sum L), the square root of the photons.
 
     Examples
@@ -171,7 +171,7 @@ def photons_on_pixels(sensor: Sensor, exposure: Exposure) -> float:
 
 
 def without_infrared(scene: Scene) -> Scene:
-    """The same scene behind a perfect cut at `INFRARED_FROM_NM`."""
+    """The same scene behind an ideal IR-cut filter at `INFRARED_FROM_NM`."""
     visible = scene.illuminant.grid.wavelength_nm <= INFRARED_FROM_NM
     return Scene(
         illuminant=scene.illuminant,
@@ -181,7 +181,7 @@ def without_infrared(scene: Scene) -> Scene:
 
 
 def chain_snr_db(chain: Chain, on: Switches) -> float:
-    """SNR of the readout that the switches describe. [dB]"""
+    """SNR of the readout with the given causes switched on. [dB]"""
     if FILTERS not in on:
         return chain.photons_db
     seen = chain.with_infrared if INFRARED in on else chain.without_infrared
@@ -201,14 +201,14 @@ def chain_budget(
     optimal_linear_snr_db: float,
     snr_db: float,
 ) -> Budget:
-    """The shares of all causes; what they leave to ``snr_db`` is the rest.
+    """The losses of all causes; the difference that remains to ``snr_db`` is the rest.
 
     Parameters
     ----------
     chain
-        Of ``coordinate``.
+        The chain of ``coordinate``.
     causes
-        Those of `CAUSES` that are switched.
+        The causes from `CAUSES` that are switched.
     readings
         One sentence per cause and for "rest".
     optimal_linear_snr_db, snr_db
@@ -230,12 +230,12 @@ def chain_budget(
 def shared_readings(
     chain: Chain, frame: Frame, *, photons: float, all_e: Array, visible_e: Array
 ) -> dict[str, str]:
-    """What each cause is in terms of the sensor, in one sentence.
+    """One sentence per cause that explains it in terms of the sensor.
 
     Parameters
     ----------
     chain, frame
-        Of the sensor.
+        The chain and the frame of the sensor.
     photons
         On all pixels together.
     all_e, visible_e
@@ -244,7 +244,7 @@ def shared_readings(
     vif = variance_inflation(frame)
     worst = int(np.argmax(vif))
     variance = all_e + chain.read_variance_e2
-    whitened = np.sqrt(np.where(variance > 0, variance, 1.0))  # a silent channel weighs nothing
+    whitened = np.sqrt(np.where(variance > 0, variance, 1.0))  # avoids 0 / 0
     best, own = chain.with_infrared.sought_e / whitened, chain.single_row * whitened
     psi = np.degrees(np.arccos(np.clip(best @ own / np.sqrt((best @ best) * (own @ own)), -1, 1)))
     infrared = 1 - visible_e.sum() / all_e.sum()

@@ -1,13 +1,14 @@
-"""How well the filters span the eye: q, Vora value, angles, and the merit that holds them all.
+"""Quality of color filters: q, Vora value, principal angles, and a general figure of merit.
 
-Light l with second moment K falls on filters F, which give F^T l + noise of covariance D. The eye
-wants A^T l. With the best linear readout B,
+Light l with second moment K passes filters F, and the channels measure F^T l plus noise of
+covariance D. The color of the standard observer is A^T l. With the best linear readout B,
 
     B = A^T K F (F^T K F + D)^-1,  FOM = 1 - tr W (A^T K A - B F^T K A) / tr W A^T K A.
 
 Because K and D have square roots, this is a projection: stack X = [K^1/2 F; D^1/2] and
-Y = [K^1/2 A; 0]; then B^T solves X B^T ~ Y, and the error is what of Y lies outside of X. So the
-merit is computed without ever squaring a condition number, and is never negative.
+Y = [K^1/2 A; 0]; then B^T is the least-squares solution of X B^T ~ Y, and the error is the
+residual of Y. So the figure of merit is computed without squaring a condition number, and it is
+never negative.
 """
 
 import numpy as np
@@ -19,18 +20,18 @@ from chromanoise._shapes import Float
 from chromanoise.errors import InputError
 
 NEGATIVE_TOLERANCE = 1e-9
-"""Eigenvalues of a covariance below minus this share of the largest are no rounding."""
+"""A covariance is rejected if an eigenvalue is below minus this share of the largest."""
 
 
 def filter_quality(filters: Float[Array, "n p"], eye: Float[Array, "n c"]) -> Float[Array, " p"]:
-    """Neugebauer's q of each filter: the share of |f|^2 that lies in the space of the eye. [1]
+    """Neugebauer's q of each filter: the share of |f|^2 in the span of the observer. [1]
 
     Parameters
     ----------
     filters
-        One column per channel, in the same metric as ``eye``; its unit cancels.
+        One column per channel, in the same metric as ``eye``; the unit cancels.
     eye
-        Color-matching functions, or any mix of them.
+        Color-matching functions, or any linear combinations of them.
 
     Raises
     ------
@@ -54,7 +55,7 @@ def filter_quality(filters: Float[Array, "n p"], eye: Float[Array, "n c"]) -> Fl
 def principal_angles_deg(
     filters: Float[Array, "n p"], eye: Float[Array, "n c"]
 ) -> Float[Array, " k"]:
-    """Angles between the spaces of sensor and eye, smallest first, as many as both have. [deg]
+    """Principal angles between the spans of sensor and observer, smallest first. [deg]
 
     Raises
     ------
@@ -64,7 +65,7 @@ def principal_angles_deg(
     Notes
     -----
     Bjorck & Golub, Math. Comp. 27, 579 (1973): cosines from Q_F^T Q_A; below 45 degrees, where a
-    cosine is blunt, sines from what of one basis lies outside of the other.
+    cosine is insensitive, sines from the residual of one basis after projection on the other.
 
     Examples
     --------
@@ -85,7 +86,7 @@ def principal_angles_deg(
 
 
 def vora_value(filters: Float[Array, "n p"], eye: Float[Array, "n c"]) -> float:
-    """Mean squared cosine between the spaces of sensor and eye: 1 for an exact colorimeter. [1]
+    """Mean squared cosine between the spans of sensor and observer: 1 for an exact colorimeter. [1]
 
     Raises
     ------
@@ -94,8 +95,8 @@ def vora_value(filters: Float[Array, "n p"], eye: Float[Array, "n c"]) -> float:
 
     Notes
     -----
-    Vora & Trussell, J. Opt. Soc. Am. A 10, 1499 (1993): tr(P_A P_F) / dim A. Directions of the
-    eye that the sensor has no channel for count as 0.
+    Vora & Trussell, J. Opt. Soc. Am. A 10, 1499 (1993): tr(P_A P_F) / dim A. Where the sensor has
+    fewer independent channels than the observer, the missing cosines count as 0.
 
     Examples
     --------
@@ -115,9 +116,9 @@ def best_readout(
     light_moment: Float[Array, "n n"],
     noise_covariance: Float[Array, "p p"],
 ) -> Float[Array, "c p"]:
-    """B = A^T K F (F^T K F + D)^-1, the matrix with the least mean square error.
+    """B = A^T K F (F^T K F + D)^-1, the matrix with the least mean squared error.
 
-    Where a channel is a mix of others and shows no noise, the shortest of the best.
+    Where a channel is a linear combination of others and has no noise, the solution of least norm.
 
     Parameters
     ----------
@@ -126,8 +127,8 @@ def best_readout(
     eye
         A, one column per color coordinate. [color per unit of light]
     light_moment
-        K = E[l l^T] of the lights to come, not of their deviations from a mean, unless the mean
-        is subtracted from signals and colors as well. [(unit of light)^2]
+        K = E[l l^T] of the expected spectra, about zero; about their mean only if the mean is
+        subtracted from signals and colors as well. [(unit of light)^2]
     noise_covariance
         D, of the channels. [e-^2]
 
@@ -155,7 +156,7 @@ def readout_error(
     light_moment: Float[Array, "n n"],
     noise_covariance: Float[Array, "p p"],
 ) -> Float[Array, "c c"]:
-    """A^T K A - B F^T K A: second moment of the color error that the best readout leaves.
+    """A^T K A - B F^T K A: second moment of the remaining color error of the best readout.
 
     Parameters, Raises
         As `best_readout`.
@@ -179,7 +180,7 @@ def figure_of_merit(
     noise_covariance: Float[Array, "p p"],
     weight: Float[Array, "c c"],
 ) -> float:
-    """1 - MMSE / tr(W A^T K A): the share of wanted color that the best readout delivers. [1]
+    """1 - MMSE / tr(W A^T K A): the share of the color that the best readout recovers. [1]
 
     Parameters
     ----------
@@ -187,17 +188,17 @@ def figure_of_merit(
         As `best_readout`.
     weight
         W; E[J^T J] with J the Jacobian into a perceptual space (`perceptual_weight`), or
-        (A^T A)^-1 where only the space of the eye counts.
+        (A^T A)^-1 where only the span of the observer counts.
 
     Raises
     ------
     InputError
-        As `best_readout`, and if W is not symmetric and >= 0 or gives the wanted color no weight.
+        As `best_readout`, and if W is not symmetric and >= 0, or the weighted color is 0.
 
     Notes
     -----
-    Its reductions: K = 1, D = 0, W = (A^T A)^-1 gives the Vora value; a single filter as target
-    and the eye as filters gives Neugebauer's q; K and W from data give the measure of Sharma &
+    Special cases: K = 1, D = 0, W = (A^T A)^-1 gives the Vora value; a single filter as target
+    and the observer as filters gives Neugebauer's q; K and W from data give the measure of Sharma &
     Trussell, IEEE Trans. Image Process. 6, 990 (1997); shot noise in D gives the family of Quan,
     Ohta & Katoh's unified measure of goodness (UMG).
 
@@ -223,7 +224,7 @@ def figure_of_merit(
 
 
 def perceptual_weight(jacobian: Float[Array, "m k c"]) -> Float[Array, "c c"]:
-    """W = E[J^T J]: what an error in color counts in a perceptual space, mean over samples.
+    """W = E[J^T J]: weight of color errors in a perceptual space, averaged over samples.
 
     Parameters
     ----------
@@ -246,7 +247,7 @@ def perceptual_weight(jacobian: Float[Array, "m k c"]) -> Float[Array, "c c"]:
 
 
 def second_moment(lights: Float[Array, "m n"]) -> Float[Array, "n n"]:
-    """K = E[l l^T], mean over samples of light. [(unit of light)^2]
+    """K = E[l l^T], averaged over samples of light. [(unit of light)^2]
 
     Raises
     ------
@@ -264,7 +265,7 @@ def second_moment(lights: Float[Array, "m n"]) -> Float[Array, "n n"]:
 
 
 def _spanning(filters: Array, eye: Array) -> tuple[Array, Array]:
-    """Both as finite columns over the same wavelengths, none of them empty."""
+    """Both as finite columns over the same wavelengths, none of them all zero."""
     checked = []
     for name, columns in (("filter", filters), ("eye axis", eye)):
         values = _check.finite(f"{name} curves", "1", columns)
@@ -283,7 +284,7 @@ def _spanning(filters: Array, eye: Array) -> tuple[Array, Array]:
 
 
 def _orthonormal(columns: Array) -> Array:
-    """An orthonormal basis of what the columns span."""
+    """An orthonormal basis of the span of the columns."""
     u, singular, _ = svd("filters", unit_columns(columns)[0], full_matrices=False)
     return u[:, singular > RANK_TOLERANCE * singular[0]]
 
@@ -298,7 +299,7 @@ def _extended(filters: Array, eye: Array, moment: Array, noise: Array) -> tuple[
 
 
 def _outside(seen: Array, wanted: Array) -> Array:
-    """What of ``wanted`` no mix of the columns of ``seen`` reaches."""
+    """The residual of ``wanted`` after projection on the columns of ``seen``."""
     inside = _orthonormal(seen) if seen.any() else np.zeros((seen.shape[0], 0))
     return wanted - inside @ (inside.T @ wanted)
 

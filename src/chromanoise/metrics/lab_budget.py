@@ -1,11 +1,12 @@
-"""Where the SNR of L*, a* and b* goes: from all photons to one unit of a coordinate of CIELAB.
+"""SNR budget of L*, a* and b*: from all photons to one unit of a CIELAB coordinate.
 
-A white has a* = 0, so the signal is not a* itself but a change of it: the SNR told here is one unit
-over the standard deviation, 1 / sigma, to first order on a given point. The light that carries the
-signal is a change which moves that coordinate by one and leaves the other two alone. Of all such
-changes `faintest_change` is taken, the one that is hardest to see even for a reader that counts
-every photon with its wavelength; so no cause is charged for what no reader could know. Counting
-gives sqrt(p N) where the change is the light itself: the start of `chromanoise.metrics.budget`.
+A white has a* = 0, so the signal is not a* itself but a change of it: the SNR here is one unit over
+the standard deviation, 1 / sigma, to first order at a given color. The signal is a change of the
+light that changes this coordinate by one and leaves the other two constant. Of all such changes
+`faintest_change` is used: the one with the lowest SNR for an ideal detector that counts every
+photon with its wavelength. So no cause includes a loss that no detector could avoid. Photon
+counting gives sqrt(p N) where the change is the light itself: the start of
+`chromanoise.metrics.budget`.
 
 ============ =============================================== ==================================
 cause        off                                             on
@@ -14,15 +15,16 @@ filters      every photon is counted with its wavelength     the sensor's quantu
 read noise   none                                            the pixel's
 weights      the best linear readout, D^-1 dmu               the coordinate's own weights h.f/|f|^2
 correlation  channels weighted one by one                    channels unmixed: J C
-infrared     a perfect cut at 700 nm                         its electrons are there as noise
+infrared     an ideal IR-cut at 700 nm                       its electrons add noise
 ============ =============================================== ==================================
 
-h = H J^T is the coordinate's row in light, J the Jacobian of CIELAB at the sensor's own mean, with
-the sensor's own white. What is left, "rest", is the error of the color matrix: the change comes
-out as r.dmu units, not as one. A matrix that fades colors gains there what it did not earn: its
-sigma is small because its unit is. Orders and shares are those of `chromanoise.metrics.budget`.
+h = H J^T is the coordinate's gradient with respect to light, J the Jacobian of CIELAB at the
+sensor's own mean, with the sensor's own white. The remainder, "rest", is the error of the color
+matrix: the measured change is r.dmu units instead of one. A matrix that desaturates colors has a
+gain here, because it scales signal and noise down together. Orders and losses are computed as in
+`chromanoise.metrics.budget`.
 
-The infrared here carries next to no signal by construction, H being all but zero there.
+The infrared carries almost no signal here, because H is almost zero there.
 """
 
 from dataclasses import dataclass
@@ -64,7 +66,7 @@ _ROUNDING = 1e-10  # of the sum of absolute terms: below, a sum is rounding
 def faintest_change(
     light: Float[Array, " n"], axes: Float[Array, "n c"], step: Float[Array, " c"]
 ) -> Float[Array, " n"] | None:
-    """The change of light that moves a color by ``step`` and is hardest to see for any reader.
+    """The change of light with the lowest photon-counting SNR that changes a color by ``step``.
 
     Parameters
     ----------
@@ -73,13 +75,13 @@ def faintest_change(
     axes
         H, one column per color coordinate.
     step
-        dx, of the color H^T L.
+        dx, the change of the color H^T L.
 
     Returns
     -------
     change
-        dL, in the unit of ``light``; ``None`` where the light cannot move all coordinates
-        independently.
+        dL, in the unit of ``light``; ``None`` where changes of the light cannot change all
+        coordinates independently.
 
     Raises
     ------
@@ -88,7 +90,7 @@ def faintest_change(
 
     Notes
     -----
-    Counting photons, a reader sees dL with SNR^2 ~ sum dL^2 / L. Lagrange: the least such sum under
+    Photon counting detects dL with SNR^2 ~ sum dL^2 / L. Lagrange: the least such sum under
     H^T dL = dx has 2 dL / L = H lambda, so dL = L * (H (H^T diag(L) H)^-1 dx). It is computed as
     the shortest vector dL / sqrt(L) by singular values.
 
@@ -110,28 +112,30 @@ def faintest_change(
 def lab_budget(
     scene: Scene, sensor: Sensor, exposure: Exposure, matrix: ColorMatrix, coordinate: str = "a*"
 ) -> Budget | None:
-    """The budget of L*, a* or b* on one point, or ``None`` where it is not defined.
+    """The budget of L*, a* or b* of one point, or ``None`` where it is undefined.
 
-    It is not where X, Y or Z of the sensor's white is not above 0, where the light cannot move the
-    three coordinates independently, or where the sensor does not follow the change: one channel
-    alone has no a*, and a matrix may turn a change around.
+    It is undefined where X, Y or Z of the sensor's white is not above 0, where changes of the light
+    cannot change the three coordinates independently, or where the measured change is zero or has
+    the opposite sign: a single channel has no a*, and a matrix may reverse a change.
 
     Parameters
     ----------
     scene
-        A single point, e.g. a gray (`flat_field`); its white is a perfect one in the same light.
+        A scene of one point, e.g. a gray (`flat_field`); its white is a perfect white in the same
+        light.
     sensor, exposure
-        What looks at it, and how.
+        The sensor and its exposure settings.
     matrix
-        To X, Y, Z; any, "correlation" is the step to it from channels taken one by one.
+        Any color matrix to X, Y, Z; "correlation" is the step from weights that neglect the
+        overlap of the channels to this matrix.
     coordinate
         L*, a* or b*.
 
     Raises
     ------
     InputError
-        If there is no such coordinate, the matrix does not lead to X, Y, Z, or its channels are
-        not the sensor's.
+        If there is no such coordinate, the rows of the matrix are not X, Y, Z, or its channels are
+        not those of the sensor.
 
     Notes
     -----
@@ -167,7 +171,7 @@ def lab_budget(
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class _Point:
-    """One color: its light [photons], its electrons, and how CIELAB bends there."""
+    """One color: its light [photons], its electrons, and the Jacobian of CIELAB there."""
 
     light: Float[Array, " n"]
     axes: Float[Array, "n 3"]
@@ -178,7 +182,7 @@ class _Point:
 
 
 def _point(scene: Scene, sensor: Sensor, exposure: Exposure, matrix: ColorMatrix) -> _Point | None:
-    """``None`` where the sensor's white is no color."""
+    """``None`` where X, Y or Z of the sensor's white is not above 0."""
     white_scene = flat_field(scene.illuminant, level_lux=scene.level_lux)
     white = matrix.matrix @ expected_electrons(white_scene, sensor, exposure)
     if not (white > 0).all():
@@ -219,15 +223,15 @@ def _chain(
 
 
 def _sum_of(terms: Float[Array, "c p"]) -> Float[Array, " p"]:
-    """Their sum, and 0 where they cancel: X/Xn - Y/Yn of a single channel is rounding."""
+    """Their sum; 0 where they cancel to rounding, as X/Xn - Y/Yn does for a single channel."""
     total = terms.sum(axis=0)
     return np.where(np.abs(total) > _ROUNDING * np.abs(terms).sum(axis=0), total, 0.0)
 
 
 def _followed(chain: Chain) -> bool:
-    """Whether the coordinate moves with the change, and every readout on the way sees it.
+    """Whether the coordinate follows the change, and every readout of the chain detects it.
 
-    Channels weighted one by one may turn a change around; only the size of theirs counts.
+    Weights that neglect the overlap of channels may reverse the sign; only the size counts there.
     """
     signals = np.stack([chain.without_infrared.signal_e, chain.with_infrared.signal_e], axis=1)
     own, single = (_sum_of(row[:, None] * signals) for row in (chain.row, chain.single_row))

@@ -1,4 +1,4 @@
-"""What a color matrix gives and takes: color error, noise, condition, Psi, near infrared."""
+"""Report on a color matrix: color error, noise, condition, noise gain Psi, near infrared."""
 
 from dataclasses import dataclass
 
@@ -21,29 +21,29 @@ from chromanoise.spectra import INFRARED_FROM_NM, Illuminant, color_axes
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class MatrixReport:
-    """Color error and noise of one matrix on one sensor, side by side.
+    """Color error, noise and other properties of one matrix for one sensor.
 
     Attributes
     ----------
     made_by
-        Of the matrix.
+        Method of the matrix.
     color_error_mean, color_error_max
-        CIE 1976 color difference over the ColorChecker, without noise; ``None`` where the
-        sensor's white is no color.
+        CIE 1976 color difference over the ColorChecker, without noise; ``None`` where X, Y or Z
+        of the sensor's white is not above 0.
     snr_db
-        Of each coordinate of a perfect white, ``None`` for one that is no signal; ``None`` where a
-        channel is saturated. [dB]
+        SNR of each coordinate of a perfect white; ``None`` for a coordinate without signal, and
+        ``None`` in place of the list where a channel is saturated. [dB]
     condition
-        Largest over smallest singular value of the white-normalized matrix; inf where the rank
-        is short.
+        Largest over smallest singular value of the white-normalized matrix; inf where it is
+        rank-deficient.
     psi
         Kodak's noise gain of the white-normalized matrix. [1]
     nir_color
-        Per coordinate, what the lamp's light beyond 700 nm adds to the white over what the
-        visible adds, with its sign: the false color of a reflectance in the near infrared.
+        Per coordinate, the signed ratio of the white's signal from beyond 700 nm to its signal
+        from the visible: the false color caused by near-infrared reflectance.
     nir_norm
-        Per coordinate, the norm of the effective filter beyond 700 nm over that of the visible.
-        Ripples that cancel in ``nir_color`` stay in it.
+        Per coordinate, the norm of the effective filter beyond 700 nm over its norm in the
+        visible. Positive and negative parts that cancel in ``nir_color`` do not cancel here.
 
     Both are ``None`` where the visible part of a coordinate is zero.
     """
@@ -61,9 +61,9 @@ class MatrixReport:
 def effective_filters(
     matrix: ColorMatrix, sensor: Sensor, exposure: Exposure
 ) -> Float[Array, "n c"]:
-    """F C^T: what a color coordinate answers to each wavelength, filters and matrix together.
+    """F C^T: spectral response of each color coordinate, filters and matrix combined.
 
-    In lx per unit of light of the matrix's metric; a matrix without color error has the axes H.
+    In lx per unit of light of the matrix's metric; for a matrix without color error it equals H.
 
     Raises
     ------
@@ -82,24 +82,24 @@ def matrix_report(
     *,
     level_lux: float,
 ) -> MatrixReport:
-    """Color error, noise of a perfect white, condition, Psi and near-infrared answer of a matrix.
+    """Color error, noise of a perfect white, condition, Psi and near-infrared response of a matrix.
 
     Parameters
     ----------
     matrix
         From raw electrons to XYZ.
     sensor, exposure
-        What looks, and how.
+        The sensor and its exposure settings.
     illuminant
-        The lamp on chart and white.
+        The lamp that lights chart and white.
     level_lux
         Illuminance on the white. [lx]
 
     Raises
     ------
     InputError
-        If the grid leaves 400-1050 nm, where the chart is measured, or channels or grids differ,
-        or the lamp's white has an X, Y or Z of 0.
+        If the grid extends beyond 400-1050 nm (the range of the chart's data), channels or grids
+        differ, or X, Y or Z of the lamp's white is 0.
     """
     white = flat_field(illuminant, level_lux=level_lux)
     white_e = expected_electrons(white, sensor, exposure)

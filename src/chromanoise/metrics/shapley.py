@@ -1,4 +1,4 @@
-"""Shares of a whole that depend on no order: Shapley values, with precedence where there is one."""
+"""Shapley values, with optional precedence constraints."""
 
 from collections.abc import Callable, Sequence
 from functools import cache
@@ -19,16 +19,16 @@ def shapley_values(
     Parameters
     ----------
     value
-        Of any set of players.
+        Function from a set of players to its value.
     players
-        Distinct names.
+        Distinct names of the players.
     precedence
-        Pairs (first, second): orders in which the second comes earlier do not count.
+        Pairs (first, second): orders in which the second comes earlier are not allowed.
 
     Raises
     ------
     InputError
-        If no order obeys the precedence.
+        If no order satisfies the precedence.
 
     Notes
     -----
@@ -51,7 +51,7 @@ def shapley_values(
             value=tuple(precedence),
             found="allows none",
         )
-    worth = cache(value)  # orders share most of their sets
+    worth = cache(value)  # many orders contain the same sets
     shares = dict.fromkeys(players, 0.0)
     for order in orders:
         for place, name in enumerate(order):
@@ -64,7 +64,7 @@ def shapley_values(
 def _orders(
     players: tuple[str, ...], precedence: tuple[tuple[str, str], ...]
 ) -> tuple[tuple[str, ...], ...]:
-    """All orders of arrival that are allowed."""
+    """All allowed orders of arrival."""
     return tuple(
         order
         for order in permutations(players)

@@ -1,4 +1,4 @@
-"""Sensitivity metamerism index: how far the best color matrix still is from the eye (ISO 17321)."""
+"""Sensitivity metamerism index (ISO 17321): color error that remains with the best matrix."""
 
 from dataclasses import dataclass
 
@@ -15,24 +15,24 @@ from chromanoise.spectra import cie_1931
 from chromanoise.spectra.metric import photons_per_unit
 
 PENALTY = 5.5
-"""What a mean Delta E*ab of 1 costs: SMI = 100 - 5.5 mean Delta E*ab."""
+"""Slope of the index: SMI = 100 - 5.5 mean Delta E*ab."""
 
-_CUBE_ROOT_FROM = (6.0 / 29.0) ** 3  # below it CIELAB goes straight
-_FAINTEST = 1e-9  # Delta E*ab under which its direction, the slope of a length, is taken as 0
+_CUBE_ROOT_FROM = (6.0 / 29.0) ** 3  # below it CIELAB is linear
+_FAINTEST = 1e-9  # Delta E*ab below which the gradient of the difference is set to 0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Metamerism:
-    """The index and what it is made of.
+    """The index, the color errors and the best matrix.
 
     Attributes
     ----------
     index
         SMI, 100 for an exact colorimeter. [1]
     color_error
-        Of each patch under the best matrix. [Delta E*ab]
+        Color error of each patch with the best matrix. [Delta E*ab]
     matrix
-        From channels balanced on white to X, Y, Z of white = 1.
+        From channels balanced on white to X, Y, Z with white = 1.
     """
 
     index: float
@@ -50,7 +50,7 @@ def metamerism(
     illuminant: Float[Array, " n"],
     reflectance: Float[Array, "m n"],
 ) -> Metamerism:
-    """SMI over any patches: the matrix that minimizes the mean Delta E*ab, and what it leaves.
+    """SMI over any patches: the matrix that minimizes the mean Delta E*ab, and its color errors.
 
     Parameters
     ----------
@@ -66,16 +66,16 @@ def metamerism(
     Raises
     ------
     InputError
-        If the shapes do not belong together, an entry is not finite, or a channel sees no light.
+        If the shapes do not match, an entry is not finite, or a channel receives no light.
 
     Notes
     -----
     ISO 17321-1:2012, annex D: SMI = 100 - 5.5 mean Delta E*ab (CIE 1976). The matrix has 3 p free
-    entries: white is not held. Found by quasi-Newton steps from least squares on XYZ.
+    entries: white is not preserved. Quasi-Newton steps start at least squares on XYZ.
 
     Examples
     --------
-    A sensor that mixes the eye's own axes is a colorimeter.
+    A sensor whose channels are linear combinations of the observer's is a colorimeter.
 
     >>> eye = np.eye(3)
     >>> patches = np.array([[0.2, 0.3, 0.4], [0.5, 0.1, 0.2], [0.1, 0.6, 0.3]])
@@ -93,19 +93,19 @@ def metamerism(
 
 
 def sensor_metamerism(sensor: Sensor) -> Metamerism:
-    """SMI of a sensor by the standard's own light and patches: D55, 18 colors of the chart.
+    """SMI of a sensor with the light and patches of the standard: D55, 18 colors of the chart.
 
-    Beyond 380-780 nm, where neither is defined, the sensor is taken to see nothing.
+    Outside 380-780 nm, where neither is defined, the sensor's response is set to 0.
 
     Raises
     ------
     InputError
-        If the sensor's grid does not meet 380-780 nm, or a channel sees no light there.
+        If the sensor's grid does not overlap 380-780 nm, or a channel receives no light there.
 
     Notes
     -----
-    ISO 17321-1:2012, annex D. Patches as carried by colour-science under that name (identical to
-    those of Ohta, 1997), D55 of CIE 015, observer CIE 1931; all between samples by straight lines.
+    ISO 17321-1:2012, annex D. Patches from colour-science under that name (identical to those of
+    Ohta, 1997), D55 of CIE 015, observer CIE 1931; all with linear interpolation between samples.
     """
     colour = colour_science()
 
@@ -131,7 +131,7 @@ def sensor_metamerism(sensor: Sensor) -> Metamerism:
 
 
 def _white_balanced(name: str, axes: Array, illuminant: Array, reflectance: Array) -> Array:
-    """Answers to the patches over the answer to white, one row per patch."""
+    """Responses to the patches over the response to white, one row per patch."""
     curves = _check.finite(name, "1", axes)
     lamp = _check.non_negative("illuminant", "1", illuminant)
     rho = _check.non_negative("reflectance", "1", reflectance)
@@ -164,7 +164,7 @@ def _descended(raw: Array, wanted: Array, start: Array) -> Array:
         return float(length.mean()), uphill.ravel() / len(raw)
 
     entries = start.ravel()
-    for _ in range(4):  # a fresh curvature each time: the mean of lengths has kinks
+    for _ in range(4):  # restart with a new Hessian estimate: the mean of lengths has kinks
         entries = minimize(mean_error, entries, jac=True, method="BFGS", options={"gtol": 1e-9}).x
     return np.asarray(entries.reshape(start.shape))
 

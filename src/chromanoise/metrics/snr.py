@@ -1,4 +1,4 @@
-"""Signal-to-noise ratios, the best of any linear readout, and what color costs."""
+"""Signal-to-noise ratios, the best SNR of any linear readout, and the SNR loss of color."""
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from chromanoise.units import decibel
 def snr_db(measurement: Measurement) -> dict[str, Float[Array, "*px"]]:
     """20 log10(|mean| / standard deviation), one per coordinate (eq. 7). [dB]
 
-    -inf where the mean is zero, inf where something shows no noise at all.
+    -inf where the mean is zero, inf where there is signal without noise.
 
     Examples
     --------
@@ -29,19 +29,19 @@ def snr_db(measurement: Measurement) -> dict[str, Float[Array, "*px"]]:
 
 
 LEAST_COLOR = 1e-6
-"""Of the color that the eye sees: what a matrix makes below it is rounding or false, no signal."""
+"""Least share of the true color: below it a measured color is an error, not a signal."""
 
 
 def signal_snr_db(color: Measurement, truth: Float[Array, "*px c"]) -> Float[Array, "*px c"]:
-    """`snr_db` of colors that are signals; NaN where a matrix that does not know the light fails.
+    """`snr_db` of colors; NaN where a coordinate is not a signal because the matrix fails.
 
     Parameters
     ----------
     color
         Mean and covariance of color coordinates.
     truth
-        What the eye sees, in the same unit. A coordinate below `LEAST_COLOR` of it, or negative,
-        is no signal, however little noise it has.
+        The color of the standard observer, in the same unit. A coordinate that is negative, or
+        below `LEAST_COLOR` times the truth, is not a signal, however small its noise is.
     """
     decibels = np.stack([snr_db(color)[name] for name in color.names], axis=-1)
     return np.where(color.mean > LEAST_COLOR * np.abs(truth), decibels, np.nan)
@@ -50,7 +50,7 @@ def signal_snr_db(color: Measurement, truth: Float[Array, "*px c"]) -> Float[Arr
 def optimal_linear_snr_db(raw: Measurement) -> Float[Array, "*px"]:
     """The best SNR of any linear readout, mu^T D^-1 mu = sum of SNR_i^2. [dB]
 
-    inf where a channel shows signal without any noise, as a channel held at full well does.
+    inf where a channel has signal without noise, e.g. a channel that is always at full well.
 
     Reached by weights ~ D^-1 mu (Cauchy-Schwarz in noise-whitened space).
 
@@ -61,7 +61,7 @@ def optimal_linear_snr_db(raw: Measurement) -> Float[Array, "*px"]:
     >>> round(float(optimal_linear_snr_db(two)), 4)       # 20 log10(5)
     13.9794
     """
-    silent = raw.variance == 0  # neither signal nor noise adds nothing; signal alone is endless
+    silent = raw.variance == 0  # no signal and no noise adds 0; signal without noise is inf
     covariance = raw.covariance + silent[..., None] * np.eye(len(raw.names))
     whitened = solve("covariance of the raw channels", covariance, raw.mean[..., None])[..., 0]
     endless = (silent & (raw.mean != 0)).any(axis=-1)
@@ -70,11 +70,11 @@ def optimal_linear_snr_db(raw: Measurement) -> Float[Array, "*px"]:
 
 
 def color_snr_loss_db(raw: Measurement, color: Measurement) -> Float[Array, "*px"]:
-    """How far the luminance of ``color`` stays below the best linear readout of ``raw``: >= 0. [dB]
+    """SNR of the best linear readout of ``raw`` minus the luminance SNR of ``color``: >= 0. [dB]
 
     SNR_Y = bound * cos(psi), psi the angle between the matrix's luminance row and the best
     readout in noise-whitened space.
     """
     bound, own = optimal_linear_snr_db(raw), snr_db(color)["Y"]
-    endless = np.isposinf(bound) & np.isposinf(own)  # without any noise nothing is paid
+    endless = np.isposinf(bound) & np.isposinf(own)  # without any noise the loss is 0
     return np.asarray(np.where(endless, 0.0, bound - np.where(endless, 0.0, own)))

@@ -1,4 +1,4 @@
-"""How little light is enough: SNR10 in lux, and the noise-based speed of ISO 12232."""
+"""Light that a sensor needs: SNR10 in lux, and the noise-based speed of ISO 12232."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -19,16 +19,16 @@ from chromanoise.spectra import Illuminant
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class NoiseSpeedModel:
-    """How an edition of ISO 12232 weighs luminance and color noise.
+    """Weights of luminance and color noise in an edition of ISO 12232.
 
     Attributes
     ----------
     edition
-        Named in results.
+        Name of the edition, given in results.
     luminance_weights
         Y = w_R R + w_G G + w_B B of linear output RGB.
     red_weight, blue_weight
-        Of the variances of R - Y and B - Y.
+        Weights of the variances of R - Y and B - Y.
     constant
         S = constant / H. [lx s]
     """
@@ -63,7 +63,7 @@ ISO_12232_2019 = NoiseSpeedModel(
 )
 """Noise sigma_D^2 = sigma_Y^2 + 0.279 sigma_(R-Y)^2 + 0.088 sigma_(B-Y)^2, Rec. 709 luminance.
 
-Constants as the literature gives them, not compared with the text of the standard.
+Constants as given in the literature, not checked against the text of the standard.
 """
 
 
@@ -74,14 +74,14 @@ def light_for_snr(
     snr: float,
     read_noise_e: float,
 ) -> Float[Array, "*px"]:
-    """How many times the light of ``signal_e`` a matrix row needs for an SNR; inf if never. [1]
+    """Factor on the light of ``signal_e`` at which a matrix row reaches ``snr``; inf if never. [1]
 
     Parameters
     ----------
     signal_e
         Electrons per channel for one unit of light, e.g. one lux; unclipped. [e-]
     row
-        Of the color matrix. [color per e-]
+        One row of the color matrix. [color per e-]
     snr
         Amplitude ratio, not dB: 10 for SNR10. [1]
     read_noise_e
@@ -100,7 +100,7 @@ def light_for_snr(
 
     Examples
     --------
-    One channel, one electron per lux, no read noise: SNR 10 takes 100 electrons.
+    One channel, one electron per lux, no read noise: SNR 10 needs 100 electrons.
 
     >>> float(light_for_snr(np.array([1.0]), np.array([1.0]), snr=10, read_noise_e=0.0))
     100.0
@@ -123,18 +123,18 @@ def illuminance_for_snr(
 ) -> float | None:
     """Illuminance on a gray scene at which a color coordinate reaches ``snr``: SNRx. [lx]
 
-    ``None`` where no light is enough: a channel is saturated before, or the coordinate sees
-    nothing.
+    ``None`` where no light is enough: a channel saturates at a lower level, or the coordinate has
+    no signal.
 
     Parameters
     ----------
     sensor, illuminant, exposure
-        What looks, under which lamp, how long and through which aperture.
+        The sensor, its lamp, and its exposure settings.
     matrix
-        Raw to color, white balance included, the same at each light level; for one that adapts
-        to the light, as LMMSE does, take `illuminance_for_snr_adapted`.
+        From raw to color with white balance, the same at every light level; for a matrix that
+        depends on the level, as LMMSE, use `illuminance_for_snr_adapted`.
     snr
-        Amplitude ratio, not dB; the industry takes 10, and 1 gives the noise-equivalent light.
+        Amplitude ratio, not dB; the industry uses 10, and 1 gives the noise-equivalent light.
     coordinate
         A row of ``matrix``; "Y" gives YSNR10.
     reflectance
@@ -143,8 +143,7 @@ def illuminance_for_snr(
     Raises
     ------
     InputError
-        If ``snr`` or ``reflectance`` is not above 0, or sensor, lamp and matrix do not belong
-        together.
+        If ``snr`` or ``reflectance`` is not above 0, or sensor, lamp and matrix do not match.
 
     Notes
     -----
@@ -167,11 +166,11 @@ def illuminance_for_snr_adapted(
     reflectance: float = 0.18,
     steps_per_decade: int = 16,
 ) -> float | None:
-    """SNRx of a matrix that adapts to the light: from where on ``snr`` is kept. [lx]
+    """SNRx of a matrix that depends on the light level. [lx]
 
-    A matrix that changes may win SNR and lose it again. What comes back is the lowest illuminance
-    from which ``snr`` is reached at every brighter level too, up to where a channel saturates;
-    ``None`` where the brightest of them does not reach it. For one matrix at all levels this is
+    With such a matrix the SNR may rise and fall with the level. The result is the lowest
+    illuminance above which ``snr`` is reached at every level up to saturation; ``None`` where the
+    level of saturation does not reach it. For one matrix at all levels this equals
     `illuminance_for_snr`.
 
     Parameters
@@ -184,8 +183,8 @@ def illuminance_for_snr_adapted(
     snr, coordinate, reflectance
         As `illuminance_for_snr`.
     steps_per_decade
-        How densely levels are looked at, from saturation downwards; a dip that falls between two
-        of them is not seen.
+        Number of levels per decade that are checked, from saturation downwards; a dip of the SNR
+        between two of them is missed.
 
     Raises
     ------
@@ -194,13 +193,13 @@ def illuminance_for_snr_adapted(
 
     Notes
     -----
-    A level is enough where the matrix made for it needs no more light than that (`light_for_snr`).
-    The search ends where photons would, without any readout: SNR^2 <= E sum s_i. Bisection, to
-    1e-13; what comes back is on the side that reaches ``snr``.
+    A level is enough where the matrix for this level reaches ``snr`` with no more light
+    (`light_for_snr`). The search ends at the shot-noise limit without read noise,
+    SNR^2 <= E sum s_i. Bisection to 1e-13; at the returned level ``snr`` is reached.
 
     Examples
     --------
-    Whatever the matrix of a single channel without readout, SNR 10 takes 100 electrons.
+    With any matrix, a single channel without read noise needs 100 electrons for SNR 10.
 
     >>> from chromanoise.color import kernel_matrix
     >>> from chromanoise.sensor import Pixel
@@ -239,21 +238,21 @@ def noise_speed(
 ) -> float | None:
     """ISO 12232 noise-based speed, S = 10 lx s / H, with H where gray reaches ``snr``. [1]
 
-    ``None`` where no exposure is enough, as `illuminance_for_snr`.
+    ``None`` where no exposure is enough, as in `illuminance_for_snr`.
 
     Parameters
     ----------
     sensor
-        Its pixel sets electrons per lx s on the focal plane and the read noise.
+        The sensor; its pixel defines electrons per lx s on the focal plane and the read noise.
     illuminant
-        The standard takes daylight (D55) or studio tungsten.
+        The standard uses daylight (D55) or studio tungsten.
     rgb_matrix
-        Raw to linear RGB of Rec. 709; each row is balanced on the gray here, so that only its
-        proportions count. Rows of ones for a monochrome sensor.
+        From raw to linear RGB of Rec. 709. Each row is scaled to the gray, so its scale has no
+        effect. Rows of ones for a monochrome sensor.
     snr
         10 for the "first acceptable" picture (S_noise10), 40 for the "first excellent" (S_noise40).
     model
-        Edition and weights.
+        Edition and weights of the standard.
 
     Raises
     ------
@@ -264,7 +263,7 @@ def noise_speed(
     -----
     ISO 12232:2019, 6.3, formulae (4) and (5). The standard divides by the incremental gain of the
     picture's encoding; on gray R = G = B share its slope, so that linear signals give the same.
-    The single pixel is judged, without demosaicing.
+    The result is for a single pixel, without demosaicing.
     """
     per_lxs = _electrons_per_lux_second(sensor, illuminant)
     _check.same_length("channels", sensor=per_lxs.size, rgb_matrix=rgb_matrix.shape[1])
@@ -295,7 +294,7 @@ def _light(
     gain = seen**2
     shot = q**2 * (per_light @ noise)
     reached = shot + np.sqrt(shot**2 + 4.0 * gain * q**2 * floor)
-    visible = (seen > 0) & (gain > 0)  # a negative color is no signal
+    visible = (seen > 0) & (gain > 0)  # a negative color is not a signal
     return np.asarray(np.where(visible, reached / np.where(visible, 2.0 * gain, 1.0), np.inf))
 
 
@@ -310,7 +309,7 @@ def _gray_electrons_per_lux(
 def _level_of_row(
     per_lux: Array, sensor: Sensor, matrix: ColorMatrix, coordinate: str, snr: float
 ) -> float:
-    """Illuminance that a row of one matrix takes, saturation not asked. [lx]"""
+    """Illuminance that a row of one matrix needs, saturation ignored. [lx]"""
     _check.same_names("illuminance_for_snr", sensor=sensor.names, matrix=matrix.channels)
     _check.one_of("coordinate", coordinate, matrix.coordinates)
     row = matrix.matrix[matrix.coordinates.index(coordinate)]
@@ -320,11 +319,11 @@ def _level_of_row(
 def _lowest_kept(
     enough: Callable[[float], bool], hopeless: float, brightest: float, *, step: float
 ) -> float | None:
-    """The lowest level from which all are enough: down from the brightest, then bisection."""
+    """The lowest level above which all levels are enough: search downwards, then bisection."""
     low, high = brightest, brightest
     while enough(low):
         low, high = low / step, low
-        if low < hopeless:  # nothing there can be enough
+        if low < hopeless:  # no level below can be enough
             break
     if low == brightest:
         return None
@@ -345,5 +344,5 @@ def _unless_saturated(level: float, per_light: Array, sensor: Sensor) -> float |
 def _electrons_per_lux_second(sensor: Sensor, illuminant: Illuminant) -> Array:
     """Electrons per channel for 1 lx s of the lamp on the focal plane. [e-]"""
     scene = flat_field(illuminant, level_lux=1.0, reflectance=1.0)
-    # at f/0.5 a white scene lights the focal plane as itself: 4 f#^2 = 1
+    # at f/0.5 the illuminance of focal plane and white scene are equal: 4 f#^2 = 1
     return expected_electrons(scene, sensor, Exposure(time_s=1.0, f_number=0.5))

@@ -1,4 +1,4 @@
-"""How much a pixel tells: distinguishable levels and colors, and information in bits."""
+"""Distinguishable levels and colors of a pixel, and its information in bits."""
 
 import numpy as np
 
@@ -20,16 +20,16 @@ from chromanoise.errors import InputError
 def tonal_levels(
     top_e: Float[Array, "*px"], *, read_noise_e: float, step_e: float = 0.0
 ) -> Float[Array, "*px"]:
-    """How many levels from black to ``top_e`` differ by their noise: int dM / sigma(M). [1]
+    """Number of distinguishable levels from black to ``top_e``: int dM / sigma(M). [1]
 
     Parameters
     ----------
     top_e
-        The brightest signal, full well or what white reaches. [e-]
+        The largest signal: full well or the signal of white. [e-]
     read_noise_e
         Standard deviation of the readout. [e-]
     step_e
-        One digital number: levels are at least so far apart. 0 for none. [e-]
+        Size of one digital number, the least distance of two levels; 0 for none. [e-]
 
     Raises
     ------
@@ -39,8 +39,8 @@ def tonal_levels(
     Notes
     -----
     DxOMark's tonal range: int dM / max(step, sigma(M)), sigma^2 = M + s^2 (eq. 7), which without
-    a step is 2 (sqrt(N + s^2) - s). Per pixel; DxOMark's "print" values are those of a picture
-    scaled to 8 megapixels.
+    a step is 2 (sqrt(N + s^2) - s). Per pixel; DxOMark's "print" values refer to a picture scaled
+    to 8 megapixels.
 
     Examples
     --------
@@ -87,17 +87,17 @@ def tonal_range_bits(
 def color_sensitivity_bits(
     top_e: Float[Array, "*px p"], *, read_noise_e: float, step_e: float = 0.0
 ) -> Float[Array, "*px"]:
-    """How many colors differ by their noise, log2 int dM / sqrt(det covariance). [bit]
+    """Number of distinguishable colors, log2 int dM / sqrt(det covariance). [bit]
 
-    The integral runs over the box of raw values, 0 .. ``top_e`` per channel, and since the raw
-    channels are independent it is the sum of their tonal ranges. An invertible color matrix
-    stretches box and covariance alike and changes nothing: this number knows nothing of how well
-    a sensor tells colors apart.
+    The integral covers the box of raw values, 0 .. ``top_e`` per channel. The raw channels are
+    independent, so the result is the sum of their tonal ranges. An invertible color matrix scales
+    box and covariance equally and does not change the result: this number does not measure how
+    accurately a sensor reproduces colors.
 
     Parameters
     ----------
     top_e
-        The brightest signal of each channel. [e-]
+        The largest signal of each channel. [e-]
     read_noise_e, step_e
         As `tonal_levels`.
 
@@ -125,28 +125,28 @@ def information_bits(
     light_covariance: Float[Array, "n n"],
     noise_covariance: Float[Array, "*px p p"],
 ) -> Float[Array, "*px"]:
-    """What one pixel tells of the light, 1/2 log2 det(1 + D^-1 F^T K F). [bit]
+    """Mutual information of one pixel and the light, 1/2 log2 det(1 + D^-1 F^T K F). [bit]
 
     Parameters
     ----------
     basis
         F, one column per channel. [e- per unit of light]
     light_covariance
-        K, of the lights that may come. [(unit of light)^2]
+        K, covariance of the expected spectra. [(unit of light)^2]
     noise_covariance
-        D, of the channels, positive definite. [e-^2]
+        D, noise covariance of the channels, positive definite. [e-^2]
 
     Raises
     ------
     InputError
-        If the shapes do not belong together, K has a negative eigenvalue, or D none above 0 in
-        some direction: without noise the information is not finite.
+        If the shapes do not match, K has a negative eigenvalue, or D is not positive definite:
+        without noise the information is not finite.
 
     Notes
     -----
     Shannon, Bell Syst. Tech. J. 27, 623 (1948): the mutual information of Gaussian light and its
-    noisy electrons; of all lights with this covariance the Gaussian tells most. With shot noise,
-    D belongs to a mean light.
+    noisy electrons; of all distributions of light with this covariance the Gaussian one carries the
+    most information. With shot noise, D is that of the mean light.
 
     Examples
     --------

@@ -1,7 +1,7 @@
-"""Visual noise of ISO 15739: noise as the eye sees it from a distance, in CIELUV.
+"""Visual noise of ISO 15739: noise as perceived from a viewing distance, in CIELUV.
 
-X, Y, Z are divided by those of white here (the standard's XYZ of illuminant E), so that a neutral
-has no C1 and no C2; what leads from there to L*, u*, v* is given by the caller.
+X, Y, Z are divided by those of white (the standard's XYZ of illuminant E), so C1 and C2 of a
+neutral are 0; the caller supplies the transform from there to L*, u*, v*.
 """
 
 from collections.abc import Callable
@@ -23,15 +23,15 @@ class VisualNoiseModel:
     Attributes
     ----------
     edition
-        Named in results.
+        Name of the edition, given in results.
     weights
-        Of the standard deviations of L*, u*, v*.
+        Weights of the standard deviations of L*, u*, v*.
     luminance
         a, b, c, K of a f^c exp(-b f) / K, with f in cycles per degree.
     red_green, blue_yellow
         a1, b1, c1, a2, b2, c2, K of (a1 exp(-b1 f^c1) + a2 exp(-b2 f^c2)) / K.
     opponent_from_xyz
-        Rows A, C1, C2 of the space in which the CSF act, from X, Y, Z over those of white.
+        Rows A, C1, C2 of the space in which the CSF are applied, from X, Y, Z over those of white.
     """
 
     edition: str
@@ -66,22 +66,22 @@ ISO_15739_2017 = VisualNoiseModel(
     opponent_from_xyz=((0.0, 1.0, 0.0), (1.0, -1.0, 0.0), (0.0, 0.4, -0.4)),
 )
 """Weights 1, 0.852, 0.323; CSF of the form of Johnson & Fairchild, Color Res. Appl. 28, 425 (2003),
-each with a peak of 3.00. Constants as the literature gives them, not compared with the text of the
-standard; those of another edition go into a model of your own."""
+each with a peak of 3.00. Constants as given in the literature, not checked against the text of the
+standard; for another edition create your own model."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class VisualNoise:
-    """Standard deviations as seen, and their weighted sum.
+    """Perceived standard deviations and their weighted sum.
 
     Attributes
     ----------
     sigma_luv
-        Of L*, u*, v* after the eye's filters. [CIELUV]
+        Standard deviations of L*, u*, v* after filtering by the CSF. [CIELUV]
     total
         Their weighted sum. [CIELUV]
     edition
-        Which standard weighed.
+        Edition of the standard that defines the weights.
     """
 
     sigma_luv: Float[Array, "3"]
@@ -97,14 +97,14 @@ class VisualNoise:
 def contrast_sensitivity(
     frequency_cpd: Float[Array, "*px"], model: VisualNoiseModel = ISO_15739_2017
 ) -> Float[Array, "*px 3"]:
-    """What the eye passes of luminance, red-green and blue-yellow at a spatial frequency. [1]
+    """Contrast sensitivity for luminance, red-green and blue-yellow at a spatial frequency. [1]
 
     Parameters
     ----------
     frequency_cpd
         Cycles per degree of visual angle. [cpd]
     model
-        Parameters of the three curves.
+        Model with the parameters of the three curves.
 
     Raises
     ------
@@ -145,7 +145,7 @@ def pixels_per_degree(*, distance_mm: float, pixel_pitch_mm: float) -> float:
 
 
 def frequencies_cpd(shape: tuple[int, int], *, pixels_per_degree: float) -> Float[Array, "h w"]:
-    """Spatial frequency of each cell of a picture's Fourier plane, as `np.fft` orders it. [cpd]
+    """Spatial frequency of each cell of a picture's Fourier plane, in the order of `np.fft`. [cpd]
 
     Raises
     ------
@@ -174,14 +174,14 @@ def visual_noise_from_spectrum(
     Parameters
     ----------
     spectrum
-        Covariance of X, Y, Z (over those of white) per cell of the Fourier plane, as `np.fft`
-        orders it, scaled so that its mean over the plane is the covariance of one pixel.
+        Covariance of X, Y, Z (over those of white) per cell of the Fourier plane, in the order of
+        `np.fft`, scaled so that its mean over the plane is the covariance of one pixel.
     luv_from_xyz
-        Jacobian of L*, u*, v* at the mean color; first order.
+        Jacobian of L*, u*, v* at the mean color, for first-order propagation.
     pixels_per_degree
-        Of the viewing condition. [1/deg]
+        Resolution at the viewing distance. [1/deg]
     model
-        Edition and weights.
+        Edition and weights of the standard.
 
     Raises
     ------
@@ -214,12 +214,12 @@ def visual_noise_of_white(
     model: VisualNoiseModel = ISO_15739_2017,
     samples: int = 256,
 ) -> VisualNoise:
-    """Visual noise of pixels that are independent of each other.
+    """Visual noise of pixels with mutually independent noise.
 
     Parameters
     ----------
     covariance
-        Of X, Y, Z (over those of white) in one pixel.
+        Covariance of X, Y, Z (over those of white) in one pixel.
     luv_from_xyz, pixels_per_degree, model
         As `visual_noise_from_spectrum`.
     samples
@@ -261,8 +261,8 @@ def visual_noise_of_picture(
 
     Notes
     -----
-    ISO 15739:2017, annex B. Negative X, Y, Z that the filters make are left to ``luv``; the
-    reference implementation of the standard sets them to 0.
+    ISO 15739:2017, annex B. Negative X, Y, Z after filtering are passed to ``luv``; the reference
+    implementation of the standard sets them to 0.
     """
     patch = _check.finite("xyz", "1", xyz)
     at = frequencies_cpd(patch.shape[:2], pixels_per_degree=pixels_per_degree)
@@ -274,7 +274,7 @@ def visual_noise_of_picture(
 
 
 def _passed(frequency_cpd: Array, model: VisualNoiseModel) -> Array:
-    """The CSF with 0 at frequency 0: a mean is no noise."""
+    """The CSF with 0 at frequency 0, because the mean is not noise."""
     curves = contrast_sensitivity(frequency_cpd, model)
     return np.where(frequency_cpd[..., None] > 0, curves, 0.0)
 

@@ -1,4 +1,4 @@
-"""How sure the electrons are: sources, covariance (eq. 7), propagation, Monte Carlo."""
+"""Noise of the electrons: covariance (eq. 7), exact moments, propagation, Monte Carlo."""
 
 from chromanoise.noise.exact import (
     Moments,

@@ -1,9 +1,9 @@
-"""Sums over the Poisson distribution: moments given the count -> moments over all counts.
+"""Averages over the Poisson distribution of moments that are known per count.
 
-A count has probability exp(peak(n) - deviance(n, M)), where the peak is the probability of n at
-its own mean and the deviance n log(n / M) + M - n: both stay accurate to rounding for a million
-electrons, where exp(n log M - M - log n!) has lost seven digits. C. Loader, "Fast and accurate
-computation of binomial probabilities" (2000).
+A count has probability exp(peak(n) - deviance(n, M)), where the peak is the logarithm of the
+probability of n at mean n, and the deviance is n log(n / M) + M - n. Both are accurate to rounding
+for a million electrons, where exp(n log M - M - log n!) loses seven digits. C. Loader, "Fast and
+accurate computation of binomial probabilities" (2000).
 """
 
 import math
@@ -15,15 +15,15 @@ from chromanoise._check import Array
 from chromanoise._shapes import Float, Int
 from chromanoise.errors import InputError
 
-_LOG_TAIL = -math.log(1e-18)  # each tail that is left out holds less than 1e-18
-_MOST_E = 1e10  # beyond it one sum takes more than two million counts
-_ENTRIES = 2**18  # of the table means x counts that is held at once
+_LOG_TAIL = -math.log(1e-18)  # each omitted tail has a probability below 1e-18
+_MOST_E = 1e10  # above it one sum has more than two million terms
+_ENTRIES = 2**18  # of the table means x counts in memory
 
 
 def count_window(
     mean_e: Float[Array, "*px p"],
 ) -> tuple[Float[Array, "*px p"], Float[Array, "*px p"]]:
-    """Counts between which Poisson numbers of these means fall, but for 1e-18 on either side. [e-]
+    """Range of Poisson counts for these means; each omitted tail is below 1e-18. [e-]
 
     Notes
     -----
@@ -55,28 +55,28 @@ def over_counts(
     mean_e: Float[Array, "*px p"],
     given_count: Callable[[Float[Array, " m"]], Float[Array, "k m"]],
 ) -> Float[Array, "k *px p"]:
-    """Mean, variance and further averages over Poisson counts of what is known for each count.
+    """Mean, variance and other averages over Poisson counts, from values per count.
 
     Parameters
     ----------
     mean_e
-        Of the Poisson distributions, >= 0. Equal ones are worked out once. [e-]
+        Means of the Poisson distributions, >= 0. Equal means are computed once. [e-]
     given_count
-        For each of m counts: the mean, the variance, and any further quantities to average.
+        Function from m counts to the mean, the variance, and any other quantities to average.
 
     Raises
     ------
     InputError
-        If there is no mean, or one is too large for a sum over single electrons.
+        If ``mean_e`` is empty, or a mean is too large for a sum over single electrons.
 
     Notes
     -----
-    Law of total variance, var = E var(. | n) + var E(. | n): sums of squares only, so that
-    nothing cancels when a variance is far below the square of the mean.
+    Law of total variance, var = E var(. | n) + var E(. | n): all terms are squares, so there is no
+    cancellation when a variance is far below the square of the mean.
 
     Examples
     --------
-    Electrons that lose nothing on the way are still Poisson: mean 3, variance 3.
+    Without further noise the electrons are Poisson: mean 3, variance 3.
 
     >>> moments = over_counts(np.array([3.0]), lambda n: np.stack([n, np.zeros_like(n)]))
     >>> moments.round(12)
@@ -105,7 +105,7 @@ def over_counts(
 
 
 def _runs(means: Float[Array, " u"]) -> Iterator[slice]:
-    """Neighbors whose windows overlap and fit one table, so that they share their counts."""
+    """Groups of means whose count windows overlap and fit one table."""
     lowest, highest = count_window(means)
     gaps = 1 + np.flatnonzero(lowest[1:] > highest[:-1] + 1)
     for start, stop in zip([0, *gaps.tolist()], [*gaps.tolist(), means.size], strict=True):
@@ -137,7 +137,7 @@ def _weights(
     count, mean = lattice[at], means[:, None]
     some = np.maximum(count, 1.0)
     excess = (mean - some) / some
-    with np.errstate(divide="ignore"):  # log 0 = -inf: no light makes no count but 0
+    with np.errstate(divide="ignore"):  # log 0 = -inf: without light the count is 0
         far = np.log(mean / some)
     near = np.log1p(np.maximum(excess, -0.5))
     deviance = some * (excess - np.where(np.abs(excess) < 0.5, near, far))

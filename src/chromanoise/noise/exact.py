@@ -1,4 +1,4 @@
-"""Exact mean and variance of what a readout gives: held at black and full well, and rounded."""
+"""Exact mean and variance of readout values, clipped at black and full well, and rounded."""
 
 from dataclasses import dataclass
 
@@ -13,26 +13,27 @@ from chromanoise.noise.gaussian import FARTHEST, coded_moments, held_moments
 from chromanoise.noise.measurement import Measurement
 from chromanoise.sensor import Sensor
 
-_WIDE = 1.5  # read noise per step from which rounding adds step^2 / 12: exp(-2 pi^2 1.5^2) = 5e-20
+_WIDE = 1.5  # read noise per step above which rounding adds step^2 / 12: exp(-2 pi^2 1.5^2) = 5e-20
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Readout:
-    """Which values a channel can take when it is read.
+    """The values that a channel can have after readout.
 
     Attributes
     ----------
     black_e
-        No value lies below; -inf for a readout that keeps negative values. [e-]
+        Least value; -inf for a readout that keeps negative values. [e-]
     full_well_e
-        No value lies above; inf for one that never saturates. [e-]
+        Largest value; inf for a readout that never saturates. [e-]
     step_e
-        Values are rounded to the nearest multiple, then held at the bounds; 0 for none. [e-]
+        Values are rounded to the nearest multiple, then clipped to the bounds; 0 for no rounding.
+        [e-]
 
     Raises
     ------
     InputError
-        If black does not lie below full well, or the step is negative or not finite.
+        If black is not below full well, or the step is negative or not finite.
     """
 
     black_e: float = float("-inf")
@@ -51,19 +52,19 @@ class Readout:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Moments:
-    """What the values read from ``p`` channels are on average, and how far they scatter.
+    """Mean, variance and clipping of the values read from ``p`` channels.
 
     Attributes
     ----------
     mean
-        Of the values read. [e-]
+        Mean of the values read. [e-]
     variance
-        Of the values read; near a bound it falls because values are held, not because the light
-        is known better. [e-^2]
+        Variance of the values read; near a bound it falls because values are clipped, not because
+        the measurement is more precise. [e-^2]
     bias
         Mean minus expected electrons. [e-]
     black_share, full_share
-        Probability that a value had to be raised to black, or lowered to full well.
+        Probability that a value is clipped at black, or at full well.
     """
 
     mean: Float[Array, "*px p"]
@@ -84,7 +85,7 @@ class Moments:
 def read_moments(
     mean_e: Float[Array, "*px p"], *, read_noise_e: float, readout: Readout
 ) -> Moments:
-    """Exact moments of held(rounded(Poisson(M) + s Z)), each channel for itself.
+    """Exact moments of clipped(rounded(Poisson(M) + s Z)), per channel.
 
     Parameters
     ----------
@@ -98,19 +99,19 @@ def read_moments(
     Raises
     ------
     InputError
-        If a mean is negative or not finite, if one beyond 1e10 lies close to a bound or is
+        If a mean is negative or not finite, if a mean above 1e10 is close to a bound or is
         rounded coarsely, or if the step is less than 2e-5 of the read noise.
 
     Notes
     -----
-    A sum over counts of the censored normal's moments; what is left out holds less than 1e-17.
-    Where neither bound can be reached with that probability, nothing is summed: the moments are
-    M and M + s^2, and step^2 / 12 more where s is at least 1.5 steps (Widrow & Kollar,
-    *Quantization Noise* (2008), section 4). A bound that is always reached leaves variance 0.
+    A sum over counts of the moments of the censored normal distribution; the omitted probability is
+    below 1e-17. Where the probability of clipping is below this, no sum is needed: the moments are
+    M and M + s^2, plus step^2 / 12 where s is at least 1.5 steps (Widrow & Kollar, *Quantization
+    Noise* (2008), section 4). Where every value is clipped, the variance is 0.
 
     Examples
     --------
-    Full well one standard deviation, sqrt(9900 + 10^2), above the mean: 15.9 % are held there.
+    Full well is one standard deviation, sqrt(9900 + 10^2), above the mean: 15.9 % are clipped.
 
     >>> held = read_moments(np.array([9900.0, 100.0]), read_noise_e=10.0,
     ...                     readout=Readout(full_well_e=10_000.0))
@@ -144,7 +145,7 @@ def read_moments(
 def _reach(
     mean: Float[Array, "*px p"], noise: float, readout: Readout
 ) -> tuple[Float[Array, "*px p"], Float[Array, "*px p"]]:
-    """Between which values the rounded ones fall, but for 1e-17. [e-]"""
+    """Range of the rounded values, except for a probability of 1e-17. [e-]"""
     lowest, highest = count_window(mean)
     margin = FARTHEST * noise + readout.step_e
     return lowest - margin, highest + margin
@@ -164,7 +165,7 @@ def _summed(mean: Float[Array, " m"], noise: float, readout: Readout) -> Float[A
 
 
 def raw_measurement(moments: Moments, names: tuple[str, ...]) -> Measurement:
-    """Mean and variance of independent channels as a raw measurement; the covariance is diagonal.
+    """The moments of independent channels as a raw measurement with diagonal covariance.
 
     Parameters
     ----------
@@ -185,14 +186,14 @@ def raw_measurement(moments: Moments, names: tuple[str, ...]) -> Measurement:
 def clipped_measurement(
     mean_e: Float[Array, "*px p"], sensor: Sensor, readout: Readout
 ) -> Measurement:
-    """The raw measurement as it is read: exact mean and variance, in place of `with_noise`.
+    """The raw measurement after readout, with exact mean and variance; compare `with_noise`.
 
     Parameters
     ----------
     mean_e
         Expected electrons, >= 0. [e-]
     sensor
-        Its channels' names and its read noise; the bounds are those of the readout.
+        The sensor, for its channel names and read noise; the bounds are those of the readout.
     readout
         E.g. ``Readout(black_e=0.0, full_well_e=sensor.pixel.full_well_e)``.
 
@@ -203,8 +204,8 @@ def clipped_measurement(
 
     Notes
     -----
-    Channels stay independent, so the covariance is diagonal. A ratio of this mean and this
-    standard deviation is no SNR near a bound: ask `read_moments` for the shares that are held.
+    Channels are independent, so the covariance is diagonal. Near a bound the ratio of this mean to
+    this standard deviation is not an SNR: check the clipped shares of `read_moments`.
     """
     moments = read_moments(mean_e, read_noise_e=sensor.pixel.read_noise_e, readout=readout)
     return raw_measurement(moments, sensor.names)

@@ -14,8 +14,8 @@ from chromanoise.noise.counts import over_counts
 from chromanoise.noise.gaussian import FARTHEST
 
 _PANELS = (-FARTHEST, -4.5, -1.5, 1.5, 4.5, FARTHEST)  # standard deviations
-_NODES = 24  # per panel: exact to rounding for a Gaussian times what a panel hardly bends
-_ENTRIES = 2**18  # of the table counts x nodes that is held at once
+_NODES = 24  # per panel: exact to rounding for a Gaussian times a smooth function
+_ENTRIES = 2**18  # of the table counts x nodes in memory
 
 Function = Callable[[Float[Array, " m"]], Float[Array, " m"]]
 
@@ -27,9 +27,9 @@ class Expectation:
     Attributes
     ----------
     mean
-        In the unit of the function.
+        Mean, in the unit of the function.
     variance
-        In that unit squared.
+        Variance, in that unit squared.
     """
 
     mean: Float[Array, "*px p"]
@@ -48,18 +48,18 @@ def expectation(
     read_noise_e: float,
     kinks_e: tuple[float, ...] = (),
 ) -> Expectation:
-    """Mean and variance of function(Poisson(M) + s Z), without drawing and without derivatives.
+    """Mean and variance of function(Poisson(M) + s Z), without random samples or derivatives.
 
     Parameters
     ----------
     function
-        Of an array of noisy electrons, which may be negative, to as many numbers. [e-]
+        Function from an array of noisy electrons, which may be negative, to one number each. [e-]
     mean_e
         Expected electrons M, >= 0. [e-]
     read_noise_e
         Standard deviation s of the readout, >= 0. [e-]
     kinks_e
-        Where the function is not smooth; the quadrature is cut there. [e-]
+        Points where the function is not smooth; the quadrature is split there. [e-]
 
     Raises
     ------
@@ -69,10 +69,10 @@ def expectation(
 
     Notes
     -----
-    A sum over all counts but for tails of 1e-18, and Gauss-Legendre panels over the read noise:
-    exact to rounding for a function that is smooth over 3 s between its kinks. A bend that is
-    not told costs about 1e-3 of its change of slope times s, a jump about a tenth of the jump
-    times the probability of lying within s of it.
+    A sum over all counts except for tails of 1e-18, and Gauss-Legendre panels over the read noise:
+    exact to rounding for a function that is smooth over 3 s between its kinks. A kink missing from
+    ``kinks_e`` causes an error of about 1e-3 of its change of slope times s, a jump one of about a
+    tenth of the jump times the probability of values within s of it.
 
     Examples
     --------

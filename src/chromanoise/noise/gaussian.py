@@ -1,4 +1,4 @@
-"""What a readout makes of a known number of electrons: moments of a held, rounded Gaussian."""
+"""Readout of a known number of electrons: moments of a clipped, rounded Gaussian."""
 
 import math
 from collections.abc import Callable
@@ -10,21 +10,21 @@ from chromanoise._shapes import Float
 from chromanoise.errors import InputError
 
 FARTHEST = 9.1
-"""Standard deviations beyond which a Gaussian holds less than 1e-18 on one side."""
+"""Number of standard deviations beyond which one tail of a Gaussian is below 1e-18."""
 
-_ENTRIES = 2**18  # of the table counts x codes that is held at once
+_ENTRIES = 2**18  # of the table counts x codes in memory
 _MOST_CODES = 2**20
 
 
 def held_moments(
     electrons: Float[Array, " m"], *, read_noise_e: float, black_e: float, full_well_e: float
 ) -> Float[Array, "4 m"]:
-    """Mean, variance, share below black and above full well of n + s Z held between the bounds.
+    """Mean, variance, share below black and share above full well of n + s Z, clipped.
 
     Parameters
     ----------
     electrons
-        n, known. [e-]
+        n, the known number of electrons. [e-]
     read_noise_e
         s, >= 0. [e-]
     black_e, full_well_e
@@ -32,12 +32,12 @@ def held_moments(
 
     Notes
     -----
-    The censored normal distribution (Tobin, *Econometrica* 26 (1958) 24), told as partial
-    moments about the point c of the range that is nearest to n, so that no large squares cancel.
+    The censored normal distribution (Tobin, *Econometrica* 26 (1958) 24), by partial moments about
+    the point c of the range that is nearest to n, so that no large squares cancel.
 
     Examples
     --------
-    Zero signal held at black: the half-normal mean 1 / sqrt(2 pi) and variance (1 - 1 / pi) / 2.
+    Zero signal clipped at black: mean 1 / sqrt(2 pi) and variance (1 - 1 / pi) / 2.
 
     >>> held_moments(np.array([0.0]), read_noise_e=1.0, black_e=0.0, full_well_e=9e9).round(5)
     array([[0.39894],
@@ -70,7 +70,7 @@ def _capped_excess(
     start: Float[Array, " m"], cap: Float[Array, " m"]
 ) -> tuple[Float[Array, " m"], Float[Array, " m"]]:
     """First and second moment of min(max(Z - start, 0), cap), where start >= 0 or cap = 0."""
-    cap = np.minimum(cap, 40.0)  # beyond, the Gaussian is 0 in double precision
+    cap = np.minimum(cap, 40.0)  # above it the Gaussian is 0 in double precision
     once, twice = _excess(start)
     once_beyond, twice_beyond = _excess(start + cap)
     return once - once_beyond, twice - twice_beyond - 2 * cap * once_beyond
@@ -93,14 +93,14 @@ def coded_moments(
     full_well_e: float,
     step_e: float,
 ) -> Float[Array, "4 m"]:
-    """As `held_moments`, where n + s Z is first rounded to the nearest multiple of a step.
+    """As `held_moments`, with n + s Z first rounded to the nearest multiple of a step.
 
     Parameters
     ----------
     electrons, read_noise_e, black_e, full_well_e
-        As there. [e-]
+        As in `held_moments`. [e-]
     step_e
-        > 0; a value halfway between two multiples goes to the upper one. [e-]
+        Step, > 0; a value halfway between two multiples is rounded up. [e-]
 
     Raises
     ------
@@ -109,11 +109,11 @@ def coded_moments(
 
     Notes
     -----
-    The code k is taken with the probability of (k - 1/2) step <= n + s Z < (k + 1/2) step.
+    Code k has the probability of (k - 1/2) step <= n + s Z < (k + 1/2) step.
 
     Examples
     --------
-    Halfway between two codes, noise far below the step takes either: variance step^2 / 4.
+    Halfway between two codes, small noise gives either code: variance step^2 / 4.
 
     >>> coded_moments(np.array([1.0]), read_noise_e=1e-3, black_e=0.0, full_well_e=100.0,
     ...               step_e=2.0)[:2].round(9)
@@ -142,8 +142,8 @@ def coded_moments(
 def _holding(
     black_e: float, full_well_e: float, step_e: float
 ) -> Callable[[Float[Array, "m k"]], tuple[Array, Array, Array]]:
-    """Multiples held between the bounds, and which ones had to be raised or lowered."""
-    slack = 1e-9 * step_e  # 3 * 0.1 is not beyond 0.3
+    """Multiples clipped to the bounds, and masks of those that were raised or lowered."""
+    slack = 1e-9 * step_e  # so that 3 * 0.1 does not exceed 0.3
 
     def held(multiple: Float[Array, "m k"]) -> tuple[Array, Array, Array]:
         kept = np.clip(multiple, black_e, full_well_e)
@@ -170,7 +170,7 @@ def _coded(
 
 
 def _shares(threshold_e: Float[Array, "m t"], read_noise_e: float) -> Float[Array, "m k"]:
-    """Probability of each code between thresholds told from n; the outer two reach on forever."""
+    """Probability of each code between thresholds relative to n; the outer two are unbounded."""
     if read_noise_e == 0:
         below = (threshold_e > 0).astype(np.float64)  # n on a threshold takes the upper code
         above = 1.0 - below
@@ -181,6 +181,6 @@ def _shares(threshold_e: Float[Array, "m t"], read_noise_e: float) -> Float[Arra
     ends = np.ones_like(below[:, :1])
     from_below = np.diff(below, axis=1, prepend=0 * ends, append=ends)
     from_above = -np.diff(above, axis=1, prepend=ends, append=0 * ends)
-    # the difference of the smaller tails: 1 - 1e-20 cannot be told from 1
+    # the difference of the smaller tails, because 1 - 1e-20 rounds to 1
     upper = np.concatenate([0 * ends, threshold_e], axis=1) > 0
     return np.where(upper, from_above, from_below)

@@ -1,4 +1,4 @@
-"""A measurement: mean and covariance in named coordinates, and its way through a matrix."""
+"""A measurement: mean and covariance in named coordinates, and its linear transforms."""
 
 from dataclasses import dataclass
 
@@ -25,16 +25,17 @@ class Measurement:
     names
         One per coordinate, e.g. ("R", "G", "B") or ("X", "Y", "Z").
     kind
-        What the coordinates are: "raw", "contravariant", "XYZ"; every SNR is named after it.
+        Kind of the coordinates: "raw", "contravariant", "XYZ"; it names every SNR.
     unit
-        Of the mean.
+        Unit of the mean.
     metric
-        In which light is a vector, where that matters; ``None`` for raw electrons.
+        Metric of the space of spectra, where the coordinates depend on it; ``None`` for raw
+        electrons.
 
     Raises
     ------
     InputError
-        If a number is not finite, a variance is negative, or the shapes do not belong together.
+        If a number is not finite, a variance is negative, or the shapes do not match.
     """
 
     mean: Float[Array, "*px p"]
@@ -66,9 +67,9 @@ class Measurement:
         return np.diagonal(self.covariance, axis1=-2, axis2=-1)
 
     def _repr_html_(self) -> str:
-        told = f"Measurement, {self.kind}" + (f" in {self.metric}" if self.metric else "")
+        text = f"Measurement, {self.kind}" + (f" in {self.metric}" if self.metric else "")
         if self.mean.ndim > 1:
-            return _notebook.shown(f"{told}: {', '.join(self.names)} of {self.mean.shape[:-1]}")
+            return _notebook.shown(f"{text}: {', '.join(self.names)} of {self.mean.shape[:-1]}")
         unit, sd = self.unit, np.sqrt(self.variance)
         shared = self.covariance / np.where(sd > 0, sd, 1.0) / np.where(sd > 0, sd, 1.0)[:, None]
         rows = [
@@ -77,7 +78,7 @@ class Measurement:
         ]
         head = ["", f"mean [{unit}]", f"standard deviation [{unit}]"]
         head += [f"correlation with {name}" for name in self.names]
-        return _notebook.shown(told, _notebook.table(head, rows))
+        return _notebook.shown(text, _notebook.table(head, rows))
 
 
 def through(
@@ -89,7 +90,7 @@ def through(
     unit: str,
     metric: Metric | None = None,
 ) -> Measurement:
-    """The measurement in the coordinates ``matrix @ old``: C mu, and C S C^T in closed form.
+    """The measurement in the coordinates ``matrix @ old``: mean C mu, covariance C S C^T.
 
     Parameters
     ----------
@@ -98,12 +99,12 @@ def through(
     matrix
         C; one row per new coordinate.
     names, kind, unit, metric
-        Of the new coordinates.
+        Names, kind, unit and metric of the new coordinates.
 
     Raises
     ------
     InputError
-        If the matrix has not one column per old coordinate and one row per new one.
+        If the matrix does not have one column per old coordinate and one row per new one.
 
     Examples
     --------

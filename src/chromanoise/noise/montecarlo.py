@@ -1,4 +1,4 @@
-"""Monte Carlo: the witness of the closed form, with its own error bar."""
+"""Monte Carlo simulation that checks the closed form, with its standard errors."""
 
 import math
 from collections.abc import Callable
@@ -15,12 +15,12 @@ from chromanoise.rng import stream
 from chromanoise.sensor import Pixel
 
 MOST_DRAWS = 10**10
-_CHUNK = 65_536  # acquisitions per stream: memory stays bounded, and the chunk names its draws
+_CHUNK = 65_536  # acquisitions per random stream; bounds the memory
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Estimate:
-    """What ``draws`` acquisitions say about ``q`` linear coordinates.
+    """Statistics of ``q`` linear coordinates over ``draws`` acquisitions.
 
     Attributes
     ----------
@@ -31,7 +31,7 @@ class Estimate:
     snr_db, snr_se_db
         20 log10(|mean| / sd) and its standard error. [dB]
     clipped_share
-        Share of the draws of each raw channel that clipped; zeros where nothing is clipped.
+        Share of the acquisitions in which each raw channel clipped; zeros without clipping.
     any_clipped_share
         Share of the acquisitions in which any channel clipped.
     draws
@@ -72,15 +72,15 @@ def monte_carlo(
     mean_e
         Expected electrons per channel. [e-]
     pixel
-        Read noise, and full well where ``clip``.
+        The pixel, for its read noise, and its full well if ``clip`` is set.
     matrix
         One row per coordinate; the identity for the raw channels.
     draws
-        Number of acquisitions, at least 2; the paper takes 5000.
+        Number of acquisitions, at least 2; the paper uses 5000.
     seed, name
-        Which random numbers; see `chromanoise.rng.stream`.
+        Seed and name of the random stream; see `chromanoise.rng.stream`.
     clip
-        Hold each acquisition between 0 and full well, as a real sensor does. The paper does not.
+        Clip each acquisition to 0 and full well, as a real sensor does. The paper does not clip.
     progress
         Called with the number of draws finished since the last call.
 
@@ -97,7 +97,7 @@ def monte_carlo(
             "draws", f"must be 2 (needed for a standard deviation) to {MOST_DRAWS:g}", value=draws
         )
     expected = matrix @ mean_e
-    sums = np.zeros((4, matrix.shape[0]))  # of powers of the deviation from what is expected
+    sums = np.zeros((4, matrix.shape[0]))  # of powers of the deviation from the expected value
     clipped = np.zeros(mean_e.shape)
     any_clipped = 0
     for chunk, start in enumerate(range(0, draws, _CHUNK)):
@@ -127,7 +127,7 @@ def _estimate(
     m4 = fourth - 4 * shift * cube + 6 * shift**2 * square - 3 * shift**4
     sd = np.sqrt(variance * draws / (draws - 1))
     mean = expected + shift
-    spread = variance > 0  # without any, an SNR is inf (or -inf in the dark) and its error unknown
+    spread = variance > 0  # without it an SNR is inf or -inf and its error unknown
     seen = mean != 0
     v, m = np.where(spread, variance, 1.0), np.where(seen, mean, 1.0)
     with np.errstate(divide="ignore"):

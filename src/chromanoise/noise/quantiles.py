@@ -1,7 +1,7 @@
-"""The exact Poisson-Gaussian distribution, as a function of a standard normal variable.
+"""The quantile function of the exact Poisson-Gaussian distribution.
 
-Rounding and clipping keep the order of values, so they are applied to the function itself; point
-masses at black or full well need no treatment of their own.
+Rounding and clipping are monotonic, so they are applied to the quantile function itself, and point
+masses at black or full well need no special case.
 """
 
 from functools import lru_cache
@@ -15,21 +15,21 @@ from chromanoise.noise.counts import count_law
 from chromanoise.noise.exact import Readout
 from chromanoise.noise.gaussian import FARTHEST
 
-_MANY_E = 300.0  # standard deviation from which four cumulants tell the law to 1e-7 of it
-_SMOOTH_E = 1.0  # read noise that blurs single electrons: a ripple of exp(-2 pi^2) = 3e-9 is left
-_PER_SD = 64  # steps of the table: bent by the skewness of few electrons it errs by 1e-5
-_PER_READ_NOISE = 32  # where single electrons show
+_MANY_E = 300.0  # standard deviation above which four cumulants give the distribution to 1e-7 of it
+_SMOOTH_E = 1.0  # read noise that smooths single electrons to a ripple of exp(-2 pi^2) = 3e-9
+_PER_SD = 64  # steps of the table: error 1e-5 for the skewness of few electrons
+_PER_READ_NOISE = 32  # where single electrons are resolved
 
 
 def poisson_gaussian_ppf(
     normal: Float[Array, "*n"], mean_e: float, *, read_noise_e: float
 ) -> Float[Array, "*n"]:
-    """What is read, Poisson(M) + s Z, as the rising function of one standard normal variable. [e-]
+    """Quantiles of Poisson(M) + s Z, as a function of a standard normal variable. [e-]
 
     Parameters
     ----------
     normal
-        Values of the standard normal variable: Phi of one is the share of readouts below.
+        Values z of the standard normal variable; Phi(z) is the share of readouts below the result.
     mean_e
         Expected electrons M, >= 0. [e-]
     read_noise_e
@@ -42,13 +42,13 @@ def poisson_gaussian_ppf(
 
     Notes
     -----
-    F^-1(Phi(z)), by a table of the distribution function, which is a sum over all counts but for
-    1e-18; from 300 e- of standard deviation on by the Cornish-Fisher expansion of the cumulants
-    M + s^2, M and M (Abramowitz & Stegun, 26.2.49).
+    F^-1(Phi(z)), by a table of the distribution function, which is a sum over all counts except for
+    tails of 1e-18; above a standard deviation of 300 e- by the Cornish-Fisher expansion with the
+    cumulants M + s^2, M and M (Abramowitz & Stegun, 26.2.49).
 
     Examples
     --------
-    No electron, or one? 1/e = 0.368 of Poisson(1) is 0, up to the normal quantile -0.338.
+    Poisson(1) is 0 with probability 1/e = 0.368, so up to the normal quantile -0.338.
 
     >>> poisson_gaussian_ppf(np.array([-0.35, -0.33]), 1.0, read_noise_e=0.0)
     array([0., 1.])
@@ -68,7 +68,7 @@ def poisson_gaussian_ppf(
 
 
 def read_values(electrons: Float[Array, "*n"], readout: Readout) -> Float[Array, "*n"]:
-    """Electrons as they are read: rounded to the nearest step, then held at the bounds. [e-]
+    """Electrons after readout: rounded to the nearest step, then clipped to the bounds. [e-]
 
     Parameters
     ----------
@@ -94,19 +94,19 @@ def _cornish_fisher(z: Float[Array, "*n"], mean: float, noise: float) -> Float[A
     return np.asarray(mean + sd * (z + bent))
 
 
-@lru_cache(maxsize=32)  # a sensor's channels, while spaces and matrices change
+@lru_cache(maxsize=32)  # reused while color spaces and matrices change
 def _table(mean: float, noise: float) -> tuple[Float[Array, " t"], Float[Array, " t"]]:
-    """Standard normal quantiles, rising, and what is read there. [1, e-]"""
+    """Standard normal quantiles in ascending order, and the values read there. [1, e-]"""
     electrons = _places(mean, noise)
     below, above = _shares_beside(electrons, mean, noise)
     return _check.frozen(_normal_scores(below, above)), _check.frozen(electrons)
 
 
 def _places(mean: float, noise: float) -> Float[Array, " t"]:
-    """Where the distribution function is tabled: close enough to be straight between. [e-]"""
+    """Points of the distribution table, dense enough for linear interpolation. [e-]"""
     counts, _ = count_law(mean)
     reach = FARTHEST * noise
-    if 2 * reach < 1:  # single electrons stand apart
+    if 2 * reach < 1:  # single electrons are resolved
         steps = np.linspace(-reach, reach, int(2 * FARTHEST * _PER_READ_NOISE))
         return (counts[:, None] + steps).ravel()
     blurred = noise >= _SMOOTH_E
@@ -117,7 +117,7 @@ def _places(mean: float, noise: float) -> Float[Array, " t"]:
 def _shares_beside(
     electrons: Float[Array, " t"], mean: float, noise: float
 ) -> tuple[Float[Array, " t"], Float[Array, " t"]]:
-    """Share of the readouts below and above each value; counts far from it need no Gaussian."""
+    """Share of the readouts below and above each value; far counts need no Gaussian."""
     from scipy.special import ndtr
 
     counts, shares = count_law(mean)
@@ -125,7 +125,7 @@ def _shares_beside(
     first = np.ceil(electrons - FARTHEST * noise - counts[0]).astype(np.int64)
     first = np.clip(first, 0, counts.size - near)
     at = first[:, None] + np.arange(near)
-    with np.errstate(over="ignore"):  # read noise of 1e-308 e-: infinitely many deviations away
+    with np.errstate(over="ignore"):  # overflows to inf for a read noise of 1e-308 e-
         away = (electrons[:, None] - counts[at]) / noise
     upto = np.concatenate([[0.0], np.cumsum(shares)])
     onward = np.concatenate([np.cumsum(shares[::-1])[::-1], [0.0]])
@@ -135,7 +135,7 @@ def _shares_beside(
 
 
 def _normal_scores(below: Float[Array, " t"], above: Float[Array, " t"]) -> Float[Array, " t"]:
-    """Standard normal quantiles, each from the smaller tail: 1 - 1e-20 cannot be told from 1."""
+    """Standard normal quantiles, each from the smaller tail, because 1 - 1e-20 rounds to 1."""
     from scipy.special import ndtri
 
     tail = np.clip(np.minimum(below, above), 1e-300, 0.5)

@@ -1,4 +1,4 @@
-"""Eq. 7: shot noise and readout noise of the raw channels."""
+"""Shot noise and read noise of the raw channels (eq. 7)."""
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from chromanoise.sensor import Pixel, Sensor
 def raw_covariance(
     mean_e: Float[Array, "*px p"], *, read_noise_e: float
 ) -> Float[Array, "*px p p"]:
-    """Covariance of the raw channels: shot noise plus readout, independent per channel. [e-^2]
+    """Covariance of the raw channels: shot noise plus read noise, independent per channel. [e-^2]
 
     Parameters
     ----------
@@ -42,7 +42,7 @@ def raw_covariance(
 
 
 def with_noise(mean_e: Float[Array, "*px p"], sensor: Sensor) -> Measurement:
-    """The raw measurement: expected electrons and their covariance, unclipped as in the paper."""
+    """The raw measurement: expected electrons and covariance, without clipping as in the paper."""
     return Measurement(
         mean=mean_e,
         covariance=raw_covariance(mean_e, read_noise_e=sensor.pixel.read_noise_e),
@@ -53,5 +53,5 @@ def with_noise(mean_e: Float[Array, "*px p"], sensor: Sensor) -> Measurement:
 
 
 def saturated(mean_e: Float[Array, "*px p"], pixel: Pixel) -> Bool[Array, "*px p"]:
-    """Where the expected electrons exceed full well: the SNR is undefined."""
+    """True where the expected electrons exceed full well, so that the SNR is undefined."""
     return np.asarray(mean_e) > pixel.full_well_e * (1 + 1e-12)

@@ -1,4 +1,4 @@
-"""Noisy acquisitions, drawn: Poisson electrons plus Gaussian readout."""
+"""Random noisy acquisitions: Poisson electrons plus Gaussian read noise."""
 
 import numpy as np
 
@@ -8,27 +8,27 @@ from chromanoise._shapes import Bool, Float
 from chromanoise.errors import InputError
 from chromanoise.sensor import Pixel
 
-_MOST_E = 1e15  # beyond it electrons are no longer told apart in double precision
+_MOST_E = 1e15  # above it double precision does not resolve single electrons
 
 
 def sample_electrons(
     mean_e: Float[Array, "*px p"], pixel: Pixel, rng: np.random.Generator
 ) -> Float[Array, "*px p"]:
-    """One noisy acquisition of every entry, unclipped: it may go below 0 and above full well. [e-]
+    """One noisy acquisition of every entry, unclipped: may be below 0 or above full well. [e-]
 
     Parameters
     ----------
     mean_e
         Expected electrons, >= 0. [e-]
     pixel
-        Its read noise is added.
+        The pixel, for its read noise.
     rng
-        A stream of `chromanoise.rng`.
+        A random stream of `chromanoise.rng`.
 
     Raises
     ------
     InputError
-        If a mean is negative, not finite, or more than can be counted.
+        If a mean is negative, not finite, or above 1e15.
     """
     mean_e = _check.non_negative("mean_e", "e-", mean_e)
     if mean_e.size and mean_e.max() > _MOST_E:
@@ -47,6 +47,6 @@ def sample_electrons(
 def clipped_at_well(
     electrons: Float[Array, "*px p"], pixel: Pixel
 ) -> tuple[Float[Array, "*px p"], Bool[Array, "*px p"]]:
-    """Electrons held between black and full well, and which ones had to be."""
+    """Electrons clipped to 0 and full well, and a mask of the clipped ones."""
     held = np.clip(electrons, 0.0, pixel.full_well_e)
     return held, held != electrons

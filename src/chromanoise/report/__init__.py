@@ -1,4 +1,4 @@
-"""Pages in one file that needs no other: of the paper, and of a study. No number is born here."""
+"""Self-contained HTML pages of the paper and of a study; reports compute nothing themselves."""
 
 from chromanoise.report.demo import demo_page
 from chromanoise.report.study_pictures import Sight, sights_of

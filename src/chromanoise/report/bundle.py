@@ -1,4 +1,4 @@
-"""One file of many: drawing modules as data: addresses, data as a block of compressed JSON."""
+"""Parts of a self-contained HTML file: modules as data: URLs, data as compressed JSON."""
 
 import base64
 import gzip
@@ -19,9 +19,9 @@ def drawing_style() -> str:
 
 
 def import_map() -> str:
-    """An import map in which every drawing module is its own text.
+    """An import map with every drawing module as a data: URL.
 
-    Modules name each other as ``draw/svg.js``; a browser asks for nothing beyond this file.
+    Modules import each other as ``draw/svg.js``; a browser loads no other file.
     """
     folder = resources.files("chromanoise").joinpath(_DRAW)
     names = sorted(one.name for one in folder.iterdir() if one.name.endswith(".js"))
@@ -32,12 +32,12 @@ def import_map() -> str:
 
 
 def report_script() -> str:
-    """The script that draws a report and listens to its sliders."""
+    """The script that draws a report and handles its sliders."""
     return resources.files("chromanoise.report").joinpath("report.js").read_text("utf-8")
 
 
 def data_address(content: bytes, kind: str) -> str:
-    """Content as an address that holds it.
+    """Content as a data: URL.
 
     Examples
     --------
@@ -48,7 +48,7 @@ def data_address(content: bytes, kind: str) -> str:
 
 
 def packed_json(data: Any) -> str:
-    """Data as JSON, compressed, in letters that no element of a page ends in: base64 of gzip.
+    """Data as JSON, compressed by gzip and encoded in base64, which is safe inside HTML.
 
     Equal data give equal text.
 
@@ -63,13 +63,13 @@ def packed_json(data: Any) -> str:
 
 
 def script_hash(script: str) -> str:
-    """What a content security policy knows an inline script by."""
+    """The hash of an inline script for a content security policy."""
     digest = hashlib.sha256(script.encode("utf-8")).digest()
     return f"'sha256-{base64.b64encode(digest).decode('ascii')}'"
 
 
 def shortened(data: Any, *, digits: int = 5) -> Any:
-    """The data with every number told in as many digits as rounding further does not notice.
+    """The data with every number rounded to ``digits`` digits, safe for later rounding.
 
     Parameters
     ----------
@@ -84,17 +84,17 @@ def shortened(data: Any, *, digits: int = 5) -> Any:
     >>> shortened([26.123456, 26.2496, 12.0, "26.2496"])
     [26.123, 26.2496, 12, '26.2496']
     """
-    told = json.dumps(data, allow_nan=False)
-    return json.loads(told, parse_float=partial(_shortened, digits=digits))
+    text = json.dumps(data, allow_nan=False)
+    return json.loads(text, parse_float=partial(_shortened, digits=digits))
 
 
 def _shortened(number: str, digits: int) -> float | int:
     value = float(number)
     for more in range(digits, 18):
-        told = f"{value:.{more - 1}e}"
-        mantissa = told.partition("e")[0].rstrip("0")
+        text = f"{value:.{more - 1}e}"
+        mantissa = text.partition("e")[0].rstrip("0")
         if not mantissa.endswith("5"):
-            value = float(told)
+            value = float(text)
             break
     return int(value) if value.is_integer() and abs(value) < 1e15 else value
 

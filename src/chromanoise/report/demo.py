@@ -1,4 +1,4 @@
-"""The page that ``chromanoise demo`` leaves: the paper's tables, verdict, pictures and figures."""
+"""The page of ``chromanoise demo``: the paper's tables, verdict, pictures and figures."""
 
 import base64
 from collections.abc import Mapping
@@ -28,7 +28,7 @@ def demo_page(
     figures: Mapping[str, str],
     captions: Mapping[str, str],
 ) -> str:
-    """The page as HTML that needs no other file and no network.
+    """The page as self-contained HTML, without network access.
 
     Parameters
     ----------

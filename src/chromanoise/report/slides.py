@@ -1,4 +1,4 @@
-"""What the sliders of a report answer: the study again, with one thing of it changed."""
+"""Sliders of a report: charts of the study with one setting changed."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -13,7 +13,7 @@ from chromanoise.charts.text import level_in_words
 from chromanoise.exposure import OperatingPoint, white_scene
 from chromanoise.spectra import INFRARED_FROM_NM
 
-_STEP = 10.0 ** (1 / 8)  # of the light level: eight answers per decade
+_STEP = 10.0 ** (1 / 8)  # of the light level: eight steps per decade
 _MOST_ABOVE = 12
 _MOST_ANSWERS = 25
 _ROOM = 50  # answers of one sensor: more sensors have fewer each, so that the file stays small
@@ -32,13 +32,13 @@ class Slide:
     key
         Of the sweep.
     label
-        What it changes, in words.
+        Label of the setting that it changes.
     values
-        In the unit of the sweep; ``None`` is the study as it is, where no value says so.
+        Values in the unit of the sweep; ``None`` is the unchanged study, where no value gives it.
     told
-        Each value in words.
+        Text of each value.
     own
-        Which of them is the study as it is.
+        Index of the unchanged study.
     """
 
     key: str
@@ -65,12 +65,12 @@ def slides_of(of: Shown) -> tuple[Slide, ...]:
 
 
 def at_value(of: Shown, slide: Slide, value: float | None) -> Shown:
-    """The study with one thing changed, time and all else kept.
+    """The study with one setting changed and all others, including the time, kept.
 
     Parameters
     ----------
     of
-        The study as it is.
+        The unchanged study.
     slide
         What is changed; its key is one of `chromanoise.analysis.SWEEPS`.
     value

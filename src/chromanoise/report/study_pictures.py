@@ -1,4 +1,4 @@
-"""The pictures of a study, as they stand in a report."""
+"""The pictures of a study for its report."""
 
 from dataclasses import dataclass
 
@@ -47,7 +47,7 @@ def sights_of(of: Shown, *, work: Work | None = None) -> tuple[Sight, ...]:
     """
     names = tuple(one.sensor.name for one in of.operating_points)
     matrix, maker = next(iter(of.makers.items()))
-    told = []
+    sights = []
     for number, part in enumerate(of.study.pictures):
         cube, cameras = prepared_cameras(
             of.study, number, list(of.operating_points), {matrix: maker}
@@ -58,5 +58,5 @@ def sights_of(of: Shown, *, work: Work | None = None) -> tuple[Sight, ...]:
             for camera in cameras[matrix]
         ]
         pictures = tuple(picture.srgb for picture in taken if picture is not None)
-        told.append(Sight(cube=part.cube, matrix=matrix, sensors=names, pictures=pictures))
-    return tuple(told)
+        sights.append(Sight(cube=part.cube, matrix=matrix, sensors=names, pictures=pictures))
+    return tuple(sights)

@@ -1,4 +1,4 @@
-"""A study as one page that travels: verdict, charts, tables, equations, sliders, in one file."""
+"""A study as one self-contained HTML file: verdict, charts, tables, equations, sliders."""
 
 from collections.abc import Mapping, Sequence
 from importlib import resources
@@ -84,7 +84,7 @@ _EXACT = 7  # digits of half axes: an outline is whole to a thousandth of its un
 
 
 def study_report(of: Shown, equations: Equations, sights: Sequence[Sight] = ()) -> str:
-    """The report as HTML that needs no other file and no network.
+    """The report as self-contained HTML, without network access.
 
     Parameters
     ----------
