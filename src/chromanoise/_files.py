@@ -126,7 +126,7 @@ def refuse_unwritable(folder: Path) -> None:
 
 
 def write_whole(path: Path, content: bytes) -> None:
-    """Write a temporary file in the same folder and rename it, so that no reader sees a partial file.
+    """Write a temporary file in the same folder and rename it, so that no partial file is visible.
 
     A link is followed. A pipe or a device is written to directly.
 

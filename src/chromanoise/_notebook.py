@@ -58,7 +58,7 @@ def _side(cell: str) -> str:
 def curves(
     x: Float[Array, " n"], values: Float[Array, "n p"], names: Sequence[str], *, what: str
 ) -> str:
-    """Curves as SVG, scaled to the highest; each is labeled where it is farthest from the others."""
+    """Curves as SVG, scaled to the highest, each with a label where it is far from the others."""
     top = float(values.max()) or 1.0
     across = _EDGE + (x - x[0]) / (x[-1] - x[0]) * (_WIDTH - 2 * _EDGE)
     down = _HEIGHT - _EDGE - values / top * (_HEIGHT - 2 * _EDGE)

@@ -162,7 +162,7 @@ class _Child:
                 OSError,
                 EOFError,
                 pickle.UnpicklingError,
-            ):  # the process ended before it replied
+            ):  # it ended without a reply
                 raise _fault(self._exit_code(), limit_s) from None
             except BaseException:  # Ctrl-C or MemoryError: its reply will not be read
                 self._end()
