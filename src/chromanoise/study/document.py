@@ -29,8 +29,7 @@ NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 Finite = Annotated[float, Field(allow_inf_nan=False)]
 Beyond = Literal["refuse", "zero", "hold"]
 _NEGATIVES = (
-    "Small negative values in the file, e.g. from digitizing: refuse them or set "
-    "them to 0."
+    "Small negative values in the file, e.g. from digitizing: refuse them or set them to 0."
 )
 
 
@@ -181,9 +180,8 @@ class PicturePart(_Part):
     )
     wavelengths: Annotated[tuple[float, float], Field(strict=False)] | str | None = Field(
         None,
-        description="If the cube does not declare them: first and last band [nm], or a "
-        "text file with ",
-        "one wavelength per band.",
+        description="If the cube does not declare them: first and last band [nm], or a text file "
+        "with one wavelength per band.",
     )
     scale: Positive | None = Field(None, description="Reflectance per stored unit.")
     beyond: Beyond = Field(
@@ -218,7 +216,6 @@ class PicturePart(_Part):
         None,
         description="Dark current [e-/s]; its mean is subtracted. Default: from "
         "pixel.file, else 0.",
-,
     )
     dsnu_e: NotNegative | None = Field(
         None, description="Dark signal non-uniformity [e-]; default: from pixel.file, else 0."
@@ -333,9 +330,7 @@ class Study(_Part):
         "quanta",
         description=f"Unit in which spectra are vectors: {' or '.join(METRICS)}.",
     )
-    seed: Annotated[int, Field(ge=0, lt=2**32)] = Field(
-        0, description="Seed of all random noise."
-    )
+    seed: Annotated[int, Field(ge=0, lt=2**32)] = Field(0, description="Seed of all random noise.")
     light: LightPart = Field(LightPart(), description="The light on the scene.")
     exposure: ExposurePart = Field(ExposurePart(), description="Exposure time and lens.")
     sensors: Annotated[
@@ -350,16 +345,18 @@ class Study(_Part):
         description=f"Training set of trained matrices: {', '.join(PRIORS)}.",
     )
     sweeps: Annotated[
-        tuple[SweepPart, ...], Field(
+        tuple[SweepPart, ...],
+        Field(
             strict=False,
             description="Sweeps, computed one after the other.",
-        )
+        ),
     ] = ()
     pictures: Annotated[
-        tuple[PicturePart, ...], Field(
+        tuple[PicturePart, ...],
+        Field(
             strict=False,
             description="Pictures of cubes with every sensor.",
-        )
+        ),
     ] = ()
     outputs: OutputsPart = Field(OutputsPart(), description="Outputs of the run.")
 
