@@ -1,28 +1,28 @@
 """From photons to color, with the noise.
 
-The folders follow the light, then the program; imports go down this list only (the list of
-``pyproject.toml``, read from its end).
+The list follows the light, then the structure of the program. A package imports only packages
+above it (``pyproject.toml`` lists them in reverse order).
 
 =============  =======================================================================
 ``spectra``    one wavelength grid; curves, illuminants, observers, reflectances
-``scene``      light leaving the world: patches, charts, hyperspectral cubes
-``sensor``     what a camera is: channels, filters, pixel, mosaic
-``exposure``   light meets sensor: expected electrons (eq. 1-2), exposure rules
+``scene``      light from the scene: patches, charts, hyperspectral cubes
+``sensor``     model of a camera: channels, filters, pixel, mosaic
+``exposure``   expected electrons (eq. 1-2), exposure rules
 ``noise``      sources, covariance (eq. 7), propagation, Monte Carlo
 ``geometry``   dual basis, contravariant coordinates (eq. 3-4), angles, VIF, ellipses
 ``color``      matrices (eq. 6), XYZ with covariance (eq. 5), Lab, Luv, sRGB
 ``metrics``    SNR, its bound, loss and budget; color error, filters, speed, bits
 ``imaging``    a cube through the camera: kernels, mosaic, demosaicing, sampling
-``io``         file formats, in and out: spectra, cubes, pixels, matrices, tables
-``catalog``    names to things: sensors, filters, illuminants; the user's own folder
+``io``         readers and writers: spectra, cubes, pixels, matrices, tables
+``catalog``    built-in sensors, filters, illuminants; the user's own folder
 ``analysis``   one operating point at every stage; budgets, sweeps, comparison
-``study``      a study: document, faults, run, records
-``paper``      the paper's own study, Tables 2-5 and figures, as a user of the library
-``charts``     results to chart records: marks, axes, table rows
-``figures``    chart records to matplotlib Axes
-``report``     one self-contained HTML file
-``page``       the local page that answers while you drag
-``cli``        options to a study, results to text
+``study``      a study: document, errors, run, records
+``paper``      the paper's study, Tables 2-5 and figures, computed with the public API
+``charts``     results as chart records: marks, axes, table rows
+``figures``    chart records drawn on matplotlib Axes
+``report``     a study as one self-contained HTML file
+``page``       the local web page, which updates while a slider moves
+``cli``        command line: options to a study, results to text
 ``api``        the functions of ``import chromanoise as cn``
 =============  =======================================================================
 
@@ -130,5 +130,5 @@ __getattr__ = lazy_names(__name__)[0]
 
 
 def __dir__() -> list[str]:
-    """The public names and the stages, without what is used here."""
+    """The public names and subpackages, without the names imported for internal use."""
     return sorted([*__all__, "__version__"])

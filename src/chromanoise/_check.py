@@ -1,4 +1,4 @@
-"""Checks of arguments at the public border."""
+"""Checks of the arguments of public functions."""
 
 import re
 import struct
@@ -11,7 +11,7 @@ import numpy as np
 from chromanoise.errors import InputError
 
 Array = np.ndarray
-"""The array that shapes are told of: Float[Array, "n p"]."""
+"""The array type in annotations with a shape: Float[Array, "n p"]."""
 
 
 _LONGEST_REASON = 120
@@ -23,7 +23,7 @@ _INTERNALS = re.compile(r"[<>]|0x[0-9a-f]|__|NoneType|' object\b|\bargument\b|\b
 
 
 def reason(error: Exception) -> str:
-    r"""The reason that a third-party parser gives for refusing a file, on one line.
+    r"""The reason that a third-party parser gives for rejecting a file, on one line.
 
     Empty if the message is about the parser itself (class names, addresses, arguments).
 
@@ -40,17 +40,17 @@ def reason(error: Exception) -> str:
 
 
 def finite(name: str, unit: str, values: Any) -> Array:
-    """``values`` as float64, refused if an entry is NaN or infinite."""
+    """``values`` as float64; raises `InputError` if an entry is NaN or infinite."""
     return _demand(name, unit, values, "finite", np.isfinite)
 
 
 def non_negative(name: str, unit: str, values: Any) -> Array:
-    """``values`` as float64, refused if an entry is NaN, infinite or negative."""
+    """``values`` as float64; raises `InputError` if an entry is NaN, infinite or negative."""
     return _demand(name, unit, values, "finite and >= 0", lambda v: np.isfinite(v) & (v >= 0))
 
 
 def fraction(name: str, unit: str, values: Any) -> Array:
-    """``values`` as float64, refused outside 0 .. 1."""
+    """``values`` as float64; raises `InputError` if an entry is not between 0 and 1."""
     return _demand(
         name,
         unit,
@@ -77,7 +77,7 @@ def not_negative(name: str, unit: str, value: float) -> float:
 
 
 def within(name: str, unit: str, value: float, low: float, high: float) -> float:
-    """A finite number from ``low`` to ``high``: beyond, double precision would run out."""
+    """A finite number from ``low`` to ``high``, the range in which double precision suffices."""
     number = float(value)
     if not low <= number <= high:
         raise InputError(name, f"must be {low:g} to {high:g} [{unit}]", value=number)
@@ -105,14 +105,14 @@ def increasing(name: str, unit: str, values: Any) -> Array:
 
 
 def same_length(what: str, **lengths: int) -> None:
-    """Refuse parts that do not count the same ``what``."""
+    """Raise `InputError` if the numbers of ``what`` differ."""
     if len(set(lengths.values())) > 1:
-        told = ", ".join(f"{name} has {count}" for name, count in lengths.items())
-        raise InputError(f"the number of {what}", "must be the same", value=lengths, found=told)
+        found = ", ".join(f"{name} has {count}" for name, count in lengths.items())
+        raise InputError(f"the number of {what}", "must be the same", value=lengths, found=found)
 
 
 def distinct(name: str, values: Sequence[str]) -> tuple[str, ...]:
-    """Names that are not empty and not repeated."""
+    """``values`` as a tuple; raises `InputError` if a name is empty or repeated."""
     names = tuple(values)
     for i, value in enumerate(names):
         if not value:
@@ -125,7 +125,7 @@ def distinct(name: str, values: Sequence[str]) -> tuple[str, ...]:
 
 
 def one_of(name: str, value: str, choices: Sequence[str]) -> str:
-    """``value`` if it is a choice; otherwise the nearest choices are told."""
+    """``value`` if it is one of ``choices``; otherwise the error suggests the nearest choices."""
     if value in choices:
         return value
     near = get_close_matches(value.lower(), [c.lower() for c in choices], n=3, cutoff=0.4)
@@ -135,16 +135,16 @@ def one_of(name: str, value: str, choices: Sequence[str]) -> str:
 
 
 def same_names(what: str, **names: tuple[str, ...]) -> None:
-    """Refuse channels that are not the same in the same order: their numbers would be swapped."""
+    """Raise `InputError` if the names of channels differ in content or order."""
     if len(set(names.values())) > 1:
-        told = ", ".join(f"{whose} has {', '.join(own)}" for whose, own in names.items())
+        found = ", ".join(f"{whose} has {', '.join(own)}" for whose, own in names.items())
         raise InputError(
-            what, "channels must be the same in the same order", value=names, found=told
+            what, "channels must be the same in the same order", value=names, found=found
         )
 
 
 def frozen(array: Array) -> Array:
-    """A read-only copy, so that a noun cannot be changed from outside."""
+    """A read-only copy, so that the caller cannot change an immutable object."""
     kept = np.array(array)
     kept.flags.writeable = False
     return kept

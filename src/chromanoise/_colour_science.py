@@ -1,4 +1,4 @@
-"""The color library of the field, imported where it is used and without its side effects."""
+"""Lazy import of colour-science without its side effects."""
 
 import warnings
 from functools import cache
@@ -11,8 +11,8 @@ import numpy as np
 def colour_science() -> Any:
     """The package colour-science; its first import costs about a second.
 
-    It switches numpy to an old way of printing for the whole process, and warns of optional
-    packages that it does not find: neither is for us to pass on to a user.
+    The import changes the print options of numpy for the whole process and warns about missing
+    optional packages. This function restores the options and suppresses the warnings.
     """
     printing = np.get_printoptions()
     try:

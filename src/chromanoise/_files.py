@@ -1,10 +1,11 @@
-"""Outputs appear whole or not at all.
+"""Atomic output: a file or folder appears complete or not at all.
 
 A run writes into a scratch folder ``.NAME-xxxxxxxx`` next to the output folder ``NAME`` and holds a
 lock on ``.NAME.chromanoise-lock``, which the system releases when the process ends. The first line
 of the lock file names the process and the scratch folder. Before the scratch folder is exchanged
-for an existing folder, a second line lists the files that are replaced. The cleanup, by this run or
-by the next one after a kill, removes the scratch folder and keeps files that others added since.
+for an existing folder, a second line lists the files that are replaced. The cleanup removes the
+scratch folder and keeps files that other programs have added. It is done by this run or, if this
+run was killed, by the next one.
 """
 
 import ctypes
@@ -27,21 +28,21 @@ from chromanoise.errors import InputError, StudyError, errors_in
 if sys.platform != "win32":
     import fcntl
 
-_SUMMARIES = (".json", ".html")  # of files that tell of the others
+_SUMMARIES = (".json", ".html")  # files that describe the other files
 _LOCK_ATTEMPTS, _LOCK_PAUSE_S = 5, 0.02
 _AT_FDCWD, _RENAME_EXCHANGE = -100, 2  # of linux/fcntl.h and linux/fs.h
 
 
 @contextmanager
 def whole_folder(folder: Path) -> Iterator[Path]:
-    """A scratch folder whose files appear in ``folder`` once all are written; on failure none does.
+    """A scratch folder whose files move to ``folder`` once all are written; on failure none does.
 
     Files of the same name are replaced; other files in ``folder`` stay.
 
     Raises
     ------
     InputError
-        As `claimed_folder`, or if ``folder`` holds a folder where a file must go.
+        As `claimed_folder`, or if ``folder`` contains a folder with the name of an output file.
     """
     with claimed_folder(folder) as scratch_folder, scratch_folder() as scratch:
         yield scratch
@@ -69,12 +70,12 @@ def claimed_folder(folder: Path) -> Iterator[Callable[[], AbstractContextManager
 
     @contextmanager
     def scratch_folder() -> Iterator[Path]:
-        with _told(folder):
+        with _write_errors(folder):
             scratch.mkdir()
         try:
             with _named_as(folder, scratch):
                 yield scratch
-            with _told(folder):
+            with _write_errors(folder):
                 _appear(scratch, goal, journal)
         finally:
             _clear(goal, journal)
@@ -83,13 +84,13 @@ def claimed_folder(folder: Path) -> Iterator[Callable[[], AbstractContextManager
         with _locked(place, goal, folder, scratch) as journal:
             yield scratch_folder
     finally:
-        with suppress(OSError):  # others may have put something there
+        with suppress(OSError):  # not empty: another program may have added files
             for parent in missing:
                 parent.rmdir()
 
 
 def refuse_unwritable(folder: Path) -> None:
-    """Say before a long computation that its results could not be kept.
+    """Raise an error before a long computation if its results could not be written.
 
     Raises
     ------
@@ -125,9 +126,9 @@ def refuse_unwritable(folder: Path) -> None:
 
 
 def write_whole(path: Path, content: bytes) -> None:
-    """Write beside the goal and move into place, so that nobody ever reads half a file.
+    """Write a temporary file in the same folder and rename it, so that no partial file is visible.
 
-    A link is followed; what is no regular file (a pipe, a device) is written into.
+    A link is followed. A pipe or a device is written to directly.
 
     Raises
     ------
@@ -136,7 +137,7 @@ def write_whole(path: Path, content: bytes) -> None:
     """
     if path.is_dir():
         raise InputError(str(path), "must be a file", found="is a folder", remedy="name a file")
-    with _told(path):
+    with _write_errors(path):
         if path.exists() and not path.is_file():
             path.write_bytes(content)
             return
@@ -147,14 +148,14 @@ def write_whole(path: Path, content: bytes) -> None:
 
 
 def renamed(error: InputError, old: str, new: str) -> InputError:
-    """The same error with ``old`` replaced by ``new`` wherever it names a file.
+    """The same error with ``old`` replaced by ``new`` in the names of files.
 
     Parameters
     ----------
     error
-        One or several.
+        A single error, or a `StudyError` of several.
     old, new
-        Start of a path, as of a scratch folder and of the output folder.
+        Beginning of a path, e.g. the scratch folder and the output folder.
 
     Examples
     --------
@@ -180,7 +181,7 @@ def _renamed(error: InputError, old: str, new: str) -> InputError:
 
 @contextmanager
 def _named_as(folder: Path, scratch: Path) -> Iterator[None]:
-    """Make errors name the output folder instead of the scratch folder, or instead of no file."""
+    """Make errors name the output folder instead of the scratch folder or an empty file name."""
     try:
         yield
     except InputError as error:
@@ -194,7 +195,7 @@ def _named_as(folder: Path, scratch: Path) -> Iterator[None]:
 
 
 @contextmanager
-def _told(path: Path) -> Iterator[None]:
+def _write_errors(path: Path) -> Iterator[None]:
     try:
         yield
     except OSError as error:
@@ -208,7 +209,7 @@ def _replaced(path: Path, content: bytes) -> None:
     try:
         with os.fdopen(handle, "wb") as part:
             part.write(content)
-        scratch.chmod(0o644)  # a temporary file keeps others out; a result is for everyone
+        scratch.chmod(0o644)  # temporary files are readable by their owner only
         scratch.replace(path)
     finally:
         scratch.unlink(missing_ok=True)
@@ -243,7 +244,7 @@ def _lock_file(place: Path, goal: Path) -> Path:
 def _locked(place: Path, goal: Path, folder: Path, scratch: Path) -> Iterator[IO[str]]:
     """The lock file, locked, after what a killed run left has been removed."""
     path = _lock_file(place, goal)
-    with _told(folder):
+    with _write_errors(folder):
         journal = held = _held_file(path, folder)
         if journal is None:  # without locks, each run has a lock file of its own
             path = path.with_name(f"{path.name}-{secrets.token_hex(4)}")
@@ -252,7 +253,7 @@ def _locked(place: Path, goal: Path, folder: Path, scratch: Path) -> Iterator[IO
         try:
             _clear_elsewhere(place, goal, folder)
             _clear(goal, journal)
-            with _told(folder):
+            with _write_errors(folder):
                 journal.truncate(0)
                 _note(journal, {"process": os.getpid(), "scratch": scratch.name})
             yield journal
@@ -313,7 +314,7 @@ def _lock(journal: IO[str], folder: Path) -> bool:
 
 
 def _flock(journal: IO[str], kind: int) -> None:
-    """Lock the file; a test by another run that starts now holds it for a moment only."""
+    """Lock the file, with retries: a starting run holds the lock briefly to test it."""
     for _ in range(_LOCK_ATTEMPTS):
         with suppress(BlockingIOError):
             fcntl.flock(journal, kind | fcntl.LOCK_NB)
@@ -323,7 +324,7 @@ def _flock(journal: IO[str], kind: int) -> None:
 
 
 def _clear_elsewhere(place: Path, goal: Path, folder: Path) -> None:
-    """Clear up after a run that kept its lock and scratch folder in the other possible place."""
+    """Clean up after a run whose lock and scratch folder are in the other possible place."""
     path = _lock_file(goal if place != goal else goal.parent, goal)
     with suppress(OSError):
         journal = _held_file(path, folder) if path.exists() else None
@@ -354,7 +355,7 @@ def _notes(journal: IO[str]) -> list[dict[str, Any]]:
 
 
 def _appear(scratch: Path, goal: Path, journal: IO[str]) -> None:
-    """Put the files of the scratch folder into the goal."""
+    """Move the files of the scratch folder to the goal."""
     made = [path.relative_to(scratch) for path in scratch.rglob("*") if not path.is_dir()]
     files = sorted(made, key=lambda name: (name.suffix in _SUMMARIES, name))
     for name in files:
@@ -375,7 +376,7 @@ def _appear(scratch: Path, goal: Path, journal: IO[str]) -> None:
 
 
 def _swapped_in(scratch: Path, goal: Path, journal: IO[str]) -> bool:
-    """Whether the scratch folder has taken the place of a goal without files of others."""
+    """Whether the scratch folder has replaced a goal that holds no files of other programs."""
     try:
         if goal.exists():
             ours, old = scratch.stat(), goal.stat()
@@ -397,7 +398,7 @@ def _swapped_in(scratch: Path, goal: Path, journal: IO[str]) -> bool:
 
 
 def _exchanged(one: Path, other: Path) -> bool:
-    """Whether two folders have exchanged their names atomically, which only Linux supports."""
+    """Exchange the names of two folders atomically; ``False`` if not supported (Linux only)."""
     exchange = getattr(ctypes.CDLL(None), "renameat2", None) if os.name == "posix" else None
     if exchange is None:
         return False
@@ -406,7 +407,7 @@ def _exchanged(one: Path, other: Path) -> bool:
 
 
 def _clear(goal: Path, journal: IO[str]) -> None:
-    """Remove the scratch folder of a lock file; what others put into a replaced folder is kept."""
+    """Remove the scratch folder of a lock file; files that other programs added are kept."""
     notes = _notes(journal)
     name = str(notes[0].get("scratch")) if notes else ""
     scratch = Path(journal.name).parent / name

@@ -1,4 +1,4 @@
-"""Input files: only regular files are read, because reading others may never end."""
+"""Input files: only regular files are read, because reading a pipe or a device may never end."""
 
 import os
 import stat
@@ -36,8 +36,8 @@ def regular_file(path: Path, *, folder: bool = False, pipe: bool = False) -> os.
     try:
         status = path.stat()
     except (OSError, ValueError) as error:  # a null byte in a name is a ValueError
-        told = getattr(error, "strerror", None) or error
-        raise InputError(str(path)[:200], f"cannot be read ({told})") from None
+        reason = getattr(error, "strerror", None) or error
+        raise InputError(str(path)[:200], f"cannot be read ({reason})") from None
     mode = status.st_mode
     inherited = path.absolute().parent in (Path("/dev"), Path("/dev/fd"))
     if (

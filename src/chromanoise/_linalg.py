@@ -1,4 +1,4 @@
-"""The small linear algebra of sensor space: products that broadcast over pixels, ranks, angles.
+"""Linear algebra of small matrices: products that broadcast over pixels, ranks, angles.
 
 All linear solvers are called here, after a check for numbers that are not finite: LAPACK may loop
 forever over such a number while it holds the interpreter lock.
@@ -58,7 +58,7 @@ svd = partial(_of_finite, np.linalg.svd)
 
 
 def congruence(a: Float[Array, "q p"], s: Float[Array, "*px p p"]) -> Float[Array, "*px q q"]:
-    """A S A^T, symmetric to the last bit."""
+    """A S A^T, exactly symmetric."""
     product = a @ s @ a.T
     return 0.5 * (product + np.swapaxes(product, -1, -2))
 

@@ -1,7 +1,7 @@
-"""How nouns show themselves in a notebook: a caption, a table, and curves where there are some.
+"""HTML representations for notebooks: a caption, a table, and curves.
 
-Plain HTML and SVG without style sheets or scripts, so that any notebook shows it, and a saved one
-still does.
+Plain HTML and SVG without style sheets or scripts, so that any notebook can show them, also after
+it was saved and opened again.
 """
 
 import re
@@ -22,14 +22,14 @@ _WIDTH, _HEIGHT, _EDGE = 320, 120, 14
 
 
 def shown(caption: str, *parts: str, notes: Iterable[str] = ()) -> str:
-    """A caption, tables and drawings one under the other, and notes in small."""
-    told = "".join(f"<div><small>{_text(note)}</small></div>" for note in notes)
-    return f"<div><div><b>{_text(caption)}</b></div>{''.join(parts)}{told}</div>"
+    """A caption, tables and drawings one below the other, and notes in small type."""
+    lines = "".join(f"<div><small>{_text(note)}</small></div>" for note in notes)
+    return f"<div><div><b>{_text(caption)}</b></div>{''.join(parts)}{lines}</div>"
 
 
-def _text(told: str) -> str:
-    """Words as HTML, with the signs of electrons and micrometers that a terminal may not have."""
-    return re.sub(r"\bum\b", "µm", re.sub(r"\be-(?!\w)", "e⁻", escape(told)))
+def _text(text: str) -> str:
+    """Text as HTML, with the symbols e⁻ and µm in place of ASCII."""
+    return re.sub(r"\bum\b", "µm", re.sub(r"\be-(?!\w)", "e⁻", escape(text)))
 
 
 def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
@@ -51,14 +51,14 @@ def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
 
 
 def _side(cell: str) -> str:
-    """Numbers stand under their last digit, words under their first letter."""
+    """Numbers are aligned right, words left."""
     return "left" if " " in cell else "right"
 
 
 def curves(
     x: Float[Array, " n"], values: Float[Array, "n p"], names: Sequence[str], *, what: str
 ) -> str:
-    """Curves as SVG from 0 to the highest of all, each with its letter where it is most alone."""
+    """Curves as SVG, scaled to the highest, each with a label where it is far from the others."""
     top = float(values.max()) or 1.0
     across = _EDGE + (x - x[0]) / (x[-1] - x[0]) * (_WIDTH - 2 * _EDGE)
     down = _HEIGHT - _EDGE - values / top * (_HEIGHT - 2 * _EDGE)
@@ -84,13 +84,13 @@ def curves(
 
 
 def _color(name: str) -> str:
-    """A notebook may be dark or light: what has a color for each follows the text."""
+    """The color of a curve; the text color if it differs between dark and light notebooks."""
     light, dark = CHANNELS.get(name, ("", "currentColor"))
     return light if light == dark else "currentColor"
 
 
 def _alone(values: Float[Array, "n p"], i: int) -> int:
-    """Where a curve is high and far from all others."""
+    """Index at which a curve is high and far from all other curves."""
     apart = np.abs(values - values[:, [i]])
     apart[:, i] = np.inf
     nearest = np.minimum(apart.min(axis=1), values[:, i])

@@ -1,4 +1,4 @@
-"""The colors of every drawing, once: figures, notebooks, the page and the reports read them here.
+"""The colors of all drawings: figures, notebooks, the page and the reports.
 
 Channels have the colors of Wong, "Points of view: Color blindness", Nature Methods 8 (2011) 441.
 """
@@ -12,24 +12,24 @@ CHANNELS: Mapping[str, tuple[str, str]] = {
     "W": ("#000000", "#FFFFFF"),
     "IR": ("#CC79A7", "#CC79A7"),
 }
-"""Of a channel by its name: on a light ground, on a dark one."""
+"""Colors of a channel by name: on a light background, on a dark background."""
 NEUTRALS: Mapping[str, tuple[str, str]] = {
     "ink": ("#1B1F23", "#EDF0F2"),
     "quiet": ("#575E66", "#A5ADB5"),
     "faint": ("#E3E6E9", "#31373D"),
     "paper": ("#FFFFFF", "#15181B"),
 }
-"""Text and light; secondary text and helping lines; areas; the ground. Text 4.5:1, graphics 3:1."""
+"""Text; secondary text and grid lines; areas; background. Contrast: text 4.5:1, graphics 3:1."""
 INK, QUIET, FAINT = (NEUTRALS[name][0] for name in ("ink", "quiet", "faint"))
 
 
 def channel_color(name: str) -> str | None:
-    """The color of a channel on a light ground; ``None`` for one that the palette does not know."""
+    """The color of a channel on a light background; ``None`` if the palette does not contain it."""
     return CHANNELS[name][0] if name in CHANNELS else None
 
 
 def palette_css() -> str:
-    """The palette as custom properties of CSS: ``--ink``, ``--channel-R`` and so on.
+    """The palette as CSS custom properties: ``--ink``, ``--channel-R`` and so on.
 
     Examples
     --------

@@ -1,8 +1,8 @@
-"""Functions of other libraries, called in a child process with limits of time and memory.
+"""Call functions of other libraries in a child process with limits on time and memory.
 
-On a damaged file a library may crash, loop or take all memory, which no ``except`` can prevent. The
-child process is started with the first file and then kept, so that imports are paid once. It is
-replaced after a failure, because a library may be in any state after a damaged file.
+On a damaged file a library may crash, loop or exhaust the memory, which ``except`` cannot prevent.
+The child process is started for the first file and then reused, so that modules are imported only
+once. It is replaced after a failure, because the state of the library is then unknown.
 """
 
 import atexit
@@ -27,14 +27,14 @@ from chromanoise.errors import InputError
 Result = TypeVar("Result")
 
 LIMIT_S = 20.0
-"""How long a call may take. [s]"""
+"""Time limit of a call. [s]"""
 MEMORY_BYTES = 2**30
-"""Memory that a call may take; limited on Linux only. [bytes]"""
+"""Memory limit of a call; enforced on Linux only. [bytes]"""
 WATCHDOG, FAILED, NO_MEMORY = 1, 70, 71
 """Exit codes of child processes; faulthandler sets the first."""
 _ENDING_S = 2.0
 _STATM = Path("/proc/self/statm")
-_DATA = 5  # its number there
+_DATA = 5  # index of the field
 
 
 def sandboxed(
@@ -44,55 +44,55 @@ def sandboxed(
     limit_s: float = LIMIT_S,
     memory_bytes: int = MEMORY_BYTES,
 ) -> Result:
-    """What ``function(*given)`` returns, called in the child process.
+    """Call ``function(*given)`` in the child process and return its result.
 
     Parameters
     ----------
     function
-        Of a module that can be imported, since it is passed by its name.
+        A function of an importable module, because it is passed by name.
     given
-        Its arguments.
+        Arguments of the function.
     path
-        The file that it reads, for error messages; where relative, to the working folder.
+        The file that the function reads, for error messages. A relative path refers to the working
+        folder.
     limit_s
-        How long the call may take. [s]
+        Time limit of the call. [s]
     memory_bytes
-        Memory that it may take; limited on Linux only. [bytes]
+        Memory limit of the call; enforced on Linux only. [bytes]
 
     Raises
     ------
     InputError
-        If the function raises one, or no child process can be started.
+        If the function raises one, or the child process cannot be started.
     MemoryError
-        If the memory does not suffice.
+        If the call exceeds the memory limit.
     ValueError
-        If the function raises another exception, with its reason; or if it crashes the process, or
-        does not return in time.
+        If the function raises another exception, crashes the process, or exceeds the time limit.
     """
     return _child(os.getpid()).returned(function, given, path, limit_s, memory_bytes)
 
 
 def close_sandbox() -> None:
-    """End the child process; the next call starts another one."""
+    """End the child process; the next call starts a new one."""
     _child(os.getpid()).close()
 
 
 def started_python(program: str, *arguments: str, **options: Any) -> "subprocess.Popen[bytes]":
-    """Another Python that imports what this one can import.
+    """Start another Python process with the same import path.
 
     Parameters
     ----------
     program
-        Its source text.
+        Source text that the process runs.
     arguments
-        In its ``sys.argv[1:]``.
+        Its ``sys.argv[1:]``.
     options
-        Of `subprocess.Popen`.
+        Options of `subprocess.Popen`.
 
     Raises
     ------
     RuntimeError
-        If this Python is part of a program that cannot start another Python.
+        If this program cannot start another Python, e.g. because it is frozen.
     """
     if not sys.executable or getattr(sys, "frozen", False):
         raise RuntimeError("this program cannot start a second Python")
@@ -109,7 +109,7 @@ def started_python(program: str, *arguments: str, **options: Any) -> "subprocess
 
 
 def exit_code(process: "subprocess.Popen[bytes]") -> int:
-    """That of a process that should end soon; it is killed if it does not."""
+    """Wait for a process to end and return its exit code; kill it after 2 s."""
     try:
         return process.wait(_ENDING_S)
     except subprocess.TimeoutExpired:
@@ -118,7 +118,7 @@ def exit_code(process: "subprocess.Popen[bytes]") -> int:
 
 
 def exit_after(served: Callable[[], None]) -> NoReturn:
-    """End this process, with a traceback on stderr where ``served`` failed."""
+    """Call ``served`` and end this process; print a traceback to stderr if the call fails."""
     code = FAILED
     try:
         served()
@@ -128,16 +128,16 @@ def exit_after(served: Callable[[], None]) -> NoReturn:
     except BaseException:
         traceback.print_exc()
     finally:
-        os._exit(code)  # at once: a library may crash or loop while it ends, too
+        os._exit(code)  # without cleanup, in which a library may crash or loop
 
 
 def held_bytes() -> int:
-    """Memory that this process holds; on Linux only. [bytes]"""
+    """Data memory of this process; Linux only. [bytes]"""
     return int(_STATM.read_text().split()[_DATA]) * os.sysconf("SC_PAGE_SIZE")
 
 
 class _Child:
-    """One child process, which is asked by one thread at a time."""
+    """One child process, used by one thread at a time."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
@@ -158,9 +158,13 @@ class _Child:
                 pickle.dump((function, given, folder, limit_s, memory_bytes), writes)
                 writes.flush()
                 how, what = pickle.load(reads)
-            except (OSError, EOFError, pickle.UnpicklingError):  # it ended before its answer
+            except (
+                OSError,
+                EOFError,
+                pickle.UnpicklingError,
+            ):  # it ended without a reply
                 raise _fault(self._exit_code(), limit_s) from None
-            except BaseException:  # Ctrl-C, or no memory: its answer is not read any more
+            except BaseException:  # Ctrl-C or MemoryError: its reply will not be read
                 self._end()
                 raise
             if how in ("no memory", "failed"):
@@ -173,7 +177,7 @@ class _Child:
 
     def _streams(self, path: Path) -> tuple[Any, Any]:
         if self._process is not None and self._process.poll() is not None:
-            self._exit_code()  # it was ended from outside
+            self._exit_code()  # another program ended it
         if self._process is None:
             pipe = subprocess.PIPE
             try:
@@ -205,7 +209,7 @@ class _Child:
 
 @cache
 def _child(pid: int) -> _Child:
-    """That of this process: a fork of it must not read the answers of its parent's."""
+    """The child of process ``pid``; a fork must not read replies meant for its parent."""
     child = _Child()
 
     def end() -> None:
@@ -240,12 +244,12 @@ _PROGRAM = "from chromanoise._sandbox import main; main()"
 
 
 def main() -> None:
-    """Answer calls until the parent process ends."""
+    """Process calls until the parent process ends."""
     exit_after(_answer_calls)
 
 
 def _answer_calls() -> None:
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent process decides
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent process handles Ctrl-C
     nowhere = os.open(os.devnull, os.O_WRONLY)
     reads, writes = sys.stdin.buffer, os.fdopen(os.dup(1), "wb")
     os.dup2(nowhere, 1)  # what a library prints
@@ -255,7 +259,7 @@ def _answer_calls() -> None:
         except EOFError:
             return
         _bound(limit_s, memory_bytes)
-        # a thread in C: it acts even while a library loops and holds the interpreter lock
+        # a C thread, which works even if a library loops and holds the interpreter lock
         faulthandler.dump_traceback_later(limit_s, exit=True, file=nowhere)
         answer = _answer(function, given, folder)
         faulthandler.cancel_dump_traceback_later()
@@ -273,14 +277,14 @@ def _answer(function: Callable[..., Any], given: tuple[Any, ...], folder: str) -
         return "refused", error
     except MemoryError:
         return "no memory", None
-    except Exception as error:  # libraries raise anything
-        from chromanoise._check import reason  # imports numpy, which the parent may not need
+    except Exception as error:  # libraries may raise any exception
+        from chromanoise._check import reason  # here, because it imports numpy
 
         return "failed", reason(error)
 
 
 def _bound(limit_s: float, memory_bytes: int) -> None:
-    """Limit memory and CPU time of the next call, within the limits that the parent has."""
+    """Limit memory and CPU time of the next call, within the limits of the parent process."""
     if sys.platform != "linux":
         return
     import resource

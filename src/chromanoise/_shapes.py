@@ -1,4 +1,4 @@
-"""Shapes of arrays in signatures: the types of jaxtyping, which cost nothing in a command.
+"""Array shapes in signatures: the types of jaxtyping, without its import time.
 
 Type checkers, and programs that import jaxtyping first (as the tests do, to check shapes with
 beartype), see jaxtyping's own types. For all others ``Float[Array, "n p"]`` is ``Array``: the
@@ -22,7 +22,7 @@ if TYPE_CHECKING or "jaxtyping" in sys.modules:
 else:
 
     class _Unchecked:
-        """A shape that nobody checks: the type of the array alone."""
+        """The array type without its shape, which is not checked."""
 
         def __class_getitem__(cls, array_and_shape: tuple[Any, str]) -> Any:
             return array_and_shape[0]

@@ -1,4 +1,4 @@
-"""The functions of ``import chromanoise as cn``: settings to a study, the study to its results."""
+"""The functions of ``import chromanoise as cn``: each builds a study and returns its results."""
 
 import inspect
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -36,7 +36,7 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 
 
 def _with_listed_settings(function: Function) -> Function:
-    """The function with its settings in its signature and its help."""
+    """Add the settings of a function to its signature and its docstring."""
     settings = described_settings(function.__name__)
     own = inspect.signature(function)
     named = [one for one in own.parameters.values() if one.kind is not one.VAR_KEYWORD]
@@ -66,12 +66,12 @@ def analyze(
     Parameters
     ----------
     sensors
-        Names of the catalog, files of quantum efficiencies, or sensors.
+        Catalog names, files of quantum efficiency curves, or `Sensor` objects.
     matrix
         Color matrix: ``kernel`` (eq. 6), ``lmmse``, ``ridge=0.01`` ...
     settings
-        Light, exposure, pixel and outputs, as the options of ``chromanoise analyze``; they are
-        listed below. Without ``time_ms``, all sensors share the longest time at which none
+        Light, exposure, pixel and outputs, as the options of ``chromanoise analyze``; see the list
+        below. Without ``time_ms``, all sensors use the longest exposure time at which none
         saturates.
 
     Returns
@@ -82,7 +82,7 @@ def analyze(
     Raises
     ------
     InputError
-        If a name names nothing, a file cannot be read, or a setting cannot be used.
+        If a name is unknown, a file cannot be read, or a setting cannot be used.
 
     Notes
     -----
@@ -107,7 +107,7 @@ def compare(
     matrices: Sequence[str] = ("kernel",),
     **settings: Unpack[ComparisonSettings],
 ) -> Comparison:
-    """A quantity of each sensor while one thing varies, with the crossovers.
+    """A quantity of each sensor as a function of one parameter, with the crossovers.
 
     Parameters
     ----------
@@ -116,12 +116,12 @@ def compare(
     matrices
         Color matrices.
     settings
-        As the options of ``chromanoise compare``; they are listed below.
+        As the options of ``chromanoise compare``; see the list below.
 
     Returns
     -------
     Comparison
-        One curve per sensor and matrix, and where they cross.
+        One curve per sensor and matrix, and the crossovers between the sensors.
 
     Raises
     ------
@@ -130,7 +130,7 @@ def compare(
 
     Notes
     -----
-    Clouet, Vaillant & Alleysson, CIC27 (2019), eq. 1-7 at each value.
+    Clouet, Vaillant & Alleysson, CIC27 (2019), eq. 1-7, evaluated at each value.
     """
     with _terms_of("compare"):
         names, given, rest = _named(sensors, settings)
@@ -150,10 +150,11 @@ def matrix(
     sensor
         As `analyze`.
     matrix
-        Its method: ``kernel`` (eq. 6), ``lmmse``, ``ridge=0.01`` ...
+        Method of the matrix: ``kernel`` (eq. 6), ``lmmse``, ``ridge=0.01`` ...
     settings
-        As the options of ``chromanoise matrix``; they are listed below. ``pareto_first`` and
-        ``pareto_last`` ask for the curve of color error against noise between these weights.
+        As the options of ``chromanoise matrix``; see the list below. With ``pareto_first`` and
+        ``pareto_last``, the curve of color error against noise between these two weights is
+        computed as well.
 
     Returns
     -------
@@ -189,20 +190,20 @@ def render(
     Parameters
     ----------
     cube
-        ``builtin:checker``, or a file of reflectances.
+        ``builtin:checker``, or a file of a hyperspectral reflectance cube.
     sensors
         As `analyze`.
     matrix
         As `analyze`.
     folder
-        Where the pictures are written; ``None`` keeps them in memory.
+        Folder for the pictures; ``None`` keeps them in memory.
     settings
-        As the options of ``chromanoise simulate``; they are listed below.
+        As the options of ``chromanoise simulate``; see the list below.
 
     Returns
     -------
     Pictures
-        The pictures, or how each was taken.
+        The pictures in memory, or a summary of each picture that was written.
 
     Raises
     ------
@@ -211,8 +212,8 @@ def render(
 
     Notes
     -----
-    Shot noise and readout of each pixel are drawn (eq. 7); the same seed gives the same bits on any
-    number of threads.
+    Shot noise and read noise are drawn for each pixel (eq. 7). The same seed gives identical
+    pictures with any number of threads.
     """
     with _terms_of("render"):
         names, given, rest = _named(sensors, settings)
@@ -222,14 +223,14 @@ def render(
 
 
 def run(study: Study, folder: str | Path | None = None) -> Results:
-    """All that a study asks for.
+    """Run a study and return all its results.
 
     Parameters
     ----------
     study
-        Of `read_study`, `study_from_data` or `Study`.
+        From `read_study`, `study_from_data` or `Study`.
     folder
-        Where pictures are written; ``None`` keeps them in memory.
+        Folder for pictures; ``None`` keeps them in memory.
 
     Returns
     -------
@@ -251,7 +252,7 @@ def run(study: Study, folder: str | Path | None = None) -> Results:
 
 @contextmanager
 def _terms_of(function: str) -> Iterator[None]:
-    """Errors inside name the arguments of the function in place of the keys of the study."""
+    """Make errors name the arguments of the function instead of the keys of the study."""
     try:
         yield
     except InputError as error:
@@ -270,7 +271,7 @@ def _folder(folder: str | Path | None) -> Path | None:
 def _named(
     sensors: Sequence[str | Path | Sensor], settings: Mapping[str, Any]
 ) -> tuple[list[str], Given, dict[str, Any]]:
-    """Names for the study, with the objects that they stand for."""
+    """Names for the study, the objects that they refer to, and the other settings."""
     own = {one.name: one for one in sensors if isinstance(one, Sensor)}
     names = [one.name if isinstance(one, Sensor) else str(one) for one in sensors]
     if not names:
@@ -293,7 +294,7 @@ def _named(
 
 
 def _plain(value: Any) -> Any:
-    """A value as a study holds it: numbers of numpy as those of Python, paths as text."""
+    """A value as a study stores it: numpy scalars as Python numbers, paths as text."""
     if isinstance(value, np.generic):
         return value.item()
     return str(value) if isinstance(value, Path) else value

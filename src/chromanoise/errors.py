@@ -1,8 +1,8 @@
-"""Errors as data: what cannot be used, what is required, what came, and what to do.
+"""Errors as data: the invalid input, the requirement, the value received, and the remedy.
 
-The library fills the fields in its own terms. A shell renders them in its own: the command line
-names its option, a study file its line and key, the page its control. `str` gives the sentence of
-Python, with parameters as keywords.
+The library fills the fields with its own parameter names. Each interface renders them in its own
+terms: the command line names the option, a study file the line and key, the page the control.
+`str` gives the message for Python, with parameters as keywords.
 """
 
 from collections.abc import Callable, Sequence
@@ -19,16 +19,16 @@ class Setting:
     Attributes
     ----------
     name
-        Of the parameter in Python (``beyond``); in a study its key (``sensors.0.beyond``).
+        Name of the parameter in Python (``beyond``) or its key in a study (``sensors.0.beyond``).
     values
-        The values that resolve it; empty where only the user knows the value.
+        The values that resolve the error; empty if only the user knows the value.
     """
 
     name: str
     values: tuple[str | float, ...] = ()
 
     def __str__(self) -> str:
-        """As Python takes it: ``set beyond='zero' or 'hold'``."""
+        """The setting in Python syntax: ``set beyond='zero' or 'hold'``."""
         values = " or ".join(repr(value) for value in self.values)
         return f"set {self.name}={values}" if values else f"set {self.name}"
 
@@ -43,21 +43,21 @@ class InputError(ValueError):
     Parameters
     ----------
     subject
-        What is wrong: a parameter (``read_noise_e``), a file (``cam.csv``), a thing.
+        What is invalid: a parameter (``read_noise_e``), a file (``cam.csv``) or another object.
     requirement
-        What must hold, with the unit: ``must be finite and >= 0 [e-]``. Without it, ``subject`` is
-        the whole sentence.
+        The condition that is violated, with its unit: ``must be finite and >= 0 [e-]``. If empty,
+        ``subject`` is the whole message.
     value
-        What came instead; ``None`` where nothing did.
+        The value received; ``None`` if there is none.
     found
-        The same as a clause (``ends at 780 nm``), where ``is {value}`` would not do; ``None`` where
-        the requirement needs none.
+        The value described by a clause (``ends at 780 nm``), used instead of ``is {value}``;
+        ``None`` if the message does not mention the value.
     where
-        The place in the subject: ``line 12``, ``channel G``, ``index (1,)``.
+        Position within the subject: ``line 12``, ``channel G``, ``index (1,)``.
     remedy
-        What to do: settings, or instructions for what no setting resolves.
+        What the user can do: settings, or instructions where no setting resolves the error.
     setting
-        The key of the study whose value is wrong, as ``exposure.time_ms``; empty outside of one.
+        Key of the invalid value in the study, e.g. ``exposure.time_ms``; empty outside a study.
 
     Examples
     --------
@@ -96,22 +96,22 @@ class InputError(ValueError):
         self.setting = setting
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """All fields cross from a worker process."""
+        """Pickle all fields, so that an error can be sent from a worker process."""
         return _rebuilt, (type(self), dict(self.__dict__))
 
     def __str__(self) -> str:
-        """The sentence in terms of Python."""
+        """The message for Python."""
         return self.sentence()
 
     def sentence(self, *, subject: str | None = None, render: Render = str) -> str:
-        """One sentence: what, where, which value, what to do.
+        """The message in one sentence: subject, position, requirement, value and remedy.
 
         Parameters
         ----------
         subject
-            How the shell calls what is wrong; ``None`` for `subject`.
+            Name of the subject in the interface; ``None`` for `subject`.
         render
-            How the shell tells a setting.
+            Converts a setting to text, e.g. to an option of the command line.
 
         Returns
         -------
@@ -128,23 +128,23 @@ class InputError(ValueError):
         elif self.found is not None and self.value is not None:
             text += f", but is {_shown(self.value)}"
         if self.remedy:
-            told = [render(one) if isinstance(one, Setting) else one for one in self.remedy]
-            text += f"; {', or '.join(told)}"
+            remedies = [render(one) if isinstance(one, Setting) else one for one in self.remedy]
+            text += f"; {', or '.join(remedies)}"
         return text
 
     @property
     def setting_name(self) -> str:
-        """The last name in `setting`: ``formats`` of ``pictures.0.formats.1``."""
+        """The last name in `setting`: ``formats`` for ``pictures.0.formats.1``."""
         names = [step for step in self.setting.split(".") if not step.isdigit()]
         return names[-1] if names else ""
 
     def called(self, subject: str) -> "InputError":
-        """The same error with another name of its subject.
+        """The same error with another subject.
 
         Parameters
         ----------
         subject
-            The name.
+            The new subject.
 
         Returns
         -------
@@ -153,14 +153,14 @@ class InputError(ValueError):
         return _rebuilt(type(self), self.__dict__ | {"subject": subject})
 
     def inside(self, setting: str, names: Callable[[str], str]) -> "InputError":
-        """The same error where a key of a study gave the value.
+        """The same error for a value given by a key of a study.
 
         Parameters
         ----------
         setting
-            The key, as ``sensors.0.name``.
+            The key, e.g. ``sensors.0.name``.
         names
-            From a parameter of the library to its key of the study.
+            Maps a parameter of the library to its key in the study.
 
         Returns
         -------
@@ -179,9 +179,9 @@ class StudyError(InputError):
     Attributes
     ----------
     errors
-        Each of them; its ``setting`` is a key of the study.
+        The single errors; the ``setting`` of each is a key of the study.
     in_place
-        Whether the sentences name the file and line of each.
+        Whether the message names the file and line of each error.
     """
 
     errors: tuple[InputError, ...]
@@ -190,13 +190,13 @@ class StudyError(InputError):
     def __init__(
         self, errors: Sequence[InputError], sentences: Sequence[str] | None = None
     ) -> None:
-        told = [str(error) for error in errors] if sentences is None else sentences
-        super().__init__("\n".join(told))
+        lines = [str(error) for error in errors] if sentences is None else sentences
+        super().__init__("\n".join(lines))
         self.errors, self.in_place = tuple(errors), sentences is not None
 
 
 def errors_in(error: InputError) -> tuple[InputError, ...]:
-    """The single errors that an error holds."""
+    """The single errors in an error."""
     return error.errors if isinstance(error, StudyError) else (error,)
 
 

@@ -1,8 +1,8 @@
-"""Random streams that depend on what is drawn, never on when or by whom.
+"""Random streams that do not depend on the order of computation or the number of workers.
 
-Each stream is named by integers (frame, channel, row ...). Streams of different names are
-independent for all practice, and the same name gives the same numbers for any order of work:
-tiles, chunks and workers may come as they like.
+Each stream is identified by integers (frame, channel, row ...). Streams with different identifiers
+are statistically independent. The same identifier always gives the same numbers, whatever the order
+of tiles, chunks and workers.
 """
 
 import numpy as np
@@ -11,14 +11,14 @@ from chromanoise.errors import InputError
 
 
 def stream(seed: int, *name: int) -> np.random.Generator:
-    """The generator called ``name`` under ``seed``: Philox, a counter-based cipher.
+    """The random generator for ``seed`` and ``name``: Philox, a counter-based generator.
 
     Parameters
     ----------
     seed
         Any integer >= 0.
     name
-        Integers >= 0 that tell this stream from every other, e.g. (sensor, row).
+        Integers >= 0 that identify this stream, e.g. (sensor, row).
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Constants and the few conversions of the field: photons, lux, decibel."""
+"""Physical constants and unit conversions: photons, lux, decibel."""
 
 import numpy as np
 

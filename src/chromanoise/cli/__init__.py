@@ -1,4 +1,4 @@
-"""The command line: read, one library call, write."""
+"""The command line: parse options, call the library, print the result."""
 
 import gc
 from collections.abc import Iterator
@@ -6,7 +6,7 @@ from contextlib import contextmanager
 
 
 def main(arguments: list[str] | None = None) -> None:
-    """The command ``chromanoise``; quiet even when it is stopped while it still imports."""
+    """The command ``chromanoise``; Ctrl-C during the imports prints no traceback."""
     try:
         with paused_collection():
             from chromanoise.cli.entry import run
@@ -19,8 +19,8 @@ def main(arguments: list[str] | None = None) -> None:
 def paused_collection() -> Iterator[None]:
     """Pause the garbage collector during imports.
 
-    What a module creates at its import stays, so that collections find nothing. They took a
-    seventh of the time of `chromanoise analyze`.
+    Objects created during an import are kept, so that a collection frees nothing. Collections took
+    a seventh of the time of `chromanoise analyze`.
     """
     enabled = gc.isenabled()
     gc.disable()

@@ -33,7 +33,7 @@ from chromanoise.study import Analyses, analyze_study, conditions, run
 @matrix_option
 @prior_option
 @click.option("--chart", is_flag=True, help="Color error and noise of each ColorChecker patch.")
-@click.option("--budget", is_flag=True, help="Where the SNR goes, in dB per cause.")
+@click.option("--budget", is_flag=True, help="SNR loss per cause, in dB.")
 @click.option(
     "--merit",
     is_flag=True,

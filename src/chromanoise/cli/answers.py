@@ -45,14 +45,14 @@ def _answers(scale: str) -> tuple[Any, ...]:
             scale,
             default=None,
             callback=pair_of("percent", "fraction"),
-            help="Whether 100 or 1 is the whole.",
+            help="Whether the values are percent or fractions.",
         ),
         click.option(
             "--relative/--absolute",
             "level",
             default=None,
             callback=pair_of("relative", "absolute"),
-            help="Whether the height of the curves has a meaning.",
+            help="Whether the curves are relative or absolute.",
         ),
         click.option(
             "--photons/--energy",
@@ -79,7 +79,7 @@ def _answers(scale: str) -> tuple[Any, ...]:
         click.option(
             "--negatives",
             type=click.Choice(get_args(Negatives)),
-            help="Small negative values, as digitizing leaves them: refuse them, or set them to 0. "
+            help="Small negative values, e.g. from digitizing: refuse them, or set them to 0. "
             "[default: refuse]",
         ),
         click.option("--peak-qe", type=float, help="Highest QE of a sensor with relative curves."),
@@ -90,13 +90,14 @@ _OF_ONE_FILE = (
     click.option(
         "--quantity",
         type=click.Choice(["QE", "response", "reflectance", "transmittance", "power"]),
-        help="What the curves of the file are.",
+        help="Quantity of the curves in the file.",
     ),
     click.option("--column", "columns", multiple=True, help="Only this curve; may be repeated."),
     click.option(
         "--beyond",
         type=click.Choice(["refuse", "zero", "hold"]),
-        help="Values of a curve where others of the file go on. [default: refuse]",
+        help="Values of a curve at wavelengths that only other curves of the file cover. "
+        "[default: refuse]",
     ),
 )
 
@@ -107,12 +108,12 @@ def answering(command: Command) -> Command:
 
 
 def about_sensors(command: Command) -> Command:
-    """Add the same for the files of sensors, as settings of a study."""
+    """Add the same options for the files of sensors, as settings of a study."""
     return _with(command, _answers("qe_scale"))
 
 
 def of_one_file(command: Command) -> Command:
-    """Add the options of a command whose subject is one file, whatever it holds."""
+    """Add the options of a command that reads one file of spectra."""
     return _with(command, _OF_ONE_FILE)
 
 
@@ -123,7 +124,7 @@ def _with(command: Command, options: Sequence[Callable[[Command], Command]]) -> 
 
 
 def answers_of(settings: Mapping[str, Any]) -> Answers:
-    """The answers among the settings of a command; what is not given is no answer.
+    """The `Answers` among the settings of a command; omitted options are left out.
 
     Parameters
     ----------

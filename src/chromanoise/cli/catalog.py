@@ -1,4 +1,4 @@
-"""``chromanoise catalog``: what is built in, with its source, range and known defects."""
+"""``chromanoise catalog``: built-in data with source, range and known defects."""
 
 from collections.abc import Sequence
 from itertools import groupby
@@ -30,16 +30,18 @@ _WIDTH = 100
 @click.option(
     "--folder",
     type=click.Path(path_type=Path),
-    help="Your own folder of tables with a SOURCES.toml, instead of that of CHROMANOISE_CATALOG.",
+    help="Folder of your own tables, instead of CHROMANOISE_CATALOG.",
 )
-@click.option("--markdown", metavar="FILE|-", help="The tables as Markdown; - for the screen.")
+@click.option(
+    "--markdown", metavar="FILE|-", help="Write the tables as Markdown; - for standard output."
+)
 @json_option
 def catalog(
     word: str | None, folder: Path | None, markdown: str | None, json_target: str | None
 ) -> None:
-    """What is built in: sensors, illuminants, reflectances, filters, scenes, or all of one NAME.
+    """List sensors, illuminants, reflectances, filters and scenes, or show the entry NAME.
 
-    Tables of your own stand in the folder that CHROMANOISE_CATALOG names.
+    The environment variable CHROMANOISE_CATALOG names a folder of your own tables.
     """
     if markdown == "-" and json_target == "-":
         raise InputError(
@@ -80,7 +82,7 @@ def print_entries(entries: Sequence[Entry]) -> None:
             continue
         table = Table(title=kind.capitalize(), title_justify="left", expand=True)
         longest = max(len(entry.provenance.name) for entry in here)
-        table.add_column("name", width=longest + 1)  # lines end between names, behind a comma
+        table.add_column("name", width=longest + 1)  # lines break after a comma
         table.add_column("what", ratio=5)
         table.add_column("nm", no_wrap=True)
         table.add_column("quantity", ratio=3)
@@ -92,27 +94,27 @@ def print_entries(entries: Sequence[Entry]) -> None:
 
 
 def entry_as_text(entry: Entry) -> list[str]:
-    """All that is known of one entry, line by line."""
-    told = entry.provenance
+    """The facts of one entry, one per line."""
+    about = entry.provenance
     facts = {
-        "what": told.what,
-        "kind": told.kind,
+        "what": about.what,
+        "kind": about.kind,
         "curves": ", ".join(entry.channels),
         "range": _range(entry),
-        "quantity": f"{told.quantity} [{told.unit}], {told.level}"
+        "quantity": f"{about.quantity} [{about.unit}], {about.level}"
         + {"photon": ", light counted in photons", "energy": ", light counted as energy"}.get(
-            told.per or "", ""
+            about.per or "", ""
         ),
-        "source": told.source,
-        "license": told.license,
-        "done": told.done,
-        "mosaic": told.mosaic,
-        "pixel": pixel_told(entry) if told.kind == "sensor" else "",
+        "source": about.source,
+        "license": about.license,
+        "done": about.done,
+        "mosaic": about.mosaic,
+        "pixel": pixel_told(entry) if about.kind == "sensor" else "",
         "file": "" if entry.file is None else str(entry.file),
         "asks": "; ".join(entry.asks),
     }
-    lines = [told.name, *(f"  {key:<10} {text}" for key, text in facts.items() if text)]
-    lines.append(f"  DEFECT     {told.defects}")
+    lines = [about.name, *(f"  {key:<10} {text}" for key, text in facts.items() if text)]
+    lines.append(f"  DEFECT     {about.defects}")
     return lines + [f"  FOUND      {sentence}" for sentence in entry.found]
 
 
@@ -129,7 +131,7 @@ def as_markdown(entries: Sequence[Entry]) -> str:
 
 
 def _rows(entries: Sequence[Entry]) -> list[tuple[str, ...]]:
-    """A row per entry; neighbors that differ by name alone share one."""
+    """One row per entry; adjacent entries that differ only in name share a row."""
     rows: list[tuple[str, ...]] = []
     for (nm, source, level, defects), same in groupby(entries, key=_shared):
         group = list(same)
@@ -140,8 +142,8 @@ def _rows(entries: Sequence[Entry]) -> list[tuple[str, ...]]:
 
 
 def _shared(entry: Entry) -> tuple[str, str, str, str]:
-    told = entry.provenance
-    return _range(entry), told.source, f"{told.level} {told.quantity}", told.defects
+    about = entry.provenance
+    return _range(entry), about.source, f"{about.level} {about.quantity}", about.defects
 
 
 def _range(entry: Entry) -> str:

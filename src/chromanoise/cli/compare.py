@@ -28,13 +28,13 @@ from chromanoise.study import compare_study, conditions, run
     default="lux=0.01:1000",
     show_default=True,
     metavar="NAME=FIRST:LAST",
-    help=f"What varies: {', '.join(f'{s.name} [{s.unit}]' for s in SWEEPS.values())}.",
+    help=f"Parameter that varies: {', '.join(f'{s.name} [{s.unit}]' for s in SWEEPS.values())}.",
 )
-@click.option("--points", type=WHOLE, help="Values of the sweep. [default: 61]")
+@click.option("--points", type=WHOLE, help="Number of values of the sweep. [default: 61]")
 @click.option(
     "--quantity",
     type=click.Choice(list(QUANTITIES)),
-    help="What is compared. [default: snr-y]",
+    help="Quantity to compare. [default: snr-y]",
 )
 @click.option(
     "--matrix",
@@ -47,7 +47,7 @@ from chromanoise.study import compare_study, conditions, run
 @click.option(
     "--prior",
     type=click.Choice([*PRIORS, "all"]),
-    help="What trained matrices are trained on; all gives the band of crossovers over them. "
+    help="Training set of trained matrices; all gives the band of crossovers over all sets. "
     f"[default: {DEFAULT_PRIOR}]",
 )
 @table_option
@@ -62,10 +62,10 @@ def compare(
     copy_as: str | None,
     **settings: Any,
 ) -> None:
-    """Compare SENSORS while one thing varies: SNR, color error, crossovers.
+    """Compare SENSORS over a range of one parameter: SNR, color error, crossovers.
 
-    The time is solved once, at --lux and before the sweep, so that the brightest channel of a
-    perfect white fills --saturate (99 %) of full well; --time-ms sets it.
+    The exposure time is solved once, at --lux and before the sweep, so that the brightest channel
+    of a perfect white fills --saturate (99 %) of full well; --time-ms sets it.
     """
     study = compare_study(sensors, {**settings, **_span(sweep)}, matrices=matrices.split(","))
     if copy_as is not None:
@@ -83,7 +83,7 @@ def compare(
 
 
 def _span(text: str) -> dict[str, Any]:
-    """What varies, and the ends, of NAME=FIRST:LAST."""
+    """Parse NAME=FIRST:LAST: the parameter and its range."""
     name, _, span = text.partition("=")
     try:
         first, last = (float(part) for part in span.split(":"))

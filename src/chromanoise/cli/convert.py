@@ -35,7 +35,7 @@ from chromanoise.sensor import Sensor
 from chromanoise.spectra import Spectra
 
 Converted = tuple[str, list[str]]
-"""The text, and what it does not keep."""
+"""The text of the file, and a list of what the format cannot keep."""
 
 _ENDINGS = (".csv", ".json", ".spdx")
 
@@ -50,7 +50,7 @@ _ENDINGS = (".csv", ".json", ".spdx")
     type=click.Choice(["own", "rawtoaces"]),
     default="own",
     show_default=True,
-    help="Which JSON: own keeps everything, rawtoaces is R, G, B of a camera.",
+    help="Form of JSON: own keeps everything, rawtoaces holds R, G, B of a camera.",
 )
 @of_one_file
 @click.option(
@@ -59,11 +59,11 @@ _ENDINGS = (".csv", ".json", ".spdx")
     help="Date in TM-27 and rawtoaces files, as 2026-01-31. [default: today]",
 )
 def convert(source: str, target: Path, form: str, created: str | None, **options: Any) -> None:
-    """Write the curves of IN, a file of spectra or a sensor of the catalogue, as OUT.
+    """Write the curves of IN, a file of spectra or a sensor of the catalog, to OUT.
 
-    OUT ends in .csv, .json (all that is known, or rawtoaces' form) or .spdx (IES TM-27, one
-    curve). All of them can be read again. Numbers keep all their digits; a message lists what
-    the format cannot keep.
+    OUT ends in .csv, .json (all data, or the form of rawtoaces) or .spdx (IES TM-27, one curve).
+    chromanoise reads all of them. Numbers keep all their digits; a message lists what the format
+    cannot keep.
     """
     ending = target.suffix.lower()
     if ending not in _ENDINGS:
@@ -176,7 +176,7 @@ def _facts(told: ParsedSpectra) -> dict[str, str]:
 def _with_notes(told: ParsedSpectra) -> tuple[Spectra, list[str]]:
     """The curves, with all changes made to them as notes, and a list of unknown facts."""
     said = (*told.said_notes, *told.curves.notes, *told.notes, *told.defects)
-    notes = tuple(dict.fromkeys(said))  # what the file said already is said once
+    notes = tuple(dict.fromkeys(said))  # without repetition
     source = told.said_source or told.curves.source
     lost = [
         f"what nobody said: {q.asks} ({' or '.join(map(options_text, q.settings))})"
@@ -213,7 +213,7 @@ def _header(spectra: Spectra, day: str) -> dict[str, Any]:
 
 
 def _one(names: tuple[str, ...], columns: tuple[str, ...], source: str) -> str:
-    """The one curve that TM-27 holds."""
+    """The name of the curve for TM-27, which holds one curve."""
     if len(columns) == 1:
         return one_of(f"curve of {source}", columns[0], names)
     if len(names) == 1:

@@ -33,7 +33,7 @@ name = "onyx-rgbw"
 [[pictures]]
 cube = "builtin:checker"
 """
-"""The paper's two sensors in its light, at the time of the one that fills first."""
+"""The paper's two sensors, at the longest time at which neither saturates."""
 
 
 @click.command()
@@ -45,7 +45,7 @@ cube = "builtin:checker"
     help="Folder for the page, the figures, the pictures and the tables.",
 )
 def demo(out: Path) -> None:
-    """Everything of the paper: tables, verdict, pictures and figures on one page.
+    """All results of the paper: tables, conclusion, pictures and figures on one page.
 
     The sensors are a reconstruction consistent with the paper's printed figures.
     """
@@ -69,7 +69,7 @@ def demo(out: Path) -> None:
 
 
 def _report(pictures: tuple[Picture, Picture]) -> str:
-    """The report of the same two sensors, with the pictures that are there already."""
+    """The report of the same two sensors, with pictures that are already rendered."""
     taken = Sight(
         cube="builtin:checker",
         matrix="kernel",

@@ -1,4 +1,4 @@
-"""The command ``chromanoise`` and the one place where complaints become exit codes."""
+"""The command ``chromanoise``, and the conversion of errors to messages and exit codes."""
 
 import codecs
 import json
@@ -21,24 +21,24 @@ from chromanoise.errors import InputError
 _COMMANDS = {
     "analyze": "Noise of sensors in raw, spectral and color coordinates, side by side.",
     "simulate": "Render a hyperspectral cube through sensors to noisy color pictures.",
-    "compare": "Sensors while light, time, noise, IR-cut or lamp varies: curves, crossovers.",
+    "compare": "Sensors over light, time, read noise, IR-cut or lamp: curves, crossovers.",
     "matrix": "A sensor's color matrix: color error, noise, condition; to CSV, JSON, CLF, profile.",
     "init": "A commented study file to start from.",
     "run": "Run a study file: analyses, sweeps, pictures, with provenance.",
     "rerun": "Run the study of an output once more and compare the results.",
-    "study": "What a study file may say; --schema for editors.",
-    "catalog": "What is built in, with its source, range and known defects.",
-    "inspect": "What was understood of a file of spectra, what looks wrong, what it cannot tell.",
+    "study": "A commented study file with all keys; --schema for editors.",
+    "catalog": "Built-in sensors, lights and filters, with source, range and known defects.",
+    "inspect": "How a file of spectra is parsed, what looks wrong, and what it does not declare.",
     "convert": "Curves of a file or a sensor as CSV, JSON, rawtoaces' JSON or IES TM-27.",
-    "serve": "A local page that answers while you drag.",
-    "reproduce": "The paper's Tables 2-5 beside ours, and its ten figures.",
-    "report": "A study as one page that travels: charts, tables, equations, sliders.",
-    "demo": "Everything of the paper on one page: out/demo/index.html.",
+    "serve": "A local web page with sliders.",
+    "reproduce": "The paper's Tables 2-5 next to ours, and its ten figures.",
+    "report": "A study as one self-contained HTML file: charts, tables, equations, sliders.",
+    "demo": "All results of the paper on one page: out/demo/index.html.",
 }
 
 
 class _Commands(click.Group):
-    """Subcommands that are imported when they are called, so that help is quick."""
+    """Subcommands that are imported only when they are called."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         return list(_COMMANDS)
@@ -84,7 +84,7 @@ def run(arguments: list[str] | None = None) -> None:
     try:
         _refuse_unreadable(given)
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # warnings of libraries are for programmers
+            warnings.simplefilter("ignore")  # warnings of libraries are not for users
             warnings.filterwarnings("error", "overflow|divide by zero|invalid value")  # numpy's
             result = commands.main(
                 args=given or ["--help"], prog_name="chromanoise", standalone_mode=False
@@ -95,7 +95,7 @@ def run(arguments: list[str] | None = None) -> None:
             click.echo("chromanoise: stopped", err=True)
             sys.exit(130)
         if isinstance(error, BrokenPipeError):
-            sys.stderr.close()  # the reader of the output is gone
+            sys.stderr.close()  # the reader has ended
             sys.exit(1)
         sentence = _sentence(error, given[0] if given else "")
         if sentence is None:
@@ -161,7 +161,7 @@ def _escaped(error: UnicodeError) -> tuple[str, int]:
 def _prepare_libraries() -> None:
     """Override settings of libraries that do not apply to a command."""
     os.environ["MPLBACKEND"] = "agg"  # figures go to files, never to a window
-    os.environ["PYDANTIC_DISABLE_PLUGINS"] = "1"  # its search reads all installed packages
+    os.environ["PYDANTIC_DISABLE_PLUGINS"] = "1"  # plugins: reads all installed packages
     os.environ.pop("NUMBA_NUM_THREADS", None)  # numba's own threads are not used
 
 

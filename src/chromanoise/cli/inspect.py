@@ -26,9 +26,11 @@ _MOST_NAMES = 12
 @click.argument("file", type=click.Path(path_type=Path))
 @answering
 @of_one_file
-@click.option("--json", "json_target", metavar="FILE", help="The same as JSON, - for the screen.")
+@click.option(
+    "--json", "json_target", metavar="FILE", help="Write the same as JSON; - for standard output."
+)
 def inspect(file: Path, json_target: str | None, **options: Any) -> None:
-    """What was understood of a FILE of spectra, what looks wrong in it, and what it cannot tell.
+    """Show how a FILE of spectra is parsed, what looks wrong, and what it does not declare.
 
     CSV and other delimited text, digitized curves, ISETCam and camera database .mat, rawtoaces,
     DCamProf (ssf-data) and plain .json, CGATS and Argyll .sp, IES TM-27 .spdx, ENVI libraries
@@ -37,8 +39,8 @@ def inspect(file: Path, json_target: str | None, **options: Any) -> None:
     refuse_inputs(json_target, "--json", str(file))
     own = own_sensor_of(file) if file.is_file() else None
     if own is None:
-        told = read_curves(file, answers=answers_of(options))
-        data, lines = told_as_json(file, told), told_as_text(file, told)
+        parsed = read_curves(file, answers=answers_of(options))
+        data, lines = told_as_json(file, parsed), told_as_text(file, parsed)
     else:
         _refuse_answers(options)
         data, lines = own_as_json(file, own), own_as_text(file, own)
@@ -83,7 +85,7 @@ def own_as_text(file: Path, own: Sensor) -> list[str]:
 
 
 def own_as_json(file: Path, own: Sensor) -> dict[str, Any]:
-    """The same as data: the file's own content, with its name."""
+    """The content of a sensor JSON file as data, with the name of the file."""
     return {"file": str(file), "format": "chromanoise JSON", **json.loads(sensor_json(own))}
 
 

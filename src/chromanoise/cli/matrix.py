@@ -49,7 +49,7 @@ _WRITERS: dict[str, Callable[[MadeMatrix], str]] = {
     default="kernel",
     show_default=True,
     metavar="NAME[=VALUE]",
-    help=f"How the matrix is made: {known_matrices()}; lmmse gives one per light level.",
+    help=f"Method of the matrix: {known_matrices()}; lmmse gives one per light level.",
 )
 @prior_option
 @click.option(
@@ -102,7 +102,7 @@ def matrix(
 
 
 def _made(operating_point: OperatingPoint, made: ColorMatrix) -> MadeMatrix:
-    """The matrix with what a reader of its file must know."""
+    """The matrix with the metadata for its file."""
     sensor, exposure, lamp = (
         operating_point.sensor,
         operating_point.exposure,
@@ -122,7 +122,7 @@ def _made(operating_point: OperatingPoint, made: ColorMatrix) -> MadeMatrix:
 
 
 def _span(text: str | None) -> dict[str, Any]:
-    """First, last and perhaps points of FIRST:LAST[:POINTS]."""
+    """Parse FIRST:LAST[:POINTS]."""
     if text is None:
         return {}
     parts = text.split(":")

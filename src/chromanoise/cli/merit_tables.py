@@ -12,10 +12,10 @@ from chromanoise.metrics import MatrixReport
 _NAMED_WEIGHTS = {0.0: "least squares", 1.0: "LMMSE"}
 
 
-def print_merits(told: Sequence[Merits]) -> None:
-    """One table per sensor, each number with its source; a sentence for each that has none."""
+def print_merits(sensors: Sequence[Merits]) -> None:
+    """Print one table per sensor with values and sources, then the reasons for missing values."""
     console = _console()
-    for merits in told:
+    for merits in sensors:
         title = (
             f"Merits of {merits.sensor} in {merits.illuminant} at {merits.level_lux:g} lx, "
             f"{1e3 * merits.time_s:.4g} ms, {merits.matrix}"
@@ -31,7 +31,7 @@ def print_merits(told: Sequence[Merits]) -> None:
 
 
 def print_pareto(curve: ParetoCurve, report: MatrixReport, sensor_name: str) -> None:
-    """Color error against noise, one line per weight."""
+    """Print color error against noise, one line per weight."""
     console = _console()
     table = Table(title=f"Color error against noise of {sensor_name}", title_justify="left")
     heads = ("weight", "color error rms [lx]", "Delta E*ab", "noise rms [lx]", "SNR Y [dB]")
@@ -57,7 +57,7 @@ def print_pareto(curve: ParetoCurve, report: MatrixReport, sensor_name: str) -> 
 
 
 def _reasons(merits: Merits) -> list[str]:
-    """Why values are missing, each reason told once."""
+    """Why values are missing, one sentence per reason."""
     lacking: dict[str, list[str]] = {}
     for entry in merits.entries:
         if entry.missing:

@@ -1,4 +1,4 @@
-"""Options that several commands share: each is a setting of a study by its flat name."""
+"""Options that several commands share; each is a setting of a study with its flat name."""
 
 from collections.abc import Callable
 from contextlib import suppress
@@ -34,7 +34,7 @@ _SHARED = (
     click.option(
         "--illuminant",
         help="E, A, G173 (daylight to 1050 nm), D65 and other CIE names, halogen, led-white, "
-        "3200K, LED660, A+0.5xLED850 (an infrared diode beside it), a file of one curve "
+        "3200K, LED660, A+0.5xLED850 (with an infrared diode), a file of one curve "
         "(any format of `chromanoise inspect`), or another of `chromanoise catalog illuminants`. "
         "[default: E]",
     ),
@@ -46,23 +46,23 @@ _SHARED = (
         "saturation, each its own; light, the same photons for each set of channels (a 4-channel "
         "set spreads over 4 pixels). [default: exposure]",
     ),
-    click.option("--time-ms", type=float, help="Integration time [ms], the same for all sensors."),
+    click.option("--time-ms", type=float, help="Exposure time [ms], the same for all sensors."),
     click.option(
         "--saturate",
         type=float,
-        help="Share of full well that the most sensitive channel reaches on a perfect white, where "
+        help="Share of full well that the most sensitive channel reaches on a perfect white, if "
         "the time is solved. [default: 0.99]",
     ),
     click.option("--f-number", type=float, help="Aperture f/#. [default: 1.8]"),
     click.option(
         "--metric",
         type=click.Choice(METRICS),
-        help="In which unit a spectrum is a vector. [default: quanta]",
+        help="Unit in which spectra are vectors. [default: quanta]",
     ),
     click.option(
         "--beyond",
         type=click.Choice(["refuse", "zero", "hold"]),
-        help="Values of a curve where its file ends short of 400-1050 nm. [default: refuse]",
+        help="Values of a curve where its file does not cover 400-1050 nm. [default: refuse]",
     ),
     click.option(
         "--illuminant-beyond",
@@ -74,10 +74,9 @@ _SHARED = (
         "illuminant_per",
         default=None,
         callback=pair_of("photon", "energy"),
-        help="Whether the illuminant's file counts photons or gives energy, where it does not "
-        "declare it.",
+        help="Whether the illuminant's file is in photons or energy, if it does not declare it.",
     ),
-    click.option("--illuminant-column", help="Which curve of its file is the illuminant."),
+    click.option("--illuminant-column", help="Name of the illuminant's curve in its file."),
     click.option(
         "--illuminant-wavelength-unit",
         type=click.Choice(get_args(Unit)),
@@ -86,14 +85,14 @@ _SHARED = (
     click.option(
         "--magnification",
         type=float,
-        help="Take the camera equation 1/(1 + 4 f#^2 (1 + |m|)^2) instead of the paper's distant "
+        help="Use the camera equation 1/(1 + 4 f#^2 (1 + |m|)^2) instead of the paper's distant "
         "scene, 1/(4 f#^2).",
     ),
     click.option(
         "--filter",
         "filter",
         metavar="NAME|FILE",
-        help="In front of all sensors: ircut-650, ircut-650/20, ircut-schott, another of "
+        help="Filter on all sensors: ircut-650, ircut-650/20, ircut-schott, another of "
         "`chromanoise catalog filters`, or a file of one transmittance (any format of `chromanoise "
         "inspect`).",
     ),
@@ -126,12 +125,12 @@ table_option = click.option(
 copy_option = click.option(
     "--copy-as",
     type=click.Choice(["python", "toml"]),
-    help="Compute nothing: print the same as a Python script, or as a study.",
+    help="Compute nothing; print the command as a Python script or as a study file.",
 )
 prior_option = click.option(
     "--prior",
     type=click.Choice(list(PRIORS)),
-    help=f"What a trained matrix is trained on. [default: {DEFAULT_PRIOR}]",
+    help=f"Training set of a trained matrix. [default: {DEFAULT_PRIOR}]",
 )
 matrix_option = click.option(
     "--matrix",

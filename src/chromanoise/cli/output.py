@@ -1,4 +1,4 @@
-"""JSON to a file or to standard output."""
+"""Write JSON and tables to a file or to standard output."""
 
 import json
 import os
@@ -19,7 +19,7 @@ _ANOTHER = "name another file"
 
 
 def write_json(data: dict[str, Any], target: str) -> None:
-    """JSON to a file, whole or not at all, or to standard output where ``target`` is ``-``."""
+    """Write JSON to a file atomically, or to standard output if ``target`` is ``-``."""
     text = json.dumps(data, indent=2, allow_nan=False, ensure_ascii=False) + "\n"
     if target == "-":
         click.echo(text, nl=False)
@@ -28,7 +28,7 @@ def write_json(data: dict[str, Any], target: str) -> None:
 
 
 def refuse_inputs(target: str | Path | None, option: str, *inputs: str) -> None:
-    """Say before anything is computed that a result would take the place of what it is made of."""
+    """Raise an error before any computation if an output file is also an input file."""
     if target is None or str(target) == "-":
         return
     goal = os.path.realpath(target)
@@ -40,7 +40,7 @@ def refuse_inputs(target: str | Path | None, option: str, *inputs: str) -> None:
 
 
 def refuse_same(targets: Mapping[str, str | Path | None]) -> None:
-    """Say before anything is computed that one result would take the place of another."""
+    """Raise an error before any computation if two outputs go to the same file."""
     seen: dict[str, str] = {}
     for option, target in targets.items():
         if target is None or str(target) == "-":
@@ -55,7 +55,7 @@ def refuse_same(targets: Mapping[str, str | Path | None]) -> None:
 def refuse_taken_inputs(
     targets: Mapping[str, str | Path | None], sensors: Sequence[str], options: Mapping[str, Any]
 ) -> None:
-    """Before anything is computed: no result takes the place of an input, or has no format."""
+    """Check before any computation that no output replaces an input, and that its format exists."""
     inputs = [
         *sensors,
         *filter(None, [options["illuminant"], options["pixel"], options["filter"]]),
@@ -68,5 +68,5 @@ def refuse_taken_inputs(
 
 
 def write_table(table: Table, target: str) -> None:
-    """A table in the format that its file's name ends in, whole or not at all."""
+    """Write a table atomically, in the format given by the suffix of the file."""
     write_whole(Path(target), table_writer(Path(target))(table).encode("utf-8"))

@@ -1,4 +1,4 @@
-"""Progress of a computation: an estimate of its time if that is long, and a bar on a terminal."""
+"""Progress of a computation: an estimate of its duration, and a bar on a terminal."""
 
 import time
 from collections.abc import Callable, Iterator

@@ -1,4 +1,4 @@
-"""Errors in the terms of the command line: a setting is an option."""
+"""Render errors for the command line, with options in place of settings."""
 
 from collections.abc import Mapping
 
@@ -11,7 +11,7 @@ _PARTS = {
     "pareto_first": "FIRST",
     "pareto_last": "LAST",
     "pareto_points": "POINTS",
-}  # of an option that takes several settings, as its help calls them
+}  # names in the help of options that take several settings
 
 
 def sentences(error: InputError, command: str = "", options: Mapping[str, str] = _NONE) -> str:
@@ -20,13 +20,14 @@ def sentences(error: InputError, command: str = "", options: Mapping[str, str] =
     Parameters
     ----------
     error
-        Of the library.
+        An error of the library.
     command
-        Name of the command, which decides between options of one name.
+        Name of the command. Some settings have different options in different commands.
     options
-        Of the command, by parameter: also those that are no settings of a study, as ``threads``.
+        Options of the command by parameter name, also those that are no setting of a study, e.g.
+        ``threads``.
     """
-    if getattr(error, "in_place", False):  # a study file: its sentences name file, line and key
+    if getattr(error, "in_place", False):  # a study file: the message names file, line and key
         return str(error)
     lines = [_sentence(one, command, options) for one in errors_in(error)]
     return "\n".join(dict.fromkeys(lines))
@@ -54,7 +55,7 @@ def options_text(setting: Setting, command: str = "") -> str:
     Parameters
     ----------
     setting
-        By the key of a study, or by the parameter of a reader.
+        A setting named by a key of a study or by a parameter of a reader.
     command
         Name of the command.
     """
@@ -80,7 +81,7 @@ def _option(name: str, command: str, value: object = None) -> str:
 
 
 def _flat(key: str, command: str) -> str | None:
-    """The setting of a key of a study, as this command calls it; a key without dots is one."""
+    """The setting for a key of a study in this command; a key without dots is a setting."""
     from chromanoise.study import ANALYSIS, COMPARISON, MATRIX, RENDERING, argument_of
 
     if key.startswith("matrices"):
@@ -90,5 +91,5 @@ def _flat(key: str, command: str) -> str | None:
     if key == "pictures.0.cube":
         return "cube"
     names = RENDERING if command == "simulate" else {**ANALYSIS, **COMPARISON, **MATRIX}
-    alone = "qe_scale" if key == "scale" else key  # of a command whose subject is one file
+    alone = "qe_scale" if key == "scale" else key  # for commands that read one file
     return argument_of(key, names) or (None if "." in key else alone)

@@ -21,7 +21,7 @@ from chromanoise.study import file_digests, read_study
     type=click.Path(path_type=Path),
     default=Path("report.html"),
     show_default=True,
-    help="The file.",
+    help="Output file.",
 )
 @click.option(
     "--set",
@@ -31,24 +31,24 @@ from chromanoise.study import file_digests, read_study
     help="Change one value, e.g. light.level_lux=3 or sensors.0.name=onyx-rgb; repeatable.",
 )
 @click.option(
-    "--figures", type=click.Path(path_type=Path), help="Also its figures, as SVG and PDF."
+    "--figures", type=click.Path(path_type=Path), help="Folder for the figures as SVG and PDF."
 )
 def report(study: Path, out: Path, changes: tuple[str, ...], figures: Path | None) -> None:
-    """STUDY as one page that travels: charts, tables, equations, sliders.
+    """Write STUDY as one self-contained HTML file: charts, tables, equations, sliders.
 
-    The page is one file that asks for nothing else: open it from disk, send it, print it.
+    The file needs no network and no other files.
     """
-    asked = read_study(study, changes, change_label="--set")
-    refuse_inputs(out, "--out", str(study), *file_digests(asked))
+    parsed = read_study(study, changes, change_label="--set")
+    refuse_inputs(out, "--out", str(study), *file_digests(parsed))
     _refuse_unwritable_file(out)
     if figures is not None:
         refuse_unwritable(figures)
-    there = shown(asked)
-    page = study_report(there, EQUATIONS, sights_of(there))
+    charted = shown(parsed)
+    page = study_report(charted, EQUATIONS, sights_of(charted))
     if figures is not None:
         from chromanoise.figures import study_figures, write_figures
 
-        drawn = study_figures(there)
+        drawn = study_figures(charted)
         with whole_folder(figures) as folder:
             written = write_figures(drawn, folder, endings=("svg", "pdf"))
         for file in written:
@@ -58,7 +58,7 @@ def report(study: Path, out: Path, changes: tuple[str, ...], figures: Path | Non
 
 
 def _refuse_unwritable_file(out: Path) -> None:
-    """Say before anything is computed that the file could not be kept."""
+    """Raise an error before any computation if the file cannot be written."""
     if out.is_dir():
         raise InputError(
             "--out",

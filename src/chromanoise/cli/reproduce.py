@@ -20,16 +20,18 @@ from chromanoise.spectra import METRICS, Metric
 
 
 @click.command()
-@click.option("--draws", type=WHOLE, default=5000, show_default=True, help="Acquisitions.")
-@click.option("--seed", type=WHOLE, default=0, show_default=True, help="Of the Monte Carlo.")
+@click.option(
+    "--draws", type=WHOLE, default=5000, show_default=True, help="Number of acquisitions."
+)
+@click.option("--seed", type=WHOLE, default=0, show_default=True, help="Seed of the Monte Carlo.")
 @click.option(
     "--metric",
     type=click.Choice(METRICS),
     default="quanta",
     show_default=True,
-    help="In which unit a spectrum is a vector.",
+    help="Unit in which spectra are vectors.",
 )
-@click.option("--clip", is_flag=True, help="Hold each draw between 0 and full well.")
+@click.option("--clip", is_flag=True, help="Clip each draw between 0 and full well.")
 @click.option("--out", type=click.Path(path_type=Path), help="Folder for the ten figures.")
 @click.option("--json", "json_target", metavar="FILE|-", help="Write JSON; - for standard output.")
 def reproduce(

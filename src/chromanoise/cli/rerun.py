@@ -13,10 +13,10 @@ from chromanoise.study import agreement_of, agreement_text, recorded_run
 
 @click.command()
 @click.argument("output", type=click.Path(path_type=Path))
-@click.option("-o", "--out", type=click.Path(path_type=Path), required=True, help="Folder.")
-@click.option("--threads", type=WHOLE, help="For pictures. [default: one per core]")
+@click.option("-o", "--out", type=click.Path(path_type=Path), required=True, help="Output folder.")
+@click.option("--threads", type=WHOLE, help="Threads for pictures. [default: one per core]")
 def rerun(output: Path, out: Path, threads: int | None) -> None:
-    """Run the study of OUTPUT once more, into another folder, and compare the results.
+    """Run the study of OUTPUT again, into another folder, and compare the results.
 
     OUTPUT is a result of `chromanoise run`, or its folder. The command works from any folder, also
     after the project was moved. The same versions of chromanoise, numpy and scipy with the same

@@ -1,4 +1,4 @@
-"""What `run` and `rerun` tell while they work."""
+"""Messages of `run` and `rerun` during the computation."""
 
 from pathlib import Path
 

@@ -21,17 +21,17 @@ from chromanoise.errors import (
     type=click.IntRange(0, 65535),
     default=8421,
     show_default=True,
-    help="On this machine only; 0 takes any that is free.",
+    help="Port on this machine; 0 selects a free port.",
 )
-@click.option("--open", "opened", is_flag=True, help="Open it in the browser.")
+@click.option("--open", "opened", is_flag=True, help="Open the page in the browser.")
 def serve(study: Path | None, port: int, opened: bool) -> None:
-    """Serve the page that answers while you drag, for STUDY or for the paper's two sensors.
+    """Serve a local web page with sliders, for STUDY or for the paper's two sensors.
 
-    It listens on this machine only and asks nothing from outside. Ctrl-C ends it.
+    The server listens on this machine only and uses no network. Ctrl-C ends it.
     """
     from chromanoise.page.server import listening_socket, page_server
 
-    told = _study(study)
+    data = _study(study)
     try:
         listening = listening_socket(port)
     except OSError as error:
@@ -48,9 +48,9 @@ def serve(study: Path | None, port: int, opened: bool) -> None:
         click.launch(address)
     try:
         with _ignored_stays_ignored():
-            page_server(listening, study=told).run(sockets=[listening])
+            page_server(listening, study=data).run(sockets=[listening])
     except KeyboardInterrupt:
-        pass  # how it is meant to end
+        pass  # Ctrl-C is the normal end
     finally:
         listening.close()
 
@@ -69,7 +69,7 @@ def _ignored_stays_ignored() -> Iterator[None]:
 
 
 def _study(path: Path | None) -> dict[str, object] | None:
-    """The study to start from, refused before anything is served."""
+    """The initial study as plain data; an invalid study raises an error."""
     if path is None:
         return None
     from chromanoise.page.studies import served_data

@@ -67,41 +67,45 @@ from chromanoise.study import (
 @click.option(
     "--demosaic",
     type=click.Choice(list(DEMOSAICING)),
-    help="How the mosaic becomes color; gradient and lmmse learn from the ColorChecker. "
+    help="Demosaicing method; gradient and lmmse are trained on the ColorChecker. "
     "[default: bilinear]",
 )
-@click.option("--raw-only", is_flag=True, help="Codes of the mosaic, no color.")
-@click.option("--bits", type=WHOLE, help="Of the ADC, 8 to 16. [default: of --pixel, else 12]")
-@click.option("--black-level", type=WHOLE, help="Code of no light. [default: of --pixel, else 0]")
-@click.option("--frames", type=WHOLE, help="Pictures of a burst. [default: 1]")
+@click.option("--raw-only", is_flag=True, help="Write only the raw codes of the mosaic, no color.")
+@click.option(
+    "--bits", type=WHOLE, help="Bits of the ADC, 8 to 16. [default: from --pixel, else 12]"
+)
+@click.option(
+    "--black-level", type=WHOLE, help="Code without light. [default: from --pixel, else 0]"
+)
+@click.option("--frames", type=WHOLE, help="Frames of a burst. [default: 1]")
 @click.option(
     "--seed",
     type=WHOLE,
-    help="Of the noise; sensors of other names draw other noise. [default: 0]",
+    help="Seed of the noise; sensors with different names have independent noise. [default: 0]",
 )
 @click.option("--clip", is_flag=True, help="Clip electrons between 0 and full well.")
 @click.option(
     "--dark-current-e-per-s",
     type=float,
-    help="Dark current [e-/s]; its mean is taken off, and lowers the full well. "
-    "[default: of --pixel, else 0; also for the next three]",
+    help="Dark current [e-/s]; its mean is subtracted and lowers the full well. "
+    "[default: from --pixel, else 0; also for the next three]",
 )
 @click.option("--dsnu-e", type=float, help="Dark signal non-uniformity [e-].")
 @click.option("--prnu", type=float, help="Photo response non-uniformity, e.g. 0.01.")
-@click.option("--row-noise-e", type=float, help="Noise that a row shares [e-].")
+@click.option("--row-noise-e", type=float, help="Noise common to a row [e-].")
 @click.option(
     "--format",
     "formats",
     metavar="NAME[,NAME...]",
-    help=f"Of {', '.join(FORMATS)}. [default: png,xyz, and raw,dng of a mosaic]",
+    help=f"File formats: {', '.join(FORMATS)}. [default: png,xyz, and raw,dng of a mosaic]",
 )
 @click.option("--key", help="Name of the array in a MAT, NPZ, HDF5, NetCDF or Zarr cube.")
-@click.option("--shape", metavar="ROWSxCOLUMNS", help="Of a cube stored as a 2-D array.")
+@click.option("--shape", metavar="ROWSxCOLUMNS", help="Shape of a cube stored as a 2-D array.")
 @click.option(
     "--wavelengths",
     metavar="FIRST:LAST|FILE",
-    help="Of the bands, where the cube does not declare them: evenly spaced [nm], or a text file "
-    "that lists one per band (nm, or the unit in its heading).",
+    help="Wavelengths of the bands, if the cube does not declare them: evenly spaced [nm], or a "
+    "text file that lists one per band (nm, or the unit in its heading).",
 )
 @click.option(
     "--scale", "scale", type=float, help="Reflectance per stored unit of the cube, e.g. 0.0001."
@@ -109,17 +113,15 @@ from chromanoise.study import (
 @click.option(
     "--bad-pixels",
     type=click.Choice(["refuse", "zero"]),
-    help="What is no reflectance (NaN, negative, above 2): refuse it, or take 0 and say so. "
+    help="Values that are no reflectance (NaN, negative, above 2): refuse them, or use 0. "
     "[default: refuse]",
 )
-@click.option("--threads", type=WHOLE, help="Working at once. [default: one per core]")
-@click.option(
-    "--tile", type=WHOLE, help="Rows that are held at a time. [default: what fills 8 MB to 1 GB]"
-)
+@click.option("--threads", type=WHOLE, help="Number of threads. [default: one per core]")
+@click.option("--tile", type=WHOLE, help="Rows in memory at a time. [default: 8 MB to 1 GB]")
 @click.option(
     "--scheduler",
     metavar="ADDRESS|local",
-    help="Work on a dask cluster instead; the result has the same bits.",
+    help="Compute on a dask cluster; the result is bit-identical.",
 )
 @click.option(
     "-o",
@@ -141,7 +143,7 @@ def simulate(
     copy_as: str | None,
     **settings: Any,
 ) -> None:
-    """Take a noisy picture of CUBE with each sensor: raw codes of a mosaic, color, or both.
+    """Render a noisy picture of CUBE with each sensor: raw codes of a mosaic, color, or both.
 
     CUBE is a hyperspectral reflectance cube: ENVI (.hdr or its data file), MAT, HDF5, NetCDF,
     Zarr, multi-page TIFF, a folder of one PNG per band, NPZ or NPY; or builtin:checker. It may be
@@ -185,7 +187,7 @@ def _taken(
             )
             stem = name + (f"-{frame:04d}" if frames > 1 else "")
             files, missing = write_capture(folder, stem, taken)
-            # the seconds are all that another run changes
+            # only the seconds differ between runs
             seconds, start = time.perf_counter() - start, time.perf_counter()
             taking = {"seconds": seconds, "not_written": missing}
             summaries.append(capture_summary(taken, files) | taking)
@@ -234,12 +236,12 @@ def _pair(option: str, text: str | None, separator: str, kind: Any) -> Any:
 def _line(taken: Capture, out: Path, files: list[str]) -> str:
     operating_point = taken.camera.operating_point
     means = zip(operating_point.sensor.names, any_picture(taken).mean_e, strict=True)
-    told = ", ".join(f"{name} {e:.0f} e-" for name, e in means)
-    return f"{out}/{', '.join(files)}: {operating_point.exposure.time_s * 1e3:.4g} ms, mean {told}"
+    text = ", ".join(f"{name} {e:.0f} e-" for name, e in means)
+    return f"{out}/{', '.join(files)}: {operating_point.exposure.time_s * 1e3:.4g} ms, mean {text}"
 
 
 def _notes(taken: Capture, stem: str, not_written: list[str]) -> list[str]:
-    """What is worth knowing, once for a burst."""
+    """Notes on a picture; for a burst, only on its first frame."""
     picture, names = any_picture(taken), taken.camera.operating_point.sensor.names
     if picture.frame > 0:
         return []

@@ -1,4 +1,4 @@
-"""Results as tables on a terminal."""
+"""Print results as tables on a terminal."""
 
 from collections.abc import Iterable, Mapping, Sequence
 
@@ -39,13 +39,13 @@ from chromanoise.paper import (
 )
 from chromanoise.paper.study import PRINTED_TIMES_MS, WELL_SHARE
 
-_WIDE = 6  # channels that stand beside each other
-_SHOWN = 6  # values that are printed of a sweep
-_SENSORS_TOLD = 3  # of which every pair gets its sentence
+_WIDE = 6  # most channels in one row
+_SHOWN = 6  # number of printed values of a sweep
+_SENSORS_TOLD = 3  # up to this number, every pair gets a sentence
 
 
 def print_reproduction(result: Reproduction) -> None:
-    """Tables 2-5 with ours beside the printed numbers, and what they say."""
+    """Print Tables 2-5 with the printed numbers and ours, and the conclusions."""
     console = _console()
     for table in paper_tables(result):
         console.print(_paper_table(table))
@@ -68,14 +68,14 @@ def print_reproduction(result: Reproduction) -> None:
 
 
 def print_conditions(text: str) -> None:
-    """The operating point, above the tables that hold for it."""
+    """Print the operating point above its tables."""
     _console().print(
         f"At {text}:" if not text.startswith("before") else f"{text.capitalize()}", soft_wrap=True
     )
 
 
 def print_analyses(analyses: Iterable[Analysis]) -> None:
-    """Several sensors, side by side: channels first, then color, then what to know."""
+    """Print the sensors in two tables, channels and color, and notes."""
     console = _console()
     channels = Table(title="Channels (eq. 1-3, 7)", title_justify="left")
     for head in ("sensor", "channel", "electrons", "raw SNR dB", "contravariant SNR dB", "VIF"):
@@ -111,9 +111,9 @@ def print_analyses(analyses: Iterable[Analysis]) -> None:
 def print_comparison(
     curves: Sequence[Curve], crossed: Sequence[Crossover], bands: Sequence[CrossoverBand]
 ) -> None:
-    """The quantity and the color error over the sweep, then crossovers and bands in words.
+    """Print the quantity and the color error over the sweep, then crossovers and bands.
 
-    Of more than three sensors, the words tell only how the first one stands to each other.
+    With more than three sensors, only crossovers of the first sensor are printed.
     """
     console = _console()
     sweep, quantity, at = curves[0].sweep, curves[0].quantity, curves[0].at
@@ -138,9 +138,9 @@ def print_comparison(
         console.print("-: the matrix cannot make that color of this light.")
     many = len({curve.sensor for curve in curves}) > _SENSORS_TOLD
     first = curves[0].sensor
-    told = [crossover_sentence(c) for c in crossed if not many or c.first == first]
-    told += [band_sentence(b) for b in bands if not many or b.first == first]
-    for sentence in told:
+    sentences = [crossover_sentence(c) for c in crossed if not many or c.first == first]
+    sentences += [band_sentence(b) for b in bands if not many or b.first == first]
+    for sentence in sentences:
         console.print(sentence, soft_wrap=True)
     if many:
         console.print(f"The other pairs, without {first}, stand in what --json writes.")
@@ -153,7 +153,7 @@ def _curve_cell(curve: Curve, i: int) -> str:
 
 
 def print_grey_noise(analyses: Sequence[Analysis], noises: Sequence[GrayNoise | None]) -> None:
-    """Noise of an 18 % grey in a color space, from the electrons; where simpler routes fail."""
+    """Print the exact noise of an 18 % gray, and which approximations hold."""
     console = _console()
     known = [noise for noise in noises if noise]
     if not known:
@@ -189,7 +189,7 @@ def print_grey_noise(analyses: Sequence[Analysis], noises: Sequence[GrayNoise | 
 
 
 def print_chart(analysis: Analysis, chart: ChartNoise | None) -> None:
-    """Color error and noise of every patch."""
+    """Print color error and noise of every patch."""
     console = _console()
     name = analysis.sensor.name
     if chart is None:
@@ -204,8 +204,8 @@ def print_chart(analysis: Analysis, chart: ChartNoise | None) -> None:
     assert chart.noise.delta_e is not None  # CIELAB has one
     for i, patch in enumerate(chart.names):
         numbers = (chart.color_error[i], chart.ciede2000[i], chart.snr_y_db[i], *sd[i])
-        told = (_number(float(value), 1) for value in (*numbers, chart.noise.delta_e[i]))
-        table.add_row(patch, *told, end_section=i == len(chart.names) - 1)
+        cells = (_number(float(value), 1) for value in (*numbers, chart.noise.delta_e[i]))
+        table.add_row(patch, *cells, end_section=i == len(chart.names) - 1)
     means = (chart.color_error.mean(), chart.ciede2000.mean())
     noise = (_number(float(value), 1) for value in (*sd.mean(axis=0), chart.noise.delta_e.mean()))
     table.add_row("mean", *(_number(float(m), 1) for m in means), "", *noise)
@@ -220,12 +220,12 @@ def print_chart(analysis: Analysis, chart: ChartNoise | None) -> None:
 
 
 def print_matrix(matrix: ColorMatrix, report: MatrixReport, sensor_name: str) -> None:
-    """The matrix in lx/e-, then what it is worth: color error and noise, never one alone."""
+    """Print the matrix in lx/e-, then its color error and noise."""
     console = _console()
     table = Table(title=f"{report.made_by} of {sensor_name} [lx/e-]", title_justify="left")
     table.add_column("")
     heads, rows, numbers = matrix.channels, matrix.coordinates, matrix.matrix
-    if len(heads) > _WIDE:  # as many rows as it takes, where columns would be cut
+    if len(heads) > _WIDE:  # transposed, so that no column is cut
         heads, rows, numbers = rows, heads, numbers.T
     for head in heads:
         table.add_column(head, justify="right")
@@ -253,40 +253,40 @@ def _decibels(snr: Mapping[str, float | None]) -> str:
 
 
 def print_budgets(analysis: Analysis, budgets: Sequence[Budget | None]) -> None:
-    """From all photons down to each color coordinate: dB per cause, and what each cause is."""
-    told = [budget for budget in budgets if budget]
-    if not told:
+    """Print the budget from all photons to each color coordinate: dB per cause."""
+    known = [budget for budget in budgets if budget]
+    if not known:
         _console().print(f"{analysis.sensor.name}: no coordinate has an SNR, so there is no budget")
         return
-    _console().print(_budget_table(told, f"Budget of {analysis.sensor.name} [dB]"))
+    _console().print(_budget_table(known, f"Budget of {analysis.sensor.name} [dB]"))
 
 
 def print_lab_budgets(analysis: Analysis) -> None:
-    """The same for one unit of L*, a* and b* of a gray; a sentence where one has no budget."""
+    """Print the budget of one unit of L*, a* and b* of a gray, or why there is none."""
     console = _console()
     budgets = lab_budgets(analysis)
-    told = [budget for budget in budgets if budget]
-    if told:
+    known = [budget for budget in budgets if budget]
+    if known:
         of = f"one unit on a gray of {100 * GRAY:.0f} %, {analysis.sensor.name}"
-        console.print(_budget_table(told, f"Budget of {of} [dB]"))
+        console.print(_budget_table(known, f"Budget of {of} [dB]"))
     missing = missing_lab_budgets(analysis, budgets)
     if missing:
         console.print(missing, soft_wrap=True)
 
 
-def _budget_table(told: Sequence[Budget], title: str) -> Table:
-    """One column per coordinate, one row per cause; the reading is that of the second."""
+def _budget_table(budgets: Sequence[Budget], title: str) -> Table:
+    """One column per coordinate, one row per cause; readings of the second coordinate."""
     table = Table(title=title, title_justify="left")
     table.add_column("")
-    for budget in told:
+    for budget in budgets:
         table.add_column(budget.coordinate, justify="right")
-    read = min(1, len(told) - 1)
-    table.add_column(f"reading of {told[read].coordinate}", justify="left")
-    table.add_row("all photons", *(f"{budget.photons_db:.2f}" for budget in told))
-    for i, cost in enumerate(told[0].costs):
-        losses = (f"{round(-budget.costs[i].loss_db, 2) + 0.0:+.2f}" for budget in told)
-        table.add_row(cost.cause, *losses, told[read].costs[i].reading)
-    table.add_row("SNR", *(f"{budget.snr_db:.2f}" for budget in told))
+    read = min(1, len(budgets) - 1)
+    table.add_column(f"reading of {budgets[read].coordinate}", justify="left")
+    table.add_row("all photons", *(f"{budget.photons_db:.2f}" for budget in budgets))
+    for i, cost in enumerate(budgets[0].costs):
+        losses = (f"{round(-budget.costs[i].loss_db, 2) + 0.0:+.2f}" for budget in budgets)
+        table.add_row(cost.cause, *losses, budgets[read].costs[i].reading)
+    table.add_row("SNR", *(f"{budget.snr_db:.2f}" for budget in budgets))
     return table
 
 

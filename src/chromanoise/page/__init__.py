@@ -1,1 +1,1 @@
-"""The local page: it asks, `chromanoise.charts` answers; no number is born here."""
+"""The local web page; `chromanoise.charts` computes all its numbers."""

@@ -1,4 +1,4 @@
-"""Questions of the page to answers: what changed is computed, the rest is remembered."""
+"""Compute the replies of ``/api/answer`` and cache their parts."""
 
 import json
 import logging
@@ -26,7 +26,7 @@ _LOOKS: Mapping[str, tuple[str, ...]] = {
 
 
 class Answers:
-    """What is known of the studies that were asked for lately."""
+    """Replies to requests, with caches of recent studies."""
 
     def __init__(self, studies: Studies) -> None:
         self._studies = studies
@@ -50,13 +50,13 @@ class Answers:
         parts = ", ".join(
             f'"{part}": {self._part(part, study, operating_points, look, used)}' for part in wanted
         )
-        told = {
+        head = {
             "number": number,
             "hash": hashed,
             "seconds": round(time.perf_counter() - start, 6),
             "files": {one.id: one.label for one in used},
         }
-        return f'{json.dumps(told)[:-1]}, "parts": {{{parts}}}}}'
+        return f'{json.dumps(head)[:-1]}, "parts": {{{parts}}}}}'
 
     def texts(self, question: Mapping[str, Any]) -> dict[str, str]:
         """The JSON of ``/api/texts``: the study as TOML, Python and command line.
@@ -84,7 +84,7 @@ class Answers:
     ) -> str:
         looked = tuple(getattr(look, name) for name in _LOOKS.get(part, ()))
         nouns = tuple((one.sensor, one.illuminant) for one in operating_points)
-        # sensitivities are the one that neither level nor exposure changes
+        # sensitivities do not depend on level and exposure
         words = "" if part == "sensitivities" else study.model_dump_json(exclude=_BESIDE)
         try:
             return self._parts.of(
@@ -93,7 +93,7 @@ class Answers:
             )
         except InputError as error:  # not remembered: sensitivities have the key of other studies
             return json.dumps({"fault": spoken(page_sentence(error), used)})
-        except Exception:  # and not remembered: the next question may find memory enough
+        except Exception:  # not cached: the next request may succeed
             _LOG.exception("the drawing %s failed", part)
             return json.dumps({"fault": f"{part} could not be computed for this study"})
 
@@ -109,12 +109,12 @@ class Answers:
 
 
 def look_of(told: Mapping[str, Any]) -> Look:
-    """How it is looked at; keys that no drawing reads are passed over.
+    """Parse the settings of the view; unknown keys are ignored.
 
     Raises
     ------
     QuestionError
-        If one of them cannot be.
+        If a value is invalid.
     """
     magnification = told.get("magnification")
     if magnification is not None and not _is_number(magnification):

@@ -1,4 +1,4 @@
-"""What was computed and may be asked again: the latest, and never more than so much."""
+"""Caches of bounded size for computed values."""
 
 import threading
 from collections.abc import Callable, Hashable
@@ -10,12 +10,12 @@ T = TypeVar("T")
 
 
 class Remembered(Generic[T]):
-    """Values by key; the least lately used go first."""
+    """A cache that drops the least recently used values."""
 
     def __init__(self, most: int) -> None:
         remembered = cached(LRUCache(most), key=lambda key, make: key, lock=threading.Lock())
         self._of: Callable[[Hashable, Callable[[], T]], T] = remembered(lambda key, make: make())
 
     def of(self, key: Hashable, make: Callable[[], T]) -> T:
-        """The value of a key, made if it is not there; two threads may both make one."""
+        """The value of a key, computed if it is missing; two threads may both compute it."""
         return self._of(key, make)

@@ -1,4 +1,4 @@
-"""What can be chosen on the page: names, and how far each slider goes."""
+"""The choices on the page: names, and the ranges of the sliders."""
 
 from functools import lru_cache
 from typing import Any
@@ -16,8 +16,8 @@ from chromanoise.page.equations import EQUATIONS
 from chromanoise.scene import BUILTIN_CUBES
 from chromanoise.spectra import INFRARED_FROM_NM, METRICS
 
-_FORMULAS = ("3200K", "5000K", "6500K", "LED660")  # of the lamps that are a formula
-_EDGES = ("ircut-650", "ircut-700")  # of the filters that are a formula
+_FORMULAS = ("3200K", "5000K", "6500K", "LED660")  # examples of lamps given by a formula
+_EDGES = ("ircut-650", "ircut-700")  # examples of filters given by a formula
 _SLIDERS = (
     ("light.level_lux", "Light level", "lx", 0.01, 10_000.0, "log", 0.01),
     ("light.infrared", "Infrared in the light", "W/W", 0.0, 5.0, "linear", 0.05),
@@ -61,14 +61,14 @@ def choices() -> dict[str, Any]:
 
 
 def _sensors() -> list[dict[str, Any]]:
-    """Those that answer without being asked anything."""
-    told = []
+    """Sensors of the catalog that need no further settings."""
+    found = []
     for entry in catalog_entries("sensors", folder=catalog_folder()):
         try:
             sensor = resolve_sensor(entry.provenance.name)
         except InputError:
-            continue  # its table needs to be told something first, which a name cannot
-        told.append(
+            continue  # its table lacks metadata
+        found.append(
             {
                 "name": sensor.name,
                 "what": entry.provenance.what,
@@ -79,17 +79,17 @@ def _sensors() -> list[dict[str, Any]]:
                 "read_noise_e": sensor.pixel.read_noise_e,
             }
         )
-    return told
+    return found
 
 
 def _filters() -> list[str]:
-    """Those that a name alone makes, and a few edges of the family that takes any number."""
+    """Filters with a fixed name, and examples of those with a parameter."""
     names = [entry.provenance.name for entry in catalog_entries("filters", folder=catalog_folder())]
     return [*(name for name in names if "<" not in name), *_EDGES]
 
 
 def _illuminants() -> list[str]:
-    """Those that reach over 400-1050 nm, so that nothing must be said of their end."""
+    """Illuminants that cover 400-1050 nm and so need no extrapolation."""
     names = [
         entry.provenance.name for entry in catalog_entries("illuminants", folder=catalog_folder())
     ]

@@ -1,4 +1,4 @@
-"""What stands behind each ``?`` of the page: the equation of every kind of number."""
+"""The equations shown by each ``?`` button of the page."""
 
 from collections.abc import Mapping
 

@@ -20,14 +20,14 @@ _TYPES = {
     "svg": "image/svg+xml",
     "txt": "text/plain",
 }
-_STEP = re.compile(r"[A-Za-z0-9_-][A-Za-z0-9_.-]{0,99}")  # no way up, no hidden file
+_STEP = re.compile(r"[A-Za-z0-9_-][A-Za-z0-9_.-]{0,99}")  # no parent folder, no hidden file
 _INDEX = "index.html"
 _OWN, _DRAW = "page/assets", "figures/draw"  # the second is shared with the report
 _COLORED = "draw/draw.css"
 
 
 def asset(path: str) -> bytes | None:
-    """What stands in the page's file of that path; ``None`` where there is none.
+    """The content of a file of the page; ``None`` if it does not exist.
 
     Examples
     --------
@@ -48,7 +48,7 @@ def asset(path: str) -> bytes | None:
 
 
 def page_policy() -> str:
-    """The content policy of the page as it stands now."""
+    """The content policy of the page."""
     return content_policy(asset(_INDEX) or b"")
 
 
@@ -58,7 +58,7 @@ async def index(request: Request) -> Response:
 
 
 async def asset_reply(request: Request) -> Response:
-    """One of its files."""
+    """A file of the page."""
     return _reply(request, request.path_params["path"])
 
 

@@ -1,4 +1,4 @@
-"""Who may ask, and how much: this page in this browser, and nobody else."""
+"""Checks of requests: only this page in a browser on this machine is accepted."""
 
 import base64
 import hashlib

@@ -1,4 +1,4 @@
-"""A cube through one sensor as a picture in memory, with or without its noise."""
+"""Render a cube with one sensor to a picture in memory, with or without noise."""
 
 import json
 import math
@@ -34,7 +34,7 @@ _BESIDE = {"outputs", "sweeps", "pictures", "title"}
 
 
 class Pictures:
-    """Cubes that were asked for lately, and the latest pictures of them."""
+    """Render pictures, with caches of recent cubes and pictures."""
 
     def __init__(self, studies: Studies) -> None:
         self._studies = studies
@@ -73,7 +73,7 @@ class Pictures:
         return png, spoken(summary, used)
 
     def _part(self, study: Study, cube: Any, used: list[Upload]) -> tuple[str, PicturePart]:
-        """Where it stands and what it is: the study's first picture, or its cube alone."""
+        """The key and the settings of the picture: the study's first picture, or another cube."""
         if cube is not None and not isinstance(cube, str):
             raise malformed("cube", "cube must be the id of an upload, a scene, or null")
         own = study.pictures[0] if study.pictures else PicturePart()
@@ -81,13 +81,13 @@ class Pictures:
         if cube:
             word = self._studies.word(FileWord(where="cube", kind="cube", word=cube), used)
         part = own if word == own.cube else PicturePart(cube=word)
-        if "beyond" not in part.model_fields_set:  # nobody was asked, and a note tells of it
+        if "beyond" not in part.model_fields_set:  # the notes report this default
             part = part.model_copy(update={"beyond": "hold"})
         return "cube" if cube else "pictures.0.cube", part
 
 
 def cube_of_upload(upload: Upload) -> Cube:
-    """The cube in a file that was dropped, if it is of a size for a page.
+    """The cube in an uploaded file, if the page accepts its size.
 
     Raises
     ------
@@ -98,12 +98,13 @@ def cube_of_upload(upload: Upload) -> Cube:
 
 
 def bounded_cube(part: PicturePart) -> Cube:
-    """The cube of a picture, if it is of a size for a page.
+    """The cube of a picture, if the page accepts its size.
 
     Raises
     ------
     InputError
-        If it holds no cube, or too large a one; a packed file is asked for its size first.
+        If the file holds no cube, or one that is too large. The size of a packed file is checked
+        before it is unpacked.
     """
     path = file_of(part.cube)
     if not part.cube.startswith("builtin:") and path.is_file() and zipfile.is_zipfile(path):

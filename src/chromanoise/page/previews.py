@@ -1,4 +1,4 @@
-"""What was understood of a file that was dropped, in sentences, and what it cannot tell."""
+"""Preview of an uploaded file: how it was parsed, and which metadata it lacks."""
 
 from typing import Any
 

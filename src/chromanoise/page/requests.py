@@ -1,4 +1,4 @@
-"""What a browser asks, read with care: JSON of bounded size, kinds of values checked."""
+"""Parse requests: JSON of bounded size, with checks of the types of values."""
 
 import asyncio
 import json
@@ -21,17 +21,17 @@ _REST_S = 5.0  # longest time between two chunks of a body
 
 
 class QuestionError(Exception):
-    """A question that gets no answer but sentences, each beside the thing that it is about.
+    """A request that is refused with messages, each with the key it refers to.
 
     Attributes
     ----------
     faults
         Pairs of where (``sensors.0.name``) and sentence.
     status
-        Of HTTP: 200 where a question that is well formed holds a value that cannot be, for it got
-        its answer, and browsers log every other status as an error of the page.
+        HTTP status; 200 if a well-formed request contains an invalid value, because browsers log
+        every other status as an error of the page.
     unread
-        Whether the body still comes: it is answered first, and passed over then.
+        Whether the body is not read yet: the reply is sent first, then the body is discarded.
     """
 
     def __init__(self, *faults: tuple[str, str], status: int = 200, unread: bool = False) -> None:
@@ -60,7 +60,7 @@ def page_sentence(error: InputError) -> str:
 
 
 def malformed(where: str, sentence: str) -> QuestionError:
-    """The error of a question that no page of ours would ask."""
+    """The error for a malformed request, which the page never sends."""
     return QuestionError((where, sentence), status=400)
 
 
@@ -240,7 +240,7 @@ def _too_long(most_bytes: int, *, unread: bool = False) -> QuestionError:
 
 
 async def passed_over(receive: Receive) -> None:
-    """Let go by what still comes, up to a bound: who is cut off while speaking hears no answer.
+    """Discard the rest of a body up to a limit, because a client may miss a reply while it sends.
 
     Parameters
     ----------

@@ -33,7 +33,7 @@ _MOST_FAULTS = 100  # in one answer
 
 
 class _Server:
-    """What the routes share while the server lives."""
+    """The state that the routes share."""
 
     def __init__(self, study: dict[str, Any] | None) -> None:
         self.uploads = Uploads()
@@ -41,7 +41,7 @@ class _Server:
         self.bodies = Bodies()
 
     async def done(self, name: str, *given: Any) -> Any:
-        """What a job returns; it may name dropped files."""
+        """Run a job in a worker process and return its result; it may use uploaded files."""
         return await self.workers.done(name, *given, kept=self.uploads.held())
 
     def close(self) -> None:
@@ -56,9 +56,9 @@ def application(*, port: int, study: dict[str, Any] | None = None) -> ASGIApp:
     Parameters
     ----------
     port
-        On which it is served: part of the only names that it answers to.
+        Port of the server; requests must name it in ``Host``.
     study
-        To start from, as plain data; ``None`` for the page's own.
+        The initial study as plain data; ``None`` for the default.
     """
 
     @asynccontextmanager
@@ -87,14 +87,14 @@ def application(*, port: int, study: dict[str, Any] | None = None) -> ASGIApp:
 
 
 def page_server(listening: socket.socket, *, study: dict[str, Any] | None = None) -> "Server":
-    """The page's server; ``run(sockets=[listening])`` serves until the process is told to stop.
+    """The server of the page; ``run(sockets=[listening])`` serves until the process is stopped.
 
     Parameters
     ----------
     listening
-        Of `listening_socket`.
+        From `listening_socket`.
     study
-        To start from.
+        The initial study.
     """
     import uvicorn
 
@@ -110,15 +110,15 @@ def page_server(listening: socket.socket, *, study: dict[str, Any] | None = None
 
 
 def listening_socket(port: int) -> socket.socket:
-    """A socket of this machine only; port 0 takes any that is free.
+    """A socket that accepts connections from this machine only; port 0 selects a free port.
 
     Raises
     ------
     OSError
         If the port is taken or may not be used.
     """
-    # only of a socket that is told to be TCP does asyncio send what is short at once: a header
-    # alone would keep its answer waiting for the browser's delayed acknowledgement, some 40 ms
+    # asyncio sets TCP_NODELAY only if the protocol is given; without it, a short reply waits for
+    # the delayed acknowledgement of the browser, about 40 ms
     listening = socket.socket(socket.AF_INET, socket.SOCK_STREAM, socket.IPPROTO_TCP)
     try:
         if sys.platform != "win32":  # where it would let two servers share a port
@@ -134,7 +134,7 @@ def listening_socket(port: int) -> socket.socket:
 def _replying(
     reply: Callable[[Request, _Server], Awaitable[Response]],
 ) -> Callable[[Request], Awaitable[Response]]:
-    """A route whose refusals become sentences, and whose lost askers become nothing."""
+    """A route that replies to errors with messages and ignores disconnected clients."""
 
     async def replied(request: Request) -> Response:
         try:

@@ -1,4 +1,4 @@
-"""All that computes behind the page: imported in the background, once."""
+"""The computations behind the routes of the page."""
 
 import json
 from contextlib import suppress
@@ -19,7 +19,7 @@ STUDY: dict[str, Any] = {
     "sensors": [{"name": "onyx-rgbw"}, {"name": "onyx-rgb-ircut"}],
     "matrices": ["kernel"],
 }
-"""To start from: the paper's comparison."""
+"""The default study: the paper's comparison."""
 
 
 class Desk:
@@ -28,9 +28,9 @@ class Desk:
     Parameters
     ----------
     uploads
-        Its files.
+        The uploaded files.
     study
-        To start from, as plain data.
+        The initial study as plain data.
     """
 
     def __init__(self, uploads: Kept, *, study: dict[str, Any] | None = None) -> None:
@@ -86,9 +86,9 @@ class Desk:
                 self._has_kernels = True
 
     def warm(self) -> None:
-        """Compute once what most questions need, so that the first answer is quick.
+        """Compute in advance what most requests need.
 
-        The study is the page's own: nothing bounds the time and memory of another one here.
+        Only the default study is used, because time and memory are not limited here.
         """
         self._answers.answer({"study": STUDY})
         self.choices()

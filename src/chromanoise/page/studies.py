@@ -1,4 +1,4 @@
-"""The study in a question: its words checked, its files found, its sensors made once."""
+"""The study in a request: check it, resolve its files, and cache its sensors."""
 
 import os
 from collections.abc import Callable, Iterable, Mapping
@@ -50,7 +50,7 @@ _LONGEST_WORD = 500
 
 
 class Studies:
-    """Studies from questions, and what of them is asked for again and again.
+    """Parse studies from requests, with caches of their parts.
 
     Parameters
     ----------
@@ -91,7 +91,7 @@ class Studies:
         return study, used
 
     def as_told(self, told: Mapping[str, Any]) -> Study:
-        """The study in the words of the question, bounded in what it asks.
+        """The study as given in the request, with its size checked.
 
         Raises
         ------
@@ -124,7 +124,7 @@ class Studies:
         return _at("exposure", used, lambda: operating_points_in(study, illuminant, sensors))
 
     def complaints(self, told: Mapping[str, Any]) -> list[str]:
-        """What of a study cannot be made here, a sentence each with its key; empty where all can.
+        """All errors of a study on this page, each with its key; empty if there are none.
 
         Parameters
         ----------
@@ -141,7 +141,7 @@ class Studies:
         return [f"{where}: {sentence}" for where, sentence in found]
 
     def hash_of(self, study: Study, used: list[Upload]) -> str:
-        """The hash that a run of the study has beside files of the names that were dropped.
+        """The hash of a run of the study in a folder with the uploaded files.
 
         Raises
         ------
@@ -156,7 +156,7 @@ class Studies:
         )
 
     def word(self, one: FileWord, used: list[Upload]) -> str:
-        """A word with the path of the upload that it names, which is noted as used.
+        """Replace the id of an upload in a word by its path, and add the upload to ``used``.
 
         Raises
         ------
@@ -211,7 +211,7 @@ class Studies:
 
 
 def refuse_too_many(told: Mapping[str, Any]) -> None:
-    """Refuse more than a page shows at once.
+    """Refuse a study with more parts than the page can show.
 
     Parameters
     ----------
@@ -237,7 +237,7 @@ def refuse_too_many(told: Mapping[str, Any]) -> None:
 
 
 def served_data(study: Study) -> dict[str, Any]:
-    """The study as the page starts with it; what the page does not show stays in it.
+    """The initial study of the page as plain data, including parts that the page does not show.
 
     Raises
     ------
@@ -307,7 +307,7 @@ def _names_a_file(one: FileWord, base: str) -> bool:
 
 
 def _refuse_irregular(one: FileWord) -> None:
-    """A pipe would be waited for; of folders, only a cube may be one."""
+    """Refuse pipes and devices; a folder is accepted only for a cube."""
     is_cube = one.kind == "cube"
     for file in [file_of(one.word)] if is_cube else files_of_word(one):
         if _state(file) is not None:
@@ -344,7 +344,7 @@ def _sensor_named(part: SensorPart, used: list[Upload]) -> Sensor:
 
 
 def spoken(text: str, used: list[Upload]) -> str:
-    """A text that speaks of uploads as their person calls them."""
+    """Replace the paths of uploads in a text by their original names."""
     for upload in used:
         text = in_words(text, upload)
     return text

@@ -1,4 +1,4 @@
-"""Files that were dropped onto the page: kept under names of our own, and not for long."""
+"""Uploaded files, stored temporarily under generated names."""
 
 import hashlib
 import re

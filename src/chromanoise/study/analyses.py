@@ -1,4 +1,4 @@
-"""All that is asked of one sensor in use, by a study or a command: computed once, told as data."""
+"""All results of one sensor at one operating point, and their conversion to plain data."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -39,7 +39,7 @@ class Outcome:
 def outcome_of(
     operating_point: OperatingPoint, maker: MatrixMaker, outputs: OutputsPart
 ) -> Outcome:
-    """All that is asked of a sensor in use.
+    """Compute all requested results of a sensor at one operating point.
 
     Parameters
     ----------
@@ -48,7 +48,7 @@ def outcome_of(
     maker
         Of its color matrix.
     outputs
-        What is asked; ``budget`` is told by `outcomes_as_json`.
+        The requested outputs; `outcomes_as_json` adds ``budget``.
 
     Raises
     ------

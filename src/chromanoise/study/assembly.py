@@ -1,4 +1,4 @@
-"""What a study names, as objects: lights, sensors, exposures, pictures."""
+"""Resolve the names in a study to objects: lights, sensors, exposures, cubes."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager

@@ -1,4 +1,4 @@
-"""A study as the one call or command that computes it, and as text that reproduces it."""
+"""Convert a study to a Python call, a script or a command line."""
 
 import json
 import shlex

@@ -1,7 +1,7 @@
-"""What a study file may say: light, sensors, exposure rule, matrices, sweeps, pictures, outputs.
+"""The schema of a study: light, sensors, exposure rule, matrices, sweeps, pictures, outputs.
 
-The classes are the schema: what they accept is what a study can be. Names of files are told from
-the folder of the study.
+The classes define which studies are valid. File names are relative to the folder of the study
+file.
 """
 
 from typing import Annotated, Any, Literal
@@ -22,19 +22,21 @@ from chromanoise.spectra import METRICS
 
 MOST_SENSORS = 1000
 SCHEMA = 1
-"""Number of this schema; a later one that reads differently gets another."""
+"""Version of this schema; an incompatible later schema gets another number."""
 
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 Finite = Annotated[float, Field(allow_inf_nan=False)]
 Beyond = Literal["refuse", "zero", "hold"]
-_NEGATIVES = "Small negative values of its file, as digitizing leaves them: refused, or set to 0."
+_NEGATIVES = (
+    "Small negative values in the file, e.g. from digitizing: refuse them or set them to 0."
+)
 
 
 class _Part(BaseModel):
-    """Unknown keys are faults, values are not converted from other types, nothing changes later.
+    """A part of a study: immutable, without unknown keys, without conversion between types.
 
-    Validators are built when the first value is checked: most commands read no study.
+    Validators are built when the first value is checked, because most commands read no study.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True, defer_build=True)
@@ -47,11 +49,14 @@ class LightPart(_Part):
         "E", description="E, A, G173, D65 ..., 3200K, LED660, A+0.5xLED850, or a file."
     )
     level_lux: Positive = Field(10.0, description="Illuminance [lx].")
-    beyond: Beyond = Field("refuse", description="What the curve is beyond its end.")
-    per: Literal["photon", "energy"] | None = Field(
-        None, description="How its file counts light, where it does not say."
+    beyond: Beyond = Field(
+        "refuse",
+        description="Values outside the range of the curve: refuse, zero or hold.",
     )
-    column: str | None = Field(None, description="Which curve of its file.")
+    per: Literal["photon", "energy"] | None = Field(
+        None, description="Whether its file counts photons or energy, if it does not declare it."
+    )
+    column: str | None = Field(None, description="Name of the curve in its file.")
     wavelength_unit: Unit | None = Field(
         None, description="Unit of the wavelengths, where its file does not declare it."
     )
@@ -59,26 +64,34 @@ class LightPart(_Part):
 
 
 class PixelPart(_Part):
-    """What differs from the sensor's own pixel."""
+    """Changes to the sensor's pixel."""
 
     file: str | None = Field(
-        None, description="EMVA 1288 sheet, DNG noise profile or photon transfer; numbers here win."
+        None,
+        description="EMVA 1288 sheet, DNG noise profile or photon transfer table; the keys "
+        "below override it.",
     )
-    pitch_um: Positive | None = Field(None, description="Side of the pixel [um].")
-    full_well_e: Positive | None = Field(None, description="Electrons at saturation [e-].")
-    read_noise_e: NotNegative | None = Field(None, description="Standard deviation [e-].")
+    pitch_um: Positive | None = Field(None, description="Pixel pitch [um].")
+    full_well_e: Positive | None = Field(None, description="Full-well capacity [e-].")
+    read_noise_e: NotNegative | None = Field(
+        None,
+        description="Standard deviation of the read noise [e-].",
+    )
 
 
 class AnswersPart(_Part):
-    """What a file of QE curves cannot tell."""
+    """Metadata that a file of QE curves lacks."""
 
     scale: Literal["percent", "fraction"] | None = Field(
-        None, description="Whether 100 or 1 is the whole."
+        None, description="Whether the QE values are percent or fractions."
     )
     level: Literal["relative", "absolute"] | None = Field(
-        None, description="Whether heights mean something."
+        None, description="Whether the curves are relative or absolute."
     )
-    per: Literal["photon", "energy"] | None = Field(None, description="How light was counted.")
+    per: Literal["photon", "energy"] | None = Field(
+        None,
+        description="Whether the curves are per photon or per energy.",
+    )
     wavelength_unit: Unit | None = Field(
         None, description="Unit of its wavelengths, where the file does not declare it."
     )
@@ -91,13 +104,16 @@ class SensorPart(_Part):
     """One sensor."""
 
     name: str = Field(
-        description="Of the catalogue, or a file of QE curves, told from the study's folder."
+        description="Name of the catalog, or a file of QE curves, relative to the study's folder."
     )
-    beyond: Beyond = Field("refuse", description="What the curves are beyond their end.")
-    answers: AnswersPart = Field(AnswersPart(), description="What its file cannot tell.")
+    beyond: Beyond = Field(
+        "refuse",
+        description="Values outside the range of the curves: refuse, zero or hold.",
+    )
+    answers: AnswersPart = Field(AnswersPart(), description="Metadata that its file lacks.")
     pixel: PixelPart = Field(PixelPart(), description="Changes to its pixel.")
     filter: str | None = Field(
-        None, description="In front of it: ircut-650 or another of the catalogue, or a file."
+        None, description="Filter on the sensor: ircut-650 or another of the catalog, or a file."
     )
     filter_wavelength_unit: Unit | None = Field(
         None, description="Unit of the wavelengths, where the filter's file does not declare it."
@@ -107,22 +123,29 @@ class SensorPart(_Part):
         None, description="Edge of an added model IR-cut [nm]."
     )
     shift_nm: Annotated[float, Field(ge=-200, le=200)] = Field(
-        0.0, description="All curves moved along the wavelength, positive to the red [nm]."
+        0.0, description="Shift of all curves in wavelength, positive towards red [nm]."
     )
 
 
 class ExposurePart(_Part):
-    """How long, through which lens, and on which terms the sensors are compared."""
+    """Exposure time, lens, and the rule by which the sensors are compared."""
 
     equal: Literal["exposure", "saturation", "light"] = Field(
-        "exposure", description="One time; each filled alike; the same photons for each set."
+        "exposure",
+        description="Same for all sensors: exposure time; saturation; light per set of channels.",
     )
-    time_ms: Positive | None = Field(None, description="One time for all [ms], not solved.")
+    time_ms: Positive | None = Field(
+        None,
+        description="Exposure time of all sensors [ms]; solved if omitted.",
+    )
     saturate: Annotated[float, Field(gt=0, le=1)] = Field(
-        0.99, description="Share of full well that a white fills where the time is solved."
+        0.99, description="Share of full well that a perfect white fills, if the time is solved."
     )
-    f_number: Positive = Field(1.8, description="Aperture.")
-    magnification: Finite | None = Field(None, description="Camera equation instead.")
+    f_number: Positive = Field(1.8, description="f-number of the lens.")
+    magnification: Finite | None = Field(
+        None,
+        description="Magnification of the lens; if given, the camera equation is used.",
+    )
 
     @model_validator(mode="after")
     def _one_rule(self) -> "ExposurePart":
@@ -137,33 +160,36 @@ class ExposurePart(_Part):
 
 
 class SweepPart(_Part):
-    """One thing that varies, and what is asked of it."""
+    """One parameter that varies, and the quantity to compute."""
 
-    vary: str = Field(description=f"Of {', '.join(SWEEPS)}.")
+    vary: str = Field(description=f"What varies: {', '.join(SWEEPS)}.")
     first: Finite = Field(description="Lowest value, in the unit of the sweep.")
     last: Finite = Field(description="Highest value.")
-    points: Annotated[int, Field(ge=2, le=100_000)] = Field(61, description="How many.")
-    quantity: str = Field("snr-y", description=f"Of {', '.join(QUANTITIES)}.")
+    points: Annotated[int, Field(ge=2, le=100_000)] = Field(61, description="Number of values.")
+    quantity: str = Field("snr-y", description=f"One of {', '.join(QUANTITIES)}.")
     all_priors: bool = Field(False, description="Also the band of crossovers over all priors.")
 
 
 class PicturePart(_Part):
-    """One cube through every sensor, as `chromanoise simulate` takes it."""
+    """Pictures of one cube with every sensor, as `chromanoise simulate` renders them."""
 
-    cube: str = Field("builtin:checker", description=f"Of {', '.join(BUILTIN_CUBES)}, or a file.")
+    cube: str = Field("builtin:checker", description=f"{', '.join(BUILTIN_CUBES)}, or a file.")
     key: str | None = Field(None, description="Name of the array in the cube's file.")
     shape: Annotated[tuple[int, int], Field(strict=False)] | None = Field(
         None, description="Rows and columns of a cube stored as a 2-D array."
     )
     wavelengths: Annotated[tuple[float, float], Field(strict=False)] | str | None = Field(
         None,
-        description="Where the cube does not declare them: of the first and the last band [nm], or "
-        "a text file that lists one per band.",
+        description="If the cube does not declare them: first and last band [nm], or a text file "
+        "with one wavelength per band.",
     )
     scale: Positive | None = Field(None, description="Reflectance per stored unit.")
-    beyond: Beyond = Field("refuse", description="What reflectances are beyond the cube's end.")
+    beyond: Beyond = Field(
+        "refuse",
+        description="Reflectances outside the range of the cube: refuse, zero or hold.",
+    )
     bad_pixels: Literal["refuse", "zero"] = Field(
-        "refuse", description="What is done with a number that is no reflectance."
+        "refuse", description="Treatment of values that are no reflectance: refuse or zero."
     )
     mosaic: str | None = Field(
         None,
@@ -171,30 +197,31 @@ class PicturePart(_Part):
         "all channels are at every pixel.",
     )
     demosaic: str | None = Field(
-        None, description=f"Of {', '.join(DEMOSAICING)}; bilinear where a mosaic is named."
+        None, description=f"One of {', '.join(DEMOSAICING)}; default with a mosaic: bilinear."
     )
-    raw_only: bool = Field(False, description="Codes of the mosaic, no color.")
+    raw_only: bool = Field(False, description="Only the raw codes of the mosaic, without color.")
     bits: Annotated[int, Field(ge=8, le=16)] | None = Field(
-        None, description="Of the converter, if a mosaic is named; default: of pixel.file, else 12."
+        None, description="Bits of the converter, with a mosaic; default: from pixel.file, else 12."
     )
     black_level: Annotated[int, Field(ge=0, lt=2**16)] | None = Field(
         None,
-        description="Code without light, if a mosaic is named; default: of pixel.file, else 0.",
+        description="Code without light, with a mosaic; default: from pixel.file, else 0.",
     )
-    frames: Annotated[int, Field(ge=1, le=MOST_FRAMES)] = Field(1, description="Of a burst.")
+    frames: Annotated[int, Field(ge=1, le=MOST_FRAMES)] = Field(1, description="Frames of a burst.")
     formats: Annotated[tuple[str, ...], Field(strict=False, min_length=1)] | None = Field(
-        None, description=f"Of {', '.join(FORMATS)}; png and xyz, raw and dng where not given."
+        None, description=f"{', '.join(FORMATS)}; default: png and xyz, or raw and dng."
     )
-    clip: bool = Field(False, description="Hold electrons between 0 and full well.")
+    clip: bool = Field(False, description="Clip electrons between 0 and full well.")
     dark_current_e_per_s: NotNegative | None = Field(
         None,
-        description="Dark current [e-/s]; its mean is subtracted. Default: of pixel.file, else 0.",
+        description="Dark current [e-/s]; its mean is subtracted. Default: from "
+        "pixel.file, else 0.",
     )
     dsnu_e: NotNegative | None = Field(
-        None, description="Dark signal non-uniformity [e-]; default: of pixel.file, else 0."
+        None, description="Dark signal non-uniformity [e-]; default: from pixel.file, else 0."
     )
     prnu: Annotated[float, Field(ge=0, le=0.2)] | None = Field(
-        None, description="Photo response non-uniformity; default: of pixel.file, else 0."
+        None, description="Photo response non-uniformity; default: from pixel.file, else 0."
     )
     row_noise_e: NotNegative | None = Field(
         None, description="Noise common to a row [e-]; default: 0."
@@ -202,12 +229,12 @@ class PicturePart(_Part):
 
     @field_validator("wavelengths", mode="before")
     @classmethod
-    def _ends_or_a_file(cls, told: Any) -> Any:
-        """Refuse in one sentence; the schema alone would give one for each type of value."""
-        pair = isinstance(told, list | tuple) and len(told) == 2
-        numbers = pair and all(isinstance(n, int | float) for n in told)
-        if told is None or isinstance(told, str) or numbers:
-            return told
+    def _ends_or_a_file(cls, given: Any) -> Any:
+        """Give one error message; the schema alone would give one for each type of value."""
+        pair = isinstance(given, list | tuple) and len(given) == 2
+        numbers = pair and all(isinstance(n, int | float) for n in given)
+        if given is None or isinstance(given, str) or numbers:
+            return given
         raise ValueError("must be [FIRST, LAST] in nm, or the name of a file that lists them all")
 
     @model_validator(mode="after")
@@ -249,27 +276,30 @@ _OF_MOSAIC = ("demosaic", "raw_only", "bits", "black_level")
 
 
 class ParetoPart(_Part):
-    """Color error against noise, over weights of the noise."""
+    """Curve of color error against noise, for a range of weights of the noise."""
 
     first: Positive = Field(description="Lowest weight; 1 is LMMSE, towards 0 is least squares.")
     last: Positive = Field(description="Highest weight.")
-    points: Annotated[int, Field(ge=2, le=100_000)] = Field(13, description="How many.")
+    points: Annotated[int, Field(ge=2, le=100_000)] = Field(13, description="Number of weights.")
 
 
 class OutputsPart(_Part):
-    """What is written."""
+    """The outputs of a run."""
 
     analyses: bool = Field(True, description="Every stage of each sensor, per matrix.")
     clip: bool = Field(
-        False, description="In them, moments of electrons held between 0 and full well."
+        False, description="In the analyses, moments of electrons clipped between 0 and full well."
     )
-    budget: bool = Field(True, description="dB per cause of X, Y, Z, contravariant, L*, a*, b*.")
+    budget: bool = Field(
+        True,
+        description="SNR loss per cause [dB]: X, Y, Z, contravariant, L*, a*, b*.",
+    )
     merit: bool = Field(False, description="Figures of merit: Vora, SMI, ISO speed, bits ...")
     chart: bool = Field(False, description="Color error and noise of every ColorChecker patch.")
-    space: str | None = Field(None, description="Noise of an 18 % grey in this color space.")
+    space: str | None = Field(None, description="Noise of an 18 % gray in this color space.")
     matrix: bool = Field(False, description="Each color matrix, its color error and noise.")
     pareto: ParetoPart | None = Field(
-        None, description="With it, the curve of color error against noise."
+        None, description="With matrix: the curve of color error against noise."
     )
 
     @model_validator(mode="after")
@@ -290,18 +320,19 @@ class OutputsPart(_Part):
 
 
 class Study(_Part):
-    """One reproducible run; names of files are told from the folder of the study's file."""
+    """One reproducible run; file names are relative to the folder of the study file."""
 
     schema_number: Annotated[int, Field(ge=SCHEMA, le=SCHEMA)] = Field(
-        SCHEMA, alias="schema", description=f"Of this format: {SCHEMA}."
+        SCHEMA, alias="schema", description=f"Version of this format: {SCHEMA}."
     )
-    title: str = Field("", description="For people.")
-    metric: str = Field("quanta", description=f"Light is a vector in {' or '.join(METRICS)}.")
-    seed: Annotated[int, Field(ge=0, lt=2**32)] = Field(
-        0, description="Of all noise that is drawn."
+    title: str = Field("", description="Title of the study.")
+    metric: str = Field(
+        "quanta",
+        description=f"Unit in which spectra are vectors: {' or '.join(METRICS)}.",
     )
+    seed: Annotated[int, Field(ge=0, lt=2**32)] = Field(0, description="Seed of all random noise.")
     light: LightPart = Field(LightPart(), description="The light on the scene.")
-    exposure: ExposurePart = Field(ExposurePart(), description="How the time is found.")
+    exposure: ExposurePart = Field(ExposurePart(), description="Exposure time and lens.")
     sensors: Annotated[
         tuple[SensorPart, ...],
         Field(min_length=1, max_length=MOST_SENSORS, strict=False, description="One or more."),
@@ -309,14 +340,25 @@ class Study(_Part):
     matrices: Annotated[tuple[str, ...], Field(min_length=1, strict=False)] = Field(
         ("kernel",), description=f"Color matrices: {', '.join(METHODS)}; ridge=0.01."
     )
-    prior: str = Field(DEFAULT_PRIOR, description=f"Of trained matrices: {', '.join(PRIORS)}.")
+    prior: str = Field(
+        DEFAULT_PRIOR,
+        description=f"Training set of trained matrices: {', '.join(PRIORS)}.",
+    )
     sweeps: Annotated[
-        tuple[SweepPart, ...], Field(strict=False, description="What varies, one after the other.")
+        tuple[SweepPart, ...],
+        Field(
+            strict=False,
+            description="Sweeps, computed one after the other.",
+        ),
     ] = ()
     pictures: Annotated[
-        tuple[PicturePart, ...], Field(strict=False, description="Cubes through every sensor.")
+        tuple[PicturePart, ...],
+        Field(
+            strict=False,
+            description="Pictures of cubes with every sensor.",
+        ),
     ] = ()
-    outputs: OutputsPart = Field(OutputsPart(), description="What is written.")
+    outputs: OutputsPart = Field(OutputsPart(), description="Outputs of the run.")
 
 
 def study_schema() -> dict[str, Any]:

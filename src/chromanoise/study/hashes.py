@@ -1,4 +1,4 @@
-"""What decides all digits of a study: its words, the version, and what stands in its files."""
+"""The hash of a study: of its settings, the version, and the content of its files."""
 
 import hashlib
 import json
@@ -110,7 +110,7 @@ _FILES = {"light": illuminant_files, "sensor": sensor_files, "filter": filter_fi
 
 
 def study_hash(study: Study, digests: Mapping[str, str] | None = None) -> str:
-    """SHA-256 of the version, the study, and what stands in the files that it names.
+    """SHA-256 of the version, the study, and the content of its files.
 
     Parameters
     ----------
@@ -236,12 +236,12 @@ def _digest(file: Path) -> str:
 
 
 def study_as_json(study: Study) -> dict[str, Any]:
-    """The study as plain data, all defaults said."""
+    """The study as plain data, with all defaults."""
     return study.model_dump(mode="json", by_alias=True)
 
 
 def provenance(study: Study) -> dict[str, Any]:
-    """What every output carries: who made it of what.
+    """The provenance that every output records.
 
     Raises
     ------

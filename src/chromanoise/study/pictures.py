@@ -1,4 +1,4 @@
-"""The pictures of a study: what each part asks for, prepared before anything is computed."""
+"""The pictures of a study: their settings and cameras, prepared before the computation."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""A study from TOML: every fault at once, each with file, line and key."""
+"""Read a study from TOML; all errors are reported at once, each with file, line and key."""
 
 import copy
 import re
@@ -42,7 +42,7 @@ def read_study(
     Parameters
     ----------
     path
-        The file; names of files in it are told from its folder.
+        The file; file names in it are relative to its folder.
     changes
         ``key=value`` each, as ``light.level_lux=3`` or ``sensors.0.name="onyx-rgb"``; they win.
     change_label
@@ -51,7 +51,7 @@ def read_study(
     Returns
     -------
     Study
-        With names of files told from the working folder.
+        With file names relative to the working folder.
 
     Raises
     ------
@@ -74,7 +74,7 @@ def read_study(
         raise InputError(
             str(path), f"must have at most {_LARGEST_BYTES} bytes, as a study", found="has more"
         )
-    # what is piped in lies nowhere: its files are told from the working folder
+    # file names in piped text are relative to the working folder
     here = path.parent == Path() or Path("/dev") in path.absolute().parents
 
     def seen(study: Study) -> Study:
@@ -87,7 +87,7 @@ def read_study(
 
 
 def _told_from(folder: Path, study: Study) -> Study:
-    """The study with the names of its files as they are seen from the working folder."""
+    """The study with file names relative to the working folder."""
     return with_file_words(study, lambda one: _beside(one, folder))
 
 

@@ -1,4 +1,4 @@
-"""A run on disk: one file per step, written whole; what is there of the same study is kept."""
+"""A run on disk: one file per step; existing results of the same study are kept."""
 
 import hashlib
 import json
@@ -25,7 +25,7 @@ STUDY_FILE = "study.json"
 _LARGEST_BYTES = 256 << 20
 
 Told = Callable[[str, bool], None]
-"""Is told of each step: what it is, and whether it stood there already."""
+"""Called for each step with its description and whether its result already exists."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -56,18 +56,18 @@ def run_study(
     progress: Progress = no_progress,
     place: Path | None = None,
 ) -> list[Path]:
-    """Run all of a study; a run that was stopped goes on where it was.
+    """Run all steps of a study; a stopped run continues with the missing results.
 
     Parameters
     ----------
     study
-        Of `read_study`.
+        From `read_study`.
     folder
-        Of the results: ``study.json`` and one JSON file per step, and the pictures.
+        Output folder: ``study.json`` and one JSON file per step, and the pictures.
     work
-        Who renders pictures.
+        Threads and tiles for rendering pictures.
     told
-        Is told of each step.
+        Called for each step.
     progress
         Called for each step, to report its finished parts.
     place
@@ -119,7 +119,7 @@ def run_study(
 
 
 def study_of_output(path: Path) -> Study:
-    """The study that an output carries, or the folder of one.
+    """The study recorded in an output or in its folder.
 
     Raises
     ------
@@ -309,7 +309,7 @@ def _refuse_change_in_work(study: Study, stamps: Any, before: Mapping[str, str])
 
 
 def content_hash(told: dict[str, Any]) -> str:
-    """SHA-256 of all that a file says but this."""
+    """SHA-256 of all entries of a file except ``content``."""
     rest = {key: value for key, value in told.items() if key != "content"}
     return hashlib.sha256(json.dumps(rest, allow_nan=False).encode()).hexdigest()
 

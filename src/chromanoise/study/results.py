@@ -1,7 +1,7 @@
-"""What the steps of a study give: analyses, matrices, comparisons and pictures.
+"""The results of the steps of a study: analyses, matrices, comparisons and pictures.
 
-Each result turns into plain data (`to_dict`, the JSON of the commands), a table, a data frame of
-pandas, LaTeX and a figure.
+Each result can be converted to plain data (`to_dict`, as the JSON of the commands), a table, a
+pandas data frame, LaTeX and a figure.
 """
 
 from abc import ABC, abstractmethod
@@ -38,12 +38,12 @@ _MOST_TIMES = 3
 
 
 def conditions(points: Sequence[OperatingPoint]) -> str:
-    """The operating point in words: level, illuminant, time and aperture.
+    """The operating point as text: light level, illuminant, exposure time and f-number.
 
     Parameters
     ----------
     points
-        Sensors in one light.
+        Sensors under the same light.
 
     Examples
     --------
@@ -57,8 +57,8 @@ def conditions(points: Sequence[OperatingPoint]) -> str:
     if len(set(times_ms)) == 1:
         time = _duration(times_ms[0])
     elif len(points) <= _MOST_TIMES:
-        told = zip(times_ms, points, strict=True)
-        time = ", ".join(f"{_duration(ms)} ({one.sensor.name})" for ms, one in told)
+        pairs = zip(times_ms, points, strict=True)
+        time = ", ".join(f"{_duration(ms)} ({one.sensor.name})" for ms, one in pairs)
     else:
         time = f"{_duration(min(times_ms))} to {_duration(max(times_ms))}"
     lens = f"f/{first.exposure.f_number:g}"
@@ -66,12 +66,12 @@ def conditions(points: Sequence[OperatingPoint]) -> str:
 
 
 def _duration(ms: float) -> str:
-    """In seconds where milliseconds would need a power of ten."""
+    """A time in ms, or in s if it exceeds 10 s."""
     return f"{ms:.4g} ms" if ms < 9999.5 else f"{1e-3 * ms:.4g} s"
 
 
 class Result(ABC):
-    """What a step gives, in the forms that programs and people read."""
+    """The result of a step: base class of its conversions to data, tables and figures."""
 
     __slots__ = ()
 
@@ -98,9 +98,9 @@ class Result(ABC):
         """
 
     def to_dataframe(self) -> Any:
-        """The main table as a data frame of pandas, which must be installed.
+        """The main table as a pandas data frame; pandas must be installed.
 
-        Columns are named ``name [unit]``; an undefined value is missing.
+        Columns are named ``name [unit]``; an undefined value is a missing value.
 
         Raises
         ------
@@ -113,12 +113,12 @@ class Result(ABC):
         return pandas.DataFrame(list(table.rows), columns=heads)
 
     def to_latex(self, label: str = "") -> str:
-        r"""The main table in LaTeX (booktabs), rounded to its digits.
+        r"""The main table in LaTeX (booktabs), rounded as the columns specify.
 
         Parameters
         ----------
         label
-            For ``\ref``; empty for none.
+            Label for ``\ref``; empty for no label.
 
         Returns
         -------
@@ -128,7 +128,7 @@ class Result(ABC):
 
     @abstractmethod
     def _repr_html_(self) -> str:
-        """The main table under the operating point, for a notebook."""
+        """The operating point and the main table as HTML for a notebook."""
 
     def _html(self, caption: str, notes: Sequence[str] = ()) -> str:
         table = self.to_table()
@@ -148,18 +148,18 @@ def _cell(value: Any, digits: str) -> str:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Analyses(Result):
-    """Every stage of each sensor with one color matrix.
+    """The analysis of each sensor with one color matrix.
 
     Attributes
     ----------
     matrix
-        Name of its method.
+        Name of the matrix method.
     points
-        Each sensor in its light, with its exposure.
+        Operating point of each sensor.
     outcomes
-        What was asked of each: stages, chart, figures of merit, noise in a color space.
+        Per sensor: stages, chart, figures of merit, noise in a color space.
     outputs
-        What was asked.
+        The requested outputs.
     """
 
     matrix: str
@@ -169,7 +169,7 @@ class Analyses(Result):
 
     @property
     def analyses(self) -> tuple[Analysis, ...]:
-        """Every stage of each sensor."""
+        """The stages of each sensor."""
         return tuple(outcome.analysis for outcome in self.outcomes)
 
     def raw_snr_db(self) -> dict[str, dict[str, float | None]]:
@@ -193,16 +193,16 @@ class Analyses(Result):
         return analyses_as_table(self.analyses)
 
     def plot(self, ax: Any = None) -> Any:
-        """The losses from all photons to Y of each sensor. [dB]"""
+        """Draw the SNR losses from all photons to Y of each sensor. [dB]"""
         return _figures().draw_analyses(self.analyses, _axes(ax))
 
     def __repr__(self) -> str:
         """Sensors, SNR of Y and the operating point."""
         snr = {name: values["Y"] for name, values in self.color_snr_db().items()}
-        told = ", ".join(
+        text = ", ".join(
             f"{name} {'undefined' if y is None else f'{y:.1f} dB'}" for name, y in snr.items()
         )
-        return f"<Analyses: SNR Y {told} at {conditions(self.points)}>"
+        return f"<Analyses: SNR Y {text} at {conditions(self.points)}>"
 
     def _repr_html_(self) -> str:
         return self._html(f"At {conditions(self.points)}")
@@ -215,13 +215,13 @@ class MatrixResult:
     Attributes
     ----------
     point
-        The sensor in its light, with its exposure.
+        Operating point of the sensor.
     matrix
-        From electrons to XYZ. [lx/e-]
+        Electrons to XYZ. [lx/e-]
     report
         Color error, noise, condition.
     pareto
-        The curve of color error against noise; ``None`` where it is not asked for.
+        The curve of color error against noise; ``None`` if not requested.
     """
 
     point: OperatingPoint
@@ -237,7 +237,7 @@ class Matrices(Result):
     Attributes
     ----------
     method
-        Its name.
+        Name of the method.
     results
         One per sensor.
     """
@@ -260,17 +260,17 @@ class Matrices(Result):
         return matrix_as_table(one.matrix, one.report, one.point.sensor.name)
 
     def plot(self, ax: Any = None) -> Any:
-        """Color error against noise, where the curve was asked for; else the matrix as bars."""
+        """Draw color error against noise if that curve was requested, else the matrix as bars."""
         return _figures().draw_matrices(self.results, _axes(ax))
 
     def __repr__(self) -> str:
         """Method, sensors and color error."""
-        told = ", ".join(
+        text = ", ".join(
             f"{one.point.sensor.name} {_number(one.report.color_error_mean)} Delta E*ab"
             for one in self.results
         )
         points = [one.point for one in self.results]
-        return f"<Matrices: {self.method}, {told} at {conditions(points)}>"
+        return f"<Matrices: {self.method}, {text} at {conditions(points)}>"
 
     def _repr_html_(self) -> str:
         return self._html(f"{self.method} at {conditions([one.point for one in self.results])}")
@@ -278,16 +278,16 @@ class Matrices(Result):
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Comparison(Result):
-    """A quantity of all sensors while one thing varies.
+    """A quantity of all sensors as a function of one parameter.
 
     Attributes
     ----------
     points
-        Each sensor before the sweep.
+        Operating point of each sensor before the sweep.
     curves, crossovers, bands
-        Per sensor and matrix; per pair of sensors; over all priors, where asked for.
+        Per sensor and matrix; per pair of sensors; over all priors, if requested.
     equal, prior
-        The rule of the exposure, and what trained matrices are trained on.
+        The exposure rule, and the training set of trained matrices.
     """
 
     points: tuple[OperatingPoint, ...]
@@ -299,8 +299,8 @@ class Comparison(Result):
 
     def to_dict(self) -> dict[str, Any]:
         """As ``chromanoise compare --json``."""
-        told = comparison_as_json(self.curves, self.crossovers)
-        return told | {
+        data = comparison_as_json(self.curves, self.crossovers)
+        return data | {
             "equal": self.equal,
             "prior": self.prior,
             "bands": bands_as_json(self.bands),
@@ -311,14 +311,14 @@ class Comparison(Result):
         return curves_as_table(self.curves)
 
     def plot(self, ax: Any = None) -> Any:
-        """The quantity over what varies, one curve per sensor and matrix."""
+        """Draw the quantity over the parameter, one curve per sensor and matrix."""
         title = f"{self.curves[0].quantity.what}, from {conditions(self.points)}"
         return _figures().draw_comparison(
             self.curves, _axes(ax), crossovers=self.crossovers, title=title
         )
 
     def __repr__(self) -> str:
-        """The quantity, what varies, and the operating point."""
+        """The quantity, the parameter and the operating point."""
         first = self.curves[0]
         names = ", ".join(dict.fromkeys(curve.sensor for curve in self.curves))
         return (
@@ -327,8 +327,8 @@ class Comparison(Result):
         )
 
     def _repr_html_(self) -> str:
-        told = [crossover_sentence(one) for one in self.crossovers]
-        return self._html(f"From {conditions(self.points)}", told)
+        notes = [crossover_sentence(one) for one in self.crossovers]
+        return self._html(f"From {conditions(self.points)}", notes)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -340,11 +340,11 @@ class Pictures(Result):
     cube
         Its name in the study.
     points
-        Each sensor in its light, with its exposure.
+        Operating point of each sensor.
     summaries
-        How each was taken, as plain data; its files, where a folder was given.
+        Settings and statistics of each picture as plain data; its files, if a folder was given.
     captures
-        The pictures themselves, where no folder was given.
+        The pictures, if no folder was given.
     """
 
     cube: str
@@ -371,12 +371,12 @@ class Pictures(Result):
             Column(name="above full well", digits=".2%"),
         )
         rows = [
-            (told["sensor"], told["matrix"], told["frame"], channel, told["time_ms"], mean, share)
-            for told in self.summaries
+            (one["sensor"], one["matrix"], one["frame"], channel, one["time_ms"], mean, share)
+            for one in self.summaries
             for channel, mean, share in zip(
-                told["mean_e"],
-                told["mean_e"].values(),
-                told["above_full_well_share"].values(),
+                one["mean_e"],
+                one["mean_e"].values(),
+                one["above_full_well_share"].values(),
                 strict=True,
             )
         ]
@@ -387,9 +387,9 @@ class Pictures(Result):
         return _figures().draw_capture(self.captures[0], _axes(ax))
 
     def __repr__(self) -> str:
-        """How many, of which cube, and the operating point."""
-        told = f"{len(self.summaries)} of {self.cube} at {conditions(self.points)}"
-        return f"<Pictures: {told}>"
+        """Number of pictures, cube and operating point."""
+        text = f"{len(self.summaries)} of {self.cube} at {conditions(self.points)}"
+        return f"<Pictures: {text}>"
 
     def _repr_html_(self) -> str:
         return self._html(f"{self.cube} at {conditions(self.points)}")
@@ -397,16 +397,16 @@ class Pictures(Result):
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Results:
-    """All that a study asks for.
+    """All results of a study.
 
     Attributes
     ----------
     study
-        What was run.
+        The study.
     points
-        Each sensor in its light, with its exposure.
+        Operating point of each sensor.
     analyses, matrices
-        One per color matrix, by its name.
+        One per color matrix, by name.
     sweeps, pictures
         In the order of the study.
     """
@@ -423,15 +423,15 @@ class Results:
         return [step.to_dict() for step in self._steps()]
 
     def __repr__(self) -> str:
-        """What there is, and the operating point."""
+        """Number of results of each kind, and the operating point."""
         counts = {
             "analyses": len(self.analyses),
             "matrices": len(self.matrices),
             "sweeps": len(self.sweeps),
             "pictures": len(self.pictures),
         }
-        told = ", ".join(f"{count} {name}" for name, count in counts.items() if count)
-        return f"<Results: {told} at {conditions(self.points)}>"
+        text = ", ".join(f"{count} {name}" for name, count in counts.items() if count)
+        return f"<Results: {text} at {conditions(self.points)}>"
 
     def _repr_html_(self) -> str:
         return "".join(one._repr_html_() for one in self._steps())
@@ -446,7 +446,7 @@ class Results:
 
 
 def _figures() -> Any:
-    """The layer that draws is above this one; it is loaded only when a figure is asked for."""
+    """The package ``figures``, a higher layer, imported only when a figure is drawn."""
     return import_module("chromanoise.figures")
 
 

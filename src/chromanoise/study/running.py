@@ -1,4 +1,4 @@
-"""A study, run step by step: the one way from a study to its results."""
+"""Run a study step by step and return its results."""
 
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import AbstractContextManager, nullcontext
@@ -50,16 +50,17 @@ class Step:
     Attributes
     ----------
     name
-        Of its file, without ending.
+        Name of its output file without suffix.
     what
-        In words.
+        Description.
     parts
         Number of its parts.
     unit
-        What the parts are, in the plural.
+        Name of the parts in the plural.
     run
-        Runs the step: writes pictures into the given folder (``None``: keeps them in memory), calls
-        the given function with the number of newly finished parts, and returns the result.
+        Function that runs the step. It writes pictures to the given folder (``None``: keeps them in
+        memory), calls the given function with the number of newly finished parts, and returns the
+        result.
     """
 
     name: str
@@ -74,20 +75,20 @@ Progress = Callable[[Step], AbstractContextManager[Advance]]
 
 
 def no_progress(_: Step) -> AbstractContextManager[Advance]:
-    """Report nothing."""
+    """Do not report progress."""
     return nullcontext(lambda _: None)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Prepared:
-    """A study whose names are resolved: nothing is computed yet.
+    """A study whose names are resolved but whose steps are not yet computed.
 
     Attributes
     ----------
     points
         Each sensor in its light, with its exposure.
     steps
-        All that the study asks for, in order.
+        All steps of the study, in order.
     """
 
     points: tuple[OperatingPoint, ...]
@@ -102,25 +103,25 @@ def run(
     progress: Progress = no_progress,
     folder: Path | None = None,
 ) -> Results:
-    """All results of a study.
+    """Run a study and return all its results.
 
     Parameters
     ----------
     study
-        Of `read_study`, or of Python.
+        From `read_study`, or built in Python.
     given
-        Objects that it names in place of the catalog and files.
+        Objects for names in the study that are not looked up in the catalog or as files.
     work
-        Threads and tiles of pictures.
+        Threads and tiles for rendering pictures.
     progress
         Called for each step, to report its finished parts.
     folder
-        For pictures; ``None`` keeps them in memory.
+        Folder for pictures; ``None`` keeps them in memory.
 
     Raises
     ------
     InputError
-        If a name names nothing, a file cannot be read, or something cannot be computed.
+        If a name is unknown, a file cannot be read, or a result cannot be computed.
     """
     prepared = prepared_run(study, given=given, work=work)
     done: list[StepResult] = []
@@ -150,7 +151,7 @@ def prepared_run(
     Raises
     ------
     InputError
-        If a name names nothing or a file cannot be read; before anything is computed.
+        If a name is unknown or a file cannot be read; raised before any computation.
     """
     points = operating_points_of(study, given)
     refuse_shared_file_names(points)
@@ -180,9 +181,9 @@ def _analyses(study: Study, points: Points, makers: Makers) -> Iterator[Step]:
 
 
 def _matrices(study: Study, points: Points, makers: Makers) -> Iterator[Step]:
-    asked = study.outputs.pareto
+    part = study.outputs.pareto
     with keyed("outputs.pareto"):
-        weights = noise_weights(asked.first, asked.last, points=asked.points) if asked else None
+        weights = noise_weights(part.first, part.last, points=part.points) if part else None
     for name in makers if study.outputs.matrix else ():
         yield Step(
             name=f"matrix-{file_word(name)}",

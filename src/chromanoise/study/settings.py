@@ -1,7 +1,7 @@
-"""One flat name per setting of a study, as commands and functions take them.
+"""The settings of commands and functions: one flat name per key of a study.
 
-`analyze_study` and its siblings are the only place where such settings become a study, so that the
-command line and Python cannot differ.
+`analyze_study`, `compare_study`, `matrix_study` and `render_study` build the study from such
+settings, for the command line and for Python alike.
 """
 
 import re
@@ -97,7 +97,7 @@ class MatrixSettings(SharedSettings, total=False):
 
 
 class RenderSettings(SharedSettings, total=False):
-    """Settings of pictures; ``beyond`` holds for the cube as well, ``scale`` is the cube's."""
+    """Settings of pictures; ``beyond`` applies to the cube too, ``scale`` only to the cube."""
 
     seed: Annotated[int, "seed"]
     beyond: Annotated[Extrapolation, "pictures.0.beyond", "sensors.*.beyond"]
@@ -121,12 +121,12 @@ class RenderSettings(SharedSettings, total=False):
 
 
 def settings_keys(kind: type) -> Mapping[str, tuple[str, ...]]:
-    """The settings of a kind, each with its keys in a study.
+    """The names of settings, each with its keys in a study.
 
     Parameters
     ----------
     kind
-        `SharedSettings` or one of its kind.
+        `SharedSettings` or a class derived from it.
 
     Examples
     --------
@@ -158,7 +158,7 @@ _STARTS: Mapping[str, dict[str, Any]] = {
     "matrix": {"outputs": {"analyses": False, "matrix": True}},
     "render": {"outputs": {"analyses": False}},
 }
-"""What the study of a function holds before its settings."""
+"""The study of each function before its settings are applied."""
 
 
 def analyze_study(sensors: Sequence[str], settings: Settings, *, matrix: str = "kernel") -> Study:
@@ -171,7 +171,7 @@ def analyze_study(sensors: Sequence[str], settings: Settings, *, matrix: str = "
     settings
         By the names of `AnalysisSettings`; ``None`` for the default.
     matrix
-        Its method.
+        Method of the matrix.
 
     Raises
     ------
@@ -186,22 +186,22 @@ def analyze_study(sensors: Sequence[str], settings: Settings, *, matrix: str = "
 def compare_study(
     sensors: Sequence[str], settings: Settings, *, matrices: Sequence[str] = ("kernel",)
 ) -> Study:
-    """The study of one comparison: a quantity of all sensors while one thing varies.
+    """The study of one comparison: a quantity of all sensors as a function of one parameter.
 
     Parameters
     ----------
     sensors
         Names of the catalog, or files.
     settings
-        By the names of `ComparisonSettings`; a ``prior`` of ``all`` asks for the crossovers over
-        all priors.
+        By the names of `ComparisonSettings`. With ``prior`` equal to ``all``, the crossovers over
+        all priors are computed too.
     matrices
         Their methods.
 
     Raises
     ------
     InputError
-        If a value cannot be used, has no effect, or is what varies.
+        If a value cannot be used, has no effect, or is the parameter that varies.
     """
     _refuse_unknown(settings, "compare")
     with keyed("sweeps.0.vary"):
@@ -233,7 +233,7 @@ def matrix_study(sensor: str, settings: Settings, *, matrix: str = "kernel") -> 
     settings
         By the names of `MatrixSettings`.
     matrix
-        Its method.
+        Method of the matrix.
 
     Raises
     ------
@@ -241,7 +241,7 @@ def matrix_study(sensor: str, settings: Settings, *, matrix: str = "kernel") -> 
         If a value cannot be used, or has no effect.
     """
     _refuse_unknown(settings, "matrix")
-    if settings.get("pareto_first") is None:  # the curve is trained, whatever the matrix
+    if settings.get("pareto_first") is None:  # the Pareto curve always uses the prior
         _refuse_idle_prior(settings, [matrix])
     return _study([sensor], settings, "matrix", {"matrices": [matrix]})
 
@@ -260,7 +260,7 @@ def render_study(
     settings
         By the names of `RenderSettings`.
     matrix
-        Its method.
+        Method of the matrix.
 
     Raises
     ------
@@ -274,16 +274,16 @@ def render_study(
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DescribedSetting:
-    """A setting of a function, as its help shows it.
+    """A setting of a function, for its docstring.
 
     Attributes
     ----------
     name
-        Of the argument.
+        Name of the argument.
     annotation, default
-        Its type, and its value where none is given.
+        Its type and its default value.
     description
-        Of its key in a study.
+        Description of its key in a study.
     """
 
     name: str
@@ -292,13 +292,13 @@ class DescribedSetting:
     description: str
 
     def __str__(self) -> str:
-        """Two lines in the form of numpydoc."""
+        """Two lines in numpydoc format."""
         default = "" if self.default is None else f", default {self.default!r}"
         return f"{self.name} : {_type_text(self.annotation)}{default}\n    {self.description}"
 
 
 def described_settings(function: str) -> tuple[DescribedSetting, ...]:
-    """The settings of a function: types of its kind of settings, descriptions of a study.
+    """The settings of a function with types, defaults and descriptions.
 
     Parameters
     ----------
@@ -353,7 +353,7 @@ def _parts_of(annotation: Any) -> list[Any]:
 
 
 def _type_text(annotation: Any) -> str:
-    """A type as a person writes it."""
+    """A type in the form used in docstrings."""
     if get_origin(annotation) is Literal:
         return " or ".join(repr(value) for value in get_args(annotation))
     if get_origin(annotation) in (Union, UnionType):
@@ -374,7 +374,7 @@ def argument_of(key: str, names: Mapping[str, tuple[str, ...]] = SHARED) -> str 
     Parameters
     ----------
     key
-        As an error gives it, ``sensors.0.answers.per``.
+        A key as in `InputError.setting`, e.g. ``sensors.0.answers.per``.
     names
         The settings to search.
 
@@ -408,12 +408,12 @@ def _study(
 
 
 def in_arguments(error: InputError, function: str) -> InputError:
-    """An error of a study in the terms of the function of Python that made the study.
+    """Convert an error of a study to the arguments of the Python function that built the study.
 
     Parameters
     ----------
     error
-        Its subject and its settings are keys of the study.
+        An error whose subject and settings are keys of the study.
     function
         ``analyze``, ``compare``, ``matrix`` or ``render``.
 
@@ -443,7 +443,7 @@ def in_arguments(error: InputError, function: str) -> InputError:
 def _called_flat(
     error: InputError, names: Mapping[str, tuple[str, ...]], positional: Mapping[str, str]
 ) -> InputError:
-    """The error with the flat name of the setting, where its subject is the setting."""
+    """The error with the flat name of the setting as subject, if the subject is the setting."""
     called = argument_of(error.setting, names)
     if re.fullmatch(r"matrices\.\d+|sensors\.\d+\.name|pictures\.\d+\.cube", error.setting):
         called = positional.get(error.setting.partition(".")[0])
@@ -453,7 +453,7 @@ def _called_flat(
 
 
 def _refuse_unknown(settings: Settings, function: str) -> None:
-    """A word that is no setting of a function, with what may have been meant."""
+    """Refuse names that are no settings of the function, and suggest similar ones."""
     known = [*_FUNCTIONS[function], *_ARGUMENTS[function]]
     for name in settings:
         if name in _FUNCTIONS[function]:
@@ -469,7 +469,7 @@ def _refuse_unknown(settings: Settings, function: str) -> None:
 
 
 def _refuse_two_times(data: dict[str, Any]) -> None:
-    """A time and a rule that solves it exclude each other."""
+    """Refuse an exposure time together with a rule from which the time is solved."""
     rule = data.get("exposure", {})
     if rule.get("time_ms") is not None and rule.get("saturate") is not None:
         raise InputError(
@@ -497,7 +497,7 @@ def _put(data: dict[str, Any], place: Sequence[str | int], value: Any) -> None:
 
 
 def _refuse_idle_prior(settings: Settings, matrices: Sequence[str]) -> None:
-    """A prior that no matrix uses was meant to change something."""
+    """Refuse a prior that no matrix uses."""
     prior = settings.get("prior")
     if prior is not None and not trained_names(matrices):
         raise InputError(

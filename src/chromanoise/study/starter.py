@@ -1,4 +1,4 @@
-"""The study that `chromanoise init` writes: it runs as it is, and says what else there is."""
+"""The commented study that `chromanoise init` writes."""
 
 STARTER = """\
 # A chromanoise study: `chromanoise run study.toml` computes all of it, and
@@ -50,5 +50,5 @@ budget = true                        # dB per cause
 chart = false                        # every patch of the ColorChecker
 # merit = true                       # Vora, SMI, ISO speed, visual noise ...
 # matrix = true                      # each color matrix with its color error and noise
-# space = "lab"                      # noise of an 18 % grey in lab, luv, srgb, linear-srgb
+# space = "lab"                      # noise of an 18 % gray in lab, luv, srgb, linear-srgb
 """
