@@ -374,9 +374,9 @@ def test_a_limit_of_the_processor_that_several_threads_reach_is_said_to_be_one_o
     ("stop", "code"), [(signal.SIGKILL, -9), (signal.SIGXCPU, -24), (signal.SIGSEGV, -11)]
 )
 def test_the_signal_that_ended_a_process_is_reported(workers, stop, code):
-    before = set(children_of(workers))
     one = workers._nursery.worker(LANE.memory_bytes)
     timer = threading.Timer(0.5, lambda: [os.kill(pid, stop) for pid in new()])
+    before = set(children_of(workers))
 
     def new():
         return set(children_of(workers)) - before
