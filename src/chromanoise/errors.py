@@ -45,8 +45,7 @@ class InputError(ValueError):
     subject
         What is invalid: a parameter (``read_noise_e``), a file (``cam.csv``) or another object.
     requirement
-        The condition that is violated, with its unit: ``must be finite and >= 0 [e-]``. If empty,
-        ``subject`` is the whole message.
+        The condition that is violated, with its unit: ``must be finite and >= 0 [e-]``.
     value
         The value received; ``None`` if there is none.
     found
@@ -81,7 +80,7 @@ class InputError(ValueError):
     def __init__(
         self,
         subject: str,
-        requirement: str = "",
+        requirement: str,
         *,
         value: Any = None,
         found: str | None = "",
@@ -120,9 +119,8 @@ class InputError(ValueError):
         text = self.subject if subject is None else subject
         if self.where:
             text += f", {self.where}"
-        if self.requirement:
-            plain = self.requirement.startswith("must ") and not self.where
-            text += f"{' ' if plain else ': '}{self.requirement}"
+        plain = self.requirement.startswith("must ") and not self.where
+        text += f"{' ' if plain else ': '}{self.requirement}"
         if self.found:
             text += f", but {self.found}"
         elif self.found is not None and self.value is not None:
@@ -151,6 +149,29 @@ class InputError(ValueError):
         InputError
         """
         return _rebuilt(type(self), self.__dict__ | {"subject": subject})
+
+    def within(self, subject: str, place: str | None = None) -> "InputError":
+        """The same error about a part of something, usually of a file.
+
+        Parameters
+        ----------
+        subject
+            The whole, usually the file.
+        place
+            The part; ``None`` for the present subject, empty for none.
+
+        Returns
+        -------
+        InputError
+
+        Examples
+        --------
+        >>> print(InputError("pitch_um", "must be > 0 [um]", value=0.0).within("sheet.txt"))
+        sheet.txt, pitch_um: must be > 0 [um], but is 0
+        """
+        parts = (self.subject if place is None else place, self.where)
+        where = ", ".join(part for part in parts if part)
+        return _rebuilt(type(self), self.__dict__ | {"subject": subject, "where": where})
 
     def inside(self, setting: str, names: Callable[[str], str]) -> "InputError":
         """The same error for a value given by a key of a study.
@@ -191,8 +212,12 @@ class StudyError(InputError):
         self, errors: Sequence[InputError], sentences: Sequence[str] | None = None
     ) -> None:
         lines = [str(error) for error in errors] if sentences is None else sentences
-        super().__init__("\n".join(lines))
+        super().__init__("\n".join(lines), "")
         self.errors, self.in_place = tuple(errors), sentences is not None
+
+    def sentence(self, *, subject: str | None = None, render: Render = str) -> str:
+        """The messages of all errors, one line each; `errors` are rendered one by one."""
+        return self.subject
 
 
 def errors_in(error: InputError) -> tuple[InputError, ...]:

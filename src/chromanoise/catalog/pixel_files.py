@@ -25,7 +25,6 @@ from chromanoise.io.pixels.noise_profile import (
 )
 from chromanoise.io.pixels.photon_transfer_csv import is_photon_transfer_text
 from chromanoise.io.pixels.source_text import (
-    about,
     errors_in_file,
     source_json,
     source_text,
@@ -260,7 +259,7 @@ def _converter(source: PixelSource) -> Converter:
             black_level_dn=source.black_level_dn,
         )
     except InputError as error:
-        raise about(error, source.source, error.subject) from None
+        raise error.within(source.source) from None
 
 
 def _notes(

@@ -14,7 +14,6 @@ from chromanoise import _check
 from chromanoise.errors import InputError
 from chromanoise.io.pixels.emva_checks import alike, contradictions
 from chromanoise.io.pixels.source_text import (
-    about,
     errors_in_file,
     finite_number,
     source_json,
@@ -201,7 +200,7 @@ def _errors_at(source: str, place: str = "") -> Iterator[None]:
     try:
         yield
     except InputError as error:
-        raise about(error, source, place or error.subject) from None
+        raise error.within(source, place or None) from None
 
 
 def _text_rows(text: str, path: Path) -> list[tuple[str, float, str, str]]:

@@ -59,23 +59,10 @@ def in_file(error: InputError, path: Path) -> InputError:
     >>> str(in_file(error, Path("sheets/a.txt")))
     'sheets/a.txt, pitch_um: must be finite and > 0 [um], but is 0'
     """
-    if not error.requirement or error.subject == str(path):
-        message = str(error)
-        return error if path.name in message else InputError(f"{path}: {message}")
-    thing = "" if error.subject == path.name else error.subject.removesuffix(f" of {path.name}")
-    return about(error, str(path), thing)
-
-
-def about(error: InputError, subject: str, place: str) -> InputError:
-    """The error with another subject and a place in it."""
-    return InputError(
-        subject,
-        error.requirement,
-        value=error.value,
-        found=error.found,
-        where=", ".join(part for part in (place, error.where) if part),
-        remedy=error.remedy,
-    )
+    if error.subject == str(path):
+        return error
+    part = "" if error.subject == path.name else error.subject.removesuffix(f" of {path.name}")
+    return error.within(str(path), part)
 
 
 @contextmanager

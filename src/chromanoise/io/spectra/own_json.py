@@ -28,19 +28,7 @@ def as_json(data: Mapping[str, Any]) -> str:
 
 def named(error: InputError, source: str) -> InputError:
     """The error about a value, with the file that contains the value as its subject."""
-    if source in error.subject:
-        return error
-    if not error.requirement:
-        return InputError(f"{source}: {error}")
-    return InputError(
-        source,
-        error.requirement,
-        value=error.value,
-        found=error.found,
-        where=", ".join(filter(None, (error.subject, error.where))),
-        remedy=error.remedy,
-        setting=error.setting,
-    )
+    return error if source in error.subject else error.within(source)
 
 
 def held_json(text: str, schema: str, *, source: str) -> dict[str, Any]:
