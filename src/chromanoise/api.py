@@ -8,6 +8,7 @@ from typing import Any, TypeVar, Unpack
 
 import numpy as np
 
+from chromanoise.analysis import DEFAULT_METHOD
 from chromanoise.errors import InputError
 from chromanoise.sensor import Sensor
 from chromanoise.spectra import Illuminant
@@ -59,7 +60,9 @@ def _with_listed_settings(function: Function) -> Function:
 
 @_with_listed_settings
 def analyze(
-    *sensors: str | Path | Sensor, matrix: str = "kernel", **settings: Unpack[AnalysisSettings]
+    *sensors: str | Path | Sensor,
+    matrix: str = DEFAULT_METHOD,
+    **settings: Unpack[AnalysisSettings],
 ) -> Analyses:
     """Noise of each sensor in raw, contravariant and color coordinates, for a perfect white.
 
@@ -104,7 +107,7 @@ def analyze(
 @_with_listed_settings
 def compare(
     *sensors: str | Path | Sensor,
-    matrices: Sequence[str] = ("kernel",),
+    matrices: Sequence[str] = (DEFAULT_METHOD,),
     **settings: Unpack[ComparisonSettings],
 ) -> Comparison:
     """A quantity of each sensor as a function of one parameter, with the crossovers.
@@ -141,7 +144,7 @@ def compare(
 
 @_with_listed_settings
 def matrix(
-    sensor: str | Path | Sensor, matrix: str = "kernel", **settings: Unpack[MatrixSettings]
+    sensor: str | Path | Sensor, matrix: str = DEFAULT_METHOD, **settings: Unpack[MatrixSettings]
 ) -> Matrices:
     """The color matrix of a sensor, with its color error, noise and condition.
 
@@ -181,7 +184,7 @@ def matrix(
 def render(
     cube: str | Path,
     *sensors: str | Path | Sensor,
-    matrix: str = "kernel",
+    matrix: str = DEFAULT_METHOD,
     folder: str | Path | None = None,
     **settings: Unpack[RenderSettings],
 ) -> Pictures:

@@ -17,6 +17,7 @@ from chromanoise.exposure import Exposure
 from chromanoise.figures import write_figures
 from chromanoise.scene import flat_field
 from chromanoise.spectra import DEFAULT_GRID, equal_energy
+from chromanoise.study import Study, default_of
 from outcomes import refused
 
 demo = import_module("chromanoise.cli.demo")
@@ -574,3 +575,16 @@ def test_compare_on_equal_terms_gives_each_its_time(run):
     assert times["light"][2] == pytest.approx(3 * times["light"][0])
     both = run("compare", *sensors, "--equal", "light", "--time-ms", 5)
     refused(both, "--equal", setting="exposure.equal", value="light")
+
+
+@pytest.mark.parametrize(
+    ("command", "function"),
+    [("analyze", "analyze"), ("compare", "compare"), ("matrix", "matrix"), ("simulate", "render")],
+)
+def test_the_help_shows_the_defaults_of_the_study(run, command, function):
+    shown = " ".join(run(command, "--help")[1].split())
+    study = Study.model_validate({"sensors": [{"name": "x"}]})
+    assert f"Illuminance [lx]. [default: {study.light.level_lux:g}]" in shown
+    assert f"Aperture f/#. [default: {study.exposure.f_number:g}]" in shown
+    assert f"[default: {study.exposure.equal}]" in shown
+    assert default_of(function, "saturate") == study.exposure.saturate

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
         chart_noise,
     )
     from chromanoise.analysis.color_matrices import (
+        DEFAULT_METHOD,
         METHODS,
         MatrixMaker,
         Method,
@@ -99,6 +100,7 @@ if TYPE_CHECKING:
     )
 
 __all__ = [
+    "DEFAULT_METHOD",
     "DEFAULT_PRIOR",
     "METHODS",
     "PRIORS",

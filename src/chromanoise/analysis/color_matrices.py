@@ -57,6 +57,8 @@ class Method:
     bounds: tuple[float, float] = (0.0, 1e15)
 
 
+DEFAULT_METHOD = "kernel"
+
 METHODS: Mapping[str, Method] = {
     "kernel": Method(make=kernel, trained=False),
     "least-squares": Method(make=least_squares),

@@ -15,6 +15,7 @@ from chromanoise.cli.options import (
     prior_option,
     shared_options,
     table_option,
+    with_defaults,
 )
 from chromanoise.cli.output import refuse_taken_inputs, write_json, write_table
 from chromanoise.cli.progress import progress_of_step
@@ -23,6 +24,7 @@ from chromanoise.study import Analyses, analyze_study, conditions, run
 
 
 @click.command()
+@with_defaults("analyze")
 @click.argument("sensors", nargs=-1, required=True, metavar="SENSOR...")
 @shared_options
 @click.option(

@@ -79,8 +79,7 @@ def _answers(scale: str) -> tuple[Any, ...]:
         click.option(
             "--negatives",
             type=click.Choice(get_args(Negatives)),
-            help="Small negative values, e.g. from digitizing: refuse them, or set them to 0. "
-            "[default: refuse]",
+            help="Small negative values, e.g. from digitizing: refuse them, or set them to 0.",
         ),
         click.option("--peak-qe", type=float, help="Highest QE of a sensor with relative curves."),
     )

@@ -4,7 +4,7 @@ from typing import Any
 
 import click
 
-from chromanoise.analysis import DEFAULT_PRIOR, PRIORS, QUANTITIES, SWEEPS
+from chromanoise.analysis import DEFAULT_METHOD, PRIORS, QUANTITIES, SWEEPS
 from chromanoise.cli import tables
 from chromanoise.cli.copying import print_copy
 from chromanoise.cli.options import (
@@ -13,33 +13,37 @@ from chromanoise.cli.options import (
     json_option,
     shared_options,
     table_option,
+    with_defaults,
 )
 from chromanoise.cli.output import refuse_taken_inputs, write_json, write_table
 from chromanoise.cli.progress import progress_of_step
 from chromanoise.errors import InputError
-from chromanoise.study import compare_study, conditions, run
+from chromanoise.study import compare_study, conditions, default_of, run
+
+_VARY, _FIRST, _LAST = (default_of("compare", name) for name in ("vary", "first", "last"))
+_START = f"{_VARY}={_FIRST:g}:{_LAST:g}"
 
 
 @click.command()
+@with_defaults("compare")
 @click.argument("sensors", nargs=-1, required=True, metavar="SENSOR...")
 @shared_options
 @click.option(
     "--sweep",
-    default="lux=0.01:1000",
-    show_default=True,
     metavar="NAME=FIRST:LAST",
-    help=f"Parameter that varies: {', '.join(f'{s.name} [{s.unit}]' for s in SWEEPS.values())}.",
+    help=f"Parameter that varies: {', '.join(f'{s.name} [{s.unit}]' for s in SWEEPS.values())}. "
+    f"[default: {_START}]",
 )
-@click.option("--points", type=WHOLE, help="Number of values of the sweep. [default: 61]")
+@click.option("--points", type=WHOLE, help="Number of values of the sweep.")
 @click.option(
     "--quantity",
     type=click.Choice(list(QUANTITIES)),
-    help="Quantity to compare. [default: snr-y]",
+    help="Quantity to compare.",
 )
 @click.option(
     "--matrix",
     "matrices",
-    default="kernel",
+    default=DEFAULT_METHOD,
     show_default=True,
     metavar="NAME[,NAME...]",
     help="Color matrices: kernel and others of `chromanoise matrix`.",
@@ -47,15 +51,14 @@ from chromanoise.study import compare_study, conditions, run
 @click.option(
     "--prior",
     type=click.Choice([*PRIORS, "all"]),
-    help="Training set of trained matrices; all gives the band of crossovers over all sets. "
-    f"[default: {DEFAULT_PRIOR}]",
+    help="Training set of trained matrices; all gives the band of crossovers over all sets.",
 )
 @table_option
 @json_option
 @copy_option
 def compare(
     sensors: tuple[str, ...],
-    sweep: str,
+    sweep: str | None,
     matrices: str,
     table: str | None,
     json_target: str | None,
@@ -82,8 +85,10 @@ def compare(
         tables.print_comparison(result.curves, result.crossovers, result.bands)
 
 
-def _span(text: str) -> dict[str, Any]:
+def _span(text: str | None) -> dict[str, Any]:
     """Parse NAME=FIRST:LAST: the parameter and its range."""
+    if text is None:
+        return {}
     name, _, span = text.partition("=")
     try:
         first, last = (float(part) for part in span.split(":"))

@@ -7,7 +7,7 @@ from typing import Any
 import click
 
 from chromanoise._files import write_whole
-from chromanoise.analysis import known_matrices
+from chromanoise.analysis import DEFAULT_METHOD, known_matrices
 from chromanoise.cli import tables
 from chromanoise.cli.copying import print_copy
 from chromanoise.cli.merit_tables import print_pareto
@@ -17,6 +17,7 @@ from chromanoise.cli.options import (
     prior_option,
     shared_options,
     table_option,
+    with_defaults,
 )
 from chromanoise.cli.output import refuse_taken_inputs, write_json, write_table
 from chromanoise.cli.progress import progress_of_step
@@ -42,11 +43,12 @@ _WRITERS: dict[str, Callable[[MadeMatrix], str]] = {
 
 
 @click.command()
+@with_defaults("matrix")
 @click.argument("sensor")
 @shared_options
 @click.option(
     "--method",
-    default="kernel",
+    default=DEFAULT_METHOD,
     show_default=True,
     metavar="NAME[=VALUE]",
     help=f"Method of the matrix: {known_matrices()}; lmmse gives one per light level.",

@@ -6,11 +6,12 @@ from typing import Any, TypeVar, get_args
 
 import click
 
-from chromanoise.analysis import DEFAULT_PRIOR, PRIORS, known_matrices
+from chromanoise.analysis import DEFAULT_METHOD, PRIORS, known_matrices
 from chromanoise.cli.answers import about_sensors, pair_of
 from chromanoise.exposure import EQUAL_TERMS
 from chromanoise.io.spectra.parsed import Unit
 from chromanoise.spectra import METRICS
+from chromanoise.study import FUNCTIONS, default_of
 
 Command = TypeVar("Command", bound=Callable[..., Any])
 
@@ -35,39 +36,38 @@ _SHARED = (
         "--illuminant",
         help="E, A, G173 (daylight to 1050 nm), D65 and other CIE names, halogen, led-white, "
         "3200K, LED660, A+0.5xLED850 (with an infrared diode), a file of one curve "
-        "(any format of `chromanoise inspect`), or another of `chromanoise catalog illuminants`. "
-        "[default: E]",
+        "(any format of `chromanoise inspect`), or another of `chromanoise catalog illuminants`.",
     ),
-    click.option("--lux", type=float, help="Illuminance [lx]. [default: 10]"),
+    click.option("--lux", type=float, help="Illuminance [lx]."),
     click.option(
         "--equal",
         type=click.Choice(list(EQUAL_TERMS)),
         help="How the time is chosen: exposure, one time for all sensors, at which none saturates; "
         "saturation, each its own; light, the same photons for each set of channels (a 4-channel "
-        "set spreads over 4 pixels). [default: exposure]",
+        "set spreads over 4 pixels).",
     ),
     click.option("--time-ms", type=float, help="Exposure time [ms], the same for all sensors."),
     click.option(
         "--saturate",
         type=float,
         help="Share of full well that the most sensitive channel reaches on a perfect white, if "
-        "the time is solved. [default: 0.99]",
+        "the time is solved.",
     ),
-    click.option("--f-number", type=float, help="Aperture f/#. [default: 1.8]"),
+    click.option("--f-number", type=float, help="Aperture f/#."),
     click.option(
         "--metric",
         type=click.Choice(METRICS),
-        help="Unit in which spectra are vectors. [default: quanta]",
+        help="Unit in which spectra are vectors.",
     ),
     click.option(
         "--beyond",
         type=click.Choice(["refuse", "zero", "hold"]),
-        help="Values of a curve where its file does not cover 400-1050 nm. [default: refuse]",
+        help="Values of a curve where its file does not cover 400-1050 nm.",
     ),
     click.option(
         "--illuminant-beyond",
         type=click.Choice(["refuse", "zero", "hold"]),
-        help="The same for the illuminant: CIE tables end at 780 nm. [default: refuse]",
+        help="The same for the illuminant: CIE tables end at 780 nm.",
     ),
     click.option(
         "--illuminant-photons/--illuminant-energy",
@@ -130,16 +130,38 @@ copy_option = click.option(
 prior_option = click.option(
     "--prior",
     type=click.Choice(list(PRIORS)),
-    help=f"Training set of a trained matrix. [default: {DEFAULT_PRIOR}]",
+    help="Training set of a trained matrix.",
 )
 matrix_option = click.option(
     "--matrix",
     "method",
-    default="kernel",
+    default=DEFAULT_METHOD,
     show_default=True,
     metavar="NAME[=VALUE]",
     help=f"Color matrix: {known_matrices()}.",
 )
+
+
+def with_defaults(function: str) -> Callable[[Command], Command]:
+    """Add the defaults of the study to the help of all options that are settings.
+
+    Parameters
+    ----------
+    function
+        ``analyze``, ``compare``, ``matrix`` or ``render``.
+    """
+
+    def added(command: Command) -> Command:
+        for option in getattr(command, "__click_params__", ()):
+            if option.name not in FUNCTIONS[function] or "[default:" in (option.help or ""):
+                continue
+            default = default_of(function, option.name)
+            if default not in (None, False):
+                text = f"{default:g}" if isinstance(default, float) else str(default)
+                option.help = f"{option.help} [default: {text}]"
+        return command
+
+    return added
 
 
 def shared_options(command: Command) -> Command:

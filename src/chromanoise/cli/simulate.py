@@ -18,6 +18,7 @@ from chromanoise.cli.options import (
     matrix_option,
     prior_option,
     shared_options,
+    with_defaults,
 )
 from chromanoise.cli.output import write_json
 from chromanoise.cli.progress import progress_of
@@ -47,6 +48,7 @@ from chromanoise.study import (
 
 
 @click.command()
+@with_defaults("render")
 @click.argument("cube", metavar="CUBE")
 @click.option(
     "--sensor",
@@ -77,11 +79,11 @@ from chromanoise.study import (
 @click.option(
     "--black-level", type=WHOLE, help="Code without light. [default: from --pixel, else 0]"
 )
-@click.option("--frames", type=WHOLE, help="Frames of a burst. [default: 1]")
+@click.option("--frames", type=WHOLE, help="Frames of a burst.")
 @click.option(
     "--seed",
     type=WHOLE,
-    help="Seed of the noise; sensors with different names have independent noise. [default: 0]",
+    help="Seed of the noise; sensors with different names have independent noise.",
 )
 @click.option("--clip", is_flag=True, help="Clip electrons between 0 and full well.")
 @click.option(
@@ -113,8 +115,7 @@ from chromanoise.study import (
 @click.option(
     "--bad-pixels",
     type=click.Choice(["refuse", "zero"]),
-    help="Values that are no reflectance (NaN, negative, above 2): refuse them, or use 0. "
-    "[default: refuse]",
+    help="Values that are no reflectance (NaN, negative, above 2): refuse them, or use 0.",
 )
 @click.option("--threads", type=WHOLE, help="Number of threads. [default: one per core]")
 @click.option("--tile", type=WHOLE, help="Rows in memory at a time. [default: 8 MB to 1 GB]")

@@ -81,9 +81,14 @@ if TYPE_CHECKING:
         prepared_run,
         run,
     )
+    from chromanoise.study.setting_help import (
+        default_of,
+        described_settings,
+    )
     from chromanoise.study.settings import (
         ANALYSIS,
         COMPARISON,
+        FUNCTIONS,
         MATRIX,
         RENDERING,
         SHARED,
@@ -94,7 +99,6 @@ if TYPE_CHECKING:
         analyze_study,
         argument_of,
         compare_study,
-        described_settings,
         in_arguments,
         matrix_study,
         render_study,
@@ -110,6 +114,7 @@ __all__ = [
     "ANALYSIS",
     "COMPARISON",
     "FLAGS",
+    "FUNCTIONS",
     "MATRIX",
     "MOST_SENSORS",
     "NOTHING_GIVEN",
@@ -145,6 +150,7 @@ __all__ = [
     "captures",
     "compare_study",
     "conditions",
+    "default_of",
     "described_settings",
     "file_digests",
     "file_word",

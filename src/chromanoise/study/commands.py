@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from chromanoise.analysis import DEFAULT_METHOD
 from chromanoise.errors import InputError
 from chromanoise.study.document import Study
 from chromanoise.study.settings import (
@@ -135,7 +136,7 @@ def study_as_command(study: Study) -> str:
     if command == "simulate":
         names = [names[0], *(word for name in call.names[1:] for word in ("--sensor", name))]
     method = "--method" if command == "matrix" else "--matrix"
-    matrix = [] if call.matrix == ("kernel",) else [method, ",".join(call.matrix)]
+    matrix = [] if call.matrix == (DEFAULT_METHOD,) else [method, ",".join(call.matrix)]
     return shlex.join(["chromanoise", command, *names, *_options(call.settings), *matrix])
 
 
@@ -148,7 +149,7 @@ def study_as_python(study: Study) -> str:
     head = [f"# {title or 'A study of chromanoise'}", "import json", "", "import chromanoise as cn"]
     call = None if study.pictures else call_of(study)
     if call is not None:
-        matrix = [] if call.matrix == ("kernel",) else [_matrix_argument(call)]
+        matrix = [] if call.matrix == (DEFAULT_METHOD,) else [_matrix_argument(call)]
         arguments = [_literal(name) for name in call.names]
         arguments += [f"{name}={_literal(value)}" for name, value in call.settings.items()]
         lines = "".join(f"    {one},\n" for one in [*arguments, *matrix])

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
 
-from chromanoise.analysis.color_matrices import METHODS
+from chromanoise.analysis.color_matrices import DEFAULT_METHOD, METHODS
 from chromanoise.analysis.comparison.quantities import QUANTITIES
 from chromanoise.analysis.comparison.sweeps import SWEEPS
 from chromanoise.analysis.priors import DEFAULT_PRIOR, PRIORS
@@ -338,7 +338,7 @@ class Study(_Part):
         Field(min_length=1, max_length=MOST_SENSORS, strict=False, description="One or more."),
     ]
     matrices: Annotated[tuple[str, ...], Field(min_length=1, strict=False)] = Field(
-        ("kernel",), description=f"Color matrices: {', '.join(METHODS)}; ridge=0.01."
+        (DEFAULT_METHOD,), description=f"Color matrices: {', '.join(METHODS)}; ridge=0.01."
     )
     prior: str = Field(
         DEFAULT_PRIOR,

@@ -7,17 +7,12 @@ settings, for the command line and for Python alike.
 import re
 from collections.abc import Mapping, Sequence
 from copy import deepcopy
-from dataclasses import dataclass
 from difflib import get_close_matches
 from pathlib import Path
-from types import UnionType
-from typing import Annotated, Any, Literal, TypedDict, Union, get_args, get_origin, get_type_hints
-
-from pydantic import BaseModel
-from pydantic.fields import FieldInfo
+from typing import Annotated, Any, Literal, TypedDict, get_type_hints
 
 from chromanoise._check import one_of
-from chromanoise.analysis import trained_names
+from chromanoise.analysis import DEFAULT_METHOD, trained_names
 from chromanoise.analysis.comparison.sweeps import SWEEPS
 from chromanoise.analysis.priors import DEFAULT_PRIOR
 from chromanoise.errors import InputError, StudyError
@@ -142,14 +137,14 @@ ANALYSIS = settings_keys(AnalysisSettings)
 COMPARISON = settings_keys(ComparisonSettings)
 MATRIX = settings_keys(MatrixSettings)
 RENDERING = settings_keys(RenderSettings)
-_FUNCTIONS = {"analyze": ANALYSIS, "compare": COMPARISON, "matrix": MATRIX, "render": RENDERING}
+FUNCTIONS = {"analyze": ANALYSIS, "compare": COMPARISON, "matrix": MATRIX, "render": RENDERING}
 _ARGUMENTS = {
     "analyze": ("matrix",),
     "compare": ("matrices",),
     "matrix": ("sensor", "matrix"),
     "render": ("cube", "matrix", "folder"),
 }
-_STARTS: Mapping[str, dict[str, Any]] = {
+STARTS: Mapping[str, dict[str, Any]] = {
     "analyze": {"outputs": {"budget": False}},
     "compare": {
         "outputs": {"analyses": False},
@@ -161,7 +156,9 @@ _STARTS: Mapping[str, dict[str, Any]] = {
 """The study of each function before its settings are applied."""
 
 
-def analyze_study(sensors: Sequence[str], settings: Settings, *, matrix: str = "kernel") -> Study:
+def analyze_study(
+    sensors: Sequence[str], settings: Settings, *, matrix: str = DEFAULT_METHOD
+) -> Study:
     """The study of one analysis: every stage of each sensor with one color matrix.
 
     Parameters
@@ -184,7 +181,7 @@ def analyze_study(sensors: Sequence[str], settings: Settings, *, matrix: str = "
 
 
 def compare_study(
-    sensors: Sequence[str], settings: Settings, *, matrices: Sequence[str] = ("kernel",)
+    sensors: Sequence[str], settings: Settings, *, matrices: Sequence[str] = (DEFAULT_METHOD,)
 ) -> Study:
     """The study of one comparison: a quantity of all sensors as a function of one parameter.
 
@@ -223,7 +220,7 @@ def compare_study(
     return _study(sensors, settings, "compare", {"matrices": matrices})
 
 
-def matrix_study(sensor: str, settings: Settings, *, matrix: str = "kernel") -> Study:
+def matrix_study(sensor: str, settings: Settings, *, matrix: str = DEFAULT_METHOD) -> Study:
     """The study of one color matrix.
 
     Parameters
@@ -247,7 +244,7 @@ def matrix_study(sensor: str, settings: Settings, *, matrix: str = "kernel") -> 
 
 
 def render_study(
-    cube: str, sensors: Sequence[str], settings: Settings, *, matrix: str = "kernel"
+    cube: str, sensors: Sequence[str], settings: Settings, *, matrix: str = DEFAULT_METHOD
 ) -> Study:
     """The study of the pictures of one cube.
 
@@ -270,99 +267,6 @@ def render_study(
     _refuse_unknown(settings, "render")
     data = {"matrices": [matrix], "pictures": [{"cube": cube}]}
     return _study(sensors, settings, "render", data)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class DescribedSetting:
-    """A setting of a function, for its docstring.
-
-    Attributes
-    ----------
-    name
-        Name of the argument.
-    annotation, default
-        Its type and its default value.
-    description
-        Description of its key in a study.
-    """
-
-    name: str
-    annotation: Any
-    default: Any
-    description: str
-
-    def __str__(self) -> str:
-        """Two lines in numpydoc format."""
-        default = "" if self.default is None else f", default {self.default!r}"
-        return f"{self.name} : {_type_text(self.annotation)}{default}\n    {self.description}"
-
-
-def described_settings(function: str) -> tuple[DescribedSetting, ...]:
-    """The settings of a function with types, defaults and descriptions.
-
-    Parameters
-    ----------
-    function
-        ``analyze``, ``compare``, ``matrix`` or ``render``.
-
-    Examples
-    --------
-    >>> print(next(one for one in described_settings("analyze") if one.name == "lux"))
-    lux : float, default 10.0
-        Illuminance [lx].
-    """
-    hints = get_type_hints(_KINDS[function])
-    described = []
-    for name, keys in _FUNCTIONS[function].items():
-        field = _field_of(keys[0])
-        at: Any = _STARTS[function]
-        for step in keys[0].split("."):
-            at = at[int(step)] if isinstance(at, list) else at.get(step, {})
-        described.append(
-            DescribedSetting(
-                name=name,
-                annotation=hints[name],
-                default=field.get_default() if at in ({}, None) else at,
-                description=field.description or "",
-            )
-        )
-    return tuple(described)
-
-
-_KINDS = {
-    "analyze": AnalysisSettings,
-    "compare": ComparisonSettings,
-    "matrix": MatrixSettings,
-    "render": RenderSettings,
-}
-
-
-def _field_of(key: str) -> FieldInfo:
-    """The field of a study's document with this key."""
-    *path, last = [step for step in key.split(".") if step not in ("*", "0")]
-    model: type[BaseModel] = Study
-    for step in path:
-        inside = _parts_of(model.model_fields[step].annotation)
-        model = next(p for p in inside if isinstance(p, type) and issubclass(p, BaseModel))
-    return model.model_fields[last]
-
-
-def _parts_of(annotation: Any) -> list[Any]:
-    """A type with all types inside it."""
-    return [annotation, *(part for one in get_args(annotation) for part in _parts_of(one))]
-
-
-def _type_text(annotation: Any) -> str:
-    """A type in the form used in docstrings."""
-    if get_origin(annotation) is Literal:
-        return " or ".join(repr(value) for value in get_args(annotation))
-    if get_origin(annotation) in (Union, UnionType):
-        return " or ".join(_type_text(one) for one in get_args(annotation))
-    if get_origin(annotation) is tuple:
-        return f"({', '.join(_type_text(one) for one in get_args(annotation))})"
-    if get_args(annotation):
-        return f"sequence of {_type_text(get_args(annotation)[0])}"
-    return str(annotation.__name__)
 
 
 _GENERAL = {"sensors": "sensors.*", "pictures": "pictures.0"}
@@ -394,7 +298,7 @@ def _study(
     function: str,
     more: dict[str, Any],
 ) -> Study:
-    names, data = _FUNCTIONS[function], deepcopy(_STARTS[function]) | more
+    names, data = FUNCTIONS[function], deepcopy(STARTS[function]) | more
     data["sensors"] = [{"name": name} for name in sensors]
     for name, value in settings.items():
         for key in names[name] if value is not None else ():
@@ -429,7 +333,7 @@ def in_arguments(error: InputError, function: str) -> InputError:
         "sensors": "sensor" if function == "matrix" else "sensors",
         "pictures": "cube",
     }
-    names = _FUNCTIONS[function]
+    names = FUNCTIONS[function]
 
     def translated(one: InputError) -> InputError:
         inside = one.inside(one.setting, lambda key: argument_of(key, names) or key)
@@ -454,11 +358,11 @@ def _called_flat(
 
 def _refuse_unknown(settings: Settings, function: str) -> None:
     """Refuse names that are no settings of the function, and suggest similar ones."""
-    known = [*_FUNCTIONS[function], *_ARGUMENTS[function]]
+    known = [*FUNCTIONS[function], *_ARGUMENTS[function]]
     for name in settings:
-        if name in _FUNCTIONS[function]:
+        if name in FUNCTIONS[function]:
             continue
-        others = [other for other in _FUNCTIONS if name in (*_FUNCTIONS[other], *_ARGUMENTS[other])]
+        others = [other for other in FUNCTIONS if name in (*FUNCTIONS[other], *_ARGUMENTS[other])]
         near = get_close_matches(name, known, n=2, cutoff=0.7 if others else 0.6)
         remedy = f"known: {', '.join(known)}"
         if near:
