@@ -406,9 +406,9 @@ def test_a_run_that_was_stopped_goes_on_to_the_same_bytes(after, whole, tmp_path
         steps.append(done)
 
     with pytest.raises(KeyboardInterrupt):
-        run_study(small(), tmp_path / "o", told=told)
+        run_study(small(), tmp_path / "o", report=told)
     stood = []
-    run_study(small(), tmp_path / "o", told=lambda _, done: stood.append(done))
+    run_study(small(), tmp_path / "o", report=lambda _, done: stood.append(done))
     assert stood == [True] * after + [False] * (4 - after)
     assert files_of(tmp_path / "o") == files_of(whole)
 
@@ -418,7 +418,7 @@ def test_a_picture_that_was_taken_away_is_taken_again(whole, tmp_path):
     gone = next((tmp_path / "o").glob("picture-1-*.png"))
     gone.unlink()
     stood = []
-    run_study(small(), tmp_path / "o", told=lambda _, done: stood.append(done))
+    run_study(small(), tmp_path / "o", report=lambda _, done: stood.append(done))
     assert stood == [True, True, False, True]
     assert files_of(tmp_path / "o") == files_of(whole)
 
@@ -429,7 +429,7 @@ def test_a_picture_that_was_emptied_or_changed_is_taken_again(whole, tmp_path):
         spoiled = next((tmp_path / "o").glob("picture-1-*.png"))
         spoiled.write_bytes(change(spoiled.read_bytes()))
         stood = []
-        run_study(small(), tmp_path / "o", told=lambda _, done, stood=stood: stood.append(done))
+        run_study(small(), tmp_path / "o", report=lambda _, done, stood=stood: stood.append(done))
         assert stood == [True, True, False, True]
         assert files_of(tmp_path / "o") == files_of(whole)
 

@@ -137,14 +137,14 @@ def test_a_cube_that_changes_while_it_is_read_gives_no_result(project, change):
             change(project / "cube.npz")
 
     with pytest.raises(InputError, match=r"cube\.npz") as error:
-        run_study(read_study("study.toml"), Path("o"), told=told)
+        run_study(read_study("study.toml"), Path("o"), report=told)
     assert len(str(error.value).splitlines()) == 1
     assert set(files_of(Path("o"))) == {"study.json", "analysis-kernel.json"}
 
 
 def test_a_file_with_another_date_and_the_same_content_is_the_same_file(project):
     study = read_study("study.toml")
-    run_study(study, Path("o"), told=lambda *_: os.utime(project / "cube.npz", (100, 100)))
+    run_study(study, Path("o"), report=lambda *_: os.utime(project / "cube.npz", (100, 100)))
     assert run_study(study, Path("o")) == [
         Path("o/analysis-kernel.json"),
         Path("o/pictures-1.json"),
@@ -170,7 +170,7 @@ def test_a_run_into_a_folder_that_another_run_is_writing_is_refused(project):
         run_study(read_study("study.toml"), Path("o"))
 
     with refused_input(subject="o", value=os.getpid()):
-        run_study(read_study("study.toml"), Path("o"), told=told)
+        run_study(read_study("study.toml"), Path("o"), report=told)
 
 
 def test_agreement_names_the_largest_relative_difference_and_its_place(made, tmp_path):

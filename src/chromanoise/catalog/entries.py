@@ -201,7 +201,7 @@ def entries_as_json(entries: Sequence[Entry]) -> dict[str, Any]:
     return {"entries": [_as_json(entry) for entry in entries]}
 
 
-def pixel_told(entry: Entry) -> str:
+def pixel_summary(entry: Entry) -> str:
     """The pixel of a sensor in one phrase, with the source of each number."""
     provenance = entry.provenance
     known = ", ".join(f"{key} {value:g}" for key, value in provenance.pixel.items())
@@ -236,7 +236,7 @@ def _as_json(entry: Entry) -> dict[str, Any]:
     }
     if provenance.kind == "sensor":
         data["mosaic"] = provenance.mosaic or None
-        data["pixel"] = {**provenance.pixel, "told": pixel_told(entry)}
+        data["pixel"] = {**provenance.pixel, "told": pixel_summary(entry)}
     return data
 
 

@@ -51,12 +51,12 @@ def verdict_sentences(analyses: Sequence[Analysis], *, equal: str = "exposure") 
         If ``equal`` is unknown.
     """
     _check.one_of("terms of a comparison", equal, tuple(_TERMS))
-    told = [sentence for a in analyses if (sentence := _left_out(a))]
+    sentences = [sentence for a in analyses if (sentence := _left_out(a))]
     able = [a for a in analyses if _left_out(a) is None]
     if len(able) == 1:
-        told.insert(0, _alone(able[0], _setting(analyses, equal)))
+        sentences.insert(0, _alone(able[0], _setting(analyses, equal)))
     if len(able) < 2:
-        return told
+        return sentences
     best_raw = max(able, key=lambda a: _raw_db(a, able))
     best_color = max(able, key=_luminance_db)
     if abs(_luminance_db(best_raw) - _luminance_db(best_color)) < _TIE_DB:
@@ -64,7 +64,7 @@ def verdict_sentences(analyses: Sequence[Analysis], *, equal: str = "exposure") 
     others = [a for a in able if a is not best_color]
     rival = best_raw if best_raw is not best_color else max(others, key=_luminance_db)
     first = _setting(analyses, equal) + _contest(best_color, rival, best_raw, able)
-    return [first, *_reasons(best_color, rival), _colors(able), *told]
+    return [first, *_reasons(best_color, rival), _colors(able), *sentences]
 
 
 def _left_out(analysis: Analysis) -> str | None:
@@ -82,7 +82,7 @@ def _left_out(analysis: Analysis) -> str | None:
 def _alone(analysis: Analysis, setting: str) -> str:
     return (
         f"{setting} {analysis.sensor.name} has {_luminance_db(analysis):.1f} dB of "
-        f"luminance SNR, {_told(analysis.color_snr_loss_db)} dB below what its raw channels hold "
+        f"luminance SNR, {_text(analysis.color_snr_loss_db)} dB below what its raw channels hold "
         f"together{_largest(analysis)}; {_error(analysis)}."
     )
 
@@ -135,13 +135,13 @@ def _reason(cause: str, loss_db: float, winner_db: float, winner: str) -> str:
         return f"fewer photons reach its pixels: {beyond}"
     if min(loss_db, winner_db) < -_TIE_DB:  # a gain is not called a cost
         return f"{_WHY[cause]}: {beyond} more than for {winner}"
-    return f"{_WHY[cause]} costs {_told(loss_db)} dB, against {_told(winner_db)} dB for {winner}"
+    return f"{_WHY[cause]} costs {_text(loss_db)} dB, against {_text(winner_db)} dB for {winner}"
 
 
 def _colors(able: Sequence[Analysis]) -> str:
     found = [(a.sensor.name, mean_color_error(a)) for a in able]
-    told = ", ".join(f"{name} {'none' if e is None else f'{e:.1f}'}" for name, e in found)
-    return f"Mean color error without noise, Delta E*ab: {told}."
+    errors = ", ".join(f"{name} {'none' if e is None else f'{e:.1f}'}" for name, e in found)
+    return f"Mean color error without noise, Delta E*ab: {errors}."
 
 
 def _costs(budget: Budget | None) -> dict[str, float]:
@@ -167,7 +167,7 @@ def _largest(analysis: Analysis) -> str:
     return f", {how} for {_WHY[cause]} ({loss_db:.1f} dB)"
 
 
-def _told(decibels: float) -> str:
+def _text(decibels: float) -> str:
     return f"{round(decibels, 1) + 0.0:.1f}"  # avoids -0.0
 
 

@@ -79,7 +79,8 @@ def _answers(scale: str) -> tuple[Any, ...]:
         click.option(
             "--negatives",
             type=click.Choice(get_args(Negatives)),
-            help="Small negative values, e.g. from digitizing: refuse them, or set them to 0.",
+            help="Small negative values, e.g. from digitizing: refuse them, or set them to 0. "
+            f"[default: {Answers().negatives}]",
         ),
         click.option("--peak-qe", type=float, help="Highest QE of a sensor with relative curves."),
     )

@@ -16,7 +16,7 @@ from chromanoise.catalog.entries import (
     catalog_entry,
     catalog_folder,
     entries_as_json,
-    pixel_told,
+    pixel_summary,
 )
 from chromanoise.cli.options import json_option
 from chromanoise.cli.output import write_json
@@ -109,7 +109,7 @@ def entry_as_text(entry: Entry) -> list[str]:
         "license": about.license,
         "done": about.done,
         "mosaic": about.mosaic,
-        "pixel": pixel_told(entry) if about.kind == "sensor" else "",
+        "pixel": pixel_summary(entry) if about.kind == "sensor" else "",
         "file": "" if entry.file is None else str(entry.file),
         "asks": "; ".join(entry.asks),
     }

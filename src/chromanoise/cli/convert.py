@@ -148,16 +148,16 @@ def _of_sensor(sensor: Sensor, kind: str, day: str, columns: tuple[str, ...]) ->
     return text, [*pixel, *_unit_lost(sensor_spectra(sensor)), *_others(sensor.names, name)]
 
 
-def _of_spectra(told: ParsedSpectra, kind: str, day: str, columns: tuple[str, ...]) -> Converted:
-    spectra, unsaid = _with_notes(told)
-    facts = _facts(told)
+def _of_spectra(parsed: ParsedSpectra, kind: str, day: str, columns: tuple[str, ...]) -> Converted:
+    spectra, unsaid = _with_notes(parsed)
+    facts = _facts(parsed)
     if kind == ".json":
         return spectra_json(spectra, facts), unsaid
     if kind == ".csv":
         notes = ["the notes, except as comments"] if spectra.notes else []
         return spectra_csv(spectra, facts), [*unsaid, *notes]
     if kind == "rawtoaces":
-        text = rawtoaces_json(_per_energy(told), _header(spectra, day))
+        text = rawtoaces_json(_per_energy(parsed), _header(spectra, day))
         left = [name for name in spectra.names if name not in "RGB"]
         lost = [f"channel {name}" for name in left]
         return text, [*unsaid, "the height of the curves: the largest is 1 now", *lost]
@@ -166,44 +166,44 @@ def _of_spectra(told: ParsedSpectra, kind: str, day: str, columns: tuple[str, ..
     return text, [*unsaid, *_unit_lost(spectra), *_others(spectra.names, name)]
 
 
-def _facts(told: ParsedSpectra) -> dict[str, str]:
+def _facts(parsed: ParsedSpectra) -> dict[str, str]:
     """The facts that a format can declare; percent values are already converted to fractions."""
-    scale = "as written" if told.scale == "as written" else "fraction"
-    facts = {"level": told.level, "per": told.per, "scale": scale}
+    scale = "as written" if parsed.scale == "as written" else "fraction"
+    facts = {"level": parsed.level, "per": parsed.per, "scale": scale}
     return {key: fact for key, fact in facts.items() if fact is not None}
 
 
-def _with_notes(told: ParsedSpectra) -> tuple[Spectra, list[str]]:
+def _with_notes(parsed: ParsedSpectra) -> tuple[Spectra, list[str]]:
     """The curves, with all changes made to them as notes, and a list of unknown facts."""
-    said = (*told.said_notes, *told.curves.notes, *told.notes, *told.defects)
+    said = (*parsed.said_notes, *parsed.curves.notes, *parsed.notes, *parsed.defects)
     notes = tuple(dict.fromkeys(said))  # without repetition
-    source = told.said_source or told.curves.source
+    source = parsed.said_source or parsed.curves.source
     lost = [
-        f"what nobody said: {q.asks} ({' or '.join(map(options_text, q.settings))})"
-        for q in told.questions
+        f"not declared: {q.asks} ({' or '.join(map(options_text, q.settings))})"
+        for q in parsed.questions
     ]
-    if told.deviations is not None:
+    if parsed.deviations is not None:
         lost.append("standard deviations")
-    return replace(told.curves, source=source, notes=notes), lost
+    return replace(parsed.curves, source=source, notes=notes), lost
 
 
-def _per_energy(told: ParsedSpectra) -> Spectra:
-    curves = told.curves
-    if told.quantity not in (None, "QE", "response"):
+def _per_energy(parsed: ParsedSpectra) -> Spectra:
+    curves = parsed.curves
+    if parsed.quantity not in (None, "QE", "response"):
         raise InputError(
             curves.source,
             "must hold a response, as a rawtoaces camera",
-            value=told.quantity,
-            found=f"holds {told.quantity}",
+            value=parsed.quantity,
+            found=f"holds {parsed.quantity}",
         )
-    if told.per is None:
+    if parsed.per is None:
         raise InputError(
             curves.source,
             "must declare whether it counts light as energy or in photons",
             found="declares neither",
             remedy=Setting("per", ("energy", "photon")),
         )
-    return curves if told.per == "energy" else photons_as_energy(curves)
+    return curves if parsed.per == "energy" else photons_as_energy(curves)
 
 
 def _header(spectra: Spectra, day: str) -> dict[str, Any]:

@@ -40,10 +40,10 @@ def inspect(file: Path, json_target: str | None, **options: Any) -> None:
     own = own_sensor_of(file) if file.is_file() else None
     if own is None:
         parsed = read_curves(file, answers=answers_of(options))
-        data, lines = told_as_json(file, parsed), told_as_text(file, parsed)
+        data, lines = summary_data(file, parsed), summary_lines(file, parsed)
     else:
         _refuse_answers(options)
-        data, lines = own_as_json(file, own), own_as_text(file, own)
+        data, lines = own_data(file, own), own_lines(file, own)
     if json_target is not None:
         write_json(data, json_target)
     if json_target != "-":
@@ -64,7 +64,7 @@ def _refuse_answers(options: dict[str, Any]) -> None:
             )
 
 
-def own_as_text(file: Path, own: Sensor) -> list[str]:
+def own_lines(file: Path, own: Sensor) -> list[str]:
     """The content of a sensor JSON file, as lines of text."""
     curves, pixel = sensor_spectra(own), own.pixel
     facts = {
@@ -84,7 +84,7 @@ def own_as_text(file: Path, own: Sensor) -> list[str]:
     return lines + [f"  note           {note}" for note in own.notes]
 
 
-def own_as_json(file: Path, own: Sensor) -> dict[str, Any]:
+def own_data(file: Path, own: Sensor) -> dict[str, Any]:
     """The content of a sensor JSON file as data, with the name of the file."""
     return {"file": str(file), "format": "chromanoise JSON", **json.loads(sensor_json(own))}
 
@@ -97,72 +97,76 @@ def _gaps(gaps: tuple[tuple[float, float], ...]) -> str:
     return ", ".join(f"{a:g}-{b:g} nm" for a, b in gaps) or "none"
 
 
-def told_as_text(file: Path, told: ParsedSpectra) -> list[str]:
+def summary_lines(file: Path, parsed: ParsedSpectra) -> list[str]:
     """The preview, line by line."""
-    curves = told.curves
-    cells = f", cells parted by {told.delimiter}, decimal {told.decimal}" if told.delimiter else ""
+    curves = parsed.curves
+    cells = (
+        f", cells separated by {parsed.delimiter}, decimal {parsed.decimal}"
+        if parsed.delimiter
+        else ""
+    )
     facts = {
-        "format": told.format + cells,
+        "format": parsed.format + cells,
         "curves": f"{len(curves.names)}: {_few(curves.names)}",
-        "range": f"{_ends(curves)}, {_steps(curves)}, in the file in {told.wavelength_unit}",
-        "quantity": told.quantity or _undeclared(told),
-        "scale": f"{told.scale}, times {told.factor:g}",
+        "range": f"{_ends(curves)}, {_steps(curves)}, in the file in {parsed.wavelength_unit}",
+        "quantity": parsed.quantity or _undeclared(parsed),
+        "scale": f"{parsed.scale}, times {parsed.factor:g}",
         "values": f"{curves.values.min():.6g} to {curves.values.max():.6g}",
-        "level": told.level or "unknown",
+        "level": parsed.level or "unknown",
         "light counted": {"photon": "in photons", "energy": "as energy"}.get(
-            told.per or "", "unknown"
+            parsed.per or "", "unknown"
         ),
-        "gaps": _gaps(told.gaps_nm),
-        "repeated": f"{told.merged} wavelengths",
+        "gaps": _gaps(parsed.gaps_nm),
+        "repeated": f"{parsed.merged} wavelengths",
     }
-    if told.deviations is not None:
-        facts["deviations"] = ", ".join(told.deviations.names[:_MOST_NAMES])
-    if told.said_source:
-        facts["source"] = told.said_source
+    if parsed.deviations is not None:
+        facts["deviations"] = ", ".join(parsed.deviations.names[:_MOST_NAMES])
+    if parsed.said_source:
+        facts["source"] = parsed.said_source
     lines = [str(file), *(f"  {name:<14} {text}" for name, text in facts.items())]
-    lines += [f"  note           {note}" for note in told.said_notes]
-    lines += [f"  done           {note}" for note in told.notes]
-    lines += [f"  DEFECT         {defect}" for defect in told.defects]
+    lines += [f"  note           {note}" for note in parsed.said_notes]
+    lines += [f"  done           {note}" for note in parsed.notes]
+    lines += [f"  DEFECT         {defect}" for defect in parsed.defects]
     lines += [
         f"  ASK            {q.asks} ({' or '.join(map(options_text, q.settings))})"
-        for q in told.questions
+        for q in parsed.questions
     ]
     return lines
 
 
-def _undeclared(told: ParsedSpectra) -> str:
+def _undeclared(parsed: ParsedSpectra) -> str:
     assumed = "not declared; a sensor takes it as absolute QE per photon (headed wavelength_nm)"
-    return assumed if told.own_form else "unknown"
+    return assumed if parsed.own_form else "unknown"
 
 
-def told_as_json(file: Path, told: ParsedSpectra) -> dict[str, Any]:
+def summary_data(file: Path, parsed: ParsedSpectra) -> dict[str, Any]:
     """The preview as data, the curves included."""
-    curves = told.curves
+    curves = parsed.curves
     questions = [
         {"about": q.about, "asks": q.asks, "options": " or ".join(map(options_text, q.settings))}
-        for q in told.questions
+        for q in parsed.questions
     ]
     return {
         "file": str(file),
-        "format": told.format,
-        "delimiter": told.delimiter,
-        "decimal": told.decimal,
+        "format": parsed.format,
+        "delimiter": parsed.delimiter,
+        "decimal": parsed.decimal,
         "names": list(curves.names),
-        "wavelength_unit": told.wavelength_unit,
+        "wavelength_unit": parsed.wavelength_unit,
         "start_nm": float(curves.wavelength_nm[0]),
         "stop_nm": float(curves.wavelength_nm[-1]),
-        "step_nm": told.step_nm,
-        "gaps_nm": [list(gap) for gap in told.gaps_nm],
-        "merged": told.merged,
-        "quantity": told.quantity,
-        "scale": told.scale,
-        "factor": told.factor,
-        "level": told.level,
-        "per": told.per,
-        "source": told.said_source,
-        "source_notes": list(told.said_notes),
-        "notes": list(told.notes),
-        "defects": list(told.defects),
+        "step_nm": parsed.step_nm,
+        "gaps_nm": [list(gap) for gap in parsed.gaps_nm],
+        "merged": parsed.merged,
+        "quantity": parsed.quantity,
+        "scale": parsed.scale,
+        "factor": parsed.factor,
+        "level": parsed.level,
+        "per": parsed.per,
+        "source": parsed.said_source,
+        "source_notes": list(parsed.said_notes),
+        "notes": list(parsed.notes),
+        "defects": list(parsed.defects),
         "questions": questions,
         "wavelength_nm": curves.wavelength_nm.tolist(),
         "values": {name: curves.values[:, k].tolist() for k, name in enumerate(curves.names)},

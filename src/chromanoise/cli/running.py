@@ -12,9 +12,11 @@ from chromanoise.study import Study, run_study
 def print_run(study: Study, out: Path, threads: int | None, place: Path | None = None) -> None:
     """Run a study whose file names are relative to ``place``, and print the files it writes."""
 
-    def told(what: str, done: bool) -> None:
+    def report(what: str, done: bool) -> None:
         click.echo(f"{what}{' (already done)' if done else ''}", err=True)
 
     work = Work(threads=threads)
-    for file in run_study(study, out, work=work, told=told, progress=progress_of_step, place=place):
+    for file in run_study(
+        study, out, work=work, report=report, progress=progress_of_step, place=place
+    ):
         click.echo(file)

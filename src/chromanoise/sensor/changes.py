@@ -12,7 +12,7 @@ MOST_SHIFT_NM = 200.0
 LOWEST_EDGE_NM, HIGHEST_EDGE_NM = 450.0, 2000.0
 
 
-def behind_ir_cut(sensor: Sensor, edge_nm: float, *, told: bool = True) -> Sensor:
+def behind_ir_cut(sensor: Sensor, edge_nm: float, *, noted: bool = True) -> Sensor:
     """The sensor behind a model IR-cut, in addition to any IR-cut that it already has.
 
     Parameters
@@ -21,7 +21,7 @@ def behind_ir_cut(sensor: Sensor, edge_nm: float, *, told: bool = True) -> Senso
         Any sensor.
     edge_nm
         Wavelength of half transmittance; from 450 to 2000. [nm]
-    told
+    noted
         Whether a note on the added IR-cut is added.
 
     Raises
@@ -31,7 +31,7 @@ def behind_ir_cut(sensor: Sensor, edge_nm: float, *, told: bool = True) -> Senso
     """
     low, high = LOWEST_EDGE_NM, HIGHEST_EDGE_NM
     edge = _check.within("edge_nm", "nm", edge_nm, low, high)
-    note = (f"behind an added model IR-cut at {edge:g} nm",) if told else ()
+    note = (f"behind an added model IR-cut at {edge:g} nm",) if noted else ()
     qe = sensor.qe * ir_cut(sensor.grid, edge_nm=edge)[:, None]
     return replace(sensor, qe=qe, notes=(*sensor.notes, *note))
 

@@ -24,7 +24,7 @@ from chromanoise.study.running import Progress, no_progress, prepared_run
 STUDY_FILE = "study.json"
 _LARGEST_BYTES = 256 << 20
 
-Told = Callable[[str, bool], None]
+Report = Callable[[str, bool], None]
 """Called for each step with its description and whether its result already exists."""
 
 
@@ -52,7 +52,7 @@ def run_study(
     folder: Path,
     *,
     work: Work | None = None,
-    told: Told | None = None,
+    report: Report | None = None,
     progress: Progress = no_progress,
     place: Path | None = None,
 ) -> list[Path]:
@@ -66,7 +66,7 @@ def run_study(
         Output folder: ``study.json`` and one JSON file per step, and the pictures.
     work
         Threads and tiles for rendering pictures.
-    told
+    report
         Called for each step.
     progress
         Called for each step, to report its finished parts.
@@ -102,19 +102,19 @@ def run_study(
         for step in steps:
             file = results / f"{step.name}.json"
             done = _made_by(file, who["hash"])
-            if told:
+            if report:
                 altered = file.exists() and not done
-                told(step.what + ("; its file was changed or truncated" if altered else ""), done)
+                report(step.what + ("; its file was changed or truncated" if altered else ""), done)
             if not done:
                 with scratch_folder() as scratch, progress(step) as advance:
                     result = step.run(scratch, advance)
                     _refuse_change_in_work(study, stamps, who["files"])
-                    told_of = {
+                    document = {
                         "step": step.name,
                         "written": _written(scratch),
                         "result": result.to_dict(),
                     }
-                    _write(scratch / file.name, who | told_of)
+                    _write(scratch / file.name, who | document)
     return [folder / f"{step.name}.json" for step in steps]
 
 
@@ -153,8 +153,8 @@ def recorded_run(path: Path) -> RecordedRun:
             found="is a study",
             remedy=f"use `chromanoise run {file}`",
         )
-    told = _read(file)
-    if not isinstance(told, dict) or "study" not in told or "hash" not in told:
+    record = _read(file)
+    if not isinstance(record, dict) or "study" not in record or "hash" not in record:
         raise InputError(
             str(file),
             "must be an output of `chromanoise run`",
@@ -162,31 +162,31 @@ def recorded_run(path: Path) -> RecordedRun:
             remedy="name an output, or its folder",
         )
     try:
-        study = Study.model_validate_json(json.dumps(told["study"]))
+        study = Study.model_validate_json(json.dumps(record["study"]))
     except ValidationError:
         raise InputError(
             str(file),
             "must be a study of this version of chromanoise",
             where="key 'study'",
-            value=told.get("version"),
+            value=record.get("version"),
             found="is not",
             remedy="run the study again",
         ) from None
-    place = _place_of(file, told, study)
+    place = _place_of(file, record, study)
     try:
         with chdir(place):
             now = study_hash(study)
     except InputError as error:
         raise named(error, str(file)) from None
-    if now != told["hash"]:
+    if now != record["hash"]:
         raise InputError(
             str(file),
             "must be as this version of chromanoise writes it, to give the same digits",
-            value=told.get("version"),
-            found=f"is of version {told.get('version')!r}, or was changed since",
+            value=record.get("version"),
+            found=f"is of version {record.get('version')!r}, or was changed since",
             remedy="run its study again",
         )
-    _refuse_altered(file, told)
+    _refuse_altered(file, record)
     return RecordedRun(study=study, place=place, folder=file.parent)
 
 
@@ -213,15 +213,15 @@ def _relative(files: Iterable[str]) -> bool:
     return any(not Path(name).is_absolute() and not in_catalog(name) for name in files)
 
 
-def _place_of(file: Path, told: dict[str, Any], study: Study) -> Path:
+def _place_of(file: Path, record: dict[str, Any], study: Study) -> Path:
     """The folder relative to which the study's files have the recorded content."""
-    here, before = Path.cwd(), told.get("files")
+    here, before = Path.cwd(), record.get("files")
     if not isinstance(before, dict):
         return here
     if not _relative(before):
         places = [here]
     else:
-        beside = told if file.name == STUDY_FILE else _beside(file)
+        beside = record if file.name == STUDY_FILE else _beside(file)
         places = [Path(str(beside.get("place", here))), *file.resolve().parents, here]
     faults = []
     for place in dict.fromkeys(places):
@@ -241,34 +241,34 @@ def _place_of(file: Path, told: dict[str, Any], study: Study) -> Path:
 def _beside(file: Path) -> dict[str, Any]:
     """The record of the run that wrote the result of a step; empty if it is missing."""
     try:
-        told = _read(file.parent / STUDY_FILE)
+        record = _read(file.parent / STUDY_FILE)
     except InputError:
         return {}
-    return told if isinstance(told, dict) else {}
+    return record if isinstance(record, dict) else {}
 
 
 def _refuse_other_study(folder: Path, study: Study, who: dict[str, Any], called: Path) -> None:
     file = folder / STUDY_FILE
     if not file.exists():
         return
-    told = _read(file)
-    if not isinstance(told, dict):
-        told = {}
-    before = told.get("files")
-    same = all(told.get(key) == who[key] for key in ("version", "study"))
+    record = _read(file)
+    if not isinstance(record, dict):
+        record = {}
+    before = record.get("files")
+    same = all(record.get(key) == who[key] for key in ("version", "study"))
     if same and isinstance(before, dict) and before != who["files"]:
         changed = changes_since(study, before)
         if changed:
             raise _changed(called, changed)
-    if told.get("hash") != who["hash"]:
+    if record.get("hash") != who["hash"]:
         raise InputError(
             str(called),
             "must not hold other results",
-            value=told.get("hash"),
+            value=record.get("hash"),
             found="holds those of another study or version",
             remedy=("choose another folder", "remove it"),
         )
-    _refuse_altered(called / STUDY_FILE, told)
+    _refuse_altered(called / STUDY_FILE, record)
 
 
 def _changed(place: Path, changed: Sequence[str]) -> InputError:
@@ -282,12 +282,12 @@ def _changed(place: Path, changed: Sequence[str]) -> InputError:
     )
 
 
-def _refuse_altered(file: Path, told: dict[str, Any]) -> None:
-    if told.get("content") != content_hash(told):
+def _refuse_altered(file: Path, record: dict[str, Any]) -> None:
+    if record.get("content") != content_hash(record):
         raise InputError(
             str(file),
             "must be as the run wrote it",
-            value=told.get("content"),
+            value=record.get("content"),
             found="was changed since, as its content hash shows",
             remedy=("restore it", "run the study again into another folder"),
         )
@@ -308,9 +308,9 @@ def _refuse_change_in_work(study: Study, stamps: Any, before: Mapping[str, str])
         )
 
 
-def content_hash(told: dict[str, Any]) -> str:
+def content_hash(record: dict[str, Any]) -> str:
     """SHA-256 of all entries of a file except ``content``."""
-    rest = {key: value for key, value in told.items() if key != "content"}
+    rest = {key: value for key, value in record.items() if key != "content"}
     return hashlib.sha256(json.dumps(rest, allow_nan=False).encode()).hexdigest()
 
 
@@ -318,15 +318,15 @@ def _made_by(file: Path, hash_: str) -> bool:
     if not file.exists():
         return False
     try:
-        told = _read(file)
-        if not isinstance(told, dict) or told.get("hash") != hash_:
+        record = _read(file)
+        if not isinstance(record, dict) or record.get("hash") != hash_:
             return False
-        if told.get("content") != content_hash(told):
+        if record.get("content") != content_hash(record):
             return False
     except (InputError, ValueError):  # no JSON any longer, or not a number in it
         return False
-    written = told.get("written")
-    if not isinstance(told.get("result"), dict) or not isinstance(written, dict):
+    written = record.get("written")
+    if not isinstance(record.get("result"), dict) or not isinstance(written, dict):
         return False
     return all(_sha256(file.parent / name) == digest for name, digest in written.items())
 
@@ -359,10 +359,10 @@ def _read(file: Path) -> Any:
     except OSError as error:
         raise InputError(str(file), f"cannot be read ({error.strerror})") from None
     except (ValueError, RecursionError) as error:
-        told = reason(error)
-        raise InputError(str(file), f"is not JSON{f' ({told})' if told else ''}") from None
+        message = reason(error)
+        raise InputError(str(file), f"is not JSON{f' ({message})' if message else ''}") from None
 
 
-def _write(file: Path, told: dict[str, Any]) -> None:
-    told = told | {"content": content_hash(told)}
-    file.write_text(json.dumps(told, indent=1, allow_nan=False) + "\n", encoding="utf-8")
+def _write(file: Path, record: dict[str, Any]) -> None:
+    record = record | {"content": content_hash(record)}
+    file.write_text(json.dumps(record, indent=1, allow_nan=False) + "\n", encoding="utf-8")

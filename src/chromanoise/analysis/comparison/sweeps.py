@@ -67,7 +67,7 @@ def _at_read_noise(operating_point: OperatingPoint, read_noise_e: float) -> Oper
 def _at_ir_cut(operating_point: OperatingPoint, edge_nm: float) -> OperatingPoint:
     """A model IR-cut in front of what the sensor is: one that has a cut has two then."""
     return replace(
-        operating_point, sensor=behind_ir_cut(operating_point.sensor, edge_nm, told=False)
+        operating_point, sensor=behind_ir_cut(operating_point.sensor, edge_nm, noted=False)
     )
 
 

@@ -69,7 +69,7 @@ export function sceneControls(choices) {
     const cube = cubeOf(study);
     const said = study.pictures?.[0]?.beyond;
     fillChoice(scene.select, [...known, ...uploaded("cube", cube)], cube);
-    // what nobody said is held, and that shall not be silent
+    // without a choice the ends are held; the control shows it
     ends.row.hidden = (said ?? "refuse") === "refuse" && !asksFor("cube", cube, "beyond");
     fillChoice(ends.select, BEYOND, BEYOND.some(([word]) => word === said) ? said : "hold");
   };
