@@ -24,7 +24,7 @@ _KINDS = (  # key, title, unit, what it is of
     ("color", "color SNR", "dB", "per coordinate"),
     ("bound", "bound", "dB", "SNR of the best linear readout of Y"),
     ("price", "price", "dB", "how far Y stays below the bound"),
-    ("lab", "noise in CIELAB", "", f"standard deviation of a {brief(100 * GRAY)} % gray"),
+    ("lab", "noise in CIELAB", "", f"standard deviation of an {brief(100 * GRAY)} % gray"),
 )
 
 
