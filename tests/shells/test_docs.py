@@ -48,7 +48,6 @@ def test_the_readme_script_prints_what_the_readme_says(capsys):
     assert plotted.startswith("axes = over_light.plot()")
 
 
-@pytest.mark.xfail(raises=(TypeError, AttributeError), strict=False, reason="not drawn yet")
 def test_the_readme_plots_what_it_computed():
     space = {}
     script, plotted = readme_blocks("python")
