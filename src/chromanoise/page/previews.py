@@ -15,7 +15,7 @@ from chromanoise.spectra import DEFAULT_GRID, Spectra
 from chromanoise.study import study_from_text
 
 MOST_SPECTRUM_BYTES = 1_000_000  # some 50,000 rows, which are understood in half a second
-_MOST_STUDY_BYTES = 1_000_000
+_MOST_STUDY_BYTES = 100_000  # many keys take quadratic time to parse; the starter study has 2.5 kB
 _MOST_NAMES = 12
 _ASKS = {
     "scale": ("answers.scale", ["fraction", "percent"]),
