@@ -14,9 +14,9 @@ from chromanoise.errors import InputError
 from chromanoise.study import (
     STARTER,
     Study,
-    prepared_run,
     provenance,
     read_study,
+    run_plan,
     run_study,
     study_as_python,
     study_as_toml,
@@ -470,7 +470,7 @@ def test_files_of_a_study_are_told_from_its_own_folder(tmp_path, monkeypatch):
     assert set(provenance(study)["files"]) == {f"project/{name}" for name in names}
     assert study.sensors[2].name == "onyx-rgbw"
     assert study.pictures[0].cube == "builtin:checker"
-    assert len(prepared_run(study).steps) == 2
+    assert len(run_plan(study).steps) == 2
     monkeypatch.chdir(project)
     assert read_study("s.toml") == study_from_text(text, source="text")
 
@@ -583,7 +583,7 @@ def test_what_cannot_be_is_refused_before_anything_is_computed(tmp_path):
 def test_a_study_that_asks_for_nothing_is_told_so():
     text = '[[sensors]]\nname = "onyx-rgbw"\n[outputs]\nanalyses = false'
     with refused_input(subject="the study"):
-        prepared_run(study_from_text(text, source="text"))
+        run_plan(study_from_text(text, source="text"))
 
 
 # ---- reading ----

@@ -50,21 +50,28 @@ def drawn_budget(shown: Shown, look: Look) -> dict[str, Any]:
     }
 
 
-def cause_label(cause: str, coordinate: str) -> str:
-    """The chart label of a cause of `chromanoise.metrics.Budget`.
+def cause_label(cause: str, *coordinates: str) -> str:
+    """The label of a cause of `chromanoise.metrics.Budget` in charts and tables.
+
+    Parameters
+    ----------
+    cause
+        A cause of the budget.
+    coordinates
+        The coordinates that share the label.
 
     Examples
     --------
     >>> cause_label("weights", "Y"), cause_label("rest", "Y"), cause_label("read noise", "Y")
     ('color target', 'infrared leaking into Y', 'read noise')
     """
-    one_channel = coordinate.startswith("M^")
+    one_channel = coordinates[0].startswith("M^")
     if cause == WEIGHTS:
         return "one channel alone" if one_channel else "color target"
     if cause == REST:
-        if coordinate in LAB.coordinates:
+        if coordinates[0] in LAB.coordinates:
             return "error of the color matrix"
-        return "remainder" if one_channel else f"infrared leaking into {coordinate}"
+        return "remainder" if one_channel else f"infrared leaking into {', '.join(coordinates)}"
     return cause
 
 

@@ -24,6 +24,7 @@ from chromanoise.analysis.comparison.bands import CrossoverBand, band_sentence
 from chromanoise.analysis.comparison.crossing import Crossover, crossover_sentence
 from chromanoise.analysis.comparison.curves import Curve
 from chromanoise.catalog.sensors import RECONSTRUCTION
+from chromanoise.charts import cause_label
 from chromanoise.color import ColorMatrix
 from chromanoise.metrics import Budget, MatrixReport
 from chromanoise.paper import (
@@ -285,7 +286,8 @@ def _budget_table(budgets: Sequence[Budget], title: str) -> Table:
     table.add_row("all photons", *(f"{budget.photons_db:.2f}" for budget in budgets))
     for i, cost in enumerate(budgets[0].costs):
         losses = (f"{round(-budget.costs[i].loss_db, 2) + 0.0:+.2f}" for budget in budgets)
-        table.add_row(cost.cause, *losses, budgets[read].costs[i].reading)
+        label = cause_label(cost.cause, *(budget.coordinate for budget in budgets))
+        table.add_row(label, *losses, budgets[read].costs[i].reading)
     table.add_row("SNR", *(f"{budget.snr_db:.2f}" for budget in budgets))
     return table
 

@@ -97,7 +97,7 @@ class CaptureSettings:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Prepared:
+class Camera:
     """A camera prepared for capture: all data that its frames share.
 
     Attributes
@@ -129,14 +129,14 @@ class Prepared:
 class Capture:
     """The result of a capture: codes, color, or both."""
 
-    camera: Prepared
+    camera: Camera
     raw: RawPicture | None
     picture: Picture | None
 
 
-def prepared(
+def camera_for(
     cube: Cube, operating_point: OperatingPoint, matrix: ColorMatrix, asked: CaptureSettings
-) -> Prepared:
+) -> Camera:
     """A camera for capturing a cube; invalid settings are refused before any long computation.
 
     Parameters
@@ -166,7 +166,7 @@ def prepared(
         demand_well(operating_point, draw_of(operating_point, seed=0))
     if not asked.raw:
         color_matrices(matrix, operating_point)
-        return Prepared(operating_point=operating_point, matrix=matrix, asked=asked)
+        return Camera(operating_point=operating_point, matrix=matrix, asked=asked)
     adc = adc_of(operating_point.sensor.converter, operating_point.sensor.pixel)
     mosaic = mosaic_of(operating_point, asked.mosaic)
     bank = None
@@ -178,7 +178,7 @@ def prepared(
     if "dng" in insisted:
         height, width, _ = row_source(cube.stored).shape
         refuse_dng_size(f"DNG of {operating_point.sensor.name}", height=height, width=width)
-    return Prepared(
+    return Camera(
         operating_point=operating_point,
         matrix=matrix,
         asked=asked,
@@ -208,7 +208,7 @@ def _profile(
         return None, error
 
 
-def shot(cube: Cube, camera: Prepared, *, frame: int, work: Work) -> Capture:
+def captured(cube: Cube, camera: Camera, *, frame: int, work: Work) -> Capture:
     """Capture one image.
 
     Parameters
@@ -216,7 +216,7 @@ def shot(cube: Cube, camera: Prepared, *, frame: int, work: Work) -> Capture:
     cube
         Reflectances.
     camera
-        Result of `prepared`.
+        Result of `camera_for`.
     frame
         Number of the image in a burst.
     work

@@ -7,7 +7,7 @@ from chromanoise._check import Array
 from chromanoise._shapes import UInt8
 from chromanoise.charts import Shown
 from chromanoise.imaging import Work
-from chromanoise.imaging.capture import shot
+from chromanoise.imaging.capture import captured
 from chromanoise.study.pictures import first_frame, prepared_cameras
 
 
@@ -54,7 +54,7 @@ def sights_of(of: Shown, *, work: Work | None = None) -> tuple[Sight, ...]:
         )
         frame = first_frame(of.study, number)
         taken = [
-            shot(cube, camera, frame=frame, work=work or Work()).picture
+            captured(cube, camera, frame=frame, work=work or Work()).picture
             for camera in cameras[matrix]
         ]
         pictures = tuple(picture.srgb for picture in taken if picture is not None)

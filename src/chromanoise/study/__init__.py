@@ -78,8 +78,8 @@ if TYPE_CHECKING:
     from chromanoise.study.running import (
         Progress,
         Step,
-        prepared_run,
         run,
+        run_plan,
     )
     from chromanoise.study.setting_help import (
         default_of,
@@ -163,13 +163,13 @@ __all__ = [
     "outcome_of",
     "outcomes_as_json",
     "prepared_cameras",
-    "prepared_run",
     "provenance",
     "read_study",
     "recorded_run",
     "refuse_idle",
     "render_study",
     "run",
+    "run_plan",
     "run_study",
     "study_as_command",
     "study_as_json",

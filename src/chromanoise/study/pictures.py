@@ -8,13 +8,13 @@ from chromanoise.analysis.color_matrices import MatrixMaker
 from chromanoise.exposure import OperatingPoint
 from chromanoise.imaging import Work
 from chromanoise.imaging.capture import (
+    Camera,
     Capture,
     CaptureSettings,
-    Prepared,
     any_picture,
+    camera_for,
     capture_summary,
-    prepared,
-    shot,
+    captured,
     write_capture,
 )
 from chromanoise.scene import Cube
@@ -72,13 +72,13 @@ def prepared_cameras(
     number: int,
     operating_points: list[OperatingPoint],
     makers: Mapping[str, MatrixMaker],
-) -> tuple[Cube, dict[str, list[Prepared]]]:
+) -> tuple[Cube, dict[str, list[Camera]]]:
     """The cube, and the cameras of each matrix, of a part of the pictures (from 0).
 
     Raises
     ------
     InputError
-        If the cube cannot be read, or as `capture_settings_of` and `prepared`.
+        If the cube cannot be read, or as `capture_settings_of` and `camera_for`.
     """
     refuse_shared_file_names(operating_points)
     part, key = study.pictures[number], f"pictures.{number}"
@@ -88,7 +88,7 @@ def prepared_cameras(
     with keyed(key, lambda name: own.get(name, name), own):
         asked = capture_settings_of(part, seed=study.seed, key=key)
         return cube, {
-            name: [prepared(cube, each, maker(each), asked) for each in operating_points]
+            name: [camera_for(cube, each, maker(each), asked) for each in operating_points]
             for name, maker in makers.items()
         }
 
@@ -107,7 +107,7 @@ def pictures_taken(
     study: Study,
     number: int,
     cube: Cube,
-    cameras: Mapping[str, list[Prepared]],
+    cameras: Mapping[str, list[Camera]],
     *,
     work: Work,
     folder: Path | None,
@@ -144,7 +144,7 @@ def pictures_taken(
 
 
 def captures(
-    study: Study, number: int, cube: Cube, cameras: Mapping[str, list[Prepared]], *, work: Work
+    study: Study, number: int, cube: Cube, cameras: Mapping[str, list[Camera]], *, work: Work
 ) -> Iterator[tuple[str, Capture]]:
     """Each picture of a part (from 0) as it is taken, with the name of its matrix.
 
@@ -157,7 +157,7 @@ def captures(
     for i in range(len(study.sensors)):
         for name, own in cameras.items():
             for frame in range(first, first + frames):
-                yield name, shot(cube, own[i], frame=frame, work=work)
+                yield name, captured(cube, own[i], frame=frame, work=work)
 
 
 def file_word(name: str) -> str:

@@ -19,7 +19,7 @@ from chromanoise.io.spectra.own_json import named
 from chromanoise.study.document import Study
 from chromanoise.study.hashes import changes_since, file_stamps, in_catalog, provenance, study_hash
 from chromanoise.study.numeric_libraries import numerics
-from chromanoise.study.running import Progress, no_progress, prepared_run
+from chromanoise.study.running import Progress, no_progress, run_plan
 
 STUDY_FILE = "study.json"
 _LARGEST_BYTES = 256 << 20
@@ -94,7 +94,7 @@ def run_study(
         stamps = file_stamps(study)
         who = provenance(study) | {"numerics": numerics()}
         _refuse_other_study(results, study, who, folder)
-        steps = prepared_run(study, work=work).steps
+        steps = run_plan(study, work=work).steps
         if not (results / STUDY_FILE).exists():
             with scratch_folder() as scratch:
                 names = {"steps": [step.name for step in steps]}

@@ -80,7 +80,7 @@ def no_progress(_: Step) -> AbstractContextManager[Advance]:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Prepared:
+class RunPlan:
     """A study whose names are resolved but whose steps are not yet computed.
 
     Attributes
@@ -123,14 +123,14 @@ def run(
     InputError
         If a name is unknown, a file cannot be read, or a result cannot be computed.
     """
-    prepared = prepared_run(study, given=given, work=work)
+    plan = run_plan(study, given=given, work=work)
     done: list[StepResult] = []
-    for step in prepared.steps:
+    for step in plan.steps:
         with progress(step) as advance:
             done.append(step.run(folder, advance))
     return Results(
         study=study,
-        points=prepared.points,
+        points=plan.points,
         analyses={one.matrix: one for one in done if isinstance(one, Analyses)},
         matrices={one.method: one for one in done if isinstance(one, Matrices)},
         sweeps=tuple(one for one in done if isinstance(one, Comparison)),
@@ -138,9 +138,7 @@ def run(
     )
 
 
-def prepared_run(
-    study: Study, *, given: Given = NOTHING_GIVEN, work: Work | None = None
-) -> Prepared:
+def run_plan(study: Study, *, given: Given = NOTHING_GIVEN, work: Work | None = None) -> RunPlan:
     """The study with its names resolved and its steps in order.
 
     Parameters
@@ -166,7 +164,7 @@ def prepared_run(
         raise InputError(
             "the study", "must ask for analyses, matrices, sweeps or pictures", found="has none"
         )
-    return Prepared(points=tuple(points), steps=steps)
+    return RunPlan(points=tuple(points), steps=steps)
 
 
 def _analyses(study: Study, points: Points, makers: Makers) -> Iterator[Step]:
