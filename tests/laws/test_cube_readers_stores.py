@@ -126,6 +126,14 @@ def write_redfish(path, cube, wavelengths=NM, dtype=np.uint16, **options):
     return path
 
 
+def test_a_name_of_an_array_that_is_not_utf_8_is_refused(tmp_path):
+    path = write_redfish(tmp_path / "a.h5", numbers())
+    path.write_bytes(path.read_bytes().replace(b"Hymage", b"Hym\xffge"))
+    with pytest.raises(InputError) as error:
+        read_cube(path)
+    assert error.value.value == r"Hym\xffge"
+
+
 @pytest.mark.parametrize("axis", [0, 1, 2])
 @pytest.mark.parametrize("options", [{}, {"chunks": True, "compression": "gzip"}])
 def test_redfish_finds_its_bands_by_the_wavelengths_and_counts_65536(tmp_path, axis, options):

@@ -144,8 +144,17 @@ def _listed(path: Path) -> tuple[dict[str, Labeled], Mapping[str, Any]]:
         names: list[str] = []
         dataset_type = library("h5py", str(path)).Dataset
 
-        def see(name: str, thing: Any) -> bool | None:
+        def see(name: str | bytes, thing: Any) -> bool | None:
             if isinstance(thing, dataset_type) and thing.shape is not None:
+                if isinstance(name, bytes):  # h5py cannot decode it
+                    shown = name.decode("utf-8", "backslashreplace")
+                    raise InputError(
+                        str(path),
+                        "must have arrays with names in UTF-8",
+                        value=shown,
+                        found=f"has one named {shown[:80]}",
+                        remedy="save it again, because it is damaged",
+                    )
                 names.append(name)
             return True if len(names) > _MOST_ARRAYS else None
 
