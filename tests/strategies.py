@@ -1,11 +1,13 @@
 """Sensors, lights and mixes for hypothesis, and the few nouns that many tests build."""
 
+from dataclasses import replace
+
 import numpy as np
 from hypothesis import strategies as st
 
 from chromanoise.exposure import Exposure
 from chromanoise.noise import Measurement
-from chromanoise.sensor import Pixel, Sensor
+from chromanoise.sensor import Pixel, Sensor, with_pixel
 from chromanoise.spectra import Grid
 
 GRID = Grid.uniform(400, 700, 10)
@@ -71,3 +73,8 @@ def mixes(draw, p):
     order = draw(st.permutations(range(p)))
     scales = np.array([draw(st.floats(0.2, 5.0)) for _ in range(p)])
     return scales[:, None] * (strong + 2.0 * np.eye(p))[list(order)]
+
+
+def with_pixel_of(operating_point, **values):
+    """The operating point with other values of its pixel."""
+    return replace(operating_point, sensor=with_pixel(operating_point.sensor, values))

@@ -25,11 +25,11 @@ from chromanoise.imaging.work import row_blocks
 from chromanoise.io.cubes import read_cube
 from chromanoise.scene import Cube
 from chromanoise.scene.file_rows import FileRows
-from chromanoise.sensor import Imperfections, bayer
+from chromanoise.sensor import bayer
 from chromanoise.spectra import equal_energy
 from outcomes import refused_input
 from processes import command, wait_for
-from strategies import EXPOSURE, GRID, bell_qe, sensor_of
+from strategies import EXPOSURE, GRID, bell_qe, sensor_of, with_pixel_of
 
 ROWS, COLUMNS = 41, 25
 WAVELENGTH = np.linspace(400, 700, 31)
@@ -103,19 +103,14 @@ def test_a_cluster_makes_the_bits_of_threads(executor, tmp_path, interleave, kep
         cube = in_memory(interleave)
     else:
         cube = read_cube(envi_file(tmp_path, interleave))
-    asked = {
-        "seed": 6,
-        "frame": 2,
-        "imperfections": Imperfections(dsnu_e=3.0, row_noise_e=5.0, prnu=0.01),
-    }
+    point = with_pixel_of(SITUATION, dsnu_e=3.0, row_noise_e=5.0, prnu=0.01)
+    asked = {"seed": 6, "frame": 2}
     there = Work(executor=executor, tile_rows=9)
-    here, away = (
-        acquired(cube, SITUATION, mosaic=bayer(), **asked, work=w) for w in one_and(there)
-    )
+    here, away = (acquired(cube, point, mosaic=bayer(), **asked, work=w) for w in one_and(there))
     assert (here.codes == away.codes).all()
     assert (here.mean_e == away.mean_e).all()
     assert (here.above_full_well == away.above_full_well).all()
-    here, away = (rendered(cube, SITUATION, **asked, work=w) for w in one_and(there))
+    here, away = (rendered(cube, point, **asked, work=w) for w in one_and(there))
     assert (here.xyz == away.xyz).all()
     assert (here.srgb == away.srgb).all()
     here, away = (electrons_of_cube(cube, SITUATION, work=w) for w in one_and(there))
@@ -127,11 +122,12 @@ def test_workers_of_this_machine_fill_the_picture_in_place(executor, tmp_path, m
     if not room:
         monkeypatch.delattr(os, "memfd_create")
     cube = read_cube(envi_file(tmp_path))
-    asked = {"seed": 6, "imperfections": Imperfections(dsnu_e=3.0, prnu=0.01)}
+    point = with_pixel_of(SITUATION, dsnu_e=3.0, prnu=0.01)
+    asked = {"seed": 6}
     there = Work(executor=executor, tile_rows=9, same_machine=True)
     sent = []
     monkeypatch.setattr(executor, "submit", recorded(executor.submit, sent))
-    here, beside = (rendered(cube, SITUATION, **asked, work=w) for w in one_and(there))
+    here, beside = (rendered(cube, point, **asked, work=w) for w in one_and(there))
     assert (here.xyz == beside.xyz).all()
     assert (here.srgb == beside.srgb).all()
     assert (here.mean_e == beside.mean_e).all()

@@ -56,6 +56,7 @@ from chromanoise.errors import InputError
 from chromanoise.exposure import expected_electrons, white_scene
 from chromanoise.figures.style import channel_color
 from chromanoise.geometry import reconstructed_light
+from chromanoise.noise import NoiseSources
 from chromanoise.page.choices import choices
 from chromanoise.page.files import asset
 from chromanoise.report.bundle import drawing_style
@@ -522,7 +523,7 @@ def test_chart_noise_is_that_of_the_exact_distribution():
     source = ElectronSource(
         mean_e=expected_electrons(scene, analysis.sensor, analysis.exposure),
         matrix=analysis.matrix.matrix,
-        read_noise_e=analysis.sensor.pixel.read_noise_e,
+        noise=NoiseSources(read_noise_e=analysis.sensor.pixel.read_noise_e),
     )
     color = noisy_color(source, analysis.color.mean)
     noise = propagate(color, LAB, partial(exact, points=2**11))

@@ -135,9 +135,8 @@ KINDS = dict.fromkeys(("sheet", "sheet-json", "profile", "transfer"), PixelSourc
 def numbers_of(told):
     """What a pixel is made of, which has no sense below 0; and the curves of a file."""
     if isinstance(told, PixelSource):
-        flaws = told.imperfections
-        given = (told.pitch_um, told.full_well_e, told.read_noise_e, flaws.dsnu_e, flaws.prnu)
-        return [value for value in (*given, flaws.dark_current_e_per_s) if value is not None]
+        given = (told.pitch_um, told.full_well_e, told.read_noise_e, told.dsnu_e, told.prnu)
+        return [value for value in (*given, told.dark_current_e_per_s) if value is not None]
     if isinstance(told, Sensor):
         pixel = told.pixel
         return [pixel.pitch_um, pixel.full_well_e, pixel.read_noise_e]

@@ -31,10 +31,10 @@ from chromanoise.imaging.blocks import flattened
 from chromanoise.imaging.plans import draw_of
 from chromanoise.noise import Readout, read_moments
 from chromanoise.scene import Cube, flat_cube, flat_field
-from chromanoise.sensor import Adc, Imperfections, Mosaic, adc_to_full_well, bayer, rgbw_sparse_4x4
+from chromanoise.sensor import Adc, Mosaic, adc_to_full_well, bayer, rgbw_sparse_4x4
 from chromanoise.spectra import cie_a
 from outcomes import refused_input
-from strategies import GRID, bell_qe, pixel_with, sensor_of
+from strategies import GRID, bell_qe, pixel_with, sensor_of, with_pixel_of
 
 LAMP = cie_a(GRID)
 
@@ -187,8 +187,9 @@ def test_each_pixel_of_the_mosaic_has_the_noise_that_its_channel_has_there(tile,
 @pytest.mark.parametrize(("tile_rows", "threads"), [(1, 1), (3, 2), (1000, 4)])
 def test_neither_tiles_nor_threads_change_a_bit_of_the_mosaic(tile_rows, threads):
     cube, operating_point = cube_of(stored(40)[0]), used()
-    more = Imperfections(dark_current_e_per_s=100.0, dsnu_e=3.0, prnu=0.01, row_noise_e=2.0)
-    asked = {"mosaic": bayer(), "seed": 2, "imperfections": more}
+    more = {"dark_current_e_per_s": 100.0, "dsnu_e": 3.0, "prnu": 0.01, "row_noise_e": 2.0}
+    operating_point = with_pixel_of(operating_point, **more)
+    asked = {"mosaic": bayer(), "seed": 2}
     whole = acquired(cube, operating_point, **asked)
     tiled = acquired(
         cube, operating_point, **asked, work=Work(tile_rows=tile_rows, threads=threads)
@@ -376,7 +377,8 @@ def test_rows_that_share_a_tile_and_rows_of_several_tiles_are_like_any_other(hei
     cube = cube_of(LAYOUTS[layout](stored(height, width)[0]))
     expected = electrons_by_numpy(cube, operating_point)
     assert electrons_of_cube(cube, operating_point) == pytest.approx(expected, rel=2e-6)
-    asked = {"seed": 3, "imperfections": Imperfections(row_noise_e=4.0, prnu=0.01)}
+    operating_point = with_pixel_of(operating_point, row_noise_e=4.0, prnu=0.01)
+    asked = {"seed": 3}
     row_by_row = Work(tile_rows=1, threads=1)
     for make in (rendered, partial(acquired, mosaic=mosaic)):
         whole, rows = (make(cube, operating_point, work=w, **asked) for w in (Work(), row_by_row))
@@ -396,10 +398,9 @@ def spread_of(**strengths):
     cube = flat_cube(GRID.wavelength_nm, 0.5, height=150, width=150)
     picture = rendered(
         cube,
-        operating_point,
+        with_pixel_of(operating_point, **strengths),
         matrix=matrix,
         noisy=False,
-        imperfections=Imperfections(**strengths),
     )
     white = expected_electrons(
         white_scene(operating_point), operating_point.sensor, operating_point.exposure

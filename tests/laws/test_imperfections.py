@@ -1,16 +1,18 @@
 """What real pixels add: PRNU, DSNU, row noise and dark current."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from chromanoise.exposure import Exposure, OperatingPoint
 from chromanoise.imaging import acquired, rendered
 from chromanoise.scene import Cube, flat_cube
-from chromanoise.sensor import Adc, Imperfections, Mosaic, bayer, noise_without_light_e
+from chromanoise.sensor import Adc, Mosaic, bayer, noise_without_light_e
 from chromanoise.spectra import cie_a
 from goodness import correlation_z
 from outcomes import refused_input
-from strategies import GRID, bell_qe, pixel_with, sensor_of
+from strategies import GRID, bell_qe, pixel_with, sensor_of, with_pixel_of
 
 RED_ONLY = Mosaic((("R",),))
 
@@ -37,11 +39,10 @@ def imperfect(frame, *, noisy=False, read_noise_e=0.0, rho=0.5, **strengths):
     cube = flat_cube(GRID.wavelength_nm, rho, height=200, width=200)
     picture = acquired(
         cube,
-        used(1, read_noise_e=read_noise_e, level_lux=500.0),
+        with_pixel_of(used(1, read_noise_e=read_noise_e, level_lux=500.0), **strengths),
         mosaic=RED_ONLY,
         adc=Adc(bits=16, gain_e_per_dn=1.0, black_level_dn=1000),
         frame=frame,
-        imperfections=Imperfections(**strengths),
         noisy=noisy,
     )
     return picture.codes.astype(float) - 1000, float(picture.mean_e[0])
@@ -80,18 +81,14 @@ def test_dark_current_adds_noise_for_the_time_of_the_exposure_and_its_mean_is_ta
 def test_dark_electrons_leave_less_of_the_well():
     cube = flat_cube(GRID.wavelength_nm, 1.0, height=20, width=20)
     operating_point = used(1, level_lux=1e7, full_well_e=5000.0)
-    more = Imperfections(dark_current_e_per_s=100_000.0)  # 2,000 e- in 20 ms
+    warm = with_pixel_of(operating_point, dark_current_e_per_s=100_000.0)  # 2,000 e- in 20 ms
     adc = Adc(bits=16, gain_e_per_dn=1.0, black_level_dn=1000)
-    raw = acquired(cube, operating_point, mosaic=RED_ONLY, adc=adc, imperfections=more)
+    raw = acquired(cube, warm, mosaic=RED_ONLY, adc=adc)
     assert (raw.codes == 1000 + 5000 - 2000).all()
     assert raw.above_full_well == pytest.approx([1.0])
     with refused_input(value=5000.0):
-        acquired(
-            cube,
-            operating_point,
-            mosaic=RED_ONLY,
-            imperfections=Imperfections(dark_current_e_per_s=250_000.0),
-        )
+        hot = with_pixel_of(operating_point, dark_current_e_per_s=250_000.0)
+        acquired(cube, hot, mosaic=RED_ONLY)
 
 
 @pytest.mark.parametrize(
@@ -117,20 +114,20 @@ def test_one_imperfection_says_nothing_of_another_or_of_the_light(flaw, other):
 
 
 def test_a_clipped_picture_is_held_at_what_dark_electrons_leave_of_the_well():
-    operating_point, dark = used(full_well_e=1600.0), Imperfections(dark_current_e_per_s=10_000.0)
+    warm = with_pixel_of(used(full_well_e=1600.0), dark_current_e_per_s=10_000.0)
     less = used(full_well_e=1400.0)  # 200 dark electrons in 20 ms
     asked = {"noisy": False, "clip": True}
-    held = rendered(varied_cube(), operating_point, **asked, imperfections=dark)
+    held = rendered(varied_cube(), warm, **asked)
     assert 0.1 < held.above_full_well[1] < 0.9
     np.testing.assert_array_equal(held.xyz, rendered(varied_cube(), less, **asked).xyz)
 
 
 def test_an_unclipped_picture_is_not_refused_for_its_well():
-    dark = Imperfections(dark_current_e_per_s=1e6)
-    seen = rendered(varied_cube(), used(full_well_e=600.0), imperfections=dark)
+    dark = with_pixel_of(used(full_well_e=600.0), dark_current_e_per_s=1e6)
+    seen = rendered(varied_cube(), dark)
     assert (seen.above_full_well == 1).all()
     with refused_input(value=pytest.approx(20_000.0)):
-        rendered(varied_cube(), used(full_well_e=600.0), imperfections=dark, clip=True)
+        rendered(varied_cube(), dark, clip=True)
 
 
 def test_codes_without_light_scatter_as_told_for_them():
@@ -138,7 +135,8 @@ def test_codes_without_light_scatter_as_told_for_them():
     codes = np.stack(
         [imperfect(frame, noisy=True, read_noise_e=20.0, rho=0.0, **flaws)[0] for frame in range(3)]
     )
-    told_e = noise_without_light_e(Imperfections(**flaws), read_noise_e=20.0, time_s=0.02)
+    pixel = replace(pixel_with(20.0), **flaws)
+    told_e = noise_without_light_e(pixel, time_s=0.02)
     # a row's noise is drawn 600 times, the dark signal 40,000 times, the rest 120,000 times
     error = np.sqrt(2 * (2400.0**2 / 120_000 + 900.0**2 / 40_000 + 100.0**2 / 600))
     assert codes.var() == pytest.approx(told_e**2 + 1 / 12, abs=5 * error)
@@ -148,16 +146,12 @@ def test_a_picture_with_dark_current_has_the_colors_of_one_without():
     cube, operating_point = varied_cube(), used()
     asked = {"noisy": False, "seed": 3}
     plain = rendered(cube, operating_point, **asked)
-    warm = rendered(
-        cube, operating_point, **asked, imperfections=Imperfections(dark_current_e_per_s=1e4)
-    )
+    warm = rendered(cube, with_pixel_of(operating_point, dark_current_e_per_s=1e4), **asked)
     assert warm.xyz == pytest.approx(plain.xyz, rel=1e-4, abs=1e-5)
 
 
 def test_options_that_are_switched_on_leave_the_shot_noise_as_it_was():
     cube, operating_point = varied_cube(), used()
     plain = acquired(cube, operating_point, mosaic=bayer(), seed=3)
-    shifted = acquired(
-        cube, operating_point, mosaic=bayer(), seed=3, imperfections=Imperfections(dsnu_e=1e-9)
-    )
+    shifted = acquired(cube, with_pixel_of(operating_point, dsnu_e=1e-9), mosaic=bayer(), seed=3)
     assert np.abs(plain.codes.astype(int) - shifted.codes).max() <= 1

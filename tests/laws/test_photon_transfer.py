@@ -238,7 +238,7 @@ def test_lit_rows_use_the_dark_rows_of_the_same_exposure_time():
         found = (fit.gain_dn_per_e, fit.read_noise_e, fit.dark_current_e_per_s, fit.black_dn)
         assert found == pytest.approx((0.5, 6.0, 4000.0, 64.0), rel=1e-9)
     pixel = pixel_from_photon_transfer(photon_transfer_fit(rows))
-    assert pixel.imperfections.dark_current_e_per_s == pytest.approx(4000.0)
+    assert pixel.dark_current_e_per_s == pytest.approx(4000.0)
     with refused_input(where="column 'time_ms'", value=3.0):
         photon_transfer_fit(replace(rows, time_ms=np.concatenate([time, [1.0, 2.0, 4.0, 3.0]])))
 

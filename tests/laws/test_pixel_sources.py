@@ -95,8 +95,7 @@ def test_a_sheet_that_agrees_with_itself_has_no_contradiction_and_its_own_number
     assert disagreements(told) == []
     assert (told.qe, told.pitch_um, told.full_well_e, told.read_noise_e) == (0.6, 3.45, 1e4, 8.0)
     assert told.adc == Adc(bits=12, gain_e_per_dn=4.0, black_level_dn=64)
-    own = told.imperfections
-    assert (own.dark_current_e_per_s, own.dsnu_e, own.prnu) == (16.0, 1.5, 0.005)
+    assert (told.dark_current_e_per_s, told.dsnu_e, told.prnu) == (16.0, 1.5, 0.005)
     assert open_questions(told) == ()
 
 

@@ -1,5 +1,7 @@
 """Converter, imperfections, mosaics by name: what they promise, and what they refuse."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import assume, given
@@ -7,15 +9,16 @@ from hypothesis import strategies as st
 
 from chromanoise.sensor import (
     MOSAIC_NAMES,
+    PAPER_PIXEL,
     Adc,
-    Imperfections,
     Mosaic,
     adc_to_full_well,
     bayer,
+    extra_noise,
     mosaic_named,
     rgbw_sparse_4x4,
+    shot_and_read_only,
 )
-from chromanoise.sensor.imperfections import NONE
 from outcomes import refused_input
 from strategies import pixel_with
 
@@ -95,26 +98,21 @@ def test_a_black_level_just_below_the_top_leaves_full_well_to_one_code():
 
 
 def test_the_papers_pixel_has_no_imperfections():
-    assert Imperfections() == NONE
-    assert (
-        NONE.dark_current_e_per_s,
-        NONE.dsnu_e,
-        NONE.prnu,
-        NONE.row_noise_e,
-    ) == (0.0, 0.0, 0.0, 0.0)
+    assert extra_noise(PAPER_PIXEL) == {}
+    assert shot_and_read_only(replace(PAPER_PIXEL, prnu=0.01, dsnu_e=2.0)) == PAPER_PIXEL
 
 
 @pytest.mark.parametrize("field", ["dark_current_e_per_s", "dsnu_e", "prnu", "row_noise_e"])
 @pytest.mark.parametrize("value", [-1e-9, np.nan, np.inf])
 def test_an_imperfection_that_is_no_strength_is_refused_by_name(field, value):
     with refused_input(subject=field):
-        Imperfections(**{field: value})
+        replace(PAPER_PIXEL, **{field: value})
 
 
 def test_a_prnu_in_percent_is_recognised():
-    assert Imperfections(prnu=0.2).prnu == 0.2
+    assert replace(PAPER_PIXEL, prnu=0.2).prnu == 0.2
     with refused_input(subject="prnu", value=1.0):
-        Imperfections(prnu=1.0)
+        replace(PAPER_PIXEL, prnu=1.0)
 
 
 def share(mosaic, name):

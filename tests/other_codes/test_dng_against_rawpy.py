@@ -20,7 +20,7 @@ from chromanoise.imaging.dng import (
     write_dng,
 )
 from chromanoise.scene import Scene, flat_cube
-from chromanoise.sensor import Adc, Imperfections, Mosaic, bayer, rgbw_2x2, rgbw_sparse_4x4
+from chromanoise.sensor import Adc, Mosaic, bayer, rgbw_2x2, rgbw_sparse_4x4
 from chromanoise.spectra import cie_illuminant
 from outcomes import refused_input
 from strategies import GRID, bell_qe, pixel_with, sensor_of
@@ -274,17 +274,16 @@ def test_the_noise_profile_is_the_variance_of_codes(tmp_path):
 
 
 def test_the_white_level_is_where_pixels_saturate_and_the_noise_profile_knows_the_dark(tmp_path):
-    flaws = Imperfections(dark_current_e_per_s=100_000.0, row_noise_e=15.0)  # 2,000 e- in 20 ms
-    operating_point = seen_by("RGB", pixel=pixel_with(20.0, full_well_e=5000.0))
+    pixel = pixel_with(20.0, full_well_e=5000.0)
+    pixel = replace(pixel, dark_current_e_per_s=100_000.0, row_noise_e=15.0)  # 2,000 e- in 20 ms
+    operating_point = seen_by("RGB", pixel=pixel)
     adc = Adc(bits=14, gain_e_per_dn=2.0, black_level_dn=300)
-    profile = raw_profile(
-        operating_point, matrix_of(operating_point), mosaic=bayer(), adc=adc, imperfections=flaws
-    )
+    profile = raw_profile(operating_point, matrix_of(operating_point), mosaic=bayer(), adc=adc)
 
     def codes(rho, level_lux):
         cube = flat_cube(GRID.wavelength_nm, rho, height=400, width=400)
         lit = replace(operating_point, level_lux=level_lux)
-        return acquired(cube, lit, mosaic=bayer(), adc=adc, imperfections=flaws).codes
+        return acquired(cube, lit, mosaic=bayer(), adc=adc).codes
 
     full, dark = codes(1.0, 1e6), codes(0.0, 1.0).astype(float)
     write_dng(tmp_path / "a.dng", full, profile)

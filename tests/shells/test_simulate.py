@@ -20,10 +20,11 @@ from chromanoise.imaging.capture import write_capture
 from chromanoise.io.cubes import read_cube
 from chromanoise.io.sensor_json import sensor_json
 from chromanoise.scene import flat_field
-from chromanoise.sensor import Imperfections, Mosaic, bayer, rgb_ir, rgbw_2x2, rgbw_sparse_4x4
+from chromanoise.sensor import Mosaic, bayer, rgb_ir, rgbw_2x2, rgbw_sparse_4x4
 from chromanoise.spectra import DEFAULT_GRID, equal_energy
 from outcomes import refused
 from processes import IGNORING, command, wait_for
+from strategies import with_pixel_of
 
 ROWS, COLUMNS = 27, 23  # no whole number of tiles; DNG needs 22
 IMPERFECT = {
@@ -236,9 +237,7 @@ def test_each_imperfection_goes_where_the_library_puts_it(take, cube, field):
     option = f"--{field.replace('_', '-')}"
     folder, (told,), _, _ = take("o", "model-rgb", "--mosaic", "bayer", "--raw-only", option, value)
     plain = acquired(read_cube(cube), used("model-rgb"))
-    ours = acquired(
-        read_cube(cube), used("model-rgb"), imperfections=Imperfections(**{field: value})
-    )
+    ours = acquired(read_cube(cube), with_pixel_of(used("model-rgb"), **{field: value}))
     codes = codes_in(folder, "model-rgb")
     assert (codes == ours.codes).all()
     assert not (codes == plain.codes).all()
@@ -248,7 +247,7 @@ def test_each_imperfection_goes_where_the_library_puts_it(take, cube, field):
 def test_imperfections_reach_the_picture_without_a_mosaic_too(take, cube):
     options = [word for k, v in IMPERFECT.items() for word in (f"--{k.replace('_', '-')}", v)]
     folder, _, _, _ = take("o", "model-rgb", *options)
-    ours = rendered(read_cube(cube), used("model-rgb"), imperfections=Imperfections(**IMPERFECT))
+    ours = rendered(read_cube(cube), with_pixel_of(used("model-rgb"), **IMPERFECT))
     assert (tifffile.imread(folder / "model-rgb.xyz.tiff") == ours.xyz).all()
 
 

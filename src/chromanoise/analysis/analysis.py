@@ -18,6 +18,7 @@ from chromanoise.analysis.operating_point import (
 )
 from chromanoise.color import (
     ColorMatrix,
+    colored,
     kernel_matrix,
 )
 from chromanoise.errors import InputError
@@ -40,7 +41,7 @@ from chromanoise.metrics import color_snr_loss_db as snr_loss_db
 from chromanoise.metrics.snr import LEAST_COLOR
 from chromanoise.noise import Measurement, Readout
 from chromanoise.scene import Scene
-from chromanoise.sensor import Sensor, left_out_of_closed_form
+from chromanoise.sensor import Sensor
 from chromanoise.spectra import Metric, color_axes
 from chromanoise.units import decibel
 
@@ -58,7 +59,10 @@ class Analysis:
     scene, sensor, exposure
         The patch, the sensor that measures it, and its exposure settings.
     raw, contravariant, color
-        The measurement at each stage, with its covariance.
+        The measurement at each stage, with its covariance: total noise, as one reading over a flat
+        field shows it.
+    temporal_raw
+        The raw measurement without fixed-pattern noise (DSNU, PRNU), as from frame to frame.
     matrix
         The color matrix, by default the kernel matrix; it holds the metric and the frame.
     saturated
@@ -88,6 +92,7 @@ class Analysis:
     raw: Measurement
     contravariant: Measurement
     color: Measurement
+    temporal_raw: Measurement
     matrix: ColorMatrix
     saturated: Bool[Array, " p"]
     expected_e: Float[Array, " p"]
@@ -182,6 +187,7 @@ def analyzed(
         raw=raw,
         contravariant=at.contravariant,
         color=color,
+        temporal_raw=at.temporal_raw,
         matrix=matrix,
         saturated=at.saturated,
         expected_e=at.expected_e,
@@ -226,6 +232,21 @@ def raw_snr_db(analysis: Analysis) -> dict[str, float | None]:
     return _told(snr_db(analysis.raw), hidden)
 
 
+def temporal_raw_snr_db(analysis: Analysis) -> dict[str, float | None]:
+    """As `raw_snr_db`, without fixed-pattern noise (DSNU, PRNU). [dB]"""
+    hidden = dict(zip(analysis.sensor.names, analysis.saturated.tolist(), strict=True))
+    return _told(snr_db(analysis.temporal_raw), hidden)
+
+
+def temporal_color_snr_db(analysis: Analysis) -> dict[str, float | None]:
+    """As `color_snr_db`, without fixed-pattern noise (DSNU, PRNU). [dB]"""
+    lost = bool(analysis.saturated.any())
+    color = colored(analysis.temporal_raw, analysis.matrix)
+    decibels = signal_snr_db(color, analysis.truth_xyz)
+    named = {name: np.asarray(decibels[i]) for i, name in enumerate(color.names)}
+    return _told(named, dict.fromkeys(named, lost))
+
+
 def contravariant_snr_db(analysis: Analysis) -> dict[str, float | None]:
     """Contravariant SNR per channel; ``None`` where it is undefined. [dB]
 
@@ -265,7 +286,7 @@ def color_snr_loss_db(analysis: Analysis) -> float | None:
 def diagnosis(analysis: Analysis) -> tuple[str, ...]:
     """Warnings about these results: saturation, clipping, channels without signal."""
     sensor = analysis.sensor
-    notes = (*sensor.notes, *left_out_of_closed_form(sensor), *analysis.scene.illuminant.notes)
+    notes = (*sensor.notes, *analysis.scene.illuminant.notes)
     return (*notes, *_channel_notes(analysis), *_color_notes(analysis), *_frame_notes(analysis))
 
 

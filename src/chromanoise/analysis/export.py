@@ -13,6 +13,8 @@ from chromanoise.analysis.analysis import (
     diagnosis,
     mean_color_error,
     raw_snr_db,
+    temporal_color_snr_db,
+    temporal_raw_snr_db,
 )
 from chromanoise.analysis.budgets import color_budgets, contravariant_budgets, lab_budgets
 from chromanoise.analysis.comparison.crossing import Crossover, crossover_as_json
@@ -90,6 +92,7 @@ def _analysis(analysis: Analysis) -> dict[str, Any]:
         "spectral_snr_db": defined(analysis.spectral_snr_db) if usable else None,
         "color": {
             "snr_db": color_snr_db(analysis),
+            "temporal_snr_db": temporal_color_snr_db(analysis),
             "mean_lux": _named(axes, analysis.color.mean),
             "covariance_lux2": analysis.color.covariance.tolist(),
         },
@@ -109,11 +112,13 @@ def _analysis(analysis: Analysis) -> dict[str, Any]:
 def _channels(analysis: Analysis) -> list[dict[str, Any]]:
     names = analysis.sensor.names
     raw, contravariant = raw_snr_db(analysis), contravariant_snr_db(analysis)
+    temporal = temporal_raw_snr_db(analysis)
     return [
         {
             "name": name,
             "mean_e": float(analysis.raw.mean[i]),
             "snr_db": raw[name],
+            "temporal_snr_db": temporal[name],
             "contravariant_snr_db": contravariant[name],
             "vif": defined(float(analysis.vif[i])),
             "saturated": bool(analysis.saturated[i]),

@@ -4,7 +4,7 @@ All computations of SNR use this module: the analysis of one patch, sweeps over 
 the patches of a chart.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -19,9 +19,10 @@ from chromanoise.noise import (
     Measurement,
     Moments,
     Readout,
+    noise_sources,
     raw_measurement,
-    read_moments,
     saturated,
+    sensor_moments,
     with_noise,
 )
 from chromanoise.scene import Scene
@@ -67,7 +68,19 @@ class Stages:
     @property
     def saturated(self) -> Bool[Array, "*px p"]:
         """True where the expected electrons of a channel exceed full well."""
-        return saturated(self.expected_e, self.point.sensor.pixel)
+        return saturated(self.expected_e, self.point.sensor.pixel, self.point.exposure)
+
+    @property
+    def temporal_raw(self) -> Measurement:
+        """The electrons after readout without fixed-pattern noise (DSNU, PRNU)."""
+        sensor, exposure = self.point.sensor, self.point.exposure
+        noise = noise_sources(sensor, exposure)
+        if not noise.dsnu_e and not noise.prnu:
+            return self.raw
+        if self.readout is None:
+            return with_noise(self.expected_e, sensor, exposure, kind="temporal")
+        moments = sensor_moments(self.expected_e, noise.temporal, self.readout)
+        return raw_measurement(moments, sensor.names)
 
     @property
     def truth_xyz(self) -> Float[Array, "*px 3"]:
@@ -179,8 +192,8 @@ def stages_at(
     expected = _at_levels(expected_electrons(scene, point.sensor, point.exposure), levels)
     clipping = None
     if readout is not None:
-        noise = point.sensor.pixel.read_noise_e
-        clipping = read_moments(expected, read_noise_e=noise, readout=readout)
+        noise = noise_sources(point.sensor, point.exposure)
+        clipping = sensor_moments(expected, noise, readout)
     return Stages(
         point=point,
         matrix=matrix,
@@ -190,7 +203,7 @@ def stages_at(
         expected_e=expected,
         raw=raw_measurement(clipping, point.sensor.names)
         if clipping
-        else with_noise(expected, point.sensor),
+        else with_noise(expected, point.sensor, point.exposure),
         clipping=clipping,
         lux_per_e=lux_per_e,
     )
@@ -209,10 +222,19 @@ def noisy_color_at(stages: Stages, white: Float[Array, " 3"]) -> NoisyColor:
     source = ElectronSource(
         mean_e=stages.expected_e,
         matrix=stages.matrix.matrix,
-        read_noise_e=stages.point.sensor.pixel.read_noise_e,
+        noise=noise_sources(stages.point.sensor, stages.point.exposure),
         readout=stages.readout or UNBOUNDED,
     )
-    return NoisyColor(xyz=stages.color, white=white, source=source)
+    return NoisyColor(xyz=_with_black_error(stages), white=white, source=source)
+
+
+def _with_black_error(stages: Stages) -> Measurement:
+    """The color as it is read: an error of the black level adds to its mean, not to its signal."""
+    black_e = stages.point.sensor.pixel.black_error_e
+    if not black_e or stages.clipping is not None:  # the moments of the readout include it
+        return stages.color
+    shift = black_e * stages.matrix.matrix.sum(axis=1)
+    return replace(stages.color, mean=stages.color.mean + shift)
 
 
 def _scene(

@@ -14,7 +14,6 @@ from chromanoise.color import ColorMatrix, ParetoCurve, pareto
 from chromanoise.errors import InputError
 from chromanoise.exposure import OperatingPoint
 from chromanoise.metrics import MatrixReport
-from chromanoise.sensor import left_out_of_closed_form
 
 _LIGHTEST, _HEAVIEST = 1e-15, 1e15  # limits of double precision
 
@@ -116,7 +115,6 @@ def matrix_as_json(
         "pareto": None if curve is None else _points(curve, report),
         "notes": [
             *sensor.notes,
-            *left_out_of_closed_form(sensor),
             *operating_point.illuminant.notes,
         ],
     }

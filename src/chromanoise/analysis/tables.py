@@ -15,7 +15,6 @@ from chromanoise.color import ColorMatrix
 from chromanoise.errors import InputError
 from chromanoise.io.table import Column, Entry, Table, written
 from chromanoise.metrics import MatrixReport
-from chromanoise.sensor import left_out_of_closed_form
 
 
 def analyses_as_table(analyses: Sequence[Analysis]) -> Table:
@@ -44,13 +43,7 @@ def analyses_as_table(analyses: Sequence[Analysis]) -> Table:
         title="SNR of color",
         columns=columns,
         rows=tuple(_analysis_row(analysis) for analysis in analyses),
-        notes=tuple(
-            dict.fromkeys(
-                note
-                for a in analyses
-                for note in (*a.sensor.notes, *left_out_of_closed_form(a.sensor))
-            )
-        ),
+        notes=tuple(dict.fromkeys(note for a in analyses for note in a.sensor.notes)),
     )
 
 

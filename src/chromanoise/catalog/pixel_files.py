@@ -1,6 +1,6 @@
 """Replace the pixel of a sensor by one from a data sheet, noise profile or photon transfer."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, replace
 from functools import partial
 from pathlib import Path
@@ -37,11 +37,13 @@ from chromanoise.sensor import (
     Sensor,
     photon_transfer_fit,
     pixel_from_photon_transfer,
+    with_pixel,
 )
 
 _HEAD_BYTES = 200  # of the JSON, which name its schema
 _BEFORE_JSON = b"\xef\xbb\xbf \t\r\n"
-_PIXEL_FIELDS = ("pitch_um", "full_well_e", "read_noise_e")
+_OF_SOURCE = ("pitch_um", "full_well_e", "read_noise_e", "dark_current_e_per_s", "dsnu_e", "prnu")
+_REQUIRED = _OF_SOURCE[:3]
 
 
 def read_pixel_source(path: Path | str) -> PixelSource:
@@ -142,11 +144,11 @@ def _own_sensor(word: str) -> Sensor | None:
     return own_sensor_of(file_there(word, "sensor"))
 
 
-def _sensor(word: str, answers: Answers, changes: dict[str, Any]) -> Sensor:
+def _sensor(word: str, answers: Answers, changes: Mapping[str, Any]) -> Sensor:
     own = _own_sensor(word)
     if own is None:
         return resolve_sensor(word, answers=answers, **changes)
-    return on_pixel(own, **changes)
+    return with_pixel(own, changes)
 
 
 def sensor_with_pixel(
@@ -154,14 +156,9 @@ def sensor_with_pixel(
     *,
     answers: Answers = ASK,
     file: str | None = None,
-    pitch_um: float | None = None,
-    full_well_e: float | None = None,
-    read_noise_e: float | None = None,
+    **given: float | None,
 ) -> Sensor:
     """A sensor from `resolve_sensor` or from our own JSON, with the pixel of a file.
-
-    The file gives pitch, full well and read noise of the pixel. It may also give imperfections
-    and the converter, which only simulated pictures use.
 
     Parameters
     ----------
@@ -169,15 +166,15 @@ def sensor_with_pixel(
         As for `resolve_sensor`.
     file
         A file for `read_pixel_source`; ``None`` keeps the sensor's pixel.
-    pitch_um, full_well_e, read_noise_e
-        They override the file, which overrides the sensor's pixel. [um], [e-], [e-]
+    given
+        Fields of `Pixel` and of `Converter`. They override the file, which overrides the sensor's
+        pixel; ``None`` does not.
 
     Raises
     ------
     InputError
         As for `resolve_sensor` and `read_pixel_source`, or if the file gives no value.
     """
-    given = {"pitch_um": pitch_um, "full_well_e": full_well_e, "read_noise_e": read_noise_e}
     return _on_pixel(partial(_sensor, word, answers), file, given)
 
 
@@ -185,9 +182,7 @@ def on_pixel(
     sensor: Sensor,
     *,
     file: str | None = None,
-    pitch_um: float | None = None,
-    full_well_e: float | None = None,
-    read_noise_e: float | None = None,
+    **given: float | None,
 ) -> Sensor:
     """A sensor with the pixel of a file; see `sensor_with_pixel`.
 
@@ -195,56 +190,37 @@ def on_pixel(
     ----------
     sensor
         The sensor whose pixel is replaced.
-    file, pitch_um, full_well_e, read_noise_e
-        As for `sensor_with_pixel`. [um], [e-], [e-]
+    file, given
+        As for `sensor_with_pixel`.
 
     Raises
     ------
     InputError
         As for `sensor_with_pixel`.
     """
-    given = {"pitch_um": pitch_um, "full_well_e": full_well_e, "read_noise_e": read_noise_e}
-
-    def changed(pixel: dict[str, float | None]) -> Sensor:
-        known = {name: value for name, value in pixel.items() if value is not None}
-        return replace(sensor, pixel=replace(sensor.pixel, **known))
-
-    return _on_pixel(changed, file, given)
+    return _on_pixel(partial(with_pixel, sensor), file, given)
 
 
 def _on_pixel(
-    made: Callable[[dict[str, float | None]], Sensor],
-    file: str | None,
-    given: dict[str, float | None],
+    made: Callable[[Mapping[str, Any]], Sensor], file: str | None, given: Mapping[str, Any]
 ) -> Sensor:
     """The sensor that ``made`` returns for the given values, which override those of the file."""
+    asked = {name: value for name, value in given.items() if value is not None}
     if file is None:
-        return made(given)
+        return made(asked)
     source = read_pixel_source(file_of(file))
-    from_file = {name: getattr(source, name) for name in _PIXEL_FIELDS}
-    flaws, converter = _flaws(source), _converter(source)
-    if all(value is None for value in from_file.values()) and not flaws and not converter.known:
+    own = {name: getattr(source, name) for name in _OF_SOURCE}
+    held = {name: value for name, value in own.items() if value is not None}
+    converter = _converter(source).known
+    if not held and not converter:
         raise InputError(
             file,
-            "must give pitch, full well, read noise or a value for pictures",
+            "must give a value of the pixel or its converter",
             value=source.notes,
-            found=f"gives none of them ({'; '.join(source.notes)})",
+            found=f"gives none ({'; '.join(source.notes)})",
         )
-    merged = {
-        name: from_file[name] if given[name] is None else given[name] for name in _PIXEL_FIELDS
-    }
-    sensor = made(merged)
-    return replace(
-        sensor,
-        imperfections=replace(sensor.imperfections, **flaws),
-        converter=converter if converter.known else sensor.converter,
-        notes=(*sensor.notes, *_notes(source, from_file, given, {**flaws, **converter.known})),
-    )
-
-
-def _flaws(source: PixelSource) -> dict[str, float]:
-    """The imperfections that the file gives, without zeros."""
-    return {name: value for name, value in asdict(source.imperfections).items() if value}
+    sensor = made({**held, **converter, **asked})
+    return replace(sensor, notes=(*sensor.notes, *_notes(source, {**held, **converter}, asked)))
 
 
 def _converter(source: PixelSource) -> Converter:
@@ -262,19 +238,14 @@ def _converter(source: PixelSource) -> Converter:
         raise error.within(source.source) from None
 
 
-def _notes(
-    source: PixelSource, from_file: dict[str, Any], given: dict[str, Any], more: dict[str, float]
-) -> list[str]:
+def _notes(source: PixelSource, held: Mapping[str, Any], asked: Mapping[str, Any]) -> list[str]:
     """Notes that state which values are from the file, given, or unchanged."""
-    taken = [name for name in _PIXEL_FIELDS if from_file[name] is not None and given[name] is None]
-    won = [
-        name for name in _PIXEL_FIELDS if from_file[name] is not None and given[name] is not None
-    ]
-    silent = [name for name in _PIXEL_FIELDS if from_file[name] is None and given[name] is None]
-    taken += more
+    taken = [name for name in held if name not in asked]
+    won = [name for name in held if name in asked]
+    silent = [name for name in _REQUIRED if name not in held and name not in asked]
     notes = [f"{', '.join(taken)} of {source.source}"] if taken else []
     if won:
         notes.append(f"{', '.join(won)} as given, not of {source.source}")
     if silent:
-        notes.append(f"{source.source} does not tell {', '.join(silent)}: the sensor's own stay")
+        notes.append(f"{source.source} does not give {', '.join(silent)}: the sensor's own stay")
     return [*notes, *source.notes]

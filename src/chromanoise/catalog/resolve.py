@@ -5,7 +5,7 @@ import re
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 from chromanoise.catalog.entries import (
     catalog_entry,
@@ -17,12 +17,20 @@ from chromanoise.catalog.entries import (
     own_tables,
 )
 from chromanoise.catalog.names import unknown_name
-from chromanoise.catalog.sensor_tables import sensor_from_table
+from chromanoise.catalog.sensor_tables import assumed_pixel, sensor_from_table
 from chromanoise.catalog.sensors import KNOWN_SENSORS, sensor_named
 from chromanoise.errors import InputError
 from chromanoise.io import read_sensor
 from chromanoise.io.spectra import ASK, Answers, library_files, power_of, read_curves
-from chromanoise.sensor import PAPER_PIXEL, Sensor, behind_filter, filter_named, is_filter_name
+from chromanoise.sensor import (
+    PAPER_PIXEL,
+    Sensor,
+    behind_filter,
+    filter_named,
+    is_filter_name,
+    of_pixel,
+    with_pixel,
+)
 from chromanoise.spectra import (
     DEFAULT_GRID,
     SMALL_NEGATIVES,
@@ -44,14 +52,7 @@ WordKind = Literal["sensor", "light", "filter"]
 """What a word refers to; the word is a name of the catalog or a path."""
 
 
-def resolve_sensor(
-    word: str,
-    *,
-    answers: Answers = ASK,
-    pitch_um: float | None = None,
-    full_well_e: float | None = None,
-    read_noise_e: float | None = None,
-) -> Sensor:
+def resolve_sensor(word: str, *, answers: Answers = ASK, **changes: Any) -> Sensor:
     """A sensor of the catalog or from a file of curves, with the given pixel values.
 
     Parameters
@@ -60,25 +61,21 @@ def resolve_sensor(
         A name in the catalog or the user's folder, or a file (`is_file_word`).
     answers
         Metadata that the file or the catalog's table lacks.
-    pitch_um, full_well_e, read_noise_e
-        They override the sensor's values. A file of curves has none: its default is the paper's
-        pixel. [um], [e-], [e-]
+    changes
+        Fields of `Pixel` and `Converter`, which override the sensor's values; ``None`` does not.
+        A file of curves has none: its default is the paper's pixel.
 
     Raises
     ------
     InputError
         If the name is unknown, the file cannot be read, or a pixel value is invalid.
     """
-    changes = {"pitch_um": pitch_um, "full_well_e": full_well_e, "read_noise_e": read_noise_e}
     given = {key: value for key, value in changes.items() if value is not None}
     if not is_file_word(word, "sensor"):
-        return _catalogue_sensor(word, answers, given)
+        return with_pixel(_catalogue_sensor(word, answers, of_pixel(given)), given)
     sensor = read_sensor(file_there(word, "sensor"), DEFAULT_GRID, PAPER_PIXEL, answers=answers)
-    missing = [key for key in changes if key not in given]
-    if missing:
-        note = f"the paper's pixel stands in for {', '.join(missing)} of {sensor.name}"
-        sensor = replace(sensor, notes=(*sensor.notes, note))
-    return replace(sensor, pixel=replace(sensor.pixel, **given))
+    note = assumed_pixel(sensor.name, sensor.pixel, given)
+    return with_pixel(replace(sensor, notes=(*sensor.notes, *note)), given)
 
 
 def resolve_illuminant(word: str, *, answers: Answers = ASK) -> Illuminant:

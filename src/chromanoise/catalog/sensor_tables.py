@@ -1,7 +1,7 @@
 """Sensors from tables with provenance: from data sheets, and cameras of colour-science."""
 
-from collections.abc import Mapping
-from dataclasses import fields, replace
+from collections.abc import Collection, Mapping
+from dataclasses import replace
 from typing import get_args
 
 import numpy as np
@@ -154,9 +154,38 @@ def _understood(provenance: Provenance, curves: Spectra, answers: Answers) -> Pa
 def _pixel(provenance: Provenance, given: Mapping[str, float]) -> tuple[Pixel, tuple[str, ...]]:
     """The pixel of the source, with the paper's pixel for missing values, and a note on them."""
     known = {**provenance.pixel, **given}
-    missing = [field.name for field in fields(Pixel) if field.name not in known]
     pixel = replace(PAPER_PIXEL, **known)
+    return pixel, assumed_pixel(provenance.name, pixel, known)
+
+
+def assumed_pixel(name: str, pixel: Pixel, known: Collection[str]) -> tuple[str, ...]:
+    """A note on the values of the paper's pixel that are assumed, in numbers, if there are any.
+
+    Parameters
+    ----------
+    name
+        Name of the sensor.
+    pixel
+        Its pixel.
+    known
+        Names of the fields that are known.
+
+    Examples
+    --------
+    >>> assumed_pixel("my.csv", PAPER_PIXEL, {"pitch_um"})
+    ('full well and read noise of my.csv not given: using 10000 e-, 10 e-',)
+    """
+    missing = [field for field in _ASSUMED if field not in known]
     if not missing:
-        return pixel, ()
-    stands_in = f"the paper's pixel stands in for {', '.join(missing)} of {provenance.name}"
-    return pixel, (stands_in,)
+        return ()
+    values = ", ".join(f"{getattr(pixel, field):g} {_ASSUMED[field][1]}" for field in missing)
+    words = [_ASSUMED[field][0] for field in missing]
+    listed = " and ".join(filter(None, (", ".join(words[:-1]), words[-1])))
+    return (f"{listed} of {name} not given: using {values}",)
+
+
+_ASSUMED = {
+    "pitch_um": ("pixel pitch", "um"),
+    "full_well_e": ("full well", "e-"),
+    "read_noise_e": ("read noise", "e-"),
+}

@@ -9,6 +9,7 @@ from chromanoise.cli import tables
 from chromanoise.cli.copying import print_copy
 from chromanoise.cli.merit_tables import print_merits
 from chromanoise.cli.options import (
+    closed_form_options,
     copy_option,
     json_option,
     matrix_option,
@@ -27,6 +28,7 @@ from chromanoise.study import Analyses, analyze_study, conditions, run
 @with_defaults("analyze")
 @click.argument("sensors", nargs=-1, required=True, metavar="SENSOR...")
 @shared_options
+@closed_form_options
 @click.option(
     "--clip",
     is_flag=True,

@@ -9,6 +9,7 @@ from chromanoise.cli import tables
 from chromanoise.cli.copying import print_copy
 from chromanoise.cli.options import (
     WHOLE,
+    closed_form_options,
     copy_option,
     json_option,
     shared_options,
@@ -28,6 +29,7 @@ _START = f"{_VARY}={_FIRST:g}:{_LAST:g}"
 @with_defaults("compare")
 @click.argument("sensors", nargs=-1, required=True, metavar="SENSOR...")
 @shared_options
+@closed_form_options
 @click.option(
     "--sweep",
     metavar="NAME=FIRST:LAST",

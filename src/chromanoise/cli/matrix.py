@@ -12,6 +12,7 @@ from chromanoise.cli import tables
 from chromanoise.cli.copying import print_copy
 from chromanoise.cli.merit_tables import print_pareto
 from chromanoise.cli.options import (
+    closed_form_options,
     copy_option,
     json_option,
     prior_option,
@@ -31,7 +32,6 @@ from chromanoise.io.matrices import (
     matrix_json,
     matrix_profile_json,
 )
-from chromanoise.sensor import left_out_of_closed_form
 from chromanoise.study import conditions, matrix_study, run
 
 _WRITERS: dict[str, Callable[[MadeMatrix], str]] = {
@@ -46,6 +46,7 @@ _WRITERS: dict[str, Callable[[MadeMatrix], str]] = {
 @with_defaults("matrix")
 @click.argument("sensor")
 @shared_options
+@closed_form_options
 @click.option(
     "--method",
     default=DEFAULT_METHOD,
@@ -116,10 +117,12 @@ def _made(operating_point: OperatingPoint, made: ColorMatrix) -> MadeMatrix:
         illuminant=lamp.name,
         level_lux=operating_point.level_lux,
         time_s=exposure.time_s,
+        f_number=exposure.f_number,
+        pitch_um=sensor.pixel.pitch_um,
         matrix=made,
         white_e=white_e,
         white_lux=float(made.matrix[1] @ white_e),
-        notes=(*sensor.notes, *left_out_of_closed_form(sensor), *lamp.notes),
+        notes=(*sensor.notes, *lamp.notes),
     )
 
 

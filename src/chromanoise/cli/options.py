@@ -10,6 +10,7 @@ from chromanoise.analysis import DEFAULT_METHOD, PRIORS, known_matrices
 from chromanoise.cli.answers import about_sensors, pair_of
 from chromanoise.exposure import EQUAL_TERMS
 from chromanoise.io.spectra.parsed import Unit
+from chromanoise.sensor import MOSAIC_NAMES
 from chromanoise.spectra import METRICS
 from chromanoise.study import FUNCTIONS, default_of
 
@@ -30,6 +31,19 @@ class _WholeNumber(click.ParamType):
 
 
 WHOLE = _WholeNumber()
+
+
+class _NumberOrFile(click.ParamType):
+    """A number, or else the name of a file."""
+
+    name = "number or file"
+
+    def convert(self, value: Any, param: Any, ctx: Any) -> float | str:
+        try:
+            return float(value)
+        except ValueError:
+            return str(value)
+
 
 _SHARED = (
     click.option(
@@ -111,6 +125,54 @@ _SHARED = (
     click.option("--pitch-um", type=float, help="Pixel pitch [um] instead of the sensor's own."),
     click.option("--full-well-e", type=float, help="Full well [e-] instead of the sensor's own."),
     click.option("--read-noise-e", type=float, help="Read noise [e-] instead of the sensor's own."),
+    click.option(
+        "--dark-current-e-per-s",
+        type=float,
+        help="Dark current [e-/s]; its mean is subtracted, its electrons fill the well.",
+    ),
+    click.option("--temperature-c", type=float, help="Temperature of the sensor [C]."),
+    click.option(
+        "--dark-reference-c",
+        type=float,
+        help="Temperature at which the dark current is given [C]. [default: 25]",
+    ),
+    click.option(
+        "--dark-doubling-k",
+        type=float,
+        help="Temperature step that doubles the dark current [K]. [default: 7]",
+    ),
+    click.option("--dsnu-e", type=float, help="Dark signal non-uniformity [e-]."),
+    click.option("--prnu", type=float, help="Photo response non-uniformity, e.g. 0.01 for 1 %."),
+    click.option("--row-noise-e", type=float, help="Noise common to a row [e-]."),
+    click.option(
+        "--black-error-e",
+        type=float,
+        help="Error of the subtracted black level [e-]; biases every reading and tints shadows.",
+    ),
+    click.option("--gain-dn-per-e", type=float, help="Gain K of the converter [DN/e-]."),
+    click.option(
+        "--crosstalk",
+        type=_NumberOrFile(),
+        metavar="SHARE|FILE",
+        help="Share of the light of a pixel that ends in its four neighbors (needs a mosaic), or a "
+        "file: a table with one row and column per channel, or a kernel of neighbors.",
+    ),
+    click.option(
+        "--crosstalk-stage",
+        type=click.Choice(["light", "charge"]),
+        help="Crosstalk before counting (light), or after it (charge: interpixel capacitance).",
+    ),
+)
+_OF_CLOSED_FORM = (
+    click.option(
+        "--bits", type=WHOLE, help="Bits of the converter, which adds quantization noise."
+    ),
+    click.option(
+        "--mosaic",
+        metavar="NAME|ROWS",
+        help=f"Mosaic whose neighbors exchange light: {', '.join(MOSAIC_NAMES)}, or rows, e.g. "
+        "RG/GB; default: the sensor's own.",
+    ),
 )
 
 
@@ -168,5 +230,12 @@ def shared_options(command: Command) -> Command:
     """Add the options of light, exposure, sensors and their files."""
     command = about_sensors(command)
     for option in reversed(_SHARED):
+        command = option(command)
+    return command
+
+
+def closed_form_options(command: Command) -> Command:
+    """Add the options of converter and mosaic to a command without pictures."""
+    for option in reversed(_OF_CLOSED_FORM):
         command = option(command)
     return command

@@ -87,15 +87,6 @@ from chromanoise.study import (
 )
 @click.option("--clip", is_flag=True, help="Clip electrons between 0 and full well.")
 @click.option(
-    "--dark-current-e-per-s",
-    type=float,
-    help="Dark current [e-/s]; its mean is subtracted and lowers the full well. "
-    "[default: from --pixel, else 0; also for the next three]",
-)
-@click.option("--dsnu-e", type=float, help="Dark signal non-uniformity [e-].")
-@click.option("--prnu", type=float, help="Photo response non-uniformity, e.g. 0.01.")
-@click.option("--row-noise-e", type=float, help="Noise common to a row [e-].")
-@click.option(
     "--format",
     "formats",
     metavar="NAME[,NAME...]",

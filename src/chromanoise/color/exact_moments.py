@@ -19,7 +19,7 @@ from chromanoise.color.noisy_colors import ElectronSource, NoisyColor
 from chromanoise.color.propagation import SpaceMoments
 from chromanoise.color.spaces import Space
 from chromanoise.errors import InputError
-from chromanoise.noise import poisson_gaussian_ppf, read_moments, read_values
+from chromanoise.noise import counted_readout, poisson_gaussian_ppf, read_values, sensor_moments
 from chromanoise.rng import stream
 
 _NETS = 8  # each scrambled independently, to estimate the error
@@ -58,7 +58,9 @@ def exact(color: NoisyColor, space: Space, *, points: int = 2**16) -> SpaceMomen
     Near black L* is linear, 903.3 Y: mean 0 and standard deviation 903.3 * 1e-6 * 2.
 
     >>> from chromanoise.color import LAB, noisy_color, propagate
-    >>> dark = ElectronSource(mean_e=np.zeros(1), matrix=np.full((3, 1), 1e-6), read_noise_e=2.0)
+    >>> from chromanoise.noise import NoiseSources
+    >>> dark = ElectronSource(mean_e=np.zeros(1), matrix=np.full((3, 1), 1e-6),
+    ...                       noise=NoiseSources(read_noise_e=2.0))
     >>> propagate(noisy_color(dark, np.ones(3)), LAB, exact).sd[0].round(6)
     np.float64(0.001807)
     """
@@ -131,9 +133,12 @@ def _moments(
 ) -> tuple[Array, Array, Array, Array]:
     """Mean, covariance, and the standard errors of mean and standard deviation over the nets."""
     normal = _nets(mean_e.size, points) @ turn.T
-    for i, mean in enumerate(mean_e.tolist()):
-        electrons = poisson_gaussian_ppf(normal[..., i], mean, read_noise_e=source.read_noise_e)
-        normal[..., i] = read_values(electrons, source.readout)
+    counted, readout = counted_readout(mean_e, source.noise, source.readout)
+    added = np.broadcast_to(np.sqrt(source.noise.added_variance_e2(mean_e)), mean_e.shape)
+    offset = source.noise.dark_e - source.noise.black_error_e
+    for i, (mean, sd) in enumerate(zip(counted.tolist(), added.tolist(), strict=True)):
+        electrons = poisson_gaussian_ppf(normal[..., i], mean, read_noise_e=sd)
+        normal[..., i] = read_values(electrons, readout) - offset
     means, covariances = [], []
     for read in normal:
         away = of(read @ source.matrix.T)
@@ -152,10 +157,12 @@ def _turned(
     mean_e: Float[Array, " p"], source: ElectronSource, white: Float[Array, " 3"], space: Space
 ) -> Float[Array, "p p"]:
     """The rotation whose first column alone changes the first coordinate, and so on."""
-    matrix, noise = source.matrix, source.read_noise_e
-    if noise == 0:  # single electrons make steps, which a net averages best along its axes
+    matrix = source.matrix
+    if not np.all(
+        source.noise.added_variance_e2(mean_e)
+    ):  # single electrons make steps, which a net averages best along its axes
         return np.eye(mean_e.size)
-    moments = read_moments(mean_e, read_noise_e=noise, readout=source.readout)
+    moments = sensor_moments(mean_e, source.noise, source.readout)
     slope = space.jacobian(matrix @ moments.mean, white)
     moving = slope @ matrix * np.sqrt(moments.variance)
     return np.asarray(qr(f"noise in {space.name}", moving.T, mode="complete")[0])

@@ -19,6 +19,7 @@ from chromanoise.color.matrices import ColorMatrix, kernel_matrix
 from chromanoise.color.training import Training, TrainingResponse, training_response, white_scale
 from chromanoise.errors import InputError
 from chromanoise.exposure import Exposure
+from chromanoise.noise import noise_sources
 from chromanoise.sensor import Sensor
 from chromanoise.spectra import Metric
 from chromanoise.units import decibel
@@ -193,8 +194,10 @@ def lmmse_over_light(
     what = _over_white("LMMSE over light", sensor, seen)
     q, r = qr(what, root * seen.electrons / scale)
     light = levels[:, None, None]
+    sources = noise_sources(sensor, exposure)
     mean_e2 = levels[:, None] * (seen.share @ seen.electrons)  # shot noise of the mean
-    noise = np.sqrt(share * (mean_e2 + sensor.pixel.read_noise_e**2)) / scale
+    pattern_e2 = (sources.prnu * levels[:, None]) ** 2 * (seen.share @ seen.electrons**2)
+    noise = np.sqrt(share * (mean_e2 + sources.floor_e2() + pattern_e2)) / scale
     left = np.concatenate([light * r, noise[..., None] * np.eye(scale.size)], axis=1)
     nothing = np.zeros((levels.size, scale.size, 3))
     right = np.concatenate([light * (q.T @ (root * seen.xyz)), nothing], axis=1)
@@ -294,7 +297,7 @@ def pareto(
     matrices = _along(seen, weight, _over_white("Pareto curve", sensor, seen))
     error = seen.electrons @ np.swapaxes(matrices, -1, -2) - seen.xyz
     luminance = matrices[:, 1]
-    white_variance = luminance**2 @ (seen.white_e + sensor.pixel.read_noise_e**2)
+    white_variance = luminance**2 @ noise_sources(sensor, exposure).variance_e2(seen.white_e)
     return ParetoCurve(
         weight=weight,
         matrix=matrices,

@@ -7,7 +7,14 @@ from chromanoise._check import Array
 from chromanoise._shapes import Float
 from chromanoise.color.matrices import XYZ
 from chromanoise.errors import InputError
-from chromanoise.noise import Measurement, Readout, raw_measurement, read_moments, through
+from chromanoise.noise import (
+    Measurement,
+    NoiseSources,
+    Readout,
+    raw_measurement,
+    sensor_moments,
+    through,
+)
 
 UNBOUNDED = Readout()
 """A readout without clipping and rounding, as in the paper."""
@@ -23,29 +30,27 @@ class ElectronSource:
         Expected electrons per channel, >= 0. [e-]
     matrix
         From electrons to X, Y, Z, e.g. `ColorMatrix.matrix`. [lx/e-]
-    read_noise_e
-        Standard deviation of the readout, >= 0. [e-]
+    noise
+        The noise sources of the pixel.
     readout
         Bounds and step; by default nothing is clipped or rounded.
 
     Raises
     ------
     InputError
-        If a mean is negative or not finite, the read noise is negative, or the number of columns of
-        the matrix differs from the number of channels.
+        If a mean is negative or not finite, or the number of columns of the matrix differs from the
+        number of channels.
     """
 
     mean_e: Float[Array, "*px p"]
     matrix: Float[Array, "3 p"]
-    read_noise_e: float
+    noise: NoiseSources
     readout: Readout = UNBOUNDED
 
     def __post_init__(self) -> None:
         mean = _check.non_negative("mean_e", "e-", self.mean_e)
-        noise = _check.not_negative("read_noise_e", "e-", self.read_noise_e)
         _check.same_length("channels", mean_e=mean.shape[-1], matrix=self.matrix.shape[1])
         object.__setattr__(self, "mean_e", mean)
-        object.__setattr__(self, "read_noise_e", noise)
         _check.freeze(self, "mean_e", "matrix")
 
 
@@ -107,7 +112,7 @@ def noisy_color(source: ElectronSource, white: Float[Array, " 3"]) -> NoisyColor
     Raises
     ------
     InputError
-        As `chromanoise.noise.read_moments`.
+        As `chromanoise.noise.sensor_moments`.
 
     Examples
     --------
@@ -115,12 +120,13 @@ def noisy_color(source: ElectronSource, white: Float[Array, " 3"]) -> NoisyColor
 
     >>> import numpy as np
     >>> from chromanoise.color import ElectronSource, noisy_color
+    >>> from chromanoise.noise import NoiseSources
     >>> source = ElectronSource(mean_e=np.array([100.0]), matrix=np.full((3, 1), 0.01),
-    ...                         read_noise_e=10.0)
+    ...                         noise=NoiseSources(read_noise_e=10.0))
     >>> noisy_color(source, np.ones(3)).xyz.variance
     array([0.02, 0.02, 0.02])
     """
-    read = read_moments(source.mean_e, read_noise_e=source.read_noise_e, readout=source.readout)
+    read = sensor_moments(source.mean_e, source.noise, source.readout)
     channels = range(source.mean_e.shape[-1])
     raw = raw_measurement(read, tuple(f"channel {i}" for i in channels))
     xyz = through(raw, source.matrix, names=XYZ, kind="XYZ", unit="lx")

@@ -5,7 +5,7 @@ the root, and exactly through moments of single channels. The exact result is al
 and shows where the first order is accurate.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations, combinations_with_replacement
 
 import numpy as np
@@ -19,7 +19,8 @@ from chromanoise.color.training import Training, training_response
 from chromanoise.errors import InputError, Setting
 from chromanoise.exposure import Exposure
 from chromanoise.noise import Measurement, expectation, with_noise
-from chromanoise.sensor import Sensor
+from chromanoise.sensor import Sensor, shot_and_read_only
+from chromanoise.sensor.adc import UNKNOWN_CONVERTER
 from chromanoise.spectra import Metric
 
 # where the quadrature is split, in units of the read noise: the root has infinite slope at 0
@@ -313,7 +314,8 @@ def root_first_order_error(
     s = sensor.pixel.read_noise_e
     exact = root_polynomial_color_exact(mean, model, read_noise_e=s).variance
     dark = (mean == 0).any(axis=-1, keepdims=True) & bool(_pairs_of(mean, model.degree))
-    first = root_polynomial_color(with_noise(np.where(dark, 1.0, mean), sensor), model).variance
+    plain = replace(sensor, pixel=shot_and_read_only(sensor.pixel), converter=UNKNOWN_CONVERTER)
+    first = root_polynomial_color(with_noise(np.where(dark, 1.0, mean), plain), model).variance
     noisy = exact > 0
     error = np.sqrt(np.where(noisy, first, 1.0) / np.where(noisy, exact, 1.0)) - 1.0
     return np.where(dark, np.inf, error)

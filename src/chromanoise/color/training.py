@@ -12,6 +12,7 @@ from chromanoise._linalg import eigh
 from chromanoise._shapes import Float
 from chromanoise.errors import InputError
 from chromanoise.exposure import Exposure, expected_electrons
+from chromanoise.noise import noise_sources
 from chromanoise.scene import Scene, flat_field, light
 from chromanoise.sensor import Sensor
 from chromanoise.spectra import INFRARED_FROM_NM, Illuminant, Metric, color_axes, colorchecker
@@ -270,8 +271,8 @@ def training_response(
 ) -> TrainingResponse:
     """Electrons, colors and mean noise of a training set, without clipping as in the paper.
 
-    Shot noise is linear in light, so its variance averaged over the set is the mean of the
-    electrons: D = diag(E[M]) + s_rn^2.
+    D is the variance averaged over the set: diag(E[M]) + s_rn^2 for shot noise and read noise, as
+    shot noise is linear in light.
 
     Raises
     ------
@@ -302,7 +303,7 @@ def training_response(
         xyz=light(scene, "energy") @ axes,
         white_e=white_e,
         white_xyz=light(white, "energy") @ axes,
-        noise_e2=share @ electrons + sensor.pixel.read_noise_e**2,
+        noise_e2=share @ noise_sources(sensor, exposure).variance_e2(electrons),
     )
 
 

@@ -111,7 +111,7 @@ def time_to_saturation(
     f_number, magnification
         As `Exposure`.
     share
-        Share of full well, without dark electrons; the paper uses 0.99.
+        Share of full well that light and dark electrons fill; the paper uses 0.99.
 
     Raises
     ------
@@ -129,11 +129,12 @@ def time_to_saturation(
     per_second = expected_electrons(
         scene, sensor, Exposure(time_s=1.0, f_number=f_number, magnification=magnification)
     )
+    dark_per_second = sensor.pixel.dark_electrons_e(time_s=1.0)
     if not per_second.max() > 0:
         raise InputError(
             f"sensor {sensor.name}", "must see light of the scene", found="no channel sees any"
         )
-    return float(share * sensor.pixel.full_well_e / per_second.max())
+    return float(share * sensor.pixel.full_well_e / (per_second.max() + dark_per_second))
 
 
 def saturating_exposure(

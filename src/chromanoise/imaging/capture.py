@@ -2,7 +2,7 @@
 
 import os
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -31,7 +31,7 @@ from chromanoise.imaging.writers import (
 )
 from chromanoise.scene import Cube
 from chromanoise.scene.rows import row_source
-from chromanoise.sensor import Adc, Mosaic, PixelOverrides, adc_of, overridden
+from chromanoise.sensor import EXTRA_NOISE, Adc, Mosaic, PixelOverrides, adc_of, overridden
 from chromanoise.spectra import Beyond
 
 
@@ -48,7 +48,7 @@ class CaptureSettings:
     demosaic
         Method of `DEMOSAICING`; ``None`` for codes without color.
     pixel
-        Values that override the sensor's own imperfections and converter.
+        Values that override the sensor's own pixel and converter.
     seed
         Seed of the noise.
     clip
@@ -103,7 +103,7 @@ class Camera:
     Attributes
     ----------
     operating_point, matrix
-        Sensor (with the imperfections and converter of its images), exposure and light; the
+        Sensor (with the pixel and converter of its images), exposure and light; the
         matrix from electrons to XYZ.
     asked
         Settings of its images.
@@ -267,7 +267,8 @@ def capture_summary(taken: Capture, files: list[str]) -> dict[str, Any]:
         told |= raw_summary(taken.raw)
     if taken.picture is not None:
         told |= picture_summary(taken.picture)
-    return told | {"imperfections": asdict(taken.camera.operating_point.sensor.imperfections)}
+    pixel = taken.camera.operating_point.sensor.pixel
+    return told | {"imperfections": {name: getattr(pixel, name) for name in EXTRA_NOISE}}
 
 
 def write_capture(folder: Path, stem: str, taken: Capture) -> tuple[list[str], list[str]]:

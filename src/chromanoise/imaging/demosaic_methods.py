@@ -10,6 +10,7 @@ from chromanoise.imaging.demosaic_priors import (
     lmmse_filters,
     picture_prior,
 )
+from chromanoise.noise import noise_sources
 from chromanoise.scene import Scene
 from chromanoise.sensor import Mosaic
 from chromanoise.spectra import colorchecker
@@ -30,7 +31,8 @@ def chart_prior(operating_point: OperatingPoint) -> PicturePrior:
         reflectance=colorchecker(sensor.grid).values.T,
     )
     electrons = expected_electrons(scene, sensor, operating_point.exposure)
-    noise_e2 = electrons.mean(axis=0) + sensor.pixel.read_noise_e**2
+    noise = noise_sources(sensor, operating_point.exposure)
+    noise_e2 = noise.variance_e2(electrons).mean(axis=0)
     return picture_prior(electrons, sensor.names, noise_e2=noise_e2)
 
 

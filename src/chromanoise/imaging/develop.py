@@ -152,7 +152,11 @@ def developed_color(
     sensor = operating_point.sensor
     _check.same_names("development", sensor=sensor.names, filters=bank.names)
     matrix = matrix or kernel_matrix(sensor, operating_point.exposure)
-    raw = with_noise(expected_electrons(scene, sensor, operating_point.exposure), sensor)
+    raw = with_noise(
+        expected_electrons(scene, sensor, operating_point.exposure),
+        sensor,
+        operating_point.exposure,
+    )
     variance: Float[Array, " p"] = raw.variance + adc.gain_e_per_dn**2 / 12
     return tuple(
         tuple(

@@ -24,8 +24,7 @@ from chromanoise.color import ColorMatrix
 from chromanoise.errors import InputError
 from chromanoise.exposure import OperatingPoint, expected_electrons, white_scene
 from chromanoise.imaging.row_files import PutRows, tiff_rows
-from chromanoise.sensor import Adc, Imperfections, Mosaic
-from chromanoise.sensor.imperfections import dark_electrons_e
+from chromanoise.sensor import Adc, Mosaic
 from chromanoise.sensor.noise_profile import noise_profile, noise_without_light_e
 
 _COLOR_CODES = {"R": 0, "G": 1, "B": 2, "C": 3, "M": 4, "Y": 5, "W": 6}  # tag 50710
@@ -106,7 +105,6 @@ def raw_profile(
     *,
     mosaic: Mosaic,
     adc: Adc,
-    imperfections: Imperfections | None = None,
 ) -> RawProfile:
     """DNG metadata of an operating point, for the same color as this package computes.
 
@@ -117,9 +115,9 @@ def raw_profile(
         an illuminant without an Exif number is written as unknown.
     matrix
         Matrix from electrons to XYZ for this illuminant.
-    mosaic, adc, imperfections
-        Those of the codes; imperfections are the sensor's own if ``None``. NoiseProfile includes
-        their noise in the dark; it has no term for PRNU.
+    mosaic, adc
+        Those of the codes. NoiseProfile includes the noise of the pixel in the dark; it has no term
+        for PRNU.
 
     Raises
     ------
@@ -127,7 +125,6 @@ def raw_profile(
         If a perfect white gives no electrons, or `RawProfile` refuses a value.
     """
     sensor, lamp = operating_point.sensor, operating_point.illuminant
-    imperfections = sensor.imperfections if imperfections is None else imperfections
     _check.same_names("DNG", sensor=sensor.names, matrix=matrix.channels)
     white = expected_electrons(white_scene(operating_point), sensor, operating_point.exposure)
     if not white.max() > 0:
@@ -137,12 +134,8 @@ def raw_profile(
             value=float(white.max()),
             found="gives none",
         )
-    white_level_dn = _white_level_dn(operating_point, adc, imperfections)
-    noise_e = noise_without_light_e(
-        imperfections,
-        read_noise_e=sensor.pixel.read_noise_e,
-        time_s=operating_point.exposure.time_s,
-    )
+    white_level_dn = _white_level_dn(operating_point, adc)
+    noise_e = noise_without_light_e(sensor.pixel, time_s=operating_point.exposure.time_s)
     noise = noise_profile(adc, read_noise_e=noise_e, white_level_dn=white_level_dn)
     return RawProfile(
         sensor_name=sensor.name,
@@ -157,7 +150,7 @@ def raw_profile(
     )
 
 
-def _white_level_dn(operating_point: OperatingPoint, adc: Adc, imperfections: Imperfections) -> int:
+def _white_level_dn(operating_point: OperatingPoint, adc: Adc) -> int:
     """Code of full well minus dark electrons, or the top code if that is lower.
 
     Raises
@@ -166,7 +159,7 @@ def _white_level_dn(operating_point: OperatingPoint, adc: Adc, imperfections: Im
         If a full pixel and a dark pixel have the same code.
     """
     sensor = operating_point.sensor
-    dark_e = dark_electrons_e(imperfections, time_s=operating_point.exposure.time_s)
+    dark_e = sensor.pixel.dark_electrons_e(time_s=operating_point.exposure.time_s)
     full_dn = adc.black_level_dn + (sensor.pixel.full_well_e - dark_e) / adc.gain_e_per_dn
     white_level_dn = math.floor(min(full_dn + 0.5, adc.top_code))
     if white_level_dn <= adc.black_level_dn:

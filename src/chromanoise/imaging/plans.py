@@ -22,8 +22,7 @@ from chromanoise.imaging.light import Light, on_rows
 from chromanoise.imaging.records import Converter, Draw, RowsInMemory, Well
 from chromanoise.imaging.work import Block, row_pieces
 from chromanoise.scene.rows import ArrayRows
-from chromanoise.sensor import Adc, Imperfections, Mosaic
-from chromanoise.sensor.imperfections import dark_electrons_e
+from chromanoise.sensor import Adc, Mosaic
 
 _MOST_E = 1e15  # above, float32 does not resolve single electrons
 
@@ -36,7 +35,6 @@ def draw_of(
     *,
     seed: int,
     frame: int = 0,
-    imperfections: Imperfections | None = None,
     noisy: bool = True,
 ) -> Draw:
     """Noise parameters of an operating point; the noise depends on the name of the sensor.
@@ -49,21 +47,21 @@ def draw_of(
     for name, value in (("seed", seed), ("frame", frame)):
         if not isinstance(value, int) or not 0 <= value < 1 << 32:
             raise InputError(name, "must be a whole number from 0 to 2^32 - 1", value=value)
-    more = operating_point.sensor.imperfections if imperfections is None else imperfections
+    pixel = operating_point.sensor.pixel
     dark_e = _check.within(
         "electrons of the dark current",
         "e-",
-        dark_electrons_e(more, time_s=operating_point.exposure.time_s),
+        pixel.dark_electrons_e(time_s=operating_point.exposure.time_s),
         0.0,
         _MOST_E,
     )
     who = zlib.crc32(operating_point.sensor.name.encode())
     return Draw(
-        read_noise_e=np.float32(operating_point.sensor.pixel.read_noise_e),
-        prnu=np.float32(more.prnu),
+        read_noise_e=np.float32(pixel.read_noise_e),
+        prnu=np.float32(pixel.prnu),
         dark_e=np.float32(dark_e),
-        dsnu_e=np.float32(more.dsnu_e),
-        row_noise_e=np.float32(more.row_noise_e),
+        dsnu_e=np.float32(pixel.dsnu_e),
+        row_noise_e=np.float32(pixel.row_noise_e),
         noisy=noisy,
         key=np.uint64((who << 32) | seed),
         frame=np.uint64(frame),

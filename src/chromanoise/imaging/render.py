@@ -24,7 +24,7 @@ from chromanoise.imaging.plans import (
 )
 from chromanoise.imaging.work import Work, made, row_blocks
 from chromanoise.scene import Cube, bands_within
-from chromanoise.sensor import Adc, Imperfections, Mosaic, Sensor, adc_of
+from chromanoise.sensor import Adc, Mosaic, Sensor, adc_of
 from chromanoise.spectra import Beyond, Illuminant, Metric
 
 ALL_CORES = Work()
@@ -140,7 +140,6 @@ def rendered(
     matrix: ColorMatrix | None = None,
     seed: int = 0,
     frame: int = 0,
-    imperfections: Imperfections | None = None,
     noisy: bool = True,
     clip: bool = False,
     beyond: Beyond = "refuse",
@@ -161,11 +160,9 @@ def rendered(
         Integers from 0 to 2^32 - 1. Equal values give the same image for any threads and tiles.
         Sensors with different names have different noise: that of `noisy_electrons` with the
         seed crc32(name) 2^32 + seed.
-    imperfections
-        Imperfections of the pixels; if ``None``, those of the sensor, which are zero by default.
     noisy
-        If false, there is no shot noise (also none of dark electrons) and no read noise; other
-        imperfections stay.
+        If false, there is no shot noise (also none of dark electrons) and no read noise; PRNU,
+        DSNU and row noise stay.
     clip
         Whether electrons are clipped to 0 and full well, as in a real sensor, unlike the paper.
     beyond
@@ -184,9 +181,7 @@ def rendered(
     """
     cube = bands_within(cube, operating_point.sensor.grid)
     light = light_of(cube, operating_point, beyond=beyond, bad_pixels=bad_pixels)
-    draw = draw_of(
-        operating_point, seed=seed, frame=frame, imperfections=imperfections, noisy=noisy
-    )
+    draw = draw_of(operating_point, seed=seed, frame=frame, noisy=noisy)
     matrix = matrix or kernel_matrix(operating_point.sensor, operating_point.exposure)
     matrices, white = color_matrices(matrix, operating_point)
     plan = color_plan(light, draw, operating_point, matrices, clip=clip)
@@ -218,7 +213,6 @@ def acquired(
     adc: Adc | None = None,
     seed: int = 0,
     frame: int = 0,
-    imperfections: Imperfections | None = None,
     noisy: bool = True,
     beyond: Beyond = "refuse",
     bad_pixels: BadPixels = "refuse",
@@ -233,7 +227,7 @@ def acquired(
     adc
         The converter; if ``None``, that of the sensor, by default 12 bits, top code at full well,
         black level 0.
-    cube, operating_point, seed, frame, imperfections, noisy, beyond, bad_pixels, work
+    cube, operating_point, seed, frame, noisy, beyond, bad_pixels, work
         As `rendered`. The noise of a pixel is that of its channel in `rendered`.
 
     Raises
@@ -246,9 +240,7 @@ def acquired(
     adc = adc or adc_of(sensor.converter, sensor.pixel)
     cube = bands_within(cube, sensor.grid)
     light = light_of(cube, operating_point, beyond=beyond, bad_pixels=bad_pixels)
-    draw = draw_of(
-        operating_point, seed=seed, frame=frame, imperfections=imperfections, noisy=noisy
-    )
+    draw = draw_of(operating_point, seed=seed, frame=frame, noisy=noisy)
     plan = raw_plan(light, draw, operating_point, mosaic, adc)
     height, width, _ = light.source.shape
     kinds = (((height, width), np.uint16),)

@@ -29,8 +29,8 @@ class MadeMatrix:
     ----------
     sensor, illuminant
         Names of the sensor and the illuminant.
-    level_lux, time_s
-        The exposure for which it was made. [lx], [s]
+    level_lux, time_s, f_number, pitch_um
+        The exposure and the pixel for which it was made. [lx], [s], [1], [um]
     matrix
         From raw electrons to XYZ. [lx/e-]
     white_e
@@ -45,6 +45,8 @@ class MadeMatrix:
     illuminant: str
     level_lux: float
     time_s: float
+    f_number: float
+    pitch_um: float
     matrix: ColorMatrix
     white_e: Float[Array, " p"]
     white_lux: float
@@ -156,6 +158,8 @@ def _facts(made: MadeMatrix) -> dict[str, Any]:
         "illuminant": made.illuminant,
         "level_lux": made.level_lux,
         "time_ms": 1e3 * made.time_s,
+        "f_number": made.f_number,
+        "pitch_um": made.pitch_um,
         "notes": "; ".join(made.notes),
     }
 

@@ -1,7 +1,7 @@
 """Write sensors and spectra as JSON of this library, and read sensors from it."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, fields
+from dataclasses import fields
 from typing import Any, cast, get_args
 
 from chromanoise import __version__, _check
@@ -18,12 +18,13 @@ from chromanoise.io.spectra.own_json import (
     word_of,
     words_of,
 )
-from chromanoise.sensor import Converter, Imperfections, Mosaic, Pixel, Sensor
+from chromanoise.sensor import Converter, Mosaic, Pixel, Sensor
 from chromanoise.sensor.sensor import Origin
 from chromanoise.spectra import Grid, Spectra
 
 _SENSOR_SCHEMA = "chromanoise sensor"
-_FLAWS = tuple(field.name for field in fields(Imperfections))
+_REQUIRED = ("pitch_um", "full_well_e", "read_noise_e")
+_OPTIONAL = tuple(field.name for field in fields(Pixel) if field.name not in _REQUIRED)
 _LARGEST_GRID = 1_000_000
 
 
@@ -68,10 +69,13 @@ def sensor_json(sensor: Sensor) -> str:
             "stacked": sensor.stacked,
             "mosaic": [list(row) for row in sensor.mosaic.pattern] if sensor.mosaic else None,
             "pixel": {
-                "pitch_um": pixel.pitch_um,
-                "full_well_e": pixel.full_well_e,
-                "read_noise_e": pixel.read_noise_e,
-                **{name: value for name, value in asdict(sensor.imperfections).items() if value},
+                **{name: getattr(pixel, name) for name in _REQUIRED},
+                **{
+                    field.name: value
+                    for field in fields(pixel)
+                    if (value := getattr(pixel, field.name)) != field.default
+                    and field.name in _OPTIONAL
+                },
                 **sensor.converter.known,
             },
             "grid_nm": {"start": grid.start_nm, "stop": grid.stop_nm, "step": grid.step_nm},
@@ -92,7 +96,7 @@ def sensor_from_json(text: str, *, source: str = "sensor") -> Sensor:
     held = held_json(text, _SENSOR_SCHEMA, source=source)
     try:
         grid, pixel, mosaic = held["grid_nm"], held["pixel"], held["mosaic"]
-        wells = {k: number_of(pixel[k]) for k in ("pitch_um", "full_well_e", "read_noise_e")}
+        wells = {name: number_of(pixel[name]) for name in _REQUIRED}
         own = Grid(*(number_of(grid[key]) for key in ("start", "stop", "step")))
         if own.n > _LARGEST_GRID:
             raise InputError(
@@ -106,8 +110,7 @@ def sensor_from_json(text: str, *, source: str = "sensor") -> Sensor:
             grid=own,
             qe=array_of(held["qe"], 2),
             names=words_of(held["channels"]),
-            pixel=Pixel(**wells),
-            imperfections=Imperfections(**_held(pixel, _FLAWS, number_of)),
+            pixel=Pixel(**wells, **_held(pixel, _OPTIONAL, number_of)),
             converter=Converter(
                 **_held(pixel, ("gain_e_per_dn",), number_of),
                 **_held(pixel, ("bits", "black_level_dn"), _whole),

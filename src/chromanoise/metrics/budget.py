@@ -1,8 +1,8 @@
 """SNR budget: the loss per cause, from all incident photons to one color coordinate.
 
-Five causes of loss are switched on one after the other. The loss of a cause is its mean loss over
+Causes of loss are switched on one after the other. The loss of a cause is its mean loss over
 all allowed orders (Shapley value): the filters come first, and the weights of the coordinate come
-before the correlation of the channels; read noise and infrared may come anywhere after the filters.
+before the correlation of the channels; all others may come anywhere after the filters.
 So the losses add up exactly, no order is preferred, and a cause without effect has a loss of 0.
 
 ============ =============================================== ==================================
@@ -10,14 +10,19 @@ cause        off                                             on
 ============ =============================================== ==================================
 filters      every photon is an electron of every channel    the sensor's quantum efficiencies
 read noise   none                                            the pixel's
+crosstalk    the channels without it                         light of the neighbors in each pixel
 weights      the best linear readout, D^-1 mu                the coordinate's own weights h.f/|f|^2
 correlation  channels weighted one by one                    channels unmixed: times G^-1
 infrared     electrons from the infrared count as signal     they are noise without signal
 ============ =============================================== ==================================
 
+Dark current, quantization, row noise, DSNU, PRNU and crosstalk are causes only where the sensor has
+them.
+
 For L*, a* and b*, where the signal is a change of the color, see `chromanoise.metrics.lab_budget`.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -26,8 +31,8 @@ from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._shapes import Float
 from chromanoise.color import ColorMatrix
-from chromanoise.exposure import Exposure, expected_electrons
-from chromanoise.geometry import Frame, variance_inflation
+from chromanoise.exposure import Exposure, expected_electrons, measurement_vectors
+from chromanoise.geometry import Frame, dual_frame, variance_inflation
 from chromanoise.metrics.budget_chain import (
     CAUSES,
     CORRELATION,
@@ -38,18 +43,22 @@ from chromanoise.metrics.budget_chain import (
     WEIGHTS,
     Budget,
     Chain,
+    Channels,
     Cost,
     Seen,
+    causes_of,
     chain_budget,
     chain_snr_db,
     counting_snr_db,
+    noise_causes,
     photons_on_pixels,
     shared_readings,
     without_infrared,
 )
 from chromanoise.metrics.shapley import Switches, shapley_values
+from chromanoise.noise import noise_sources
 from chromanoise.scene import Scene, light
-from chromanoise.sensor import Sensor
+from chromanoise.sensor import Sensor, without_crosstalk
 from chromanoise.spectra import color_axes
 
 __all__ = [
@@ -95,20 +104,32 @@ def color_budget(
     i = matrix.coordinates.index(coordinate)
     got = _electrons(scene, sensor, exposure)
     axis = color_axes(sensor.grid, matrix.metric)[:, i]
-    single_row = weights_one_by_one(axis, matrix.frame)
-    visible = Seen(signal_e=got.visible_e, noise_e=got.all_e, sought_e=got.all_e)
-    chain = _chain(got, matrix.matrix[i], single_row, visible)
-    usable = (chain.row @ got.all_e, chain.row @ got.visible_e, single_row @ got.visible_e)
+
+    def channels(of: _Electrons, frame: Frame, row: Float[Array, " p"]) -> Channels:
+        return Channels(
+            without_infrared=_seen(of.all_e),
+            with_infrared=Seen(signal_e=of.visible_e, noise_e=of.all_e, sought_e=of.all_e),
+            row=row,
+            single_row=weights_one_by_one(axis, frame),
+        )
+
+    chain = _chain(got, sensor, channels, matrix.frame, matrix.matrix[i])
+    own = chain.channels
+    usable = (own.row @ got.all_e, own.row @ got.visible_e, own.single_row @ got.visible_e)
     if not min(usable) > 0:
         return None
+    causes = causes_of(chain)
     readings = _readings(chain, matrix.frame, got)
-    own = chain_snr_db(
-        chain, frozenset(CAUSES) - {INFRARED}
-    )  # at the end all light counts as signal
-    readings[REST] = _rest_reading(chain_snr_db(chain, frozenset(CAUSES)) - own, coordinate)
-    bound = chain_snr_db(chain, frozenset({FILTERS, READ_NOISE}))
+    all_light = chain_snr_db(chain, frozenset(causes) - {INFRARED})  # at the end all is signal
+    rest = chain_snr_db(chain, frozenset(causes)) - all_light
+    readings[REST] = _rest_reading(rest, coordinate)
     return chain_budget(
-        chain, coordinate, CAUSES, readings, optimal_linear_snr_db=bound, snr_db=own
+        chain,
+        coordinate,
+        causes,
+        readings,
+        optimal_linear_snr_db=chain_snr_db(chain, noise_causes(chain)),
+        snr_db=all_light,
     )
 
 
@@ -140,19 +161,26 @@ def contravariant_budget(
     _check.same_names("budget", sensor=sensor.names, frame=frame.names)
     i = sensor.names.index(channel)
     got = _electrons(scene, sensor, exposure)
-    seen = Seen(signal_e=got.all_e, noise_e=got.all_e, sought_e=got.all_e)
-    chain = _chain(got, frame.inverse_gram[i], np.eye(len(sensor.names))[i], seen)
-    defined = np.isfinite(variance_inflation(frame)[i]) and chain.row @ got.all_e != 0
+
+    def channels(of: _Electrons, _: Frame, row: Float[Array, " p"]) -> Channels:
+        seen, alone = _seen(of.all_e), np.eye(len(sensor.names))[i]
+        return Channels(without_infrared=seen, with_infrared=seen, row=row, single_row=alone)
+
+    chain = _chain(got, sensor, channels, frame, frame.inverse_gram[i])
+    defined = np.isfinite(variance_inflation(frame)[i]) and chain.channels.row @ got.all_e != 0
     if not (defined and got.all_e[i] > 0):
         return None
+    causes = causes_of(chain, infrared=False)
     readings = _readings(chain, frame, got)
     readings[WEIGHTS] = f"{channel} alone, of all {len(sensor.names)} channels"
     readings[REST] = "nothing is left"
-    own = chain_snr_db(chain, frozenset(CAUSES[:-1]))
-    bound = chain_snr_db(chain, frozenset({FILTERS, READ_NOISE}))
-    coordinate = f"M^{channel}"
     return chain_budget(
-        chain, coordinate, CAUSES[:-1], readings, optimal_linear_snr_db=bound, snr_db=own
+        chain,
+        f"M^{channel}",
+        causes,
+        readings,
+        optimal_linear_snr_db=chain_snr_db(chain, noise_causes(chain)),
+        snr_db=chain_snr_db(chain, frozenset(causes)),
     )
 
 
@@ -173,34 +201,51 @@ def weights_one_by_one(axis: Float[Array, " n"], frame: Frame) -> Float[Array, "
 class _Electrons:
     """Photons on all pixels, and the electrons that the channels collect from them."""
 
+    scene: Scene
+    exposure: Exposure
     photons: float
     photons_db: float
     all_e: Float[Array, " p"]
     visible_e: Float[Array, " p"]
-    read_variance_e2: float
 
 
 def _electrons(scene: Scene, sensor: Sensor, exposure: Exposure) -> _Electrons:
     photons, factor = light(scene, "quanta"), photons_on_pixels(sensor, exposure)
     return _Electrons(
+        scene=scene,
+        exposure=exposure,
         photons=factor * float(photons.sum()),
         photons_db=counting_snr_db(photons, photons, factor),
         all_e=expected_electrons(scene, sensor, exposure),
         visible_e=expected_electrons(without_infrared(scene), sensor, exposure),
-        read_variance_e2=sensor.pixel.read_noise_e**2,
     )
 
 
+def _seen(electrons: Float[Array, " p"]) -> Seen:
+    return Seen(signal_e=electrons, noise_e=electrons, sought_e=electrons)
+
+
 def _chain(
-    got: _Electrons, row: Float[Array, " p"], single_row: Float[Array, " p"], infrared_on: Seen
+    got: _Electrons,
+    sensor: Sensor,
+    channels: Callable[[_Electrons, Frame, Float[Array, " p"]], Channels],
+    frame: Frame,
+    row: Float[Array, " p"],
 ) -> Chain:
+    """The chain of the sensor, and of the same without crosstalk: R X gives the same color."""
+    crosstalk, before = sensor.crosstalk, None
+    pure = without_crosstalk(sensor) if crosstalk is not None else None
+    if crosstalk is not None and pure is not None:
+        basis = measurement_vectors(pure, got.exposure, frame.metric)
+        own = dual_frame(basis, names=pure.names, metric=frame.metric)
+        before = channels(_electrons(got.scene, pure, got.exposure), own, row @ crosstalk.matrix)
+    after_counting = crosstalk is not None and crosstalk.stage == "charge"
     return Chain(
         photons_db=got.photons_db,
-        without_infrared=Seen(signal_e=got.all_e, noise_e=got.all_e, sought_e=got.all_e),
-        with_infrared=infrared_on,
-        row=row,
-        single_row=single_row,
-        read_variance_e2=got.read_variance_e2,
+        channels=channels(got, frame, row),
+        before_crosstalk=before,
+        noise=noise_sources(sensor, got.exposure),
+        coupling=crosstalk.matrix if crosstalk is not None and after_counting else None,
     )
 
 

@@ -6,25 +6,31 @@ weights for X, Y, Z and the contravariant coordinates, `chromanoise.metrics.lab_
 b*.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from chromanoise import _check, _notebook
 from chromanoise._check import Array
+from chromanoise._linalg import congruence, inv, pinv
 from chromanoise._shapes import Float
 from chromanoise.exposure import Exposure, exposure_factor
 from chromanoise.geometry import Frame, variance_inflation
-from chromanoise.metrics.shapley import Switches, shapley_values
+from chromanoise.metrics.shapley import Switches, allowed_sets, shapley_values
+from chromanoise.noise import NoiseSources
+from chromanoise.noise.sources import DARK, DSNU, PRNU, QUANTIZATION, READ, ROW
 from chromanoise.scene import Scene
 from chromanoise.sensor import Sensor, pixels_of
 from chromanoise.spectra import INFRARED_FROM_NM
 from chromanoise.units import decibel
 
-FILTERS, READ_NOISE, WEIGHTS = "filters", "read noise", "weights"
+FILTERS, READ_NOISE, WEIGHTS = "filters", READ, "weights"
 CORRELATION, INFRARED, REST = "correlation", "infrared", "rest"
+CROSSTALK = "crosstalk"
 CAUSES = (FILTERS, READ_NOISE, WEIGHTS, CORRELATION, INFRARED)
-_PRECEDENCE = (*((FILTERS, later) for later in CAUSES[1:]), (WEIGHTS, CORRELATION))
+"""The causes of every budget; `causes_of` adds those of the sensor's own noise sources."""
+MORE_NOISE = (DARK, QUANTIZATION, ROW, DSNU, PRNU)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -105,32 +111,73 @@ class Seen:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Chain:
-    """Signals, noise and weights that the causes switch between.
+class Channels:
+    """Signals, noise and weights of the channels, after crosstalk or before it.
 
     Attributes
     ----------
-    photons_db
-        SNR at the start of the chain: `counting_snr_db`. [dB]
     without_infrared, with_infrared
         Signal and noise with the cause "infrared" off, and on.
     row
         The coordinate's row of the color matrix, applied to the unmixed channels.
     single_row
         The coordinate's weights where the overlap of the channels is neglected.
-    read_variance_e2
-        Variance of the read noise of each pixel. [e-^2]
     """
 
-    photons_db: float
     without_infrared: Seen
     with_infrared: Seen
     row: Float[Array, " p"]
     single_row: Float[Array, " p"]
-    read_variance_e2: float
 
     def __post_init__(self) -> None:
         _check.freeze(self, "row", "single_row")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Chain:
+    """All that the causes switch between.
+
+    Attributes
+    ----------
+    photons_db
+        SNR at the start of the chain: `counting_snr_db`. [dB]
+    channels
+        The channels of the sensor.
+    before_crosstalk
+        The channels with the cause "crosstalk" off; ``None`` without that cause.
+    noise
+        The noise sources of each pixel.
+    coupling
+        Crosstalk matrix after counting; ``None`` without it. [1]
+    """
+
+    photons_db: float
+    channels: Channels
+    before_crosstalk: Channels | None
+    noise: NoiseSources
+    coupling: Float[Array, "p p"] | None = None
+
+
+def causes_of(chain: Chain, *, infrared: bool = True) -> tuple[str, ...]:
+    """The causes of a budget: those of every sensor, and the noise sources that this one has.
+
+    Parameters
+    ----------
+    chain
+        The chain of a coordinate.
+    infrared
+        Whether the budget separates the infrared.
+    """
+    values = chain.noise.by_source(np.ones(1))
+    more = tuple(name for name in MORE_NOISE if values[name].any())
+    mixed = (CROSSTALK,) if chain.before_crosstalk is not None else ()
+    end = CAUSES[2:] if infrared else CAUSES[2:-1]
+    return (*CAUSES[:2], *more, *mixed, *end)
+
+
+def noise_causes(chain: Chain) -> frozenset[str]:
+    """The causes of the best linear readout: filters, crosstalk and all noise of the pixel."""
+    return frozenset(causes_of(chain)) - {WEIGHTS, CORRELATION, INFRARED}
 
 
 def counting_snr_db(
@@ -182,14 +229,68 @@ def without_infrared(scene: Scene) -> Scene:
 
 def chain_snr_db(chain: Chain, on: Switches) -> float:
     """SNR of the readout with the given causes switched on. [dB]"""
-    if FILTERS not in on:
-        return chain.photons_db
-    seen = chain.with_infrared if INFRARED in on else chain.without_infrared
-    variance = seen.noise_e + (chain.read_variance_e2 if READ_NOISE in on else 0.0)
-    row = seen.sought_e / np.where(variance > 0, variance, 1.0)
-    if WEIGHTS in on:
-        row = chain.row if CORRELATION in on else chain.single_row
-    return float(decibel(np.asarray(abs(row @ seen.signal_e) / np.sqrt(row**2 @ variance))))
+    return float(chain_snrs_db(chain, [on])[0])
+
+
+def chain_snrs_db(chain: Chain, sets: Sequence[Switches]) -> Float[Array, " s"]:
+    """SNR of the readout for each set of causes. [dB]"""
+    result = np.full(len(sets), chain.photons_db)
+    groups: dict[tuple[bool, ...], list[int]] = {}
+    for i, on in enumerate(sets):
+        if FILTERS in on:
+            key = tuple(cause in on for cause in (CROSSTALK, INFRARED, WEIGHTS, CORRELATION))
+            groups.setdefault(key, []).append(i)
+    for (mixed, infrared, weights, unmixed), rows in groups.items():
+        before = None if mixed else chain.before_crosstalk
+        channels = before or chain.channels
+        seen = channels.with_infrared if infrared else channels.without_infrared
+        own = channels.row if unmixed else channels.single_row
+        row = own if weights else None
+        coupling = chain.coupling if before is None else None
+        added = np.stack([_added_e2(chain.noise, seen.noise_e, sets[i]) for i in rows])
+        result[rows] = _snrs_db(seen, row, added, coupling, chain.noise, [sets[i] for i in rows])
+    return result
+
+
+def _added_e2(noise: NoiseSources, mean_e: Float[Array, " p"], on: Switches) -> Float[Array, " p"]:
+    """Variance of the noise sources that are switched on, shot noise of the light not included."""
+    values = noise.by_source(mean_e)
+    return sum((values[name] for name in (READ_NOISE, *MORE_NOISE) if name in on), 0.0 * mean_e)
+
+
+def _snrs_db(
+    seen: Seen,
+    row: Float[Array, " p"] | None,
+    added: Float[Array, "s p"],
+    coupling: Float[Array, "p p"] | None,
+    noise: NoiseSources,
+    sets: Sequence[Switches],
+) -> Float[Array, " s"]:
+    """SNR of a row, or of the best linear readout where it is ``None``. [dB]"""
+    if coupling is not None:
+        return np.array([_coupled_snr_db(seen, row, coupling, noise, on) for on in sets])
+    variance = seen.noise_e + added
+    rows = seen.sought_e / np.where(variance > 0, variance, 1.0) if row is None else row[None]
+    signal = np.abs(rows @ seen.signal_e)
+    return np.asarray(decibel(signal / np.sqrt((rows**2 * variance).sum(axis=1))))
+
+
+def _coupled_snr_db(
+    seen: Seen,
+    row: Float[Array, " p"] | None,
+    coupling: Float[Array, "p p"],
+    noise: NoiseSources,
+    on: Switches,
+) -> float:
+    """The same with crosstalk after counting, which correlates the readings. [dB]"""
+    counted = np.maximum(inv("crosstalk", coupling) @ seen.noise_e, 0.0)
+    readout = frozenset({READ_NOISE, QUANTIZATION, ROW})
+    inside = counted + _added_e2(noise, counted, on - readout)
+    after = _added_e2(noise, counted, on & readout)
+    covariance = congruence(coupling, np.diag(inside)) + np.diag(after)
+    if row is None:
+        row = pinv("noise with crosstalk", covariance) @ seen.sought_e
+    return float(decibel(np.asarray(abs(row @ seen.signal_e) / np.sqrt(row @ covariance @ row))))
 
 
 def chain_budget(
@@ -208,15 +309,17 @@ def chain_budget(
     chain
         The chain of ``coordinate``.
     causes
-        The causes from `CAUSES` that are switched.
+        The causes that are switched: `causes_of`.
     readings
         One sentence per cause and for "rest".
     optimal_linear_snr_db, snr_db
         As `Budget`. [dB]
     """
-    allowed = [(first, second) for first, second in _PRECEDENCE if {first, second} <= set(causes)]
-    shares = shapley_values(lambda on: chain_snr_db(chain, on), causes, allowed)
-    rest = chain_snr_db(chain, frozenset(causes)) - snr_db
+    order = (*((FILTERS, later) for later in causes[1:]), (WEIGHTS, CORRELATION))
+    sets = allowed_sets(causes, order)
+    worth = dict(zip(sets, chain_snrs_db(chain, sets).tolist(), strict=True))
+    shares = shapley_values(worth.__getitem__, causes, order)
+    rest = worth[frozenset(causes)] - snr_db
     costs = [Cost(cause=c, loss_db=-shares[c], reading=readings[c]) for c in causes]
     return Budget(
         coordinate=coordinate,
@@ -243,15 +346,23 @@ def shared_readings(
     """
     vif = variance_inflation(frame)
     worst = int(np.argmax(vif))
-    variance = all_e + chain.read_variance_e2
+    sources = chain.noise.by_source(all_e)
+    variance = sum(sources.values(), 0.0 * all_e)
     whitened = np.sqrt(np.where(variance > 0, variance, 1.0))  # avoids 0 / 0
-    best, own = chain.with_infrared.sought_e / whitened, chain.single_row * whitened
+    channels = chain.channels
+    best, own = channels.with_infrared.sought_e / whitened, channels.single_row * whitened
     psi = np.degrees(np.arccos(np.clip(best @ own / np.sqrt((best @ best) * (own @ own)), -1, 1)))
     infrared = 1 - visible_e.sum() / all_e.sum()
-    read = chain.read_variance_e2 / variance.mean()
+    part = {name: float(100 * each.mean() / variance.mean()) for name, each in sources.items()}
+    more = {name: f"{part[name]:.1f} % of the mean noise variance" for name in MORE_NOISE}
+    if chain.before_crosstalk is not None:
+        before = chain.before_crosstalk.with_infrared.noise_e
+        moved = 0.5 * np.abs(all_e - before).sum() / before.sum()
+        more[CROSSTALK] = f"moves {100 * moved:.1f} % of the electrons, which the matrix unmixes"
     return {
+        **more,
         FILTERS: f"{100 * all_e.sum() / photons:.0f} % of the photons become electrons",
-        READ_NOISE: f"{100 * read:.1f} % of the mean noise variance is readout",
+        READ_NOISE: f"{part[READ_NOISE]:.1f} % of the mean noise variance is readout",
         WEIGHTS: f"this color needs a channel mix {psi:.0f} deg from the lowest-noise one",
         CORRELATION: f"unmixing multiplies the variance of {frame.names[worst]} by "
         f"{vif[worst]:.1f}, condition {frame.condition:.1f}",

@@ -38,26 +38,28 @@ from chromanoise._shapes import Float
 from chromanoise.color import LAB, ColorMatrix
 from chromanoise.color.matrices import XYZ
 from chromanoise.exposure import Exposure, expected_electrons, measurement_vectors
+from chromanoise.geometry import Frame, dual_frame
 from chromanoise.metrics.budget import weights_one_by_one
 from chromanoise.metrics.budget_chain import (
-    CAUSES,
-    FILTERS,
     INFRARED,
-    READ_NOISE,
     REST,
     WEIGHTS,
     Budget,
     Chain,
+    Channels,
     Seen,
+    causes_of,
     chain_budget,
     chain_snr_db,
     counting_snr_db,
+    noise_causes,
     photons_on_pixels,
     shared_readings,
     without_infrared,
 )
+from chromanoise.noise import noise_sources, with_noise
 from chromanoise.scene import Scene, flat_field, light
-from chromanoise.sensor import Sensor
+from chromanoise.sensor import Sensor, without_crosstalk
 from chromanoise.spectra import INFRARED_FROM_NM, color_axes
 
 _ROUNDING = 1e-10  # of the sum of absolute terms: below, a sum is rounding
@@ -156,16 +158,16 @@ def lab_budget(
     chain = _chain(point, sensor, exposure, matrix, change, i)
     if not _followed(chain):
         return None
-    variance = chain.with_infrared.noise_e + chain.read_variance_e2
-    gain = float(chain.row @ chain.with_infrared.signal_e)
-    bound = chain_snr_db(chain, frozenset({FILTERS, READ_NOISE, INFRARED}))
+    row = chain.channels.row
+    gain = float(row @ chain.channels.with_infrared.signal_e)
+    noise = with_noise(point.all_e, sensor, exposure).covariance
     return chain_budget(
         chain,
         coordinate,
-        CAUSES,
+        causes_of(chain),
         _readings(chain, matrix, point, coordinate, gain),
-        optimal_linear_snr_db=bound,
-        snr_db=-10 * float(np.log10(chain.row**2 @ variance)),
+        optimal_linear_snr_db=chain_snr_db(chain, noise_causes(chain) | {INFRARED}),
+        snr_db=-10 * float(np.log10(row @ noise @ row)),
     )
 
 
@@ -206,19 +208,44 @@ def _chain(
     change: Float[Array, " n"],
     i: int,
 ) -> Chain:
+    crosstalk, before = sensor.crosstalk, None
+    pure = without_crosstalk(sensor) if crosstalk is not None else None
+    if crosstalk is not None and pure is not None:
+        basis = measurement_vectors(pure, exposure, matrix.metric)
+        frame = dual_frame(basis, names=pure.names, metric=matrix.metric)
+        rows = matrix.matrix @ crosstalk.matrix
+        before = _channels(point, pure, exposure, (rows, frame), change, i)
+    return Chain(
+        photons_db=counting_snr_db(point.light, change, point.photons_per_unit_light),
+        channels=_channels(point, sensor, exposure, (matrix.matrix, matrix.frame), change, i),
+        before_crosstalk=before,
+        noise=noise_sources(sensor, exposure),
+        coupling=crosstalk.matrix if crosstalk and crosstalk.stage == "charge" else None,
+    )
+
+
+def _channels(
+    point: _Point,
+    sensor: Sensor,
+    exposure: Exposure,
+    readout: tuple[Float[Array, "3 p"], Frame],
+    change: Float[Array, " n"],
+    i: int,
+) -> Channels:
+    """Signals and weights of one coordinate, for the rows of a matrix and the frame of a sensor."""
+    rows, frame = readout
     basis = measurement_vectors(sensor, exposure, "quanta")
     visible = sensor.grid.wavelength_nm <= INFRARED_FROM_NM
     cut, whole = (change * visible) @ basis, change @ basis
+    noise_e, visible_e = point.light @ basis, (point.light * visible) @ basis
     one_by_one = [
-        weights_one_by_one(axis, matrix.frame) for axis in color_axes(sensor.grid, matrix.metric).T
+        weights_one_by_one(axis, frame) for axis in color_axes(sensor.grid, frame.metric).T
     ]
-    return Chain(
-        photons_db=counting_snr_db(point.light, change, point.photons_per_unit_light),
-        without_infrared=Seen(signal_e=cut, noise_e=point.visible_e, sought_e=cut),
-        with_infrared=Seen(signal_e=whole, noise_e=point.all_e, sought_e=whole),
-        row=_sum_of(point.slope[i, :, None] * matrix.matrix),
+    return Channels(
+        without_infrared=Seen(signal_e=cut, noise_e=visible_e, sought_e=cut),
+        with_infrared=Seen(signal_e=whole, noise_e=noise_e, sought_e=whole),
+        row=_sum_of(point.slope[i, :, None] * rows),
         single_row=_sum_of(point.slope[i, :, None] * np.stack(one_by_one)),
-        read_variance_e2=sensor.pixel.read_noise_e**2,
     )
 
 
@@ -233,8 +260,9 @@ def _followed(chain: Chain) -> bool:
 
     Weights that neglect the overlap of channels may reverse the sign; only the size counts there.
     """
-    signals = np.stack([chain.without_infrared.signal_e, chain.with_infrared.signal_e], axis=1)
-    own, single = (_sum_of(row[:, None] * signals) for row in (chain.row, chain.single_row))
+    of = chain.channels
+    signals = np.stack([of.without_infrared.signal_e, of.with_infrared.signal_e], axis=1)
+    own, single = (_sum_of(row[:, None] * signals) for row in (of.row, of.single_row))
     return bool((own > 0).all() and (single != 0).all())
 
 

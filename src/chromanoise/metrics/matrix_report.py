@@ -106,11 +106,11 @@ def matrix_report(
     white_xyz = light(white, matrix.metric) @ color_axes(sensor.grid, matrix.metric)
     normalized = white_normalized(matrix.matrix, white_e, white_xyz)
     error = chart_color_error(sensor, matrix, exposure, illuminant)
-    decibels = signal_snr_db(colored(with_noise(white_e, sensor), matrix), white_xyz)
+    decibels = signal_snr_db(colored(with_noise(white_e, sensor, exposure), matrix), white_xyz)
     filters = effective_filters(matrix, sensor, exposure)
     answers = filters * light(white, matrix.metric)[:, None]
     beyond = sensor.grid.wavelength_nm > INFRARED_FROM_NM
-    full = bool(saturated(white_e, sensor.pixel).any())
+    full = bool(saturated(white_e, sensor.pixel, exposure).any())
     return MatrixReport(
         made_by=matrix.made_by,
         color_error_mean=None if error is None else float(error.mean()),

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Sequence
 from functools import cache
-from itertools import permutations
 
 from chromanoise.errors import InputError
 
@@ -43,30 +42,80 @@ def shapley_values(
     >>> shapley_values(worth.__getitem__, "ab", precedence=[("a", "b")])
     {'a': 1.0, 'b': 4.0}
     """
-    orders = _orders(tuple(players), tuple(precedence))
-    if not orders:
-        raise InputError(
-            "precedence",
-            f"must allow an order of {', '.join(players)}",
-            value=tuple(precedence),
-            found="allows none",
-        )
-    worth = cache(value)  # many orders contain the same sets
-    shares = dict.fromkeys(players, 0.0)
-    for order in orders:
-        for place, name in enumerate(order):
-            before = frozenset(order[:place])
-            shares[name] += (worth(before | {name}) - worth(before)) / len(orders)
-    return shares
+    worth = cache(value)
+    return {
+        name: sum(share * (worth(after) - worth(after - {name})) for after, share in steps)
+        for name, steps in _steps(tuple(players), tuple(precedence)).items()
+    }
 
 
 @cache
-def _orders(
+def allowed_sets(
+    players: tuple[str, ...], precedence: tuple[tuple[str, str], ...] = ()
+) -> tuple[Switches, ...]:
+    """All sets of players that arrive first in some allowed order, from the empty set on.
+
+    Parameters
+    ----------
+    players, precedence
+        As `shapley_values`.
+
+    Raises
+    ------
+    InputError
+        If no order satisfies the precedence.
+
+    Examples
+    --------
+    >>> [sorted(each) for each in allowed_sets(("a", "b"), (("a", "b"),))]
+    [[], ['a'], ['a', 'b']]
+    """
+    found: dict[Switches, None] = {frozenset(): None}
+    queue: list[Switches] = [frozenset()]
+    for before in queue:
+        for name in players:
+            after = before | {name}
+            if name not in before and after not in found and _may_follow(name, before, precedence):
+                found[after] = None
+                queue.append(after)
+    if frozenset(players) not in found:
+        raise InputError(
+            "precedence",
+            f"must allow an order of {', '.join(players)}",
+            value=precedence,
+            found="allows none",
+        )
+    return tuple(found)
+
+
+def _may_follow(name: str, before: Switches, precedence: tuple[tuple[str, str], ...]) -> bool:
+    return all(first in before for first, second in precedence if second == name)
+
+
+@cache
+def _steps(
     players: tuple[str, ...], precedence: tuple[tuple[str, str], ...]
-) -> tuple[tuple[str, ...], ...]:
-    """All allowed orders of arrival."""
-    return tuple(
-        order
-        for order in permutations(players)
-        if all(order.index(first) < order.index(second) for first, second in precedence)
-    )
+) -> dict[str, tuple[tuple[Switches, float], ...]]:
+    """For each player: the sets that it completes, and the share of the orders in which it does.
+
+    Orders are counted by the sets that they pass, instead of one by one: 11 players have 40 million
+    orders, but 2,048 sets.
+    """
+    sets = allowed_sets(players, precedence)  # smaller sets come first
+    allowed = frozenset(sets)
+    ways_to = {sets[0]: 1}
+    for after in sets[1:]:
+        ways_to[after] = sum(ways_to[after - {n}] for n in after if after - {n} in allowed)
+    ways_on = {sets[-1]: 1}
+    for before in reversed(sets[:-1]):
+        following = (before | {n} for n in players if n not in before)
+        ways_on[before] = sum(ways_on[after] for after in following if after in allowed)
+    total = ways_to[sets[-1]]
+    return {
+        name: tuple(
+            (after, ways_to[after - {name}] * ways_on[after] / total)
+            for after in sets
+            if name in after and after - {name} in allowed
+        )
+        for name in players
+    }

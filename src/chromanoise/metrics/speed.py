@@ -1,7 +1,7 @@
 """Light that a sensor needs: SNR10 in lux, and the noise-based speed of ISO 12232."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -11,7 +11,7 @@ from chromanoise._shapes import Float
 from chromanoise.color import ColorMatrix
 from chromanoise.errors import InputError
 from chromanoise.exposure import Exposure, expected_electrons
-from chromanoise.noise import saturated
+from chromanoise.noise import NoiseSources, noise_sources, saturated
 from chromanoise.scene import flat_field
 from chromanoise.sensor import Sensor
 from chromanoise.spectra import Illuminant
@@ -73,6 +73,7 @@ def light_for_snr(
     *,
     snr: float,
     read_noise_e: float,
+    prnu: float = 0.0,
 ) -> Float[Array, "*px"]:
     """Factor on the light of ``signal_e`` at which a matrix row reaches ``snr``; inf if never. [1]
 
@@ -85,7 +86,9 @@ def light_for_snr(
     snr
         Amplitude ratio, not dB: 10 for SNR10. [1]
     read_noise_e
-        Standard deviation of the readout. [e-]
+        Standard deviation of the reading without light. [e-]
+    prnu
+        Standard deviation of the sensitivity over the pixels. [1]
 
     Raises
     ------
@@ -96,7 +99,8 @@ def light_for_snr(
     -----
     Mean and variance of the row are E (y.s) and E sum y_i^2 s_i + s_rn^2 sum y_i^2 (eq. 7), so
     E^2 (y.s)^2 - q^2 E sum y_i^2 s_i - q^2 s_rn^2 sum y_i^2 = 0. Both lower coefficients are
-    <= 0: one root is positive, and nothing cancels in it.
+    <= 0: one root is positive, and nothing cancels in it. PRNU takes q^2 PRNU^2 sum (y_i s_i)^2
+    from the first coefficient; where nothing remains, no light is enough.
 
     Examples
     --------
@@ -108,7 +112,8 @@ def light_for_snr(
     per_light = _check.non_negative("signal_e", "e-", signal_e)
     weights = _check.finite("row of the matrix", "1/e-", row)
     _check.same_length("channels", signal_e=per_light.shape[-1], row=weights.size)
-    return _light(per_light, weights, weights**2, snr=snr, read_noise_e=read_noise_e)
+    noise = NoiseSources(read_noise_e=read_noise_e, prnu=prnu)
+    return _light(per_light, weights, weights**2, snr=snr, noise=noise)
 
 
 def illuminance_for_snr(
@@ -151,8 +156,8 @@ def illuminance_for_snr(
     Sensor Workshop (2007): 18 % gray, after white balance and color matrix. Noise of eq. 7.
     """
     per_lux = _gray_electrons_per_lux(sensor, illuminant, exposure, reflectance)
-    level = _level_of_row(per_lux, sensor, matrix, coordinate, snr)
-    return _unless_saturated(level, per_lux, sensor)
+    level = _level_of_row(per_lux, sensor, exposure, matrix, coordinate, snr)
+    return _unless_saturated(level, per_lux, sensor, exposure)
 
 
 def illuminance_for_snr_adapted(
@@ -219,11 +224,14 @@ def illuminance_for_snr_adapted(
         raise InputError("steps_per_decade", "must be at least 1", value=steps_per_decade)
 
     def enough(lux: float) -> bool:
-        return _level_of_row(per_lux, sensor, matrix_at(lux), coordinate, snr) <= lux
+        return _level_of_row(per_lux, sensor, exposure, matrix_at(lux), coordinate, snr) <= lux
 
     if not per_lux.max() > 0:
         return None
-    brightest = sensor.pixel.full_well_e / float(per_lux.max())
+    dark_e = sensor.pixel.dark_electrons_e(time_s=exposure.time_s)
+    brightest = (sensor.pixel.full_well_e - dark_e) / float(per_lux.max())
+    if not brightest > 0:
+        return None
     hopeless = 0.5 * _check.positive("snr", "1", snr) ** 2 / float(per_lux.sum())
     return _lowest_kept(enough, hopeless, brightest, step=10.0 ** (1.0 / steps_per_decade))
 
@@ -263,7 +271,8 @@ def noise_speed(
     -----
     ISO 12232:2019, 6.3, formulae (4) and (5). The standard divides by the incremental gain of the
     picture's encoding; on gray R = G = B share its slope, so that linear signals give the same.
-    The result is for a single pixel, without demosaicing.
+    The result is for a single pixel, without demosaicing, and without dark current, because the
+    exposure has no time.
     """
     per_lxs = _electrons_per_lux_second(sensor, illuminant)
     _check.same_length("channels", sensor=per_lxs.size, rgb_matrix=rgb_matrix.shape[1])
@@ -278,22 +287,23 @@ def noise_speed(
         )
     red, green, blue = rgb_matrix / gray[:, None]
     y = np.asarray(model.luminance_weights) @ np.array([red, green, blue])
-    noise = y**2 + model.red_weight * (red - y) ** 2 + model.blue_weight * (blue - y) ** 2
-    level = _light(per_lxs, y, noise, snr=snr, read_noise_e=sensor.pixel.read_noise_e)
+    weights = y**2 + model.red_weight * (red - y) ** 2 + model.blue_weight * (blue - y) ** 2
+    timeless = replace(sensor, pixel=replace(sensor.pixel, dark_current_e_per_s=0.0))
+    level = _light(per_lxs, y, weights, snr=snr, noise=noise_sources(timeless))
     exposure_lxs = _unless_saturated(float(level), per_lxs, sensor)
     return None if exposure_lxs is None else model.constant / exposure_lxs
 
 
 def _light(
-    per_light: Array, signal: Array, noise: Array, *, snr: float, read_noise_e: float
+    per_light: Array, signal: Array, weights: Array, *, snr: float, noise: NoiseSources
 ) -> Array:
-    """The positive root of E^2 a^2 - q^2 b E - q^2 c = 0; ``noise`` weighs the variances."""
+    """The positive root of E^2 a - q^2 b E - q^2 c = 0; ``weights`` of the variances."""
     q = _check.positive("snr", "1", snr)
-    floor = _check.not_negative("read_noise_e", "e-", read_noise_e) ** 2 * noise.sum()
+    floor = noise.floor_e2() * weights.sum()
     seen = per_light @ signal
-    gain = seen**2
-    shot = q**2 * (per_light @ noise)
-    reached = shot + np.sqrt(shot**2 + 4.0 * gain * q**2 * floor)
+    gain = seen**2 - (q * noise.prnu) ** 2 * (per_light**2 @ weights)
+    shot = q**2 * (per_light @ weights)
+    reached = shot + np.sqrt(shot**2 + 4.0 * np.maximum(gain, 0.0) * q**2 * floor)
     visible = (seen > 0) & (gain > 0)  # a negative color is not a signal
     return np.asarray(np.where(visible, reached / np.where(visible, 2.0 * gain, 1.0), np.inf))
 
@@ -307,13 +317,19 @@ def _gray_electrons_per_lux(
 
 
 def _level_of_row(
-    per_lux: Array, sensor: Sensor, matrix: ColorMatrix, coordinate: str, snr: float
+    per_lux: Array,
+    sensor: Sensor,
+    exposure: Exposure,
+    matrix: ColorMatrix,
+    coordinate: str,
+    snr: float,
 ) -> float:
     """Illuminance that a row of one matrix needs, saturation ignored. [lx]"""
     _check.same_names("illuminance_for_snr", sensor=sensor.names, matrix=matrix.channels)
     _check.one_of("coordinate", coordinate, matrix.coordinates)
     row = matrix.matrix[matrix.coordinates.index(coordinate)]
-    return float(light_for_snr(per_lux, row, snr=snr, read_noise_e=sensor.pixel.read_noise_e))
+    noise = noise_sources(sensor, exposure)
+    return float(_light(per_lux, row, row**2, snr=snr, noise=noise))
 
 
 def _lowest_kept(
@@ -335,8 +351,10 @@ def _lowest_kept(
     return high
 
 
-def _unless_saturated(level: float, per_light: Array, sensor: Sensor) -> float | None:
-    if not np.isfinite(level) or saturated(level * per_light, sensor.pixel).any():
+def _unless_saturated(
+    level: float, per_light: Array, sensor: Sensor, exposure: Exposure | None = None
+) -> float | None:
+    if not np.isfinite(level) or saturated(level * per_light, sensor.pixel, exposure).any():
         return None
     return level
 

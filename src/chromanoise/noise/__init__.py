@@ -4,26 +4,39 @@ from chromanoise.noise.exact import (
     Moments,
     Readout,
     clipped_measurement,
+    counted_readout,
     raw_measurement,
     read_moments,
+    sensor_moments,
 )
 from chromanoise.noise.expectation import Expectation, expectation
 from chromanoise.noise.measurement import Measurement, through
 from chromanoise.noise.montecarlo import Estimate, monte_carlo
 from chromanoise.noise.quantiles import poisson_gaussian_ppf, read_values
-from chromanoise.noise.raw import raw_covariance, saturated, with_noise
 from chromanoise.noise.sampling import clipped_at_well, sample_electrons
+from chromanoise.noise.sources import (
+    NoiseKind,
+    NoiseSources,
+    noise_sources,
+    raw_covariance,
+    saturated,
+    with_noise,
+)
 
 __all__ = [
     "Estimate",
     "Expectation",
     "Measurement",
     "Moments",
+    "NoiseKind",
+    "NoiseSources",
     "Readout",
     "clipped_at_well",
     "clipped_measurement",
+    "counted_readout",
     "expectation",
     "monte_carlo",
+    "noise_sources",
     "poisson_gaussian_ppf",
     "raw_covariance",
     "raw_measurement",
@@ -31,6 +44,7 @@ __all__ = [
     "read_values",
     "sample_electrons",
     "saturated",
+    "sensor_moments",
     "through",
     "with_noise",
 ]

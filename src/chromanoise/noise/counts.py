@@ -83,6 +83,51 @@ def over_counts(
     array([[3.],
            [3.]])
     """
+    _refuse_many(mean_e)
+    means, back = np.unique(mean_e, return_inverse=True)
+    parts = [_summed(means[rows], given_count) for rows in _runs(means)]
+    return np.concatenate(parts, axis=1)[:, back.reshape(mean_e.shape)]
+
+
+def over_counts_each(
+    mean_e: Float[Array, " m"],
+    given_counts: Callable[[Float[Array, " w"], Int[Array, " w"]], Float[Array, "k w"]],
+) -> Float[Array, "k m"]:
+    """As `over_counts`, where the values per count differ between the means.
+
+    Parameters
+    ----------
+    mean_e
+        Means of the Poisson distributions, >= 0. [e-]
+    given_counts
+        Function from counts, and the index of the mean of each, to the mean, the variance, and any
+        other quantities to average.
+
+    Raises
+    ------
+    InputError
+        As `over_counts`.
+    """
+    _refuse_many(mean_e)
+    lowest, highest = count_window(mean_e)
+    order = np.argsort(highest - lowest)  # rows of similar width share a table
+    parts, first = [], 0
+    while first < order.size:
+        rows = order[first : first + max(1, int(_ENTRIES // (highest - lowest)[order[first:]][0]))]
+        width = int((highest - lowest)[rows].max()) + 1
+        rows = rows[: max(1, _ENTRIES // width)]
+        width = int((highest - lowest)[rows].max()) + 1
+        count = lowest[rows][:, None] + np.arange(width)
+        at = np.arange(count.size).reshape(count.shape)
+        weights = _weights(mean_e[rows], count.ravel(), at)
+        given = given_counts(count.ravel(), np.repeat(rows, width)).reshape(-1, *count.shape)
+        parts.append(_averaged(weights, given))
+        first += rows.size
+    found = np.concatenate(parts, axis=1)
+    return found[:, np.argsort(order)]
+
+
+def _refuse_many(mean_e: Float[Array, "*px p"]) -> None:
     if mean_e.size == 0:
         raise InputError(
             "mean_e",
@@ -99,9 +144,13 @@ def over_counts(
             found=f"reaches {most:g}",
             remedy="take wider bounds and no step, or less light",
         )
-    means, back = np.unique(mean_e, return_inverse=True)
-    parts = [_summed(means[rows], given_count) for rows in _runs(means)]
-    return np.concatenate(parts, axis=1)[:, back.reshape(mean_e.shape)]
+
+
+def _averaged(weights: Float[Array, "u w"], given: Float[Array, "k u w"]) -> Float[Array, "k u"]:
+    mean = (weights * given[0]).sum(axis=1)
+    between = (weights * (given[0] - mean[:, None]) ** 2).sum(axis=1)
+    averages = [(weights * row).sum(axis=1) for row in given[1:]]
+    return np.stack([mean, averages[0] + between, *averages[1:]])
 
 
 def _runs(means: Float[Array, " u"]) -> Iterator[slice]:
@@ -124,10 +173,7 @@ def _summed(
     at = (lowest - lowest[0]).astype(np.int64)[:, None] + np.arange(width)
     weights = _weights(means, lattice, at)
     given = given_count(lattice)
-    mean = (weights * given[0][at]).sum(axis=1)
-    between = (weights * (given[0][at] - mean[:, None]) ** 2).sum(axis=1)
-    averages = [(weights * row[at]).sum(axis=1) for row in given[1:]]
-    return np.stack([mean, averages[0] + between, *averages[1:]])
+    return _averaged(weights, given[:, at])
 
 
 def _weights(

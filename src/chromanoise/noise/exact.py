@@ -1,16 +1,18 @@
 """Exact mean and variance of readout values, clipped at black and full well, and rounded."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from chromanoise import _check
 from chromanoise._check import Array
-from chromanoise._shapes import Float
+from chromanoise._shapes import Float, Int
 from chromanoise.errors import InputError
-from chromanoise.noise.counts import count_window, over_counts
+from chromanoise.exposure import Exposure
+from chromanoise.noise.counts import count_window, over_counts, over_counts_each
 from chromanoise.noise.gaussian import FARTHEST, coded_moments, held_moments
 from chromanoise.noise.measurement import Measurement
+from chromanoise.noise.sources import NoiseSources, noise_sources
 from chromanoise.sensor import Sensor
 
 _WIDE = 1.5  # read noise per step above which rounding adds step^2 / 12: exp(-2 pi^2 1.5^2) = 5e-20
@@ -83,7 +85,10 @@ class Moments:
 
 
 def read_moments(
-    mean_e: Float[Array, "*px p"], *, read_noise_e: float, readout: Readout
+    mean_e: Float[Array, "*px p"],
+    *,
+    read_noise_e: float | Float[Array, "*px p"],
+    readout: Readout,
 ) -> Moments:
     """Exact moments of clipped(rounded(Poisson(M) + s Z)), per channel.
 
@@ -92,7 +97,7 @@ def read_moments(
     mean_e
         Expected electrons M, >= 0. [e-]
     read_noise_e
-        Standard deviation s of the readout, >= 0. [e-]
+        Standard deviation s of the readout, >= 0; one number, or one per entry. [e-]
     readout
         Bounds and step.
 
@@ -121,18 +126,18 @@ def read_moments(
     (array([9891.6,  100. ]), array([7494.2,  200. ]))
     """
     mean = _check.non_negative("mean_e", "e-", mean_e)
-    noise = _check.not_negative("read_noise_e", "e-", read_noise_e)
+    noise = np.broadcast_to(_check.non_negative("read_noise_e", "e-", read_noise_e), mean.shape)
     lowest, highest = _reach(mean, noise, readout)
     always_black, always_full = highest < readout.black_e, lowest > readout.full_well_e
     summed = ~always_black & ~always_full
-    if readout.step_e == 0 or noise >= _WIDE * readout.step_e:
-        summed &= (lowest < readout.black_e) | (highest > readout.full_well_e)
+    smooth = noise >= _WIDE * readout.step_e
+    summed &= ~smooth | (lowest < readout.black_e) | (highest > readout.full_well_e)
     free = np.zeros_like(mean)
     rows = np.stack([mean, mean + noise**2 + readout.step_e**2 / 12, free, free])
     rows[:, always_black] = np.array([[readout.black_e], [0.0], [1.0], [0.0]])
     rows[:, always_full] = np.array([[readout.full_well_e], [0.0], [0.0], [1.0]])
     if summed.any():
-        rows[:, summed] = _summed(mean[summed], noise, readout)
+        rows[:, summed] = _summed(mean[summed], noise[summed], readout)
     return Moments(
         mean=rows[0],
         variance=rows[1],
@@ -143,7 +148,7 @@ def read_moments(
 
 
 def _reach(
-    mean: Float[Array, "*px p"], noise: float, readout: Readout
+    mean: Float[Array, "*px p"], noise: Float[Array, "*px p"], readout: Readout
 ) -> tuple[Float[Array, "*px p"], Float[Array, "*px p"]]:
     """Range of the rounded values, except for a probability of 1e-17. [e-]"""
     lowest, highest = count_window(mean)
@@ -151,17 +156,79 @@ def _reach(
     return lowest - margin, highest + margin
 
 
-def _summed(mean: Float[Array, " m"], noise: float, readout: Readout) -> Float[Array, "4 m"]:
-    black, full = float(readout.black_e), float(readout.full_well_e)
+def _summed(
+    mean: Float[Array, " m"], noise: Float[Array, " m"], readout: Readout
+) -> Float[Array, "4 m"]:
+    black, full, step = float(readout.black_e), float(readout.full_well_e), readout.step_e
+    bounds = {"black_e": black, "full_well_e": full}
+    if (noise == noise[0]).all():
+        one = float(noise[0])
 
-    def given_count(count: Float[Array, " m"]) -> Float[Array, "4 m"]:
-        if readout.step_e == 0:
-            return held_moments(count, read_noise_e=noise, black_e=black, full_well_e=full)
-        return coded_moments(
-            count, read_noise_e=noise, black_e=black, full_well_e=full, step_e=readout.step_e
-        )
+        def given_count(count: Float[Array, " m"]) -> Float[Array, "4 m"]:
+            if step == 0:
+                return held_moments(count, read_noise_e=one, **bounds)
+            return coded_moments(count, read_noise_e=one, step_e=step, **bounds)
 
-    return over_counts(mean, given_count)
+        return over_counts(mean, given_count)
+    if step == 0 and (noise > 0).all():
+
+        def given_counts(count: Float[Array, " w"], row: Int[Array, " w"]) -> Float[Array, "4 w"]:
+            return held_moments(count, read_noise_e=noise[row], **bounds)
+
+        return over_counts_each(mean, given_counts)
+    levels, of = np.unique(noise, return_inverse=True)
+    found = np.empty((4, mean.size))
+    for i in range(levels.size):
+        found[:, of == i] = _summed(mean[of == i], noise[of == i], readout)
+    return found
+
+
+def sensor_moments(mean_e: Float[Array, "*px p"], noise: NoiseSources, readout: Readout) -> Moments:
+    """Exact moments of the values that a pixel with these noise sources gives.
+
+    Parameters
+    ----------
+    mean_e
+        Expected electrons of the light, >= 0. [e-]
+    noise
+        The noise sources. Light and dark electrons are counted (Poisson); the other sources are
+        added as one normal variable per channel with their variance.
+    readout
+        Bounds after the subtraction of the mean dark signal, full well before it; the step is
+        that of the converter, unless another is given.
+
+    Raises
+    ------
+    InputError
+        As `read_moments`.
+
+    Notes
+    -----
+    A product of PRNU and a Poisson count is not normal: its third cumulant, 3 PRNU^2 M^2, is
+    omitted. Mean and variance are exact where nothing is clipped.
+    """
+    mean = _check.non_negative("mean_e", "e-", mean_e)
+    counted, shifted = counted_readout(mean, noise, readout)
+    found = read_moments(
+        counted, read_noise_e=np.sqrt(noise.added_variance_e2(mean)), readout=shifted
+    )
+    if not noise.dark_e and not noise.black_error_e:
+        return found
+    read = found.mean - noise.dark_e + noise.black_error_e
+    return replace(found, mean=read, bias=read - mean)
+
+
+def counted_readout(
+    mean_e: Float[Array, "*px p"], noise: NoiseSources, readout: Readout
+) -> tuple[Float[Array, "*px p"], Readout]:
+    """Electrons of light and dark, and the readout before the mean dark is subtracted. [e-]"""
+    offset = noise.dark_e - noise.black_error_e
+    shifted = Readout(
+        black_e=readout.black_e + offset,
+        full_well_e=readout.full_well_e,
+        step_e=readout.step_e or noise.step_e,
+    )
+    return np.asarray(mean_e) + noise.dark_e, shifted
 
 
 def raw_measurement(moments: Moments, names: tuple[str, ...]) -> Measurement:
@@ -184,28 +251,31 @@ def raw_measurement(moments: Moments, names: tuple[str, ...]) -> Measurement:
 
 
 def clipped_measurement(
-    mean_e: Float[Array, "*px p"], sensor: Sensor, readout: Readout
+    mean_e: Float[Array, "*px p"],
+    sensor: Sensor,
+    readout: Readout,
+    exposure: Exposure | None = None,
 ) -> Measurement:
     """The raw measurement after readout, with exact mean and variance; compare `with_noise`.
 
     Parameters
     ----------
     mean_e
-        Expected electrons, >= 0. [e-]
-    sensor
-        The sensor, for its channel names and read noise; the bounds are those of the readout.
+        Expected electrons of the light, >= 0. [e-]
+    sensor, exposure
+        As `noise_sources`.
     readout
         E.g. ``Readout(black_e=0.0, full_well_e=sensor.pixel.full_well_e)``.
 
     Raises
     ------
     InputError
-        As `read_moments`.
+        As `sensor_moments` and `noise_sources`.
 
     Notes
     -----
     Channels are independent, so the covariance is diagonal. Near a bound the ratio of this mean to
-    this standard deviation is not an SNR: check the clipped shares of `read_moments`.
+    this standard deviation is not an SNR: check the clipped shares of `sensor_moments`.
     """
-    moments = read_moments(mean_e, read_noise_e=sensor.pixel.read_noise_e, readout=readout)
+    moments = sensor_moments(mean_e, noise_sources(sensor, exposure), readout)
     return raw_measurement(moments, sensor.names)

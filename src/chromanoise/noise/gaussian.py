@@ -17,7 +17,11 @@ _MOST_CODES = 2**20
 
 
 def held_moments(
-    electrons: Float[Array, " m"], *, read_noise_e: float, black_e: float, full_well_e: float
+    electrons: Float[Array, " m"],
+    *,
+    read_noise_e: float | Float[Array, " m"],
+    black_e: float,
+    full_well_e: float,
 ) -> Float[Array, "4 m"]:
     """Mean, variance, share below black and share above full well of n + s Z, clipped.
 
@@ -26,7 +30,7 @@ def held_moments(
     electrons
         n, the known number of electrons. [e-]
     read_noise_e
-        s, >= 0. [e-]
+        s, >= 0; one number, or one above 0 per entry. [e-]
     black_e, full_well_e
         The bounds; they may be infinite. [e-]
 
@@ -46,7 +50,7 @@ def held_moments(
            [0.     ]])
     """
     center = np.clip(electrons, black_e, full_well_e)
-    if read_noise_e == 0:
+    if np.ndim(read_noise_e) == 0 and read_noise_e == 0:
         sure = np.zeros_like(center)
         return np.stack([center, sure, electrons < black_e, electrons > full_well_e])
     from scipy.special import ndtr

@@ -11,6 +11,7 @@ from chromanoise._check import Array
 from chromanoise._shapes import Float
 from chromanoise.errors import InputError
 from chromanoise.noise.sampling import clipped_at_well, sample_electrons
+from chromanoise.noise.sources import NoiseSources
 from chromanoise.rng import stream
 from chromanoise.sensor import Pixel
 
@@ -63,6 +64,7 @@ def monte_carlo(
     seed: int,
     name: tuple[int, ...] = (),
     clip: bool = False,
+    noise: NoiseSources | None = None,
     progress: Callable[[int], None] = lambda _: None,
 ) -> Estimate:
     """Statistics of ``matrix @ raw`` over many noisy acquisitions of one point.
@@ -81,6 +83,8 @@ def monte_carlo(
         Seed and name of the random stream; see `chromanoise.rng.stream`.
     clip
         Clip each acquisition to 0 and full well, as a real sensor does. The paper does not clip.
+    noise
+        All noise sources of the pixel; ``None`` for shot noise and read noise only.
     progress
         Called with the number of draws finished since the last call.
 
@@ -103,7 +107,8 @@ def monte_carlo(
     for chunk, start in enumerate(range(0, draws, _CHUNK)):
         count = min(_CHUNK, draws - start)
         rng = stream(seed, *name, chunk)
-        raw = sample_electrons(np.broadcast_to(mean_e, (count, mean_e.size)), pixel, rng)
+        means = np.broadcast_to(mean_e, (count, mean_e.size))
+        raw = sample_electrons(means, pixel, rng, noise=noise)
         if clip:
             raw, hit = clipped_at_well(raw, pixel)
             clipped += hit.sum(axis=0)

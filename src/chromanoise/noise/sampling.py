@@ -6,24 +6,33 @@ from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._shapes import Bool, Float
 from chromanoise.errors import InputError
+from chromanoise.noise.sources import NoiseSources
 from chromanoise.sensor import Pixel
 
 _MOST_E = 1e15  # above it double precision does not resolve single electrons
 
 
 def sample_electrons(
-    mean_e: Float[Array, "*px p"], pixel: Pixel, rng: np.random.Generator
+    mean_e: Float[Array, "*px p"],
+    pixel: Pixel,
+    rng: np.random.Generator,
+    *,
+    noise: NoiseSources | None = None,
 ) -> Float[Array, "*px p"]:
     """One noisy acquisition of every entry, unclipped: may be below 0 or above full well. [e-]
+
+    Each entry is another pixel, with its own PRNU, DSNU and row.
 
     Parameters
     ----------
     mean_e
-        Expected electrons, >= 0. [e-]
+        Expected electrons of the light, >= 0. [e-]
     pixel
         The pixel, for its read noise.
     rng
         A random stream of `chromanoise.rng`.
+    noise
+        All noise sources; ``None`` for shot noise and read noise only.
 
     Raises
     ------
@@ -40,8 +49,16 @@ def sample_electrons(
             found=f"reaches {most:g}",
             remedy="take less light or a shorter time",
         )
-    shot = rng.poisson(mean_e).astype(np.float64)
-    return shot + pixel.read_noise_e * rng.standard_normal(shot.shape)
+    if noise is None or not noise.beyond_shot_and_read:
+        shot = rng.poisson(mean_e).astype(np.float64)
+        return shot + pixel.read_noise_e * rng.standard_normal(shot.shape)
+    gain = 1.0 + noise.prnu * rng.standard_normal(mean_e.shape)
+    electrons = rng.poisson(mean_e * np.maximum(gain, 0.0) + noise.dark_e).astype(np.float64)
+    for sd in (noise.read_noise_e, noise.row_noise_e, noise.dsnu_e):
+        electrons += sd * rng.standard_normal(mean_e.shape)
+    if noise.step_e:
+        electrons = noise.step_e * np.floor(electrons / noise.step_e + 0.5)
+    return electrons - noise.dark_e + noise.black_error_e
 
 
 def clipped_at_well(

@@ -301,7 +301,7 @@ def _without_diodes(one: FileWord) -> str:
 def _names_a_file(one: FileWord, base: str) -> bool:
     if one.kind == "cube":
         return not base.startswith("builtin:")
-    if one.kind == "pixel" or one.kind == "wavelengths":
+    if one.kind in ("pixel", "crosstalk", "matrix", "wavelengths"):
         return True
     return is_file_word(base, one.kind)
 

@@ -5,10 +5,20 @@ from chromanoise.sensor.adc import (
     Converter,
     adc_of,
     adc_to_full_well,
+    quantization_step_e,
 )
 from chromanoise.sensor.changes import (
     behind_ir_cut,
+    of_pixel,
+    with_crosstalk,
+    with_pixel,
     with_shifted_curves,
+    without_crosstalk,
+)
+from chromanoise.sensor.crosstalk import (
+    Crosstalk,
+    crosstalk_of_kernel,
+    crosstalk_of_share,
 )
 from chromanoise.sensor.filters import (
     filter_named,
@@ -16,9 +26,6 @@ from chromanoise.sensor.filters import (
     is_filter_name,
     resin_filter,
     silicon_qe,
-)
-from chromanoise.sensor.imperfections import (
-    Imperfections,
 )
 from chromanoise.sensor.mosaic import (
     MOSAIC_NAMES,
@@ -36,7 +43,6 @@ from chromanoise.sensor.noise_profile import (
 )
 from chromanoise.sensor.overrides import (
     PixelOverrides,
-    left_out_of_closed_form,
     overridden,
 )
 from chromanoise.sensor.photon_transfer import (
@@ -46,8 +52,11 @@ from chromanoise.sensor.photon_transfer import (
     pixel_from_photon_transfer,
 )
 from chromanoise.sensor.pixel import (
+    EXTRA_NOISE,
     PAPER_PIXEL,
     Pixel,
+    extra_noise,
+    shot_and_read_only,
 )
 from chromanoise.sensor.pixel_source import (
     PixelSource,
@@ -62,11 +71,12 @@ from chromanoise.sensor.sensor import (
 )
 
 __all__ = [
+    "EXTRA_NOISE",
     "MOSAIC_NAMES",
     "PAPER_PIXEL",
     "Adc",
     "Converter",
-    "Imperfections",
+    "Crosstalk",
     "Mosaic",
     "PhotonTransfer",
     "Pixel",
@@ -79,13 +89,16 @@ __all__ = [
     "bayer",
     "behind_filter",
     "behind_ir_cut",
+    "crosstalk_of_kernel",
+    "crosstalk_of_share",
+    "extra_noise",
     "filter_named",
     "ir_cut",
     "is_filter_name",
-    "left_out_of_closed_form",
     "mosaic_named",
     "noise_profile",
     "noise_without_light_e",
+    "of_pixel",
     "open_questions",
     "overridden",
     "photon_transfer_fit",
@@ -93,11 +106,16 @@ __all__ = [
     "pixel_from_noise_profile",
     "pixel_from_photon_transfer",
     "pixels_of",
+    "quantization_step_e",
     "resin_filter",
     "rgb_ir",
     "rgbw_2x2",
     "rgbw_sparse_4x4",
+    "shot_and_read_only",
     "silicon_qe",
     "with_channels",
+    "with_crosstalk",
+    "with_pixel",
     "with_shifted_curves",
+    "without_crosstalk",
 ]

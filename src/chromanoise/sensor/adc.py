@@ -100,6 +100,22 @@ def adc_of(converter: Converter, pixel: Pixel) -> Adc:
     return Adc(bits=bits, gain_e_per_dn=converter.gain_e_per_dn, black_level_dn=black)
 
 
+def quantization_step_e(converter: Converter, pixel: Pixel) -> float:
+    """Electrons per code, 0 if neither the gain nor the bits of the converter are known. [e-/DN]
+
+    Examples
+    --------
+    >>> pixel = Pixel(pitch_um=10, full_well_e=4095, read_noise_e=0)
+    >>> quantization_step_e(Converter(gain_e_per_dn=2.5), pixel)
+    2.5
+    >>> quantization_step_e(Converter(bits=12), pixel), quantization_step_e(Converter(), pixel)
+    (1.0, 0.0)
+    """
+    if converter.gain_e_per_dn is not None:
+        return converter.gain_e_per_dn
+    return 0.0 if converter.bits is None else adc_of(converter, pixel).gain_e_per_dn
+
+
 def adc_to_full_well(pixel: Pixel, *, bits: int = 12, black_level_dn: int = 0) -> Adc:
     """The converter whose top code is the pixel's full well.
 

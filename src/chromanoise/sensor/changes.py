@@ -1,15 +1,73 @@
-"""Changes to a sensor's curves: an added IR-cut filter, or a shift in wavelength."""
+"""Changes to a sensor: its pixel, an added IR-cut filter, or a shift in wavelength."""
 
-from dataclasses import replace
+from collections.abc import Mapping
+from dataclasses import fields, replace
+from typing import Any
 
 import numpy as np
 
 from chromanoise import _check
+from chromanoise._linalg import inv, svd
+from chromanoise.errors import InputError
+from chromanoise.sensor.adc import Converter
+from chromanoise.sensor.crosstalk import Crosstalk
 from chromanoise.sensor.filters import ir_cut
+from chromanoise.sensor.pixel import Pixel
 from chromanoise.sensor.sensor import Sensor
 
 MOST_SHIFT_NM = 200.0
+_LEAST_SINGULAR = 1e-10
 LOWEST_EDGE_NM, HIGHEST_EDGE_NM = 450.0, 2000.0
+
+
+_OF_PIXEL = frozenset(field.name for field in fields(Pixel))
+_OF_CONVERTER = frozenset(field.name for field in fields(Converter))
+_OF_TEMPERATURE = ("temperature_c", "dark_reference_c", "dark_doubling_k")
+
+
+def of_pixel(changes: Mapping[str, Any]) -> dict[str, Any]:
+    """The changes that are fields of `Pixel`."""
+    return {name: value for name, value in changes.items() if name in _OF_PIXEL}
+
+
+def with_pixel(sensor: Sensor, changes: Mapping[str, Any]) -> Sensor:
+    """The sensor with other values of its pixel and converter.
+
+    Parameters
+    ----------
+    sensor
+        Any sensor.
+    changes
+        Values by the names of the fields of `Pixel` and `Converter`.
+
+    Raises
+    ------
+    InputError
+        If a value is out of range, there is no such field, or a temperature is given for a pixel
+        without dark current.
+
+    Examples
+    --------
+    >>> from chromanoise.catalog import sensor_named
+    >>> from chromanoise.spectra import DEFAULT_GRID
+    >>> noisy = with_pixel(sensor_named("model-rgb", DEFAULT_GRID), {"prnu": 0.01, "bits": 10})
+    >>> noisy.pixel.prnu, noisy.converter.bits
+    (0.01, 10)
+    """
+    for name in changes:
+        _check.one_of("field of the pixel", name, sorted(_OF_PIXEL | _OF_CONVERTER))
+    pixel = replace(sensor.pixel, **of_pixel(changes))
+    for name in _OF_TEMPERATURE:
+        if name in changes and not pixel.dark_current_e_per_s:
+            raise InputError(
+                name,
+                "must be given only for a pixel with dark current",
+                value=changes[name],
+                found=f"{sensor.name} has none",
+                remedy=("give its dark current in dark_current_e_per_s", f"omit {name}"),
+            )
+    converter = {name: value for name, value in changes.items() if name in _OF_CONVERTER}
+    return replace(sensor, pixel=pixel, converter=replace(sensor.converter, **converter))
 
 
 def behind_ir_cut(sensor: Sensor, edge_nm: float, *, noted: bool = True) -> Sensor:
@@ -78,3 +136,47 @@ def with_shifted_curves(sensor: Sensor, shift_nm: float) -> Sensor:
         "exist, the end value is repeated"
     )
     return replace(sensor, qe=qe, notes=(*sensor.notes, note))
+
+
+def with_crosstalk(sensor: Sensor, crosstalk: Crosstalk) -> Sensor:
+    """The sensor with crosstalk, in addition to what its curves already contain.
+
+    Parameters
+    ----------
+    sensor
+        A sensor to which no crosstalk was added.
+    crosstalk
+        One row and one column per channel.
+
+    Raises
+    ------
+    InputError
+        If the sizes differ, the sensor has crosstalk already, or crosstalk after counting cannot be
+        inverted.
+    """
+    _check.same_length("channels", sensor=len(sensor.names), crosstalk=len(crosstalk.pixels))
+    if sensor.crosstalk is not None:
+        raise InputError(
+            "crosstalk", "must be given once", value=sensor.name, found=f"{sensor.name} has it"
+        )
+    mixed = replace(sensor, qe=sensor.qe @ crosstalk.matrix.T, crosstalk=crosstalk)
+    if crosstalk.stage == "charge" and without_crosstalk(mixed) is None:
+        raise InputError(
+            "crosstalk",
+            "must be invertible, if it comes after counting",
+            value=crosstalk.matrix.tolist(),
+            found="is singular",
+        )
+    return mixed
+
+
+def without_crosstalk(sensor: Sensor) -> Sensor | None:
+    """The sensor before crosstalk was added; ``None`` where the mixing cannot be inverted."""
+    if sensor.crosstalk is None:
+        return sensor
+    matrix = sensor.crosstalk.matrix
+    singular = svd("crosstalk", matrix, compute_uv=False)
+    if singular[-1] < _LEAST_SINGULAR * singular[0]:
+        return None
+    pure = sensor.qe @ inv("crosstalk", matrix).T
+    return replace(sensor, qe=np.clip(pure, 0.0, 1.0), crosstalk=None)

@@ -13,7 +13,7 @@ from chromanoise._check import Array
 from chromanoise._shapes import Float
 from chromanoise.errors import InputError
 from chromanoise.sensor.adc import Adc
-from chromanoise.sensor.imperfections import Imperfections, dark_electrons_e
+from chromanoise.sensor.pixel import Pixel
 from chromanoise.sensor.pixel_source import PixelSource
 
 ROUNDING_DN2 = 1 / 12
@@ -22,17 +22,13 @@ ROUNDING_DN2 = 1 / 12
 _ALIKE = 0.05  # S of channels with the same converter differs by less than this
 
 
-def noise_without_light_e(
-    imperfections: Imperfections, *, read_noise_e: float, time_s: float
-) -> float:
+def noise_without_light_e(pixel: Pixel, *, time_s: float) -> float:
     """Standard deviation of a pixel without light. [e-]
 
     Parameters
     ----------
-    imperfections
-        Dark current, DSNU and row noise of the pixel.
-    read_noise_e
-        Standard deviation of its readout. [e-]
+    pixel
+        Its readout, dark current, DSNU and row noise.
     time_s
         Exposure time, in which dark electrons accumulate. [s]
 
@@ -43,13 +39,12 @@ def noise_without_light_e(
 
     Examples
     --------
-    >>> flaws = Imperfections(dark_current_e_per_s=16)
-    >>> noise_without_light_e(flaws, read_noise_e=3.0, time_s=1.0)
+    >>> pixel = Pixel(pitch_um=3, full_well_e=9000, read_noise_e=3, dark_current_e_per_s=16)
+    >>> noise_without_light_e(pixel, time_s=1.0)
     5.0
     """
-    dark_e = dark_electrons_e(imperfections, time_s=time_s)
-    spread_e2 = imperfections.dsnu_e**2 + imperfections.row_noise_e**2
-    return math.sqrt(read_noise_e**2 + dark_e + spread_e2)
+    spread_e2 = pixel.dsnu_e**2 + pixel.row_noise_e**2
+    return math.sqrt(pixel.read_noise_e**2 + pixel.dark_electrons_e(time_s=time_s) + spread_e2)
 
 
 def noise_profile(

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
 
 from chromanoise.sensor.adc import adc_of
+from chromanoise.sensor.pixel import extra_noise
 from chromanoise.sensor.sensor import Sensor
 
 
@@ -16,7 +17,7 @@ class PixelOverrides:
     bits, black_level_dn
         Number of bits and black level of the converter. [1], [DN]
     dark_current_e_per_s, dsnu_e, prnu, row_noise_e
-        As `Imperfections`. [e-/s], [e-], [1], [e-]
+        As `Pixel`. [e-/s], [e-], [1], [e-]
     """
 
     bits: int | None = None
@@ -33,7 +34,7 @@ def overridden(sensor: Sensor, given: PixelOverrides, *, raw: bool) -> Sensor:
     Parameters
     ----------
     sensor
-        The sensor, with its own imperfections and converter.
+        The sensor, with its own pixel and converter.
     given
         Values that override those of the sensor.
     raw
@@ -45,45 +46,22 @@ def overridden(sensor: Sensor, given: PixelOverrides, *, raw: bool) -> Sensor:
         If a value is out of range.
     """
     asked = {name: value for name, value in asdict(given).items() if value is not None}
-    own = _told(sensor)
+    own = extra_noise(sensor.pixel)
     known = sensor.converter.known
     converter = replace(sensor.converter, **{k: v for k, v in asked.items() if k in _CONVERTER})
-    flaws = replace(sensor.imperfections, **{k: v for k, v in asked.items() if k not in _CONVERTER})
+    pixel = replace(sensor.pixel, **{k: v for k, v in asked.items() if k not in _CONVERTER})
     used = {k: v for k, v in own.items() if k not in asked}
     won = {k: v for k, v in {**own, **known}.items() if k in asked and asked[k] != v}
     notes = [f"{_listed(used)} of the sensor's pixel in the picture"] if used else []
     if won:
         notes.append(f"{', '.join(won)} as given, instead of {_listed(won)} of the sensor's pixel")
-    changed = replace(sensor, converter=converter, imperfections=flaws)
+    changed = replace(sensor, converter=converter, pixel=pixel)
     if known:
         notes += _converter_notes(changed, known, raw=raw)
     return replace(changed, notes=(*sensor.notes, *notes))
 
 
-def left_out_of_closed_form(sensor: Sensor) -> tuple[str, ...]:
-    """A note on the pixel values that closed forms (shot noise and read noise) leave out.
-
-    Examples
-    --------
-    >>> from chromanoise.sensor import Imperfections
-    >>> from chromanoise.catalog import sensor_named
-    >>> from chromanoise.spectra import DEFAULT_GRID
-    >>> plain = sensor_named("model-rgb", DEFAULT_GRID)
-    >>> left_out_of_closed_form(replace(plain, imperfections=Imperfections(prnu=0.01)))
-    ('shot noise and read noise only: prnu 0.01 of the pixel left out',)
-    """
-    values = {**_told(sensor), **sensor.converter.known}
-    if not values:
-        return ()
-    return (f"shot noise and read noise only: {_listed(values)} of the pixel left out",)
-
-
 _CONVERTER = ("bits", "black_level_dn")
-
-
-def _told(sensor: Sensor) -> dict[str, float]:
-    """The sensor's own imperfections that are not 0."""
-    return {name: value for name, value in asdict(sensor.imperfections).items() if value}
 
 
 def _converter_notes(sensor: Sensor, known: Mapping[str, float], *, raw: bool) -> list[str]:

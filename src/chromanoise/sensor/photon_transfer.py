@@ -14,7 +14,6 @@ import numpy as np
 
 from chromanoise._check import Array
 from chromanoise.errors import InputError
-from chromanoise.sensor.imperfections import Imperfections
 from chromanoise.sensor.noise_profile import ROUNDING_DN2
 from chromanoise.sensor.photon_transfer_levels import Levels, levels_of
 from chromanoise.sensor.photon_transfer_qe import quantum_efficiency
@@ -182,9 +181,8 @@ def pixel_from_photon_transfer(fit: TransferFit) -> PixelSource:
         read_noise_e=fit.read_noise_e,
         gain_e_per_dn=1 / fit.gain_dn_per_e,
         black_level_dn=black,
-        imperfections=Imperfections(
-            prnu=fit.prnu or 0.0, dark_current_e_per_s=fit.dark_current_e_per_s or 0.0
-        ),
+        prnu=fit.prnu,
+        dark_current_e_per_s=fit.dark_current_e_per_s,
         qe=fit.qe if possible else None,
         notes=tuple(notes),
     )

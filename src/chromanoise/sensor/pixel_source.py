@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from chromanoise import _check
 from chromanoise.errors import InputError, Setting
 from chromanoise.sensor.adc import Adc
-from chromanoise.sensor.imperfections import NONE, Imperfections
 from chromanoise.sensor.pixel import Pixel
 
 
@@ -33,8 +32,8 @@ class PixelSource:
         Number of bits and black level of the converter. [1], [DN]
     adc
         The converter, where both gain and bits are known.
-    imperfections
-        Imperfections of the pixels; zero if the source does not give them, with a note.
+    dark_current_e_per_s, dsnu_e, prnu
+        As `Pixel`. [e-/s], [e-], [1]
     qe, qe_at_nm
         Quantum efficiency at one wavelength, to check QE curves against. [e-/photon], [nm]
     notes
@@ -54,7 +53,9 @@ class PixelSource:
     bits: int | None = None
     black_level_dn: int | None = None
     adc: Adc | None = None
-    imperfections: Imperfections = NONE
+    dark_current_e_per_s: float | None = None
+    dsnu_e: float | None = None
+    prnu: float | None = None
     qe: float | None = None
     qe_at_nm: float | None = None
     notes: tuple[str, ...] = ()

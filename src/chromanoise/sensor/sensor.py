@@ -9,7 +9,7 @@ from chromanoise._check import Array
 from chromanoise._shapes import Float
 from chromanoise.errors import InputError
 from chromanoise.sensor.adc import UNKNOWN_CONVERTER, Converter
-from chromanoise.sensor.imperfections import NONE, Imperfections
+from chromanoise.sensor.crosstalk import Crosstalk
 from chromanoise.sensor.mosaic import Mosaic
 from chromanoise.sensor.pixel import Pixel
 from chromanoise.spectra import Grid
@@ -33,13 +33,15 @@ class Sensor:
     names
         Channel names.
     pixel
-        Pitch, full well, read noise.
+        Pitch, full well, and all noise of the pixel.
     mosaic
         The channel of each pixel, if known.
     stacked
         Whether the channels are stacked in depth and share the light of one pixel.
-    imperfections, converter
-        Used by pictures in addition to shot and read noise; closed forms leave both out.
+    converter
+        Known values of the converter; its step adds quantization noise.
+    crosstalk
+        Crosstalk that was added to the curves: ``qe`` contains it.
     origin
         Origin of the curves, shown with the sensor: ``given`` by the user, ``measured``,
         ``model`` or ``reconstruction``.
@@ -59,8 +61,8 @@ class Sensor:
     pixel: Pixel
     mosaic: Mosaic | None = None
     stacked: bool = False
-    imperfections: Imperfections = NONE
     converter: Converter = UNKNOWN_CONVERTER
+    crosstalk: Crosstalk | None = None
     origin: Origin = "given"
     notes: tuple[str, ...] = ()
 
@@ -143,4 +145,11 @@ def with_channels(
     for wanted in names:
         _check.one_of(f"channel of {sensor.name}", wanted, sensor.names)
     columns = [sensor.names.index(wanted) for wanted in names]
-    return replace(sensor, name=name, names=tuple(names), qe=sensor.qe[:, columns], mosaic=mosaic)
+    return replace(
+        sensor,
+        name=name,
+        names=tuple(names),
+        qe=sensor.qe[:, columns],
+        mosaic=mosaic,
+        crosstalk=None,
+    )

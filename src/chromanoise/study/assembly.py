@@ -15,14 +15,22 @@ from chromanoise.catalog.resolve import (
     is_file_word,
     resolve_illuminant,
 )
-from chromanoise.errors import InputError, StudyError
+from chromanoise.errors import InputError, Setting, StudyError
 from chromanoise.exposure import EQUAL_TERMS, Exposure, OperatingPoint
+from chromanoise.io.crosstalk import read_crosstalk
 from chromanoise.io.cubes import read_cube
 from chromanoise.io.spectra import Answers
 from chromanoise.scene import Cube, Scene, builtin_cube, flat_field
-from chromanoise.sensor import Sensor, behind_ir_cut, mosaic_named, with_shifted_curves
+from chromanoise.sensor import (
+    Sensor,
+    behind_ir_cut,
+    crosstalk_of_share,
+    mosaic_named,
+    with_crosstalk,
+    with_shifted_curves,
+)
 from chromanoise.spectra import Illuminant, infrared_parts
-from chromanoise.study.document import PicturePart, SensorPart, Study
+from chromanoise.study.document import PicturePart, PixelPart, SensorPart, Study
 
 _LUX = (1e-15, 1e15)
 _TIME_MS = (1e-12, 1e15)
@@ -255,11 +263,12 @@ def sensor_of(part: SensorPart, *, key: str = "sensors.0", given: Given = NOTHIN
     """
     own = {name: f"{key}.{place}" for name, place in _ANSWER_KEYS.items()}
     own |= {} if part.pixel.file is None else {part.pixel.file: f"{key}.pixel.file"}
+    pixel = _pixel_changes(part.pixel)
     with keyed(f"{key}.name", lambda name: own.get(name, f"{key}.{name}"), own):
         if part.name in given.sensors:
-            sensor = on_pixel(given.sensors[part.name], **part.pixel.model_dump())
+            sensor = on_pixel(given.sensors[part.name], **pixel)
         else:
-            sensor = sensor_with_pixel(part.name, answers=_answers(part), **part.pixel.model_dump())
+            sensor = sensor_with_pixel(part.name, answers=_answers(part), **pixel)
     sensor = with_shifted_curves(sensor, part.shift_nm)
     if part.filter is not None:
         answers = Answers(
@@ -269,12 +278,57 @@ def sensor_of(part: SensorPart, *, key: str = "sensors.0", given: Given = NOTHIN
         )
         with keyed(f"{key}.filter", lambda name: f"{key}.{_FILTER_KEYS.get(name, name)}"):
             sensor = behind_resolved_filter(sensor, part.filter, answers=answers)
-    return sensor if part.ircut_nm is None else behind_ir_cut(sensor, part.ircut_nm)
+    if part.ircut_nm is not None:
+        sensor = behind_ir_cut(sensor, part.ircut_nm)
+    return _with_crosstalk(sensor, part, key)
 
 
-_ANSWER_KEYS = {name: f"answers.{name}" for name in _OF_ANSWERS} | {
-    name: f"pixel.{name}" for name in ("pitch_um", "full_well_e", "read_noise_e")
-}
+def _pixel_changes(part: PixelPart) -> dict[str, Any]:
+    """The changes as `sensor_with_pixel` takes them; a gain K in DN/e- becomes e-/DN."""
+    changes = part.model_dump(exclude={"gain_dn_per_e"})
+    if part.gain_dn_per_e is not None:
+        changes["gain_e_per_dn"] = 1 / part.gain_dn_per_e
+    return changes
+
+
+def _with_crosstalk(sensor: Sensor, part: SensorPart, key: str) -> Sensor:
+    if part.crosstalk is None:
+        for name in ("mosaic", "crosstalk_stage"):
+            if getattr(part, name) != SensorPart.model_fields[name].default:
+                raise InputError(
+                    name,
+                    "must be given only with crosstalk",
+                    value=getattr(part, name),
+                    found="there is none",
+                    remedy=(Setting(f"{key}.crosstalk"), f"omit {name}"),
+                    setting=f"{key}.{name}",
+                )
+        return sensor
+    with keyed(f"{key}.mosaic", lambda name: f"{key}.{name}"):
+        mosaic = sensor.mosaic if part.mosaic is None else mosaic_named(part.mosaic)
+    with keyed(f"{key}.crosstalk", lambda name: f"{key}.{name}", {"mosaic": f"{key}.mosaic"}):
+        given = part.crosstalk
+        if isinstance(given, str):
+            mixing = read_crosstalk(file_of(given), sensor.names, mosaic)
+        elif mosaic is None:
+            raise InputError(
+                "crosstalk",
+                "must be given with the mosaic that determines the neighbors",
+                value=given,
+                found=f"{sensor.name} has no mosaic of its own",
+                remedy=Setting("mosaic"),
+            )
+        else:
+            mixing = crosstalk_of_share(given, mosaic, sensor.names)
+        return with_crosstalk(sensor, replace(mixing, stage=part.crosstalk_stage))
+
+
+_PIXEL_KEYS = {name: f"pixel.{name}" for name in PixelPart.model_fields if name != "file"}
+_ANSWER_KEYS = (
+    {name: f"answers.{name}" for name in _OF_ANSWERS}
+    | _PIXEL_KEYS
+    | {"gain_e_per_dn": "pixel.gain_dn_per_e"}
+)
 _FILTER_KEYS = {"wavelength_unit": "filter_wavelength_unit"}
 
 

@@ -77,6 +77,32 @@ class PixelPart(_Part):
         None,
         description="Standard deviation of the read noise [e-].",
     )
+    dark_current_e_per_s: NotNegative | None = Field(
+        None, description="Dark current at dark_reference_c [e-/s]; its mean is subtracted."
+    )
+    temperature_c: Finite | None = Field(
+        None, description="Temperature of the sensor [C]; default: dark_reference_c."
+    )
+    dark_reference_c: Finite | None = Field(
+        None, description="Temperature at which the dark current is given [C]; default: 25."
+    )
+    dark_doubling_k: Positive | None = Field(
+        None, description="Temperature step that doubles the dark current [K]; default: 7."
+    )
+    dsnu_e: NotNegative | None = Field(None, description="Dark signal non-uniformity [e-].")
+    prnu: Annotated[float, Field(ge=0, le=0.2)] | None = Field(
+        None, description="Photo response non-uniformity, e.g. 0.01 for 1 % [1]."
+    )
+    row_noise_e: NotNegative | None = Field(None, description="Noise common to a row [e-].")
+    black_error_e: Finite | None = Field(
+        None, description="Error of the subtracted black level [e-], a bias of every reading."
+    )
+    bits: Annotated[int, Field(ge=8, le=16)] | None = Field(
+        None, description="Bits of the converter; its step adds quantization noise."
+    )
+    gain_dn_per_e: Positive | None = Field(
+        None, description="Gain K of the converter [DN/e-]; default: full well at the top code."
+    )
 
 
 class AnswersPart(_Part):
@@ -119,6 +145,19 @@ class SensorPart(_Part):
         None, description="Unit of the wavelengths, where the filter's file does not declare it."
     )
     negatives: Negatives = Field("refuse", description=_NEGATIVES)
+    crosstalk: Annotated[float, Field(ge=0, le=1)] | str | None = Field(
+        None,
+        description="Share of the light of a pixel that ends in its four neighbors, or a file: a "
+        "table with one row and column per channel, or a kernel of neighbors without names.",
+    )
+    crosstalk_stage: Literal["light", "charge"] = Field(
+        "light", description="Crosstalk before counting (light), or after it (charge: correlated)."
+    )
+    mosaic: str | None = Field(
+        None,
+        description=f"Mosaic that determines the neighbors for crosstalk: {', '.join(MOSAIC_NAMES)}"
+        ", or rows as RG/GB; default: the sensor's own.",
+    )
     ircut_nm: Annotated[float, Field(ge=450, le=2000)] | None = Field(
         None, description="Edge of an added model IR-cut [nm]."
     )

@@ -12,10 +12,11 @@ from chromanoise._inputs import regular_file
 from chromanoise.catalog.entries import catalog_folder
 from chromanoise.catalog.resolve import file_of, filter_files, illuminant_files, sensor_files
 from chromanoise.errors import InputError
+from chromanoise.io.given_matrices import is_matrix_file
 from chromanoise.io.spectra.envi import DATA_SUFFIXES, envi_pair
 from chromanoise.study.document import Study
 
-Kind = Literal["light", "sensor", "filter", "pixel", "cube", "wavelengths"]
+Kind = Literal["light", "sensor", "filter", "pixel", "crosstalk", "matrix", "cube", "wavelengths"]
 """Of what a word of a study may name a file."""
 
 
@@ -62,6 +63,8 @@ def with_file_words(study: Study, told: Callable[[FileWord], str]) -> Study:
             "filter": word(f"sensors.{i}.filter", "filter", part.filter),
             "pixel": part.pixel.model_copy(update={"file": file}),
         }
+        if isinstance(part.crosstalk, str):
+            words["crosstalk"] = word(f"sensors.{i}.crosstalk", "crosstalk", part.crosstalk)
         sensors.append(part.model_copy(update=words))
     pictures = []
     for i, picture in enumerate(study.pictures):
@@ -70,7 +73,11 @@ def with_file_words(study: Study, told: Callable[[FileWord], str]) -> Study:
             where = f"pictures.{i}.wavelengths"
             words["wavelengths"] = word(where, "wavelengths", picture.wavelengths)
         pictures.append(picture.model_copy(update=words))
-    parts = {"sensors": tuple(sensors), "pictures": tuple(pictures)}
+    matrices = [
+        word(f"matrices.{i}", "matrix", name) if is_matrix_file(name) else name
+        for i, name in enumerate(study.matrices)
+    ]
+    parts = {"sensors": tuple(sensors), "matrices": tuple(matrices), "pictures": tuple(pictures)}
     return study.model_copy(update=parts | {"light": study.light.model_copy(update=light)})
 
 
@@ -95,7 +102,7 @@ def files_of_word(one: FileWord) -> tuple[Path, ...]:
         If the word cannot be understood, or is too long for the name of a file.
     """
     try:
-        if one.kind in ("pixel", "wavelengths"):
+        if one.kind in ("pixel", "crosstalk", "matrix", "wavelengths"):
             return (file_of(one.word),)
         if one.kind == "cube":
             built_in = one.word.startswith("builtin:")

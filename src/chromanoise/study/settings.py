@@ -58,6 +58,19 @@ class SharedSettings(TypedDict, total=False):
     pitch_um: Annotated[float, "sensors.*.pixel.pitch_um"]
     full_well_e: Annotated[float, "sensors.*.pixel.full_well_e"]
     read_noise_e: Annotated[float, "sensors.*.pixel.read_noise_e"]
+    dark_current_e_per_s: Annotated[float, "sensors.*.pixel.dark_current_e_per_s"]
+    temperature_c: Annotated[float, "sensors.*.pixel.temperature_c"]
+    dark_reference_c: Annotated[float, "sensors.*.pixel.dark_reference_c"]
+    dark_doubling_k: Annotated[float, "sensors.*.pixel.dark_doubling_k"]
+    dsnu_e: Annotated[float, "sensors.*.pixel.dsnu_e"]
+    prnu: Annotated[float, "sensors.*.pixel.prnu"]
+    row_noise_e: Annotated[float, "sensors.*.pixel.row_noise_e"]
+    black_error_e: Annotated[float, "sensors.*.pixel.black_error_e"]
+    bits: Annotated[int, "sensors.*.pixel.bits"]
+    gain_dn_per_e: Annotated[float, "sensors.*.pixel.gain_dn_per_e"]
+    crosstalk: Annotated[float | str | Path, "sensors.*.crosstalk"]
+    crosstalk_stage: Annotated[Literal["light", "charge"], "sensors.*.crosstalk_stage"]
+    mosaic: Annotated[str, "sensors.*.mosaic"]
     filter: Annotated[str | Path, "sensors.*.filter"]
     filter_wavelength_unit: Annotated[Unit, "sensors.*.filter_wavelength_unit"]
 
@@ -109,10 +122,6 @@ class RenderSettings(SharedSettings, total=False):
     frames: Annotated[int, "pictures.0.frames"]
     formats: Annotated[Sequence[str], "pictures.0.formats"]
     clip: Annotated[bool, "pictures.0.clip"]
-    dark_current_e_per_s: Annotated[float, "pictures.0.dark_current_e_per_s"]
-    dsnu_e: Annotated[float, "pictures.0.dsnu_e"]
-    prnu: Annotated[float, "pictures.0.prnu"]
-    row_noise_e: Annotated[float, "pictures.0.row_noise_e"]
 
 
 def settings_keys(kind: type) -> Mapping[str, tuple[str, ...]]:
@@ -265,8 +274,13 @@ def render_study(
         If a value cannot be used, or has no effect.
     """
     _refuse_unknown(settings, "render")
-    data = {"matrices": [matrix], "pictures": [{"cube": cube}]}
-    return _study(sensors, settings, "render", data)
+    data: dict[str, Any] = {"matrices": [matrix], "pictures": [{"cube": cube}]}
+    study = _study(sensors, settings, "render", data)
+    mosaic = settings.get("mosaic")
+    if settings.get("crosstalk") is None or mosaic in (None, "sensor"):
+        return study
+    parts = [part.model_copy(update={"mosaic": mosaic}) for part in study.sensors]
+    return study.model_copy(update={"sensors": tuple(parts)})
 
 
 _GENERAL = {"sensors": "sensors.*", "pictures": "pictures.0"}

@@ -23,6 +23,7 @@ from chromanoise.metrics import (
     sensor_metamerism,
     vora_value,
 )
+from chromanoise.noise import noise_sources
 from chromanoise.scene import Scene, light
 from chromanoise.spectra import cie_1931, color_axes, colorchecker
 from chromanoise.spectra.metric import photons_per_unit
@@ -161,4 +162,4 @@ def _chart(analysis: Analysis) -> Scene:
 def _mean_noise(scene: Scene, analysis: Analysis) -> Float[Array, "p p"]:
     """D of eq. 7 at the mean patch; linear in light, so it is the mean of the patches as well."""
     mean_e = expected_electrons(scene, analysis.sensor, analysis.exposure).mean(axis=0)
-    return np.diag(mean_e + analysis.sensor.pixel.read_noise_e**2)
+    return np.diag(noise_sources(analysis.sensor, analysis.exposure).variance_e2(mean_e))

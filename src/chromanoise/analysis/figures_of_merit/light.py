@@ -1,5 +1,6 @@
 """Merits of a sensor in its light: speed, levels, visual noise, and what its matrix costs."""
 
+import math
 from dataclasses import replace
 from functools import partial
 
@@ -35,6 +36,7 @@ from chromanoise.metrics import (
     visual_noise_of_white,
 )
 from chromanoise.metrics.visual_noise import pixels_per_degree
+from chromanoise.noise import noise_sources
 
 _PLANE = 128  # side of the Fourier plane on which visual noise is averaged
 _SAME_MATRIX = 1e-9  # two matrices that differ by less are one
@@ -117,11 +119,13 @@ def _adapts(operating_point: OperatingPoint, maker: MatrixMaker) -> bool:
 
 def level_merits(analysis: Analysis) -> tuple[Merit, ...]:
     """From black to the white of this exposure, or to full well where that comes first."""
-    pixel = analysis.sensor.pixel
-    top_e = np.minimum(white_electrons(analysis), pixel.full_well_e)
+    noise = noise_sources(analysis.sensor, analysis.exposure)
+    most_e = analysis.sensor.pixel.full_well_e - noise.dark_e
+    top_e = np.clip(white_electrons(analysis), 0.0, max(most_e, 0.0))
+    dark_noise_e = math.sqrt(noise.floor_e2("temporal"))
 
     def of_channel(i: int) -> float:
-        return float(tonal_range_bits(np.asarray(top_e[i]), read_noise_e=pixel.read_noise_e))
+        return float(tonal_range_bits(np.asarray(top_e[i]), read_noise_e=dark_noise_e))
 
     ranges = (
         merit_or_reason(
@@ -138,7 +142,7 @@ def level_merits(analysis: Analysis) -> tuple[Merit, ...]:
         "color sensitivity, black to white",
         "bit",
         "DxOMark, per pixel",
-        of=lambda: float(color_sensitivity_bits(top_e, read_noise_e=pixel.read_noise_e)),
+        of=lambda: float(color_sensitivity_bits(top_e, read_noise_e=dark_noise_e)),
     )
     return (*ranges, sensitivity)
 
@@ -198,7 +202,8 @@ def _gray_noise(
     """Of the gray: raw to XYZ over the sensor's white, from there to L*u*v*, raw variance."""
     refuse_full(analysis)
     white = white_color(analysis)
-    variance_e2 = GRAY * white_electrons(analysis) + analysis.sensor.pixel.read_noise_e**2
+    noise = noise_sources(analysis.sensor, analysis.exposure)
+    variance_e2 = noise.variance_e2(GRAY * white_electrons(analysis))
     to_luv = LUV.jacobian(np.full(3, GRAY), np.ones(3))
     return analysis.matrix.matrix / white[:, None], to_luv, variance_e2
 

@@ -20,7 +20,6 @@ from chromanoise.io.pixels.source_text import (
     source_text,
 )
 from chromanoise.sensor.adc import Adc
-from chromanoise.sensor.imperfections import Imperfections
 from chromanoise.sensor.pixel_source import PIXEL_FILES, PixelSource
 
 _NAMES = {
@@ -158,7 +157,7 @@ def pixel_from_emva(
     Examples
     --------
     >>> read = pixel_from_emva({"K": (0.5, "DN/e-"), "sigma_d": (4.0, "DN"), "PRNU": (1.0, "%")})
-    >>> read.gain_e_per_dn, read.read_noise_e, read.imperfections.prnu
+    >>> read.gain_e_per_dn, read.read_noise_e, read.prnu
     (2.0, 8.0, 0.01)
     """
     places = where or {}
@@ -327,11 +326,9 @@ def _pixel_source(found: Mapping[str, _Value], unused: list[str], source: str) -
         bits=whole,
         black_level_dn=level,
         adc=adc,
-        imperfections=Imperfections(
-            dark_current_e_per_s=current or 0.0,
-            dsnu_e=electrons["dsnu"] or 0.0,
-            prnu=prnu.number if prnu else 0.0,
-        ),
+        dark_current_e_per_s=current,
+        dsnu_e=electrons["dsnu"],
+        prnu=prnu.number if prnu else None,
         qe=_number(found, "qe"),
         qe_at_nm=_number(found, "qe_at_nm"),
         notes=(*notes, *adc_notes, *contradictions(_in_electrons(found, gain), source)),

@@ -1,0 +1,296 @@
+"""Read a color matrix from a file: CSV, JSON, CLF, a camera profile (DNG, DCP, JSON).
+
+A file holds one of two kinds of matrix. ``electrons``: raw electrons to XYZ in lx/e-, as
+`matrix_csv` writes it. ``balanced``: raw over the raw of a perfect white to XYZ with Y = 1 for that
+white, or to linear sRGB, as camera makers give it. A DNG or DCP profile maps XYZ to camera values.
+"""
+
+import csv
+import io
+import json
+import re
+import struct
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
+from xml.etree import ElementTree
+
+import numpy as np
+
+from chromanoise import _check, _inputs
+from chromanoise._check import Array
+from chromanoise._shapes import Float
+from chromanoise.errors import InputError
+
+Kind = Literal["electrons", "balanced", "from-xyz"]
+Target = Literal["XYZ", "sRGB"]
+
+_MOST_BYTES = 1_000_000
+_MOST_PROFILE_BYTES = 2_000_000_000
+_ENDINGS = (".csv", ".txt", ".tsv", ".json", ".clf", ".xml", ".dng", ".dcp")
+_CLF_NAMESPACE = re.compile(r"^\{.*\}")
+_COLOR_MATRIX, _CALIBRATION = (50721, 50722), (50778, 50779)
+_KELVIN = {1: 5500, 2: 4230, 3: 2856, 4: 5500, 9: 5500, 10: 6500, 11: 7500, 12: 6430, 13: 5000}
+_KELVIN |= {14: 4150, 15: 3450, 17: 2856, 18: 4874, 19: 6774, 20: 5503, 21: 6504, 22: 7504}
+_KELVIN |= {23: 5003, 24: 3200}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class GivenMatrix:
+    """A color matrix of a file.
+
+    Attributes
+    ----------
+    source
+        The file.
+    kind
+        ``electrons``: raw electrons to XYZ [lx/e-]; ``balanced``: raw over the raw of a white;
+        ``from-xyz``: XYZ to camera values (DNG, chapter 6).
+    target
+        What the rows give: XYZ, or linear sRGB.
+    values
+        3 rows and one column per channel; one row per channel and 3 columns for ``from-xyz``.
+    channels
+        Names of the channels; empty if the file has none: then in the order of the sensor.
+    light_time
+        Exposure for which an ``electrons`` matrix was made, t a^2 / f#^2; ``None`` if unknown.
+        [s um2]
+    kelvin
+        Color temperature of the calibration of a profile; ``None`` if unknown. [K]
+
+    Raises
+    ------
+    InputError
+        If an entry is not finite, or the shape does not fit.
+    """
+
+    source: str
+    kind: Kind
+    target: Target
+    values: Float[Array, "a b"]
+    channels: tuple[str, ...] = ()
+    light_time: float | None = None
+    kelvin: float | None = None
+
+    def __post_init__(self) -> None:
+        values = _check.finite(f"matrix of {self.source}", "1", self.values)
+        rows = values.shape[1] if self.kind == "from-xyz" else values.shape[0]
+        if values.ndim != 2 or rows != 3:
+            what = (
+                "3 columns (X, Y, Z)" if self.kind == "from-xyz" else "3 rows (X, Y, Z or R, G, B)"
+            )
+            raise InputError(
+                f"matrix of {self.source}",
+                f"must have {what}",
+                value=values.shape,
+                found=f"has shape {values.shape}",
+            )
+        object.__setattr__(self, "values", _check.frozen(values))
+
+
+def is_matrix_file(word: str) -> bool:
+    """Whether a word names a file of a matrix, by its ending.
+
+    Examples
+    --------
+    >>> is_matrix_file("mine.dcp"), is_matrix_file("ridge=0.01")
+    (True, False)
+    """
+    return word.lower().endswith(_ENDINGS)
+
+
+def read_matrix(path: Path) -> GivenMatrix:
+    """The color matrix of a file, by its content.
+
+    Parameters
+    ----------
+    path
+        CSV, JSON, CLF, DNG or DCP.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, or holds no matrix of this kind.
+    """
+    size = _inputs.regular_file(path).st_size
+    with path.open("rb") as file:
+        start = file.read(4)
+        if start in (b"II*\0", b"MM\0*", b"IIRC", b"MMCR"):
+            if size > _MOST_PROFILE_BYTES:
+                raise InputError(str(path), "must have at most 2 GB", value=size)
+            return _profile(path, file)
+        if size > _MOST_BYTES:
+            raise InputError(
+                str(path), f"must have at most {_MOST_BYTES} bytes as a matrix", value=size
+            )
+        try:
+            text = (start + file.read()).decode("utf-8-sig")
+        except UnicodeDecodeError:
+            raise InputError(
+                str(path), "must be CSV, JSON, CLF, DNG or DCP", found="is neither text nor TIFF"
+            ) from None
+    stripped = text.lstrip()
+    if stripped.startswith("{"):
+        return _json(str(path), text)
+    if stripped.startswith("<"):
+        return _clf(str(path), text)
+    return _csv(str(path), text)
+
+
+def _csv(source: str, text: str) -> GivenMatrix:
+    facts = dict(re.findall(r"^#\s*(\w+):\s*(.*)$", text, flags=re.MULTILINE))
+    lines = [line for line in text.splitlines() if line.strip() and not line.startswith("#")]
+    rows = [[cell.strip() for cell in row] for row in csv.reader(io.StringIO("\n".join(lines)))]
+    if len(rows) < 3:
+        raise InputError(source, "must hold a matrix of 3 rows", value=len(rows))
+    head = rows[0]
+    if _numbers(head):  # numbers only
+        return GivenMatrix(
+            source=source, kind="balanced", target="sRGB", values=_array(source, rows)
+        )
+    names = [row[0] for row in rows[1:]]
+    targets: dict[tuple[str, ...], Target] = {("X", "Y", "Z"): "XYZ", ("R", "G", "B"): "sRGB"}
+    if tuple(names) not in targets:
+        raise InputError(
+            source,
+            "must have the rows X, Y, Z (or R, G, B for linear sRGB)",
+            value=names,
+            found=f"has {', '.join(names)[:80]}",
+        )
+    absolute = head[0] == "lx/e-"
+    return GivenMatrix(
+        source=source,
+        kind="electrons" if absolute else "balanced",
+        target=targets[tuple(names)],
+        values=_array(source, [row[1:] for row in rows[1:]]),
+        channels=tuple(head[1:]),
+        light_time=_light_time(facts) if absolute else None,
+    )
+
+
+def _json(source: str, text: str) -> GivenMatrix:
+    try:
+        held = json.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise InputError(source, f"is not JSON ({error})") from None
+    channels = tuple(str(name) for name in held.get("channels", ()))
+    if "matrix_lux_per_e" in held:
+        return GivenMatrix(
+            source=source,
+            kind="electrons",
+            target="XYZ",
+            values=_array(source, held["matrix_lux_per_e"]),
+            channels=channels,
+            light_time=_light_time(held),
+        )
+    for key in ("balanced", "CameraToXYZ", "ColorMatrix1"):
+        if key in held:
+            kind: Kind = "from-xyz" if key == "ColorMatrix1" else "balanced"
+            values = _array(source, held[key])
+            return GivenMatrix(
+                source=source, kind=kind, target="XYZ", values=values, channels=channels
+            )
+    raise InputError(
+        source,
+        "must hold matrix_lux_per_e, balanced, CameraToXYZ or ColorMatrix1",
+        value=list(held)[:8],
+        found=f"holds {', '.join(map(str, list(held)[:8]))[:80]}",
+    )
+
+
+def _clf(source: str, text: str) -> GivenMatrix:
+    if "<!DOCTYPE" in text or "<!ENTITY" in text:
+        raise InputError(source, "must be CLF without a document type")
+    try:
+        root = ElementTree.fromstring(text)
+    except ElementTree.ParseError as error:
+        raise InputError(source, f"is not XML ({error})") from None
+    nodes = [node for node in root.iter() if _CLF_NAMESPACE.sub("", str(node.tag)) != "Description"]
+    steps = [n for n in root if "BitDepth" in " ".join(n.attrib)]
+    arrays = [node for node in nodes if _CLF_NAMESPACE.sub("", str(node.tag)) == "Array"]
+    if len(arrays) != 1 or len(steps) != 1:
+        raise InputError(
+            source,
+            "must be a CLF of one matrix",
+            value=len(steps),
+            found=f"has {len(steps)} steps and {len(arrays)} arrays",
+        )
+    (step,), words = steps, (arrays[0].text or "").split()
+    depths = {step.attrib.get("inBitDepth"), step.attrib.get("outBitDepth")}
+    if not depths <= {"16f", "32f"}:
+        raise InputError(source, "must have inBitDepth and outBitDepth 32f", value=sorted(depths))
+    size = arrays[0].attrib.get("dim", "").split()[:2]
+    if size not in (["3", "3"], ["3", "4"]) or len(words) != 3 * int(size[1]):
+        raise InputError(source, "must have an array of dim 3 3", value=size)
+    values = _array(source, [words[i * int(size[1]) :][: int(size[1])] for i in range(3)])
+    if values.shape[1] == 4 and values[:, 3].any():
+        raise InputError(source, "must have no offsets", value=values[:, 3].tolist())
+    said = " ".join(
+        (n.text or "") for n in root.iter() if str(n.tag).endswith("OutputDescriptor")
+    ).lower()
+    target: Target = "sRGB" if "rgb" in said and "xyz" not in said else "XYZ"
+    return GivenMatrix(source=source, kind="balanced", target=target, values=values[:, :3])
+
+
+def _profile(path: Path, file: Any) -> GivenMatrix:
+    """Color matrices of a DNG or DCP: the entries of the first directory of a TIFF."""
+    source = str(path)
+    file.seek(0)
+    header = file.read(8)
+    order = "<" if header[:2] == b"II" else ">"
+    tags: dict[int, list[float]] = {}
+    try:
+        file.seek(struct.unpack(order + "I", header[4:])[0])
+        (count,) = struct.unpack(order + "H", file.read(2))
+        entries = file.read(12 * count)
+        for i in range(count):
+            tag, kind, size, place = struct.unpack(order + "HHII", entries[12 * i : 12 * i + 12])
+            if tag in _COLOR_MATRIX and kind == 10 and size <= 12:
+                file.seek(place)
+                pairs = struct.unpack(order + "ii" * size, file.read(8 * size))
+                tags[tag] = [n / d for n, d in zip(pairs[::2], pairs[1::2], strict=True)]
+            elif tag in _CALIBRATION and kind == 3:
+                raw = entries[12 * i + 8 : 12 * i + 10]
+                tags[tag] = [float(struct.unpack(order + "H", raw)[0])]
+    except (struct.error, ZeroDivisionError) as error:
+        raise InputError(source, f"is a damaged camera profile ({error})") from None
+    if _COLOR_MATRIX[0] not in tags:
+        raise InputError(source, "must hold a ColorMatrix1 to be a color matrix", found="has none")
+    found = [
+        GivenMatrix(
+            source=source,
+            kind="from-xyz",
+            target="XYZ",
+            values=np.array(tags[tag]).reshape(-1, 3),
+            kelvin=_KELVIN.get(int(tags.get(light, [0])[0])),
+        )
+        for tag, light in zip(_COLOR_MATRIX, _CALIBRATION, strict=True)
+        if tag in tags
+    ]
+    return max(found, key=lambda one: one.kelvin or 0)
+
+
+def _light_time(facts: Any) -> float | None:
+    """T a^2 / f#^2 of the header of a file; ``None`` where it lacks one of them. [s um2]"""
+    try:
+        time_ms, f_number = float(facts["time_ms"]), float(facts["f_number"])
+        return 1e-3 * time_ms * float(facts["pitch_um"]) ** 2 / f_number**2
+    except (KeyError, TypeError, ValueError, ZeroDivisionError):
+        return None
+
+
+def _numbers(cells: list[str]) -> bool:
+    try:
+        [float(cell) for cell in cells]
+    except ValueError:
+        return False
+    return True
+
+
+def _array(source: str, rows: Any) -> Float[Array, "a b"]:
+    try:
+        return np.array(rows, dtype=np.float64).reshape(len(rows), -1)
+    except (TypeError, ValueError) as error:
+        raise InputError(
+            source, "must hold a matrix of numbers", found=f"does not ({str(error)[:80]})"
+        ) from None

@@ -1,0 +1,294 @@
+"""The noise sources of a pixel in closed form (eq. 7 and EMVA 1288): add a source here.
+
+============  ======================  ========  ==========================================
+source        variance [e-^2]         kind      from
+============  ======================  ========  ==========================================
+shot          M                       temporal  the light
+read          s_r^2                   temporal  `Pixel.read_noise_e`
+dark current  I(T) t                  temporal  `Pixel.dark_electrons_e`
+quantization  q^2 / 12                temporal  the step q of the converter, 1/K
+row           row^2                   temporal  `Pixel.row_noise_e`
+DSNU          DSNU^2                  spatial   `Pixel.dsnu_e`
+PRNU          (PRNU M)^2              spatial   `Pixel.prnu`
+============  ======================  ========  ==========================================
+
+Temporal noise differs from frame to frame. Spatial noise is a fixed pattern: the same in every
+frame, so that the mean of a burst keeps it. One reading over a flat field shows both.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+
+from chromanoise import _check
+from chromanoise._check import Array
+from chromanoise._linalg import congruence, inv
+from chromanoise._shapes import Bool, Float
+from chromanoise.errors import InputError
+from chromanoise.exposure import Exposure
+from chromanoise.noise.measurement import Measurement
+from chromanoise.sensor import Crosstalk, Pixel, Sensor, quantization_step_e
+
+NoiseKind = Literal["total", "temporal"]
+
+SHOT, READ, DARK, QUANTIZATION, ROW = (
+    "shot noise",
+    "read noise",
+    "dark current",
+    "quantization",
+    "row noise",
+)
+DSNU, PRNU = "DSNU", "PRNU"
+_SPATIAL = (DSNU, PRNU)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NoiseSources:
+    """The variance of one reading, source by source, at one exposure.
+
+    Attributes
+    ----------
+    read_noise_e
+        Standard deviation of the readout. [e-]
+    dark_e
+        Mean number of dark electrons; the mean is subtracted, their shot noise stays. [e-]
+    step_e
+        Electrons per code; 0 where nothing is rounded. [e-]
+    row_noise_e
+        Standard deviation of the offset of a row. Each channel is read in another row. [e-]
+    dsnu_e
+        Standard deviation of the dark signal over the pixels. [e-]
+    prnu
+        Standard deviation of the sensitivity over the pixels. [1]
+    black_error_e
+        Bias of every reading. [e-]
+
+    Raises
+    ------
+    InputError
+        If a value is negative or not finite.
+
+    Examples
+    --------
+    EMVA 1288: 100 e- of light, 20 of the dark, 5 e- of readout, PRNU 2 %.
+
+    >>> pixel = NoiseSources(read_noise_e=5.0, dark_e=20.0, prnu=0.02)
+    >>> pixel.variance_e2(np.array([100.0]))
+    array([149.])
+    >>> pixel.variance_e2(np.array([100.0]), "temporal")
+    array([145.])
+    """
+
+    read_noise_e: float
+    dark_e: float = 0.0
+    step_e: float = 0.0
+    row_noise_e: float = 0.0
+    dsnu_e: float = 0.0
+    prnu: float = 0.0
+    black_error_e: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name in ("read_noise_e", "dark_e", "step_e", "row_noise_e", "dsnu_e"):
+            object.__setattr__(self, name, _check.not_negative(name, "e-", getattr(self, name)))
+        _check.not_negative("prnu", "1", self.prnu)
+
+    def by_source(self, mean_e: Float[Array, "*px p"]) -> Mapping[str, Float[Array, "*px p"]]:
+        """Variance per source, in the order of the table above; those that are 0 included. [e-^2]
+
+        Parameters
+        ----------
+        mean_e
+            Expected electrons of the light, >= 0. [e-]
+        """
+        mean = np.asarray(mean_e, dtype=np.float64)
+        constant = {
+            READ: self.read_noise_e**2,
+            DARK: self.dark_e,
+            QUANTIZATION: self.step_e**2 / 12,
+            ROW: self.row_noise_e**2,
+            DSNU: self.dsnu_e**2,
+        }
+        return {
+            SHOT: mean,
+            **{name: np.full_like(mean, value) for name, value in constant.items()},
+            PRNU: (self.prnu * mean) ** 2,
+        }
+
+    def floor_e2(self, kind: NoiseKind = "total") -> float:
+        """Variance without light. [e-^2]"""
+        temporal = self.read_noise_e**2 + self.dark_e + self.step_e**2 / 12 + self.row_noise_e**2
+        return temporal + (self.dsnu_e**2 if kind == "total" else 0.0)
+
+    def variance_e2(
+        self, mean_e: Float[Array, "*px p"], kind: NoiseKind = "total"
+    ) -> Float[Array, "*px p"]:
+        """Variance of one reading across a flat field, or only its temporal part. [e-^2]
+
+        Parameters
+        ----------
+        mean_e
+            Expected electrons of the light, >= 0. [e-]
+        kind
+            ``total``, or ``temporal`` without DSNU and PRNU.
+
+        Raises
+        ------
+        InputError
+            If an entry of ``mean_e`` is negative or not finite.
+        """
+        mean = _check.non_negative("mean_e", "e-", mean_e)
+        variance = mean + self.floor_e2(kind)
+        return variance + (self.prnu * mean) ** 2 if kind == "total" and self.prnu else variance
+
+    def added_variance_e2(self, mean_e: Float[Array, "*px p"]) -> Float[Array, "*px p"] | float:
+        """The variance that does not come from counting: all but shot noise and dark electrons.
+
+        The quantization is not included either, where it is computed as rounding. [e-^2]
+        """
+        constant = self.read_noise_e**2 + self.row_noise_e**2 + self.dsnu_e**2
+        return constant + (self.prnu * np.asarray(mean_e)) ** 2 if self.prnu else constant
+
+    @property
+    def temporal(self) -> "NoiseSources":
+        """The sources without DSNU and PRNU, which are the same in every frame."""
+        return replace(self, dsnu_e=0.0, prnu=0.0)
+
+    @property
+    def beyond_shot_and_read(self) -> bool:
+        """Whether there is any source besides shot noise and read noise."""
+        return any(
+            (self.dark_e, self.step_e, self.row_noise_e, self.dsnu_e, self.prnu, self.black_error_e)
+        )
+
+
+def noise_sources(sensor: Sensor, exposure: Exposure | None = None) -> NoiseSources:
+    """The noise sources of a sensor at one exposure.
+
+    Parameters
+    ----------
+    sensor
+        Its pixel and its converter.
+    exposure
+        The exposure, whose time determines the dark electrons; not needed without dark current.
+
+    Raises
+    ------
+    InputError
+        If the pixel has a dark current and no exposure is given.
+    """
+    pixel = sensor.pixel
+    if exposure is None and pixel.dark_current_e_per_s:
+        raise InputError(
+            "exposure",
+            "must be given for a pixel with dark current",
+            value=None,
+            found=f"is missing, and {sensor.name} has {pixel.dark_current_e_per_s:g} e-/s",
+        )
+    return NoiseSources(
+        read_noise_e=pixel.read_noise_e,
+        dark_e=0.0 if exposure is None else pixel.dark_electrons_e(time_s=exposure.time_s),
+        step_e=quantization_step_e(sensor.converter, pixel),
+        row_noise_e=pixel.row_noise_e,
+        dsnu_e=pixel.dsnu_e,
+        prnu=pixel.prnu,
+        black_error_e=pixel.black_error_e,
+    )
+
+
+def raw_covariance(
+    mean_e: Float[Array, "*px p"], *, read_noise_e: float
+) -> Float[Array, "*px p p"]:
+    """Covariance of the raw channels: shot noise plus read noise, independent per channel. [e-^2]
+
+    Parameters
+    ----------
+    mean_e
+        Expected electrons per channel, >= 0. [e-]
+    read_noise_e
+        Standard deviation of the readout, >= 0. [e-]
+
+    Raises
+    ------
+    InputError
+        If an entry of ``mean_e`` is negative or not finite.
+
+    Notes
+    -----
+    Clouet, Vaillant & Alleysson (CIC27, 2019), eq. 7: var(S) = M + s_rn^2.
+
+    Examples
+    --------
+    >>> raw_covariance(np.array([100.0, 25.0]), read_noise_e=10.0)
+    array([[200.,   0.],
+           [  0., 125.]])
+    """
+    return _diagonal(NoiseSources(read_noise_e=read_noise_e).variance_e2(mean_e))
+
+
+def with_noise(
+    mean_e: Float[Array, "*px p"],
+    sensor: Sensor,
+    exposure: Exposure | None = None,
+    *,
+    kind: NoiseKind = "total",
+) -> Measurement:
+    """The raw measurement: expected electrons and covariance, without clipping as in the paper.
+
+    Parameters
+    ----------
+    mean_e
+        Expected electrons of the light per channel, >= 0. [e-]
+    sensor, exposure
+        As `noise_sources`.
+    kind
+        ``total``, or ``temporal`` without DSNU and PRNU.
+
+    Raises
+    ------
+    InputError
+        As `noise_sources` and `NoiseSources.variance_e2`.
+
+    Notes
+    -----
+    With crosstalk X after counting, ``mean_e`` is X M and the covariance X D(M) X^T + R, with the
+    variances R that are added at the readout: read noise, quantization, row noise.
+    """
+    noise = noise_sources(sensor, exposure)
+    return Measurement(
+        mean=mean_e,
+        covariance=_coupled(mean_e, sensor.crosstalk, noise, kind),
+        names=sensor.names,
+        kind="raw",
+        unit="e-",
+    )
+
+
+def _coupled(
+    mean_e: Float[Array, "*px p"],
+    crosstalk: Crosstalk | None,
+    noise: NoiseSources,
+    kind: NoiseKind,
+) -> Float[Array, "*px p p"]:
+    if crosstalk is None or crosstalk.stage == "light":
+        return _diagonal(noise.variance_e2(mean_e, kind))
+    counted = np.maximum(mean_e @ inv("crosstalk", crosstalk.matrix).T, 0.0)
+    readout = replace(noise, dark_e=0.0, dsnu_e=0.0, prnu=0.0).floor_e2()
+    inside = _diagonal(noise.variance_e2(counted, kind) - readout)
+    return congruence(crosstalk.matrix, inside) + readout * np.eye(counted.shape[-1])
+
+
+def saturated(
+    mean_e: Float[Array, "*px p"], pixel: Pixel, exposure: Exposure | None = None
+) -> Bool[Array, "*px p"]:
+    """True where the expected electrons exceed full well, so that the SNR is undefined.
+
+    Dark electrons of the exposure, where given, fill the well too.
+    """
+    dark_e = 0.0 if exposure is None else pixel.dark_electrons_e(time_s=exposure.time_s)
+    return np.asarray(mean_e) + dark_e > pixel.full_well_e * (1 + 1e-12)
+
+
+def _diagonal(variance: Float[Array, "*px p"]) -> Float[Array, "*px p p"]:
+    return variance[..., None] * np.eye(variance.shape[-1])

@@ -1,0 +1,163 @@
+"""Crosstalk: photons or charge of one pixel that end in its neighbors.
+
+Before counting (light or charge that diffuses one by one) the channels stay independent: a random
+part of a Poisson count is a Poisson count. After counting (interpixel capacitance) the readings of
+neighbors are correlated. Agranov, Berezin & Tsai, "Crosstalk and microlens study in a color CMOS
+image sensor", IEEE Trans. Electron Devices 50 (2003) 4.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal, get_args
+
+import numpy as np
+
+from chromanoise import _check
+from chromanoise._check import Array
+from chromanoise._shapes import Float
+from chromanoise.errors import InputError, Setting
+from chromanoise.sensor.mosaic import Mosaic
+
+Stage = Literal["light", "charge"]
+
+_ROUNDING = 1e-9
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Crosstalk:
+    """How the channels mix: M' = X M, with M the electrons without crosstalk.
+
+    Attributes
+    ----------
+    matrix
+        X: row i holds the shares of each channel that channel i receives. [1]
+    pixels
+        Pixels of each channel in one period of the mosaic; equal numbers for one pixel each. They
+        weigh the balance: what a channel loses is what the others gain.
+    stage
+        ``light``: before counting. ``charge``: after counting, so that readings are correlated.
+
+    Raises
+    ------
+    InputError
+        If the matrix is not square, an entry is negative or not finite, or a channel gives more
+        light than it has.
+    """
+
+    matrix: Float[Array, "p p"]
+    pixels: tuple[int, ...]
+    stage: Stage = "light"
+
+    def __post_init__(self) -> None:
+        _check.one_of("stage of the crosstalk", self.stage, get_args(Stage))
+        matrix = _check.non_negative("crosstalk matrix", "1", self.matrix)
+        p = len(self.pixels)
+        if matrix.shape != (p, p):
+            raise InputError(
+                "crosstalk matrix",
+                f"must have {p} rows and {p} columns, one per channel",
+                value=matrix.shape,
+                found=f"has shape {matrix.shape}",
+            )
+        count = np.asarray(self.pixels, dtype=np.float64)
+        kept = count @ matrix / count
+        if (kept > 1 + _ROUNDING).any():
+            column = int(kept.argmax())
+            raise InputError(
+                "crosstalk matrix",
+                "must distribute at most all light of each channel",
+                value=float(kept[column]),
+                found=f"column {column + 1} distributes {kept[column]:.4g} of it",
+                remedy="name the mosaic if the channels have different numbers of pixels",
+            )
+        object.__setattr__(self, "matrix", _check.frozen(matrix))
+
+
+def crosstalk_of_share(share: float, mosaic: Mosaic, names: Sequence[str]) -> Crosstalk:
+    """The share of the light of each pixel that ends in its four neighbors.
+
+    Parameters
+    ----------
+    share
+        0 to 1; a quarter of it reaches each of the four neighbors. [1]
+    mosaic
+        The channel of each pixel.
+    names
+        The channels of the sensor.
+
+    Raises
+    ------
+    InputError
+        If the share is not 0 to 1, or mosaic and sensor have different channels.
+
+    Examples
+    --------
+    Bayer: R' = (1-c) R + c G, G' = (1-c) G + c (R + B)/2, B' = (1-c) B + c G.
+
+    >>> from chromanoise.sensor import bayer
+    >>> crosstalk_of_share(0.1, bayer(), ("R", "G", "B")).matrix
+    array([[0.9 , 0.1 , 0.  ],
+           [0.05, 0.9 , 0.05],
+           [0.  , 0.1 , 0.9 ]])
+    """
+    share = _check.within("crosstalk", "1", share, 0.0, 1.0)
+    quarter = share / 4
+    kernel = np.array([[0, quarter, 0], [quarter, 1 - share, quarter], [0, quarter, 0]])
+    return crosstalk_of_kernel(kernel, mosaic, names)
+
+
+def crosstalk_of_kernel(
+    kernel: Float[Array, "ky kx"], mosaic: Mosaic, names: Sequence[str]
+) -> Crosstalk:
+    """Crosstalk between neighbors of a mosaic, averaged over the pixels of each channel.
+
+    Parameters
+    ----------
+    kernel
+        Shares of the light of one pixel that end in the pixels around it; odd in both sizes, the
+        pixel itself in the middle. The sum is at most 1; the rest is lost. [1]
+    mosaic
+        The channel of each pixel.
+    names
+        The channels of the sensor.
+
+    Raises
+    ------
+    InputError
+        If the kernel is not odd, negative, or has a sum above 1, or mosaic and sensor have
+        different channels.
+    """
+    kernel = _check.non_negative("crosstalk kernel", "1", kernel)
+    if kernel.ndim != 2 or not all(size % 2 for size in kernel.shape):
+        raise InputError(
+            "crosstalk kernel",
+            "must have an odd number of rows and columns, the pixel in the middle",
+            value=kernel.shape,
+            found=f"has shape {kernel.shape}",
+        )
+    if kernel.sum() > 1 + _ROUNDING:
+        raise InputError(
+            "crosstalk kernel",
+            "must distribute at most all light of a pixel",
+            value=float(kernel.sum()),
+            found=f"distributes {kernel.sum():.4g} of it",
+        )
+    strange = sorted(set(names) ^ set(mosaic.names))
+    if strange:
+        raise InputError(
+            "mosaic",
+            "must have the channels of the sensor for its crosstalk",
+            value=mosaic.names,
+            found=f"it has {', '.join(mosaic.names)}, and the sensor {', '.join(names)}",
+            remedy=Setting("mosaic"),
+        )
+    tile = np.array([[names.index(name) for name in row] for row in mosaic.pattern])
+    height, width = tile.shape
+    mixed = np.zeros((len(names), len(names)))
+    middle_y, middle_x = (size // 2 for size in kernel.shape)
+    for y, x in np.ndindex(tile.shape):
+        for (dy, dx), share in np.ndenumerate(kernel):
+            source = tile[(y - dy + middle_y) % height, (x - dx + middle_x) % width]
+            mixed[tile[y, x], source] += share
+    pixels = np.bincount(tile.ravel(), minlength=len(names))
+    return Crosstalk(matrix=mixed / pixels[:, None], pixels=tuple(pixels.tolist()))
