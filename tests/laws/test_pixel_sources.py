@@ -257,7 +257,7 @@ def test_a_white_level_below_the_top_code_is_told():
     told = pixel_from_noise_profile(np.array([[1e-4, 1e-6]]), black_level_dn=0, white_level_dn=1000)
     assert told.adc is not None
     assert told.adc.bits == 10
-    assert any("go on to 1023" in note for note in told.notes)
+    assert any("top code 1023" in note for note in told.notes)
 
 
 @pytest.mark.parametrize(
