@@ -285,7 +285,7 @@ def test_a_sensor_that_sees_only_infrared_is_an_answer_with_a_diagnosis(run, tmp
     assert sensor["color_error_mean"] is None
     assert sensor["color"]["snr_db"]["Y"] is None
     assert sensor["price_db"] is None
-    assert any("cannot make Y" in note for note in sensor["notes"])
+    assert any("no valid Y" in note for note in sensor["notes"])
     assert run("analyze", path)[0] == 0
 
 
