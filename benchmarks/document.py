@@ -13,25 +13,23 @@ TARGET = Path(__file__).parents[1] / "docs" / "performance.md"
 _HOW = """\
 ## How it was measured
 
-* All contenders of a row took turns in one run, each round starting with another one; a ratio is
-  taken within each round, and its median and range over the rounds are told. Machines are shared
-  and clocks change: ratios hold, times do not.
-* *Reading* is a compiled loop that only sums the cube, on the same number of threads; the cubes are
-  2.2 GB, beyond any cache, float32, 131 bands from 400 to 1050 nm, four channels.
-* The functions that fill a picture got outputs that had been touched before. A public call gives
-  new arrays, and the first touch of fresh memory is part of its time: the rows *into fresh arrays*.
-* Where a kernel comes above 100 % of reading, the loop that reads was itself disturbed or slower
-  than the memory: the shares of reading are then too high.
-* *Tiled numpy*: 32 rows at a time on the same number of threads, BLAS for the sums, a generator per
-  tile, a table for sRGB (`benchmarks/plain_numpy.py`). *C kernel*: the same sums, random words,
-  quantile functions and table, `gcc -O3 -march=native`, free to fuse multiply and add, so its bits
-  differ from machine to machine (`benchmarks/kernel.c`).
-* prysm and getframes know no mosaic and no cube: numpy made their electrons, which their time
-  holds.
-* The file is read by a process of its own at each turn; *cold* means that the system was told to
-  forget it before each turn, *warm* that it could still hold it. Plain reading: 8 MB at a time
-  into one buffer, on one thread. Memory is the most that the process ever held.
-* dask: two processes of one thread each against two threads, starting the cluster not counted; the
+* The programs of a row ran alternately, each round starting with another one. A ratio is taken
+  within each round; the table has its median and range over the rounds. Machines are shared and
+  clock rates change, so the ratios are reproducible, but the times are not.
+* *Reading* is a compiled loop that only sums the cube, on the same number of threads. The cubes
+  have 2.2 GB, more than any cache: float32, 131 bands from 400 to 1050 nm, four channels.
+* The output arrays had been written once before. A public call allocates new arrays, whose first
+  write takes additional time: the rows *into fresh arrays*.
+* The file rows may exceed 100 %, because plain reading uses one thread.
+* *Tiled numpy*: 32 rows at a time on the same number of threads, BLAS for the sums, one generator
+  per tile, a table for sRGB (`benchmarks/plain_numpy.py`). *C kernel*: the same sums, random words,
+  quantile functions and table, `gcc -O3 -march=native`; it may fuse multiply and add, so its last
+  bits differ between machines (`benchmarks/kernel.c`).
+* prysm and getframes support neither mosaics nor cubes; numpy computed their electrons, and that
+  time is included.
+* A new process reads the file each time. *Cold*: the page cache was dropped before. *Warm*: it was
+  kept. Plain reading: 8 MB at a time into one buffer, on one thread. Memory: peak of the process.
+* dask: two processes of one thread each against two threads, without the start of the cluster. The
   pictures were compared bit by bit.
 """
 
@@ -39,20 +37,18 @@ _HOW = """\
 def document(rows: list[Row | Skipped], reading: str, load: tuple[float, float]) -> str:
     """The whole page."""
     short = [row for row in rows if isinstance(row, Row) and not row.reached]
-    listed = "\n".join(f"* {row.path}" for row in short) or "* nothing"
+    missed = "\n".join(["Targets missed (bold):", "", *(f"* {row.path}" for row in short)])
     versions = ", ".join(f"{name} {version(name)}" for name in ("numpy", "numba"))
     return f"""# Performance of the imaging engine
 
 Made by `make bench` on {datetime.datetime.now(datetime.UTC):%Y-%m-%d}: {_processor()}, \
-{os.cpu_count()} cores, Python {platform.python_version()}, {versions}. {reading} Programs that \
-wanted a core (load average) at the start {load[0]:.1f}, at the end {load[1]:.1f}: above \
-{os.cpu_count()}, others had their share of the machine.
+{os.cpu_count()} cores, Python {platform.python_version()}, {versions}. {reading} Load average \
+{load[0]:.1f} at start, {load[1]:.1f} at end; above {os.cpu_count()} (the core count), other \
+programs slowed the run.
 
 {markdown_table(rows)}
 
-In bold: less than asked in this run:
-
-{listed}
+{missed if short else "No target was missed."}
 {_disturbed(max(load))}
 {_HOW}"""
 
@@ -62,8 +58,8 @@ def _disturbed(load: float) -> str:
     if load <= 1.5 * (os.cpu_count() or 1):
         return ""
     return """
-The machine was busy with other work in this run, and the ranges are wide: neither what falls short
-nor what is reached is a verdict, and no cause can be told from it. Run it again on a quiet machine.
+The machine was busy with other work, and the ranges are wide: do not conclude from this run whether
+a target is reached. Run it again on an idle machine.
 """
 
 

@@ -188,7 +188,7 @@ def percentile(values: list[float], share: int) -> float:
 
 def table(lines: list[Line]) -> str:
     """In Markdown; what falls short stands in bold."""
-    rows = ["| what | asked | measured |", "|---|---|---|"]
+    rows = ["| what | target | measured |", "|---|---|---|"]
     for line in lines:
         sign = ">=" if line.at_least else "<="
         asked = "-" if line.asked is None else f"{sign} {line.asked:g} {line.unit}".strip()
@@ -203,15 +203,17 @@ def document(lines: list[Line], browser: str, load: tuple[float, float]) -> str:
 
 Made by `make bench` on {datetime.datetime.now(datetime.UTC):%Y-%m-%d}: {_processor()}, \
 {os.cpu_count()} cores, Chromium {browser} without a window, two sensors ({SENSORS}), window \
-{SEEN["width"]} x {SEEN["height"]}. Programs that wanted a core (load average) at the start \
-{load[0]:.1f}, at the end {load[1]:.1f}: above {os.cpu_count()}, others had their share.
+{SEEN["width"]} x {SEEN["height"]}. Load average {load[0]:.1f} at start, \
+{load[1]:.1f} at end; above {os.cpu_count()} (the core count), other programs slowed the run.
 
 {table(lines)}
+
+{"No target was missed." if all(line.reached for line in lines) else "Bold: target missed."}
 {_disturbed(max(load))}
-* From the browser's time stamp of the key to the frame that holds the new numbers and drawings
-  being handed over to be painted; each press waits for its answer.
-* A burst is pressed whether or not answers are back, and the latest state wins: every 33 ms as a
-  held key repeats, every 20 and every 16 ms, about once per frame of the screen.
+* Key press to painted: from the browser's time stamp of the key to the frame with the new numbers
+  and drawings. Each press waits for the reply to the last one.
+* In a burst, keys are pressed without waiting for replies, and only the latest state counts: every
+  33 ms (a held key), every 20 ms, and every 16 ms (about once per frame of the screen).
 * The first paint and the bytes are medians of {STARTS} fresh windows with an empty cache; the
   server starts with warm files.
 """

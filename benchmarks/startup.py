@@ -64,7 +64,7 @@ def table(times: dict[str, list[float]]) -> list[str]:
     extra = [p - e for p, e in zip(times["package"], times["pass"], strict=True)]
     ms = {name: f"{statistics.median(values):.0f} ms" for name, values in times.items()}
     return [
-        "| start | asked | measured, median (range) | times |",
+        "| start | target | measured, median (range) | times |",
         "|---|---|---|---|",
         f"| `chromanoise analyze onyx-rgbw`, of `import numpy` | <= {MOST_RATIO:.1f} x | "
         f"{statistics.median(ratios):.1f} x ({min(ratios):.1f} x .. {max(ratios):.1f} x) | "
@@ -98,8 +98,8 @@ def main() -> None:
             [
                 HEADING,
                 f"Made by `python benchmarks/startup.py --write` on {today}: {_processor()}, "
-                f"{chosen.rounds} rounds of new processes in turn, byte code cached; programs that "
-                f"wanted a core (load average) at the end {os.getloadavg()[0]:.1f}.",
+                f"{chosen.rounds} rounds of alternating new processes, byte code cached. Load "
+                f"average {os.getloadavg()[0]:.1f} at end.",
                 "",
                 *rows,
                 "",

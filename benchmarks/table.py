@@ -37,7 +37,7 @@ class Skipped:
     reason: str
 
 
-HEADER = ("path", "asked", "measured, median (range)", "rate")
+HEADER = ("path", "target", "measured, median (range)", "rate")
 
 
 def cells(row: Row | Skipped) -> tuple[str, str, str, str]:
@@ -48,7 +48,7 @@ def cells(row: Row | Skipped) -> tuple[str, str, str, str]:
     sign = "<=" if row.at_most else ">="
     asked = "-" if row.asked is None else f"{sign} {write(row.asked)}"
     ends = f"{write(row.measured.lowest)} .. {write(row.measured.highest)}"
-    short = "" if row.reached else ", short"
+    short = "" if row.reached else ", missed"
     return row.path, asked, f"{write(row.measured.middle)} ({ends}){short}", row.rate
 
 
@@ -60,7 +60,7 @@ def plain_table(rows: list[Row | Skipped]) -> str:
 
 
 def markdown_table(rows: list[Row | Skipped]) -> str:
-    """Columns for a document; what falls short stands in bold."""
+    """Columns for a document; missed targets are bold."""
     lines = ["| " + " | ".join(HEADER) + " |", "|" + "---|" * len(HEADER)]
     for row in rows:
         path, asked, measured, rate = cells(row)

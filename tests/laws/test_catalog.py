@@ -253,7 +253,7 @@ def test_a_name_of_a_family_finds_its_entry():
 def test_daylight_beyond_the_cies_end_is_asked_and_never_invented():
     with refused_input(value=(300.0, 780.0), setting="beyond"):
         illuminant_named("D65", DEFAULT_GRID)
-    assert "none is invented" in catalog_entry("D65").provenance.defects
+    assert "no daylight beyond 830 nm" in catalog_entry("D65").provenance.defects
     assert catalog_entry("D65").asks == ("--illuminant-beyond",)
 
 

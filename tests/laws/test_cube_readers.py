@@ -196,7 +196,7 @@ def test_falling_wavelengths_turn_the_bands_about_without_a_copy_and_it_is_noted
     assert_holds(cube, numbers()[:, :, ::-1])
     assert cube.wavelength_nm.tolist() == list(NM)
     assert isinstance(cube.stored, np.memmap)
-    assert any("turned about" in note for note in cube.notes)
+    assert any("band order reversed" in note for note in cube.notes)
 
 
 @pytest.mark.parametrize("key", ["byte order", "header offset"])
@@ -609,7 +609,7 @@ def test_a_compressed_matlab_array_without_its_checksum_is_refused(tmp_path):
 def test_a_matlab_array_that_stands_twice_is_refused(tmp_path):
     path = write_mat(tmp_path / "a.mat", V=np.ones((2, 2, 3)))
     path.write_bytes(path.read_bytes() + path.read_bytes()[128:])
-    with pytest.raises(InputError, match="'V' stands twice"):
+    with pytest.raises(InputError, match="'V' appears twice"):
         read_cube(path, key="V", wavelengths=(400, 800))
 
 

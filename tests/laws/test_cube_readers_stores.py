@@ -149,7 +149,7 @@ def test_falling_wavelengths_turn_the_bands_of_a_source_about(tmp_path, options)
     path = write_redfish(tmp_path / "a.h5", numbers()[:, :, ::-1], NM[::-1], **options)
     cube = read_cube(path)
     assert_holds(cube, numbers())
-    assert noted(cube, "turned about")
+    assert noted(cube, "band order reversed")
 
 
 def test_a_cube_whose_axes_cannot_be_told_apart_is_refused(tmp_path):

@@ -94,7 +94,7 @@ def test_falling_wavelengths_reverse_the_bands_with_a_note(tmp_path, write, name
     cube = read_cube(tmp_path / name)
     assert cube.wavelength_nm.tolist() == NM
     np.testing.assert_array_equal(row_source(cube.stored).rows(0, 3), CUBE[:, :, ::-1])
-    assert any("turned about" in note for note in cube.notes)
+    assert any("band order reversed" in note for note in cube.notes)
 
 
 @every

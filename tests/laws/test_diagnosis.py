@@ -86,14 +86,14 @@ def held(mean_e):
 def test_a_channel_at_99_percent_of_full_well_is_told_to_be_held_there_in_one_of_six_readouts():
     # docs/numbers.md: 15.866 % of 9,900 e- with 10 e- of read noise
     (told,) = held(9_900.0)
-    assert told.startswith("15.9 % of W is held at full well")
-    assert "flattered" in told
+    assert told.startswith("15.9 % of W is clipped at full well")
+    assert "SNR are too high" in told
 
 
 def test_one_held_readout_of_a_thousand_is_worth_telling_and_one_of_ten_thousand_is_not():
     # Gaussian tails at (10,000 - M) / sqrt(M + 100): 3.03 standard deviations 0.12 %, 3.54 0.02 %
     (told,) = held(9_700.0)
-    assert told.startswith("0.1 % of W is held at full well")
+    assert told.startswith("0.1 % of W is clipped at full well")
     assert held(9_650.0) == ()
 
 

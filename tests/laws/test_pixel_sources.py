@@ -56,7 +56,7 @@ SHEET = {
 
 
 def disagreements(source):
-    return [note for note in source.notes if "one is wrong" in note or "beyond" in note]
+    return [note for note in source.notes if "one is wrong" in note or "top code" in note]
 
 
 def typed(tmp_path, values, form="{name} = {number} {unit}", name="sheet.txt"):
@@ -108,7 +108,7 @@ def test_a_sheet_that_agrees_with_itself_has_no_contradiction_and_its_own_number
         ("sigma_y.dark", (3.0, "DN"), "sigma_y.dark"),
         ("u_p.sat", (12_000.0, "p"), "QE u_p.sat"),
         ("u_p.min", (20.0, "p"), "QE u_p.min"),
-        ("bits", (10.0, "bit"), "beyond the top code 1023"),
+        ("bits", (10.0, "bit"), "above the top code 1023"),
     ],
 )
 def test_a_value_that_speaks_against_the_others_is_told(name, value, law):
@@ -256,7 +256,7 @@ def test_a_white_level_below_the_top_code_is_told():
     told = pixel_from_noise_profile(np.array([[1e-4, 1e-6]]), black_level_dn=0, white_level_dn=1000)
     assert told.adc is not None
     assert told.adc.bits == 10
-    assert any("go on to 1023" in note for note in told.notes)
+    assert any("top code 1023" in note for note in told.notes)
 
 
 @pytest.mark.parametrize(

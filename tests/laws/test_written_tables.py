@@ -479,9 +479,9 @@ def test_analyses_are_rows_with_the_snr_of_the_paper_and_their_warning(study):
     heads = [column.name for column in table.columns]
     snr = [row[heads.index("SNR Y")] for row in table.rows]
     assert snr == pytest.approx([26.1, 32.4, 39.4], abs=0.26)
-    price = [row[heads.index("price")] for row in table.rows]
+    loss = [row[heads.index("color SNR loss")] for row in table.rows]
     # its Tables 2 and 3: 10 log10 of the sum of 10^(SNR/10), less SNR_Y
-    assert price == pytest.approx([17.9, 5.0, 5.2], abs=0.3)
+    assert loss == pytest.approx([17.9, 5.0, 5.2], abs=0.3)
     assert any("reconstruction" in note for note in table.notes)
 
 

@@ -99,7 +99,7 @@ def test_json_and_markdown_go_to_files_whole(run, tmp_path):
     assert code == 0
     assert "ircut-schott" in out
     assert len(json.loads(goal.read_text())["entries"]) == 4
-    assert page.read_text().startswith("# The catalogue")
+    assert page.read_text().startswith("# The catalog")
     refused(run("catalog", "--json", "-", "--markdown", "-"), subject="--markdown", value="-")
 
 

@@ -216,7 +216,7 @@ def test_six_sensors_are_the_most(page):
     for _ in range(3):
         answer_to(page, page.get_by_role("button", name="Add a sensor").click)
     assert page.get_by_role("button", name="Add a sensor").is_disabled()
-    assert page.get_by_text("as many as can be told apart").is_visible()
+    assert page.get_by_text("Limit: 6 sensors.").is_visible()
 
 
 LOOKS = [

@@ -115,13 +115,13 @@ def test_a_cube_dropped_on_the_page_says_what_it_leaves_open_and_becomes_the_pic
     show.wait_for()
     assert "5 x 9 pixels, 7 bands from 400 to 700 nm" in brought.inner_text()
     show.click()
-    assert "answer it first" in brought.locator(".fault").inner_text()
+    assert "please choose" in brought.locator(".fault").inner_text()
     brought.get_by_label("its bands end at 700 nm").select_option("zero")
     show.click()
     until(page, "() => document.querySelector('[data-part=picture] img')?.naturalWidth === 9")
     (picture,) = study_of(page)["pictures"]
     assert picture["beyond"] == "zero"
-    ends = page.get_by_label("Beyond the bands of its cube")
+    ends = page.get_by_label("Outside the cube's wavelength range")
     assert ends.locator("option:checked").inner_text() == "black"
 
 
@@ -162,7 +162,7 @@ UNREADABLE = [
     ("junk.csv", b"\x00\xff\x13" * 700, ""),
     ("empty.csv", b"", "empty"),
     ("page.exe", b"MZ", ""),
-    ("huge.csv", b"x" * 12_000_001, "12 MB are the most"),
+    ("huge.csv", b"x" * 12_000_001, "The limit is 12 MB"),
     ("study.toml", b"[[sensors]]\nnam = 3\n", "study.toml:2"),
     ("<img src=x onerror=alert(1)>.csv", b"1;2", "<img"),
     ("..\\..\\evil%2F..%2Fpasswd.csv", b"a,b\n1,x\n", ""),
@@ -266,7 +266,7 @@ def rows_of(kind, *sensors):
         values = {"spectrum": [one["spectral_snr_db"] for one in sensors]}
     else:
         values = {"Y": [one[f"{kind}_db"] for one in sensors]}
-    title = f"{kind} [dB]" if kind in ("bound", "price") else f"{kind} SNR [dB]"
+    title = {"bound": "bound", "price": "color SNR loss"}.get(kind, f"{kind} SNR") + " [dB]"
     return [(title, name, *(f"{value:.1f}" for value in pair)) for name, pair in values.items()]
 
 

@@ -303,14 +303,14 @@ def _channel_notes(analysis: Analysis) -> list[str]:
             )
         elif full > _WORTH_TELLING:
             told.append(
-                f"{100 * full:.1f} % of {name} is held at full well: clipping hides noise, so its "
-                "SNR and those of the colors are flattered"
+                f"{100 * full:.1f} % of {name} is clipped at full well; clipping reduces the "
+                "noise, so raw and color SNR are too high"
             )
         if black > _WORTH_TELLING:
             told.append(
-                f"{100 * black:.1f} % of {name} is held at black, which raises its mean from "
-                f"{expected:.3g} to {analysis.raw.mean[i]:.3g} e-: what darkness gives counts as "
-                "signal here, so its SNR, the bound and those of the colors are flattered"
+                f"{100 * black:.1f} % of {name} is clipped at black, which raises its mean from "
+                f"{expected:.3g} to {analysis.raw.mean[i]:.3g} e-; the offset counts as signal, so "
+                "raw SNR, bound and color SNR are too high"
             )
         if expected == 0:
             told.append(f"channel {name} sees none of this light")
@@ -324,8 +324,8 @@ def _color_notes(analysis: Analysis) -> list[str]:
     patch = "a perfect white" if white else "this patch"
     found = color_snr_db(analysis)
     return [
-        f"{name} of {patch} comes out at {mean:.3g} lx instead of {truth:.3g}: the matrix cannot "
-        f"make {name} of this light from these channels, so it has no SNR"
+        f"{name} of {patch} is {mean:.3g} lx instead of {truth:.3g}: the matrix gives no valid "
+        f"{name} under this light, so its SNR is undefined"
         for name, mean, truth in zip(found, analysis.color.mean, analysis.truth_xyz, strict=True)
         if not mean > LEAST_COLOR * truth
     ]

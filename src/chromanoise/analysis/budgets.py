@@ -86,6 +86,6 @@ def missing_lab_budgets(analysis: Analysis, budgets: Sequence[Budget | None]) ->
     if not missing:
         return None
     return (
-        f"{name}: no budget of {', '.join(missing)}, as the sensor and its matrix do not follow a "
-        "change of it; take another matrix, or more channels"
+        f"{name}: no budget of {', '.join(missing)}, because sensor and matrix do not respond to a "
+        "change of it; use another matrix, or more channels"
     )

@@ -35,7 +35,7 @@ def analyses_as_table(analyses: Sequence[Analysis]) -> Table:
         Column(name="time", unit="ms", digits=".4g"),
         *(Column(name=f"SNR {axis}", unit="dB", digits=".1f") for axis in axes),
         Column(name="bound", unit="dB", digits=".1f"),
-        Column(name="price", unit="dB", digits=".1f"),
+        Column(name="color SNR loss", unit="dB", digits=".1f"),
         Column(name="condition", digits=".4g"),
         Column(name="color error", unit="Delta E*ab", digits=".2f"),
     )

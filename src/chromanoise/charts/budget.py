@@ -96,8 +96,8 @@ def _why_not(analysis: Analysis, coordinate: str) -> str:
     if color_snr_db(analysis).get(coordinate) is not None:
         return _why_no_budget(analysis, coordinate)
     return (
-        f"{name}: the SNR of {coordinate} is undefined, because its channels and this matrix make "
-        "no signal of it in this light; take another matrix or another light"
+        f"{name}: the SNR of {coordinate} is undefined, because its channels and matrix give no "
+        f"valid {coordinate} under this light; use another matrix or another light"
     )
 
 
@@ -108,12 +108,12 @@ def _why_no_budget(analysis: Analysis, coordinate: str) -> str:
     row = analysis.matrix.matrix[analysis.matrix.coordinates.index(coordinate)]
     if row @ electrons > 0:
         return (
-            f"{analysis.sensor.name}: its channels one by one make no {coordinate} of this light, "
-            "so there is no budget of it; take another light"
+            f"{analysis.sensor.name}: weighting its channels one by one gives no valid "
+            f"{coordinate} under this light, so it has no budget; use another light"
         )
     return (
         f"{analysis.sensor.name}: its {coordinate} comes from the infrared; the visible part of it "
-        "is not above 0, so it has no budget; take an IR-cut, another matrix or another light"
+        "is not above 0, so it has no budget; use an IR-cut, another matrix or another light"
     )
 
 

@@ -98,8 +98,8 @@ def patches_of(analysis: Analysis) -> Patches | None:
 def why_no_patches(analysis: Analysis) -> str:
     """Why the chart of a sensor cannot be shown."""
     return saturation_sentence(analysis) or (
-        f"{analysis.sensor.name}: the matrix makes no color of white from these channels in this "
-        "light, so its chart has none either; take another matrix or another light"
+        f"{analysis.sensor.name}: the matrix gives no valid XYZ of the white under this light, so "
+        "its chart has no colors; use another matrix or another light"
     )
 
 

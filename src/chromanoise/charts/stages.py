@@ -23,7 +23,7 @@ _KINDS = (  # key, title, unit, what it is of
     ("spectral", "spectral SNR", "dB", "of the whole rebuilt spectrum"),
     ("color", "color SNR", "dB", "per coordinate"),
     ("bound", "bound", "dB", "SNR of the best linear readout of Y"),
-    ("price", "price", "dB", "how far Y stays below the bound"),
+    ("price", "color SNR loss", "dB", "best linear SNR minus SNR of Y"),
     ("lab", "noise in CIELAB", "", f"standard deviation of an {brief(100 * GRAY)} % gray"),
 )
 

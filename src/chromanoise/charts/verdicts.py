@@ -17,17 +17,17 @@ _TIE_DB = 0.05  # differences below one decimal
 _WORTH_DB = 0.3  # least loss of a cause that is reported
 _WHY = {
     READ_NOISE: "read noise",
-    WEIGHTS: "weighting its channels for the eye",
-    CORRELATION: "unmixing its correlated channels",
-    INFRARED: "infrared without color (net of what passes for luminance)",
-    FILTERS: "light that its filters take away",
+    WEIGHTS: "weighting the channels for Y",
+    CORRELATION: "unmixing correlated channels",
+    INFRARED: "infrared noise (minus the infrared that adds to Y)",
+    FILTERS: "light absorbed by filters",
 }
 _PHOTONS = "photons"
 _BELOW_THE_BOUND = (WEIGHTS, CORRELATION, INFRARED)  # the bound is that of the noisy channels
 _TERMS: Mapping[str, str] = {
     "exposure": "",
-    "saturation": " with times set to fill each sensor alike,",
-    "light": " with times set for the same photons on each set of pixels,",
+    "saturation": " with each sensor exposed to the same share of full well,",
+    "light": " with the same photons for each channel set,",
 }
 
 
@@ -73,7 +73,7 @@ def _left_out(analysis: Analysis) -> str | None:
         return f"{full}."
     if color_snr_db(analysis)["Y"] is None:
         return (
-            f"{analysis.sensor.name}: its matrix makes no luminance of this light, so it has no "
+            f"{analysis.sensor.name}: its matrix gives no valid Y under this light, so it has no "
             "color to compare."
         )
     return None
@@ -82,28 +82,30 @@ def _left_out(analysis: Analysis) -> str | None:
 def _alone(analysis: Analysis, setting: str) -> str:
     return (
         f"{setting} {analysis.sensor.name} has {_luminance_db(analysis):.1f} dB of "
-        f"luminance SNR, {_text(analysis.color_snr_loss_db)} dB below what its raw channels hold "
-        f"together{_largest(analysis)}; {_error(analysis)}."
+        f"luminance SNR, {_text(analysis.color_snr_loss_db)} dB below the best linear "
+        f"readout{_largest(analysis)}; {_error(analysis)}."
     )
 
 
 def _contest(winner: Analysis, rival: Analysis, best_raw: Analysis, able: list[Analysis]) -> str:
-    measure = _measure(able)
     gap = _luminance_db(winner) - _luminance_db(rival)
     if best_raw is winner:
-        raw = _raw_db(winner, able) - _raw_db(rival, able)
-        ahead = "level with" if raw < _TIE_DB else f"{raw:.1f} dB better than"
-        color = "level with it" if abs(gap) < _TIE_DB else f"{gap:.1f} dB better"
-        return (
-            f" {winner.sensor.name} is {ahead} {rival.sensor.name} in raw "
-            f"({measure}) and {color} in luminance ({_pair(winner, rival)})."
-        )
-    raw = _raw_db(rival, able) - _raw_db(winner, able)
-    ahead = "level with" if raw < _TIE_DB else f"{raw:.1f} dB better than"
-    return (
-        f" {rival.sensor.name} is {ahead} {winner.sensor.name} in raw "
-        f"({measure}) but {gap:.1f} dB worse in luminance ({_pair(rival, winner)})."
-    )
+        same = abs(gap) < _TIE_DB
+        color = "has the same luminance SNR" if same else f"{gap:.1f} dB better in luminance"
+        if _raw_db(winner, able) - _raw_db(rival, able) < _TIE_DB:
+            color = color if same else f"is {color}"
+        return f" {_raw_lead(winner, rival, able)} and {color} ({_pair(winner, rival)})."
+    same = _raw_db(rival, able) - _raw_db(winner, able) < _TIE_DB
+    color = f"{'is ' if same else ''}{gap:.1f} dB worse in luminance"
+    return f" {_raw_lead(rival, winner, able)} but {color} ({_pair(rival, winner)})."
+
+
+def _raw_lead(first: Analysis, second: Analysis, able: Sequence[Analysis]) -> str:
+    raw = _raw_db(first, able) - _raw_db(second, able)
+    lead = f"is {raw:.1f} dB better than {second.sensor.name} in raw"
+    if raw < _TIE_DB:
+        lead = f"has the same raw SNR as {second.sensor.name}"
+    return f"{first.sensor.name} {lead} ({_measure(able)})"
 
 
 def _pair(first: Analysis, second: Analysis) -> str:
@@ -126,7 +128,8 @@ def _reasons(winner: Analysis, loser: Analysis) -> list[str]:
         parts.append(_reason(cause, bad[cause], good[cause], winner.sensor.name))
     if not parts:
         return []
-    return [f"What {loser.sensor.name} loses to {winner.sensor.name}: {'; '.join(parts)}."]
+    who = f"{loser.sensor.name} has less luminance SNR than {winner.sensor.name}"
+    return [f"Why {who}: {'; '.join(parts)}."]
 
 
 def _reason(cause: str, loss_db: float, winner_db: float, winner: str) -> str:
@@ -163,8 +166,8 @@ def _largest(analysis: Analysis) -> str:
     if not found or min(whole_db, max(found)[0]) < _WORTH_DB:
         return ""
     loss_db, cause = max(found)
-    how = "most of it" if whole_db / 2 < loss_db <= whole_db + _TIE_DB else "above all"
-    return f", {how} for {_WHY[cause]} ({loss_db:.1f} dB)"
+    how = "mostly" if whole_db / 2 < loss_db <= whole_db + _TIE_DB else "above all"
+    return f", {how} because of {_WHY[cause]} ({loss_db:.1f} dB)"
 
 
 def _text(decibels: float) -> str:

@@ -91,4 +91,4 @@ def _print(result: Analyses) -> None:
         tables.print_chart(outcome.analysis, outcome.chart)
     print_merits([outcome.merits for outcome in result.outcomes if outcome.merits is not None])
     if outputs.space is not None:
-        tables.print_grey_noise(analyses, [outcome.grey_noise for outcome in result.outcomes])
+        tables.print_gray_noise(analyses, [outcome.grey_noise for outcome in result.outcomes])

@@ -120,7 +120,7 @@ def entry_as_text(entry: Entry) -> list[str]:
 
 def as_markdown(entries: Sequence[Entry]) -> str:
     """The tables as Markdown, one per kind."""
-    lines = ["# The catalogue", "", "Written by `chromanoise catalog --markdown docs/catalog.md`."]
+    lines = ["# The catalog", "", "Written by `chromanoise catalog --markdown docs/catalog.md`."]
     heads = ("name", "what", "nm", "quantity", "source; known defects")
     for kind, word in KINDS.items():
         here = [entry for entry in entries if entry.provenance.kind == word]

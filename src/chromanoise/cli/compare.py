@@ -96,6 +96,6 @@ def _span(text: str | None) -> dict[str, Any]:
         first, last = (float(part) for part in span.split(":"))
     except ValueError:
         raise InputError(
-            "--sweep", "must be NAME=FIRST:LAST, as lux=0.01:1000", value=text
+            "--sweep", "must be NAME=FIRST:LAST, e.g. lux=0.01:1000", value=text
         ) from None
     return {"vary": name, "first": first, "last": last}

@@ -56,7 +56,7 @@ _ENDINGS = (".csv", ".json", ".spdx")
 @click.option(
     "--created",
     metavar="DATE",
-    help="Date in TM-27 and rawtoaces files, as 2026-01-31. [default: today]",
+    help="Date in TM-27 and rawtoaces files, e.g. 2026-01-31. [default: today]",
 )
 def convert(source: str, target: Path, form: str, created: str | None, **options: Any) -> None:
     """Write the curves of IN, a file of spectra or a sensor of the catalog, to OUT.
@@ -100,7 +100,7 @@ def _day(created: str | None) -> str:
     try:
         return datetime.date.fromisoformat(created).isoformat()
     except ValueError:
-        raise InputError("--created", "must be a date as 2026-01-31", value=created) from None
+        raise InputError("--created", "must be a date, e.g. 2026-01-31", value=created) from None
 
 
 def _read(source: str, options: dict[str, Any]) -> Sensor | ParsedSpectra:
@@ -136,13 +136,13 @@ def _of_sensor(sensor: Sensor, kind: str, day: str, columns: tuple[str, ...]) ->
     pixel = ["pixel and mosaic"] if sensor.mosaic is not None else ["pixel"]
     if kind == ".csv":
         _refuse_columns(columns, "a sensor")
-        return sensor_csv(sensor), [f"{pixel[0]}, but for comments; .json keeps them"]
+        return sensor_csv(sensor), [f"{pixel[0]} (only in comments; use .json to keep it)"]
     if kind == "rawtoaces":
         _refuse_columns(columns, "a rawtoaces camera")
         left = [name for name in sensor.names if name not in "RGB"]
         lost = [f"channel {name}" for name in left]
         text = sensor_rawtoaces_json(sensor, created=f"{day}T00:00:00Z")
-        return text, [*pixel, "the height of the curves: the largest is 1 now", *lost]
+        return text, [*pixel, "absolute scale (curves are normalized to a maximum of 1)", *lost]
     name = _one(sensor.names, columns, sensor.name)
     text = spectra_spdx(sensor_spectra(sensor), name, created=day)
     return text, [*pixel, *_unit_lost(sensor_spectra(sensor)), *_others(sensor.names, name)]
@@ -160,7 +160,7 @@ def _of_spectra(parsed: ParsedSpectra, kind: str, day: str, columns: tuple[str, 
         text = rawtoaces_json(_per_energy(parsed), _header(spectra, day))
         left = [name for name in spectra.names if name not in "RGB"]
         lost = [f"channel {name}" for name in left]
-        return text, [*unsaid, "the height of the curves: the largest is 1 now", *lost]
+        return text, [*unsaid, "absolute scale (curves are normalized to a maximum of 1)", *lost]
     name = _one(spectra.names, columns, spectra.source)
     text = spectra_spdx(spectra, name, created=day, facts=facts)
     return text, [*unsaid, *_unit_lost(spectra), *_others(spectra.names, name)]

@@ -138,7 +138,7 @@ def _span(text: str | None) -> dict[str, Any]:
         parts = []
     if len(parts) not in (2, 3):
         raise InputError(
-            "--pareto", "must be FIRST:LAST or FIRST:LAST:POINTS, as 0.001:1000", value=text
+            "--pareto", "must be FIRST:LAST or FIRST:LAST:POINTS, e.g. 0.001:1000", value=text
         )
     return {"pareto_first": first, "pareto_last": last, **points}
 

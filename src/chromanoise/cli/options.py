@@ -56,9 +56,9 @@ _SHARED = (
     click.option(
         "--equal",
         type=click.Choice(list(EQUAL_TERMS)),
-        help="How the time is chosen: exposure, one time for all sensors, at which none saturates; "
-        "saturation, each its own; light, the same photons for each set of channels (a 4-channel "
-        "set spreads over 4 pixels).",
+        help="exposure: one time for all sensors. saturation: each sensor its own time. light: "
+        "time x channels x pixel area is equal, so a 4-channel sensor gets 3/4 of the time of a "
+        "3-channel one.",
     ),
     click.option("--time-ms", type=float, help="Exposure time [ms], the same for all sensors."),
     click.option(
@@ -71,7 +71,7 @@ _SHARED = (
     click.option(
         "--metric",
         type=click.Choice(METRICS),
-        help="Unit in which spectra are vectors.",
+        help="Whether spectra are expressed in photons (quanta) or in energy.",
     ),
     click.option(
         "--beyond",
@@ -81,7 +81,8 @@ _SHARED = (
     click.option(
         "--illuminant-beyond",
         type=click.Choice(["refuse", "zero", "hold"]),
-        help="The same for the illuminant: CIE tables end at 780 nm.",
+        help="The same for the illuminant. CIE tables end at 780 nm or before (D60 at 830 nm); E "
+        "and A have no limit.",
     ),
     click.option(
         "--illuminant-photons/--illuminant-energy",

@@ -19,9 +19,10 @@ def rerun(output: Path, out: Path, threads: int | None) -> None:
     """Run the study of OUTPUT again, into another folder, and compare the results.
 
     OUTPUT is a result of `chromanoise run`, or its folder. The command works from any folder, also
-    after the project was moved. The same versions of chromanoise, numpy and scipy with the same
-    BLAS kernel and type of processor give the same bytes; otherwise analyses agree to a relative
-    1e-9. The last line reports the agreement, or where the largest difference is.
+    after the project was moved, but needs the same version of chromanoise. Results are
+    byte-identical if numpy, scipy, the BLAS kernel and the processor type are also the same;
+    otherwise analyses agree to a relative 1e-9. The last line reports the agreement, or where the
+    largest difference is.
     """
     recorded = recorded_run(output)
     if os.path.realpath(out) == os.path.realpath(recorded.folder):

@@ -64,7 +64,7 @@ from chromanoise.study import (
     "--mosaic",
     metavar="NAME|ROWS",
     help=f"Raw codes of one channel per pixel: sensor (its own), {', '.join(MOSAIC_NAMES)}, or "
-    "rows as RG/GB or 'R G/IR B'. Without it all channels are at every pixel, as in the paper.",
+    "rows, e.g. RG/GB or 'R G/IR B'. Without it all channels are at every pixel, as in the paper.",
 )
 @click.option(
     "--demosaic",

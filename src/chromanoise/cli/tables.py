@@ -92,7 +92,7 @@ def print_analyses(analyses: Iterable[Analysis]) -> None:
         "Y dB",
         "Z dB",
         "bound dB",
-        "price dB",
+        "color SNR loss dB",
         "condition",
         "Delta E*ab",
     ):
@@ -136,7 +136,7 @@ def print_comparison(
         )
     console.print(table)
     if any((np.isnan(curve.value) & ~curve.saturated).any() for curve in curves):
-        console.print("-: the matrix cannot make that color of this light.")
+        console.print("-: the matrix gives no valid color under this light.")
     many = len({curve.sensor for curve in curves}) > _SENSORS_TOLD
     first = curves[0].sensor
     sentences = [crossover_sentence(c) for c in crossed if not many or c.first == first]
@@ -144,7 +144,7 @@ def print_comparison(
     for sentence in sentences:
         console.print(sentence, soft_wrap=True)
     if many:
-        console.print(f"The other pairs, without {first}, stand in what --json writes.")
+        console.print(f"Use --json for pairs that do not include {first}.")
 
 
 def _curve_cell(curve: Curve, i: int) -> str:
@@ -153,25 +153,29 @@ def _curve_cell(curve: Curve, i: int) -> str:
     return f"{_number(curve.value[i])} | {_number(curve.color_error[i], 1)}"
 
 
-def print_grey_noise(analyses: Sequence[Analysis], noises: Sequence[GrayNoise | None]) -> None:
+def print_gray_noise(analyses: Sequence[Analysis], noises: Sequence[GrayNoise | None]) -> None:
     """Print the exact noise of an 18 % gray, and which approximations hold."""
     console = _console()
     known = [noise for noise in noises if noise]
     if not known:
         for analysis in analyses:
             name = analysis.sensor.name
-            console.print(f"{name} has no grey noise: a channel is saturated, or white is no color")
+            console.print(
+                f"{name}: no noise of a gray, because a channel is saturated, or XYZ of the white "
+                "is not valid",
+                soft_wrap=True,
+            )
         return
     space = known[0].exact.measurement.kind
-    table = Table(title=f"Noise of an 18 % grey in {space}", title_justify="left")
+    table = Table(title=f"Noise of an 18 % gray in {space}", title_justify="left")
     table.add_column("sensor")
     names = known[0].exact.measurement.names if known else ()
-    routes = ("first order", "normal law")
+    routes = ("first order", "Gaussian approx.")
     for head in (*(f"sd {name}" for name in names), "sd C*", "mean Delta E", "bias", *routes):
         table.add_column(head, justify="right")
     for analysis, noise in zip(analyses, noises, strict=True):
         if noise is None:
-            table.add_row(analysis.sensor.name, "saturated, or no color")
+            table.add_row(analysis.sensor.name, "saturated, or XYZ of the white is not valid")
             continue
         exact = noise.exact
         sd = exact.sd
@@ -194,7 +198,10 @@ def print_chart(analysis: Analysis, chart: ChartNoise | None) -> None:
     console = _console()
     name = analysis.sensor.name
     if chart is None:
-        console.print(f"{name} has no chart: a channel is saturated, or its white is no color.")
+        console.print(
+            f"{name}: no chart, because a channel is saturated, or XYZ of the white is not valid.",
+            soft_wrap=True,
+        )
         return
     title = f"ColorChecker seen by {name} with the {analysis.matrix.made_by} matrix"
     table = Table(title=title, title_justify="left")
@@ -240,7 +247,7 @@ def print_matrix(matrix: ColorMatrix, report: MatrixReport, sensor_name: str) ->
         f"max {_number(report.color_error_max)} Delta E*ab over the ColorChecker",
         "SNR of a perfect white: " + ("saturated" if report.snr_db is None else _decibels(snr)),
         f"condition {_number(report.condition)}, Kodak's Psi {_number(report.psi)}",
-        "near infrared of the white over its visible: "
+        "NIR / visible response to a white: "
         + ", ".join(f"{n} {100 * v + 0.0:+.1f} %" for n, v in nir.items()),
     ):
         console.print(line, soft_wrap=True)
@@ -248,7 +255,7 @@ def print_matrix(matrix: ColorMatrix, report: MatrixReport, sensor_name: str) ->
 
 def _decibels(snr: Mapping[str, float | None]) -> str:
     return ", ".join(
-        f"{name} none, for it is no signal" if value is None else f"{name} {value:.2f} dB"
+        f"{name} undefined" if value is None else f"{name} {value:.2f} dB"
         for name, value in snr.items()
     )
 

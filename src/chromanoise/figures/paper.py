@@ -64,7 +64,7 @@ CAPTIONS = {
     ),
     "figure-09-correlation": (
         "Uncertainty of the measured light (closed form as line, samples as dots) between the "
-        "intervals of two channels (grey), drawn from computed data for the widest pair of the "
+        "intervals of two channels (gray), drawn from computed data for the widest pair of the "
         "one sensor and the narrowest pair of the other, each sensor at its own saturation."
     ),
     "figure-10-color-axis": (

@@ -68,7 +68,7 @@ def mat_arrays(path: Path) -> dict[str, tuple[tuple[int, ...], np.dtype]]:
     arrays: dict[str, tuple[tuple[int, ...], np.dtype]] = {}
     for _, opening in _variables(path):
         if opening.name in arrays:
-            raise _damage(path, f"the array {opening.name!r} stands twice")
+            raise _damage(path, f"the array {opening.name!r} appears twice")
         if opening.name:  # MATLAB's own workspaces have none
             arrays[opening.name] = opening.shape, opening.dtype
     return arrays

@@ -45,7 +45,12 @@ EQUATIONS: Mapping[str, Mapping[str, str]] = {
             "SNR² ≤ M^T D⁻¹ M = Σ SNR_i²",
             "Cauchy-Schwarz in noise-whitened channels",
         ),
-        ("price", "Price of color", "bound minus SNR of Y, in dB", "this library"),
+        (
+            "price",
+            "Color SNR loss",
+            "best linear SNR minus SNR of Y, in dB",
+            "this library",
+        ),
         (
             "budget",
             "The dB budget",

@@ -48,9 +48,9 @@ def refusal(scope: Scope, hosts: frozenset[str]) -> str | None:
         return f"this server answers to localhost only, not to {host[:80]!r}"
     origin = headers.get("origin")
     if origin is not None and origin.lower() != f"http://{host.lower()}":
-        return "only the page that this server gave may ask it"
+        return "requests from other sites are refused"
     if headers.get("sec-fetch-site") in ("cross-site", "same-site") and not _is_opened(scope):
-        return "only the page that this server gave may ask it"
+        return "requests from other sites are refused"
     return None
 
 

@@ -126,8 +126,8 @@ def _beyond(ends_nm: list[float], first_nm: float, last_nm: float) -> Told:
     """What a cube is asked whose bands do not reach over what sensors answer to."""
     ends = " and ".join(f"{end:g}" for end in ends_nm)
     question = (
-        f"its bands end at {ends} nm, and sensors answer from {first_nm:g} to {last_nm:g} nm: is "
-        "it there as at its end (hold), or black (zero)?"
+        f"its bands end at {ends} nm, and sensors respond from {first_nm:g} to {last_nm:g} nm: "
+        "hold the last value there (hold), or take it as black (zero)?"
     )
     return {"key": "beyond", "question": question, "choices": ["hold", "zero"]}
 

@@ -101,7 +101,7 @@ class Bodies:
             async with asyncio.timeout(_PATIENCE_S) as patience:
                 pieces = await self._pieces(request, most_bytes, patience)
         except TimeoutError:
-            sentence = "the question did not arrive in time; ask again"
+            sentence = "the request did not arrive in time; send it again"
             raise QuestionError(("", sentence), status=408) from None
         if pieces is None:
             await passed_over(request.receive)
@@ -149,13 +149,13 @@ def data_of(body: bytes) -> dict[str, Any]:
     try:
         told = json.loads(body, parse_constant=_no_number, parse_int=_whole)
     except RecursionError:
-        raise malformed("", "the question nests too deep to be one of this page") from None
+        raise malformed("", "request JSON is nested too deeply") from None
     except ValueError as error:  # of encoding or of grammar
-        raise malformed("", f"the question is no JSON: {str(error)[:200]}") from None
+        raise malformed("", f"the request is not JSON: {str(error)[:200]}") from None
     if b"\\u" in body.lower():
         _refuse_surrogates(told)
     if not isinstance(told, dict):
-        raise malformed("", f"the question must be a JSON object, but is a {_kind(told)}")
+        raise malformed("", f"the request must be a JSON object, but is a {_kind(told)}")
     return told
 
 
@@ -164,7 +164,7 @@ def _refuse_surrogates(told: Any) -> None:
         json.dumps(told, ensure_ascii=False).encode()
     except UnicodeEncodeError:
         raise malformed(
-            "", "the question contains an unpaired surrogate, which is not a character"
+            "", "the request contains an unpaired surrogate, which is not a character"
         ) from None
 
 
@@ -223,19 +223,19 @@ def _kind(value: Any) -> str:
 
 
 def _no_number(word: str) -> NoReturn:
-    raise malformed("", f"the question holds {word}, which is no number of JSON")
+    raise malformed("", f"the request contains {word}, which is not a JSON number")
 
 
 def _whole(digits: str) -> int:
     if len(digits) > _MOST_DIGITS:
         raise malformed(
-            "", f"the question holds a whole number of {len(digits)} digits; write fewer"
+            "", f"the request contains a whole number of {len(digits)} digits; write fewer"
         )
     return int(digits)
 
 
 def _too_long(most_bytes: int, *, unread: bool = False) -> QuestionError:
-    told = f"that is more than the {most_bytes / 1e6:g} MB which are taken at once; send less"
+    told = f"the request exceeds the limit of {most_bytes / 1e6:g} MB"
     return QuestionError(("", told), status=413, unread=unread)
 
 
@@ -269,6 +269,6 @@ async def question_of(request: Request, bodies: Bodies) -> bytes:
     """
     kind = request.headers.get("content-type", "").partition(";")[0].strip().lower()
     if kind != "application/json":
-        told = "a question is sent as application/json"
+        told = "a request must be sent as application/json"
         raise QuestionError(("", told), status=415, unread=True)
     return await bodies.body_of(request, most_bytes=JSON_BYTES)

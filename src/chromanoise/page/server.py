@@ -189,11 +189,11 @@ async def _picture(request: Request, server: _Server) -> Response:
 async def _upload(request: Request, server: _Server) -> Response:
     kind = request.headers.get("content-type", "").partition(";")[0].strip().lower()
     if kind != "application/octet-stream":
-        told = "a file is sent as application/octet-stream"
+        told = "a file must be sent as application/octet-stream"
         raise QuestionError(("file", told), status=415, unread=True)
     name = unquote(request.headers.get("x-filename", ""))
     if not name:
-        raise malformed("file", "a file is sent with its name in the header X-Filename")
+        raise malformed("file", "a file must be sent with its name in the header X-Filename")
     content = await server.bodies.body_of(request, most_bytes=UPLOAD_BYTES)
     upload = await asyncio.to_thread(server.uploads.keep, name, content)
     del content
@@ -206,9 +206,9 @@ def _json(text: str) -> Response:
 
 async def _told_status(request: Request, error: Exception) -> Response:
     assert isinstance(error, HTTPException)
-    sentences = {404: "there is nothing of that name here", 405: "that is not asked like this"}
+    sentences = {404: "not found", 405: "method not allowed"}
     return fault_reply(error.status_code, sentences.get(error.status_code, error.detail))
 
 
 async def _told_crash(request: Request, error: Exception) -> Response:
-    return fault_reply(500, "that could not be computed; the server tells more where it runs")
+    return fault_reply(500, "internal error; see the terminal that runs chromanoise serve")

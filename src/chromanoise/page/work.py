@@ -201,14 +201,16 @@ def _result(answer: tuple[Any, ...], job: Job, lane: Lane) -> Any:
         sentence = (
             f"the answer has {size / 1e6:.0f} MB; the limit is {MOST_ANSWER_BYTES / 1e6:g} MB"
         )
-        raise QuestionError((job.where, f"{sentence}; reduce the question"))
+        raise QuestionError((job.where, f"{sentence}; reduce the request"))
     return told[0]
 
 
 def _stopped(job: Job, ended: ProcessEndedError, lane: Lane) -> QuestionError:
     code = ended.exit_code
     if not ended.has_begun and ended.seconds >= processes.BEGINS_S:
-        sentence = f"the computation did not start within {processes.BEGINS_S:g} s; ask again"
+        sentence = (
+            f"the computation did not start within {processes.BEGINS_S:g} s; send the request again"
+        )
     elif code in _TOO_LONG or (code is None and ended.seconds >= min(job.cpu_s, job.limit_s)):
         sentence = f"this takes longer than {job.cpu_s} s and was stopped; ask for less"
     elif code == _sandbox.NO_MEMORY:
@@ -228,4 +230,4 @@ def _no_memory(lane: Lane) -> str:
 
 
 def _too_much() -> QuestionError:
-    return QuestionError(("", "too many questions are waiting; ask again"), status=503)
+    return QuestionError(("", "too many requests are waiting; repeat the request"), status=503)

@@ -171,7 +171,7 @@ def answered(
     except QuestionError as error:
         return "refused", error.faults, error.status
     except RecursionError:
-        return "refused", (("", "the question is nested too deeply"),), 400
+        return "refused", (("", "request JSON is nested too deeply"),), 400
     except MemoryError:
         return ("no memory",)
     except Exception:

@@ -139,7 +139,7 @@ class MagnifiedNoise:
         The ellipse of uncertainty, in closed form.
     locus
         Corners of the zone that the uncertainty of the two measurement axes leaves open: the
-        grey area of the paper's Figure 9. The ellipse touches its four sides.
+        gray area of the paper's Figure 9. The ellipse touches its four sides.
     feet_bars
         Ends of the interval on each channel's axis, around its foot.
     axis_bar

@@ -31,7 +31,7 @@ Equations = Mapping[str, Mapping[str, str]]
 _SECTIONS = (  # part, heading, what it shows, equations
     (
         "budget",
-        "Where the decibels go",
+        "SNR budget",
         "From every photon that hits the pixels down to luminance: what each cause costs.",
         ("budget", "bound"),
     ),

@@ -99,12 +99,12 @@ def mosaic_named(text: str) -> Mosaic:
         except InputError as error:
             raise InputError(
                 "mosaic",
-                "must be a known name, or rows as RG/GB",
+                "must be a known name, or rows, e.g. RG/GB",
                 value=text,
                 remedy=error.remedy,
             ) from None
     if not all(rows):
-        raise InputError("mosaic", "must have a channel in each row, as RG/GB", value=text)
+        raise InputError("mosaic", "must have a channel in each row, e.g. RG/GB", value=text)
     spaced = any(" " in row for row in rows)
     return Mosaic(tuple(tuple(row.split() if spaced else row) for row in rows))
 

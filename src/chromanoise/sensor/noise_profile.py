@@ -235,6 +235,5 @@ def _converter(
     if adc.top_code == white_dn:
         return adc, ()
     return adc, (
-        f"{source}: white level {white_dn:g} is taken for codes of {bits} bits, which go on to "
-        f"{adc.top_code}",
+        f"{source}: white level {white_dn:g} implies {bits} bits (top code {adc.top_code})",
     )

@@ -18,7 +18,6 @@ from chromanoise.imaging.capture import FORMATS, MOST_FRAMES
 from chromanoise.io.spectra.parsed import Negatives, Unit
 from chromanoise.scene import BUILTIN_CUBES
 from chromanoise.sensor import MOSAIC_NAMES
-from chromanoise.spectra import METRICS
 
 MOST_SENSORS = 1000
 SCHEMA = 1
@@ -367,7 +366,7 @@ class Study(_Part):
     title: str = Field("", description="Title of the study.")
     metric: str = Field(
         "quanta",
-        description=f"Unit in which spectra are vectors: {' or '.join(METRICS)}.",
+        description="Whether spectra are expressed in photons (quanta) or in energy.",
     )
     seed: Annotated[int, Field(ge=0, lt=2**32)] = Field(0, description="Seed of all random noise.")
     light: LightPart = Field(LightPart(), description="The light on the scene.")

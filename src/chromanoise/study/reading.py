@@ -288,7 +288,7 @@ def _changed(told: dict[str, Any], change: str, place: str) -> Key:
     steps: Key = tuple(int(s) if _is_place(s) else s for s in name.strip().split("."))
     if not equals or not all(str(step) for step in steps):
         raise InputError(
-            place, "needs the form key=value, as light.level_lux=3", value=change, found=None
+            place, "needs the form key=value, e.g. light.level_lux=3", value=change, found=None
         )
     at: Any = told
     for i, step in enumerate(steps[:-1]):

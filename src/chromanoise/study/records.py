@@ -181,9 +181,9 @@ def recorded_run(path: Path) -> RecordedRun:
     if now != record["hash"]:
         raise InputError(
             str(file),
-            "must be as this version of chromanoise writes it, to give the same digits",
+            "must come from this version of chromanoise and be unchanged",
             value=record.get("version"),
-            found=f"is of version {record.get('version')!r}, or was changed since",
+            found=f"comes from version {record.get('version')!r}, or was changed",
             remedy="run its study again",
         )
     _refuse_altered(file, record)
@@ -275,7 +275,7 @@ def _changed(place: Path, changed: Sequence[str]) -> InputError:
     """The error that names the changed files, which a hash of the study could not."""
     return InputError(
         str(place),
-        "must be made of the present files, to be reproduced",
+        "must match the current input files",
         value=tuple(changed),
         found="; ".join(changed[:8]),
         remedy=("restore the files", "run the study again into another folder"),

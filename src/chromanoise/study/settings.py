@@ -420,7 +420,7 @@ def _refuse_idle_prior(settings: Settings, matrices: Sequence[str]) -> None:
     if prior is not None and not trained_names(matrices):
         raise InputError(
             "prior",
-            "must be given only with a trained matrix, as lmmse",
+            "must be given only with a trained matrix, e.g. lmmse",
             value=prior,
             found=f"{'the matrix is' if len(matrices) == 1 else 'none is among'} "
             f"{', '.join(matrices)}",

@@ -6,7 +6,7 @@ STARTER = """\
 # names are relative to the folder of this file.
 schema = 1
 title = "Can the IR-cut be dropped?"
-metric = "quanta"                    # or energy: in which unit a spectrum is a vector
+metric = "quanta"                    # spectra in photons (quanta) or in energy
 seed = 0                             # of all noise that is drawn
 matrices = ["kernel", "lmmse"]       # least-squares, white-preserving, ridge=0.01,
                                      # noise-regularized=1, bounded-psi=6.5

@@ -89,13 +89,15 @@ def band_sentence(band: CrossoverBand) -> str:
     )
     if band.span is None:
         leaders = sorted({c.better_first for c in band.by_prior.values() if c.better_first})
-        who = f"{' or '.join(leaders)} leads" if leaders else "they are alike"
-        return f"{start} never change places in {one.quantity.what}: {who}."
+        who = f"{leaders[0]} is always better" if leaders else "they are equal"
+        if len(leaders) > 1:
+            who = f"{' or '.join(leaders)} is better, depending on the prior"
+        return f"{start} have no crossover in {one.quantity.what}: {who}."
     low, high = band.span
     never = [prior for prior, crossover in band.by_prior.items() if not crossover.at]
-    except_told = f", and never with {', '.join(never)}" if never else ""
+    except_told = f", and none with {', '.join(never)}" if never else ""
     return (
-        f"{start} change places in {one.quantity.what} between {low:.3g} and {high:.3g} "
+        f"{start} have a crossover in {one.quantity.what} between {low:.3g} and {high:.3g} "
         f"{one.sweep.unit} of {one.sweep.what}{except_told}."
     )
 

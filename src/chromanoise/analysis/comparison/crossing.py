@@ -271,9 +271,10 @@ def crossover_sentence(crossover: Crossover) -> str:
     leaders = (other, crossover.better_first) * len(told)
     rest = (f"{who} {where}" for who, where in zip(leaders, (*between, "above"), strict=False))
     colors = "; ".join(f"{a:.1f} and {b:.1f}" for a, b in crossover.color_error)
+    where = "at the crossover" if len(told) == 1 else "at the crossovers"
     return (
         f"{leads} below {told[0]} {unit} of {crossover.sweep.what}, {', '.join(rest)} (within "
-        f"{span}); where they change places the mean color errors of {first} and {second} are "
+        f"{span}); {where} the mean color errors of {first} and {second} are "
         f"{colors} Delta E*ab."
     )
 

@@ -221,7 +221,7 @@ QUANTITIES: Mapping[str, Quantity] = {
         ),
         Quantity(
             name="price",
-            what="price of color of a white",
+            what="color SNR loss of a white",
             unit="dB",
             more_is_better=False,
             of=color_loss,

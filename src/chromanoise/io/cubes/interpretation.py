@@ -127,7 +127,7 @@ def rising(
         return pixels, wavelength, ()
     _refuse_disorder(path, wavelength, np.diff(wavelength) >= 0)
     turned = with_bands(pixels, slice(None, None, -1))
-    return turned, wavelength[::-1], ("wavelengths fall: the bands are turned about",)
+    return turned, wavelength[::-1], ("wavelengths are descending: band order reversed",)
 
 
 def _refuse_not_light(path: Path | str, wavelength: Float[Array, " m"]) -> None:

@@ -154,7 +154,7 @@ def _size_and_kind(file: Path) -> tuple[tuple[int, int], np.dtype]:
             "must be gray with 8 or 16 bits",
             value=mode,
             found=f"has pixels of kind {mode}",
-            remedy=("save it so", "move it away"),
+            remedy=("save it in that form", "move it away"),
         )
     return size, _GRAY[mode]
 

@@ -137,7 +137,7 @@ def _pixels(
             "must have one page per band, or one page of many samples",
             value=(len(pages), *first.shape),
             found=f"has {len(pages)} pages of {by(first.shape)}",
-            remedy=("save it so", "save it as ENVI"),
+            remedy=("save it in that form", "save it as ENVI"),
         )
     order = tuple(first.axes.index(axis) for axis in "YXS")
     notes = ("samples of the page taken as bands",)

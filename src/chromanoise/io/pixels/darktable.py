@@ -109,8 +109,8 @@ def read_darktable_noise(path: Path | str, *, maker: str, model: str, iso: float
     place = f"of {camera} at ISO {iso:g}"
     a, b = (_three(mine[0].get(key), path, f"{key} {place}") for key in "ab")
     notes = [
-        f"{path.name}: {camera}, relative noise of developed pictures; it tells neither gain nor "
-        "full well"
+        f"{path.name}: {camera}, relative noise of developed pictures; it contains neither gain "
+        "nor full well"
     ]
     if len(mine) > 1:
         notes.append(f"{path.name}: {len(mine)} profiles of ISO {iso:g}; the first is taken")
@@ -163,7 +163,7 @@ def pixel_from_darktable(
     read2 = well * float(noise.b[_GREEN]) / float(noise.a[_GREEN])
     note = f"{noise.camera}: read noise from b / a of green and {well:.4g} e- at the top"
     if read2 < 0:
-        note = f"{noise.camera}: b of green is negative, so that it tells no read noise"
+        note = f"{noise.camera}: b of green is negative, so it gives no read noise"
     return PixelSource(
         source=f"darktable's profile of {noise.camera} at ISO {noise.iso:g}",
         full_well_e=well,

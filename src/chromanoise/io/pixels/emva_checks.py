@@ -38,8 +38,8 @@ def contradictions(values: Mapping[str, float], source: str) -> tuple[str, ...]:
     top = n.get("gain", 0.0) * n.get("full_well", 0.0) + n.get("black", 0.0)
     if codes and top > (1 + _TOLERANCE) * codes:
         notes.append(
-            f"{source}: the full well makes code {top:.4g}, beyond "
-            f"the top code {codes:.0f}; gain, full well or bits are of different modes"
+            f"{source}: the full well gives code {top:.4g}, above the top code {codes:.0f}; gain, "
+            "full well and bits are probably from different camera modes"
         )
     return tuple(notes)
 

@@ -222,4 +222,4 @@ def _gaps(points: Sequence[Sorted]) -> Iterator[str]:
     what = f"a gap from {start:g} to {stop:g} nm"
     if len(gaps) > 1:
         what = f"{len(gaps)} gaps, the widest from {start:g} to {stop:g} nm"
-    yield f"{what}: straight lines are a guess there"
+    yield f"{what}: linear interpolation is uncertain there"

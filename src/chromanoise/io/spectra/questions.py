@@ -173,7 +173,7 @@ def _negatives(told: ParsedSpectra, answers: Answers) -> Iterator[Question]:
     if answers.negatives == "refuse" and negative.any():
         yield Question(
             about="negatives",
-            asks=f"{int(negative.sum())} values are negative: are small ones 0?",
+            asks=f"{int(negative.sum())} values are negative: set small ones to 0?",
             settings=(SMALL_NEGATIVES,),
         )
 
@@ -183,6 +183,7 @@ def _beyond(told: ParsedSpectra, answers: Answers) -> Iterator[Question]:
     if answers.beyond == "refuse" and (low > _GRID_NM[0] or high < _GRID_NM[1]):
         yield Question(
             about="beyond",
-            asks=f"the curves cover {low:g}-{high:g} nm of 400-1050 nm: what is beyond?",
+            asks=f"the curves cover {low:g}-{high:g} nm of 400-1050 nm: how should they be "
+            "extrapolated?",
             settings=(Setting("beyond", ("zero", "hold")),),
         )

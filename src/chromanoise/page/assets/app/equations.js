@@ -32,7 +32,7 @@ export function useEquations(equations) {
 function showEquations(names, opener) {
   dialog ??= emptyDialog();
   const entries = names.filter((name) => known[name]).map(entry);
-  const none = el("p", { text: "The server tells no equation for this." });
+  const none = el("p", { text: "No equation available." });
   within(dialog, ".entries").replaceChildren(...(entries.length ? entries : [none]));
   dialog.addEventListener("close", () => opener.isConnected && opener.focus(), { once: true });
   dialog.showModal();

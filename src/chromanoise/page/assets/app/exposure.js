@@ -18,9 +18,9 @@ const TERMS = [
 
 /** @type {Record<string, string>} */
 const MEANT = {
-  exposure: "One integration time for all.",
-  saturation: "Each sensor filled alike.",
-  light: "The same photons for each set of pixels.",
+  exposure: "One integration time for all sensors.",
+  saturation: "Every sensor has its own time, to the same share of full well.",
+  light: "Every channel set (one pixel per channel) gets the same photons.",
 };
 
 /**

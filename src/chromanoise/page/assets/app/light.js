@@ -116,7 +116,7 @@ export function described(choices, key) {
 }
 
 /**
- * The lights of the catalogue, the files that were brought, and a field for any other word.
+ * The lights of the catalog, the files that were brought, and a field for any other word.
  *
  * @param {Choices} choices
  * @param {(name: string) => void} on
@@ -132,7 +132,7 @@ function baseChoice(choices, on) {
   const typed = el("input", {
     type: "text",
     class: "other",
-    "aria-label": "Another light, as 3200K or LED660",
+    "aria-label": "Another light, e.g. 3200K or LED660",
     placeholder: "3200K, LED660",
     spellcheck: "false",
     hidden: true,

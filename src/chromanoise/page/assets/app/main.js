@@ -169,7 +169,7 @@ function show(part, data, version) {
     page.headVersion = version;
     const head = /** @type {Head | Failed | null} */ (data);
     if (!head || "fault" in head || !head.sensors) {
-      return notice("faults", head && "fault" in head ? head.fault : "The server told no verdict.");
+      return notice("faults", head && "fault" in head ? head.fault : "No verdict available.");
     }
     page.head = head;
     showHead(head);

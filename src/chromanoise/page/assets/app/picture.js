@@ -124,7 +124,7 @@ class View {
       say(this.said, this.#told);
     } catch (error) {
       if (signal.aborted) return;
-      const lost = "The picture did not come; it is asked again with the next change.";
+      const lost = "Loading the picture failed; it will be retried after the next change.";
       say(this.said, error instanceof Refused ? error.message : lost);
     }
     this.#asked = null;
@@ -212,6 +212,6 @@ async function picture(study, side, signal) {
     return { blob: await reply.blob(), summary: summary ? JSON.parse(summary) : {} };
   }
   const told = await reply.json().catch(() => null);
-  const faults = told?.faults?.length ? told.faults : [{ where: "", sentence: "The server drew no picture." }];
+  const faults = told?.faults?.length ? told.faults : [{ where: "", sentence: "No picture available." }];
   throw new Refused(faults);
 }

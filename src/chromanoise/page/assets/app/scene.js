@@ -9,7 +9,7 @@ import { asksFor, uploaded } from "app/uploads.js";
 
 const STANDARD = "builtin:checker";
 const BEYOND = [
-  ["hold", "as at its end"],
+  ["hold", "hold last value"],
   ["zero", "black"],
 ];
 
@@ -58,7 +58,7 @@ export function sceneControls(choices) {
     on: (cube) => changeStudy((study) => setCube(study, cube)),
   });
   const ends = choice({
-    label: "Beyond the bands of its cube",
+    label: "Outside the cube's wavelength range",
     options: BEYOND,
     where: "pictures.0.beyond",
     on: (beyond) => changeStudy(({ pictures = [] }) => (pictures[0].beyond = beyond)),

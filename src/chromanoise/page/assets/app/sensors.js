@@ -47,13 +47,13 @@ export function sensorControls(choices) {
     }
     sensors.forEach((sensor, i) => cards[i].show(sensor, head?.sensors?.[i], sensors.length));
     attribute(add, "disabled", sensors.length >= MOST);
-    say(said, add.disabled ? `${MOST} sensors are as many as can be told apart.` : "");
+    say(said, add.disabled ? `Limit: ${MOST} sensors.` : "");
   };
   return { node: el("div", {}, list, add, said), show };
 }
 
 /**
- * Appends a sensor: the next of the catalogue that is not shown yet, or the one that is named.
+ * Appends a sensor: the next of the catalog that is not shown yet, or the one that is named.
  *
  * @param {Choices} choices
  * @param {string | null} [name]
@@ -220,7 +220,7 @@ function asksForPeak({ name, answers }) {
 }
 
 /**
- * What stands in front of the sensor: a word, with those of the catalogue offered.
+ * What stands in front of the sensor: a word, with those of the catalog offered.
  *
  * @param {Choices} choices
  * @param {number} i
@@ -234,7 +234,7 @@ function filterChoice(choices, i) {
     type: "text",
     list: offered.id,
     "data-where": `sensors.${i}.filter`,
-    placeholder: "none; as ircut-650",
+    placeholder: "none; e.g. ircut-650",
     autocomplete: "off",
     spellcheck: "false",
     class: "word",

@@ -50,7 +50,7 @@ export function snapshots(place, changed) {
   const show = () => {
     list.replaceChildren(...kept.map((ghost) => chip(ghost, drop)));
     keep.disabled = kept.length >= MOST;
-    keep.title = keep.disabled ? "At most three can be told apart; remove one first" : "";
+    keep.title = keep.disabled ? "Limit: three pins; remove one first." : "";
     changed();
   };
   /** @param {Ghost} ghost */

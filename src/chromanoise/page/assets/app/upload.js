@@ -100,7 +100,7 @@ const named = (name, sentence) => (sentence.startsWith(name) ? sentence : `${nam
 
 /** @param {File} file */
 const tooLarge = ({ size }) =>
-  `The file has ${(size / 1e6).toFixed(1)} MB and 12 MB are the most; bring a part of it.`;
+  `The file has ${(size / 1e6).toFixed(1)} MB. The limit is 12 MB; upload a smaller part.`;
 
 /**
  * What was understood, what is still to be answered, and what to do with it.
@@ -148,7 +148,7 @@ function question({ key, question: text, choices }) {
  */
 function asksFor(ask) {
   if (!ask) return false;
-  complain(ask.row, "The file does not say this; answer it first.");
+  complain(ask.row, "The file does not declare this; please choose.");
   within(ask.row, "select, input").focus();
   return true;
 }
