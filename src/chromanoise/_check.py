@@ -134,6 +134,12 @@ def one_of(name: str, value: str, choices: Sequence[str]) -> str:
     raise InputError(name, "must be a known name", value=value, remedy=hint)
 
 
+def meant(word: str, known: Sequence[str]) -> str:
+    """What may have been meant by an unknown word; all known ones if none is similar."""
+    near = get_close_matches(word, known, n=2, cutoff=0.5)
+    return f"did you mean {' or '.join(near)}?" if near else f"known are {', '.join(known)}"
+
+
 def same_names(what: str, **names: tuple[str, ...]) -> None:
     """Raise `InputError` if the names of channels differ in content or order."""
     if len(set(names.values())) > 1:

@@ -78,7 +78,7 @@ def faults_of(act, *given):
 def serving(uploads, path):
     """Answers and pictures of a server that was started with a study's file."""
     told = served_data(read_study(path))
-    files = files_of(study_from_data(told, source="the test"))
+    files = files_of(study_from_data(told, source="the test", keep_idle=True))
     studies = Studies(uploads, files=files)
     return told, Answers(studies), Pictures(studies)
 

@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from chromanoise.analysis.color_matrices import (
         DEFAULT_METHOD,
         METHODS,
+        MatrixFunction,
         MatrixMaker,
         Method,
         known_matrices,
@@ -113,6 +114,7 @@ __all__ = [
     "Curve",
     "GrayNoise",
     "Incomparable",
+    "MatrixFunction",
     "MatrixMaker",
     "Merit",
     "Merits",

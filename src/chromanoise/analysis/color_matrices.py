@@ -2,8 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import lru_cache, partial
-from typing import Any
+from functools import lru_cache
 
 from chromanoise import _check
 from chromanoise._check import Array
@@ -26,8 +25,8 @@ from chromanoise.exposure import Exposure, OperatingPoint
 from chromanoise.sensor import Sensor
 from chromanoise.spectra import Metric
 
-MatrixMaker = Callable[[OperatingPoint], ColorMatrix]
-"""A function from an operating point to its color matrix; some depend on the light level."""
+MatrixFunction = Callable[[OperatingPoint], ColorMatrix]
+"""A function from an operating point to its color matrix: a `MatrixMaker`, or one of your own."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -72,6 +71,78 @@ METHODS: Mapping[str, Method] = {
 }
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MatrixMaker:
+    """A method with its parameters, metric and prior: gives the matrix of an operating point.
+
+    Attributes
+    ----------
+    method
+        One of `METHODS`.
+    metric
+        Metric of the space of spectra.
+    prior
+        A name from `PRIORS`, for a trained method.
+    parameters
+        Names and values of the parameters of the method.
+    """
+
+    method: Method
+    metric: Metric
+    prior: str = DEFAULT_PRIOR
+    parameters: tuple[tuple[str, float], ...] = ()
+
+    def __call__(self, operating_point: OperatingPoint) -> ColorMatrix:
+        """The color matrix of an operating point. [lx/e-]"""
+        sensor, exposure = operating_point.sensor, operating_point.exposure
+        training = self._training(operating_point)
+        if self.method.over_light is None:
+            make = self.method.make
+            return _of_any_light(make, sensor, exposure, training, self.metric, self.parameters)
+        return self.method.make(
+            sensor,
+            exposure,
+            training,
+            level_lux=operating_point.level_lux,
+            metric=self.metric,
+            **dict(self.parameters),
+        )
+
+    def over_levels(
+        self, operating_point: OperatingPoint, level_lux: Float[Array, " k"]
+    ) -> Float[Array, "k c p"] | None:
+        """The color matrices at many light levels, computed at once. [lx/e-]
+
+        ``None`` if one matrix, that of the operating point, applies to all levels.
+
+        Parameters
+        ----------
+        operating_point
+            The operating point; its light level is ignored.
+        level_lux
+            Illuminances, > 0. [lx]
+
+        Raises
+        ------
+        InputError
+            If a level is not positive.
+        """
+        if self.method.over_light is None:
+            return None
+        return self.method.over_light(
+            operating_point.sensor,
+            operating_point.exposure,
+            self._training(operating_point),
+            level_lux,
+            **dict(self.parameters),
+        )
+
+    def _training(self, operating_point: OperatingPoint) -> Training | None:
+        if not self.method.trained:
+            return None
+        return training_named(self.prior, operating_point.illuminant)
+
+
 def matrix_makers(
     names: Sequence[str], metric: Metric, *, prior: str = DEFAULT_PRIOR
 ) -> Mapping[str, MatrixMaker]:
@@ -95,40 +166,6 @@ def matrix_makers(
     _check.one_of("prior", prior, tuple(PRIORS))
     wanted = _check.distinct("names of matrices", [name.strip() for name in names])
     return {name: _maker(name, metric, prior) for name in wanted}
-
-
-def matrices_over_levels(
-    maker: MatrixMaker, operating_point: OperatingPoint, level_lux: Float[Array, " k"]
-) -> Float[Array, "k c p"] | None:
-    """The color matrices of a method at many light levels, computed at once. [lx/e-]
-
-    ``None`` where the method must be called level by level: it gives one matrix for all levels, or
-    it does not come from `matrix_makers`.
-
-    Parameters
-    ----------
-    maker
-        A method from `matrix_makers`, or a function of your own.
-    operating_point
-        The operating point; its light level is ignored.
-    level_lux
-        Illuminances, > 0. [lx]
-
-    Raises
-    ------
-    InputError
-        If a level is not positive.
-    """
-    if not isinstance(maker, partial) or maker.func is not _made:
-        return None
-    method: Method = maker.keywords["method"]
-    if method.over_light is None:
-        return None
-    training = training_named(maker.keywords["prior"], operating_point.illuminant)
-    parameters = maker.keywords["parameters"]
-    return method.over_light(
-        operating_point.sensor, operating_point.exposure, training, level_lux, **parameters
-    )
 
 
 def trained_names(names: Sequence[str]) -> list[str]:
@@ -156,11 +193,11 @@ def _maker(name: str, metric: Metric, prior: str) -> MatrixMaker:
     if bool(given) != (method.parameter is not None):
         wanted = f"{word}=<{method.parameter}>" if method.parameter else word
         raise InputError("matrix", f"must be given as {wanted}", value=name)
-    parameters = {}
+    parameters: tuple[tuple[str, float], ...] = ()
     if method.parameter:
         what, value = f"{method.parameter} of a {word} matrix", _number(text, name)
-        parameters = {method.parameter: _check.within(what, "1", value, *method.bounds)}
-    return partial(_made, method=method, prior=prior, metric=metric, parameters=parameters)
+        parameters = ((method.parameter, _check.within(what, "1", value, *method.bounds)),)
+    return MatrixMaker(method=method, metric=metric, prior=prior, parameters=parameters)
 
 
 def _method(name: str) -> Method:
@@ -175,29 +212,6 @@ def _number(text: str, name: str) -> float:
         raise InputError(f"matrix {name!r}", "must end in a number", value=text) from None
 
 
-def _made(
-    operating_point: OperatingPoint,
-    *,
-    method: Method,
-    prior: str,
-    metric: Metric,
-    parameters: dict[str, Any],
-) -> ColorMatrix:
-    training = training_named(prior, operating_point.illuminant) if method.trained else None
-    if method.over_light is None:
-        own = tuple(parameters.items())
-        sensor, exposure = operating_point.sensor, operating_point.exposure
-        return _of_any_light(method.make, sensor, exposure, training, metric, own)
-    return method.make(
-        operating_point.sensor,
-        operating_point.exposure,
-        training,
-        level_lux=operating_point.level_lux,
-        metric=metric,
-        **parameters,
-    )
-
-
 @lru_cache(maxsize=64)
 def _of_any_light(
     make: Callable[..., ColorMatrix],
@@ -205,7 +219,7 @@ def _of_any_light(
     exposure: Exposure,
     training: Training | None,
     metric: Metric,
-    parameters: tuple[tuple[str, Any], ...],
+    parameters: tuple[tuple[str, float], ...],
 ) -> ColorMatrix:
     """The matrix of one exposure, cached: it is the same at every light level."""
     return make(sensor, exposure, training, level_lux=1.0, metric=metric, **dict(parameters))

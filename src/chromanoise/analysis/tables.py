@@ -66,6 +66,48 @@ def matrix_as_table(matrix: ColorMatrix, report: MatrixReport, sensor_name: str)
     )
 
 
+def matrices_as_table(
+    matrices: Sequence[tuple[str, ColorMatrix, MatrixReport]],
+) -> Table:
+    """Color matrices: that of one sensor as `matrix_as_table`, of several with a column of names.
+
+    Parameters
+    ----------
+    matrices
+        Name of the sensor, its matrix and the report on it. A channel that only other sensors have
+        is an empty cell.
+
+    Raises
+    ------
+    InputError
+        If there are no matrices.
+    """
+    if not matrices:
+        raise InputError("matrices", "must hold at least one for a table", value=())
+    tables = [matrix_as_table(matrix, report, name) for name, matrix, report in matrices]
+    if len(tables) == 1:
+        return tables[0]
+    channels = list(dict.fromkeys(name for _, matrix, _ in matrices for name in matrix.channels))
+    rows: list[tuple[Entry, ...]] = []
+    notes: list[str] = []
+    for (sensor, matrix, _), table in zip(matrices, tables, strict=True):
+        for coordinate, *weights in table.rows:
+            of = dict(zip(matrix.channels, weights, strict=True))
+            rows.append((sensor, coordinate, *(of.get(name) for name in channels)))
+        notes += [f"{sensor}: {note}" for note in table.notes]
+    names = ", ".join(name for name, _, _ in matrices)
+    return Table(
+        title=f"{matrices[0][2].made_by} of {names}",
+        columns=(
+            Column(name="sensor"),
+            Column(name="coordinate"),
+            *(Column(name=name, unit="lx/e-") for name in channels),
+        ),
+        rows=tuple(rows),
+        notes=tuple(notes),
+    )
+
+
 def curves_as_table(curves: Sequence[Curve]) -> Table:
     """A comparison table: one row per value of the sweep, two columns per sensor and matrix.
 

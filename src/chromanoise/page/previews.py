@@ -3,7 +3,7 @@
 from typing import Any
 
 from chromanoise.catalog import own_sensor_of
-from chromanoise.errors import InputError, Setting
+from chromanoise.errors import InputError, Setting, StudyError, errors_in
 from chromanoise.io.spectra import ParsedSpectra, read_curves
 from chromanoise.io.spectra.defects import defects_of_a_light
 from chromanoise.page.pictures import cube_of_upload
@@ -41,8 +41,10 @@ def preview_of(upload: Upload) -> Told:
         told = _preview(upload)
     except InputError as error:
         # of a study all faults are shown, a line each
-        in_place = getattr(error, "in_place", False)
-        told_lines = str(error).splitlines() if in_place else [_without_settings(error)]
+        if isinstance(error, StudyError) and error.places:
+            told_lines = error.sentences()
+        else:
+            told_lines = [_without_settings(one) for one in errors_in(error)]
         raise QuestionError(*(("file", in_words(line, upload)) for line in told_lines)) from None
     lines = [in_words(line, upload) for line in told["preview"]]
     return {"asks": [], "study": None} | told | {"id": upload.id, "preview": lines}
@@ -93,7 +95,7 @@ def _study(upload: Upload) -> Told:
         raise InputError(
             upload.label, "is not a UTF-8 text file", remedy="save the study as UTF-8"
         ) from None
-    study = study_from_text(text, source=upload.label)
+    study = study_from_text(text, source=upload.label, keep_idle=True)
     told = served_data(study)
     names = ", ".join(part.name for part in study.sensors)
     lines = [

@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from chromanoise._inputs import regular_file
-from chromanoise.analysis.color_matrices import matrix_makers
 from chromanoise.catalog.resolve import file_of, is_file_word
 from chromanoise.errors import InputError, errors_in
 from chromanoise.exposure import OperatingPoint
@@ -25,7 +24,7 @@ from chromanoise.study.assembly import (
     sensor_of,
     unresolved,
 )
-from chromanoise.study.document import SensorPart
+from chromanoise.study.document import SensorPart, without_idle_settings
 from chromanoise.study.hashes import (
     FileWord,
     digests_of,
@@ -101,14 +100,11 @@ class Studies:
         try:
             refuse_too_many(told)
             refuse_long_lists(told)
-            study = study_from_data(told, source="")
+            return study_from_data(told, source="", keep_idle=True)
         except InputError as error:
             raise QuestionError(
                 *((e.setting, page_sentence(e)) for e in errors_in(error))
             ) from None
-        for i, name in enumerate(study.matrices):
-            _at(f"matrices.{i}", [], partial(matrix_makers, [name], "quanta"))
-        return study
 
     def operating_points(self, study: Study, used: list[Upload]) -> list[OperatingPoint]:
         """Each sensor in its light with its exposure.
@@ -250,8 +246,8 @@ def served_data(study: Study) -> dict[str, Any]:
 
 
 def labeled(study: Study, used: list[Upload]) -> Study:
-    """The study with the names of dropped files in place of where they lie."""
-    return with_file_words(study, lambda one: spoken(one.word, used))
+    """The study as it is run: with the names of dropped files, without settings without effect."""
+    return without_idle_settings(with_file_words(study, lambda one: spoken(one.word, used)))
 
 
 def files_of(study: Study) -> frozenset[str]:

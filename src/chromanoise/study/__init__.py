@@ -54,7 +54,6 @@ if TYPE_CHECKING:
         prepared_cameras,
     )
     from chromanoise.study.reading import (
-        in_study,
         read_study,
         study_from_data,
         study_from_text,
@@ -82,6 +81,7 @@ if TYPE_CHECKING:
         run_plan,
     )
     from chromanoise.study.setting_help import (
+        DescribedSetting,
         default_of,
         described_settings,
     )
@@ -128,6 +128,7 @@ __all__ = [
     "Call",
     "Comparison",
     "ComparisonSettings",
+    "DescribedSetting",
     "Given",
     "Matrices",
     "MatrixResult",
@@ -155,7 +156,6 @@ __all__ = [
     "file_digests",
     "file_word",
     "in_arguments",
-    "in_study",
     "makers_of",
     "matrix_study",
     "operating_points_of",

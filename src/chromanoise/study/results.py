@@ -24,8 +24,9 @@ from chromanoise.analysis import (
     raw_snr_db,
 )
 from chromanoise.analysis.comparison.crossing import Crossover
-from chromanoise.analysis.tables import analyses_as_table, curves_as_table, matrix_as_table
+from chromanoise.analysis.tables import analyses_as_table, curves_as_table, matrices_as_table
 from chromanoise.color import ColorMatrix, ParetoCurve
+from chromanoise.errors import InputError
 from chromanoise.exposure import OperatingPoint
 from chromanoise.imaging.capture import Capture
 from chromanoise.io.table import Column, Table
@@ -255,9 +256,10 @@ class Matrices(Result):
         }
 
     def to_table(self) -> Table:
-        """The matrix of the first sensor."""
-        one = self.results[0]
-        return matrix_as_table(one.matrix, one.report, one.point.sensor.name)
+        """One row per coordinate; of several sensors, per sensor and coordinate."""
+        return matrices_as_table(
+            [(one.point.sensor.name, one.matrix, one.report) for one in self.results]
+        )
 
     def plot(self, ax: Any = None) -> Any:
         """Draw color error against noise if that curve was requested, else the matrix as bars."""
@@ -307,7 +309,7 @@ class Comparison(Result):
         }
 
     def to_table(self) -> Table:
-        """One row per sensor, matrix and value of the sweep."""
+        """One row per value of the sweep, two columns per sensor and matrix."""
         return curves_as_table(self.curves)
 
     def plot(self, ax: Any = None) -> Any:
@@ -383,7 +385,20 @@ class Pictures(Result):
         return Table(title=f"Pictures of {self.cube}", columns=columns, rows=tuple(rows))
 
     def plot(self, ax: Any = None) -> Any:
-        """Draw the first picture."""
+        """Draw the first picture.
+
+        Raises
+        ------
+        InputError
+            If the pictures are in a folder.
+        """
+        if not self.captures:
+            raise InputError(
+                "folder",
+                "must not be given for a plot, which draws pictures in memory",
+                found=None,
+                remedy="omit it, or open the files",
+            )
         return _figures().draw_capture(self.captures[0], _axes(ax))
 
     def __repr__(self) -> str:

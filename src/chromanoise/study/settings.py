@@ -11,17 +11,11 @@ from difflib import get_close_matches
 from pathlib import Path
 from typing import Annotated, Any, Literal, TypedDict, get_type_hints
 
-from chromanoise._check import one_of
-from chromanoise.analysis import DEFAULT_METHOD, trained_names
-from chromanoise.analysis.comparison.sweeps import SWEEPS
-from chromanoise.analysis.priors import DEFAULT_PRIOR
+from chromanoise.analysis import DEFAULT_METHOD
 from chromanoise.errors import InputError, StudyError
 from chromanoise.io.spectra.parsed import Negatives, Unit
 from chromanoise.spectra import (
     Illuminant,
-)
-from chromanoise.study.assembly import (
-    keyed,
 )
 from chromanoise.study.document import Study
 from chromanoise.study.reading import study_from_data
@@ -73,6 +67,8 @@ class SharedSettings(TypedDict, total=False):
     mosaic: Annotated[str, "sensors.*.mosaic"]
     filter: Annotated[str | Path, "sensors.*.filter"]
     filter_wavelength_unit: Annotated[Unit, "sensors.*.filter_wavelength_unit"]
+    ircut_nm: Annotated[float, "sensors.*.ircut_nm"]
+    shift_nm: Annotated[float, "sensors.*.shift_nm"]
 
 
 class AnalysisSettings(SharedSettings, total=False):
@@ -185,7 +181,6 @@ def analyze_study(
         If a value cannot be used, or has no effect.
     """
     _refuse_unknown(settings, "analyze")
-    _refuse_idle_prior(settings, [matrix])
     return _study(sensors, settings, "analyze", {"matrices": [matrix]})
 
 
@@ -210,22 +205,9 @@ def compare_study(
         If a value cannot be used, has no effect, or is the parameter that varies.
     """
     _refuse_unknown(settings, "compare")
-    with keyed("sweeps.0.vary"):
-        vary = one_of("vary", str(settings.get("vary") or "lux"), tuple(SWEEPS))
-    for name in {"time-ms": ("time_ms",), "read-noise-e": ("read_noise_e",)}.get(vary, ()):
-        if settings.get(name) is not None:
-            raise InputError(
-                name,
-                "must not be given where it varies",
-                value=settings[name],
-                found=None,
-                remedy="omit it, or vary another thing",
-                setting=SHARED[name][0],
-            )
     matrices = [name.strip() for name in matrices]
-    _refuse_idle_prior(settings, matrices)
     if settings.get("prior") == "all":
-        settings = {**settings, "prior": DEFAULT_PRIOR, "all_priors": True}
+        settings = {**settings, "prior": None, "all_priors": True}
     return _study(sensors, settings, "compare", {"matrices": matrices})
 
 
@@ -247,8 +229,6 @@ def matrix_study(sensor: str, settings: Settings, *, matrix: str = DEFAULT_METHO
         If a value cannot be used, or has no effect.
     """
     _refuse_unknown(settings, "matrix")
-    if settings.get("pareto_first") is None:  # the Pareto curve always uses the prior
-        _refuse_idle_prior(settings, [matrix])
     return _study([sensor], settings, "matrix", {"matrices": [matrix]})
 
 
@@ -318,7 +298,6 @@ def _study(
         for key in names[name] if value is not None else ():
             for place in _places(key, len(sensors)):
                 _put(data, place, value)
-    _refuse_two_times(data)
     try:
         return study_from_data(data)
     except StudyError as error:
@@ -386,20 +365,6 @@ def _refuse_unknown(settings: Settings, function: str) -> None:
         raise InputError(name, f"is not an argument of {function}", remedy=remedy)
 
 
-def _refuse_two_times(data: dict[str, Any]) -> None:
-    """Refuse an exposure time together with a rule from which the time is solved."""
-    rule = data.get("exposure", {})
-    if rule.get("time_ms") is not None and rule.get("saturate") is not None:
-        raise InputError(
-            "time_ms",
-            "must not be given with a share of full well, from which the time is solved",
-            value=rule["time_ms"],
-            found=None,
-            remedy="omit one of them",
-            setting="exposure.time_ms",
-        )
-
-
 def _places(key: str, sensors: int) -> list[list[str | int]]:
     steps: list[str | int] = [int(s) if s.isdigit() else s for s in key.split(".")]
     if "*" not in steps:
@@ -412,18 +377,3 @@ def _put(data: dict[str, Any], place: Sequence[str | int], value: Any) -> None:
     for step in place[:-1]:
         at = at[step] if isinstance(step, int) else at.setdefault(step, {})
     at[place[-1]] = value
-
-
-def _refuse_idle_prior(settings: Settings, matrices: Sequence[str]) -> None:
-    """Refuse a prior that no matrix uses."""
-    prior = settings.get("prior")
-    if prior is not None and not trained_names(matrices):
-        raise InputError(
-            "prior",
-            "must be given only with a trained matrix, e.g. lmmse",
-            value=prior,
-            found=f"{'the matrix is' if len(matrices) == 1 else 'none is among'} "
-            f"{', '.join(matrices)}",
-            remedy="omit it",
-            setting="prior",
-        )
