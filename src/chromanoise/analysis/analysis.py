@@ -57,6 +57,8 @@ class Analysis:
     ----------
     scene, sensor, exposure
         The patch, the sensor that measures it, and its exposure settings.
+    readout
+        Clipping and rounding of the values; ``None`` for eq. 7, unclipped.
     raw, contravariant, color
         The measurement at each stage, with its covariance.
     matrix
@@ -85,6 +87,7 @@ class Analysis:
     scene: Scene
     sensor: Sensor
     exposure: Exposure
+    readout: Readout | None
     raw: Measurement
     contravariant: Measurement
     color: Measurement
@@ -179,6 +182,7 @@ def analyzed(
         scene=scene,
         sensor=sensor,
         exposure=exposure,
+        readout=readout,
         raw=raw,
         contravariant=at.contravariant,
         color=color,

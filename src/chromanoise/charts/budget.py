@@ -90,6 +90,8 @@ def _why_not(analysis: Analysis, coordinate: str) -> str:
     full = saturation_sentence(analysis)
     if full is not None:
         return full
+    if analysis.readout is not None:
+        return f"{name}: a budget follows eq. 7, so clipped values have none"
     channel = coordinate.removeprefix("M^")
     if coordinate.startswith("M^") and channel not in analysis.sensor.names:
         return f"{name} has no channel {channel}"

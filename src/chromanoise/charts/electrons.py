@@ -24,7 +24,7 @@ def drawn_head(shown: Shown, look: Look) -> dict[str, Any]:
 
 def _sensor(analysis: Analysis) -> dict[str, Any]:
     sensor, exposure = analysis.sensor, analysis.exposure
-    mean = zip(sensor.names, analysis.expected_e.tolist(), strict=True)
+    mean = zip(sensor.names, analysis.raw.mean.tolist(), strict=True)
     return {
         "name": sensor.name,
         "channels": list(sensor.names),

@@ -113,7 +113,8 @@ def _where_usable(analysis: Analysis, value: float) -> float | None:
 def _gray_sd(analysis: Analysis) -> dict[str, float | None]:
     if None in color_snr_db(analysis).values():
         return dict.fromkeys(LAB.coordinates)
-    gray = stages_at(analysis.point, analysis.matrix, reflectance=GRAY)
-    white = analysis.matrix.matrix @ analysis.expected_e
+    point, matrix = analysis.point, analysis.matrix
+    gray = stages_at(point, matrix, reflectance=GRAY, readout=analysis.readout)
+    white = matrix.matrix @ analysis.expected_e
     lab = propagate(noisy_color_at(gray, white), LAB, quick_cubature)
     return dict(zip(lab.measurement.names, lab.sd.tolist(), strict=True))

@@ -60,7 +60,10 @@ def _draw_losses(
 ) -> None:
     name = analysis.sensor.name
     if budget is None:
-        why = "saturated" if saturation_sentence(analysis) else f"SNR {UNDEFINED}"
+        if saturation_sentence(analysis):
+            why = "saturated"
+        else:
+            why = f"SNR {UNDEFINED}" if analysis.readout is None else "no budget with clipping"
         ax.plot([], [], " ", label=f"{name}: {why}")
         return
     losses = [cost.loss_db for cost in budget.costs]

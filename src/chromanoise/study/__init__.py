@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     )
     from chromanoise.study.analyses import (
         Outcome,
+        analysis_of,
         outcome_of,
         outcomes_as_json,
     )
@@ -144,6 +145,7 @@ __all__ = [
     "Study",
     "agreement_of",
     "agreement_text",
+    "analysis_of",
     "analyze_study",
     "argument_of",
     "call_of",
