@@ -67,7 +67,7 @@ NAMES = [
     "study",
     "study_from_data",
 ]
-OPERATING_POINT = "10 lx, illuminant E, 11.94 ms, f/1.8"
+OPERATING_POINT = "10 lx (illuminant E, 11.94 ms, f/1.8)"
 
 
 def test_the_public_names_are_these():

@@ -40,7 +40,7 @@ from chromanoise.catalog import sensor_named
 from chromanoise.charts import PARTS, Look, Shown, drawing, shown
 from chromanoise.charts.ellipses import in_plane
 from chromanoise.charts.patches import hex_colors, patches_of
-from chromanoise.charts.text import brief, decimal, level_in_words
+from chromanoise.charts.text import brief, decimal
 from chromanoise.charts.vectors import color_frame, half_axes, round_magnification
 from chromanoise.charts.verdicts import verdict_sentences
 from chromanoise.color import (
@@ -53,7 +53,7 @@ from chromanoise.color import (
     propagate,
 )
 from chromanoise.errors import InputError
-from chromanoise.exposure import expected_electrons, white_scene
+from chromanoise.exposure import expected_electrons, level_in_words, white_scene
 from chromanoise.figures.style import channel_color
 from chromanoise.geometry import reconstructed_light
 from chromanoise.page.choices import choices
@@ -618,6 +618,18 @@ def test_ellipses_are_closed_and_of_48_points_around_their_center():
                 reach = np.abs(outline - patch["center"]).max()
                 middle = outline[:-1].mean(axis=0)
                 np.testing.assert_allclose(middle, patch["center"], atol=0.01 * reach)
+
+
+@pytest.mark.parametrize("plane", ["ab", "xy"])
+def test_the_half_axes_of_an_ellipse_are_conjugate_for_its_covariance(plane):
+    """For half axes u, v: u u^T + v v^T is the covariance, times the square of the sigmas."""
+    of = usual()
+    drawn = drawing("ellipses", of, Look(plane=plane))
+    for analysis, sensor in zip(of.analyses, drawn["sensors"], strict=True):
+        covariance = in_plane(patches_of(analysis), plane)[2]
+        axes = np.array([patch["half_axes"] for patch in sensor["patches"]])
+        told = np.einsum("pki,pkj->pij", axes, axes) / drawn["sigmas"] ** 2
+        np.testing.assert_allclose(told, covariance, rtol=1e-9, atol=1e-15)
 
 
 @pytest.mark.parametrize("plane", ["ab", "xy"])

@@ -4,8 +4,9 @@ from typing import Any
 
 from chromanoise.analysis.analysis import Analysis, diagnosis
 from chromanoise.charts.charted_study import Look, Shown, saturated_names
-from chromanoise.charts.text import brief, decimal, electrons, level_in_words, table
+from chromanoise.charts.text import brief, decimal, electrons, table
 from chromanoise.charts.verdicts import verdict_sentences
+from chromanoise.exposure import level_in_words
 
 
 def drawn_head(shown: Shown, look: Look) -> dict[str, Any]:

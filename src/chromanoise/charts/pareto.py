@@ -9,9 +9,9 @@ from chromanoise.analysis.pareto import noise_weights, pareto_of
 from chromanoise.analysis.priors import training_named
 from chromanoise.analysis.undefined import defined
 from chromanoise.charts.charted_study import Look, Shown, saturation_sentence, unclipped_remark
-from chromanoise.charts.text import brief, conditions_text, decimal, table
+from chromanoise.charts.text import brief, decimal, table
 from chromanoise.color import ParetoCurve, training_color_error
-from chromanoise.exposure import OperatingPoint
+from chromanoise.exposure import OperatingPoint, conditions
 
 LIGHTEST, HEAVIEST, POINTS = 1e-3, 1e3, 13
 
@@ -30,7 +30,7 @@ def drawn_pareto(shown: Shown, look: Look) -> dict[str, Any]:
     ]
     return {
         "title": (
-            f"Color error against SNR of Y at {conditions_text(shown.operating_points)}"
+            f"Color error against SNR of Y at {conditions(shown.operating_points)}"
             f"{unclipped_remark(shown)}"
         ),
         "description": _description(sensors),

@@ -21,11 +21,10 @@ from chromanoise.charts.text import (
     UNDEFINED,
     brief,
     decimal,
-    level_in_words,
     listed,
-    setting,
     table,
 )
+from chromanoise.exposure import level_in_words, light_and_exposure
 
 LOWEST_LUX, HIGHEST_LUX = 0.01, 10_000.0
 """Range of the curves and of the page's slider: moonlight to a cloudy day. [lx]"""
@@ -55,7 +54,7 @@ def drawn_levels(shown: Shown, look: Look) -> dict[str, Any]:
     lux = values.tolist()
     return {
         "title": (
-            f"{quantity.what} against illuminance ({setting(shown.operating_points)})"
+            f"{quantity.what} against illuminance ({light_and_exposure(shown.operating_points)})"
             f"{unclipped_remark(shown)}"
         ),
         "description": _description(drawn, crossed, lux, quantity.unit),

@@ -16,7 +16,7 @@ from chromanoise.page.uploads import Upload
 from chromanoise.study import OutputsPart, Study, study_as_command, study_as_python, study_as_toml
 
 _LOG = logging.getLogger("chromanoise.page")
-_BESIDE = {  # no drawing depends on them
+_BESIDE: dict[str, Any] = {  # no drawing depends on them
     **dict.fromkeys(("sweeps", "pictures", "title", "seed"), True),
     "outputs": set(OutputsPart.model_fields) - {"clip"},
 }

@@ -33,7 +33,8 @@ def verdict(study: PaperStudy) -> str:
         f"IR-cut) and the {100 * nir_share(bare):.0f} % of its electrons that come from beyond "
         f"{INFRARED_FROM_NM:g} nm and carry no color cost {_cost(after, INFRARED):.1f} dB "
         f"({_cost(before, INFRARED):.1f} dB): of what its raw channels hold together it loses "
-        f"{bare.color_snr_loss_db:.1f} dB to color, the RGB sensor {cut.color_snr_loss_db:.1f} dB."
+        f"{_db(bare.color_snr_loss_db):.1f} dB to color, the RGB sensor "
+        f"{_db(cut.color_snr_loss_db):.1f} dB."
     )
 
 

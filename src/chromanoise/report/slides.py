@@ -9,8 +9,7 @@ import numpy as np
 from chromanoise import _check
 from chromanoise.analysis import SWEEPS
 from chromanoise.charts import Shown, shown_at
-from chromanoise.charts.text import level_in_words
-from chromanoise.exposure import OperatingPoint
+from chromanoise.exposure import OperatingPoint, level_in_words
 from chromanoise.spectra import INFRARED_FROM_NM
 
 _STEP = 10.0 ** (1 / 8)  # of the light level: eight steps per decade

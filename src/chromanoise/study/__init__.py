@@ -74,7 +74,6 @@ if TYPE_CHECKING:
         Pictures,
         Result,
         Results,
-        conditions,
     )
     from chromanoise.study.running import (
         Progress,
@@ -151,7 +150,6 @@ __all__ = [
     "call_of",
     "captures",
     "compare_study",
-    "conditions",
     "default_of",
     "described_settings",
     "file_digests",
