@@ -4,7 +4,6 @@ import copy
 import re
 import tomllib
 from collections.abc import Callable, Mapping, Sequence
-from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +16,7 @@ from chromanoise.analysis.comparison.sweeps import SWEEPS
 from chromanoise.analysis.priors import PRIORS
 from chromanoise.catalog.resolve import file_of, word_beside
 from chromanoise.color import SPACES
-from chromanoise.errors import InputError, Setting, StudyError, errors_in
+from chromanoise.errors import InputError, Setting, StudyError, did_you_mean, errors_in
 from chromanoise.imaging import DEMOSAICING
 from chromanoise.imaging.capture import FORMATS
 from chromanoise.spectra import METRICS
@@ -411,8 +410,7 @@ def _fields_beside(key: Key) -> list[str]:
 
 
 def _meant(word: str, known: Sequence[str]) -> str:
-    near = get_close_matches(word, known, n=2, cutoff=0.5)
-    return f"did you mean {' or '.join(near)}?" if near else f"known are {', '.join(known)}"
+    return did_you_mean(word, known, f"known are {', '.join(known)}", most=2, cutoff=0.5)
 
 
 def _unknown_names(study: Study) -> list[InputError]:
