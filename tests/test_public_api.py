@@ -387,3 +387,13 @@ def test_snr_by_name_is_that_of_the_plain_data(results):
     assert result.raw_snr_db() == {"onyx-rgbw": channels}
     assert result.color_snr_db() == {"onyx-rgbw": told["color"]["snr_db"]}
     assert set(result.contravariant_snr_db()["onyx-rgbw"]) == set(channels)
+
+
+def test_a_white_preserving_matrix_gives_the_white_its_illuminance():
+    result = cn.matrix("onyx-rgb-ircut", matrix="white-preserving", lux=7.0, time_ms=10.0)
+    (one,) = result.results
+    electrons = cn.exposure.expected_electrons(
+        cn.exposure.white_scene(one.point), one.point.sensor, one.point.exposure
+    )
+    assert one.white_e.tolist() == electrons.tolist()
+    assert one.white_lux == pytest.approx(7.0, rel=1e-9)
