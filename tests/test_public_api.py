@@ -67,7 +67,7 @@ NAMES = [
     "study",
     "study_from_data",
 ]
-OPERATING_POINT = "10 lx, illuminant E, 11.94 ms, f/1.8"
+OPERATING_POINT = "10 lx (illuminant E, 11.94 ms, f/1.8)"
 
 
 def test_the_public_names_are_these():
@@ -425,3 +425,13 @@ def test_pictures_in_a_folder_are_not_drawn(tmp_path):
     assert pictures.summaries
     with refused_input(subject="folder"):
         pictures.plot()
+
+
+def test_a_white_preserving_matrix_gives_the_white_its_illuminance():
+    result = cn.matrix("onyx-rgb-ircut", matrix="white-preserving", lux=7.0, time_ms=10.0)
+    (one,) = result.results
+    electrons = cn.exposure.expected_electrons(
+        cn.exposure.white_scene(one.point), one.point.sensor, one.point.exposure
+    )
+    assert one.white_e.tolist() == electrons.tolist()
+    assert one.white_lux == pytest.approx(7.0, rel=1e-4)  # the kernel matrix gives 7.095

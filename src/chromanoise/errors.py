@@ -7,6 +7,7 @@ terms: the command line names the option, a study file the line and key, the pag
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from difflib import get_close_matches
 from typing import Any
 
 _LONGEST_VALUE = 80
@@ -35,6 +36,41 @@ class Setting:
 
 Remedy = str | Setting
 Render = Callable[[Setting], str]
+
+
+def did_you_mean(
+    word: str,
+    known: Sequence[str],
+    otherwise: str,
+    *,
+    most: int = 3,
+    cutoff: float = 0.4,
+    plain: Callable[[str], str] = str.lower,
+) -> str:
+    """The remedy for an unknown name: the known names that resemble it, the nearest first.
+
+    Parameters
+    ----------
+    word, known
+        The name, and those that exist.
+    otherwise
+        The remedy if none resembles it.
+    most, cutoff
+        Greatest number of suggestions, and their least similarity (`difflib`), 0 to 1.
+    plain
+        The form in which names are compared.
+
+    Examples
+    --------
+    >>> did_you_mean("Analyse", ["run", "analyze"], "see the help")
+    'did you mean analyze?'
+    >>> did_you_mean("x", ["run", "analyze"], "see the help")
+    'see the help'
+    """
+    compared = {one: plain(one) for one in known}
+    near = get_close_matches(plain(word), list(compared.values()), n=most, cutoff=cutoff)
+    meant = [one for text in dict.fromkeys(near) for one in compared if compared[one] == text]
+    return f"did you mean {' or '.join(meant)}?" if meant else otherwise
 
 
 class InputError(ValueError):

@@ -6,7 +6,6 @@ from chromanoise import _check
 from chromanoise.analysis.analysis import (
     Analysis,
     color_snr_db,
-    color_snr_loss_db,
     mean_color_error,
 )
 from chromanoise.analysis.comparison.curves import Curve
@@ -149,13 +148,12 @@ def curves_as_table(curves: Sequence[Curve]) -> Table:
 
 def _analysis_row(analysis: Analysis) -> tuple[Entry, ...]:
     snr = color_snr_db(analysis)
-    usable = not bool(analysis.saturated.any())
     return (
         analysis.sensor.name,
         1e3 * analysis.exposure.time_s,
         *(snr[axis] for axis in analysis.color.names),
-        defined(analysis.optimal_linear_snr_db) if usable else None,
-        color_snr_loss_db(analysis),
+        analysis.optimal_linear_snr_db,
+        analysis.color_snr_loss_db,
         defined(analysis.matrix.frame.condition),
         mean_color_error(analysis),
     )

@@ -1,5 +1,6 @@
 """Sentences that compare sensors: raw SNR, luminance SNR, their difference and its causes."""
 
+import math
 from collections.abc import Mapping, Sequence
 
 import numpy as np
@@ -8,8 +9,7 @@ from chromanoise import _check
 from chromanoise.analysis.analysis import Analysis, color_snr_db, mean_color_error, raw_snr_db
 from chromanoise.analysis.budgets import coordinate_budget
 from chromanoise.charts.charted_study import saturation_sentence
-from chromanoise.charts.text import conditions_text
-from chromanoise.exposure import OperatingPoint
+from chromanoise.exposure import conditions
 from chromanoise.metrics import Budget
 from chromanoise.metrics.budget import CORRELATION, FILTERS, INFRARED, READ_NOISE, REST, WEIGHTS
 
@@ -82,7 +82,7 @@ def _left_out(analysis: Analysis) -> str | None:
 def _alone(analysis: Analysis, setting: str) -> str:
     return (
         f"{setting} {analysis.sensor.name} has {_luminance_db(analysis):.1f} dB of "
-        f"luminance SNR, {_text(analysis.color_snr_loss_db)} dB below the best linear "
+        f"luminance SNR, {_text(_loss_db(analysis))} dB below the best linear "
         f"readout{_largest(analysis)}; {_error(analysis)}."
     )
 
@@ -161,7 +161,7 @@ def _costs(budget: Budget | None) -> dict[str, float]:
 
 def _largest(analysis: Analysis) -> str:
     """The largest loss relative to the best linear SNR, which already contains read noise."""
-    costs, whole_db = _costs(coordinate_budget(analysis, "Y")), analysis.color_snr_loss_db
+    costs, whole_db = _costs(coordinate_budget(analysis, "Y")), _loss_db(analysis)
     found = [(costs[cause], cause) for cause in _BELOW_THE_BOUND if cause in costs]
     if not found or min(whole_db, max(found)[0]) < _WORTH_DB:
         return ""
@@ -175,16 +175,7 @@ def _text(decibels: float) -> str:
 
 
 def _setting(analyses: Sequence[Analysis], equal: str) -> str:
-    points = [
-        OperatingPoint(
-            sensor=one.sensor,
-            exposure=one.exposure,
-            illuminant=one.scene.illuminant,
-            level_lux=one.scene.level_lux,
-        )
-        for one in analyses
-    ]
-    return f"At {conditions_text(points)},{_TERMS[equal]}"
+    return f"At {conditions([one.point for one in analyses])},{_TERMS[equal]}"
 
 
 def _shared(able: Sequence[Analysis]) -> list[str]:
@@ -197,9 +188,10 @@ def _shared(able: Sequence[Analysis]) -> list[str]:
 
 def _raw_db(analysis: Analysis, able: Sequence[Analysis]) -> float:
     shared, snr = _shared(able), raw_snr_db(analysis)
-    return (
-        float(np.mean([snr[name] for name in shared])) if shared else analysis.optimal_linear_snr_db
-    )
+    if shared:
+        return float(np.mean([snr[name] for name in shared]))
+    best = analysis.optimal_linear_snr_db
+    return math.inf if best is None else best  # not saturated: it is signal without noise
 
 
 def _measure(able: Sequence[Analysis]) -> str:
@@ -211,6 +203,12 @@ def _luminance_db(analysis: Analysis) -> float:
     found = color_snr_db(analysis)["Y"]
     assert found is not None  # called only for analyses with a value
     return found
+
+
+def _loss_db(analysis: Analysis) -> float:
+    loss_db = analysis.color_snr_loss_db
+    assert loss_db is not None  # called only for analyses with a value
+    return loss_db
 
 
 def _error(analysis: Analysis) -> str:

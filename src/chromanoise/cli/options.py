@@ -207,8 +207,8 @@ matrix_option = click.option(
     "method",
     default=DEFAULT_METHOD,
     show_default=True,
-    metavar="NAME[=VALUE]",
-    help=f"Color matrix: {known_matrices()}.",
+    metavar="NAME[=VALUE]|FILE",
+    help=f"Color matrix: {known_matrices()}; or a file: CSV, JSON, CLF, DNG, DCP.",
 )
 
 

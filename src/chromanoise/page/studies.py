@@ -297,9 +297,9 @@ def _without_diodes(one: FileWord) -> str:
 def _names_a_file(one: FileWord, base: str) -> bool:
     if one.kind == "cube":
         return not base.startswith("builtin:")
-    if one.kind in ("pixel", "crosstalk", "matrix", "wavelengths"):
-        return True
-    return is_file_word(base, one.kind)
+    if one.kind in ("sensor", "light", "filter"):
+        return is_file_word(base, one.kind)
+    return True
 
 
 def _refuse_irregular(one: FileWord) -> None:

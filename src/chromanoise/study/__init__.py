@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     )
     from chromanoise.study.analyses import (
         Outcome,
+        analysis_of,
         outcome_of,
         outcomes_as_json,
     )
@@ -72,7 +73,6 @@ if TYPE_CHECKING:
         Pictures,
         Result,
         Results,
-        conditions,
     )
     from chromanoise.study.running import (
         Progress,
@@ -145,12 +145,12 @@ __all__ = [
     "Study",
     "agreement_of",
     "agreement_text",
+    "analysis_of",
     "analyze_study",
     "argument_of",
     "call_of",
     "captures",
     "compare_study",
-    "conditions",
     "default_of",
     "described_settings",
     "file_digests",

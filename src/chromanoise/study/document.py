@@ -27,12 +27,14 @@ from chromanoise.analysis.comparison.quantities import QUANTITIES
 from chromanoise.analysis.comparison.sweeps import SWEEPS
 from chromanoise.analysis.priors import DEFAULT_PRIOR, PRIORS
 from chromanoise.color import SPACES
-from chromanoise.errors import InputError, Setting, StudyError
+from chromanoise.errors import InputError, Setting, StudyError, did_you_mean
 from chromanoise.imaging import DEMOSAICING
 from chromanoise.imaging.capture import FORMATS, MOST_FRAMES
+from chromanoise.io.given_matrices import is_matrix_file
 from chromanoise.io.spectra.parsed import Negatives, Unit
 from chromanoise.scene import BUILTIN_CUBES
 from chromanoise.sensor import MOSAIC_NAMES
+from chromanoise.spectra import METRICS
 
 MOST_SENSORS = 1000
 SCHEMA = 1
@@ -57,7 +59,7 @@ def _known(names: Iterable[str]) -> AfterValidator:
 
 def _one_of(field: str, word: str, names: Sequence[str]) -> str:
     if word not in names:
-        remedy = _check.meant(word, names)
+        remedy = did_you_mean(word, names, f"known are {', '.join(names)}", most=2, cutoff=0.5)
         raise InputError(field, "must be a known name", value=word, remedy=remedy)
     return word
 
@@ -72,6 +74,8 @@ def _within(unit: str, low: float, high: float) -> AfterValidator:
 
 
 def _known_matrix(name: str, info: Any) -> str:
+    if is_matrix_file(name):
+        return name
     _one_of(info.field_name, name.partition("=")[0].strip(), tuple(METHODS))
     matrix_makers([name], "quanta")  # checks its parameter
     return name
@@ -454,7 +458,10 @@ class Study(_Part):
     matrices: Annotated[
         tuple[Annotated[str, AfterValidator(_known_matrix)], ...],
         Field(min_length=1, strict=False),
-    ] = Field((DEFAULT_METHOD,), description=f"Color matrices: {', '.join(METHODS)}; ridge=0.01.")
+    ] = Field(
+        (DEFAULT_METHOD,),
+        description=f"Color matrices: {', '.join(METHODS)}; ridge=0.01; or files.",
+    )
     prior: Annotated[str, _known(PRIORS)] = Field(
         DEFAULT_PRIOR,
         description=f"Training set of trained matrices: {', '.join(PRIORS)}.",

@@ -9,10 +9,9 @@ from typing import Any
 
 from pydantic import BaseModel, ValidationError
 
-from chromanoise._check import meant
 from chromanoise._inputs import regular_file
 from chromanoise.catalog.resolve import file_of, word_beside
-from chromanoise.errors import InputError, StudyError, errors_in
+from chromanoise.errors import InputError, StudyError, did_you_mean, errors_in
 from chromanoise.study.assembly import unresolved
 from chromanoise.study.document import KEEP_IDLE, Study
 from chromanoise.study.hashes import FileWord, with_file_words
@@ -347,7 +346,7 @@ def _of_type(error: Any, key: Key, setting: str) -> InputError:
         return InputError(
             last,
             "is an unknown key",
-            remedy=meant(str(key[-1]), _fields_beside(key)),
+            remedy=_meant(str(key[-1]), _fields_beside(key)),
             setting=setting,
         )
     if error["type"] == "missing":
@@ -384,6 +383,10 @@ def _fields_beside(key: Key) -> list[str]:
             return []
         model = models[0]
     return [field.alias or name for name, field in model.model_fields.items()]
+
+
+def _meant(word: str, known: Sequence[str]) -> str:
+    return did_you_mean(word, known, f"known are {', '.join(known)}", most=2, cutoff=0.5)
 
 
 def _place(key: Key, lines: Mapping[Key, int], changed: Mapping[Key, str], source: str) -> str:

@@ -7,12 +7,11 @@ settings, for the command line and for Python alike.
 import re
 from collections.abc import Mapping, Sequence
 from copy import deepcopy
-from difflib import get_close_matches
 from pathlib import Path
 from typing import Annotated, Any, Literal, TypedDict, get_type_hints
 
 from chromanoise.analysis import DEFAULT_METHOD
-from chromanoise.errors import InputError, StudyError
+from chromanoise.errors import InputError, StudyError, did_you_mean
 from chromanoise.io.spectra.parsed import Negatives, Unit
 from chromanoise.spectra import (
     Illuminant,
@@ -356,12 +355,10 @@ def _refuse_unknown(settings: Settings, function: str) -> None:
         if name in FUNCTIONS[function]:
             continue
         others = [other for other in FUNCTIONS if name in (*FUNCTIONS[other], *_ARGUMENTS[other])]
-        near = get_close_matches(name, known, n=2, cutoff=0.7 if others else 0.6)
-        remedy = f"known: {', '.join(known)}"
-        if near:
-            remedy = f"did you mean {' or '.join(near)}?"
-        elif others:
-            remedy = f"it is one of {' and '.join(others)}"
+        otherwise = f"known: {', '.join(known)}"
+        if others:
+            otherwise = f"it is one of {' and '.join(others)}"
+        remedy = did_you_mean(name, known, otherwise, most=2, cutoff=0.7 if others else 0.6)
         raise InputError(name, f"is not an argument of {function}", remedy=remedy)
 
 
