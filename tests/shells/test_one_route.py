@@ -214,7 +214,7 @@ def printed(*words):
 def words_of(asked):
     words = [asked.function, *asked.sensors]
     if asked.matrix != "kernel":
-        words += ["--method" if asked.function == "matrix" else "--matrix", asked.matrix]
+        words += ["--matrix", asked.matrix]
     rest = dict(asked.settings)
     if "vary" in rest:
         words += ["--sweep", f"{rest.pop('vary')}={rest.pop('first')}:{rest.pop('last')}"]
