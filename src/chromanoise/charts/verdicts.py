@@ -13,6 +13,8 @@ from chromanoise.charts.charted_study import saturation_sentence
 from chromanoise.exposure import conditions
 from chromanoise.metrics import Budget
 from chromanoise.metrics.budget import CORRELATION, FILTERS, INFRARED, READ_NOISE, REST, WEIGHTS
+from chromanoise.metrics.budget_chain import CROSSTALK
+from chromanoise.noise.sources import DARK, DSNU, PRNU, QUANTIZATION, ROW
 
 _TIE_DB = 0.05  # differences below one decimal
 _WORTH_DB = 0.3  # least loss of a cause that is reported
@@ -22,6 +24,12 @@ _WHY = {
     CORRELATION: "unmixing correlated channels",
     INFRARED: "infrared noise (minus the infrared that adds to Y)",
     FILTERS: "light absorbed by filters",
+    DARK: "shot noise of the dark current",
+    QUANTIZATION: "quantization",
+    ROW: "row noise",
+    DSNU: "fixed-pattern noise in the dark (DSNU)",
+    PRNU: "fixed-pattern noise (PRNU)",
+    CROSSTALK: "crosstalk",
 }
 _PHOTONS = "photons"
 _BELOW_THE_BOUND = (WEIGHTS, CORRELATION, INFRARED)  # the bound is that of the noisy channels
