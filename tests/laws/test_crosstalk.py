@@ -8,12 +8,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import chromanoise as cn
+from chromanoise.analysis import analyzed, chart_noise, gray_noise
 from chromanoise.catalog import sensor_named
-from chromanoise.color import colored, kernel_matrix
+from chromanoise.color import LAB, colored, kernel_matrix
 from chromanoise.exposure import Exposure, expected_electrons
 from chromanoise.io.crosstalk import read_crosstalk
 from chromanoise.metrics import color_budget, lab_budget, snr_db
-from chromanoise.noise import with_noise
+from chromanoise.noise import Readout, clipped_measurement, with_noise
 from chromanoise.scene import flat_field
 from chromanoise.sensor import (
     Crosstalk,
@@ -408,3 +409,21 @@ def test_a_kernel_in_a_file_needs_a_mosaic(table):
 def test_a_matrix_in_a_file_names_its_rows_and_columns_in_any_order(table, text):
     found = read_crosstalk(table(text), RGB.names, None)
     np.testing.assert_array_equal(found.matrix, CROSSED)
+
+
+def test_clipping_and_exact_distributions_refuse_channels_that_crosstalk_correlates():
+    """They are computed channel by channel; the wrong covariance would be printed."""
+    sensor = with_crosstalk(RGB, of_share(0.1, "charge"))
+    found = analyzed(WHITE, sensor, EXPOSURE)
+    held = Readout(black_e=0.0, full_well_e=sensor.pixel.full_well_e)
+    asked = {"subject": "crosstalk_stage", "value": "charge", "setting": "crosstalk_stage"}
+    with refused_input(**asked):
+        analyzed(WHITE, sensor, EXPOSURE, readout=held)
+    with refused_input(**asked):
+        clipped_measurement(found.expected_e, sensor, held)
+    with refused_input(**asked):
+        gray_noise(found, LAB)
+    with refused_input(**asked):
+        chart_noise(found)
+    before = with_crosstalk(RGB, of_share(0.1))
+    assert gray_noise(analyzed(WHITE, before, EXPOSURE, readout=held), LAB) is not None
