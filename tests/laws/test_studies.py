@@ -246,6 +246,7 @@ OTHER = {
     "schema_number": None,  # there is one schema
     "title": "t",
     "metric": "energy",
+    "observer": "cie-1964-10",
     "seed": 5,
     "matrices": ("lmmse",),
     "prior": "chart",

@@ -30,6 +30,7 @@ def analyses_as_json(analyses: Sequence[Analysis]) -> dict[str, Any]:
         "metric": analyses[0].matrix.metric,
         "illuminant": analyses[0].scene.illuminant.name,
         "level_lux": analyses[0].scene.level_lux,
+        "observer": analyses[0].matrix.observer,
         "sensors": [_analysis(analysis) for analysis in analyses],
     }
 

@@ -69,7 +69,7 @@ def in_plane(
     seen
         The chart measured by one sensor, ``k`` patches.
     plane
-        ``ab`` of CIELAB (CIE 15:2018), or ``xy`` of the CIE 1931 chromaticities.
+        ``ab`` of CIELAB (CIE 15:2018), or ``xy`` of the CIE chromaticities.
     """
     if plane == "ab":
         noise = seen.noise.measurement

@@ -42,7 +42,7 @@ class Patches:
     names
         Names of the 24 patches.
     truth, xyz
-        X, Y, Z for the standard observer, and measured by the sensor with covariance. [lx]
+        X, Y, Z for the observer, and measured by the sensor with covariance. [lx]
     true_white, white
         The same for a perfect white. [lx]
     color_error

@@ -180,7 +180,7 @@ def operating_points_in(
     Parameters
     ----------
     study
-        Of which the exposure and the light level are used.
+        Of which the exposure, the light level and the observer are used.
     illuminant, sensors
         What it names.
 
@@ -193,7 +193,11 @@ def operating_points_in(
     white = flat_field(illuminant, level_lux=light.level_lux)
     return [
         OperatingPoint(
-            sensor=sensor, exposure=exposure, illuminant=illuminant, level_lux=light.level_lux
+            sensor=sensor,
+            exposure=exposure,
+            illuminant=illuminant,
+            level_lux=light.level_lux,
+            observer=study.observer,
         )
         for sensor, exposure in zip(sensors, _exposures(study, white, sensors), strict=True)
     ]

@@ -34,7 +34,7 @@ from chromanoise.io.given_matrices import is_matrix_file
 from chromanoise.io.spectra.parsed import Negatives, Unit
 from chromanoise.scene import BUILTIN_CUBES
 from chromanoise.sensor import MOSAIC_NAMES
-from chromanoise.spectra import METRICS
+from chromanoise.spectra import DEFAULT_OBSERVER, METRICS, OBSERVERS
 
 MOST_SENSORS = 1000
 SCHEMA = 1
@@ -457,6 +457,10 @@ class Study(_Part):
     metric: Annotated[str, _known(METRICS)] = Field(
         "quanta",
         description="Whether spectra are expressed in photons (quanta) or in energy.",
+    )
+    observer: Annotated[str, _known(OBSERVERS)] = Field(
+        DEFAULT_OBSERVER,
+        description=f"Observer of the colors: {', '.join(OBSERVERS)}; a lux is always CIE 1931.",
     )
     seed: Annotated[int, Field(ge=0, lt=2**32)] = Field(0, description="Seed of all random noise.")
     light: LightPart = Field(LightPart(), description="The light on the scene.")

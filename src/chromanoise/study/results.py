@@ -282,6 +282,7 @@ class Comparison(Result):
         """As ``chromanoise compare --json``."""
         data = comparison_as_json(self.curves, self.crossovers)
         return data | {
+            "observer": self.points[0].observer,
             "equal": self.equal,
             "prior": self.prior,
             "bands": bands_as_json(self.bands),

@@ -39,6 +39,7 @@ class SharedSettings(TypedDict, total=False):
     f_number: Annotated[float, "exposure.f_number"]
     magnification: Annotated[float, "exposure.magnification"]
     metric: Annotated[str, "metric"]
+    observer: Annotated[str, "observer"]
     prior: Annotated[str, "prior"]
     beyond: Annotated[Extrapolation, "sensors.*.beyond"]
     negatives: Annotated[Negatives, "sensors.*.negatives", "light.negatives"]
