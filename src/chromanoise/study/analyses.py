@@ -10,10 +10,13 @@ from chromanoise.analysis.color_matrices import MatrixMaker
 from chromanoise.analysis.color_space_noise import GrayNoise, gray_noise, gray_noise_as_json
 from chromanoise.analysis.export import analyses_as_json, budgets_as_json
 from chromanoise.analysis.figures_of_merit.merits import Merits, merits_as_json, merits_of
+from chromanoise.analysis.pipeline_noise import PipelineNoise, pipeline_as_json, pipeline_noise
 from chromanoise.color import SPACES, UNBOUNDED
 from chromanoise.exposure import OperatingPoint, white_scene
 from chromanoise.noise import Readout
-from chromanoise.study.document import OutputsPart
+from chromanoise.spectra import Illuminant
+from chromanoise.study.assembly import keyed
+from chromanoise.study.document import OutputsPart, PipelinePart, pipeline_settings
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -28,16 +31,23 @@ class Outcome:
         ``None`` where not asked for, or where a channel is saturated or white is no color.
     merits
         ``None`` where not asked for.
+    pipeline
+        As ``grey_noise``.
     """
 
     analysis: Analysis
     grey_noise: GrayNoise | None
     chart: ChartNoise | None
     merits: Merits | None
+    pipeline: PipelineNoise | None
 
 
 def outcome_of(
-    operating_point: OperatingPoint, maker: MatrixMaker, outputs: OutputsPart
+    operating_point: OperatingPoint,
+    maker: MatrixMaker,
+    outputs: OutputsPart,
+    *,
+    balance_light: Illuminant | None = None,
 ) -> Outcome:
     """Compute all requested results of a sensor at one operating point.
 
@@ -49,6 +59,8 @@ def outcome_of(
         Of its color matrix.
     outputs
         The requested outputs; `outcomes_as_json` adds ``budget``.
+    balance_light
+        The illuminant that the white balance of the pipeline names (`balance_light_of`).
 
     Raises
     ------
@@ -72,7 +84,19 @@ def outcome_of(
         grey_noise=gray_noise(analysis, space, readout=held) if space else None,
         chart=chart_noise(analysis, readout=held or UNBOUNDED) if outputs.chart else None,
         merits=merits_of(analysis, maker=maker) if outputs.merit else None,
+        pipeline=_pipeline(analysis, outputs.pipeline, balance_light, held)
+        if outputs.pipeline.run
+        else None,
     )
+
+
+def _pipeline(
+    analysis: Analysis, part: PipelinePart, light: Illuminant | None, readout: Readout | None
+) -> PipelineNoise | None:
+    key = "outputs.pipeline"
+    own = {name: f"{key}.{name}" for name in type(part).model_fields}
+    with keyed(f"{key}.white_balance", lambda name: f"{key}.{name}", own):
+        return pipeline_noise(analysis, pipeline_settings(part, light), readout=readout)
 
 
 def outcomes_as_json(outcomes: Sequence[Outcome], outputs: OutputsPart) -> dict[str, Any]:
@@ -87,4 +111,6 @@ def outcomes_as_json(outcomes: Sequence[Outcome], outputs: OutputsPart) -> dict[
             own["chart"] = chart_as_json(outcome.chart)
         if outcome.merits is not None:
             own["merits"] = merits_as_json(outcome.merits)
+        if outputs.pipeline.run:
+            own["pipeline"] = pipeline_as_json(outcome.pipeline)
     return told
