@@ -7,7 +7,7 @@ from rich.console import Console
 from rich.table import Table
 
 from chromanoise._check import Array
-from chromanoise.analysis.pipeline_noise import GainStep, PipelineNoise, PipelineStep
+from chromanoise.analysis.camera_pipeline import GainStep, PipelineNoise, PipelineStep
 
 _CODES = 255
 _MOST_CHANNELS = 4  # more are shown as a range

@@ -5,12 +5,12 @@ from dataclasses import dataclass
 from typing import Any
 
 from chromanoise.analysis.analysis import Analysis, analyzed
+from chromanoise.analysis.camera_pipeline import PipelineNoise, pipeline_as_json, pipeline_noise
 from chromanoise.analysis.chart_patches import ChartNoise, chart_as_json, chart_noise
 from chromanoise.analysis.color_matrices import MatrixMaker
 from chromanoise.analysis.color_space_noise import GrayNoise, gray_noise, gray_noise_as_json
 from chromanoise.analysis.export import analyses_as_json, budgets_as_json
 from chromanoise.analysis.figures_of_merit.merits import Merits, merits_as_json, merits_of
-from chromanoise.analysis.pipeline_noise import PipelineNoise, pipeline_as_json, pipeline_noise
 from chromanoise.color import SPACES, UNBOUNDED
 from chromanoise.exposure import OperatingPoint, white_scene
 from chromanoise.noise import Readout

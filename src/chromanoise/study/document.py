@@ -8,10 +8,10 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
 
+from chromanoise.analysis.camera_pipeline import BASE_ISO, PipelineSettings
 from chromanoise.analysis.color_matrices import DEFAULT_METHOD, METHODS
 from chromanoise.analysis.comparison.quantities import QUANTITIES
 from chromanoise.analysis.comparison.sweeps import SWEEPS
-from chromanoise.analysis.pipeline_noise import BASE_ISO, PipelineSettings
 from chromanoise.analysis.priors import DEFAULT_PRIOR, PRIORS
 from chromanoise.color import TONES
 from chromanoise.errors import InputError, Setting, StudyError

@@ -155,7 +155,8 @@ class GainStep:
     dynamic_range_db
         White level over temporal noise in the dark, per channel; inf without noise. [dB]
     emva_dynamic_range_db
-        White level over the absolute sensitivity threshold of EMVA 1288, per channel. [dB]
+        White level over the absolute sensitivity threshold, temporal noise in the dark + 1/2 e-
+        (EMVA 1288, release 4.0), per channel. [dB]
     noise_profile
         S and O of each channel: variance S x + O, x = 1 at the white level (DNG). PRNU is not
         included, because its variance is quadratic.
@@ -427,7 +428,6 @@ def _gain_step(camera: _Camera, i: int, base: tuple[PipelineStep, ...], method: 
     white_e = white_level_e(at.sensor, dark_e=dark_e)
     step_e = quantization_step_e(at.sensor.converter, at.sensor.pixel)
     dark = _dark_noise_e(at)
-    threshold = np.sqrt(dark**2 + 0.25) + 0.5
     return GainStep(
         iso=iso,
         gain=gain,
@@ -435,7 +435,7 @@ def _gain_step(camera: _Camera, i: int, base: tuple[PipelineStep, ...], method: 
         white_level_e=white_e,
         gain_dn_per_e=1 / step_e if step_e else None,
         dynamic_range_db=np.asarray(decibel(np.array(white_e)) - decibel(dark)),
-        emva_dynamic_range_db=np.asarray(decibel(white_e / threshold)),
+        emva_dynamic_range_db=np.asarray(decibel(white_e / (dark + 0.5))),
         noise_profile=_noise_profile(at, camera.gray.mean / gain, white_e),
         steps=base if same else _steps(camera, at, method, 1 / gain),
     )
