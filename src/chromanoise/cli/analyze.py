@@ -13,12 +13,14 @@ from chromanoise.cli.options import (
     copy_option,
     json_option,
     matrix_option,
+    pipeline_options,
     prior_option,
     shared_options,
     table_option,
     with_defaults,
 )
 from chromanoise.cli.output import refuse_taken_inputs, write_json, write_table
+from chromanoise.cli.pipeline_tables import print_pipeline
 from chromanoise.cli.progress import progress_of_step
 from chromanoise.color import SPACES
 from chromanoise.exposure import conditions
@@ -49,6 +51,7 @@ from chromanoise.study import Analyses, analyze_study, run
     type=click.Choice(list(SPACES)),
     help="Noise of an 18 % gray in this color space.",
 )
+@pipeline_options
 @table_option
 @json_option
 @copy_option
@@ -90,6 +93,8 @@ def _print(result: Analyses) -> None:
         tables.print_lab_budgets(analysis)
     for outcome in result.outcomes if outputs.chart else ():
         tables.print_chart(outcome.analysis, outcome.chart)
+    for outcome in result.outcomes if outputs.pipeline.run else ():
+        print_pipeline(outcome.analysis.sensor.name, outcome.pipeline)
     print_merits(
         [
             (point, outcome.merits)

@@ -52,6 +52,25 @@ class _NumberOrFile(click.ParamType):
             return str(value)
 
 
+class _Numbers(click.ParamType):
+    """Numbers separated by commas; with ``or_word``, or else a word."""
+
+    name = "numbers"
+
+    def __init__(self, *, or_word: bool = False) -> None:
+        self.or_word = or_word
+
+    def convert(self, value: Any, param: Any, ctx: Any) -> Any:
+        if not isinstance(value, str):
+            return value
+        try:
+            return tuple(float(part) for part in value.split(","))
+        except ValueError:
+            if self.or_word:
+                return value
+            self.fail(f"{value[:80]!r} must be numbers separated by commas.", param, ctx)
+
+
 _SHARED = (
     click.option(
         "--illuminant",
@@ -184,6 +203,56 @@ _OF_CLOSED_FORM = (
 )
 
 
+_OF_PIPELINE = (
+    click.option(
+        "--pipeline",
+        is_flag=True,
+        help="Noise of each ColorChecker patch after each step of the camera's own pipeline: raw, "
+        "white-balanced, XYZ, linear sRGB, exposure, saturation, tone, Y'CbCr, Lab; at each ISO "
+        "also dynamic range and noise profile. The options below belong to it.",
+    ),
+    click.option(
+        "--white-balance",
+        type=_Numbers(or_word=True),
+        metavar="gray|illuminant|NAME|R,G,B...",
+        help="Gains from an 18 % gray as it is read, from the illuminant, from another illuminant "
+        "(D65, 3200K, a file ...), or given, one per channel.",
+    ),
+    click.option(
+        "--white-balance-pixels",
+        type=WHOLE,
+        help="Also the noise of gains that are estimated from so many gray pixels per channel.",
+    ),
+    click.option("--exposure-gain", type=float, help="Gain of linear RGB."),
+    click.option(
+        "--saturation",
+        type=float,
+        help="Saturation of linear RGB around Rec. 709 luma; 0 is gray.",
+    ),
+    click.option(
+        "--tone",
+        type=_NumberOrFile(),
+        metavar="srgb|rec709|linear|GAMMA",
+        help="Tone curve, or the gamma of a power law, e.g. 2.2.",
+    ),
+    click.option("--luma", type=click.Choice(["bt709", "bt601"]), help="Weights of Y'CbCr."),
+    click.option(
+        "--iso",
+        type=_Numbers(),
+        metavar="LIST",
+        help="ISO settings, e.g. 100,400,1600. The analog gain rises with the ISO, and the "
+        "exposure falls with it.",
+    ),
+    click.option("--base-iso", type=float, help="ISO of the sensor as it is given."),
+    click.option(
+        "--iso-read-noise-e",
+        type=_Numbers(),
+        metavar="LIST",
+        help="Read noise at each ISO [e-]. [default: the same at all]",
+    ),
+)
+
+
 json_option = click.option(
     "--json", "json_target", metavar="FILE|-", help="Write JSON; - for standard output."
 )
@@ -230,6 +299,8 @@ def with_defaults(function: str) -> Callable[[Command], Command]:
             default = default_of(function, option.name)
             if default not in (None, False):
                 text = f"{default:g}" if isinstance(default, float) else str(default)
+                if isinstance(default, tuple):
+                    text = ",".join(f"{one:g}" for one in default)
                 option.help = f"{option.help} [default: {text}]"
         return command
 
@@ -264,6 +335,13 @@ def shared_options(command: Command) -> Command:
     """Add the options of light, exposure, sensors and their files."""
     command = about_sensors(command)
     for option in reversed(_SHARED):
+        command = option(command)
+    return command
+
+
+def pipeline_options(command: Command) -> Command:
+    """Add the options of the camera's own pipeline."""
+    for option in reversed(_OF_PIPELINE):
         command = option(command)
     return command
 

@@ -218,6 +218,26 @@ def illuminant_of(study: Study, given: Given = NOTHING_GIVEN) -> Illuminant:
         return resolve_illuminant(word, answers=light_answers_of(study))
 
 
+def balance_light_of(study: Study, given: Given = NOTHING_GIVEN) -> Illuminant | None:
+    """The illuminant that the white balance of the pipeline names; ``None`` if it names none.
+
+    Raises
+    ------
+    InputError
+        If its name names nothing, or a file cannot be read.
+    """
+    part = study.outputs.pipeline
+    word = part.white_balance
+    if not part.run or not isinstance(word, str) or word == "gray":
+        return None
+    if word == "illuminant" or word == study.light.illuminant:
+        return illuminant_of(study, given)
+    with keyed("outputs.pipeline.white_balance", lambda name: f"light.{name}"):
+        light = study.light
+        answers = Answers(quantity="power", beyond=light.beyond, negatives=light.negatives)
+        return resolve_illuminant(word, answers=answers)
+
+
 def light_answers_of(study: Study) -> Answers:
     """What the study says of the file of its light, where the file does not declare it."""
     light = study.light
@@ -358,6 +378,7 @@ def unresolved(study: Study) -> list[InputError]:
             return None
 
     tried(partial(illuminant_of, study))
+    tried(partial(balance_light_of, study))
     sensors = [
         tried(partial(sensor_of, part, key=f"sensors.{i}")) for i, part in enumerate(study.sensors)
     ]

@@ -79,6 +79,16 @@ class AnalysisSettings(SharedSettings, total=False):
     budget: Annotated[bool, "outputs.budget"]
     merit: Annotated[bool, "outputs.merit"]
     space: Annotated[str, "outputs.space"]
+    pipeline: Annotated[bool, "outputs.pipeline.run"]
+    white_balance: Annotated[str | Sequence[float], "outputs.pipeline.white_balance"]
+    white_balance_pixels: Annotated[int, "outputs.pipeline.white_balance_pixels"]
+    exposure_gain: Annotated[float, "outputs.pipeline.exposure_gain"]
+    saturation: Annotated[float, "outputs.pipeline.saturation"]
+    tone: Annotated[str | float, "outputs.pipeline.tone"]
+    luma: Annotated[Literal["bt709", "bt601"], "outputs.pipeline.luma"]
+    iso: Annotated[Sequence[float], "outputs.pipeline.iso"]
+    base_iso: Annotated[float, "outputs.pipeline.base_iso"]
+    iso_read_noise_e: Annotated[Sequence[float], "outputs.pipeline.iso_read_noise_e"]
 
 
 class ComparisonSettings(SharedSettings, total=False):
