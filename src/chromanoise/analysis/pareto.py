@@ -97,6 +97,7 @@ def matrix_as_json(
     return {
         "version": __version__,
         "sensor": sensor.name,
+        "label": sensor.label,
         "illuminant": operating_point.illuminant.name,
         "level_lux": operating_point.level_lux,
         "time_ms": 1e3 * operating_point.exposure.time_s,
