@@ -133,7 +133,7 @@ class Analysis:
         rows = [[f"channel {n}", _db(raw[n]), _db(spectral[n]), ""] for n in raw]
         rows += [[n, "", "", _db(value)] for n, value in color.items()]
         return _notebook.shown(
-            f"{self.sensor.name} at {conditions([self.point])}",
+            f"{self.sensor.label} at {conditions([self.point])}",
             _notebook.table(["SNR [dB]", "raw", "contravariant", "color"], rows),
             notes=diagnosis(self),
         )

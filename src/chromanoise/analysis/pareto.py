@@ -98,6 +98,7 @@ def matrix_as_json(
     return {
         "version": __version__,
         "sensor": sensor.name,
+        "label": sensor.label,
         "illuminant": operating_point.illuminant.name,
         "level_lux": operating_point.level_lux,
         "observer": matrix.observer,

@@ -98,7 +98,7 @@ def patches_of(analysis: Analysis) -> Patches | None:
 def why_no_patches(analysis: Analysis) -> str:
     """Why the chart of a sensor cannot be shown."""
     return saturation_sentence(analysis) or (
-        f"{analysis.sensor.name}: the matrix gives no valid XYZ of the white under this light, so "
+        f"{analysis.sensor.label}: the matrix gives no valid XYZ of the white under this light, so "
         "its chart has no colors; use another matrix or another light"
     )
 

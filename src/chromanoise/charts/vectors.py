@@ -100,7 +100,7 @@ def drawn_vectors(shown: Shown, look: Look) -> dict[str, Any]:
     unit_axes = axes / np.linalg.norm(axes, axis=0)
     sensors: list[dict[str, Any]] = [
         {
-            "name": a.sensor.name,
+            "name": a.sensor.label,
             "channels": [
                 {"name": name, **_vector(frame, a.matrix.frame.basis[:, i], unit_of_channels)}
                 for i, name in enumerate(a.sensor.names)

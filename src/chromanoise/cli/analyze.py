@@ -5,6 +5,7 @@ from typing import Any
 import click
 
 from chromanoise.analysis import color_budgets, contravariant_budgets
+from chromanoise.analysis.comparison.ranking import MOST_PAIRS_SENSORS
 from chromanoise.cli import tables
 from chromanoise.cli.copying import print_copy
 from chromanoise.cli.merit_tables import print_merits
@@ -87,6 +88,8 @@ def _print(result: Analyses) -> None:
     outputs, analyses = result.outputs, result.analyses
     tables.print_conditions(conditions(result.points))
     tables.print_analyses(analyses)
+    if len(analyses) > MOST_PAIRS_SENSORS:
+        tables.print_ranking(result.ranking, "Ranking by SNR of Y [dB]")
     for analysis in analyses if outputs.budget else ():
         tables.print_budgets(analysis, color_budgets(analysis))
         tables.print_budgets(analysis, contravariant_budgets(analysis))

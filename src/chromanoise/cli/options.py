@@ -73,6 +73,14 @@ class _Numbers(click.ParamType):
 
 _SHARED = (
     click.option(
+        "--label",
+        "labels",
+        multiple=True,
+        callback=lambda _, __, given: list(given) or None,
+        help="Text in place of the name of a sensor in tables and charts; once per sensor, in "
+        "their order.",
+    ),
+    click.option(
         "--illuminant",
         help="E, A, G173 (daylight to 1050 nm), D65 and other CIE names, halogen, led-white, "
         "3200K, LED660, A+0.5xLED850 (with an infrared diode), a file of one curve "

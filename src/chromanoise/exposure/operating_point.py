@@ -85,7 +85,7 @@ def light_and_exposure(points: Sequence[OperatingPoint]) -> str:
         time = _duration(times_ms[0])
     elif len(points) <= _MOST_TIMES:
         pairs = zip(times_ms, points, strict=True)
-        time = ", ".join(f"{_duration(ms)} ({one.sensor.name})" for ms, one in pairs)
+        time = ", ".join(f"{_duration(ms)} ({one.sensor.label})" for ms, one in pairs)
     else:
         time = f"{_duration(min(times_ms))} to {_duration(max(times_ms))}"
     observer = "" if first.observer == DEFAULT_OBSERVER else f", observer {first.observer}"

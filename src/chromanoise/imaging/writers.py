@@ -245,6 +245,7 @@ def raw_summary(
 def _situation_summary(operating_point: OperatingPoint, size: tuple[int, ...]) -> dict[str, Any]:
     return {
         "sensor": operating_point.sensor.name,
+        "label": operating_point.sensor.label,
         "height_px": size[0],
         "width_px": size[1],
         "time_ms": 1e3 * operating_point.exposure.time_s,

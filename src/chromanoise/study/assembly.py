@@ -69,14 +69,14 @@ def operating_points_of(study: Study, given: Given = NOTHING_GIVEN) -> list[Oper
 
 
 def refuse_idle(study: Study, given: Given = NOTHING_GIVEN) -> None:
-    """Refuse repeated sensors and settings that change nothing, all at once.
+    """Refuse repeated sensors, repeated labels and settings that change nothing, all at once.
 
     Raises
     ------
     InputError
         If there is one.
     """
-    errors = [*duplicates(study), *idle_settings(study, given)]
+    errors = [*duplicates(study), *repeated_labels(study), *idle_settings(study, given)]
     if errors:
         raise refusal(errors)
 
@@ -109,6 +109,7 @@ def duplicates(study: Study) -> list[InputError]:
 
     A page shows them, for one of them is about to be changed; a run would compute all of it twice.
     """
+    parts = [part.model_copy(update={"label": None}) for part in study.sensors]
     return [
         InputError(
             "name",
@@ -118,9 +119,28 @@ def duplicates(study: Study) -> list[InputError]:
             remedy="change a setting of one, or omit one",
             setting=f"sensors.{i}.name",
         )
-        for i, part in enumerate(study.sensors)
-        if part in study.sensors[:i]
+        for i, part in enumerate(parts)
+        if part in parts[:i]
     ]
+
+
+def repeated_labels(study: Study) -> list[InputError]:
+    """Labels that another sensor has as label or name, so that tables could not tell them apart."""
+    errors = []
+    for i, part in enumerate(study.sensors):
+        others = [one for k, one in enumerate(study.sensors) if k != i]
+        taken = {one.label for one in study.sensors[:i]} | {one.name for one in others}
+        if part.label is not None and part.label in taken:
+            errors.append(
+                InputError(
+                    "label",
+                    "must differ from the labels and names of the other sensors",
+                    value=part.label,
+                    found=f"{part.label!r} is repeated",
+                    setting=f"sensors.{i}.label",
+                )
+            )
+    return errors
 
 
 def idle_settings(study: Study, given: Given = NOTHING_GIVEN) -> list[InputError]:
@@ -287,7 +307,7 @@ def sensor_of(part: SensorPart, *, key: str = "sensors.0", given: Given = NOTHIN
             sensor = behind_resolved_filter(sensor, part.filter, answers=answers)
     if part.ircut_nm is not None:
         sensor = behind_ir_cut(sensor, part.ircut_nm)
-    return _with_crosstalk(sensor, part, key)
+    return replace(_with_crosstalk(sensor, part, key), shown_as=part.label or sensor.shown_as)
 
 
 def _pixel_changes(part: PixelPart) -> dict[str, Any]:
@@ -382,7 +402,7 @@ def unresolved(study: Study) -> list[InputError]:
     sensors = [
         tried(partial(sensor_of, part, key=f"sensors.{i}")) for i, part in enumerate(study.sensors)
     ]
-    found += [*duplicates(study), *idle_settings(study)]
+    found += [*duplicates(study), *repeated_labels(study), *idle_settings(study)]
     for i, picture in enumerate(study.pictures):
         if picture.mosaic not in (None, "sensor"):
             tried(partial(_mosaic_fits, i, picture, sensors))

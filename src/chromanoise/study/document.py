@@ -38,6 +38,7 @@ from chromanoise.sensor import MOSAIC_NAMES
 from chromanoise.spectra import DEFAULT_OBSERVER, METRICS, OBSERVERS, Illuminant
 
 MOST_SENSORS = 1000
+_LONGEST_LABEL = 60
 SCHEMA = 1
 """Version of this schema; an incompatible later schema gets another number."""
 
@@ -188,11 +189,23 @@ class AnswersPart(_Part):
     )
 
 
+def _printable(text: str, info: Any) -> str:
+    """A check that a text can be shown in one line of a table."""
+    if not text.isprintable() or not text.strip():
+        raise InputError(
+            info.field_name, "must be one line with visible characters", value=text, found=None
+        )
+    return text
+
+
 class SensorPart(_Part):
     """One sensor."""
 
     name: str = Field(
         description="Name of the catalog, or a file of QE curves, relative to the study's folder."
+    )
+    label: Annotated[str, Field(max_length=_LONGEST_LABEL), AfterValidator(_printable)] | None = (
+        Field(None, description="Text in place of the name in tables and charts.")
     )
     beyond: Beyond = Field(
         "refuse",

@@ -12,6 +12,7 @@ from chromanoise.analysis.comparison.bands import CrossoverBand, crossover_bands
 from chromanoise.analysis.comparison.crossing import crossovers
 from chromanoise.analysis.comparison.curves import compared
 from chromanoise.analysis.comparison.quantities import QUANTITIES
+from chromanoise.analysis.comparison.ranking import leads, ranking
 from chromanoise.analysis.comparison.sweeps import SWEEPS, swept_values
 from chromanoise.analysis.pareto import noise_weights, pareto_of
 from chromanoise.errors import InputError
@@ -303,11 +304,14 @@ def _sweep(
             sweep=sweep,
             quantity=quantity,
         )
+    crossed = crossovers(points, makers, curves)
     return Comparison(
         points=tuple(points),
         curves=tuple(curves),
-        crossovers=tuple(crossovers(points, makers, curves)),
+        crossovers=crossed,
         bands=bands,
+        ranking=ranking(points, makers, quantity),
+        leads=leads(curves, crossed),
         equal=study.exposure.equal,
         prior=study.prior,
     )

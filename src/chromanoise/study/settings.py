@@ -41,6 +41,7 @@ class SharedSettings(TypedDict, total=False):
     metric: Annotated[str, "metric"]
     observer: Annotated[str, "observer"]
     prior: Annotated[str, "prior"]
+    labels: Annotated[Sequence[str], "sensors.*.label"]
     beyond: Annotated[Extrapolation, "sensors.*.beyond"]
     negatives: Annotated[Negatives, "sensors.*.negatives", "light.negatives"]
     qe_scale: Annotated[Literal["percent", "fraction"], "sensors.*.answers.scale"]
@@ -273,6 +274,9 @@ def render_study(
     return study.model_copy(update={"sensors": tuple(parts)})
 
 
+PER_SENSOR = ("labels",)
+"""Settings with one value per sensor, in the order of the sensors."""
+
 _GENERAL = {"sensors": "sensors.*", "pictures": "pictures.0"}
 
 
@@ -306,12 +310,32 @@ def _study(
     data["sensors"] = [{"name": name} for name in sensors]
     for name, value in settings.items():
         for key in names[name] if value is not None else ():
-            for place in _places(key, len(sensors)):
-                _put(data, place, value)
+            places = _places(key, len(sensors))
+            values = (
+                _one_each(name, value, sensors) if name in PER_SENSOR else [value] * len(places)
+            )
+            for place, one in zip(places, values, strict=True):
+                _put(data, place, one)
     try:
         return study_from_data(data)
     except StudyError as error:
         raise StudyError([_called_flat(one, names, {}) for one in error.errors]) from None
+
+
+def _one_each(name: str, values: Any, sensors: Sequence[str]) -> list[Any]:
+    """The labels of the sensors, in their order; none where it is the sensor's own name."""
+    listed = isinstance(values, list | tuple)
+    if not listed or len(values) != len(sensors):
+        count = len(values) if listed else 1
+        raise InputError(
+            name,
+            f"must have one entry per sensor, {len(sensors)} in all, in their order",
+            value=count,
+            found=f"has {count}" if listed else f"is {values!r}",
+            remedy="repeat the name of a sensor that keeps it",
+            setting="sensors.*.label",
+        )
+    return [None if value == own else value for value, own in zip(values, sensors, strict=True)]
 
 
 def in_arguments(error: InputError, function: str) -> InputError:

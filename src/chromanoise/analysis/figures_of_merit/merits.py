@@ -96,7 +96,7 @@ def merits_of(
     """
     viewed = viewing or Viewing()
     return Merits(
-        sensor=analysis.sensor.name,
+        sensor=analysis.sensor.label,
         illuminant=analysis.scene.illuminant.name,
         matrix=analysis.matrix.made_by,
         level_lux=analysis.scene.level_lux,
