@@ -60,6 +60,7 @@ def sheet(tmp_path):
         ("onyx-rgbw",),
         ("onyx-rgbw", "model-rgb", *GIVEN, "--budget", "--matrix", "lmmse", "--prior", "chart"),
         ("model-rgb", "--time-ms", 4, "--clip", "--space", "lab"),
+        ("model-rgb", "--ircut-nm", 680, "--shift-nm", -5.5),
         ("model-rgb", "--saturate", 0.5, "--magnification", 0.1, "--read-noise-e", 2, "--merit"),
         ("model-rgb", "--illuminant", "D65", "--illuminant-beyond", "zero"),
     ],

@@ -222,7 +222,7 @@ def test_the_picture_of_the_page_is_that_of_the_run_with_its_sheet(run, here):
     data = served_data(read_study("s.toml"))
     uploads = Uploads()
     try:
-        files = files_of(study_from_data(data, source="the test"))
+        files = files_of(study_from_data(data, source="the test", keep_idle=True))
         png, summary = Pictures(Studies(uploads, files=files)).picture({"study": data})
     finally:
         uploads.close()

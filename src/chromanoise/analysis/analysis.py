@@ -13,16 +13,15 @@ from chromanoise._shapes import (
     Bool,
     Float,
 )
-from chromanoise.analysis.operating_point import (
-    stages_at,
-)
+from chromanoise.analysis.operating_point import Stages, stages_at
+from chromanoise.analysis.undefined import defined
 from chromanoise.color import (
     ColorMatrix,
     colored,
     kernel_matrix,
 )
 from chromanoise.errors import InputError
-from chromanoise.exposure import Exposure, OperatingPoint
+from chromanoise.exposure import Exposure, OperatingPoint, conditions
 from chromanoise.geometry import (
     NearestMix,
     angles_between_deg,
@@ -31,18 +30,18 @@ from chromanoise.geometry import (
     spectral_snr,
     variance_inflation,
 )
+from chromanoise.io.table import number_text
 from chromanoise.metrics import (
     chart_color_error,
-    optimal_linear_snr_db,
+    color_snr_loss_db,
     signal_snr_db,
     snr_db,
 )
-from chromanoise.metrics import color_snr_loss_db as snr_loss_db
 from chromanoise.metrics.snr import LEAST_COLOR
 from chromanoise.noise import Measurement, Readout
 from chromanoise.scene import Scene
 from chromanoise.sensor import Sensor
-from chromanoise.spectra import Metric, color_axes
+from chromanoise.spectra import DEFAULT_OBSERVER, Metric, color_axes, observer_notes
 from chromanoise.units import decibel
 
 _WORTH_TELLING = 1e-3  # share of clipped readouts
@@ -58,19 +57,21 @@ class Analysis:
     ----------
     scene, sensor, exposure
         The patch, the sensor that measures it, and its exposure settings.
+    readout
+        Clipping and rounding of the values; ``None`` for eq. 7, unclipped.
     raw, contravariant, color
         The measurement at each stage, with its covariance: total noise, as one reading over a flat
         field shows it.
     temporal_raw
         The raw measurement without fixed-pattern noise (DSNU, PRNU), as from frame to frame.
     matrix
-        The color matrix, by default the kernel matrix; it holds the metric and the frame.
+        The color matrix, by default the kernel matrix; it holds metric, frame and observer.
     saturated
         One per channel. Where it is true, every SNR that uses the channel is undefined.
     expected_e
         Expected electrons per channel, before clipping. [e-]
     truth_xyz
-        X, Y, Z of the scene for the standard observer. [lx]
+        X, Y, Z of the scene for the observer of the matrix. [lx]
     black_share, full_share
         Share of the readouts of each channel that are clipped at black and at full well; 0 without
         clipping.
@@ -81,14 +82,17 @@ class Analysis:
     mix
         The channel that is closest to a linear combination of the others.
     spectral_snr_db
-        SNR of the reconstructed spectrum (eq. 4). [dB]
-    optimal_linear_snr_db, color_snr_loss_db
-        Best SNR of any linear readout, and the difference between it and the SNR of Y. [dB]
+        SNR of the reconstructed spectrum (eq. 4); ``None`` where a channel is saturated. [dB]
+    optimal_linear_snr_db
+        Best SNR of any linear readout; ``None`` where a channel is saturated. [dB]
+    color_snr_loss_db
+        The best linear SNR minus that of Y; ``None`` where Y has no SNR. [dB]
     """
 
     scene: Scene
     sensor: Sensor
     exposure: Exposure
+    readout: Readout | None
     raw: Measurement
     contravariant: Measurement
     color: Measurement
@@ -103,9 +107,9 @@ class Analysis:
     between_deg: Float[Array, "p p"]
     to_axes_deg: Float[Array, "p 3"]
     mix: NearestMix | None
-    spectral_snr_db: float
-    optimal_linear_snr_db: float
-    color_snr_loss_db: float
+    spectral_snr_db: float | None
+    optimal_linear_snr_db: float | None
+    color_snr_loss_db: float | None
 
     @property
     def point(self) -> OperatingPoint:
@@ -115,6 +119,7 @@ class Analysis:
             exposure=self.exposure,
             illuminant=self.scene.illuminant,
             level_lux=self.scene.level_lux,
+            observer=self.matrix.observer,
         )
 
     def __post_init__(self) -> None:
@@ -125,11 +130,10 @@ class Analysis:
         raw, spectral, color = (
             told(self) for told in (raw_snr_db, contravariant_snr_db, color_snr_db)
         )
-        level, lit = self.scene.level_lux, self.scene.illuminant.name
         rows = [[f"channel {n}", _db(raw[n]), _db(spectral[n]), ""] for n in raw]
         rows += [[n, "", "", _db(value)] for n, value in color.items()]
         return _notebook.shown(
-            f"{self.sensor.name} at {level:g} lx of {lit}, {1e3 * self.exposure.time_s:.4g} ms",
+            f"{self.sensor.label} at {conditions([self.point])}",
             _notebook.table(["SNR [dB]", "raw", "contravariant", "color"], rows),
             notes=diagnosis(self),
         )
@@ -143,6 +147,7 @@ def analyzed(
     *,
     readout: Readout | None = None,
     matrix: ColorMatrix | None = None,
+    observer: str = DEFAULT_OBSERVER,
 ) -> Analysis:
     """Compute every stage of the measurement of one flat patch: eq. 1 to 7.
 
@@ -157,13 +162,15 @@ def analyzed(
     readout
         Clipping and rounding, with exact moments; ``None`` for eq. 7, unclipped.
     matrix
-        Color matrix; ``None`` for the kernel matrix (eq. 6) in ``metric``.
+        Color matrix; ``None`` for the kernel matrix (eq. 6) in ``metric`` and for ``observer``.
+    observer
+        A name from `chromanoise.spectra.OBSERVERS`; unused where a matrix is given, which has one.
 
     Raises
     ------
     InputError
-        If the scene is more than one point or on another grid than the sensor, or the matrix is
-        for other channels.
+        If the scene is more than one point or on another grid than the sensor, the matrix is for
+        other channels, or there is no observer of that name.
     """
     if scene.reflectance.ndim != 1:
         raise InputError(
@@ -173,10 +180,15 @@ def analyzed(
             found=f"has reflectances of shape {scene.reflectance.shape}",
             remedy="analyze one at a time",
         )
+    matrix = kernel_matrix(sensor, exposure, metric, observer) if matrix is None else matrix
     point = OperatingPoint(
-        sensor=sensor, exposure=exposure, illuminant=scene.illuminant, level_lux=scene.level_lux
+        sensor=sensor,
+        exposure=exposure,
+        illuminant=scene.illuminant,
+        level_lux=scene.level_lux,
+        observer=matrix.observer,
     )
-    matrix = kernel_matrix(sensor, exposure, metric) if matrix is None else matrix
+    axes = color_axes(sensor.grid, matrix.metric, matrix.observer)
     at = stages_at(point, matrix, reflectance=scene.reflectance, readout=readout)
     raw, color, frame, clipping = at.raw, at.color, matrix.frame, at.clipping
     none = np.zeros(at.expected_e.shape)
@@ -184,6 +196,7 @@ def analyzed(
         scene=scene,
         sensor=sensor,
         exposure=exposure,
+        readout=readout,
         raw=raw,
         contravariant=at.contravariant,
         color=color,
@@ -196,16 +209,27 @@ def analyzed(
         full_share=clipping.full_share if clipping else none,
         vif=variance_inflation(frame),
         between_deg=angles_between_deg(frame),
-        to_axes_deg=angles_to_axes_deg(frame, color_axes(sensor.grid, matrix.metric)),
+        to_axes_deg=angles_to_axes_deg(frame, axes),
         mix=nearest_mix(frame),
-        spectral_snr_db=float(decibel(spectral_snr(raw, frame))),
-        optimal_linear_snr_db=float(optimal_linear_snr_db(raw)),
-        color_snr_loss_db=float(snr_loss_db(raw, color)),
+        spectral_snr_db=_spectral_snr_db(at),
+        optimal_linear_snr_db=defined(float(at.optimal_linear_snr_db)),
+        color_snr_loss_db=_color_snr_loss_db(at, color),
     )
 
 
+def _spectral_snr_db(at: Stages) -> float | None:
+    if at.saturated.any():
+        return None
+    return defined(float(decibel(spectral_snr(at.raw, at.matrix.frame))))
+
+
+def _color_snr_loss_db(at: Stages, color: Measurement) -> float | None:
+    luminance_db = at.color_snr_db[at.matrix.coordinates.index("Y")]
+    return float(color_snr_loss_db(at.raw, color)) if np.isfinite(luminance_db) else None
+
+
 def _db(value: float | None) -> str:
-    return "none" if value is None else f"{value:.1f}"
+    return number_text(value, ".1f", "none")
 
 
 def mean_color_error(analysis: Analysis) -> float | None:
@@ -264,7 +288,7 @@ def contravariant_snr_db(analysis: Analysis) -> dict[str, float | None]:
 def color_snr_db(analysis: Analysis) -> dict[str, float | None]:
     """SNR of X, Y and Z; ``None`` where a channel is saturated or there is no signal. [dB]
 
-    A coordinate that is negative, or far smaller than for the standard observer, is not a signal:
+    A coordinate that is negative, or far smaller than for the observer, is not a signal:
     it is an error of a color matrix that does not fit this light.
     """
     return dict(_color_snr_db(analysis))
@@ -278,15 +302,14 @@ def _color_snr_db(analysis: Analysis) -> Mapping[str, float | None]:
     return _told(named, dict.fromkeys(named, lost))
 
 
-def color_snr_loss_db(analysis: Analysis) -> float | None:
-    """SNR of the best linear readout minus that of Y; ``None`` where Y has no SNR. [dB]"""
-    return None if color_snr_db(analysis)["Y"] is None else analysis.color_snr_loss_db
-
-
 def diagnosis(analysis: Analysis) -> tuple[str, ...]:
     """Warnings about these results: saturation, clipping, channels without signal."""
     sensor = analysis.sensor
-    notes = (*sensor.notes, *analysis.scene.illuminant.notes)
+    notes = (
+        *sensor.notes,
+        *analysis.scene.illuminant.notes,
+        *observer_notes(analysis.matrix.observer),
+    )
     return (*notes, *_channel_notes(analysis), *_color_notes(analysis), *_frame_notes(analysis))
 
 

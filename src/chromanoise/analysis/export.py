@@ -1,5 +1,6 @@
 """Results as plain data for ``json.dumps``; undefined values are ``None``."""
 
+import math
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict
 from typing import Any
@@ -8,7 +9,6 @@ from chromanoise import __version__
 from chromanoise.analysis.analysis import (
     Analysis,
     color_snr_db,
-    color_snr_loss_db,
     contravariant_snr_db,
     diagnosis,
     mean_color_error,
@@ -19,6 +19,8 @@ from chromanoise.analysis.analysis import (
 from chromanoise.analysis.budgets import color_budgets, contravariant_budgets, lab_budgets
 from chromanoise.analysis.comparison.crossing import Crossover, crossover_as_json
 from chromanoise.analysis.comparison.curves import Curve
+from chromanoise.analysis.comparison.ranking import Rank, ranked, ranking_as_json
+from chromanoise.analysis.total_error import mean_total_error
 from chromanoise.analysis.undefined import defined
 from chromanoise.metrics import Budget
 
@@ -30,8 +32,20 @@ def analyses_as_json(analyses: Sequence[Analysis]) -> dict[str, Any]:
         "metric": analyses[0].matrix.metric,
         "illuminant": analyses[0].scene.illuminant.name,
         "level_lux": analyses[0].scene.level_lux,
+        "observer": analyses[0].matrix.observer,
         "sensors": [_analysis(analysis) for analysis in analyses],
+        "ranking": ranking_as_json(ranking_of_analyses(analyses)),
     }
+
+
+def ranking_of_analyses(analyses: Sequence[Analysis]) -> tuple[Rank, ...]:
+    """The sensors from highest to lowest SNR of Y."""
+    found = [(one.sensor.name, one.sensor.label, color_snr_db(one)["Y"]) for one in analyses]
+    return ranked(
+        [(name, label, math.nan if snr is None else snr) for name, label, snr in found],
+        matrix=analyses[0].matrix.made_by,
+        more_is_better=True,
+    )
 
 
 def comparison_as_json(curves: Sequence[Curve], crossed: Sequence[Crossover]) -> dict[str, Any]:
@@ -49,6 +63,7 @@ def comparison_as_json(curves: Sequence[Curve], crossed: Sequence[Crossover]) ->
         "curves": [
             {
                 "sensor": curve.sensor,
+                "label": curve.label,
                 "matrix": curve.matrix,
                 "time_ms": 1e3 * curve.time_s,
                 "value": [defined(value) for value in curve.value.tolist()],
@@ -83,21 +98,22 @@ def _budget(budget: Budget) -> dict[str, Any]:
 
 def _analysis(analysis: Analysis) -> dict[str, Any]:
     sensor, axes = analysis.sensor, analysis.color.names
-    usable = not bool(analysis.saturated.any())
     return {
         "name": sensor.name,
+        "label": sensor.label,
         "time_ms": 1e3 * analysis.exposure.time_s,
         "f_number": analysis.exposure.f_number,
         "channels": _channels(analysis),
-        "spectral_snr_db": defined(analysis.spectral_snr_db) if usable else None,
+        "spectral_snr_db": analysis.spectral_snr_db,
         "color": {
             "snr_db": color_snr_db(analysis),
             "temporal_snr_db": temporal_color_snr_db(analysis),
+            "total_error_delta_e": mean_total_error(analysis),
             "mean_lux": _named(axes, analysis.color.mean),
             "covariance_lux2": analysis.color.covariance.tolist(),
         },
-        "bound_db": defined(analysis.optimal_linear_snr_db) if usable else None,
-        "price_db": color_snr_loss_db(analysis),
+        "bound_db": analysis.optimal_linear_snr_db,
+        "price_db": analysis.color_snr_loss_db,
         "condition": defined(analysis.matrix.frame.condition),
         "rank": analysis.matrix.frame.rank,
         "nearest_mix": asdict(analysis.mix) if analysis.mix else None,

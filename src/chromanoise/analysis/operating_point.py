@@ -19,6 +19,7 @@ from chromanoise.noise import (
     Measurement,
     Moments,
     Readout,
+    demand_independent_channels,
     noise_sources,
     raw_measurement,
     saturated,
@@ -84,8 +85,9 @@ class Stages:
 
     @property
     def truth_xyz(self) -> Float[Array, "*px 3"]:
-        """X, Y, Z for the standard observer. [lx]"""
-        return _at_levels(scene_xyz(self.scene, self.matrix.metric), self.level_lux)
+        """X, Y, Z for the observer of the matrix. [lx]"""
+        truth = scene_xyz(self.scene, self.matrix.metric, self.matrix.observer)
+        return _at_levels(truth, self.level_lux)
 
     @property
     def contravariant(self) -> Measurement:
@@ -182,7 +184,8 @@ def stages_at(
     Raises
     ------
     InputError
-        As `electrons_at`, or if there is not one matrix per level.
+        As `electrons_at`, if there is not one matrix per level, or if a readout is given and
+        crosstalk after counting correlates the channels.
     """
     levels = None if level_lux is None else _check.non_negative("level_lux", "lx", level_lux)
     if lux_per_e is not None:
@@ -192,6 +195,7 @@ def stages_at(
     expected = _at_levels(expected_electrons(scene, point.sensor, point.exposure), levels)
     clipping = None
     if readout is not None:
+        demand_independent_channels(point.sensor)
         noise = noise_sources(point.sensor, point.exposure)
         clipping = sensor_moments(expected, noise, readout)
     return Stages(
@@ -211,6 +215,8 @@ def stages_at(
 
 def noisy_color_at(stages: Stages, white: Float[Array, " 3"]) -> NoisyColor:
     """The colors of the patches with their electron counts, for `chromanoise.color.propagate`.
+
+    Its exact method needs independent channels (`demand_independent_channels`).
 
     Parameters
     ----------

@@ -6,9 +6,9 @@ from chromanoise import _check
 from chromanoise.analysis.analysis import Analysis, color_snr_db
 from chromanoise.analysis.budgets import coordinate_budget
 from chromanoise.charts.charted_study import Look, Shown, saturation_sentence
-from chromanoise.charts.text import NONE, conditions_text, decimal, signed, table
+from chromanoise.charts.text import NONE, decimal, signed, table
 from chromanoise.color import LAB
-from chromanoise.exposure import expected_electrons
+from chromanoise.exposure import conditions, expected_electrons
 from chromanoise.metrics import (
     Budget,
 )
@@ -40,7 +40,7 @@ def drawn_budget(shown: Shown, look: Look) -> dict[str, Any]:
     sensors = [_sensor(analysis, look.coordinate) for analysis in shown.analyses]
     return {
         "title": (
-            f"Budget of the SNR of {look.coordinate} at {conditions_text(shown.operating_points)}"
+            f"Budget of the SNR of {look.coordinate} at {conditions(shown.operating_points)}"
         ),
         "description": _description(sensors, look.coordinate),
         "coordinate": look.coordinate,
@@ -78,7 +78,7 @@ def cause_label(cause: str, *coordinates: str) -> str:
 def _sensor(analysis: Analysis, coordinate: str) -> dict[str, Any]:
     budget = coordinate_budget(analysis, coordinate)
     return {
-        "name": analysis.sensor.name,
+        "name": analysis.sensor.label,
         "why_not": None if budget else _why_not(analysis, coordinate),
         "bound_db": budget.optimal_linear_snr_db if budget else None,
         "steps": _steps(budget) if budget else [],
@@ -86,10 +86,12 @@ def _sensor(analysis: Analysis, coordinate: str) -> dict[str, Any]:
 
 
 def _why_not(analysis: Analysis, coordinate: str) -> str:
-    name = analysis.sensor.name
+    name = analysis.sensor.label
     full = saturation_sentence(analysis)
     if full is not None:
         return full
+    if analysis.readout is not None:
+        return f"{name}: a budget follows eq. 7, so clipped values have none"
     channel = coordinate.removeprefix("M^")
     if coordinate.startswith("M^") and channel not in analysis.sensor.names:
         return f"{name} has no channel {channel}"
@@ -108,11 +110,11 @@ def _why_no_budget(analysis: Analysis, coordinate: str) -> str:
     row = analysis.matrix.matrix[analysis.matrix.coordinates.index(coordinate)]
     if row @ electrons > 0:
         return (
-            f"{analysis.sensor.name}: weighting its channels one by one gives no valid "
+            f"{analysis.sensor.label}: weighting its channels one by one gives no valid "
             f"{coordinate} under this light, so it has no budget; use another light"
         )
     return (
-        f"{analysis.sensor.name}: its {coordinate} comes from the infrared; the visible part of it "
+        f"{analysis.sensor.label}: its {coordinate} comes from the infrared; the visible part of "
         "is not above 0, so it has no budget; use an IR-cut, another matrix or another light"
     )
 

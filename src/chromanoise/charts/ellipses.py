@@ -18,7 +18,6 @@ from chromanoise.charts.patches import (
 )
 from chromanoise.charts.text import (
     NONE,
-    conditions_text,
     decimal,
     table,
 )
@@ -29,7 +28,8 @@ from chromanoise.color import (
     propagate,
     xyy,
 )
-from chromanoise.geometry import ellipse_outline
+from chromanoise.exposure import conditions
+from chromanoise.geometry import ellipse_half_axes, ellipse_outline
 from chromanoise.noise import Measurement, through
 
 SIGMAS = 2.0
@@ -41,12 +41,12 @@ _NONE = 1e-9  # of the plane's unit: a spread below it is rounding
 
 
 def drawn_ellipses(shown: Shown, look: Look) -> dict[str, Any]:
-    """True color, mean, longer half axis and closed outline, per patch and sensor."""
+    """True color, mean, half axes, reach and closed outline, per patch and sensor."""
     sensors = [_sensor(analysis, look.plane) for analysis in shown.analyses]
     across, up = _NAMES[look.plane]
     return {
         "title": f"Noise of the ColorChecker in {across} and {up}, {SIGMAS:g} standard deviations, "
-        f"at {conditions_text(shown.operating_points)}",
+        f"at {conditions(shown.operating_points)}",
         "description": _description(sensors, look.plane),
         "plane": look.plane,
         "names": [across, up],
@@ -69,7 +69,7 @@ def in_plane(
     seen
         The chart measured by one sensor, ``k`` patches.
     plane
-        ``ab`` of CIELAB (CIE 15:2018), or ``xy`` of the CIE 1931 chromaticities.
+        ``ab`` of CIELAB (CIE 15:2018), or ``xy`` of the CIE chromaticities.
     """
     if plane == "ab":
         noise = seen.noise.measurement
@@ -87,13 +87,14 @@ def _balanced(seen: Patches) -> Measurement:
 
 
 def _sensor(analysis: Analysis, plane: str) -> dict[str, Any]:
-    seen, name = patches_of(analysis), analysis.sensor.name
+    seen, name = patches_of(analysis), analysis.sensor.label
     if seen is None:
         return {"name": name, "patches": [], "why_not": why_no_patches(analysis)}
     colors = hex_colors(seen.truth, seen.true_white)
     truth, center, covariance = in_plane(seen, plane)
     # an ellipse that is a line or a point is drawn all the same
     spread = covariance + _NONE**2 * np.eye(2)
+    half_axes = ellipse_half_axes(spread, sigmas=SIGMAS)
     outline = ellipse_outline(center, spread, sigmas=SIGMAS, points=POINTS)
     reach = SIGMAS * np.sqrt(
         eigvalsh("covariance of a patch", covariance)[:, -1].clip(min=0.0)
@@ -107,6 +108,7 @@ def _sensor(analysis: Analysis, plane: str) -> dict[str, Any]:
                 "srgb": colors[i],
                 "truth": truth[i].tolist(),
                 "center": center[i].tolist(),
+                "half_axes": half_axes[i].tolist(),
                 "reach": float(reach[i]),
                 "outline": drawn[i],
             }

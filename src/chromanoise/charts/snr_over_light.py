@@ -16,16 +16,15 @@ from chromanoise.analysis.comparison.curves import Curve, compared
 from chromanoise.analysis.comparison.quantities import QUANTITIES, Quantity, fullest_level_lux
 from chromanoise.analysis.comparison.sweeps import SWEEPS, swept_values
 from chromanoise.analysis.undefined import defined
-from chromanoise.charts.charted_study import Look, Shown
+from chromanoise.charts.charted_study import Look, Shown, unclipped_remark
 from chromanoise.charts.text import (
     UNDEFINED,
     brief,
     decimal,
-    level_in_words,
     listed,
-    setting,
     table,
 )
+from chromanoise.exposure import level_in_words, light_and_exposure
 
 LOWEST_LUX, HIGHEST_LUX = 0.01, 10_000.0
 """Range of the curves and of the page's slider: moonlight to a cloudy day. [lx]"""
@@ -35,15 +34,16 @@ _PER_DECADE = 12  # includes the points of ``chromanoise compare``
 def drawn_levels(shown: Shown, look: Look) -> dict[str, Any]:
     """Curves of SNR over lux, each sensor with each matrix, and their crossovers.
 
-    Exposure times are those at the study's level, as in ``chromanoise compare``.
+    Exposure times are those at the study's level, as in ``chromanoise compare``, which
+    never clips.
     """
     quantity, makers, values = _quantity(look), shown.makers, drawn_lux(shown)
     curves, pairs = level_curves(shown, quantity)
     fullest = [fullest_level_lux(one) for one in shown.operating_points for _ in makers]
     drawn = [
         {
-            "name": f"{curve.sensor}, {curve.matrix}" if len(makers) > 1 else curve.sensor,
-            "sensor": curve.sensor,
+            "name": f"{curve.label}, {curve.matrix}" if len(makers) > 1 else curve.label,
+            "sensor": curve.label,
             "matrix": curve.matrix,
             "values": [defined(value) for value in curve.value.tolist()],
             "saturated_from_lux": full if full is not None and full < values[-1] else None,
@@ -53,7 +53,10 @@ def drawn_levels(shown: Shown, look: Look) -> dict[str, Any]:
     crossed = [entry for pair in pairs for entry in _crossed(pair)]
     lux = values.tolist()
     return {
-        "title": f"{quantity.what} against illuminance ({setting(shown.operating_points)})",
+        "title": (
+            f"{quantity.what} against illuminance ({light_and_exposure(shown.operating_points)})"
+            f"{unclipped_remark(shown)}"
+        ),
         "description": _description(drawn, crossed, lux, quantity.unit),
         "lux": lux,
         "now_lux": shown.study.light.level_lux,
@@ -94,7 +97,8 @@ def _quantity(look: Look) -> Quantity:
 
 def _crossed(pair: Crossover | Incomparable) -> list[dict[str, Any]]:
     """One entry per crossover; without crossovers, one entry with the reason."""
-    between = {"first": pair.first, "second": pair.second, "matrix": pair.matrix}
+    first, second = pair.labels
+    between = {"first": first, "second": second, "matrix": pair.matrix}
     if isinstance(pair, Incomparable):
         return [{"lux": None, "sentence": pair.why, **between}]
     sentence = crossover_sentence(pair)

@@ -19,7 +19,8 @@ from chromanoise.cli.options import (
 from chromanoise.cli.output import refuse_taken_inputs, write_json, write_table
 from chromanoise.cli.progress import progress_of_step
 from chromanoise.errors import InputError
-from chromanoise.study import compare_study, conditions, default_of, run
+from chromanoise.exposure import conditions
+from chromanoise.study import compare_study, default_of, run
 
 _VARY, _FIRST, _LAST = (default_of("compare", name) for name in ("vary", "first", "last"))
 _START = f"{_VARY}={_FIRST:g}:{_LAST:g}"
@@ -84,7 +85,9 @@ def compare(
         write_json(result.to_dict(), json_target)
     if json_target != "-":
         tables.print_conditions(f"the start of the sweep, {conditions(result.points)}")
-        tables.print_comparison(result.curves, result.crossovers, result.bands)
+        tables.print_comparison(
+            result.curves, result.ranking, result.shown_sentences, result.shown_bands
+        )
 
 
 def _span(text: str | None) -> dict[str, Any]:

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from contextlib import suppress
-from typing import Any, TypeVar, get_args
+from typing import Any, Literal, TypeVar, get_args, get_origin
 
 import click
 
@@ -12,7 +12,14 @@ from chromanoise.exposure import EQUAL_TERMS
 from chromanoise.io.spectra.parsed import Unit
 from chromanoise.sensor import MOSAIC_NAMES
 from chromanoise.spectra import METRICS
-from chromanoise.study import FUNCTIONS, default_of
+from chromanoise.study import (
+    FUNCTIONS,
+    OTHER_NAMES,
+    DescribedSetting,
+    default_of,
+    described_settings,
+    option_of,
+)
 
 Command = TypeVar("Command", bound=Callable[..., Any])
 
@@ -45,7 +52,34 @@ class _NumberOrFile(click.ParamType):
             return str(value)
 
 
+class _Numbers(click.ParamType):
+    """Numbers separated by commas; with ``or_word``, or else a word."""
+
+    name = "numbers"
+
+    def __init__(self, *, or_word: bool = False) -> None:
+        self.or_word = or_word
+
+    def convert(self, value: Any, param: Any, ctx: Any) -> Any:
+        if not isinstance(value, str):
+            return value
+        try:
+            return tuple(float(part) for part in value.split(","))
+        except ValueError:
+            if self.or_word:
+                return value
+            self.fail(f"{value[:80]!r} must be numbers separated by commas.", param, ctx)
+
+
 _SHARED = (
+    click.option(
+        "--label",
+        "labels",
+        multiple=True,
+        callback=lambda _, __, given: list(given) or None,
+        help="Text in place of the name of a sensor in tables and charts; once per sensor, in "
+        "their order.",
+    ),
     click.option(
         "--illuminant",
         help="E, A, G173 (daylight to 1050 nm), D65 and other CIE names, halogen, led-white, "
@@ -177,6 +211,56 @@ _OF_CLOSED_FORM = (
 )
 
 
+_OF_PIPELINE = (
+    click.option(
+        "--pipeline",
+        is_flag=True,
+        help="Noise of each ColorChecker patch after each step of the camera's own pipeline: raw, "
+        "white-balanced, XYZ, linear sRGB, exposure, saturation, tone, Y'CbCr, Lab; at each ISO "
+        "also dynamic range and noise profile. The options below belong to it.",
+    ),
+    click.option(
+        "--white-balance",
+        type=_Numbers(or_word=True),
+        metavar="gray|illuminant|NAME|R,G,B...",
+        help="Gains from an 18 % gray as it is read, from the illuminant, from another illuminant "
+        "(D65, 3200K, a file ...), or given, one per channel.",
+    ),
+    click.option(
+        "--white-balance-pixels",
+        type=WHOLE,
+        help="Also the noise of gains that are estimated from so many gray pixels per channel.",
+    ),
+    click.option("--exposure-gain", type=float, help="Gain of linear RGB."),
+    click.option(
+        "--saturation",
+        type=float,
+        help="Saturation of linear RGB around Rec. 709 luma; 0 is gray.",
+    ),
+    click.option(
+        "--tone",
+        type=_NumberOrFile(),
+        metavar="srgb|rec709|linear|GAMMA",
+        help="Tone curve, or the gamma of a power law, e.g. 2.2.",
+    ),
+    click.option("--luma", type=click.Choice(["bt709", "bt601"]), help="Weights of Y'CbCr."),
+    click.option(
+        "--iso",
+        type=_Numbers(),
+        metavar="LIST",
+        help="ISO settings, e.g. 100,400,1600. The analog gain rises with the ISO, and the "
+        "exposure falls with it.",
+    ),
+    click.option("--base-iso", type=float, help="ISO of the sensor as it is given."),
+    click.option(
+        "--iso-read-noise-e",
+        type=_Numbers(),
+        metavar="LIST",
+        help="Read noise at each ISO [e-]. [default: the same at all]",
+    ),
+)
+
+
 json_option = click.option(
     "--json", "json_target", metavar="FILE|-", help="Write JSON; - for standard output."
 )
@@ -200,13 +284,13 @@ matrix_option = click.option(
     "method",
     default=DEFAULT_METHOD,
     show_default=True,
-    metavar="NAME[=VALUE]",
-    help=f"Color matrix: {known_matrices()}.",
+    metavar="NAME[=VALUE]|FILE",
+    help=f"Color matrix: {known_matrices()}; or a file: CSV, JSON, CLF, DNG, DCP.",
 )
 
 
 def with_defaults(function: str) -> Callable[[Command], Command]:
-    """Add the defaults of the study to the help of all options that are settings.
+    """Add the settings without an option of their own, and the defaults to the help of all.
 
     Parameters
     ----------
@@ -215,22 +299,57 @@ def with_defaults(function: str) -> Callable[[Command], Command]:
     """
 
     def added(command: Command) -> Command:
-        for option in getattr(command, "__click_params__", ()):
+        parameters: list[click.Parameter] = getattr(command, "__click_params__", [])
+        _add_missing(parameters, function)
+        for option in parameters:
             if option.name not in FUNCTIONS[function] or "[default:" in (option.help or ""):
                 continue
             default = default_of(function, option.name)
             if default not in (None, False):
                 text = f"{default:g}" if isinstance(default, float) else str(default)
+                if isinstance(default, tuple):
+                    text = ",".join(f"{one:g}" for one in default)
                 option.help = f"{option.help} [default: {text}]"
         return command
 
     return added
 
 
+def _add_missing(parameters: list[click.Parameter], function: str) -> None:
+    """Add an option for each setting that has none, after that of the setting before it.
+
+    An option is written by hand, here or in its command, where it has another form than the
+    setting, or a longer help.
+    """
+    places = [one.name for one in parameters]  # the last option first
+    at = 0
+    for one in described_settings(function):
+        if one.name in places:
+            at = places.index(one.name)
+        elif one.name not in OTHER_NAMES:
+            places.insert(at, one.name)
+            parameters.insert(at, _option_of(one))
+
+
+def _option_of(one: DescribedSetting) -> click.Option:
+    kind = {int: WHOLE}.get(one.annotation, one.annotation)
+    if get_origin(kind) is Literal:
+        kind = click.Choice(get_args(kind))
+    flag = {"is_flag": True} if kind is bool else {}
+    return click.Option([option_of(one.name)], type=kind, help=one.description, **flag)
+
+
 def shared_options(command: Command) -> Command:
     """Add the options of light, exposure, sensors and their files."""
     command = about_sensors(command)
     for option in reversed(_SHARED):
+        command = option(command)
+    return command
+
+
+def pipeline_options(command: Command) -> Command:
+    """Add the options of the camera's own pipeline."""
+    for option in reversed(_OF_PIPELINE):
         command = option(command)
     return command
 

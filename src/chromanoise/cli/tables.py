@@ -11,21 +11,22 @@ from chromanoise.analysis import (
     ChartNoise,
     GrayNoise,
     color_snr_db,
-    color_snr_loss_db,
     contravariant_snr_db,
     diagnosis,
     lab_budgets,
     mean_color_error,
+    mean_total_error,
     missing_lab_budgets,
     raw_snr_db,
 )
 from chromanoise.analysis.color_space_noise import GRAY
 from chromanoise.analysis.comparison.bands import CrossoverBand, band_sentence
-from chromanoise.analysis.comparison.crossing import Crossover, crossover_sentence
 from chromanoise.analysis.comparison.curves import Curve
+from chromanoise.analysis.comparison.ranking import MOST_PAIRS_SENSORS, Rank
 from chromanoise.catalog.sensors import RECONSTRUCTION
 from chromanoise.charts import cause_label
 from chromanoise.color import ColorMatrix
+from chromanoise.io.table import number_text
 from chromanoise.metrics import Budget, MatrixReport
 from chromanoise.paper import (
     Cell,
@@ -42,7 +43,6 @@ from chromanoise.paper.study import PRINTED_TIMES_MS, WELL_SHARE
 
 _WIDE = 6  # most channels in one row
 _SHOWN = 6  # number of printed values of a sweep
-_SENSORS_TOLD = 3  # up to this number, every pair gets a sentence
 
 
 def print_reproduction(result: Reproduction) -> None:
@@ -70,9 +70,7 @@ def print_reproduction(result: Reproduction) -> None:
 
 def print_conditions(text: str) -> None:
     """Print the operating point above its tables."""
-    _console().print(
-        f"At {text}:" if not text.startswith("before") else f"{text.capitalize()}", soft_wrap=True
-    )
+    _console().print(f"At {text}:", soft_wrap=True)
 
 
 def print_analyses(analyses: Iterable[Analysis]) -> None:
@@ -95,13 +93,14 @@ def print_analyses(analyses: Iterable[Analysis]) -> None:
         "color SNR loss dB",
         "condition",
         "Delta E*ab",
+        "total Delta E*ab",
     ):
         color.add_column(head, justify="left" if head == "sensor" else "right")
     notes: list[str] = []
     for analysis in analyses:
         _add_channels(channels, analysis)
         _add_color(color, analysis)
-        notes += [f"{analysis.sensor.name}: {note}" for note in diagnosis(analysis)]
+        notes += [f"{analysis.sensor.label}: {note}" for note in diagnosis(analysis)]
         notes.append(_angles(analysis))
     console.print(channels)
     console.print(color)
@@ -110,11 +109,15 @@ def print_analyses(analyses: Iterable[Analysis]) -> None:
 
 
 def print_comparison(
-    curves: Sequence[Curve], crossed: Sequence[Crossover], bands: Sequence[CrossoverBand]
+    curves: Sequence[Curve],
+    ranks: Sequence[Rank],
+    sentences: Sequence[str],
+    bands: Sequence[CrossoverBand],
 ) -> None:
-    """Print the quantity and the color error over the sweep, then crossovers and bands.
+    """Print the quantity and the color error over the sweep, then sentences and bands.
 
-    With more than three sensors, only crossovers of the first sensor are printed.
+    With more than three sensors, a ranking is printed as well, and of the bands only those of pairs
+    that a sentence tells of.
     """
     console = _console()
     sweep, quantity, at = curves[0].sweep, curves[0].quantity, curves[0].at
@@ -131,26 +134,39 @@ def print_comparison(
     for curve in curves:
         varies = sweep.name == "time-ms"
         time = "varies" if varies else f"{1e3 * curve.time_s:.4g}"
-        table.add_row(
-            curve.sensor, curve.matrix, time, *(_curve_cell(curve, int(i)) for i in shown)
-        )
+        table.add_row(curve.label, curve.matrix, time, *(_curve_cell(curve, int(i)) for i in shown))
     console.print(table)
     if any((np.isnan(curve.value) & ~curve.saturated).any() for curve in curves):
         console.print("-: the matrix gives no valid color under this light.")
-    many = len({curve.sensor for curve in curves}) > _SENSORS_TOLD
-    first = curves[0].sensor
-    sentences = [crossover_sentence(c) for c in crossed if not many or c.first == first]
-    sentences += [band_sentence(b) for b in bands if not many or b.first == first]
-    for sentence in sentences:
+    many = len({curve.sensor for curve in curves}) > MOST_PAIRS_SENSORS
+    if many:
+        what = f"{quantity.what} [{quantity.unit}]"
+        print_ranking(ranks, f"Ranking at the start of the sweep by {what}")
+    for sentence in (*sentences, *map(band_sentence, bands)):
         console.print(sentence, soft_wrap=True)
     if many:
-        console.print(f"Use --json for pairs that do not include {first}.")
+        console.print("--json has the crossovers of all pairs.")
+
+
+def print_ranking(ranks: Sequence[Rank], title: str) -> None:
+    """Print the sensors from best to worst; equal ones share a rank."""
+    matrices = {one.matrix for one in ranks}
+    table = Table(title=title, title_justify="left")
+    table.add_column("rank", justify="right")
+    for head in ("sensor", *(("matrix",) if len(matrices) > 1 else ())):
+        table.add_column(head, no_wrap=True)
+    table.add_column("value", justify="right")
+    for one in ranks:
+        place = "-" if one.rank is None else f"{one.rank}{' (tie)' if one.tied else ''}"
+        matrix = (one.matrix,) if len(matrices) > 1 else ()
+        table.add_row(place, one.label, *matrix, number_text(one.value, none="undefined"))
+    _console().print(table)
 
 
 def _curve_cell(curve: Curve, i: int) -> str:
     if curve.saturated[i] and np.isnan(curve.value[i]):
         return "saturated"
-    return f"{_number(curve.value[i])} | {_number(curve.color_error[i], 1)}"
+    return f"{number_text(curve.value[i])} | {number_text(curve.color_error[i], '.1f')}"
 
 
 def print_gray_noise(analyses: Sequence[Analysis], noises: Sequence[GrayNoise | None]) -> None:
@@ -159,7 +175,7 @@ def print_gray_noise(analyses: Sequence[Analysis], noises: Sequence[GrayNoise | 
     known = [noise for noise in noises if noise]
     if not known:
         for analysis in analyses:
-            name = analysis.sensor.name
+            name = analysis.sensor.label
             console.print(
                 f"{name}: no noise of a gray, because a channel is saturated, or XYZ of the white "
                 "is not valid",
@@ -175,15 +191,15 @@ def print_gray_noise(analyses: Sequence[Analysis], noises: Sequence[GrayNoise | 
         table.add_column(head, justify="right")
     for analysis, noise in zip(analyses, noises, strict=True):
         if noise is None:
-            table.add_row(analysis.sensor.name, "saturated, or XYZ of the white is not valid")
+            table.add_row(analysis.sensor.label, "saturated, or XYZ of the white is not valid")
             continue
         exact = noise.exact
         sd = exact.sd
         table.add_row(
-            analysis.sensor.name,
+            analysis.sensor.label,
             *(f"{value:.3g}" for value in sd),
-            _number(None if exact.chroma_sd is None else float(exact.chroma_sd)),
-            _number(None if exact.delta_e is None else float(exact.delta_e)),
+            number_text(None if exact.chroma_sd is None else float(exact.chroma_sd)),
+            number_text(None if exact.delta_e is None else float(exact.delta_e)),
             ", ".join(f"{value:+.2g}" for value in exact.bias),
             *(
                 "holds" if holds else "off by more than 5 %"
@@ -196,7 +212,7 @@ def print_gray_noise(analyses: Sequence[Analysis], noises: Sequence[GrayNoise | 
 def print_chart(analysis: Analysis, chart: ChartNoise | None) -> None:
     """Print color error and noise of every patch."""
     console = _console()
-    name = analysis.sensor.name
+    name = analysis.sensor.label
     if chart is None:
         console.print(
             f"{name}: no chart, because a channel is saturated, or XYZ of the white is not valid.",
@@ -212,11 +228,13 @@ def print_chart(analysis: Analysis, chart: ChartNoise | None) -> None:
     assert chart.noise.delta_e is not None  # CIELAB has one
     for i, patch in enumerate(chart.names):
         numbers = (chart.color_error[i], chart.ciede2000[i], chart.snr_y_db[i], *sd[i])
-        cells = (_number(float(value), 1) for value in (*numbers, chart.noise.delta_e[i]))
+        cells = (number_text(float(value), ".1f") for value in (*numbers, chart.noise.delta_e[i]))
         table.add_row(patch, *cells, end_section=i == len(chart.names) - 1)
     means = (chart.color_error.mean(), chart.ciede2000.mean())
-    noise = (_number(float(value), 1) for value in (*sd.mean(axis=0), chart.noise.delta_e.mean()))
-    table.add_row("mean", *(_number(float(m), 1) for m in means), "", *noise)
+    noise = (
+        number_text(float(value), ".1f") for value in (*sd.mean(axis=0), chart.noise.delta_e.mean())
+    )
+    table.add_row("mean", *(number_text(float(m), ".1f") for m in means), "", *noise)
     console.print(table)
     failing = int((~chart.first_order_holds).sum())
     if failing:
@@ -243,10 +261,10 @@ def print_matrix(matrix: ColorMatrix, report: MatrixReport, sensor_name: str) ->
     snr = report.snr_db or dict.fromkeys(matrix.coordinates, None)
     nir = report.nir_color or {}
     for line in (
-        f"color error without noise: mean {_number(report.color_error_mean)}, "
-        f"max {_number(report.color_error_max)} Delta E*ab over the ColorChecker",
+        f"color error without noise: mean {number_text(report.color_error_mean)}, "
+        f"max {number_text(report.color_error_max)} Delta E*ab over the ColorChecker",
         "SNR of a perfect white: " + ("saturated" if report.snr_db is None else _decibels(snr)),
-        f"condition {_number(report.condition)}, Kodak's Psi {_number(report.psi)}",
+        f"condition {number_text(report.condition)}, Kodak's Psi {number_text(report.psi)}",
         "NIR / visible response to a white: "
         + ", ".join(f"{n} {100 * v + 0.0:+.1f} %" for n, v in nir.items()),
     ):
@@ -264,9 +282,11 @@ def print_budgets(analysis: Analysis, budgets: Sequence[Budget | None]) -> None:
     """Print the budget from all photons to each color coordinate: dB per cause."""
     known = [budget for budget in budgets if budget]
     if not known:
-        _console().print(f"{analysis.sensor.name}: no coordinate has an SNR, so there is no budget")
+        _console().print(
+            f"{analysis.sensor.label}: no coordinate has an SNR, so there is no budget"
+        )
         return
-    _console().print(_budget_table(known, f"Budget of {analysis.sensor.name} [dB]"))
+    _console().print(_budget_table(known, f"Budget of {analysis.sensor.label} [dB]"))
 
 
 def print_lab_budgets(analysis: Analysis) -> None:
@@ -275,7 +295,7 @@ def print_lab_budgets(analysis: Analysis) -> None:
     budgets = lab_budgets(analysis)
     known = [budget for budget in budgets if budget]
     if known:
-        of = f"one unit on a gray of {100 * GRAY:.0f} %, {analysis.sensor.name}"
+        of = f"one unit on a gray of {100 * GRAY:.0f} %, {analysis.sensor.label}"
         console.print(_budget_table(known, f"Budget of {of} [dB]"))
     missing = missing_lab_budgets(analysis, budgets)
     if missing:
@@ -304,11 +324,11 @@ def _add_channels(table: Table, analysis: Analysis) -> None:
     for i, name in enumerate(analysis.sensor.names):
         full = bool(analysis.saturated[i])
         table.add_row(
-            analysis.sensor.name if i == 0 else "",
+            analysis.sensor.label if i == 0 else "",
             name,
             f"{analysis.raw.mean[i]:.1f}",
-            "saturated" if full else _number(raw[name]),
-            _number(contravariant[name]),
+            "saturated" if full else number_text(raw[name]),
+            number_text(contravariant[name]),
             _inflation(float(analysis.vif[i])),
             *(f"{angle:.1f}" for angle in analysis.to_axes_deg[i]),
         )
@@ -318,14 +338,15 @@ def _add_color(table: Table, analysis: Analysis) -> None:
     snr = color_snr_db(analysis)
     lost = bool(analysis.saturated.any())
     table.add_row(
-        analysis.sensor.name,
+        analysis.sensor.label,
         f"{1e3 * analysis.exposure.time_s:.4g}",
-        "saturated" if lost else _number(analysis.spectral_snr_db),
-        *(_number(snr[axis]) for axis in analysis.color.names),
-        "-" if lost else _number(analysis.optimal_linear_snr_db),
-        _number(color_snr_loss_db(analysis)),
+        "saturated" if lost else number_text(analysis.spectral_snr_db),
+        *(number_text(snr[axis]) for axis in analysis.color.names),
+        number_text(analysis.optimal_linear_snr_db),
+        number_text(analysis.color_snr_loss_db),
         f"{analysis.matrix.frame.condition:.3g}",
-        _number(mean_color_error(analysis), digits=1),
+        number_text(mean_color_error(analysis), ".1f"),
+        number_text(mean_total_error(analysis), ".1f"),
     )
 
 
@@ -344,7 +365,7 @@ def _angles(analysis: Analysis) -> str:
         if k > i
     ]
     return (
-        f"{analysis.sensor.name}: angles between channels [deg]: {', '.join(pairs)}"
+        f"{analysis.sensor.label}: angles between channels [deg]: {', '.join(pairs)}"
         if pairs
         else ""
     )
@@ -364,15 +385,11 @@ def _paper_table(laid_out: PaperTable) -> Table:
 def _cell(cell: Cell | None) -> str:
     if cell is None:
         return ""
-    text = f"{as_printed(cell.paper)} | {_number(cell.closed_form)}"
+    text = f"{as_printed(cell.paper)} | {number_text(cell.closed_form)}"
     if cell.monte_carlo is not None:
         text += f" | {cell.monte_carlo:.2f} ± {cell.monte_carlo_se:.2f}"
     text += f" {cell.unit}"
     return f"{text}, {100 * cell.clipped_share:.1f} % clipped" if cell.clipped_share > 0 else text
-
-
-def _number(value: float | None, digits: int = 2) -> str:
-    return "-" if value is None or not np.isfinite(value) else f"{value:.{digits}f}"
 
 
 def _console() -> Console:

@@ -10,13 +10,13 @@ from chromanoise.analysis import Analysis, coordinate_budget
 from chromanoise.charts import cause_label
 from chromanoise.charts.charted_study import saturation_sentence
 from chromanoise.charts.text import UNDEFINED, brief, decimal
-from chromanoise.exposure import OperatingPoint
+from chromanoise.exposure import OperatingPoint, conditions
 from chromanoise.figures.pareto import draw_trade
 from chromanoise.figures.pictures import draw_picture
 from chromanoise.figures.style import INK, channel_color, sensor_dashes
 from chromanoise.imaging.capture import Capture
 from chromanoise.metrics import Budget
-from chromanoise.study import MatrixResult, conditions
+from chromanoise.study import MatrixResult
 
 _WIDE = 62  # characters of a title line that fit the axes of a default figure
 _LEGEND_ROW = 0.45  # of a line of the legend, in rows of bars
@@ -52,15 +52,18 @@ def draw_analyses(analyses: Sequence[Analysis], ax: Axes, *, coordinate: str = "
     ax.set_axisbelow(True)
     ax.grid(visible=True, axis="x", alpha=0.25)
     ax.legend(loc="lower right", fontsize=8)
-    return _titled(ax, f"Losses from all photons to {coordinate}", _points(analyses))
+    return _titled(ax, f"Losses from all photons to {coordinate}", [one.point for one in analyses])
 
 
 def _draw_losses(
     analysis: Analysis, budget: Budget | None, ax: Axes, *, shade: float, offset: float, high: float
 ) -> None:
-    name = analysis.sensor.name
+    name = analysis.sensor.label
     if budget is None:
-        why = "saturated" if saturation_sentence(analysis) else f"SNR {UNDEFINED}"
+        if saturation_sentence(analysis):
+            why = "saturated"
+        else:
+            why = f"SNR {UNDEFINED}" if analysis.readout is None else "no budget with clipping"
         ax.plot([], [], " ", label=f"{name}: {why}")
         return
     losses = [cost.loss_db for cost in budget.costs]
@@ -103,10 +106,10 @@ def draw_matrices(results: Sequence[MatrixResult], ax: Axes) -> Axes:
 
 
 def _draw_curves(results: Sequence[MatrixResult], ax: Axes) -> None:
-    patterns = sensor_dashes(one.point.sensor.name for one in results)
+    patterns = sensor_dashes(one.point.sensor.label for one in results)
     for one in results:
         assert one.pareto is not None  # called only for results with a curve
-        name, curve = one.point.sensor.name, one.pareto
+        name, curve = one.point.sensor.label, one.pareto
         trades = zip(curve.snr_y_db.tolist(), curve.delta_e, curve.weight.tolist(), strict=True)
         known = [(snr, error, w) for snr, error, w in trades if error is not None]
         draw_trade(
@@ -145,7 +148,7 @@ def _draw_entries(results: Sequence[MatrixResult], ax: Axes) -> None:
             names.append(coordinate)
             at = float(places[-1]) + 2.0
         if len(results) > 1:
-            names[-2] = f"{names[-2]}\n{one.point.sensor.name}"  # under the middle of X, Y, Z
+            names[-2] = f"{names[-2]}\n{one.point.sensor.label}"  # under the middle of X, Y, Z
         at += 1.0
     ax.axhline(0, color=INK, linewidth=0.8)
     ax.set_xticks(ticks, names, fontsize=8)
@@ -169,13 +172,13 @@ def draw_capture(capture: Capture, ax: Axes) -> Axes:
     point = capture.camera.operating_point
     if capture.picture is not None:
         draw_picture(capture.picture.srgb, ax)
-        what = f"{point.sensor.name}, sRGB"
+        what = f"{point.sensor.label}, sRGB"
     else:
         assert capture.raw is not None  # a capture has codes or color
         top = capture.raw.adc.top_code
         ax.imshow(capture.raw.codes, interpolation="none", cmap="gray", vmin=0, vmax=top)
         ax.set_axis_off()
-        what = f"{point.sensor.name}, codes of 0 to {top} DN"
+        what = f"{point.sensor.label}, codes of 0 to {top} DN"
     return _titled(ax, what, [point])
 
 
@@ -183,15 +186,3 @@ def _titled(ax: Axes, what: str, points: Sequence[OperatingPoint]) -> Axes:
     facts = fill(f"at {conditions(points)}", _WIDE, break_on_hyphens=False)
     ax.set_title(f"{what}\n{facts}", loc="left", fontsize=9)
     return ax
-
-
-def _points(analyses: Sequence[Analysis]) -> list[OperatingPoint]:
-    return [
-        OperatingPoint(
-            sensor=one.sensor,
-            exposure=one.exposure,
-            illuminant=one.scene.illuminant,
-            level_lux=one.scene.level_lux,
-        )
-        for one in analyses
-    ]

@@ -182,7 +182,8 @@ def rendered(
     cube = bands_within(cube, operating_point.sensor.grid)
     light = light_of(cube, operating_point, beyond=beyond, bad_pixels=bad_pixels)
     draw = draw_of(operating_point, seed=seed, frame=frame, noisy=noisy)
-    matrix = matrix or kernel_matrix(operating_point.sensor, operating_point.exposure)
+    point = operating_point
+    matrix = matrix or kernel_matrix(point.sensor, point.exposure, observer=point.observer)
     matrices, white = color_matrices(matrix, operating_point)
     plan = color_plan(light, draw, operating_point, matrices, clip=clip)
     height, width, _ = light.source.shape

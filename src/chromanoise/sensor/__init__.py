@@ -7,6 +7,11 @@ from chromanoise.sensor.adc import (
     adc_to_full_well,
     quantization_step_e,
 )
+from chromanoise.sensor.analog_gain import (
+    code_range_e,
+    white_level_e,
+    with_analog_gain,
+)
 from chromanoise.sensor.changes import (
     behind_ir_cut,
     of_pixel,
@@ -89,6 +94,7 @@ __all__ = [
     "bayer",
     "behind_filter",
     "behind_ir_cut",
+    "code_range_e",
     "crosstalk_of_kernel",
     "crosstalk_of_share",
     "extra_noise",
@@ -113,6 +119,8 @@ __all__ = [
     "rgbw_sparse_4x4",
     "shot_and_read_only",
     "silicon_qe",
+    "white_level_e",
+    "with_analog_gain",
     "with_channels",
     "with_crosstalk",
     "with_pixel",

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from chromanoise.analysis.analysis import Analysis, analyzed
+from chromanoise.analysis.camera_pipeline import PipelineNoise, pipeline_as_json, pipeline_noise
 from chromanoise.analysis.chart_patches import ChartNoise, chart_as_json, chart_noise
 from chromanoise.analysis.color_matrices import MatrixMaker
 from chromanoise.analysis.color_space_noise import GrayNoise, gray_noise, gray_noise_as_json
@@ -13,7 +14,9 @@ from chromanoise.analysis.figures_of_merit.merits import Merits, merits_as_json,
 from chromanoise.color import SPACES, UNBOUNDED
 from chromanoise.exposure import OperatingPoint, white_scene
 from chromanoise.noise import Readout
-from chromanoise.study.document import OutputsPart
+from chromanoise.spectra import Illuminant
+from chromanoise.study.assembly import keyed
+from chromanoise.study.document import OutputsPart, PipelinePart, pipeline_settings
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -28,16 +31,51 @@ class Outcome:
         ``None`` where not asked for, or where a channel is saturated or white is no color.
     merits
         ``None`` where not asked for.
+    pipeline
+        As ``grey_noise``.
     """
 
     analysis: Analysis
     grey_noise: GrayNoise | None
     chart: ChartNoise | None
     merits: Merits | None
+    pipeline: PipelineNoise | None
+
+
+def analysis_of(
+    operating_point: OperatingPoint, maker: MatrixMaker, outputs: OutputsPart
+) -> Analysis:
+    """Every stage of a sensor for a perfect white, clipped where the outputs ask for it.
+
+    Results and charts of a study use this function, so that they show the same numbers.
+
+    Parameters
+    ----------
+    operating_point, maker, outputs
+        As `outcome_of`.
+
+    Raises
+    ------
+    InputError
+        If the matrix cannot be made.
+    """
+    sensor = operating_point.sensor
+    clipping = Readout(black_e=0.0, full_well_e=sensor.pixel.full_well_e)
+    return analyzed(
+        white_scene(operating_point),
+        sensor,
+        operating_point.exposure,
+        readout=clipping if outputs.clip else None,
+        matrix=maker(operating_point),
+    )
 
 
 def outcome_of(
-    operating_point: OperatingPoint, maker: MatrixMaker, outputs: OutputsPart
+    operating_point: OperatingPoint,
+    maker: MatrixMaker,
+    outputs: OutputsPart,
+    *,
+    balance_light: Illuminant | None = None,
 ) -> Outcome:
     """Compute all requested results of a sensor at one operating point.
 
@@ -49,30 +87,35 @@ def outcome_of(
         Of its color matrix.
     outputs
         The requested outputs; `outcomes_as_json` adds ``budget``.
+    balance_light
+        The illuminant that the white balance of the pipeline names (`balance_light_of`).
 
     Raises
     ------
     InputError
         If the matrix cannot be made, or what is asked cannot be computed.
     """
-    sensor = operating_point.sensor
-    held = None
-    if outputs.clip:
-        held = Readout(black_e=0.0, full_well_e=sensor.pixel.full_well_e)
-    analysis = analyzed(
-        white_scene(operating_point),
-        sensor,
-        operating_point.exposure,
-        readout=held,
-        matrix=maker(operating_point),
-    )
+    analysis = analysis_of(operating_point, maker, outputs)
+    readout = analysis.readout
     space = SPACES[outputs.space] if outputs.space is not None else None
     return Outcome(
         analysis=analysis,
-        grey_noise=gray_noise(analysis, space, readout=held) if space else None,
-        chart=chart_noise(analysis, readout=held or UNBOUNDED) if outputs.chart else None,
+        grey_noise=gray_noise(analysis, space, readout=readout) if space else None,
+        chart=chart_noise(analysis, readout=readout or UNBOUNDED) if outputs.chart else None,
         merits=merits_of(analysis, maker=maker) if outputs.merit else None,
+        pipeline=_pipeline(analysis, outputs.pipeline, balance_light, readout)
+        if outputs.pipeline.run
+        else None,
     )
+
+
+def _pipeline(
+    analysis: Analysis, part: PipelinePart, light: Illuminant | None, readout: Readout | None
+) -> PipelineNoise | None:
+    key = "outputs.pipeline"
+    own = {name: f"{key}.{name}" for name in type(part).model_fields}
+    with keyed(f"{key}.white_balance", lambda name: f"{key}.{name}", own):
+        return pipeline_noise(analysis, pipeline_settings(part, light), readout=readout)
 
 
 def outcomes_as_json(outcomes: Sequence[Outcome], outputs: OutputsPart) -> dict[str, Any]:
@@ -87,4 +130,6 @@ def outcomes_as_json(outcomes: Sequence[Outcome], outputs: OutputsPart) -> dict[
             own["chart"] = chart_as_json(outcome.chart)
         if outcome.merits is not None:
             own["merits"] = merits_as_json(outcome.merits)
+        if outputs.pipeline.run:
+            own["pipeline"] = pipeline_as_json(outcome.pipeline)
     return told

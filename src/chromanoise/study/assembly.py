@@ -6,8 +6,7 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any
 
-from chromanoise._check import within
-from chromanoise.analysis.color_matrices import METHODS, MatrixMaker, matrix_makers
+from chromanoise.analysis.color_matrices import MatrixMaker, matrix_makers
 from chromanoise.catalog import idle_answers, on_pixel, sensor_with_pixel
 from chromanoise.catalog.resolve import (
     behind_resolved_filter,
@@ -32,10 +31,6 @@ from chromanoise.sensor import (
 from chromanoise.spectra import Illuminant, infrared_parts
 from chromanoise.study.document import PicturePart, PixelPart, SensorPart, Study
 
-_LUX = (1e-15, 1e15)
-_TIME_MS = (1e-12, 1e15)
-_F_NUMBER = (1e-2, 1e6)
-_SHARE = (1e-9, 1.0)
 _OF_ANSWERS = ("scale", "level", "per", "wavelength_unit", "peak_qe")
 
 
@@ -74,14 +69,14 @@ def operating_points_of(study: Study, given: Given = NOTHING_GIVEN) -> list[Oper
 
 
 def refuse_idle(study: Study, given: Given = NOTHING_GIVEN) -> None:
-    """Refuse repeated sensors and settings that change nothing, all at once.
+    """Refuse repeated sensors, repeated labels and settings that change nothing, all at once.
 
     Raises
     ------
     InputError
         If there is one.
     """
-    errors = [*duplicates(study), *idle_settings(study, given)]
+    errors = [*duplicates(study), *repeated_labels(study), *idle_settings(study, given)]
     if errors:
         raise refusal(errors)
 
@@ -114,6 +109,7 @@ def duplicates(study: Study) -> list[InputError]:
 
     A page shows them, for one of them is about to be changed; a run would compute all of it twice.
     """
+    parts = [part.model_copy(update={"label": None}) for part in study.sensors]
     return [
         InputError(
             "name",
@@ -123,9 +119,28 @@ def duplicates(study: Study) -> list[InputError]:
             remedy="change a setting of one, or omit one",
             setting=f"sensors.{i}.name",
         )
-        for i, part in enumerate(study.sensors)
-        if part in study.sensors[:i]
+        for i, part in enumerate(parts)
+        if part in parts[:i]
     ]
+
+
+def repeated_labels(study: Study) -> list[InputError]:
+    """Labels that another sensor has as label or name, so that tables could not tell them apart."""
+    errors = []
+    for i, part in enumerate(study.sensors):
+        others = [one for k, one in enumerate(study.sensors) if k != i]
+        taken = {one.label for one in study.sensors[:i]} | {one.name for one in others}
+        if part.label is not None and part.label in taken:
+            errors.append(
+                InputError(
+                    "label",
+                    "must differ from the labels and names of the other sensors",
+                    value=part.label,
+                    found=f"{part.label!r} is repeated",
+                    setting=f"sensors.{i}.label",
+                )
+            )
+    return errors
 
 
 def idle_settings(study: Study, given: Given = NOTHING_GIVEN) -> list[InputError]:
@@ -185,35 +200,27 @@ def operating_points_in(
     Parameters
     ----------
     study
-        Of which the exposure and the light level are used.
+        Of which the exposure, the light level and the observer are used.
     illuminant, sensors
         What it names.
 
     Raises
     ------
     InputError
-        If no light reaches a sensor, or a value is beyond what double precision holds.
+        If no light reaches a sensor.
     """
-    light, rule = study.light, study.exposure
-    _within("light.level_lux", "lx", light.level_lux, _LUX)
-    _within("exposure.f_number", "1", rule.f_number, _F_NUMBER)
-    _within("exposure.saturate", "of full well", rule.saturate, _SHARE)
-    if rule.time_ms is not None:
-        _within("exposure.time_ms", "ms", rule.time_ms, _TIME_MS)
+    light = study.light
     white = flat_field(illuminant, level_lux=light.level_lux)
     return [
         OperatingPoint(
-            sensor=sensor, exposure=exposure, illuminant=illuminant, level_lux=light.level_lux
+            sensor=sensor,
+            exposure=exposure,
+            illuminant=illuminant,
+            level_lux=light.level_lux,
+            observer=study.observer,
         )
         for sensor, exposure in zip(sensors, _exposures(study, white, sensors), strict=True)
     ]
-
-
-def _within(key: str, unit: str, value: float, bounds: tuple[float, float]) -> None:
-    try:
-        within(key.rpartition(".")[2], unit, value, *bounds)
-    except InputError as error:
-        raise error.inside(key, str) from None
 
 
 def illuminant_of(study: Study, given: Given = NOTHING_GIVEN) -> Illuminant:
@@ -229,6 +236,26 @@ def illuminant_of(study: Study, given: Given = NOTHING_GIVEN) -> Illuminant:
         return given.illuminants[word]
     with keyed("light.illuminant", lambda name: f"light.{'column' if name == 'columns' else name}"):
         return resolve_illuminant(word, answers=light_answers_of(study))
+
+
+def balance_light_of(study: Study, given: Given = NOTHING_GIVEN) -> Illuminant | None:
+    """The illuminant that the white balance of the pipeline names; ``None`` if it names none.
+
+    Raises
+    ------
+    InputError
+        If its name names nothing, or a file cannot be read.
+    """
+    part = study.outputs.pipeline
+    word = part.white_balance
+    if not part.run or not isinstance(word, str) or word == "gray":
+        return None
+    if word == "illuminant" or word == study.light.illuminant:
+        return illuminant_of(study, given)
+    with keyed("outputs.pipeline.white_balance", lambda name: f"light.{name}"):
+        light = study.light
+        answers = Answers(quantity="power", beyond=light.beyond, negatives=light.negatives)
+        return resolve_illuminant(word, answers=answers)
 
 
 def light_answers_of(study: Study) -> Answers:
@@ -280,7 +307,7 @@ def sensor_of(part: SensorPart, *, key: str = "sensors.0", given: Given = NOTHIN
             sensor = behind_resolved_filter(sensor, part.filter, answers=answers)
     if part.ircut_nm is not None:
         sensor = behind_ir_cut(sensor, part.ircut_nm)
-    return _with_crosstalk(sensor, part, key)
+    return replace(_with_crosstalk(sensor, part, key), shown_as=part.label or sensor.shown_as)
 
 
 def _pixel_changes(part: PixelPart) -> dict[str, Any]:
@@ -300,7 +327,7 @@ def _with_crosstalk(sensor: Sensor, part: SensorPart, key: str) -> Sensor:
                     "must be given only with crosstalk",
                     value=getattr(part, name),
                     found="there is none",
-                    remedy=(Setting(f"{key}.crosstalk"), f"omit {name}"),
+                    remedy=(Setting(f"{key}.crosstalk"), "omit it"),
                     setting=f"{key}.{name}",
                 )
         return sensor
@@ -371,14 +398,11 @@ def unresolved(study: Study) -> list[InputError]:
             return None
 
     tried(partial(illuminant_of, study))
-    tried(lambda: _within("light.level_lux", "lx", study.light.level_lux, _LUX))
+    tried(partial(balance_light_of, study))
     sensors = [
         tried(partial(sensor_of, part, key=f"sensors.{i}")) for i, part in enumerate(study.sensors)
     ]
-    found += [*duplicates(study), *idle_settings(study)]
-    for i, name in enumerate(study.matrices):
-        if name.partition("=")[0].strip() in METHODS:  # others are refused elsewhere, as unknown
-            tried(partial(_matrix_fits, i, name))
+    found += [*duplicates(study), *repeated_labels(study), *idle_settings(study)]
     for i, picture in enumerate(study.pictures):
         if picture.mosaic not in (None, "sensor"):
             tried(partial(_mosaic_fits, i, picture, sensors))
@@ -391,17 +415,10 @@ def makers_of(study: Study) -> Mapping[str, MatrixMaker]:
     Raises
     ------
     InputError
-        If a parameter is missing, out of bounds or superfluous.
+        If one is repeated.
     """
-    for i in range(len(study.matrices)):
-        _matrix_fits(i, study.matrices[i])
     with keyed("matrices", str):
         return matrix_makers(study.matrices, study.metric, prior=study.prior)  # type: ignore[arg-type]
-
-
-def _matrix_fits(number: int, name: str) -> None:
-    with keyed(f"matrices.{number}", str):
-        matrix_makers([name], "quanta")
 
 
 def _mosaic_fits(number: int, part: PicturePart, sensors: Sequence[Sensor | None]) -> None:

@@ -13,6 +13,7 @@ from chromanoise.study.settings import (
     ANALYSIS,
     COMPARISON,
     MATRIX,
+    PER_SENSOR,
     RENDERING,
     analyze_study,
     compare_study,
@@ -40,6 +41,7 @@ OTHER_NAMES: Mapping[str, str] = {
     "pareto_last": "pareto",
     "pareto_points": "pareto",
     "sensors": "sensor",
+    "labels": "label",
 }
 """Settings whose option has another name."""
 
@@ -135,8 +137,7 @@ def study_as_command(study: Study) -> str:
     command = {"render": "simulate"}.get(call.function, call.function)
     if command == "simulate":
         names = [names[0], *(word for name in call.names[1:] for word in ("--sensor", name))]
-    method = "--method" if command == "matrix" else "--matrix"
-    matrix = [] if call.matrix == (DEFAULT_METHOD,) else [method, ",".join(call.matrix)]
+    matrix = [] if call.matrix == (DEFAULT_METHOD,) else ["--matrix", ",".join(call.matrix)]
     return shlex.join(["chromanoise", command, *names, *_options(call.settings), *matrix])
 
 
@@ -204,6 +205,11 @@ def _settings(study: Study, base: Study, names: Mapping[str, tuple[str, ...]]) -
     """The settings in which a study differs from that of the call without settings."""
     found = {}
     for name, keys in names.items():
+        if name in PER_SENSOR:
+            own = [getattr(one, keys[0].rpartition(".")[2]) for one in study.sensors]
+            pairs = zip(own, study.sensors, strict=True)
+            found |= {name: [value or one.name for value, one in pairs]} if any(own) else {}
+            continue
         value = _value(study, keys[0].replace("*", "0"))
         default = _value(base, keys[0].replace("*", "0"))
         if value is not None and value != default:
@@ -263,6 +269,9 @@ def _options(settings: Mapping[str, Any]) -> list[str]:
         words += ["--pareto", f"{span}:{points}" if points is not None else span]
     for name, value in given.items():
         option = option_of(name, value)
+        if name in PER_SENSOR:
+            words += [word for one in value for word in (option, one)]
+            continue
         if value is True or option in FLAGS.get(name, {}).values():
             words.append(option)
         elif value is not False:

@@ -4,29 +4,91 @@ The classes define which studies are valid. File names are relative to the folde
 file.
 """
 
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    ConfigDict,
+    Field,
+    field_validator,
+    model_validator,
+)
 
-from chromanoise.analysis.color_matrices import DEFAULT_METHOD, METHODS
+from chromanoise import _check
+from chromanoise.analysis.camera_pipeline import BASE_ISO, PipelineSettings
+from chromanoise.analysis.color_matrices import (
+    DEFAULT_METHOD,
+    METHODS,
+    matrix_makers,
+    trained_names,
+)
 from chromanoise.analysis.comparison.quantities import QUANTITIES
 from chromanoise.analysis.comparison.sweeps import SWEEPS
 from chromanoise.analysis.priors import DEFAULT_PRIOR, PRIORS
-from chromanoise.errors import InputError, Setting, StudyError
+from chromanoise.color import SPACES, TONES
+from chromanoise.errors import InputError, Setting, StudyError, did_you_mean
 from chromanoise.imaging import DEMOSAICING
 from chromanoise.imaging.capture import FORMATS, MOST_FRAMES
+from chromanoise.io.given_matrices import is_matrix_file
 from chromanoise.io.spectra.parsed import Negatives, Unit
 from chromanoise.scene import BUILTIN_CUBES
 from chromanoise.sensor import MOSAIC_NAMES
+from chromanoise.spectra import DEFAULT_OBSERVER, METRICS, OBSERVERS, Illuminant
 
 MOST_SENSORS = 1000
+_LONGEST_LABEL = 60
 SCHEMA = 1
 """Version of this schema; an incompatible later schema gets another number."""
+
+KEEP_IDLE = {"keep_idle": True}
+"""Context of a validation that accepts settings without effect.
+
+The page keeps them, because they take effect again when another control changes. The record of a
+run holds all defaults, which count as given when they are read.
+"""
+
+
+def _known(names: Iterable[str]) -> AfterValidator:
+    """A check that a word is one of ``names``; an error suggests similar names."""
+
+    def checked(word: str, info: Any) -> str:
+        return _one_of(info.field_name, word, tuple(names))
+
+    return AfterValidator(checked)
+
+
+def _one_of(field: str, word: str, names: Sequence[str]) -> str:
+    if word not in names:
+        remedy = did_you_mean(word, names, f"known are {', '.join(names)}", most=2, cutoff=0.5)
+        raise InputError(field, "must be a known name", value=word, remedy=remedy)
+    return word
+
+
+def _within(unit: str, low: float, high: float) -> AfterValidator:
+    """A check that a number is in the range in which double precision suffices."""
+
+    def checked(value: float, info: Any) -> float:
+        return _check.within(str(info.field_name), unit, value, low, high)
+
+    return AfterValidator(checked)
+
+
+def _known_matrix(name: str, info: Any) -> str:
+    if is_matrix_file(name):
+        return name
+    _one_of(info.field_name, name.partition("=")[0].strip(), tuple(METHODS))
+    matrix_makers([name], "quanta")  # checks its parameter
+    return name
+
 
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 Finite = Annotated[float, Field(allow_inf_nan=False)]
 Beyond = Literal["refuse", "zero", "hold"]
+BALANCE_WORDS = ("gray", "illuminant")
+"""White balances that name no illuminant of their own."""
 _NEGATIVES = (
     "Small negative values in the file, e.g. from digitizing: refuse them or set them to 0."
 )
@@ -47,7 +109,9 @@ class LightPart(_Part):
     illuminant: str = Field(
         "E", description="E, A, G173, D65 ..., 3200K, LED660, A+0.5xLED850, or a file."
     )
-    level_lux: Positive = Field(10.0, description="Illuminance [lx].")
+    level_lux: Annotated[Positive, _within("lx", 1e-15, 1e15)] = Field(
+        10.0, description="Illuminance [lx]."
+    )
     beyond: Beyond = Field(
         "refuse",
         description="Values outside the range of the curve: refuse, zero or hold.",
@@ -125,11 +189,23 @@ class AnswersPart(_Part):
     )
 
 
+def _printable(text: str, info: Any) -> str:
+    """A check that a text can be shown in one line of a table."""
+    if not text.isprintable() or not text.strip():
+        raise InputError(
+            info.field_name, "must be one line with visible characters", value=text, found=None
+        )
+    return text
+
+
 class SensorPart(_Part):
     """One sensor."""
 
     name: str = Field(
         description="Name of the catalog, or a file of QE curves, relative to the study's folder."
+    )
+    label: Annotated[str, Field(max_length=_LONGEST_LABEL), AfterValidator(_printable)] | None = (
+        Field(None, description="Text in place of the name in tables and charts.")
     )
     beyond: Beyond = Field(
         "refuse",
@@ -144,7 +220,7 @@ class SensorPart(_Part):
         None, description="Unit of the wavelengths, where the filter's file does not declare it."
     )
     negatives: Negatives = Field("refuse", description=_NEGATIVES)
-    crosstalk: Annotated[float, Field(ge=0, le=1)] | str | None = Field(
+    crosstalk: float | str | None = Field(
         None,
         description="Share of the light of a pixel that ends in its four neighbors, or a file: a "
         "table with one row and column per channel, or a kernel of neighbors without names.",
@@ -164,6 +240,16 @@ class SensorPart(_Part):
         0.0, description="Shift of all curves in wavelength, positive towards red [nm]."
     )
 
+    @field_validator("crosstalk", mode="before")
+    @classmethod
+    def _share_or_file(cls, given: Any) -> Any:
+        """Give one error message; the schema alone would give one for each type of value."""
+        if isinstance(given, int | float) and not isinstance(given, bool):
+            return _check.within("crosstalk", "1", float(given), 0.0, 1.0)
+        if given is None or isinstance(given, str):
+            return given
+        raise ValueError("must be a share from 0 to 1, or the name of a file")
+
 
 class ExposurePart(_Part):
     """Exposure time, lens, and the rule by which the sensors are compared."""
@@ -172,21 +258,31 @@ class ExposurePart(_Part):
         "exposure",
         description="Same for all sensors: exposure time; saturation; light per set of channels.",
     )
-    time_ms: Positive | None = Field(
+    time_ms: Annotated[Positive, _within("ms", 1e-12, 1e15)] | None = Field(
         None,
         description="Exposure time of all sensors [ms]; solved if omitted.",
     )
-    saturate: Annotated[float, Field(gt=0, le=1)] = Field(
+    saturate: Annotated[float, Field(gt=0, le=1), _within("of full well", 1e-9, 1.0)] = Field(
         0.99, description="Share of full well that a perfect white fills, if the time is solved."
     )
-    f_number: Positive = Field(1.8, description="f-number of the lens.")
+    f_number: Annotated[Positive, _within("1", 1e-2, 1e6)] = Field(
+        1.8, description="f-number of the lens."
+    )
     magnification: Finite | None = Field(
         None,
         description="Magnification of the lens; if given, the camera equation is used.",
     )
 
     @model_validator(mode="after")
-    def _one_rule(self) -> "ExposurePart":
+    def _one_rule(self, info: Any) -> "ExposurePart":
+        if _shares_time(self) and not _keeps(info):
+            raise InputError(
+                "time_ms",
+                "must not be given with a share of full well, from which the time is solved",
+                value=self.time_ms,
+                found=None,
+                remedy="omit one of them",
+            )
         if self.time_ms is not None and self.equal != "exposure":
             raise InputError(
                 "equal",
@@ -197,14 +293,21 @@ class ExposurePart(_Part):
         return self
 
 
+def _shares_time(rule: ExposurePart) -> bool:
+    """Whether both a time and the share of full well are given, from which it would be solved."""
+    return rule.time_ms is not None and "saturate" in rule.model_fields_set
+
+
 class SweepPart(_Part):
     """One parameter that varies, and the quantity to compute."""
 
-    vary: str = Field(description=f"What varies: {', '.join(SWEEPS)}.")
+    vary: Annotated[str, _known(SWEEPS)] = Field(description=f"What varies: {', '.join(SWEEPS)}.")
     first: Finite = Field(description="Lowest value, in the unit of the sweep.")
     last: Finite = Field(description="Highest value.")
     points: Annotated[int, Field(ge=2, le=100_000)] = Field(61, description="Number of values.")
-    quantity: str = Field("snr-y", description=f"One of {', '.join(QUANTITIES)}.")
+    quantity: Annotated[str, _known(QUANTITIES)] = Field(
+        "snr-y", description=f"One of {', '.join(QUANTITIES)}."
+    )
     all_priors: bool = Field(False, description="Also the band of crossovers over all priors.")
 
 
@@ -234,7 +337,7 @@ class PicturePart(_Part):
         description=f"sensor (its own), {', '.join(MOSAIC_NAMES)}, or rows as RG/GB; without it "
         "all channels are at every pixel.",
     )
-    demosaic: str | None = Field(
+    demosaic: Annotated[str, _known(DEMOSAICING)] | None = Field(
         None, description=f"One of {', '.join(DEMOSAICING)}; default with a mosaic: bilinear."
     )
     raw_only: bool = Field(False, description="Only the raw codes of the mosaic, without color.")
@@ -246,9 +349,10 @@ class PicturePart(_Part):
         description="Code without light, with a mosaic; default: from pixel.file, else 0.",
     )
     frames: Annotated[int, Field(ge=1, le=MOST_FRAMES)] = Field(1, description="Frames of a burst.")
-    formats: Annotated[tuple[str, ...], Field(strict=False, min_length=1)] | None = Field(
-        None, description=f"{', '.join(FORMATS)}; default: png and xyz, or raw and dng."
-    )
+    formats: (
+        Annotated[tuple[Annotated[str, _known(FORMATS)], ...], Field(strict=False, min_length=1)]
+        | None
+    ) = Field(None, description=f"{', '.join(FORMATS)}; default: png and xyz, or raw and dng.")
     clip: bool = Field(False, description="Clip electrons between 0 and full well.")
     dark_current_e_per_s: NotNegative | None = Field(
         None,
@@ -321,6 +425,99 @@ class ParetoPart(_Part):
     points: Annotated[int, Field(ge=2, le=100_000)] = Field(13, description="Number of weights.")
 
 
+class PipelinePart(_Part):
+    """The camera's own pipeline: noise of the ColorChecker after each of its steps."""
+
+    run: bool = Field(
+        False, description="Noise of each patch after each step of the camera's pipeline."
+    )
+    white_balance: Annotated[tuple[Positive, ...], Field(strict=False)] | str = Field(
+        "gray",
+        description="gray: equal raw of an 18 % gray; illuminant: of the light; another "
+        "illuminant, or a file; or one gain per channel.",
+    )
+    white_balance_pixels: Annotated[int, Field(ge=1, le=10**9)] | None = Field(
+        None, description="Gray pixels from which the gains are estimated; default: exact gains."
+    )
+    exposure_gain: Positive = Field(1.0, description="Gain of linear RGB.")
+    saturation: NotNegative = Field(
+        1.0, description="Saturation around Rec. 709 luma; 0 is gray, 1 changes nothing."
+    )
+    tone: float | str = Field(
+        "srgb", description=f"Tone curve: {', '.join(TONES)}, or a gamma, e.g. 2.2."
+    )
+    luma: Literal["bt709", "bt601"] = Field("bt709", description="Weights of Y'CbCr.")
+    iso: Annotated[tuple[Positive, ...], Field(strict=False, min_length=1, max_length=100)] = Field(
+        (BASE_ISO,),
+        description="ISO settings; gain and exposure are those of the base ISO times and divided "
+        "by the same factor.",
+    )
+    base_iso: Positive = Field(BASE_ISO, description="ISO of the sensor as it is given.")
+    iso_read_noise_e: Annotated[tuple[NotNegative, ...], Field(strict=False)] | None = Field(
+        None, description="Read noise at each ISO [e-]; default: the same at all."
+    )
+
+    @field_validator("white_balance", mode="before")
+    @classmethod
+    def _gains_or_a_name(cls, given: Any) -> Any:
+        """Give one error message; the schema alone would give one for each type of value."""
+        numbers = isinstance(given, list | tuple) and all(
+            isinstance(n, int | float) and not isinstance(n, bool) and 0 < n < float("inf")
+            for n in given
+        )
+        if isinstance(given, str) or (numbers and given):
+            return given
+        raise ValueError(
+            "must be gray, illuminant, the name of an illuminant, or finite gains > 0, one per "
+            "channel"
+        )
+
+    @field_validator("tone", mode="before")
+    @classmethod
+    def _name_or_gamma(cls, given: Any) -> Any:
+        """As `_gains_or_a_name`."""
+        if isinstance(given, bool) or not isinstance(given, str | int | float):
+            raise ValueError(f"must be {', '.join(TONES)}, or a gamma")
+        return given
+
+    @model_validator(mode="after")
+    def _that_has_an_effect(self) -> "PipelinePart":
+        pipeline_settings(self)
+        for name, field in type(self).model_fields.items():
+            value = getattr(self, name)
+            if not self.run and value != field.default:
+                raise InputError(
+                    name,
+                    "must be given only with the pipeline",
+                    value=value,
+                    found=None,
+                    remedy=(Setting("run", (True,)), "omit it"),
+                )
+        return self
+
+
+def pipeline_settings(part: PipelinePart, light: Illuminant | None = None) -> PipelineSettings:
+    """The settings of a pipeline.
+
+    Parameters
+    ----------
+    part
+        Of a study.
+    light
+        The illuminant that ``white_balance`` names; ``None`` only checks the other values.
+
+    Raises
+    ------
+    InputError
+        As `PipelineSettings`.
+    """
+    balance: str | Illuminant | tuple[float, ...] = part.white_balance
+    if isinstance(balance, str) and balance != "gray":
+        balance = light or (1.0,)
+    given = {name: getattr(part, name) for name in PipelinePart.model_fields if name != "run"}
+    return PipelineSettings(**given | {"white_balance": balance})
+
+
 class OutputsPart(_Part):
     """The outputs of a run."""
 
@@ -334,8 +531,13 @@ class OutputsPart(_Part):
     )
     merit: bool = Field(False, description="Figures of merit: Vora, SMI, ISO speed, bits ...")
     chart: bool = Field(False, description="Color error and noise of every ColorChecker patch.")
-    space: str | None = Field(None, description="Noise of an 18 % gray in this color space.")
+    space: Annotated[str, _known(SPACES)] | None = Field(
+        None, description="Noise of an 18 % gray in this color space."
+    )
     matrix: bool = Field(False, description="Each color matrix, its color error and noise.")
+    pipeline: PipelinePart = Field(
+        PipelinePart(), description="The camera's own pipeline, from raw to Y'CbCr and Lab."
+    )
     pareto: ParetoPart | None = Field(
         None, description="With matrix: the curve of color error against noise."
     )
@@ -364,9 +566,13 @@ class Study(_Part):
         SCHEMA, alias="schema", description=f"Version of this format: {SCHEMA}."
     )
     title: str = Field("", description="Title of the study.")
-    metric: str = Field(
+    metric: Annotated[str, _known(METRICS)] = Field(
         "quanta",
         description="Whether spectra are expressed in photons (quanta) or in energy.",
+    )
+    observer: Annotated[str, _known(OBSERVERS)] = Field(
+        DEFAULT_OBSERVER,
+        description=f"Observer of the colors: {', '.join(OBSERVERS)}; a lux is always CIE 1931.",
     )
     seed: Annotated[int, Field(ge=0, lt=2**32)] = Field(0, description="Seed of all random noise.")
     light: LightPart = Field(LightPart(), description="The light on the scene.")
@@ -375,10 +581,14 @@ class Study(_Part):
         tuple[SensorPart, ...],
         Field(min_length=1, max_length=MOST_SENSORS, strict=False, description="One or more."),
     ]
-    matrices: Annotated[tuple[str, ...], Field(min_length=1, strict=False)] = Field(
-        (DEFAULT_METHOD,), description=f"Color matrices: {', '.join(METHODS)}; ridge=0.01."
+    matrices: Annotated[
+        tuple[Annotated[str, AfterValidator(_known_matrix)], ...],
+        Field(min_length=1, strict=False),
+    ] = Field(
+        (DEFAULT_METHOD,),
+        description=f"Color matrices: {', '.join(METHODS)}; ridge=0.01; or files.",
     )
-    prior: str = Field(
+    prior: Annotated[str, _known(PRIORS)] = Field(
         DEFAULT_PRIOR,
         description=f"Training set of trained matrices: {', '.join(PRIORS)}.",
     )
@@ -397,6 +607,87 @@ class Study(_Part):
         ),
     ] = ()
     outputs: OutputsPart = Field(OutputsPart(), description="Outputs of the run.")
+
+    @model_validator(mode="after")
+    def _without_idle_settings(self, info: Any) -> "Study":
+        errors = [] if _keeps(info) else [*_idle_priors(self), *_replaced_settings(self)]
+        if errors:
+            raise errors[0] if len(errors) == 1 else StudyError(errors)
+        return self
+
+
+def _keeps(info: Any) -> bool:
+    return bool((info.context or {}).get("keep_idle"))
+
+
+def _idle_priors(study: Study) -> Iterator[InputError]:
+    """A prior that is given although no matrix is trained on it."""
+    if trained_names(study.matrices):
+        return
+    names = ", ".join(name.strip() for name in study.matrices)
+    found = f"{'the matrix is' if len(study.matrices) == 1 else 'none is among'} {names}"
+    requirement = "must be given only with a trained matrix, as lmmse"
+    if "prior" in study.model_fields_set and study.outputs.pareto is None:
+        yield InputError(
+            "prior", requirement, value=study.prior, found=found, remedy="omit it", setting="prior"
+        )
+    for i, sweep in enumerate(study.sweeps):
+        if sweep.all_priors:
+            key = f"sweeps.{i}.all_priors"
+            yield InputError(
+                "all_priors", requirement, value=True, found=found, remedy="omit it", setting=key
+            )
+
+
+def _replaced_settings(study: Study) -> Iterator[InputError]:
+    """A setting that is given although every step of the study replaces it by other values."""
+    others = study.outputs.analyses or study.outputs.matrix or study.pictures
+    replaced = {SWEEPS[one.vary].replaces for one in study.sweeps}
+    if others or len(replaced) != 1:
+        return
+    key = replaced.pop()
+    sensors = range(len(study.sensors)) if "*" in key else [0]
+    for one in [key.replace("*", str(i)) for i in sensors] if key else []:
+        value: Any = study
+        for step in one.split("."):
+            value = value[int(step)] if step.isdigit() else getattr(value, step)
+        if value is not None:
+            yield InputError(
+                one.rpartition(".")[2],
+                "must not be given where it varies",
+                value=value,
+                found=None,
+                remedy="omit it, or vary another thing",
+                setting=one,
+            )
+
+
+def without_idle_settings(study: Study) -> Study:
+    """A study that was checked with `KEEP_IDLE`, without the settings that have no effect.
+
+    Parameters
+    ----------
+    study
+        Of the page.
+
+    Examples
+    --------
+    >>> told = {"sensors": [{"name": "onyx-rgbw"}], "prior": "chart"}
+    >>> without_idle_settings(Study.model_validate(told, context=KEEP_IDLE)).prior
+    'chart-nir'
+    """
+    keys = [one.setting for one in (*_idle_priors(study), *_replaced_settings(study))]
+    keys += ["exposure.saturate"] if _shares_time(study.exposure) else []
+    if not keys:
+        return study
+    data = study.model_dump(by_alias=True, exclude_defaults=True)
+    for key in keys:
+        *path, last = key.split(".")
+        at: Any = data
+        for step in path:
+            at = at[int(step) if step.isdigit() else step]
+        at.pop(last, None)
+    return Study.model_validate(data)
 
 
 def study_schema() -> dict[str, Any]:

@@ -10,7 +10,9 @@ from dataclasses import dataclass, field
 from importlib import import_module
 from typing import Any
 
-from chromanoise import _notebook
+from chromanoise import _check, _notebook
+from chromanoise._check import Array
+from chromanoise._shapes import Float
 from chromanoise.analysis import (
     Analysis,
     CrossoverBand,
@@ -24,50 +26,26 @@ from chromanoise.analysis import (
     raw_snr_db,
 )
 from chromanoise.analysis.comparison.crossing import Crossover
-from chromanoise.analysis.tables import analyses_as_table, curves_as_table, matrix_as_table
+from chromanoise.analysis.comparison.ranking import (
+    MOST_PAIRS_SENSORS,
+    Lead,
+    Rank,
+    lead_sentences,
+    leading_crossovers,
+    leads_as_json,
+    ranking_as_json,
+)
+from chromanoise.analysis.export import ranking_of_analyses
+from chromanoise.analysis.tables import analyses_as_table, curves_as_table, matrices_as_table
 from chromanoise.color import ColorMatrix, ParetoCurve
-from chromanoise.exposure import OperatingPoint
+from chromanoise.errors import InputError
+from chromanoise.exposure import OperatingPoint, conditions
 from chromanoise.imaging.capture import Capture
-from chromanoise.io.table import Column, Table
+from chromanoise.io.table import Column, Table, number_text
 from chromanoise.io.table_formats import table_latex
 from chromanoise.metrics import MatrixReport
 from chromanoise.study.analyses import Outcome, outcomes_as_json
 from chromanoise.study.document import OutputsPart, Study
-
-_MOST_TIMES = 3
-
-
-def conditions(points: Sequence[OperatingPoint]) -> str:
-    """The operating point as text: light level, illuminant, exposure time and f-number.
-
-    Parameters
-    ----------
-    points
-        Sensors under the same light.
-
-    Examples
-    --------
-    >>> from chromanoise.study import operating_points_of, study_from_data
-    >>> study = study_from_data({"sensors": [{"name": "onyx-rgbw"}]}, source="")
-    >>> conditions(operating_points_of(study))
-    '10 lx, illuminant E, 11.94 ms, f/1.8'
-    """
-    first = points[0]
-    times_ms = [1e3 * one.exposure.time_s for one in points]
-    if len(set(times_ms)) == 1:
-        time = _duration(times_ms[0])
-    elif len(points) <= _MOST_TIMES:
-        pairs = zip(times_ms, points, strict=True)
-        time = ", ".join(f"{_duration(ms)} ({one.sensor.name})" for ms, one in pairs)
-    else:
-        time = f"{_duration(min(times_ms))} to {_duration(max(times_ms))}"
-    lens = f"f/{first.exposure.f_number:g}"
-    return f"{first.level_lux:g} lx, illuminant {first.illuminant.name}, {time}, {lens}"
-
-
-def _duration(ms: float) -> str:
-    """A time in ms, or in s if it exceeds 10 s."""
-    return f"{ms:.4g} ms" if ms < 9999.5 else f"{1e-3 * ms:.4g} s"
 
 
 class Result(ABC):
@@ -172,6 +150,11 @@ class Analyses(Result):
         """The stages of each sensor."""
         return tuple(outcome.analysis for outcome in self.outcomes)
 
+    @property
+    def ranking(self) -> tuple[Rank, ...]:
+        """The sensors from highest to lowest SNR of Y."""
+        return ranking_of_analyses(self.analyses)
+
     def raw_snr_db(self) -> dict[str, dict[str, float | None]]:
         """Raw SNR by sensor and channel (eq. 7); ``None`` where it is not defined. [dB]"""
         return {one.sensor.name: raw_snr_db(one) for one in self.analyses}
@@ -198,9 +181,9 @@ class Analyses(Result):
 
     def __repr__(self) -> str:
         """Sensors, SNR of Y and the operating point."""
-        snr = {name: values["Y"] for name, values in self.color_snr_db().items()}
+        snr = {one.sensor.label: color_snr_db(one)["Y"] for one in self.analyses}
         text = ", ".join(
-            f"{name} {'undefined' if y is None else f'{y:.1f} dB'}" for name, y in snr.items()
+            f"{label} {'undefined' if y is None else f'{y:.1f} dB'}" for label, y in snr.items()
         )
         return f"<Analyses: SNR Y {text} at {conditions(self.points)}>"
 
@@ -220,6 +203,8 @@ class MatrixResult:
         Electrons to XYZ. [lx/e-]
     report
         Color error, noise, condition.
+    white_e
+        Expected electrons of a perfect white. [e-]
     pareto
         The curve of color error against noise; ``None`` if not requested.
     """
@@ -227,7 +212,16 @@ class MatrixResult:
     point: OperatingPoint
     matrix: ColorMatrix
     report: MatrixReport
+    white_e: Float[Array, " p"]
     pareto: ParetoCurve | None
+
+    def __post_init__(self) -> None:
+        _check.freeze(self, "white_e")
+
+    @property
+    def white_lux(self) -> float:
+        """Y of a perfect white by this matrix. [lx]"""
+        return float(self.matrix.matrix[1] @ self.white_e)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -255,9 +249,10 @@ class Matrices(Result):
         }
 
     def to_table(self) -> Table:
-        """The matrix of the first sensor."""
-        one = self.results[0]
-        return matrix_as_table(one.matrix, one.report, one.point.sensor.name)
+        """One row per coordinate; of several sensors, per sensor and coordinate."""
+        return matrices_as_table(
+            [(one.point.sensor.label, one.matrix, one.report) for one in self.results]
+        )
 
     def plot(self, ax: Any = None) -> Any:
         """Draw color error against noise if that curve was requested, else the matrix as bars."""
@@ -266,7 +261,8 @@ class Matrices(Result):
     def __repr__(self) -> str:
         """Method, sensors and color error."""
         text = ", ".join(
-            f"{one.point.sensor.name} {_number(one.report.color_error_mean)} Delta E*ab"
+            f"{one.point.sensor.label} "
+            f"{number_text(one.report.color_error_mean, none='undefined')} Delta E*ab"
             for one in self.results
         )
         points = [one.point for one in self.results]
@@ -286,6 +282,10 @@ class Comparison(Result):
         Operating point of each sensor before the sweep.
     curves, crossovers, bands
         Per sensor and matrix; per pair of sensors; over all priors, if requested.
+    ranking
+        The sensors from best to worst at their operating points, per matrix.
+    leads
+        Where which sensor is the best of all, per matrix.
     equal, prior
         The exposure rule, and the training set of trained matrices.
     """
@@ -294,6 +294,8 @@ class Comparison(Result):
     curves: tuple[Curve, ...]
     crossovers: tuple[Crossover, ...]
     bands: tuple[CrossoverBand, ...]
+    ranking: tuple[Rank, ...]
+    leads: tuple[Lead, ...]
     equal: str
     prior: str
 
@@ -301,34 +303,58 @@ class Comparison(Result):
         """As ``chromanoise compare --json``."""
         data = comparison_as_json(self.curves, self.crossovers)
         return data | {
+            "observer": self.points[0].observer,
             "equal": self.equal,
             "prior": self.prior,
             "bands": bands_as_json(self.bands),
+            "ranking": ranking_as_json(self.ranking),
+            "leads": leads_as_json(self.leads),
         }
 
     def to_table(self) -> Table:
-        """One row per sensor, matrix and value of the sweep."""
+        """One row per value of the sweep, two columns per sensor and matrix."""
         return curves_as_table(self.curves)
+
+    @property
+    def shown_crossovers(self) -> tuple[Crossover, ...]:
+        """Of up to three sensors, all crossovers; of more, those at which the leader changes."""
+        if len(self.points) <= MOST_PAIRS_SENSORS:
+            return self.crossovers
+        return leading_crossovers(self.leads, self.crossovers)
+
+    @property
+    def shown_bands(self) -> tuple[CrossoverBand, ...]:
+        """The bands of the pairs of `shown_crossovers`; of up to three sensors, all."""
+        if len(self.points) <= MOST_PAIRS_SENSORS:
+            return self.bands
+        pairs = {(one.first, one.second, one.matrix) for one in self.shown_crossovers}
+        return tuple(one for one in self.bands if (one.first, one.second, one.matrix) in pairs)
+
+    @property
+    def shown_sentences(self) -> list[str]:
+        """The sentences on `shown_crossovers`; of more than three sensors, also on the leaders."""
+        many = len(self.points) > MOST_PAIRS_SENSORS
+        first = lead_sentences(self.leads) if many else []
+        return [*first, *(crossover_sentence(one) for one in self.shown_crossovers)]
 
     def plot(self, ax: Any = None) -> Any:
         """Draw the quantity over the parameter, one curve per sensor and matrix."""
         title = f"{self.curves[0].quantity.what}, from {conditions(self.points)}"
         return _figures().draw_comparison(
-            self.curves, _axes(ax), crossovers=self.crossovers, title=title
+            self.curves, _axes(ax), crossovers=self.shown_crossovers, title=title
         )
 
     def __repr__(self) -> str:
         """The quantity, the parameter and the operating point."""
         first = self.curves[0]
-        names = ", ".join(dict.fromkeys(curve.sensor for curve in self.curves))
+        names = ", ".join(dict.fromkeys(curve.label for curve in self.curves))
         return (
             f"<Comparison: {first.quantity.what} of {names} over {first.sweep.what}, from "
             f"{conditions(self.points)}>"
         )
 
     def _repr_html_(self) -> str:
-        notes = [crossover_sentence(one) for one in self.crossovers]
-        return self._html(f"From {conditions(self.points)}", notes)
+        return self._html(f"From {conditions(self.points)}", self.shown_sentences)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -371,7 +397,7 @@ class Pictures(Result):
             Column(name="above full well", digits=".2%"),
         )
         rows = [
-            (one["sensor"], one["matrix"], one["frame"], channel, one["time_ms"], mean, share)
+            (one["label"], one["matrix"], one["frame"], channel, one["time_ms"], mean, share)
             for one in self.summaries
             for channel, mean, share in zip(
                 one["mean_e"],
@@ -383,7 +409,20 @@ class Pictures(Result):
         return Table(title=f"Pictures of {self.cube}", columns=columns, rows=tuple(rows))
 
     def plot(self, ax: Any = None) -> Any:
-        """Draw the first picture."""
+        """Draw the first picture.
+
+        Raises
+        ------
+        InputError
+            If the pictures are in a folder.
+        """
+        if not self.captures:
+            raise InputError(
+                "folder",
+                "must not be given for a plot, which draws pictures in memory",
+                found=None,
+                remedy="omit it, or open the files",
+            )
         return _figures().draw_capture(self.captures[0], _axes(ax))
 
     def __repr__(self) -> str:
@@ -454,7 +493,3 @@ def _axes(ax: Any) -> Any:
     if ax is not None:
         return ax
     return import_module("matplotlib.pyplot").subplots(layout="constrained")[1]
-
-
-def _number(value: float | None) -> str:
-    return "undefined" if value is None else f"{value:.2f}"
