@@ -167,7 +167,7 @@ def input_files():
         "lamp.csv": curve_csv(["power"], lambda w, i: f"{w / 500}"),
         "filter.csv": curve_csv(["filter"], lambda w, i: f"{0.9 if w < 660 else 0.02}"),
         "pixel.txt": b"K = 0.5 DN/e-\nsigma_d [e-] = 2.4\nmu_e.sat: 9000 e-\npixel pitch = 3 um\n",
-        "mix.csv": b"to,R,G,B\nR,0.9,0.05,0\nG,0.1,0.9,0.1\nB,0,0.05,0.9\n",
+        "mix.csv": b"to,R,G,B\nR,0.9,0.05,0\nG,0.05,0.9,0.05\nB,0,0.05,0.9\n",
         "cube.npy": npy(np.full((4, 5, 14), 0.4, np.float32)),
         "study.toml": STARTER.encode(),
         "é.csv": curve_csv("RGB", lambda w, i: f"{0.3 / (1 + i)}"),

@@ -89,7 +89,7 @@ FILES = {
     "filter.csv": columns("wavelength_nm,transmittance", 1050, lambda w: 0.9 if w < 680 else 0.01),
     "pixel.txt": "K = 0.5 DN/e-\nsigma_d [e-] = 2.4\nmu_e.sat: 9000 e-\npixel pitch = 3 um\n"
     "dark current = 40 e-/s\nDSNU = 3 e-\nPRNU = 1 %\nbits = 12\n",
-    "mix.csv": "to,R,G,B\nR,0.9,0.05,0\nG,0.1,0.9,0.1\nB,0,0.05,0.9\n",
+    "mix.csv": "to,R,G,B\nR,0.9,0.05,0\nG,0.05,0.9,0.05\nB,0,0.05,0.9\n",
     "kernel.csv": "0,0.02,0\n0.02,0.9,0.03\n0,0.03,0\n",
 }
 

@@ -25,8 +25,17 @@ NM = range(400, 1051, 10)
 QE = {"level": "absolute", "per": "photon"}
 EVERY_KEY = {
     "light": {"illuminant": "l"},
-    "sensors": [{"name": "s", "filter": "f", "pixel": {"file": "p"}}, {"name": "t"}],
+    "sensors": [
+        {"name": "s", "filter": "f", "pixel": {"file": "p"}, "crosstalk": "x"},
+        {"name": "t", "crosstalk": 0.1},
+    ],
+    "matrices": ["kernel", "m.csv"],
     "pictures": [{"cube": "c"}, {"cube": "d"}],
+}
+PIXEL = {
+    **{"dark_current_e_per_s": 40.0, "temperature_c": 45.0, "dark_reference_c": 20.0},
+    **{"dark_doubling_k": 6.0, "dsnu_e": 3.0, "prnu": 0.01, "row_noise_e": 2.0},
+    **{"black_error_e": 4.0, "bits": 10, "gain_dn_per_e": 0.2},
 }
 
 
@@ -94,24 +103,29 @@ def test_every_key_that_may_name_a_file_is_listed_and_can_be_told_otherwise():
         "sensors.0.name": "s",
         "sensors.0.filter": "f",
         "sensors.0.pixel.file": "p",
+        "sensors.0.crosstalk": "x",
         "sensors.1.name": "t",
+        "matrices.1": "m.csv",
         "pictures.0.cube": "c",
         "pictures.1.cube": "d",
     }
     other = with_file_words(study, lambda one: one.word.upper())
-    assert {one.word for one in file_words(other)} == set("LSFPTCD")
+    assert {one.word for one in file_words(other)} == {*"LSFPXTCD", "M.CSV"}
 
 
 @pytest.mark.parametrize("name", ["/etc/passwd", "../own.csv", "~/own.csv", "/dev/zero", "/etc"])
 def test_no_key_of_a_link_opens_a_file_of_its_own(answers, name):
     study = {
         "light": {"illuminant": name},
-        "sensors": [{"name": name, "filter": name, "pixel": {"file": name}}],
+        "sensors": [
+            {"name": name, "filter": name, "pixel": {"file": name}, "crosstalk": name},
+        ],
+        "matrices": [f"{name}.json"],
         "pictures": [{"cube": name}],
     }
     for act in (answers.answer, answers.texts):
         told = faults_of(act, {"study": study})
-        assert len(told) == 5
+        assert len(told) == 7
         assert all("drop the file" in sentence for sentence in told.values())
 
 
@@ -158,6 +172,49 @@ def test_a_served_lamp_stays_when_the_diode_beside_it_is_moved(uploads, tmp_path
 
 
 # ---- what is copied, and its hash ----
+
+
+def test_a_study_with_all_noise_of_a_pixel_is_answered_and_its_copies_keep_it(answers):
+    noisy = {"crosstalk": 0.1, "crosstalk_stage": "charge", "mosaic": "bayer"}
+    study = {"sensors": [{"name": "onyx-rgb", "pixel": PIXEL, **noisy}]}
+    head, plain = (
+        asked(answers, one, "stages")["parts"]["stages"]["sensors"][0]
+        for one in (study, {"sensors": [{"name": "onyx-rgb"}]})
+    )
+    assert head["color"]["Y"] < plain["color"]["Y"] - 2
+    told = answers.texts({"study": study})
+    copied = study_from_text(told["toml"], source="a test").sensors[0]
+    assert copied.pixel.model_dump(exclude_none=True) == PIXEL
+    assert copied.model_dump(include=set(noisy)) == noisy
+    for name, value in (PIXEL | noisy).items():
+        assert f"{name}={json.dumps(value)}" in told["python"]
+        assert f"--{name.replace('_', '-')} {value}" in told["command"]
+
+
+def test_served_files_of_crosstalk_and_matrix_are_read_and_read_again(uploads, tmp_path, done):
+    mix, path = tmp_path / "mix.csv", tmp_path / "s.toml"
+    mix.write_text("R,G,B\n0.9,0.05,0\n0.05,0.9,0.05\n0,0.05,0.9\n")
+    made = (tmp_path / "made.csv", "onyx-rgb", "--time-ms", 10, "--export")
+    done("matrix", *made[1:], made[0])
+    path.write_text(
+        '[[sensors]]\nname = "onyx-rgb"\ncrosstalk = "mix.csv"\n[exposure]\ntime_ms = 10\n'
+    )
+    path.write_text('matrices = ["made.csv"]\n' + path.read_text())
+    told, answers, _ = serving(uploads, path)
+
+    def snr_db():
+        (sensor,) = asked(answers, told, "stages")["parts"]["stages"]["sensors"]
+        return sensor["raw"]["R"], sensor["color"]["Y"]
+
+    first = snr_db()
+    done("matrix", *made[1:], made[0], "--method", "lmmse")
+    second = snr_db()
+    mix.write_text("R,G,B\n0.7,0,0\n0.1,1,0.1\n0,0,0.7\n")
+    third = snr_db()
+    assert first[0] == second[0] > third[0]
+    assert first[1] != pytest.approx(second[1], abs=0.01)
+    mix.unlink()
+    assert "mix.csv" in faults_of(answers.answer, {"study": told})["sensors.0.crosstalk"]
 
 
 def test_the_name_of_a_dropped_file_is_quoted_in_a_copied_command(uploads, answers):

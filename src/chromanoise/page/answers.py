@@ -11,7 +11,7 @@ from chromanoise.errors import InputError
 from chromanoise.exposure import OperatingPoint
 from chromanoise.page.cache import Remembered
 from chromanoise.page.requests import QuestionError, field, malformed, page_sentence
-from chromanoise.page.studies import Studies, labeled, spoken
+from chromanoise.page.studies import Studies, labeled, spoken, stamps_of
 from chromanoise.page.uploads import Upload
 from chromanoise.study import OutputsPart, Study, study_as_command, study_as_python, study_as_toml
 
@@ -91,7 +91,7 @@ class Answers:
         words = "" if part == "sensitivities" else study.model_dump_json(exclude=_BESIDE)
         try:
             return self._parts.of(
-                (part, looked, nouns, words),
+                (part, looked, nouns, words, stamps_of(study, "matrices.")),
                 lambda: self._drawn(part, study, operating_points, look),
             )
         except InputError as error:  # not remembered: sensitivities have the key of other studies
@@ -106,6 +106,7 @@ class Answers:
         key: Hashable = (
             study.model_dump_json(exclude=_BESIDE),
             *((one.sensor, one.illuminant) for one in operating_points),
+            stamps_of(study, "matrices."),
         )
         seen = self._shown.of(key, lambda: shown(study, operating_points=operating_points))
         return json.dumps(drawing(part, seen, look), allow_nan=False)
