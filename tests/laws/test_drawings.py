@@ -743,7 +743,7 @@ def test_a_pixel_of_a_hundredth_of_the_area_loses_20_db_for_photons_and_the_verd
 )
 @pytest.mark.parametrize("illuminant", ["E", "A"])
 def test_the_reasons_that_are_told_reach_the_gap(names, illuminant):
-    first, why, _ = drawing(
+    first, why, *_ = drawing(
         "head", shown(fast_study(*names, light={"illuminant": illuminant, "level_lux": 1.0}))
     )["verdict"]
     ours, theirs = re.search(r"SNR of Y (-?[\d.]+) against (-?[\d.]+) dB", first).groups()
@@ -761,7 +761,7 @@ def test_what_a_sensor_alone_loses_below_its_raw_channels_is_not_what_they_lack_
     name, matrix, illuminant, level_lux
 ):
     light = {"illuminant": illuminant, "level_lux": level_lux}
-    (told,) = verdict_sentences(shown(fast_study(name, light=light, matrices=[matrix])).analyses)
+    told, *_ = verdict_sentences(shown(fast_study(name, light=light, matrices=[matrix])).analyses)
     assert "read noise" not in told
     assert "-0.0" not in told
     price = float(re.search(r"SNR, ([\d.]+) dB below", told)[1])

@@ -108,7 +108,9 @@ def test_a_sensor_file_gives_its_own_channels_and_the_pixel_that_is_asked_for(ru
         for text in (small, large)
     ]
     np.testing.assert_allclose(electrons[1] / electrons[0], 4.0, rtol=1e-12)
-    assert any("full_well_e" in note for note in json.loads(small)["sensors"][0]["notes"])
+    (note,) = [n for n in json.loads(small)["sensors"][0]["notes"] if "full well" in n]
+    assert "10000 e-, 10 e-" in note
+    assert "pitch" not in note
 
 
 def test_a_channel_that_repeats_another_is_an_answer_with_a_diagnosis(run, tmp_path):

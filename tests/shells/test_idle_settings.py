@@ -8,7 +8,7 @@ from pydantic import ValidationError
 import chromanoise as cn
 from chromanoise.errors import errors_in
 from chromanoise.page.answers import Answers
-from chromanoise.page.services import Desk
+from chromanoise.page.services import Services
 from chromanoise.page.studies import Studies
 from chromanoise.page.uploads import Uploads
 from chromanoise.study import (
@@ -143,7 +143,7 @@ def test_the_page_keeps_what_another_control_put_out_of_effect():
         assert told["hash"] == study_hash(copied)
         # the initial study has all defaults
         served = study_as_json(cn.study_from_data({"sensors": ONE, "exposure": {"time_ms": 3.0}}))
-        assert Desk(uploads, study=served)
+        assert Services(uploads, study=served)
         assert json.loads(answers.answer({"study": served, "want": []}))["parts"] == {}
     finally:
         uploads.close()

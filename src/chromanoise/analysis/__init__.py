@@ -98,6 +98,13 @@ if TYPE_CHECKING:
         PRIORS,
         Prior,
     )
+    from chromanoise.analysis.total_error import (
+        TotalError,
+        better_matrix,
+        mean_total_error,
+        total_error_of,
+        total_errors,
+    )
 
 __all__ = [
     "DEFAULT_METHOD",
@@ -122,11 +129,13 @@ __all__ = [
     "Quantity",
     "Stages",
     "Sweep",
+    "TotalError",
     "Viewing",
     "analyses_as_json",
     "analyzed",
     "band_sentence",
     "bands_as_json",
+    "better_matrix",
     "budgets_as_json",
     "chart_as_json",
     "chart_noise",
@@ -150,6 +159,7 @@ __all__ = [
     "matrix_as_json",
     "matrix_makers",
     "mean_color_error",
+    "mean_total_error",
     "merits_as_json",
     "merits_of",
     "missing_lab_budgets",
@@ -159,6 +169,8 @@ __all__ = [
     "raw_snr_db",
     "stages_at",
     "swept_values",
+    "total_error_of",
+    "total_errors",
     "trained_names",
     "white_snr_db",
 ]

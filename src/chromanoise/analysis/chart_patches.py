@@ -23,7 +23,7 @@ from chromanoise.color import (
     relative_sd_error,
 )
 from chromanoise.metrics import chart_ciede2000, chart_color_error, signal_snr_db
-from chromanoise.noise import Readout
+from chromanoise.noise import Readout, demand_independent_channels
 from chromanoise.spectra import colorchecker
 
 _POINTS = 2**13  # per patch: standard deviations are accurate to 0.05 %
@@ -74,7 +74,8 @@ def chart_noise(analysis: Analysis, *, readout: Readout = UNBOUNDED) -> ChartNoi
     Raises
     ------
     InputError
-        If the grid extends beyond 400-1050 nm, the range of the chart's data.
+        If the grid extends beyond 400-1050 nm, the range of the chart's data, or crosstalk after
+        counting correlates the channels.
     """
     sensor, exposure, matrix = analysis.sensor, analysis.exposure, analysis.matrix
     lamp = analysis.scene.illuminant
@@ -83,6 +84,7 @@ def chart_noise(analysis: Analysis, *, readout: Readout = UNBOUNDED) -> ChartNoi
     no_color = None in color_snr_db(analysis).values()
     if no_color or errors is None or newer is None:
         return None
+    demand_independent_channels(sensor)
     chart = colorchecker(sensor.grid)
     at = stages_at(analysis.point, matrix, reflectance=chart.values.T, readout=readout)
     color = noisy_color_at(at, matrix.matrix @ analysis.expected_e)

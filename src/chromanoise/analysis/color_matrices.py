@@ -277,16 +277,18 @@ def given_color_matrix(
                 value=float(electrons),
                 found=f"collects nothing in {operating_point.illuminant.name}",
             )
-    if given.kind == "from-xyz":
-        neutral = values @ (white_lux / white_lux[1])
-        if not (neutral > 0).all():
+    if given.kind == "from-xyz":  # camera values are raw electrons, up to one factor
+        to_xyz = pinv(f"matrix of {given.source}", values)
+        luminance = float(to_xyz[1] @ white_e)
+        if not luminance > 0:
             raise InputError(
                 f"matrix of {given.source}",
-                "must give the white of this light a value above 0 in every channel",
-                value=neutral.tolist(),
+                "must give a perfect white in this light a luminance above 0",
+                value=luminance,
             )
-        values = pinv(f"matrix of {given.source}", values) * neutral
-    elif given.target == "sRGB":
+        made_by = f"given in {given.source}"
+        return replace(frame, matrix=to_xyz * (white_lux[1] / luminance), made_by=made_by)
+    if given.target == "sRGB":
         to_rgb = linear_srgb(np.eye(3), white_lux / white_lux[1]).T
         values = inv("sRGB of this white", to_rgb) @ values
     return replace(

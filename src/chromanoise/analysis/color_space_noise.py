@@ -26,7 +26,7 @@ from chromanoise.color import (
     propagate,
     relative_sd_error,
 )
-from chromanoise.noise import Readout
+from chromanoise.noise import Readout, demand_independent_channels
 
 GRAY = 0.18
 """Reflectance of the gray card."""
@@ -84,9 +84,15 @@ def gray_noise(
         Of the gray. [1]
     readout
         Clipping and rounding of the values; ``None`` for none. The white is never clipped.
+
+    Raises
+    ------
+    InputError
+        If crosstalk after counting correlates the channels.
     """
     if None in color_snr_db(analysis).values():
         return None
+    demand_independent_channels(analysis.sensor)
     gray = stages_at(analysis.point, analysis.matrix, reflectance=reflectance, readout=readout)
     color = noisy_color_at(gray, analysis.matrix.matrix @ analysis.expected_e)
     trusted, rough, normal = (

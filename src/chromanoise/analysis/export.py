@@ -18,6 +18,7 @@ from chromanoise.analysis.analysis import (
 from chromanoise.analysis.budgets import color_budgets, contravariant_budgets, lab_budgets
 from chromanoise.analysis.comparison.crossing import Crossover, crossover_as_json
 from chromanoise.analysis.comparison.curves import Curve
+from chromanoise.analysis.total_error import mean_total_error
 from chromanoise.analysis.undefined import defined
 from chromanoise.metrics import Budget
 
@@ -92,6 +93,7 @@ def _analysis(analysis: Analysis) -> dict[str, Any]:
         "color": {
             "snr_db": color_snr_db(analysis),
             "temporal_snr_db": temporal_color_snr_db(analysis),
+            "total_error_delta_e": mean_total_error(analysis),
             "mean_lux": _named(axes, analysis.color.mean),
             "covariance_lux2": analysis.color.covariance.tolist(),
         },

@@ -19,6 +19,7 @@ from chromanoise.noise import (
     Measurement,
     Moments,
     Readout,
+    demand_independent_channels,
     noise_sources,
     raw_measurement,
     saturated,
@@ -183,7 +184,8 @@ def stages_at(
     Raises
     ------
     InputError
-        As `electrons_at`, or if there is not one matrix per level.
+        As `electrons_at`, if there is not one matrix per level, or if a readout is given and
+        crosstalk after counting correlates the channels.
     """
     levels = None if level_lux is None else _check.non_negative("level_lux", "lx", level_lux)
     if lux_per_e is not None:
@@ -193,6 +195,7 @@ def stages_at(
     expected = _at_levels(expected_electrons(scene, point.sensor, point.exposure), levels)
     clipping = None
     if readout is not None:
+        demand_independent_channels(point.sensor)
         noise = noise_sources(point.sensor, point.exposure)
         clipping = sensor_moments(expected, noise, readout)
     return Stages(
@@ -212,6 +215,8 @@ def stages_at(
 
 def noisy_color_at(stages: Stages, white: Float[Array, " 3"]) -> NoisyColor:
     """The colors of the patches with their electron counts, for `chromanoise.color.propagate`.
+
+    Its exact method needs independent channels (`demand_independent_channels`).
 
     Parameters
     ----------

@@ -9,6 +9,7 @@ from chromanoise.analysis.analysis import (
     mean_color_error,
 )
 from chromanoise.analysis.comparison.curves import Curve
+from chromanoise.analysis.total_error import mean_total_error
 from chromanoise.analysis.undefined import defined
 from chromanoise.color import ColorMatrix
 from chromanoise.errors import InputError
@@ -37,6 +38,7 @@ def analyses_as_table(analyses: Sequence[Analysis]) -> Table:
         Column(name="color SNR loss", unit="dB", digits=".1f"),
         Column(name="condition", digits=".4g"),
         Column(name="color error", unit="Delta E*ab", digits=".2f"),
+        Column(name="total color error", unit="Delta E*ab", digits=".2f"),
     )
     return Table(
         title="SNR of color",
@@ -156,4 +158,5 @@ def _analysis_row(analysis: Analysis) -> tuple[Entry, ...]:
         analysis.color_snr_loss_db,
         defined(analysis.matrix.frame.condition),
         mean_color_error(analysis),
+        mean_total_error(analysis),
     )

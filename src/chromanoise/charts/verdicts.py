@@ -8,10 +8,13 @@ import numpy as np
 from chromanoise import _check
 from chromanoise.analysis.analysis import Analysis, color_snr_db, mean_color_error, raw_snr_db
 from chromanoise.analysis.budgets import coordinate_budget
+from chromanoise.analysis.total_error import better_matrix, mean_total_error, total_error_of
 from chromanoise.charts.charted_study import saturation_sentence
 from chromanoise.exposure import conditions
 from chromanoise.metrics import Budget
 from chromanoise.metrics.budget import CORRELATION, FILTERS, INFRARED, READ_NOISE, REST, WEIGHTS
+from chromanoise.metrics.budget_chain import CROSSTALK
+from chromanoise.noise.sources import DARK, DSNU, PRNU, QUANTIZATION, ROW
 
 _TIE_DB = 0.05  # differences below one decimal
 _WORTH_DB = 0.3  # least loss of a cause that is reported
@@ -21,6 +24,12 @@ _WHY = {
     CORRELATION: "unmixing correlated channels",
     INFRARED: "infrared noise (minus the infrared that adds to Y)",
     FILTERS: "light absorbed by filters",
+    DARK: "shot noise of the dark current",
+    QUANTIZATION: "quantization",
+    ROW: "row noise",
+    DSNU: "fixed-pattern noise in the dark (DSNU)",
+    PRNU: "fixed-pattern noise (PRNU)",
+    CROSSTALK: "crosstalk",
 }
 _PHOTONS = "photons"
 _BELOW_THE_BOUND = (WEIGHTS, CORRELATION, INFRARED)  # the bound is that of the noisy channels
@@ -53,6 +62,7 @@ def verdict_sentences(analyses: Sequence[Analysis], *, equal: str = "exposure") 
     _check.one_of("terms of a comparison", equal, tuple(_TERMS))
     sentences = [sentence for a in analyses if (sentence := _left_out(a))]
     able = [a for a in analyses if _left_out(a) is None]
+    sentences += [sentence for a in able if (sentence := _too_noisy(a))]
     if len(able) == 1:
         sentences.insert(0, _alone(able[0], _setting(analyses, equal)))
     if len(able) < 2:
@@ -142,9 +152,9 @@ def _reason(cause: str, loss_db: float, winner_db: float, winner: str) -> str:
 
 
 def _colors(able: Sequence[Analysis]) -> str:
-    found = [(a.sensor.name, mean_color_error(a)) for a in able]
-    errors = ", ".join(f"{name} {'none' if e is None else f'{e:.1f}'}" for name, e in found)
-    return f"Mean color error without noise, Delta E*ab: {errors}."
+    errors = ", ".join(f"{a.sensor.name} {_delta_e(mean_color_error(a))}" for a in able)
+    sums = ", ".join(f"{a.sensor.name} {_delta_e(mean_total_error(a))}" for a in able)
+    return f"Mean color error, Delta E*ab: without noise {errors}; with noise {sums}."
 
 
 def _costs(budget: Budget | None) -> dict[str, float]:
@@ -212,5 +222,24 @@ def _loss_db(analysis: Analysis) -> float:
 
 
 def _error(analysis: Analysis) -> str:
-    error = mean_color_error(analysis)
-    return "no mean color error" if error is None else f"mean color error {error:.1f} Delta E*ab"
+    error, total = mean_color_error(analysis), mean_total_error(analysis)
+    if error is None:
+        return "no mean color error"
+    return f"mean color error {error:.1f} Delta E*ab, {_delta_e(total)} with noise"
+
+
+def _delta_e(error: float | None) -> str:
+    return "none" if error is None else f"{error:.1f}"
+
+
+def _too_noisy(analysis: Analysis) -> str | None:
+    """Where noise exceeds `NOISY_DELTA_E`: the matrix that has less total color error."""
+    better, own = better_matrix(analysis), total_error_of(analysis)
+    if better is None or own is None:
+        return None
+    name, error = better
+    return (
+        f"{analysis.sensor.name}: the noise of colors is {own.noise.mean():.0f} Delta E*ab. The "
+        f"matrix {name} reduces the total color error from {own.total.mean():.0f} to {error:.0f} "
+        "Delta E*ab."
+    )

@@ -47,11 +47,14 @@ _WRITERS: dict[str, Callable[[MadeMatrix], str]] = {
 @shared_options
 @closed_form_options
 @click.option(
+    "--matrix",
     "--method",
+    "method",
     default=DEFAULT_METHOD,
     show_default=True,
-    metavar="NAME[=VALUE]",
-    help=f"Method of the matrix: {known_matrices()}; lmmse gives one per light level.",
+    metavar="NAME[=VALUE]|FILE",
+    help=f"Method of the matrix: {known_matrices()}; lmmse gives one per light "
+    "level; or a file: CSV, JSON, CLF, DNG, DCP.",
 )
 @prior_option
 @click.option(

@@ -15,6 +15,7 @@ from chromanoise.analysis import (
     diagnosis,
     lab_budgets,
     mean_color_error,
+    mean_total_error,
     missing_lab_budgets,
     raw_snr_db,
 )
@@ -93,6 +94,7 @@ def print_analyses(analyses: Iterable[Analysis]) -> None:
         "color SNR loss dB",
         "condition",
         "Delta E*ab",
+        "total Delta E*ab",
     ):
         color.add_column(head, justify="left" if head == "sensor" else "right")
     notes: list[str] = []
@@ -326,6 +328,7 @@ def _add_color(table: Table, analysis: Analysis) -> None:
         number_text(analysis.color_snr_loss_db),
         f"{analysis.matrix.frame.condition:.3g}",
         number_text(mean_color_error(analysis), ".1f"),
+        number_text(mean_total_error(analysis), ".1f"),
     )
 
 

@@ -84,11 +84,10 @@ def _matrix(
 ) -> Crosstalk:
     head, body = rows[0], rows[1:]
     labeled = len(head) == len(names) + 1 and head[0] not in names
-    columns = head[1:] if labeled or (body and len(body[0]) == len(head) + 1) else head
+    columns = head[1:] if labeled else head
     has_labels = bool(body) and not _are_numbers(body[0][:1])
     lines = [row[0] for row in body] if has_labels else list(columns)
     cells = [row[1:] if has_labels else row for row in body]
-    columns = columns if has_labels or not labeled else head[1:]
     for what, given in (("columns", columns), ("rows", lines)):
         if sorted(given) != sorted(names):
             raise InputError(

@@ -247,50 +247,60 @@ def chain_snrs_db(chain: Chain, sets: Sequence[Switches]) -> Float[Array, " s"]:
         own = channels.row if unmixed else channels.single_row
         row = own if weights else None
         coupling = chain.coupling if before is None else None
-        added = np.stack([_added_e2(chain.noise, seen.noise_e, sets[i]) for i in rows])
-        result[rows] = _snrs_db(seen, row, added, coupling, chain.noise, [sets[i] for i in rows])
+        result[rows] = _snrs_db(seen, row, coupling, chain.noise, [sets[i] for i in rows])
     return result
 
 
-def _added_e2(noise: NoiseSources, mean_e: Float[Array, " p"], on: Switches) -> Float[Array, " p"]:
-    """Variance of the noise sources that are switched on, shot noise of the light not included."""
+def _added_e2(
+    noise: NoiseSources,
+    mean_e: Float[Array, " p"],
+    sets: Sequence[Switches],
+    names: Sequence[str] = (READ_NOISE, *MORE_NOISE),
+) -> Float[Array, "s p"]:
+    """Variance of the sources ``names`` that each set switches on, without shot noise. [e-^2]"""
     values = noise.by_source(mean_e)
-    return sum((values[name] for name in (READ_NOISE, *MORE_NOISE) if name in on), 0.0 * mean_e)
+    on = np.array([[name in each for name in names] for each in sets])
+    return (on[..., None] * np.stack([values[name] for name in names])).sum(axis=1)
 
 
 def _snrs_db(
     seen: Seen,
     row: Float[Array, " p"] | None,
-    added: Float[Array, "s p"],
     coupling: Float[Array, "p p"] | None,
     noise: NoiseSources,
     sets: Sequence[Switches],
 ) -> Float[Array, " s"]:
     """SNR of a row, or of the best linear readout where it is ``None``. [dB]"""
     if coupling is not None:
-        return np.array([_coupled_snr_db(seen, row, coupling, noise, on) for on in sets])
-    variance = seen.noise_e + added
+        return _coupled_snrs_db(seen, row, coupling, noise, sets)
+    variance = seen.noise_e + _added_e2(noise, seen.noise_e, sets)
     rows = seen.sought_e / np.where(variance > 0, variance, 1.0) if row is None else row[None]
     signal = np.abs(rows @ seen.signal_e)
     return np.asarray(decibel(signal / np.sqrt((rows**2 * variance).sum(axis=1))))
 
 
-def _coupled_snr_db(
+def _coupled_snrs_db(
     seen: Seen,
     row: Float[Array, " p"] | None,
     coupling: Float[Array, "p p"],
     noise: NoiseSources,
-    on: Switches,
-) -> float:
+    sets: Sequence[Switches],
+) -> Float[Array, " s"]:
     """The same with crosstalk after counting, which correlates the readings. [dB]"""
     counted = np.maximum(inv("crosstalk", coupling) @ seen.noise_e, 0.0)
-    readout = frozenset({READ_NOISE, QUANTIZATION, ROW})
-    inside = counted + _added_e2(noise, counted, on - readout)
-    after = _added_e2(noise, counted, on & readout)
-    covariance = congruence(coupling, np.diag(inside)) + np.diag(after)
+    inside = counted + _added_e2(noise, counted, sets, (DARK, DSNU, PRNU))
+    after = _added_e2(noise, counted, sets, (READ_NOISE, QUANTIZATION, ROW))
     if row is None:
-        row = pinv("noise with crosstalk", covariance) @ seen.sought_e
-    return float(decibel(np.asarray(abs(row @ seen.signal_e) / np.sqrt(row @ covariance @ row))))
+        covariance = congruence(coupling, _diagonal(inside)) + _diagonal(after)
+        rows = pinv("noise with crosstalk", covariance) @ seen.sought_e
+    else:
+        rows = row[None]
+    variance = ((rows @ coupling) ** 2 * inside + rows**2 * after).sum(axis=1)
+    return np.asarray(decibel(np.abs(rows @ seen.signal_e) / np.sqrt(variance)))
+
+
+def _diagonal(variance: Float[Array, "s p"]) -> Float[Array, "s p p"]:
+    return variance[..., None] * np.eye(variance.shape[-1])
 
 
 def chain_budget(

@@ -17,6 +17,7 @@ from chromanoise.noise.sampling import clipped_at_well, sample_electrons
 from chromanoise.noise.sources import (
     NoiseKind,
     NoiseSources,
+    demand_independent_channels,
     noise_sources,
     raw_covariance,
     saturated,
@@ -34,6 +35,7 @@ __all__ = [
     "clipped_at_well",
     "clipped_measurement",
     "counted_readout",
+    "demand_independent_channels",
     "expectation",
     "monte_carlo",
     "noise_sources",

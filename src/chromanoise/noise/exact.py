@@ -12,7 +12,11 @@ from chromanoise.exposure import Exposure
 from chromanoise.noise.counts import count_window, over_counts, over_counts_each
 from chromanoise.noise.gaussian import FARTHEST, coded_moments, held_moments
 from chromanoise.noise.measurement import Measurement
-from chromanoise.noise.sources import NoiseSources, noise_sources
+from chromanoise.noise.sources import (
+    NoiseSources,
+    demand_independent_channels,
+    noise_sources,
+)
 from chromanoise.sensor import Sensor
 
 _WIDE = 1.5  # read noise per step above which rounding adds step^2 / 12: exp(-2 pi^2 1.5^2) = 5e-20
@@ -270,12 +274,13 @@ def clipped_measurement(
     Raises
     ------
     InputError
-        As `sensor_moments` and `noise_sources`.
+        As `sensor_moments`, `noise_sources` and `demand_independent_channels`.
 
     Notes
     -----
     Channels are independent, so the covariance is diagonal. Near a bound the ratio of this mean to
     this standard deviation is not an SNR: check the clipped shares of `sensor_moments`.
     """
+    demand_independent_channels(sensor)
     moments = sensor_moments(mean_e, noise_sources(sensor, exposure), readout)
     return raw_measurement(moments, sensor.names)

@@ -110,7 +110,7 @@ def monte_carlo(
         means = np.broadcast_to(mean_e, (count, mean_e.size))
         raw = sample_electrons(means, pixel, rng, noise=noise)
         if clip:
-            raw, hit = clipped_at_well(raw, pixel)
+            raw, hit = clipped_at_well(raw, pixel, noise=noise)
             clipped += hit.sum(axis=0)
             any_clipped += int(hit.any(axis=1).sum())
         deviation = raw @ matrix.T - expected

@@ -62,8 +62,21 @@ def sample_electrons(
 
 
 def clipped_at_well(
-    electrons: Float[Array, "*px p"], pixel: Pixel
+    electrons: Float[Array, "*px p"], pixel: Pixel, *, noise: NoiseSources | None = None
 ) -> tuple[Float[Array, "*px p"], Bool[Array, "*px p"]]:
-    """Electrons clipped to 0 and full well, and a mask of the clipped ones."""
-    held = np.clip(electrons, 0.0, pixel.full_well_e)
+    """Electrons clipped to 0 and full well, and a mask of the clipped ones.
+
+    Parameters
+    ----------
+    electrons
+        Of `sample_electrons`, the mean dark signal subtracted. [e-]
+    pixel
+        The pixel, for its full well, which dark electrons fill too.
+    noise
+        As `sample_electrons`.
+    """
+    most = pixel.full_well_e
+    if noise is not None:
+        most += noise.black_error_e - noise.dark_e
+    held = np.clip(electrons, 0.0, most)
     return held, held != electrons

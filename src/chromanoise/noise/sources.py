@@ -26,7 +26,7 @@ from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._linalg import congruence, inv
 from chromanoise._shapes import Bool, Float
-from chromanoise.errors import InputError
+from chromanoise.errors import InputError, Setting
 from chromanoise.exposure import Exposure
 from chromanoise.noise.measurement import Measurement
 from chromanoise.sensor import Crosstalk, Pixel, Sensor, quantization_step_e
@@ -195,6 +195,26 @@ def noise_sources(sensor: Sensor, exposure: Exposure | None = None) -> NoiseSour
         prnu=pixel.prnu,
         black_error_e=pixel.black_error_e,
     )
+
+
+def demand_independent_channels(sensor: Sensor) -> None:
+    """Check that no crosstalk after counting correlates the channels.
+
+    Clipped values and the exact distribution are computed channel by channel.
+
+    Raises
+    ------
+    InputError
+        If it does.
+    """
+    if sensor.crosstalk is not None and sensor.crosstalk.stage == "charge":
+        raise InputError(
+            "crosstalk_stage",
+            "must be light where values are clipped or noise comes from its exact distribution",
+            value=sensor.crosstalk.stage,
+            found=f"crosstalk after counting correlates the channels of {sensor.name}",
+            remedy=Setting("crosstalk_stage", ("light",)),
+        )
 
 
 def raw_covariance(

@@ -22,7 +22,7 @@ STUDY: dict[str, Any] = {
 """The default study: the paper's comparison."""
 
 
-class Desk:
+class Services:
     """Answers, pictures and previews of one server.
 
     Parameters

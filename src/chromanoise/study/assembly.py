@@ -287,7 +287,7 @@ def _with_crosstalk(sensor: Sensor, part: SensorPart, key: str) -> Sensor:
                     "must be given only with crosstalk",
                     value=getattr(part, name),
                     found="there is none",
-                    remedy=(Setting(f"{key}.crosstalk"), f"omit {name}"),
+                    remedy=(Setting(f"{key}.crosstalk"), "omit it"),
                     setting=f"{key}.{name}",
                 )
         return sensor

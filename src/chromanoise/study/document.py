@@ -204,7 +204,7 @@ class SensorPart(_Part):
         None, description="Unit of the wavelengths, where the filter's file does not declare it."
     )
     negatives: Negatives = Field("refuse", description=_NEGATIVES)
-    crosstalk: Annotated[float, Field(ge=0, le=1)] | str | None = Field(
+    crosstalk: float | str | None = Field(
         None,
         description="Share of the light of a pixel that ends in its four neighbors, or a file: a "
         "table with one row and column per channel, or a kernel of neighbors without names.",
@@ -223,6 +223,16 @@ class SensorPart(_Part):
     shift_nm: Annotated[float, Field(ge=-200, le=200)] = Field(
         0.0, description="Shift of all curves in wavelength, positive towards red [nm]."
     )
+
+    @field_validator("crosstalk", mode="before")
+    @classmethod
+    def _share_or_file(cls, given: Any) -> Any:
+        """Give one error message; the schema alone would give one for each type of value."""
+        if isinstance(given, int | float) and not isinstance(given, bool):
+            return _check.within("crosstalk", "1", float(given), 0.0, 1.0)
+        if given is None or isinstance(given, str):
+            return given
+        raise ValueError("must be a share from 0 to 1, or the name of a file")
 
 
 class ExposurePart(_Part):

@@ -1,0 +1,429 @@
+"""Crosstalk: what raw SNR hides and color pays, and a tile of pixels that knows no matrix."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import chromanoise as cn
+from chromanoise.analysis import analyzed, chart_noise, gray_noise
+from chromanoise.catalog import sensor_named
+from chromanoise.color import LAB, colored, kernel_matrix
+from chromanoise.exposure import Exposure, expected_electrons
+from chromanoise.io.crosstalk import read_crosstalk
+from chromanoise.metrics import color_budget, lab_budget, snr_db
+from chromanoise.noise import Readout, clipped_measurement, with_noise
+from chromanoise.scene import flat_field
+from chromanoise.sensor import (
+    Crosstalk,
+    Mosaic,
+    bayer,
+    crosstalk_of_kernel,
+    crosstalk_of_share,
+    mosaic_named,
+    with_crosstalk,
+    with_pixel,
+    without_crosstalk,
+)
+from chromanoise.spectra import DEFAULT_GRID, equal_energy
+from outcomes import refused_input
+from strategies import bell_qe, pixel_with, sensor_of
+
+WHITE = flat_field(equal_energy(DEFAULT_GRID), level_lux=10.0)
+EXPOSURE = Exposure(time_s=0.01125)
+RGB = sensor_named("model-rgb-ircut", DEFAULT_GRID)
+CROSSED = np.array([[0.9, 0.1, 0.0], [0.05, 0.85, 0.1], [0.0, 0.05, 0.9]])
+MOSAICS = ("RG/GB", "RG/WB", "RWGW/WWWW/GWBW/WWWW", "RGB")
+KERNEL = np.array([[0.01, 0.06, 0.02], [0.1, 0.6, 0.03], [0.0, 0.08, 0.04]])  # 6 % are lost
+
+
+def sees(sensor):
+    """Mean and covariance of the raw channels, and of X, Y, Z by the kernel matrix."""
+    raw = with_noise(expected_electrons(WHITE, sensor, EXPOSURE), sensor, EXPOSURE)
+    return raw, colored(raw, kernel_matrix(sensor, EXPOSURE))
+
+
+def decibels(sensor):
+    raw, color = sees(sensor)
+    return np.array([float(snr_db(raw)["G"]), *(float(snr_db(color)[c]) for c in "YZ")])
+
+
+def of_share(share, stage="light"):
+    return replace(crosstalk_of_share(share, bayer(), RGB.names), stage=stage)
+
+
+# numbers of the table
+
+
+@pytest.mark.parametrize(
+    ("share", "raw_g", "y", "z"),
+    [
+        (0.05, -0.05, -0.28, -0.63),
+        (0.10, -0.11, -0.63, -1.36),
+        (0.20, -0.22, -1.62, -3.23),
+        (0.30, -0.34, -3.39, -6.08),
+    ],
+)
+def test_raw_hides_bayer_crosstalk_and_color_pays(share, raw_g, y, z):
+    lost = decibels(with_crosstalk(RGB, of_share(share))) - decibels(RGB)
+    assert lost == pytest.approx([raw_g, y, z], abs=0.01)
+
+
+def test_a_study_gives_the_same_table():
+    asked = {"lux": 10.0, "time_ms": 11.25}
+    plain = cn.analyze("model-rgb-ircut", **asked)
+    crossed = cn.analyze("model-rgb-ircut", crosstalk=0.1, mosaic="bayer", **asked)
+    (before,), (after,) = (found.to_dict()["sensors"] for found in (plain, crossed))
+    green = [found["channels"][1]["snr_db"] for found in (before, after)]
+    lost = [
+        green[1] - green[0],
+        *(after["color"]["snr_db"][c] - before["color"]["snr_db"][c] for c in "YZ"),
+    ]
+    assert lost == pytest.approx([-0.11, -0.63, -1.36], abs=0.01)
+
+
+def test_the_curves_of_bayer_mix_as_neighbors_do():
+    red, green, blue = RGB.qe.T
+    share = 0.15
+    crossed = with_crosstalk(RGB, of_share(share)).qe
+    mixed = [
+        (1 - share) * red + share * green,
+        (1 - share) * green + share * (red + blue) / 2,
+        (1 - share) * blue + share * green,
+    ]
+    assert crossed == pytest.approx(np.stack(mixed, axis=1), abs=1e-15)
+
+
+@given(st.floats(0.0, 1.0), st.sampled_from(["bayer", "rgbw-2x2", "rgbw-4x4", "rgb-ir"]))
+def test_neighbors_gain_what_a_pixel_loses(share, name):
+    mosaic = mosaic_named(name)
+    crossed = crosstalk_of_share(share, mosaic, mosaic.names)
+    light = np.linspace(3.0, 9.0, len(mosaic.names))  # per pixel of each channel
+    pixels = np.array(crossed.pixels)
+    assert pixels @ (crossed.matrix @ light) == pytest.approx(pixels @ light, rel=1e-12)
+    assert crossed.matrix.sum(axis=1) == pytest.approx(np.ones(len(mosaic.names)), abs=1e-12)
+
+
+# nothing where there is none
+
+
+@pytest.mark.parametrize("stage", ["light", "charge"])
+@pytest.mark.parametrize("none", [of_share(0.0), Crosstalk(matrix=np.eye(3), pixels=(1, 1, 1))])
+def test_crosstalk_of_nothing_changes_no_digit(none, stage):
+    noisy = with_pixel(RGB, {"prnu": 0.01, "dsnu_e": 3.0, "dark_current_e_per_s": 50.0, "bits": 12})
+    same = with_crosstalk(noisy, replace(none, stage=stage))
+    np.testing.assert_array_equal(same.qe, noisy.qe)
+    for one, other in zip(sees(noisy), sees(same), strict=True):
+        np.testing.assert_array_equal(one.mean, other.mean)
+        np.testing.assert_array_equal(one.covariance, other.covariance)
+    matrix = kernel_matrix(noisy, EXPOSURE)
+    for budget in (color_budget, lab_budget):
+        coordinate = "Y" if budget is color_budget else "b*"
+        plain = budget(WHITE, noisy, EXPOSURE, matrix, coordinate)
+        crossed = budget(WHITE, same, EXPOSURE, matrix, coordinate)
+        costs = {cost.cause: cost.loss_db for cost in crossed.costs}
+        assert costs.pop("crosstalk") == pytest.approx(0.0, abs=1e-12)
+        assert costs == pytest.approx({c.cause: c.loss_db for c in plain.costs}, abs=1e-12)
+
+
+def test_the_sensor_before_crosstalk_comes_back():
+    crossed = with_crosstalk(RGB, of_share(0.2))
+    assert without_crosstalk(crossed).qe == pytest.approx(RGB.qe, abs=1e-14)
+    assert without_crosstalk(RGB) is RGB
+
+
+def test_the_kernel_matrix_unmixes_crosstalk_exactly():
+    """The mean color is unchanged; only its noise grows."""
+    _, plain = sees(RGB)
+    _, crossed = sees(with_crosstalk(RGB, of_share(0.3)))
+    assert crossed.mean == pytest.approx(plain.mean, rel=1e-9)
+    assert (crossed.variance > plain.variance).all()
+
+
+# photons one by one
+
+
+def thrown(mosaic, names, mean_e, kernel, frames, seed):
+    """Electrons of every pixel of a torus of pixels, (frames, rows, columns): one by one.
+
+    Each electron of a pixel lands at an offset that is drawn for it alone, or nowhere.
+    """
+    tile = np.array(mosaic.pattern)
+    repeat = [-(-3 // size) for size in tile.shape]  # at least 3 x 3, so that neighbors differ
+    tile = np.tile(tile, repeat)
+    height, width = tile.shape
+    rng = np.random.default_rng(seed)
+    mean = np.array([[mean_e[names.index(name)] for name in row] for row in tile])
+    found = np.zeros((frames, height, width), dtype=np.int64)
+    offsets = [(dy, dx) for dy in (-1, 0, 1) for dx in (-1, 0, 1)]
+    edges = np.cumsum(kernel.ravel())
+    for frame in range(frames):
+        count = rng.poisson(mean)
+        y, x = (np.repeat(at.ravel(), count.ravel()) for at in np.indices(tile.shape))
+        way = np.searchsorted(edges, rng.random(y.size), side="right")
+        lands = way < len(offsets)
+        moved = np.array([*offsets, (0, 0)])[way][lands]
+        to = (y[lands] + moved[:, 0]) % height, (x[lands] + moved[:, 1]) % width
+        np.add.at(found[frame], to, 1)
+    return tile, found
+
+
+def cross_kernel(share):
+    quarter = share / 4
+    return np.array([[0, quarter, 0], [quarter, 1 - share, quarter], [0, quarter, 0]])
+
+
+def scores_of_tile(tile, found, names, mean, covariance):
+    """Errors of means, variances and of the covariance of neighbors, in standard errors."""
+    frames = len(found)
+    scores = []
+    flat = found.reshape(frames, -1)
+    whose = np.array([names.index(name) for name in tile.ravel()])
+    average = flat.mean(axis=0)
+    for i, m in enumerate(mean):
+        own = flat[:, whose == i]
+        of_frames = own.mean(axis=1)  # pixels of one frame share no electron, frames neither
+        scores.append((of_frames.mean() - m) / (of_frames.std(ddof=1) / np.sqrt(frames)))
+        squares = ((own - m) ** 2).mean(axis=1)
+        scores.append((squares.mean() - covariance[i, i]) / (squares.std(ddof=1) / np.sqrt(frames)))
+    away = flat - average
+    right = np.roll(away.reshape(found.shape), -1, axis=2).reshape(frames, -1)
+    beside = np.roll(whose.reshape(tile.shape), -1, axis=1).ravel()
+    products = away * right * frames / (frames - 1)
+    for i in range(len(names)):
+        for j in range(len(names)):
+            pairs = (whose == i) & (beside == j)
+            if pairs.any():
+                of_frames = products[:, pairs].mean(axis=1)
+                error = of_frames.std(ddof=1) / np.sqrt(frames)
+                scores.append((of_frames.mean() - covariance[i, j] * (i != j)) / error)
+    return np.array(scores)
+
+
+@pytest.mark.parametrize("share", [0.1, 0.3])
+def test_photons_thrown_one_by_one_at_a_bayer_tile_follow_the_matrix(share):
+    pure = sensor_of(bell_qe([600, 540, 450], [30] * 3, [0.5] * 3), names=("R", "G", "B"))
+    pure = replace(pure, pixel=pixel_with(0.0))
+    scene = flat_field(equal_energy(pure.grid), level_lux=0.02)
+    crossed = with_crosstalk(pure, crosstalk_of_share(share, bayer(), pure.names))
+    tile, found = thrown(
+        bayer(), pure.names, expected_electrons(scene, pure, EXPOSURE), cross_kernel(share),
+        6000, 3,
+    )  # fmt: skip
+    raw = with_noise(expected_electrons(scene, crossed, EXPOSURE), crossed)
+    scores = scores_of_tile(tile, found, pure.names, raw.mean, raw.covariance)
+    assert raw.mean.min() > 1
+    assert np.abs(scores).max() < 3
+
+
+@pytest.mark.parametrize("text", MOSAICS)
+def test_photons_thrown_by_a_lopsided_kernel_follow_the_matrix_of_any_mosaic(text):
+    mosaic = mosaic_named(text) if "/" in text else Mosaic((tuple(text),))
+    names = tuple(sorted(mosaic.names))
+    mean_e = np.linspace(2.0, 11.0, len(names))
+    tile, found = thrown(mosaic, names, mean_e, KERNEL, 3000, 9)
+    mean = crosstalk_of_kernel(KERNEL, mosaic, names).matrix @ mean_e
+    scores = []
+    for i, name in enumerate(names):
+        of_frames = found[:, tile == name].mean(axis=1)
+        error = of_frames.std(ddof=1) / np.sqrt(len(found))
+        scores.append((of_frames.mean() - mean[i]) / error)
+    assert np.abs(scores).max() < 3
+
+
+# after counting
+
+
+def test_crosstalk_after_counting_correlates_readings_and_adds_readout_after():
+    """Counts, dark counts and PRNU are coupled; read noise and rounding come after."""
+    changes = {"prnu": 0.05, "dsnu_e": 3.0, "dark_current_e_per_s": 2000.0, "row_noise_e": 2.0}
+    pure = with_pixel(RGB, {**changes, "gain_e_per_dn": 4.0, "read_noise_e": 6.0})
+    counted = expected_electrons(WHITE, pure, EXPOSURE)
+    sensor = with_crosstalk(pure, Crosstalk(matrix=CROSSED, pixels=(1, 1, 1), stage="charge"))
+    raw, color = sees(sensor)
+    rng, draws = np.random.default_rng(4), 200_000
+    sensitivity = 1 + 0.05 * rng.standard_normal((draws, 3))
+    inside = rng.poisson(counted * sensitivity + 2000 * 0.01125) - 2000 * 0.01125
+    inside = inside + 3.0 * rng.standard_normal((draws, 3))
+    read = inside @ CROSSED.T
+    read += 6.0 * rng.standard_normal((draws, 3)) + 2.0 * rng.standard_normal((draws, 3))
+    read = 4.0 * np.round(read / 4.0)
+    assert_draws_follow(read, raw)
+    assert_draws_follow(read @ kernel_matrix(sensor, EXPOSURE).matrix.T, color)
+    assert raw.covariance[0, 1] / np.sqrt(raw.variance[0] * raw.variance[1]) > 0.1
+
+
+def assert_draws_follow(drawn, told):
+    away = drawn - drawn.mean(axis=0)
+    products = away[:, :, None] * away[:, None, :]
+    draws = len(drawn)
+    mean_z = (drawn.mean(axis=0) - told.mean) / (drawn.std(axis=0) / np.sqrt(draws))
+    covariance_z = (products.mean(axis=0) - told.covariance) / (
+        products.std(axis=0) / np.sqrt(draws)
+    )
+    assert np.abs(mean_z).max() < 3.5
+    assert np.abs(covariance_z).max() < 3.5
+
+
+def test_crosstalk_after_counting_smooths_the_noise_that_the_matrix_then_amplifies():
+    """Unmixing brings the counts of before back: only the readout is amplified."""
+    pure = with_pixel(RGB, {"read_noise_e": 0.0})
+    before, color = sees(pure)
+    after, same = sees(with_crosstalk(pure, of_share(0.3, "charge")))
+    assert (after.variance < before.variance)[1]  # green is the mean of many counts
+    assert same.covariance == pytest.approx(color.covariance, rel=1e-9)
+
+
+# what cannot be
+
+
+@pytest.fixture
+def table(tmp_path):
+    def written(text):
+        path = tmp_path / "crosstalk.csv"
+        path.write_text(text)
+        return path
+
+    return written
+
+
+def test_a_column_that_makes_light_is_refused():
+    matrix = np.array([[0.9, 0.1, 0.0], [0.2, 0.9, 0.0], [0.0, 0.0, 1.0]])
+    with refused_input(subject="crosstalk matrix", value=pytest.approx(1.1)):
+        Crosstalk(matrix=matrix, pixels=(1, 1, 1))
+    # green has two pixels, so each of its neighbors may get more of it than it keeps per pixel
+    assert Crosstalk(matrix=of_share(0.2).matrix, pixels=(1, 2, 1)).pixels == (1, 2, 1)
+    with refused_input(subject="crosstalk matrix", value=pytest.approx(1.2)):
+        Crosstalk(matrix=of_share(0.2).matrix, pixels=(1, 1, 1))
+
+
+@pytest.mark.parametrize(
+    ("kernel", "value"),
+    [
+        (np.full((2, 2), 0.1), (2, 2)),
+        (np.full((3, 2), 0.1), (3, 2)),
+        (np.array([[0.0, 0.2, 0.0], [0.2, 0.5, 0.2], [0.0, 0.2, 0.0]]), pytest.approx(1.3)),
+    ],
+)
+def test_a_kernel_of_even_size_or_that_makes_light_is_refused(kernel, value):
+    with refused_input(subject="crosstalk kernel", value=value):
+        crosstalk_of_kernel(kernel, bayer(), RGB.names)
+
+
+@pytest.mark.parametrize("bad", [np.array([[-0.1]]), np.array([[np.nan]])])
+def test_a_kernel_or_matrix_with_negative_or_missing_shares_is_refused(bad):
+    with refused_input(subject="crosstalk kernel"):
+        crosstalk_of_kernel(bad, bayer(), RGB.names)
+    with refused_input(subject="crosstalk matrix"):
+        Crosstalk(matrix=bad, pixels=(1,))
+
+
+def test_a_matrix_of_other_channels_or_a_second_one_is_refused():
+    with refused_input(subject="crosstalk matrix", value=(2, 2)):
+        Crosstalk(matrix=np.eye(2), pixels=(1, 1, 1))
+    with refused_input(subject="the number of channels"):
+        with_crosstalk(RGB, Crosstalk(matrix=np.eye(2), pixels=(1, 1)))
+    with refused_input(subject="crosstalk", value=RGB.name):
+        with_crosstalk(with_crosstalk(RGB, of_share(0.1)), of_share(0.1))
+
+
+def test_a_share_beyond_all_light_or_a_mosaic_of_other_channels_is_refused():
+    for share in (-0.1, 1.1, float("nan")):
+        with refused_input(subject="crosstalk"):
+            of_share(share)
+    with refused_input(subject="mosaic", setting="mosaic"):
+        crosstalk_of_share(0.1, mosaic_named("rgbw-2x2"), RGB.names)
+
+
+def test_crosstalk_after_counting_that_cannot_be_inverted_is_refused():
+    """Half of the light of Bayer's pixels: red and blue then get the same as green gives."""
+    with refused_input(subject="crosstalk"):
+        with_crosstalk(RGB, of_share(0.5, "charge"))
+
+
+@pytest.mark.parametrize(
+    "given_settings",
+    [
+        {"name": "model-mono", "crosstalk": 0.1, "subject": "crosstalk", "setting": "mosaic"},
+        {"mosaic": "bayer", "subject": "mosaic", "setting": "crosstalk"},
+        {"crosstalk_stage": "charge", "subject": "crosstalk_stage", "setting": "crosstalk"},
+        {"crosstalk": 0.1, "mosaic": "rgbw-2x2", "subject": "mosaic"},
+    ],
+    ids=str,
+)
+def test_crosstalk_without_mosaic_and_a_mosaic_without_crosstalk_are_refused(given_settings):
+    settings = dict(given_settings)
+    subject, setting = settings.pop("subject"), settings.pop("setting", None)
+    name = settings.pop("name", "model-rgb-ircut")
+    with refused_input(subject=subject, setting=setting):
+        cn.analyze(name, **settings)
+
+
+@pytest.mark.parametrize(
+    ("text", "requirement"),
+    [
+        (",R,G,W\nR,0.9,0.1,0\nG,0.1,0.9,0\nW,0,0,1\n", "must have columns for the channels"),
+        ("R,G,B\n0.9,0.1,0\n0.1,0.9\n0,0,1\n", "must have 3 rows of 3 numbers"),
+        ("R,G,B\n0.9,0.1,0\n0.1,0.9,0\n", "must have 3 rows of 3 numbers"),
+        (",R,G,B\nR,0.9,0.1,0\nG,0.1,much,0\nB,0,0,1\n", "must hold numbers"),
+        ("0.1,0.8,0.1\n0.1,0.8\n0.1,0.8,0.1\n", "must have rows of equal length"),
+        ("", "must hold a table of numbers"),
+        ("# nothing\n", "must hold a table of numbers"),
+        ("once upon a time\n", "must have columns for the channels"),
+    ],
+)
+def test_a_file_that_is_no_table_of_the_channels_is_refused(table, text, requirement):
+    path = table(text)
+    with refused_input(subject=str(path), requirement=requirement):
+        read_crosstalk(path, RGB.names, bayer())
+
+
+def test_a_missing_file_a_folder_and_bytes_are_refused(tmp_path, table):
+    for path in (tmp_path / "none.csv", tmp_path):
+        with refused_input(subject=str(path)):
+            read_crosstalk(path, RGB.names, None)
+    path = table("")
+    path.write_bytes(b"\xff\xfe\x00R")
+    with refused_input(subject=str(path)):
+        read_crosstalk(path, RGB.names, None)
+
+
+def test_a_kernel_in_a_file_needs_a_mosaic(table):
+    path = table("0,0.025,0\n0.025,0.9,0.025\n0,0.025,0\n")
+    with refused_input(subject=str(path), setting="mosaic"):
+        read_crosstalk(path, RGB.names, None)
+    found = read_crosstalk(path, RGB.names, bayer())
+    assert found.matrix == pytest.approx(of_share(0.1).matrix, abs=1e-15)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        ",R,G,B\nR,0.9,0.1,0\nG,0.05,0.85,0.1\nB,0,0.05,0.9\n",
+        "B;R;G\nB;0.9;0;0.05\nG;0.1;0.05;0.85\nR;0;0.9;0.1\n",
+        "# of a data sheet\nR G B\n0.9 0.1 0\n0.05 0.85 0.1\n0 0.05 0.9\n",
+    ],
+)
+def test_a_matrix_in_a_file_names_its_rows_and_columns_in_any_order(table, text):
+    found = read_crosstalk(table(text), RGB.names, None)
+    np.testing.assert_array_equal(found.matrix, CROSSED)
+
+
+def test_clipping_and_exact_distributions_refuse_channels_that_crosstalk_correlates():
+    """They are computed channel by channel; the wrong covariance would be printed."""
+    sensor = with_crosstalk(RGB, of_share(0.1, "charge"))
+    found = analyzed(WHITE, sensor, EXPOSURE)
+    held = Readout(black_e=0.0, full_well_e=sensor.pixel.full_well_e)
+    asked = {"subject": "crosstalk_stage", "value": "charge", "setting": "crosstalk_stage"}
+    with refused_input(**asked):
+        analyzed(WHITE, sensor, EXPOSURE, readout=held)
+    with refused_input(**asked):
+        clipped_measurement(found.expected_e, sensor, held)
+    with refused_input(**asked):
+        gray_noise(found, LAB)
+    with refused_input(**asked):
+        chart_noise(found)
+    before = with_crosstalk(RGB, of_share(0.1))
+    assert gray_noise(analyzed(WHITE, before, EXPOSURE, readout=held), LAB) is not None
