@@ -127,7 +127,7 @@ def test_its_prnu_and_dsnu_and_dark_noise_are_those_put_in(values):
     temporal_e2 = (
         pixel.read_noise_e**2 + pixel.row_noise_e**2 + pixel.dark_electrons_e(time_s=TIME_S)
     )
-    assert found.PRNU1288 == pytest.approx(100 * pixel.prnu, rel=1e-6)
+    assert pytest.approx(100 * pixel.prnu, rel=1e-6) == found.PRNU1288
     assert pytest.approx(pixel.dsnu_e, rel=1e-6) == found.DSNU1288
     assert found.sigma_d == pytest.approx(np.sqrt(temporal_e2), rel=1e-6)
     assert pytest.approx(GAIN, rel=1e-6) == found.K
