@@ -67,7 +67,7 @@ NAMES = [
     "study",
     "study_from_data",
 ]
-OPERATING_POINT = "10 lx, illuminant E, 11.94 ms, f/1.8"
+OPERATING_POINT = "10 lx (illuminant E, 11.94 ms, f/1.8)"
 
 
 def test_the_public_names_are_these():
@@ -387,3 +387,51 @@ def test_snr_by_name_is_that_of_the_plain_data(results):
     assert result.raw_snr_db() == {"onyx-rgbw": channels}
     assert result.color_snr_db() == {"onyx-rgbw": told["color"]["snr_db"]}
     assert set(result.contravariant_snr_db()["onyx-rgbw"]) == set(channels)
+
+
+def test_the_table_of_a_method_has_the_matrix_of_every_sensor():
+    names = ("onyx-rgbw", "model-rgbir")
+    study = cn.study_from_data(
+        {
+            "sensors": [{"name": name} for name in names],
+            "outputs": {"analyses": False, "matrix": True},
+            "matrices": ["lmmse"],
+        }
+    )
+    (result,) = cn.run(study).matrices.values()
+    table = result.to_table()
+    heads = [column.name for column in table.columns]
+    assert heads == ["sensor", "coordinate", "R", "G", "B", "W", "IR"]
+    assert [row[:2] for row in table.rows] == [(name, axis) for name in names for axis in "XYZ"]
+    made = [one.matrix for one in result.results]
+    rgbw, rgbir = (dict(zip(one.channels, one.matrix.T, strict=True)) for one in made)
+    for i, head in enumerate(heads[2:], 2):
+        cells = [row[i] for row in table.rows]
+        assert cells[:3] == (rgbw[head].tolist() if head in rgbw else [None] * 3)
+        assert cells[3:] == (rgbir[head].tolist() if head in rgbir else [None] * 3)
+    assert [note.partition(":")[0] for note in table.notes] == [n for n in names for _ in range(5)]
+    latex = result.to_latex().replace("{-}", "-")
+    assert latex.count(r"\\") == 1 + 6
+    assert [latex.count(f"{name} & {axis} &") for name in names for axis in "XYZ"] == [1] * 6
+    # of one sensor, without a column of names, as `chromanoise matrix --table` writes it
+    (alone,) = cn.run(study.model_copy(update={"sensors": study.sensors[:1]})).matrices.values()
+    single = alone.to_table()
+    assert [column.name for column in single.columns] == ["coordinate", "R", "G", "B", "W"]
+    assert [row[0] for row in single.rows] == ["X", "Y", "Z"]
+
+
+def test_pictures_in_a_folder_are_not_drawn(tmp_path):
+    pictures = cn.render("builtin:checker", "onyx-rgbw", folder=tmp_path)
+    assert pictures.summaries
+    with refused_input(subject="folder"):
+        pictures.plot()
+
+
+def test_a_white_preserving_matrix_gives_the_white_its_illuminance():
+    result = cn.matrix("onyx-rgb-ircut", matrix="white-preserving", lux=7.0, time_ms=10.0)
+    (one,) = result.results
+    electrons = cn.exposure.expected_electrons(
+        cn.exposure.white_scene(one.point), one.point.sensor, one.point.exposure
+    )
+    assert one.white_e.tolist() == electrons.tolist()
+    assert one.white_lux == pytest.approx(7.0, rel=1e-4)  # the kernel matrix gives 7.095

@@ -288,6 +288,7 @@ export interface EllipsePatch {
   truth: number[];
   center: number[] | null;
   outline: number[][] | null;
+  half_axes?: number[][];
   reach?: Maybe;
 }
 

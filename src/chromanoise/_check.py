@@ -3,12 +3,11 @@
 import re
 import struct
 from collections.abc import Callable, Sequence
-from difflib import get_close_matches
 from typing import Any
 
 import numpy as np
 
-from chromanoise.errors import InputError
+from chromanoise.errors import InputError, did_you_mean
 
 Array = np.ndarray
 """The array type in annotations with a shape: Float[Array, "n p"]."""
@@ -128,9 +127,7 @@ def one_of(name: str, value: str, choices: Sequence[str]) -> str:
     """``value`` if it is one of ``choices``; otherwise the error suggests the nearest choices."""
     if value in choices:
         return value
-    near = get_close_matches(value.lower(), [c.lower() for c in choices], n=3, cutoff=0.4)
-    meant = [c for c in choices if c.lower() in near]
-    hint = f"did you mean {' or '.join(meant)}?" if meant else f"known: {', '.join(choices)}"
+    hint = did_you_mean(value, choices, f"known: {', '.join(choices)}")
     raise InputError(name, "must be a known name", value=value, remedy=hint)
 
 

@@ -163,7 +163,7 @@ def renamed(error: InputError, old: str, new: str) -> InputError:
     'out/a.png: cannot be written'
     """
     parts = [_renamed(part, old, new) for part in errors_in(error)]
-    return StudyError(parts) if isinstance(error, StudyError) else parts[0]
+    return StudyError(parts, error.places) if isinstance(error, StudyError) else parts[0]
 
 
 def _renamed(error: InputError, old: str, new: str) -> InputError:

@@ -95,7 +95,7 @@ def analyze(
     --------
     >>> import chromanoise as cn
     >>> cn.analyze("onyx-rgbw", lux=10)
-    <Analyses: SNR Y onyx-rgbw 26.0 dB at 10 lx, illuminant E, 11.94 ms, f/1.8>
+    <Analyses: SNR Y onyx-rgbw 26.0 dB at 10 lx (illuminant E, 11.94 ms, f/1.8)>
     """
     with _terms_of("analyze"):
         names, given, rest = _named(sensors, settings)

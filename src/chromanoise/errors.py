@@ -7,6 +7,7 @@ terms: the command line names the option, a study file the line and key, the pag
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from difflib import get_close_matches
 from typing import Any
 
 _LONGEST_VALUE = 80
@@ -35,6 +36,41 @@ class Setting:
 
 Remedy = str | Setting
 Render = Callable[[Setting], str]
+
+
+def did_you_mean(
+    word: str,
+    known: Sequence[str],
+    otherwise: str,
+    *,
+    most: int = 3,
+    cutoff: float = 0.4,
+    plain: Callable[[str], str] = str.lower,
+) -> str:
+    """The remedy for an unknown name: the known names that resemble it, the nearest first.
+
+    Parameters
+    ----------
+    word, known
+        The name, and those that exist.
+    otherwise
+        The remedy if none resembles it.
+    most, cutoff
+        Greatest number of suggestions, and their least similarity (`difflib`), 0 to 1.
+    plain
+        The form in which names are compared.
+
+    Examples
+    --------
+    >>> did_you_mean("Analyse", ["run", "analyze"], "see the help")
+    'did you mean analyze?'
+    >>> did_you_mean("x", ["run", "analyze"], "see the help")
+    'see the help'
+    """
+    compared = {one: plain(one) for one in known}
+    near = get_close_matches(plain(word), list(compared.values()), n=most, cutoff=cutoff)
+    meant = [one for text in dict.fromkeys(near) for one in compared if compared[one] == text]
+    return f"did you mean {' or '.join(meant)}?" if meant else otherwise
 
 
 class InputError(ValueError):
@@ -201,23 +237,80 @@ class StudyError(InputError):
     ----------
     errors
         The single errors; the ``setting`` of each is a key of the study.
-    in_place
-        Whether the message names the file and line of each error.
+    places
+        Where the value of each error is given: ``study.toml:2``, or the change that holds it; empty
+        for a study that is not a file.
+
+    Examples
+    --------
+    >>> dark = InputError("lux", "must be > 0 [lx]", value=0.0, setting="light.level_lux")
+    >>> error = StudyError([dark], ["study.toml:2"])
+    >>> error.errors[0].setting, error.places
+    ('light.level_lux', ('study.toml:2',))
+    >>> print(error)
+    study.toml:2: light.level_lux: lux must be > 0 [lx], but is 0
     """
 
     errors: tuple[InputError, ...]
-    in_place: bool
+    places: tuple[str, ...]
 
-    def __init__(
-        self, errors: Sequence[InputError], sentences: Sequence[str] | None = None
-    ) -> None:
-        lines = [str(error) for error in errors] if sentences is None else sentences
-        super().__init__("\n".join(lines), "")
-        self.errors, self.in_place = tuple(errors), sentences is not None
+    def __init__(self, errors: Sequence[InputError], places: Sequence[str] = ()) -> None:
+        found = f"has {len(errors)}"
+        super().__init__("the study", "must have no errors", value=len(errors), found=found)
+        self.errors, self.places = tuple(errors), tuple(places)
 
     def sentence(self, *, subject: str | None = None, render: Render = str) -> str:
-        """The messages of all errors, one line each; `errors` are rendered one by one."""
-        return self.subject
+        """The messages of all errors, one line each."""
+        return "\n".join(self.sentences(render=render))
+
+    def sentences(self, *, render: Render = str) -> list[str]:
+        """The message of each error, equal ones once; in a file, after its place and key.
+
+        Parameters
+        ----------
+        render
+            Converts a setting to text, where the study is not a file.
+
+        Returns
+        -------
+        list of str
+        """
+        if self.places:
+            return [in_study(*one) for one in zip(self.errors, self.places, strict=True)]
+        return list(dict.fromkeys(error.sentence(render=render) for error in self.errors))
+
+
+def in_study(error: InputError, place: str) -> str:
+    """The sentence of an error in the terms of a study file: the place, the key and its settings.
+
+    Parameters
+    ----------
+    error
+        Its ``setting`` is a key of the study.
+    place
+        File and line, or the change that holds the value.
+
+    Returns
+    -------
+    str
+    """
+    key = _short(error.setting) or "the study"
+    begin = f"{place}: {key}"
+    if error.subject != (error.setting_name or key):
+        return f"{begin}: {error.sentence(render=_setting_of_study)}"
+    text = error.sentence(subject="", render=_setting_of_study).lstrip(" :,")
+    return f"{begin}: {text}"
+
+
+def _setting_of_study(setting: Setting) -> str:
+    values = " or ".join(
+        f'"{value}"' if isinstance(value, str) else f"{value:g}" for value in setting.values
+    )
+    return f"set {setting.name} = {values}" if values else f"set {setting.name}"
+
+
+def _short(key: str) -> str:
+    return key if len(key) <= _LONGEST_VALUE else f"{key[:_LONGEST_VALUE]}..."
 
 
 def errors_in(error: InputError) -> tuple[InputError, ...]:

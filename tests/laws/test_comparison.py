@@ -1,12 +1,16 @@
 """Sensors compared over the light level: the crossover is where a closed form puts it."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from chromanoise.analysis import (
     QUANTITIES,
     SWEEPS,
+    MatrixMaker,
     band_sentence,
+    color_matrices,
     compared,
     comparison_as_json,
     crossover_bands,
@@ -16,6 +20,7 @@ from chromanoise.analysis import (
     matrix_makers,
     swept_values,
 )
+from chromanoise.analysis.comparison.quantities import SNR_Y
 from chromanoise.catalog import sensor_named
 from chromanoise.color import kernel_matrix
 from chromanoise.exposure import Exposure, OperatingPoint, expected_electrons, white_scene
@@ -262,3 +267,34 @@ def test_the_band_over_priors_spans_the_crossovers_of_each():
 def test_a_matrix_without_its_parameter_is_refused(name, fields):
     with refused_input(**fields):
         matrix_makers([name], "quanta")
+
+
+@pytest.mark.parametrize("name", ["kernel", "least-squares", "lmmse"])
+def test_levels_are_computed_at_once_whether_or_not_matrices_are_cached(name, monkeypatch):
+    uncached = color_matrices._of_any_light.__wrapped__
+    monkeypatch.setattr(color_matrices, "_of_any_light", uncached)
+    point, maker = one_channel("one", 0.5, 2.0), matrix_makers([name], "quanta")[name]
+    asked = []
+    quantity = replace(SNR_Y, of=lambda *of: asked.append(of) or SNR_Y.of(*of))
+    (together,) = compared([point], {name: maker}, LEVELS, quantity=quantity)
+    assert not asked
+    # a function of one's own is asked at each level, for the same values
+    (single,) = compared([point], {name: lambda at: maker(at)}, LEVELS, quantity=quantity)
+    assert [of[0].level_lux for of in asked] == LEVELS.tolist()
+    assert together.value == pytest.approx(single.value, rel=1e-9)
+    assert together.color_error == pytest.approx(single.color_error, rel=1e-9)
+
+
+@pytest.mark.parametrize("name", ["kernel", "ridge=0.01", "lmmse", "noise-regularized=2"])
+def test_matrices_over_levels_are_those_of_each_level_or_one_for_all(name):
+    (maker,) = matrix_makers([name], "quanta").values()
+    assert isinstance(maker, MatrixMaker)
+    assert hash(maker) == hash(matrix_makers([name], "quanta")[name])
+    point = used(sensor_named("onyx-rgb"))
+    each = [maker(replace(point, level_lux=lux)).matrix for lux in (0.1, 10.0)]
+    together = maker.over_levels(point, np.array([0.1, 10.0]))
+    if together is None:
+        assert each[0].tolist() == each[1].tolist()
+    else:
+        assert each[0].tolist() != each[1].tolist()
+        assert together == pytest.approx(np.array(each), rel=1e-9)

@@ -40,7 +40,7 @@ from chromanoise.catalog import sensor_named
 from chromanoise.charts import PARTS, Look, Shown, drawing, shown
 from chromanoise.charts.ellipses import in_plane
 from chromanoise.charts.patches import hex_colors, patches_of
-from chromanoise.charts.text import brief, decimal, level_in_words
+from chromanoise.charts.text import brief, decimal
 from chromanoise.charts.vectors import color_frame, half_axes, round_magnification
 from chromanoise.charts.verdicts import verdict_sentences
 from chromanoise.color import (
@@ -53,17 +53,17 @@ from chromanoise.color import (
     propagate,
 )
 from chromanoise.errors import InputError
-from chromanoise.exposure import expected_electrons, white_scene
+from chromanoise.exposure import expected_electrons, level_in_words, white_scene
 from chromanoise.figures.style import channel_color
 from chromanoise.geometry import reconstructed_light
 from chromanoise.noise import NoiseSources
 from chromanoise.page.choices import choices
 from chromanoise.page.files import asset
 from chromanoise.report.bundle import drawing_style
-from chromanoise.report.slides import slides_of
+from chromanoise.report.slides import at_value, slides_of
 from chromanoise.sensor import behind_ir_cut, with_shifted_curves
 from chromanoise.spectra import DEFAULT_GRID, color_axes, colorchecker
-from chromanoise.study import OutputsPart, outcome_of, outcomes_as_json, study_from_data
+from chromanoise.study import OutputsPart, outcome_of, outcomes_as_json, run, study_from_data
 from chromanoise.study.assembly import (
     operating_points_of,
     sensor_of,
@@ -198,6 +198,84 @@ def test_head_and_stages_have_the_digits_of_analyze():
         for key in ("bound_db", "price_db"):
             assert kinds[key] == own[key]
         assert kinds["spectral_db"] == own["spectral_snr_db"]
+
+
+def night(*, clip):
+    """Moonlight, where clipping at black changes every SNR, with the results of all charts."""
+    outputs = {
+        **{"clip": clip, "budget": not clip, "space": "lab", "matrix": True},
+        "pareto": {"first": 1e-3, "last": 1e3, "points": 13},
+    }
+    sweep = {"vary": "lux", "quantity": "snr-y", "first": 0.01, "last": 1e4, "points": 73}
+    return study_of(
+        *("onyx-rgbw", "onyx-rgb-ircut"),
+        **{"level_lux": 0.01, "exposure": {"time_ms": 12.0}},
+        **{"outputs": outputs, "sweeps": [sweep]},
+    )
+
+
+@pytest.mark.parametrize("clip", [False, True])
+def test_charts_have_the_numbers_of_a_run(clip):
+    of, results = shown(night(clip=clip)), run(night(clip=clip))
+    told = next(iter(results.analyses.values())).to_dict()["sensors"]
+    head, stages, chart, pareto = (
+        drawing(part, of)["sensors"] for part in ("head", "stages", "chart", "pareto")
+    )
+    for i, own in enumerate(told):
+        channels = own["channels"]
+        assert head[i]["mean_e"] == {c["name"]: c["mean_e"] for c in channels}
+        assert head[i]["notes"] == own["notes"]
+        assert stages[i]["raw"] == {c["name"]: c["snr_db"] for c in channels}
+        unmixed = {c["name"]: c["contravariant_snr_db"] for c in channels}
+        assert stages[i]["contravariant"] == unmixed
+        assert stages[i]["color"] == own["color"]["snr_db"]
+        assert stages[i]["bound_db"] == own["bound_db"]
+        assert stages[i]["price_db"] == own["price_db"]
+        assert stages[i]["spectral_db"] == own["spectral_snr_db"]
+        # by the cubature of charts, which has fewer points
+        assert stages[i]["lab_sd"] == pytest.approx(own["grey_noise"]["sd_normal_law"], rel=0.02)
+        assert chart[i]["mean_delta_e"] == own["color_error_mean"]
+    (matrices,) = results.matrices.values()
+    for drawn, own in zip(pareto, matrices.to_dict()["sensors"], strict=True):
+        assert [p["snr_db"] for p in drawn["points"]] == [p["snr_y_db"] for p in own["pareto"]]
+        assert drawn["now"]["snr_db"] == own["report"]["snr_db"]["Y"]
+    (sweep,) = results.sweeps
+    curves = drawing("levels", of)["curves"]
+    assert [c["values"] for c in curves] == [c["value"] for c in sweep.to_dict()["curves"]]
+    assert told[0]["color"]["snr_db"]["Y"] == pytest.approx(-16.25 if clip else -15.81, abs=0.01)
+
+
+def test_the_noise_of_patches_is_clipped_where_the_study_clips():
+    """Clipping at black removes noise from dark patches: less of it at equal color errors."""
+    clipped, whole = (
+        drawing("chart", shown(night(clip=clip)))["sensors"][0] for clip in (True, False)
+    )
+    assert clipped["mean_delta_e"] == whole["mean_delta_e"]
+    assert clipped["mean_noise"] < 0.9 * whole["mean_noise"]
+
+
+def test_a_clipped_study_has_no_budget_and_says_what_is_not_clipped():
+    """A study refuses a budget together with clipping: it follows eq. 7."""
+    of = shown(night(clip=True))
+    for sensor in drawing("budget", of)["sensors"]:
+        assert sensor["steps"] == []
+        assert "eq. 7" in sensor["why_not"]
+    for part in PARTS:
+        title = drawing(part, of).get("title", "")
+        assert title.endswith("without clipping") == (part in ("levels", "pareto"))
+    told = drawing("head", of)["verdict"]
+    assert not any(sentence.startswith("What") for sentence in told)
+
+
+def test_a_slider_keeps_the_clipping_of_the_study():
+    of = shown(night(clip=True))
+    level, *_ = slides_of(of)
+    moved = at_value(of, level, 0.02)
+    study = of.study.model_copy(
+        update={"light": of.study.light.model_copy(update={"level_lux": 0.02})}
+    )
+    for part in ("stages", "chart"):
+        assert drawing(part, moved) == drawing(part, shown(study))
 
 
 @pytest.mark.parametrize("coordinate", ["X", "Y", "Z", "M^G", "L*", "a*", "b*"])
@@ -544,6 +622,18 @@ def test_ellipses_are_closed_and_of_48_points_around_their_center():
 
 
 @pytest.mark.parametrize("plane", ["ab", "xy"])
+def test_the_half_axes_of_an_ellipse_are_conjugate_for_its_covariance(plane):
+    """For half axes u, v: u u^T + v v^T is the covariance, times the square of the sigmas."""
+    of = usual()
+    drawn = drawing("ellipses", of, Look(plane=plane))
+    for analysis, sensor in zip(of.analyses, drawn["sensors"], strict=True):
+        covariance = in_plane(patches_of(analysis), plane)[2]
+        axes = np.array([patch["half_axes"] for patch in sensor["patches"]])
+        told = np.einsum("pki,pkj->pij", axes, axes) / drawn["sigmas"] ** 2
+        np.testing.assert_allclose(told, covariance, rtol=1e-9, atol=1e-15)
+
+
+@pytest.mark.parametrize("plane", ["ab", "xy"])
 def test_an_ellipse_reaches_as_far_as_the_spread_in_its_worst_direction(plane):
     """By another road: the spread along each of many directions, not the eigenvalues."""
     of = usual()
@@ -653,7 +743,7 @@ def test_a_pixel_of_a_hundredth_of_the_area_loses_20_db_for_photons_and_the_verd
 )
 @pytest.mark.parametrize("illuminant", ["E", "A"])
 def test_the_reasons_that_are_told_reach_the_gap(names, illuminant):
-    first, why, _ = drawing(
+    first, why, *_ = drawing(
         "head", shown(fast_study(*names, light={"illuminant": illuminant, "level_lux": 1.0}))
     )["verdict"]
     ours, theirs = re.search(r"SNR of Y (-?[\d.]+) against (-?[\d.]+) dB", first).groups()
@@ -671,7 +761,7 @@ def test_what_a_sensor_alone_loses_below_its_raw_channels_is_not_what_they_lack_
     name, matrix, illuminant, level_lux
 ):
     light = {"illuminant": illuminant, "level_lux": level_lux}
-    (told,) = verdict_sentences(shown(fast_study(name, light=light, matrices=[matrix])).analyses)
+    told, *_ = verdict_sentences(shown(fast_study(name, light=light, matrices=[matrix])).analyses)
     assert "read noise" not in told
     assert "-0.0" not in told
     price = float(re.search(r"SNR, ([\d.]+) dB below", told)[1])

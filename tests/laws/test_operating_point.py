@@ -9,7 +9,14 @@ from chromanoise.analysis import analyzed, coordinate_budget, electrons_at, stag
 from chromanoise.analysis.comparison.quantities import QUANTITIES
 from chromanoise.catalog import sensor_named
 from chromanoise.color import kernel_matrix
-from chromanoise.exposure import Exposure, OperatingPoint, expected_electrons, white_scene
+from chromanoise.exposure import (
+    Exposure,
+    OperatingPoint,
+    conditions,
+    expected_electrons,
+    light_and_exposure,
+    white_scene,
+)
 from chromanoise.noise import Readout, read_moments
 from chromanoise.scene import Scene
 from chromanoise.spectra import DEFAULT_GRID, colorchecker, equal_energy
@@ -89,3 +96,27 @@ def test_a_coordinate_that_the_sensor_does_not_have_has_no_budget():
     analysis = analyzed(white_scene(POINT), SENSOR, POINT.exposure)
     assert coordinate_budget(analysis, "M^none") is None
     assert coordinate_budget(analysis, "M^G").coordinate == "M^G"
+
+
+def test_a_saturated_analysis_has_no_snr_of_any_kind():
+    long = Exposure(time_s=1.0)
+    analysis = analyzed(white_scene(POINT), SENSOR, long)
+    assert analysis.saturated.any()
+    assert np.isnan(stages_at(replace(POINT, exposure=long), MATRIX).optimal_linear_snr_db)
+    assert analysis.spectral_snr_db is None
+    assert analysis.optimal_linear_snr_db is None
+    assert analysis.color_snr_loss_db is None
+
+
+def test_the_conditions_of_sensors_name_level_light_times_and_aperture():
+    def at(time_s, name):
+        exposure, sensor = Exposure(time_s=time_s), replace(SENSOR, name=name)
+        return replace(POINT, exposure=exposure, sensor=sensor, level_lux=2e-4)
+
+    same = [at(0.012, "a"), at(0.012, "b")]
+    assert conditions(same) == "2·10⁻⁴ lx (illuminant E, 12 ms, f/1.8)"
+    assert light_and_exposure([at(0.012, "a"), at(15.0, "b")]) == (
+        "illuminant E, 12 ms (a), 15 s (b), f/1.8"
+    )
+    many = [at(0.001 * i, f"s{i}") for i in (3, 1, 2, 4)]
+    assert light_and_exposure(many) == "illuminant E, 1 ms to 4 ms, f/1.8"

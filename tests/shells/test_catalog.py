@@ -112,7 +112,8 @@ def test_devices_answer_through_every_command_and_ask_through_its_options(run):
     code, out, err = run("analyze", "mt9v024-rgbw", "--illuminant", "A+0.5xLED850")
     assert (code, err) == (0, "")
     assert "G exceeds W" in out
-    assert {"full_well_e", "read_noise_e"} <= set(re.findall(r"\w+", out))
+    (note,) = re.findall(r"full well and read noise of mt9v024-rgbw [^.;]*", " ".join(out.split()))
+    assert re.findall(r"\d+(?= e-)", note) == ["10000", "10"]
     refused(run("analyze", "mt9m131"), "1000 nm", "--beyond", setting="sensors.0.name")
     refused(run("analyze", "ar0132at-rgbw"), "--peak-qe", setting="sensors.0.name")
     refused(run("analyze", "nikon-d5100"), "--energy", "--photons", setting="sensors.0.name")
@@ -132,9 +133,11 @@ def test_a_users_sensor_and_lamp_stand_beside_the_built_in_ones(run, folder):
     assert (entry["start_nm"], entry["stop_nm"]) == (400.0, 1050.0)
     code, out, err = run("analyze", "my-camera", "--illuminant", "my-lamp+0.5xLED850")
     assert (code, err) == (0, "")
-    words = set(re.findall(r"\w+", out))
-    assert {"full_well_e", "read_noise_e"} <= words  # those of the paper's pixel are named
-    assert "pitch_um" not in words
+    (note,) = re.findall(
+        r"\S* ?full well and read noise of my-camera [^.;]*", " ".join(out.split())
+    )
+    assert re.findall(r"\d+(?= e-)", note) == ["10000", "10"]  # the paper's pixel
+    assert "pitch" not in note
     assert "my-camera: none" not in out  # no known defect is nothing to tell
 
 
@@ -144,8 +147,9 @@ def test_a_users_sensor_has_its_own_pixel_mosaic_and_curves(folder):
     assert set(sensor.mosaic.names) == {"R", "G", "B"}
     # halfway from 0.1 to 0.6 at 550 nm
     assert sensor.qe[DEFAULT_GRID.wavelength_nm == 550, 0] == pytest.approx(0.35)
-    (note,) = [note for note in sensor.notes if "read_noise_e" in note]
-    assert "full_well_e" not in note
+    (note,) = [note for note in sensor.notes if "read noise" in note]
+    assert "10 e-" in note
+    assert "full well" not in note
 
 
 def test_a_users_lamp_that_counts_photons_is_flat_in_photons(folder):

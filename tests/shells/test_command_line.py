@@ -8,16 +8,19 @@ from pathlib import Path
 import numpy as np
 import pytest
 import tifffile
+from click import Context
 from matplotlib.figure import Figure
 from PIL import Image
 
 from chromanoise.analysis import analyzed
 from chromanoise.catalog import sensor_named
-from chromanoise.exposure import Exposure
+from chromanoise.cli.entry import commands
+from chromanoise.exposure import Exposure, expected_electrons
 from chromanoise.figures import write_figures
 from chromanoise.scene import flat_field
+from chromanoise.sensor import behind_ir_cut, with_shifted_curves
 from chromanoise.spectra import DEFAULT_GRID, equal_energy
-from chromanoise.study import Study, default_of
+from chromanoise.study import FUNCTIONS, OTHER_NAMES, Study, default_of, described_settings
 from outcomes import refused
 
 demo = import_module("chromanoise.cli.demo")
@@ -105,7 +108,9 @@ def test_a_sensor_file_gives_its_own_channels_and_the_pixel_that_is_asked_for(ru
         for text in (small, large)
     ]
     np.testing.assert_allclose(electrons[1] / electrons[0], 4.0, rtol=1e-12)
-    assert any("full_well_e" in note for note in json.loads(small)["sensors"][0]["notes"])
+    (note,) = [n for n in json.loads(small)["sensors"][0]["notes"] if "full well" in n]
+    assert "10000 e-, 10 e-" in note
+    assert "pitch" not in note
 
 
 def test_a_channel_that_repeats_another_is_an_answer_with_a_diagnosis(run, tmp_path):
@@ -588,3 +593,28 @@ def test_the_help_shows_the_defaults_of_the_study(run, command, function):
     assert f"Aperture f/#. [default: {study.exposure.f_number:g}]" in shown
     assert f"[default: {study.exposure.equal}]" in shown
     assert default_of(function, "saturate") == study.exposure.saturate
+
+
+@pytest.mark.parametrize(
+    ("command", "function"),
+    [("analyze", "analyze"), ("compare", "compare"), ("matrix", "matrix"), ("simulate", "render")],
+)
+def test_every_setting_is_an_option_or_a_part_of_one(command, function):
+    options = {one.name: one for one in commands.get_command(Context(commands), command).params}
+    assert set(FUNCTIONS[function]) <= {*options, *OTHER_NAMES}
+    for name in ("ircut_nm", "shift_nm"):
+        assert options[name].opts == [f"--{name.replace('_', '-')}"]
+        described = next(one for one in described_settings(function) if one.name == name)
+        assert options[name].help.startswith(described.description)
+
+
+def test_an_added_ir_cut_and_a_shift_change_the_sensor(run):
+    cut = ("--ircut-nm", 680, "--shift-nm", -5)
+    told = json.loads(run("analyze", "onyx-rgb", *cut, "--time-ms", 5, "--json", "-")[1])
+    sensor = behind_ir_cut(with_shifted_curves(sensor_named("onyx-rgb"), -5.0), 680.0)
+    exposure = Exposure(time_s=5e-3, f_number=1.8)
+    white = flat_field(equal_energy(DEFAULT_GRID), level_lux=10.0)
+    (one,) = told["sensors"]
+    assert [channel["mean_e"] for channel in one["channels"]] == pytest.approx(
+        expected_electrons(white, sensor, exposure).tolist(), rel=1e-12
+    )

@@ -170,13 +170,13 @@ def sensor_told(done, *arguments):
 @pytest.mark.parametrize(
     ("name", "text", "pixel"),
     [
-        ("sheet.txt", "sigma_d = 3 e-\nmu_e.sat = 8000 e-\npixel pitch = 4 um", (4, 8000, 3)),
-        ("sheet.json", '{"sigma_d": {"value": 3, "unit": "e-"}}', (10, 10_000, 3)),
+        ("sheet.txt", "sigma_d = 3 e-\nmu_e.sat = 8000 e-\npixel pitch = 4 um", (4, 8000, 3, None)),
+        ("sheet.json", '{"sigma_d": {"value": 3, "unit": "e-"}}', (10, 10_000, 3, None)),
         # S = 1 / (K range), O = ((read / K)^2 + 1/12) / range^2 with K = 2, range 200, read 40
         (
             "profile.json",
             '{"S": 0.0025, "O": 0.010002083333333333, "black_level_dn": 55, "white_level_dn": 255}',
-            (10, 10_000, 40),
+            (10, 10_000, 40, 0.5),
         ),
         # variance = 0.5 (mean - 100) + 4 + 1/12: K = 0.5 DN/e-, read noise 2 / 0.5 = 4 e-
         (
@@ -185,21 +185,25 @@ def sensor_told(done, *arguments):
             + "\n".join(
                 f"{100 + m},{0.5 * m + 4.083333333333333},light" for m in range(50, 2000, 150)
             ),
-            (10, 10_000, 4),
+            (10, 10_000, 4, 0.5),
         ),
     ],
 )
 def test_the_pixel_of_a_file_is_used_where_the_file_tells_it(done, here, name, text, pixel):
     (here / name).write_text(text)
     with_file, notes = sensor_told(done, "--pixel", name)
-    options = zip(("--pitch-um", "--full-well-e", "--read-noise-e"), pixel, strict=True)
-    typed, _ = sensor_told(done, *(word for option in options for word in option))
+    names = ("--pitch-um", "--full-well-e", "--read-noise-e", "--gain-dn-per-e")
+    options = zip(names, pixel, strict=True)
+    typed, _ = sensor_told(done, *(w for option in options if option[1] for w in option))
     for part in ("channels", "color"):
         assert rounded(with_file[part]) == rounded(typed[part])
     silent = [
         key
         for key, own, now in zip(
-            ("pitch_um", "full_well_e", "read_noise_e"), (10.0, 10_000.0, 10.0), pixel, strict=True
+            ("pitch_um", "full_well_e", "read_noise_e"),
+            (10.0, 10_000.0, 10.0),
+            pixel[:3],
+            strict=True,
         )
         if own == now
     ]
@@ -216,10 +220,13 @@ def rounded(told):
 def test_a_number_that_is_given_wins_over_the_file_and_the_note_says_so(done, here):
     (here / "p.txt").write_text("sigma_d = 3 e-\nmu_e.sat = 8000 e-\nPRNU = 1 %")
     told, notes = sensor_told(done, "--pixel", "p.txt", "--read-noise-e", 5)
-    typed, _ = sensor_told(done, "--full-well-e", 8000, "--read-noise-e", 5)
+    typed, _ = sensor_told(done, "--full-well-e", 8000, "--read-noise-e", 5, "--prnu", 0.01)
     assert told["color"] == typed["color"]
     assert any("read_noise_e" in note and "p.txt" in note for note in notes.split(" | "))
-    assert "prnu 0.01" in notes
+    assert any("prnu" in note and "p.txt" in note for note in notes.split(" | "))
+    other, _ = sensor_told(done, "--pixel", "p.txt", "--read-noise-e", 5, "--prnu", 0)
+    typed, _ = sensor_told(done, "--full-well-e", 8000, "--read-noise-e", 5)
+    assert other["color"] == typed["color"]
 
 
 @pytest.mark.parametrize(

@@ -60,6 +60,7 @@ def sheet(tmp_path):
         ("onyx-rgbw",),
         ("onyx-rgbw", "model-rgb", *GIVEN, "--budget", "--matrix", "lmmse", "--prior", "chart"),
         ("model-rgb", "--time-ms", 4, "--clip", "--space", "lab"),
+        ("model-rgb", "--ircut-nm", 680, "--shift-nm", -5.5),
         ("model-rgb", "--saturate", 0.5, "--magnification", 0.1, "--read-noise-e", 2, "--merit"),
         ("model-rgb", "--illuminant", "D65", "--illuminant-beyond", "zero"),
     ],
@@ -197,8 +198,15 @@ COMMANDS = [
     "chromanoise compare onyx-rgbw model-rgb --sweep lux=0.1:10.0 --equal light --points 5",
     "chromanoise compare onyx-rgbw --sweep kelvin=2000.0:9000.0 --prior all --matrix lmmse",
     "chromanoise matrix onyx-rgbw --pareto 0.1:10.0:3 --method ridge=0.1",
-    "chromanoise simulate 'a b.npz' --sensor x.csv --pixel 'p q.txt' --seed 3 --shape 2x3 "
-    "--mosaic bayer --bits 10 --frames 2 --format raw,png",
+    "chromanoise simulate 'a b.npz' --sensor x.csv --pixel 'p q.txt' --prnu 0.01 --row-noise-e 2.0 "
+    "--bits 10 --gain-dn-per-e 0.5 --mosaic bayer --seed 3 --shape 2x3 --frames 2 --format raw,png",
+    "chromanoise simulate a.npz --sensor x.csv --crosstalk 0.1 --mosaic bayer",
+    "chromanoise simulate a.npz --sensor x.csv --crosstalk mix.csv --mosaic sensor",
+    "chromanoise analyze x.csv --dark-current-e-per-s 5.0 --temperature-c 40.0 "
+    "--dark-reference-c 20.0 --dark-doubling-k 6.0 --dsnu-e 1.0 --prnu 0.01 --row-noise-e 1.0 "
+    "--black-error-e -2.0 --bits 12 --gain-dn-per-e 0.5 --crosstalk 0.1 --crosstalk-stage charge "
+    "--mosaic bayer",
+    "chromanoise matrix x.csv --bits 10 --crosstalk 'a b.csv'",
 ]
 
 

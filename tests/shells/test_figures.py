@@ -266,7 +266,7 @@ def test_who_reads_a_figure_while_it_is_replaced_reads_the_old_one_whole(figures
 
 
 PAIR = ("onyx-rgbw", "onyx-rgb-ircut")
-POINT = "10 lx, illuminant E, 11.94 ms, f/1.8"
+POINT = "10 lx (illuminant E, 11.94 ms, f/1.8)"
 
 
 @pytest.fixture

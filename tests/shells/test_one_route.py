@@ -48,6 +48,8 @@ OF_SENSOR = {
     "beyond": ("beyond",),
     "filter": ("filter",),
     "filter_wavelength_unit": ("filter_wavelength_unit",),
+    "ircut_nm": ("ircut_nm",),
+    "shift_nm": ("shift_nm",),
     "qe_scale": ("answers", "scale"),
     "level": ("answers", "level"),
     "per": ("answers", "per"),
@@ -55,7 +57,15 @@ OF_SENSOR = {
     "pixel": ("pixel", "file"),
     "pitch_um": ("pixel", "pitch_um"),
     "full_well_e": ("pixel", "full_well_e"),
-    "read_noise_e": ("pixel", "read_noise_e"),
+    **{
+        name: ("pixel", name)
+        for name in (
+            *("read_noise_e", "dark_current_e_per_s", "temperature_c", "dark_reference_c"),
+            *("dark_doubling_k", "dsnu_e", "prnu", "row_noise_e", "black_error_e", "bits"),
+            "gain_dn_per_e",
+        )
+    },
+    **{name: (name,) for name in ("crosstalk", "crosstalk_stage", "mosaic")},
 }
 
 
@@ -77,7 +87,10 @@ FILES = {
     ),
     "lamp.csv": columns("wavelength_nm,power", 1050, lambda w: w / 500),
     "filter.csv": columns("wavelength_nm,transmittance", 1050, lambda w: 0.9 if w < 680 else 0.01),
-    "pixel.txt": "K = 0.5 DN/e-\nsigma_d [e-] = 2.4\nmu_e.sat: 9000 e-\npixel pitch = 3 um\n",
+    "pixel.txt": "K = 0.5 DN/e-\nsigma_d [e-] = 2.4\nmu_e.sat: 9000 e-\npixel pitch = 3 um\n"
+    "dark current = 40 e-/s\nDSNU = 3 e-\nPRNU = 1 %\nbits = 12\n",
+    "mix.csv": "to,R,G,B\nR,0.9,0.05,0\nG,0.1,0.9,0.1\nB,0,0.05,0.9\n",
+    "kernel.csv": "0,0.02,0\n0.02,0.9,0.03\n0,0.03,0\n",
 }
 
 
@@ -121,8 +134,16 @@ VALID = {
     "pitch_um": maybe(2.4),
     "full_well_e": maybe(4000.0),
     "read_noise_e": maybe(0.0, 2.5),
+    "dsnu_e": maybe(0.0, 4.0),
+    "prnu": maybe(0.0, 0.02),
+    "row_noise_e": maybe(2.0),
+    "black_error_e": maybe(-3.0, 8.0),
+    "bits": maybe(10, 14),
+    "gain_dn_per_e": maybe(0.25),
     "pixel": maybe("pixel.txt"),
     "filter": maybe("ircut-650", "ircut-650/20", "filter.csv"),
+    "ircut_nm": maybe(680.0),
+    "shift_nm": maybe(-5.0, 10.0),
     "chart": maybe(True),
     "space": maybe("lab", "luv", "linear-srgb"),
 }
@@ -137,6 +158,17 @@ LIGHTS = [
     {"illuminant": "lamp.csv", "illuminant_per": "photon"},
     {"illuminant": "lamp.csv", "illuminant_per": "energy"},
 ]
+DARK = [
+    *({}, {}, {"dark_current_e_per_s": 30.0}),
+    {"dark_current_e_per_s": 30.0, "temperature_c": 50.0},
+    {"dark_current_e_per_s": 9.0, "dark_reference_c": 60.0, "dark_doubling_k": 6.0},
+]
+MIXED = [
+    *({}, {}, {}, {"crosstalk": 0.1}, {"crosstalk": 0.05, "crosstalk_stage": "charge"}),
+    {"crosstalk": "kernel.csv"},
+]
+MIXED_RGB = [{}, {"crosstalk": 0.1, "mosaic": "bayer"}, {"crosstalk": "mix.csv"}]
+RGB = {"onyx-rgb-ircut", "onyx-rgb", "cam.csv"}
 MATRICES = [
     *({"matrix": "kernel"}, {"matrix": "kernel"}, {"matrix": "least-squares"}),
     *({"matrix": "lmmse"}, {"matrix": "lmmse", "prior": "chart"}, {"matrix": "ridge=0.01"}),
@@ -152,12 +184,21 @@ TROUBLE = [  # idle, contradictory, impossible or unknown
     *({"filter": "ircut-x"}, {"filter": "ircut-650", "filter_wavelength_unit": "nm"}),
     *({"filter": None, "filter_wavelength_unit": "nm"}, {"pixel": "missing.txt"}),
     *({"pitch_um": 0.0}, {"read_noise_e": -1.0}, {"peak_qe": 2.0}),
+    *({"ircut_nm": 449.0}, {"shift_nm": 201.0}),
     {"peak_qe": 0.5, "level": "absolute"},
     *({"per": "photon"}, {"qe_scale": None}, {"beyond": None}),
     *({"clip": True, "budget": True}, {"matrix": "kernel", "prior": "chart"}),
     *({"matrix": "ridge"}, {"matrix": "lmse"}, {"lux": -1.0, "f_number": 0.0}),
     *({"sensors": ("onyx-rgbw", "onyx-rgbw")}, {"sensors": ("onyx-rgbx",)}),
     *({"sensors": ("missing.csv", "onyx-rgbw")}, {"full_well_e": 1e-30}),
+    *({"prnu": 2.0}, {"dsnu_e": -1.0}, {"bits": 7}, {"gain_dn_per_e": 0.0}, {"row_noise_e": -1.0}),
+    *({"dark_current_e_per_s": None, "temperature_c": 40.0}, {"black_error_e": 1e30}),
+    {"dark_current_e_per_s": 5.0, "temperature_c": -300.0},
+    {"dark_current_e_per_s": 5.0, "dark_doubling_k": 0.5},
+    *({"crosstalk": 1.5}, {"crosstalk": "missing.csv"}, {"crosstalk": None, "mosaic": "bayer"}),
+    {"crosstalk": None, "crosstalk_stage": "charge"},
+    *({"crosstalk": 0.1, "mosaic": "bayer"}, {"crosstalk": 0.1, "mosaic": "bayr"}),
+    {"crosstalk": "mix.csv"},
 ]
 
 
@@ -166,7 +207,8 @@ def calls(draw, troubles=TROUBLE):
     sensors = draw(st.lists(st.sampled_from(SENSORS), min_size=1, max_size=3, unique=True))
     names = draw(st.sets(st.sampled_from(list(VALID)), max_size=4))
     told = {name: draw(VALID[name]) for name in sorted(names)}
-    for group in (TIMES, LIGHTS, MATRICES, MOMENTS):
+    mixed = MIXED_RGB if set(sensors) <= RGB else MIXED
+    for group in (TIMES, LIGHTS, MATRICES, MOMENTS, DARK, mixed):
         told |= draw(st.sampled_from(group))
     if "cam.csv" in sensors:
         told |= {"qe_scale": "percent", "beyond": draw(st.sampled_from(["zero", "hold"]))}
@@ -209,7 +251,7 @@ def printed(*words):
 def words_of(asked):
     words = [asked.function, *asked.sensors]
     if asked.matrix != "kernel":
-        words += ["--method" if asked.function == "matrix" else "--matrix", asked.matrix]
+        words += ["--matrix", asked.matrix]
     rest = dict(asked.settings)
     if "vary" in rest:
         words += ["--sweep", f"{rest.pop('vary')}={rest.pop('first')}:{rest.pop('last')}"]
@@ -403,11 +445,17 @@ def test_every_route_gives_the_same_analysis_or_refusal_for_many_calls(asked):
 
 
 LIGHT = {"lux": 3.0, "illuminant": "A", "f_number": 2.8}
+NOISY = {
+    **{"prnu": 0.01, "dsnu_e": 3.0, "dark_current_e_per_s": 40.0, "temperature_c": 45.0},
+    **{"row_noise_e": 2.0, "black_error_e": 4.0, "bits": 10, "gain_dn_per_e": 0.2},
+    **{"crosstalk": 0.1, "crosstalk_stage": "charge"},
+}
 COMPARED = [
     {},
     {"vary": "time-ms", "first": 1.0, "last": 20.0, "equal": "saturation"},
     {"vary": "read-noise-e", "first": 0.0, "last": 9.0, "time_ms": 5.0, "quantity": "bound"},
     {"vary": "kelvin", "first": 2000.0, "last": 9000.0, "matrix": "kernel,lmmse", **LIGHT},
+    {"vary": "lux", "first": 1.0, "last": 50.0, "matrix": "kernel,lmmse", **NOISY},
     pytest.param({"matrix": "lmmse", "prior": "all"}, marks=pytest.mark.evidence),
     {"vary": "time-ms", "first": 1.0, "last": 20.0, "time_ms": 5.0},
     {"vary": "read-noise-e", "first": 0.0, "last": 9.0, "read_noise_e": 5.0},
@@ -416,6 +464,7 @@ COMPARED = [
 ]
 MATRIXED = [
     *({}, {"matrix": "lmmse", "prior": "chart", **LIGHT}, {"matrix": "bounded-psi=6.5"}),
+    *({"matrix": "lmmse", **NOISY}, {"pixel": "pixel.txt"}),
     {"pareto_first": 0.1, "pareto_last": 10.0, "pareto_points": 3, "metric": "energy"},
     {"pareto_first": 10.0, "pareto_last": 0.1, "pareto_points": 3},
     *({"matrix": "ridge=-1"}, {"prior": "chart"}, {"time_ms": 1.0, "saturate": 0.5}),

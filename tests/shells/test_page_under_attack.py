@@ -29,7 +29,7 @@ from chromanoise.errors import InputError
 from chromanoise.io.mat5 import mat_array
 from chromanoise.page import processes, requests, work, worker
 from chromanoise.page.requests import Bodies, QuestionError
-from chromanoise.page.services import Desk
+from chromanoise.page.services import Services
 from chromanoise.page.uploads import Kept, Uploads
 from chromanoise.page.work import Workers
 from served_page import served
@@ -425,24 +425,24 @@ def test_a_process_whose_answer_cannot_be_read_is_used_no_more(error, monkeypatc
 
 @pytest.mark.parametrize("error", [MemoryError, OSError(28, "No space left on device")])
 def test_a_preparation_that_fails_is_an_answer_and_ends_the_process(monkeypatch, error, tmp_path):
-    desk, calls = Desk(Kept()), []
+    services, calls = Services(Kept()), []
 
     def fails(_):
         calls.append(1)
         raise error
 
-    monkeypatch.setattr(desk._pictures, "picture", fails)
+    monkeypatch.setattr(services._pictures, "picture", fails)
     asked_twice, answers = tmp_path / "asked", tmp_path / "answers"
     asked_twice.write_bytes(pickle.dumps(("picture", (), (b"{}",), 15, 30.0)) * 2)
     with asked_twice.open("rb") as reads, answers.open("wb") as writes:
-        worker._Answering(desk, reads, writes, None).serve()
+        worker._Answering(services, reads, writes, None).serve()
     written = BytesIO(answers.read_bytes())
     assert pickle.load(written) == "begins"
     (kind, *told), is_spent = pickle.load(written)
     assert (kind, is_spent) == (("no memory" if error is MemoryError else "failed"), True)
     assert error is MemoryError or "No space left" in told[0]
     assert not written.read()  # the second question is left to another process
-    assert not desk._has_kernels
+    assert not services._has_kernels
 
 
 def test_an_error_outside_of_an_answer_is_written_out_with_an_exit_code(capfd):
@@ -463,9 +463,9 @@ def test_an_error_outside_of_an_answer_is_written_out_with_an_exit_code(capfd):
 
 
 def test_the_study_that_the_server_starts_with_is_not_computed_without_a_bound(monkeypatch):
-    desk, computed = Desk(Kept(), study=STUDY), []
-    monkeypatch.setattr(desk._answers, "answer", computed.append)
-    desk.warm()
+    services, computed = Services(Kept(), study=STUDY), []
+    monkeypatch.setattr(services._answers, "answer", computed.append)
+    services.warm()
     assert computed
     assert all(one["study"]["sensors"] != STUDY["sensors"] for one in computed)
 

@@ -1,13 +1,15 @@
 """One error in the terms of each shell: option, key with its line, control, keyword."""
 
+import pickle
+
 import pytest
 
 import chromanoise as cn
+from chromanoise._files import renamed
 from chromanoise.cli.rendering import sentences
-from chromanoise.errors import InputError, Setting, StudyError
+from chromanoise.errors import InputError, Setting, StudyError, in_study
 from chromanoise.page.requests import page_sentence
 from chromanoise.study import in_arguments, study_from_text
-from chromanoise.study.reading import in_study
 
 ENDS = Setting("sensors.0.beyond", ("zero", "hold"))
 LAMP_ENDS = Setting("light.beyond", ("zero", "hold"))
@@ -108,6 +110,31 @@ def test_a_study_file_calls_a_setting_by_its_key_with_file_and_line(run, here):
     assert changed[2] == f"chromanoise: --set light.level_lux=0: {sentence}\n"
     with pytest.raises(StudyError, match=f"^a text:2: {sentence}$"):
         study_from_text(text, source="a text")
+
+
+def test_the_errors_of_a_study_are_data_with_their_places():
+    text = "metric = 1\n[light]\nlevel_lux = 0\n[[sensors]]\nname = 'onyx-rgbw'\n"
+    with pytest.raises(StudyError) as caught:
+        study_from_text(text, source="s.toml", changes=["seed=-1"], change_label="--set")
+    for error in (caught.value, pickle.loads(pickle.dumps(caught.value))):
+        assert [one.setting for one in error.errors] == ["seed", "metric", "light.level_lux"]
+        assert error.places == ("--set seed=-1", "s.toml:1", "s.toml:3")
+        assert (error.requirement, error.value) == ("must have no errors", 3)
+        assert not any(place in error.subject for place in error.places)
+    with pytest.raises(StudyError) as caught:
+        cn.study_from_data({"sensors": [{"name": "onyx-rgbw"}], "seed": -1})
+    assert caught.value.places == ()
+    assert renamed(StudyError([DARK], ["s.toml:1"]), "a", "b").places == ("s.toml:1",)
+
+
+def test_a_study_that_the_page_cannot_show_is_named_with_its_file(run, here):
+    sensor = "[[sensors]]\nname = 'onyx-rgbw'\npixel.read_noise_e = "
+    (here / "s.toml").write_text("".join(f"{sensor}{i}\n" for i in range(9)))
+    outcome = run("serve", "s.toml")
+    assert outcome[2] == (
+        "chromanoise: s.toml: sensors must have at most 8 entries on the page, but has 9; "
+        "remove some\n"
+    )
 
 
 def test_the_page_calls_a_setting_by_the_name_of_its_control():

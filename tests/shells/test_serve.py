@@ -90,6 +90,16 @@ def test_only_what_is_wanted_is_answered_and_what_changes_nothing_is_remembered(
     assert again["hash"] != first["hash"]
 
 
+def test_an_answer_clips_where_the_study_does_and_is_not_that_of_the_unclipped_one(client):
+    dark = BOTH | {"light": {"illuminant": "E", "level_lux": 0.01}, "exposure": {"time_ms": 12.0}}
+    luminance = {}
+    for clip in (False, True):
+        study = dark | {"outputs": {"clip": clip, "budget": False}}
+        told = answered(client, {"study": study, "want": ["stages"]}).json()
+        luminance[clip] = told["parts"]["stages"]["sensors"][0]["color"]["Y"]
+    assert luminance == pytest.approx({False: -15.81, True: -16.25}, abs=0.01)
+
+
 def test_a_look_changes_the_drawing_that_reads_it(client):
     question = {"study": BOTH, "want": ["budget", "ellipses"]}
     told = answered(client, question | {"look": {"coordinate": "b*", "plane": "xy", "theme": "x"}})

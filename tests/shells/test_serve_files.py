@@ -14,7 +14,7 @@ from chromanoise.page import answers as answering
 from chromanoise.page.answers import Answers
 from chromanoise.page.pictures import Pictures
 from chromanoise.page.requests import QuestionError
-from chromanoise.page.services import Desk
+from chromanoise.page.services import Services
 from chromanoise.page.studies import MOST_SENSORS, Studies, files_of, served_data
 from chromanoise.page.uploads import Uploads
 from chromanoise.study import read_study, run_study, study_from_data, study_from_text, study_hash
@@ -78,7 +78,7 @@ def faults_of(act, *given):
 def serving(uploads, path):
     """Answers and pictures of a server that was started with a study's file."""
     told = served_data(read_study(path))
-    files = files_of(study_from_data(told, source="the test"))
+    files = files_of(study_from_data(told, source="the test", keep_idle=True))
     studies = Studies(uploads, files=files)
     return told, Answers(studies), Pictures(studies)
 
@@ -363,6 +363,6 @@ def test_the_digest_of_a_cube_is_taken_once_while_it_stays_the_same(uploads, tmp
 
 def test_a_desk_warms_with_the_study_that_it_was_given(uploads):
     study = {"sensors": [{"name": "onyx-rgb"}]}
-    desk = Desk(uploads, study=study)
-    desk.warm()
-    assert json.loads(desk.choices())["study"] == study
+    services = Services(uploads, study=study)
+    services.warm()
+    assert json.loads(services.choices())["study"] == study

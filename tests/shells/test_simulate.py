@@ -20,11 +20,10 @@ from chromanoise.imaging.capture import write_capture
 from chromanoise.io.cubes import read_cube
 from chromanoise.io.sensor_json import sensor_json
 from chromanoise.scene import flat_field
-from chromanoise.sensor import Mosaic, bayer, rgb_ir, rgbw_2x2, rgbw_sparse_4x4
+from chromanoise.sensor import Mosaic, bayer, rgb_ir, rgbw_2x2, rgbw_sparse_4x4, with_pixel
 from chromanoise.spectra import DEFAULT_GRID, equal_energy
 from outcomes import refused
 from processes import IGNORING, command, wait_for
-from strategies import with_pixel_of
 
 ROWS, COLUMNS = 27, 23  # no whole number of tiles; DNG needs 22
 IMPERFECT = {
@@ -64,8 +63,9 @@ def take(run, cube, tmp_path):
     return call
 
 
-def used(name, lux=10.0):
-    lamp, sensor = equal_energy(DEFAULT_GRID), sensor_named(name, DEFAULT_GRID)
+def used(name, lux=10.0, **pixel):
+    lamp = equal_energy(DEFAULT_GRID)
+    sensor = with_pixel(sensor_named(name, DEFAULT_GRID), pixel)
     white = flat_field(lamp, level_lux=lux)
     exposure = saturating_exposure(white, sensor, f_number=1.8, share=0.99)
     return OperatingPoint(sensor=sensor, exposure=exposure, illuminant=lamp, level_lux=lux)
@@ -237,17 +237,18 @@ def test_each_imperfection_goes_where_the_library_puts_it(take, cube, field):
     option = f"--{field.replace('_', '-')}"
     folder, (told,), _, _ = take("o", "model-rgb", "--mosaic", "bayer", "--raw-only", option, value)
     plain = acquired(read_cube(cube), used("model-rgb"))
-    ours = acquired(read_cube(cube), with_pixel_of(used("model-rgb"), **{field: value}))
+    ours = acquired(read_cube(cube), used("model-rgb", **{field: value}))
     codes = codes_in(folder, "model-rgb")
     assert (codes == ours.codes).all()
     assert not (codes == plain.codes).all()
-    assert told["imperfections"] == dict.fromkeys(IMPERFECT, 0.0) | {field: value}
+    nothing = dict.fromkeys((*IMPERFECT, "black_error_e"), 0.0)
+    assert told["imperfections"] == nothing | {field: value}
 
 
 def test_imperfections_reach_the_picture_without_a_mosaic_too(take, cube):
     options = [word for k, v in IMPERFECT.items() for word in (f"--{k.replace('_', '-')}", v)]
     folder, _, _, _ = take("o", "model-rgb", *options)
-    ours = rendered(read_cube(cube), with_pixel_of(used("model-rgb"), **IMPERFECT))
+    ours = rendered(read_cube(cube), used("model-rgb", **IMPERFECT))
     assert (tifffile.imread(folder / "model-rgb.xyz.tiff") == ours.xyz).all()
 
 
@@ -458,10 +459,14 @@ def test_on_a_screen_a_bar_tells_rows_and_goes_away(run, cube, tmp_path, monkeyp
         (("--mosaic", "bayer", "--bits", 17), ("--bits", "16", "17"), "bits"),
         (("--mosaic", "bayer", "--black-level", -1), ("--black-level", "-1"), "black_level"),
         (("--mosaic", "bayer", "--black-level", 4095), ("4095",), "black_level"),
-        (("--dark-current-e-per-s", -1), ("--dark-current-e-per-s",), "dark_current_e_per_s"),
-        (("--dsnu-e", "nan"), ("--dsnu-e", "nan"), "dsnu_e"),
-        (("--prnu", 2), ("--prnu", "2"), "prnu"),
-        (("--row-noise-e", "inf"), ("--row-noise-e", "inf"), "row_noise_e"),
+        (
+            ("--dark-current-e-per-s", -1),
+            ("--dark-current-e-per-s",),
+            "sensors.0.pixel.dark_current_e_per_s",
+        ),
+        (("--dsnu-e", "nan"), ("--dsnu-e", "nan"), "sensors.0.pixel.dsnu_e"),
+        (("--prnu", 2), ("--prnu", "2"), "sensors.0.pixel.prnu"),
+        (("--row-noise-e", "inf"), ("--row-noise-e", "inf"), "sensors.0.pixel.row_noise_e"),
         (("--threads", 0), ("threads", "0"), None),
         (("--tile", 0), ("tile", "0"), None),
         (("--mosaic", "bayr"), ("'bayr'", "bayer"), "mosaic"),
@@ -476,11 +481,13 @@ def test_on_a_screen_a_bar_tells_rows_and_goes_away(run, cube, tmp_path, monkeyp
 def test_what_cannot_be_is_one_sentence_and_leaves_nothing(
     run, cube, tmp_path, options, parts, setting
 ):
-    """``setting`` is a key of the picture; None where no setting of a study is wrong."""
+    """``setting`` is a key of the picture or the study; None where no setting is wrong."""
     outcome = run(
         "simulate", cube, "--sensor", "model-rgb", *options, "-o", tmp_path / "deep" / "o"
     )
-    key = "" if setting is None else f"pictures.0.{setting}".rstrip(".")
+    key = setting or ("" if setting is None else "pictures.0")
+    if setting and not setting.startswith("sensors"):
+        key = f"pictures.0.{setting}"
     refused(outcome, *parts, **({"setting": key} if key else {}))
     assert nothing_left(tmp_path)
 

@@ -13,16 +13,15 @@ from chromanoise._shapes import (
     Bool,
     Float,
 )
-from chromanoise.analysis.operating_point import (
-    stages_at,
-)
+from chromanoise.analysis.operating_point import Stages, stages_at
+from chromanoise.analysis.undefined import defined
 from chromanoise.color import (
     ColorMatrix,
     colored,
     kernel_matrix,
 )
 from chromanoise.errors import InputError
-from chromanoise.exposure import Exposure, OperatingPoint
+from chromanoise.exposure import Exposure, OperatingPoint, conditions
 from chromanoise.geometry import (
     NearestMix,
     angles_between_deg,
@@ -31,13 +30,13 @@ from chromanoise.geometry import (
     spectral_snr,
     variance_inflation,
 )
+from chromanoise.io.table import number_text
 from chromanoise.metrics import (
     chart_color_error,
-    optimal_linear_snr_db,
+    color_snr_loss_db,
     signal_snr_db,
     snr_db,
 )
-from chromanoise.metrics import color_snr_loss_db as snr_loss_db
 from chromanoise.metrics.snr import LEAST_COLOR
 from chromanoise.noise import Measurement, Readout
 from chromanoise.scene import Scene
@@ -58,6 +57,8 @@ class Analysis:
     ----------
     scene, sensor, exposure
         The patch, the sensor that measures it, and its exposure settings.
+    readout
+        Clipping and rounding of the values; ``None`` for eq. 7, unclipped.
     raw, contravariant, color
         The measurement at each stage, with its covariance: total noise, as one reading over a flat
         field shows it.
@@ -81,14 +82,17 @@ class Analysis:
     mix
         The channel that is closest to a linear combination of the others.
     spectral_snr_db
-        SNR of the reconstructed spectrum (eq. 4). [dB]
-    optimal_linear_snr_db, color_snr_loss_db
-        Best SNR of any linear readout, and the difference between it and the SNR of Y. [dB]
+        SNR of the reconstructed spectrum (eq. 4); ``None`` where a channel is saturated. [dB]
+    optimal_linear_snr_db
+        Best SNR of any linear readout; ``None`` where a channel is saturated. [dB]
+    color_snr_loss_db
+        The best linear SNR minus that of Y; ``None`` where Y has no SNR. [dB]
     """
 
     scene: Scene
     sensor: Sensor
     exposure: Exposure
+    readout: Readout | None
     raw: Measurement
     contravariant: Measurement
     color: Measurement
@@ -103,9 +107,9 @@ class Analysis:
     between_deg: Float[Array, "p p"]
     to_axes_deg: Float[Array, "p 3"]
     mix: NearestMix | None
-    spectral_snr_db: float
-    optimal_linear_snr_db: float
-    color_snr_loss_db: float
+    spectral_snr_db: float | None
+    optimal_linear_snr_db: float | None
+    color_snr_loss_db: float | None
 
     @property
     def point(self) -> OperatingPoint:
@@ -125,11 +129,10 @@ class Analysis:
         raw, spectral, color = (
             told(self) for told in (raw_snr_db, contravariant_snr_db, color_snr_db)
         )
-        level, lit = self.scene.level_lux, self.scene.illuminant.name
         rows = [[f"channel {n}", _db(raw[n]), _db(spectral[n]), ""] for n in raw]
         rows += [[n, "", "", _db(value)] for n, value in color.items()]
         return _notebook.shown(
-            f"{self.sensor.name} at {level:g} lx of {lit}, {1e3 * self.exposure.time_s:.4g} ms",
+            f"{self.sensor.name} at {conditions([self.point])}",
             _notebook.table(["SNR [dB]", "raw", "contravariant", "color"], rows),
             notes=diagnosis(self),
         )
@@ -184,6 +187,7 @@ def analyzed(
         scene=scene,
         sensor=sensor,
         exposure=exposure,
+        readout=readout,
         raw=raw,
         contravariant=at.contravariant,
         color=color,
@@ -198,14 +202,25 @@ def analyzed(
         between_deg=angles_between_deg(frame),
         to_axes_deg=angles_to_axes_deg(frame, color_axes(sensor.grid, matrix.metric)),
         mix=nearest_mix(frame),
-        spectral_snr_db=float(decibel(spectral_snr(raw, frame))),
-        optimal_linear_snr_db=float(optimal_linear_snr_db(raw)),
-        color_snr_loss_db=float(snr_loss_db(raw, color)),
+        spectral_snr_db=_spectral_snr_db(at),
+        optimal_linear_snr_db=defined(float(at.optimal_linear_snr_db)),
+        color_snr_loss_db=_color_snr_loss_db(at, color),
     )
 
 
+def _spectral_snr_db(at: Stages) -> float | None:
+    if at.saturated.any():
+        return None
+    return defined(float(decibel(spectral_snr(at.raw, at.matrix.frame))))
+
+
+def _color_snr_loss_db(at: Stages, color: Measurement) -> float | None:
+    luminance_db = at.color_snr_db[at.matrix.coordinates.index("Y")]
+    return float(color_snr_loss_db(at.raw, color)) if np.isfinite(luminance_db) else None
+
+
 def _db(value: float | None) -> str:
-    return "none" if value is None else f"{value:.1f}"
+    return number_text(value, ".1f", "none")
 
 
 def mean_color_error(analysis: Analysis) -> float | None:
@@ -276,11 +291,6 @@ def _color_snr_db(analysis: Analysis) -> Mapping[str, float | None]:
     decibels = signal_snr_db(analysis.color, analysis.truth_xyz)
     named = {name: np.asarray(decibels[i]) for i, name in enumerate(analysis.color.names)}
     return _told(named, dict.fromkeys(named, lost))
-
-
-def color_snr_loss_db(analysis: Analysis) -> float | None:
-    """SNR of the best linear readout minus that of Y; ``None`` where Y has no SNR. [dB]"""
-    return None if color_snr_db(analysis)["Y"] is None else analysis.color_snr_loss_db
 
 
 def diagnosis(analysis: Analysis) -> tuple[str, ...]:

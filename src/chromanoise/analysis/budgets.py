@@ -18,7 +18,8 @@ def coordinate_budget(
 ) -> Budget | None:
     """The budget of X, Y, Z, of a contravariant coordinate as M^R, or of L*, a*, b* of a gray.
 
-    ``None`` where a channel is saturated, or the coordinate has no SNR or no budget.
+    ``None`` where a channel is saturated, or the coordinate has no SNR or no budget, and for a
+    clipped analysis, as a budget follows eq. 7.
 
     Parameters
     ----------
@@ -29,7 +30,7 @@ def coordinate_budget(
     reflectance
         Of the gray, for L*, a* and b*. [1]
     """
-    if analysis.saturated.any():
+    if analysis.saturated.any() or analysis.readout is not None:
         return None
     light, sensor, exposure = analysis.scene, analysis.sensor, analysis.exposure
     snr = color_snr_db(analysis)

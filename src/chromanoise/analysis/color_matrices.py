@@ -1,33 +1,40 @@
 """Color matrix methods by name."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
-from functools import lru_cache, partial
-from typing import Any
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+import numpy as np
 
 from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise._linalg import inv, pinv
 from chromanoise._shapes import Float
 from chromanoise.analysis.priors import DEFAULT_PRIOR, PRIORS, training_named
+from chromanoise.catalog.resolve import file_of
 from chromanoise.color import (
     ColorMatrix,
     Training,
     bounded_psi,
     kernel,
+    kernel_matrix,
     least_squares,
+    linear_srgb,
     lmmse,
     lmmse_over_light,
     noise_regularized,
     ridge,
+    scene_xyz,
     white_preserving,
 )
 from chromanoise.errors import InputError
-from chromanoise.exposure import Exposure, OperatingPoint
+from chromanoise.exposure import Exposure, OperatingPoint, expected_electrons, white_scene
+from chromanoise.io.given_matrices import GivenMatrix, is_matrix_file, read_matrix
 from chromanoise.sensor import Sensor
 from chromanoise.spectra import Metric
 
-MatrixMaker = Callable[[OperatingPoint], ColorMatrix]
-"""A function from an operating point to its color matrix; some depend on the light level."""
+MatrixFunction = Callable[[OperatingPoint], ColorMatrix]
+"""A function from an operating point to its color matrix: a `MatrixMaker`, or one of your own."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -58,6 +65,7 @@ class Method:
 
 
 DEFAULT_METHOD = "kernel"
+_SAME_EXPOSURE = 1e-12  # relative; a matrix keeps its digits at the exposure for which it was made
 
 METHODS: Mapping[str, Method] = {
     "kernel": Method(make=kernel, trained=False),
@@ -72,6 +80,83 @@ METHODS: Mapping[str, Method] = {
 }
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MatrixMaker:
+    """A method with its parameters, metric and prior: gives the matrix of an operating point.
+
+    Attributes
+    ----------
+    method
+        One of `METHODS`.
+    metric
+        Metric of the space of spectra.
+    prior
+        A name from `PRIORS`, for a trained method.
+    parameters
+        Names and values of the parameters of the method.
+    given
+        The matrix of a file, used in place of the method.
+    """
+
+    method: Method
+    metric: Metric
+    prior: str = DEFAULT_PRIOR
+    parameters: tuple[tuple[str, float], ...] = ()
+    given: GivenMatrix | None = None
+
+    def __call__(self, operating_point: OperatingPoint) -> ColorMatrix:
+        """The color matrix of an operating point. [lx/e-]"""
+        if self.given is not None:
+            return given_color_matrix(operating_point, self.given, self.metric)
+        sensor, exposure = operating_point.sensor, operating_point.exposure
+        training = self._training(operating_point)
+        if self.method.over_light is None:
+            make = self.method.make
+            return _of_any_light(make, sensor, exposure, training, self.metric, self.parameters)
+        return self.method.make(
+            sensor,
+            exposure,
+            training,
+            level_lux=operating_point.level_lux,
+            metric=self.metric,
+            **dict(self.parameters),
+        )
+
+    def over_levels(
+        self, operating_point: OperatingPoint, level_lux: Float[Array, " k"]
+    ) -> Float[Array, "k c p"] | None:
+        """The color matrices at many light levels, computed at once. [lx/e-]
+
+        ``None`` if one matrix, that of the operating point, applies to all levels.
+
+        Parameters
+        ----------
+        operating_point
+            The operating point; its light level is ignored.
+        level_lux
+            Illuminances, > 0. [lx]
+
+        Raises
+        ------
+        InputError
+            If a level is not positive.
+        """
+        if self.method.over_light is None:
+            return None
+        return self.method.over_light(
+            operating_point.sensor,
+            operating_point.exposure,
+            self._training(operating_point),
+            level_lux,
+            **dict(self.parameters),
+        )
+
+    def _training(self, operating_point: OperatingPoint) -> Training | None:
+        if not self.method.trained:
+            return None
+        return training_named(self.prior, operating_point.illuminant)
+
+
 def matrix_makers(
     names: Sequence[str], metric: Metric, *, prior: str = DEFAULT_PRIOR
 ) -> Mapping[str, MatrixMaker]:
@@ -80,7 +165,8 @@ def matrix_makers(
     Parameters
     ----------
     names
-        Names from `METHODS`; a method with a parameter as ``name=value``, e.g. ``ridge=0.01``.
+        Names from `METHODS`; a method with a parameter as ``name=value``, e.g. ``ridge=0.01``; or
+        files for `chromanoise.io.read_matrix`.
     metric
         Metric of the space of spectra.
     prior
@@ -89,46 +175,12 @@ def matrix_makers(
     Raises
     ------
     InputError
-        If there is no method of that name, or a parameter is missing, not a number, out of bounds
-        or superfluous.
+        If there is no method of that name, a file holds no matrix, or a parameter is missing, not a
+        number, out of bounds or superfluous.
     """
     _check.one_of("prior", prior, tuple(PRIORS))
     wanted = _check.distinct("names of matrices", [name.strip() for name in names])
     return {name: _maker(name, metric, prior) for name in wanted}
-
-
-def matrices_over_levels(
-    maker: MatrixMaker, operating_point: OperatingPoint, level_lux: Float[Array, " k"]
-) -> Float[Array, "k c p"] | None:
-    """The color matrices of a method at many light levels, computed at once. [lx/e-]
-
-    ``None`` where the method must be called level by level: it gives one matrix for all levels, or
-    it does not come from `matrix_makers`.
-
-    Parameters
-    ----------
-    maker
-        A method from `matrix_makers`, or a function of your own.
-    operating_point
-        The operating point; its light level is ignored.
-    level_lux
-        Illuminances, > 0. [lx]
-
-    Raises
-    ------
-    InputError
-        If a level is not positive.
-    """
-    if not isinstance(maker, partial) or maker.func is not _made:
-        return None
-    method: Method = maker.keywords["method"]
-    if method.over_light is None:
-        return None
-    training = training_named(maker.keywords["prior"], operating_point.illuminant)
-    parameters = maker.keywords["parameters"]
-    return method.over_light(
-        operating_point.sensor, operating_point.exposure, training, level_lux, **parameters
-    )
 
 
 def trained_names(names: Sequence[str]) -> list[str]:
@@ -139,7 +191,8 @@ def trained_names(names: Sequence[str]) -> list[str]:
     InputError
         If there is no method of that name.
     """
-    return [name.strip() for name in names if _method(name.strip()).trained]
+    words = [name.strip() for name in names]
+    return [word for word in words if not is_matrix_file(word) and _method(word).trained]
 
 
 def known_matrices() -> str:
@@ -151,16 +204,110 @@ def known_matrices() -> str:
 
 
 def _maker(name: str, metric: Metric, prior: str) -> MatrixMaker:
+    if is_matrix_file(name):
+        return MatrixMaker(method=METHODS[DEFAULT_METHOD], metric=metric, given=_read(name))
     word, given, text = name.partition("=")
     method = _method(name)
     if bool(given) != (method.parameter is not None):
         wanted = f"{word}=<{method.parameter}>" if method.parameter else word
         raise InputError("matrix", f"must be given as {wanted}", value=name)
-    parameters = {}
+    parameters: tuple[tuple[str, float], ...] = ()
     if method.parameter:
         what, value = f"{method.parameter} of a {word} matrix", _number(text, name)
-        parameters = {method.parameter: _check.within(what, "1", value, *method.bounds)}
-    return partial(_made, method=method, prior=prior, metric=metric, parameters=parameters)
+        parameters = ((method.parameter, _check.within(what, "1", value, *method.bounds)),)
+    return MatrixMaker(method=method, metric=metric, prior=prior, parameters=parameters)
+
+
+def _read(name: str) -> GivenMatrix:
+    path = file_of(name)
+    if not path.exists():
+        raise InputError(
+            "matrix",
+            f"must be a file, or one of {', '.join(METHODS)}",
+            value=name,
+            found=f"there is no file {name}",
+        )
+    return read_matrix(path)
+
+
+def given_color_matrix(
+    operating_point: OperatingPoint, given: GivenMatrix, metric: Metric
+) -> ColorMatrix:
+    """The matrix of a file at an operating point.
+
+    Parameters
+    ----------
+    operating_point
+        Sensor, exposure and light. A balanced matrix applies to raw over the raw of a perfect white
+        in this light.
+    given
+        The matrix of a file.
+    metric
+        Metric of the frame that is reported with the matrix.
+
+    Raises
+    ------
+    InputError
+        If the channels differ, or a channel or the white gives no signal in this light.
+    """
+    sensor, exposure = operating_point.sensor, operating_point.exposure
+    frame = kernel_matrix(sensor, exposure, metric)
+    values = _in_channel_order(given, sensor.names)
+    if given.kind == "electrons":
+        own = exposure.time_s * sensor.pixel.pitch_um**2 / exposure.f_number**2
+        made_for = own if given.light_time is None else given.light_time
+        scale = 1.0 if abs(made_for / own - 1) < _SAME_EXPOSURE else made_for / own
+        return replace(frame, matrix=values * scale, made_by=f"given in {given.source}")
+    white = white_scene(operating_point)
+    white_e = expected_electrons(white, sensor, exposure)
+    white_lux = scene_xyz(white, metric)
+    for name, electrons in zip(sensor.names, white_e, strict=True):
+        if not electrons > 0:
+            raise InputError(
+                f"channel {name} of {sensor.name}",
+                "must see the light, for a matrix of white-balanced raw",
+                value=float(electrons),
+                found=f"collects nothing in {operating_point.illuminant.name}",
+            )
+    if given.kind == "from-xyz":  # camera values are raw electrons, up to one factor
+        to_xyz = pinv(f"matrix of {given.source}", values)
+        luminance = float(to_xyz[1] @ white_e)
+        if not luminance > 0:
+            raise InputError(
+                f"matrix of {given.source}",
+                "must give a perfect white in this light a luminance above 0",
+                value=luminance,
+            )
+        made_by = f"given in {given.source}"
+        return replace(frame, matrix=to_xyz * (white_lux[1] / luminance), made_by=made_by)
+    if given.target == "sRGB":
+        to_rgb = linear_srgb(np.eye(3), white_lux / white_lux[1]).T
+        values = inv("sRGB of this white", to_rgb) @ values
+    return replace(
+        frame, matrix=values * (white_lux[1] / white_e), made_by=f"given in {given.source}"
+    )
+
+
+def _in_channel_order(given: GivenMatrix, names: tuple[str, ...]) -> Float[Array, "a b"]:
+    """The values with one column (row of a profile) per channel, in the order of the sensor."""
+    values, axis = given.values, 0 if given.kind == "from-xyz" else 1
+    if values.shape[axis] != len(names):
+        raise InputError(
+            f"matrix of {given.source}",
+            f"must be for the {len(names)} channels {', '.join(names)}",
+            value=values.shape,
+            found=f"is for {values.shape[axis]}",
+        )
+    if not given.channels:
+        return values
+    if sorted(given.channels) != sorted(names):
+        raise InputError(
+            f"matrix of {given.source}",
+            f"must be for the channels {', '.join(names)}",
+            value=given.channels,
+            found=f"is for {', '.join(given.channels)}",
+        )
+    return np.take(values, [given.channels.index(name) for name in names], axis=axis)
 
 
 def _method(name: str) -> Method:
@@ -175,29 +322,6 @@ def _number(text: str, name: str) -> float:
         raise InputError(f"matrix {name!r}", "must end in a number", value=text) from None
 
 
-def _made(
-    operating_point: OperatingPoint,
-    *,
-    method: Method,
-    prior: str,
-    metric: Metric,
-    parameters: dict[str, Any],
-) -> ColorMatrix:
-    training = training_named(prior, operating_point.illuminant) if method.trained else None
-    if method.over_light is None:
-        own = tuple(parameters.items())
-        sensor, exposure = operating_point.sensor, operating_point.exposure
-        return _of_any_light(method.make, sensor, exposure, training, metric, own)
-    return method.make(
-        operating_point.sensor,
-        operating_point.exposure,
-        training,
-        level_lux=operating_point.level_lux,
-        metric=metric,
-        **parameters,
-    )
-
-
 @lru_cache(maxsize=64)
 def _of_any_light(
     make: Callable[..., ColorMatrix],
@@ -205,7 +329,7 @@ def _of_any_light(
     exposure: Exposure,
     training: Training | None,
     metric: Metric,
-    parameters: tuple[tuple[str, Any], ...],
+    parameters: tuple[tuple[str, float], ...],
 ) -> ColorMatrix:
     """The matrix of one exposure, cached: it is the same at every light level."""
     return make(sensor, exposure, training, level_lux=1.0, metric=metric, **dict(parameters))

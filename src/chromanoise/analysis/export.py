@@ -8,7 +8,6 @@ from chromanoise import __version__
 from chromanoise.analysis.analysis import (
     Analysis,
     color_snr_db,
-    color_snr_loss_db,
     contravariant_snr_db,
     diagnosis,
     mean_color_error,
@@ -19,6 +18,7 @@ from chromanoise.analysis.analysis import (
 from chromanoise.analysis.budgets import color_budgets, contravariant_budgets, lab_budgets
 from chromanoise.analysis.comparison.crossing import Crossover, crossover_as_json
 from chromanoise.analysis.comparison.curves import Curve
+from chromanoise.analysis.total_error import mean_total_error
 from chromanoise.analysis.undefined import defined
 from chromanoise.metrics import Budget
 
@@ -83,21 +83,21 @@ def _budget(budget: Budget) -> dict[str, Any]:
 
 def _analysis(analysis: Analysis) -> dict[str, Any]:
     sensor, axes = analysis.sensor, analysis.color.names
-    usable = not bool(analysis.saturated.any())
     return {
         "name": sensor.name,
         "time_ms": 1e3 * analysis.exposure.time_s,
         "f_number": analysis.exposure.f_number,
         "channels": _channels(analysis),
-        "spectral_snr_db": defined(analysis.spectral_snr_db) if usable else None,
+        "spectral_snr_db": analysis.spectral_snr_db,
         "color": {
             "snr_db": color_snr_db(analysis),
             "temporal_snr_db": temporal_color_snr_db(analysis),
+            "total_error_delta_e": mean_total_error(analysis),
             "mean_lux": _named(axes, analysis.color.mean),
             "covariance_lux2": analysis.color.covariance.tolist(),
         },
-        "bound_db": defined(analysis.optimal_linear_snr_db) if usable else None,
-        "price_db": color_snr_loss_db(analysis),
+        "bound_db": analysis.optimal_linear_snr_db,
+        "price_db": analysis.color_snr_loss_db,
         "condition": defined(analysis.matrix.frame.condition),
         "rank": analysis.matrix.frame.rank,
         "nearest_mix": asdict(analysis.mix) if analysis.mix else None,

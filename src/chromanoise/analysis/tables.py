@@ -6,10 +6,10 @@ from chromanoise import _check
 from chromanoise.analysis.analysis import (
     Analysis,
     color_snr_db,
-    color_snr_loss_db,
     mean_color_error,
 )
 from chromanoise.analysis.comparison.curves import Curve
+from chromanoise.analysis.total_error import mean_total_error
 from chromanoise.analysis.undefined import defined
 from chromanoise.color import ColorMatrix
 from chromanoise.errors import InputError
@@ -38,6 +38,7 @@ def analyses_as_table(analyses: Sequence[Analysis]) -> Table:
         Column(name="color SNR loss", unit="dB", digits=".1f"),
         Column(name="condition", digits=".4g"),
         Column(name="color error", unit="Delta E*ab", digits=".2f"),
+        Column(name="total color error", unit="Delta E*ab", digits=".2f"),
     )
     return Table(
         title="SNR of color",
@@ -62,6 +63,48 @@ def matrix_as_table(matrix: ColorMatrix, report: MatrixReport, sensor_name: str)
         title=f"{report.made_by} of {sensor_name}",
         columns=(Column(name="coordinate"), *columns),
         rows=tuple((name, *row) for name, row in rows),
+        notes=tuple(notes),
+    )
+
+
+def matrices_as_table(
+    matrices: Sequence[tuple[str, ColorMatrix, MatrixReport]],
+) -> Table:
+    """Color matrices: that of one sensor as `matrix_as_table`, of several with a column of names.
+
+    Parameters
+    ----------
+    matrices
+        Name of the sensor, its matrix and the report on it. A channel that only other sensors have
+        is an empty cell.
+
+    Raises
+    ------
+    InputError
+        If there are no matrices.
+    """
+    if not matrices:
+        raise InputError("matrices", "must hold at least one for a table", value=())
+    tables = [matrix_as_table(matrix, report, name) for name, matrix, report in matrices]
+    if len(tables) == 1:
+        return tables[0]
+    channels = list(dict.fromkeys(name for _, matrix, _ in matrices for name in matrix.channels))
+    rows: list[tuple[Entry, ...]] = []
+    notes: list[str] = []
+    for (sensor, matrix, _), table in zip(matrices, tables, strict=True):
+        for coordinate, *weights in table.rows:
+            of = dict(zip(matrix.channels, weights, strict=True))
+            rows.append((sensor, coordinate, *(of.get(name) for name in channels)))
+        notes += [f"{sensor}: {note}" for note in table.notes]
+    names = ", ".join(name for name, _, _ in matrices)
+    return Table(
+        title=f"{matrices[0][2].made_by} of {names}",
+        columns=(
+            Column(name="sensor"),
+            Column(name="coordinate"),
+            *(Column(name=name, unit="lx/e-") for name in channels),
+        ),
+        rows=tuple(rows),
         notes=tuple(notes),
     )
 
@@ -107,13 +150,13 @@ def curves_as_table(curves: Sequence[Curve]) -> Table:
 
 def _analysis_row(analysis: Analysis) -> tuple[Entry, ...]:
     snr = color_snr_db(analysis)
-    usable = not bool(analysis.saturated.any())
     return (
         analysis.sensor.name,
         1e3 * analysis.exposure.time_s,
         *(snr[axis] for axis in analysis.color.names),
-        defined(analysis.optimal_linear_snr_db) if usable else None,
-        color_snr_loss_db(analysis),
+        analysis.optimal_linear_snr_db,
+        analysis.color_snr_loss_db,
         defined(analysis.matrix.frame.condition),
         mean_color_error(analysis),
+        mean_total_error(analysis),
     )

@@ -2,9 +2,8 @@
 
 import re
 from collections.abc import Sequence
-from difflib import get_close_matches
 
-from chromanoise.errors import InputError
+from chromanoise.errors import InputError, did_you_mean
 
 
 def unknown_name(
@@ -30,8 +29,10 @@ def unknown_name(
     >>> str(unknown_name("filter", "x", ["ircut-schott"]))
     "filter must be in the catalog, but is 'x'; see the catalog"
     """
-    plain = {one: re.sub("<[^>]*>", "", one).lower() for one in known}
-    near = get_close_matches(name.lower(), list(plain.values()), n=3, cutoff=0.4)
-    meant = [one for one in plain if plain[one] in near]
-    remedy = f"did you mean {' or '.join(meant)}?" if meant else "see the catalog"
+    remedy = did_you_mean(name, known, "see the catalog", plain=_without_parameters)
     return InputError(subject, requirement, value=name, remedy=remedy)
+
+
+def _without_parameters(name: str) -> str:
+    """A family such as ``LED<nm>/<width>`` without its parameters, in lower case."""
+    return re.sub("<[^>]*>", "", name).lower()

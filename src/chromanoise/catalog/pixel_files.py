@@ -215,7 +215,7 @@ def _on_pixel(
     if not held and not converter:
         raise InputError(
             file,
-            "must give a value of the pixel or its converter",
+            "must give pitch, full well, read noise or another value of a pixel or its converter",
             value=source.notes,
             found=f"gives none ({'; '.join(source.notes)})",
         )

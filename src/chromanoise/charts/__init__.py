@@ -5,7 +5,7 @@ One module per chart; undefined values are ``None``, with the reason in ``why_no
 
 from chromanoise.charts.budget import cause_label
 from chromanoise.charts.by_name import PARTS, drawing
-from chromanoise.charts.charted_study import Look, Shown, shown
+from chromanoise.charts.charted_study import Look, Shown, shown, shown_at
 from chromanoise.charts.verdicts import verdict_sentences
 
 __all__ = [
@@ -15,5 +15,6 @@ __all__ = [
     "cause_label",
     "drawing",
     "shown",
+    "shown_at",
     "verdict_sentences",
 ]

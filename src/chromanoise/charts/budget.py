@@ -6,9 +6,9 @@ from chromanoise import _check
 from chromanoise.analysis.analysis import Analysis, color_snr_db
 from chromanoise.analysis.budgets import coordinate_budget
 from chromanoise.charts.charted_study import Look, Shown, saturation_sentence
-from chromanoise.charts.text import NONE, conditions_text, decimal, signed, table
+from chromanoise.charts.text import NONE, decimal, signed, table
 from chromanoise.color import LAB
-from chromanoise.exposure import expected_electrons
+from chromanoise.exposure import conditions, expected_electrons
 from chromanoise.metrics import (
     Budget,
 )
@@ -40,7 +40,7 @@ def drawn_budget(shown: Shown, look: Look) -> dict[str, Any]:
     sensors = [_sensor(analysis, look.coordinate) for analysis in shown.analyses]
     return {
         "title": (
-            f"Budget of the SNR of {look.coordinate} at {conditions_text(shown.operating_points)}"
+            f"Budget of the SNR of {look.coordinate} at {conditions(shown.operating_points)}"
         ),
         "description": _description(sensors, look.coordinate),
         "coordinate": look.coordinate,
@@ -90,6 +90,8 @@ def _why_not(analysis: Analysis, coordinate: str) -> str:
     full = saturation_sentence(analysis)
     if full is not None:
         return full
+    if analysis.readout is not None:
+        return f"{name}: a budget follows eq. 7, so clipped values have none"
     channel = coordinate.removeprefix("M^")
     if coordinate.startswith("M^") and channel not in analysis.sensor.names:
         return f"{name} has no channel {channel}"

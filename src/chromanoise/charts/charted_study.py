@@ -1,13 +1,14 @@
 """A study with the results that its charts share, computed once."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from chromanoise import _check
-from chromanoise.analysis.analysis import Analysis, analyzed
-from chromanoise.analysis.color_matrices import MatrixMaker, matrix_makers
-from chromanoise.exposure import OperatingPoint, white_scene
-from chromanoise.study.assembly import operating_points_of, with_distinct_names
+from chromanoise.analysis.analysis import Analysis
+from chromanoise.analysis.color_matrices import MatrixMaker
+from chromanoise.exposure import OperatingPoint
+from chromanoise.study.analyses import analysis_of
+from chromanoise.study.assembly import makers_of, operating_points_of, with_distinct_names
 from chromanoise.study.document import Study
 
 
@@ -24,7 +25,7 @@ class Shown:
     makers
         Color matrix methods by name; charts of one matrix use the first.
     analyses
-        Analysis of each sensor for a perfect white, with the first matrix.
+        Analysis of each sensor for a perfect white, with the first matrix: that of a run.
     """
 
     study: Study
@@ -82,18 +83,51 @@ def shown(study: Study, *, operating_points: Sequence[OperatingPoint] | None = N
         if operating_points is None
         else with_distinct_names(operating_points)
     )
-    makers = matrix_makers(study.matrices, study.metric, prior=study.prior)  # type: ignore[arg-type]
-    first = next(iter(makers.values()))
-    analyses = [
-        analyzed(white_scene(one), one.sensor, one.exposure, matrix=first(one))
-        for one in operating_points
-    ]
+    makers = makers_of(study)
     return Shown(
         study=study,
         operating_points=tuple(operating_points),
         makers=makers,
-        analyses=tuple(analyses),
+        analyses=_analyses(study, makers, operating_points),
     )
+
+
+def shown_at(of: Shown, operating_points: Sequence[OperatingPoint]) -> Shown:
+    """The same study at other operating points, under one light.
+
+    Parameters
+    ----------
+    of
+        The unchanged study.
+    operating_points
+        One per sensor.
+
+    Raises
+    ------
+    InputError
+        If a matrix cannot be computed.
+    """
+    level_lux = operating_points[0].level_lux
+    light = of.study.light.model_copy(update={"level_lux": level_lux})
+    study = of.study.model_copy(update={"light": light})
+    return replace(
+        of,
+        study=study,
+        operating_points=tuple(operating_points),
+        analyses=_analyses(study, of.makers, operating_points),
+    )
+
+
+def _analyses(
+    study: Study, makers: Mapping[str, MatrixMaker], operating_points: Sequence[OperatingPoint]
+) -> tuple[Analysis, ...]:
+    first = next(iter(makers.values()))
+    return tuple(analysis_of(one, first, study.outputs) for one in operating_points)
+
+
+def unclipped_remark(of: Shown) -> str:
+    """The end of the title of a chart that is never clipped: empty unless the study clips."""
+    return ", without clipping" if of.study.outputs.clip else ""
 
 
 def saturation_sentence(analysis: Analysis) -> str | None:

@@ -5,7 +5,8 @@ from typing import Any
 from chromanoise.analysis.analysis import Analysis
 from chromanoise.charts.charted_study import Look, Shown
 from chromanoise.charts.patches import Patches, hex_colors, patches_of, why_no_patches
-from chromanoise.charts.text import conditions_text, decimal, table
+from chromanoise.charts.text import decimal, table
+from chromanoise.exposure import conditions
 
 
 def drawn_chart(shown: Shown, look: Look) -> dict[str, Any]:
@@ -14,7 +15,7 @@ def drawn_chart(shown: Shown, look: Look) -> dict[str, Any]:
     seen = next((one for one in found if one is not None), None)
     patches = [] if seen is None else _true_patches(seen)
     sensors = [_sensor(*pair) for pair in zip(shown.analyses, found, strict=True)]
-    where = conditions_text(shown.operating_points)
+    where = conditions(shown.operating_points)
     return {
         "title": f"Color error and noise of the ColorChecker at {where}",
         "description": _description(patches, sensors),

@@ -4,8 +4,9 @@ from typing import Any
 
 from chromanoise.analysis.analysis import Analysis, diagnosis
 from chromanoise.charts.charted_study import Look, Shown, saturated_names
-from chromanoise.charts.text import brief, decimal, electrons, level_in_words, table
+from chromanoise.charts.text import brief, decimal, electrons, table
 from chromanoise.charts.verdicts import verdict_sentences
+from chromanoise.exposure import level_in_words
 
 
 def drawn_head(shown: Shown, look: Look) -> dict[str, Any]:
@@ -24,7 +25,7 @@ def drawn_head(shown: Shown, look: Look) -> dict[str, Any]:
 
 def _sensor(analysis: Analysis) -> dict[str, Any]:
     sensor, exposure = analysis.sensor, analysis.exposure
-    mean = zip(sensor.names, analysis.expected_e.tolist(), strict=True)
+    mean = zip(sensor.names, analysis.raw.mean.tolist(), strict=True)
     return {
         "name": sensor.name,
         "channels": list(sensor.names),

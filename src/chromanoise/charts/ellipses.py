@@ -18,7 +18,6 @@ from chromanoise.charts.patches import (
 )
 from chromanoise.charts.text import (
     NONE,
-    conditions_text,
     decimal,
     table,
 )
@@ -29,7 +28,8 @@ from chromanoise.color import (
     propagate,
     xyy,
 )
-from chromanoise.geometry import ellipse_outline
+from chromanoise.exposure import conditions
+from chromanoise.geometry import ellipse_half_axes, ellipse_outline
 from chromanoise.noise import Measurement, through
 
 SIGMAS = 2.0
@@ -41,12 +41,12 @@ _NONE = 1e-9  # of the plane's unit: a spread below it is rounding
 
 
 def drawn_ellipses(shown: Shown, look: Look) -> dict[str, Any]:
-    """True color, mean, longer half axis and closed outline, per patch and sensor."""
+    """True color, mean, half axes, reach and closed outline, per patch and sensor."""
     sensors = [_sensor(analysis, look.plane) for analysis in shown.analyses]
     across, up = _NAMES[look.plane]
     return {
         "title": f"Noise of the ColorChecker in {across} and {up}, {SIGMAS:g} standard deviations, "
-        f"at {conditions_text(shown.operating_points)}",
+        f"at {conditions(shown.operating_points)}",
         "description": _description(sensors, look.plane),
         "plane": look.plane,
         "names": [across, up],
@@ -94,6 +94,7 @@ def _sensor(analysis: Analysis, plane: str) -> dict[str, Any]:
     truth, center, covariance = in_plane(seen, plane)
     # an ellipse that is a line or a point is drawn all the same
     spread = covariance + _NONE**2 * np.eye(2)
+    half_axes = ellipse_half_axes(spread, sigmas=SIGMAS)
     outline = ellipse_outline(center, spread, sigmas=SIGMAS, points=POINTS)
     reach = SIGMAS * np.sqrt(
         eigvalsh("covariance of a patch", covariance)[:, -1].clip(min=0.0)
@@ -107,6 +108,7 @@ def _sensor(analysis: Analysis, plane: str) -> dict[str, Any]:
                 "srgb": colors[i],
                 "truth": truth[i].tolist(),
                 "center": center[i].tolist(),
+                "half_axes": half_axes[i].tolist(),
                 "reach": float(reach[i]),
                 "outline": drawn[i],
             }

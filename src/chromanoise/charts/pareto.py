@@ -2,15 +2,16 @@
 
 from typing import Any
 
-from chromanoise.analysis.analysis import Analysis, color_snr_db
+from chromanoise.analysis.analysis import Analysis
 from chromanoise.analysis.color_matrices import trained_names
+from chromanoise.analysis.comparison.quantities import color_snr
 from chromanoise.analysis.pareto import noise_weights, pareto_of
 from chromanoise.analysis.priors import training_named
 from chromanoise.analysis.undefined import defined
-from chromanoise.charts.charted_study import Look, Shown, saturation_sentence
-from chromanoise.charts.text import brief, conditions_text, decimal, table
+from chromanoise.charts.charted_study import Look, Shown, saturation_sentence, unclipped_remark
+from chromanoise.charts.text import brief, decimal, table
 from chromanoise.color import ParetoCurve, training_color_error
-from chromanoise.exposure import OperatingPoint
+from chromanoise.exposure import OperatingPoint, conditions
 
 LIGHTEST, HEAVIEST, POINTS = 1e-3, 1e3, 13
 
@@ -18,7 +19,8 @@ LIGHTEST, HEAVIEST, POINTS = 1e-3, 1e3, 13
 def drawn_pareto(shown: Shown, look: Look) -> dict[str, Any]:
     """The Pareto curve of each sensor, and the point of its current matrix.
 
-    All color errors are means over the training set of the matrices.
+    All color errors are means over the training set of the matrices. As in ``chromanoise matrix``,
+    nothing is clipped.
     """
     weights = noise_weights(LIGHTEST, HEAVIEST, points=POINTS)
     prior = shown.study.prior
@@ -27,7 +29,10 @@ def drawn_pareto(shown: Shown, look: Look) -> dict[str, Any]:
         for operating_point, analysis in zip(shown.operating_points, shown.analyses, strict=True)
     ]
     return {
-        "title": f"Color error against SNR of Y at {conditions_text(shown.operating_points)}",
+        "title": (
+            f"Color error against SNR of Y at {conditions(shown.operating_points)}"
+            f"{unclipped_remark(shown)}"
+        ),
         "description": _description(sensors),
         "prior": prior,
         "unit": "Delta E*ab",
@@ -58,7 +63,8 @@ def _sensor(
         analysis.matrix,
         level_lux=operating_point.level_lux,
     )
-    now = {"color_error": error, "snr_db": color_snr_db(analysis)["Y"]}
+    snr = defined(color_snr(operating_point, analysis.matrix, coordinate="Y"))
+    now = {"color_error": error, "snr_db": snr}
     return {"name": operating_point.sensor.name, "points": points, "now": now, "why_not": full}
 
 

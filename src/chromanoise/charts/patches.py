@@ -82,7 +82,7 @@ def patches_of(analysis: Analysis) -> Patches | None:
     if errors is None or None in color_snr_db(analysis).values():
         return None
     chart = colorchecker(sensor.grid)
-    at = stages_at(analysis.point, matrix, reflectance=chart.values.T)
+    at = stages_at(analysis.point, matrix, reflectance=chart.values.T, readout=analysis.readout)
     color = noisy_color_at(at, matrix.matrix @ analysis.expected_e)
     return Patches(
         names=chart.names,

@@ -16,16 +16,15 @@ from chromanoise.analysis.comparison.curves import Curve, compared
 from chromanoise.analysis.comparison.quantities import QUANTITIES, Quantity, fullest_level_lux
 from chromanoise.analysis.comparison.sweeps import SWEEPS, swept_values
 from chromanoise.analysis.undefined import defined
-from chromanoise.charts.charted_study import Look, Shown
+from chromanoise.charts.charted_study import Look, Shown, unclipped_remark
 from chromanoise.charts.text import (
     UNDEFINED,
     brief,
     decimal,
-    level_in_words,
     listed,
-    setting,
     table,
 )
+from chromanoise.exposure import level_in_words, light_and_exposure
 
 LOWEST_LUX, HIGHEST_LUX = 0.01, 10_000.0
 """Range of the curves and of the page's slider: moonlight to a cloudy day. [lx]"""
@@ -35,7 +34,8 @@ _PER_DECADE = 12  # includes the points of ``chromanoise compare``
 def drawn_levels(shown: Shown, look: Look) -> dict[str, Any]:
     """Curves of SNR over lux, each sensor with each matrix, and their crossovers.
 
-    Exposure times are those at the study's level, as in ``chromanoise compare``.
+    Exposure times are those at the study's level, as in ``chromanoise compare``, which
+    never clips.
     """
     quantity, makers, values = _quantity(look), shown.makers, drawn_lux(shown)
     curves, pairs = level_curves(shown, quantity)
@@ -53,7 +53,10 @@ def drawn_levels(shown: Shown, look: Look) -> dict[str, Any]:
     crossed = [entry for pair in pairs for entry in _crossed(pair)]
     lux = values.tolist()
     return {
-        "title": f"{quantity.what} against illuminance ({setting(shown.operating_points)})",
+        "title": (
+            f"{quantity.what} against illuminance ({light_and_exposure(shown.operating_points)})"
+            f"{unclipped_remark(shown)}"
+        ),
         "description": _description(drawn, crossed, lux, quantity.unit),
         "lux": lux,
         "now_lux": shown.study.light.level_lux,

@@ -5,17 +5,16 @@ from typing import Any
 from chromanoise.analysis.analysis import (
     Analysis,
     color_snr_db,
-    color_snr_loss_db,
     contravariant_snr_db,
     raw_snr_db,
 )
 from chromanoise.analysis.color_space_noise import GRAY
 from chromanoise.analysis.operating_point import noisy_color_at, stages_at
-from chromanoise.analysis.undefined import defined
 from chromanoise.charts.charted_study import Look, Shown, saturation_sentence
 from chromanoise.charts.patches import quick_cubature
-from chromanoise.charts.text import NONE, UNDEFINED, brief, conditions_text, decimal, table
+from chromanoise.charts.text import NONE, UNDEFINED, brief, decimal, table
 from chromanoise.color import LAB, propagate
+from chromanoise.exposure import conditions
 
 _KINDS = (  # key, title, unit, what it is of
     ("raw", "raw SNR", "dB", "per channel, as read"),
@@ -35,18 +34,18 @@ def drawn_stages(shown: Shown, look: Look) -> dict[str, Any]:
             "name": analysis.sensor.name,
             "raw": raw_snr_db(analysis),
             "contravariant": contravariant_snr_db(analysis),
-            "spectral_db": _where_usable(analysis, analysis.spectral_snr_db),
+            "spectral_db": analysis.spectral_snr_db,
             "color": color_snr_db(analysis),
             "lab_sd": _gray_sd(analysis),
-            "bound_db": _where_usable(analysis, analysis.optimal_linear_snr_db),
-            "price_db": color_snr_loss_db(analysis),
+            "bound_db": analysis.optimal_linear_snr_db,
+            "price_db": analysis.color_snr_loss_db,
             "why_not": saturation_sentence(analysis),
         }
         for analysis in shown.analyses
     ]
     kinds = [_kind(sensors, *kind) for kind in _KINDS]
     return {
-        "title": f"SNR from raw to color at {conditions_text(shown.operating_points)}",
+        "title": f"SNR from raw to color at {conditions(shown.operating_points)}",
         "gray": GRAY,
         "sensors": sensors,
         "kinds": kinds,
@@ -106,14 +105,11 @@ def _table(sensors: list[dict[str, Any]], kinds: list[dict[str, Any]]) -> dict[s
     return table(["kind", "channel or coordinate", *(one["name"] for one in sensors)], rows)
 
 
-def _where_usable(analysis: Analysis, value: float) -> float | None:
-    return None if analysis.saturated.any() else defined(value)
-
-
 def _gray_sd(analysis: Analysis) -> dict[str, float | None]:
     if None in color_snr_db(analysis).values():
         return dict.fromkeys(LAB.coordinates)
-    gray = stages_at(analysis.point, analysis.matrix, reflectance=GRAY)
-    white = analysis.matrix.matrix @ analysis.expected_e
+    point, matrix = analysis.point, analysis.matrix
+    gray = stages_at(point, matrix, reflectance=GRAY, readout=analysis.readout)
+    white = matrix.matrix @ analysis.expected_e
     lab = propagate(noisy_color_at(gray, white), LAB, quick_cubature)
     return dict(zip(lab.measurement.names, lab.sd.tolist(), strict=True))

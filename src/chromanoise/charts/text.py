@@ -1,18 +1,14 @@
-"""Numbers and levels as text, for tables, labels and sentences of charts."""
+"""Numbers as text, for tables, labels and sentences of charts."""
 
 from collections.abc import Sequence
 from decimal import ROUND_HALF_UP, Decimal
 from typing import Any
-
-from chromanoise.exposure import OperatingPoint
-from chromanoise.study import conditions
 
 NONE = "–"
 """Text of a cell without a value."""
 UNDEFINED = "undefined"
 """Text of a cell where a ratio is undefined."""
 _MINUS = "\N{MINUS SIGN}"
-_SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 def decimal(value: float | None, digits: int = 1, none: str = NONE) -> str:
@@ -91,56 +87,6 @@ def percent(share: float) -> str:
     '30 %'
     """
     return f"{decimal(100 * share, 0)} %"
-
-
-def level_in_words(level_lux: float, digits: int = 3) -> str:
-    """A light level as text, with a power of ten for very small or large values.
-
-    Parameters
-    ----------
-    level_lux
-        > 0. [lx]
-    digits
-        That count.
-
-    Examples
-    --------
-    >>> level_in_words(12.34), level_in_words(0.0000133), level_in_words(20000.0)
-    ('12.3 lx', '1.33·10⁻⁵ lx', '20000 lx')
-    """
-    mantissa, _, power = f"{level_lux:.{digits - 1}e}".partition("e")
-    rounded = float(f"{mantissa}e{power}")
-    if 1e-3 <= rounded < 1e6:
-        return f"{rounded:.15g} lx"
-    factor = f"{float(mantissa):g}"
-    ten = f"10{str(int(power)).translate(_SUPERSCRIPT)} lx"
-    return ten if factor == "1" else f"{factor}·{ten}"
-
-
-def setting(points: Sequence[OperatingPoint]) -> str:
-    """Illuminant, time and aperture: the operating point without its level.
-
-    Examples
-    --------
-    >>> from chromanoise.study import operating_points_of, study_from_data
-    >>> study = study_from_data({"sensors": [{"name": "onyx-rgbw"}]}, source="")
-    >>> setting(operating_points_of(study))
-    'illuminant E, 11.94 ms, f/1.8'
-    """
-    return conditions(points).partition(", ")[2]
-
-
-def conditions_text(points: Sequence[OperatingPoint]) -> str:
-    """Level, illuminant, time and aperture, for a title.
-
-    Examples
-    --------
-    >>> from chromanoise.study import operating_points_of, study_from_data
-    >>> study = study_from_data({"sensors": [{"name": "onyx-rgbw"}]}, source="")
-    >>> conditions_text(operating_points_of(study))
-    '10 lx (illuminant E, 11.94 ms, f/1.8)'
-    """
-    return f"{level_in_words(points[0].level_lux, 4)} ({setting(points)})"
 
 
 def listed(names: Sequence[str]) -> str:

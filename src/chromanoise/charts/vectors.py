@@ -15,7 +15,8 @@ from chromanoise._linalg import eigh, qr
 from chromanoise._shapes import Float
 from chromanoise.analysis.analysis import Analysis
 from chromanoise.charts.charted_study import Look, Shown, saturation_sentence
-from chromanoise.charts.text import NONE, brief, conditions_text, decimal, listed, percent, table
+from chromanoise.charts.text import NONE, brief, decimal, listed, percent, table
+from chromanoise.exposure import conditions
 from chromanoise.geometry import reconstructed_light
 from chromanoise.scene import light
 from chromanoise.spectra import color_axes
@@ -125,7 +126,7 @@ def drawn_vectors(shown: Shown, look: Look) -> dict[str, Any]:
         "scene": _vector(frame, scene, unit_of_light),
     }
     return {
-        "title": f"Channels and light as vectors at {conditions_text(shown.operating_points)}",
+        "title": f"Channels and light as vectors at {conditions(shown.operating_points)}",
         **drawn,
         "sigmas": _SIGMAS,
         "magnification": magnification,

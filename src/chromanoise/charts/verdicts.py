@@ -1,5 +1,6 @@
 """Sentences that compare sensors: raw SNR, luminance SNR, their difference and its causes."""
 
+import math
 from collections.abc import Mapping, Sequence
 
 import numpy as np
@@ -7,11 +8,13 @@ import numpy as np
 from chromanoise import _check
 from chromanoise.analysis.analysis import Analysis, color_snr_db, mean_color_error, raw_snr_db
 from chromanoise.analysis.budgets import coordinate_budget
+from chromanoise.analysis.total_error import better_matrix, mean_total_error, total_error_of
 from chromanoise.charts.charted_study import saturation_sentence
-from chromanoise.charts.text import conditions_text
-from chromanoise.exposure import OperatingPoint
+from chromanoise.exposure import conditions
 from chromanoise.metrics import Budget
 from chromanoise.metrics.budget import CORRELATION, FILTERS, INFRARED, READ_NOISE, REST, WEIGHTS
+from chromanoise.metrics.budget_chain import CROSSTALK
+from chromanoise.noise.sources import DARK, DSNU, PRNU, QUANTIZATION, ROW
 
 _TIE_DB = 0.05  # differences below one decimal
 _WORTH_DB = 0.3  # least loss of a cause that is reported
@@ -21,6 +24,12 @@ _WHY = {
     CORRELATION: "unmixing correlated channels",
     INFRARED: "infrared noise (minus the infrared that adds to Y)",
     FILTERS: "light absorbed by filters",
+    DARK: "shot noise of the dark current",
+    QUANTIZATION: "quantization",
+    ROW: "row noise",
+    DSNU: "fixed-pattern noise in the dark (DSNU)",
+    PRNU: "fixed-pattern noise (PRNU)",
+    CROSSTALK: "crosstalk",
 }
 _PHOTONS = "photons"
 _BELOW_THE_BOUND = (WEIGHTS, CORRELATION, INFRARED)  # the bound is that of the noisy channels
@@ -53,6 +62,7 @@ def verdict_sentences(analyses: Sequence[Analysis], *, equal: str = "exposure") 
     _check.one_of("terms of a comparison", equal, tuple(_TERMS))
     sentences = [sentence for a in analyses if (sentence := _left_out(a))]
     able = [a for a in analyses if _left_out(a) is None]
+    sentences += [sentence for a in able if (sentence := _too_noisy(a))]
     if len(able) == 1:
         sentences.insert(0, _alone(able[0], _setting(analyses, equal)))
     if len(able) < 2:
@@ -82,7 +92,7 @@ def _left_out(analysis: Analysis) -> str | None:
 def _alone(analysis: Analysis, setting: str) -> str:
     return (
         f"{setting} {analysis.sensor.name} has {_luminance_db(analysis):.1f} dB of "
-        f"luminance SNR, {_text(analysis.color_snr_loss_db)} dB below the best linear "
+        f"luminance SNR, {_text(_loss_db(analysis))} dB below the best linear "
         f"readout{_largest(analysis)}; {_error(analysis)}."
     )
 
@@ -142,9 +152,9 @@ def _reason(cause: str, loss_db: float, winner_db: float, winner: str) -> str:
 
 
 def _colors(able: Sequence[Analysis]) -> str:
-    found = [(a.sensor.name, mean_color_error(a)) for a in able]
-    errors = ", ".join(f"{name} {'none' if e is None else f'{e:.1f}'}" for name, e in found)
-    return f"Mean color error without noise, Delta E*ab: {errors}."
+    errors = ", ".join(f"{a.sensor.name} {_delta_e(mean_color_error(a))}" for a in able)
+    sums = ", ".join(f"{a.sensor.name} {_delta_e(mean_total_error(a))}" for a in able)
+    return f"Mean color error, Delta E*ab: without noise {errors}; with noise {sums}."
 
 
 def _costs(budget: Budget | None) -> dict[str, float]:
@@ -161,7 +171,7 @@ def _costs(budget: Budget | None) -> dict[str, float]:
 
 def _largest(analysis: Analysis) -> str:
     """The largest loss relative to the best linear SNR, which already contains read noise."""
-    costs, whole_db = _costs(coordinate_budget(analysis, "Y")), analysis.color_snr_loss_db
+    costs, whole_db = _costs(coordinate_budget(analysis, "Y")), _loss_db(analysis)
     found = [(costs[cause], cause) for cause in _BELOW_THE_BOUND if cause in costs]
     if not found or min(whole_db, max(found)[0]) < _WORTH_DB:
         return ""
@@ -175,16 +185,7 @@ def _text(decibels: float) -> str:
 
 
 def _setting(analyses: Sequence[Analysis], equal: str) -> str:
-    points = [
-        OperatingPoint(
-            sensor=one.sensor,
-            exposure=one.exposure,
-            illuminant=one.scene.illuminant,
-            level_lux=one.scene.level_lux,
-        )
-        for one in analyses
-    ]
-    return f"At {conditions_text(points)},{_TERMS[equal]}"
+    return f"At {conditions([one.point for one in analyses])},{_TERMS[equal]}"
 
 
 def _shared(able: Sequence[Analysis]) -> list[str]:
@@ -197,9 +198,10 @@ def _shared(able: Sequence[Analysis]) -> list[str]:
 
 def _raw_db(analysis: Analysis, able: Sequence[Analysis]) -> float:
     shared, snr = _shared(able), raw_snr_db(analysis)
-    return (
-        float(np.mean([snr[name] for name in shared])) if shared else analysis.optimal_linear_snr_db
-    )
+    if shared:
+        return float(np.mean([snr[name] for name in shared]))
+    best = analysis.optimal_linear_snr_db
+    return math.inf if best is None else best  # not saturated: it is signal without noise
 
 
 def _measure(able: Sequence[Analysis]) -> str:
@@ -213,6 +215,31 @@ def _luminance_db(analysis: Analysis) -> float:
     return found
 
 
+def _loss_db(analysis: Analysis) -> float:
+    loss_db = analysis.color_snr_loss_db
+    assert loss_db is not None  # called only for analyses with a value
+    return loss_db
+
+
 def _error(analysis: Analysis) -> str:
-    error = mean_color_error(analysis)
-    return "no mean color error" if error is None else f"mean color error {error:.1f} Delta E*ab"
+    error, total = mean_color_error(analysis), mean_total_error(analysis)
+    if error is None:
+        return "no mean color error"
+    return f"mean color error {error:.1f} Delta E*ab, {_delta_e(total)} with noise"
+
+
+def _delta_e(error: float | None) -> str:
+    return "none" if error is None else f"{error:.1f}"
+
+
+def _too_noisy(analysis: Analysis) -> str | None:
+    """Where noise exceeds `NOISY_DELTA_E`: the matrix that has less total color error."""
+    better, own = better_matrix(analysis), total_error_of(analysis)
+    if better is None or own is None:
+        return None
+    name, error = better
+    return (
+        f"{analysis.sensor.name}: the noise of colors is {own.noise.mean():.0f} Delta E*ab. The "
+        f"matrix {name} reduces the total color error from {own.total.mean():.0f} to {error:.0f} "
+        "Delta E*ab."
+    )

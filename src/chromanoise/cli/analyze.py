@@ -21,7 +21,8 @@ from chromanoise.cli.options import (
 from chromanoise.cli.output import refuse_taken_inputs, write_json, write_table
 from chromanoise.cli.progress import progress_of_step
 from chromanoise.color import SPACES
-from chromanoise.study import Analyses, analyze_study, conditions, run
+from chromanoise.exposure import conditions
+from chromanoise.study import Analyses, analyze_study, run
 
 
 @click.command()
@@ -89,6 +90,12 @@ def _print(result: Analyses) -> None:
         tables.print_lab_budgets(analysis)
     for outcome in result.outcomes if outputs.chart else ():
         tables.print_chart(outcome.analysis, outcome.chart)
-    print_merits([outcome.merits for outcome in result.outcomes if outcome.merits is not None])
+    print_merits(
+        [
+            (point, outcome.merits)
+            for point, outcome in zip(result.points, result.outcomes, strict=True)
+            if outcome.merits is not None
+        ]
+    )
     if outputs.space is not None:
         tables.print_gray_noise(analyses, [outcome.grey_noise for outcome in result.outcomes])

@@ -19,7 +19,8 @@ from chromanoise.cli.options import (
 from chromanoise.cli.output import refuse_taken_inputs, write_json, write_table
 from chromanoise.cli.progress import progress_of_step
 from chromanoise.errors import InputError
-from chromanoise.study import compare_study, conditions, default_of, run
+from chromanoise.exposure import conditions
+from chromanoise.study import compare_study, default_of, run
 
 _VARY, _FIRST, _LAST = (default_of("compare", name) for name in ("vary", "first", "last"))
 _START = f"{_VARY}={_FIRST:g}:{_LAST:g}"

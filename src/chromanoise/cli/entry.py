@@ -9,14 +9,13 @@ import threading
 import unicodedata
 import warnings
 from collections.abc import Sequence
-from difflib import get_close_matches
 from importlib import import_module
 
 import click
 
 from chromanoise import __version__
 from chromanoise.cli import paused_collection
-from chromanoise.errors import InputError
+from chromanoise.errors import InputError, did_you_mean
 
 _COMMANDS = {
     "analyze": "Noise of sensors in raw, spectral and color coordinates, side by side.",
@@ -26,7 +25,7 @@ _COMMANDS = {
     "init": "A commented study file to start from.",
     "run": "Run a study file: analyses, sweeps, pictures, with provenance.",
     "rerun": "Run the study of an output once more and compare the results.",
-    "study": "A commented study file with all keys; --schema for editors.",
+    "study": "A commented study file; --schema lists all keys, for editors.",
     "catalog": "Built-in sensors, lights and filters, with source, range and known defects.",
     "inspect": "How a file of spectra is parsed, what looks wrong, and what it does not declare.",
     "convert": "Curves of a file or a sensor as CSV, JSON, rawtoaces' JSON or IES TM-27.",
@@ -56,10 +55,8 @@ class _Commands(click.Group):
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
         if args and args[0] not in _COMMANDS and not args[0].startswith("-"):
-            near = get_close_matches(args[0], _COMMANDS, n=2, cutoff=0.5)
-            hint = (
-                f"did you mean {' or '.join(near)}?" if near else f"known: {', '.join(_COMMANDS)}"
-            )
+            known = f"known: {', '.join(_COMMANDS)}"
+            hint = did_you_mean(args[0], list(_COMMANDS), known, most=2, cutoff=0.5)
             raise click.UsageError(f"unknown command {args[0]!r}; {hint}")
         return super().resolve_command(ctx, args)
 

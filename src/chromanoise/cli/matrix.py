@@ -22,9 +22,8 @@ from chromanoise.cli.options import (
 )
 from chromanoise.cli.output import refuse_taken_inputs, write_json, write_table
 from chromanoise.cli.progress import progress_of_step
-from chromanoise.color import ColorMatrix
 from chromanoise.errors import InputError
-from chromanoise.exposure import OperatingPoint, expected_electrons, white_scene
+from chromanoise.exposure import conditions
 from chromanoise.io.matrices import (
     MadeMatrix,
     matrix_clf,
@@ -32,7 +31,7 @@ from chromanoise.io.matrices import (
     matrix_json,
     matrix_profile_json,
 )
-from chromanoise.study import conditions, matrix_study, run
+from chromanoise.study import MatrixResult, matrix_study, run
 
 _WRITERS: dict[str, Callable[[MadeMatrix], str]] = {
     ".dcp.json": matrix_profile_json,
@@ -48,11 +47,14 @@ _WRITERS: dict[str, Callable[[MadeMatrix], str]] = {
 @shared_options
 @closed_form_options
 @click.option(
+    "--matrix",
     "--method",
+    "method",
     default=DEFAULT_METHOD,
     show_default=True,
-    metavar="NAME[=VALUE]",
-    help=f"Method of the matrix: {known_matrices()}; lmmse gives one per light level.",
+    metavar="NAME[=VALUE]|FILE",
+    help=f"Method of the matrix: {known_matrices()}; lmmse gives one per light "
+    "level; or a file: CSV, JSON, CLF, DNG, DCP.",
 )
 @prior_option
 @click.option(
@@ -91,7 +93,7 @@ def matrix(
     (result,) = results.results
     point, report = result.point, result.report
     if export and writer:
-        write_whole(Path(export), writer(_made(point, result.matrix)).encode("utf-8"))
+        write_whole(Path(export), writer(_made(result)).encode("utf-8"))
     if table is not None:
         write_table(results.to_table(), table)
     if json_target is not None:
@@ -104,24 +106,20 @@ def matrix(
         print_pareto(result.pareto, report, point.sensor.name)
 
 
-def _made(operating_point: OperatingPoint, made: ColorMatrix) -> MadeMatrix:
+def _made(result: MatrixResult) -> MadeMatrix:
     """The matrix with the metadata for its file."""
-    sensor, exposure, lamp = (
-        operating_point.sensor,
-        operating_point.exposure,
-        operating_point.illuminant,
-    )
-    white_e = expected_electrons(white_scene(operating_point), sensor, exposure)
+    point = result.point
+    sensor, lamp = point.sensor, point.illuminant
     return MadeMatrix(
         sensor=sensor.name,
         illuminant=lamp.name,
-        level_lux=operating_point.level_lux,
-        time_s=exposure.time_s,
-        f_number=exposure.f_number,
+        level_lux=point.level_lux,
+        time_s=point.exposure.time_s,
+        f_number=point.exposure.f_number,
         pitch_um=sensor.pixel.pitch_um,
-        matrix=made,
-        white_e=white_e,
-        white_lux=float(made.matrix[1] @ white_e),
+        matrix=result.matrix,
+        white_e=result.white_e,
+        white_lux=result.white_lux,
         notes=(*sensor.notes, *lamp.notes),
     )
 

@@ -7,26 +7,25 @@ from rich.table import Table
 
 from chromanoise.analysis import Merit, Merits, white_snr_db
 from chromanoise.color import ParetoCurve
+from chromanoise.exposure import OperatingPoint, conditions
+from chromanoise.io.table import number_text
 from chromanoise.metrics import MatrixReport
 
 _NAMED_WEIGHTS = {0.0: "least squares", 1.0: "LMMSE"}
 
 
-def print_merits(sensors: Sequence[Merits]) -> None:
+def print_merits(sensors: Sequence[tuple[OperatingPoint, Merits]]) -> None:
     """Print one table per sensor with values and sources, then the reasons for missing values."""
     console = _console()
-    for merits in sensors:
-        title = (
-            f"Merits of {merits.sensor} in {merits.illuminant} at {merits.level_lux:g} lx, "
-            f"{1e3 * merits.time_s:.4g} ms, {merits.matrix}"
-        )
+    for point, merits in sensors:
+        title = f"Merits of {merits.sensor} at {conditions([point])}, {merits.matrix}"
         table = Table(title=title, title_justify="left")
         for head, side in (("", "left"), ("value", "right"), ("unit", "left"), ("from", "left")):
             table.add_column(head, justify=side)  # type: ignore[arg-type]
         for entry in merits.entries:
             table.add_row(entry.what, _value(entry), _unit(entry), entry.source)
         console.print(table)
-        for line in (*_reasons(merits), _conditions(merits)):
+        for line in (*_reasons(merits), _remark(merits)):
             console.print(line, soft_wrap=True)
 
 
@@ -44,9 +43,9 @@ def print_pareto(curve: ParetoCurve, report: MatrixReport, sensor_name: str) -> 
         table.add_row(
             f"{weight:.4g}",
             f"{error:.4g}",
-            _number(curve.delta_e[i]),
+            number_text(curve.delta_e[i]),
             f"{noise:.4g}",
-            "saturated" if report.snr_db is None else _number(snr[i]),
+            "saturated" if report.snr_db is None else number_text(snr[i]),
             _NAMED_WEIGHTS.get(round(weight, 12), ""),
         )
     console.print(table)
@@ -65,7 +64,7 @@ def _reasons(merits: Merits) -> list[str]:
     return [f"{'; '.join(whats)}: {reason}." for reason, whats in lacking.items()]
 
 
-def _conditions(merits: Merits) -> str:
+def _remark(merits: Merits) -> str:
     viewing = merits.viewing
     return (
         f"{merits.sensor}: q, Vora value and angles in the metric {merits.metric}; visual noise "
@@ -75,15 +74,11 @@ def _conditions(merits: Merits) -> str:
 
 
 def _value(entry: Merit) -> str:
-    return "-" if entry.value is None else f"{entry.value:.4g}"
+    return number_text(entry.value, ".4g")
 
 
 def _unit(entry: Merit) -> str:
     return "" if entry.unit == "1" else entry.unit
-
-
-def _number(value: float | None) -> str:
-    return "-" if value is None else f"{value:.2f}"
 
 
 def _console() -> Console:

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from contextlib import suppress
-from typing import Any, TypeVar, get_args
+from typing import Any, Literal, TypeVar, get_args, get_origin
 
 import click
 
@@ -12,7 +12,14 @@ from chromanoise.exposure import EQUAL_TERMS
 from chromanoise.io.spectra.parsed import Unit
 from chromanoise.sensor import MOSAIC_NAMES
 from chromanoise.spectra import METRICS
-from chromanoise.study import FUNCTIONS, default_of
+from chromanoise.study import (
+    FUNCTIONS,
+    OTHER_NAMES,
+    DescribedSetting,
+    default_of,
+    described_settings,
+    option_of,
+)
 
 Command = TypeVar("Command", bound=Callable[..., Any])
 
@@ -200,13 +207,13 @@ matrix_option = click.option(
     "method",
     default=DEFAULT_METHOD,
     show_default=True,
-    metavar="NAME[=VALUE]",
-    help=f"Color matrix: {known_matrices()}.",
+    metavar="NAME[=VALUE]|FILE",
+    help=f"Color matrix: {known_matrices()}; or a file: CSV, JSON, CLF, DNG, DCP.",
 )
 
 
 def with_defaults(function: str) -> Callable[[Command], Command]:
-    """Add the defaults of the study to the help of all options that are settings.
+    """Add the settings without an option of their own, and the defaults to the help of all.
 
     Parameters
     ----------
@@ -215,7 +222,9 @@ def with_defaults(function: str) -> Callable[[Command], Command]:
     """
 
     def added(command: Command) -> Command:
-        for option in getattr(command, "__click_params__", ()):
+        parameters: list[click.Parameter] = getattr(command, "__click_params__", [])
+        _add_missing(parameters, function)
+        for option in parameters:
             if option.name not in FUNCTIONS[function] or "[default:" in (option.help or ""):
                 continue
             default = default_of(function, option.name)
@@ -225,6 +234,30 @@ def with_defaults(function: str) -> Callable[[Command], Command]:
         return command
 
     return added
+
+
+def _add_missing(parameters: list[click.Parameter], function: str) -> None:
+    """Add an option for each setting that has none, after that of the setting before it.
+
+    An option is written by hand, here or in its command, where it has another form than the
+    setting, or a longer help.
+    """
+    places = [one.name for one in parameters]  # the last option first
+    at = 0
+    for one in described_settings(function):
+        if one.name in places:
+            at = places.index(one.name)
+        elif one.name not in OTHER_NAMES:
+            places.insert(at, one.name)
+            parameters.insert(at, _option_of(one))
+
+
+def _option_of(one: DescribedSetting) -> click.Option:
+    kind = {int: WHOLE}.get(one.annotation, one.annotation)
+    if get_origin(kind) is Literal:
+        kind = click.Choice(get_args(kind))
+    flag = {"is_flag": True} if kind is bool else {}
+    return click.Option([option_of(one.name)], type=kind, help=one.description, **flag)
 
 
 def shared_options(command: Command) -> Command:

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-from chromanoise.errors import InputError, Setting, errors_in
+from chromanoise.errors import InputError, Setting, StudyError, errors_in
 
 _NONE: Mapping[str, str] = {}
 _PARTS = {
@@ -27,9 +27,10 @@ def sentences(error: InputError, command: str = "", options: Mapping[str, str] =
         Options of the command by parameter name, also those that are no setting of a study, e.g.
         ``threads``.
     """
-    if getattr(error, "in_place", False):  # a study file: the message names file, line and key
-        return str(error)
-    lines = [_sentence(one, command, options) for one in errors_in(error)]
+    if isinstance(error, StudyError) and error.places:  # a study file: its terms, not options
+        lines = error.sentences()
+    else:
+        lines = [_sentence(one, command, options) for one in errors_in(error)]
     return "\n".join(dict.fromkeys(lines))
 
 

@@ -7,11 +7,7 @@ from pathlib import Path
 
 import click
 
-from chromanoise.errors import (
-    InputError,
-    StudyError,
-    errors_in,
-)
+from chromanoise.errors import InputError
 
 
 @click.command()
@@ -79,5 +75,4 @@ def _study(path: Path | None) -> dict[str, object] | None:
     try:
         return served_data(study)
     except InputError as error:
-        errors = errors_in(error)
-        raise StudyError(errors, [f"{path}: {one}" for one in errors]) from None
+        raise error.called(f"{path}: {error.subject}") from None

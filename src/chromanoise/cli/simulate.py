@@ -23,6 +23,7 @@ from chromanoise.cli.options import (
 from chromanoise.cli.output import write_json
 from chromanoise.cli.progress import progress_of
 from chromanoise.errors import InputError
+from chromanoise.exposure import conditions
 from chromanoise.imaging import DEMOSAICING, Work
 from chromanoise.imaging.capture import (
     FORMATS,
@@ -38,7 +39,6 @@ from chromanoise.sensor import MOSAIC_NAMES
 from chromanoise.study import (
     Study,
     captures,
-    conditions,
     file_word,
     makers_of,
     operating_points_of,

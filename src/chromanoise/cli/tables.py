@@ -11,11 +11,11 @@ from chromanoise.analysis import (
     ChartNoise,
     GrayNoise,
     color_snr_db,
-    color_snr_loss_db,
     contravariant_snr_db,
     diagnosis,
     lab_budgets,
     mean_color_error,
+    mean_total_error,
     missing_lab_budgets,
     raw_snr_db,
 )
@@ -26,6 +26,7 @@ from chromanoise.analysis.comparison.curves import Curve
 from chromanoise.catalog.sensors import RECONSTRUCTION
 from chromanoise.charts import cause_label
 from chromanoise.color import ColorMatrix
+from chromanoise.io.table import number_text
 from chromanoise.metrics import Budget, MatrixReport
 from chromanoise.paper import (
     Cell,
@@ -70,9 +71,7 @@ def print_reproduction(result: Reproduction) -> None:
 
 def print_conditions(text: str) -> None:
     """Print the operating point above its tables."""
-    _console().print(
-        f"At {text}:" if not text.startswith("before") else f"{text.capitalize()}", soft_wrap=True
-    )
+    _console().print(f"At {text}:", soft_wrap=True)
 
 
 def print_analyses(analyses: Iterable[Analysis]) -> None:
@@ -95,6 +94,7 @@ def print_analyses(analyses: Iterable[Analysis]) -> None:
         "color SNR loss dB",
         "condition",
         "Delta E*ab",
+        "total Delta E*ab",
     ):
         color.add_column(head, justify="left" if head == "sensor" else "right")
     notes: list[str] = []
@@ -150,7 +150,7 @@ def print_comparison(
 def _curve_cell(curve: Curve, i: int) -> str:
     if curve.saturated[i] and np.isnan(curve.value[i]):
         return "saturated"
-    return f"{_number(curve.value[i])} | {_number(curve.color_error[i], 1)}"
+    return f"{number_text(curve.value[i])} | {number_text(curve.color_error[i], '.1f')}"
 
 
 def print_gray_noise(analyses: Sequence[Analysis], noises: Sequence[GrayNoise | None]) -> None:
@@ -182,8 +182,8 @@ def print_gray_noise(analyses: Sequence[Analysis], noises: Sequence[GrayNoise | 
         table.add_row(
             analysis.sensor.name,
             *(f"{value:.3g}" for value in sd),
-            _number(None if exact.chroma_sd is None else float(exact.chroma_sd)),
-            _number(None if exact.delta_e is None else float(exact.delta_e)),
+            number_text(None if exact.chroma_sd is None else float(exact.chroma_sd)),
+            number_text(None if exact.delta_e is None else float(exact.delta_e)),
             ", ".join(f"{value:+.2g}" for value in exact.bias),
             *(
                 "holds" if holds else "off by more than 5 %"
@@ -212,11 +212,13 @@ def print_chart(analysis: Analysis, chart: ChartNoise | None) -> None:
     assert chart.noise.delta_e is not None  # CIELAB has one
     for i, patch in enumerate(chart.names):
         numbers = (chart.color_error[i], chart.ciede2000[i], chart.snr_y_db[i], *sd[i])
-        cells = (_number(float(value), 1) for value in (*numbers, chart.noise.delta_e[i]))
+        cells = (number_text(float(value), ".1f") for value in (*numbers, chart.noise.delta_e[i]))
         table.add_row(patch, *cells, end_section=i == len(chart.names) - 1)
     means = (chart.color_error.mean(), chart.ciede2000.mean())
-    noise = (_number(float(value), 1) for value in (*sd.mean(axis=0), chart.noise.delta_e.mean()))
-    table.add_row("mean", *(_number(float(m), 1) for m in means), "", *noise)
+    noise = (
+        number_text(float(value), ".1f") for value in (*sd.mean(axis=0), chart.noise.delta_e.mean())
+    )
+    table.add_row("mean", *(number_text(float(m), ".1f") for m in means), "", *noise)
     console.print(table)
     failing = int((~chart.first_order_holds).sum())
     if failing:
@@ -243,10 +245,10 @@ def print_matrix(matrix: ColorMatrix, report: MatrixReport, sensor_name: str) ->
     snr = report.snr_db or dict.fromkeys(matrix.coordinates, None)
     nir = report.nir_color or {}
     for line in (
-        f"color error without noise: mean {_number(report.color_error_mean)}, "
-        f"max {_number(report.color_error_max)} Delta E*ab over the ColorChecker",
+        f"color error without noise: mean {number_text(report.color_error_mean)}, "
+        f"max {number_text(report.color_error_max)} Delta E*ab over the ColorChecker",
         "SNR of a perfect white: " + ("saturated" if report.snr_db is None else _decibels(snr)),
-        f"condition {_number(report.condition)}, Kodak's Psi {_number(report.psi)}",
+        f"condition {number_text(report.condition)}, Kodak's Psi {number_text(report.psi)}",
         "NIR / visible response to a white: "
         + ", ".join(f"{n} {100 * v + 0.0:+.1f} %" for n, v in nir.items()),
     ):
@@ -307,8 +309,8 @@ def _add_channels(table: Table, analysis: Analysis) -> None:
             analysis.sensor.name if i == 0 else "",
             name,
             f"{analysis.raw.mean[i]:.1f}",
-            "saturated" if full else _number(raw[name]),
-            _number(contravariant[name]),
+            "saturated" if full else number_text(raw[name]),
+            number_text(contravariant[name]),
             _inflation(float(analysis.vif[i])),
             *(f"{angle:.1f}" for angle in analysis.to_axes_deg[i]),
         )
@@ -320,12 +322,13 @@ def _add_color(table: Table, analysis: Analysis) -> None:
     table.add_row(
         analysis.sensor.name,
         f"{1e3 * analysis.exposure.time_s:.4g}",
-        "saturated" if lost else _number(analysis.spectral_snr_db),
-        *(_number(snr[axis]) for axis in analysis.color.names),
-        "-" if lost else _number(analysis.optimal_linear_snr_db),
-        _number(color_snr_loss_db(analysis)),
+        "saturated" if lost else number_text(analysis.spectral_snr_db),
+        *(number_text(snr[axis]) for axis in analysis.color.names),
+        number_text(analysis.optimal_linear_snr_db),
+        number_text(analysis.color_snr_loss_db),
         f"{analysis.matrix.frame.condition:.3g}",
-        _number(mean_color_error(analysis), digits=1),
+        number_text(mean_color_error(analysis), ".1f"),
+        number_text(mean_total_error(analysis), ".1f"),
     )
 
 
@@ -364,15 +367,11 @@ def _paper_table(laid_out: PaperTable) -> Table:
 def _cell(cell: Cell | None) -> str:
     if cell is None:
         return ""
-    text = f"{as_printed(cell.paper)} | {_number(cell.closed_form)}"
+    text = f"{as_printed(cell.paper)} | {number_text(cell.closed_form)}"
     if cell.monte_carlo is not None:
         text += f" | {cell.monte_carlo:.2f} ± {cell.monte_carlo_se:.2f}"
     text += f" {cell.unit}"
     return f"{text}, {100 * cell.clipped_share:.1f} % clipped" if cell.clipped_share > 0 else text
-
-
-def _number(value: float | None, digits: int = 2) -> str:
-    return "-" if value is None or not np.isfinite(value) else f"{value:.{digits}f}"
 
 
 def _console() -> Console:

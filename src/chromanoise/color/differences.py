@@ -25,7 +25,18 @@ def balanced_cielab(xyz: Float[Array, "*px 3"]) -> Float[Array, "*px 3"]:
     array([42.,  0.,  0.])
     """
     power = np.sign(xyz) * np.abs(xyz) ** (1 / 3)
-    x, y, z = np.moveaxis(np.where(xyz > (24 / 116) ** 3, power, 841 / 108 * xyz + 16 / 116), -1, 0)
+    return lab_of_cube_roots(np.where(xyz > (24 / 116) ** 3, power, 841 / 108 * xyz + 16 / 116))
+
+
+def lab_of_cube_roots(roots: Float[Array, "*px 3"]) -> Float[Array, "*px 3"]:
+    """L*, a*, b* from the f of X/Xn, Y/Yn and Z/Zn (CIE 015:2018, eq. 8.3-8.5).
+
+    Examples
+    --------
+    >>> lab_of_cube_roots(np.array([0.5, 0.5, 0.5]))
+    array([42.,  0.,  0.])
+    """
+    x, y, z = np.moveaxis(roots, -1, 0)
     return np.stack([116 * y - 16, 500 * (x - y), 200 * (y - z)], axis=-1)
 
 

@@ -7,6 +7,9 @@ from chromanoise._linalg import inv
 from chromanoise._shapes import Float
 from chromanoise.errors import InputError
 
+SRGB_TOE = 0.0031308
+"""Linear value up to which sRGB is encoded by a line (IEC 61966-2-1)."""
+
 D65_WHITE = np.array([0.95047, 1.0, 1.08883])
 """XYZ of the sRGB white (IEC 61966-2-1)."""
 
@@ -77,5 +80,11 @@ def srgb_from_xyz(xyz: Float[Array, "*px 3"]) -> Float[Array, "*px 3"]:
 
 
 def srgb_from_linear(linear: Float[Array, "*px"]) -> Float[Array, "*px"]:
-    """Encoded sRGB of linear values 0 .. 1 (IEC 61966-2-1)."""
-    return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
+    """Encoded sRGB of linear values; the line continues below 0, the power law above 1.
+
+    Notes
+    -----
+    IEC 61966-2-1:1999. The two pieces differ by 2e-8 at 0.0031308, as in the standard.
+    """
+    power = np.maximum(linear, SRGB_TOE) ** (1 / 2.4)
+    return np.where(linear <= SRGB_TOE, 12.92 * linear, 1.055 * power - 0.055)

@@ -16,11 +16,16 @@ import numpy as np
 from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._shapes import Float
-from chromanoise.color.picture import XYZ_TO_LINEAR_SRGB, adapted_to_d65
+from chromanoise.color.differences import lab_of_cube_roots
+from chromanoise.color.picture import (
+    SRGB_TOE,
+    XYZ_TO_LINEAR_SRGB,
+    adapted_to_d65,
+    srgb_from_linear,
+)
 from chromanoise.errors import InputError
 
 _DELTA = 6 / 29  # CIE 015:2018, eq. 8.7: below its cube the cube root becomes a line
-_SRGB_TOE = 0.0031308  # IEC 61966-2-1, on the linear side
 _UV = np.array([1.0, 15.0, 3.0])  # CIE 015:2018, eq. 8.25: X + 15 Y + 3 Z
 _LAB = np.array([[0.0, 116.0, 0.0], [500.0, -500.0, 0.0], [0.0, 200.0, -200.0]])
 
@@ -97,8 +102,7 @@ def encoded_srgb(xyz: Float[Array, "*px 3"], white: Float[Array, " 3"]) -> Float
 
     Notes
     -----
-    IEC 61966-2-1:1999. Below 0 the line 12.92 c continues, above 1 the power law; the two pieces
-    differ by 2e-8 at 0.0031308, as in the standard.
+    IEC 61966-2-1:1999, as `srgb_from_linear`.
 
     Examples
     --------
@@ -106,9 +110,7 @@ def encoded_srgb(xyz: Float[Array, "*px 3"], white: Float[Array, " 3"]) -> Float
     array([[ 0.461,  0.461,  0.461],
            [-0.129, -0.129, -0.129]])
     """
-    linear = linear_srgb(xyz, white)
-    power = np.maximum(linear, _SRGB_TOE) ** (1 / 2.4)
-    return np.where(linear <= _SRGB_TOE, 12.92 * linear, 1.055 * power - 0.055)
+    return srgb_from_linear(linear_srgb(xyz, white))
 
 
 def cielab(xyz: Float[Array, "*px 3"], white: Float[Array, " 3"]) -> Float[Array, "*px 3"]:
@@ -135,8 +137,7 @@ def cielab(xyz: Float[Array, "*px 3"], white: Float[Array, " 3"]) -> Float[Array
     >>> cielab(np.array([0.125, 0.125, 0.125]), np.ones(3))       # 116 / 2 - 16
     array([42.,  0.,  0.])
     """
-    x, y, z = np.moveaxis(_cube_root(xyz / _white(white)), -1, 0)
-    return np.stack([116 * y - 16, 500 * (x - y), 200 * (y - z)], axis=-1)
+    return lab_of_cube_roots(_cube_root(xyz / _white(white)))
 
 
 def cieluv(xyz: Float[Array, "*px 3"], white: Float[Array, " 3"]) -> Float[Array, "*px 3"]:
@@ -182,8 +183,8 @@ def _encoded_srgb_jacobian(
     xyz: Float[Array, "*px 3"], white: Float[Array, " 3"]
 ) -> Float[Array, "*px 3 3"]:
     linear = linear_srgb(xyz, white)
-    power = np.maximum(linear, _SRGB_TOE) ** (1 / 2.4 - 1)
-    slope = np.where(linear <= _SRGB_TOE, 12.92, 1.055 / 2.4 * power)
+    power = np.maximum(linear, SRGB_TOE) ** (1 / 2.4 - 1)
+    slope = np.where(linear <= SRGB_TOE, 12.92, 1.055 / 2.4 * power)
     return slope[..., None] * _linear_srgb_jacobian(xyz, white)
 
 

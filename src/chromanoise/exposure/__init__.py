@@ -9,7 +9,13 @@ from chromanoise.exposure.electrons import (
     saturating_exposure,
     time_to_saturation,
 )
-from chromanoise.exposure.operating_point import OperatingPoint, white_scene
+from chromanoise.exposure.operating_point import (
+    OperatingPoint,
+    conditions,
+    level_in_words,
+    light_and_exposure,
+    white_scene,
+)
 from chromanoise.exposure.rules import EQUAL_TERMS, equal_exposure, equal_light, equal_saturation
 
 __all__ = [
@@ -17,11 +23,14 @@ __all__ = [
     "Exposure",
     "OperatingPoint",
     "band_weights",
+    "conditions",
     "equal_exposure",
     "equal_light",
     "equal_saturation",
     "expected_electrons",
     "exposure_factor",
+    "level_in_words",
+    "light_and_exposure",
     "measurement_vectors",
     "saturating_exposure",
     "time_to_saturation",

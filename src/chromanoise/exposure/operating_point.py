@@ -1,5 +1,6 @@
-"""Operating point: a sensor with its exposure and light."""
+"""Operating point: a sensor with its exposure and light; its text."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from chromanoise import _check
@@ -7,6 +8,9 @@ from chromanoise.exposure.electrons import Exposure
 from chromanoise.scene import Scene, flat_field
 from chromanoise.sensor import Sensor
 from chromanoise.spectra import Illuminant
+
+_SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+_MOST_TIMES = 3
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -38,3 +42,72 @@ class OperatingPoint:
 def white_scene(operating_point: OperatingPoint) -> Scene:
     """A perfect white under this illuminant."""
     return flat_field(operating_point.illuminant, level_lux=operating_point.level_lux)
+
+
+def conditions(points: Sequence[OperatingPoint]) -> str:
+    """The operating point as text: light level, illuminant, exposure time and f-number.
+
+    Parameters
+    ----------
+    points
+        Sensors under the same light.
+
+    Examples
+    --------
+    >>> from chromanoise.study import operating_points_of, study_from_data
+    >>> study = study_from_data({"sensors": [{"name": "onyx-rgbw"}]}, source="")
+    >>> conditions(operating_points_of(study))
+    '10 lx (illuminant E, 11.94 ms, f/1.8)'
+    """
+    return f"{level_in_words(points[0].level_lux, 4)} ({light_and_exposure(points)})"
+
+
+def light_and_exposure(points: Sequence[OperatingPoint]) -> str:
+    """Illuminant, exposure time and f-number: the operating point without its level.
+
+    Examples
+    --------
+    >>> from chromanoise.study import operating_points_of, study_from_data
+    >>> study = study_from_data({"sensors": [{"name": "onyx-rgbw"}]}, source="")
+    >>> light_and_exposure(operating_points_of(study))
+    'illuminant E, 11.94 ms, f/1.8'
+    """
+    first = points[0]
+    times_ms = [1e3 * one.exposure.time_s for one in points]
+    if len(set(times_ms)) == 1:
+        time = _duration(times_ms[0])
+    elif len(points) <= _MOST_TIMES:
+        pairs = zip(times_ms, points, strict=True)
+        time = ", ".join(f"{_duration(ms)} ({one.sensor.name})" for ms, one in pairs)
+    else:
+        time = f"{_duration(min(times_ms))} to {_duration(max(times_ms))}"
+    return f"illuminant {first.illuminant.name}, {time}, f/{first.exposure.f_number:g}"
+
+
+def _duration(ms: float) -> str:
+    """A time in ms, or in s if it exceeds 10 s."""
+    return f"{ms:.4g} ms" if ms < 9999.5 else f"{1e-3 * ms:.4g} s"
+
+
+def level_in_words(level_lux: float, digits: int = 3) -> str:
+    """A light level as text, with a power of ten for very small or large values.
+
+    Parameters
+    ----------
+    level_lux
+        > 0. [lx]
+    digits
+        That count.
+
+    Examples
+    --------
+    >>> level_in_words(12.34), level_in_words(0.0000133), level_in_words(20000.0)
+    ('12.3 lx', '1.33·10⁻⁵ lx', '20000 lx')
+    """
+    mantissa, _, power = f"{level_lux:.{digits - 1}e}".partition("e")
+    rounded = float(f"{mantissa}e{power}")
+    if 1e-3 <= rounded < 1e6:
+        return f"{rounded:.15g} lx"
+    factor = f"{float(mantissa):g}"
+    ten = f"10{str(int(power)).translate(_SUPERSCRIPT)} lx"
+    return ten if factor == "1" else f"{factor}·{ten}"

@@ -133,7 +133,7 @@ def draw_uncertainty(
         ax,
         title + _source(plane),
         f"{_angle(plane)} · {_time(plane)} · {_raw_snr(plane)}\n"
-        f"{_magnified(noise)} · {_decibels('spectral SNR', _spectral_snr_db(plane))}",
+        f"{_magnified(noise)} · {_decibels('spectral SNR', plane.two.spectral_snr_db)}",
     )
     fit_view(ax, [_ORIGIN, *_tips(plane), *noise.outline, *noise.locus])
     return ax
@@ -267,10 +267,6 @@ def _raw_snr(plane: ChannelPlane) -> str:
 
 def _decibels(what: str, value: float | None) -> str:
     return f"{what} undefined (saturated)" if value is None else f"{what} {value:.1f} dB"
-
-
-def _spectral_snr_db(plane: ChannelPlane) -> float | None:
-    return None if plane.two.saturated.any() else plane.two.spectral_snr_db
 
 
 def _locus_sides(noise: MagnifiedNoise, i: int) -> Float[Array, "2 2"]:

@@ -10,13 +10,13 @@ from chromanoise.analysis import Analysis, coordinate_budget
 from chromanoise.charts import cause_label
 from chromanoise.charts.charted_study import saturation_sentence
 from chromanoise.charts.text import UNDEFINED, brief, decimal
-from chromanoise.exposure import OperatingPoint
+from chromanoise.exposure import OperatingPoint, conditions
 from chromanoise.figures.pareto import draw_trade
 from chromanoise.figures.pictures import draw_picture
 from chromanoise.figures.style import INK, channel_color, sensor_dashes
 from chromanoise.imaging.capture import Capture
 from chromanoise.metrics import Budget
-from chromanoise.study import MatrixResult, conditions
+from chromanoise.study import MatrixResult
 
 _WIDE = 62  # characters of a title line that fit the axes of a default figure
 _LEGEND_ROW = 0.45  # of a line of the legend, in rows of bars
@@ -52,7 +52,7 @@ def draw_analyses(analyses: Sequence[Analysis], ax: Axes, *, coordinate: str = "
     ax.set_axisbelow(True)
     ax.grid(visible=True, axis="x", alpha=0.25)
     ax.legend(loc="lower right", fontsize=8)
-    return _titled(ax, f"Losses from all photons to {coordinate}", _points(analyses))
+    return _titled(ax, f"Losses from all photons to {coordinate}", [one.point for one in analyses])
 
 
 def _draw_losses(
@@ -60,7 +60,10 @@ def _draw_losses(
 ) -> None:
     name = analysis.sensor.name
     if budget is None:
-        why = "saturated" if saturation_sentence(analysis) else f"SNR {UNDEFINED}"
+        if saturation_sentence(analysis):
+            why = "saturated"
+        else:
+            why = f"SNR {UNDEFINED}" if analysis.readout is None else "no budget with clipping"
         ax.plot([], [], " ", label=f"{name}: {why}")
         return
     losses = [cost.loss_db for cost in budget.costs]
@@ -183,15 +186,3 @@ def _titled(ax: Axes, what: str, points: Sequence[OperatingPoint]) -> Axes:
     facts = fill(f"at {conditions(points)}", _WIDE, break_on_hyphens=False)
     ax.set_title(f"{what}\n{facts}", loc="left", fontsize=9)
     return ax
-
-
-def _points(analyses: Sequence[Analysis]) -> list[OperatingPoint]:
-    return [
-        OperatingPoint(
-            sensor=one.sensor,
-            exposure=one.exposure,
-            illuminant=one.scene.illuminant,
-            level_lux=one.scene.level_lux,
-        )
-        for one in analyses
-    ]

@@ -8,8 +8,9 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from chromanoise.analysis import Crossover, coordinate_budget
 from chromanoise.charts import Shown, drawing
+from chromanoise.charts.charted_study import unclipped_remark
 from chromanoise.charts.snr_over_light import level_curves
-from chromanoise.charts.text import conditions_text, setting
+from chromanoise.exposure import conditions, light_and_exposure
 from chromanoise.figures.budget import draw_budget
 from chromanoise.figures.comparison import draw_color_errors, draw_comparison
 from chromanoise.figures.ellipses import draw_ellipses
@@ -77,7 +78,10 @@ def _comparison(of: Shown) -> Figure:
     figure = _framed(5.6)
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=(2, 1))
     crossed = [pair for pair in pairs if isinstance(pair, Crossover)]
-    title = f"{curves[0].quantity.what} against illuminance ({setting(of.operating_points)})"
+    title = (
+        f"{curves[0].quantity.what} against illuminance ({light_and_exposure(of.operating_points)})"
+        f"{unclipped_remark(of)}"
+    )
     draw_comparison(curves, above, crossovers=crossed, title=title).set_xlabel("")
     draw_color_errors(curves, below)
     return figure
@@ -95,7 +99,7 @@ def _budget(of: Shown) -> Figure | None:
         draw_budget(budget, sensor, ax, top_db=highest)
     for ax in panels[:-1]:
         ax.set_xlabel("")
-    _entitle(figure, f"Budget of the SNR of Y at {conditions_text(of.operating_points)}")
+    _entitle(figure, f"Budget of the SNR of Y at {conditions(of.operating_points)}")
     return figure
 
 

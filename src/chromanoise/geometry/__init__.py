@@ -8,7 +8,13 @@ from chromanoise.geometry.angles import (
     variance_inflation,
 )
 from chromanoise.geometry.contravariant import contravariant, spectral_snr
-from chromanoise.geometry.ellipse import PlaneView, ellipse_outline, plane_view
+from chromanoise.geometry.ellipse import (
+    PlaneView,
+    ellipse_half_axes,
+    ellipse_outline,
+    plane_view,
+    unit_circle,
+)
 from chromanoise.geometry.frame import Frame, dual_frame, reconstructed_light
 
 __all__ = [
@@ -19,10 +25,12 @@ __all__ = [
     "angles_to_axes_deg",
     "contravariant",
     "dual_frame",
+    "ellipse_half_axes",
     "ellipse_outline",
     "nearest_mix",
     "plane_view",
     "reconstructed_light",
     "spectral_snr",
+    "unit_circle",
     "variance_inflation",
 ]

@@ -42,6 +42,36 @@ def plane_view(first: Float[Array, " n"], second: Float[Array, " n"]) -> PlaneVi
     return PlaneView(axes=axes, vectors=axes.T @ np.stack([first, second], axis=1))
 
 
+def ellipse_half_axes(
+    covariance: Float[Array, "*px 2 2"], *, sigmas: float
+) -> Float[Array, "*px 2 2"]:
+    """Two conjugate half axes of the ellipse at ``sigmas`` standard deviations, one per row.
+
+    Its points are the center plus cos(t) times the first plus sin(t) times the second.
+
+    Examples
+    --------
+    >>> ellipse_half_axes(np.array([[4.0, 2.0], [2.0, 2.0]]), sigmas=2.0)
+    array([[4., 2.],
+           [0., 2.]])
+    """
+    return sigmas * np.swapaxes(cholesky("covariance of an ellipse", covariance), -1, -2)
+
+
+def unit_circle(points: int) -> Float[Array, "points 2"]:
+    """Cosine and sine of evenly spaced angles from 0 to 360 deg, both included.
+
+    Examples
+    --------
+    >>> unit_circle(3).round(6) + 0.0
+    array([[ 1.,  0.],
+           [-1.,  0.],
+           [ 1.,  0.]])
+    """
+    turn = np.linspace(0, 2 * np.pi, points)
+    return np.stack([np.cos(turn), np.sin(turn)], axis=1)
+
+
 def ellipse_outline(
     center: Float[Array, "*px 2"],
     covariance: Float[Array, "*px 2 2"],
@@ -60,7 +90,5 @@ def ellipse_outline(
            [ 0., -1.],
            [ 2.,  0.]])
     """
-    turn = np.linspace(0, 2 * np.pi, points)
-    circle = np.stack([np.cos(turn), np.sin(turn)], axis=1)
-    root = cholesky("covariance of an ellipse", covariance)
-    return center[..., None, :] + sigmas * circle @ np.swapaxes(root, -1, -2)
+    half_axes = ellipse_half_axes(covariance, sigmas=sigmas)
+    return center[..., None, :] + unit_circle(points) @ half_axes

@@ -17,7 +17,7 @@ from chromanoise.imaging.demosaic_noise import demosaicked_covariance
 from chromanoise.imaging.plans import color_matrices, srgb_table
 from chromanoise.imaging.render import ALL_CORES, Picture, RawPicture
 from chromanoise.imaging.work import Work, filled
-from chromanoise.noise import Measurement, through, with_noise
+from chromanoise.noise import Measurement, noise_sources, through, with_noise
 from chromanoise.scene import Scene
 from chromanoise.sensor import Adc
 
@@ -137,7 +137,8 @@ def developed_color(
     operating_point, bank, matrix
         As used to develop the image.
     adc
-        Converter; its rounding adds gain^2 / 12 to the variance of each raw pixel.
+        Converter of the codes. Its rounding adds gain^2 / 12 to the variance of each raw pixel, in
+        place of that of the sensor's own converter.
 
     Raises
     ------
@@ -146,8 +147,9 @@ def developed_color(
 
     Notes
     -----
-    C K D K^T C^T with D of eq. 7 and K the filters. Nothing is clipped at black or full well, and
-    pixels have no imperfections.
+    C K D K^T C^T with the diagonal D of `with_noise` and K the filters. Nothing is clipped at black
+    or full well. Row noise and crosstalk after counting, which correlate neighbors, count as
+    independent.
     """
     sensor = operating_point.sensor
     _check.same_names("development", sensor=sensor.names, filters=bank.names)
@@ -157,7 +159,9 @@ def developed_color(
         sensor,
         operating_point.exposure,
     )
-    variance: Float[Array, " p"] = raw.variance + adc.gain_e_per_dn**2 / 12
+    own_step_e = noise_sources(sensor, operating_point.exposure).step_e
+    rounding_e2 = (adc.gain_e_per_dn**2 - own_step_e**2) / 12
+    variance: Float[Array, " p"] = raw.variance + rounding_e2
     return tuple(
         tuple(
             through(

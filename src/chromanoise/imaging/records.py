@@ -42,7 +42,7 @@ class Draw(NamedTuple):
     dsnu_e: np.float32
     row_noise_e: np.float32
     noisy: bool
-    """Whether there is shot noise and read noise; imperfections do not depend on it."""
+    """Whether there is shot noise and read noise; the other sources do not depend on it."""
     key: np.uint64
     frame: np.uint64
 

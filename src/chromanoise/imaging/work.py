@@ -161,7 +161,7 @@ def made(
             outputs = tuple(rows.mapped() for rows in shared)
             submit = partial(_put, work.executor, fill, plan, part, shared)
         nested = _in_order(submit, blocks, work, _SENT_AHEAD)
-    return outputs, [told for block in nested for told in block]
+    return outputs, [counts for block in nested for counts in block]
 
 
 def filled(
@@ -183,7 +183,7 @@ def filled(
     try:
         spans = [(first, some[-1][1]) for first, some in handfuls.items()]
         nested = _in_order(partial(_submitted, pool, here), spans, work, 2 * threads)
-        return [told for handful in nested for told in handful]
+        return [counts for handful in nested for counts in handful]
     finally:
         pool.shutdown(cancel_futures=True)
 
@@ -195,7 +195,7 @@ Submit = Callable[[int, int], tuple["Future[Any]", Callable[[Any], Any]]]
 def _submitted(
     pool: Executor, here: Callable[[int, int], Any], start: int, stop: int
 ) -> tuple["Future[Any]", Callable[[Any], Any]]:
-    return pool.submit(here, start, stop), lambda told: told
+    return pool.submit(here, start, stop), lambda counts: counts
 
 
 def _sent(
@@ -212,10 +212,10 @@ def _sent(
     own, pieces = part(plan, start, stop)
 
     def place(result: Any) -> Any:
-        told, parts = result
+        counts, parts = result
         for out, rows in zip(outputs, parts, strict=True):
             out[start:stop] = rows
-        return told
+        return counts
 
     return executor.submit(_filled_and_sent, fill, own, pieces, kinds), place
 
@@ -223,11 +223,11 @@ def _sent(
 def _filled_and_sent(fill: FillBlock, plan: Any, pieces: list[Block], kinds: list[Any]) -> Any:
     """Runs in another process: fills new arrays, which are sent back."""
     rows, first = tuple(new_rows(shape, dtype) for shape, dtype in kinds), pieces[0][0]
-    told = []
+    counts = []
     for start, stop in pieces:
         parts = (one[start - first : stop - first] for one in rows)
-        told.append(fill(plan, start, stop, _scratch_there, *parts))
-    return told, rows
+        counts.append(fill(plan, start, stop, _scratch_there, *parts))
+    return counts, rows
 
 
 def _put(
@@ -241,7 +241,7 @@ def _put(
 ) -> tuple["Future[Any]", Callable[[Any], Any]]:
     """Submission with shared memory; a block that is filled twice has the same bits both times."""
     own, pieces = part(plan, start, stop)
-    return executor.submit(_filled_and_put, fill, own, pieces, shared), lambda told: told
+    return executor.submit(_filled_and_put, fill, own, pieces, shared), lambda counts: counts
 
 
 def _filled_and_put(
@@ -250,13 +250,13 @@ def _filled_and_put(
     """Runs in another process of the same machine."""
     most = max(stop - start for start, stop in pieces)
     room = tuple(new_rows((most, *rows.shape[1:]), rows.dtype) for rows in shared)
-    told = []
+    counts = []
     for start, stop in pieces:
         parts = tuple(rows[: stop - start] for rows in room)
-        told.append(fill(plan, start, stop, _scratch_there, *parts))
+        counts.append(fill(plan, start, stop, _scratch_there, *parts))
         for rows, part in zip(shared, parts, strict=True):
             rows.put(start, part)
-    return told
+    return counts
 
 
 _scratch_there = Scratch()
@@ -266,20 +266,20 @@ def _in_order(submit: Submit, blocks: list[Block], work: Work, ahead: int) -> li
     """Submit a few blocks at a time, which limits memory and reports an error early."""
     todo: Iterator[tuple[int, Block]] = iter(enumerate(blocks))
     doing: dict[Future[Any], tuple[int, Callable[[Any], Any]]] = {}
-    told: list[Any] = [None] * len(blocks)
+    counts: list[Any] = [None] * len(blocks)
     try:
         while True:
             for number, block in islice(todo, ahead - len(doing)):
                 future, place = submit(*block)
                 doing[future] = (number, place)
             if not doing:
-                return told
+                return counts
             done, _ = wait(doing, return_when=FIRST_COMPLETED)
             if any(future.exception() for future in done):
                 _raise_first(doing)
             for future in done:
                 number, place = doing.pop(future)
-                told[number] = place(future.result())
+                counts[number] = place(future.result())
                 if work.progress:
                     start, stop = blocks[number]
                     work.progress(stop - start)

@@ -113,6 +113,17 @@ def written(cell: Entry, digits: str) -> str:
     return text.removeprefix("-") if float(text.replace("%", "")) == 0 else text
 
 
+def number_text(value: float | None, digits: str = ".2f", none: str = "-") -> str:
+    """A number as text; ``none`` for one that is ``None`` or not finite.
+
+    Examples
+    --------
+    >>> number_text(26.127), number_text(-0.001, ".1f"), number_text(float("nan"))
+    ('26.13', '0.0', '-')
+    """
+    return none if value is None or not math.isfinite(value) else written(value, digits)
+
+
 def _plain(number: float) -> float:
     """The number as a Python float, because the repr of a NumPy number includes its type."""
     return float(number) if isinstance(number, float) else number

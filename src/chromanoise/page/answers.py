@@ -13,10 +13,13 @@ from chromanoise.page.cache import Remembered
 from chromanoise.page.requests import QuestionError, field, malformed, page_sentence
 from chromanoise.page.studies import Studies, labeled, spoken
 from chromanoise.page.uploads import Upload
-from chromanoise.study import Study, study_as_command, study_as_python, study_as_toml
+from chromanoise.study import OutputsPart, Study, study_as_command, study_as_python, study_as_toml
 
 _LOG = logging.getLogger("chromanoise.page")
-_BESIDE = {"sweeps", "pictures", "outputs", "title", "seed"}  # no drawing depends on them
+_BESIDE: dict[str, Any] = {  # no drawing depends on them
+    **dict.fromkeys(("sweeps", "pictures", "title", "seed"), True),
+    "outputs": set(OutputsPart.model_fields) - {"clip"},
+}
 _LOOKS: Mapping[str, tuple[str, ...]] = {
     "budget": ("coordinate",),
     "ellipses": ("plane",),

@@ -76,7 +76,8 @@ EQUATIONS: Mapping[str, Mapping[str, str]] = {
         (
             "levels",
             "SNR over the light level",
-            "the time is solved at the level of the study and kept; crossovers by bisection",
+            "the time is solved at the level of the study and kept; crossovers by Chandrupatla's "
+            "method",
             f"{_PAPER}, eq. 7",
         ),
         (

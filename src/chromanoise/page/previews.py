@@ -3,7 +3,7 @@
 from typing import Any
 
 from chromanoise.catalog import own_sensor_of
-from chromanoise.errors import InputError, Setting
+from chromanoise.errors import InputError, Setting, StudyError, errors_in
 from chromanoise.io.spectra import ParsedSpectra, read_curves
 from chromanoise.io.spectra.defects import defects_of_a_light
 from chromanoise.page.pictures import cube_of_upload
@@ -26,10 +26,10 @@ _ASKS = {
 }
 _OF_LIGHT = {"per": "per", "beyond": "beyond"}
 
-Told = dict[str, Any]
+Data = dict[str, Any]
 
 
-def preview_of(upload: Upload) -> Told:
+def preview_of(upload: Upload) -> Data:
     """The JSON of ``/api/upload``.
 
     Raises
@@ -38,14 +38,16 @@ def preview_of(upload: Upload) -> Told:
         If it cannot be read, in one sentence.
     """
     try:
-        told = _preview(upload)
+        preview = _preview(upload)
     except InputError as error:
         # of a study all faults are shown, a line each
-        in_place = getattr(error, "in_place", False)
-        told_lines = str(error).splitlines() if in_place else [_without_settings(error)]
+        if isinstance(error, StudyError) and error.places:
+            told_lines = error.sentences()
+        else:
+            told_lines = [_without_settings(one) for one in errors_in(error)]
         raise QuestionError(*(("file", in_words(line, upload)) for line in told_lines)) from None
-    lines = [in_words(line, upload) for line in told["preview"]]
-    return {"asks": [], "study": None} | told | {"id": upload.id, "preview": lines}
+    lines = [in_words(line, upload) for line in preview["preview"]]
+    return {"asks": [], "study": None} | preview | {"id": upload.id, "preview": lines}
 
 
 def _without_settings(error: InputError) -> str:
@@ -55,18 +57,18 @@ def _without_settings(error: InputError) -> str:
     if not names:
         return page_sentence(error)
     rest = [one for one in error.remedy if not isinstance(one, Setting)]
-    told = f"the page has no control for {' and '.join(names)}: write it into the file"
+    message = f"the page has no control for {' and '.join(names)}: write it into the file"
     return InputError(
         error.subject,
         error.requirement,
         value=error.value,
         found=error.found,
         where=error.where,
-        remedy=(*rest, told),
+        remedy=(*rest, message),
     ).sentence()
 
 
-def _preview(upload: Upload) -> Told:
+def _preview(upload: Upload) -> Data:
     if upload.kind == "study":
         return _study(upload)
     if upload.kind == "cube":
@@ -79,7 +81,7 @@ def _preview(upload: Upload) -> Told:
     return _spectra(upload)
 
 
-def _study(upload: Upload) -> Told:
+def _study(upload: Upload) -> Data:
     if upload.size_bytes > _MOST_STUDY_BYTES:
         raise InputError(
             upload.label,
@@ -93,8 +95,8 @@ def _study(upload: Upload) -> Told:
         raise InputError(
             upload.label, "is not a UTF-8 text file", remedy="save the study as UTF-8"
         ) from None
-    study = study_from_text(text, source=upload.label)
-    told = served_data(study)
+    study = study_from_text(text, source=upload.label, keep_idle=True)
+    data = served_data(study)
     names = ", ".join(part.name for part in study.sensors)
     lines = [
         f"A study of {names} in {study.light.illuminant} at {study.light.level_lux:g} lx, "
@@ -102,10 +104,10 @@ def _study(upload: Upload) -> Told:
     ]
     if study.title:
         lines.insert(0, study.title if study.title[-1] in ".?!" else f"{study.title}.")
-    return {"kind": "study", "preview": lines, "study": told}
+    return {"kind": "study", "preview": lines, "study": data}
 
 
-def _cube(upload: Upload) -> Told:
+def _cube(upload: Upload) -> Data:
     cube = cube_of_upload(upload)
     height, width, _ = row_source(cube.stored).shape
     at = cube.wavelength_nm
@@ -122,7 +124,7 @@ def _cube(upload: Upload) -> Told:
     }
 
 
-def _beyond(ends_nm: list[float], first_nm: float, last_nm: float) -> Told:
+def _beyond(ends_nm: list[float], first_nm: float, last_nm: float) -> Data:
     """What a cube is asked whose bands do not reach over what sensors answer to."""
     ends = " and ".join(f"{end:g}" for end in ends_nm)
     question = (
@@ -132,7 +134,7 @@ def _beyond(ends_nm: list[float], first_nm: float, last_nm: float) -> Told:
     return {"key": "beyond", "question": question, "choices": ["hold", "zero"]}
 
 
-def _spectra(upload: Upload) -> Told:
+def _spectra(upload: Upload) -> Data:
     if upload.size_bytes > MOST_SPECTRUM_BYTES:
         raise InputError(
             upload.label,
@@ -145,52 +147,52 @@ def _spectra(upload: Upload) -> Told:
     if own is not None:
         line = f"A sensor of this library, {own.name}: channels {', '.join(own.names)}."
         return {"kind": "sensor", "preview": [line, *own.notes]}
-    told = read_curves(upload.path)
-    kind = _kind(told)
-    return {"kind": kind, "preview": _sentences(told, kind), "asks": _asks(told, kind)}
+    parsed = read_curves(upload.path)
+    kind = _kind(parsed)
+    return {"kind": kind, "preview": _sentences(parsed, kind), "asks": _asks(parsed, kind)}
 
 
-def _kind(told: ParsedSpectra) -> str:
+def _kind(parsed: ParsedSpectra) -> str:
     """A light where it is one or may be: one curve of nobody knows what."""
-    if told.quantity == "power":
+    if parsed.quantity == "power":
         return "light"
-    if told.quantity in ("reflectance", "transmittance"):
+    if parsed.quantity in ("reflectance", "transmittance"):
         raise InputError(
-            str(told.curves.source),
+            str(parsed.curves.source),
             "must hold the curves of a sensor or a light",
-            value=told.quantity,
-            found=f"holds {told.quantity}s",
+            value=parsed.quantity,
+            found=f"holds {parsed.quantity}s",
         )
-    return "light" if told.quantity is None and len(told.curves.names) == 1 else "sensor"
+    return "light" if parsed.quantity is None and len(parsed.curves.names) == 1 else "sensor"
 
 
-def _sentences(told: ParsedSpectra, kind: str) -> list[str]:
-    curves: Spectra = told.curves
+def _sentences(parsed: ParsedSpectra, kind: str) -> list[str]:
+    curves: Spectra = parsed.curves
     names = ", ".join(curves.names[:_MOST_NAMES])
     more = ", ..." if len(curves.names) > _MOST_NAMES else ""
     what = "A light" if kind == "light" else "A sensor"
     count = f"{len(curves.names)} curve{'s' if len(curves.names) > 1 else ''}"
-    own = kind == "sensor" and told.own_form and told.quantity is None
-    wrong = defects_of_a_light(told.defects) if kind == "light" else told.defects
-    step = f", step {told.step_nm:g} nm" if told.step_nm is not None else ""
+    own = kind == "sensor" and parsed.own_form and parsed.quantity is None
+    wrong = defects_of_a_light(parsed.defects) if kind == "light" else parsed.defects
+    step = f", step {parsed.step_nm:g} nm" if parsed.step_nm is not None else ""
     return [
         f"{what}: {count} {names}{more}, {curves.wavelength_nm[0]:g}-"
         f"{curves.wavelength_nm[-1]:g} nm{step}.",
-        f"Values {curves.values.min():.4g} to {curves.values.max():.4g}, {told.scale}.",
+        f"Values {curves.values.min():.4g} to {curves.values.max():.4g}, {parsed.scale}.",
         *(["Headed wavelength_nm, so taken as absolute QE per photon."] if own else []),
-        *told.notes,
+        *parsed.notes,
         *(f"Looks wrong: {defect}" for defect in wrong),
     ]
 
 
-def _asks(told: ParsedSpectra, kind: str) -> list[Told]:
+def _asks(parsed: ParsedSpectra, kind: str) -> list[Data]:
     asked = []
-    for question in told.questions:
+    for question in parsed.questions:
         key, choices = _ASKS.get(question.about, (None, []))
         if kind == "light":
             key = _OF_LIGHT.get(question.about)
             if question.about == "columns":
-                key, choices = "column", list(told.curves.names)
+                key, choices = "column", list(parsed.curves.names)
         if key is not None:
             asked.append({"key": key, "question": question.asks, "choices": choices})
     return asked

@@ -48,7 +48,7 @@ def page_sentence(error: InputError) -> str:
         Of the library, or one of a study.
     """
 
-    def told(setting: Setting) -> str:
+    def rendered(setting: Setting) -> str:
         name = setting.name.rpartition(".")[2].replace("_", " ")
         values = " or ".join(map(str, setting.values))
         return f"set {name} to {values}" if values else f"set {name}"
@@ -56,7 +56,7 @@ def page_sentence(error: InputError) -> str:
     subject = error.subject
     if error.setting and subject == error.setting_name:
         subject = subject.replace("_", " ")
-    return error.sentence(subject=subject, render=told)
+    return error.sentence(subject=subject, render=rendered)
 
 
 def malformed(where: str, sentence: str) -> QuestionError:
@@ -93,9 +93,9 @@ class Bodies:
         QuestionError
             If it is too long, or does not arrive in time.
         """
-        told = request.headers.get("content-length", "")
-        known = told.isascii() and told.isdecimal()
-        if known and (len(told) > _LONGEST_LENGTH or int(told) > most_bytes):
+        length = request.headers.get("content-length", "")
+        known = length.isascii() and length.isdecimal()
+        if known and (len(length) > _LONGEST_LENGTH or int(length) > most_bytes):
             raise _too_long(most_bytes, unread=True)
         try:
             async with asyncio.timeout(_PATIENCE_S) as patience:
@@ -147,28 +147,28 @@ def data_of(body: bytes) -> dict[str, Any]:
         If it is none, is nested too deep, or holds a number that JSON does not have.
     """
     try:
-        told = json.loads(body, parse_constant=_no_number, parse_int=_whole)
+        data = json.loads(body, parse_constant=_no_number, parse_int=_whole)
     except RecursionError:
         raise malformed("", "request JSON is nested too deeply") from None
     except ValueError as error:  # of encoding or of grammar
         raise malformed("", f"the request is not JSON: {str(error)[:200]}") from None
     if b"\\u" in body.lower():
-        _refuse_surrogates(told)
-    if not isinstance(told, dict):
-        raise malformed("", f"the request must be a JSON object, but is a {_kind(told)}")
-    return told
+        _refuse_surrogates(data)
+    if not isinstance(data, dict):
+        raise malformed("", f"the request must be a JSON object, but is a {_kind(data)}")
+    return data
 
 
-def _refuse_surrogates(told: Any) -> None:
+def _refuse_surrogates(data: Any) -> None:
     try:
-        json.dumps(told, ensure_ascii=False).encode()
+        json.dumps(data, ensure_ascii=False).encode()
     except UnicodeEncodeError:
         raise malformed(
             "", "the request contains an unpaired surrogate, which is not a character"
         ) from None
 
 
-def refuse_long_lists(told: Mapping | list, where: str = "") -> None:
+def refuse_long_lists(data: Mapping | list, where: str = "") -> None:
     """Refuse a study in which a list or an object has more entries than the page accepts.
 
     Raises
@@ -178,18 +178,18 @@ def refuse_long_lists(told: Mapping | list, where: str = "") -> None:
     """
     if where.count(".") > _DEEPEST:
         raise malformed(where[:80], f"{where[:80]} is nested too deeply for a study")
-    inside = told.items() if isinstance(told, dict) else enumerate(told)
-    if len(told) > MOST_ENTRIES:
+    inside = data.items() if isinstance(data, dict) else enumerate(data)
+    if len(data) > MOST_ENTRIES:
         raise malformed(
             where,
-            f"{where or 'the study'} has {len(told)} entries; the limit is {MOST_ENTRIES}",
+            f"{where or 'the study'} has {len(data)} entries; the limit is {MOST_ENTRIES}",
         )
     for key, value in inside:
         if isinstance(value, dict | list):
             refuse_long_lists(value, f"{where}.{key}" if where else str(key))
 
 
-def field(told: Mapping[str, Any], name: str, kind: type, default: Any) -> Any:
+def field(data: Mapping[str, Any], name: str, kind: type, default: Any) -> Any:
     """One value of a question, of the kind that it must have.
 
     Raises
@@ -197,7 +197,7 @@ def field(told: Mapping[str, Any], name: str, kind: type, default: Any) -> Any:
     QuestionError
         If it is of another kind.
     """
-    value = told.get(name, default)
+    value = data.get(name, default)
     if value is not default and (
         not isinstance(value, kind) or (isinstance(value, bool) and kind is not bool)
     ):
@@ -235,8 +235,8 @@ def _whole(digits: str) -> int:
 
 
 def _too_long(most_bytes: int, *, unread: bool = False) -> QuestionError:
-    told = f"the request exceeds the limit of {most_bytes / 1e6:g} MB"
-    return QuestionError(("", told), status=413, unread=unread)
+    message = f"the request exceeds the limit of {most_bytes / 1e6:g} MB"
+    return QuestionError(("", message), status=413, unread=unread)
 
 
 async def passed_over(receive: Receive) -> None:
@@ -269,6 +269,6 @@ async def question_of(request: Request, bodies: Bodies) -> bytes:
     """
     kind = request.headers.get("content-type", "").partition(";")[0].strip().lower()
     if kind != "application/json":
-        told = "a request must be sent as application/json"
-        raise QuestionError(("", told), status=415, unread=True)
+        message = "a request must be sent as application/json"
+        raise QuestionError(("", message), status=415, unread=True)
     return await bodies.body_of(request, most_bytes=JSON_BYTES)

@@ -22,7 +22,7 @@ STUDY: dict[str, Any] = {
 """The default study: the paper's comparison."""
 
 
-class Desk:
+class Services:
     """Answers, pictures and previews of one server.
 
     Parameters
@@ -35,7 +35,7 @@ class Desk:
 
     def __init__(self, uploads: Kept, *, study: dict[str, Any] | None = None) -> None:
         self.uploads, self._study = uploads, STUDY if study is None else study
-        files = files_of(study_from_data(self._study, source="study"))
+        files = files_of(study_from_data(self._study, source="study", keep_idle=True))
         self._studies = Studies(uploads, files=files)
         self._answers = Answers(self._studies)
         self._pictures = Pictures(self._studies)

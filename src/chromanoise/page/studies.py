@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from chromanoise._inputs import regular_file
-from chromanoise.analysis.color_matrices import matrix_makers
 from chromanoise.catalog.resolve import file_of, is_file_word
 from chromanoise.errors import InputError, errors_in
 from chromanoise.exposure import OperatingPoint
@@ -25,7 +24,7 @@ from chromanoise.study.assembly import (
     sensor_of,
     unresolved,
 )
-from chromanoise.study.document import SensorPart
+from chromanoise.study.document import SensorPart, without_idle_settings
 from chromanoise.study.hashes import (
     FileWord,
     digests_of,
@@ -67,7 +66,7 @@ class Studies:
         self._idle: Remembered[list[InputError]] = Remembered(32)
         self._digests: Remembered[dict[str, str]] = Remembered(128)
 
-    def read(self, told: Mapping[str, Any]) -> tuple[Study, list[Upload]]:
+    def read(self, data: Mapping[str, Any]) -> tuple[Study, list[Upload]]:
         """The study, with paths in place of the ids of uploads, and those uploads.
 
         Raises
@@ -85,12 +84,12 @@ class Studies:
                 faults.extend(error.faults)
                 return one.word
 
-        study = with_file_words(self.as_told(told), found)
+        study = with_file_words(self.study_as_given(data), found)
         if faults:
             raise QuestionError(*faults)
         return study, used
 
-    def as_told(self, told: Mapping[str, Any]) -> Study:
+    def study_as_given(self, data: Mapping[str, Any]) -> Study:
         """The study as given in the request, with its size checked.
 
         Raises
@@ -99,16 +98,13 @@ class Studies:
             All faults of what it says, each with its key.
         """
         try:
-            refuse_too_many(told)
-            refuse_long_lists(told)
-            study = study_from_data(told, source="")
+            refuse_too_many(data)
+            refuse_long_lists(data)
+            return study_from_data(data, source="", keep_idle=True)
         except InputError as error:
             raise QuestionError(
                 *((e.setting, page_sentence(e)) for e in errors_in(error))
             ) from None
-        for i, name in enumerate(study.matrices):
-            _at(f"matrices.{i}", [], partial(matrix_makers, [name], "quanta"))
-        return study
 
     def operating_points(self, study: Study, used: list[Upload]) -> list[OperatingPoint]:
         """Each sensor in its light with its exposure.
@@ -123,16 +119,16 @@ class Studies:
         sensors = [self._sensor(study, i, used) for i in range(len(study.sensors))]
         return _at("exposure", used, lambda: operating_points_in(study, illuminant, sensors))
 
-    def complaints(self, told: Mapping[str, Any]) -> list[str]:
+    def complaints(self, data: Mapping[str, Any]) -> list[str]:
         """All errors of a study on this page, each with its key; empty if there are none.
 
         Parameters
         ----------
-        told
+        data
             A study as plain data.
         """
         try:
-            study, used = self.read(told)
+            study, used = self.read(data)
             found = [(e.setting, spoken(page_sentence(e), used)) for e in unresolved(study)]
             if not found:
                 self.operating_points(study, used)
@@ -152,7 +148,7 @@ class Studies:
         for one in file_words(study):
             digests |= _at(one.where, used, partial(self._digests_of, one))
         return study_hash(
-            labeled(study, used), {spoken(name, used): told for name, told in digests.items()}
+            labeled(study, used), {spoken(name, used): digest for name, digest in digests.items()}
         )
 
     def word(self, one: FileWord, used: list[Upload]) -> str:
@@ -173,8 +169,8 @@ class Studies:
         if found is not None and found.id == base:
             return in_path(one.word, _noted(found, used))
         if base not in self._files and _names_a_file(one, base):
-            told = f"{one.word[:80]!r}: drop the file onto the page to use it"
-            raise QuestionError((one.where, told))
+            message = f"{one.word[:80]!r}: drop the file onto the page to use it"
+            raise QuestionError((one.where, message))
         _at(one.where, used, partial(_refuse_irregular, one))
         return one.word
 
@@ -210,12 +206,12 @@ class Studies:
             raise QuestionError((where, spoken(page_sentence(error), used))) from None
 
 
-def refuse_too_many(told: Mapping[str, Any]) -> None:
+def refuse_too_many(data: Mapping[str, Any]) -> None:
     """Refuse a study with more parts than the page can show.
 
     Parameters
     ----------
-    told
+    data
         A study as plain data.
 
     Raises
@@ -224,7 +220,7 @@ def refuse_too_many(told: Mapping[str, Any]) -> None:
         If it has too many entries of one kind.
     """
     for key, most in _MOST.items():
-        count = len(told[key]) if isinstance(told.get(key), list | tuple) else 0
+        count = len(data[key]) if isinstance(data.get(key), list | tuple) else 0
         if count > most:
             raise InputError(
                 key,
@@ -244,14 +240,14 @@ def served_data(study: Study) -> dict[str, Any]:
     InputError
         If it is more than the page shows.
     """
-    told = study_as_json(study)
-    refuse_too_many(told)
-    return told
+    data = study_as_json(study)
+    refuse_too_many(data)
+    return data
 
 
 def labeled(study: Study, used: list[Upload]) -> Study:
-    """The study with the names of dropped files in place of where they lie."""
-    return with_file_words(study, lambda one: spoken(one.word, used))
+    """The study as it is run: with the names of dropped files, without settings without effect."""
+    return without_idle_settings(with_file_words(study, lambda one: spoken(one.word, used)))
 
 
 def files_of(study: Study) -> frozenset[str]:
@@ -280,8 +276,8 @@ def stamps_of(study: Study, place: str) -> Stamps:
 
 
 def _stamps(files: Iterable[Path]) -> Stamps:
-    told = [(str(file), _state(file)) for file in files]
-    return tuple((name, state and (state.st_mtime_ns, state.st_size)) for name, state in told)
+    states = [(str(file), _state(file)) for file in files]
+    return tuple((name, state and (state.st_mtime_ns, state.st_size)) for name, state in states)
 
 
 def _state(file: Path) -> os.stat_result | None:
@@ -301,9 +297,9 @@ def _without_diodes(one: FileWord) -> str:
 def _names_a_file(one: FileWord, base: str) -> bool:
     if one.kind == "cube":
         return not base.startswith("builtin:")
-    if one.kind in ("pixel", "crosstalk", "matrix", "wavelengths"):
-        return True
-    return is_file_word(base, one.kind)
+    if one.kind in ("sensor", "light", "filter"):
+        return is_file_word(base, one.kind)
+    return True
 
 
 def _refuse_irregular(one: FileWord) -> None:

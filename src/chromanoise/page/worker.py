@@ -17,7 +17,7 @@ from typing import Any, BinaryIO
 from chromanoise._sandbox import exit_after, held_bytes
 from chromanoise.errors import InputError
 from chromanoise.page.requests import QuestionError
-from chromanoise.page.services import Desk
+from chromanoise.page.services import Services
 from chromanoise.page.uploads import Kept, Upload
 
 _SIZE = struct.calcsize("q")
@@ -33,15 +33,15 @@ def main() -> None:
     (size,) = struct.unpack("q", reads.read(_SIZE))
     study = reads.read(size)
     exit_after(
-        lambda: _Answering(Desk(Kept(), study=pickle.loads(study)), reads, writes, None).serve()
+        lambda: _Answering(Services(Kept(), study=pickle.loads(study)), reads, writes, None).serve()
     )
 
 
 def _forking(control: socket.socket) -> None:
     (size,) = struct.unpack("q", control.recv(_SIZE, socket.MSG_WAITALL))
-    desk = Desk(Kept(), study=pickle.loads(control.recv(size, socket.MSG_WAITALL)))
+    services = Services(Kept(), study=pickle.loads(control.recv(size, socket.MSG_WAITALL)))
     with contextlib.suppress(QuestionError, InputError):  # reported to the request that needs it
-        desk.warm()
+        services.warm()
     children: dict[int, int] = {}
     while True:
         message, ends, *_ = socket.recv_fds(control, 2 * _SIZE, 1)
@@ -58,7 +58,7 @@ def _forking(control: socket.socket) -> None:
         child = os.fork()
         if child == 0:
             control.close()
-            exit_after(partial(_child, desk, ends[0], memory_bytes))
+            exit_after(partial(_child, services, ends[0], memory_bytes))
         with contextlib.suppress(OSError):  # the child may have been quicker
             os.setpgid(child, child)
         os.close(ends[0])
@@ -80,13 +80,13 @@ def _exit_code(child: int, *, wait_s: float) -> int:
     return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
 
 
-def _child(desk: Desk, end: int, memory_bytes: int) -> None:
+def _child(services: Services, end: int, memory_bytes: int) -> None:
     with contextlib.suppress(OSError):
         os.setpgid(0, 0)
     bound = _bounded(memory_bytes)
     with socket.socket(fileno=end) as channel:
         reads, writes = channel.makefile("rb"), channel.makefile("wb")
-        _Answering(desk, reads, writes, bound).serve()
+        _Answering(services, reads, writes, bound).serve()
 
 
 def _bounded(memory_bytes: int) -> int:
@@ -103,22 +103,24 @@ def _bounded(memory_bytes: int) -> int:
 
 
 class _Answering:
-    """A desk, the streams to its server, and the held bytes above which it is replaced."""
+    """The services, the streams to the server, and the held bytes above which it is replaced."""
 
-    def __init__(self, desk: Desk, reads: BinaryIO, writes: BinaryIO, bound: int | None) -> None:
-        self._desk, self._reads, self._writes, self._bound = desk, reads, writes, bound
+    def __init__(
+        self, services: Services, reads: BinaryIO, writes: BinaryIO, bound: int | None
+    ) -> None:
+        self._services, self._reads, self._writes, self._bound = services, reads, writes, bound
 
     def serve(self) -> None:
         with open(os.devnull, "w") as nowhere:  # noqa: PTH123 - closed when all is done
             while (asked := self._asked()) is not None:
                 name, kept, given, cpu_s, limit_s = asked
-                answer = answered(self._desk, "prepare", kept, (name,))
+                answer = answered(self._services, "prepare", kept, (name,))
                 self._tell("begins")
                 if answer[0] == "done":
                     self._bound_cpu(cpu_s)
                     # a thread in C: it acts even while a library loops and holds the lock
                     faulthandler.dump_traceback_later(limit_s, exit=True, file=nowhere)
-                    answer = answered(self._desk, name, kept, given)
+                    answer = answered(self._services, name, kept, given)
                     faulthandler.cancel_dump_traceback_later()
                 is_spent = answer[0] in ("no memory", "failed") or self._is_spent(cpu_s)
                 self._tell((answer, is_spent))
@@ -152,22 +154,22 @@ class _Answering:
 
 
 def answered(
-    desk: Desk, name: str, kept: tuple[Upload, ...], given: tuple[Any, ...]
+    services: Services, name: str, kept: tuple[Upload, ...], given: tuple[Any, ...]
 ) -> tuple[Any, ...]:
     """How a job ended (done, refused, failed, no memory), and what it returned.
 
     Parameters
     ----------
-    desk
-        The desk that computes.
+    services
+        The services that computes.
     name, given
         One of its methods, and the arguments.
     kept
         Files that the question may name.
     """
-    desk.uploads.hold(kept)
+    services.uploads.hold(kept)
     try:
-        return "done", getattr(desk, name)(*given)
+        return "done", getattr(services, name)(*given)
     except QuestionError as error:
         return "refused", error.faults, error.status
     except RecursionError:

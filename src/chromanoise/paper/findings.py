@@ -32,8 +32,9 @@ def verdict(study: PaperStudy) -> str:
         f"{_cost(after, CORRELATION):.1f} dB ({_cost(before, CORRELATION):.1f} dB behind the "
         f"IR-cut) and the {100 * nir_share(bare):.0f} % of its electrons that come from beyond "
         f"{INFRARED_FROM_NM:g} nm and carry no color cost {_cost(after, INFRARED):.1f} dB "
-        f"({_cost(before, INFRARED):.1f} dB): its luminance SNR is {bare.color_snr_loss_db:.1f} dB "
-        f"below the best linear readout, that of the RGB sensor {cut.color_snr_loss_db:.1f} dB."
+        f"({_cost(before, INFRARED):.1f} dB): its luminance SNR is "
+        f"{_db(bare.color_snr_loss_db):.1f} dB below the best linear readout, that of the RGB "
+        f"sensor {_db(cut.color_snr_loss_db):.1f} dB."
     )
 
 

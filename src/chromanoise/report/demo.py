@@ -10,6 +10,7 @@ from chromanoise import __version__
 from chromanoise._palette import channel_color
 from chromanoise.catalog.sensors import RECONSTRUCTION
 from chromanoise.imaging import Picture, png_bytes
+from chromanoise.io.table import number_text
 from chromanoise.paper import (
     Reproduction,
     as_printed,
@@ -43,7 +44,7 @@ def demo_page(
     environment = jinja2.Environment(
         autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )
-    environment.filters["db"] = _number
+    environment.filters["db"] = number_text
     environment.filters["printed"] = as_printed
     return environment.from_string(template).render(
         version=__version__,
@@ -77,7 +78,3 @@ def _numbered(name: str) -> str:
 
 def _data_uri(content: bytes, kind: str = "image/png") -> str:
     return f"data:{kind};base64,{base64.b64encode(content).decode('ascii')}"
-
-
-def _number(value: float | None) -> str:
-    return "-" if value is None else f"{value:.2f}"

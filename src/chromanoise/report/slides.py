@@ -7,10 +7,9 @@ from typing import Any
 import numpy as np
 
 from chromanoise import _check
-from chromanoise.analysis import SWEEPS, analyzed
-from chromanoise.charts import Shown
-from chromanoise.charts.text import level_in_words
-from chromanoise.exposure import OperatingPoint, white_scene
+from chromanoise.analysis import SWEEPS
+from chromanoise.charts import Shown, shown_at
+from chromanoise.exposure import OperatingPoint, level_in_words
 from chromanoise.spectra import INFRARED_FROM_NM
 
 _STEP = 10.0 ** (1 / 8)  # of the light level: eight steps per decade
@@ -79,21 +78,12 @@ def at_value(of: Shown, slide: Slide, value: float | None) -> Shown:
     Raises
     ------
     InputError
-        As `chromanoise.analysis.analyzed`.
+        As `chromanoise.charts.shown_at`.
     """
     if value is None:
         return of
     change = SWEEPS[slide.key].at
-    operating_points = tuple(change(one, value) for one in of.operating_points)
-    maker = next(iter(of.makers.values()))
-    analyses = tuple(
-        analyzed(white_scene(one), one.sensor, one.exposure, matrix=maker(one))
-        for one in operating_points
-    )
-    level_lux = operating_points[0].level_lux
-    light = of.study.light.model_copy(update={"level_lux": level_lux})
-    study = of.study.model_copy(update={"light": light})
-    return replace(of, study=study, operating_points=operating_points, analyses=analyses)
+    return shown_at(of, tuple(change(one, value) for one in of.operating_points))
 
 
 def _level(of: Shown, count: int) -> Slide:

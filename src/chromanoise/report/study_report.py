@@ -6,12 +6,11 @@ from itertools import chain
 from typing import Any
 
 import jinja2
-import numpy as np
 
 from chromanoise import __version__
-from chromanoise._linalg import lstsq
 from chromanoise.charts import PARTS, Shown, drawing
 from chromanoise.errors import InputError
+from chromanoise.geometry import unit_circle
 from chromanoise.imaging import png_bytes
 from chromanoise.report.bundle import (
     data_address,
@@ -191,24 +190,17 @@ def _packed_ellipses(data: dict[str, Any]) -> dict[str, Any]:
     if "fault" in data:
         return data
     told = [
-        {**sensor, "patches": [_half_axes(patch) for patch in sensor["patches"]]}
+        {**sensor, "patches": [_packed_ellipse(patch) for patch in sensor["patches"]]}
         for sensor in data["sensors"]
     ]
     return {**data, "sensors": told}
 
 
-def _circle(points: int) -> np.ndarray:
-    turn = np.linspace(0, 2 * np.pi, points)
-    return np.stack([np.cos(turn), np.sin(turn)], axis=1)
-
-
-def _half_axes(patch: dict[str, Any]) -> list[Any]:
-    """Center, two conjugate half axes of an outline of evenly turned points, and its reach."""
-    center = np.array(patch["center"])
-    outline = np.array(patch["outline"]) - center
-    axes = lstsq("outline of an ellipse", _circle(len(outline)), outline, rcond=None)[0]
-    half: list[Any] = shortened([patch["center"], *axes.tolist(), patch["reach"]], digits=_EXACT)
-    return half
+def _packed_ellipse(patch: dict[str, Any]) -> list[Any]:
+    """Center, two conjugate half axes, and reach."""
+    numbers = [patch["center"], *patch["half_axes"], patch["reach"]]
+    packed: list[Any] = shortened(numbers, digits=_EXACT)
+    return packed
 
 
 def _chart_of(answers: Sequence[dict[str, Any]]) -> dict[str, Any]:
@@ -217,7 +209,7 @@ def _chart_of(answers: Sequence[dict[str, Any]]) -> dict[str, Any]:
     found = (sensor["patches"] for sensor in sensors if sensor["patches"])
     seen: list[dict[str, Any]] = next(found, [])
     return {
-        "circle": _circle(len(seen[0]["outline"])).tolist() if seen else [],
+        "circle": unit_circle(len(seen[0]["outline"])).tolist() if seen else [],
         "patches": [{key: patch[key] for key in ("name", "srgb", "truth")} for patch in seen],
     }
 

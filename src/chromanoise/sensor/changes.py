@@ -8,7 +8,7 @@ import numpy as np
 
 from chromanoise import _check
 from chromanoise._linalg import inv, svd
-from chromanoise.errors import InputError
+from chromanoise.errors import InputError, Setting
 from chromanoise.sensor.adc import Converter
 from chromanoise.sensor.crosstalk import Crosstalk
 from chromanoise.sensor.filters import ir_cut
@@ -64,7 +64,7 @@ def with_pixel(sensor: Sensor, changes: Mapping[str, Any]) -> Sensor:
                 "must be given only for a pixel with dark current",
                 value=changes[name],
                 found=f"{sensor.name} has none",
-                remedy=("give its dark current in dark_current_e_per_s", f"omit {name}"),
+                remedy=(Setting("dark_current_e_per_s"), "omit it"),
             )
     converter = {name: value for name, value in changes.items() if name in _OF_CONVERTER}
     return replace(sensor, pixel=pixel, converter=replace(sensor.converter, **converter))

@@ -16,7 +16,6 @@ from chromanoise._check import Array
 from chromanoise.errors import InputError
 from chromanoise.sensor.noise_profile import ROUNDING_DN2
 from chromanoise.sensor.photon_transfer_levels import Levels, levels_of
-from chromanoise.sensor.photon_transfer_qe import quantum_efficiency
 from chromanoise.sensor.photon_transfer_regression import (
     Regression,
     mean_error2,
@@ -25,7 +24,6 @@ from chromanoise.sensor.photon_transfer_regression import (
     variance_error2,
     weighted_fit,
 )
-from chromanoise.sensor.photon_transfer_saturation import saturated_row
 from chromanoise.sensor.photon_transfer_table import PhotonTransfer, TransferFit
 from chromanoise.sensor.pixel_source import PixelSource
 
@@ -37,6 +35,10 @@ _SCATTERED = 4.0  # of squared residuals per degree of freedom: twice the scatte
 _CURVED_Z = 3.0  # a larger quadratic term is significant
 _LEAST_GAIN = 1e-15  # smallest gain of any converter [DN/e-]
 _LEAST_DARK_DN2 = 0.24  # EMVA 1288: below, the dark noise is mostly quantization
+_IMPOSSIBLE_Z = 5.0  # standard errors above 1 beyond which the photons cannot be right
+_FALLEN_Z = 5.0  # a fall by more standard errors of the difference is significant
+_FALLEN = 0.05  # a fall by a larger share is significant if samples are unknown
+_CLIPPED = 0.5  # a fall by a larger share is significant for any number of samples
 
 
 def photon_transfer_fit(table: PhotonTransfer, *, black_dn: float | None = None) -> TransferFit:
@@ -87,7 +89,7 @@ def photon_transfer_fit(table: PhotonTransfer, *, black_dn: float | None = None)
     """
     source, levels = table.source, levels_of(table, black_dn)
     lit = np.flatnonzero(~table.dark)
-    full = saturated_row(table)
+    full = _saturated_row(table)
     saturation = None if full is None else float(table.mean_dn[lit[full]])
     low = np.ones(lit.size, dtype=bool)
     if full is not None:
@@ -104,7 +106,7 @@ def photon_transfer_fit(table: PhotonTransfer, *, black_dn: float | None = None)
     read, read_se = _read_noise(levels, curves, gain_se, source, notes)
     current, current_se = _dark_current(levels, curves, gain_se, source, notes)
     photons = None if table.photons is None else table.photons[lit[low]]
-    qe, qe_se = quantum_efficiency(levels.of(low), photons, gain, gain_se, source, notes)
+    qe, qe_se = _quantum_efficiency(levels.of(low), photons, gain, gain_se, source, notes)
     prnu, prnu_se = _prnu(curves)
     if full is None:
         notes.append(
@@ -396,3 +398,77 @@ def _oddities(
             "samples explain, so standard errors are too small; did light or gain change?"
         )
     return notes
+
+
+def _saturated_row(table: PhotonTransfer) -> int | None:
+    """Index of the lit row of largest variance; ``None`` if the variance does not fall above it.
+
+    Rows are scanned from the brightest down to the first maximum that exceeds the next two rows,
+    as in the reference code of EMVA 1288. A difference counts only if it is larger than sampling
+    explains; otherwise the scatter of a table that ends early would be taken for saturation.
+    """
+    lit = ~table.dark
+    light = (table.mean_dn if table.photons is None else table.photons)[lit]
+    order = np.argsort(light, kind="stable")
+    variance = table.variance_dn2[lit][order]
+    samples = None if table.samples is None else table.samples[lit][order]
+    best, low = variance.size - 1, _fallen(variance, samples, int(np.argmax(variance)))
+    for i in range(variance.size - 1, -1, -1):
+        if variance[i] >= variance[best]:
+            best = i
+        elif variance[max(i - 1, 0)] < variance[best] and not low[best]:
+            break
+    return int(order[best]) if _fallen(variance, samples, best)[best + 1 :].any() else None
+
+
+def _fallen(variance: Array, samples: Array | None, top: int) -> Array:
+    """Which variances lie below that of the row ``top`` by more than sampling explains."""
+    if samples is None:
+        return np.asarray(variance[top] - variance > _FALLEN * variance[top])
+    error2 = variance_error2(variance, samples)
+    scatter = _FALLEN_Z * np.sqrt(error2 + error2[top])
+    return np.asarray(variance[top] - variance > np.minimum(scatter, _CLIPPED * variance[top]))
+
+
+def _quantum_efficiency(
+    levels: Levels,
+    photons: Array | None,
+    gain: float,
+    gain_se: float,
+    source: str,
+    notes: list[str],
+) -> tuple[float | None, float | None]:
+    """QE = responsivity / gain; the error of the responsivity is from the scatter of its fit."""
+    if photons is None or not levels.black_known:
+        return None, None
+    if not photons.max() > 0:
+        raise InputError(
+            source,
+            "must be > 0 in a lit row",
+            value=0.0,
+            found="is 0 in all of them",
+            where="column 'photons'",
+            remedy="omit the column",
+        )
+    response, error = _slope_through_origin(photons, levels.x)
+    qe = response / gain
+    qe_se = abs(qe) * float(np.hypot(error / response, gain_se / gain)) if response else error
+    if not 0 <= qe <= 1 + _IMPOSSIBLE_Z * qe_se:
+        raise InputError(
+            source,
+            "must give a quantum efficiency of 0 to 1 [e-/photon]",
+            value=qe,
+            found=f"gives {qe:.4g} +- {qe_se:.2g}",
+            where="column 'photons'",
+            remedy=("give the mean photons per pixel and exposure", "omit the column"),
+        )
+    if qe > 1:
+        notes.append(f"{source}: the QE of {qe:.4g} +- {qe_se:.2g} lies above 1 within its error")
+    return qe, qe_se
+
+
+def _slope_through_origin(x: Array, y: Array) -> tuple[float, float]:
+    """Slope of y = a x by unweighted least squares; its error from the scatter about the line."""
+    slope = float(x @ y) / float(x @ x)
+    scatter = (x * (y - slope * x)) ** 2
+    return slope, float(np.sqrt(scatter.sum() * x.size / max(x.size - 1, 1))) / float(x @ x)

@@ -101,12 +101,21 @@ class Pixel:
         return float(2.0 ** ((self.temperature_c - self.dark_reference_c) / self.dark_doubling_k))
 
     def dark_electrons_e(self, *, time_s: float) -> float:
-        """Mean number of dark electrons in ``time_s``. [e-]
+        """Mean number of dark electrons. [e-]
+
+        Parameters
+        ----------
+        time_s
+            Exposure time. [s]
+
+        Returns
+        -------
+        float
+            I(T0) 2^((T - T0) / T_d) t. [e-]
 
         Notes
         -----
-        I(T0) 2^((T - T0) / T_d) t: EMVA 1288, release 4.0, the temperature dependence of the dark
-        current.
+        EMVA 1288, release 4.0: the temperature dependence of the dark current.
         """
         return self.dark_current_e_per_s * self.temperature_factor * time_s
 

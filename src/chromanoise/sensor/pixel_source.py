@@ -135,8 +135,9 @@ def pixel_from(
 
     Examples
     --------
-    >>> pixel_from(PixelSource(source="a sheet", pitch_um=3.0, full_well_e=9000.0), read_noise_e=2)
-    Pixel(pitch_um=3.0, full_well_e=9000.0, read_noise_e=2.0)
+    >>> sheet = PixelSource(source="a sheet", pitch_um=3.0, full_well_e=9000.0)
+    >>> pixel_from(sheet, read_noise_e=2) == Pixel(pitch_um=3, full_well_e=9000, read_noise_e=2)
+    True
     """
     answers = {"pitch_um": pitch_um, "full_well_e": full_well_e, "read_noise_e": read_noise_e}
     known: dict[str, float] = {}

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     )
     from chromanoise.study.analyses import (
         Outcome,
+        analysis_of,
         outcome_of,
         outcomes_as_json,
     )
@@ -54,7 +55,6 @@ if TYPE_CHECKING:
         prepared_cameras,
     )
     from chromanoise.study.reading import (
-        in_study,
         read_study,
         study_from_data,
         study_from_text,
@@ -73,7 +73,6 @@ if TYPE_CHECKING:
         Pictures,
         Result,
         Results,
-        conditions,
     )
     from chromanoise.study.running import (
         Progress,
@@ -82,6 +81,7 @@ if TYPE_CHECKING:
         run_plan,
     )
     from chromanoise.study.setting_help import (
+        DescribedSetting,
         default_of,
         described_settings,
     )
@@ -128,6 +128,7 @@ __all__ = [
     "Call",
     "Comparison",
     "ComparisonSettings",
+    "DescribedSetting",
     "Given",
     "Matrices",
     "MatrixResult",
@@ -144,18 +145,17 @@ __all__ = [
     "Study",
     "agreement_of",
     "agreement_text",
+    "analysis_of",
     "analyze_study",
     "argument_of",
     "call_of",
     "captures",
     "compare_study",
-    "conditions",
     "default_of",
     "described_settings",
     "file_digests",
     "file_word",
     "in_arguments",
-    "in_study",
     "makers_of",
     "matrix_study",
     "operating_points_of",

@@ -36,6 +36,34 @@ class Outcome:
     merits: Merits | None
 
 
+def analysis_of(
+    operating_point: OperatingPoint, maker: MatrixMaker, outputs: OutputsPart
+) -> Analysis:
+    """Every stage of a sensor for a perfect white, clipped where the outputs ask for it.
+
+    Results and charts of a study use this function, so that they show the same numbers.
+
+    Parameters
+    ----------
+    operating_point, maker, outputs
+        As `outcome_of`.
+
+    Raises
+    ------
+    InputError
+        If the matrix cannot be made.
+    """
+    sensor = operating_point.sensor
+    clipping = Readout(black_e=0.0, full_well_e=sensor.pixel.full_well_e)
+    return analyzed(
+        white_scene(operating_point),
+        sensor,
+        operating_point.exposure,
+        readout=clipping if outputs.clip else None,
+        matrix=maker(operating_point),
+    )
+
+
 def outcome_of(
     operating_point: OperatingPoint, maker: MatrixMaker, outputs: OutputsPart
 ) -> Outcome:
@@ -55,22 +83,13 @@ def outcome_of(
     InputError
         If the matrix cannot be made, or what is asked cannot be computed.
     """
-    sensor = operating_point.sensor
-    held = None
-    if outputs.clip:
-        held = Readout(black_e=0.0, full_well_e=sensor.pixel.full_well_e)
-    analysis = analyzed(
-        white_scene(operating_point),
-        sensor,
-        operating_point.exposure,
-        readout=held,
-        matrix=maker(operating_point),
-    )
+    analysis = analysis_of(operating_point, maker, outputs)
+    readout = analysis.readout
     space = SPACES[outputs.space] if outputs.space is not None else None
     return Outcome(
         analysis=analysis,
-        grey_noise=gray_noise(analysis, space, readout=held) if space else None,
-        chart=chart_noise(analysis, readout=held or UNBOUNDED) if outputs.chart else None,
+        grey_noise=gray_noise(analysis, space, readout=readout) if space else None,
+        chart=chart_noise(analysis, readout=readout or UNBOUNDED) if outputs.chart else None,
         merits=merits_of(analysis, maker=maker) if outputs.merit else None,
     )
 

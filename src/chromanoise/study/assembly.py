@@ -6,8 +6,7 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any
 
-from chromanoise._check import within
-from chromanoise.analysis.color_matrices import METHODS, MatrixMaker, matrix_makers
+from chromanoise.analysis.color_matrices import MatrixMaker, matrix_makers
 from chromanoise.catalog import idle_answers, on_pixel, sensor_with_pixel
 from chromanoise.catalog.resolve import (
     behind_resolved_filter,
@@ -32,10 +31,6 @@ from chromanoise.sensor import (
 from chromanoise.spectra import Illuminant, infrared_parts
 from chromanoise.study.document import PicturePart, PixelPart, SensorPart, Study
 
-_LUX = (1e-15, 1e15)
-_TIME_MS = (1e-12, 1e15)
-_F_NUMBER = (1e-2, 1e6)
-_SHARE = (1e-9, 1.0)
 _OF_ANSWERS = ("scale", "level", "per", "wavelength_unit", "peak_qe")
 
 
@@ -192,14 +187,9 @@ def operating_points_in(
     Raises
     ------
     InputError
-        If no light reaches a sensor, or a value is beyond what double precision holds.
+        If no light reaches a sensor.
     """
-    light, rule = study.light, study.exposure
-    _within("light.level_lux", "lx", light.level_lux, _LUX)
-    _within("exposure.f_number", "1", rule.f_number, _F_NUMBER)
-    _within("exposure.saturate", "of full well", rule.saturate, _SHARE)
-    if rule.time_ms is not None:
-        _within("exposure.time_ms", "ms", rule.time_ms, _TIME_MS)
+    light = study.light
     white = flat_field(illuminant, level_lux=light.level_lux)
     return [
         OperatingPoint(
@@ -207,13 +197,6 @@ def operating_points_in(
         )
         for sensor, exposure in zip(sensors, _exposures(study, white, sensors), strict=True)
     ]
-
-
-def _within(key: str, unit: str, value: float, bounds: tuple[float, float]) -> None:
-    try:
-        within(key.rpartition(".")[2], unit, value, *bounds)
-    except InputError as error:
-        raise error.inside(key, str) from None
 
 
 def illuminant_of(study: Study, given: Given = NOTHING_GIVEN) -> Illuminant:
@@ -300,7 +283,7 @@ def _with_crosstalk(sensor: Sensor, part: SensorPart, key: str) -> Sensor:
                     "must be given only with crosstalk",
                     value=getattr(part, name),
                     found="there is none",
-                    remedy=(Setting(f"{key}.crosstalk"), f"omit {name}"),
+                    remedy=(Setting(f"{key}.crosstalk"), "omit it"),
                     setting=f"{key}.{name}",
                 )
         return sensor
@@ -371,14 +354,10 @@ def unresolved(study: Study) -> list[InputError]:
             return None
 
     tried(partial(illuminant_of, study))
-    tried(lambda: _within("light.level_lux", "lx", study.light.level_lux, _LUX))
     sensors = [
         tried(partial(sensor_of, part, key=f"sensors.{i}")) for i, part in enumerate(study.sensors)
     ]
     found += [*duplicates(study), *idle_settings(study)]
-    for i, name in enumerate(study.matrices):
-        if name.partition("=")[0].strip() in METHODS:  # others are refused elsewhere, as unknown
-            tried(partial(_matrix_fits, i, name))
     for i, picture in enumerate(study.pictures):
         if picture.mosaic not in (None, "sensor"):
             tried(partial(_mosaic_fits, i, picture, sensors))
@@ -391,17 +370,10 @@ def makers_of(study: Study) -> Mapping[str, MatrixMaker]:
     Raises
     ------
     InputError
-        If a parameter is missing, out of bounds or superfluous.
+        If one is repeated.
     """
-    for i in range(len(study.matrices)):
-        _matrix_fits(i, study.matrices[i])
     with keyed("matrices", str):
         return matrix_makers(study.matrices, study.metric, prior=study.prior)  # type: ignore[arg-type]
-
-
-def _matrix_fits(number: int, name: str) -> None:
-    with keyed(f"matrices.{number}", str):
-        matrix_makers([name], "quanta")
 
 
 def _mosaic_fits(number: int, part: PicturePart, sensors: Sequence[Sensor | None]) -> None:

@@ -135,8 +135,7 @@ def study_as_command(study: Study) -> str:
     command = {"render": "simulate"}.get(call.function, call.function)
     if command == "simulate":
         names = [names[0], *(word for name in call.names[1:] for word in ("--sensor", name))]
-    method = "--method" if command == "matrix" else "--matrix"
-    matrix = [] if call.matrix == (DEFAULT_METHOD,) else [method, ",".join(call.matrix)]
+    matrix = [] if call.matrix == (DEFAULT_METHOD,) else ["--matrix", ",".join(call.matrix)]
     return shlex.join(["chromanoise", command, *names, *_options(call.settings), *matrix])
 
 

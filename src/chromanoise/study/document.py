@@ -4,24 +4,82 @@ The classes define which studies are valid. File names are relative to the folde
 file.
 """
 
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    ConfigDict,
+    Field,
+    field_validator,
+    model_validator,
+)
 
-from chromanoise.analysis.color_matrices import DEFAULT_METHOD, METHODS
+from chromanoise import _check
+from chromanoise.analysis.color_matrices import (
+    DEFAULT_METHOD,
+    METHODS,
+    matrix_makers,
+    trained_names,
+)
 from chromanoise.analysis.comparison.quantities import QUANTITIES
 from chromanoise.analysis.comparison.sweeps import SWEEPS
 from chromanoise.analysis.priors import DEFAULT_PRIOR, PRIORS
-from chromanoise.errors import InputError, Setting, StudyError
+from chromanoise.color import SPACES
+from chromanoise.errors import InputError, Setting, StudyError, did_you_mean
 from chromanoise.imaging import DEMOSAICING
 from chromanoise.imaging.capture import FORMATS, MOST_FRAMES
+from chromanoise.io.given_matrices import is_matrix_file
 from chromanoise.io.spectra.parsed import Negatives, Unit
 from chromanoise.scene import BUILTIN_CUBES
 from chromanoise.sensor import MOSAIC_NAMES
+from chromanoise.spectra import METRICS
 
 MOST_SENSORS = 1000
 SCHEMA = 1
 """Version of this schema; an incompatible later schema gets another number."""
+
+KEEP_IDLE = {"keep_idle": True}
+"""Context of a validation that accepts settings without effect.
+
+The page keeps them, because they take effect again when another control changes. The record of a
+run holds all defaults, which count as given when they are read.
+"""
+
+
+def _known(names: Iterable[str]) -> AfterValidator:
+    """A check that a word is one of ``names``; an error suggests similar names."""
+
+    def checked(word: str, info: Any) -> str:
+        return _one_of(info.field_name, word, tuple(names))
+
+    return AfterValidator(checked)
+
+
+def _one_of(field: str, word: str, names: Sequence[str]) -> str:
+    if word not in names:
+        remedy = did_you_mean(word, names, f"known are {', '.join(names)}", most=2, cutoff=0.5)
+        raise InputError(field, "must be a known name", value=word, remedy=remedy)
+    return word
+
+
+def _within(unit: str, low: float, high: float) -> AfterValidator:
+    """A check that a number is in the range in which double precision suffices."""
+
+    def checked(value: float, info: Any) -> float:
+        return _check.within(str(info.field_name), unit, value, low, high)
+
+    return AfterValidator(checked)
+
+
+def _known_matrix(name: str, info: Any) -> str:
+    if is_matrix_file(name):
+        return name
+    _one_of(info.field_name, name.partition("=")[0].strip(), tuple(METHODS))
+    matrix_makers([name], "quanta")  # checks its parameter
+    return name
+
 
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
@@ -47,7 +105,9 @@ class LightPart(_Part):
     illuminant: str = Field(
         "E", description="E, A, G173, D65 ..., 3200K, LED660, A+0.5xLED850, or a file."
     )
-    level_lux: Positive = Field(10.0, description="Illuminance [lx].")
+    level_lux: Annotated[Positive, _within("lx", 1e-15, 1e15)] = Field(
+        10.0, description="Illuminance [lx]."
+    )
     beyond: Beyond = Field(
         "refuse",
         description="Values outside the range of the curve: refuse, zero or hold.",
@@ -144,7 +204,7 @@ class SensorPart(_Part):
         None, description="Unit of the wavelengths, where the filter's file does not declare it."
     )
     negatives: Negatives = Field("refuse", description=_NEGATIVES)
-    crosstalk: Annotated[float, Field(ge=0, le=1)] | str | None = Field(
+    crosstalk: float | str | None = Field(
         None,
         description="Share of the light of a pixel that ends in its four neighbors, or a file: a "
         "table with one row and column per channel, or a kernel of neighbors without names.",
@@ -164,6 +224,16 @@ class SensorPart(_Part):
         0.0, description="Shift of all curves in wavelength, positive towards red [nm]."
     )
 
+    @field_validator("crosstalk", mode="before")
+    @classmethod
+    def _share_or_file(cls, given: Any) -> Any:
+        """Give one error message; the schema alone would give one for each type of value."""
+        if isinstance(given, int | float) and not isinstance(given, bool):
+            return _check.within("crosstalk", "1", float(given), 0.0, 1.0)
+        if given is None or isinstance(given, str):
+            return given
+        raise ValueError("must be a share from 0 to 1, or the name of a file")
+
 
 class ExposurePart(_Part):
     """Exposure time, lens, and the rule by which the sensors are compared."""
@@ -172,21 +242,31 @@ class ExposurePart(_Part):
         "exposure",
         description="Same for all sensors: exposure time; saturation; light per set of channels.",
     )
-    time_ms: Positive | None = Field(
+    time_ms: Annotated[Positive, _within("ms", 1e-12, 1e15)] | None = Field(
         None,
         description="Exposure time of all sensors [ms]; solved if omitted.",
     )
-    saturate: Annotated[float, Field(gt=0, le=1)] = Field(
+    saturate: Annotated[float, Field(gt=0, le=1), _within("of full well", 1e-9, 1.0)] = Field(
         0.99, description="Share of full well that a perfect white fills, if the time is solved."
     )
-    f_number: Positive = Field(1.8, description="f-number of the lens.")
+    f_number: Annotated[Positive, _within("1", 1e-2, 1e6)] = Field(
+        1.8, description="f-number of the lens."
+    )
     magnification: Finite | None = Field(
         None,
         description="Magnification of the lens; if given, the camera equation is used.",
     )
 
     @model_validator(mode="after")
-    def _one_rule(self) -> "ExposurePart":
+    def _one_rule(self, info: Any) -> "ExposurePart":
+        if _shares_time(self) and not _keeps(info):
+            raise InputError(
+                "time_ms",
+                "must not be given with a share of full well, from which the time is solved",
+                value=self.time_ms,
+                found=None,
+                remedy="omit one of them",
+            )
         if self.time_ms is not None and self.equal != "exposure":
             raise InputError(
                 "equal",
@@ -197,14 +277,21 @@ class ExposurePart(_Part):
         return self
 
 
+def _shares_time(rule: ExposurePart) -> bool:
+    """Whether both a time and the share of full well are given, from which it would be solved."""
+    return rule.time_ms is not None and "saturate" in rule.model_fields_set
+
+
 class SweepPart(_Part):
     """One parameter that varies, and the quantity to compute."""
 
-    vary: str = Field(description=f"What varies: {', '.join(SWEEPS)}.")
+    vary: Annotated[str, _known(SWEEPS)] = Field(description=f"What varies: {', '.join(SWEEPS)}.")
     first: Finite = Field(description="Lowest value, in the unit of the sweep.")
     last: Finite = Field(description="Highest value.")
     points: Annotated[int, Field(ge=2, le=100_000)] = Field(61, description="Number of values.")
-    quantity: str = Field("snr-y", description=f"One of {', '.join(QUANTITIES)}.")
+    quantity: Annotated[str, _known(QUANTITIES)] = Field(
+        "snr-y", description=f"One of {', '.join(QUANTITIES)}."
+    )
     all_priors: bool = Field(False, description="Also the band of crossovers over all priors.")
 
 
@@ -234,7 +321,7 @@ class PicturePart(_Part):
         description=f"sensor (its own), {', '.join(MOSAIC_NAMES)}, or rows as RG/GB; without it "
         "all channels are at every pixel.",
     )
-    demosaic: str | None = Field(
+    demosaic: Annotated[str, _known(DEMOSAICING)] | None = Field(
         None, description=f"One of {', '.join(DEMOSAICING)}; default with a mosaic: bilinear."
     )
     raw_only: bool = Field(False, description="Only the raw codes of the mosaic, without color.")
@@ -246,9 +333,10 @@ class PicturePart(_Part):
         description="Code without light, with a mosaic; default: from pixel.file, else 0.",
     )
     frames: Annotated[int, Field(ge=1, le=MOST_FRAMES)] = Field(1, description="Frames of a burst.")
-    formats: Annotated[tuple[str, ...], Field(strict=False, min_length=1)] | None = Field(
-        None, description=f"{', '.join(FORMATS)}; default: png and xyz, or raw and dng."
-    )
+    formats: (
+        Annotated[tuple[Annotated[str, _known(FORMATS)], ...], Field(strict=False, min_length=1)]
+        | None
+    ) = Field(None, description=f"{', '.join(FORMATS)}; default: png and xyz, or raw and dng.")
     clip: bool = Field(False, description="Clip electrons between 0 and full well.")
     dark_current_e_per_s: NotNegative | None = Field(
         None,
@@ -334,7 +422,9 @@ class OutputsPart(_Part):
     )
     merit: bool = Field(False, description="Figures of merit: Vora, SMI, ISO speed, bits ...")
     chart: bool = Field(False, description="Color error and noise of every ColorChecker patch.")
-    space: str | None = Field(None, description="Noise of an 18 % gray in this color space.")
+    space: Annotated[str, _known(SPACES)] | None = Field(
+        None, description="Noise of an 18 % gray in this color space."
+    )
     matrix: bool = Field(False, description="Each color matrix, its color error and noise.")
     pareto: ParetoPart | None = Field(
         None, description="With matrix: the curve of color error against noise."
@@ -364,7 +454,7 @@ class Study(_Part):
         SCHEMA, alias="schema", description=f"Version of this format: {SCHEMA}."
     )
     title: str = Field("", description="Title of the study.")
-    metric: str = Field(
+    metric: Annotated[str, _known(METRICS)] = Field(
         "quanta",
         description="Whether spectra are expressed in photons (quanta) or in energy.",
     )
@@ -375,10 +465,14 @@ class Study(_Part):
         tuple[SensorPart, ...],
         Field(min_length=1, max_length=MOST_SENSORS, strict=False, description="One or more."),
     ]
-    matrices: Annotated[tuple[str, ...], Field(min_length=1, strict=False)] = Field(
-        (DEFAULT_METHOD,), description=f"Color matrices: {', '.join(METHODS)}; ridge=0.01."
+    matrices: Annotated[
+        tuple[Annotated[str, AfterValidator(_known_matrix)], ...],
+        Field(min_length=1, strict=False),
+    ] = Field(
+        (DEFAULT_METHOD,),
+        description=f"Color matrices: {', '.join(METHODS)}; ridge=0.01; or files.",
     )
-    prior: str = Field(
+    prior: Annotated[str, _known(PRIORS)] = Field(
         DEFAULT_PRIOR,
         description=f"Training set of trained matrices: {', '.join(PRIORS)}.",
     )
@@ -397,6 +491,87 @@ class Study(_Part):
         ),
     ] = ()
     outputs: OutputsPart = Field(OutputsPart(), description="Outputs of the run.")
+
+    @model_validator(mode="after")
+    def _without_idle_settings(self, info: Any) -> "Study":
+        errors = [] if _keeps(info) else [*_idle_priors(self), *_replaced_settings(self)]
+        if errors:
+            raise errors[0] if len(errors) == 1 else StudyError(errors)
+        return self
+
+
+def _keeps(info: Any) -> bool:
+    return bool((info.context or {}).get("keep_idle"))
+
+
+def _idle_priors(study: Study) -> Iterator[InputError]:
+    """A prior that is given although no matrix is trained on it."""
+    if trained_names(study.matrices):
+        return
+    names = ", ".join(name.strip() for name in study.matrices)
+    found = f"{'the matrix is' if len(study.matrices) == 1 else 'none is among'} {names}"
+    requirement = "must be given only with a trained matrix, as lmmse"
+    if "prior" in study.model_fields_set and study.outputs.pareto is None:
+        yield InputError(
+            "prior", requirement, value=study.prior, found=found, remedy="omit it", setting="prior"
+        )
+    for i, sweep in enumerate(study.sweeps):
+        if sweep.all_priors:
+            key = f"sweeps.{i}.all_priors"
+            yield InputError(
+                "all_priors", requirement, value=True, found=found, remedy="omit it", setting=key
+            )
+
+
+def _replaced_settings(study: Study) -> Iterator[InputError]:
+    """A setting that is given although every step of the study replaces it by other values."""
+    others = study.outputs.analyses or study.outputs.matrix or study.pictures
+    replaced = {SWEEPS[one.vary].replaces for one in study.sweeps}
+    if others or len(replaced) != 1:
+        return
+    key = replaced.pop()
+    sensors = range(len(study.sensors)) if "*" in key else [0]
+    for one in [key.replace("*", str(i)) for i in sensors] if key else []:
+        value: Any = study
+        for step in one.split("."):
+            value = value[int(step)] if step.isdigit() else getattr(value, step)
+        if value is not None:
+            yield InputError(
+                one.rpartition(".")[2],
+                "must not be given where it varies",
+                value=value,
+                found=None,
+                remedy="omit it, or vary another thing",
+                setting=one,
+            )
+
+
+def without_idle_settings(study: Study) -> Study:
+    """A study that was checked with `KEEP_IDLE`, without the settings that have no effect.
+
+    Parameters
+    ----------
+    study
+        Of the page.
+
+    Examples
+    --------
+    >>> told = {"sensors": [{"name": "onyx-rgbw"}], "prior": "chart"}
+    >>> without_idle_settings(Study.model_validate(told, context=KEEP_IDLE)).prior
+    'chart-nir'
+    """
+    keys = [one.setting for one in (*_idle_priors(study), *_replaced_settings(study))]
+    keys += ["exposure.saturate"] if _shares_time(study.exposure) else []
+    if not keys:
+        return study
+    data = study.model_dump(by_alias=True, exclude_defaults=True)
+    for key in keys:
+        *path, last = key.split(".")
+        at: Any = data
+        for step in path:
+            at = at[int(step) if step.isdigit() else step]
+        at.pop(last, None)
+    return Study.model_validate(data)
 
 
 def study_schema() -> dict[str, Any]:

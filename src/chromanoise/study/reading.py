@@ -4,25 +4,16 @@ import copy
 import re
 import tomllib
 from collections.abc import Callable, Mapping, Sequence
-from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
 from pydantic import BaseModel, ValidationError
 
 from chromanoise._inputs import regular_file
-from chromanoise.analysis.color_matrices import METHODS
-from chromanoise.analysis.comparison.quantities import QUANTITIES
-from chromanoise.analysis.comparison.sweeps import SWEEPS
-from chromanoise.analysis.priors import PRIORS
 from chromanoise.catalog.resolve import file_of, word_beside
-from chromanoise.color import SPACES
-from chromanoise.errors import InputError, Setting, StudyError, errors_in
-from chromanoise.imaging import DEMOSAICING
-from chromanoise.imaging.capture import FORMATS
-from chromanoise.spectra import METRICS
+from chromanoise.errors import InputError, StudyError, did_you_mean, errors_in
 from chromanoise.study.assembly import unresolved
-from chromanoise.study.document import Study
+from chromanoise.study.document import KEEP_IDLE, Study
 from chromanoise.study.hashes import FileWord, with_file_words
 
 Key = tuple[str | int, ...]
@@ -100,11 +91,16 @@ def _beside(one: FileWord, folder: Path) -> str:
 
 
 def study_from_text(
-    text: str, *, source: str, changes: Sequence[str] = (), change_label: str = "change"
+    text: str,
+    *,
+    source: str,
+    changes: Sequence[str] = (),
+    change_label: str = "change",
+    keep_idle: bool = False,
 ) -> Study:
     r"""The study in TOML text; ``source`` names it in messages.
 
-    The other parameters are those of `read_study`.
+    ``keep_idle`` is that of `study_from_data`, the other parameters are those of `read_study`.
 
     Raises
     ------
@@ -116,7 +112,7 @@ def study_from_text(
     >>> study_from_text('[[sensors]]\nname = "onyx-rgbw"', source="a text").light.level_lux
     10.0
     """
-    return _study(text, source, changes, change_label, lambda study: [])
+    return _study(text, source, changes, change_label, lambda study: [], keep_idle)
 
 
 def _study(
@@ -125,6 +121,7 @@ def _study(
     changes: Sequence[str],
     change_label: str,
     unfit: Callable[[Study], list[InputError]],
+    keep_idle: bool = False,
 ) -> Study:
     told = _toml(text, source)
     lines = _lines_of_keys(text)
@@ -132,7 +129,7 @@ def _study(
     for change in changes:
         place = f"{change_label} {_short(change)}"
         changed[_changed(told, change, place)] = place
-    return _validated(told, source, lines, changed, unfit)
+    return _validated(told, source, lines, changed, unfit, keep_idle)
 
 
 def _toml(text: str, source: str) -> dict[str, Any]:
@@ -164,7 +161,7 @@ def _toml(text: str, source: str) -> dict[str, Any]:
         raise InputError(source, "is not TOML (an integer has too many digits)") from None
 
 
-def study_from_data(told: Mapping[str, Any], *, source: str = "") -> Study:
+def study_from_data(told: Mapping[str, Any], *, source: str = "", keep_idle: bool = False) -> Study:
     """The study in plain data, as TOML would give it.
 
     Parameters
@@ -173,6 +170,8 @@ def study_from_data(told: Mapping[str, Any], *, source: str = "") -> Study:
         The data.
     source
         Names it in messages; empty where the data are arguments of a call.
+    keep_idle
+        Whether settings without effect are accepted, as `document.KEEP_IDLE`.
 
     Returns
     -------
@@ -184,7 +183,7 @@ def study_from_data(told: Mapping[str, Any], *, source: str = "") -> Study:
     StudyError
         All faults of what it says, each with its key as ``setting``.
     """
-    return _validated(told, source, {}, {}, lambda study: [])
+    return _validated(told, source, {}, {}, lambda study: [], keep_idle)
 
 
 def _validated(
@@ -193,11 +192,12 @@ def _validated(
     lines: Mapping[Key, int],
     changed: Mapping[Key, str],
     unfit: Callable[[Study], list[InputError]],
+    keep_idle: bool,
 ) -> Study:
     faults: list[InputError] = []
     study: Study | None = None
     try:
-        study = Study.model_validate(told)
+        study = Study.model_validate(told, context=KEEP_IDLE if keep_idle else None)
     except ValidationError as error:
         found = error.errors(include_url=False)
         inside = [one["loc"] for one in found]
@@ -210,40 +210,13 @@ def _validated(
         ]
         faults = [fault for one in shown for fault in _faults(one)]
         study = _without(told, [one["loc"] for one in shown])
-    if study is not None:
-        faults += [*_unknown_names(study), *(unfit(study) if study.sensors[0].name else ())]
+    if study is not None and study.sensors[0].name:
+        faults += unfit(study)
     if faults or study is None:
         ordered = sorted(faults, key=lambda error: _line_of(_key_of(error), lines))
-        sentences = [
-            in_study(error, _place(_key_of(error), lines, changed, source)) for error in ordered
-        ]
-        raise StudyError(ordered, sentences if source else None)
+        places = [_place(_key_of(error), lines, changed, source) for error in ordered]
+        raise StudyError(ordered, places if source else ())
     return study
-
-
-def in_study(error: InputError, place: str) -> str:
-    """The sentence of an error in the terms of a study: the place, the key and its settings.
-
-    Parameters
-    ----------
-    error
-        Its ``setting`` is a key of the study.
-    place
-        File and line, or the change that holds the value.
-    """
-    key = _short(error.setting) or "the study"
-    begin = f"{place}: {key}"
-    if error.subject != (error.setting_name or key):
-        return f"{begin}: {error.sentence(render=_setting_of_study)}"
-    text = error.sentence(subject="", render=_setting_of_study).lstrip(" :,")
-    return f"{begin}: {text}"
-
-
-def _setting_of_study(setting: Setting) -> str:
-    values = " or ".join(
-        f'"{value}"' if isinstance(value, str) else f"{value:g}" for value in setting.values
-    )
-    return f"set {setting.name} = {values}" if values else f"set {setting.name}"
 
 
 def _key_of(error: InputError) -> Key:
@@ -271,7 +244,7 @@ def _without(told: Mapping[str, Any], wrong: Sequence[Key]) -> Study | None:
             at.pop(key[-1], None)
     for _ in range(2):
         try:
-            return Study.model_validate(rest)
+            return Study.model_validate(rest, context=KEEP_IDLE)
         except ValidationError as error:
             for one in error.errors(include_url=False):
                 rest.pop(one["loc"][0] if one["loc"] else "", None)
@@ -354,6 +327,8 @@ def _faults(error: Any) -> list[InputError]:
     setting = _dotted(key)
     raised = error.get("ctx", {}).get("error")
     if isinstance(raised, InputError):  # of a check of the study itself
+        if not isinstance(error["input"], dict | BaseModel):  # of one value, not of a part
+            return [raised.inside(setting, str)]
         return [_of_part(one, setting) for one in errors_in(raised)]
     return [_of_type(error, key, setting)]
 
@@ -411,39 +386,7 @@ def _fields_beside(key: Key) -> list[str]:
 
 
 def _meant(word: str, known: Sequence[str]) -> str:
-    near = get_close_matches(word, known, n=2, cutoff=0.5)
-    return f"did you mean {' or '.join(near)}?" if near else f"known are {', '.join(known)}"
-
-
-def _unknown_names(study: Study) -> list[InputError]:
-    """Words that name nothing, each with what may have been meant."""
-    asked: list[tuple[Key, str, Sequence[str]]] = [
-        (("metric",), study.metric, list(METRICS)),
-        (("prior",), study.prior, list(PRIORS)),
-    ]
-    for i, picture in enumerate(study.pictures):
-        if picture.demosaic is not None:
-            asked.append((("pictures", i, "demosaic"), picture.demosaic, list(DEMOSAICING)))
-        for k, name in enumerate(picture.formats or ()):
-            asked.append((("pictures", i, "formats", k), name, list(FORMATS)))
-    if study.outputs.space is not None:
-        asked.append((("outputs", "space"), study.outputs.space, list(SPACES)))
-    for i, matrix in enumerate(study.matrices):
-        asked.append((("matrices", i), matrix.partition("=")[0].strip(), list(METHODS)))
-    for i, sweep in enumerate(study.sweeps):
-        asked.append((("sweeps", i, "vary"), sweep.vary, list(SWEEPS)))
-        asked.append((("sweeps", i, "quantity"), sweep.quantity, list(QUANTITIES)))
-    return [
-        InputError(
-            next(step for step in reversed(key) if isinstance(step, str)),
-            "must be a known name",
-            value=word,
-            remedy=_meant(word, known),
-            setting=_dotted(key),
-        )
-        for key, word, known in asked
-        if word not in known
-    ]
+    return did_you_mean(word, known, f"known are {', '.join(known)}", most=2, cutoff=0.5)
 
 
 def _place(key: Key, lines: Mapping[Key, int], changed: Mapping[Key, str], source: str) -> str:

@@ -16,7 +16,7 @@ from chromanoise._inputs import regular_file
 from chromanoise.errors import InputError
 from chromanoise.imaging import Work
 from chromanoise.io.spectra.own_json import named
-from chromanoise.study.document import Study
+from chromanoise.study.document import KEEP_IDLE, Study
 from chromanoise.study.hashes import changes_since, file_stamps, in_catalog, provenance, study_hash
 from chromanoise.study.numeric_libraries import numerics
 from chromanoise.study.running import Progress, no_progress, run_plan
@@ -162,7 +162,7 @@ def recorded_run(path: Path) -> RecordedRun:
             remedy="name an output, or its folder",
         )
     try:
-        study = Study.model_validate_json(json.dumps(record["study"]))
+        study = Study.model_validate_json(json.dumps(record["study"]), context=KEEP_IDLE)
     except ValidationError:
         raise InputError(
             str(file),

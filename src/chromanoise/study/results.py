@@ -10,7 +10,9 @@ from dataclasses import dataclass, field
 from importlib import import_module
 from typing import Any
 
-from chromanoise import _notebook
+from chromanoise import _check, _notebook
+from chromanoise._check import Array
+from chromanoise._shapes import Float
 from chromanoise.analysis import (
     Analysis,
     CrossoverBand,
@@ -24,50 +26,16 @@ from chromanoise.analysis import (
     raw_snr_db,
 )
 from chromanoise.analysis.comparison.crossing import Crossover
-from chromanoise.analysis.tables import analyses_as_table, curves_as_table, matrix_as_table
+from chromanoise.analysis.tables import analyses_as_table, curves_as_table, matrices_as_table
 from chromanoise.color import ColorMatrix, ParetoCurve
-from chromanoise.exposure import OperatingPoint
+from chromanoise.errors import InputError
+from chromanoise.exposure import OperatingPoint, conditions
 from chromanoise.imaging.capture import Capture
-from chromanoise.io.table import Column, Table
+from chromanoise.io.table import Column, Table, number_text
 from chromanoise.io.table_formats import table_latex
 from chromanoise.metrics import MatrixReport
 from chromanoise.study.analyses import Outcome, outcomes_as_json
 from chromanoise.study.document import OutputsPart, Study
-
-_MOST_TIMES = 3
-
-
-def conditions(points: Sequence[OperatingPoint]) -> str:
-    """The operating point as text: light level, illuminant, exposure time and f-number.
-
-    Parameters
-    ----------
-    points
-        Sensors under the same light.
-
-    Examples
-    --------
-    >>> from chromanoise.study import operating_points_of, study_from_data
-    >>> study = study_from_data({"sensors": [{"name": "onyx-rgbw"}]}, source="")
-    >>> conditions(operating_points_of(study))
-    '10 lx, illuminant E, 11.94 ms, f/1.8'
-    """
-    first = points[0]
-    times_ms = [1e3 * one.exposure.time_s for one in points]
-    if len(set(times_ms)) == 1:
-        time = _duration(times_ms[0])
-    elif len(points) <= _MOST_TIMES:
-        pairs = zip(times_ms, points, strict=True)
-        time = ", ".join(f"{_duration(ms)} ({one.sensor.name})" for ms, one in pairs)
-    else:
-        time = f"{_duration(min(times_ms))} to {_duration(max(times_ms))}"
-    lens = f"f/{first.exposure.f_number:g}"
-    return f"{first.level_lux:g} lx, illuminant {first.illuminant.name}, {time}, {lens}"
-
-
-def _duration(ms: float) -> str:
-    """A time in ms, or in s if it exceeds 10 s."""
-    return f"{ms:.4g} ms" if ms < 9999.5 else f"{1e-3 * ms:.4g} s"
 
 
 class Result(ABC):
@@ -220,6 +188,8 @@ class MatrixResult:
         Electrons to XYZ. [lx/e-]
     report
         Color error, noise, condition.
+    white_e
+        Expected electrons of a perfect white. [e-]
     pareto
         The curve of color error against noise; ``None`` if not requested.
     """
@@ -227,7 +197,16 @@ class MatrixResult:
     point: OperatingPoint
     matrix: ColorMatrix
     report: MatrixReport
+    white_e: Float[Array, " p"]
     pareto: ParetoCurve | None
+
+    def __post_init__(self) -> None:
+        _check.freeze(self, "white_e")
+
+    @property
+    def white_lux(self) -> float:
+        """Y of a perfect white by this matrix. [lx]"""
+        return float(self.matrix.matrix[1] @ self.white_e)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -255,9 +234,10 @@ class Matrices(Result):
         }
 
     def to_table(self) -> Table:
-        """The matrix of the first sensor."""
-        one = self.results[0]
-        return matrix_as_table(one.matrix, one.report, one.point.sensor.name)
+        """One row per coordinate; of several sensors, per sensor and coordinate."""
+        return matrices_as_table(
+            [(one.point.sensor.name, one.matrix, one.report) for one in self.results]
+        )
 
     def plot(self, ax: Any = None) -> Any:
         """Draw color error against noise if that curve was requested, else the matrix as bars."""
@@ -266,7 +246,8 @@ class Matrices(Result):
     def __repr__(self) -> str:
         """Method, sensors and color error."""
         text = ", ".join(
-            f"{one.point.sensor.name} {_number(one.report.color_error_mean)} Delta E*ab"
+            f"{one.point.sensor.name} "
+            f"{number_text(one.report.color_error_mean, none='undefined')} Delta E*ab"
             for one in self.results
         )
         points = [one.point for one in self.results]
@@ -307,7 +288,7 @@ class Comparison(Result):
         }
 
     def to_table(self) -> Table:
-        """One row per sensor, matrix and value of the sweep."""
+        """One row per value of the sweep, two columns per sensor and matrix."""
         return curves_as_table(self.curves)
 
     def plot(self, ax: Any = None) -> Any:
@@ -383,7 +364,20 @@ class Pictures(Result):
         return Table(title=f"Pictures of {self.cube}", columns=columns, rows=tuple(rows))
 
     def plot(self, ax: Any = None) -> Any:
-        """Draw the first picture."""
+        """Draw the first picture.
+
+        Raises
+        ------
+        InputError
+            If the pictures are in a folder.
+        """
+        if not self.captures:
+            raise InputError(
+                "folder",
+                "must not be given for a plot, which draws pictures in memory",
+                found=None,
+                remedy="omit it, or open the files",
+            )
         return _figures().draw_capture(self.captures[0], _axes(ax))
 
     def __repr__(self) -> str:
@@ -454,7 +448,3 @@ def _axes(ax: Any) -> Any:
     if ax is not None:
         return ax
     return import_module("matplotlib.pyplot").subplots(layout="constrained")[1]
-
-
-def _number(value: float | None) -> str:
-    return "undefined" if value is None else f"{value:.2f}"

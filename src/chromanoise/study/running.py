@@ -15,7 +15,7 @@ from chromanoise.analysis.comparison.quantities import QUANTITIES
 from chromanoise.analysis.comparison.sweeps import SWEEPS, swept_values
 from chromanoise.analysis.pareto import noise_weights, pareto_of
 from chromanoise.errors import InputError
-from chromanoise.exposure import OperatingPoint
+from chromanoise.exposure import OperatingPoint, expected_electrons, white_scene
 from chromanoise.imaging import Work
 from chromanoise.metrics import matrix_report
 from chromanoise.scene.rows import row_source
@@ -263,7 +263,10 @@ def _matrix(
             made, point.sensor, point.exposure, point.illuminant, level_lux=point.level_lux
         )
         curve = None if weights is None else pareto_of(point, weights, prior=study.prior)
-        results.append(MatrixResult(point=point, matrix=made, report=report, pareto=curve))
+        white_e = expected_electrons(white_scene(point), point.sensor, point.exposure)
+        results.append(
+            MatrixResult(point=point, matrix=made, report=report, white_e=white_e, pareto=curve)
+        )
         advance(1)
     return Matrices(method=name, results=tuple(results))
 

@@ -7,21 +7,14 @@ settings, for the command line and for Python alike.
 import re
 from collections.abc import Mapping, Sequence
 from copy import deepcopy
-from difflib import get_close_matches
 from pathlib import Path
 from typing import Annotated, Any, Literal, TypedDict, get_type_hints
 
-from chromanoise._check import one_of
-from chromanoise.analysis import DEFAULT_METHOD, trained_names
-from chromanoise.analysis.comparison.sweeps import SWEEPS
-from chromanoise.analysis.priors import DEFAULT_PRIOR
-from chromanoise.errors import InputError, StudyError
+from chromanoise.analysis import DEFAULT_METHOD
+from chromanoise.errors import InputError, StudyError, did_you_mean
 from chromanoise.io.spectra.parsed import Negatives, Unit
 from chromanoise.spectra import (
     Illuminant,
-)
-from chromanoise.study.assembly import (
-    keyed,
 )
 from chromanoise.study.document import Study
 from chromanoise.study.reading import study_from_data
@@ -73,6 +66,8 @@ class SharedSettings(TypedDict, total=False):
     mosaic: Annotated[str, "sensors.*.mosaic"]
     filter: Annotated[str | Path, "sensors.*.filter"]
     filter_wavelength_unit: Annotated[Unit, "sensors.*.filter_wavelength_unit"]
+    ircut_nm: Annotated[float, "sensors.*.ircut_nm"]
+    shift_nm: Annotated[float, "sensors.*.shift_nm"]
 
 
 class AnalysisSettings(SharedSettings, total=False):
@@ -185,7 +180,6 @@ def analyze_study(
         If a value cannot be used, or has no effect.
     """
     _refuse_unknown(settings, "analyze")
-    _refuse_idle_prior(settings, [matrix])
     return _study(sensors, settings, "analyze", {"matrices": [matrix]})
 
 
@@ -210,22 +204,9 @@ def compare_study(
         If a value cannot be used, has no effect, or is the parameter that varies.
     """
     _refuse_unknown(settings, "compare")
-    with keyed("sweeps.0.vary"):
-        vary = one_of("vary", str(settings.get("vary") or "lux"), tuple(SWEEPS))
-    for name in {"time-ms": ("time_ms",), "read-noise-e": ("read_noise_e",)}.get(vary, ()):
-        if settings.get(name) is not None:
-            raise InputError(
-                name,
-                "must not be given where it varies",
-                value=settings[name],
-                found=None,
-                remedy="omit it, or vary another thing",
-                setting=SHARED[name][0],
-            )
     matrices = [name.strip() for name in matrices]
-    _refuse_idle_prior(settings, matrices)
     if settings.get("prior") == "all":
-        settings = {**settings, "prior": DEFAULT_PRIOR, "all_priors": True}
+        settings = {**settings, "prior": None, "all_priors": True}
     return _study(sensors, settings, "compare", {"matrices": matrices})
 
 
@@ -247,8 +228,6 @@ def matrix_study(sensor: str, settings: Settings, *, matrix: str = DEFAULT_METHO
         If a value cannot be used, or has no effect.
     """
     _refuse_unknown(settings, "matrix")
-    if settings.get("pareto_first") is None:  # the Pareto curve always uses the prior
-        _refuse_idle_prior(settings, [matrix])
     return _study([sensor], settings, "matrix", {"matrices": [matrix]})
 
 
@@ -318,7 +297,6 @@ def _study(
         for key in names[name] if value is not None else ():
             for place in _places(key, len(sensors)):
                 _put(data, place, value)
-    _refuse_two_times(data)
     try:
         return study_from_data(data)
     except StudyError as error:
@@ -377,27 +355,11 @@ def _refuse_unknown(settings: Settings, function: str) -> None:
         if name in FUNCTIONS[function]:
             continue
         others = [other for other in FUNCTIONS if name in (*FUNCTIONS[other], *_ARGUMENTS[other])]
-        near = get_close_matches(name, known, n=2, cutoff=0.7 if others else 0.6)
-        remedy = f"known: {', '.join(known)}"
-        if near:
-            remedy = f"did you mean {' or '.join(near)}?"
-        elif others:
-            remedy = f"it is one of {' and '.join(others)}"
+        otherwise = f"known: {', '.join(known)}"
+        if others:
+            otherwise = f"it is one of {' and '.join(others)}"
+        remedy = did_you_mean(name, known, otherwise, most=2, cutoff=0.7 if others else 0.6)
         raise InputError(name, f"is not an argument of {function}", remedy=remedy)
-
-
-def _refuse_two_times(data: dict[str, Any]) -> None:
-    """Refuse an exposure time together with a rule from which the time is solved."""
-    rule = data.get("exposure", {})
-    if rule.get("time_ms") is not None and rule.get("saturate") is not None:
-        raise InputError(
-            "time_ms",
-            "must not be given with a share of full well, from which the time is solved",
-            value=rule["time_ms"],
-            found=None,
-            remedy="omit one of them",
-            setting="exposure.time_ms",
-        )
 
 
 def _places(key: str, sensors: int) -> list[list[str | int]]:
@@ -412,18 +374,3 @@ def _put(data: dict[str, Any], place: Sequence[str | int], value: Any) -> None:
     for step in place[:-1]:
         at = at[step] if isinstance(step, int) else at.setdefault(step, {})
     at[place[-1]] = value
-
-
-def _refuse_idle_prior(settings: Settings, matrices: Sequence[str]) -> None:
-    """Refuse a prior that no matrix uses."""
-    prior = settings.get("prior")
-    if prior is not None and not trained_names(matrices):
-        raise InputError(
-            "prior",
-            "must be given only with a trained matrix, e.g. lmmse",
-            value=prior,
-            found=f"{'the matrix is' if len(matrices) == 1 else 'none is among'} "
-            f"{', '.join(matrices)}",
-            remedy="omit it",
-            setting="prior",
-        )

@@ -10,7 +10,7 @@ metric = "quanta"                    # spectra in photons (quanta) or in energy
 seed = 0                             # of all noise that is drawn
 matrices = ["kernel", "lmmse"]       # least-squares, white-preserving, ridge=0.01,
                                      # noise-regularized=1, bounded-psi=6.5
-prior = "chart-nir"                  # of trained matrices: chart, smooth-50, smooth-100 ...
+# prior = "chart-nir"                # of trained matrices: chart, smooth-50, smooth-100 ...
 
 [light]
 illuminant = "E"                     # A, D65, G173, 3200K, LED660, or a file
@@ -19,8 +19,8 @@ level_lux = 10.0
 
 [exposure]
 equal = "exposure"                   # one time for all; or saturation, or light
-saturate = 0.99                      # of full well, for the most sensitive of them
-# time_ms = 12                       # instead of solving it
+# saturate = 0.99                    # of full well, for the most sensitive of them
+# time_ms = 12                       # instead of saturate
 f_number = 1.8
 
 [[sensors]]

@@ -9,7 +9,7 @@ import numpy as np
 
 from chromanoise._check import Array
 from chromanoise._shapes import Float
-from chromanoise.analysis.color_matrices import MatrixMaker
+from chromanoise.analysis.color_matrices import MatrixFunction
 from chromanoise.analysis.comparison.curves import Curve
 from chromanoise.analysis.comparison.quantities import Quantity, color_error
 from chromanoise.analysis.comparison.sweeps import Sweep
@@ -74,7 +74,7 @@ class Incomparable:
 
 def crossovers(
     contestants: Sequence[OperatingPoint],
-    makers: Mapping[str, MatrixMaker],
+    makers: Mapping[str, MatrixFunction],
     curves: Sequence[Curve],
 ) -> tuple[Crossover, ...]:
     """For each matrix and each pair of sensors, where their order changes.
@@ -98,7 +98,7 @@ def crossovers(
 
 def crossovers_or_reasons(
     contestants: Sequence[OperatingPoint],
-    makers: Mapping[str, MatrixMaker],
+    makers: Mapping[str, MatrixFunction],
     curves: Sequence[Curve],
 ) -> tuple[Crossover | Incomparable, ...]:
     """As `crossovers`, but a pair that cannot be compared does not silence the others.
@@ -116,16 +116,18 @@ _Side = tuple[OperatingPoint, Curve]
 
 def _pairs(
     contestants: Sequence[OperatingPoint],
-    makers: Mapping[str, MatrixMaker],
+    makers: Mapping[str, MatrixFunction],
     curves: Sequence[Curve],
-) -> Iterator[tuple[MatrixMaker, _Side, _Side]]:
+) -> Iterator[tuple[MatrixFunction, _Side, _Side]]:
     for name, maker in makers.items():
         mine = [curve for curve in curves if curve.matrix == name]
         for one, other in combinations(zip(contestants, mine, strict=True), 2):
             yield maker, one, other
 
 
-def _crossover_or_reason(maker: MatrixMaker, one: _Side, other: _Side) -> Crossover | Incomparable:
+def _crossover_or_reason(
+    maker: MatrixFunction, one: _Side, other: _Side
+) -> Crossover | Incomparable:
     try:
         return _crossover(maker, one, other)
     except InputError as error:
@@ -137,7 +139,7 @@ def _crossover_or_reason(maker: MatrixMaker, one: _Side, other: _Side) -> Crosso
 
 def _asked(
     contestant: OperatingPoint,
-    maker: MatrixMaker,
+    maker: MatrixFunction,
     sweep: Sweep,
     of: Callable[[OperatingPoint, Any], float],
     value: float,
@@ -146,7 +148,7 @@ def _asked(
     return of(operating_point, maker(operating_point))
 
 
-def _crossover(maker: MatrixMaker, one: _Side, other: _Side) -> Crossover:
+def _crossover(maker: MatrixFunction, one: _Side, other: _Side) -> Crossover:
     (a, first), (b, second) = one, other
     sweep, quantity = first.sweep, first.quantity
     sign = 1.0 if quantity.more_is_better else -1.0

@@ -8,7 +8,7 @@ import numpy as np
 from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._shapes import Bool, Float
-from chromanoise.analysis.color_matrices import MatrixMaker, matrices_over_levels
+from chromanoise.analysis.color_matrices import MatrixFunction, MatrixMaker
 from chromanoise.analysis.comparison.quantities import (
     SNR_Y,
     Quantity,
@@ -60,7 +60,7 @@ class Curve:
 
 def compared(
     contestants: Sequence[OperatingPoint],
-    makers: Mapping[str, MatrixMaker],
+    makers: Mapping[str, MatrixFunction],
     at: Float[Array, " k"],
     *,
     sweep: Sweep = SWEEPS["lux"],
@@ -74,7 +74,8 @@ def compared(
     contestants
         Sensors with their exposures and their light; each keeps all that the sweep does not vary.
     makers
-        Matrix methods by name; each is asked anew at every value.
+        Matrix methods by name, from `matrix_makers` or functions of your own; each is asked anew
+        at every value.
     at
         Increasing. [unit of the sweep]
     sweep
@@ -102,17 +103,15 @@ def compared(
 def _curve(
     contestant: OperatingPoint,
     name: str,
-    maker: MatrixMaker,
+    maker: MatrixFunction,
     values: Float[Array, " k"],
     sweep: Sweep,
     quantity: Quantity,
     progress: Callable[[int], None],
 ) -> Curve:
-    together = (
-        _over_levels(contestant, maker, values, quantity)
-        if sweep.name == SWEEPS["lux"].name
-        else None
-    )
+    together = None
+    if sweep.name == SWEEPS["lux"].name and isinstance(maker, MatrixMaker):
+        together = _over_levels(contestant, maker, values, quantity)
     if together is not None:
         progress(values.size)
     asked, errors, full = together or _one_by_one(
@@ -137,24 +136,22 @@ _Asked = tuple[Float[Array, " k"], Float[Array, " k"], Bool[Array, " k"]]
 def _over_levels(
     contestant: OperatingPoint, maker: MatrixMaker, values: Float[Array, " k"], quantity: Quantity
 ) -> _Asked | None:
-    """All levels at once; ``None`` where quantity or maker can only be asked one by one."""
+    """All levels at once; ``None`` where the quantity can only be asked one by one."""
     if quantity.over_levels is None:
         return None
     full = is_saturated_over_levels(contestant, values)
-    lit = [SWEEPS["lux"].at(contestant, value) for value in values.tolist()]
-    first, matrices = maker(lit[0]), matrices_over_levels(maker, contestant, values)
+    first = maker(SWEEPS["lux"].at(contestant, float(values[0])))
+    matrices = maker.over_levels(contestant, values)
     if matrices is not None:
         asked = quantity.over_levels(contestant, first, values, matrices=matrices)
         return asked, color_errors(contestant, matrices), full
-    if any(maker(each) is not first for each in lit):
-        return None
     error = color_error(contestant, first)  # of the one matrix that looks at no light
     return quantity.over_levels(contestant, first, values), np.full(values.size, error), full
 
 
 def _one_by_one(
     operating_points: Sequence[OperatingPoint],
-    maker: MatrixMaker,
+    maker: MatrixFunction,
     quantity: Quantity,
     progress: Callable[[int], None],
 ) -> _Asked:

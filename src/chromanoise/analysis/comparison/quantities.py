@@ -20,6 +20,7 @@ from chromanoise.analysis.operating_point import (
     noisy_color_at,
     stages_at,
 )
+from chromanoise.analysis.total_error import total_errors
 from chromanoise.color import (
     LAB,
     ColorMatrix,
@@ -167,6 +168,12 @@ def color_error(operating_point: OperatingPoint, matrix: ColorMatrix) -> float:
     return float("nan") if error is None else float(error.mean())
 
 
+def total_error(operating_point: OperatingPoint, matrix: ColorMatrix) -> float:
+    """Bias and noise together, mean over the ColorChecker; NaN without a color. [Delta E*ab]"""
+    error = total_errors(operating_point, matrix)
+    return float("nan") if error is None else float(error.total.mean())
+
+
 def color_errors(
     operating_point: OperatingPoint, matrices: Float[Array, "k c p"]
 ) -> Float[Array, " k"]:
@@ -240,6 +247,13 @@ QUANTITIES: Mapping[str, Quantity] = {
             unit="Delta E*ab",
             more_is_better=False,
             of=color_error,
+        ),
+        Quantity(
+            name="total-error",
+            what="mean color error of the chart with noise",
+            unit="Delta E*ab",
+            more_is_better=False,
+            of=total_error,
         ),
     )
 }

@@ -38,6 +38,10 @@ class Sweep:
         Between which it makes sense. [unit]
     at
         The operating point with that value.
+    replaces
+        Key in a study of the setting that has no effect on the sweep, because every value replaces
+        it (``*`` for all sensors); empty if there is none. The light of a study, in contrast,
+        determines the exposure time before the sweep.
     """
 
     name: str
@@ -47,6 +51,7 @@ class Sweep:
     lowest: float
     highest: float
     at: Callable[[OperatingPoint, float], OperatingPoint]
+    replaces: str = ""
 
 
 def _at_level(operating_point: OperatingPoint, level_lux: float) -> OperatingPoint:
@@ -102,6 +107,7 @@ SWEEPS: Mapping[str, Sweep] = {
             lowest=1e-9,
             highest=1e12,
             at=_at_time,
+            replaces="exposure.time_ms",
         ),
         Sweep(
             name="read-noise-e",
@@ -111,6 +117,7 @@ SWEEPS: Mapping[str, Sweep] = {
             lowest=1e-6,
             highest=1e9,
             at=_at_read_noise,
+            replaces="sensors.*.pixel.read_noise_e",
         ),
         Sweep(
             name="ircut-nm",

@@ -9,7 +9,7 @@ import numpy as np
 from chromanoise._check import Array
 from chromanoise._shapes import Float
 from chromanoise.analysis.analysis import Analysis
-from chromanoise.analysis.color_matrices import MatrixMaker
+from chromanoise.analysis.color_matrices import MatrixFunction
 from chromanoise.analysis.color_space_noise import GRAY
 from chromanoise.analysis.figures_of_merit.entries import (
     Merit,
@@ -46,7 +46,7 @@ _SPEEDS = ((10, "first acceptable"), (40, "first excellent"))
 # speed: how little light is enough
 
 
-def speed_merits(analysis: Analysis, maker: MatrixMaker | None) -> tuple[Merit, ...]:
+def speed_merits(analysis: Analysis, maker: MatrixFunction | None) -> tuple[Merit, ...]:
     """SNR10 of the matrix in use, of one that adapts, and the noise-based speeds."""
     card = f"{100 * GRAY:.0f} % gray, this exposure"
     never = f"no light is enough: full well comes first, or Y of a gray ({card}) is no signal"
@@ -98,7 +98,7 @@ def _noise_speeds(analysis: Analysis) -> tuple[Merit, ...]:
     )
 
 
-def _adapted_light(operating_point: OperatingPoint, maker: MatrixMaker) -> float | None:
+def _adapted_light(operating_point: OperatingPoint, maker: MatrixFunction) -> float | None:
     return illuminance_for_snr_adapted(
         operating_point.sensor,
         operating_point.illuminant,
@@ -108,7 +108,7 @@ def _adapted_light(operating_point: OperatingPoint, maker: MatrixMaker) -> float
     )
 
 
-def _adapts(operating_point: OperatingPoint, maker: MatrixMaker) -> bool:
+def _adapts(operating_point: OperatingPoint, maker: MatrixFunction) -> bool:
     brighter = replace(operating_point, level_lux=2.0 * operating_point.level_lux)
     here, there = maker(operating_point).matrix, maker(brighter).matrix
     return bool(np.abs(there - here).max() > _SAME_MATRIX * np.abs(here).max())

@@ -5,7 +5,7 @@ from typing import Any
 
 from chromanoise import _check
 from chromanoise.analysis.analysis import Analysis
-from chromanoise.analysis.color_matrices import MatrixMaker
+from chromanoise.analysis.color_matrices import MatrixFunction
 from chromanoise.analysis.figures_of_merit.entries import Merit, Viewing
 from chromanoise.analysis.figures_of_merit.filters import (
     chart_merits,
@@ -53,7 +53,7 @@ class Merits:
 
 
 def merits_of(
-    analysis: Analysis, *, maker: MatrixMaker | None = None, viewing: Viewing | None = None
+    analysis: Analysis, *, maker: MatrixFunction | None = None, viewing: Viewing | None = None
 ) -> Merits:
     """Every figure of merit of an analysis: its sensor, exposure, lamp and matrix.
 

@@ -69,43 +69,43 @@ def use_of(quantity: Quantity | None) -> Use:
     return others.get(quantity, "sensor")
 
 
-def questions_of(told: ParsedSpectra, words: str, answers: Answers) -> ParsedSpectra:
+def questions_of(parsed: ParsedSpectra, words: str, answers: Answers) -> ParsedSpectra:
     """The parsed file with the open questions of the use that its quantity implies.
 
     Parameters
     ----------
-    told
+    parsed
         The parsed file.
     words
         The free text of the file. A question may quote it, but it answers none.
     answers
         The user's answers.
     """
-    use = use_of(told.quantity)
-    own = tuple(sensor_questions(told, answers)) if use == "sensor" else ()
+    use = use_of(parsed.quantity)
+    own = tuple(sensor_questions(parsed, answers)) if use == "sensor" else ()
     asked = (
-        *(_quantity(told, words) if own else ()),
-        *_scale(told, answers),
+        *(_quantity(parsed, words) if own else ()),
+        *_scale(parsed, answers),
         *own,
-        *(light_questions(told) if use == "light" else ()),
-        *_negatives(told, answers),
-        *_beyond(told, answers),
+        *(light_questions(parsed) if use == "light" else ()),
+        *_negatives(parsed, answers),
+        *_beyond(parsed, answers),
     )
-    return replace(told, questions=asked)
+    return replace(parsed, questions=asked)
 
 
-def sensor_questions(told: ParsedSpectra, answers: Answers) -> Iterator[Question]:
+def sensor_questions(parsed: ParsedSpectra, answers: Answers) -> Iterator[Question]:
     """Questions about a sensor: per photon or per energy, and the scale of the curves."""
-    if told.per is None and not _documented(told):
+    if parsed.per is None and not _documented(parsed):
         yield Question(
             about="per",
             asks="it does not declare whether its response is per energy or per photon",
             settings=(_PER,),
         )
-    if told.level == "relative" or (told.level is None and looks_normalized(told.curves)):
+    if parsed.level == "relative" or (parsed.level is None and looks_normalized(parsed.curves)):
         if answers.peak_qe is None:
-            yield _peak(told)
-    elif told.level is None and told.quantity != "QE" and not _documented(told):
+            yield _peak(parsed)
+    elif parsed.level is None and parsed.quantity != "QE" and not _documented(parsed):
         yield Question(
             about="level",
             asks="it does not declare whether its values are absolute or relative",
@@ -113,16 +113,16 @@ def sensor_questions(told: ParsedSpectra, answers: Answers) -> Iterator[Question
         )
 
 
-def light_questions(told: ParsedSpectra) -> Iterator[Question]:
+def light_questions(parsed: ParsedSpectra) -> Iterator[Question]:
     """Questions about an illuminant: which curve to use, and energy or photons."""
-    names = told.curves.names
+    names = parsed.curves.names
     if len(names) != 1:
         yield Question(
             about="columns",
             asks=f"it holds {len(names)} curves, {', '.join(names[:8])}: which is the light?",
             settings=(Setting("columns"),),
         )
-    if told.per is None:
+    if parsed.per is None:
         yield Question(
             about="per",
             asks="it does not declare whether light is counted as energy or in photons",
@@ -130,13 +130,13 @@ def light_questions(told: ParsedSpectra) -> Iterator[Question]:
         )
 
 
-def _documented(told: ParsedSpectra) -> bool:
+def _documented(parsed: ParsedSpectra) -> bool:
     """A table headed ``wavelength_nm``: absolute QE per photon unless it declares otherwise."""
-    return told.own_form and told.quantity is None
+    return parsed.own_form and parsed.quantity is None
 
 
-def _peak(told: ParsedSpectra) -> Question:
-    if told.level == "relative":
+def _peak(parsed: ParsedSpectra) -> Question:
+    if parsed.level == "relative":
         asks = "its curves are relative; what is the highest QE?"
         return Question(about="peak_qe", asks=asks, settings=(Setting("peak_qe"),))
     asks = "its highest value is exactly 1 or 100; what is the highest QE, or are the values QE?"
@@ -144,8 +144,8 @@ def _peak(told: ParsedSpectra) -> Question:
     return Question(about="peak_qe", asks=asks, settings=settings)
 
 
-def _quantity(told: ParsedSpectra, words: str) -> Iterator[Question]:
-    if told.quantity is None and not _documented(told):
+def _quantity(parsed: ParsedSpectra, words: str) -> Iterator[Question]:
+    if parsed.quantity is None and not _documented(parsed):
         found = re.search(_MENTIONED, words)
         hint = f" (its text mentions {found[1]!r}, but free text is not used)" if found else ""
         yield Question(
@@ -155,12 +155,12 @@ def _quantity(told: ParsedSpectra, words: str) -> Iterator[Question]:
         )
 
 
-def _scale(told: ParsedSpectra, answers: Answers) -> Iterator[Question]:
-    if answers.scale or told.quantity in ("power", "response"):
+def _scale(parsed: ParsedSpectra, answers: Answers) -> Iterator[Question]:
+    if answers.scale or parsed.quantity in ("power", "response"):
         return
-    highest = float(judged(told.curves).values.max()) / told.factor
-    unclear = told.scale == "fraction" and highest > 1
-    if unclear or told.scale == "as written":
+    highest = float(judged(parsed.curves).values.max()) / parsed.factor
+    unclear = parsed.scale == "fraction" and highest > 1
+    if unclear or parsed.scale == "as written":
         yield Question(
             about="scale",
             asks=f"the highest value is {highest:g}: are they fractions or percent?",
@@ -168,8 +168,8 @@ def _scale(told: ParsedSpectra, answers: Answers) -> Iterator[Question]:
         )
 
 
-def _negatives(told: ParsedSpectra, answers: Answers) -> Iterator[Question]:
-    negative = judged(told.curves).values < 0
+def _negatives(parsed: ParsedSpectra, answers: Answers) -> Iterator[Question]:
+    negative = judged(parsed.curves).values < 0
     if answers.negatives == "refuse" and negative.any():
         yield Question(
             about="negatives",
@@ -178,8 +178,8 @@ def _negatives(told: ParsedSpectra, answers: Answers) -> Iterator[Question]:
         )
 
 
-def _beyond(told: ParsedSpectra, answers: Answers) -> Iterator[Question]:
-    low, high = (float(end) for end in told.curves.wavelength_nm[[0, -1]])
+def _beyond(parsed: ParsedSpectra, answers: Answers) -> Iterator[Question]:
+    low, high = (float(end) for end in parsed.curves.wavelength_nm[[0, -1]])
     if answers.beyond == "refuse" and (low > _GRID_NM[0] or high < _GRID_NM[1]):
         yield Question(
             about="beyond",

@@ -16,12 +16,12 @@ from chromanoise.units import photons_per_joule
 _ELEMENTARY_CHARGE_C = 1.602176634e-19
 
 
-def qe_of(told: ParsedSpectra, answers: Answers) -> Spectra:
+def qe_of(parsed: ParsedSpectra, answers: Answers) -> Spectra:
     """Convert curves to electrons per photon; the notes list assumptions.
 
     Parameters
     ----------
-    told
+    parsed
         The parsed file.
     answers
         The answers of the user; ``peak_qe`` scales relative curves.
@@ -50,33 +50,33 @@ def qe_of(told: ParsedSpectra, answers: Answers) -> Spectra:
     >>> qe_of(parsed, Answers(peak_qe=0.6)).values.ravel()  # equal per photon at both
     array([0.6, 0.6])
     """
-    source = told.curves.source
-    if told.quantity in ("reflectance", "transmittance", "power"):
+    source = parsed.curves.source
+    if parsed.quantity in ("reflectance", "transmittance", "power"):
         raise InputError(
             source,
             "must hold quantum efficiencies or responses, for a sensor",
-            value=told.quantity,
-            found=f"holds {told.quantity}",
+            value=parsed.quantity,
+            found=f"holds {parsed.quantity}",
         )
-    _refuse_open(told, sensor_questions(told, answers))
-    curves, notes = told.curves, _said(told)
-    if told.per == "energy":
+    _refuse_open(parsed, sensor_questions(parsed, answers))
+    curves, notes = parsed.curves, _said(parsed)
+    if parsed.per == "energy":
         per_photon = 1.0 / photons_per_joule(curves.wavelength_nm)[:, None] / _ELEMENTARY_CHARGE_C
         curves = replace(curves, values=curves.values * per_photon)
         notes = (*notes, "counted per energy: divided by the photons in it")
-    if told.level == "relative" or (told.level is None and looks_normalized(told.curves)):
+    if parsed.level == "relative" or (parsed.level is None and looks_normalized(parsed.curves)):
         curves, notes = _with_height(curves, answers, notes)
-    elif told.level is None:
-        why = "a table headed wavelength_nm" if told.quantity is None else "QE by its own words"
-        notes = (*notes, f"{_name(told)}: {why}, taken as absolute QE per photon")
+    elif parsed.level is None:
+        why = "a table headed wavelength_nm" if parsed.quantity is None else "QE by its own words"
+        notes = (*notes, f"{_name(parsed)}: {why}, taken as absolute QE per photon")
     return replace(curves, quantity="QE", unit="e-/photon", notes=(*curves.notes, *notes))
 
 
-def _refuse_open(told: ParsedSpectra, questions: Iterable[Question]) -> None:
+def _refuse_open(parsed: ParsedSpectra, questions: Iterable[Question]) -> None:
     """Raise an error if there are open questions; its message lists all of them."""
     asked = tuple(questions)
     if asked:
-        raise UndeclaredError(told.curves.source, asked)
+        raise UndeclaredError(parsed.curves.source, asked)
 
 
 def _with_height(
@@ -92,7 +92,7 @@ def _with_height(
     return replace(curves, values=curves.values * (answers.peak_qe / highest)), (*notes, note)
 
 
-def power_of(told: ParsedSpectra) -> Spectra:
+def power_of(parsed: ParsedSpectra) -> Spectra:
     """Convert one curve to relative power over wavelength, for `illuminant_from`.
 
     Raises
@@ -103,18 +103,18 @@ def power_of(told: ParsedSpectra) -> Spectra:
         If the file has several curves, or does not declare whether light is counted as energy or in
         photons; ``remedy`` holds the settings.
     """
-    curves = told.curves
-    _refuse_open(told, light_questions(told))
-    if told.wavelength_unit == "1/cm":
+    curves = parsed.curves
+    _refuse_open(parsed, light_questions(parsed))
+    if parsed.wavelength_unit == "1/cm":
         raise InputError(
             curves.source,
             "must give light per wavelength",
-            value=told.wavelength_unit,
+            value=parsed.wavelength_unit,
             found="gives it per wavenumber in 1/cm, which is not a constant number of nm",
             remedy="convert it to light per nm",
         )
-    notes = _said(replace(told, defects=defects_of_a_light(told.defects)))
-    if told.per == "photon":
+    notes = _said(replace(parsed, defects=defects_of_a_light(parsed.defects)))
+    if parsed.per == "photon":
         curves = power_of_photons(curves)
     return replace(curves, quantity="power", unit="relative", notes=(*curves.notes, *notes))
 
@@ -154,10 +154,10 @@ def power_of_photons(curves: Spectra) -> Spectra:
     )
 
 
-def _said(told: ParsedSpectra) -> tuple[str, ...]:
+def _said(parsed: ParsedSpectra) -> tuple[str, ...]:
     """Notes and defects, each prefixed with the name of the file."""
-    return tuple(f"{_name(told)}: {text}" for text in (*told.notes, *told.defects))
+    return tuple(f"{_name(parsed)}: {text}" for text in (*parsed.notes, *parsed.defects))
 
 
-def _name(told: ParsedSpectra) -> str:
-    return Path(told.curves.source).name
+def _name(parsed: ParsedSpectra) -> str:
+    return Path(parsed.curves.source).name

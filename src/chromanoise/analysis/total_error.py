@@ -1,0 +1,131 @@
+"""Total color error: bias and noise together, over the ColorChecker.
+
+A matrix or a sensor that desaturates colors has less noise and a better SNR, but wrong colors. The
+total error counts both, in CIELAB: E|x - x_true|^2 = |bias|^2 + trace of the covariance.
+"""
+
+from dataclasses import dataclass
+from functools import lru_cache, partial
+
+import numpy as np
+
+from chromanoise import _check
+from chromanoise._check import Array
+from chromanoise._shapes import Float
+from chromanoise.analysis.analysis import Analysis, color_snr_db
+from chromanoise.analysis.color_matrices import matrix_makers
+from chromanoise.analysis.operating_point import electrons_at, noisy_color_at, stages_at
+from chromanoise.color import LAB, ColorMatrix, cubature, gaussian_cubature, propagate
+from chromanoise.exposure import OperatingPoint
+from chromanoise.metrics.accuracy import chart_lab
+from chromanoise.noise import Readout, saturated
+from chromanoise.spectra import colorchecker
+
+NOISY_DELTA_E = 50.0
+"""Noise above which a verdict names a better matrix. [Delta E*ab]"""
+
+_RULE = {"radii": 8, "latitudes": 4, "longitudes": 16}  # error below 3e-3 of a standard deviation
+_OTHERS = ("least-squares", "white-preserving", "lmmse")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class TotalError:
+    """Bias, noise and total error of each ColorChecker patch, as root mean squares.
+
+    Attributes
+    ----------
+    bias
+        Distance of the mean color from the true one: errors of the matrix, of the black level and
+        of clipping, and the shift of the mean by noise. [Delta E*ab]
+    noise
+        Root of the trace of the covariance. [Delta E*ab]
+    total
+        Root of the sum of both squares. [Delta E*ab]
+    """
+
+    bias: Float[Array, "24"]
+    noise: Float[Array, "24"]
+    total: Float[Array, "24"]
+
+    def __post_init__(self) -> None:
+        _check.freeze(self, "bias", "noise", "total")
+
+
+def total_errors(
+    operating_point: OperatingPoint, matrix: ColorMatrix, *, readout: Readout | None = None
+) -> TotalError | None:
+    """Total color error of the ColorChecker at an operating point.
+
+    ``None`` where a channel is saturated on the white, or X, Y or Z of the white is not above 0.
+
+    Parameters
+    ----------
+    operating_point
+        Sensor, exposure and light.
+    matrix
+        Its color matrix.
+    readout
+        Clipping and rounding of the values; ``None`` for none.
+
+    Raises
+    ------
+    InputError
+        If the grid extends beyond 400-1050 nm, the range of the chart's data.
+
+    Notes
+    -----
+    Mean and covariance in CIELAB from X, Y, Z as jointly normal, by cubature.
+    """
+    sensor, exposure = operating_point.sensor, operating_point.exposure
+    electrons = electrons_at(operating_point)
+    white = matrix.matrix @ electrons
+    if saturated(electrons, sensor.pixel, exposure).any() or not (white > 0).all():
+        return None
+    lab = chart_lab(sensor, matrix, exposure, operating_point.illuminant)
+    if lab is None:
+        return None
+    chart = colorchecker(sensor.grid).values.T
+    at = stages_at(operating_point, matrix, reflectance=chart, readout=readout)
+    method = partial(cubature, rule=gaussian_cubature(**_RULE))
+    noise = propagate(noisy_color_at(at, white), LAB, method).measurement
+    bias = np.linalg.norm(noise.mean - lab[0], axis=-1)
+    spread = noise.variance.sum(axis=-1)
+    return TotalError(bias=bias, noise=np.sqrt(spread), total=np.sqrt(bias**2 + spread))
+
+
+@lru_cache(maxsize=64)  # table, verdict and JSON use the same one
+def total_error_of(analysis: Analysis) -> TotalError | None:
+    """`total_errors` of an analysis, with its matrix and readout; ``None`` without a color."""
+    if None in color_snr_db(analysis).values():
+        return None
+    return total_errors(analysis.point, analysis.matrix, readout=analysis.readout)
+
+
+def mean_total_error(analysis: Analysis) -> float | None:
+    """Mean of `TotalError.total` over the 24 patches. [Delta E*ab]"""
+    error = total_error_of(analysis)
+    return None if error is None else float(error.total.mean())
+
+
+def better_matrix(analysis: Analysis) -> tuple[str, float] | None:
+    """The method with the least total error where noise exceeds `NOISY_DELTA_E`, and that error.
+
+    ``None`` where the noise is lower, or no other method is better.
+
+    Parameters
+    ----------
+    analysis
+        With the matrix that is to be replaced.
+    """
+    own = total_error_of(analysis)
+    if own is None or not own.noise.mean() > NOISY_DELTA_E:
+        return None
+    found: dict[str, float] = {}
+    for name, maker in matrix_makers(_OTHERS, analysis.matrix.metric).items():
+        error = total_errors(analysis.point, maker(analysis.point), readout=analysis.readout)
+        if error is not None:
+            found[name] = float(error.total.mean())
+    best = min(found, key=lambda name: found[name], default=None)
+    if best is None or not found[best] < own.total.mean():
+        return None
+    return best, found[best]

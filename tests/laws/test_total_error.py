@@ -1,0 +1,84 @@
+"""Total color error: bias and noise of the ColorChecker together."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import chromanoise as cn
+from chromanoise._colour_science import colour_science
+from chromanoise.analysis import better_matrix, mean_total_error, total_errors
+from chromanoise.analysis.operating_point import electrons_at
+from chromanoise.color import scene_xyz
+from chromanoise.rng import stream
+from chromanoise.scene import Scene
+from chromanoise.spectra import colorchecker
+
+DRAWS = 20_000
+
+
+def outcome(name, **settings):
+    (one,) = cn.analyze(name, **settings).outcomes
+    return one.analysis
+
+
+def lab_of(xyz, white):
+    return colour_science().XYZ_to_Lab(xyz / white, np.array([1.0, 1.0]) / 3)
+
+
+@pytest.mark.parametrize("sensor", ["onyx-rgb-ircut", "onyx-rgbw"])
+def test_the_total_error_is_the_root_mean_square_distance_of_draws_to_the_true_color(sensor):
+    analysis = outcome(sensor, lux=300.0, time_ms=12.0 / 30, prnu=0.01)
+    point, matrix = analysis.point, analysis.matrix.matrix
+    chart = colorchecker(point.sensor.grid).values.T
+    scene = Scene(illuminant=point.illuminant, level_lux=point.level_lux, reflectance=chart)
+    white = Scene(
+        illuminant=point.illuminant, level_lux=point.level_lux, reflectance=np.ones(chart.shape[1])
+    )
+    true = lab_of(scene_xyz(scene), scene_xyz(white))
+    own_white = matrix @ electrons_at(point)
+    rng = stream(3, 1)
+    mean = electrons_at(point, reflectance=chart)
+    gain = 1 + 0.01 * rng.standard_normal((DRAWS, *mean.shape))
+    drawn = rng.poisson(mean * gain) + 10.0 * rng.standard_normal(gain.shape)
+    lab = lab_of(drawn @ matrix.T, own_white)
+    square = ((lab - true) ** 2).sum(axis=-1)
+    expected, error = square.mean(axis=0), square.std(axis=0) / np.sqrt(DRAWS)
+    own = total_errors(point, analysis.matrix)
+    bright = mean.min(axis=-1) > 30  # below, counts are not normal
+    z = (own.total**2 - expected) / error
+    assert bright.sum() >= 20
+    assert (np.abs(z[bright]) < 5).all()
+    np.testing.assert_allclose(own.total**2, own.bias**2 + own.noise**2, rtol=1e-12)
+
+
+def test_with_much_light_the_total_error_is_the_color_error_without_noise():
+    names = {"lux": 1e4, "time_ms": 1000.0, "full_well_e": 1e12}
+    analysis = outcome("onyx-rgb-ircut", **names)
+    assert mean_total_error(analysis) == pytest.approx(10.312, abs=0.01)  # `color_error_mean`
+
+
+def test_a_black_level_error_adds_to_the_total_error_and_not_to_the_noise():
+    plain, wrong = (outcome("onyx-rgb-ircut", lux=10, black_error_e=b) for b in (0.0, 100.0))
+    before, after = (total_errors(one.point, one.matrix) for one in (plain, wrong))
+    assert after.bias[-1] > before.bias[-1] + 2  # the black patch, which is tinted
+    assert after.noise.mean() == pytest.approx(before.noise.mean(), rel=0.2)
+    assert cn.analyze("onyx-rgb-ircut", lux=10, black_error_e=100.0).color_snr_db() == (
+        cn.analyze("onyx-rgb-ircut", lux=10).color_snr_db()
+    )
+
+
+def test_where_noise_exceeds_50_a_better_matrix_is_named():
+    dark = outcome("onyx-rgbw", lux=0.05, time_ms=12.0)
+    name, error = better_matrix(dark)
+    assert error == pytest.approx(
+        mean_total_error(outcome("onyx-rgbw", lux=0.05, time_ms=12.0, matrix=name)), rel=1e-12
+    )
+    assert error < mean_total_error(dark)
+    assert better_matrix(outcome("onyx-rgbw", lux=10)) is None
+
+
+def test_a_saturated_sensor_has_no_total_error():
+    analysis = outcome("onyx-rgbw", lux=10, time_ms=12.0)
+    point = replace(analysis.point, level_lux=100.0)
+    assert total_errors(point, analysis.matrix) is None

@@ -1,0 +1,162 @@
+"""Color matrices from files: what is written is read, and a strange file is refused."""
+
+import json
+import struct
+
+import numpy as np
+import pytest
+import tifffile
+
+import chromanoise as cn
+from chromanoise.io.given_matrices import is_matrix_file, read_matrix
+from outcomes import refused_input
+
+SENSOR = "onyx-rgb-ircut"
+
+
+@pytest.fixture
+def exported(tmp_path, run):
+    def written(ending, *options):
+        path = tmp_path / f"m.{ending}"
+        code, _, err = run("matrix", SENSOR, "--lux", "10", *options, "--export", str(path))
+        assert code == 0, err
+        return path
+
+    return written
+
+
+def first(matrix, **settings):
+    return cn.analyze(SENSOR, lux=10, matrix=matrix, **settings).to_dict()["sensors"][0]
+
+
+@pytest.mark.parametrize("ending", ["csv", "json"])
+def test_a_matrix_in_lux_per_electron_comes_back_to_the_last_digit(exported, ending):
+    path = exported(ending, "--matrix", "lmmse")
+    again, made = first(str(path)), first("lmmse")
+    assert again["matrix"] == made["matrix"]
+    assert again["color"]["snr_db"] == made["color"]["snr_db"]
+
+
+@pytest.mark.parametrize("ending", ["clf", "dcp.json"])
+def test_a_balanced_matrix_comes_back_to_the_last_digit(exported, ending):
+    own = json.loads(exported("json").read_text())["balanced"]
+    read = read_matrix(exported(ending))
+    assert read.values.tolist() == own
+    assert first(str(exported(ending)))["color"]["snr_db"]["Y"] == pytest.approx(
+        first("kernel")["color"]["snr_db"]["Y"], abs=1e-9
+    )
+
+
+def test_a_matrix_made_for_another_time_gives_the_same_colors(exported):
+    path = exported("csv", "--time-ms", "20")
+    short = first(str(path), time_ms=10.0)
+    assert short["color"]["mean_lux"] == pytest.approx(
+        first("kernel", time_ms=10.0)["color"]["mean_lux"], rel=1e-12
+    )
+
+
+def test_a_row_normalized_matrix_to_srgb_keeps_white(tmp_path):
+    # identity on white-balanced raw: the white is the white of sRGB, so X, Y, Z of the light
+    path = tmp_path / "isp.csv"
+    path.write_text("to linear sRGB,R,G,B\nR,1,0,0\nG,0,1,0\nB,0,0,1\n")
+    lux = first(str(path))["color"]["mean_lux"]
+    white = cn.color.scene_xyz(cn.exposure.white_scene(cn.analyze(SENSOR, lux=10).points[0]))
+    assert list(lux.values()) == pytest.approx(white.tolist(), rel=2e-4)  # sRGB's published digits
+
+
+def test_columns_in_another_order_are_put_in_that_of_the_sensor(exported, tmp_path):
+    rows = [line.split(",") for line in exported("csv").read_text().splitlines() if line[0] != "#"]
+    swapped = tmp_path / "swapped.csv"
+    swapped.write_text("\n".join(",".join([r[0], r[3], r[1], r[2]]) for r in rows))
+    own = first(str(exported("csv")))["matrix"]
+    assert first(str(swapped))["matrix"] == own
+
+
+def tiff_profile(matrix, kelvin_code=21, order="<"):
+    """The smallest DCP: ColorMatrix1 as signed rationals, and its illuminant."""
+    numbers = [round(v * 10_000) for v in np.ravel(matrix)]
+    data = b"".join(struct.pack(order + "ii", n, 10_000) for n in numbers)
+    entries = struct.pack(order + "HHII", 50721, 10, len(numbers), 38)
+    entries += struct.pack(order + "HHIHH", 50778, 3, 1, kelvin_code, 0)
+    magic = b"IIRC" if order == "<" else b"MMCR"
+    head = magic + struct.pack(order + "I", 8) + struct.pack(order + "H", 2) + entries
+    return head + struct.pack(order + "I", 0) + data
+
+
+@pytest.mark.parametrize("order", "<>")
+def test_the_matrix_of_a_dcp_is_inverted_and_scaled_to_the_luminance_of_the_white(tmp_path, order):
+    matrix = [[0.9, -0.3, -0.05], [-0.4, 1.2, 0.2], [-0.05, 0.15, 0.6]]
+    path = tmp_path / "a.dcp"
+    path.write_bytes(tiff_profile(matrix, order=order))
+    read = read_matrix(path)
+    assert read.values.tolist() == matrix
+    assert read.kelvin == 6504
+    told = first(str(path))
+    assert told["color"]["mean_lux"]["Y"] == pytest.approx(10.0, rel=1e-3)
+    product = np.array(matrix) @ told["matrix"]
+    assert product / product[0, 0] == pytest.approx(np.eye(3), abs=1e-12)
+
+
+def test_the_color_matrix_of_our_dng_is_that_which_tifffile_reads(tmp_path, run):
+    out = tmp_path / "out"
+    words = ("simulate", "builtin:checker", "--sensor", SENSOR, "--mosaic", "bayer", "--raw-only")
+    code, _, err = run(*words, "-o", str(out))
+    assert code == 0, err
+    with tifffile.TiffFile(out / f"{SENSOR}.dng") as file:
+        numbers = np.array(file.pages[0].tags[50721].value).reshape(-1, 2)
+    theirs = (numbers[:, 0] / numbers[:, 1]).reshape(3, 3)
+    own = read_matrix(out / f"{SENSOR}.dng")
+    assert own.values.tolist() == theirs.tolist()
+    made = first("kernel")
+    through_dng = first(str(out / f"{SENSOR}.dng"))
+    assert through_dng["color"]["snr_db"]["Y"] == pytest.approx(
+        made["color"]["snr_db"]["Y"], abs=1e-3
+    )
+
+
+@pytest.mark.parametrize(
+    ("text", "fields"),
+    [
+        ("lx/e-,R,G\nX,1,2\nY,1,2\nZ,1,2\n", {"value": (3, 2)}),
+        ("lx/e-,R,G,W\nX,1,2,3\nY,1,2,3\nZ,1,2,3\n", {"value": ("R", "G", "W")}),
+        ("lx/e-,R,G,B\nL,1,2,3\nM,1,2,3\nS,1,2,3\n", {"value": ["L", "M", "S"]}),
+        ("lx/e-,R,G,B\nX,1,nan,3\nY,1,2,3\nZ,1,2,3\n", {}),
+        ("lx/e-,R,G,B\nX,1,x,3\nY,1,2,3\nZ,1,2,3\n", {}),
+        ("hello", {"value": 1}),
+        ("{}", {"value": []}),
+        ("<a/>", {"value": 0}),
+        ('<!DOCTYPE a [<!ENTITY b "c">]><a/>', {}),
+    ],
+)
+def test_a_file_without_a_matrix_for_the_sensor_is_refused(tmp_path, text, fields):
+    path = tmp_path / "m.csv"
+    path.write_text(text)
+    with refused_input(**fields):
+        first(str(path))
+
+
+def test_a_damaged_profile_and_a_missing_file_are_refused(tmp_path):
+    path = tmp_path / "a.dcp"
+    for cut in (4, 9, 20, 40, 60):
+        path.write_bytes(tiff_profile(np.eye(3))[:cut])
+        with refused_input():
+            first(str(path))
+    with refused_input(value="none.csv"):
+        first("none.csv")
+
+
+def test_the_ending_tells_a_file_from_a_method():
+    assert not any(map(is_matrix_file, cn.analysis.METHODS))
+    assert not is_matrix_file("ridge=0.01")
+
+
+def test_a_study_names_its_matrix_beside_itself(tmp_path, exported, run):
+    path = exported("csv")
+    study = tmp_path / "sub" / "s.toml"
+    study.parent.mkdir()
+    path.rename(study.parent / "m.csv")
+    study.write_text(
+        f'matrices = ["m.csv"]\n[light]\nlevel_lux = 10.0\n[[sensors]]\nname = "{SENSOR}"\n'
+    )
+    code, _, err = run("run", str(study), "-o", str(tmp_path / "out"))
+    assert code == 0, err

@@ -1,0 +1,188 @@
+"""Settings without effect: command, Python, study file and class refuse alike, the page keeps."""
+
+import json
+
+import pytest
+from pydantic import ValidationError
+
+import chromanoise as cn
+from chromanoise.errors import errors_in
+from chromanoise.page.answers import Answers
+from chromanoise.page.services import Services
+from chromanoise.page.studies import Studies
+from chromanoise.page.uploads import Uploads
+from chromanoise.study import (
+    read_study,
+    run_study,
+    study_as_json,
+    study_as_toml,
+    study_from_text,
+    study_hash,
+    study_of_output,
+)
+from chromanoise.study.document import KEEP_IDLE, without_idle_settings
+from outcomes import refused_input
+
+ONE = [{"name": "onyx-rgbw"}]
+TIMES = {"vary": "time-ms", "first": 1.0, "last": 20.0}
+NOISES = {"vary": "read-noise-e", "first": 1.0, "last": 9.0}
+NO_ANALYSES = {"analyses": False}
+TRAINED = "must be given only with a trained matrix, as lmmse"
+REFUSED = [
+    (
+        ("analyze", {"time_ms": 3.0, "saturate": 0.5}, "--time-ms 3 --saturate 0.5"),
+        {"exposure": {"time_ms": 3.0, "saturate": 0.5}},
+        ("must not be given with a share of full well, from which the time is solved", 3.0),
+        "exposure.time_ms",
+    ),
+    (  # the default, given
+        ("analyze", {"time_ms": 3.0, "saturate": 0.99}, "--time-ms 3 --saturate 0.99"),
+        {"exposure": {"time_ms": 3.0, "saturate": 0.99}},
+        ("must not be given with a share of full well, from which the time is solved", 3.0),
+        "exposure.time_ms",
+    ),
+    (
+        ("analyze", {"prior": "chart"}, "--prior chart"),
+        {"prior": "chart"},
+        (TRAINED, "chart"),
+        "prior",
+    ),
+    (
+        ("compare", {"prior": "all"}, "--prior all"),
+        {"sweeps": [{"vary": "lux", "first": 1.0, "last": 2.0, "all_priors": True}]},
+        (TRAINED, True),
+        "sweeps.0.all_priors",
+    ),
+    (
+        ("compare", {**TIMES, "time_ms": 5.0}, "--sweep time-ms=1:20 --time-ms 5"),
+        {"exposure": {"time_ms": 5.0}, "sweeps": [TIMES], "outputs": NO_ANALYSES},
+        ("must not be given where it varies", 5.0),
+        "exposure.time_ms",
+    ),
+    (
+        ("compare", {**NOISES, "read_noise_e": 5.0}, "--sweep read-noise-e=1:9 --read-noise-e 5"),
+        {
+            "sensors": [{"name": "onyx-rgbw", "pixel": {"read_noise_e": 5.0}}],
+            "sweeps": [NOISES],
+            "outputs": NO_ANALYSES,
+        },
+        ("must not be given where it varies", 5.0),
+        "sensors.0.pixel.read_noise_e",
+    ),
+]
+
+
+def fields(errors):
+    return [(one.requirement, one.value, one.setting) for one in errors]
+
+
+@pytest.mark.parametrize(("call", "data", "refusal", "key"), REFUSED, ids=lambda one: str(one)[:40])
+def test_a_setting_without_effect_is_refused_alike_by_every_entrance(
+    call, data, refusal, key, run, here
+):
+    function, settings, words = call
+    expected = [(*refusal, key)]
+    with pytest.raises(cn.InputError) as caught:
+        getattr(cn, function)("onyx-rgbw", **settings)
+    assert fields(errors_in(caught.value)) == expected
+    assert fields(run(function, "onyx-rgbw", *words.split()).errors) == expected
+    data = {"sensors": ONE} | data
+    with pytest.raises(cn.InputError) as caught:
+        cn.study_from_data(data)
+    assert fields(errors_in(caught.value)) == expected
+    assert [one.subject for one in errors_in(caught.value)] == [key.rpartition(".")[2]]
+    with pytest.raises(ValidationError) as refused:
+        cn.Study(**data)
+    (told,) = refused.value.errors()
+    assert told["ctx"]["error"].requirement == refusal[0]
+    # the page keeps it for the next change of a control; what runs is without it
+    kept = cn.Study.model_validate(data, context=KEEP_IDLE)
+    share = "[exposure]\nsaturate = 0.99\n" if "0.99" in str(data) else ""  # a default
+    text = study_as_toml(kept).replace("[exposure]\n", share) if share else study_as_toml(kept)
+    (here / "s.toml").write_text(text)
+    with pytest.raises(cn.InputError) as caught:
+        read_study(here / "s.toml")
+    assert fields(errors_in(caught.value)) == expected
+    runs = without_idle_settings(kept)
+    assert cn.study_from_data(json.loads(runs.model_dump_json(exclude_defaults=True))) == runs
+
+
+@pytest.mark.parametrize(
+    "data",
+    [
+        {"exposure": {"time_ms": 5.0}, "sweeps": [TIMES]},  # also of the analyses
+        {
+            "exposure": {"time_ms": 5.0},
+            "sweeps": [TIMES, {"vary": "lux", "first": 1.0, "last": 2.0}],
+            "outputs": NO_ANALYSES,
+        },
+        {"exposure": {"time_ms": 5.0}, "sweeps": [TIMES], "pictures": [{}], "outputs": NO_ANALYSES},
+        {"prior": "chart", "matrices": ["kernel", "ridge=0.01"]},
+        {"prior": "chart", "outputs": {"matrix": True, "pareto": {"first": 1.0, "last": 2.0}}},
+    ],
+    ids=str,
+)
+def test_a_setting_that_one_step_uses_is_accepted(data):
+    study = cn.study_from_data({"sensors": ONE} | data)
+    assert without_idle_settings(study) is study
+
+
+def test_the_page_keeps_what_another_control_put_out_of_effect():
+    data = {
+        "sensors": ONE * 2,
+        "prior": "chart",
+        "exposure": {"time_ms": 3.0, "saturate": 0.5},
+    }
+    uploads = Uploads()
+    try:
+        answers = Answers(Studies(uploads))
+        told = json.loads(answers.answer({"study": data, "want": ["head"]}))
+        assert [one["time_ms"] for one in told["parts"]["head"]["sensors"]] == [3.0, 3.0]
+        copied = study_from_text(answers.texts({"study": data})["toml"], source="copied")
+        assert (copied.prior, copied.exposure.saturate) == ("chart-nir", 0.99)
+        assert told["hash"] == study_hash(copied)
+        # the initial study has all defaults
+        served = study_as_json(cn.study_from_data({"sensors": ONE, "exposure": {"time_ms": 3.0}}))
+        assert Services(uploads, study=served)
+        assert json.loads(answers.answer({"study": served, "want": []}))["parts"] == {}
+    finally:
+        uploads.close()
+
+
+def test_the_record_of_a_run_has_all_defaults_and_is_run_again(here):
+    study = cn.study_from_data({"sensors": ONE, "exposure": {"time_ms": 3.0}})
+    run_study(study, here / "out")
+    again = study_of_output(here / "out")
+    assert again == study
+    run_study(again, here / "again")
+    assert (here / "again" / "study.json").exists()
+
+
+@pytest.mark.parametrize(
+    ("data", "setting", "value"),
+    [
+        ({"metric": "photons"}, "metric", "photons"),
+        ({"prior": "all"}, "prior", "all"),
+        ({"matrices": ["kernel", "kernl"]}, "matrices.1", "kernl"),
+        ({"matrices": ["ridge=-1"]}, "matrices.0", -1.0),
+        ({"matrices": ["ridge"]}, "matrices.0", "ridge"),
+        ({"sweeps": [TIMES | {"vary": "time"}]}, "sweeps.0.vary", "time"),
+        ({"sweeps": [TIMES | {"quantity": "snr"}]}, "sweeps.0.quantity", "snr"),
+        ({"outputs": {"space": "nonsense"}}, "outputs.space", "nonsense"),
+        ({"pictures": [{"mosaic": "bayer", "demosaic": "x"}]}, "pictures.0.demosaic", "x"),
+        ({"pictures": [{"formats": ["png", "jpg"]}]}, "pictures.0.formats.1", "jpg"),
+        ({"light": {"level_lux": 1e16}}, "light.level_lux", 1e16),
+        ({"exposure": {"time_ms": 1e-13}}, "exposure.time_ms", 1e-13),
+        ({"exposure": {"f_number": 1e-3}}, "exposure.f_number", 1e-3),
+        ({"exposure": {"saturate": 1e-10}}, "exposure.saturate", 1e-10),
+    ],
+    ids=str,
+)
+def test_a_study_built_in_python_is_checked_when_it_is_built(data, setting, value):
+    with pytest.raises(ValidationError) as refused:
+        cn.Study(sensors=ONE, **data)
+    told = refused.value.errors()[0]  # a list without its only entry is too short as well
+    assert ".".join(map(str, told["loc"])) == setting
+    assert told["ctx"]["error"].value == value
+    with refused_input(setting_name=setting.split(".")[-1 - setting[-1].isdigit()], value=value):
+        cn.study_from_data({"sensors": ONE} | data)
