@@ -307,6 +307,16 @@ OTHER = {
     "space": "lab",
     "matrix": True,
     "pareto": ParetoPart(first=1.0, last=2.0),
+    "run": True,
+    "white_balance": "D65",
+    "white_balance_pixels": 9,
+    "exposure_gain": 0.5,
+    "saturation": 1.5,
+    "tone": "linear",
+    "luma": "bt601",
+    "iso": (200.0,),
+    "base_iso": 50.0,
+    "iso_read_noise_e": (1.0,),
     "cube": "builtin:checker",
 }
 FULL = Study(
