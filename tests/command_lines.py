@@ -78,6 +78,7 @@ VALUES = {  # by the name of an option or argument; a command's own as "command.
     "dsnu_e": ["1"],
     "prnu": ["0.01"],
     "row_noise_e": ["1"],
+    "binning": ["1", "4"],
     "formats": ["png", "png,xyz", "raw,dng", "exr"],
     "key": ["data"],
     "shape": ["4x5"],
