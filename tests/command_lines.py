@@ -92,6 +92,7 @@ VALUES = {  # by the name of an option or argument; a command's own as "command.
     "black_error_e": ["-2", "5"],
     "gain_dn_per_e": ["0.5"],
     "crosstalk": ["0.1", "0", "mix.csv"],
+    "binning": ["1", "4"],
     "formats": ["png", "png,xyz", "raw,dng", "exr"],
     "key": ["data"],
     "shape": ["4x5"],

@@ -314,6 +314,8 @@ OTHER = {
     "dark_reference_c": 30.0,
     "dark_doubling_k": 6.0,
     "gain_dn_per_e": 0.5,
+    "binning": 4,
+    "binning_mode": "digital",
     "crosstalk": 0.1,
     "crosstalk_stage": "charge",
     "analyses": False,
