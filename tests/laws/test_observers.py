@@ -20,6 +20,8 @@ from chromanoise.analysis import (
 from chromanoise.analysis.comparison.quantities import QUANTITIES, color_error, color_errors
 from chromanoise.analysis.priors import training_named
 from chromanoise.catalog import sensor_named
+from chromanoise.charts import drawing
+from chromanoise.charts.charted_study import shown
 from chromanoise.charts.vectors import color_frame
 from chromanoise.color import kernel_matrix, least_squares, nir_diverse, scene_xyz
 from chromanoise.color.training import training_response
@@ -252,6 +254,21 @@ def test_a_result_for_another_observer_has_a_note_and_one_for_cie_1931_has_none(
     other = diagnosis(analyzed(white, sensor, EYE_EXPOSURE, observer="cie-2015-10"))
     assert not any("observer" in note for note in usual)
     assert sum("cie-2015-10" in note for note in other) == 1
+
+
+@pytest.mark.parametrize("observer", OTHERS)
+def test_the_lmmse_matrix_lies_on_the_curve_of_its_observer(observer):
+    study = cn.study_from_data(
+        {
+            "sensors": [{"name": "model-rgb-ircut"}],
+            "matrices": ["lmmse"],
+            "observer": observer,
+        }
+    )
+    (sensor,) = drawing("pareto", shown(study))["sensors"]
+    (on_curve,) = [point for point in sensor["points"] if point["weight"] == pytest.approx(1.0)]
+    for name, value in sensor["now"].items():
+        assert value == pytest.approx(on_curve[name], rel=1e-9)
 
 
 def test_a_fit_does_not_mix_observers():

@@ -10,7 +10,7 @@ from chromanoise.analysis import DEFAULT_METHOD, PRIORS, known_matrices
 from chromanoise.cli.answers import about_sensors, pair_of
 from chromanoise.exposure import EQUAL_TERMS
 from chromanoise.io.spectra.parsed import Unit
-from chromanoise.sensor import MOSAIC_NAMES
+from chromanoise.sensor import MOSAIC_NAMES, BinningMode
 from chromanoise.spectra import METRICS
 from chromanoise.study import (
     FUNCTIONS,
@@ -185,6 +185,19 @@ _SHARED = (
         help="Error of the subtracted black level [e-]; biases every reading and tints shadows.",
     ),
     click.option("--gain-dn-per-e", type=float, help="Gain K of the converter [DN/e-]."),
+    click.option(
+        "--binning",
+        type=WHOLE,
+        metavar="N",
+        help="Pixels of one channel that are summed, e.g. 4 for 2 x 2; the other values stay those "
+        "of one pixel.",
+    ),
+    click.option(
+        "--binning-mode",
+        type=click.Choice(get_args(BinningMode)),
+        help="charge: the sum is read once. digital: each pixel is read, and the readings are "
+        "summed. [default: charge]",
+    ),
     click.option(
         "--crosstalk",
         type=_NumberOrFile(),

@@ -330,7 +330,7 @@ def training_color_error(
     Parameters
     ----------
     matrix
-        A color matrix of that sensor.
+        A color matrix of that sensor; the true colors are those of its observer.
     level_lux
         Illuminance on the set. [lx]
 
@@ -339,6 +339,7 @@ def training_color_error(
     InputError
         If set and sensor have different grids.
     """
+    training = replace(training, observer=matrix.observer)
     seen = training_response(training, sensor, exposure, level_lux=level_lux)
     return _mean_delta_e(seen, matrix.matrix[None])[0]
 

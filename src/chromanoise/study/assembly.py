@@ -25,6 +25,7 @@ from chromanoise.sensor import (
     behind_ir_cut,
     crosstalk_of_share,
     mosaic_named,
+    with_binning,
     with_crosstalk,
     with_shifted_curves,
 )
@@ -296,6 +297,9 @@ def sensor_of(part: SensorPart, *, key: str = "sensors.0", given: Given = NOTHIN
             sensor = on_pixel(given.sensors[part.name], **pixel)
         else:
             sensor = sensor_with_pixel(part.name, answers=_answers(part), **pixel)
+    if part.pixel.binning is not None:
+        with keyed(f"{key}.pixel.binning"):
+            sensor = with_binning(sensor, part.pixel.binning, part.pixel.binning_mode or "charge")
     sensor = with_shifted_curves(sensor, part.shift_nm)
     if part.filter is not None:
         answers = Answers(
@@ -312,7 +316,7 @@ def sensor_of(part: SensorPart, *, key: str = "sensors.0", given: Given = NOTHIN
 
 def _pixel_changes(part: PixelPart) -> dict[str, Any]:
     """The changes as `sensor_with_pixel` takes them; a gain K in DN/e- becomes e-/DN."""
-    changes = part.model_dump(exclude={"gain_dn_per_e"})
+    changes = part.model_dump(exclude={"gain_dn_per_e", "binning", "binning_mode"})
     if part.gain_dn_per_e is not None:
         changes["gain_e_per_dn"] = 1 / part.gain_dn_per_e
     return changes

@@ -203,7 +203,7 @@ def _candidate(function: str, study: Study) -> Call | None:
 
 def _settings(study: Study, base: Study, names: Mapping[str, tuple[str, ...]]) -> dict[str, Any]:
     """The settings in which a study differs from that of the call without settings."""
-    found = {}
+    found: dict[str, Any] = {}
     for name, keys in names.items():
         if name in PER_SENSOR:
             own = [getattr(one, keys[0].rpartition(".")[2]) for one in study.sensors]

@@ -34,7 +34,7 @@ from chromanoise.imaging.capture import FORMATS, MOST_FRAMES
 from chromanoise.io.given_matrices import is_matrix_file
 from chromanoise.io.spectra.parsed import Negatives, Unit
 from chromanoise.scene import BUILTIN_CUBES
-from chromanoise.sensor import MOSAIC_NAMES
+from chromanoise.sensor import MOSAIC_NAMES, MOST_BINNING, BinningMode
 from chromanoise.spectra import DEFAULT_OBSERVER, METRICS, OBSERVERS, Illuminant
 
 MOST_SENSORS = 1000
@@ -166,6 +166,25 @@ class PixelPart(_Part):
     gain_dn_per_e: Positive | None = Field(
         None, description="Gain K of the converter [DN/e-]; default: full well at the top code."
     )
+    binning: Annotated[int, Field(ge=1, le=MOST_BINNING)] | None = Field(
+        None, description="Pixels of one channel that are summed, e.g. 4 for 2 x 2."
+    )
+    binning_mode: BinningMode | None = Field(
+        None,
+        description="charge: one reading of the sum (default); digital: as many readings, summed.",
+    )
+
+    @model_validator(mode="after")
+    def _mode_of_binning(self) -> "PixelPart":
+        if self.binning_mode is not None and self.binning in (None, 1):
+            raise InputError(
+                "binning_mode",
+                "must be given only with binning of 2 pixels or more",
+                value=self.binning_mode,
+                found="there is none" if self.binning is None else "binning is 1",
+                remedy=(Setting("binning"), "omit binning_mode"),
+            )
+        return self
 
 
 class AnswersPart(_Part):

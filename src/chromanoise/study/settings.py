@@ -63,6 +63,8 @@ class SharedSettings(TypedDict, total=False):
     black_error_e: Annotated[float, "sensors.*.pixel.black_error_e"]
     bits: Annotated[int, "sensors.*.pixel.bits"]
     gain_dn_per_e: Annotated[float, "sensors.*.pixel.gain_dn_per_e"]
+    binning: Annotated[int, "sensors.*.pixel.binning"]
+    binning_mode: Annotated[Literal["charge", "digital"], "sensors.*.pixel.binning_mode"]
     crosstalk: Annotated[float | str | Path, "sensors.*.crosstalk"]
     crosstalk_stage: Annotated[Literal["light", "charge"], "sensors.*.crosstalk_stage"]
     mosaic: Annotated[str, "sensors.*.mosaic"]
