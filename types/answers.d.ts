@@ -28,6 +28,7 @@ export interface SensorPart {
   pixel?: Pixel;
   filter?: string | null;
   ircut_nm?: number;
+  label?: string;
   shift_nm?: number;
   beyond?: string;
   answers?: { peak_qe?: number; level?: string; [key: string]: unknown };

@@ -1,5 +1,6 @@
 """Angles between the axes of color: the eye's own noise geometry (docs/numbers.md)."""
 
+import colour
 import numpy as np
 import pytest
 
@@ -49,3 +50,39 @@ def test_a_lumen_at_555_nm_costs_a_683rd_of_a_watt_and_4_1e15_photons():
     lux_per_photon = color_axes(CIE, "quanta")[at, 1]  # of photons s-1 um-2 nm-1
     assert lux_per_watt == pytest.approx(683.002, rel=1e-6)
     assert lux_per_photon / 1e12 == pytest.approx(683.002 * 3.5792e-19, rel=2e-5)
+
+
+@pytest.mark.parametrize(
+    ("observer", "theirs", "energy", "quanta"),
+    [
+        (
+            "cie-1964-10",
+            "CIE 1964 10 Degree Standard Observer",
+            [37.842, 74.942, 83.015],
+            [40.017, 70.291, 82.160],
+        ),
+        (
+            "cie-2015-2",
+            "CIE 2015 2 Degree Standard Observer",
+            [38.638, 76.345, 84.695],
+            [40.678, 71.924, 84.032],
+        ),
+        (
+            "cie-2015-10",
+            "CIE 2015 10 Degree Standard Observer",
+            [38.023, 74.830, 82.859],
+            [40.169, 70.130, 81.881],
+        ),
+    ],
+)
+def test_angles_between_the_axes_of_other_observers(observer, theirs, energy, quanta):
+    table = colour.MSDS_CMFS[theirs]
+    for metric, printed in (("energy", energy), ("quanta", quanta)):
+        per_unit = table.values / (table.wavelengths[:, None] if metric == "quanta" else 1.0)
+        unit = per_unit / np.linalg.norm(per_unit, axis=0)
+        cosines = [unit[:, i] @ unit[:, j] for i, j in ((0, 1), (0, 2), (1, 2))]
+        h = color_axes(CIE, metric, observer)
+        frame = dual_frame(h, names=("x", "y", "z"), metric=metric)
+        angles = angles_between_deg(frame)[[0, 0, 1], [1, 2, 2]]
+        assert angles == pytest.approx(np.degrees(np.arccos(cosines)), abs=1e-6)
+        assert angles == pytest.approx(printed, abs=6e-4)

@@ -32,6 +32,7 @@ from chromanoise.study.document import (
     OutputsPart,
     ParetoPart,
     PicturePart,
+    PipelinePart,
     PixelPart,
     SensorPart,
     SweepPart,
@@ -129,6 +130,17 @@ def studies():
         quantity=st.just("snr-y"),
         all_priors=st.booleans(),
     )
+    pipelines = st.builds(
+        PipelinePart,
+        run=st.just(True),
+        white_balance=st.sampled_from(["gray", "illuminant", "A", (2.0, 1.0, 1.5)]),
+        exposure_gain=positive,
+        saturation=st.floats(0.0, 3.0),
+        tone=st.sampled_from(["srgb", "linear"]) | st.floats(0.1, 10.0),
+        luma=st.sampled_from(["bt709", "bt601"]),
+        iso=st.lists(st.floats(100.0, 1e5), min_size=1, max_size=3).map(tuple),
+        base_iso=st.floats(10.0, 100.0),
+    )
     outputs = st.builds(
         OutputsPart,
         analyses=st.booleans(),
@@ -136,6 +148,7 @@ def studies():
         space=st.sampled_from([None, "lab"]),
         matrix=st.just(True),
         pareto=maybe() | st.builds(ParetoPart, first=positive, last=positive),
+        pipeline=st.just(PipelinePart()) | pipelines,
     )
     return st.builds(
         Study,
@@ -246,6 +259,7 @@ OTHER = {
     "schema_number": None,  # there is one schema
     "title": "t",
     "metric": "energy",
+    "observer": "cie-1964-10",
     "seed": 5,
     "matrices": ("lmmse",),
     "prior": "chart",
@@ -300,6 +314,8 @@ OTHER = {
     "dark_reference_c": 30.0,
     "dark_doubling_k": 6.0,
     "gain_dn_per_e": 0.5,
+    "binning": 4,
+    "binning_mode": "digital",
     "crosstalk": 0.1,
     "crosstalk_stage": "charge",
     "analyses": False,
@@ -309,6 +325,16 @@ OTHER = {
     "space": "lab",
     "matrix": True,
     "pareto": ParetoPart(first=1.0, last=2.0),
+    "run": True,
+    "white_balance": "D65",
+    "white_balance_pixels": 9,
+    "exposure_gain": 0.5,
+    "saturation": 1.5,
+    "tone": "linear",
+    "luma": "bt601",
+    "iso": (200.0,),
+    "base_iso": 50.0,
+    "iso_read_noise_e": (1.0,),
     "cube": "builtin:checker",
 }
 FULL = Study(

@@ -12,16 +12,19 @@ from chromanoise.color import (
     cie1976_difference,
     srgb_from_xyz,
 )
-from chromanoise.scene import Scene, light
+from chromanoise.scene import Scene, flat_field, light
 from chromanoise.spectra import (
     DEFAULT_GRID,
+    OBSERVERS,
     Grid,
     black_body,
     cie_1931,
     cie_a,
     cie_illuminant,
     color_axes,
+    color_matching_functions,
     colorchecker,
+    equal_energy,
     illuminant_named,
     is_light_name,
 )
@@ -29,7 +32,12 @@ from chromanoise.spectra.tables import packaged_table
 
 D65 = colour.CCS_ILLUMINANTS["CIE 1931 2 Degree Standard Observer"]["D65"]
 D65_WHITE = np.array([0.95047, 1.0, 1.08883])
-OBSERVER = colour.MSDS_CMFS["CIE 1931 2 Degree Standard Observer"]
+THEIR_OBSERVERS = {
+    "cie-1931-2": colour.MSDS_CMFS["CIE 1931 2 Degree Standard Observer"],
+    "cie-1964-10": colour.MSDS_CMFS["CIE 1964 10 Degree Standard Observer"],
+    "cie-2015-2": colour.MSDS_CMFS["CIE 2015 2 Degree Standard Observer"],
+    "cie-2015-10": colour.MSDS_CMFS["CIE 2015 10 Degree Standard Observer"],
+}
 CIE = Grid.uniform(360, 830, 1)
 CIE_SHAPE = colour.SpectralShape(360, 830, 1)
 
@@ -105,12 +113,42 @@ def test_a_tabulated_lamp_keeps_its_shape(name):
     assert ours / ours.sum() == pytest.approx(theirs / theirs.sum(), rel=1e-9)
 
 
-def test_the_observer_is_the_table_of_colour_science_to_the_last_digit():
-    table = packaged_table("cie_1931")
-    assert table.names == ("x", "y", "z")
-    assert np.array_equal(table.wavelength_nm, OBSERVER.wavelengths)
-    assert np.array_equal(table.values, OBSERVER.values)
-    assert cie_1931(CIE).values == pytest.approx(OBSERVER.values, abs=1e-12)
+def test_every_observer_is_the_table_of_colour_science_to_the_last_digit():
+    assert list(OBSERVERS) == list(THEIR_OBSERVERS)
+    for name, theirs in THEIR_OBSERVERS.items():
+        table = packaged_table(OBSERVERS[name])
+        assert table.names == ("x", "y", "z")
+        assert np.array_equal(table.wavelength_nm, theirs.wavelengths)
+        assert np.array_equal(table.values, theirs.values)
+
+
+@pytest.mark.parametrize("name", OBSERVERS)
+def test_an_observer_is_zero_outside_of_its_table(name):
+    theirs = THEIR_OBSERVERS[name]
+    wide = Grid.uniform(350, 850, 1)
+    functions = color_matching_functions(wide, name).values
+    inside = np.isin(wide.wavelength_nm, theirs.wavelengths)
+    assert functions[inside] == pytest.approx(theirs.values, abs=1e-12)
+    assert not functions[~inside].any()
+
+
+def test_the_default_observer_is_cie_1931():
+    assert np.array_equal(cie_1931(CIE).values, color_matching_functions(CIE).values)
+    assert cie_1931(CIE).values == pytest.approx(THEIR_OBSERVERS["cie-1931-2"].values, abs=1e-12)
+
+
+@pytest.mark.parametrize("lamp", ["A", "D65", "E"])
+@pytest.mark.parametrize("name", OBSERVERS)
+def test_the_white_points_of_every_observer_are_those_of_colour_science(name, lamp):
+    first = int(THEIR_OBSERVERS[name].shape.start)
+    grid = Grid.uniform(first, 780, 5)
+    ours = equal_energy(grid) if lamp == "E" else illuminant_named(lamp, grid)
+    xyz = light(flat_field(ours, level_lux=1.0), "energy") @ color_axes(grid, "energy", name)
+    shape = colour.SpectralShape(first, 780, 5)
+    theirs = colour.colorimetry.sd_to_XYZ_integration(
+        colour.SDS_ILLUMINANTS[lamp].copy().align(shape), THEIR_OBSERVERS[name], shape=shape
+    )
+    assert xyz / xyz[1] == pytest.approx(theirs / theirs[1], rel=2e-6)  # A is printed to 6 digits
 
 
 def test_packaged_daylight_is_the_table_of_colour_science_to_the_last_digit():
@@ -148,7 +186,10 @@ def test_xyz_of_measured_reflectances_are_those_of_colour_science(lamp):
     ours_lamp = illuminant_named(lamp, CIE, beyond="zero")
     for patch in ("dark skin", "green", "white 9.5 (.05 D)"):
         sd = chart[patch].copy().align(CIE_SHAPE)
-        theirs = colour.sd_to_XYZ(sd, OBSERVER, illuminant, method="Integration") / 100
+        theirs = (
+            colour.sd_to_XYZ(sd, THEIR_OBSERVERS["cie-1931-2"], illuminant, method="Integration")
+            / 100
+        )
         ours = xyz_of(sd.values, ours_lamp, CIE)[0]
         assert ours == pytest.approx(theirs, abs=1e-4)  # A: a 5 nm table there
 

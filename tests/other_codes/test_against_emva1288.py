@@ -7,14 +7,16 @@ our draws, which it must turn back within their own scatter.
 import numpy as np
 import pytest
 
+from chromanoise.analysis import analyzed as of_white
+from chromanoise.analysis import pipeline_noise
 from chromanoise.exposure import Exposure, expected_electrons
 from chromanoise.metrics import light_for_snr, snr_db
 from chromanoise.noise import Readout, read_moments, sample_electrons, with_noise
 from chromanoise.rng import stream
 from chromanoise.scene import flat_field
-from chromanoise.sensor import Pixel, Sensor
+from chromanoise.sensor import Converter, Pixel, Sensor
 from chromanoise.sensor.photon_transfer import PhotonTransfer, photon_transfer_fit
-from chromanoise.spectra import Grid, Illuminant
+from chromanoise.spectra import Grid, Illuminant, equal_energy
 from chromanoise.units import photons_per_joule
 
 NEEDS = "needs the package emva1288"
@@ -158,6 +160,29 @@ def test_its_threshold_is_our_snr_1_but_for_the_term_that_the_standard_leaves_ou
 
 
 # photon transfer of its own virtual camera
+
+
+def test_its_threshold_and_dynamic_range_are_those_of_an_iso():
+    sensor = Sensor(
+        name="one",
+        grid=Grid.uniform(400, 1050, 5),
+        qe=np.full((131, 1), QE),
+        names=("G",),
+        pixel=PIXEL,
+        converter=Converter(bits=13, gain_e_per_dn=STEP_E),
+    )
+    lamp = equal_energy(sensor.grid)
+    analysis = of_white(flat_field(lamp, level_lux=1.0), sensor, Exposure(time_s=0.002))
+    (iso,) = pipeline_noise(analysis).iso
+    found = analyzed(exact_photon_transfer())
+    assert FULL_WELL_E / 10 ** (iso.emva_dynamic_range_db[0] / 20) == pytest.approx(
+        found.sigma_y_dark / GAIN + 0.5, rel=1e-6
+    )
+    at_full_well = FULL_WELL_E / (QE * found.u_p_sat) * found.DR  # its saturation is a bit lower
+    fitted = found.K / GAIN * found.QE / (100 * QE)  # its gain and efficiency are fits
+    assert 10 ** (iso.emva_dynamic_range_db[0] / 20) == pytest.approx(
+        at_full_well / fitted, rel=1e-3
+    )
 
 
 def reference_run(exposure_ns, *, gain, bits, seed=1):

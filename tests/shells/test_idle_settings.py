@@ -162,6 +162,7 @@ def test_the_record_of_a_run_has_all_defaults_and_is_run_again(here):
     ("data", "setting", "value"),
     [
         ({"metric": "photons"}, "metric", "photons"),
+        ({"observer": "cie-1964"}, "observer", "cie-1964"),
         ({"prior": "all"}, "prior", "all"),
         ({"matrices": ["kernel", "kernl"]}, "matrices.1", "kernl"),
         ({"matrices": ["ridge=-1"]}, "matrices.0", -1.0),

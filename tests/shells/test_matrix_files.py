@@ -30,6 +30,8 @@ def made(name):
         illuminant="E",
         level_lux=10.0,
         time_s=EXPOSURE.time_s,
+        f_number=EXPOSURE.f_number,
+        pitch_um=sensor.pixel.pitch_um,
         matrix=matrix,
         white_e=white_e,
         white_lux=float(matrix.matrix[1] @ white_e),
@@ -51,16 +53,16 @@ def test_the_balanced_matrix_sends_the_balanced_white_to_a_luminance_of_one():
 
 def test_csv_and_json_hold_every_digit(tmp_path):
     told = json.loads(exported(tmp_path, ".json", "onyx-rgbw").read_text())
-    rows = [
-        row
-        for row in csv.reader(exported(tmp_path, ".csv", "onyx-rgbw").read_text().splitlines())
-        if not row[0].startswith("#")
-    ]
+    lines = exported(tmp_path, ".csv", "onyx-rgbw").read_text().splitlines()
+    facts = dict(line[2:].split(": ", 1) for line in lines if line.startswith("#"))
+    rows = list(csv.reader(line for line in lines if not line.startswith("#")))
     ours = made("onyx-rgbw").matrix.matrix
     assert told["matrix_lux_per_e"] == ours.tolist()
     assert rows[0] == ["lx/e-", "R", "G", "B", "W"]
     assert [[float(cell) for cell in row[1:]] for row in rows[1:]] == ours.tolist()
     assert "reconstruction" in told["notes"]
+    for name, value in (("f_number", 1.8), ("pitch_um", 10.0)):
+        assert told[name] == float(facts[name]) == value
 
 
 def test_clf_is_well_formed_and_holds_the_balanced_matrix(tmp_path):

@@ -42,7 +42,7 @@ KEYS = {  # in a study, where it is not the setting's own name in one of these t
         name: name for name in ("equal", "time_ms", "saturate", "f_number", "magnification")
     },
     "outputs": {name: name for name in ("clip", "budget", "chart", "space", "merit")},
-    "": {"metric": "metric", "prior": "prior"},
+    "": {"metric": "metric", "observer": "observer", "prior": "prior"},
 }
 OF_SENSOR = {
     "beyond": ("beyond",),
@@ -131,6 +131,7 @@ VALID = {
     "f_number": maybe(1.4, 8.0),
     "magnification": maybe(0.0, 0.1),
     "metric": maybe("quanta", "energy"),
+    "observer": maybe("cie-1964-10", "cie-2015-2"),
     "pitch_um": maybe(2.4),
     "full_well_e": maybe(4000.0),
     "read_noise_e": maybe(0.0, 2.5),
@@ -184,7 +185,7 @@ TROUBLE = [  # idle, contradictory, impossible or unknown
     *({"filter": "ircut-x"}, {"filter": "ircut-650", "filter_wavelength_unit": "nm"}),
     *({"filter": None, "filter_wavelength_unit": "nm"}, {"pixel": "missing.txt"}),
     *({"pitch_um": 0.0}, {"read_noise_e": -1.0}, {"peak_qe": 2.0}),
-    *({"ircut_nm": 449.0}, {"shift_nm": 201.0}),
+    *({"ircut_nm": 449.0}, {"shift_nm": 201.0}, {"observer": "cie-1964"}),
     {"peak_qe": 0.5, "level": "absolute"},
     *({"per": "photon"}, {"qe_scale": None}, {"beyond": None}),
     *({"clip": True, "budget": True}, {"matrix": "kernel", "prior": "chart"}),
@@ -437,6 +438,13 @@ def test_every_route_gives_the_same_refusal(trouble):
     assert isinstance(routes_agree(asked), Refusal)
 
 
+@pytest.mark.parametrize("matrix", ["kernel", "lmmse"])
+def test_an_observer_is_the_same_by_every_route(matrix):
+    asked = {"sensors": PAIR, "matrix": matrix, "observer": "cie-1964-10", "budget": True}
+    told = routes_agree(capture_settings_of(asked | {"chart": True, "space": "lab"}))
+    assert told["observer"] == "cie-1964-10"
+
+
 @pytest.mark.evidence
 @settings(max_examples=400)
 @given(calls())
@@ -456,6 +464,7 @@ COMPARED = [
     {"vary": "read-noise-e", "first": 0.0, "last": 9.0, "time_ms": 5.0, "quantity": "bound"},
     {"vary": "kelvin", "first": 2000.0, "last": 9000.0, "matrix": "kernel,lmmse", **LIGHT},
     {"vary": "lux", "first": 1.0, "last": 50.0, "matrix": "kernel,lmmse", **NOISY},
+    {"matrix": "kernel,lmmse", "observer": "cie-1964-10"},
     pytest.param({"matrix": "lmmse", "prior": "all"}, marks=pytest.mark.evidence),
     {"vary": "time-ms", "first": 1.0, "last": 20.0, "time_ms": 5.0},
     {"vary": "read-noise-e", "first": 0.0, "last": 9.0, "read_noise_e": 5.0},
@@ -466,6 +475,7 @@ MATRIXED = [
     *({}, {"matrix": "lmmse", "prior": "chart", **LIGHT}, {"matrix": "bounded-psi=6.5"}),
     *({"matrix": "lmmse", **NOISY}, {"pixel": "pixel.txt"}),
     {"pareto_first": 0.1, "pareto_last": 10.0, "pareto_points": 3, "metric": "energy"},
+    {"pareto_first": 0.1, "pareto_last": 10.0, "pareto_points": 3, "observer": "cie-2015-10"},
     {"pareto_first": 10.0, "pareto_last": 0.1, "pareto_points": 3},
     *({"matrix": "ridge=-1"}, {"prior": "chart"}, {"time_ms": 1.0, "saturate": 0.5}),
 ]

@@ -21,6 +21,16 @@ if TYPE_CHECKING:
         lab_budgets,
         missing_lab_budgets,
     )
+    from chromanoise.analysis.camera_pipeline import (
+        BASE_ISO,
+        GainStep,
+        PipelineNoise,
+        PipelineSettings,
+        PipelineStep,
+        WhiteBalanceNoise,
+        pipeline_as_json,
+        pipeline_noise,
+    )
     from chromanoise.analysis.chart_patches import (
         ChartNoise,
         chart_as_json,
@@ -107,6 +117,7 @@ if TYPE_CHECKING:
     )
 
 __all__ = [
+    "BASE_ISO",
     "DEFAULT_METHOD",
     "DEFAULT_PRIOR",
     "METHODS",
@@ -118,6 +129,7 @@ __all__ = [
     "Crossover",
     "CrossoverBand",
     "Curve",
+    "GainStep",
     "GrayNoise",
     "Incomparable",
     "MatrixFunction",
@@ -125,12 +137,16 @@ __all__ = [
     "Merit",
     "Merits",
     "Method",
+    "PipelineNoise",
+    "PipelineSettings",
+    "PipelineStep",
     "Prior",
     "Quantity",
     "Stages",
     "Sweep",
     "TotalError",
     "Viewing",
+    "WhiteBalanceNoise",
     "analyses_as_json",
     "analyzed",
     "band_sentence",
@@ -166,6 +182,8 @@ __all__ = [
     "noise_weights",
     "noisy_color_at",
     "pareto_of",
+    "pipeline_as_json",
+    "pipeline_noise",
     "raw_snr_db",
     "stages_at",
     "swept_values",

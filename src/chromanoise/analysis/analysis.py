@@ -41,7 +41,7 @@ from chromanoise.metrics.snr import LEAST_COLOR
 from chromanoise.noise import Measurement, Readout
 from chromanoise.scene import Scene
 from chromanoise.sensor import Sensor
-from chromanoise.spectra import Metric, color_axes
+from chromanoise.spectra import DEFAULT_OBSERVER, Metric, color_axes, observer_notes
 from chromanoise.units import decibel
 
 _WORTH_TELLING = 1e-3  # share of clipped readouts
@@ -65,13 +65,13 @@ class Analysis:
     temporal_raw
         The raw measurement without fixed-pattern noise (DSNU, PRNU), as from frame to frame.
     matrix
-        The color matrix, by default the kernel matrix; it holds the metric and the frame.
+        The color matrix, by default the kernel matrix; it holds metric, frame and observer.
     saturated
         One per channel. Where it is true, every SNR that uses the channel is undefined.
     expected_e
         Expected electrons per channel, before clipping. [e-]
     truth_xyz
-        X, Y, Z of the scene for the standard observer. [lx]
+        X, Y, Z of the scene for the observer of the matrix. [lx]
     black_share, full_share
         Share of the readouts of each channel that are clipped at black and at full well; 0 without
         clipping.
@@ -119,6 +119,7 @@ class Analysis:
             exposure=self.exposure,
             illuminant=self.scene.illuminant,
             level_lux=self.scene.level_lux,
+            observer=self.matrix.observer,
         )
 
     def __post_init__(self) -> None:
@@ -132,7 +133,7 @@ class Analysis:
         rows = [[f"channel {n}", _db(raw[n]), _db(spectral[n]), ""] for n in raw]
         rows += [[n, "", "", _db(value)] for n, value in color.items()]
         return _notebook.shown(
-            f"{self.sensor.name} at {conditions([self.point])}",
+            f"{self.sensor.label} at {conditions([self.point])}",
             _notebook.table(["SNR [dB]", "raw", "contravariant", "color"], rows),
             notes=diagnosis(self),
         )
@@ -146,6 +147,7 @@ def analyzed(
     *,
     readout: Readout | None = None,
     matrix: ColorMatrix | None = None,
+    observer: str = DEFAULT_OBSERVER,
 ) -> Analysis:
     """Compute every stage of the measurement of one flat patch: eq. 1 to 7.
 
@@ -160,13 +162,15 @@ def analyzed(
     readout
         Clipping and rounding, with exact moments; ``None`` for eq. 7, unclipped.
     matrix
-        Color matrix; ``None`` for the kernel matrix (eq. 6) in ``metric``.
+        Color matrix; ``None`` for the kernel matrix (eq. 6) in ``metric`` and for ``observer``.
+    observer
+        A name from `chromanoise.spectra.OBSERVERS`; unused where a matrix is given, which has one.
 
     Raises
     ------
     InputError
-        If the scene is more than one point or on another grid than the sensor, or the matrix is
-        for other channels.
+        If the scene is more than one point or on another grid than the sensor, the matrix is for
+        other channels, or there is no observer of that name.
     """
     if scene.reflectance.ndim != 1:
         raise InputError(
@@ -176,10 +180,15 @@ def analyzed(
             found=f"has reflectances of shape {scene.reflectance.shape}",
             remedy="analyze one at a time",
         )
+    matrix = kernel_matrix(sensor, exposure, metric, observer) if matrix is None else matrix
     point = OperatingPoint(
-        sensor=sensor, exposure=exposure, illuminant=scene.illuminant, level_lux=scene.level_lux
+        sensor=sensor,
+        exposure=exposure,
+        illuminant=scene.illuminant,
+        level_lux=scene.level_lux,
+        observer=matrix.observer,
     )
-    matrix = kernel_matrix(sensor, exposure, metric) if matrix is None else matrix
+    axes = color_axes(sensor.grid, matrix.metric, matrix.observer)
     at = stages_at(point, matrix, reflectance=scene.reflectance, readout=readout)
     raw, color, frame, clipping = at.raw, at.color, matrix.frame, at.clipping
     none = np.zeros(at.expected_e.shape)
@@ -200,7 +209,7 @@ def analyzed(
         full_share=clipping.full_share if clipping else none,
         vif=variance_inflation(frame),
         between_deg=angles_between_deg(frame),
-        to_axes_deg=angles_to_axes_deg(frame, color_axes(sensor.grid, matrix.metric)),
+        to_axes_deg=angles_to_axes_deg(frame, axes),
         mix=nearest_mix(frame),
         spectral_snr_db=_spectral_snr_db(at),
         optimal_linear_snr_db=defined(float(at.optimal_linear_snr_db)),
@@ -279,7 +288,7 @@ def contravariant_snr_db(analysis: Analysis) -> dict[str, float | None]:
 def color_snr_db(analysis: Analysis) -> dict[str, float | None]:
     """SNR of X, Y and Z; ``None`` where a channel is saturated or there is no signal. [dB]
 
-    A coordinate that is negative, or far smaller than for the standard observer, is not a signal:
+    A coordinate that is negative, or far smaller than for the observer, is not a signal:
     it is an error of a color matrix that does not fit this light.
     """
     return dict(_color_snr_db(analysis))
@@ -296,7 +305,11 @@ def _color_snr_db(analysis: Analysis) -> Mapping[str, float | None]:
 def diagnosis(analysis: Analysis) -> tuple[str, ...]:
     """Warnings about these results: saturation, clipping, channels without signal."""
     sensor = analysis.sensor
-    notes = (*sensor.notes, *analysis.scene.illuminant.notes)
+    notes = (
+        *sensor.notes,
+        *analysis.scene.illuminant.notes,
+        *observer_notes(analysis.matrix.observer),
+    )
     return (*notes, *_channel_notes(analysis), *_color_notes(analysis), *_frame_notes(analysis))
 
 

@@ -79,7 +79,7 @@ def lab_budgets(analysis: Analysis, *, reflectance: float = GRAY) -> tuple[Budge
 
 def missing_lab_budgets(analysis: Analysis, budgets: Sequence[Budget | None]) -> str | None:
     """The reason why `lab_budgets` lacks a coordinate; ``None`` where none is missing."""
-    name = analysis.sensor.name
+    name = analysis.sensor.label
     if analysis.saturated.any():
         return f"{name}: a channel is saturated on the white, so L*, a* and b* have no budget"
     found = zip(LAB.coordinates, budgets, strict=True)

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
@@ -112,7 +113,8 @@ class MatrixMaker:
         training = self._training(operating_point)
         if self.method.over_light is None:
             make = self.method.make
-            return _of_any_light(make, sensor, exposure, training, self.metric, self.parameters)
+            parameters = self._parameters(operating_point)
+            return _of_any_light(make, sensor, exposure, training, self.metric, parameters)
         return self.method.make(
             sensor,
             exposure,
@@ -154,7 +156,13 @@ class MatrixMaker:
     def _training(self, operating_point: OperatingPoint) -> Training | None:
         if not self.method.trained:
             return None
-        return training_named(self.prior, operating_point.illuminant)
+        return training_named(self.prior, operating_point.illuminant, operating_point.observer)
+
+    def _parameters(self, operating_point: OperatingPoint) -> tuple[tuple[str, Any], ...]:
+        """The parameters of the method, with the observer where no training set holds it."""
+        if self.method.trained:
+            return self.parameters
+        return (*self.parameters, ("observer", operating_point.observer))
 
 
 def matrix_makers(
@@ -238,8 +246,8 @@ def given_color_matrix(
     Parameters
     ----------
     operating_point
-        Sensor, exposure and light. A balanced matrix applies to raw over the raw of a perfect white
-        in this light.
+        Sensor, exposure, light and observer. A balanced matrix applies to raw over the raw of a
+        perfect white in this light; X, Y and Z of the file count as those of the observer.
     given
         The matrix of a file.
     metric
@@ -251,7 +259,7 @@ def given_color_matrix(
         If the channels differ, or a channel or the white gives no signal in this light.
     """
     sensor, exposure = operating_point.sensor, operating_point.exposure
-    frame = kernel_matrix(sensor, exposure, metric)
+    frame = kernel_matrix(sensor, exposure, metric, operating_point.observer)
     values = _in_channel_order(given, sensor.names)
     if given.kind == "electrons":
         own = exposure.time_s * sensor.pixel.pitch_um**2 / exposure.f_number**2
@@ -260,7 +268,7 @@ def given_color_matrix(
         return replace(frame, matrix=values * scale, made_by=f"given in {given.source}")
     white = white_scene(operating_point)
     white_e = expected_electrons(white, sensor, exposure)
-    white_lux = scene_xyz(white, metric)
+    white_lux = scene_xyz(white, metric, operating_point.observer)
     for name, electrons in zip(sensor.names, white_e, strict=True):
         if not electrons > 0:
             raise InputError(
@@ -329,7 +337,7 @@ def _of_any_light(
     exposure: Exposure,
     training: Training | None,
     metric: Metric,
-    parameters: tuple[tuple[str, float], ...],
+    parameters: tuple[tuple[str, Any], ...],
 ) -> ColorMatrix:
     """The matrix of one exposure, cached: it is the same at every light level."""
     return make(sensor, exposure, training, level_lux=1.0, metric=metric, **dict(parameters))

@@ -1,5 +1,6 @@
 """Results as plain data for ``json.dumps``; undefined values are ``None``."""
 
+import math
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict
 from typing import Any
@@ -18,6 +19,7 @@ from chromanoise.analysis.analysis import (
 from chromanoise.analysis.budgets import color_budgets, contravariant_budgets, lab_budgets
 from chromanoise.analysis.comparison.crossing import Crossover, crossover_as_json
 from chromanoise.analysis.comparison.curves import Curve
+from chromanoise.analysis.comparison.ranking import Rank, ranked, ranking_as_json
 from chromanoise.analysis.total_error import mean_total_error
 from chromanoise.analysis.undefined import defined
 from chromanoise.metrics import Budget
@@ -30,8 +32,20 @@ def analyses_as_json(analyses: Sequence[Analysis]) -> dict[str, Any]:
         "metric": analyses[0].matrix.metric,
         "illuminant": analyses[0].scene.illuminant.name,
         "level_lux": analyses[0].scene.level_lux,
+        "observer": analyses[0].matrix.observer,
         "sensors": [_analysis(analysis) for analysis in analyses],
+        "ranking": ranking_as_json(ranking_of_analyses(analyses)),
     }
+
+
+def ranking_of_analyses(analyses: Sequence[Analysis]) -> tuple[Rank, ...]:
+    """The sensors from highest to lowest SNR of Y."""
+    found = [(one.sensor.name, one.sensor.label, color_snr_db(one)["Y"]) for one in analyses]
+    return ranked(
+        [(name, label, math.nan if snr is None else snr) for name, label, snr in found],
+        matrix=analyses[0].matrix.made_by,
+        more_is_better=True,
+    )
 
 
 def comparison_as_json(curves: Sequence[Curve], crossed: Sequence[Crossover]) -> dict[str, Any]:
@@ -49,6 +63,7 @@ def comparison_as_json(curves: Sequence[Curve], crossed: Sequence[Crossover]) ->
         "curves": [
             {
                 "sensor": curve.sensor,
+                "label": curve.label,
                 "matrix": curve.matrix,
                 "time_ms": 1e3 * curve.time_s,
                 "value": [defined(value) for value in curve.value.tolist()],
@@ -85,6 +100,7 @@ def _analysis(analysis: Analysis) -> dict[str, Any]:
     sensor, axes = analysis.sensor, analysis.color.names
     return {
         "name": sensor.name,
+        "label": sensor.label,
         "time_ms": 1e3 * analysis.exposure.time_s,
         "f_number": analysis.exposure.f_number,
         "channels": _channels(analysis),

@@ -85,8 +85,9 @@ class Stages:
 
     @property
     def truth_xyz(self) -> Float[Array, "*px 3"]:
-        """X, Y, Z for the standard observer. [lx]"""
-        return _at_levels(scene_xyz(self.scene, self.matrix.metric), self.level_lux)
+        """X, Y, Z for the observer of the matrix. [lx]"""
+        truth = scene_xyz(self.scene, self.matrix.metric, self.matrix.observer)
+        return _at_levels(truth, self.level_lux)
 
     @property
     def contravariant(self) -> Measurement:

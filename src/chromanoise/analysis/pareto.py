@@ -14,6 +14,7 @@ from chromanoise.color import ColorMatrix, ParetoCurve, pareto
 from chromanoise.errors import InputError
 from chromanoise.exposure import OperatingPoint
 from chromanoise.metrics import MatrixReport
+from chromanoise.spectra import observer_notes
 
 _LIGHTEST, _HEAVIEST = 1e-15, 1e15  # limits of double precision
 
@@ -68,7 +69,7 @@ def pareto_of(
     Vora & Herley (ICIP 1998), with shot noise.
     """
     _check.one_of("prior", prior, tuple(PRIORS))
-    training = training_named(prior, operating_point.illuminant)
+    training = training_named(prior, operating_point.illuminant, operating_point.observer)
     return pareto(
         operating_point.sensor,
         operating_point.exposure,
@@ -97,8 +98,10 @@ def matrix_as_json(
     return {
         "version": __version__,
         "sensor": sensor.name,
+        "label": sensor.label,
         "illuminant": operating_point.illuminant.name,
         "level_lux": operating_point.level_lux,
+        "observer": matrix.observer,
         "time_ms": 1e3 * operating_point.exposure.time_s,
         "matrix": {
             "made_by": matrix.made_by,
@@ -116,6 +119,7 @@ def matrix_as_json(
         "notes": [
             *sensor.notes,
             *operating_point.illuminant.notes,
+            *observer_notes(matrix.observer),
         ],
     }
 

@@ -1,10 +1,11 @@
 """Spectral priors by name: the reflectances on which color matrices are trained."""
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from functools import lru_cache, partial
 
 from chromanoise.color import Training, chart_training, nir_diverse, smooth_training
-from chromanoise.spectra import Illuminant
+from chromanoise.spectra import DEFAULT_OBSERVER, Illuminant
 
 Prior = Callable[[Illuminant], Training]
 """A function from a lamp to a training set of reflectances."""
@@ -36,12 +37,16 @@ DEFAULT_PRIOR = "chart-nir"
 
 
 @lru_cache(maxsize=16)
-def training_named(prior: str, illuminant: Illuminant) -> Training:
+def training_named(
+    prior: str, illuminant: Illuminant, observer: str = DEFAULT_OBSERVER
+) -> Training:
     """The training set of a prior under a lamp, cached per lamp for sweeps.
 
     Parameters
     ----------
     prior
         A name from `PRIORS`.
+    observer
+        A name from `chromanoise.spectra.OBSERVERS`.
     """
-    return PRIORS[prior](illuminant)
+    return replace(PRIORS[prior](illuminant), observer=observer)

@@ -130,7 +130,7 @@ def curves_as_table(curves: Sequence[Curve]) -> Table:
             )
     columns = [Column(name=first.sweep.what, unit=first.sweep.unit, digits=".4g")]
     for curve in curves:
-        who = f"{curve.sensor}, {curve.matrix}"
+        who = f"{curve.label}, {curve.matrix}"
         columns += [
             Column(name=f"{who}: {curve.quantity.what}", unit=curve.quantity.unit, digits=".4g"),
             Column(name=f"{who}: color error", unit="Delta E*ab", digits=".2f"),
@@ -151,7 +151,7 @@ def curves_as_table(curves: Sequence[Curve]) -> Table:
 def _analysis_row(analysis: Analysis) -> tuple[Entry, ...]:
     snr = color_snr_db(analysis)
     return (
-        analysis.sensor.name,
+        analysis.sensor.label,
         1e3 * analysis.exposure.time_s,
         *(snr[axis] for axis in analysis.color.names),
         analysis.optimal_linear_snr_db,

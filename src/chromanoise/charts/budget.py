@@ -78,7 +78,7 @@ def cause_label(cause: str, *coordinates: str) -> str:
 def _sensor(analysis: Analysis, coordinate: str) -> dict[str, Any]:
     budget = coordinate_budget(analysis, coordinate)
     return {
-        "name": analysis.sensor.name,
+        "name": analysis.sensor.label,
         "why_not": None if budget else _why_not(analysis, coordinate),
         "bound_db": budget.optimal_linear_snr_db if budget else None,
         "steps": _steps(budget) if budget else [],
@@ -86,7 +86,7 @@ def _sensor(analysis: Analysis, coordinate: str) -> dict[str, Any]:
 
 
 def _why_not(analysis: Analysis, coordinate: str) -> str:
-    name = analysis.sensor.name
+    name = analysis.sensor.label
     full = saturation_sentence(analysis)
     if full is not None:
         return full
@@ -110,11 +110,11 @@ def _why_no_budget(analysis: Analysis, coordinate: str) -> str:
     row = analysis.matrix.matrix[analysis.matrix.coordinates.index(coordinate)]
     if row @ electrons > 0:
         return (
-            f"{analysis.sensor.name}: weighting its channels one by one gives no valid "
+            f"{analysis.sensor.label}: weighting its channels one by one gives no valid "
             f"{coordinate} under this light, so it has no budget; use another light"
         )
     return (
-        f"{analysis.sensor.name}: its {coordinate} comes from the infrared; the visible part of it "
+        f"{analysis.sensor.label}: its {coordinate} comes from the infrared; the visible part of "
         "is not above 0, so it has no budget; use an IR-cut, another matrix or another light"
     )
 

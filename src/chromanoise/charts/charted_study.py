@@ -137,7 +137,7 @@ def saturation_sentence(analysis: Analysis) -> str | None:
         return None
     which = f"channel {hit[0]} is" if len(hit) == 1 else f"channels {', '.join(hit)} are"
     return (
-        f"{analysis.sensor.name}: {which} saturated on the white, so its SNR is undefined; "
+        f"{analysis.sensor.label}: {which} saturated on the white, so its SNR is undefined; "
         "shorten the time, close the aperture or take less light"
     )
 

@@ -32,7 +32,7 @@ def _true_patches(seen: Patches) -> list[dict[str, str]]:
 
 
 def _sensor(analysis: Analysis, seen: Patches | None) -> dict[str, Any]:
-    name = analysis.sensor.name
+    name = analysis.sensor.label
     if seen is None:
         none: dict[str, Any] = {"mean_delta_e": None, "mean_noise": None, "patches": []}
         return {"name": name, **none, "means": "", "why_not": why_no_patches(analysis)}

@@ -27,7 +27,7 @@ def _sensor(analysis: Analysis) -> dict[str, Any]:
     sensor, exposure = analysis.sensor, analysis.exposure
     mean = zip(sensor.names, analysis.raw.mean.tolist(), strict=True)
     return {
-        "name": sensor.name,
+        "name": sensor.label,
         "channels": list(sensor.names),
         "origin": sensor.origin,
         "time_ms": 1e3 * exposure.time_s,

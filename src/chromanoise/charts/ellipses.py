@@ -69,7 +69,7 @@ def in_plane(
     seen
         The chart measured by one sensor, ``k`` patches.
     plane
-        ``ab`` of CIELAB (CIE 15:2018), or ``xy`` of the CIE 1931 chromaticities.
+        ``ab`` of CIELAB (CIE 15:2018), or ``xy`` of the CIE chromaticities.
     """
     if plane == "ab":
         noise = seen.noise.measurement
@@ -87,7 +87,7 @@ def _balanced(seen: Patches) -> Measurement:
 
 
 def _sensor(analysis: Analysis, plane: str) -> dict[str, Any]:
-    seen, name = patches_of(analysis), analysis.sensor.name
+    seen, name = patches_of(analysis), analysis.sensor.label
     if seen is None:
         return {"name": name, "patches": [], "why_not": why_no_patches(analysis)}
     colors = hex_colors(seen.truth, seen.true_white)

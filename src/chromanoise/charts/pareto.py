@@ -65,7 +65,7 @@ def _sensor(
     )
     snr = defined(color_snr(operating_point, analysis.matrix, coordinate="Y"))
     now = {"color_error": error, "snr_db": snr}
-    return {"name": operating_point.sensor.name, "points": points, "now": now, "why_not": full}
+    return {"name": operating_point.sensor.label, "points": points, "now": now, "why_not": full}
 
 
 def _description(sensors: list[dict[str, Any]]) -> str:

@@ -42,7 +42,7 @@ class Patches:
     names
         Names of the 24 patches.
     truth, xyz
-        X, Y, Z for the standard observer, and measured by the sensor with covariance. [lx]
+        X, Y, Z for the observer, and measured by the sensor with covariance. [lx]
     true_white, white
         The same for a perfect white. [lx]
     color_error
@@ -98,7 +98,7 @@ def patches_of(analysis: Analysis) -> Patches | None:
 def why_no_patches(analysis: Analysis) -> str:
     """Why the chart of a sensor cannot be shown."""
     return saturation_sentence(analysis) or (
-        f"{analysis.sensor.name}: the matrix gives no valid XYZ of the white under this light, so "
+        f"{analysis.sensor.label}: the matrix gives no valid XYZ of the white under this light, so "
         "its chart has no colors; use another matrix or another light"
     )
 

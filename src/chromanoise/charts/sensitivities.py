@@ -13,7 +13,7 @@ def drawn_sensitivities(shown: Shown, look: Look) -> dict[str, Any]:
     power = lamp.irradiance
     sensors = [
         {
-            "name": one.sensor.name,
+            "name": one.sensor.label,
             "channels": [
                 {"name": name, "qe": one.sensor.qe[:, i].tolist()}
                 for i, name in enumerate(one.sensor.names)

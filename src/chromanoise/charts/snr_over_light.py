@@ -42,8 +42,8 @@ def drawn_levels(shown: Shown, look: Look) -> dict[str, Any]:
     fullest = [fullest_level_lux(one) for one in shown.operating_points for _ in makers]
     drawn = [
         {
-            "name": f"{curve.sensor}, {curve.matrix}" if len(makers) > 1 else curve.sensor,
-            "sensor": curve.sensor,
+            "name": f"{curve.label}, {curve.matrix}" if len(makers) > 1 else curve.label,
+            "sensor": curve.label,
             "matrix": curve.matrix,
             "values": [defined(value) for value in curve.value.tolist()],
             "saturated_from_lux": full if full is not None and full < values[-1] else None,
@@ -97,7 +97,8 @@ def _quantity(look: Look) -> Quantity:
 
 def _crossed(pair: Crossover | Incomparable) -> list[dict[str, Any]]:
     """One entry per crossover; without crossovers, one entry with the reason."""
-    between = {"first": pair.first, "second": pair.second, "matrix": pair.matrix}
+    first, second = pair.labels
+    between = {"first": first, "second": second, "matrix": pair.matrix}
     if isinstance(pair, Incomparable):
         return [{"lux": None, "sentence": pair.why, **between}]
     sentence = crossover_sentence(pair)

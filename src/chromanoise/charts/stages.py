@@ -31,7 +31,7 @@ def drawn_stages(shown: Shown, look: Look) -> dict[str, Any]:
     """Each kind of SNR of a perfect white, and standard deviations of an 18 % gray's L*, a*, b*."""
     sensors = [
         {
-            "name": analysis.sensor.name,
+            "name": analysis.sensor.label,
             "raw": raw_snr_db(analysis),
             "contravariant": contravariant_snr_db(analysis),
             "spectral_db": analysis.spectral_snr_db,

@@ -80,7 +80,7 @@ def round_magnification(largest: float, wanted: float) -> float:
 def drawn_vectors(shown: Shown, look: Look) -> dict[str, Any]:
     """Color axes, channels, reconstructed light and its ellipsoid in one frame."""
     first = shown.analyses[0]
-    axes = color_axes(first.sensor.grid, first.matrix.metric)
+    axes = color_axes(first.sensor.grid, first.matrix.metric, first.matrix.observer)
     frame = color_frame(axes)
     scene = light(first.scene, first.matrix.metric)
     rebuilt = [
@@ -100,7 +100,7 @@ def drawn_vectors(shown: Shown, look: Look) -> dict[str, Any]:
     unit_axes = axes / np.linalg.norm(axes, axis=0)
     sensors: list[dict[str, Any]] = [
         {
-            "name": a.sensor.name,
+            "name": a.sensor.label,
             "channels": [
                 {"name": name, **_vector(frame, a.matrix.frame.basis[:, i], unit_of_channels)}
                 for i, name in enumerate(a.sensor.names)

@@ -83,7 +83,7 @@ def _left_out(analysis: Analysis) -> str | None:
         return f"{full}."
     if color_snr_db(analysis)["Y"] is None:
         return (
-            f"{analysis.sensor.name}: its matrix gives no valid Y under this light, so it has no "
+            f"{analysis.sensor.label}: its matrix gives no valid Y under this light, so it has no "
             "color to compare."
         )
     return None
@@ -91,7 +91,7 @@ def _left_out(analysis: Analysis) -> str | None:
 
 def _alone(analysis: Analysis, setting: str) -> str:
     return (
-        f"{setting} {analysis.sensor.name} has {_luminance_db(analysis):.1f} dB of "
+        f"{setting} {analysis.sensor.label} has {_luminance_db(analysis):.1f} dB of "
         f"luminance SNR, {_text(_loss_db(analysis))} dB below the best linear "
         f"readout{_largest(analysis)}; {_error(analysis)}."
     )
@@ -112,10 +112,10 @@ def _contest(winner: Analysis, rival: Analysis, best_raw: Analysis, able: list[A
 
 def _raw_lead(first: Analysis, second: Analysis, able: Sequence[Analysis]) -> str:
     raw = _raw_db(first, able) - _raw_db(second, able)
-    lead = f"is {raw:.1f} dB better than {second.sensor.name} in raw"
+    lead = f"is {raw:.1f} dB better than {second.sensor.label} in raw"
     if raw < _TIE_DB:
-        lead = f"has the same raw SNR as {second.sensor.name}"
-    return f"{first.sensor.name} {lead} ({_measure(able)})"
+        lead = f"has the same raw SNR as {second.sensor.label}"
+    return f"{first.sensor.label} {lead} ({_measure(able)})"
 
 
 def _pair(first: Analysis, second: Analysis) -> str:
@@ -135,10 +135,10 @@ def _reasons(winner: Analysis, loser: Analysis) -> list[str]:
         if beyond < _WORTH_DB or (len(parts) > 1 and explained > gap - _WORTH_DB):
             break
         explained += beyond
-        parts.append(_reason(cause, bad[cause], good[cause], winner.sensor.name))
+        parts.append(_reason(cause, bad[cause], good[cause], winner.sensor.label))
     if not parts:
         return []
-    who = f"{loser.sensor.name} has less luminance SNR than {winner.sensor.name}"
+    who = f"{loser.sensor.label} has less luminance SNR than {winner.sensor.label}"
     return [f"Why {who}: {'; '.join(parts)}."]
 
 
@@ -152,8 +152,8 @@ def _reason(cause: str, loss_db: float, winner_db: float, winner: str) -> str:
 
 
 def _colors(able: Sequence[Analysis]) -> str:
-    errors = ", ".join(f"{a.sensor.name} {_delta_e(mean_color_error(a))}" for a in able)
-    sums = ", ".join(f"{a.sensor.name} {_delta_e(mean_total_error(a))}" for a in able)
+    errors = ", ".join(f"{a.sensor.label} {_delta_e(mean_color_error(a))}" for a in able)
+    sums = ", ".join(f"{a.sensor.label} {_delta_e(mean_total_error(a))}" for a in able)
     return f"Mean color error, Delta E*ab: without noise {errors}; with noise {sums}."
 
 
@@ -239,7 +239,7 @@ def _too_noisy(analysis: Analysis) -> str | None:
         return None
     name, error = better
     return (
-        f"{analysis.sensor.name}: the noise of colors is {own.noise.mean():.0f} Delta E*ab. The "
+        f"{analysis.sensor.label}: the noise of colors is {own.noise.mean():.0f} Delta E*ab. The "
         f"matrix {name} reduces the total color error from {own.total.mean():.0f} to {error:.0f} "
         "Delta E*ab."
     )

@@ -5,6 +5,7 @@ from typing import Any
 import click
 
 from chromanoise.analysis import color_budgets, contravariant_budgets
+from chromanoise.analysis.comparison.ranking import MOST_PAIRS_SENSORS
 from chromanoise.cli import tables
 from chromanoise.cli.copying import print_copy
 from chromanoise.cli.merit_tables import print_merits
@@ -13,12 +14,14 @@ from chromanoise.cli.options import (
     copy_option,
     json_option,
     matrix_option,
+    pipeline_options,
     prior_option,
     shared_options,
     table_option,
     with_defaults,
 )
 from chromanoise.cli.output import refuse_taken_inputs, write_json, write_table
+from chromanoise.cli.pipeline_tables import print_pipeline
 from chromanoise.cli.progress import progress_of_step
 from chromanoise.color import SPACES
 from chromanoise.exposure import conditions
@@ -49,6 +52,7 @@ from chromanoise.study import Analyses, analyze_study, run
     type=click.Choice(list(SPACES)),
     help="Noise of an 18 % gray in this color space.",
 )
+@pipeline_options
 @table_option
 @json_option
 @copy_option
@@ -84,12 +88,16 @@ def _print(result: Analyses) -> None:
     outputs, analyses = result.outputs, result.analyses
     tables.print_conditions(conditions(result.points))
     tables.print_analyses(analyses)
+    if len(analyses) > MOST_PAIRS_SENSORS:
+        tables.print_ranking(result.ranking, "Ranking by SNR of Y [dB]")
     for analysis in analyses if outputs.budget else ():
         tables.print_budgets(analysis, color_budgets(analysis))
         tables.print_budgets(analysis, contravariant_budgets(analysis))
         tables.print_lab_budgets(analysis)
     for outcome in result.outcomes if outputs.chart else ():
         tables.print_chart(outcome.analysis, outcome.chart)
+    for outcome in result.outcomes if outputs.pipeline.run else ():
+        print_pipeline(outcome.analysis.sensor.name, outcome.pipeline)
     print_merits(
         [
             (point, outcome.merits)

@@ -85,7 +85,9 @@ def compare(
         write_json(result.to_dict(), json_target)
     if json_target != "-":
         tables.print_conditions(f"the start of the sweep, {conditions(result.points)}")
-        tables.print_comparison(result.curves, result.crossovers, result.bands)
+        tables.print_comparison(
+            result.curves, result.ranking, result.shown_sentences, result.shown_bands
+        )
 
 
 def _span(text: str | None) -> dict[str, Any]:

@@ -101,9 +101,9 @@ def matrix(
     if json_target == "-":
         return
     tables.print_conditions(conditions([point]))
-    tables.print_matrix(result.matrix, report, point.sensor.name)
+    tables.print_matrix(result.matrix, report, point.sensor.label)
     if result.pareto:
-        print_pareto(result.pareto, report, point.sensor.name)
+        print_pareto(result.pareto, report, point.sensor.label)
 
 
 def _made(result: MatrixResult) -> MadeMatrix:

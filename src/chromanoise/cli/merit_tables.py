@@ -10,6 +10,7 @@ from chromanoise.color import ParetoCurve
 from chromanoise.exposure import OperatingPoint, conditions
 from chromanoise.io.table import number_text
 from chromanoise.metrics import MatrixReport
+from chromanoise.spectra import DEFAULT_OBSERVER
 
 _NAMED_WEIGHTS = {0.0: "least squares", 1.0: "LMMSE"}
 
@@ -66,10 +67,12 @@ def _reasons(merits: Merits) -> list[str]:
 
 def _remark(merits: Merits) -> str:
     viewing = merits.viewing
+    other = merits.observer != DEFAULT_OBSERVER
+    eye = f" for the observer {merits.observer}, SMI for {DEFAULT_OBSERVER}" if other else ""
     return (
-        f"{merits.sensor}: q, Vora value and angles in the metric {merits.metric}; visual noise "
-        f"for pixels of {viewing.pixel_pitch_mm:g} mm seen from {viewing.distance_mm:g} mm; noise "
-        "of eq. 7, unclipped."
+        f"{merits.sensor}: q, Vora value and angles in the metric {merits.metric}{eye}; visual "
+        f"noise for pixels of {viewing.pixel_pitch_mm:g} mm seen from {viewing.distance_mm:g} mm; "
+        "noise of eq. 7, unclipped."
     )
 
 

@@ -10,7 +10,7 @@ from chromanoise.analysis import DEFAULT_METHOD, PRIORS, known_matrices
 from chromanoise.cli.answers import about_sensors, pair_of
 from chromanoise.exposure import EQUAL_TERMS
 from chromanoise.io.spectra.parsed import Unit
-from chromanoise.sensor import MOSAIC_NAMES
+from chromanoise.sensor import MOSAIC_NAMES, BinningMode
 from chromanoise.spectra import METRICS
 from chromanoise.study import (
     FUNCTIONS,
@@ -52,7 +52,34 @@ class _NumberOrFile(click.ParamType):
             return str(value)
 
 
+class _Numbers(click.ParamType):
+    """Numbers separated by commas; with ``or_word``, or else a word."""
+
+    name = "numbers"
+
+    def __init__(self, *, or_word: bool = False) -> None:
+        self.or_word = or_word
+
+    def convert(self, value: Any, param: Any, ctx: Any) -> Any:
+        if not isinstance(value, str):
+            return value
+        try:
+            return tuple(float(part) for part in value.split(","))
+        except ValueError:
+            if self.or_word:
+                return value
+            self.fail(f"{value[:80]!r} must be numbers separated by commas.", param, ctx)
+
+
 _SHARED = (
+    click.option(
+        "--label",
+        "labels",
+        multiple=True,
+        callback=lambda _, __, given: list(given) or None,
+        help="Text in place of the name of a sensor in tables and charts; once per sensor, in "
+        "their order.",
+    ),
     click.option(
         "--illuminant",
         help="E, A, G173 (daylight to 1050 nm), D65 and other CIE names, halogen, led-white, "
@@ -159,6 +186,19 @@ _SHARED = (
     ),
     click.option("--gain-dn-per-e", type=float, help="Gain K of the converter [DN/e-]."),
     click.option(
+        "--binning",
+        type=WHOLE,
+        metavar="N",
+        help="Pixels of one channel that are summed, e.g. 4 for 2 x 2; the other values stay those "
+        "of one pixel.",
+    ),
+    click.option(
+        "--binning-mode",
+        type=click.Choice(get_args(BinningMode)),
+        help="charge: the sum is read once. digital: each pixel is read, and the readings are "
+        "summed. [default: charge]",
+    ),
+    click.option(
         "--crosstalk",
         type=_NumberOrFile(),
         metavar="SHARE|FILE",
@@ -180,6 +220,56 @@ _OF_CLOSED_FORM = (
         metavar="NAME|ROWS",
         help=f"Mosaic whose neighbors exchange light: {', '.join(MOSAIC_NAMES)}, or rows, e.g. "
         "RG/GB; default: the sensor's own.",
+    ),
+)
+
+
+_OF_PIPELINE = (
+    click.option(
+        "--pipeline",
+        is_flag=True,
+        help="Noise of each ColorChecker patch after each step of the camera's own pipeline: raw, "
+        "white-balanced, XYZ, linear sRGB, exposure, saturation, tone, Y'CbCr, Lab; at each ISO "
+        "also dynamic range and noise profile. The options below belong to it.",
+    ),
+    click.option(
+        "--white-balance",
+        type=_Numbers(or_word=True),
+        metavar="gray|illuminant|NAME|R,G,B...",
+        help="Gains from an 18 % gray as it is read, from the illuminant, from another illuminant "
+        "(D65, 3200K, a file ...), or given, one per channel.",
+    ),
+    click.option(
+        "--white-balance-pixels",
+        type=WHOLE,
+        help="Also the noise of gains that are estimated from so many gray pixels per channel.",
+    ),
+    click.option("--exposure-gain", type=float, help="Gain of linear RGB."),
+    click.option(
+        "--saturation",
+        type=float,
+        help="Saturation of linear RGB around Rec. 709 luma; 0 is gray.",
+    ),
+    click.option(
+        "--tone",
+        type=_NumberOrFile(),
+        metavar="srgb|rec709|linear|GAMMA",
+        help="Tone curve, or the gamma of a power law, e.g. 2.2.",
+    ),
+    click.option("--luma", type=click.Choice(["bt709", "bt601"]), help="Weights of Y'CbCr."),
+    click.option(
+        "--iso",
+        type=_Numbers(),
+        metavar="LIST",
+        help="ISO settings, e.g. 100,400,1600. The analog gain rises with the ISO, and the "
+        "exposure falls with it.",
+    ),
+    click.option("--base-iso", type=float, help="ISO of the sensor as it is given."),
+    click.option(
+        "--iso-read-noise-e",
+        type=_Numbers(),
+        metavar="LIST",
+        help="Read noise at each ISO [e-]. [default: the same at all]",
     ),
 )
 
@@ -230,6 +320,8 @@ def with_defaults(function: str) -> Callable[[Command], Command]:
             default = default_of(function, option.name)
             if default not in (None, False):
                 text = f"{default:g}" if isinstance(default, float) else str(default)
+                if isinstance(default, tuple):
+                    text = ",".join(f"{one:g}" for one in default)
                 option.help = f"{option.help} [default: {text}]"
         return command
 
@@ -264,6 +356,13 @@ def shared_options(command: Command) -> Command:
     """Add the options of light, exposure, sensors and their files."""
     command = about_sensors(command)
     for option in reversed(_SHARED):
+        command = option(command)
+    return command
+
+
+def pipeline_options(command: Command) -> Command:
+    """Add the options of the camera's own pipeline."""
+    for option in reversed(_OF_PIPELINE):
         command = option(command)
     return command
 

@@ -21,8 +21,8 @@ from chromanoise.analysis import (
 )
 from chromanoise.analysis.color_space_noise import GRAY
 from chromanoise.analysis.comparison.bands import CrossoverBand, band_sentence
-from chromanoise.analysis.comparison.crossing import Crossover, crossover_sentence
 from chromanoise.analysis.comparison.curves import Curve
+from chromanoise.analysis.comparison.ranking import MOST_PAIRS_SENSORS, Rank
 from chromanoise.catalog.sensors import RECONSTRUCTION
 from chromanoise.charts import cause_label
 from chromanoise.color import ColorMatrix
@@ -43,7 +43,6 @@ from chromanoise.paper.study import PRINTED_TIMES_MS, WELL_SHARE
 
 _WIDE = 6  # most channels in one row
 _SHOWN = 6  # number of printed values of a sweep
-_SENSORS_TOLD = 3  # up to this number, every pair gets a sentence
 
 
 def print_reproduction(result: Reproduction) -> None:
@@ -101,7 +100,7 @@ def print_analyses(analyses: Iterable[Analysis]) -> None:
     for analysis in analyses:
         _add_channels(channels, analysis)
         _add_color(color, analysis)
-        notes += [f"{analysis.sensor.name}: {note}" for note in diagnosis(analysis)]
+        notes += [f"{analysis.sensor.label}: {note}" for note in diagnosis(analysis)]
         notes.append(_angles(analysis))
     console.print(channels)
     console.print(color)
@@ -110,11 +109,15 @@ def print_analyses(analyses: Iterable[Analysis]) -> None:
 
 
 def print_comparison(
-    curves: Sequence[Curve], crossed: Sequence[Crossover], bands: Sequence[CrossoverBand]
+    curves: Sequence[Curve],
+    ranks: Sequence[Rank],
+    sentences: Sequence[str],
+    bands: Sequence[CrossoverBand],
 ) -> None:
-    """Print the quantity and the color error over the sweep, then crossovers and bands.
+    """Print the quantity and the color error over the sweep, then sentences and bands.
 
-    With more than three sensors, only crossovers of the first sensor are printed.
+    With more than three sensors, a ranking is printed as well, and of the bands only those of pairs
+    that a sentence tells of.
     """
     console = _console()
     sweep, quantity, at = curves[0].sweep, curves[0].quantity, curves[0].at
@@ -131,20 +134,33 @@ def print_comparison(
     for curve in curves:
         varies = sweep.name == "time-ms"
         time = "varies" if varies else f"{1e3 * curve.time_s:.4g}"
-        table.add_row(
-            curve.sensor, curve.matrix, time, *(_curve_cell(curve, int(i)) for i in shown)
-        )
+        table.add_row(curve.label, curve.matrix, time, *(_curve_cell(curve, int(i)) for i in shown))
     console.print(table)
     if any((np.isnan(curve.value) & ~curve.saturated).any() for curve in curves):
         console.print("-: the matrix gives no valid color under this light.")
-    many = len({curve.sensor for curve in curves}) > _SENSORS_TOLD
-    first = curves[0].sensor
-    sentences = [crossover_sentence(c) for c in crossed if not many or c.first == first]
-    sentences += [band_sentence(b) for b in bands if not many or b.first == first]
-    for sentence in sentences:
+    many = len({curve.sensor for curve in curves}) > MOST_PAIRS_SENSORS
+    if many:
+        what = f"{quantity.what} [{quantity.unit}]"
+        print_ranking(ranks, f"Ranking at the start of the sweep by {what}")
+    for sentence in (*sentences, *map(band_sentence, bands)):
         console.print(sentence, soft_wrap=True)
     if many:
-        console.print(f"Use --json for pairs that do not include {first}.")
+        console.print("--json has the crossovers of all pairs.")
+
+
+def print_ranking(ranks: Sequence[Rank], title: str) -> None:
+    """Print the sensors from best to worst; equal ones share a rank."""
+    matrices = {one.matrix for one in ranks}
+    table = Table(title=title, title_justify="left")
+    table.add_column("rank", justify="right")
+    for head in ("sensor", *(("matrix",) if len(matrices) > 1 else ())):
+        table.add_column(head, no_wrap=True)
+    table.add_column("value", justify="right")
+    for one in ranks:
+        place = "-" if one.rank is None else f"{one.rank}{' (tie)' if one.tied else ''}"
+        matrix = (one.matrix,) if len(matrices) > 1 else ()
+        table.add_row(place, one.label, *matrix, number_text(one.value, none="undefined"))
+    _console().print(table)
 
 
 def _curve_cell(curve: Curve, i: int) -> str:
@@ -159,7 +175,7 @@ def print_gray_noise(analyses: Sequence[Analysis], noises: Sequence[GrayNoise | 
     known = [noise for noise in noises if noise]
     if not known:
         for analysis in analyses:
-            name = analysis.sensor.name
+            name = analysis.sensor.label
             console.print(
                 f"{name}: no noise of a gray, because a channel is saturated, or XYZ of the white "
                 "is not valid",
@@ -175,12 +191,12 @@ def print_gray_noise(analyses: Sequence[Analysis], noises: Sequence[GrayNoise | 
         table.add_column(head, justify="right")
     for analysis, noise in zip(analyses, noises, strict=True):
         if noise is None:
-            table.add_row(analysis.sensor.name, "saturated, or XYZ of the white is not valid")
+            table.add_row(analysis.sensor.label, "saturated, or XYZ of the white is not valid")
             continue
         exact = noise.exact
         sd = exact.sd
         table.add_row(
-            analysis.sensor.name,
+            analysis.sensor.label,
             *(f"{value:.3g}" for value in sd),
             number_text(None if exact.chroma_sd is None else float(exact.chroma_sd)),
             number_text(None if exact.delta_e is None else float(exact.delta_e)),
@@ -196,7 +212,7 @@ def print_gray_noise(analyses: Sequence[Analysis], noises: Sequence[GrayNoise | 
 def print_chart(analysis: Analysis, chart: ChartNoise | None) -> None:
     """Print color error and noise of every patch."""
     console = _console()
-    name = analysis.sensor.name
+    name = analysis.sensor.label
     if chart is None:
         console.print(
             f"{name}: no chart, because a channel is saturated, or XYZ of the white is not valid.",
@@ -266,9 +282,11 @@ def print_budgets(analysis: Analysis, budgets: Sequence[Budget | None]) -> None:
     """Print the budget from all photons to each color coordinate: dB per cause."""
     known = [budget for budget in budgets if budget]
     if not known:
-        _console().print(f"{analysis.sensor.name}: no coordinate has an SNR, so there is no budget")
+        _console().print(
+            f"{analysis.sensor.label}: no coordinate has an SNR, so there is no budget"
+        )
         return
-    _console().print(_budget_table(known, f"Budget of {analysis.sensor.name} [dB]"))
+    _console().print(_budget_table(known, f"Budget of {analysis.sensor.label} [dB]"))
 
 
 def print_lab_budgets(analysis: Analysis) -> None:
@@ -277,7 +295,7 @@ def print_lab_budgets(analysis: Analysis) -> None:
     budgets = lab_budgets(analysis)
     known = [budget for budget in budgets if budget]
     if known:
-        of = f"one unit on a gray of {100 * GRAY:.0f} %, {analysis.sensor.name}"
+        of = f"one unit on a gray of {100 * GRAY:.0f} %, {analysis.sensor.label}"
         console.print(_budget_table(known, f"Budget of {of} [dB]"))
     missing = missing_lab_budgets(analysis, budgets)
     if missing:
@@ -306,7 +324,7 @@ def _add_channels(table: Table, analysis: Analysis) -> None:
     for i, name in enumerate(analysis.sensor.names):
         full = bool(analysis.saturated[i])
         table.add_row(
-            analysis.sensor.name if i == 0 else "",
+            analysis.sensor.label if i == 0 else "",
             name,
             f"{analysis.raw.mean[i]:.1f}",
             "saturated" if full else number_text(raw[name]),
@@ -320,7 +338,7 @@ def _add_color(table: Table, analysis: Analysis) -> None:
     snr = color_snr_db(analysis)
     lost = bool(analysis.saturated.any())
     table.add_row(
-        analysis.sensor.name,
+        analysis.sensor.label,
         f"{1e3 * analysis.exposure.time_s:.4g}",
         "saturated" if lost else number_text(analysis.spectral_snr_db),
         *(number_text(snr[axis]) for axis in analysis.color.names),
@@ -347,7 +365,7 @@ def _angles(analysis: Analysis) -> str:
         if k > i
     ]
     return (
-        f"{analysis.sensor.name}: angles between channels [deg]: {', '.join(pairs)}"
+        f"{analysis.sensor.label}: angles between channels [deg]: {', '.join(pairs)}"
         if pairs
         else ""
     )

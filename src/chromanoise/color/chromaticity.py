@@ -1,4 +1,4 @@
-"""The CIE 1931 chromaticity, with its Jacobian for the propagation of noise."""
+"""The CIE chromaticity x, y, with its Jacobian for the propagation of noise."""
 
 import numpy as np
 

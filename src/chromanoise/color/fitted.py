@@ -21,7 +21,7 @@ from chromanoise.errors import InputError
 from chromanoise.exposure import Exposure
 from chromanoise.noise import noise_sources
 from chromanoise.sensor import Sensor
-from chromanoise.spectra import Metric
+from chromanoise.spectra import DEFAULT_OBSERVER, Metric
 from chromanoise.units import decibel
 
 
@@ -66,9 +66,16 @@ def kernel(
     *,
     level_lux: float,
     metric: Metric = "quanta",
+    observer: str = DEFAULT_OBSERVER,
 ) -> ColorMatrix:
-    """The kernel matrix of eq. 6, which depends on neither the training set nor the light level."""
-    return kernel_matrix(sensor, exposure, metric)
+    """The kernel matrix of eq. 6, which depends on neither the training set nor the light level.
+
+    Parameters
+    ----------
+    observer
+        A name from `chromanoise.spectra.OBSERVERS`; other methods take that of the training set.
+    """
+    return kernel_matrix(sensor, exposure, metric, observer)
 
 
 def least_squares(
@@ -127,7 +134,7 @@ def white_preserving(
     left, right = root * (relative @ free), root * (seen.xyz - relative @ fixed.T)
     rest, *_ = lstsq(_over_white(made_by, sensor, seen), left, right, rcond=RANK_TOLERANCE)
     matrix = (fixed + (free @ rest).T) / white_scale(seen)
-    return _made(sensor, exposure, metric, matrix, made_by)
+    return _made(sensor, exposure, metric, seen, matrix, made_by)
 
 
 def lmmse(
@@ -323,7 +330,7 @@ def training_color_error(
     Parameters
     ----------
     matrix
-        A color matrix of that sensor.
+        A color matrix of that sensor; the true colors are those of its observer.
     level_lux
         Illuminance on the set. [lx]
 
@@ -332,14 +339,21 @@ def training_color_error(
     InputError
         If set and sensor have different grids.
     """
+    training = replace(training, observer=matrix.observer)
     seen = training_response(training, sensor, exposure, level_lux=level_lux)
     return _mean_delta_e(seen, matrix.matrix[None])[0]
 
 
 def _made(
-    sensor: Sensor, exposure: Exposure, metric: Metric, matrix: Float[Array, "3 p"], made_by: str
+    sensor: Sensor,
+    exposure: Exposure,
+    metric: Metric,
+    seen: TrainingResponse,
+    matrix: Float[Array, "3 p"],
+    made_by: str,
 ) -> ColorMatrix:
-    return replace(kernel_matrix(sensor, exposure, metric), matrix=matrix, made_by=made_by)
+    framed = kernel_matrix(sensor, exposure, metric, seen.observer)
+    return replace(framed, matrix=matrix, made_by=made_by)
 
 
 def _refuse_unseen(sensor: Sensor, training: Training, seen: TrainingResponse) -> None:
@@ -369,7 +383,7 @@ def _penalized(
     left = np.vstack([root * seen.electrons, np.diag(np.sqrt(penalty_e2))]) / scale
     right = np.vstack([root * seen.xyz, np.zeros((scale.size, 3))])
     solution, *_ = lstsq(_over_white(made_by, sensor, seen), left, right, rcond=RANK_TOLERANCE)
-    return _made(sensor, exposure, metric, solution.T / scale, made_by)
+    return _made(sensor, exposure, metric, seen, solution.T / scale, made_by)
 
 
 def _over_white(made_by: str, sensor: Sensor, seen: TrainingResponse) -> str:

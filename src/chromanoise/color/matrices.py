@@ -11,7 +11,7 @@ from chromanoise.geometry import Frame, dual_frame
 from chromanoise.noise import Measurement, through
 from chromanoise.scene import Scene, light
 from chromanoise.sensor import Sensor
-from chromanoise.spectra import Metric, color_axes
+from chromanoise.spectra import DEFAULT_OBSERVER, OBSERVERS, Metric, color_axes
 
 XYZ = ("X", "Y", "Z")
 
@@ -34,11 +34,14 @@ class ColorMatrix:
         Metric of the space of spectra.
     frame
         The sensor's frame; its rank and condition show how reliable the matrix is.
+    observer
+        The observer whose X, Y, Z the matrix gives, from `chromanoise.spectra.OBSERVERS`.
 
     Raises
     ------
     InputError
-        If an entry is not finite, or the shape is not that of coordinates and channels.
+        If an entry is not finite, the shape is not that of coordinates and channels, or there is no
+        observer of that name.
     """
 
     matrix: Float[Array, "c p"]
@@ -47,8 +50,10 @@ class ColorMatrix:
     made_by: str
     metric: Metric
     frame: Frame
+    observer: str = DEFAULT_OBSERVER
 
     def __post_init__(self) -> None:
+        _check.one_of("observer", self.observer, tuple(OBSERVERS))
         checked = _check.finite(f"{self.made_by} matrix", "lx/e-", self.matrix)
         if checked.shape != (len(self.coordinates), len(self.channels)):
             raise InputError(
@@ -73,7 +78,12 @@ class ColorMatrix:
         )
 
 
-def kernel_matrix(sensor: Sensor, exposure: Exposure, metric: Metric = "quanta") -> ColorMatrix:
+def kernel_matrix(
+    sensor: Sensor,
+    exposure: Exposure,
+    metric: Metric = "quanta",
+    observer: str = DEFAULT_OBSERVER,
+) -> ColorMatrix:
     """The kernel color matrix, H^T F (F^T F)^-1: the color of the reconstructed spectrum.
 
     Parameters
@@ -84,11 +94,13 @@ def kernel_matrix(sensor: Sensor, exposure: Exposure, metric: Metric = "quanta")
         Scales F, so that the matrix converts electrons to lux.
     metric
         In which light is a vector; the matrix depends on it.
+    observer
+        A name from `chromanoise.spectra.OBSERVERS`.
 
     Raises
     ------
     InputError
-        If a channel is zero at every wavelength.
+        If a channel is zero at every wavelength, or there is no observer of that name.
 
     Notes
     -----
@@ -105,7 +117,7 @@ def kernel_matrix(sensor: Sensor, exposure: Exposure, metric: Metric = "quanta")
             )
     basis = measurement_vectors(sensor, exposure, metric)  # F
     frame = dual_frame(basis, names=sensor.names, metric=metric)
-    axes = color_axes(sensor.grid, metric)  # H
+    axes = color_axes(sensor.grid, metric, observer)  # H
     return ColorMatrix(
         matrix=axes.T @ frame.dual,
         channels=sensor.names,
@@ -113,12 +125,30 @@ def kernel_matrix(sensor: Sensor, exposure: Exposure, metric: Metric = "quanta")
         made_by="kernel (eq. 6)",
         metric=metric,
         frame=frame,
+        observer=observer,
     )
 
 
-def scene_xyz(scene: Scene, metric: Metric = "quanta") -> Float[Array, "*px 3"]:
-    """X, Y, Z of the light for the standard observer: H^T L. [lx]"""
-    return light(scene, metric) @ color_axes(scene.illuminant.grid, metric)
+def scene_xyz(
+    scene: Scene, metric: Metric = "quanta", observer: str = DEFAULT_OBSERVER
+) -> Float[Array, "*px 3"]:
+    """X, Y, Z of the light for an observer: H^T L. [lx]
+
+    Parameters
+    ----------
+    scene
+        The light from the scene.
+    metric
+        Does not change the result beyond rounding.
+    observer
+        A name from `chromanoise.spectra.OBSERVERS`.
+
+    Raises
+    ------
+    InputError
+        If there is no observer of that name.
+    """
+    return light(scene, metric) @ color_axes(scene.illuminant.grid, metric, observer)
 
 
 def colored(raw: Measurement, matrix: ColorMatrix) -> Measurement:

@@ -21,7 +21,7 @@ from chromanoise.exposure import Exposure
 from chromanoise.noise import Measurement, expectation, with_noise
 from chromanoise.sensor import Sensor, shot_and_read_only
 from chromanoise.sensor.adc import UNKNOWN_CONVERTER
-from chromanoise.spectra import Metric
+from chromanoise.spectra import DEFAULT_OBSERVER, Metric
 
 # where the quadrature is split, in units of the read noise: the root has infinite slope at 0
 _ROOT_KINKS = (0.0, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1)
@@ -45,6 +45,8 @@ class RootPolynomial:
         Method and training set.
     metric
         Metric of the space of spectra; the fit does not depend on it.
+    observer
+        The observer of the training set.
     """
 
     matrix: Float[Array, "c q"]
@@ -53,6 +55,7 @@ class RootPolynomial:
     degree: int
     made_by: str
     metric: Metric
+    observer: str = DEFAULT_OBSERVER
 
     def __post_init__(self) -> None:
         matrix = _check.finite(f"{self.made_by} matrix", "lx/e-", self.matrix)
@@ -171,6 +174,7 @@ def root_polynomial(
         degree=degree,
         made_by=f"root polynomial of degree {degree} ({training.source})",
         metric=metric,
+        observer=training.observer,
     )
 
 

@@ -15,7 +15,15 @@ from chromanoise.exposure import Exposure, expected_electrons
 from chromanoise.noise import noise_sources
 from chromanoise.scene import Scene, flat_field, light
 from chromanoise.sensor import Sensor
-from chromanoise.spectra import INFRARED_FROM_NM, Illuminant, Metric, color_axes, colorchecker
+from chromanoise.spectra import (
+    DEFAULT_OBSERVER,
+    INFRARED_FROM_NM,
+    OBSERVERS,
+    Illuminant,
+    Metric,
+    color_axes,
+    colorchecker,
+)
 
 _FEWEST_E = 1e-280  # of a white; noise over fewer electrons overflows double precision
 _KEPT_VARIANCE = 1e-12  # of the largest component of a smoothness prior; less is rounding
@@ -39,11 +47,14 @@ class Training:
         Weight of each reflectance, >= 0, in any unit; ``None`` for equal weights.
     notes
         Processing steps after loading.
+    observer
+        The observer whose X, Y, Z a matrix is fitted to, from `chromanoise.spectra.OBSERVERS`.
 
     Raises
     ------
     InputError
-        If there is no reflectance, one is negative, or the shapes do not match.
+        If there is no reflectance, one is negative, the shapes do not match, or there is no
+        observer of that name.
     """
 
     illuminant: Illuminant
@@ -52,8 +63,10 @@ class Training:
     source: str
     weights: Float[Array, " k"] | None = None
     notes: tuple[str, ...] = ()
+    observer: str = DEFAULT_OBSERVER
 
     def __post_init__(self) -> None:
+        _check.one_of("observer", self.observer, tuple(OBSERVERS))
         where = f"reflectance of {self.source}"
         rho = _check.non_negative(where, "1", self.reflectance)
         if rho.ndim != 2 or rho.shape[0] == 0:
@@ -79,7 +92,7 @@ class Training:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class TrainingResponse:
-    """Electrons of the sensor and X, Y, Z of the observer for a training set.
+    """Electrons of the sensor and X, Y, Z of an observer for a training set.
 
     Attributes
     ----------
@@ -88,11 +101,13 @@ class TrainingResponse:
     electrons
         Expected electrons, without noise. [e-]
     xyz
-        X, Y, Z for the standard observer. [lx]
+        X, Y, Z for the observer. [lx]
     white_e, white_xyz
         The same for a perfect white. [e-], [lx]
     noise_e2
         Noise variance per channel, averaged over the set. [e-^2]
+    observer
+        The observer of the training set.
     """
 
     share: Float[Array, " k"]
@@ -101,6 +116,7 @@ class TrainingResponse:
     white_e: Float[Array, " p"]
     white_xyz: Float[Array, " 3"]
     noise_e2: Float[Array, " p"]
+    observer: str = DEFAULT_OBSERVER
 
     def __post_init__(self) -> None:
         _check.same_length("reflectances", electrons=len(self.electrons), xyz=len(self.xyz))
@@ -238,6 +254,7 @@ def nir_diverse(
         source=f"{training.source}, NIR-diverse",
         weights=None if weights is None else np.tile(weights, len(tags)),
         notes=(*training.notes, f"each also with {len(lines)} lines beyond {edge_nm:g} nm"),
+        observer=training.observer,
     )
 
 
@@ -296,7 +313,7 @@ def training_response(
                     "omit the channel",
                 ),
             )
-    axes = color_axes(grid, "energy")
+    axes = color_axes(grid, "energy", training.observer)
     return TrainingResponse(
         share=share,
         electrons=electrons,
@@ -304,6 +321,7 @@ def training_response(
         white_e=white_e,
         white_xyz=light(white, "energy") @ axes,
         noise_e2=share @ noise_sources(sensor, exposure).variance_e2(electrons),
+        observer=training.observer,
     )
 
 

@@ -1,4 +1,4 @@
-"""Operating point: a sensor with its exposure and light; its text."""
+"""Operating point: a sensor with its exposure, light and observer; its text."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -7,7 +7,7 @@ from chromanoise import _check
 from chromanoise.exposure.electrons import Exposure
 from chromanoise.scene import Scene, flat_field
 from chromanoise.sensor import Sensor
-from chromanoise.spectra import Illuminant
+from chromanoise.spectra import DEFAULT_OBSERVER, OBSERVERS, Illuminant
 
 _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _MOST_TIMES = 3
@@ -15,7 +15,7 @@ _MOST_TIMES = 3
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class OperatingPoint:
-    """A sensor, its exposure, and the light on the scene.
+    """A sensor, its exposure, the light on the scene, and the observer of the colors.
 
     Attributes
     ----------
@@ -23,20 +23,25 @@ class OperatingPoint:
         The sensor and its exposure.
     illuminant, level_lux
         The illuminant, and its illuminance on the scene. [lx]
+    observer
+        The observer for which color matrices are made, from `chromanoise.spectra.OBSERVERS`. The
+        illuminance is that of CIE 1931 for any observer.
 
     Raises
     ------
     InputError
-        If the level is not finite and positive.
+        If the level is not finite and positive, or there is no observer of that name.
     """
 
     sensor: Sensor
     exposure: Exposure
     illuminant: Illuminant
     level_lux: float
+    observer: str = DEFAULT_OBSERVER
 
     def __post_init__(self) -> None:
         _check.positive("level_lux", "lx", self.level_lux)
+        _check.one_of("observer", self.observer, tuple(OBSERVERS))
 
 
 def white_scene(operating_point: OperatingPoint) -> Scene:
@@ -47,10 +52,12 @@ def white_scene(operating_point: OperatingPoint) -> Scene:
 def conditions(points: Sequence[OperatingPoint]) -> str:
     """The operating point as text: light level, illuminant, exposure time and f-number.
 
+    The observer is named where it is not CIE 1931.
+
     Parameters
     ----------
     points
-        Sensors under the same light.
+        Sensors under the same light, with the same observer.
 
     Examples
     --------
@@ -63,7 +70,7 @@ def conditions(points: Sequence[OperatingPoint]) -> str:
 
 
 def light_and_exposure(points: Sequence[OperatingPoint]) -> str:
-    """Illuminant, exposure time and f-number: the operating point without its level.
+    """Illuminant, exposure time, f-number and observer: the operating point without its level.
 
     Examples
     --------
@@ -78,10 +85,11 @@ def light_and_exposure(points: Sequence[OperatingPoint]) -> str:
         time = _duration(times_ms[0])
     elif len(points) <= _MOST_TIMES:
         pairs = zip(times_ms, points, strict=True)
-        time = ", ".join(f"{_duration(ms)} ({one.sensor.name})" for ms, one in pairs)
+        time = ", ".join(f"{_duration(ms)} ({one.sensor.label})" for ms, one in pairs)
     else:
         time = f"{_duration(min(times_ms))} to {_duration(max(times_ms))}"
-    return f"illuminant {first.illuminant.name}, {time}, f/{first.exposure.f_number:g}"
+    observer = "" if first.observer == DEFAULT_OBSERVER else f", observer {first.observer}"
+    return f"illuminant {first.illuminant.name}, {time}, f/{first.exposure.f_number:g}{observer}"
 
 
 def _duration(ms: float) -> str:

@@ -45,7 +45,7 @@ def draw_budget(budget: Budget, sensor: Sensor, ax: Axes, *, top_db: float | Non
         xlim=(min(0.0, budget.snr_db, at), (top_db or budget.photons_db) * (1 + _ROOM)),
         ylim=(last + 0.6, -0.6),
         xlabel="SNR [dB]",
-        title=sensor_label(sensor.name, sensor.origin),
+        title=sensor_label(sensor.label, sensor.origin),
     )
     ax.grid(visible=True, axis="x", alpha=0.25)
     return ax

@@ -29,7 +29,7 @@ def draw_comparison(
         Title, which should name the operating point.
     """
     for curve, style in zip(curves, _styles(curves), strict=True):
-        ax.plot(curve.at, curve.value, label=f"{curve.sensor}, {curve.matrix}", **style)
+        ax.plot(curve.at, curve.value, label=f"{curve.label}, {curve.matrix}", **style)
     for crossover in crossovers:
         _mark(crossover, curves, ax)
     quantity = curves[0].quantity
@@ -61,11 +61,11 @@ def draw_color_errors(curves: Sequence[Curve], ax: Axes) -> Axes:
 
 def _styles(curves: Sequence[Curve]) -> list[dict[str, Any]]:
     matrices = list(dict.fromkeys(curve.matrix for curve in curves))
-    patterns = sensor_dashes(curve.sensor for curve in curves)
+    patterns = sensor_dashes(curve.label for curve in curves)
     return [
         {
             "color": _SHADES[matrices.index(curve.matrix) % len(_SHADES)],
-            "linestyle": patterns[curve.sensor],
+            "linestyle": patterns[curve.label],
         }
         for curve in curves
     ]

@@ -58,7 +58,7 @@ def draw_analyses(analyses: Sequence[Analysis], ax: Axes, *, coordinate: str = "
 def _draw_losses(
     analysis: Analysis, budget: Budget | None, ax: Axes, *, shade: float, offset: float, high: float
 ) -> None:
-    name = analysis.sensor.name
+    name = analysis.sensor.label
     if budget is None:
         if saturation_sentence(analysis):
             why = "saturated"
@@ -106,10 +106,10 @@ def draw_matrices(results: Sequence[MatrixResult], ax: Axes) -> Axes:
 
 
 def _draw_curves(results: Sequence[MatrixResult], ax: Axes) -> None:
-    patterns = sensor_dashes(one.point.sensor.name for one in results)
+    patterns = sensor_dashes(one.point.sensor.label for one in results)
     for one in results:
         assert one.pareto is not None  # called only for results with a curve
-        name, curve = one.point.sensor.name, one.pareto
+        name, curve = one.point.sensor.label, one.pareto
         trades = zip(curve.snr_y_db.tolist(), curve.delta_e, curve.weight.tolist(), strict=True)
         known = [(snr, error, w) for snr, error, w in trades if error is not None]
         draw_trade(
@@ -148,7 +148,7 @@ def _draw_entries(results: Sequence[MatrixResult], ax: Axes) -> None:
             names.append(coordinate)
             at = float(places[-1]) + 2.0
         if len(results) > 1:
-            names[-2] = f"{names[-2]}\n{one.point.sensor.name}"  # under the middle of X, Y, Z
+            names[-2] = f"{names[-2]}\n{one.point.sensor.label}"  # under the middle of X, Y, Z
         at += 1.0
     ax.axhline(0, color=INK, linewidth=0.8)
     ax.set_xticks(ticks, names, fontsize=8)
@@ -172,13 +172,13 @@ def draw_capture(capture: Capture, ax: Axes) -> Axes:
     point = capture.camera.operating_point
     if capture.picture is not None:
         draw_picture(capture.picture.srgb, ax)
-        what = f"{point.sensor.name}, sRGB"
+        what = f"{point.sensor.label}, sRGB"
     else:
         assert capture.raw is not None  # a capture has codes or color
         top = capture.raw.adc.top_code
         ax.imshow(capture.raw.codes, interpolation="none", cmap="gray", vmin=0, vmax=top)
         ax.set_axis_off()
-        what = f"{point.sensor.name}, codes of 0 to {top} DN"
+        what = f"{point.sensor.label}, codes of 0 to {top} DN"
     return _titled(ax, what, [point])
 
 

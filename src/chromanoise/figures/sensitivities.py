@@ -31,7 +31,7 @@ def draw_sensitivities(
         The dash pattern, from `sensor_dashes`, where several sensors share a figure.
     """
     wavelength_nm = sensor.grid.wavelength_nm
-    dashes = dashes or sensor_dashes([sensor.name])[sensor.name]
+    dashes = dashes or sensor_dashes([sensor.label])[sensor.label]
     for i, name in enumerate(sensor.names):
         ax.plot(wavelength_nm, sensor.qe[:, i], color=channel_color(name), linestyle=dashes)
     shade_nir(ax, wavelength_nm[-1])
@@ -40,7 +40,7 @@ def draw_sensitivities(
         ylim=(0, top or 1.15 * sensor.qe.max()),
         xlabel="wavelength [nm]",
         ylabel="quantum efficiency [e$^-$/photon]",
-        title=sensor_label(sensor.name, sensor.origin),
+        title=sensor_label(sensor.label, sensor.origin),
     )
     for i, name in enumerate(sensor.names):
         at, height = _letter_place(wavelength_nm, sensor.qe, i, ax.get_ylim()[1])

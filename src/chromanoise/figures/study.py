@@ -65,9 +65,9 @@ def _sensitivities(of: Shown) -> Figure:
     figure = _framed(2.8 * len(sensors))
     highest = 1.15 * max(float(sensor.qe.max()) for sensor in sensors)
     panels = figure.subplots(len(sensors), 1, sharex=True, squeeze=False)[:, 0]
-    patterns = sensor_dashes(sensor.name for sensor in sensors)
+    patterns = sensor_dashes(sensor.label for sensor in sensors)
     for sensor, ax in zip(sensors, panels, strict=True):
-        draw_sensitivities(sensor, ax, top=highest, dashes=patterns[sensor.name])
+        draw_sensitivities(sensor, ax, top=highest, dashes=patterns[sensor.label])
     for ax in panels[:-1]:
         ax.set_xlabel("")
     return figure

@@ -321,7 +321,8 @@ def _png(stem: Path, taken: Capture) -> str:
 
 def _xyz(stem: Path, taken: Capture) -> str:
     assert taken.picture is not None
-    write_xyz_tiff(path := _named(stem, ".xyz.tiff"), taken.picture.xyz)
+    path, observer = _named(stem, ".xyz.tiff"), taken.picture.matrix.observer
+    write_xyz_tiff(path, taken.picture.xyz, observer=observer)
     return path.name
 
 

@@ -69,7 +69,8 @@ def developed(
             value=bank.mosaic.pattern,
             found=f"are made for {bank.mosaic.pattern}",
         )
-    matrix = matrix or kernel_matrix(operating_point.sensor, operating_point.exposure)
+    point = operating_point
+    matrix = matrix or kernel_matrix(point.sensor, point.exposure, observer=point.observer)
     matrices, white = color_matrices(matrix, operating_point)
     height, width = raw.codes.shape
     plan = _Development(
@@ -153,7 +154,8 @@ def developed_color(
     """
     sensor = operating_point.sensor
     _check.same_names("development", sensor=sensor.names, filters=bank.names)
-    matrix = matrix or kernel_matrix(sensor, operating_point.exposure)
+    point = operating_point
+    matrix = matrix or kernel_matrix(point.sensor, point.exposure, observer=point.observer)
     raw = with_noise(
         expected_electrons(scene, sensor, operating_point.exposure),
         sensor,

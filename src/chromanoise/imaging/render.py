@@ -24,7 +24,7 @@ from chromanoise.imaging.plans import (
 )
 from chromanoise.imaging.work import Work, made, row_blocks
 from chromanoise.scene import Cube, bands_within
-from chromanoise.sensor import Adc, Mosaic, Sensor, adc_of
+from chromanoise.sensor import Adc, Mosaic, Sensor, adc_of, refuse_summed_readings
 from chromanoise.spectra import Beyond, Illuminant, Metric
 
 ALL_CORES = Work()
@@ -182,7 +182,8 @@ def rendered(
     cube = bands_within(cube, operating_point.sensor.grid)
     light = light_of(cube, operating_point, beyond=beyond, bad_pixels=bad_pixels)
     draw = draw_of(operating_point, seed=seed, frame=frame, noisy=noisy)
-    matrix = matrix or kernel_matrix(operating_point.sensor, operating_point.exposure)
+    point = operating_point
+    matrix = matrix or kernel_matrix(point.sensor, point.exposure, observer=point.observer)
     matrices, white = color_matrices(matrix, operating_point)
     plan = color_plan(light, draw, operating_point, matrices, clip=clip)
     height, width, _ = light.source.shape
@@ -237,6 +238,7 @@ def acquired(
     """
     sensor = operating_point.sensor
     mosaic = mosaic_of(operating_point, mosaic)
+    refuse_summed_readings(sensor)
     adc = adc or adc_of(sensor.converter, sensor.pixel)
     cube = bands_within(cube, sensor.grid)
     light = light_of(cube, operating_point, beyond=beyond, bad_pixels=bad_pixels)

@@ -22,6 +22,7 @@ from chromanoise.exposure import OperatingPoint
 from chromanoise.imaging.render import Picture, RawPicture
 from chromanoise.imaging.row_files import PutRows, tiff_rows
 from chromanoise.sensor import Adc, Mosaic
+from chromanoise.spectra import DEFAULT_OBSERVER
 
 
 def png_bytes(srgb: UInt8[Array, "h w 3"]) -> bytes:
@@ -100,7 +101,9 @@ def write_srgb_tiff(path: Path, srgb: UInt16[Array, "h w 3"]) -> None:
         put(0, srgb)
 
 
-def xyz_tiff_rows(path: Path, *, height: int, width: int) -> AbstractContextManager[PutRows]:
+def xyz_tiff_rows(
+    path: Path, *, height: int, width: int, observer: str = DEFAULT_OBSERVER
+) -> AbstractContextManager[PutRows]:
     """Write a float32 TIFF of linear XYZ, Y = 1 for a perfect white, by rows.
 
     Parameters
@@ -109,24 +112,30 @@ def xyz_tiff_rows(path: Path, *, height: int, width: int) -> AbstractContextMana
         An existing file is replaced.
     height, width
         [pixels]
+    observer
+        Of the colors; recorded in the file where it is not CIE 1931.
 
     Raises
     ------
     InputError
         If the file cannot be written, or rows have a wrong shape or are missing at the end.
     """
+    of = "" if observer == DEFAULT_OBSERVER else f" of the observer {observer}"
     return tiff_rows(
         path,
         shape=(height, width, 3),
         dtype="float32",
         photometric="rgb",
-        description="linear CIE XYZ, Y = 1 for a perfect white",
+        description=f"linear CIE XYZ{of}, Y = 1 for a perfect white",
     )
 
 
-def write_xyz_tiff(path: Path, xyz: Float[Array, "h w 3"]) -> None:
-    """Write linear XYZ as a float32 TIFF, h x w x 3, Y = 1 for a perfect white."""
-    with xyz_tiff_rows(path, height=xyz.shape[0], width=xyz.shape[1]) as put:
+def write_xyz_tiff(
+    path: Path, xyz: Float[Array, "h w 3"], *, observer: str = DEFAULT_OBSERVER
+) -> None:
+    """Write linear XYZ as a float32 TIFF, h x w x 3; parameters as `xyz_tiff_rows`."""
+    height, width = xyz.shape[:2]
+    with xyz_tiff_rows(path, height=height, width=width, observer=observer) as put:
         put(0, xyz.astype(np.float32))
 
 
@@ -194,6 +203,7 @@ def picture_summary(
     return {
         **_situation_summary(picture.operating_point, picture.xyz.shape[:2]),
         "metric": picture.metric,
+        "observer": picture.matrix.observer,
         "seed": picture.seed,
         "frame": picture.frame,
         "mean_e": _by_channel(picture.operating_point, picture.mean_e),
@@ -235,6 +245,7 @@ def raw_summary(
 def _situation_summary(operating_point: OperatingPoint, size: tuple[int, ...]) -> dict[str, Any]:
     return {
         "sensor": operating_point.sensor.name,
+        "label": operating_point.sensor.label,
         "height_px": size[0],
         "width_px": size[1],
         "time_ms": 1e3 * operating_point.exposure.time_s,

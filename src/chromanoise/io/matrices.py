@@ -155,6 +155,7 @@ def _facts(made: MadeMatrix) -> dict[str, Any]:
         "sensor": made.sensor,
         "made_by": made.matrix.made_by,
         "metric": made.matrix.metric,
+        "observer": made.matrix.observer,
         "illuminant": made.illuminant,
         "level_lux": made.level_lux,
         "time_ms": 1e3 * made.time_s,

@@ -24,7 +24,8 @@ from chromanoise.spectra import Grid, Spectra
 
 _SENSOR_SCHEMA = "chromanoise sensor"
 _REQUIRED = ("pitch_um", "full_well_e", "read_noise_e")
-_OPTIONAL = tuple(field.name for field in fields(Pixel) if field.name not in _REQUIRED)
+_COUNTS = ("summed_pixels", "summed_readings")
+_OPTIONAL = tuple(f.name for f in fields(Pixel) if f.name not in (*_REQUIRED, *_COUNTS))
 _LARGEST_GRID = 1_000_000
 
 
@@ -74,7 +75,7 @@ def sensor_json(sensor: Sensor) -> str:
                     field.name: value
                     for field in fields(pixel)
                     if (value := getattr(pixel, field.name)) != field.default
-                    and field.name in _OPTIONAL
+                    and field.name not in _REQUIRED
                 },
                 **sensor.converter.known,
             },
@@ -110,7 +111,11 @@ def sensor_from_json(text: str, *, source: str = "sensor") -> Sensor:
             grid=own,
             qe=array_of(held["qe"], 2),
             names=words_of(held["channels"]),
-            pixel=Pixel(**wells, **_held(pixel, _OPTIONAL, number_of)),
+            pixel=Pixel(
+                **wells,
+                **_held(pixel, _OPTIONAL, number_of),
+                **_held(pixel, _COUNTS, _whole),
+            ),
             converter=Converter(
                 **_held(pixel, ("gain_e_per_dn",), number_of),
                 **_held(pixel, ("bits", "black_level_dn"), _whole),

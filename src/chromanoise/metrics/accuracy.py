@@ -1,4 +1,4 @@
-"""Color error of a sensor relative to the standard observer."""
+"""Color error of a sensor relative to an observer: that of the color matrix."""
 
 from functools import lru_cache
 
@@ -11,7 +11,7 @@ from chromanoise.color import ColorMatrix, balanced_cielab, cie1976_difference
 from chromanoise.exposure import Exposure, expected_electrons
 from chromanoise.scene import Scene, light
 from chromanoise.sensor import Sensor
-from chromanoise.spectra import Illuminant, color_axes, colorchecker
+from chromanoise.spectra import DEFAULT_OBSERVER, Illuminant, color_axes, colorchecker
 
 
 @lru_cache(maxsize=64)  # reused for all levels of a sweep
@@ -61,7 +61,7 @@ def chart_lab(
     Parameters, errors and ``None`` as `chart_color_error`.
     """
     scene = _white_and_chart(illuminant)
-    truth = light(scene, "energy") @ color_axes(sensor.grid, "energy")
+    truth = light(scene, "energy") @ color_axes(sensor.grid, "energy", matrix.observer)
     seen = expected_electrons(scene, sensor, exposure) @ matrix.matrix.T
     if not (seen[0] > 0).all():
         return None
@@ -69,7 +69,11 @@ def chart_lab(
 
 
 def mean_chart_errors(
-    sensor: Sensor, matrices: Float[Array, "k 3 p"], exposure: Exposure, illuminant: Illuminant
+    sensor: Sensor,
+    matrices: Float[Array, "k 3 p"],
+    exposure: Exposure,
+    illuminant: Illuminant,
+    observer: str = DEFAULT_OBSERVER,
 ) -> Float[Array, " k"]:
     """Mean of `chart_color_error` for many matrices at once; NaN where it is ``None``. [Delta E*ab]
 
@@ -77,6 +81,8 @@ def mean_chart_errors(
     ----------
     matrices
         Color matrices for that sensor and exposure. [lx/e-]
+    observer
+        Their observer, from `chromanoise.spectra.OBSERVERS`.
 
     Raises
     ------
@@ -84,7 +90,7 @@ def mean_chart_errors(
         As `chart_color_error`.
     """
     scene = _white_and_chart(illuminant)
-    truth = light(scene, "energy") @ color_axes(sensor.grid, "energy")
+    truth = light(scene, "energy") @ color_axes(sensor.grid, "energy", observer)
     seen = expected_electrons(scene, sensor, exposure) @ np.swapaxes(matrices, -1, -2)
     known = (seen[:, 0] > 0).all(axis=-1)
     white = np.where(known[:, None], seen[:, 0], 1.0)

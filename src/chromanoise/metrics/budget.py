@@ -103,7 +103,7 @@ def color_budget(
     _check.same_names("budget", sensor=sensor.names, matrix=matrix.channels)
     i = matrix.coordinates.index(coordinate)
     got = _electrons(scene, sensor, exposure)
-    axis = color_axes(sensor.grid, matrix.metric)[:, i]
+    axis = color_axes(sensor.grid, matrix.metric, matrix.observer)[:, i]
 
     def channels(of: _Electrons, frame: Frame, row: Float[Array, " p"]) -> Channels:
         return Channels(

@@ -1,7 +1,7 @@
 """Quality of color filters: q, Vora value, principal angles, and a general figure of merit.
 
 Light l with second moment K passes filters F, and the channels measure F^T l plus noise of
-covariance D. The color of the standard observer is A^T l. With the best linear readout B,
+covariance D. The color of the observer is A^T l. With the best linear readout B,
 
     B = A^T K F (F^T K F + D)^-1,  FOM = 1 - tr W (A^T K A - B F^T K A) / tr W A^T K A.
 

@@ -177,6 +177,7 @@ class _Point:
 
     light: Float[Array, " n"]
     axes: Float[Array, "n 3"]
+    observer: str
     photons_per_unit_light: float
     all_e: Float[Array, " p"]
     visible_e: Float[Array, " p"]
@@ -192,7 +193,8 @@ def _point(scene: Scene, sensor: Sensor, exposure: Exposure, matrix: ColorMatrix
     all_e = expected_electrons(scene, sensor, exposure)
     return _Point(
         light=light(scene, "quanta"),
-        axes=color_axes(sensor.grid, "quanta"),
+        axes=color_axes(sensor.grid, "quanta", matrix.observer),
+        observer=matrix.observer,
         photons_per_unit_light=photons_on_pixels(sensor, exposure),
         all_e=all_e,
         visible_e=expected_electrons(without_infrared(scene), sensor, exposure),
@@ -238,9 +240,8 @@ def _channels(
     visible = sensor.grid.wavelength_nm <= INFRARED_FROM_NM
     cut, whole = (change * visible) @ basis, change @ basis
     noise_e, visible_e = point.light @ basis, (point.light * visible) @ basis
-    one_by_one = [
-        weights_one_by_one(axis, frame) for axis in color_axes(sensor.grid, frame.metric).T
-    ]
+    axes = color_axes(sensor.grid, frame.metric, point.observer)
+    one_by_one = [weights_one_by_one(axis, frame) for axis in axes.T]
     return Channels(
         without_infrared=Seen(signal_e=cut, noise_e=visible_e, sought_e=cut),
         with_infrared=Seen(signal_e=whole, noise_e=noise_e, sought_e=whole),

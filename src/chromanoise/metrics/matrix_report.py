@@ -103,7 +103,8 @@ def matrix_report(
     """
     white = flat_field(illuminant, level_lux=level_lux)
     white_e = expected_electrons(white, sensor, exposure)
-    white_xyz = light(white, matrix.metric) @ color_axes(sensor.grid, matrix.metric)
+    axes = color_axes(sensor.grid, matrix.metric, matrix.observer)
+    white_xyz = light(white, matrix.metric) @ axes
     normalized = white_normalized(matrix.matrix, white_e, white_xyz)
     error = chart_color_error(sensor, matrix, exposure, illuminant)
     decibels = signal_snr_db(colored(with_noise(white_e, sensor, exposure), matrix), white_xyz)

@@ -40,7 +40,7 @@ def signal_snr_db(color: Measurement, truth: Float[Array, "*px c"]) -> Float[Arr
     color
         Mean and covariance of color coordinates.
     truth
-        The color of the standard observer, in the same unit. A coordinate that is negative, or
+        The color of the observer, in the same unit. A coordinate that is negative, or
         below `LEAST_COLOR` times the truth, is not a signal, however small its noise is.
     """
     decibels = np.stack([snr_db(color)[name] for name in color.names], axis=-1)

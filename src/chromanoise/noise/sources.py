@@ -14,6 +14,9 @@ PRNU          (PRNU M)^2              spatial   `Pixel.prnu`
 
 Temporal noise differs from frame to frame. Spatial noise is a fixed pattern: the same in every
 frame, so that the mean of a burst keeps it. One reading over a flat field shows both.
+
+Of binned pixels the values of `Pixel` are those of the sum (`chromanoise.sensor.binned`), and so
+are all variances here.
 """
 
 from collections.abc import Mapping

@@ -171,7 +171,7 @@ def channel_plane(
     Parameters
     ----------
     analysis
-        Whose sensor, scene, exposure and metric are taken.
+        Whose sensor, scene, exposure, metric and observer are taken.
     channels
         Two of its channels; the first is drawn to the right.
     axis
@@ -191,7 +191,8 @@ def channel_plane(
     column = _AXIS_NAMES.index(one_of("axis", axis, _AXIS_NAMES))
     name = f"{', '.join(channels)} of {analysis.sensor.name}"
     sensor = with_channels(analysis.sensor, channels, name=name)
-    two = analyzed(analysis.scene, sensor, analysis.exposure, analysis.matrix.metric)
+    own = analysis.matrix
+    two = analyzed(analysis.scene, sensor, analysis.exposure, own.metric, observer=own.observer)
     _refuse_no_plane(two)
     frame = two.matrix.frame
     view = plane_view(frame.basis[:, 0], frame.basis[:, 1])
@@ -307,7 +308,7 @@ def _measured(two: Analysis, to_plane: Float[Array, "2 2"]) -> Measurement:
 
 
 def _color_axis(two: Analysis, view: PlaneView, measured: Measurement, column: int) -> ColorAxis:
-    axis = color_axes(two.sensor.grid, two.matrix.metric)[:, column]
+    axis = color_axes(two.sensor.grid, two.matrix.metric, two.matrix.observer)[:, column]
     seen = view.seen(axis)
     length = float(np.linalg.norm(seen))
     if not length > 0:

@@ -45,7 +45,7 @@ def sights_of(of: Shown, *, work: Work | None = None) -> tuple[Sight, ...]:
     InputError
         If a cube cannot be read, or holds what is no reflectance.
     """
-    names = tuple(one.sensor.name for one in of.operating_points)
+    names = tuple(one.sensor.label for one in of.operating_points)
     matrix, maker = next(iter(of.makers.items()))
     sights = []
     for number, part in enumerate(of.study.pictures):

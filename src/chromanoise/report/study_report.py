@@ -241,4 +241,4 @@ def _notes(head: dict[str, Any]) -> list[str]:
 
 
 def _names(of: Shown) -> str:
-    return ", ".join(one.sensor.name for one in of.operating_points)
+    return ", ".join(one.sensor.label for one in of.operating_points)

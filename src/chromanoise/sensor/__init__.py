@@ -7,9 +7,15 @@ from chromanoise.sensor.adc import (
     adc_to_full_well,
     quantization_step_e,
 )
+from chromanoise.sensor.analog_gain import (
+    code_range_e,
+    white_level_e,
+    with_analog_gain,
+)
 from chromanoise.sensor.changes import (
     behind_ir_cut,
     of_pixel,
+    with_binning,
     with_crosstalk,
     with_pixel,
     with_shifted_curves,
@@ -44,6 +50,7 @@ from chromanoise.sensor.noise_profile import (
 from chromanoise.sensor.overrides import (
     PixelOverrides,
     overridden,
+    refuse_summed_readings,
 )
 from chromanoise.sensor.photon_transfer import (
     PhotonTransfer,
@@ -53,9 +60,13 @@ from chromanoise.sensor.photon_transfer import (
 )
 from chromanoise.sensor.pixel import (
     EXTRA_NOISE,
+    MOST_BINNING,
     PAPER_PIXEL,
+    BinningMode,
     Pixel,
+    binned,
     extra_noise,
+    of_the_sum,
     shot_and_read_only,
 )
 from chromanoise.sensor.pixel_source import (
@@ -73,8 +84,10 @@ from chromanoise.sensor.sensor import (
 __all__ = [
     "EXTRA_NOISE",
     "MOSAIC_NAMES",
+    "MOST_BINNING",
     "PAPER_PIXEL",
     "Adc",
+    "BinningMode",
     "Converter",
     "Crosstalk",
     "Mosaic",
@@ -89,6 +102,8 @@ __all__ = [
     "bayer",
     "behind_filter",
     "behind_ir_cut",
+    "binned",
+    "code_range_e",
     "crosstalk_of_kernel",
     "crosstalk_of_share",
     "extra_noise",
@@ -99,6 +114,7 @@ __all__ = [
     "noise_profile",
     "noise_without_light_e",
     "of_pixel",
+    "of_the_sum",
     "open_questions",
     "overridden",
     "photon_transfer_fit",
@@ -107,12 +123,16 @@ __all__ = [
     "pixel_from_photon_transfer",
     "pixels_of",
     "quantization_step_e",
+    "refuse_summed_readings",
     "resin_filter",
     "rgb_ir",
     "rgbw_2x2",
     "rgbw_sparse_4x4",
     "shot_and_read_only",
     "silicon_qe",
+    "white_level_e",
+    "with_analog_gain",
+    "with_binning",
     "with_channels",
     "with_crosstalk",
     "with_pixel",

@@ -1,5 +1,6 @@
 """From electrons to codes: gain, black level, number of bits."""
 
+import math
 from dataclasses import asdict, dataclass, replace
 
 from chromanoise import _check
@@ -103,6 +104,9 @@ def adc_of(converter: Converter, pixel: Pixel) -> Adc:
 def quantization_step_e(converter: Converter, pixel: Pixel) -> float:
     """Electrons per code, 0 if neither the gain nor the bits of the converter are known. [e-/DN]
 
+    Where n readings are summed (`binned`), the step whose rounding has the variance of their sum:
+    the root of n times the step of one.
+
     Examples
     --------
     >>> pixel = Pixel(pitch_um=10, full_well_e=4095, read_noise_e=0)
@@ -111,9 +115,12 @@ def quantization_step_e(converter: Converter, pixel: Pixel) -> float:
     >>> quantization_step_e(Converter(bits=12), pixel), quantization_step_e(Converter(), pixel)
     (1.0, 0.0)
     """
+    readings = pixel.summed_readings
     if converter.gain_e_per_dn is not None:
-        return converter.gain_e_per_dn
-    return 0.0 if converter.bits is None else adc_of(converter, pixel).gain_e_per_dn
+        return converter.gain_e_per_dn * math.sqrt(readings)
+    if converter.bits is None:
+        return 0.0
+    return adc_of(converter, pixel).gain_e_per_dn / math.sqrt(readings)
 
 
 def adc_to_full_well(pixel: Pixel, *, bits: int = 12, black_level_dn: int = 0) -> Adc:

@@ -12,7 +12,7 @@ from chromanoise.errors import InputError, Setting
 from chromanoise.sensor.adc import Converter
 from chromanoise.sensor.crosstalk import Crosstalk
 from chromanoise.sensor.filters import ir_cut
-from chromanoise.sensor.pixel import Pixel
+from chromanoise.sensor.pixel import BinningMode, Pixel, binned, of_the_sum
 from chromanoise.sensor.sensor import Sensor
 
 MOST_SHIFT_NM = 200.0
@@ -38,7 +38,8 @@ def with_pixel(sensor: Sensor, changes: Mapping[str, Any]) -> Sensor:
     sensor
         Any sensor.
     changes
-        Values by the names of the fields of `Pixel` and `Converter`.
+        Values by the names of the fields of `Pixel` and `Converter`; of one pixel, if the
+        sensor's are binned.
 
     Raises
     ------
@@ -56,7 +57,7 @@ def with_pixel(sensor: Sensor, changes: Mapping[str, Any]) -> Sensor:
     """
     for name in changes:
         _check.one_of("field of the pixel", name, sorted(_OF_PIXEL | _OF_CONVERTER))
-    pixel = replace(sensor.pixel, **of_pixel(changes))
+    pixel = replace(sensor.pixel, **of_the_sum(sensor.pixel, of_pixel(changes)))
     for name in _OF_TEMPERATURE:
         if name in changes and not pixel.dark_current_e_per_s:
             raise InputError(
@@ -68,6 +69,40 @@ def with_pixel(sensor: Sensor, changes: Mapping[str, Any]) -> Sensor:
             )
     converter = {name: value for name, value in changes.items() if name in _OF_CONVERTER}
     return replace(sensor, pixel=pixel, converter=replace(sensor.converter, **converter))
+
+
+def with_binning(sensor: Sensor, pixels: int, mode: BinningMode = "charge") -> Sensor:
+    """The sensor with the sums of ``pixels`` pixels in place of its pixels, and a note on it.
+
+    Parameters
+    ----------
+    sensor
+        A sensor whose pixels are not binned.
+    pixels
+        Pixels of one channel that are summed; 1 returns the sensor itself.
+    mode
+        ``charge``: summed before one reading. ``digital``: as many readings are summed.
+
+    Raises
+    ------
+    InputError
+        As `chromanoise.sensor.binned`.
+
+    Examples
+    --------
+    >>> from chromanoise.catalog import sensor_named
+    >>> from chromanoise.spectra import DEFAULT_GRID
+    >>> with_binning(sensor_named("model-rgb", DEFAULT_GRID), 4).notes[-1]
+    '4 pixels binned (charge): sum of 20 um, full well 40000 e-, read noise 10 e-'
+    """
+    pixel = binned(sensor.pixel, pixels, mode)
+    if pixel is sensor.pixel:
+        return sensor
+    note = (
+        f"{pixel.summed_pixels} pixels binned ({mode}): sum of {pixel.pitch_um:.4g} um, full well "
+        f"{pixel.full_well_e:.6g} e-, read noise {pixel.read_noise_e:.4g} e-"
+    )
+    return replace(sensor, pixel=pixel, notes=(*sensor.notes, note))
 
 
 def behind_ir_cut(sensor: Sensor, edge_nm: float, *, noted: bool = True) -> Sensor:

@@ -3,8 +3,9 @@
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
 
+from chromanoise.errors import InputError
 from chromanoise.sensor.adc import adc_of
-from chromanoise.sensor.pixel import extra_noise
+from chromanoise.sensor.pixel import extra_noise, of_the_sum
 from chromanoise.sensor.sensor import Sensor
 
 
@@ -36,19 +37,22 @@ def overridden(sensor: Sensor, given: PixelOverrides, *, raw: bool) -> Sensor:
     sensor
         The sensor, with its own pixel and converter.
     given
-        Values that override those of the sensor.
+        Values that override those of the sensor; of one pixel, if the sensor's are binned.
     raw
         Whether the picture is of raw codes; otherwise no converter is used.
 
     Raises
     ------
     InputError
-        If a value is out of range.
+        If a value is out of range, or as `refuse_summed_readings` for a picture of raw codes.
     """
+    if raw:
+        refuse_summed_readings(sensor)
     asked = {name: value for name, value in asdict(given).items() if value is not None}
     own = extra_noise(sensor.pixel)
     known = sensor.converter.known
     converter = replace(sensor.converter, **{k: v for k, v in asked.items() if k in _CONVERTER})
+    asked |= of_the_sum(sensor.pixel, asked)
     pixel = replace(sensor.pixel, **{k: v for k, v in asked.items() if k not in _CONVERTER})
     used = {k: v for k, v in own.items() if k not in asked}
     won = {k: v for k, v in {**own, **known}.items() if k in asked and asked[k] != v}
@@ -59,6 +63,24 @@ def overridden(sensor: Sensor, given: PixelOverrides, *, raw: bool) -> Sensor:
     if known:
         notes += _converter_notes(changed, known, raw=raw)
     return replace(changed, notes=(*sensor.notes, *notes))
+
+
+def refuse_summed_readings(sensor: Sensor) -> None:
+    """Refuse raw codes of digital binning: each would be a sum of codes, not a code.
+
+    Raises
+    ------
+    InputError
+        If the sensor sums several readings.
+    """
+    if sensor.pixel.summed_readings > 1:
+        raise InputError(
+            "binning_mode",
+            "must be 'charge' for the raw codes of a mosaic",
+            value="digital",
+            found=f"is 'digital': {sensor.name} has sums of {sensor.pixel.summed_readings} codes",
+            remedy="take the picture without a mosaic, or bin the charge",
+        )
 
 
 _CONVERTER = ("bits", "black_level_dn")

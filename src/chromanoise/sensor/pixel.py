@@ -5,7 +5,10 @@ every frame; row noise differs in every row and frame; dark current adds electro
 shot noise, and its mean is subtracted. All are 0 by default, as in the paper.
 """
 
+import math
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import Any, Literal, get_args
 
 from chromanoise import _check
 from chromanoise.errors import InputError
@@ -13,6 +16,17 @@ from chromanoise.errors import InputError
 _MOST = 1e12  # above any real pixel, and above the resolution of float32
 _COLDEST_C, _HOTTEST_C = -273.15, 300.0
 _MOST_PRNU = 0.2
+
+BinningMode = Literal["charge", "digital"]
+MOST_BINNING = 10_000
+"""Most pixels that are summed."""
+
+
+def _pixels(name: str, count: float) -> int:
+    """A number of pixels that are summed."""
+    if isinstance(count, bool) or not 1 <= count <= MOST_BINNING or int(count) != count:
+        raise InputError(name, f"must be a whole number from 1 to {MOST_BINNING}", value=count)
+    return int(count)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -43,6 +57,9 @@ class Pixel:
         Temperature at which the dark current is given. [C]
     dark_doubling_k
         Increase of the temperature that doubles the dark current; usually 6 to 8. [K]
+    summed_pixels, summed_readings
+        Pixels that were binned, and readings of them that were summed: see `binned`. All other
+        values are those of the sum. [1]
 
     Raises
     ------
@@ -69,6 +86,8 @@ class Pixel:
     temperature_c: float | None = None
     dark_reference_c: float = 25.0
     dark_doubling_k: float = 7.0
+    summed_pixels: float = 1
+    summed_readings: float = 1
 
     def __post_init__(self) -> None:
         _check.positive("pitch_um", "um", self.pitch_um)
@@ -92,6 +111,14 @@ class Pixel:
             if getattr(self, name) is not None:
                 _check.within(name, "C", getattr(self, name), _COLDEST_C, _HOTTEST_C)
         _check.within("dark_doubling_k", "K", self.dark_doubling_k, 3.0, 30.0)
+        object.__setattr__(self, "summed_pixels", _pixels("summed_pixels", self.summed_pixels))
+        if self.summed_readings not in (1, self.summed_pixels):
+            raise InputError(
+                "summed_readings",
+                f"must be 1 or the {self.summed_pixels} pixels that are summed",
+                value=self.summed_readings,
+            )
+        object.__setattr__(self, "summed_readings", int(self.summed_readings))
 
     @property
     def temperature_factor(self) -> float:
@@ -135,3 +162,99 @@ def shot_and_read_only(pixel: Pixel) -> Pixel:
 def extra_noise(pixel: Pixel) -> dict[str, float]:
     """The values of `EXTRA_NOISE` that are not 0, by name."""
     return {name: value for name in EXTRA_NOISE if (value := getattr(pixel, name))}
+
+
+def binned(pixel: Pixel, pixels: int, mode: BinningMode = "charge") -> Pixel:
+    """The pixel whose reading is the sum of ``pixels`` equal pixels.
+
+    Parameters
+    ----------
+    pixel
+        One of them, not binned itself.
+    pixels
+        How many are summed, e.g. 4 for 2 x 2; from 1 to 10,000. 1 returns the pixel itself.
+    mode
+        ``charge``: their charges are summed before one reading. ``digital``: each is read, and the
+        readings are summed.
+
+    Raises
+    ------
+    InputError
+        If the number is not whole or out of range, the mode is unknown, or the pixel is binned.
+
+    Notes
+    -----
+    The light, the dark electrons and the full well are n times those of one pixel. PRNU and DSNU
+    are independent from pixel to pixel: DSNU grows with the root of n, PRNU falls with it. Charge
+    is read once: read noise, row noise and black-level error stay. With n readings the variance of
+    the read noise is n times that of one, and the black-level error n times. Of a block of r rows
+    and c columns, as square as n allows, the row noise has r c^2 times the variance of one.
+
+    The full well is bounded by the photodiodes only, n times that of one: a summing node that holds
+    less must be given as a smaller full well. Clipping applies to the sum.
+
+    Examples
+    --------
+    >>> four = binned(PAPER_PIXEL, 4, "digital")
+    >>> four.pitch_um, four.full_well_e, four.read_noise_e
+    (20.0, 40000.0, 20.0)
+    >>> binned(PAPER_PIXEL, 4, "charge").read_noise_e
+    10.0
+    """
+    pixels = _pixels("binning", pixels)
+    _check.one_of("binning_mode", mode, get_args(BinningMode))
+    if pixel.summed_pixels != 1:
+        raise InputError(
+            "binning",
+            "must be given once",
+            value=pixels,
+            found=f"is of a pixel that is the sum of {pixel.summed_pixels} already",
+        )
+    if pixels == 1:
+        return pixel
+    shell = replace(pixel, summed_pixels=pixels, summed_readings=1 if mode == "charge" else pixels)
+    return replace(shell, **of_the_sum(shell, {name: getattr(pixel, name) for name in _SUMMED}))
+
+
+def of_the_sum(pixel: Pixel, values: Mapping[str, Any]) -> dict[str, Any]:
+    """Values of one pixel as those of the sum that ``pixel`` is; unchanged if it is not binned.
+
+    Parameters
+    ----------
+    pixel
+        Of which the numbers of summed pixels and readings are used.
+    values
+        By the names of the fields of `Pixel`.
+
+    Examples
+    --------
+    >>> of_the_sum(binned(PAPER_PIXEL, 9, "digital"), {"read_noise_e": 2.0, "prnu": 0.03})
+    {'read_noise_e': 6.0, 'prnu': 0.01}
+    """
+    if pixel.summed_pixels == 1:
+        return dict(values)
+    n, read = int(pixel.summed_pixels), int(pixel.summed_readings)
+    columns = read // max(rows for rows in range(1, math.isqrt(read) + 1) if read % rows == 0)
+    factors = {
+        "pitch_um": math.sqrt(n),
+        "full_well_e": n,
+        "dark_current_e_per_s": n,
+        "dsnu_e": math.sqrt(n),
+        "prnu": 1 / math.sqrt(n),
+        "read_noise_e": math.sqrt(read),
+        "row_noise_e": math.sqrt(read * columns),
+        "black_error_e": read,
+    }
+    return {name: value * factors.get(name, 1) for name, value in values.items()}
+
+
+_SUMMED = (
+    "pitch_um",
+    "full_well_e",
+    "dark_current_e_per_s",
+    "dsnu_e",
+    "prnu",
+    "read_noise_e",
+    "row_noise_e",
+    "black_error_e",
+)

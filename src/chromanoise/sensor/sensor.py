@@ -24,7 +24,7 @@ class Sensor:
     Attributes
     ----------
     name
-        Name of the sensor in results.
+        Name of the sensor; random numbers and files are named by it.
     grid
         Wavelength grid of ``qe``.
     qe
@@ -47,6 +47,8 @@ class Sensor:
         ``model`` or ``reconstruction``.
     notes
         Remarks for readers of a result.
+    shown_as
+        Text in place of the name where results are shown; empty for the name.
 
     Raises
     ------
@@ -65,6 +67,7 @@ class Sensor:
     crosstalk: Crosstalk | None = None
     origin: Origin = "given"
     notes: tuple[str, ...] = ()
+    shown_as: str = ""
 
     def __post_init__(self) -> None:
         qe = _check.fraction(f"QE of sensor {self.name}", "e-/photon", self.qe)
@@ -90,6 +93,11 @@ class Sensor:
         object.__setattr__(self, "qe", _check.frozen(qe))
         object.__setattr__(self, "names", names)
 
+    @property
+    def label(self) -> str:
+        """What tables and charts call the sensor: ``shown_as``, or else its name."""
+        return self.shown_as or self.name
+
     def _repr_html_(self) -> str:
         pixel, nm = self.pixel, self.grid.wavelength_nm
         rows = [
@@ -97,7 +105,7 @@ class Sensor:
             for name, qe in zip(self.names, self.qe.T, strict=True)
         ]
         return _notebook.shown(
-            f"Sensor {self.name} ({self.origin}): {pixel.pitch_um:g} um, full well "
+            f"Sensor {self.label} ({self.origin}): {pixel.pitch_um:g} um, full well "
             f"{pixel.full_well_e:g} e-, read noise {pixel.read_noise_e:g} e-",
             _notebook.curves(nm, self.qe, self.names, what=f"QE of {self.name} [e-/photon]"),
             _notebook.table(["channel", "highest QE [e-/photon]", "at [nm]"], rows),

@@ -44,9 +44,14 @@ if TYPE_CHECKING:
         with_infrared,
     )
     from chromanoise.spectra.observers import (
+        DEFAULT_OBSERVER,
         INFRARED_FROM_NM,
+        OBSERVERS,
         cie_1931,
         color_axes,
+        color_matching_functions,
+        observer_notes,
+        observer_table,
     )
     from chromanoise.spectra.readers import (
         read_spectra_csv,
@@ -58,8 +63,10 @@ if TYPE_CHECKING:
 
 __all__ = [
     "DEFAULT_GRID",
+    "DEFAULT_OBSERVER",
     "INFRARED_FROM_NM",
     "METRICS",
+    "OBSERVERS",
     "SMALL_NEGATIVES",
     "Beyond",
     "Grid",
@@ -72,6 +79,7 @@ __all__ = [
     "cie_a",
     "cie_illuminant",
     "color_axes",
+    "color_matching_functions",
     "colorchecker",
     "equal_energy",
     "halogen",
@@ -84,6 +92,8 @@ __all__ = [
     "led_white",
     "means_on_grid",
     "mixed",
+    "observer_notes",
+    "observer_table",
     "on_grid",
     "photon_irradiance",
     "read_spectra_csv",

@@ -25,7 +25,7 @@ from chromanoise.spectra.curves import (
     used_on_grid,
 )
 from chromanoise.spectra.grid import Grid
-from chromanoise.spectra.observers import cie_1931_table
+from chromanoise.spectra.observers import observer_table
 from chromanoise.spectra.tables import packaged_table
 from chromanoise.units import (
     BOLTZMANN_J_PER_K,
@@ -264,7 +264,7 @@ def _from_formula(name: str, power: Power, grid: Grid) -> Illuminant:
 
 def _lux_of(power: Power, name: str) -> float:
     """Lux of the curve ``power`` [W m-2 nm-1]: K_m sum y-bar power, 360-830 nm @1 (CIE 015)."""
-    observer = cie_1931_table()
+    observer = observer_table()
     curve = power(observer.wavelength_nm)
     lux = LUMEN_PER_WATT * float(observer.values[:, 1] @ curve)
     if not lux > _DARKEST_LM_PER_W * max(float(curve.sum()), np.finfo(float).tiny):

@@ -23,7 +23,7 @@ from chromanoise.spectra.illuminants import (
     led_white,
     narrow_diode,
 )
-from chromanoise.spectra.observers import cie_1931_table
+from chromanoise.spectra.observers import observer_table
 from chromanoise.spectra.tables import catalogue_curves, catalogue_tables, formulas
 from chromanoise.units import LUMEN_PER_WATT
 
@@ -197,7 +197,7 @@ def with_infrared(
         return illuminant
     grid = illuminant.grid
     scale = share * illuminant.irradiance.sum() / power(grid.wavelength_nm).sum()
-    observer = cie_1931_table()
+    observer = observer_table()
     seen = LUMEN_PER_WATT * float(observer.values[:, 1] @ power(observer.wavelength_nm))
     added = scale * power(grid.wavelength_nm)
     return replace(

@@ -1,7 +1,9 @@
-"""The CIE 1931 observer: its color-matching functions and the color axes that they span."""
+"""The observers of the CIE: their color-matching functions and the color axes that they span."""
 
+from collections.abc import Mapping
 from functools import cache
 
+from chromanoise import _check
 from chromanoise._check import Array, frozen
 from chromanoise._shapes import Float
 from chromanoise.spectra.curves import Spectra, on_grid
@@ -13,19 +15,68 @@ from chromanoise.units import LUMEN_PER_WATT, UM2_PER_M2, photons_per_joule
 INFRARED_FROM_NM = 700.0
 """Longer wavelengths count as infrared: y-bar is below 0.5 % of its peak."""
 
+OBSERVERS: Mapping[str, str] = {
+    "cie-1931-2": "cie_1931",
+    "cie-1964-10": "cie_1964",
+    "cie-2015-2": "cie_2015_2",
+    "cie-2015-10": "cie_2015_10",
+}
+"""Packaged table of each observer. The names end in the visual field in degrees."""
+
+DEFAULT_OBSERVER = "cie-1931-2"
+
 
 @cache
-def cie_1931_table() -> Spectra:
-    """The 2-degree color-matching functions as the CIE tabulates them, 360-830 nm @1.
+def observer_table(observer: str = DEFAULT_OBSERVER) -> Spectra:
+    """The color-matching functions of an observer as the CIE tabulates them, @1 nm.
+
+    Parameters
+    ----------
+    observer
+        A name from `OBSERVERS`.
+
+    Raises
+    ------
+    InputError
+        If there is no observer of that name.
 
     Notes
     -----
-    CIE 018:2019, https://doi.org/10.25039/CIE.DS.xvudnb9b.
+    CIE 018:2019 (1931, 2 deg, https://doi.org/10.25039/CIE.DS.xvudnb9b; 1964, 10 deg) from 360 to
+    830 nm; CIE 170-2:2015 (2 deg and 10 deg) from 390 to 830 nm.
     """
-    return packaged_table("cie_1931")
+    return packaged_table(OBSERVERS[_check.one_of("observer", observer, tuple(OBSERVERS))])
 
 
 @cache
+def color_matching_functions(grid: Grid, observer: str = DEFAULT_OBSERVER) -> Spectra:
+    """An observer on ``grid``; outside the range of its table it is zero, as the CIE defines it.
+
+    Parameters
+    ----------
+    grid
+        The wavelengths.
+    observer
+        A name from `OBSERVERS`.
+
+    Raises
+    ------
+    InputError
+        If there is no observer of that name.
+
+    Notes
+    -----
+    As `observer_table`.
+
+    Examples
+    --------
+    >>> at_555_nm = color_matching_functions(Grid.uniform(400, 1050, 5), "cie-1964-10").values[31]
+    >>> at_555_nm.round(4)
+    array([0.6163, 0.9991, 0.0011])
+    """
+    return on_grid(observer_table(observer), grid, beyond="zero")
+
+
 def cie_1931(grid: Grid) -> Spectra:
     """The CIE 1931 observer on ``grid``; outside 360-830 nm it is zero, as the CIE defines it.
 
@@ -34,12 +85,12 @@ def cie_1931(grid: Grid) -> Spectra:
     >>> cie_1931(Grid.uniform(400, 1050, 5)).values[31].round(4)    # 555 nm
     array([0.5121, 1.    , 0.0057])
     """
-    return on_grid(cie_1931_table(), grid, beyond="zero")
+    return color_matching_functions(grid, DEFAULT_OBSERVER)
 
 
 @cache
-def color_axes(grid: Grid, metric: Metric) -> Float[Array, "n 3"]:
-    """H of eq. 5: H^T L is the color of the light L, with Y in lux.
+def color_axes(grid: Grid, metric: Metric, observer: str = DEFAULT_OBSERVER) -> Float[Array, "n 3"]:
+    """H of eq. 5: H^T L is the color of the light L, with Y of CIE 1931 in lux.
 
     Parameters
     ----------
@@ -47,19 +98,44 @@ def color_axes(grid: Grid, metric: Metric) -> Float[Array, "n 3"]:
         The wavelengths of L.
     metric
         The unit in which L is a vector; see `chromanoise.spectra.metric`.
+    observer
+        A name from `OBSERVERS`.
 
     Returns
     -------
     H
         Columns x, y, z. [lx per unit of L]
 
+    Raises
+    ------
+    InputError
+        If there is no observer of that name.
+
     Notes
     -----
     Clouet, Vaillant & Alleysson (CIC27, 2019), eq. 5, with the factor K_m delta-lambda so that
-    Y is an illuminance. A common factor changes neither angles nor SNR.
+    Y is an illuminance. A common factor changes neither angles nor SNR. The lux is defined by
+    y-bar of CIE 1931: Y of another observer has the same factor, but is not an illuminance.
     """
-    lux_per_watt = LUMEN_PER_WATT * grid.step_nm * cie_1931(grid).values
+    functions = color_matching_functions(grid, observer).values
+    lux_per_watt = LUMEN_PER_WATT * grid.step_nm * functions
     watt_per_unit = (
         photons_per_unit(grid, metric) * UM2_PER_M2 / photons_per_joule(grid.wavelength_nm)
     )
     return frozen(lux_per_watt * watt_per_unit[:, None])
+
+
+def observer_notes(observer: str) -> tuple[str, ...]:
+    """What to know about the colors of an observer; nothing for CIE 1931.
+
+    Examples
+    --------
+    >>> observer_notes("cie-1931-2")
+    ()
+    """
+    if observer == DEFAULT_OBSERVER:
+        return ()
+    return (
+        f"X, Y and Z are those of the observer {observer}; its Y is not an illuminance, because "
+        "the lux is defined by the CIE 1931 observer",
+    )

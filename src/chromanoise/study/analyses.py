@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from chromanoise.analysis.analysis import Analysis, analyzed
+from chromanoise.analysis.camera_pipeline import PipelineNoise, pipeline_as_json, pipeline_noise
 from chromanoise.analysis.chart_patches import ChartNoise, chart_as_json, chart_noise
 from chromanoise.analysis.color_matrices import MatrixMaker
 from chromanoise.analysis.color_space_noise import GrayNoise, gray_noise, gray_noise_as_json
@@ -13,7 +14,9 @@ from chromanoise.analysis.figures_of_merit.merits import Merits, merits_as_json,
 from chromanoise.color import SPACES, UNBOUNDED
 from chromanoise.exposure import OperatingPoint, white_scene
 from chromanoise.noise import Readout
-from chromanoise.study.document import OutputsPart
+from chromanoise.spectra import Illuminant
+from chromanoise.study.assembly import keyed
+from chromanoise.study.document import OutputsPart, PipelinePart, pipeline_settings
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -28,12 +31,15 @@ class Outcome:
         ``None`` where not asked for, or where a channel is saturated or white is no color.
     merits
         ``None`` where not asked for.
+    pipeline
+        As ``grey_noise``.
     """
 
     analysis: Analysis
     grey_noise: GrayNoise | None
     chart: ChartNoise | None
     merits: Merits | None
+    pipeline: PipelineNoise | None
 
 
 def analysis_of(
@@ -65,7 +71,11 @@ def analysis_of(
 
 
 def outcome_of(
-    operating_point: OperatingPoint, maker: MatrixMaker, outputs: OutputsPart
+    operating_point: OperatingPoint,
+    maker: MatrixMaker,
+    outputs: OutputsPart,
+    *,
+    balance_light: Illuminant | None = None,
 ) -> Outcome:
     """Compute all requested results of a sensor at one operating point.
 
@@ -77,6 +87,8 @@ def outcome_of(
         Of its color matrix.
     outputs
         The requested outputs; `outcomes_as_json` adds ``budget``.
+    balance_light
+        The illuminant that the white balance of the pipeline names (`balance_light_of`).
 
     Raises
     ------
@@ -91,7 +103,19 @@ def outcome_of(
         grey_noise=gray_noise(analysis, space, readout=readout) if space else None,
         chart=chart_noise(analysis, readout=readout or UNBOUNDED) if outputs.chart else None,
         merits=merits_of(analysis, maker=maker) if outputs.merit else None,
+        pipeline=_pipeline(analysis, outputs.pipeline, balance_light, readout)
+        if outputs.pipeline.run
+        else None,
     )
+
+
+def _pipeline(
+    analysis: Analysis, part: PipelinePart, light: Illuminant | None, readout: Readout | None
+) -> PipelineNoise | None:
+    key = "outputs.pipeline"
+    own = {name: f"{key}.{name}" for name in type(part).model_fields}
+    with keyed(f"{key}.white_balance", lambda name: f"{key}.{name}", own):
+        return pipeline_noise(analysis, pipeline_settings(part, light), readout=readout)
 
 
 def outcomes_as_json(outcomes: Sequence[Outcome], outputs: OutputsPart) -> dict[str, Any]:
@@ -106,4 +130,6 @@ def outcomes_as_json(outcomes: Sequence[Outcome], outputs: OutputsPart) -> dict[
             own["chart"] = chart_as_json(outcome.chart)
         if outcome.merits is not None:
             own["merits"] = merits_as_json(outcome.merits)
+        if outputs.pipeline.run:
+            own["pipeline"] = pipeline_as_json(outcome.pipeline)
     return told

@@ -25,6 +25,7 @@ from chromanoise.sensor import (
     behind_ir_cut,
     crosstalk_of_share,
     mosaic_named,
+    with_binning,
     with_crosstalk,
     with_shifted_curves,
 )
@@ -69,14 +70,14 @@ def operating_points_of(study: Study, given: Given = NOTHING_GIVEN) -> list[Oper
 
 
 def refuse_idle(study: Study, given: Given = NOTHING_GIVEN) -> None:
-    """Refuse repeated sensors and settings that change nothing, all at once.
+    """Refuse repeated sensors, repeated labels and settings that change nothing, all at once.
 
     Raises
     ------
     InputError
         If there is one.
     """
-    errors = [*duplicates(study), *idle_settings(study, given)]
+    errors = [*duplicates(study), *repeated_labels(study), *idle_settings(study, given)]
     if errors:
         raise refusal(errors)
 
@@ -109,6 +110,7 @@ def duplicates(study: Study) -> list[InputError]:
 
     A page shows them, for one of them is about to be changed; a run would compute all of it twice.
     """
+    parts = [part.model_copy(update={"label": None}) for part in study.sensors]
     return [
         InputError(
             "name",
@@ -118,9 +120,28 @@ def duplicates(study: Study) -> list[InputError]:
             remedy="change a setting of one, or omit one",
             setting=f"sensors.{i}.name",
         )
-        for i, part in enumerate(study.sensors)
-        if part in study.sensors[:i]
+        for i, part in enumerate(parts)
+        if part in parts[:i]
     ]
+
+
+def repeated_labels(study: Study) -> list[InputError]:
+    """Labels that another sensor has as label or name, so that tables could not tell them apart."""
+    errors = []
+    for i, part in enumerate(study.sensors):
+        others = [one for k, one in enumerate(study.sensors) if k != i]
+        taken = {one.label for one in study.sensors[:i]} | {one.name for one in others}
+        if part.label is not None and part.label in taken:
+            errors.append(
+                InputError(
+                    "label",
+                    "must differ from the labels and names of the other sensors",
+                    value=part.label,
+                    found=f"{part.label!r} is repeated",
+                    setting=f"sensors.{i}.label",
+                )
+            )
+    return errors
 
 
 def idle_settings(study: Study, given: Given = NOTHING_GIVEN) -> list[InputError]:
@@ -180,7 +201,7 @@ def operating_points_in(
     Parameters
     ----------
     study
-        Of which the exposure and the light level are used.
+        Of which the exposure, the light level and the observer are used.
     illuminant, sensors
         What it names.
 
@@ -193,7 +214,11 @@ def operating_points_in(
     white = flat_field(illuminant, level_lux=light.level_lux)
     return [
         OperatingPoint(
-            sensor=sensor, exposure=exposure, illuminant=illuminant, level_lux=light.level_lux
+            sensor=sensor,
+            exposure=exposure,
+            illuminant=illuminant,
+            level_lux=light.level_lux,
+            observer=study.observer,
         )
         for sensor, exposure in zip(sensors, _exposures(study, white, sensors), strict=True)
     ]
@@ -212,6 +237,26 @@ def illuminant_of(study: Study, given: Given = NOTHING_GIVEN) -> Illuminant:
         return given.illuminants[word]
     with keyed("light.illuminant", lambda name: f"light.{'column' if name == 'columns' else name}"):
         return resolve_illuminant(word, answers=light_answers_of(study))
+
+
+def balance_light_of(study: Study, given: Given = NOTHING_GIVEN) -> Illuminant | None:
+    """The illuminant that the white balance of the pipeline names; ``None`` if it names none.
+
+    Raises
+    ------
+    InputError
+        If its name names nothing, or a file cannot be read.
+    """
+    part = study.outputs.pipeline
+    word = part.white_balance
+    if not part.run or not isinstance(word, str) or word == "gray":
+        return None
+    if word == "illuminant" or word == study.light.illuminant:
+        return illuminant_of(study, given)
+    with keyed("outputs.pipeline.white_balance", lambda name: f"light.{name}"):
+        light = study.light
+        answers = Answers(quantity="power", beyond=light.beyond, negatives=light.negatives)
+        return resolve_illuminant(word, answers=answers)
 
 
 def light_answers_of(study: Study) -> Answers:
@@ -252,6 +297,9 @@ def sensor_of(part: SensorPart, *, key: str = "sensors.0", given: Given = NOTHIN
             sensor = on_pixel(given.sensors[part.name], **pixel)
         else:
             sensor = sensor_with_pixel(part.name, answers=_answers(part), **pixel)
+    if part.pixel.binning is not None:
+        with keyed(f"{key}.pixel.binning"):
+            sensor = with_binning(sensor, part.pixel.binning, part.pixel.binning_mode or "charge")
     sensor = with_shifted_curves(sensor, part.shift_nm)
     if part.filter is not None:
         answers = Answers(
@@ -263,12 +311,12 @@ def sensor_of(part: SensorPart, *, key: str = "sensors.0", given: Given = NOTHIN
             sensor = behind_resolved_filter(sensor, part.filter, answers=answers)
     if part.ircut_nm is not None:
         sensor = behind_ir_cut(sensor, part.ircut_nm)
-    return _with_crosstalk(sensor, part, key)
+    return replace(_with_crosstalk(sensor, part, key), shown_as=part.label or sensor.shown_as)
 
 
 def _pixel_changes(part: PixelPart) -> dict[str, Any]:
     """The changes as `sensor_with_pixel` takes them; a gain K in DN/e- becomes e-/DN."""
-    changes = part.model_dump(exclude={"gain_dn_per_e"})
+    changes = part.model_dump(exclude={"gain_dn_per_e", "binning", "binning_mode"})
     if part.gain_dn_per_e is not None:
         changes["gain_e_per_dn"] = 1 / part.gain_dn_per_e
     return changes
@@ -354,10 +402,11 @@ def unresolved(study: Study) -> list[InputError]:
             return None
 
     tried(partial(illuminant_of, study))
+    tried(partial(balance_light_of, study))
     sensors = [
         tried(partial(sensor_of, part, key=f"sensors.{i}")) for i, part in enumerate(study.sensors)
     ]
-    found += [*duplicates(study), *idle_settings(study)]
+    found += [*duplicates(study), *repeated_labels(study), *idle_settings(study)]
     for i, picture in enumerate(study.pictures):
         if picture.mosaic not in (None, "sensor"):
             tried(partial(_mosaic_fits, i, picture, sensors))

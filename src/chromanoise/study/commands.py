@@ -13,6 +13,7 @@ from chromanoise.study.settings import (
     ANALYSIS,
     COMPARISON,
     MATRIX,
+    PER_SENSOR,
     RENDERING,
     analyze_study,
     compare_study,
@@ -40,6 +41,7 @@ OTHER_NAMES: Mapping[str, str] = {
     "pareto_last": "pareto",
     "pareto_points": "pareto",
     "sensors": "sensor",
+    "labels": "label",
 }
 """Settings whose option has another name."""
 
@@ -201,8 +203,13 @@ def _candidate(function: str, study: Study) -> Call | None:
 
 def _settings(study: Study, base: Study, names: Mapping[str, tuple[str, ...]]) -> dict[str, Any]:
     """The settings in which a study differs from that of the call without settings."""
-    found = {}
+    found: dict[str, Any] = {}
     for name, keys in names.items():
+        if name in PER_SENSOR:
+            own = [getattr(one, keys[0].rpartition(".")[2]) for one in study.sensors]
+            pairs = zip(own, study.sensors, strict=True)
+            found |= {name: [value or one.name for value, one in pairs]} if any(own) else {}
+            continue
         value = _value(study, keys[0].replace("*", "0"))
         default = _value(base, keys[0].replace("*", "0"))
         if value is not None and value != default:
@@ -262,6 +269,9 @@ def _options(settings: Mapping[str, Any]) -> list[str]:
         words += ["--pareto", f"{span}:{points}" if points is not None else span]
     for name, value in given.items():
         option = option_of(name, value)
+        if name in PER_SENSOR:
+            words += [word for one in value for word in (option, one)]
+            continue
         if value is True or option in FLAGS.get(name, {}).values():
             words.append(option)
         elif value is not False:

@@ -17,6 +17,7 @@ from pydantic import (
 )
 
 from chromanoise import _check
+from chromanoise.analysis.camera_pipeline import BASE_ISO, PipelineSettings
 from chromanoise.analysis.color_matrices import (
     DEFAULT_METHOD,
     METHODS,
@@ -26,17 +27,18 @@ from chromanoise.analysis.color_matrices import (
 from chromanoise.analysis.comparison.quantities import QUANTITIES
 from chromanoise.analysis.comparison.sweeps import SWEEPS
 from chromanoise.analysis.priors import DEFAULT_PRIOR, PRIORS
-from chromanoise.color import SPACES
+from chromanoise.color import SPACES, TONES
 from chromanoise.errors import InputError, Setting, StudyError, did_you_mean
 from chromanoise.imaging import DEMOSAICING
 from chromanoise.imaging.capture import FORMATS, MOST_FRAMES
 from chromanoise.io.given_matrices import is_matrix_file
 from chromanoise.io.spectra.parsed import Negatives, Unit
 from chromanoise.scene import BUILTIN_CUBES
-from chromanoise.sensor import MOSAIC_NAMES
-from chromanoise.spectra import METRICS
+from chromanoise.sensor import MOSAIC_NAMES, MOST_BINNING, BinningMode
+from chromanoise.spectra import DEFAULT_OBSERVER, METRICS, OBSERVERS, Illuminant
 
 MOST_SENSORS = 1000
+_LONGEST_LABEL = 60
 SCHEMA = 1
 """Version of this schema; an incompatible later schema gets another number."""
 
@@ -85,6 +87,8 @@ Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 Finite = Annotated[float, Field(allow_inf_nan=False)]
 Beyond = Literal["refuse", "zero", "hold"]
+BALANCE_WORDS = ("gray", "illuminant")
+"""White balances that name no illuminant of their own."""
 _NEGATIVES = (
     "Small negative values in the file, e.g. from digitizing: refuse them or set them to 0."
 )
@@ -162,6 +166,25 @@ class PixelPart(_Part):
     gain_dn_per_e: Positive | None = Field(
         None, description="Gain K of the converter [DN/e-]; default: full well at the top code."
     )
+    binning: Annotated[int, Field(ge=1, le=MOST_BINNING)] | None = Field(
+        None, description="Pixels of one channel that are summed, e.g. 4 for 2 x 2."
+    )
+    binning_mode: BinningMode | None = Field(
+        None,
+        description="charge: one reading of the sum (default); digital: as many readings, summed.",
+    )
+
+    @model_validator(mode="after")
+    def _mode_of_binning(self) -> "PixelPart":
+        if self.binning_mode is not None and self.binning in (None, 1):
+            raise InputError(
+                "binning_mode",
+                "must be given only with binning of 2 pixels or more",
+                value=self.binning_mode,
+                found="there is none" if self.binning is None else "binning is 1",
+                remedy=(Setting("binning"), "omit binning_mode"),
+            )
+        return self
 
 
 class AnswersPart(_Part):
@@ -185,11 +208,23 @@ class AnswersPart(_Part):
     )
 
 
+def _printable(text: str, info: Any) -> str:
+    """A check that a text can be shown in one line of a table."""
+    if not text.isprintable() or not text.strip():
+        raise InputError(
+            info.field_name, "must be one line with visible characters", value=text, found=None
+        )
+    return text
+
+
 class SensorPart(_Part):
     """One sensor."""
 
     name: str = Field(
         description="Name of the catalog, or a file of QE curves, relative to the study's folder."
+    )
+    label: Annotated[str, Field(max_length=_LONGEST_LABEL), AfterValidator(_printable)] | None = (
+        Field(None, description="Text in place of the name in tables and charts.")
     )
     beyond: Beyond = Field(
         "refuse",
@@ -409,6 +444,99 @@ class ParetoPart(_Part):
     points: Annotated[int, Field(ge=2, le=100_000)] = Field(13, description="Number of weights.")
 
 
+class PipelinePart(_Part):
+    """The camera's own pipeline: noise of the ColorChecker after each of its steps."""
+
+    run: bool = Field(
+        False, description="Noise of each patch after each step of the camera's pipeline."
+    )
+    white_balance: Annotated[tuple[Positive, ...], Field(strict=False)] | str = Field(
+        "gray",
+        description="gray: equal raw of an 18 % gray; illuminant: of the light; another "
+        "illuminant, or a file; or one gain per channel.",
+    )
+    white_balance_pixels: Annotated[int, Field(ge=1, le=10**9)] | None = Field(
+        None, description="Gray pixels from which the gains are estimated; default: exact gains."
+    )
+    exposure_gain: Positive = Field(1.0, description="Gain of linear RGB.")
+    saturation: NotNegative = Field(
+        1.0, description="Saturation around Rec. 709 luma; 0 is gray, 1 changes nothing."
+    )
+    tone: float | str = Field(
+        "srgb", description=f"Tone curve: {', '.join(TONES)}, or a gamma, e.g. 2.2."
+    )
+    luma: Literal["bt709", "bt601"] = Field("bt709", description="Weights of Y'CbCr.")
+    iso: Annotated[tuple[Positive, ...], Field(strict=False, min_length=1, max_length=100)] = Field(
+        (BASE_ISO,),
+        description="ISO settings; gain and exposure are those of the base ISO times and divided "
+        "by the same factor.",
+    )
+    base_iso: Positive = Field(BASE_ISO, description="ISO of the sensor as it is given.")
+    iso_read_noise_e: Annotated[tuple[NotNegative, ...], Field(strict=False)] | None = Field(
+        None, description="Read noise at each ISO [e-]; default: the same at all."
+    )
+
+    @field_validator("white_balance", mode="before")
+    @classmethod
+    def _gains_or_a_name(cls, given: Any) -> Any:
+        """Give one error message; the schema alone would give one for each type of value."""
+        numbers = isinstance(given, list | tuple) and all(
+            isinstance(n, int | float) and not isinstance(n, bool) and 0 < n < float("inf")
+            for n in given
+        )
+        if isinstance(given, str) or (numbers and given):
+            return given
+        raise ValueError(
+            "must be gray, illuminant, the name of an illuminant, or finite gains > 0, one per "
+            "channel"
+        )
+
+    @field_validator("tone", mode="before")
+    @classmethod
+    def _name_or_gamma(cls, given: Any) -> Any:
+        """As `_gains_or_a_name`."""
+        if isinstance(given, bool) or not isinstance(given, str | int | float):
+            raise ValueError(f"must be {', '.join(TONES)}, or a gamma")
+        return given
+
+    @model_validator(mode="after")
+    def _that_has_an_effect(self) -> "PipelinePart":
+        pipeline_settings(self)
+        for name, field in type(self).model_fields.items():
+            value = getattr(self, name)
+            if not self.run and value != field.default:
+                raise InputError(
+                    name,
+                    "must be given only with the pipeline",
+                    value=value,
+                    found=None,
+                    remedy=(Setting("run", (True,)), "omit it"),
+                )
+        return self
+
+
+def pipeline_settings(part: PipelinePart, light: Illuminant | None = None) -> PipelineSettings:
+    """The settings of a pipeline.
+
+    Parameters
+    ----------
+    part
+        Of a study.
+    light
+        The illuminant that ``white_balance`` names; ``None`` only checks the other values.
+
+    Raises
+    ------
+    InputError
+        As `PipelineSettings`.
+    """
+    balance: str | Illuminant | tuple[float, ...] = part.white_balance
+    if isinstance(balance, str) and balance != "gray":
+        balance = light or (1.0,)
+    given = {name: getattr(part, name) for name in PipelinePart.model_fields if name != "run"}
+    return PipelineSettings(**given | {"white_balance": balance})
+
+
 class OutputsPart(_Part):
     """The outputs of a run."""
 
@@ -426,6 +554,9 @@ class OutputsPart(_Part):
         None, description="Noise of an 18 % gray in this color space."
     )
     matrix: bool = Field(False, description="Each color matrix, its color error and noise.")
+    pipeline: PipelinePart = Field(
+        PipelinePart(), description="The camera's own pipeline, from raw to Y'CbCr and Lab."
+    )
     pareto: ParetoPart | None = Field(
         None, description="With matrix: the curve of color error against noise."
     )
@@ -457,6 +588,10 @@ class Study(_Part):
     metric: Annotated[str, _known(METRICS)] = Field(
         "quanta",
         description="Whether spectra are expressed in photons (quanta) or in energy.",
+    )
+    observer: Annotated[str, _known(OBSERVERS)] = Field(
+        DEFAULT_OBSERVER,
+        description=f"Observer of the colors: {', '.join(OBSERVERS)}; a lux is always CIE 1931.",
     )
     seed: Annotated[int, Field(ge=0, lt=2**32)] = Field(0, description="Seed of all random noise.")
     light: LightPart = Field(LightPart(), description="The light on the scene.")

@@ -14,7 +14,7 @@ from chromanoise.catalog.resolve import file_of, filter_files, illuminant_files,
 from chromanoise.errors import InputError
 from chromanoise.io.given_matrices import is_matrix_file
 from chromanoise.io.spectra.envi import DATA_SUFFIXES, envi_pair
-from chromanoise.study.document import Study
+from chromanoise.study.document import BALANCE_WORDS, Study
 
 Kind = Literal["light", "sensor", "filter", "pixel", "crosstalk", "matrix", "cube", "wavelengths"]
 """Of what a word of a study may name a file."""
@@ -77,8 +77,18 @@ def with_file_words(study: Study, told: Callable[[FileWord], str]) -> Study:
         word(f"matrices.{i}", "matrix", name) if is_matrix_file(name) else name
         for i, name in enumerate(study.matrices)
     ]
-    parts = {"sensors": tuple(sensors), "matrices": tuple(matrices), "pictures": tuple(pictures)}
-    return study.model_copy(update=parts | {"light": study.light.model_copy(update=light)})
+    parts: dict[str, Any] = {
+        "sensors": tuple(sensors),
+        "matrices": tuple(matrices),
+        "pictures": tuple(pictures),
+    }
+    outputs, balance = study.outputs, study.outputs.pipeline.white_balance
+    if isinstance(balance, str) and balance not in BALANCE_WORDS:
+        told_word = word("outputs.pipeline.white_balance", "light", balance)
+        pipeline = outputs.pipeline.model_copy(update={"white_balance": told_word})
+        outputs = outputs.model_copy(update={"pipeline": pipeline})
+    parts |= {"light": study.light.model_copy(update=light), "outputs": outputs}
+    return study.model_copy(update=parts)
 
 
 def file_words(study: Study) -> list[FileWord]:

@@ -85,6 +85,7 @@ def prepared_cameras(
     cube = cube_of(part, key=key)
     own = {name: f"{key}.{name}" for name in PicturePart.model_fields}
     own |= {"black_level_dn": f"{key}.black_level", "names of formats": f"{key}.formats"}
+    own |= {"binning_mode": "sensors.0.pixel.binning_mode"}
     with keyed(key, lambda name: own.get(name, name), own):
         asked = capture_settings_of(part, seed=study.seed, key=key)
         return cube, {

@@ -26,6 +26,16 @@ from chromanoise.analysis import (
     raw_snr_db,
 )
 from chromanoise.analysis.comparison.crossing import Crossover
+from chromanoise.analysis.comparison.ranking import (
+    MOST_PAIRS_SENSORS,
+    Lead,
+    Rank,
+    lead_sentences,
+    leading_crossovers,
+    leads_as_json,
+    ranking_as_json,
+)
+from chromanoise.analysis.export import ranking_of_analyses
 from chromanoise.analysis.tables import analyses_as_table, curves_as_table, matrices_as_table
 from chromanoise.color import ColorMatrix, ParetoCurve
 from chromanoise.errors import InputError
@@ -140,6 +150,11 @@ class Analyses(Result):
         """The stages of each sensor."""
         return tuple(outcome.analysis for outcome in self.outcomes)
 
+    @property
+    def ranking(self) -> tuple[Rank, ...]:
+        """The sensors from highest to lowest SNR of Y."""
+        return ranking_of_analyses(self.analyses)
+
     def raw_snr_db(self) -> dict[str, dict[str, float | None]]:
         """Raw SNR by sensor and channel (eq. 7); ``None`` where it is not defined. [dB]"""
         return {one.sensor.name: raw_snr_db(one) for one in self.analyses}
@@ -166,9 +181,9 @@ class Analyses(Result):
 
     def __repr__(self) -> str:
         """Sensors, SNR of Y and the operating point."""
-        snr = {name: values["Y"] for name, values in self.color_snr_db().items()}
+        snr = {one.sensor.label: color_snr_db(one)["Y"] for one in self.analyses}
         text = ", ".join(
-            f"{name} {'undefined' if y is None else f'{y:.1f} dB'}" for name, y in snr.items()
+            f"{label} {'undefined' if y is None else f'{y:.1f} dB'}" for label, y in snr.items()
         )
         return f"<Analyses: SNR Y {text} at {conditions(self.points)}>"
 
@@ -236,7 +251,7 @@ class Matrices(Result):
     def to_table(self) -> Table:
         """One row per coordinate; of several sensors, per sensor and coordinate."""
         return matrices_as_table(
-            [(one.point.sensor.name, one.matrix, one.report) for one in self.results]
+            [(one.point.sensor.label, one.matrix, one.report) for one in self.results]
         )
 
     def plot(self, ax: Any = None) -> Any:
@@ -246,7 +261,7 @@ class Matrices(Result):
     def __repr__(self) -> str:
         """Method, sensors and color error."""
         text = ", ".join(
-            f"{one.point.sensor.name} "
+            f"{one.point.sensor.label} "
             f"{number_text(one.report.color_error_mean, none='undefined')} Delta E*ab"
             for one in self.results
         )
@@ -267,6 +282,10 @@ class Comparison(Result):
         Operating point of each sensor before the sweep.
     curves, crossovers, bands
         Per sensor and matrix; per pair of sensors; over all priors, if requested.
+    ranking
+        The sensors from best to worst at their operating points, per matrix.
+    leads
+        Where which sensor is the best of all, per matrix.
     equal, prior
         The exposure rule, and the training set of trained matrices.
     """
@@ -275,6 +294,8 @@ class Comparison(Result):
     curves: tuple[Curve, ...]
     crossovers: tuple[Crossover, ...]
     bands: tuple[CrossoverBand, ...]
+    ranking: tuple[Rank, ...]
+    leads: tuple[Lead, ...]
     equal: str
     prior: str
 
@@ -282,34 +303,58 @@ class Comparison(Result):
         """As ``chromanoise compare --json``."""
         data = comparison_as_json(self.curves, self.crossovers)
         return data | {
+            "observer": self.points[0].observer,
             "equal": self.equal,
             "prior": self.prior,
             "bands": bands_as_json(self.bands),
+            "ranking": ranking_as_json(self.ranking),
+            "leads": leads_as_json(self.leads),
         }
 
     def to_table(self) -> Table:
         """One row per value of the sweep, two columns per sensor and matrix."""
         return curves_as_table(self.curves)
 
+    @property
+    def shown_crossovers(self) -> tuple[Crossover, ...]:
+        """Of up to three sensors, all crossovers; of more, those at which the leader changes."""
+        if len(self.points) <= MOST_PAIRS_SENSORS:
+            return self.crossovers
+        return leading_crossovers(self.leads, self.crossovers)
+
+    @property
+    def shown_bands(self) -> tuple[CrossoverBand, ...]:
+        """The bands of the pairs of `shown_crossovers`; of up to three sensors, all."""
+        if len(self.points) <= MOST_PAIRS_SENSORS:
+            return self.bands
+        pairs = {(one.first, one.second, one.matrix) for one in self.shown_crossovers}
+        return tuple(one for one in self.bands if (one.first, one.second, one.matrix) in pairs)
+
+    @property
+    def shown_sentences(self) -> list[str]:
+        """The sentences on `shown_crossovers`; of more than three sensors, also on the leaders."""
+        many = len(self.points) > MOST_PAIRS_SENSORS
+        first = lead_sentences(self.leads) if many else []
+        return [*first, *(crossover_sentence(one) for one in self.shown_crossovers)]
+
     def plot(self, ax: Any = None) -> Any:
         """Draw the quantity over the parameter, one curve per sensor and matrix."""
         title = f"{self.curves[0].quantity.what}, from {conditions(self.points)}"
         return _figures().draw_comparison(
-            self.curves, _axes(ax), crossovers=self.crossovers, title=title
+            self.curves, _axes(ax), crossovers=self.shown_crossovers, title=title
         )
 
     def __repr__(self) -> str:
         """The quantity, the parameter and the operating point."""
         first = self.curves[0]
-        names = ", ".join(dict.fromkeys(curve.sensor for curve in self.curves))
+        names = ", ".join(dict.fromkeys(curve.label for curve in self.curves))
         return (
             f"<Comparison: {first.quantity.what} of {names} over {first.sweep.what}, from "
             f"{conditions(self.points)}>"
         )
 
     def _repr_html_(self) -> str:
-        notes = [crossover_sentence(one) for one in self.crossovers]
-        return self._html(f"From {conditions(self.points)}", notes)
+        return self._html(f"From {conditions(self.points)}", self.shown_sentences)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -352,7 +397,7 @@ class Pictures(Result):
             Column(name="above full well", digits=".2%"),
         )
         rows = [
-            (one["sensor"], one["matrix"], one["frame"], channel, one["time_ms"], mean, share)
+            (one["label"], one["matrix"], one["frame"], channel, one["time_ms"], mean, share)
             for one in self.summaries
             for channel, mean, share in zip(
                 one["mean_e"],

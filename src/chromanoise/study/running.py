@@ -12,6 +12,7 @@ from chromanoise.analysis.comparison.bands import CrossoverBand, crossover_bands
 from chromanoise.analysis.comparison.crossing import crossovers
 from chromanoise.analysis.comparison.curves import compared
 from chromanoise.analysis.comparison.quantities import QUANTITIES
+from chromanoise.analysis.comparison.ranking import leads, ranking
 from chromanoise.analysis.comparison.sweeps import SWEEPS, swept_values
 from chromanoise.analysis.pareto import noise_weights, pareto_of
 from chromanoise.errors import InputError
@@ -19,8 +20,16 @@ from chromanoise.exposure import OperatingPoint, expected_electrons, white_scene
 from chromanoise.imaging import Work
 from chromanoise.metrics import matrix_report
 from chromanoise.scene.rows import row_source
+from chromanoise.spectra import Illuminant
 from chromanoise.study.analyses import outcome_of
-from chromanoise.study.assembly import NOTHING_GIVEN, Given, keyed, makers_of, operating_points_of
+from chromanoise.study.assembly import (
+    NOTHING_GIVEN,
+    Given,
+    balance_light_of,
+    keyed,
+    makers_of,
+    operating_points_of,
+)
 from chromanoise.study.document import Study, SweepPart
 from chromanoise.study.pictures import (
     file_word,
@@ -155,7 +164,7 @@ def run_plan(study: Study, *, given: Given = NOTHING_GIVEN, work: Work | None = 
     refuse_shared_file_names(points)
     makers = makers_of(study)
     steps = (
-        *_analyses(study, points, makers),
+        *_analyses(study, points, makers, balance_light_of(study, given)),
         *_matrices(study, points, makers),
         *_sweeps(study, points, makers),
         *_pictures(study, points, makers, work or Work()),
@@ -167,14 +176,16 @@ def run_plan(study: Study, *, given: Given = NOTHING_GIVEN, work: Work | None = 
     return RunPlan(points=tuple(points), steps=steps)
 
 
-def _analyses(study: Study, points: Points, makers: Makers) -> Iterator[Step]:
+def _analyses(
+    study: Study, points: Points, makers: Makers, balance_light: Illuminant | None
+) -> Iterator[Step]:
     for name in makers if study.outputs.analyses else ():
         yield Step(
             name=f"analysis-{file_word(name)}",
             what=f"every stage with the {name} matrix",
             parts=len(points),
             unit="sensors",
-            run=partial(_analysis, study, points, name, makers[name]),
+            run=partial(_analysis, study, points, name, makers[name], balance_light),
         )
 
 
@@ -235,12 +246,13 @@ def _analysis(
     points: Points,
     name: str,
     maker: MatrixMaker,
+    balance_light: Illuminant | None,
     folder: Path | None,
     advance: Advance,
 ) -> Analyses:
     outcomes = []
     for point in points:
-        outcomes.append(outcome_of(point, maker, study.outputs))
+        outcomes.append(outcome_of(point, maker, study.outputs, balance_light=balance_light))
         advance(1)
     return Analyses(
         matrix=name, points=tuple(points), outcomes=tuple(outcomes), outputs=study.outputs
@@ -292,11 +304,14 @@ def _sweep(
             sweep=sweep,
             quantity=quantity,
         )
+    crossed = crossovers(points, makers, curves)
     return Comparison(
         points=tuple(points),
         curves=tuple(curves),
-        crossovers=tuple(crossovers(points, makers, curves)),
+        crossovers=crossed,
         bands=bands,
+        ranking=ranking(points, makers, quantity),
+        leads=leads(curves, crossed),
         equal=study.exposure.equal,
         prior=study.prior,
     )

@@ -39,7 +39,9 @@ class SharedSettings(TypedDict, total=False):
     f_number: Annotated[float, "exposure.f_number"]
     magnification: Annotated[float, "exposure.magnification"]
     metric: Annotated[str, "metric"]
+    observer: Annotated[str, "observer"]
     prior: Annotated[str, "prior"]
+    labels: Annotated[Sequence[str], "sensors.*.label"]
     beyond: Annotated[Extrapolation, "sensors.*.beyond"]
     negatives: Annotated[Negatives, "sensors.*.negatives", "light.negatives"]
     qe_scale: Annotated[Literal["percent", "fraction"], "sensors.*.answers.scale"]
@@ -61,6 +63,8 @@ class SharedSettings(TypedDict, total=False):
     black_error_e: Annotated[float, "sensors.*.pixel.black_error_e"]
     bits: Annotated[int, "sensors.*.pixel.bits"]
     gain_dn_per_e: Annotated[float, "sensors.*.pixel.gain_dn_per_e"]
+    binning: Annotated[int, "sensors.*.pixel.binning"]
+    binning_mode: Annotated[Literal["charge", "digital"], "sensors.*.pixel.binning_mode"]
     crosstalk: Annotated[float | str | Path, "sensors.*.crosstalk"]
     crosstalk_stage: Annotated[Literal["light", "charge"], "sensors.*.crosstalk_stage"]
     mosaic: Annotated[str, "sensors.*.mosaic"]
@@ -78,6 +82,16 @@ class AnalysisSettings(SharedSettings, total=False):
     budget: Annotated[bool, "outputs.budget"]
     merit: Annotated[bool, "outputs.merit"]
     space: Annotated[str, "outputs.space"]
+    pipeline: Annotated[bool, "outputs.pipeline.run"]
+    white_balance: Annotated[str | Sequence[float], "outputs.pipeline.white_balance"]
+    white_balance_pixels: Annotated[int, "outputs.pipeline.white_balance_pixels"]
+    exposure_gain: Annotated[float, "outputs.pipeline.exposure_gain"]
+    saturation: Annotated[float, "outputs.pipeline.saturation"]
+    tone: Annotated[str | float, "outputs.pipeline.tone"]
+    luma: Annotated[Literal["bt709", "bt601"], "outputs.pipeline.luma"]
+    iso: Annotated[Sequence[float], "outputs.pipeline.iso"]
+    base_iso: Annotated[float, "outputs.pipeline.base_iso"]
+    iso_read_noise_e: Annotated[Sequence[float], "outputs.pipeline.iso_read_noise_e"]
 
 
 class ComparisonSettings(SharedSettings, total=False):
@@ -262,6 +276,9 @@ def render_study(
     return study.model_copy(update={"sensors": tuple(parts)})
 
 
+PER_SENSOR = ("labels",)
+"""Settings with one value per sensor, in the order of the sensors."""
+
 _GENERAL = {"sensors": "sensors.*", "pictures": "pictures.0"}
 
 
@@ -295,12 +312,32 @@ def _study(
     data["sensors"] = [{"name": name} for name in sensors]
     for name, value in settings.items():
         for key in names[name] if value is not None else ():
-            for place in _places(key, len(sensors)):
-                _put(data, place, value)
+            places = _places(key, len(sensors))
+            values = (
+                _one_each(name, value, sensors) if name in PER_SENSOR else [value] * len(places)
+            )
+            for place, one in zip(places, values, strict=True):
+                _put(data, place, one)
     try:
         return study_from_data(data)
     except StudyError as error:
         raise StudyError([_called_flat(one, names, {}) for one in error.errors]) from None
+
+
+def _one_each(name: str, values: Any, sensors: Sequence[str]) -> list[Any]:
+    """The labels of the sensors, in their order; none where it is the sensor's own name."""
+    listed = isinstance(values, list | tuple)
+    if not listed or len(values) != len(sensors):
+        count = len(values) if listed else 1
+        raise InputError(
+            name,
+            f"must have one entry per sensor, {len(sensors)} in all, in their order",
+            value=count,
+            found=f"has {count}" if listed else f"is {values!r}",
+            remedy="repeat the name of a sensor that keeps it",
+            setting="sensors.*.label",
+        )
+    return [None if value == own else value for value, own in zip(values, sensors, strict=True)]
 
 
 def in_arguments(error: InputError, function: str) -> InputError:

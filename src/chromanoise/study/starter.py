@@ -51,4 +51,9 @@ chart = false                        # every patch of the ColorChecker
 # merit = true                       # Vora, SMI, ISO speed, visual noise ...
 # matrix = true                      # each color matrix with its color error and noise
 # space = "lab"                      # noise of an 18 % gray in lab, luv, srgb, linear-srgb
+
+# [outputs.pipeline]                 # the camera's own, to sRGB, Y'CbCr and Lab, at every ISO
+# run = true
+# white_balance = "gray"             # illuminant, D65 ..., or [2.0, 1.0, 1.6]
+# iso = [100, 400, 1600]
 """

@@ -85,10 +85,12 @@ def band_sentence(band: CrossoverBand) -> str:
     one = next(iter(band.by_prior.values()))
     start = (
         f"Over {len(band.by_prior)} priors ({', '.join(band.by_prior)}) of the {band.matrix} "
-        f"matrix, {band.first} and {band.second}"
+        f"matrix, {' and '.join(one.labels)}"
     )
     if band.span is None:
-        leaders = sorted({c.better_first for c in band.by_prior.values() if c.better_first})
+        called = dict(zip((band.first, band.second), one.labels, strict=True))
+        better = {c.better_first for c in band.by_prior.values()}
+        leaders = sorted(called[name] for name in better if name is not None)
         who = f"{leaders[0]} is always better" if leaders else "they are equal"
         if len(leaders) > 1:
             who = f"{' or '.join(leaders)} is better, depending on the prior"

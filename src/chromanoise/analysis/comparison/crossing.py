@@ -17,7 +17,8 @@ from chromanoise.analysis.undefined import defined
 from chromanoise.errors import InputError
 from chromanoise.exposure import OperatingPoint
 
-_TIE = 1e-9  # of the unit of a quantity: rounding
+TIE = 1e-9
+"""Values that differ by at most this are equal. [unit of the quantity]"""
 _CROSSING_TOLERANCE = 1e-9  # of the logarithm of the value, or of the span of a linear sweep
 
 
@@ -29,6 +30,8 @@ class Crossover:
     ----------
     first, second, matrix
         Names.
+    labels
+        What sentences call first and second.
     sweep, quantity
         What varies, and what was asked.
     at
@@ -45,6 +48,7 @@ class Crossover:
     first: str
     second: str
     matrix: str
+    labels: tuple[str, str]
     sweep: Sweep
     quantity: Quantity
     at: tuple[float, ...]
@@ -62,6 +66,8 @@ class Incomparable:
     ----------
     first, second, matrix
         Names.
+    labels
+        What sentences call first and second.
     why
         A sentence.
     """
@@ -69,6 +75,7 @@ class Incomparable:
     first: str
     second: str
     matrix: str
+    labels: tuple[str, str]
     why: str
 
 
@@ -133,7 +140,11 @@ def _crossover_or_reason(
     except InputError as error:
         first, second = one[1], other[1]
         return Incomparable(
-            first=first.sensor, second=second.sensor, matrix=first.matrix, why=str(error)
+            first=first.sensor,
+            second=second.sensor,
+            matrix=first.matrix,
+            labels=(first.label, second.label),
+            why=str(error),
         )
 
 
@@ -163,7 +174,7 @@ def _crossover(maker: MatrixFunction, one: _Side, other: _Side) -> Crossover:
 
     changes = [
         (float(first.at[i]), float(first.at[k]))
-        for i, k in pairwise(known[np.abs(lead[known]) > _TIE])  # a tie has no side
+        for i, k in pairwise(known[np.abs(lead[known]) > TIE])  # a tie has no side
         if lead[i] * lead[k] < 0 and np.isfinite(lead[i : k + 1]).all()
     ]
     at = tuple(_root(lead_at, low, high, sweep.logarithmic) for low, high in changes)
@@ -172,6 +183,7 @@ def _crossover(maker: MatrixFunction, one: _Side, other: _Side) -> Crossover:
         first=first.sensor,
         second=second.sensor,
         matrix=first.matrix,
+        labels=(first.label, second.label),
         sweep=sweep,
         quantity=quantity,
         at=at,
@@ -183,7 +195,7 @@ def _crossover(maker: MatrixFunction, one: _Side, other: _Side) -> Crossover:
 
 
 def _first_leader(lead: Float[Array, " k"], first: str, second: str) -> str | None:
-    ahead = lead[np.abs(lead) > _TIE]
+    ahead = lead[np.abs(lead) > TIE]
     if not ahead.size:
         return None
     return first if ahead[0] > 0 else second
@@ -191,7 +203,7 @@ def _first_leader(lead: Float[Array, " k"], first: str, second: str) -> str | No
 
 def _refuse_nothing_common(first: Curve, second: Curve) -> None:
     raise InputError(
-        f"{first.sensor} and {second.sensor}",
+        f"{first.label} and {second.label}",
         f"must both have a {first.quantity.what} with the {first.matrix} matrix at some "
         f"{first.sweep.what} of the sweep",
         value=(float(first.at[0]), float(first.at[-1])),
@@ -253,9 +265,13 @@ def crossover_as_json(crossover: Crossover) -> dict[str, Any]:
 
 def crossover_sentence(crossover: Crossover) -> str:
     """Who leads over which values of the sweep, and the color errors where places change."""
-    first, second, unit = crossover.first, crossover.second, crossover.sweep.unit
-    span = f"{_told(crossover.first_at, 4)} to {_told(crossover.last_at, 4)} {unit}"
-    other = second if crossover.better_first == first else first
+    (first, second), unit = crossover.labels, crossover.sweep.unit
+    span = (
+        f"{value_in_words(crossover.first_at, 4)} to {value_in_words(crossover.last_at, 4)} {unit}"
+    )
+    leader, other = (first, second)
+    if crossover.better_first == crossover.second:
+        leader, other = second, first
     if crossover.better_first is None:
         return (
             f"With the {crossover.matrix} matrix {first} and {second} have the same "
@@ -263,14 +279,13 @@ def crossover_sentence(crossover: Crossover) -> str:
         )
     better = "higher" if crossover.quantity.more_is_better else "lower"
     leads = (
-        f"With the {crossover.matrix} matrix {crossover.better_first} has the {better} "
-        f"{crossover.quantity.what}"
+        f"With the {crossover.matrix} matrix {leader} has the {better} {crossover.quantity.what}"
     )
     if not crossover.at:
         return f"{leads} than {other} at every {crossover.sweep.what} from {span}."
-    told = [_told(value, 3 if value < 100 else 4) for value in crossover.at]
+    told = [value_in_words(value, 3 if value < 100 else 4) for value in crossover.at]
     between = [f"from {low} to {high}" for low, high in pairwise(told)]
-    leaders = (other, crossover.better_first) * len(told)
+    leaders = (other, leader) * len(told)
     rest = (f"{who} {where}" for who, where in zip(leaders, (*between, "above"), strict=False))
     colors = "; ".join(f"{a:.1f} and {b:.1f}" for a, b in crossover.color_error)
     where = "at the crossover" if len(told) == 1 else "at the crossovers"
@@ -281,6 +296,7 @@ def crossover_sentence(crossover: Crossover) -> str:
     )
 
 
-def _told(value: float, digits: int) -> str:
+def value_in_words(value: float, digits: int = 3) -> str:
+    """A value of a sweep for a sentence, rounded; 10000, not 1e+04."""
     told = f"{value:.{digits}g}"
-    return f"{float(told):.0f}" if "e+" in told and value < 1e6 else told  # 10000, not 1e+04
+    return f"{float(told):.0f}" if "e+" in told and value < 1e6 else told

@@ -29,6 +29,8 @@ class Curve:
     ----------
     sensor, matrix
         Names.
+    label
+        What tables and charts call the sensor.
     time_s
         Integration time before the sweep. [s]
     sweep, quantity
@@ -45,6 +47,7 @@ class Curve:
     """
 
     sensor: str
+    label: str
     matrix: str
     time_s: float
     sweep: Sweep
@@ -119,6 +122,7 @@ def _curve(
     )
     return Curve(
         sensor=contestant.sensor.name,
+        label=contestant.sensor.label,
         matrix=name,
         time_s=contestant.exposure.time_s,
         sweep=sweep,

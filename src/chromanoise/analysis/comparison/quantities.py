@@ -179,7 +179,11 @@ def color_errors(
 ) -> Float[Array, " k"]:
     """`color_error` of many matrices of one sensor and time. [Delta E*ab]"""
     return mean_chart_errors(
-        operating_point.sensor, matrices, operating_point.exposure, operating_point.illuminant
+        operating_point.sensor,
+        matrices,
+        operating_point.exposure,
+        operating_point.illuminant,
+        operating_point.observer,
     )
 
 

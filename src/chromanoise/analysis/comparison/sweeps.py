@@ -14,7 +14,7 @@ from chromanoise._check import Array
 from chromanoise._shapes import Float
 from chromanoise.errors import InputError
 from chromanoise.exposure import OperatingPoint
-from chromanoise.sensor import behind_ir_cut
+from chromanoise.sensor import behind_ir_cut, of_the_sum
 from chromanoise.spectra import black_body, with_infrared
 
 _ILLUMINATOR_NM = 850.0
@@ -65,7 +65,9 @@ def _at_time(operating_point: OperatingPoint, time_ms: float) -> OperatingPoint:
 
 
 def _at_read_noise(operating_point: OperatingPoint, read_noise_e: float) -> OperatingPoint:
-    pixel = replace(operating_point.sensor.pixel, read_noise_e=read_noise_e)
+    """The read noise of one reading, also where several readings are summed."""
+    own = operating_point.sensor.pixel
+    pixel = replace(own, **of_the_sum(own, {"read_noise_e": read_noise_e}))
     return replace(operating_point, sensor=replace(operating_point.sensor, pixel=pixel))
 
 

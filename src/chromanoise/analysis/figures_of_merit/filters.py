@@ -38,7 +38,7 @@ def filter_merits(analysis: Analysis) -> tuple[Merit, ...]:
     """Neugebauer's q, Vora value and principal angles over the whole grid, lamp not asked."""
     sensor, metric = analysis.sensor, analysis.matrix.metric
     filters = measurement_vectors(sensor, analysis.exposure, metric)
-    eye = color_axes(sensor.grid, metric)
+    eye = color_axes(sensor.grid, metric, analysis.matrix.observer)
     q = filter_quality(filters, eye)
     angles = principal_angles_deg(filters, eye)
     qualities = (
@@ -129,13 +129,14 @@ def chart_merits(analysis: Analysis) -> tuple[Merit, ...]:
 def _chart_figure(analysis: Analysis) -> float:
     refuse_full(analysis)
     chart, metric = _chart(analysis), analysis.matrix.metric
-    white_xyz = scene_xyz(white_scene(analysis.point), metric)
+    observer = analysis.matrix.observer
+    white_xyz = scene_xyz(white_scene(analysis.point), metric, observer)
     return figure_of_merit(
         measurement_vectors(analysis.sensor, analysis.exposure, metric),
-        color_axes(analysis.sensor.grid, metric),
+        color_axes(analysis.sensor.grid, metric, observer),
         light_moment=second_moment(light(chart, metric)),
         noise_covariance=_mean_noise(chart, analysis),
-        weight=perceptual_weight(LAB.jacobian(scene_xyz(chart, metric), white_xyz)),
+        weight=perceptual_weight(LAB.jacobian(scene_xyz(chart, metric, observer), white_xyz)),
     )
 
 

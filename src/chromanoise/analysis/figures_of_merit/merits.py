@@ -33,6 +33,8 @@ class Merits:
         The exposure. [lx], [s]
     metric
         In which light was a vector.
+    observer
+        Of the filters and of color; the SMI is that of CIE 1931 by its standard.
     viewing
         Of the visual noise.
     entries
@@ -45,6 +47,7 @@ class Merits:
     level_lux: float
     time_s: float
     metric: str
+    observer: str
     viewing: Viewing
     entries: tuple[Merit, ...]
 
@@ -93,12 +96,13 @@ def merits_of(
     """
     viewed = viewing or Viewing()
     return Merits(
-        sensor=analysis.sensor.name,
+        sensor=analysis.sensor.label,
         illuminant=analysis.scene.illuminant.name,
         matrix=analysis.matrix.made_by,
         level_lux=analysis.scene.level_lux,
         time_s=analysis.exposure.time_s,
         metric=analysis.matrix.metric,
+        observer=analysis.matrix.observer,
         viewing=viewed,
         entries=(
             *filter_merits(analysis),
@@ -117,6 +121,7 @@ def merits_as_json(merits: Merits) -> dict[str, Any]:
     return {
         "matrix": merits.matrix,
         "metric": merits.metric,
+        "observer": merits.observer,
         "viewing": {
             "pixel_pitch_mm": merits.viewing.pixel_pitch_mm,
             "distance_mm": merits.viewing.distance_mm,

@@ -1,0 +1,654 @@
+"""Noise of every ColorChecker patch after each step of the camera's own pipeline, at every gain."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from chromanoise import _check
+from chromanoise._check import Array
+from chromanoise._shapes import Float
+from chromanoise.analysis.analysis import Analysis, color_snr_db
+from chromanoise.analysis.color_space_noise import GRAY
+from chromanoise.analysis.operating_point import Stages, electrons_at, stages_at
+from chromanoise.analysis.undefined import defined
+from chromanoise.color import (
+    FIRST_ORDER_TOLERANCE,
+    UNBOUNDED,
+    ElectronSource,
+    Method,
+    NoisyColor,
+    Space,
+    black_subtracted,
+    checked_gains,
+    cubature,
+    encoded_space,
+    first_order,
+    gains_covariance,
+    gray_gains,
+    linear_srgb,
+    luma_chroma,
+    matrix_for_balanced,
+    propagate,
+    relative_sd_error,
+    rendered_lab_space,
+    tone_curve,
+    white_balanced,
+    with_exposure_gain,
+    with_saturation,
+)
+from chromanoise.color.matrices import XYZ
+from chromanoise.color.pipeline import RGB, LumaStandard
+from chromanoise.errors import InputError
+from chromanoise.exposure import OperatingPoint
+from chromanoise.noise import Measurement, Readout, noise_sources, through, with_noise
+from chromanoise.sensor import quantization_step_e, white_level_e, with_analog_gain
+from chromanoise.spectra import Illuminant, colorchecker
+from chromanoise.units import decibel
+
+BASE_ISO = 100.0
+"""ISO of the operating point, at which the sensor has the analog gain 1."""
+
+_WORTH_TELLING = 1e-3  # share of readings above 1
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class PipelineSettings:
+    """Settings of the pipeline.
+
+    Attributes
+    ----------
+    white_balance
+        ``gray``: equal raw of an 18 % gray as it is read; an illuminant: equal raw of a white under
+        it; or one gain per channel.
+    white_balance_pixels
+        Number of gray pixels from which the gains are estimated; ``None`` for exact gains.
+    exposure_gain, saturation
+        Factor of linear RGB, and of its distance to luminance. [1]
+    tone
+        ``srgb``, ``rec709``, ``linear``, or a gamma.
+    luma
+        ``bt709`` or ``bt601``.
+    iso
+        ISO settings; at each, the analog gain is the ISO over the base, and the exposure is divided
+        by it, so that the codes stay the same.
+    base_iso
+        ISO of the operating point.
+    iso_read_noise_e
+        Read noise at each ISO; ``None`` for the same at all. [e-]
+
+    Raises
+    ------
+    InputError
+        If a value is out of range, an ISO is below the base, or there is not one read noise per
+        ISO.
+    """
+
+    white_balance: str | Illuminant | tuple[float, ...] = "gray"
+    white_balance_pixels: int | None = None
+    exposure_gain: float = 1.0
+    saturation: float = 1.0
+    tone: str | float = "srgb"
+    luma: LumaStandard = "bt709"
+    iso: tuple[float, ...] = (BASE_ISO,)
+    base_iso: float = BASE_ISO
+    iso_read_noise_e: tuple[float, ...] | None = None
+
+    def __post_init__(self) -> None:
+        if isinstance(self.white_balance, str):
+            _check.one_of("white_balance", self.white_balance, ("gray",))
+        if self.white_balance_pixels is not None and self.white_balance != "gray":
+            raise InputError(
+                "white_balance_pixels",
+                "must be given only with gains estimated from gray pixels",
+                value=self.white_balance_pixels,
+                found="the gains are not",
+                remedy="omit it, or balance by gray",
+            )
+        _check.positive("exposure_gain", "1", self.exposure_gain)
+        _check.not_negative("saturation", "1", self.saturation)
+        tone_curve(self.tone)
+        _check.positive("base_iso", "ISO", self.base_iso)
+        for iso in self.iso:
+            if not (math.isfinite(iso) and iso >= self.base_iso):
+                raise InputError(
+                    "iso",
+                    f"must be finite and at least the base ISO of {self.base_iso:g}",
+                    value=iso,
+                )
+        if self.iso_read_noise_e is not None:
+            _check.same_length("ISO settings", iso=len(self.iso), read=len(self.iso_read_noise_e))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class PipelineStep:
+    """The patches after one step.
+
+    Attributes
+    ----------
+    name
+        E.g. ``raw``, ``white-balanced``, ``sRGB``, ``Y'CbCr``.
+    measurement
+        Mean and covariance of the 24 patches.
+    """
+
+    name: str
+    measurement: Measurement
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class GainStep:
+    """The sensor at one ISO.
+
+    Attributes
+    ----------
+    iso, gain
+        ISO, and analog gain over that at the base ISO. [1]
+    read_noise_e
+        Read noise at this gain. [e-]
+    white_level_e
+        Largest signal: full well, or top code if that is lower. [e-]
+    gain_dn_per_e
+        Gain K of the converter; ``None`` where it is unknown. [DN/e-]
+    dynamic_range_db
+        White level over temporal noise in the dark, per channel; inf without noise. [dB]
+    emva_dynamic_range_db
+        White level over the absolute sensitivity threshold, temporal noise in the dark + 1/2 e-
+        (EMVA 1288, release 4.0), per channel. [dB]
+    noise_profile
+        S and O of each channel: variance S x + O, x = 1 at the white level (DNG). PRNU is not
+        included, because its variance is quadratic.
+    steps
+        The patches after each step at this gain.
+    """
+
+    iso: float
+    gain: float
+    read_noise_e: float
+    white_level_e: float
+    gain_dn_per_e: float | None
+    dynamic_range_db: Float[Array, " p"]
+    emva_dynamic_range_db: Float[Array, " p"]
+    noise_profile: Float[Array, "p 2"]
+    steps: tuple[PipelineStep, ...]
+
+    @property
+    def dynamic_range_stops(self) -> Float[Array, " p"]:
+        """The dynamic range as a power of two, per channel."""
+        return self.dynamic_range_db / decibel(np.array(2.0))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class WhiteBalanceNoise:
+    """Error of gains that are estimated from gray pixels, common to all pixels of the picture.
+
+    Attributes
+    ----------
+    pixels
+        Number of gray pixels.
+    gains_covariance
+        Of the gains. [1]
+    lab_covariance
+        Of the shift of each patch in CIELAB.
+    """
+
+    pixels: int
+    gains_covariance: Float[Array, "p p"]
+    lab_covariance: Float[Array, "24 3 3"]
+
+    @property
+    def delta_e(self) -> Float[Array, "24"]:
+        """Root mean square shift of each patch. [Delta E*ab]"""
+        return np.asarray(np.sqrt(np.trace(self.lab_covariance, axis1=-2, axis2=-1)))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class PipelineNoise:
+    """Noise of the chart through the pipeline of one sensor.
+
+    Attributes
+    ----------
+    settings
+        Of the pipeline.
+    patches, channels
+        Names of the 24 patches and of the channels.
+    gains
+        White balance gains.
+    steps
+        The patches after each step, at the operating point.
+    iso
+        The sensor and the patches at each ISO.
+    white_balance_noise
+        ``None`` where the gains are exact.
+    notes
+        Remarks: readings that clip, and where the first order fails.
+    """
+
+    settings: PipelineSettings
+    patches: tuple[str, ...]
+    channels: tuple[str, ...]
+    gains: Float[Array, " p"]
+    steps: tuple[PipelineStep, ...]
+    iso: tuple[GainStep, ...]
+    white_balance_noise: WhiteBalanceNoise | None
+    notes: tuple[str, ...]
+
+    def step(self, name: str) -> Measurement:
+        """The patches after the step of this name.
+
+        Raises
+        ------
+        InputError
+            If there is no such step.
+        """
+        known = {one.name: one.measurement for one in self.steps}
+        return known[_check.one_of("step", name, tuple(known))]
+
+
+def pipeline_noise(
+    analysis: Analysis,
+    settings: PipelineSettings | None = None,
+    *,
+    readout: Readout | None = None,
+    method: Method = cubature,
+) -> PipelineNoise | None:
+    """Mean and covariance of each ColorChecker patch after each step of the pipeline.
+
+    ``None`` where a channel is saturated on the white, or X, Y or Z of the white is not above 0.
+
+    Parameters
+    ----------
+    analysis
+        The analysis of a perfect white; its color matrix is that of the pipeline.
+    settings
+        Of the pipeline; ``None`` for the defaults.
+    readout
+        Clipping and rounding of the raw values; ``None`` for none.
+    method
+        For the tone curve and CIELAB: `cubature`, `first_order` or `exact`.
+
+    Raises
+    ------
+    InputError
+        If a channel without signal cannot be balanced, there is not one gain per channel, or the
+        exposure gain or the gains push a patch above 1.
+
+    Notes
+    -----
+    The color matrix C acts on raw that is balanced for the light of the scene, as C diag(1/g_0)
+    with the gains g_0 of a white under this light: gains that differ show as a color cast. The
+    first steps are linear and exact. CIELAB is that of the rendered picture relative to D65.
+    """
+    chosen = settings or PipelineSettings()
+    if None in color_snr_db(analysis).values():
+        return None
+    if analysis.matrix.coordinates != XYZ:
+        raise InputError(
+            "matrix", "must give X, Y, Z", value=analysis.matrix.coordinates, remedy="take another"
+        )
+    camera = _camera(analysis, chosen, readout)
+    steps = _steps(camera, analysis.point, method)
+    _refuse_clipped_means(camera, steps)
+    isos = tuple(_gain_step(camera, i, steps, method) for i in range(len(chosen.iso)))
+    return PipelineNoise(
+        settings=chosen,
+        patches=camera.patches,
+        channels=analysis.sensor.names,
+        gains=camera.gains,
+        steps=steps,
+        iso=isos,
+        white_balance_noise=_balance_noise(camera),
+        notes=(*_clipping_notes(camera, steps), *_method_notes(camera, steps), *_full_notes(isos)),
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Camera:
+    """What all gains share: the pipeline of an analysis."""
+
+    analysis: Analysis
+    settings: PipelineSettings
+    readout: Readout | None
+    patches: tuple[str, ...]
+    reflectance: Float[Array, "24 n"]
+    gray: Measurement
+    gains: Float[Array, " p"]
+    for_balanced: Float[Array, "3 p"]  # from balanced electrons to XYZ, Y = 1 for the white
+    white: Float[Array, " 3"]
+
+    @property
+    def spaces(self) -> tuple[Space, Space]:
+        """XYZ to encoded RGB, and to CIELAB."""
+        own = {
+            "exposure_gain": self.settings.exposure_gain,
+            "saturation": self.settings.saturation,
+        }
+        return encoded_space(tone_curve(self.settings.tone), **own), rendered_lab_space(**own)
+
+
+def _camera(analysis: Analysis, settings: PipelineSettings, readout: Readout | None) -> _Camera:
+    names, matrix, expected = analysis.sensor.names, analysis.matrix.matrix, analysis.expected_e
+    chart = colorchecker(analysis.sensor.grid)
+    gray = _raw(stages_at(analysis.point, analysis.matrix, reflectance=GRAY, readout=readout))
+    calibration = gray_gains(expected, names)
+    white = matrix @ expected
+    return _Camera(
+        analysis=analysis,
+        settings=settings,
+        readout=readout,
+        patches=chart.names,
+        reflectance=chart.values.T,
+        gray=gray,
+        gains=_gains(analysis, settings, gray),
+        for_balanced=matrix_for_balanced(matrix, calibration) / white[1],
+        white=white / white[1],
+    )
+
+
+def _gains(analysis: Analysis, settings: PipelineSettings, gray: Measurement) -> Float[Array, " p"]:
+    balance, names = settings.white_balance, analysis.sensor.names
+    if isinstance(balance, Illuminant):
+        lit = replace(analysis.point, illuminant=balance)
+        return gray_gains(electrons_at(lit), names)
+    if isinstance(balance, str):
+        return gray_gains(gray.mean, names)
+    return checked_gains(balance, names)
+
+
+def _raw(stages: Stages) -> Measurement:
+    """The raw as it is read, black level subtracted."""
+    if stages.clipping is not None:  # the moments of the readout include the error
+        return stages.raw
+    return black_subtracted(stages.raw, stages.point.sensor.pixel.black_error_e)
+
+
+def _steps(
+    camera: _Camera, point: OperatingPoint, method: Method, exposure: float = 1.0
+) -> tuple[PipelineStep, ...]:
+    """The patches after each step; ``exposure`` is that of the point over the analysis."""
+    settings = camera.settings
+    at = stages_at(
+        point, camera.analysis.matrix, reflectance=camera.reflectance, readout=camera.readout
+    )
+    raw = _raw(at)
+    balanced = white_balanced(raw, camera.gains)
+    to_xyz = camera.for_balanced / exposure
+    xyz = through(balanced, to_xyz, names=XYZ, kind="XYZ", unit="1")
+    to_linear = linear_srgb(np.eye(3), camera.white).T
+    linear = through(xyz, to_linear, names=RGB, kind="linear sRGB", unit="1")
+    exposed = with_exposure_gain(linear, settings.exposure_gain)
+    saturated = with_saturation(exposed, settings.saturation)
+    encoded, lab = (
+        propagate(_noisy(camera, at, xyz, to_xyz), space, method).measurement
+        for space in camera.spaces
+    )
+    found = {
+        "raw": raw,
+        "white-balanced": balanced,
+        "XYZ": xyz,
+        "linear sRGB": linear,
+        "exposure": exposed,
+        "saturation": saturated,
+        encoded.kind: encoded,
+        "Y'CbCr": luma_chroma(encoded, settings.luma),
+        "Lab": lab,
+    }
+    return tuple(PipelineStep(name=name, measurement=one) for name, one in found.items())
+
+
+def _noisy(
+    camera: _Camera, at: Stages, xyz: Measurement, to_xyz: Float[Array, "3 p"]
+) -> NoisyColor:
+    source = ElectronSource(
+        mean_e=at.expected_e,
+        matrix=to_xyz * camera.gains,
+        noise=noise_sources(at.point.sensor, at.point.exposure),
+        readout=camera.readout or UNBOUNDED,
+    )
+    return NoisyColor(xyz=xyz, white=camera.white, source=source)
+
+
+# ---- gain ----
+
+
+def _gain_step(camera: _Camera, i: int, base: tuple[PipelineStep, ...], method: Method) -> GainStep:
+    settings, point = camera.settings, camera.analysis.point
+    iso = settings.iso[i]
+    gain = iso / settings.base_iso
+    read = None if settings.iso_read_noise_e is None else settings.iso_read_noise_e[i]
+    at = replace(
+        point,
+        sensor=with_analog_gain(point.sensor, gain, read_noise_e=read),
+        exposure=replace(point.exposure, time_s=point.exposure.time_s / gain),
+    )
+    same = gain == 1 and at.sensor.pixel == point.sensor.pixel
+    dark_e = at.sensor.pixel.dark_electrons_e(time_s=at.exposure.time_s)
+    white_e = white_level_e(at.sensor, dark_e=dark_e)
+    step_e = quantization_step_e(at.sensor.converter, at.sensor.pixel)
+    dark = _dark_noise_e(at)
+    return GainStep(
+        iso=iso,
+        gain=gain,
+        read_noise_e=at.sensor.pixel.read_noise_e,
+        white_level_e=white_e,
+        gain_dn_per_e=1 / step_e if step_e else None,
+        dynamic_range_db=np.asarray(decibel(np.array(white_e)) - decibel(dark)),
+        emva_dynamic_range_db=np.asarray(decibel(white_e / (dark + 0.5))),
+        noise_profile=_noise_profile(at, camera.gray.mean / gain, white_e),
+        steps=base if same else _steps(camera, at, method, 1 / gain),
+    )
+
+
+def _dark_noise_e(point: OperatingPoint) -> Float[Array, " p"]:
+    """Temporal noise of each channel without light. [e-]"""
+    dark = np.zeros(len(point.sensor.names))
+    return np.sqrt(with_noise(dark, point.sensor, point.exposure, kind="temporal").variance)
+
+
+def _noise_profile(
+    point: OperatingPoint, gray_e: Float[Array, " p"], white_e: float
+) -> Float[Array, "p 2"]:
+    """S and O of each channel on a gray, whose variance is linear in the light without PRNU."""
+    sensor = replace(point.sensor, pixel=replace(point.sensor.pixel, prnu=0.0))
+    gray = np.maximum(gray_e - sensor.pixel.black_error_e, 0.0)
+    dark, lit = (
+        with_noise(mean, sensor, point.exposure).variance for mean in (np.zeros_like(gray), gray)
+    )
+    slope = (lit - dark) / np.where(gray > 0, gray, 1.0)
+    return np.stack([slope / white_e, dark / white_e**2], axis=-1)
+
+
+# ---- white balance ----
+
+
+def _balance_noise(camera: _Camera) -> WhiteBalanceNoise | None:
+    """The delta method: patch m moves by C_b diag(m) dg in XYZ, then by the slope of CIELAB."""
+    pixels = camera.settings.white_balance_pixels
+    if pixels is None:
+        return None
+    covariance = gains_covariance(camera.gray, pixels)
+    raw = _raw(
+        stages_at(camera.analysis.point, camera.analysis.matrix, reflectance=camera.reflectance)
+    ).mean
+    xyz = (raw * camera.gains) @ camera.for_balanced.T
+    slope = camera.spaces[1].jacobian(xyz, camera.white)
+    moved = slope @ (camera.for_balanced * raw[:, None, :])
+    return WhiteBalanceNoise(
+        pixels=pixels,
+        gains_covariance=covariance,
+        lab_covariance=moved @ covariance @ np.swapaxes(moved, -1, -2),
+    )
+
+
+# ---- what clips ----
+
+
+def _named_step(steps: Sequence[PipelineStep], name: str) -> Measurement:
+    return next(one.measurement for one in steps if one.name == name)
+
+
+def _refuse_clipped_means(camera: _Camera, steps: Sequence[PipelineStep]) -> None:
+    """Refuse an exposure gain, or given gains, that push the mean of a patch above 1."""
+    mean = _named_step(steps, "exposure").mean
+    gain, given = camera.settings.exposure_gain, camera.settings.white_balance
+    before = mean / gain
+    name = "exposure_gain"
+    if isinstance(given, tuple) and (before > 1).any():
+        expected = camera.analysis.expected_e
+        balanced = gray_gains(expected, camera.analysis.sensor.names) / camera.gains
+        raw = _named_step(steps, "white-balanced").mean * balanced
+        to_linear = linear_srgb(np.eye(3), camera.white).T @ camera.for_balanced
+        before, name = raw @ to_linear.T, "white_balance"
+    pushed = (mean > 1) & (before <= 1)
+    if not pushed.any():
+        return
+    patch, channel = (int(i) for i in np.unravel_index(np.argmax(mean * pushed), mean.shape))
+    most = float(1 / before[pushed].max())
+    value: Any = gain if name == "exposure_gain" else given
+    raise InputError(
+        name,
+        "must keep the mean of every patch at most 1 before the tone curve",
+        value=value,
+        found=f"patch {camera.patches[patch]} reaches {mean[patch, channel]:.3g} in {RGB[channel]} "
+        f"and clips",
+        remedy=f"take at most {math.floor(1000 * most) / 1000:g}"
+        if name == "exposure_gain"
+        else "lower the gains by a common factor",
+    )
+
+
+def _clipping_notes(camera: _Camera, steps: Sequence[PipelineStep]) -> list[str]:
+    """One note for each patch of which a share of readings above 1 is worth telling."""
+    from scipy.special import ndtr
+
+    rgb = _named_step(steps, "saturation")
+    sd = np.sqrt(rgb.variance)
+    share = np.where(sd > 0, ndtr((rgb.mean - 1) / np.where(sd > 0, sd, 1.0)), rgb.mean > 1)
+    notes = []
+    for i, name in enumerate(camera.patches):
+        channel = int(share[i].argmax())
+        if share[i, channel] > _WORTH_TELLING:
+            notes.append(
+                f"{100 * share[i, channel]:.1f} % of the readings of patch {name} exceed 1 in "
+                f"{RGB[channel]} before the tone curve; a picture clips them, the numbers do not"
+            )
+    return notes
+
+
+def _method_notes(camera: _Camera, steps: Sequence[PipelineStep]) -> list[str]:
+    """Where the Jacobian of the tone curve or of CIELAB is off by more than 5 %."""
+    analysis = camera.analysis
+    at = stages_at(
+        analysis.point,
+        analysis.matrix,
+        reflectance=camera.reflectance,
+        readout=camera.readout,
+    )
+    color = _noisy(camera, at, _named_step(steps, "XYZ"), camera.for_balanced)
+    notes = []
+    for space, name in zip(camera.spaces, (steps[-3].name, "Lab"), strict=True):
+        rough = propagate(color, space, first_order).measurement
+        error = np.abs(relative_sd_error(rough, _named_step(steps, name)))
+        failing = int((error > FIRST_ORDER_TOLERANCE).any(axis=-1).sum())
+        if failing:
+            notes.append(
+                f"the first order of {space.name} is off by more than 5 % on {failing} patches; "
+                "the numbers here do not use it"
+            )
+    return notes
+
+
+def _full_notes(isos: Sequence[GainStep]) -> list[str]:
+    notes = []
+    for one in isos:
+        over = int((_named_step(one.steps, "raw").mean > one.white_level_e).any(axis=-1).sum())
+        if over:
+            notes.append(
+                f"at ISO {one.iso:g}, {over} patches exceed the {one.white_level_e:.4g} e- of the "
+                "white level; a converter clips them, the numbers do not"
+            )
+    return notes
+
+
+# ---- plain data ----
+
+
+def pipeline_as_json(found: PipelineNoise | None) -> dict[str, Any] | None:
+    """Gains, and mean and covariance of each patch after each step and at each ISO."""
+    if found is None:
+        return None
+    settings, channels = found.settings, found.channels
+    balance = settings.white_balance
+    noise = found.white_balance_noise
+    return {
+        "white_balance": balance.name
+        if isinstance(balance, Illuminant)
+        else balance
+        if isinstance(balance, str)
+        else list(balance),
+        "gains": _named(channels, found.gains),
+        "exposure_gain": settings.exposure_gain,
+        "saturation": settings.saturation,
+        "tone": settings.tone,
+        "luma": settings.luma,
+        "steps": _steps_as_json(found.steps, found.patches),
+        "iso": [
+            {
+                "iso": one.iso,
+                "gain": one.gain,
+                "gain_dn_per_e": one.gain_dn_per_e,
+                "read_noise_e": one.read_noise_e,
+                "white_level_e": one.white_level_e,
+                "dynamic_range_db": _defined(channels, one.dynamic_range_db),
+                "dynamic_range_stops": _defined(channels, one.dynamic_range_stops),
+                "emva_dynamic_range_db": _named(channels, one.emva_dynamic_range_db),
+                "noise_profile": {
+                    name: _named(channels, one.noise_profile[:, i])
+                    for i, name in enumerate(("S", "O"))
+                },
+                "steps": _steps_as_json(one.steps, found.patches),
+            }
+            for one in found.iso
+        ],
+        "white_balance_noise": None
+        if noise is None
+        else {
+            "pixels": noise.pixels,
+            "gains_sd": _named(channels, np.sqrt(np.diagonal(noise.gains_covariance))),
+            "gains_covariance": noise.gains_covariance.tolist(),
+            "patches": [
+                {"patch": name, "lab_covariance": covariance.tolist(), "delta_e": float(delta_e)}
+                for name, covariance, delta_e in zip(
+                    found.patches, noise.lab_covariance, noise.delta_e, strict=True
+                )
+            ],
+        },
+        "notes": list(found.notes),
+    }
+
+
+def _steps_as_json(steps: Sequence[PipelineStep], patches: Sequence[str]) -> list[dict[str, Any]]:
+    return [
+        {
+            "name": step.name,
+            "unit": step.measurement.unit,
+            "coordinates": list(step.measurement.names),
+            "patches": [
+                {"patch": name, "mean": mean.tolist(), "covariance": covariance.tolist()}
+                for name, mean, covariance in zip(
+                    patches, step.measurement.mean, step.measurement.covariance, strict=True
+                )
+            ],
+        }
+        for step in steps
+    ]
+
+
+def _defined(names: Sequence[str], values: Float[Array, " p"]) -> Mapping[str, float | None]:
+    return {name: defined(value) for name, value in _named(names, values).items()}
+
+
+def _named(names: Sequence[str], values: Float[Array, " p"]) -> Mapping[str, float]:
+    return {name: float(value) for name, value in zip(names, values, strict=True)}

@@ -1,0 +1,70 @@
+"""Binning from the command line, a study and in pictures."""
+
+import json
+
+import numpy as np
+import pytest
+import tifffile
+
+from chromanoise.study import study_from_text
+from outcomes import refused, refused_input
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        ("--binning", "0"),
+        ("--binning", "2.5"),
+        ("--binning", "1e9"),
+        ("--binning-mode", "charge"),
+        ("--binning", "1", "--binning-mode", "digital"),
+        ("--binning", "4", "--binning-mode", "average"),
+    ],
+)
+def test_a_binning_that_is_none_is_refused_in_one_sentence(run, options):
+    refused(run("analyze", "model-rgb", *options), options[0])
+
+
+def test_a_mode_without_binning_is_refused_with_its_key():
+    text = '[[sensors]]\nname = "model-rgb"\n[sensors.pixel]\nbinning_mode = "digital"\n'
+    with refused_input(subject="binning_mode", setting="sensors.0.pixel.binning"):
+        study_from_text(text, source="")
+
+
+def test_raw_codes_of_digital_binning_are_refused(run, tmp_path):
+    asked = ("simulate", "builtin:checker", "--sensor", "model-rgb", "--mosaic", "bayer")
+    outcome = run(*asked, "--binning", 4, "--binning-mode", "digital", "-o", tmp_path / "o")
+    refused(outcome, "--binning-mode", value="digital")
+
+
+def test_a_pixel_of_a_picture_is_one_binned_pixel(run, tmp_path):
+    reflectance = np.full((128, 128, 14), 0.5, dtype=np.float32)
+    cube = tmp_path / "cube.npz"
+    np.savez(cube, wavelength_nm=np.linspace(400, 1050, 14), reflectance=reflectance)
+    asked = ("simulate", cube, "--sensor", "model-rgb", "--time-ms", 5, "--lux", 5)
+    asked = (*asked, "--mosaic", "G", "--raw-only", "--bits", 16)
+    code, _, err = run(*asked, "--binning", 4, "--prnu", 0.02, "-o", tmp_path / "o")
+    assert code == 0, err
+    (told,) = json.loads((tmp_path / "o" / "summary.json").read_text())["pictures"]
+    codes = tifffile.imread(tmp_path / "o" / "model-rgb.raw.tiff").astype(float)
+    gain, mean_e = told["gain_e_per_dn"], 4 * expected_green(run)
+    assert gain == pytest.approx(40_000 / 65535)
+    variance = mean_e + 10.0**2 + (0.01 * mean_e) ** 2 + gain**2 / 12  # a PRNU of 2 % by sqrt(4)
+    assert abs(gain * codes.mean() - mean_e) < 5 * np.sqrt(variance / codes.size)
+    assert abs(gain**2 * codes.var() / variance - 1) < 5 * np.sqrt(2 / codes.size)
+
+
+def expected_green(run):
+    """Electrons of a gray of 0.5 in green of one pixel."""
+    code, out, err = run("analyze", "model-rgb", "--time-ms", 5, "--lux", 5, "--json", "-")
+    assert code == 0, err
+    (sensor,) = json.loads(out)["sensors"]
+    return 0.5 * next(c["mean_e"] for c in sensor["channels"] if c["name"] == "G")
+
+
+def test_a_study_copied_from_a_binned_analysis_is_the_same(run):
+    asked = ("analyze", "model-rgb", "--binning", "4", "--binning-mode", "digital")
+    code, toml, err = run(*asked, "--copy-as", "toml")
+    assert code == 0, err
+    pixel = study_from_text(toml, source="").sensors[0].pixel
+    assert (pixel.binning, pixel.binning_mode) == (4, "digital")

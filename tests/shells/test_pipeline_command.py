@@ -1,0 +1,124 @@
+"""What ``analyze --pipeline`` prints, writes and refuses is what the library says."""
+
+import json
+
+import pytest
+
+import chromanoise as cn
+from chromanoise.analysis import PipelineSettings, pipeline_as_json, pipeline_noise
+from chromanoise.spectra import DEFAULT_GRID, black_body
+from outcomes import refused
+
+OPTIONS = (
+    "--saturation",
+    1.2,
+    "--tone",
+    "rec709",
+    "--iso",
+    "100,800",
+    "--white-balance",
+    "2,1,1.2",
+)
+SETTINGS = {
+    "pipeline": True,
+    "saturation": 1.2,
+    "tone": "rec709",
+    "iso": (100.0, 800.0),
+    "white_balance": (2.0, 1.0, 1.2),
+    "exposure_gain": 0.7,
+}
+WORDS = ("analyze", "model-rgb-ircut", "--pipeline", "--exposure-gain", 0.7, *OPTIONS)
+
+
+def told(out):
+    (sensor,) = json.loads(out)["sensors"]
+    return sensor["pipeline"]
+
+
+def test_json_has_the_digits_of_the_library(done):
+    out, _ = done(*WORDS, "--json", "-")
+    (outcome,) = cn.analyze("model-rgb-ircut").outcomes
+    settings = {name: value for name, value in SETTINGS.items() if name != "pipeline"}
+    own = pipeline_as_json(pipeline_noise(outcome.analysis, PipelineSettings(**settings)))
+    assert told(out) == json.loads(json.dumps(own))
+
+
+def test_command_python_and_study_file_agree(done, here):
+    out, _ = done(*WORDS, "--json", "-")
+    assert cn.analyze("model-rgb-ircut", **SETTINGS).to_dict() == json.loads(out)
+    copied, _ = done(*WORDS, "--copy-as", "toml")
+    (here / "study.toml").write_text(copied)
+    done("run", "study.toml", "--out", "o")
+    (result,) = (json.loads(path.read_bytes()) for path in (here / "o").glob("analysis-*.json"))
+    assert result["result"] == json.loads(out)
+    script, _ = done(*WORDS, "--copy-as", "python")
+    assert "white_balance=(2.0, 1.0, 1.2)" in script.replace("[", "(").replace("]", ")")
+
+
+def test_without_the_option_no_result_has_the_key(done):
+    out, _ = done("analyze", "model-rgb-ircut", "--json", "-")
+    assert "pipeline" not in json.loads(out)["sensors"][0]
+
+
+def test_the_tables_show_patches_and_isos(done):
+    out, _ = done(*WORDS, "--white-balance", "gray", "--white-balance-pixels", 100)
+    for part in ("neutral 6.5", "Y'", "Cb", "L*", "Rec. 709", "800", "dynamic", "100 gray pixels"):
+        assert part in out
+
+
+def test_balance_by_illuminant_is_that_of_the_light_or_of_another(done, here):
+    base = ("analyze", "model-rgb-ircut", "--pipeline", "--json", "-", "--white-balance")
+    own, _ = done(*base, "illuminant")
+    assert told(own)["gains"] == pytest.approx(told(done(*base, "E")[0])["gains"])
+    other = told(done(*base, "2856K")[0])
+    (outcome,) = cn.analyze("model-rgb-ircut").outcomes
+    settings = PipelineSettings(white_balance=black_body(DEFAULT_GRID, 2856.0))
+    gains = pipeline_noise(outcome.analysis, settings).gains
+    assert list(other["gains"].values()) == pytest.approx(gains.tolist(), rel=1e-3)
+    (here / "lamp.csv").write_text(
+        "wavelength_nm,power\n" + "".join(f"{w},{w / 500}\n" for w in range(400, 1051, 10))
+    )
+    filed = told(done(*base, "lamp.csv", "--illuminant", "lamp.csv", "--illuminant-energy")[0])
+    again = told(done(*base, "gray", "--illuminant", "lamp.csv", "--illuminant-energy")[0])
+    assert filed["gains"] == pytest.approx(again["gains"])
+
+
+def test_a_saturated_sensor_has_null(done):
+    words = ("analyze", "model-rgb-ircut", "--pipeline", "--time-ms", 1e5)
+    assert told(done(*words, "--json", "-")[0]) is None
+    assert "no pipeline" in done(*words)[0]
+
+
+@pytest.mark.parametrize(
+    ("options", "part", "setting"),
+    [
+        (("--white-balance", "1,2"), "--white-balance", "white_balance"),
+        (("--white-balance", "1,0,1"), "--white-balance", "white_balance"),
+        (("--white-balance", "gry"), "gry", "white_balance"),
+        (("--black-error-e", -3000), "--white-balance", "white_balance"),
+        (("--tone", "rec2020"), "--tone", "tone"),
+        (("--tone", 99), "--tone", "tone"),
+        (("--saturation", -1), "--saturation", "saturation"),
+        (("--exposure-gain", 2), "--exposure-gain", "exposure_gain"),
+        (("--exposure-gain", 0), "--exposure-gain", "exposure_gain"),
+        (("--iso", 0), "--iso", "iso"),
+        (("--iso", 50), "--iso", "iso"),
+        (("--base-iso", -1), "--base-iso", "base_iso"),
+        (("--white-balance-pixels", 0), "--white-balance-pixels", "white_balance_pixels"),
+    ],
+)
+def test_bad_input_is_one_sentence(run, options, part, setting):
+    outcome = run("analyze", "model-rgb-ircut", "--pipeline", *options)
+    refused(outcome, part)
+    assert len(outcome[2].splitlines()) == 1
+    (error,) = outcome.errors
+    assert error.setting.split(".")[2] == setting
+
+
+def test_settings_without_the_pipeline_are_refused(run):
+    refused(
+        run("analyze", "model-rgb-ircut", "--tone", "linear"),
+        *("--tone", "--pipeline"),
+        remedy_setting="run",
+        value="linear",
+    )
