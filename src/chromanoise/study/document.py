@@ -321,10 +321,9 @@ class SweepPart(_Part):
         if self.second.vary == self.vary:
             raise InputError(
                 "vary",
-                "must differ between the two parameters of a sweep",
+                "must differ from the second parameter of the sweep",
                 value=self.vary,
                 found=None,
-                setting="second.vary",
             )
         if self.all_priors:
             raise InputError(
