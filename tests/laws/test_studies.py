@@ -34,6 +34,7 @@ from chromanoise.study.document import (
     PicturePart,
     PipelinePart,
     PixelPart,
+    SecondSweepPart,
     SensorPart,
     SweepPart,
 )
@@ -316,6 +317,8 @@ OTHER = {
     "gain_dn_per_e": 0.5,
     "binning": 4,
     "binning_mode": "digital",
+    "label": "small",
+    "second": SecondSweepPart(vary="f-number", first=1.4, last=8.0),
     "crosstalk": 0.1,
     "crosstalk_stage": "charge",
     "analyses": False,

@@ -160,3 +160,11 @@ def test_a_study_names_its_matrix_beside_itself(tmp_path, exported, run):
     )
     code, _, err = run("run", str(study), "-o", str(tmp_path / "out"))
     assert code == 0, err
+
+
+def test_a_matrix_of_another_observer_is_refused(exported):
+    path = exported("json", "--observer", "cie-1964-10")
+    with refused_input(value="cie-1964-10"):
+        first(str(path))
+    again = first(str(path), observer="cie-1964-10")
+    assert again["matrix"] == first("kernel", observer="cie-1964-10")["matrix"]

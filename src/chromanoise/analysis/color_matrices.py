@@ -28,7 +28,7 @@ from chromanoise.color import (
     scene_xyz,
     white_preserving,
 )
-from chromanoise.errors import InputError
+from chromanoise.errors import InputError, Setting
 from chromanoise.exposure import Exposure, OperatingPoint, expected_electrons, white_scene
 from chromanoise.io.given_matrices import GivenMatrix, is_matrix_file, read_matrix
 from chromanoise.sensor import Sensor
@@ -259,6 +259,14 @@ def given_color_matrix(
         If the channels differ, or a channel or the white gives no signal in this light.
     """
     sensor, exposure = operating_point.sensor, operating_point.exposure
+    if given.observer not in ("", operating_point.observer):
+        raise InputError(
+            f"matrix of {given.source}",
+            f"must be of the observer {operating_point.observer}",
+            value=given.observer,
+            found=f"is of {given.observer}",
+            remedy=Setting("observer", (given.observer,)),
+        )
     frame = kernel_matrix(sensor, exposure, metric, operating_point.observer)
     values = _in_channel_order(given, sensor.names)
     if given.kind == "electrons":

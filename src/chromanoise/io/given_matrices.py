@@ -57,6 +57,8 @@ class GivenMatrix:
         [s um2]
     kelvin
         Color temperature of the calibration of a profile; ``None`` if unknown. [K]
+    observer
+        Observer of X, Y, Z; empty if the file does not name it.
 
     Raises
     ------
@@ -71,6 +73,7 @@ class GivenMatrix:
     channels: tuple[str, ...] = ()
     light_time: float | None = None
     kelvin: float | None = None
+    observer: str = ""
 
     def __post_init__(self) -> None:
         values = _check.finite(f"matrix of {self.source}", "1", self.values)
@@ -165,6 +168,7 @@ def _csv(source: str, text: str) -> GivenMatrix:
         values=_array(source, [row[1:] for row in rows[1:]]),
         channels=tuple(head[1:]),
         light_time=_light_time(facts) if absolute else None,
+        observer=facts.get("observer", "").strip(),
     )
 
 
@@ -182,13 +186,20 @@ def _json(source: str, text: str) -> GivenMatrix:
             values=_array(source, held["matrix_lux_per_e"]),
             channels=channels,
             light_time=_light_time(held),
+            observer=str(held.get("observer", "")),
         )
     for key in ("balanced", "CameraToXYZ", "ColorMatrix1"):
         if key in held:
             kind: Kind = "from-xyz" if key == "ColorMatrix1" else "balanced"
             values = _array(source, held[key])
+            header = held.get("header", held)
             return GivenMatrix(
-                source=source, kind=kind, target="XYZ", values=values, channels=channels
+                source=source,
+                kind=kind,
+                target="XYZ",
+                values=values,
+                channels=channels,
+                observer=str(header.get("observer", "")) if isinstance(header, dict) else "",
             )
     raise InputError(
         source,

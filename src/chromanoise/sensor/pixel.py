@@ -228,8 +228,8 @@ def of_the_sum(pixel: Pixel, values: Mapping[str, Any]) -> dict[str, Any]:
 
     Examples
     --------
-    >>> of_the_sum(binned(PAPER_PIXEL, 9, "digital"), {"read_noise_e": 2.0, "prnu": 0.03})
-    {'read_noise_e': 6.0, 'prnu': 0.01}
+    >>> of_the_sum(binned(PAPER_PIXEL, 16, "digital"), {"read_noise_e": 2.0, "prnu": 0.04})
+    {'read_noise_e': 8.0, 'prnu': 0.01}
     """
     if pixel.summed_pixels == 1:
         return dict(values)
