@@ -330,7 +330,7 @@ def test_noise_of_the_developed_picture_is_what_the_closed_form_predicts(made, t
 
 @pytest.mark.parametrize("own", [{}, {"gain_e_per_dn": 3.0}, {"bits": 8}])
 def test_the_rounding_of_codes_counts_once_also_if_the_sensor_has_its_own_converter(own):
-    """Wide steps and no other noise but that of light: M + q^2 / 12 of the codes, through bilinear."""
+    """Wide steps, and no other noise but that of light: M + q^2 / 12, through bilinear weights."""
     point = with_pixel_of(used(3, level_lux=10.0), read_noise_e=0.0, **own)
     names = point.sensor.names
     scene = flat_field(LAMP, level_lux=10.0, reflectance=0.5)
