@@ -53,7 +53,7 @@ if TYPE_CHECKING:
         spectra,
         study,
     )
-    from chromanoise.api import analyze, compare, matrix, render, run
+    from chromanoise.api import analyze, compare, compare_map, matrix, render, run
     from chromanoise.catalog import sensor_named
     from chromanoise.color import ColorMatrix
     from chromanoise.errors import InputError, Setting
@@ -67,6 +67,7 @@ if TYPE_CHECKING:
     from chromanoise.study import (
         Analyses,
         Comparison,
+        ComparisonMap,
         Matrices,
         Pictures,
         Results,
@@ -81,6 +82,7 @@ __all__ = [
     "Analyses",
     "ColorMatrix",
     "Comparison",
+    "ComparisonMap",
     "Cube",
     "Exposure",
     "Grid",
@@ -104,6 +106,7 @@ __all__ = [
     "charts",
     "color",
     "compare",
+    "compare_map",
     "exposure",
     "figures",
     "geometry",

@@ -20,6 +20,21 @@ NEUTRALS: Mapping[str, tuple[str, str]] = {
     "paper": ("#FFFFFF", "#15181B"),
 }
 """Text; secondary text and grid lines; areas; background. Contrast: text 4.5:1, graphics 3:1."""
+SENSORS: tuple[tuple[str, str], ...] = (
+    ("#3F90DA", "#3F90DA"),
+    ("#C07C00", "#FFA90E"),
+    ("#BD1F01", "#D12201"),
+    ("#832DB6", "#993DCF"),
+    ("#329B9F", "#92DADD"),
+    ("#E76300", "#E76300"),
+    ("#717581", "#94A4A2"),
+    ("#9B8D4C", "#B9AC70"),
+    ("#A96B59", "#A96B59"),
+    ("#1B1F23", "#EDF0F2"),
+)
+"""Colors of many sensors, in turn: Petroff, "Accessible color sequences for data visualization",
+arXiv:2107.02270 (2021), darker or lighter where needed for a contrast of 3:1, and the text color.
+"""
 INK, QUIET, FAINT = (NEUTRALS[name][0] for name in ("ink", "quiet", "faint"))
 
 
@@ -29,7 +44,7 @@ def channel_color(name: str) -> str | None:
 
 
 def palette_css() -> str:
-    """The palette as CSS custom properties: ``--ink``, ``--channel-R`` and so on.
+    """The palette as CSS custom properties: ``--ink``, ``--channel-R``, ``--sensor-0`` and so on.
 
     Examples
     --------
@@ -37,6 +52,10 @@ def palette_css() -> str:
     :root {
       --ink: light-dark(#1B1F23, #EDF0F2);
     """
-    named = {**NEUTRALS, **{f"channel-{name}": pair for name, pair in CHANNELS.items()}}
+    named = {
+        **NEUTRALS,
+        **{f"channel-{name}": pair for name, pair in CHANNELS.items()},
+        **{f"sensor-{i}": pair for i, pair in enumerate(SENSORS)},
+    }
     lines = [f"  --{name}: light-dark({light}, {dark});" for name, (light, dark) in named.items()]
     return "\n".join([":root {", *lines, "}", ""])

@@ -16,8 +16,10 @@ from chromanoise.study import (
     Analyses,
     AnalysisSettings,
     Comparison,
+    ComparisonMap,
     ComparisonSettings,
     Given,
+    MapSettings,
     Matrices,
     MatrixSettings,
     Pictures,
@@ -28,6 +30,7 @@ from chromanoise.study import (
     compare_study,
     described_settings,
     in_arguments,
+    map_study,
     matrix_study,
     render_study,
 )
@@ -143,6 +146,51 @@ def compare(
 
 
 @_with_listed_settings
+def compare_map(
+    *sensors: str | Path | Sensor,
+    matrices: Sequence[str] = (DEFAULT_METHOD,),
+    **settings: Unpack[MapSettings],
+) -> ComparisonMap:
+    """A quantity of each sensor as a function of two parameters, on a grid, with the crossovers.
+
+    Parameters
+    ----------
+    sensors
+        As `analyze`.
+    matrices
+        Color matrices.
+    settings
+        As the options of ``chromanoise compare --and``; see the list below.
+
+    Returns
+    -------
+    ComparisonMap
+        One grid of values per sensor and matrix, and the best sensor at each pair of values.
+
+    Raises
+    ------
+    InputError
+        As `analyze`.
+
+    Notes
+    -----
+    Clouet, Vaillant & Alleysson, CIC27 (2019), eq. 1-7, evaluated at each pair of values.
+
+    Examples
+    --------
+    >>> import chromanoise as cn
+    >>> made = cn.compare_map("onyx-rgbw", "onyx-rgb-ircut", points=4, second_points=3)
+    >>> made.maps[0].value.shape
+    (3, 4)
+    """
+    with _terms_of("compare_map"):
+        names, given, rest = _named(sensors, settings)
+        study = map_study(names, rest, matrices=matrices)
+        (result,) = run_of(study, given=given).maps
+    return result
+
+
+@_with_listed_settings
 def matrix(
     sensor: str | Path | Sensor, matrix: str = DEFAULT_METHOD, **settings: Unpack[MatrixSettings]
 ) -> Matrices:
@@ -238,7 +286,7 @@ def run(study: Study, folder: str | Path | None = None) -> Results:
     Returns
     -------
     Results
-        Analyses and matrices by name, sweeps and pictures in order.
+        Analyses and matrices by name, sweeps, maps and pictures in order.
 
     Raises
     ------

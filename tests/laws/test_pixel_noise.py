@@ -37,7 +37,7 @@ from chromanoise.exposure import (
 )
 from chromanoise.geometry import contravariant
 from chromanoise.imaging import acquired
-from chromanoise.metrics import snr_db
+from chromanoise.metrics import illuminance_for_snr, noise_speed, snr_db
 from chromanoise.noise import (
     NoiseSources,
     Readout,
@@ -368,6 +368,35 @@ def test_a_study_solves_its_time_with_the_dark_electrons():
     full_well_e = sensor_named("model-mono", DEFAULT_GRID).pixel.full_well_e
     filled = found["channels"][0]["mean_e"] + 1.6 * found["time_ms"]
     assert filled == pytest.approx(0.99 * full_well_e, rel=1e-9)
+
+
+# light that a sensor needs
+
+
+@pytest.mark.parametrize("stage", [None, "light", "charge"])
+def test_the_illuminance_for_an_snr_reaches_it_with_all_sources(stage):
+    sensor = camera("onyx-rgb-ircut", stage, **(ALL | {"prnu": 0.004}))
+    matrix = kernel_matrix(sensor, EXPOSURE)
+    lux = illuminance_for_snr(sensor, LAMP, EXPOSURE, matrix, snr=10.0, reflectance=0.18)
+    gray = flat_field(LAMP, level_lux=lux, reflectance=0.18)
+    raw = with_noise(expected_electrons(gray, sensor, EXPOSURE), sensor, EXPOSURE)
+    assert float(snr_db(colored(raw, matrix))["Y"]) == pytest.approx(20.0, abs=1e-9)
+
+
+@pytest.mark.parametrize("stage", [None, "light", "charge"])
+def test_the_noise_speed_is_that_of_the_light_at_which_gray_reaches_the_snr(stage):
+    """ISO 12232 in steps: RGB of gray 1, D = Y with weighted R - Y and B - Y, all by C S C^T."""
+    sensor = camera("onyx-rgb-ircut", stage, **(ALL | {"prnu": 0.004, "dark_current_e_per_s": 0.0}))
+    rgb = np.linalg.inv([[0.9, 0.1, 0.0], [0.05, 0.9, 0.05], [0.0, 0.1, 0.9]])
+    speed = noise_speed(sensor, LAMP, rgb, snr=10.0)
+    lit = flat_field(LAMP, level_lux=10.0 / speed)
+    mean = expected_electrons(lit, sensor, Exposure(time_s=1.0, f_number=0.5))
+    balanced = rgb / (rgb @ mean)[:, None]
+    color = balanced @ with_noise(mean, sensor).covariance @ balanced.T
+    y = np.array([0.2125, 0.7154, 0.0721])
+    red, blue = np.array([1, 0, 0]) - y, np.array([0, 0, 1]) - y
+    variance = y @ color @ y + 0.279 * red @ color @ red + 0.088 * blue @ color @ blue
+    assert variance == pytest.approx(0.01, rel=1e-9)
 
 
 # black level

@@ -9,6 +9,7 @@ from chromanoise.analysis.analysis import (
     mean_color_error,
 )
 from chromanoise.analysis.comparison.curves import Curve
+from chromanoise.analysis.comparison.maps import QuantityMap, best_of, by_matrix
 from chromanoise.analysis.total_error import mean_total_error
 from chromanoise.analysis.undefined import defined
 from chromanoise.color import ColorMatrix
@@ -143,6 +144,43 @@ def curves_as_table(curves: Sequence[Curve]) -> Table:
         rows.append(tuple(row))
     return Table(
         title=f"{first.quantity.what} over {first.sweep.what}",
+        columns=tuple(columns),
+        rows=tuple(rows),
+    )
+
+
+def maps_as_table(maps: Sequence[QuantityMap]) -> Table:
+    """A comparison over two parameters: one row per pair of values.
+
+    Columns are the two parameters, the quantity of each sensor and matrix, and the best sensor with
+    each matrix.
+    """
+    first, matrices = maps[0], by_matrix(maps)
+    columns = [
+        Column(name=first.second.what, unit=first.second.unit, digits=".4g"),
+        Column(name=first.sweep.what, unit=first.sweep.unit, digits=".4g"),
+        *(
+            Column(
+                name=f"{one.label}, {one.matrix}: {one.quantity.what}",
+                unit=one.quantity.unit,
+                digits=".4g",
+            )
+            for one in maps
+        ),
+        *(Column(name=f"best, {name}") for name in matrices),
+    ]
+    best = {name: best_of(mine).tolist() for name, mine in matrices.items()}
+    rows: list[tuple[Entry, ...]] = []
+    for j, row in enumerate(first.second_at.tolist()):
+        for k, at in enumerate(first.at.tolist()):
+            leaders = [
+                None if best[name][j][k] < 0 else mine[best[name][j][k]].label
+                for name, mine in matrices.items()
+            ]
+            values = (defined(float(one.value[j, k])) for one in maps)
+            rows.append((row, at, *values, *leaders))
+    return Table(
+        title=f"{first.quantity.what} over {first.sweep.what} and {first.second.what}",
         columns=tuple(columns),
         rows=tuple(rows),
     )

@@ -14,6 +14,12 @@ from chromanoise.analysis.comparison.crossing import (
 )
 from chromanoise.analysis.comparison.curves import Curve, compared
 from chromanoise.analysis.comparison.quantities import QUANTITIES, Quantity, fullest_level_lux
+from chromanoise.analysis.comparison.ranking import (
+    MOST_PAIRS_SENSORS,
+    lead_sentences,
+    leading_crossovers,
+    leads,
+)
 from chromanoise.analysis.comparison.sweeps import SWEEPS, swept_values
 from chromanoise.analysis.undefined import defined
 from chromanoise.charts.charted_study import Look, Shown, unclipped_remark
@@ -34,6 +40,8 @@ _PER_DECADE = 12  # includes the points of ``chromanoise compare``
 def drawn_levels(shown: Shown, look: Look) -> dict[str, Any]:
     """Curves of SNR over lux, each sensor with each matrix, and their crossovers.
 
+    Of more than three sensors, only the crossovers at which the leader changes, and the leaders.
+
     Exposure times are those at the study's level, as in ``chromanoise compare``, which
     never clips.
     """
@@ -50,7 +58,12 @@ def drawn_levels(shown: Shown, look: Look) -> dict[str, Any]:
         }
         for curve, full in zip(curves, fullest, strict=True)
     ]
-    crossed = [entry for pair in pairs for entry in _crossed(pair)]
+    found = [one for one in pairs if isinstance(one, Crossover)]
+    leading = leads(curves, found)
+    many = len(shown.operating_points) > MOST_PAIRS_SENSORS
+    told = leading_crossovers(leading, found) if many else pairs
+    crossed = [entry for pair in told for entry in _crossed(pair)]
+    leaders = lead_sentences(leading) if many else []
     lux = values.tolist()
     return {
         "title": (
@@ -65,7 +78,7 @@ def drawn_levels(shown: Shown, look: Look) -> dict[str, Any]:
         "unit": quantity.unit,
         "curves": drawn,
         "crossovers": crossed,
-        "notes": _notes(drawn),
+        "notes": [*leaders, *_notes(drawn)],
         "table": _table(drawn, lux, quantity.unit),
     }
 

@@ -20,7 +20,7 @@ from chromanoise.cli.output import refuse_taken_inputs, write_json, write_table
 from chromanoise.cli.progress import progress_of_step
 from chromanoise.errors import InputError
 from chromanoise.exposure import conditions
-from chromanoise.study import compare_study, default_of, run
+from chromanoise.study import Comparison, ComparisonMap, compare_study, default_of, map_study, run
 
 _VARY, _FIRST, _LAST = (default_of("compare", name) for name in ("vary", "first", "last"))
 _START = f"{_VARY}={_FIRST:g}:{_LAST:g}"
@@ -38,6 +38,13 @@ _START = f"{_VARY}={_FIRST:g}:{_LAST:g}"
     f"[default: {_START}]",
 )
 @click.option("--points", type=WHOLE, help="Number of values of the sweep.")
+@click.option(
+    "--and",
+    "second",
+    metavar="NAME=FIRST:LAST[:POINTS]",
+    help="A second parameter of --sweep that varies too: values on a grid, and the best sensor at "
+    f"each pair of values. POINTS is {default_of('compare_map', 'second_points')} by default.",
+)
 @click.option(
     "--quantity",
     type=click.Choice(list(QUANTITIES)),
@@ -62,6 +69,7 @@ _START = f"{_VARY}={_FIRST:g}:{_LAST:g}"
 def compare(
     sensors: tuple[str, ...],
     sweep: str | None,
+    second: str | None,
     matrices: str,
     table: str | None,
     json_target: str | None,
@@ -73,24 +81,49 @@ def compare(
     The exposure time is solved once, at --lux and before the sweep, so that the brightest channel
     of a perfect white fills --saturate (99 %) of full well; --time-ms sets it.
     """
-    study = compare_study(sensors, {**settings, **_span(sweep)}, matrices=matrices.split(","))
+    settings |= _span(sweep, "--sweep")
+    makers = matrices.split(",")
+    if second is None:
+        study = compare_study(sensors, settings, matrices=makers)
+    else:
+        study = map_study(sensors, settings | _second_span(second), matrices=makers)
     if copy_as is not None:
         print_copy(copy_as, study)
         return
     refuse_taken_inputs({"--json": json_target, "--table": table}, sensors, settings)
-    (result,) = run(study, progress=progress_of_step).sweeps
+    results = run(study, progress=progress_of_step)
+    result: Comparison | ComparisonMap
+    (result,) = results.maps if second is not None else results.sweeps
     if table is not None:
         write_table(result.to_table(), table)
     if json_target:
         write_json(result.to_dict(), json_target)
     if json_target != "-":
         tables.print_conditions(f"the start of the sweep, {conditions(result.points)}")
+        if isinstance(result, ComparisonMap):
+            tables.print_maps(result.maps, result.ranking)
+            return
         tables.print_comparison(
             result.curves, result.ranking, result.shown_sentences, result.shown_bands
         )
 
 
-def _span(text: str | None) -> dict[str, Any]:
+def _second_span(text: str) -> dict[str, Any]:
+    """Parse NAME=FIRST:LAST[:POINTS]: the second parameter, its range and its number of values."""
+    span, _, points = text.rpartition(":")
+    count = {}
+    if span.count(":") == 1:
+        text = span
+        try:
+            count = {"second_points": int(points)}
+        except ValueError:
+            raise InputError(
+                "--and", "must end with a whole number of values", value=points
+            ) from None
+    return {f"second_{key}": value for key, value in _span(text, "--and").items()} | count
+
+
+def _span(text: str | None, option: str) -> dict[str, Any]:
     """Parse NAME=FIRST:LAST: the parameter and its range."""
     if text is None:
         return {}
@@ -99,6 +132,6 @@ def _span(text: str | None) -> dict[str, Any]:
         first, last = (float(part) for part in span.split(":"))
     except ValueError:
         raise InputError(
-            "--sweep", "must be NAME=FIRST:LAST, e.g. lux=0.01:1000", value=text
+            option, "must be NAME=FIRST:LAST, e.g. lux=0.01:1000", value=text
         ) from None
     return {"vary": name, "first": first, "last": last}

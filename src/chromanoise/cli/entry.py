@@ -20,7 +20,7 @@ from chromanoise.errors import InputError, did_you_mean
 _COMMANDS = {
     "analyze": "Noise of sensors in raw, spectral and color coordinates, side by side.",
     "simulate": "Render a hyperspectral cube through sensors to noisy color pictures.",
-    "compare": "Sensors over light, time, read noise, IR-cut or lamp: curves, crossovers.",
+    "compare": "Sensors over one or two parameters, as light or read noise: curves, crossovers.",
     "matrix": "A sensor's color matrix: color error, noise, condition; to CSV, JSON, CLF, profile.",
     "init": "A commented study file to start from.",
     "run": "Run a study file: analyses, sweeps, pictures, with provenance.",

@@ -22,6 +22,7 @@ from chromanoise.analysis import (
 from chromanoise.analysis.color_space_noise import GRAY
 from chromanoise.analysis.comparison.bands import CrossoverBand, band_sentence
 from chromanoise.analysis.comparison.curves import Curve
+from chromanoise.analysis.comparison.maps import QuantityMap, best_of, by_matrix
 from chromanoise.analysis.comparison.ranking import MOST_PAIRS_SENSORS, Rank
 from chromanoise.catalog.sensors import RECONSTRUCTION
 from chromanoise.charts import cause_label
@@ -128,13 +129,13 @@ def print_comparison(
     table = Table(title=title, title_justify="left")
     for head in ("sensor", "matrix"):
         table.add_column(head, no_wrap=True)
-    shown = np.unique(np.linspace(0, at.size - 1, _SHOWN).round().astype(int))
+    shown = _some(at.size)
     for head in ("time ms", *(f"{at[i]:.4g}" for i in shown)):
         table.add_column(head, justify="right")
     for curve in curves:
         varies = sweep.name == "time-ms"
         time = "varies" if varies else f"{1e3 * curve.time_s:.4g}"
-        table.add_row(curve.label, curve.matrix, time, *(_curve_cell(curve, int(i)) for i in shown))
+        table.add_row(curve.label, curve.matrix, time, *(_curve_cell(curve, i) for i in shown))
     console.print(table)
     if any((np.isnan(curve.value) & ~curve.saturated).any() for curve in curves):
         console.print("-: the matrix gives no valid color under this light.")
@@ -146,6 +147,48 @@ def print_comparison(
         console.print(sentence, soft_wrap=True)
     if many:
         console.print("--json has the crossovers of all pairs.")
+
+
+def print_maps(maps: Sequence[QuantityMap], ranks: Sequence[Rank]) -> None:
+    """Print a grid of values per sensor and matrix, then the best sensor at each pair of values."""
+    console = _console()
+    quantity = maps[0].quantity
+    what = f"{quantity.what} [{quantity.unit}]"
+    for one in maps:
+        cells = [[_map_cell(one, j, k) for k in range(one.at.size)] for j in range(len(one.value))]
+        console.print(_grid(one, cells, f"{one.label}, {one.matrix}: {what}"))
+    for name, mine in by_matrix(maps).items():
+        if len(mine) == 1:
+            continue
+        labels = [[mine[i].label if i >= 0 else "-" for i in row] for row in best_of(mine).tolist()]
+        console.print(_grid(mine[0], labels, f"Best {quantity.what}, {name} matrix"))
+    if len({one.sensor for one in maps}) > MOST_PAIRS_SENSORS:
+        print_ranking(ranks, f"Ranking at the start of the sweep by {what}")
+
+
+def _map_cell(one: QuantityMap, j: int, k: int) -> str:
+    if one.saturated[j, k] and np.isnan(one.value[j, k]):
+        return "saturated"
+    return number_text(one.value[j, k])
+
+
+def _grid(one: QuantityMap, cells: Sequence[Sequence[str]], title: str) -> Table:
+    """Some rows and columns of a map: the first parameter to the right, the second down."""
+    sweep, second = one.sweep, one.second
+    over = f"over {sweep.what} [{sweep.unit}] (right) and {second.what} [{second.unit}] (down)"
+    table = Table(title=f"{title}, {over}", title_justify="left")
+    table.add_column("", justify="right")
+    columns, rows = (_some(at.size) for at in (one.at, one.second_at))
+    for k in columns:
+        table.add_column(f"{one.at[k]:.4g}", justify="right")
+    for j in rows:
+        table.add_row(f"{one.second_at[j]:.4g}", *(cells[j][k] for k in columns))
+    return table
+
+
+def _some(count: int) -> list[int]:
+    """Indices of the printed values of a sweep: the ends and some between."""
+    return [int(i) for i in np.unique(np.linspace(0, count - 1, _SHOWN).round())]
 
 
 def print_ranking(ranks: Sequence[Rank], title: str) -> None:

@@ -16,6 +16,7 @@ from chromanoise.figures.geometry import (
     draw_measurement,
     draw_uncertainty,
 )
+from chromanoise.figures.maps import draw_maps
 from chromanoise.figures.mosaics import draw_mosaic
 from chromanoise.figures.observers import draw_observer
 from chromanoise.figures.paper import CAPTIONS, paper_figures
@@ -23,7 +24,7 @@ from chromanoise.figures.pareto import draw_pareto
 from chromanoise.figures.pictures import draw_picture
 from chromanoise.figures.results import draw_analyses, draw_capture, draw_matrices
 from chromanoise.figures.sensitivities import draw_sensitivities
-from chromanoise.figures.study import study_figures
+from chromanoise.figures.study import map_figures, study_figures
 from chromanoise.figures.style import chromanoise_style
 from chromanoise.figures.writing import write_figures
 
@@ -41,6 +42,7 @@ __all__ = [
     "draw_ellipses",
     "draw_flow",
     "draw_light_above_plane",
+    "draw_maps",
     "draw_matrices",
     "draw_measurement",
     "draw_mosaic",
@@ -49,6 +51,7 @@ __all__ = [
     "draw_picture",
     "draw_sensitivities",
     "draw_uncertainty",
+    "map_figures",
     "paper_figures",
     "study_figures",
     "write_figures",

@@ -7,8 +7,18 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from chromanoise.analysis import Crossover, Curve
-from chromanoise.figures.style import INK, QUIET, channel_color, sensor_dashes
+from chromanoise.figures.style import (
+    INK,
+    QUIET,
+    are_many,
+    channel_color,
+    matrix_dashes,
+    sensor_dashes,
+    sensor_lines,
+    spread,
+)
 
+_NAME_POINTS = 11.0  # from one name at the right to the next
 _SHADES = (INK, *(channel_color(name) for name in "BRG"))
 
 
@@ -16,6 +26,9 @@ def draw_comparison(
     curves: Sequence[Curve], ax: Axes, *, crossovers: Sequence[Crossover] = (), title: str = ""
 ) -> Axes:
     """A quantity over the sweep: one color per matrix, one dash pattern per sensor.
+
+    More than three sensors have one color each, and their names at the ends of their curves; then
+    a matrix has a dash pattern.
 
     Parameters
     ----------
@@ -37,7 +50,10 @@ def draw_comparison(
     ax.set_ylabel(f"{quantity.what} [{quantity.unit}]")
     if title:
         ax.set_title(title, loc="left", fontsize=9)
-    ax.legend(loc="best", fontsize=8)
+    if are_many(curve.label for curve in curves):
+        _write_names(curves, ax)
+    else:
+        ax.legend(loc="best", fontsize=8)
     return ax
 
 
@@ -61,6 +77,15 @@ def draw_color_errors(curves: Sequence[Curve], ax: Axes) -> Axes:
 
 def _styles(curves: Sequence[Curve]) -> list[dict[str, Any]]:
     matrices = list(dict.fromkeys(curve.matrix for curve in curves))
+    if are_many(curve.label for curve in curves):
+        lines = sensor_lines(curve.label for curve in curves)
+        of_matrix = matrix_dashes(matrices)
+        first = matrices[0]
+        return [
+            lines[curve.label]
+            | ({} if curve.matrix == first else {"linestyle": of_matrix[curve.matrix]})
+            for curve in curves
+        ]
     patterns = sensor_dashes(curve.label for curve in curves)
     return [
         {
@@ -69,6 +94,37 @@ def _styles(curves: Sequence[Curve]) -> list[dict[str, Any]]:
         }
         for curve in curves
     ]
+
+
+def _write_names(curves: Sequence[Curve], ax: Axes) -> None:
+    """Write the name of each curve at the right, with a thin line from where the curve ends."""
+    known = [curve for curve in curves if np.isfinite(curve.value).any()]
+    ends = [int(np.flatnonzero(np.isfinite(curve.value))[-1]) for curve in known]
+    matrices = {curve.matrix for curve in curves}
+    low, high = ax.get_ylim()
+    wanted = [(curve.value[k] - low) / (high - low) for curve, k in zip(known, ends, strict=True)]
+    height_in = ax.get_window_extent().height / ax.figure.dpi
+    gap = _NAME_POINTS / (72 * height_in)
+    styles = dict(zip(curves, _styles(curves), strict=True))
+    for curve, k, place in zip(known, ends, spread(wanted, gap), strict=True):
+        ax.annotate(
+            f"{curve.label}, {curve.matrix}" if len(matrices) > 1 else curve.label,
+            (curve.at[k], curve.value[k]),
+            xytext=(1.03, place),
+            textcoords="axes fraction",
+            fontsize=8,
+            va="center",
+            annotation_clip=False,
+            arrowprops={
+                "arrowstyle": "-",
+                "color": styles[curve]["color"],
+                "linewidth": 0.7,
+                "linestyle": "dotted",
+                "relpos": (0.0, 0.5),
+                "shrinkA": 1.0,
+                "shrinkB": 0.0,
+            },
+        )
 
 
 def _frame(curves: Sequence[Curve], ax: Axes) -> None:

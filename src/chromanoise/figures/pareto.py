@@ -1,11 +1,11 @@
 """Color error against noise, over the weight of the noise in the matrix."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from matplotlib.axes import Axes
 
-from chromanoise.figures.style import INK, QUIET, sensor_dashes
+from chromanoise.figures.style import INK, QUIET, are_many, sensor_lines
 
 _MARKS = "osD^vP"
 
@@ -13,28 +13,38 @@ _MARKS = "osD^vP"
 def draw_pareto(data: dict[str, Any], ax: Axes) -> Axes:
     """Draw one curve per sensor, ends labeled by weight, and a large mark at the current matrix.
 
+    Of more than three sensors, the title has the weights at the ends, which are the same for all.
+
     Parameters
     ----------
     data
         The chart ``pareto`` of `chromanoise.charts`.
     """
-    patterns = sensor_dashes(sensor["name"] for sensor in data["sensors"])
+    lines = sensor_lines(sensor["name"] for sensor in data["sensors"])
+    many = are_many(lines)
     for i, sensor in enumerate(data["sensors"]):
-        name, dashes = sensor["name"], patterns[sensor["name"]]
+        name, line = sensor["name"], lines[sensor["name"]]
         known = [p for p in sensor["points"] if None not in (p["snr_db"], p["color_error"])]
         snr, error = [p["snr_db"] for p in known], [p["color_error"] for p in known]
-        draw_trade(snr, error, [p["text"] for p in known], ax, dashes=dashes)
+        weights = [] if many else [p["text"] for p in known]
+        draw_trade(snr, error, weights, ax, line=line)
         now = sensor["now"]
         turn, shape = divmod(i, len(_MARKS))
-        mark, fill = _MARKS[shape], INK if shape % 2 == turn % 2 else "white"
+        mark, fill = _MARKS[shape], line["color"] if shape % 2 == turn % 2 else "white"
         where = ([], []) if None in now.values() else ([now["snr_db"]], [now["color_error"]])
-        ax.plot(*where, mark, color=INK, markerfacecolor=fill, linestyle=dashes, label=name)
+        ax.plot(*where, mark, markerfacecolor=fill, label=name, **line)
     ax.grid(visible=True, alpha=0.25)
     ax.set_ylim(bottom=0)
     ax.set(xlabel="SNR of Y [dB]", ylabel="color error, mean [ΔE*ab]")
-    key = f"Numbers: the weight of the noise. Mark: the {data['matrix']} matrix."
+    ends = [data["sensors"][0]["points"][k]["text"] for k in (0, -1)]
+    along = f"Curves: the weight of the noise from {ends[0]} to {ends[1]} (right)."
+    weights_told = along if many else "Numbers: the weight of the noise."
+    key = f"{weights_told} Mark: the {data['matrix']} matrix."
     ax.set_title(f"{data['title']}\n{key}", loc="left", fontweight="normal", fontsize=9)
-    ax.legend(loc="best", fontsize=8)
+    if many:
+        ax.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), fontsize=8, frameon=False)
+    else:
+        ax.legend(loc="best", fontsize=8)
     return ax
 
 
@@ -44,7 +54,7 @@ def draw_trade(
     weights: Sequence[str],
     ax: Axes,
     *,
-    dashes: Any = "solid",
+    line: Mapping[str, Any] | None = None,
     label: str | None = None,
 ) -> Axes:
     """Draw one curve of color error against SNR, with ends labeled by weight.
@@ -57,11 +67,12 @@ def draw_trade(
         As text.
     ax
         To draw on.
-    dashes, label
-        Of the curve.
+    line, label
+        Color and dash pattern of the curve, from `sensor_lines`; its name in the legend.
     """
-    ax.plot(snr_db, color_error, color=INK, linestyle=dashes, label=label)
-    ax.plot(snr_db, color_error, ".", color=INK, markersize=4)
+    look = dict(line or {"color": INK, "linestyle": "solid"})
+    ax.plot(snr_db, color_error, label=label, **look)
+    ax.plot(snr_db, color_error, ".", color=look["color"], markersize=4)
     ends = ((0, -1), (-1, 1)) if len(weights) else ()
     for k, side in ends:
         _write_weight(ax, weights[k], (snr_db[k], color_error[k]), side)

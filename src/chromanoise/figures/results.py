@@ -13,7 +13,7 @@ from chromanoise.charts.text import UNDEFINED, brief, decimal
 from chromanoise.exposure import OperatingPoint, conditions
 from chromanoise.figures.pareto import draw_trade
 from chromanoise.figures.pictures import draw_picture
-from chromanoise.figures.style import INK, channel_color, sensor_dashes
+from chromanoise.figures.style import INK, are_many, channel_color, sensor_lines
 from chromanoise.imaging.capture import Capture
 from chromanoise.metrics import Budget
 from chromanoise.study import MatrixResult
@@ -106,7 +106,7 @@ def draw_matrices(results: Sequence[MatrixResult], ax: Axes) -> Axes:
 
 
 def _draw_curves(results: Sequence[MatrixResult], ax: Axes) -> None:
-    patterns = sensor_dashes(one.point.sensor.label for one in results)
+    lines = sensor_lines(one.point.sensor.label for one in results)
     for one in results:
         assert one.pareto is not None  # called only for results with a curve
         name, curve = one.point.sensor.label, one.pareto
@@ -115,9 +115,9 @@ def _draw_curves(results: Sequence[MatrixResult], ax: Axes) -> None:
         draw_trade(
             [snr for snr, _, _ in known],
             [error for _, error, _ in known],
-            [brief(weight) for _, _, weight in known],
+            [] if are_many(lines) else [brief(weight) for _, _, weight in known],
             ax,
-            dashes=patterns[name],
+            line=lines[name],
             label=name,
         )
     ax.margins(0.1)

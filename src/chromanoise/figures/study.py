@@ -1,29 +1,35 @@
 """The figures of a study, with the charts of its report, for papers and slides."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from textwrap import fill
 
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from chromanoise.analysis import Crossover, coordinate_budget
+from chromanoise.analysis.comparison.ranking import lead_changes, leads
 from chromanoise.charts import Shown, drawing
 from chromanoise.charts.charted_study import unclipped_remark
+from chromanoise.charts.maps import sweep_maps
 from chromanoise.charts.snr_over_light import level_curves
 from chromanoise.exposure import conditions, light_and_exposure
 from chromanoise.figures.budget import draw_budget
 from chromanoise.figures.comparison import draw_color_errors, draw_comparison
 from chromanoise.figures.ellipses import draw_ellipses
+from chromanoise.figures.maps import draw_maps
 from chromanoise.figures.pareto import draw_pareto
 from chromanoise.figures.sensitivities import draw_sensitivities
-from chromanoise.figures.style import chromanoise_style, sensor_dashes
+from chromanoise.figures.style import are_many, chromanoise_style, sensor_dashes
 
 _WIDE_IN = 6.4
 _LETTERS_PER_IN = 13  # of a title
+_PANELS = 3  # ellipses side by side
 
 
 def study_figures(of: Shown) -> Mapping[str, Figure]:
     """Sensitivities, comparison over the light level, budget, ellipses and Pareto curve, by name.
+
+    Each sweep of two parameters is a heat map besides: ``map-1`` and so on.
 
     A figure without data for any sensor, e.g. the budget of saturated sensors, is omitted.
 
@@ -44,8 +50,31 @@ def study_figures(of: Shown) -> Mapping[str, Figure]:
             "budget": _budget(of),
             "ellipses": _ellipses(of),
             "pareto": _pareto(of),
+            **map_figures(of),
         }
     return {name: figure for name, figure in figures.items() if figure is not None}
+
+
+def map_figures(of: Shown) -> dict[str, Figure]:
+    """A heat map per sweep of two parameters: ``map-1`` and so on.
+
+    Parameters
+    ----------
+    of
+        As `study_figures`.
+
+    Raises
+    ------
+    InputError
+        If one of them cannot be computed.
+    """
+    figures = {}
+    with chromanoise_style():
+        for i, one in enumerate(sweep_maps(of), 1):
+            figures[f"map-{i}"] = figure = _framed(4.2)
+            title = f"{one.maps[0].quantity.what}, from {conditions(of.operating_points)}"
+            draw_maps(one.maps, figure.add_subplot(), title=title)
+    return figures
 
 
 def _framed(height_in: float, width_in: float = _WIDE_IN) -> Figure:
@@ -65,7 +94,8 @@ def _sensitivities(of: Shown) -> Figure:
     figure = _framed(2.8 * len(sensors))
     highest = 1.15 * max(float(sensor.qe.max()) for sensor in sensors)
     panels = figure.subplots(len(sensors), 1, sharex=True, squeeze=False)[:, 0]
-    patterns = sensor_dashes(sensor.label for sensor in sensors)
+    names = [sensor.label for sensor in sensors]
+    patterns = dict.fromkeys(names, "solid") if are_many(names) else sensor_dashes(names)
     for sensor, ax in zip(sensors, panels, strict=True):
         draw_sensitivities(sensor, ax, top=highest, dashes=patterns[sensor.label])
     for ax in panels[:-1]:
@@ -77,7 +107,9 @@ def _comparison(of: Shown) -> Figure:
     curves, pairs = level_curves(of)
     figure = _framed(5.6)
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=(2, 1))
-    crossed = [pair for pair in pairs if isinstance(pair, Crossover)]
+    crossed: Sequence[Crossover] = [pair for pair in pairs if isinstance(pair, Crossover)]
+    if are_many(curve.label for curve in curves):
+        crossed = lead_changes(leads(curves, crossed), crossed)
     title = (
         f"{curves[0].quantity.what} against illuminance ({light_and_exposure(of.operating_points)})"
         f"{unclipped_remark(of)}"
@@ -108,11 +140,14 @@ def _ellipses(of: Shown) -> Figure | None:
     shown = [i for i, sensor in enumerate(data["sensors"]) if sensor["patches"]]
     if not shown:
         return None
-    figure = _framed(4.6, 3.6 * len(shown))
-    panels = figure.subplots(1, len(shown), sharex=True, sharey=True, squeeze=False)[0]
-    for i, ax in zip(shown, panels, strict=True):
+    rows, columns = -(-len(shown) // _PANELS), min(_PANELS, len(shown))
+    figure = _framed(4.6 * rows, 3.6 * columns)
+    panels = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
+    for i, ax in zip(shown, panels.flat, strict=False):
         draw_ellipses(data, i, ax)
-    for ax in panels[1:]:
+    for ax in panels.flat[len(shown) :]:
+        ax.set_axis_off()
+    for ax in panels[:, 1:].flat:
         ax.set_ylabel("")
     _entitle(figure, data["title"])
     return figure

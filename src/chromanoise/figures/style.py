@@ -1,7 +1,7 @@
 """Common style of all figures: color-blind safe colors, dash patterns, letters."""
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from itertools import cycle
 from typing import Any
@@ -32,6 +32,8 @@ _OTHER_DASHES: tuple[Any, ...] = (
     (0, (4, 4)),
     (0, (2, 1, 6, 1)),
 )
+
+_MOST_DASHED = 3
 
 _RC = {
     "font.family": "sans-serif",
@@ -109,6 +111,85 @@ def sensor_dashes(names: Iterable[str]) -> dict[str, Any]:
     others = (name for name in distinct if name not in SENSOR_DASHES)
     free = dict(zip(others, cycle(_OTHER_DASHES), strict=False))
     return {name: SENSOR_DASHES.get(name, free.get(name)) for name in distinct}
+
+
+def are_many(names: Iterable[str]) -> bool:
+    """Whether sensors are told apart by color and named at their curves: more than three."""
+    return len(set(names)) > _MOST_DASHED
+
+
+def sensor_lines(names: Iterable[str]) -> dict[str, dict[str, Any]]:
+    """Color and dash pattern of the line of each sensor of a figure, as arguments of ``plot``.
+
+    Up to three sensors have dash patterns, in ink. More have a color each; from the eleventh on,
+    the colors repeat with a dash pattern.
+
+    Parameters
+    ----------
+    names
+        Names of the sensors; duplicates count once.
+
+    Examples
+    --------
+    >>> sensor_lines(["onyx-rgbw"])
+    {'onyx-rgbw': {'color': '#1B1F23', 'linestyle': 'solid'}}
+    >>> len({line["color"] for line in sensor_lines("abcdefghij").values()})
+    10
+    """
+    distinct = list(dict.fromkeys(names))
+    if not are_many(distinct):
+        return {
+            name: {"color": INK, "linestyle": dashes}
+            for name, dashes in sensor_dashes(distinct).items()
+        }
+    colors, patterns = [light for light, _ in _palette.SENSORS], ("solid", *_OTHER_DASHES)
+    return {
+        name: {
+            "color": colors[i % len(colors)],
+            "linestyle": patterns[i // len(colors) % len(patterns)],
+        }
+        for i, name in enumerate(distinct)
+    }
+
+
+def sensor_colors(count: int) -> tuple[str, ...]:
+    """Colors of areas, one per sensor; they repeat after ten."""
+    colors = [light for light, _ in _palette.SENSORS]
+    return tuple(colors[i % len(colors)] for i in range(count))
+
+
+def matrix_dashes(names: Iterable[str]) -> dict[str, Any]:
+    """A dash pattern per matrix, the first solid; for figures with a color per sensor."""
+    return dict(zip(dict.fromkeys(names), cycle(("solid", *_OTHER_DASHES)), strict=False))
+
+
+def spread(wanted: Sequence[float], gap: float) -> list[float]:
+    """Places between 0 and 1 near the wanted ones, ``gap`` apart, in the same order.
+
+    Parameters
+    ----------
+    wanted
+        Wanted places.
+    gap
+        Least distance; smaller where there is not enough room.
+
+    Examples
+    --------
+    >>> [round(place, 3) for place in spread([0.5, 0.5, 0.9], 0.1)]
+    [0.5, 0.6, 0.9]
+    """
+    step = min(gap, 1 / max(1, len(wanted) - 1))
+    order = sorted(range(len(wanted)), key=lambda i: wanted[i])
+    places = [0.0] * len(wanted)
+    low = 0.0
+    for i in order:
+        places[i] = max(wanted[i], low)
+        low = places[i] + step
+    high = 1.0
+    for i in reversed(order):
+        places[i] = min(places[i], high)
+        high = places[i] - step
+    return places
 
 
 def sensor_label(sensor_name: str, origin: str) -> str:

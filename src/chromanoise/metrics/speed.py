@@ -7,13 +7,14 @@ import numpy as np
 
 from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise._linalg import inv
 from chromanoise._shapes import Float
 from chromanoise.color import ColorMatrix
 from chromanoise.errors import InputError
 from chromanoise.exposure import Exposure, expected_electrons
 from chromanoise.noise import NoiseSources, noise_sources, saturated
 from chromanoise.scene import flat_field
-from chromanoise.sensor import Sensor
+from chromanoise.sensor import Crosstalk, Sensor
 from chromanoise.spectra import Illuminant
 
 
@@ -113,7 +114,7 @@ def light_for_snr(
     weights = _check.finite("row of the matrix", "1/e-", row)
     _check.same_length("channels", signal_e=per_light.shape[-1], row=weights.size)
     noise = NoiseSources(read_noise_e=read_noise_e, prnu=prnu)
-    return _light(per_light, weights, weights**2, snr=snr, noise=noise)
+    return _light(per_light, weights[None], (1.0,), snr=snr, noise=noise)
 
 
 def illuminance_for_snr(
@@ -287,17 +288,30 @@ def noise_speed(
         )
     red, green, blue = rgb_matrix / gray[:, None]
     y = np.asarray(model.luminance_weights) @ np.array([red, green, blue])
-    weights = y**2 + model.red_weight * (red - y) ** 2 + model.blue_weight * (blue - y) ** 2
+    rows, shares = np.stack([y, red - y, blue - y]), (1.0, model.red_weight, model.blue_weight)
     timeless = replace(sensor, pixel=replace(sensor.pixel, dark_current_e_per_s=0.0))
-    level = _light(per_lxs, y, weights, snr=snr, noise=noise_sources(timeless))
+    noise = noise_sources(timeless)
+    level = _light(per_lxs, rows, shares, snr=snr, noise=noise, crosstalk=sensor.crosstalk)
     exposure_lxs = _unless_saturated(float(level), per_lxs, sensor)
     return None if exposure_lxs is None else model.constant / exposure_lxs
 
 
 def _light(
-    per_light: Array, signal: Array, weights: Array, *, snr: float, noise: NoiseSources
+    per_light: Array,
+    rows: Float[Array, "k p"],
+    shares: tuple[float, ...],
+    *,
+    snr: float,
+    noise: NoiseSources,
+    crosstalk: Crosstalk | None = None,
 ) -> Array:
-    """The positive root of E^2 a - q^2 b E - q^2 c = 0; ``weights`` of the variances."""
+    """The positive root of E^2 a - q^2 b E - q^2 c = 0 for the signal of the first of ``rows``.
+
+    Its noise is the sum of the variances of all rows, times ``shares``.
+    """
+    if crosstalk is not None and crosstalk.stage == "charge":
+        per_light, rows, noise = _before_coupling(per_light, rows, shares, noise, crosstalk)
+    signal, weights = rows[0], np.asarray(shares) @ rows**2
     q = _check.positive("snr", "1", snr)
     floor = noise.floor_e2() * weights.sum()
     seen = per_light @ signal
@@ -306,6 +320,25 @@ def _light(
     reached = shot + np.sqrt(shot**2 + 4.0 * np.maximum(gain, 0.0) * q**2 * floor)
     visible = (seen > 0) & (gain > 0)  # a negative color is not a signal
     return np.asarray(np.where(visible, reached / np.where(visible, 2.0 * gain, 1.0), np.inf))
+
+
+def _before_coupling(
+    per_light: Array,
+    rows: Float[Array, "k p"],
+    shares: tuple[float, ...],
+    noise: NoiseSources,
+    crosstalk: Crosstalk,
+) -> tuple[Array, Array, NoiseSources]:
+    """Counts, rows and noise before crosstalk X that follows counting: r (X n) = (r X) n.
+
+    What the readout adds is not coupled: it is scaled to the weights of the rows r X.
+    """
+    counted = np.maximum(per_light @ inv("crosstalk", crosstalk.matrix).T, 0.0)
+    mixed = rows @ crosstalk.matrix
+    readout = replace(noise, dark_e=0.0, dsnu_e=0.0).floor_e2()
+    of_rows, of_mixed = (np.asarray(shares) @ (each**2).sum(axis=1) for each in (rows, mixed))
+    read_noise_e = float(np.sqrt(readout * of_rows / of_mixed))
+    return counted, mixed, replace(noise, read_noise_e=read_noise_e, step_e=0.0, row_noise_e=0.0)
 
 
 def _gray_electrons_per_lux(
@@ -329,7 +362,9 @@ def _level_of_row(
     _check.one_of("coordinate", coordinate, matrix.coordinates)
     row = matrix.matrix[matrix.coordinates.index(coordinate)]
     noise = noise_sources(sensor, exposure)
-    return float(_light(per_lux, row, row**2, snr=snr, noise=noise))
+    return float(
+        _light(per_lux, row[None], (1.0,), snr=snr, noise=noise, crosstalk=sensor.crosstalk)
+    )
 
 
 def _lowest_kept(

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from importlib import resources
+from io import BytesIO
 from itertools import chain
 from typing import Any
 
@@ -79,6 +80,7 @@ _SECTIONS = (  # part, heading, what it shows, equations
     ),
 )
 
+_DOTS_PER_IN = 220  # of a heat map, shown at half its size
 _EXACT = 7  # digits of half axes: an outline is whole to a thousandth of its unit
 
 
@@ -115,6 +117,7 @@ def study_report(of: Shown, equations: Equations, sights: Sequence[Sight] = ()) 
         sensors=full["head"]["table"],
         slides=data["slides"],
         sights=[_sight(one) for one in sights],
+        maps=_maps(of),
         notes=_notes(full["head"]),
         faults=[data["fault"] for data in full.values() if "fault" in data],
         provenance=provenance(of.study),
@@ -234,6 +237,23 @@ def _sight(sight: Sight) -> dict[str, Any]:
     sizes = [picture.shape[:2] for picture in sight.pictures]
     shown = zip(sight.sensors, sources, sizes, strict=False)
     return {"cube": sight.cube, "matrix": sight.matrix, "pictures": list(shown)}
+
+
+def _maps(of: Shown) -> list[dict[str, Any]]:
+    """The heat map of each sweep of two parameters as a picture."""
+    if all(part.second is None for part in of.study.sweeps):
+        return []
+    from chromanoise.figures import map_figures  # matplotlib is slow to import
+
+    shown = []
+    for figure in map_figures(of).values():
+        buffer = BytesIO()
+        figure.savefig(buffer, format="png", dpi=_DOTS_PER_IN, metadata={"Software": None})
+        what = ", ".join(text for ax in figure.axes for text in (ax.get_title(loc="left"),) if text)
+        width, height = (round(_DOTS_PER_IN * side / 2) for side in figure.get_size_inches())
+        source = data_address(buffer.getvalue(), "image/png")
+        shown.append({"what": what, "source": source, "width": width, "height": height})
+    return shown
 
 
 def _notes(head: dict[str, Any]) -> list[str]:

@@ -72,7 +72,7 @@ def color_matching_functions(grid: Grid, observer: str = DEFAULT_OBSERVER) -> Sp
     --------
     >>> at_555_nm = color_matching_functions(Grid.uniform(400, 1050, 5), "cie-1964-10").values[31]
     >>> at_555_nm.round(4)
-    array([0.6163, 0.9991, 0.0011])
+    array([0.6161, 0.9991, 0.0011])
     """
     return on_grid(observer_table(observer), grid, beyond="zero")
 

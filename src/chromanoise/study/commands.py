@@ -9,14 +9,17 @@ from typing import Any
 from chromanoise.analysis import DEFAULT_METHOD
 from chromanoise.errors import InputError
 from chromanoise.study.document import Study
+from chromanoise.study.setting_help import default_of
 from chromanoise.study.settings import (
     ANALYSIS,
     COMPARISON,
+    MAPS,
     MATRIX,
     PER_SENSOR,
     RENDERING,
     analyze_study,
     compare_study,
+    map_study,
     matrix_study,
     render_study,
 )
@@ -37,6 +40,10 @@ OTHER_NAMES: Mapping[str, str] = {
     "first": "sweep",
     "last": "sweep",
     "all_priors": "prior",
+    "second_vary": "and",
+    "second_first": "and",
+    "second_last": "and",
+    "second_points": "and",
     "pareto_first": "pareto",
     "pareto_last": "pareto",
     "pareto_points": "pareto",
@@ -56,7 +63,8 @@ class Call:
     Attributes
     ----------
     function
-        ``analyze``, ``compare``, ``matrix`` or ``render`` (the command ``simulate``).
+        ``analyze``, ``compare``, ``compare_map`` (the command ``compare``), ``matrix`` or
+        ``render`` (the command ``simulate``).
     names
         Sensors, for ``render`` behind the cube.
     matrix
@@ -81,6 +89,8 @@ class Call:
         settings, names = dict(self.settings), list(self.names)
         if self.function == "compare":
             return compare_study(names, settings, matrices=self.matrix)
+        if self.function == "compare_map":
+            return map_study(names, settings, matrices=self.matrix)
         if self.function == "matrix":
             return matrix_study(names[0], settings, matrix=self.matrix[0])
         if self.function == "render":
@@ -106,7 +116,7 @@ def call_of(study: Study) -> Call | None:
     """
     seed = study.seed if study.pictures else 0
     wanted = study.model_copy(update={"title": "", "seed": seed})
-    for function in ("analyze", "compare", "matrix", "render"):
+    for function in ("analyze", "compare", "compare_map", "matrix", "render"):
         try:
             call = _candidate(function, wanted)
             if call is not None and call.study() == wanted:
@@ -134,7 +144,7 @@ def study_as_command(study: Study) -> str:
         # no line of this TOML is the bare word that ends the document
         return f"chromanoise run /dev/stdin --out out/study <<'STUDY'\n{study_as_toml(study)}STUDY"
     names = [f"./{name}" if name.startswith("-") else name for name in call.names]
-    command = {"render": "simulate"}.get(call.function, call.function)
+    command = {"render": "simulate", "compare_map": "compare"}.get(call.function, call.function)
     if command == "simulate":
         names = [names[0], *(word for name in call.names[1:] for word in ("--sensor", name))]
     matrix = [] if call.matrix == (DEFAULT_METHOD,) else ["--matrix", ",".join(call.matrix)]
@@ -182,16 +192,18 @@ def _candidate(function: str, study: Study) -> Call | None:
     tables = {
         "analyze": ANALYSIS,
         "compare": COMPARISON,
+        "compare_map": MAPS,
         "matrix": MATRIX,
         "render": RENDERING,
     }
     if function == "render" and len(study.pictures) != 1:
         return None
-    if function == "compare" and len(study.sweeps) != 1:
-        return None
-    if (function == "matrix" and len(sensors) != 1) or (
-        function != "compare" and len(study.matrices) != 1
+    compares = function in ("compare", "compare_map")
+    if compares and (
+        len(study.sweeps) != 1 or (study.sweeps[0].second is None) != (function == "compare")
     ):
+        return None
+    if (function == "matrix" and len(sensors) != 1) or (not compares and len(study.matrices) != 1):
         return None
     names = (study.pictures[0].cube, *sensors) if function == "render" else sensors
     base = Call(function=function, names=names, matrix=study.matrices, settings={}).study()
@@ -214,8 +226,10 @@ def _settings(study: Study, base: Study, names: Mapping[str, tuple[str, ...]]) -
         default = _value(base, keys[0].replace("*", "0"))
         if value is not None and value != default:
             found[name] = value
-    if {"vary", "first", "last"} & set(found):
-        found |= {name: _value(study, f"sweeps.0.{name}") for name in ("vary", "first", "last")}
+    for start in ("", "second_"):
+        ends = [f"{start}{name}" for name in ("vary", "first", "last")]
+        if set(ends) & set(found):
+            found |= {name: _value(study, names[name][0]) for name in ends}
     return found
 
 
@@ -230,7 +244,7 @@ def _value(study: Study, key: str) -> Any:
 
 
 def _matrix_argument(call: Call) -> str:
-    if call.function == "compare":
+    if call.function in ("compare", "compare_map"):
         return f"matrices={_literal(call.matrix)}"
     return f"matrix={_literal(call.matrix[0])}"
 
@@ -263,6 +277,14 @@ def _options(settings: Mapping[str, Any]) -> list[str]:
     if "vary" in given:
         span = f"{given.pop('vary')}={given.pop('first')!r}:{given.pop('last')!r}"
         words += ["--sweep", span]
+    if "second_vary" in given or "second_points" in given:
+        name, *ends = (
+            given.pop(f"second_{key}", default_of("compare_map", f"second_{key}"))
+            for key in ("vary", "first", "last")
+        )
+        points = given.pop("second_points", None)
+        span = f"{name}={ends[0]!r}:{ends[1]!r}"
+        words += ["--and", span if points is None else f"{span}:{points}"]
     if "pareto_first" in given:
         points = given.pop("pareto_points", None)
         span = f"{given.pop('pareto_first')!r}:{given.pop('pareto_last')!r}"

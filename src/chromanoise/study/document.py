@@ -317,8 +317,22 @@ def _shares_time(rule: ExposurePart) -> bool:
     return rule.time_ms is not None and "saturate" in rule.model_fields_set
 
 
+_MOST_VALUES = 1_000_000
+
+
+class SecondSweepPart(_Part):
+    """A second parameter of a sweep: the quantity on a grid of pairs of values."""
+
+    vary: Annotated[str, _known(SWEEPS)] = Field(description="What varies too, as in the sweep.")
+    first: Finite = Field(description="Lowest value of the second parameter, in its unit.")
+    last: Finite = Field(description="Highest value of the second parameter.")
+    points: Annotated[int, Field(ge=2, le=100_000)] = Field(
+        21, description="Number of values of the second parameter."
+    )
+
+
 class SweepPart(_Part):
-    """One parameter that varies, and the quantity to compute."""
+    """One parameter that varies, or two, and the quantity to compute."""
 
     vary: Annotated[str, _known(SWEEPS)] = Field(description=f"What varies: {', '.join(SWEEPS)}.")
     first: Finite = Field(description="Lowest value, in the unit of the sweep.")
@@ -328,6 +342,38 @@ class SweepPart(_Part):
         "snr-y", description=f"One of {', '.join(QUANTITIES)}."
     )
     all_priors: bool = Field(False, description="Also the band of crossovers over all priors.")
+    second: SecondSweepPart | None = Field(
+        None, description="A second parameter that varies: values on a grid, and a heat map."
+    )
+
+    @model_validator(mode="after")
+    def _of_two_parameters(self) -> "SweepPart":
+        if self.second is None:
+            return self
+        if self.second.vary == self.vary:
+            raise InputError(
+                "vary",
+                "must differ from the second parameter of the sweep",
+                value=self.vary,
+                found=None,
+            )
+        if self.all_priors:
+            raise InputError(
+                "all_priors",
+                "must not be given with a second parameter",
+                value=True,
+                found=None,
+                remedy="omit one of them",
+            )
+        count = self.points * self.second.points
+        if count > _MOST_VALUES:
+            raise InputError(
+                "points",
+                f"must give at most {_MOST_VALUES} pairs of values with a second parameter",
+                value=count,
+                found=f"gives {count}",
+            )
+        return self
 
 
 class PicturePart(_Part):
@@ -661,12 +707,16 @@ def _idle_priors(study: Study) -> Iterator[InputError]:
 def _replaced_settings(study: Study) -> Iterator[InputError]:
     """A setting that is given although every step of the study replaces it by other values."""
     others = study.outputs.analyses or study.outputs.matrix or study.pictures
-    replaced = {SWEEPS[one.vary].replaces for one in study.sweeps}
-    if others or len(replaced) != 1:
+    sweeps = [(one.vary, *((one.second.vary,) if one.second else ())) for one in study.sweeps]
+    replaced = [{SWEEPS[name].replaces for name in names} for names in sweeps]
+    if others or not replaced:
         return
-    key = replaced.pop()
-    sensors = range(len(study.sensors)) if "*" in key else [0]
-    for one in [key.replace("*", str(i)) for i in sensors] if key else []:
+    keys = [
+        key.replace("*", str(i))
+        for key in sorted(set.intersection(*replaced) - {""})
+        for i in (range(len(study.sensors)) if "*" in key else [0])
+    ]
+    for one in keys:
         value: Any = study
         for step in one.split("."):
             value = value[int(step)] if step.isdigit() else getattr(value, step)

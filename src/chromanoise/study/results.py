@@ -26,17 +26,24 @@ from chromanoise.analysis import (
     raw_snr_db,
 )
 from chromanoise.analysis.comparison.crossing import Crossover
+from chromanoise.analysis.comparison.maps import CrossoverLine, QuantityMap, maps_as_json
 from chromanoise.analysis.comparison.ranking import (
     MOST_PAIRS_SENSORS,
     Lead,
     Rank,
+    lead_changes,
     lead_sentences,
     leading_crossovers,
     leads_as_json,
     ranking_as_json,
 )
 from chromanoise.analysis.export import ranking_of_analyses
-from chromanoise.analysis.tables import analyses_as_table, curves_as_table, matrices_as_table
+from chromanoise.analysis.tables import (
+    analyses_as_table,
+    curves_as_table,
+    maps_as_table,
+    matrices_as_table,
+)
 from chromanoise.color import ColorMatrix, ParetoCurve
 from chromanoise.errors import InputError
 from chromanoise.exposure import OperatingPoint, conditions
@@ -340,9 +347,9 @@ class Comparison(Result):
     def plot(self, ax: Any = None) -> Any:
         """Draw the quantity over the parameter, one curve per sensor and matrix."""
         title = f"{self.curves[0].quantity.what}, from {conditions(self.points)}"
-        return _figures().draw_comparison(
-            self.curves, _axes(ax), crossovers=self.shown_crossovers, title=title
-        )
+        many = len(self.points) > MOST_PAIRS_SENSORS
+        crossed = lead_changes(self.leads, self.crossovers) if many else self.crossovers
+        return _figures().draw_comparison(self.curves, _axes(ax), crossovers=crossed, title=title)
 
     def __repr__(self) -> str:
         """The quantity, the parameter and the operating point."""
@@ -355,6 +362,63 @@ class Comparison(Result):
 
     def _repr_html_(self) -> str:
         return self._html(f"From {conditions(self.points)}", self.shown_sentences)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ComparisonMap(Result):
+    """A quantity of all sensors as a function of two parameters.
+
+    Attributes
+    ----------
+    points
+        Operating point of each sensor before the sweeps.
+    maps, lines
+        The values per sensor and matrix; of up to three sensors, where each pair changes places.
+    ranking
+        The sensors from best to worst at their operating points, per matrix.
+    equal, prior
+        The exposure rule, and the training set of trained matrices.
+    """
+
+    points: tuple[OperatingPoint, ...]
+    maps: tuple[QuantityMap, ...]
+    lines: tuple[CrossoverLine, ...]
+    ranking: tuple[Rank, ...]
+    equal: str
+    prior: str
+
+    def to_dict(self) -> dict[str, Any]:
+        """As ``chromanoise compare --and ... --json``."""
+        return maps_as_json(self.maps, self.lines) | {
+            "equal": self.equal,
+            "prior": self.prior,
+            "ranking": ranking_as_json(self.ranking),
+        }
+
+    def to_table(self) -> Table:
+        """One row per pair of values; a column per sensor and matrix, and the best per matrix."""
+        return maps_as_table(self.maps)
+
+    def plot(self, ax: Any = None) -> Any:
+        """Draw a heat map with the first matrix.
+
+        Of one sensor the quantity; of two their difference, with the line where they change places;
+        of more the best sensor.
+        """
+        title = f"{self.maps[0].quantity.what}, from {conditions(self.points)}"
+        return _figures().draw_maps(self.maps, _axes(ax), title=title)
+
+    def __repr__(self) -> str:
+        """The quantity, the parameters and the operating point."""
+        first = self.maps[0]
+        names = ", ".join(dict.fromkeys(one.label for one in self.maps))
+        return (
+            f"<ComparisonMap: {first.quantity.what} of {names} over {first.sweep.what} and "
+            f"{first.second.what}, from {conditions(self.points)}>"
+        )
+
+    def _repr_html_(self) -> str:
+        return self._html(f"From {conditions(self.points)}")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -446,8 +510,8 @@ class Results:
         Operating point of each sensor.
     analyses, matrices
         One per color matrix, by name.
-    sweeps, pictures
-        In the order of the study.
+    sweeps, maps, pictures
+        In the order of the study; maps are sweeps of two parameters.
     """
 
     study: Study
@@ -455,6 +519,7 @@ class Results:
     analyses: dict[str, Analyses] = field(default_factory=dict)
     matrices: dict[str, Matrices] = field(default_factory=dict)
     sweeps: tuple[Comparison, ...] = ()
+    maps: tuple[ComparisonMap, ...] = ()
     pictures: tuple[Pictures, ...] = ()
 
     def to_list(self) -> list[dict[str, Any]]:
@@ -467,6 +532,7 @@ class Results:
             "analyses": len(self.analyses),
             "matrices": len(self.matrices),
             "sweeps": len(self.sweeps),
+            "maps": len(self.maps),
             "pictures": len(self.pictures),
         }
         text = ", ".join(f"{count} {name}" for name, count in counts.items() if count)
@@ -480,6 +546,7 @@ class Results:
             *self.analyses.values(),
             *self.matrices.values(),
             *self.sweeps,
+            *self.maps,
             *self.pictures,
         ]
 

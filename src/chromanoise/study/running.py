@@ -1,6 +1,6 @@
 """Run a study step by step and return its results."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, replace
 from functools import partial
@@ -11,6 +11,7 @@ from chromanoise.analysis.color_matrices import MatrixMaker
 from chromanoise.analysis.comparison.bands import CrossoverBand, crossover_bands
 from chromanoise.analysis.comparison.crossing import crossovers
 from chromanoise.analysis.comparison.curves import compared
+from chromanoise.analysis.comparison.maps import mapped
 from chromanoise.analysis.comparison.quantities import QUANTITIES
 from chromanoise.analysis.comparison.ranking import leads, ranking
 from chromanoise.analysis.comparison.sweeps import SWEEPS, swept_values
@@ -40,6 +41,7 @@ from chromanoise.study.pictures import (
 from chromanoise.study.results import (
     Analyses,
     Comparison,
+    ComparisonMap,
     Matrices,
     MatrixResult,
     Pictures,
@@ -48,7 +50,7 @@ from chromanoise.study.results import (
 
 Makers = Mapping[str, MatrixMaker]
 Points = list[OperatingPoint]
-StepResult = Analyses | Matrices | Comparison | Pictures
+StepResult = Analyses | Matrices | Comparison | ComparisonMap | Pictures
 Advance = Callable[[int], None]
 
 
@@ -143,6 +145,7 @@ def run(
         analyses={one.matrix: one for one in done if isinstance(one, Analyses)},
         matrices={one.method: one for one in done if isinstance(one, Matrices)},
         sweeps=tuple(one for one in done if isinstance(one, Comparison)),
+        maps=tuple(one for one in done if isinstance(one, ComparisonMap)),
         pictures=tuple(one for one in done if isinstance(one, Pictures)),
     )
 
@@ -205,6 +208,9 @@ def _matrices(study: Study, points: Points, makers: Makers) -> Iterator[Step]:
 
 def _sweeps(study: Study, points: Points, makers: Makers) -> Iterator[Step]:
     for i, part in enumerate(study.sweeps, 1):
+        if part.second is not None:
+            yield _map_step(study, i, points, makers, part)
+            continue
         with keyed(f"sweeps.{i - 1}"):
             values = swept_values(SWEEPS[part.vary], part.first, part.last, part.points)
         yield Step(
@@ -214,6 +220,23 @@ def _sweeps(study: Study, points: Points, makers: Makers) -> Iterator[Step]:
             unit="values",
             run=partial(_sweep, study, points, makers, part, values),
         )
+
+
+def _map_step(study: Study, i: int, points: Points, makers: Makers, part: SweepPart) -> Step:
+    assert part.second is not None  # called only with a second parameter
+    sweep, second = SWEEPS[part.vary], SWEEPS[part.second.vary]
+    values, rows = _values_of_both(study, i - 1)
+
+    def made(folder: Path | None, advance: Advance) -> ComparisonMap:
+        return sweep_map(study, points, makers, i - 1, progress=advance)
+
+    return Step(
+        name=f"sweep-{i}-{part.vary}-{part.second.vary}-{part.quantity}",
+        what=f"{QUANTITIES[part.quantity].what} over {sweep.what} and {second.what}",
+        parts=len(points) * len(makers) * len(values) * len(rows),
+        unit="values",
+        run=made,
+    )
 
 
 def _pictures(study: Study, points: Points, makers: Makers, work: Work) -> Iterator[Step]:
@@ -312,6 +335,68 @@ def _sweep(
         bands=bands,
         ranking=ranking(points, makers, quantity),
         leads=leads(curves, crossed),
+        equal=study.exposure.equal,
+        prior=study.prior,
+    )
+
+
+def _values_of_both(study: Study, number: int) -> tuple[Any, Any]:
+    """The values of both parameters of a sweep (from 0)."""
+    part = study.sweeps[number]
+    second = part.second
+    assert second is not None  # as `_map_step`
+    with keyed(f"sweeps.{number}"):
+        values = swept_values(SWEEPS[part.vary], part.first, part.last, part.points)
+    with keyed(f"sweeps.{number}.second"):
+        rows = swept_values(SWEEPS[second.vary], second.first, second.last, second.points)
+    return values, rows
+
+
+def sweep_map(
+    study: Study,
+    points: Sequence[OperatingPoint],
+    makers: Makers,
+    number: int,
+    *,
+    progress: Advance = lambda _: None,
+) -> ComparisonMap:
+    """A sweep of two parameters.
+
+    Parameters
+    ----------
+    study
+        Of which the sweep is used.
+    points, makers
+        Its operating points and color matrices.
+    number
+        Place of the sweep in the study, from 0; it has a second parameter.
+    progress
+        Called with the number of newly finished values.
+
+    Raises
+    ------
+    InputError
+        If a value cannot be used.
+    """
+    part = study.sweeps[number]
+    assert part.second is not None  # see ``number``
+    values, rows = _values_of_both(study, number)
+    quantity = QUANTITIES[part.quantity]
+    maps, lines = mapped(
+        points,
+        makers,
+        values,
+        rows,
+        sweep=SWEEPS[part.vary],
+        second=SWEEPS[part.second.vary],
+        quantity=quantity,
+        progress=progress,
+    )
+    return ComparisonMap(
+        points=tuple(points),
+        maps=maps,
+        lines=lines,
+        ranking=ranking(points, makers, quantity),
         equal=study.exposure.equal,
         prior=study.prior,
     )

@@ -13,6 +13,7 @@ from chromanoise.study.settings import (
     STARTS,
     AnalysisSettings,
     ComparisonSettings,
+    MapSettings,
     MatrixSettings,
     RenderSettings,
 )
@@ -96,6 +97,7 @@ def default_of(function: str, name: str) -> Any:
 _KINDS = {
     "analyze": AnalysisSettings,
     "compare": ComparisonSettings,
+    "compare_map": MapSettings,
     "matrix": MatrixSettings,
     "render": RenderSettings,
 }

@@ -94,15 +94,29 @@ class AnalysisSettings(SharedSettings, total=False):
     iso_read_noise_e: Annotated[Sequence[float], "outputs.pipeline.iso_read_noise_e"]
 
 
-class ComparisonSettings(SharedSettings, total=False):
-    """Settings of a comparison."""
+class SweepSettings(SharedSettings, total=False):
+    """Settings of a sweep."""
 
     vary: Annotated[str, "sweeps.0.vary"]
     first: Annotated[float, "sweeps.0.first"]
     last: Annotated[float, "sweeps.0.last"]
     points: Annotated[int, "sweeps.0.points"]
     quantity: Annotated[str, "sweeps.0.quantity"]
+
+
+class ComparisonSettings(SweepSettings, total=False):
+    """Settings of a comparison."""
+
     all_priors: Annotated[bool, "sweeps.0.all_priors"]
+
+
+class MapSettings(SweepSettings, total=False):
+    """Settings of a comparison over two parameters."""
+
+    second_vary: Annotated[str, "sweeps.0.second.vary"]
+    second_first: Annotated[float, "sweeps.0.second.first"]
+    second_last: Annotated[float, "sweeps.0.second.last"]
+    second_points: Annotated[int, "sweeps.0.second.points"]
 
 
 class MatrixSettings(SharedSettings, total=False):
@@ -153,12 +167,20 @@ def settings_keys(kind: type) -> Mapping[str, tuple[str, ...]]:
 SHARED = settings_keys(SharedSettings)
 ANALYSIS = settings_keys(AnalysisSettings)
 COMPARISON = settings_keys(ComparisonSettings)
+MAPS = settings_keys(MapSettings)
 MATRIX = settings_keys(MatrixSettings)
 RENDERING = settings_keys(RenderSettings)
-FUNCTIONS = {"analyze": ANALYSIS, "compare": COMPARISON, "matrix": MATRIX, "render": RENDERING}
+FUNCTIONS = {
+    "analyze": ANALYSIS,
+    "compare": COMPARISON,
+    "compare_map": MAPS,
+    "matrix": MATRIX,
+    "render": RENDERING,
+}
 _ARGUMENTS = {
     "analyze": ("matrix",),
     "compare": ("matrices",),
+    "compare_map": ("matrices",),
     "matrix": ("sensor", "matrix"),
     "render": ("cube", "matrix", "folder"),
 }
@@ -167,6 +189,17 @@ STARTS: Mapping[str, dict[str, Any]] = {
     "compare": {
         "outputs": {"analyses": False},
         "sweeps": [{"vary": "lux", "first": 0.01, "last": 1000.0}],
+    },
+    "compare_map": {
+        "outputs": {"analyses": False},
+        "sweeps": [
+            {
+                "vary": "lux",
+                "first": 0.01,
+                "last": 1000.0,
+                "second": {"vary": "f-number", "first": 1.4, "last": 8.0},
+            }
+        ],
     },
     "matrix": {"outputs": {"analyses": False, "matrix": True}},
     "render": {"outputs": {"analyses": False}},
@@ -222,6 +255,31 @@ def compare_study(
     if settings.get("prior") == "all":
         settings = {**settings, "prior": None, "all_priors": True}
     return _study(sensors, settings, "compare", {"matrices": matrices})
+
+
+def map_study(
+    sensors: Sequence[str], settings: Settings, *, matrices: Sequence[str] = (DEFAULT_METHOD,)
+) -> Study:
+    """The study of one comparison over two parameters: a quantity of all sensors on a grid.
+
+    Parameters
+    ----------
+    sensors
+        Names of the catalog, or files.
+    settings
+        By the names of `MapSettings`.
+    matrices
+        Their methods.
+
+    Raises
+    ------
+    InputError
+        If a value cannot be used, has no effect, or is a parameter that varies.
+    """
+    _refuse_unknown(settings, "compare_map")
+    return _study(
+        sensors, settings, "compare_map", {"matrices": [name.strip() for name in matrices]}
+    )
 
 
 def matrix_study(sensor: str, settings: Settings, *, matrix: str = DEFAULT_METHOD) -> Study:
@@ -348,7 +406,7 @@ def in_arguments(error: InputError, function: str) -> InputError:
     error
         An error whose subject and settings are keys of the study.
     function
-        ``analyze``, ``compare``, ``matrix`` or ``render``.
+        A name of `FUNCTIONS`.
 
     Examples
     --------
@@ -358,7 +416,7 @@ def in_arguments(error: InputError, function: str) -> InputError:
     "cam.csv must reach 1050 nm; set beyond='zero' or 'hold'"
     """
     positional = {
-        "matrices": "matrices" if function == "compare" else "matrix",
+        "matrices": "matrices" if function in ("compare", "compare_map") else "matrix",
         "sensors": "sensor" if function == "matrix" else "sensors",
         "pictures": "cube",
     }

@@ -1,7 +1,7 @@
 """Many sensors: their ranks by one quantity, and who leads where over a sweep."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any
 
@@ -261,6 +261,24 @@ def leading_crossovers(
     )
 
 
+def lead_changes(leading: Sequence[Lead], crossed: Sequence[Crossover]) -> tuple[Crossover, ...]:
+    """`leading_crossovers` with only those of their values at which the leader changes.
+
+    Parameters
+    ----------
+    leading, crossed
+        As `leading_crossovers`.
+    """
+    ends = {(one.matrix, one.last) for one in leading}
+    changes = []
+    for one in leading_crossovers(leading, crossed):
+        kept = [k for k, value in enumerate(one.at) if (one.matrix, value) in ends]
+        at = tuple(one.at[k] for k in kept)
+        errors = tuple(one.color_error[k] for k in kept)
+        changes.append(replace(one, at=at, color_error=errors))
+    return tuple(changes)
+
+
 def lead_sentences(leading: Sequence[Lead]) -> list[str]:
     """Per matrix, who is the best of all over which values of the sweep."""
     sentences = []
@@ -268,15 +286,17 @@ def lead_sentences(leading: Sequence[Lead]) -> list[str]:
         mine = [one for one in leading if one.matrix == name]
         unit, quantity = mine[0].sweep.unit, mine[0].quantity
         better = "highest" if quantity.more_is_better else "lowest"
-        ranges = [
-            f"{one.label} from {value_in_words(one.first)} to {value_in_words(one.last)} {unit}"
-            for one in mine
-        ]
+        ranges = [f"{one.label} {_range_in_words(one)} {unit}" for one in mine]
         sentences.append(
             f"With the {name} matrix the {better} {quantity.what} of all sensors over "
             f"{mine[0].sweep.what}: {', '.join(ranges)}."
         )
     return sentences
+
+
+def _range_in_words(lead: Lead) -> str:
+    first, last = value_in_words(lead.first), value_in_words(lead.last)
+    return f"at {first}" if first == last else f"from {first} to {last}"
 
 
 def ranking_as_json(ranks: Sequence[Rank]) -> list[dict[str, Any]]:

@@ -1,4 +1,4 @@
-"""What can be varied: light level, time, read noise, IR-cut edge, the light and its infrared.
+"""What can be varied: light, exposure, IR-cut edge, noise of the pixel, crosstalk.
 
 A sweep changes one thing of an operating point and nothing else: the time, for example, stays as it
 was.
@@ -6,6 +6,7 @@ was.
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -14,7 +15,14 @@ from chromanoise._check import Array
 from chromanoise._shapes import Float
 from chromanoise.errors import InputError
 from chromanoise.exposure import OperatingPoint
-from chromanoise.sensor import behind_ir_cut, of_the_sum
+from chromanoise.sensor import (
+    behind_ir_cut,
+    crosstalk_of_share,
+    of_the_sum,
+    with_crosstalk,
+    with_pixel,
+    without_crosstalk,
+)
 from chromanoise.spectra import black_body, with_infrared
 
 _ILLUMINATOR_NM = 850.0
@@ -42,6 +50,10 @@ class Sweep:
         Key in a study of the setting that has no effect on the sweep, because every value replaces
         it (``*`` for all sensors); empty if there is none. The light of a study, in contrast,
         determines the exposure time before the sweep.
+    replaces_light
+        Whether every value replaces the illuminant.
+    whole
+        Whether only whole numbers make sense.
     """
 
     name: str
@@ -52,6 +64,8 @@ class Sweep:
     highest: float
     at: Callable[[OperatingPoint, float], OperatingPoint]
     replaces: str = ""
+    replaces_light: bool = False
+    whole: bool = False
 
 
 def _at_level(operating_point: OperatingPoint, level_lux: float) -> OperatingPoint:
@@ -64,11 +78,65 @@ def _at_time(operating_point: OperatingPoint, time_ms: float) -> OperatingPoint:
     )
 
 
-def _at_read_noise(operating_point: OperatingPoint, read_noise_e: float) -> OperatingPoint:
-    """The read noise of one reading, also where several readings are summed."""
-    own = operating_point.sensor.pixel
-    pixel = replace(own, **of_the_sum(own, {"read_noise_e": read_noise_e}))
-    return replace(operating_point, sensor=replace(operating_point.sensor, pixel=pixel))
+def _at_f_number(operating_point: OperatingPoint, f_number: float) -> OperatingPoint:
+    return replace(operating_point, exposure=replace(operating_point.exposure, f_number=f_number))
+
+
+def _at_pixel(operating_point: OperatingPoint, value: float, *, field: str) -> OperatingPoint:
+    """Another value of a field of the pixel, of one reading where several are summed."""
+    sensor = operating_point.sensor
+    changed = with_pixel(sensor, of_the_sum(sensor.pixel, {field: value}))
+    return replace(operating_point, sensor=changed)
+
+
+def _of_pixel(
+    field: str,
+    what: str,
+    unit: str,
+    ends: tuple[float, float],
+    *,
+    name: str = "",
+    logarithmic: bool = False,
+    replaces: bool = True,
+) -> Sweep:
+    """The sweep of a field of the pixel.
+
+    A field on which the exposure time depends does not replace the setting of the study.
+    """
+    return Sweep(
+        name=name or field.replace("_", "-"),
+        what=what,
+        unit=unit,
+        logarithmic=logarithmic,
+        lowest=ends[0],
+        highest=ends[1],
+        at=partial(_at_pixel, field=field),
+        replaces=f"sensors.*.pixel.{field}" if replaces else "",
+    )
+
+
+def _at_bits(operating_point: OperatingPoint, bits: float) -> OperatingPoint:
+    """A converter whose top code is full well, whatever gain it had."""
+    sensor = operating_point.sensor
+    converter = replace(sensor.converter, bits=round(bits), gain_e_per_dn=None)
+    return replace(operating_point, sensor=replace(sensor, converter=converter))
+
+
+def _at_crosstalk(operating_point: OperatingPoint, share: float) -> OperatingPoint:
+    """Crosstalk to the four neighbors, in place of any that the sensor has."""
+    sensor = operating_point.sensor
+    pure = without_crosstalk(sensor)
+    if pure is None or sensor.mosaic is None:
+        lacks = "no mosaic" if sensor.mosaic is None else "crosstalk that cannot be undone"
+        raise InputError(
+            "crosstalk",
+            "must vary only for sensors with a mosaic, which determines the neighbors",
+            value=share,
+            found=f"{sensor.label} has {lacks}",
+            remedy="omit this sensor",
+        )
+    mixing = crosstalk_of_share(share, sensor.mosaic, sensor.names)
+    return replace(operating_point, sensor=with_crosstalk(pure, mixing))
 
 
 def _at_ir_cut(operating_point: OperatingPoint, edge_nm: float) -> OperatingPoint:
@@ -112,14 +180,48 @@ SWEEPS: Mapping[str, Sweep] = {
             replaces="exposure.time_ms",
         ),
         Sweep(
-            name="read-noise-e",
-            what="read noise",
-            unit="e-",
+            name="f-number",
+            what="f-number",
+            unit="1",
             logarithmic=True,
-            lowest=1e-6,
-            highest=1e9,
-            at=_at_read_noise,
-            replaces="sensors.*.pixel.read_noise_e",
+            lowest=1e-2,
+            highest=1e6,
+            at=_at_f_number,
+        ),
+        _of_pixel("read_noise_e", "read noise", "e-", (1e-6, 1e9), logarithmic=True),
+        _of_pixel(
+            "dark_current_e_per_s",
+            "dark current",
+            "e-/s",
+            (1e-6, 1e9),
+            logarithmic=True,
+            replaces=False,
+        ),
+        _of_pixel(
+            "temperature_c", "temperature of the sensor", "C", (-273.0, 300.0), replaces=False
+        ),
+        _of_pixel("prnu", "PRNU", "1", (0.0, 0.2)),
+        _of_pixel("dsnu_e", "DSNU", "e-", (0.0, 1e6)),
+        Sweep(
+            name="bits",
+            what="bits of the converter, its top code at full well",
+            unit="bit",
+            logarithmic=False,
+            lowest=8.0,
+            highest=16.0,
+            at=_at_bits,
+            replaces="sensors.*.pixel.bits",
+            whole=True,
+        ),
+        Sweep(
+            name="crosstalk",
+            what="share of light that ends in the four neighbors",
+            unit="1",
+            logarithmic=False,
+            lowest=0.0,
+            highest=1.0,
+            at=_at_crosstalk,
+            replaces="sensors.*.crosstalk",
         ),
         Sweep(
             name="ircut-nm",
@@ -138,6 +240,7 @@ SWEEPS: Mapping[str, Sweep] = {
             lowest=1000.0,
             highest=50_000.0,
             at=_at_temperature,
+            replaces_light=True,
         ),
         Sweep(
             name="infrared",
@@ -155,7 +258,8 @@ SWEEPS: Mapping[str, Sweep] = {
 def swept_values(sweep: Sweep, first: float, last: float, points: int) -> Float[Array, " k"]:
     """Values from first to last, equally far apart. [unit of the sweep]
 
-    In a logarithmic sweep their ratios are equal, else their differences.
+    In a logarithmic sweep their ratios are equal, else their differences. Where only whole numbers
+    make sense, they are rounded, and each number comes once.
 
     Parameters
     ----------
@@ -180,7 +284,14 @@ def swept_values(sweep: Sweep, first: float, last: float, points: int) -> Float[
             value=(first, last),
             found=f"goes from {first:g} to {last:g}",
         )
+    if sweep.whole and first.is_integer() + last.is_integer() < 2:
+        raise InputError(
+            f"sweep of {sweep.name}",
+            "must go from one whole number to another",
+            value=(first, last),
+        )
     if not 2 <= points <= 100_000:
         raise InputError("points", "must be 2 to 100000 for a sweep", value=points)
     space = np.geomspace if sweep.logarithmic else np.linspace
-    return np.asarray(space(first, last, points))
+    values = np.asarray(space(first, last, points))
+    return np.unique(values.round()) if sweep.whole else values

@@ -1,16 +1,17 @@
 /** SNR against the level of the light: curves, their crossovers, and where the study stands. */
 
 import { axes, fitting, linear, logarithmic, niceRange, spread, textWidth } from "draw/axes.js";
-import { caption, legend, note, sensorDashes } from "draw/look.js";
+import { areMany, caption, legend, note, sensorDashes, sensorLines } from "draw/look.js";
 import { refill } from "draw/refill.js";
 import { figure, figureWidth, html, known, line, svg, tenth, words } from "draw/svg.js";
 
 /** @import { Crossover, LevelCurve, Levels, Maybe, Options } from "answers" */
 /** @import { Scale } from "draw/axes.js" */
-/** @typedef {LevelCurve & { dash: string, look: string }} Styled */
+/** @typedef {LevelCurve & { dash: string, look: string, color: string | null }} Styled */
 /** @typedef {ReturnType<typeof plane>} Plane */
 
 const STROKES = ["d-curve d-ink-line", "d-curve d-quiet-line", "d-curve d-third-line"];
+const GAP = 17;
 
 /**
  * @param {HTMLElement} element
@@ -45,7 +46,8 @@ export function draw(element, data, options = {}) {
 }
 
 /**
- * Each curve with its line: a dash per sensor, a stroke per matrix.
+ * Each curve with its line: a dash per sensor and a stroke per matrix; of many sensors, a color per
+ * sensor and a dash per matrix.
  *
  * @param {Levels} data
  * @returns {Styled[]}
@@ -54,12 +56,15 @@ function styled(data) {
   const keys = distinct(data.curves);
   const sensors = [...new Set(keys)];
   const matrices = [...new Set(data.curves.map((curve) => curve.matrix))];
-  const dashes = sensorDashes(sensors.map((key) => key.split("\n")[0]));
-  return data.curves.map((curve, i) => ({
-    ...curve,
-    dash: dashes[sensors.indexOf(keys[i])],
-    look: STROKES[matrices.indexOf(curve.matrix) % STROKES.length],
-  }));
+  const many = areMany(sensors);
+  const lines = sensorLines(sensors.map((key) => key.split("\n")[0]));
+  const dashes = sensorDashes(matrices);
+  return data.curves.map((curve, i) => {
+    const line = lines[sensors.indexOf(keys[i])];
+    const m = matrices.indexOf(curve.matrix);
+    if (!many) return { ...curve, dash: line.dash, look: STROKES[m % STROKES.length], color: null };
+    return { ...curve, dash: m ? dashes[m] : line.dash, look: "d-curve", color: line.color };
+  });
 }
 
 /**
@@ -85,7 +90,8 @@ function distinct(curves) {
  */
 function plane(data, ghosts, width, room) {
   const top = found(data).length ? 66 : 46;
-  const tall = Math.round(Math.min(360, Math.max(200, 0.42 * width)));
+  const names = GAP * (data.curves.length - 1);
+  const tall = Math.round(Math.max(names, Math.min(360, Math.max(200, 0.42 * width))));
   const all = [data, ...ghosts].flatMap((answer) => answer.curves.flatMap((curve) => curve.values));
   const [low, high] = niceRange(all, 5);
   const x = logarithmic(data.lux[0], data.lux[data.lux.length - 1], 44, width - room);
@@ -117,7 +123,8 @@ function inside(value, scale) {
  */
 function drawn(curve, lux, scales, look) {
   const d = line(points(curve.values, lux, scales));
-  return svg("path", { d, class: look, "stroke-dasharray": curve.dash || null });
+  const stroke = look === curve.look ? curve.color : null;
+  return svg("path", { d, class: look, "stroke-dasharray": curve.dash || null, stroke });
 }
 
 /**
@@ -140,20 +147,17 @@ function endNames(all, lux, scales, room) {
   const curves = all.filter((curve) => curve.values.some(known));
   const ends = curves.map((curve) => points(curve.values, lux, scales).findLast((point) => point));
   const wanted = ends.map((end) => (end ? end[1] : scales.y.from));
-  const places = spread(wanted, 17, scales.y.to, scales.y.from);
+  const places = spread(wanted, GAP, scales.y.to, scales.y.from);
   const right = scales.x.to;
   return curves.flatMap((curve, i) => {
     const early = !ends[i] || ends[i][0] < right - 1;
     const name = shortened(curve, room - 26);
     const nodes = [words(right + 24, places[i] + 4, name)];
     if (ends[i]) {
-      nodes.push(
-        svg("path", {
-          d: line([ends[i], [right + 6, places[i]], [right + 20, places[i]]]),
-          class: early ? "d-now" : "d-thin",
-        }),
-      );
-      if (early) nodes.push(stop(ends[i]));
+      const d = line([ends[i], [right + 6, places[i]], [right + 20, places[i]]]);
+      const colored = { fill: "none", stroke: curve.color, "stroke-dasharray": early ? "2 3" : null };
+      nodes.push(svg("path", { d, ...(curve.color ? colored : { class: early ? "d-now" : "d-thin" }) }));
+      if (early) nodes.push(stop(ends[i], curve.color));
     }
     return nodes;
   });
@@ -170,9 +174,13 @@ function shortened(curve, room) {
   return `${fitting(curve.sensor, Math.max(40, room - textWidth(matrix)))}${matrix}`;
 }
 
-/** @param {number[]} end */
-function stop([x, y]) {
-  return svg("path", { d: `M${tenth(x)} ${tenth(y - 6)}v12`, class: "d-curve d-ink-line" });
+/**
+ * @param {number[]} end
+ * @param {string | null} color
+ */
+function stop([x, y], color) {
+  const look = color ? "d-curve" : "d-curve d-ink-line";
+  return svg("path", { d: `M${tenth(x)} ${tenth(y - 6)}v12`, class: look, stroke: color });
 }
 
 /**
@@ -182,7 +190,7 @@ function stop([x, y]) {
 function narrowLegend(curves, ghosts) {
   const more = curves.map((curve) => ({
     name: curve.name,
-    drawn: [svg("path", { d: "M1 8H35", class: curve.look, "stroke-dasharray": curve.dash || null })],
+    drawn: [svg("path", { d: "M1 8H35", class: curve.look, "stroke-dasharray": curve.dash || null, stroke: curve.color })],
   }));
   return legend([], "line", ghosts.length, more);
 }

@@ -3,6 +3,7 @@
 import { html, svg, tenth } from "draw/svg.js";
 
 /** @typedef {{ drawn: Node[], name: string }} Entry */
+/** @typedef {{ dash: string, color: string }} Line */
 
 /** @type {Record<string, string>} */
 const OWN_DASH = {
@@ -42,6 +43,33 @@ export function sensorDashes(names) {
     taken.add(free);
     return free;
   });
+}
+
+const MOST_DASHED = 3;
+const COLORS = 10;
+
+/**
+ * The line of each sensor: of up to three a dash in ink, of more a color; from the eleventh on, a
+ * color again, dashed.
+ *
+ * @param {string[]} names
+ * @returns {Line[]}
+ */
+export function sensorLines(names) {
+  if (names.length <= MOST_DASHED) return sensorDashes(names).map((dash) => ({ dash, color: "var(--ink)" }));
+  return names.map((_, i) => ({
+    dash: DASHES[Math.floor(i / COLORS) % DASHES.length],
+    color: `var(--sensor-${i % COLORS})`,
+  }));
+}
+
+/**
+ * Whether sensors are told apart by color, and named at their curves.
+ *
+ * @param {string[]} names
+ */
+export function areMany(names) {
+  return names.length > MOST_DASHED;
 }
 
 /**
@@ -102,11 +130,11 @@ export function ghostMark(i, x, y, r = 5) {
  * @param {Entry[]} [more]
  */
 export function legend(names, how = "line", ghosts = 0, more = []) {
-  const dashes = sensorDashes(names);
+  const lines = sensorLines(names);
   const items = names.map((name, i) => {
     const drawn = [];
-    if (how !== "mark") drawn.push(swatchLine("d-curve d-ink-line", dashes[i]));
-    if (how !== "line") drawn.push(mark(i, 18, 8));
+    if (how !== "mark") drawn.push(swatchLine("d-curve", lines[i].dash, lines[i].color));
+    if (how !== "line") drawn.push(mark(i, 18, 8, how === "both" ? lines[i].color : "var(--ink)"));
     return item(drawn, name);
   });
   for (const extra of more) items.push(item(extra.drawn, extra.name));
@@ -120,9 +148,10 @@ export function legend(names, how = "line", ghosts = 0, more = []) {
 /**
  * @param {string} look
  * @param {string} dash
+ * @param {string | null} [color]
  */
-function swatchLine(look, dash) {
-  return svg("path", { d: "M1 8H35", class: look, "stroke-dasharray": dash || null });
+function swatchLine(look, dash, color = null) {
+  return svg("path", { d: "M1 8H35", class: look, "stroke-dasharray": dash || null, stroke: color });
 }
 
 /**

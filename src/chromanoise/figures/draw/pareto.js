@@ -1,12 +1,13 @@
 /** What a matrix can trade: color error against SNR, along the weight of the noise. */
 
 import { axes, linear, niceRange, textWidth } from "draw/axes.js";
-import { caption, legend, mark, markPath, note, sameSensor, sensorDashes } from "draw/look.js";
+import { areMany, caption, legend, mark, markPath, note, sameSensor, sensorLines } from "draw/look.js";
 import { refill } from "draw/refill.js";
 import { figure, figureWidth, known, line, svg, tenth, words } from "draw/svg.js";
 
 /** @import { Options, Pareto, ParetoPoint, ParetoSensor, WeightedPoint } from "answers" */
 /** @import { Scale } from "draw/axes.js" */
+/** @import { Line } from "draw/look.js" */
 /** @typedef {ParetoPoint & { color_error: number, snr_db: number }} Whole */
 /** @typedef {{ left: number, right: number, top: number, bottom: number }} Box */
 
@@ -21,7 +22,7 @@ export function draw(element, data, options = {}) {
   const width = figureWidth(element, options);
   const ghosts = options.ghosts ?? [];
   const names = data.sensors.map((sensor) => sensor.name);
-  const dashes = sensorDashes(names);
+  const lines = sensorLines(names);
   if (!data.sensors.some((sensor) => [...sensor.points, sensor.now].some(whole))) {
     const why = data.sensors.map((sensor) => sensor.why_not ?? `${sensor.name}: SNR is undefined.`);
     refill(element, ...[...new Set(why)].map((sentence) => note(sentence)));
@@ -34,12 +35,12 @@ export function draw(element, data, options = {}) {
     for (const ghost of ghosts) {
       const before = sameSensor(ghost, sensor, i)?.points ?? [];
       nodes.push(
-        svg("path", { d: curve(before, x, y), class: "d-ghost", "stroke-dasharray": dashes[i] || null }),
+        svg("path", { d: curve(before, x, y), class: "d-ghost", "stroke-dasharray": lines[i].dash || null }),
       );
     }
-    nodes.push(...trade(sensor, dashes[i], x, y));
+    nodes.push(...trade(sensor, lines[i], x, y));
   });
-  nodes.push(...labels(data, x, y));
+  nodes.push(...labels(data, lines, x, y));
   const told = figure(width, height, data.title, data.description, nodes);
   const made = data.matrix ? ` (${data.matrix})` : "";
   const key = `Numbers: the weight of the noise in the matrix. Large mark: the matrix now${made}.`;
@@ -89,11 +90,11 @@ function curve(points, x, y) {
 
 /**
  * @param {ParetoSensor} sensor
- * @param {string} dash
+ * @param {Line} look
  * @param {Scale} x
  * @param {Scale} y
  */
-function trade(sensor, dash, x, y) {
+function trade(sensor, { dash, color }, x, y) {
   const dots = sensor.points
     .filter(whole)
     .map((p) => markPath(0, x.at(p.snr_db), y.at(p.color_error), 2.5))
@@ -101,33 +102,45 @@ function trade(sensor, dash, x, y) {
   return [
     svg("path", {
       d: curve(sensor.points, x, y),
-      class: "d-curve d-ink-line",
+      class: "d-curve",
+      stroke: color,
       "stroke-dasharray": dash || null,
     }),
-    svg("path", { d: dots, class: "d-full" }),
+    svg("path", { d: dots, fill: color }),
   ];
 }
 
 /**
- * The matrix now, then as many weights as find room; what would touch is left out.
+ * The matrix now, then as many weights as find room; what would touch is left out. Of many sensors,
+ * the mark of the matrix now carries the name of the sensor.
  *
  * @param {Pareto} data
+ * @param {Line[]} lines
  * @param {Scale} x
  * @param {Scale} y
  */
-function labels(data, x, y) {
+function labels(data, lines, x, y) {
+  const many = areMany(data.sensors.map((sensor) => sensor.name));
   const taken = data.sensors.flatMap((sensor) => along(sensor.points.filter(whole), x, y));
-  taken.push({ left: x.to - 70, right: x.to, top: y.from - 22, bottom: y.from });
+  const words = { left: x.to - 70, right: x.to, top: y.from - 22, bottom: y.from };
+  taken.push(words);
+  const marked = [words];
   /** @type {SVGElement[]} */
   const nodes = [];
   data.sensors.forEach((sensor, i) => {
     if (!whole(sensor.now)) return;
     const at = [x.at(sensor.now.snr_db), y.at(sensor.now.color_error)];
-    taken.push({ left: at[0] - 10, right: at[0] + 10, top: at[1] - 10, bottom: at[1] + 10 });
-    nodes.push(mark(i, at[0], at[1], "var(--ink)", 7));
+    const box = { left: at[0] - 10, right: at[0] + 10, top: at[1] - 10, bottom: at[1] + 10 };
+    taken.push(box);
+    marked.push(box);
+    nodes.push(mark(i, at[0], at[1], lines[i].color, 7));
   });
   data.sensors.forEach((sensor) => {
-    if (whole(sensor.now)) nodes.push(...placed(sensor.now, "now", "d-strong d-rim", x, y, taken, 13));
+    if (!whole(sensor.now)) return;
+    const free = placed(sensor.now, many ? sensor.name : "now", "d-strong d-rim", x, y, taken, 13);
+    if (free.length || !many) return nodes.push(...free);
+    nodes.push(...placed(sensor.now, sensor.name, "d-strong d-rim", x, y, marked, 13));
+    taken.push(...marked.slice(-1));
   });
   data.sensors.forEach((sensor) => {
     /** @type {number[][]} */

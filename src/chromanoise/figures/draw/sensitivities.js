@@ -1,7 +1,7 @@
 /** Quantum efficiency of every channel over the spectrum, a panel per sensor, all on one scale. */
 
 import { axes, fitting, linear, niceRange, panels, textWidth } from "draw/axes.js";
-import { caption, channelColor, legend, sameSensor, sensorDashes } from "draw/look.js";
+import { areMany, caption, channelColor, legend, sameSensor, sensorDashes } from "draw/look.js";
 import { refill } from "draw/refill.js";
 import { figure, figureWidth, known, line, svg, words } from "draw/svg.js";
 
@@ -24,7 +24,7 @@ export function draw(element, data, options = {}) {
   const grid = panels(data.sensors.length, width, 360);
   const tall = Math.round(Math.min(340, Math.max(210, 0.5 * grid.each)));
   const names = data.sensors.map((sensor) => sensor.name);
-  const dashes = sensorDashes(names);
+  const dashes = areMany(names) ? names.map(() => "") : sensorDashes(names);
   const top = highest(data, ghosts);
   const nodes = grid.places.flatMap((place, i) => {
     const box = { left: place.left, top: place.row * (tall + 12), width: grid.each, height: tall };

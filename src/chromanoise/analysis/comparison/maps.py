@@ -1,0 +1,265 @@
+"""Sensors against each other while two things vary: a grid of values each."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import combinations
+from typing import Any
+
+import numpy as np
+
+from chromanoise import __version__, _check
+from chromanoise._check import Array
+from chromanoise._shapes import Bool, Float, Int
+from chromanoise.analysis.color_matrices import MatrixFunction
+from chromanoise.analysis.comparison.crossing import Crossover, crossovers_or_reasons
+from chromanoise.analysis.comparison.curves import Curve, compared
+from chromanoise.analysis.comparison.quantities import SNR_Y, Quantity
+from chromanoise.analysis.comparison.ranking import MOST_PAIRS_SENSORS, leaders_of
+from chromanoise.analysis.comparison.sweeps import Sweep
+from chromanoise.analysis.undefined import defined
+from chromanoise.errors import InputError
+from chromanoise.exposure import OperatingPoint
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class QuantityMap:
+    """One sensor with one matrix over two sweeps.
+
+    Attributes
+    ----------
+    sensor, label, matrix
+        Names.
+    sweep, second, quantity
+        What varies along columns and along rows, and what was asked.
+    at, second_at
+        Where it was computed. [units of the sweeps]
+    value
+        One row per value of the second sweep; NaN where it is not defined. [unit of the quantity]
+    saturated
+        Where a channel is saturated on a perfect white.
+    """
+
+    sensor: str
+    label: str
+    matrix: str
+    sweep: Sweep
+    second: Sweep
+    quantity: Quantity
+    at: Float[Array, " k"]
+    second_at: Float[Array, " j"]
+    value: Float[Array, "j k"]
+    saturated: Bool[Array, "j k"]
+
+    def __post_init__(self) -> None:
+        _check.freeze(self, "at", "second_at", "value", "saturated")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CrossoverLine:
+    """Where two sensors with one matrix change places, for each value of the second sweep.
+
+    Attributes
+    ----------
+    first, second, matrix
+        Names.
+    at
+        Values of the first sweep, one entry per value of the second sweep; empty where the order
+        never changes. [unit of the first sweep]
+    """
+
+    first: str
+    second: str
+    matrix: str
+    at: tuple[tuple[float, ...], ...]
+
+
+def mapped(
+    contestants: Sequence[OperatingPoint],
+    makers: Mapping[str, MatrixFunction],
+    at: Float[Array, " k"],
+    second_at: Float[Array, " j"],
+    *,
+    sweep: Sweep,
+    second: Sweep,
+    quantity: Quantity = SNR_Y,
+    progress: Callable[[int], None] = lambda _: None,
+) -> tuple[tuple[QuantityMap, ...], tuple[CrossoverLine, ...]]:
+    """Every sensor with every matrix over two sweeps, and where pairs of sensors change places.
+
+    Parameters
+    ----------
+    contestants, makers, quantity, progress
+        As `chromanoise.analysis.compared`.
+    at, second_at
+        Increasing. [units of the sweeps]
+    sweep, second
+        Two different ones of `SWEEPS`, or your own.
+
+    Returns
+    -------
+    maps, lines
+        One map per sensor and matrix; of up to three sensors, one line per pair and matrix.
+
+    Raises
+    ------
+    InputError
+        If both sweeps vary the same thing, or as `chromanoise.analysis.compared`.
+
+    Notes
+    -----
+    Each row is a sweep of its own, with the second value kept. A sweep that replaces the light
+    comes before one that adds to it.
+    """
+    if sweep.name == second.name:
+        raise InputError(
+            "second", "must vary another thing than the first sweep", value=second.name, found=None
+        )
+    rows = _check.increasing(f"values of {second.name}", second.unit, second_at)
+    for end in (rows[0], rows[-1]):
+        _check.within(f"sweep of {second.name}", second.unit, end, second.lowest, second.highest)
+    found = [
+        _row(contestants, makers, at, value, sweep, second, quantity, progress)
+        for value in rows.tolist()
+    ]
+    curves = [row for row, _ in found]
+    maps = tuple(
+        QuantityMap(
+            sensor=one.sensor,
+            label=one.label,
+            matrix=one.matrix,
+            sweep=sweep,
+            second=second,
+            quantity=quantity,
+            at=one.at,
+            second_at=rows,
+            value=np.array([row[i].value for row in curves]),
+            saturated=np.array([row[i].saturated for row in curves]),
+        )
+        for i, one in enumerate(curves[0])
+    )
+    return maps, _lines(maps, [crossed for _, crossed in found])
+
+
+def _row(
+    contestants: Sequence[OperatingPoint],
+    makers: Mapping[str, MatrixFunction],
+    at: Float[Array, " k"],
+    value: float,
+    sweep: Sweep,
+    second: Sweep,
+    quantity: Quantity,
+    progress: Callable[[int], None],
+) -> tuple[tuple[Curve, ...], list[Crossover]]:
+    """One row: the curves at one value of the second sweep, and their crossovers."""
+    if sweep.replaces_light:
+        both = _then(sweep, second, value)
+        moved = list(contestants)
+    else:
+        both, moved = sweep, [second.at(one, value) for one in contestants]
+    curves = compared(moved, makers, at, sweep=both, quantity=quantity, progress=progress)
+    if not 1 < len(contestants) <= MOST_PAIRS_SENSORS:
+        return curves, []
+    pairs = crossovers_or_reasons(moved, makers, curves)
+    return curves, [pair for pair in pairs if isinstance(pair, Crossover)]
+
+
+def _then(sweep: Sweep, second: Sweep, value: float) -> Sweep:
+    """The sweep, with the second parameter set after it."""
+
+    def both(operating_point: OperatingPoint, first: float) -> OperatingPoint:
+        return second.at(sweep.at(operating_point, first), value)
+
+    return Sweep(
+        name=sweep.name,
+        what=sweep.what,
+        unit=sweep.unit,
+        logarithmic=sweep.logarithmic,
+        lowest=sweep.lowest,
+        highest=sweep.highest,
+        at=both,
+    )
+
+
+def _lines(
+    maps: Sequence[QuantityMap], rows: Sequence[Sequence[Crossover]]
+) -> tuple[CrossoverLine, ...]:
+    if len({one.sensor for one in maps}) > MOST_PAIRS_SENSORS:
+        return ()
+    return tuple(
+        CrossoverLine(
+            first=a.sensor,
+            second=b.sensor,
+            matrix=name,
+            at=tuple(_of_pair(row, a, b) for row in rows),
+        )
+        for name, mine in by_matrix(maps).items()
+        for a, b in combinations(mine, 2)
+    )
+
+
+def _of_pair(row: Sequence[Crossover], a: QuantityMap, b: QuantityMap) -> tuple[float, ...]:
+    key = (a.sensor, b.sensor, a.matrix)
+    return next((one.at for one in row if (one.first, one.second, one.matrix) == key), ())
+
+
+def best_of(maps: Sequence[QuantityMap]) -> Int[Array, "j k"]:
+    """Index of the best map at each pair of values, -1 where none has a value; ties to the first.
+
+    Parameters
+    ----------
+    maps
+        Of one matrix.
+    """
+    values = np.array([one.value for one in maps])
+    return np.asarray(leaders_of(values, maps[0].quantity.more_is_better))
+
+
+def by_matrix(maps: Sequence[QuantityMap]) -> dict[str, list[QuantityMap]]:
+    """The maps of each matrix, by its name."""
+    found: dict[str, list[QuantityMap]] = {}
+    for one in maps:
+        found.setdefault(one.matrix, []).append(one)
+    return found
+
+
+def maps_as_json(maps: Sequence[QuantityMap], lines: Sequence[CrossoverLine]) -> dict[str, Any]:
+    """Maps, the best sensor at each pair of values, and crossovers, as plain data."""
+    first = maps[0]
+    sweeps = {"sweep": (first.sweep, first.at), "second": (first.second, first.second_at)}
+    return {
+        "version": __version__,
+        **{
+            key: {"name": one.name, "what": one.what, "unit": one.unit, "values": at.tolist()}
+            for key, (one, at) in sweeps.items()
+        },
+        "quantity": {
+            "name": first.quantity.name,
+            "what": first.quantity.what,
+            "unit": first.quantity.unit,
+        },
+        "maps": [
+            {
+                "sensor": one.sensor,
+                "label": one.label,
+                "matrix": one.matrix,
+                "value": [[defined(value) for value in row] for row in one.value.tolist()],
+                "saturated": one.saturated.tolist(),
+            }
+            for one in maps
+        ],
+        "best": {
+            name: [
+                [None if i < 0 else mine[i].sensor for i in row] for row in best_of(mine).tolist()
+            ]
+            for name, mine in by_matrix(maps).items()
+        },
+        "crossovers": [
+            {
+                "first": one.first,
+                "second": one.second,
+                "matrix": one.matrix,
+                "at": [list(values) for values in one.at],
+            }
+            for one in lines
+        ],
+    }
