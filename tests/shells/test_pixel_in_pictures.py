@@ -29,10 +29,7 @@ PRNU = 5 %
 DSNU = 12 e-
 dark current = 2000 e-/s
 """
-TOLD = {
-    **{"dark_current_e_per_s": 2000.0, "dsnu_e": 12.0, "prnu": 0.05},
-    **{"row_noise_e": 0.0, "black_error_e": 0.0},
-}
+TOLD = {"dark_current_e_per_s": 2000.0, "dsnu_e": 12.0, "prnu": 0.05, "row_noise_e": 0.0}
 DARK_E2 = 40 + 6**2 + 12**2  # 2000 e-/s for 20 ms, read noise, DSNU
 SIDE = 160
 
@@ -163,6 +160,14 @@ def analyzed(run, *options):
     assert code == 0, err
     (sensor,) = json.loads(out)["sensors"]
     return sensor
+
+
+def test_a_picture_says_that_it_does_not_have_the_black_level_error(take):
+    plain, told, _ = take(*GREEN)
+    codes, other, _ = take(*GREEN, "--black-error-e", 40, name="p")
+    assert (codes == plain).all()
+    (note,) = set(other["notes"]) - set(told["notes"])
+    assert "black_error_e 40" in note
 
 
 @pytest.mark.parametrize(

@@ -48,6 +48,7 @@ from chromanoise.sensor.noise_profile import (
     pixel_from_noise_profile,
 )
 from chromanoise.sensor.overrides import (
+    NOISE_OF_PICTURES,
     PixelOverrides,
     overridden,
     refuse_summed_readings,
@@ -59,7 +60,6 @@ from chromanoise.sensor.photon_transfer import (
     pixel_from_photon_transfer,
 )
 from chromanoise.sensor.pixel import (
-    EXTRA_NOISE,
     MOST_BINNING,
     PAPER_PIXEL,
     BinningMode,
@@ -82,9 +82,9 @@ from chromanoise.sensor.sensor import (
 )
 
 __all__ = [
-    "EXTRA_NOISE",
     "MOSAIC_NAMES",
     "MOST_BINNING",
+    "NOISE_OF_PICTURES",
     "PAPER_PIXEL",
     "Adc",
     "BinningMode",
