@@ -416,6 +416,8 @@ def test_what_cannot_be_balanced_or_clips_is_refused():
         found(exposure_gain=2.0)
     with refused_input(subject="white_balance", value=(4.0, 2.0, 3.0)):
         found(white_balance=(4.0, 2.0, 3.0))
+    with refused_input(subject="iso", where="full_well_e"):
+        found(seen("model-mono", level_lux=0.001, pixel=(("full_well_e", 5.0),)), iso=(1e7,))
     with refused_input(subject="white_balance"):
         found(seen(pixel=(("black_error_e", -5000.0),)))
 
@@ -432,7 +434,9 @@ def test_what_cannot_be_balanced_or_clips_is_refused():
         ({"exposure_gain": 0.0}, "exposure_gain"),
         ({"white_balance": "grey"}, "white_balance"),
         ({"white_balance": (1.0, 1.0, 1.0), "white_balance_pixels": 3}, "white_balance_pixels"),
-        ({"iso": (100.0,), "iso_read_noise_e": (1.0, 2.0)}, "the number of ISO settings"),
+        ({"iso": (100.0,), "iso_read_noise_e": (1.0, 2.0)}, "iso_read_noise_e"),
+        ({"iso_read_noise_e": (1e13,)}, "iso_read_noise_e"),
+        ({"iso": (1e9,)}, "iso"),
     ],
 )
 def test_settings_out_of_range_are_refused(settings, subject):

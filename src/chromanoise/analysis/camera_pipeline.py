@@ -51,6 +51,8 @@ from chromanoise.units import decibel
 BASE_ISO = 100.0
 """ISO of the operating point, at which the sensor has the analog gain 1."""
 
+_MOST_GAIN = 1e6
+_MOST_READ_NOISE_E = 1e12
 _WORTH_TELLING = 1e-3  # share of readings above 1
 
 
@@ -112,14 +114,22 @@ class PipelineSettings:
         tone_curve(self.tone)
         _check.positive("base_iso", "ISO", self.base_iso)
         for iso in self.iso:
-            if not (math.isfinite(iso) and iso >= self.base_iso):
+            if not self.base_iso <= iso <= _MOST_GAIN * self.base_iso:
                 raise InputError(
                     "iso",
-                    f"must be finite and at least the base ISO of {self.base_iso:g}",
+                    f"must be 1 to {_MOST_GAIN:g} times the base ISO of {self.base_iso:g}",
                     value=iso,
                 )
         if self.iso_read_noise_e is not None:
-            _check.same_length("ISO settings", iso=len(self.iso), read=len(self.iso_read_noise_e))
+            for read in self.iso_read_noise_e:
+                _check.within("iso_read_noise_e", "e-", read, 0.0, _MOST_READ_NOISE_E)
+            if len(self.iso_read_noise_e) != len(self.iso):
+                raise InputError(
+                    "iso_read_noise_e",
+                    "must have one value per ISO [e-]",
+                    value=self.iso_read_noise_e,
+                    found=f"has {len(self.iso_read_noise_e)} for {len(self.iso)} ISO settings",
+                )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -418,9 +428,13 @@ def _gain_step(camera: _Camera, i: int, base: tuple[PipelineStep, ...], method: 
     iso = settings.iso[i]
     gain = iso / settings.base_iso
     read = None if settings.iso_read_noise_e is None else settings.iso_read_noise_e[i]
+    try:
+        sensor = with_analog_gain(point.sensor, gain, read_noise_e=read)
+    except InputError as error:  # a full well or a step out of range
+        raise error.within("iso") from None
     at = replace(
         point,
-        sensor=with_analog_gain(point.sensor, gain, read_noise_e=read),
+        sensor=sensor,
         exposure=replace(point.exposure, time_s=point.exposure.time_s / gain),
     )
     same = gain == 1 and at.sensor.pixel == point.sensor.pixel
