@@ -21,6 +21,7 @@ NAMES = [
     "Analyses",
     "ColorMatrix",
     "Comparison",
+    "ComparisonMap",
     "Cube",
     "Exposure",
     "Grid",
@@ -45,6 +46,7 @@ NAMES = [
     "charts",
     "color",
     "compare",
+    "compare_map",
     "exposure",
     "figures",
     "geometry",
@@ -220,7 +222,7 @@ def test_the_rule_of_documentation_finds_each_lack():
     assert faults_of_function("f", incomplete, computes=False, text="") == ["f: no docstring"]
 
 
-@pytest.mark.parametrize("name", ["analyze", "compare", "matrix", "render"])
+@pytest.mark.parametrize("name", ["analyze", "compare", "compare_map", "matrix", "render"])
 def test_help_lists_each_setting_with_the_description_of_the_study(name):
     shown = pydoc.render_doc(getattr(cn, name), renderer=pydoc.plaintext)
     for one in described_settings(name):

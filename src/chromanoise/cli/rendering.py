@@ -8,6 +8,9 @@ _NONE: Mapping[str, str] = {}
 _PARTS = {
     "first": "FIRST",
     "last": "LAST",
+    "second_first": "FIRST",
+    "second_last": "LAST",
+    "second_points": "POINTS",
     "pareto_first": "FIRST",
     "pareto_last": "LAST",
     "pareto_points": "POINTS",
@@ -83,7 +86,7 @@ def _option(name: str, command: str, value: object = None) -> str:
 
 def _flat(key: str, command: str) -> str | None:
     """The setting for a key of a study in this command; a key without dots is a setting."""
-    from chromanoise.study import ANALYSIS, COMPARISON, MATRIX, RENDERING, argument_of
+    from chromanoise.study import ANALYSIS, COMPARISON, MAPS, MATRIX, RENDERING, argument_of
 
     if key.startswith("matrices"):
         return "method" if command == "matrix" else "matrix"
@@ -91,6 +94,6 @@ def _flat(key: str, command: str) -> str | None:
         return "sensors"
     if key == "pictures.0.cube":
         return "cube"
-    names = RENDERING if command == "simulate" else {**ANALYSIS, **COMPARISON, **MATRIX}
+    names = RENDERING if command == "simulate" else {**ANALYSIS, **COMPARISON, **MAPS, **MATRIX}
     alone = "qe_scale" if key == "scale" else key  # for commands that read one file
     return argument_of(key, names) or (None if "." in key else alone)

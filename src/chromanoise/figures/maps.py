@@ -1,6 +1,7 @@
 """Heat maps of a quantity over two parameters."""
 
 from collections.abc import Sequence
+from textwrap import fill
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,8 @@ from chromanoise._check import Array
 from chromanoise._shapes import Float
 from chromanoise.analysis.comparison.maps import QuantityMap, best_of
 from chromanoise.figures.style import FAINT, INK, sensor_colors
+
+_LETTERS = 72  # of a line of the title
 
 
 def draw_maps(maps: Sequence[QuantityMap], ax: Axes, *, title: str = "") -> Axes:
@@ -35,7 +38,7 @@ def draw_maps(maps: Sequence[QuantityMap], ax: Axes, *, title: str = "") -> Axes
     ax.set_facecolor(FAINT)
     if len(mine) == 1:
         what = f"{first.label}, {first.matrix}"
-        _draw_values(first, first.value, ax, label=_quantity(first))
+        _draw_values(first, first.value, ax, label=f"[{first.quantity.unit}]")
     elif len(mine) == 2:
         what = f"{first.label} minus {mine[1].label}, {first.matrix}; line: equal"
         _draw_difference(first, first.value - mine[1].value, ax)
@@ -44,12 +47,9 @@ def draw_maps(maps: Sequence[QuantityMap], ax: Axes, *, title: str = "") -> Axes
         what = f"sensor with the {better} {first.quantity.what}, {first.matrix}"
         _draw_best(mine, ax)
     _frame(first, ax)
-    ax.set_title("\n".join(filter(None, (title, what))), loc="left", fontsize=9)
+    lines = [fill(text, _LETTERS, break_on_hyphens=False) for text in (title, what) if text]
+    ax.set_title("\n".join(lines), loc="left", fontsize=9, fontweight="normal")
     return ax
-
-
-def _quantity(one: QuantityMap) -> str:
-    return f"{one.quantity.what} [{one.quantity.unit}]"
 
 
 def _draw_values(
@@ -66,7 +66,7 @@ def _draw_difference(one: QuantityMap, values: Float[Array, "j k"], ax: Axes) ->
     known = values[np.isfinite(values)]
     reach = float(np.abs(known).max(initial=0.0)) or 1.0
     norm = TwoSlopeNorm(0.0, vmin=-reach, vmax=reach)
-    label = f"difference of {_quantity(one)}"
+    label = f"difference [{one.quantity.unit}]"
     _draw_values(one, values, ax, label=label, cmap="RdBu", norm=norm)
     if known.size and known.min() < 0 < known.max() and min(values.shape) > 1:
         ax.contour(one.at, one.second_at, np.ma.masked_invalid(values), [0.0], colors=INK)

@@ -28,17 +28,19 @@ name = "onyx-rgbw"                   # of `chromanoise catalog sensors`, or a fi
 
 [[sensors]]
 name = "onyx-rgb-ircut"
+# label = "old"                      # shown in place of the name
 # filter = "ircut-650"               # in front of it: of `chromanoise catalog filters`, or a file
 # [sensors.pixel]
 # file = "sheet.txt"                 # EMVA 1288 sheet, DNG noise profile, photon transfer
 # read_noise_e = 2.0                 # pitch_um, full_well_e; they win over the file
 
 [[sweeps]]
-vary = "lux"                         # time-ms, read-noise-e, ircut-nm, kelvin
+vary = "lux"                         # time-ms, f-number, read-noise-e, prnu, ircut-nm ...
 first = 0.01
 last = 1000
 points = 61
 quantity = "snr-y"                   # snr-x, snr-z, bound, price, delta-e, color-error
+# second = {vary = "f-number", first = 1.4, last = 8.0}  # a second parameter: a heat map
 
 # [[pictures]]
 # cube = "builtin:checker"           # or a hyperspectral cube of reflectances
