@@ -3,8 +3,9 @@
 from collections.abc import Callable, Mapping
 from functools import lru_cache, partial
 
+from chromanoise import _check
 from chromanoise.color import Training, chart_training, nir_diverse, smooth_training
-from chromanoise.spectra import Illuminant
+from chromanoise.spectra import Illuminant, Spectra
 
 Prior = Callable[[Illuminant], Training]
 """A function from a lamp to a training set of reflectances."""
@@ -36,12 +37,34 @@ DEFAULT_PRIOR = "chart-nir"
 
 
 @lru_cache(maxsize=16)
-def training_named(prior: str, illuminant: Illuminant) -> Training:
+def training_named(prior: str | Spectra, illuminant: Illuminant) -> Training:
     """The training set of a prior under a lamp, cached per lamp for sweeps.
 
     Parameters
     ----------
     prior
-        A name from `PRIORS`.
+        A name from `PRIORS`, or reflectances on the grid of the lamp, which are used as they are.
+    illuminant
+        The lamp.
     """
-    return PRIORS[prior](illuminant)
+    if isinstance(prior, str):
+        return PRIORS[prior](illuminant)
+    return Training(
+        illuminant=illuminant,
+        reflectance=prior.values.T,
+        names=prior.names,
+        source=prior.source,
+        notes=prior.notes,
+    )
+
+
+def refuse_unknown_prior(prior: str | Spectra) -> None:
+    """Refuse a name that is none of `PRIORS`.
+
+    Raises
+    ------
+    InputError
+        If there is no such name.
+    """
+    if isinstance(prior, str):
+        _check.one_of("prior", prior, tuple(PRIORS))

@@ -194,6 +194,19 @@ _OF_CLOSED_FORM = (
         help=f"Mosaic whose neighbors exchange light: {', '.join(MOSAIC_NAMES)}, or rows, e.g. "
         "RG/GB; default: the sensor's own.",
     ),
+    click.option(
+        "--chart-file",
+        metavar="FILE",
+        help="Reflectances for color error, --chart and total error instead of the ColorChecker "
+        "(any format of `chromanoise inspect`); --beyond extends them to 400-1050 nm.",
+    ),
+    click.option(
+        "--patch",
+        type=_NumberOrFile(),
+        metavar="NUMBER|NAME|FILE[:NAME]",
+        help="The patch that is analyzed instead of a perfect white: 0.18, a patch of the "
+        "ColorChecker (dark skin), lawn, or a curve of a file.",
+    ),
 )
 
 
@@ -212,8 +225,8 @@ copy_option = click.option(
 )
 prior_option = click.option(
     "--prior",
-    type=click.Choice(list(PRIORS)),
-    help="Training set of a trained matrix.",
+    metavar=f"[{'|'.join(PRIORS)}]|FILE",
+    help="Training set of a trained matrix: a name, or a file of reflectances.",
 )
 matrix_option = click.option(
     "--matrix",

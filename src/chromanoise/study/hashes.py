@@ -10,13 +10,24 @@ from typing import Any, Literal
 from chromanoise import __version__
 from chromanoise._inputs import regular_file
 from chromanoise.catalog.entries import catalog_folder
+from chromanoise.catalog.reflectances import is_reflectance_file, reflectance_files
 from chromanoise.catalog.resolve import file_of, filter_files, illuminant_files, sensor_files
 from chromanoise.errors import InputError
 from chromanoise.io.given_matrices import is_matrix_file
 from chromanoise.io.spectra.envi import DATA_SUFFIXES, envi_pair
 from chromanoise.study.document import Study
 
-Kind = Literal["light", "sensor", "filter", "pixel", "crosstalk", "matrix", "cube", "wavelengths"]
+Kind = Literal[
+    "light",
+    "sensor",
+    "filter",
+    "pixel",
+    "crosstalk",
+    "matrix",
+    "reflectance",
+    "cube",
+    "wavelengths",
+]
 """Of what a word of a study may name a file."""
 
 
@@ -77,7 +88,23 @@ def with_file_words(study: Study, told: Callable[[FileWord], str]) -> Study:
         word(f"matrices.{i}", "matrix", name) if is_matrix_file(name) else name
         for i, name in enumerate(study.matrices)
     ]
-    parts = {"sensors": tuple(sensors), "matrices": tuple(matrices), "pictures": tuple(pictures)}
+    own = study.reflectances
+    named = {"reflectances.chart": own.chart, "reflectances.patch": own.patch, "prior": study.prior}
+    told_of = {
+        key: word(key, "reflectance", was)
+        if isinstance(was, str) and (key == "reflectances.chart" or is_reflectance_file(was))
+        else was
+        for key, was in named.items()
+    }
+    prior = told_of.pop("prior")
+    reflectances = {key.rpartition(".")[2]: value for key, value in told_of.items()}
+    parts: dict[str, Any] = {
+        "sensors": tuple(sensors),
+        "matrices": tuple(matrices),
+        "pictures": tuple(pictures),
+        "prior": prior,
+        "reflectances": own.model_copy(update=reflectances),
+    }
     return study.model_copy(update=parts | {"light": study.light.model_copy(update=light)})
 
 
@@ -104,6 +131,8 @@ def files_of_word(one: FileWord) -> tuple[Path, ...]:
     try:
         if one.kind in ("pixel", "crosstalk", "matrix", "wavelengths"):
             return (file_of(one.word),)
+        if one.kind == "reflectance":
+            return reflectance_files(one.word) or (file_of(one.word),)
         if one.kind == "cube":
             built_in = one.word.startswith("builtin:")
             return () if built_in else tuple(cube_files(file_of(one.word)))

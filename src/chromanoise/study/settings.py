@@ -39,7 +39,7 @@ class SharedSettings(TypedDict, total=False):
     f_number: Annotated[float, "exposure.f_number"]
     magnification: Annotated[float, "exposure.magnification"]
     metric: Annotated[str, "metric"]
-    prior: Annotated[str, "prior"]
+    prior: Annotated[str | Path, "prior"]
     beyond: Annotated[Extrapolation, "sensors.*.beyond"]
     negatives: Annotated[Negatives, "sensors.*.negatives", "light.negatives"]
     qe_scale: Annotated[Literal["percent", "fraction"], "sensors.*.answers.scale"]
@@ -72,7 +72,17 @@ class SharedSettings(TypedDict, total=False):
     shift_nm: Annotated[float, "sensors.*.shift_nm"]
 
 
-class AnalysisSettings(SharedSettings, total=False):
+class _ReflectanceSettings(SharedSettings, total=False):
+    """Settings of own reflectances, which pictures do not use."""
+
+    chart_file: Annotated[str | Path, "reflectances.chart"]
+    patch: Annotated[float | str | Path, "reflectances.patch"]
+    reflectance_scale: Annotated[Literal["percent", "fraction"], "reflectances.scale"]
+    reflectance_wavelength_unit: Annotated[Unit, "reflectances.wavelength_unit"]
+    reflectance_beyond: Annotated[Extrapolation, "reflectances.beyond"]
+
+
+class AnalysisSettings(_ReflectanceSettings, total=False):
     """Settings of an analysis."""
 
     clip: Annotated[bool, "outputs.clip"]
@@ -82,7 +92,7 @@ class AnalysisSettings(SharedSettings, total=False):
     space: Annotated[str, "outputs.space"]
 
 
-class ComparisonSettings(SharedSettings, total=False):
+class ComparisonSettings(_ReflectanceSettings, total=False):
     """Settings of a comparison."""
 
     vary: Annotated[str, "sweeps.0.vary"]
@@ -93,7 +103,7 @@ class ComparisonSettings(SharedSettings, total=False):
     all_priors: Annotated[bool, "sweeps.0.all_priors"]
 
 
-class MatrixSettings(SharedSettings, total=False):
+class MatrixSettings(_ReflectanceSettings, total=False):
     """Settings of a color matrix, and of its curve of color error against noise."""
 
     pareto_first: Annotated[float, "outputs.pareto.first"]
