@@ -79,6 +79,7 @@ VALUES = {  # by the name of an option or argument; a command's own as "command.
     "prnu": ["0.01"],
     "row_noise_e": ["1"],
     "binning": ["1", "4"],
+    "channel_filters": ["R=ircut-650", "G=filter.csv", "W=ircut-650", "R"],
     "chart_file": ["filter.csv", "missing.csv"],
     "patch": ["0.18", "red", "lawn", "filter.csv", "2"],
     "formats": ["png", "png,xyz", "raw,dng", "exr"],

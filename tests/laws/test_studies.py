@@ -302,6 +302,7 @@ OTHER = {
     "gain_dn_per_e": 0.5,
     "binning": 4,
     "patch": 0.5,
+    "channel_filters": {"R": "ircut-650"},
     "binning_mode": "digital",
     "crosstalk": 0.1,
     "crosstalk_stage": "charge",

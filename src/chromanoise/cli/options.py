@@ -8,6 +8,7 @@ import click
 
 from chromanoise.analysis import DEFAULT_METHOD, PRIORS, known_matrices
 from chromanoise.cli.answers import about_sensors, pair_of
+from chromanoise.errors import InputError
 from chromanoise.exposure import EQUAL_TERMS
 from chromanoise.io.spectra.parsed import Unit
 from chromanoise.sensor import MOSAIC_NAMES, BinningMode
@@ -50,6 +51,19 @@ class _NumberOrFile(click.ParamType):
             return float(value)
         except ValueError:
             return str(value)
+
+
+def _by_channel(_: Any, __: Any, given: tuple[str, ...]) -> dict[str, str] | None:
+    """The filters by their channels; ``None`` without one."""
+    found: dict[str, str] = {}
+    for text in given:
+        channel, equals, word = text.partition("=")
+        if not equals or not channel or not word:
+            raise InputError("--channel-filter", "must be CHANNEL=NAME or CHANNEL=FILE", value=text)
+        if channel in found:
+            raise InputError("--channel-filter", "must name each channel once", value=channel)
+        found[channel] = word
+    return found or None
 
 
 _SHARED = (
@@ -117,6 +131,14 @@ _SHARED = (
         help="Filter on all sensors: ircut-650, ircut-650/20, ircut-schott, another of "
         "`chromanoise catalog filters`, or a file of one transmittance (any format of `chromanoise "
         "inspect`).",
+    ),
+    click.option(
+        "--channel-filter",
+        "channel_filters",
+        multiple=True,
+        callback=_by_channel,
+        metavar="CHANNEL=NAME|FILE",
+        help="Filter on one channel of all sensors, as --filter, e.g. R=ircut-650; repeatable.",
     ),
     click.option(
         "--filter-wavelength-unit",

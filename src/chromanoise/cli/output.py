@@ -58,6 +58,7 @@ def refuse_taken_inputs(
     """Check before any computation that no output replaces an input, and that its format exists."""
     inputs = [
         *sensors,
+        *(options.get("channel_filters") or {}).values(),
         *(
             str(options[name])
             for name in ("illuminant", "pixel", "filter", "chart_file", "prior", "patch")

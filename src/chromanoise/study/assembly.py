@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any
 
+from chromanoise import _check
 from chromanoise.analysis.color_matrices import MatrixMaker, matrix_makers, trained_names
 from chromanoise.analysis.priors import DEFAULT_PRIOR, PRIORS
 from chromanoise.catalog import idle_answers, on_pixel, sensor_with_pixel
@@ -174,7 +175,8 @@ def idle_settings(study: Study, given: Given = NOTHING_GIVEN) -> list[InputError
         ]
     for i, part in enumerate(study.sensors):
         unit = part.filter_wavelength_unit
-        if unit and (part.filter is None or not is_file_word(part.filter, "filter")):
+        filters = [*filter(None, [part.filter]), *(part.channel_filters or {}).values()]
+        if unit and not any(is_file_word(word, "filter") for word in filters):
             errors.append(
                 _idle(f"sensors.{i}.filter_wavelength_unit", unit, part.filter or "no filter")
             )
@@ -343,14 +345,16 @@ def sensor_of(part: SensorPart, *, key: str = "sensors.0", given: Given = NOTHIN
         with keyed(f"{key}.pixel.binning"):
             sensor = with_binning(sensor, part.pixel.binning, part.pixel.binning_mode or "charge")
     sensor = with_shifted_curves(sensor, part.shift_nm)
+    answers = Answers(
+        beyond=part.beyond, negatives=part.negatives, wavelength_unit=part.filter_wavelength_unit
+    )
     if part.filter is not None:
-        answers = Answers(
-            beyond=part.beyond,
-            negatives=part.negatives,
-            wavelength_unit=part.filter_wavelength_unit,
-        )
         with keyed(f"{key}.filter", lambda name: f"{key}.{_FILTER_KEYS.get(name, name)}"):
             sensor = behind_resolved_filter(sensor, part.filter, answers=answers)
+    for channel, word in (part.channel_filters or {}).items():
+        with keyed(f"{key}.channel_filters", lambda name: f"{key}.{_FILTER_KEYS.get(name, name)}"):
+            _check.one_of("channel_filters", channel, sensor.names)
+            sensor = behind_resolved_filter(sensor, word, answers=answers, channel=channel)
     if part.ircut_nm is not None:
         sensor = behind_ir_cut(sensor, part.ircut_nm)
     return _with_crosstalk(sensor, part, key)

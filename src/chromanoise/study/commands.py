@@ -31,6 +31,7 @@ FLAGS: Mapping[str, Mapping[str, str]] = {
 
 OTHER_NAMES: Mapping[str, str] = {
     "columns": "column",
+    "channel_filters": "channel_filter",
     "formats": "format",
     "vary": "sweep",
     "first": "sweep",
@@ -262,7 +263,9 @@ def _options(settings: Mapping[str, Any]) -> list[str]:
         words += ["--pareto", f"{span}:{points}" if points is not None else span]
     for name, value in given.items():
         option = option_of(name, value)
-        if value is True or option in FLAGS.get(name, {}).values():
+        if isinstance(value, Mapping):
+            words += [part for key, own in value.items() for part in (option, f"{key}={own}")]
+        elif value is True or option in FLAGS.get(name, {}).values():
             words.append(option)
         elif value is not False:
             words += [option, _word(name, value)]

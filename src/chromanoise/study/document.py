@@ -260,6 +260,9 @@ class SensorPart(_Part):
     filter: str | None = Field(
         None, description="Filter on the sensor: ircut-650 or another of the catalog, or a file."
     )
+    channel_filters: dict[str, str] | None = Field(
+        None, description="Filters of single channels, as filter: R = ircut-650, W = a file."
+    )
     filter_wavelength_unit: Unit | None = Field(
         None, description="Unit of the wavelengths, where the filter's file does not declare it."
     )

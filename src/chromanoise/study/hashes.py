@@ -69,11 +69,16 @@ def with_file_words(study: Study, told: Callable[[FileWord], str]) -> Study:
     sensors = []
     for i, part in enumerate(study.sensors):
         file = word(f"sensors.{i}.pixel.file", "pixel", part.pixel.file)
-        words = {
+        words: dict[str, Any] = {
             "name": word(f"sensors.{i}.name", "sensor", part.name),
             "filter": word(f"sensors.{i}.filter", "filter", part.filter),
             "pixel": part.pixel.model_copy(update={"file": file}),
         }
+        if part.channel_filters is not None:
+            words["channel_filters"] = {
+                channel: word(f"sensors.{i}.channel_filters.{channel}", "filter", was)
+                for channel, was in part.channel_filters.items()
+            }
         if isinstance(part.crosstalk, str):
             words["crosstalk"] = word(f"sensors.{i}.crosstalk", "crosstalk", part.crosstalk)
         sensors.append(part.model_copy(update=words))

@@ -67,6 +67,7 @@ class SharedSettings(TypedDict, total=False):
     crosstalk_stage: Annotated[Literal["light", "charge"], "sensors.*.crosstalk_stage"]
     mosaic: Annotated[str, "sensors.*.mosaic"]
     filter: Annotated[str | Path, "sensors.*.filter"]
+    channel_filters: Annotated[Mapping[str, str | Path], "sensors.*.channel_filters"]
     filter_wavelength_unit: Annotated[Unit, "sensors.*.filter_wavelength_unit"]
     ircut_nm: Annotated[float, "sensors.*.ircut_nm"]
     shift_nm: Annotated[float, "sensors.*.shift_nm"]
