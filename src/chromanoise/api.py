@@ -348,4 +348,6 @@ def _plain(value: Any) -> Any:
     """A value as a study stores it: numpy scalars as Python numbers, paths as text."""
     if isinstance(value, np.generic):
         return value.item()
+    if isinstance(value, Mapping):
+        return {name: _plain(one) for name, one in value.items()}
     return str(value) if isinstance(value, Path) else value

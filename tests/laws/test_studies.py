@@ -316,6 +316,8 @@ OTHER = {
     "dark_doubling_k": 6.0,
     "gain_dn_per_e": 0.5,
     "binning": 4,
+    "patch": 0.5,
+    "channel_filters": {"R": "ircut-650"},
     "binning_mode": "digital",
     "label": "small",
     "second": SecondSweepPart(vary="f-number", first=1.4, last=8.0),
@@ -381,7 +383,7 @@ def test_the_hash_depends_on_every_field_of_a_study(tmp_path, monkeypatch):
             continue
         other = (
             "p.txt"
-            if name == "file"
+            if name == "file" or (*path, name) == ("reflectances", "chart")
             else 0.5
             if path[:1] == ("pictures",) and name == "scale"
             else OTHER[name]

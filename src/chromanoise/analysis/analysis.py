@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
@@ -21,7 +21,7 @@ from chromanoise.color import (
     kernel_matrix,
 )
 from chromanoise.errors import InputError
-from chromanoise.exposure import Exposure, OperatingPoint, conditions
+from chromanoise.exposure import Exposure, OperatingPoint, conditions, white_scene
 from chromanoise.geometry import (
     NearestMix,
     angles_between_deg,
@@ -41,7 +41,14 @@ from chromanoise.metrics.snr import LEAST_COLOR
 from chromanoise.noise import Measurement, Readout
 from chromanoise.scene import Scene
 from chromanoise.sensor import Sensor
-from chromanoise.spectra import DEFAULT_OBSERVER, Metric, color_axes, observer_notes
+from chromanoise.spectra import (
+    DEFAULT_OBSERVER,
+    Metric,
+    Spectra,
+    chart_title,
+    color_axes,
+    observer_notes,
+)
 from chromanoise.units import decibel
 
 _WORTH_TELLING = 1e-3  # share of clipped readouts
@@ -87,6 +94,9 @@ class Analysis:
         Best SNR of any linear readout; ``None`` where a channel is saturated. [dB]
     color_snr_loss_db
         The best linear SNR minus that of Y; ``None`` where Y has no SNR. [dB]
+    chart, patch
+        Those of the operating point: reflectances for color errors, and the analyzed one; ``None``
+        for the ColorChecker and for the reflectance of ``scene``.
     """
 
     scene: Scene
@@ -110,6 +120,8 @@ class Analysis:
     spectral_snr_db: float | None
     optimal_linear_snr_db: float | None
     color_snr_loss_db: float | None
+    chart: Spectra | None = None
+    patch: Spectra | None = None
 
     @property
     def point(self) -> OperatingPoint:
@@ -120,6 +132,8 @@ class Analysis:
             illuminant=self.scene.illuminant,
             level_lux=self.scene.level_lux,
             observer=self.matrix.observer,
+            chart=self.chart,
+            patch=self.patch,
         )
 
     def __post_init__(self) -> None:
@@ -217,6 +231,21 @@ def analyzed(
     )
 
 
+@lru_cache(maxsize=64)  # asked by each output about the chart
+def of_white(analysis: Analysis) -> Analysis:
+    """The analysis of a perfect white at the same point; the analysis itself without a patch."""
+    if analysis.patch is None:
+        return analysis
+    white = analyzed(
+        white_scene(analysis.point),
+        analysis.sensor,
+        analysis.exposure,
+        readout=analysis.readout,
+        matrix=analysis.matrix,
+    )
+    return replace(white, chart=analysis.chart)
+
+
 def _spectral_snr_db(at: Stages) -> float | None:
     if at.saturated.any():
         return None
@@ -233,12 +262,16 @@ def _db(value: float | None) -> str:
 
 
 def mean_color_error(analysis: Analysis) -> float | None:
-    """Mean CIE 1976 difference over the ColorChecker, without noise. [Delta E*ab]
+    """Mean CIE 1976 difference over the chart, without noise. [Delta E*ab]
 
     ``None`` where X, Y or Z of the sensor's white is not above 0, so that CIELAB is undefined.
     """
     error = chart_color_error(
-        analysis.sensor, analysis.matrix, analysis.exposure, analysis.scene.illuminant
+        analysis.sensor,
+        analysis.matrix,
+        analysis.exposure,
+        analysis.scene.illuminant,
+        analysis.chart,
     )
     return None if error is None else float(error.mean())
 
@@ -309,8 +342,27 @@ def diagnosis(analysis: Analysis) -> tuple[str, ...]:
         *sensor.notes,
         *analysis.scene.illuminant.notes,
         *observer_notes(analysis.matrix.observer),
+        *reflectance_notes(analysis.point),
     )
     return (*notes, *_channel_notes(analysis), *_color_notes(analysis), *_frame_notes(analysis))
+
+
+def reflectance_notes(operating_point: OperatingPoint) -> tuple[str, ...]:
+    """What replaces the ColorChecker and the perfect white, with the notes on their curves."""
+    told: list[str] = []
+    if operating_point.patch is not None:
+        own = "; ".join(
+            (
+                f"{operating_point.patch_name} instead of a perfect white",
+                *operating_point.patch.notes,
+            )
+        )
+        told.append(own)
+    if operating_point.chart is not None:
+        chart = operating_point.chart
+        head = f"chart: {len(chart.names)} reflectances of {chart_title(chart)}"
+        told.append("; ".join((head, *chart.notes)))
+    return tuple(told)
 
 
 def _channel_notes(analysis: Analysis) -> list[str]:

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from functools import lru_cache
 
-from chromanoise.analysis.analysis import Analysis, color_snr_db
+from chromanoise.analysis.analysis import Analysis, color_snr_db, of_white
 from chromanoise.analysis.color_space_noise import GRAY
 from chromanoise.color import LAB
 from chromanoise.metrics import Budget, color_budget, contravariant_budget, lab_budget
@@ -39,7 +39,7 @@ def coordinate_budget(
             return None
         return color_budget(light, sensor, exposure, analysis.matrix, coordinate)
     if coordinate in LAB.coordinates:
-        if None in snr.values():
+        if None in color_snr_db(of_white(analysis)).values():
             return None
         gray = flat_field(light.illuminant, level_lux=light.level_lux, reflectance=reflectance)
         return lab_budget(gray, sensor, exposure, analysis.matrix, coordinate)

@@ -1,4 +1,4 @@
-"""Color error and noise of every ColorChecker patch, measured by one sensor."""
+"""Color error and noise of every patch of a chart, measured by one sensor."""
 
 from dataclasses import dataclass
 from functools import partial
@@ -9,7 +9,7 @@ import numpy as np
 from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._shapes import Bool, Float
-from chromanoise.analysis.analysis import Analysis, color_snr_db
+from chromanoise.analysis.analysis import Analysis, color_snr_db, of_white
 from chromanoise.analysis.operating_point import noisy_color_at, stages_at
 from chromanoise.analysis.undefined import defined
 from chromanoise.color import (
@@ -24,7 +24,7 @@ from chromanoise.color import (
 )
 from chromanoise.metrics import chart_ciede2000, chart_color_error, signal_snr_db
 from chromanoise.noise import Readout, demand_independent_channels
-from chromanoise.spectra import colorchecker
+from chromanoise.spectra import chart_on
 
 _POINTS = 2**13  # per patch: standard deviations are accurate to 0.05 %
 
@@ -36,7 +36,7 @@ class ChartNoise:
     Attributes
     ----------
     names
-        Names of the 24 patches.
+        Names of the patches.
     color_error, ciede2000
         Color errors without noise, CIE 1976 and CIEDE2000. [Delta E]
     snr_y_db
@@ -49,25 +49,25 @@ class ChartNoise:
     """
 
     names: tuple[str, ...]
-    color_error: Float[Array, "24"]
-    ciede2000: Float[Array, "24"]
-    snr_y_db: Float[Array, "24"]
+    color_error: Float[Array, " k"]
+    ciede2000: Float[Array, " k"]
+    snr_y_db: Float[Array, " k"]
     noise: ColorNoise
-    first_order_holds: Bool[Array, "24"]
+    first_order_holds: Bool[Array, " k"]
 
     def __post_init__(self) -> None:
         _check.freeze(self, "color_error", "ciede2000", "snr_y_db", "first_order_holds")
 
 
 def chart_noise(analysis: Analysis, *, readout: Readout = UNBOUNDED) -> ChartNoise | None:
-    """Color error and noise of the ColorChecker under the light of the analysis.
+    """Color error and noise of the chart under the light of the analysis.
 
     ``None`` where a channel is saturated on the white, or X, Y or Z of the white is not above 0.
 
     Parameters
     ----------
     analysis
-        The analysis of a perfect white.
+        The analysis, with its chart; ``None`` there is the ColorChecker.
     readout
         Clipping and rounding of the values; none by default.
 
@@ -78,16 +78,16 @@ def chart_noise(analysis: Analysis, *, readout: Readout = UNBOUNDED) -> ChartNoi
         counting correlates the channels.
     """
     sensor, exposure, matrix = analysis.sensor, analysis.exposure, analysis.matrix
-    lamp = analysis.scene.illuminant
-    errors = chart_color_error(sensor, matrix, exposure, lamp)
-    newer = chart_ciede2000(sensor, matrix, exposure, lamp)
-    no_color = None in color_snr_db(analysis).values()
+    lamp, white = analysis.scene.illuminant, of_white(analysis)
+    errors = chart_color_error(sensor, matrix, exposure, lamp, analysis.chart)
+    newer = chart_ciede2000(sensor, matrix, exposure, lamp, analysis.chart)
+    no_color = None in color_snr_db(white).values()
     if no_color or errors is None or newer is None:
         return None
     demand_independent_channels(sensor)
-    chart = colorchecker(sensor.grid)
+    chart = chart_on(sensor.grid, analysis.chart)
     at = stages_at(analysis.point, matrix, reflectance=chart.values.T, readout=readout)
-    color = noisy_color_at(at, matrix.matrix @ analysis.expected_e)
+    color = noisy_color_at(at, matrix.matrix @ white.expected_e)
     noise = propagate(color, LAB, partial(exact, points=_POINTS))
     rough = propagate(color, LAB, first_order)
     error = np.abs(relative_sd_error(rough.measurement, noise.measurement))

@@ -11,7 +11,7 @@ from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._linalg import inv, pinv
 from chromanoise._shapes import Float
-from chromanoise.analysis.priors import DEFAULT_PRIOR, PRIORS, training_named
+from chromanoise.analysis.priors import DEFAULT_PRIOR, refuse_unknown_prior, training_named
 from chromanoise.catalog.resolve import file_of
 from chromanoise.color import (
     ColorMatrix,
@@ -32,7 +32,7 @@ from chromanoise.errors import InputError, Setting
 from chromanoise.exposure import Exposure, OperatingPoint, expected_electrons, white_scene
 from chromanoise.io.given_matrices import GivenMatrix, is_matrix_file, read_matrix
 from chromanoise.sensor import Sensor
-from chromanoise.spectra import Metric
+from chromanoise.spectra import Metric, Spectra
 
 MatrixFunction = Callable[[OperatingPoint], ColorMatrix]
 """A function from an operating point to its color matrix: a `MatrixMaker`, or one of your own."""
@@ -92,7 +92,7 @@ class MatrixMaker:
     metric
         Metric of the space of spectra.
     prior
-        A name from `PRIORS`, for a trained method.
+        For a trained method: a name from `PRIORS`, or reflectances on the grid of the light.
     parameters
         Names and values of the parameters of the method.
     given
@@ -101,7 +101,7 @@ class MatrixMaker:
 
     method: Method
     metric: Metric
-    prior: str = DEFAULT_PRIOR
+    prior: str | Spectra = DEFAULT_PRIOR
     parameters: tuple[tuple[str, float], ...] = ()
     given: GivenMatrix | None = None
 
@@ -166,7 +166,7 @@ class MatrixMaker:
 
 
 def matrix_makers(
-    names: Sequence[str], metric: Metric, *, prior: str = DEFAULT_PRIOR
+    names: Sequence[str], metric: Metric, *, prior: str | Spectra = DEFAULT_PRIOR
 ) -> Mapping[str, MatrixMaker]:
     """The color matrix methods with the given names.
 
@@ -178,7 +178,7 @@ def matrix_makers(
     metric
         Metric of the space of spectra.
     prior
-        A name from `PRIORS`: the training set of trained matrices.
+        The training set of trained matrices: a name from `PRIORS`, or reflectances on the grid.
 
     Raises
     ------
@@ -186,7 +186,7 @@ def matrix_makers(
         If there is no method of that name, a file holds no matrix, or a parameter is missing, not a
         number, out of bounds or superfluous.
     """
-    _check.one_of("prior", prior, tuple(PRIORS))
+    refuse_unknown_prior(prior)
     wanted = _check.distinct("names of matrices", [name.strip() for name in names])
     return {name: _maker(name, metric, prior) for name in wanted}
 
@@ -211,7 +211,7 @@ def known_matrices() -> str:
     )
 
 
-def _maker(name: str, metric: Metric, prior: str) -> MatrixMaker:
+def _maker(name: str, metric: Metric, prior: str | Spectra) -> MatrixMaker:
     if is_matrix_file(name):
         return MatrixMaker(method=METHODS[DEFAULT_METHOD], metric=metric, given=_read(name))
     word, given, text = name.partition("=")

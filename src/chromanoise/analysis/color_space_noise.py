@@ -11,7 +11,7 @@ from chromanoise._check import Array
 from chromanoise._shapes import (
     Float,
 )
-from chromanoise.analysis.analysis import Analysis, color_snr_db
+from chromanoise.analysis.analysis import Analysis, color_snr_db, of_white
 from chromanoise.analysis.operating_point import (
     noisy_color_at,
     stages_at,
@@ -90,11 +90,12 @@ def gray_noise(
     InputError
         If crosstalk after counting correlates the channels.
     """
-    if None in color_snr_db(analysis).values():
+    white = of_white(analysis)
+    if None in color_snr_db(white).values():
         return None
     demand_independent_channels(analysis.sensor)
     gray = stages_at(analysis.point, analysis.matrix, reflectance=reflectance, readout=readout)
-    color = noisy_color_at(gray, analysis.matrix.matrix @ analysis.expected_e)
+    color = noisy_color_at(gray, analysis.matrix.matrix @ white.expected_e)
     trusted, rough, normal = (
         propagate(color, space, method) for method in (exact, first_order, cubature)
     )

@@ -8,13 +8,14 @@ import numpy as np
 from chromanoise import __version__, _check
 from chromanoise._check import Array
 from chromanoise._shapes import Float
-from chromanoise.analysis.priors import DEFAULT_PRIOR, PRIORS, training_named
+from chromanoise.analysis.analysis import reflectance_notes
+from chromanoise.analysis.priors import DEFAULT_PRIOR, refuse_unknown_prior, training_named
 from chromanoise.analysis.undefined import defined
 from chromanoise.color import ColorMatrix, ParetoCurve, pareto
 from chromanoise.errors import InputError
 from chromanoise.exposure import OperatingPoint
 from chromanoise.metrics import MatrixReport
-from chromanoise.spectra import observer_notes
+from chromanoise.spectra import Spectra, observer_notes
 
 _LIGHTEST, _HEAVIEST = 1e-15, 1e15  # limits of double precision
 
@@ -48,7 +49,10 @@ def noise_weights(first: float, last: float, *, points: int = 13) -> Float[Array
 
 
 def pareto_of(
-    operating_point: OperatingPoint, weights: Float[Array, " q"], *, prior: str = DEFAULT_PRIOR
+    operating_point: OperatingPoint,
+    weights: Float[Array, " q"],
+    *,
+    prior: str | Spectra = DEFAULT_PRIOR,
 ) -> ParetoCurve:
     """The Pareto curve of color error against noise at an operating point.
 
@@ -57,7 +61,7 @@ def pareto_of(
     weights
         Weights of the noise: 0 is least squares, 1 LMMSE. [1]
     prior
-        Name of the training set, from `PRIORS`.
+        The training set: a name from `PRIORS`, or reflectances on the grid.
 
     Raises
     ------
@@ -68,7 +72,7 @@ def pareto_of(
     -----
     Vora & Herley (ICIP 1998), with shot noise.
     """
-    _check.one_of("prior", prior, tuple(PRIORS))
+    refuse_unknown_prior(prior)
     training = training_named(prior, operating_point.illuminant, operating_point.observer)
     return pareto(
         operating_point.sensor,
@@ -120,6 +124,7 @@ def matrix_as_json(
             *sensor.notes,
             *operating_point.illuminant.notes,
             *observer_notes(matrix.observer),
+            *reflectance_notes(operating_point),
         ],
     }
 

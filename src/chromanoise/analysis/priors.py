@@ -4,8 +4,9 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import lru_cache, partial
 
+from chromanoise import _check
 from chromanoise.color import Training, chart_training, nir_diverse, smooth_training
-from chromanoise.spectra import DEFAULT_OBSERVER, Illuminant
+from chromanoise.spectra import DEFAULT_OBSERVER, Illuminant, Spectra
 
 Prior = Callable[[Illuminant], Training]
 """A function from a lamp to a training set of reflectances."""
@@ -38,15 +39,38 @@ DEFAULT_PRIOR = "chart-nir"
 
 @lru_cache(maxsize=16)
 def training_named(
-    prior: str, illuminant: Illuminant, observer: str = DEFAULT_OBSERVER
+    prior: str | Spectra, illuminant: Illuminant, observer: str = DEFAULT_OBSERVER
 ) -> Training:
     """The training set of a prior under a lamp, cached per lamp for sweeps.
 
     Parameters
     ----------
     prior
-        A name from `PRIORS`.
+        A name from `PRIORS`, or reflectances on the grid of the lamp, which are used as they are.
+    illuminant
+        The lamp.
     observer
         A name from `chromanoise.spectra.OBSERVERS`.
     """
-    return replace(PRIORS[prior](illuminant), observer=observer)
+    if isinstance(prior, str):
+        return replace(PRIORS[prior](illuminant), observer=observer)
+    return Training(
+        illuminant=illuminant,
+        reflectance=prior.values.T,
+        names=prior.names,
+        source=prior.source,
+        notes=prior.notes,
+        observer=observer,
+    )
+
+
+def refuse_unknown_prior(prior: str | Spectra) -> None:
+    """Refuse a name that is none of `PRIORS`.
+
+    Raises
+    ------
+    InputError
+        If there is no such name.
+    """
+    if isinstance(prior, str):
+        _check.one_of("prior", prior, tuple(PRIORS))

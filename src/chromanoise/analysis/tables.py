@@ -55,11 +55,11 @@ def matrix_as_table(matrix: ColorMatrix, report: MatrixReport, sensor_name: str)
     rows = zip(matrix.coordinates, matrix.matrix.tolist(), strict=True)
     notes = [
         f"mean color error without noise {written(report.color_error_mean, '.4g') or 'not defined'}"
-        " Delta E*ab over the ColorChecker",
+        f" Delta E*ab over {report.chart}",
         f"condition {written(defined(report.condition), '.4g') or 'not defined'}",
     ]
     for name, snr in (report.snr_db or {}).items():
-        notes.append(f"SNR {name} of a perfect white {written(snr, '.2f') or 'not defined'} dB")
+        notes.append(f"SNR {name} of {report.patch} {written(snr, '.2f') or 'not defined'} dB")
     return Table(
         title=f"{report.made_by} of {sensor_name}",
         columns=(Column(name="coordinate"), *columns),

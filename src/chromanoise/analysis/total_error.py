@@ -1,4 +1,4 @@
-"""Total color error: bias and noise together, over the ColorChecker.
+"""Total color error: bias and noise together, over a chart.
 
 A matrix or a sensor that desaturates colors has less noise and a better SNR, but wrong colors. The
 total error counts both, in CIELAB: E|x - x_true|^2 = |bias|^2 + trace of the covariance.
@@ -12,14 +12,14 @@ import numpy as np
 from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._shapes import Float
-from chromanoise.analysis.analysis import Analysis, color_snr_db
+from chromanoise.analysis.analysis import Analysis, color_snr_db, of_white
 from chromanoise.analysis.color_matrices import matrix_makers
 from chromanoise.analysis.operating_point import electrons_at, noisy_color_at, stages_at
 from chromanoise.color import LAB, ColorMatrix, cubature, gaussian_cubature, propagate
 from chromanoise.exposure import OperatingPoint
 from chromanoise.metrics.accuracy import chart_lab
 from chromanoise.noise import Readout, saturated
-from chromanoise.spectra import colorchecker
+from chromanoise.spectra import chart_on
 
 NOISY_DELTA_E = 50.0
 """Noise above which a verdict names a better matrix. [Delta E*ab]"""
@@ -30,7 +30,7 @@ _OTHERS = ("least-squares", "white-preserving", "lmmse")
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class TotalError:
-    """Bias, noise and total error of each ColorChecker patch, as root mean squares.
+    """Bias, noise and total error of each patch of the chart, as root mean squares.
 
     Attributes
     ----------
@@ -43,9 +43,9 @@ class TotalError:
         Root of the sum of both squares. [Delta E*ab]
     """
 
-    bias: Float[Array, "24"]
-    noise: Float[Array, "24"]
-    total: Float[Array, "24"]
+    bias: Float[Array, " k"]
+    noise: Float[Array, " k"]
+    total: Float[Array, " k"]
 
     def __post_init__(self) -> None:
         _check.freeze(self, "bias", "noise", "total")
@@ -54,7 +54,7 @@ class TotalError:
 def total_errors(
     operating_point: OperatingPoint, matrix: ColorMatrix, *, readout: Readout | None = None
 ) -> TotalError | None:
-    """Total color error of the ColorChecker at an operating point.
+    """Total color error of the chart at an operating point, by default the ColorChecker.
 
     ``None`` where a channel is saturated on the white, or X, Y or Z of the white is not above 0.
 
@@ -81,11 +81,12 @@ def total_errors(
     white = matrix.matrix @ electrons
     if saturated(electrons, sensor.pixel, exposure).any() or not (white > 0).all():
         return None
-    lab = chart_lab(sensor, matrix, exposure, operating_point.illuminant)
+    chart = operating_point.chart
+    lab = chart_lab(sensor, matrix, exposure, operating_point.illuminant, chart)
     if lab is None:
         return None
-    chart = colorchecker(sensor.grid).values.T
-    at = stages_at(operating_point, matrix, reflectance=chart, readout=readout)
+    reflectance = chart_on(sensor.grid, chart).values.T
+    at = stages_at(operating_point, matrix, reflectance=reflectance, readout=readout)
     method = partial(cubature, rule=gaussian_cubature(**_RULE))
     noise = propagate(noisy_color_at(at, white), LAB, method).measurement
     bias = np.linalg.norm(noise.mean - lab[0], axis=-1)
@@ -96,13 +97,13 @@ def total_errors(
 @lru_cache(maxsize=64)  # table, verdict and JSON use the same one
 def total_error_of(analysis: Analysis) -> TotalError | None:
     """`total_errors` of an analysis, with its matrix and readout; ``None`` without a color."""
-    if None in color_snr_db(analysis).values():
+    if None in color_snr_db(of_white(analysis)).values():
         return None
     return total_errors(analysis.point, analysis.matrix, readout=analysis.readout)
 
 
 def mean_total_error(analysis: Analysis) -> float | None:
-    """Mean of `TotalError.total` over the 24 patches. [Delta E*ab]"""
+    """Mean of `TotalError.total` over the patches. [Delta E*ab]"""
     error = total_error_of(analysis)
     return None if error is None else float(error.total.mean())
 

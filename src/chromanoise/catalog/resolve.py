@@ -163,7 +163,9 @@ def resolve_filter(word: str, *, answers: Answers = ASK) -> Spectra:
     return means_on_grid(curve, DEFAULT_GRID, beyond=answers.beyond)
 
 
-def behind_resolved_filter(sensor: Sensor, word: str, *, answers: Answers = ASK) -> Sensor:
+def behind_resolved_filter(
+    sensor: Sensor, word: str, *, answers: Answers = ASK, channel: str | None = None
+) -> Sensor:
     """The same sensor behind one more filter: ``onyx-rgb`` becomes ``onyx-rgb+ircut-650``.
 
     Parameters
@@ -174,11 +176,13 @@ def behind_resolved_filter(sensor: Sensor, word: str, *, answers: Answers = ASK)
         As for `resolve_filter`.
     answers
         The user's answers about the filter's file; ``beyond`` also applies to filters by name.
+    channel
+        The channel that has the filter; ``None`` for all.
 
     Raises
     ------
     InputError
-        As for `resolve_filter`.
+        As for `resolve_filter`, or if the sensor has no such channel.
 
     Examples
     --------
@@ -190,8 +194,12 @@ def behind_resolved_filter(sensor: Sensor, word: str, *, answers: Answers = ASK)
     """
     curve = resolve_filter(word, answers=answers)
     name = Path(word).stem if is_file_word(word, "filter") else word
-    note = "; ".join((f"behind the filter {name}", *curve.notes))
-    return behind_filter(sensor, curve.values[:, 0], name=f"{sensor.name}+{name}", note=note)
+    behind = "" if channel is None else f"{channel} "
+    note = "; ".join((f"{behind}behind the filter {name}", *curve.notes))
+    own = name if channel is None else f"{channel}:{name}"
+    return behind_filter(
+        sensor, curve.values[:, 0], name=f"{sensor.name}+{own}", note=note, channel=channel
+    )
 
 
 def asked_of_name(word: str) -> tuple[str, ...]:

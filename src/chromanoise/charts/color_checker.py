@@ -7,6 +7,7 @@ from chromanoise.charts.charted_study import Look, Shown
 from chromanoise.charts.patches import Patches, hex_colors, patches_of, why_no_patches
 from chromanoise.charts.text import decimal, table
 from chromanoise.exposure import conditions
+from chromanoise.spectra import chart_title
 
 
 def drawn_chart(shown: Shown, look: Look) -> dict[str, Any]:
@@ -16,8 +17,9 @@ def drawn_chart(shown: Shown, look: Look) -> dict[str, Any]:
     patches = [] if seen is None else _true_patches(seen)
     sensors = [_sensor(*pair) for pair in zip(shown.analyses, found, strict=True)]
     where = conditions(shown.operating_points)
+    chart = chart_title(shown.operating_points[0].chart)
     return {
-        "title": f"Color error and noise of the ColorChecker at {where}",
+        "title": f"Color error and noise of {chart} at {where}",
         "description": _description(patches, sensors),
         "patches": patches,
         "unit": "Delta E*ab",

@@ -31,6 +31,7 @@ from chromanoise.color import (
 from chromanoise.exposure import conditions
 from chromanoise.geometry import ellipse_half_axes, ellipse_outline
 from chromanoise.noise import Measurement, through
+from chromanoise.spectra import chart_title
 
 SIGMAS = 2.0
 POINTS = 48
@@ -45,7 +46,8 @@ def drawn_ellipses(shown: Shown, look: Look) -> dict[str, Any]:
     sensors = [_sensor(analysis, look.plane) for analysis in shown.analyses]
     across, up = _NAMES[look.plane]
     return {
-        "title": f"Noise of the ColorChecker in {across} and {up}, {SIGMAS:g} standard deviations, "
+        "title": f"Noise of {chart_title(shown.operating_points[0].chart)} in {across} and {up}, "
+        f"{SIGMAS:g} standard deviations, "
         f"at {conditions(shown.operating_points)}",
         "description": _description(sensors, look.plane),
         "plane": look.plane,

@@ -1,4 +1,4 @@
-"""True and measured colors of the ColorChecker patches, with noise."""
+"""True and measured colors of the patches of a chart, with noise."""
 
 from dataclasses import dataclass
 from functools import lru_cache
@@ -10,7 +10,7 @@ from chromanoise._check import Array
 from chromanoise._shapes import (
     Float,
 )
-from chromanoise.analysis.analysis import Analysis, color_snr_db
+from chromanoise.analysis.analysis import Analysis, color_snr_db, of_white
 from chromanoise.analysis.operating_point import (
     noisy_color_at,
     stages_at,
@@ -30,7 +30,7 @@ from chromanoise.color import (
 )
 from chromanoise.metrics import chart_color_error
 from chromanoise.noise import Measurement
-from chromanoise.spectra import colorchecker
+from chromanoise.spectra import chart_on
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -40,7 +40,7 @@ class Patches:
     Attributes
     ----------
     names
-        Names of the 24 patches.
+        Names of the patches.
     truth, xyz
         X, Y, Z for the observer, and measured by the sensor with covariance. [lx]
     true_white, white
@@ -52,11 +52,11 @@ class Patches:
     """
 
     names: tuple[str, ...]
-    truth: Float[Array, "24 3"]
+    truth: Float[Array, "k 3"]
     true_white: Float[Array, " 3"]
     xyz: Measurement
     white: Float[Array, " 3"]
-    color_error: Float[Array, "24"]
+    color_error: Float[Array, " k"]
     noise: ColorNoise
 
     def __post_init__(self) -> None:
@@ -77,17 +77,17 @@ def patches_of(analysis: Analysis) -> Patches | None:
     and differs where a patch has only about ten electrons.
     """
     sensor, exposure, matrix = analysis.sensor, analysis.exposure, analysis.matrix
-    lamp = analysis.scene.illuminant
-    errors = chart_color_error(sensor, matrix, exposure, lamp)
-    if errors is None or None in color_snr_db(analysis).values():
+    lamp, white = analysis.scene.illuminant, of_white(analysis)
+    errors = chart_color_error(sensor, matrix, exposure, lamp, analysis.chart)
+    if errors is None or None in color_snr_db(white).values():
         return None
-    chart = colorchecker(sensor.grid)
+    chart = chart_on(sensor.grid, analysis.chart)
     at = stages_at(analysis.point, matrix, reflectance=chart.values.T, readout=analysis.readout)
-    color = noisy_color_at(at, matrix.matrix @ analysis.expected_e)
+    color = noisy_color_at(at, matrix.matrix @ white.expected_e)
     return Patches(
         names=chart.names,
         truth=at.truth_xyz,
-        true_white=analysis.truth_xyz,
+        true_white=white.truth_xyz,
         xyz=color.xyz,
         white=color.white,
         color_error=errors,

@@ -6,6 +6,7 @@ from chromanoise.analysis.analysis import (
     Analysis,
     color_snr_db,
     contravariant_snr_db,
+    of_white,
     raw_snr_db,
 )
 from chromanoise.analysis.color_space_noise import GRAY
@@ -106,10 +107,11 @@ def _table(sensors: list[dict[str, Any]], kinds: list[dict[str, Any]]) -> dict[s
 
 
 def _gray_sd(analysis: Analysis) -> dict[str, float | None]:
-    if None in color_snr_db(analysis).values():
+    white_analysis = of_white(analysis)
+    if None in color_snr_db(white_analysis).values():
         return dict.fromkeys(LAB.coordinates)
     point, matrix = analysis.point, analysis.matrix
     gray = stages_at(point, matrix, reflectance=GRAY, readout=analysis.readout)
-    white = matrix.matrix @ analysis.expected_e
+    white = matrix.matrix @ white_analysis.expected_e
     lab = propagate(noisy_color_at(gray, white), LAB, quick_cubature)
     return dict(zip(lab.measurement.names, lab.sd.tolist(), strict=True))

@@ -60,8 +60,9 @@ _START = f"{_VARY}={_FIRST:g}:{_LAST:g}"
 )
 @click.option(
     "--prior",
-    type=click.Choice([*PRIORS, "all"]),
-    help="Training set of trained matrices; all gives the band of crossovers over all sets.",
+    metavar=f"[{'|'.join([*PRIORS, 'all'])}]|FILE",
+    help="Training set of trained matrices; all gives the band of crossovers over all sets; "
+    "or a file of reflectances.",
 )
 @table_option
 @json_option

@@ -8,6 +8,7 @@ import click
 
 from chromanoise.analysis import DEFAULT_METHOD, PRIORS, known_matrices
 from chromanoise.cli.answers import about_sensors, pair_of
+from chromanoise.errors import InputError
 from chromanoise.exposure import EQUAL_TERMS
 from chromanoise.io.spectra.parsed import Unit
 from chromanoise.sensor import MOSAIC_NAMES, BinningMode
@@ -69,6 +70,19 @@ class _Numbers(click.ParamType):
             if self.or_word:
                 return value
             self.fail(f"{value[:80]!r} must be numbers separated by commas.", param, ctx)
+
+
+def _by_channel(_: Any, __: Any, given: tuple[str, ...]) -> dict[str, str] | None:
+    """The filters by their channels; ``None`` without one."""
+    found: dict[str, str] = {}
+    for text in given:
+        channel, equals, word = text.partition("=")
+        if not equals or not channel or not word:
+            raise InputError("--channel-filter", "must be CHANNEL=NAME or CHANNEL=FILE", value=text)
+        if channel in found:
+            raise InputError("--channel-filter", "must name each channel once", value=channel)
+        found[channel] = word
+    return found or None
 
 
 _SHARED = (
@@ -146,6 +160,14 @@ _SHARED = (
         "inspect`).",
     ),
     click.option(
+        "--channel-filter",
+        "channel_filters",
+        multiple=True,
+        callback=_by_channel,
+        metavar="CHANNEL=NAME|FILE",
+        help="Filter on one channel of all sensors, as --filter, e.g. R=ircut-650; repeatable.",
+    ),
+    click.option(
         "--filter-wavelength-unit",
         type=click.Choice(get_args(Unit)),
         help="Unit of the wavelengths in the filter's file, where it does not declare it.",
@@ -221,6 +243,19 @@ _OF_CLOSED_FORM = (
         help=f"Mosaic whose neighbors exchange light: {', '.join(MOSAIC_NAMES)}, or rows, e.g. "
         "RG/GB; default: the sensor's own.",
     ),
+    click.option(
+        "--chart-file",
+        metavar="FILE",
+        help="Reflectances for color error, --chart and total error instead of the ColorChecker "
+        "(any format of `chromanoise inspect`); --beyond extends them to 400-1050 nm.",
+    ),
+    click.option(
+        "--patch",
+        type=_NumberOrFile(),
+        metavar="NUMBER|NAME|FILE[:NAME]",
+        help="The patch that is analyzed instead of a perfect white: 0.18, a patch of the "
+        "ColorChecker (dark skin), lawn, or a curve of a file.",
+    ),
 )
 
 
@@ -289,8 +324,8 @@ copy_option = click.option(
 )
 prior_option = click.option(
     "--prior",
-    type=click.Choice(list(PRIORS)),
-    help="Training set of a trained matrix.",
+    metavar=f"[{'|'.join(PRIORS)}]|FILE",
+    help="Training set of a trained matrix: a name, or a file of reflectances.",
 )
 matrix_option = click.option(
     "--matrix",

@@ -58,7 +58,12 @@ def refuse_taken_inputs(
     """Check before any computation that no output replaces an input, and that its format exists."""
     inputs = [
         *sensors,
-        *filter(None, [options["illuminant"], options["pixel"], options["filter"]]),
+        *(options.get("channel_filters") or {}).values(),
+        *(
+            str(options[name])
+            for name in ("illuminant", "pixel", "filter", "chart_file", "prior", "patch")
+            if options.get(name) is not None
+        ),
     ]
     refuse_same(targets)
     for option, target in targets.items():

@@ -41,6 +41,7 @@ from chromanoise.paper import (
     verdict,
 )
 from chromanoise.paper.study import PRINTED_TIMES_MS, WELL_SHARE
+from chromanoise.spectra import chart_title
 
 _WIDE = 6  # most channels in one row
 _SHOWN = 6  # number of printed values of a sweep
@@ -262,7 +263,8 @@ def print_chart(analysis: Analysis, chart: ChartNoise | None) -> None:
             soft_wrap=True,
         )
         return
-    title = f"ColorChecker seen by {name} with the {analysis.matrix.made_by} matrix"
+    seen = chart_title(analysis.chart).removeprefix("the ")
+    title = f"{seen} seen by {name} with the {analysis.matrix.made_by} matrix"
     table = Table(title=title, title_justify="left")
     heads = ("error Delta E*ab", "CIEDE2000", "Y dB", "sd L*", "sd a*", "sd b*", "noise Delta E*ab")
     for head in ("patch", *heads):
@@ -305,8 +307,8 @@ def print_matrix(matrix: ColorMatrix, report: MatrixReport, sensor_name: str) ->
     nir = report.nir_color or {}
     for line in (
         f"color error without noise: mean {number_text(report.color_error_mean)}, "
-        f"max {number_text(report.color_error_max)} Delta E*ab over the ColorChecker",
-        "SNR of a perfect white: " + ("saturated" if report.snr_db is None else _decibels(snr)),
+        f"max {number_text(report.color_error_max)} Delta E*ab over {report.chart}",
+        f"SNR of {report.patch}: " + ("saturated" if report.snr_db is None else _decibels(snr)),
         f"condition {number_text(report.condition)}, Kodak's Psi {number_text(report.psi)}",
         "NIR / visible response to a white: "
         + ", ".join(f"{n} {100 * v + 0.0:+.1f} %" for n, v in nir.items()),

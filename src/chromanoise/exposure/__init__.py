@@ -14,6 +14,7 @@ from chromanoise.exposure.operating_point import (
     conditions,
     level_in_words,
     light_and_exposure,
+    patch_scene,
     white_scene,
 )
 from chromanoise.exposure.rules import EQUAL_TERMS, equal_exposure, equal_light, equal_saturation
@@ -32,6 +33,7 @@ __all__ = [
     "level_in_words",
     "light_and_exposure",
     "measurement_vectors",
+    "patch_scene",
     "saturating_exposure",
     "time_to_saturation",
     "white_scene",

@@ -3,11 +3,15 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from chromanoise import _check
+from chromanoise._check import Array
+from chromanoise._shapes import Float
 from chromanoise.exposure.electrons import Exposure
 from chromanoise.scene import Scene, flat_field
 from chromanoise.sensor import Sensor
-from chromanoise.spectra import DEFAULT_OBSERVER, OBSERVERS, Illuminant
+from chromanoise.spectra import DEFAULT_OBSERVER, OBSERVERS, Illuminant, Spectra, chart_title
 
 _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _MOST_TIMES = 3
@@ -26,6 +30,10 @@ class OperatingPoint:
     observer
         The observer for which color matrices are made, from `chromanoise.spectra.OBSERVERS`. The
         illuminance is that of CIE 1931 for any observer.
+    chart
+        Reflectances for color error and total error, on the grid; ``None`` for the ColorChecker.
+    patch
+        The one reflectance that is analyzed, on the grid; ``None`` for a perfect white.
 
     Raises
     ------
@@ -38,15 +46,44 @@ class OperatingPoint:
     illuminant: Illuminant
     level_lux: float
     observer: str = DEFAULT_OBSERVER
+    chart: Spectra | None = None
+    patch: Spectra | None = None
 
     def __post_init__(self) -> None:
         _check.positive("level_lux", "lx", self.level_lux)
         _check.one_of("observer", self.observer, tuple(OBSERVERS))
+        for spectra in (self.chart, self.patch):
+            if spectra is not None:
+                size = len(spectra.wavelength_nm)
+                _check.same_length("wavelengths", reflectance=size, light=self.illuminant.grid.n)
+
+    @property
+    def patch_reflectance(self) -> Float[Array, " n"]:
+        """The reflectance that is analyzed: 1 without a patch."""
+        if self.patch is None:
+            return np.ones(self.illuminant.grid.n)
+        return self.patch.values[:, 0]
+
+    @property
+    def patch_name(self) -> str:
+        """The patch in words."""
+        return "a perfect white" if self.patch is None else f"patch {self.patch.names[0]}"
 
 
 def white_scene(operating_point: OperatingPoint) -> Scene:
     """A perfect white under this illuminant."""
     return flat_field(operating_point.illuminant, level_lux=operating_point.level_lux)
+
+
+def patch_scene(operating_point: OperatingPoint) -> Scene:
+    """The patch that is analyzed, under this illuminant; a perfect white without one."""
+    if operating_point.patch is None:
+        return white_scene(operating_point)
+    return Scene(
+        illuminant=operating_point.illuminant,
+        level_lux=operating_point.level_lux,
+        reflectance=operating_point.patch_reflectance,
+    )
 
 
 def conditions(points: Sequence[OperatingPoint]) -> str:
@@ -88,8 +125,14 @@ def light_and_exposure(points: Sequence[OperatingPoint]) -> str:
         time = ", ".join(f"{_duration(ms)} ({one.sensor.label})" for ms, one in pairs)
     else:
         time = f"{_duration(min(times_ms))} to {_duration(max(times_ms))}"
-    observer = "" if first.observer == DEFAULT_OBSERVER else f", observer {first.observer}"
-    return f"illuminant {first.illuminant.name}, {time}, f/{first.exposure.f_number:g}{observer}"
+    words = [f"illuminant {first.illuminant.name}, {time}, f/{first.exposure.f_number:g}"]
+    if first.observer != DEFAULT_OBSERVER:
+        words.append(f"observer {first.observer}")
+    if first.patch is not None:
+        words.append(first.patch_name)
+    if first.chart is not None:
+        words.append(f"chart {chart_title(first.chart)}")
+    return ", ".join(words)
 
 
 def _duration(ms: float) -> str:

@@ -11,19 +11,30 @@ from chromanoise.color import ColorMatrix, balanced_cielab, cie1976_difference
 from chromanoise.exposure import Exposure, expected_electrons
 from chromanoise.scene import Scene, light
 from chromanoise.sensor import Sensor
-from chromanoise.spectra import DEFAULT_OBSERVER, Illuminant, color_axes, colorchecker
+from chromanoise.spectra import DEFAULT_OBSERVER, Illuminant, Spectra, chart_on, color_axes
 
 
 @lru_cache(maxsize=64)  # reused for all levels of a sweep
 def chart_color_error(
-    sensor: Sensor, matrix: ColorMatrix, exposure: Exposure, illuminant: Illuminant
-) -> Float[Array, "24"] | None:
-    """CIE 1976 color difference of each ColorChecker patch, without noise. [Delta E*ab]
+    sensor: Sensor,
+    matrix: ColorMatrix,
+    exposure: Exposure,
+    illuminant: Illuminant,
+    chart: Spectra | None = None,
+) -> Float[Array, " k"] | None:
+    """CIE 1976 color difference of each patch of a chart, without noise. [Delta E*ab]
 
     ``None`` where X, Y or Z of the sensor's own white is not above 0.
 
     Sensor and observer are each white-balanced on their own perfect white: X, Y and Z are divided
     by those of a reflectance of 1, as the white balance of a camera does.
+
+    Parameters
+    ----------
+    sensor, matrix, exposure, illuminant
+        The sensor with its matrix and exposure, and the lamp.
+    chart
+        Reflectances on the sensor's grid; ``None`` for the ColorChecker.
 
     Raises
     ------
@@ -34,14 +45,18 @@ def chart_color_error(
     -----
     CIE 015:2018, eq. 8.3-8.6 and 8.21.
     """
-    lab = chart_lab(sensor, matrix, exposure, illuminant)
+    lab = chart_lab(sensor, matrix, exposure, illuminant, chart)
     return None if lab is None else frozen(cie1976_difference(*lab))
 
 
 def chart_ciede2000(
-    sensor: Sensor, matrix: ColorMatrix, exposure: Exposure, illuminant: Illuminant
-) -> Float[Array, "24"] | None:
-    """CIEDE2000 color difference of each ColorChecker patch, without noise. [1]
+    sensor: Sensor,
+    matrix: ColorMatrix,
+    exposure: Exposure,
+    illuminant: Illuminant,
+    chart: Spectra | None = None,
+) -> Float[Array, " k"] | None:
+    """CIEDE2000 color difference of each patch of a chart, without noise. [1]
 
     Parameters, errors and ``None`` as `chart_color_error`.
 
@@ -49,18 +64,22 @@ def chart_ciede2000(
     -----
     CIE 142-2001 (ISO/CIE 11664-6), by colour-science.
     """
-    lab = chart_lab(sensor, matrix, exposure, illuminant)
+    lab = chart_lab(sensor, matrix, exposure, illuminant, chart)
     return None if lab is None else _ciede2000(*lab)
 
 
 def chart_lab(
-    sensor: Sensor, matrix: ColorMatrix, exposure: Exposure, illuminant: Illuminant
-) -> tuple[Float[Array, "24 3"], Float[Array, "24 3"]] | None:
-    """L*, a*, b* of each ColorChecker patch for the observer and for the sensor, without noise.
+    sensor: Sensor,
+    matrix: ColorMatrix,
+    exposure: Exposure,
+    illuminant: Illuminant,
+    chart: Spectra | None = None,
+) -> tuple[Float[Array, "k 3"], Float[Array, "k 3"]] | None:
+    """L*, a*, b* of each patch for the observer and for the sensor, without noise.
 
     Parameters, errors and ``None`` as `chart_color_error`.
     """
-    scene = _white_and_chart(illuminant)
+    scene = _white_and_chart(illuminant, chart)
     truth = light(scene, "energy") @ color_axes(sensor.grid, "energy", matrix.observer)
     seen = expected_electrons(scene, sensor, exposure) @ matrix.matrix.T
     if not (seen[0] > 0).all():
@@ -74,6 +93,7 @@ def mean_chart_errors(
     exposure: Exposure,
     illuminant: Illuminant,
     observer: str = DEFAULT_OBSERVER,
+    chart: Spectra | None = None,
 ) -> Float[Array, " k"]:
     """Mean of `chart_color_error` for many matrices at once; NaN where it is ``None``. [Delta E*ab]
 
@@ -83,13 +103,15 @@ def mean_chart_errors(
         Color matrices for that sensor and exposure. [lx/e-]
     observer
         Their observer, from `chromanoise.spectra.OBSERVERS`.
+    sensor, exposure, illuminant, chart
+        As `chart_color_error`.
 
     Raises
     ------
     InputError
         As `chart_color_error`.
     """
-    scene = _white_and_chart(illuminant)
+    scene = _white_and_chart(illuminant, chart)
     truth = light(scene, "energy") @ color_axes(sensor.grid, "energy", observer)
     seen = expected_electrons(scene, sensor, exposure) @ np.swapaxes(matrices, -1, -2)
     known = (seen[:, 0] > 0).all(axis=-1)
@@ -99,10 +121,10 @@ def mean_chart_errors(
     return np.where(known, errors.mean(axis=-1), np.nan)
 
 
-def _white_and_chart(illuminant: Illuminant) -> Scene:
+def _white_and_chart(illuminant: Illuminant, chart: Spectra | None) -> Scene:
     grid = illuminant.grid
-    chart = np.vstack([np.ones(grid.n), colorchecker(grid).values.T])
-    return Scene(illuminant=illuminant, level_lux=1.0, reflectance=chart)
+    reflectance = np.vstack([np.ones(grid.n), chart_on(grid, chart).values.T])
+    return Scene(illuminant=illuminant, level_lux=1.0, reflectance=reflectance)
 
 
 def _ciede2000(first: Float[Array, "*px 3"], second: Float[Array, "*px 3"]) -> Float[Array, "*px"]:

@@ -1,6 +1,6 @@
 """Report on a color matrix: color error, noise, condition, noise gain Psi, near infrared."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -16,7 +16,7 @@ from chromanoise.metrics.snr import signal_snr_db
 from chromanoise.noise import saturated, with_noise
 from chromanoise.scene import flat_field, light
 from chromanoise.sensor import Sensor
-from chromanoise.spectra import INFRARED_FROM_NM, Illuminant, color_axes
+from chromanoise.spectra import INFRARED_FROM_NM, Illuminant, Spectra, chart_title, color_axes
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -28,11 +28,11 @@ class MatrixReport:
     made_by
         Method of the matrix.
     color_error_mean, color_error_max
-        CIE 1976 color difference over the ColorChecker, without noise; ``None`` where X, Y or Z
+        CIE 1976 color difference over the chart, without noise; ``None`` where X, Y or Z
         of the sensor's white is not above 0.
     snr_db
-        SNR of each coordinate of a perfect white; ``None`` for a coordinate without signal, and
-        ``None`` in place of the list where a channel is saturated. [dB]
+        SNR of each coordinate of the patch, by default a perfect white; ``None`` for a coordinate
+        without signal, and ``None`` in place of the list where a channel is saturated. [dB]
     condition
         Largest over smallest singular value of the white-normalized matrix; inf where it is
         rank-deficient.
@@ -45,7 +45,10 @@ class MatrixReport:
         Per coordinate, the norm of the effective filter beyond 700 nm over its norm in the
         visible. Positive and negative parts that cancel in ``nir_color`` do not cancel here.
 
-    Both are ``None`` where the visible part of a coordinate is zero.
+    chart, patch
+        What the color error and the SNR are of.
+
+    Both of the infrared are ``None`` where the visible part of a coordinate is zero.
     """
 
     made_by: str
@@ -56,6 +59,8 @@ class MatrixReport:
     psi: float
     nir_color: dict[str, float] | None
     nir_norm: dict[str, float] | None
+    chart: str = "the ColorChecker"
+    patch: str = "a perfect white"
 
 
 def effective_filters(
@@ -81,6 +86,8 @@ def matrix_report(
     illuminant: Illuminant,
     *,
     level_lux: float,
+    chart: Spectra | None = None,
+    patch: Spectra | None = None,
 ) -> MatrixReport:
     """Color error, noise of a perfect white, condition, Psi and near-infrared response of a matrix.
 
@@ -94,6 +101,10 @@ def matrix_report(
         The lamp that lights chart and white.
     level_lux
         Illuminance on the white. [lx]
+    chart
+        Reflectances for the color error; ``None`` for the ColorChecker.
+    patch
+        Reflectance whose SNR is reported; ``None`` for a perfect white.
 
     Raises
     ------
@@ -106,12 +117,17 @@ def matrix_report(
     axes = color_axes(sensor.grid, matrix.metric, matrix.observer)
     white_xyz = light(white, matrix.metric) @ axes
     normalized = white_normalized(matrix.matrix, white_e, white_xyz)
-    error = chart_color_error(sensor, matrix, exposure, illuminant)
-    decibels = signal_snr_db(colored(with_noise(white_e, sensor, exposure), matrix), white_xyz)
+    error = chart_color_error(sensor, matrix, exposure, illuminant, chart)
+    patch_e, patch_xyz = white_e, white_xyz
+    if patch is not None:
+        scene = replace(white, reflectance=patch.values[:, 0])
+        patch_e = expected_electrons(scene, sensor, exposure)
+        patch_xyz = light(scene, matrix.metric) @ color_axes(sensor.grid, matrix.metric)
+    decibels = signal_snr_db(colored(with_noise(patch_e, sensor, exposure), matrix), patch_xyz)
     filters = effective_filters(matrix, sensor, exposure)
     answers = filters * light(white, matrix.metric)[:, None]
     beyond = sensor.grid.wavelength_nm > INFRARED_FROM_NM
-    full = bool(saturated(white_e, sensor.pixel, exposure).any())
+    full = bool(saturated(patch_e, sensor.pixel, exposure).any())
     return MatrixReport(
         made_by=matrix.made_by,
         color_error_mean=None if error is None else float(error.mean()),
@@ -121,6 +137,8 @@ def matrix_report(
         psi=noise_gain(normalized),
         nir_color=_named(matrix, answers[beyond].sum(axis=0), answers[~beyond].sum(axis=0)),
         nir_norm=_named(matrix, *_norms(filters, beyond)),
+        chart=chart_title(chart),
+        patch="a perfect white" if patch is None else f"patch {patch.names[0]}",
     )
 
 

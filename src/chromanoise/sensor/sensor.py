@@ -4,6 +4,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Literal, get_args
 
+import numpy as np
+
 from chromanoise import _check, _notebook
 from chromanoise._check import Array
 from chromanoise._shapes import Float
@@ -119,9 +121,14 @@ def pixels_of(sensor: Sensor) -> int:
 
 
 def behind_filter(
-    sensor: Sensor, transmittance: Float[Array, " n"], *, name: str, note: str = ""
+    sensor: Sensor,
+    transmittance: Float[Array, " n"],
+    *,
+    name: str,
+    note: str = "",
+    channel: str | None = None,
 ) -> Sensor:
-    """The sensor behind one more filter, such as an IR-cut.
+    """The sensor behind one more filter, such as an IR-cut, on all channels or on one.
 
     Parameters
     ----------
@@ -133,11 +140,22 @@ def behind_filter(
         Name of the new sensor.
     note
         Note added to the notes of the new sensor.
+    channel
+        The channel that has the filter; ``None`` for all.
+
+    Raises
+    ------
+    InputError
+        If the sensor has no such channel, or a transmittance is outside 0 .. 1.
     """
+    if channel is not None:
+        _check.one_of(f"channel of {sensor.name}", channel, sensor.names)
     checked = _check.fraction(f"transmittance before {sensor.name}", "1", transmittance)
     _check.same_length("wavelengths", sensor=sensor.grid.n, transmittance=checked.size)
     notes = (*sensor.notes, note) if note else sensor.notes
-    return replace(sensor, name=name, qe=sensor.qe * checked[:, None], notes=notes)
+    behind = np.array([channel in (None, own) for own in sensor.names])
+    qe = np.where(behind, sensor.qe * checked[:, None], sensor.qe)
+    return replace(sensor, name=name, qe=qe, notes=notes)
 
 
 def with_channels(

@@ -57,6 +57,8 @@ if TYPE_CHECKING:
         read_spectra_csv,
     )
     from chromanoise.spectra.reflectances import (
+        chart_on,
+        chart_title,
         colorchecker,
         reflectance_named,
     )
@@ -75,6 +77,8 @@ __all__ = [
     "Spectra",
     "astm_g173",
     "black_body",
+    "chart_on",
+    "chart_title",
     "cie_1931",
     "cie_a",
     "cie_illuminant",

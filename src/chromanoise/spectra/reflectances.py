@@ -2,6 +2,7 @@
 
 import re
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 
@@ -25,6 +26,16 @@ def colorchecker(grid: Grid) -> Spectra:
     ('dark skin', 'white', (131, 24))
     """
     return on_grid(packaged_table("colorchecker"), grid)
+
+
+def chart_on(grid: Grid, chart: Spectra | None = None) -> Spectra:
+    """The reflectances of a chart; the ColorChecker if ``None``."""
+    return colorchecker(grid) if chart is None else chart
+
+
+def chart_title(chart: Spectra | None) -> str:
+    """The name of a chart: ``the ColorChecker``, or that of its file."""
+    return "the ColorChecker" if chart is None else Path(chart.source).name
 
 
 def reflectance_named(name: str, grid: Grid, *, beyond: Beyond = "refuse") -> Spectra:

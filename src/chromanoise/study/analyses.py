@@ -1,10 +1,10 @@
 """All results of one sensor at one operating point, and their conversion to plain data."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
-from chromanoise.analysis.analysis import Analysis, analyzed
+from chromanoise.analysis.analysis import Analysis, analyzed, of_white
 from chromanoise.analysis.camera_pipeline import PipelineNoise, pipeline_as_json, pipeline_noise
 from chromanoise.analysis.chart_patches import ChartNoise, chart_as_json, chart_noise
 from chromanoise.analysis.color_matrices import MatrixMaker
@@ -12,7 +12,7 @@ from chromanoise.analysis.color_space_noise import GrayNoise, gray_noise, gray_n
 from chromanoise.analysis.export import analyses_as_json, budgets_as_json
 from chromanoise.analysis.figures_of_merit.merits import Merits, merits_as_json, merits_of
 from chromanoise.color import SPACES, UNBOUNDED
-from chromanoise.exposure import OperatingPoint, white_scene
+from chromanoise.exposure import OperatingPoint, patch_scene
 from chromanoise.noise import Readout
 from chromanoise.spectra import Illuminant
 from chromanoise.study.assembly import keyed
@@ -45,7 +45,9 @@ class Outcome:
 def analysis_of(
     operating_point: OperatingPoint, maker: MatrixMaker, outputs: OutputsPart
 ) -> Analysis:
-    """Every stage of a sensor for a perfect white, clipped where the outputs ask for it.
+    """Every stage of a sensor for the patch, by default a perfect white.
+
+    Clipped where the outputs ask for it.
 
     Results and charts of a study use this function, so that they show the same numbers.
 
@@ -61,13 +63,14 @@ def analysis_of(
     """
     sensor = operating_point.sensor
     clipping = Readout(black_e=0.0, full_well_e=sensor.pixel.full_well_e)
-    return analyzed(
-        white_scene(operating_point),
+    analysis = analyzed(
+        patch_scene(operating_point),
         sensor,
         operating_point.exposure,
         readout=clipping if outputs.clip else None,
         matrix=maker(operating_point),
     )
+    return replace(analysis, chart=operating_point.chart, patch=operating_point.patch)
 
 
 def outcome_of(
@@ -102,7 +105,7 @@ def outcome_of(
         analysis=analysis,
         grey_noise=gray_noise(analysis, space, readout=readout) if space else None,
         chart=chart_noise(analysis, readout=readout or UNBOUNDED) if outputs.chart else None,
-        merits=merits_of(analysis, maker=maker) if outputs.merit else None,
+        merits=merits_of(of_white(analysis), maker=maker) if outputs.merit else None,
         pipeline=_pipeline(analysis, outputs.pipeline, balance_light, readout)
         if outputs.pipeline.run
         else None,

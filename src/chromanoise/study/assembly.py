@@ -6,8 +6,15 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any
 
-from chromanoise.analysis.color_matrices import MatrixMaker, matrix_makers
+from chromanoise import _check
+from chromanoise.analysis.color_matrices import MatrixMaker, matrix_makers, trained_names
+from chromanoise.analysis.priors import DEFAULT_PRIOR, PRIORS
 from chromanoise.catalog import idle_answers, on_pixel, sensor_with_pixel
+from chromanoise.catalog.reflectances import (
+    is_reflectance_file,
+    resolve_patch,
+    resolve_reflectances,
+)
 from chromanoise.catalog.resolve import (
     behind_resolved_filter,
     file_of,
@@ -29,8 +36,14 @@ from chromanoise.sensor import (
     with_crosstalk,
     with_shifted_curves,
 )
-from chromanoise.spectra import Illuminant, infrared_parts
-from chromanoise.study.document import PicturePart, PixelPart, SensorPart, Study
+from chromanoise.spectra import Illuminant, Spectra, infrared_parts
+from chromanoise.study.document import (
+    PicturePart,
+    PixelPart,
+    ReflectancesPart,
+    SensorPart,
+    Study,
+)
 
 _OF_ANSWERS = ("scale", "level", "per", "wavelength_unit", "peak_qe")
 
@@ -172,9 +185,18 @@ def idle_settings(study: Study, given: Given = NOTHING_GIVEN) -> list[InputError
             for name in ("per", "column", "wavelength_unit")
             if getattr(light, name) is not None
         ]
+    own = study.reflectances
+    words = [word for word in (own.chart, own.patch, study.prior) if isinstance(word, str)]
+    if not any(is_reflectance_file(word) for word in words):
+        errors += [
+            _idle(f"reflectances.{name}", getattr(own, name), "a study without such a file")
+            for name in ("scale", "wavelength_unit", "beyond")
+            if getattr(own, name) is not None
+        ]
     for i, part in enumerate(study.sensors):
         unit = part.filter_wavelength_unit
-        if unit and (part.filter is None or not is_file_word(part.filter, "filter")):
+        filters = [*filter(None, [part.filter]), *(part.channel_filters or {}).values()]
+        if unit and not any(is_file_word(word, "filter") for word in filters):
             errors.append(
                 _idle(f"sensors.{i}.filter_wavelength_unit", unit, part.filter or "no filter")
             )
@@ -212,6 +234,7 @@ def operating_points_in(
     """
     light = study.light
     white = flat_field(illuminant, level_lux=light.level_lux)
+    chart, patch = chart_of(study), patch_of(study)
     return [
         OperatingPoint(
             sensor=sensor,
@@ -219,6 +242,8 @@ def operating_points_in(
             illuminant=illuminant,
             level_lux=light.level_lux,
             observer=study.observer,
+            chart=chart,
+            patch=patch,
         )
         for sensor, exposure in zip(sensors, _exposures(study, white, sensors), strict=True)
     ]
@@ -272,6 +297,66 @@ def light_answers_of(study: Study) -> Answers:
     )
 
 
+def chart_of(study: Study) -> Spectra | None:
+    """The reflectances of the study's chart; ``None`` for the ColorChecker.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, or its curves do not cover the grid and nothing extends them.
+    """
+    word = study.reflectances.chart
+    if word is None:
+        return None
+    with keyed("reflectances.chart", _reflectance_key):
+        return resolve_reflectances(word, answers=_reflectance_answers(study))
+
+
+def patch_of(study: Study) -> Spectra | None:
+    """The reflectance that the study analyzes; ``None`` for a perfect white.
+
+    Raises
+    ------
+    InputError
+        As `chart_of`, or if there is no such patch.
+    """
+    word = study.reflectances.patch
+    if word is None:
+        return None
+    with keyed("reflectances.patch", _reflectance_key):
+        return resolve_patch(word, answers=_reflectance_answers(study))
+
+
+def prior_of(study: Study) -> str | Spectra:
+    """The training set of the study: the name of a prior, or the reflectances of a file.
+
+    Raises
+    ------
+    InputError
+        As `chart_of`.
+    """
+    if study.prior in PRIORS or not trained_names(study.matrices):
+        return study.prior if study.prior in PRIORS else DEFAULT_PRIOR
+    with keyed("prior", _reflectance_key):
+        return resolve_reflectances(study.prior, answers=_reflectance_answers(study))
+
+
+def _reflectance_answers(study: Study) -> Answers:
+    own, first = study.reflectances, study.sensors[0]
+    return Answers(
+        beyond=own.beyond or first.beyond,
+        negatives=first.negatives,
+        scale=own.scale,
+        wavelength_unit=own.wavelength_unit,
+    )
+
+
+def _reflectance_key(name: str) -> str:
+    if name in ("beyond", "negatives"):
+        return f"sensors.0.{name}"
+    return f"reflectances.{name}" if name in ReflectancesPart.model_fields else name
+
+
 def sensor_of(part: SensorPart, *, key: str = "sensors.0", given: Given = NOTHING_GIVEN) -> Sensor:
     """A sensor of the study: shifted first, then behind its filter and the added IR-cut.
 
@@ -301,14 +386,16 @@ def sensor_of(part: SensorPart, *, key: str = "sensors.0", given: Given = NOTHIN
         with keyed(f"{key}.pixel.binning"):
             sensor = with_binning(sensor, part.pixel.binning, part.pixel.binning_mode or "charge")
     sensor = with_shifted_curves(sensor, part.shift_nm)
+    answers = Answers(
+        beyond=part.beyond, negatives=part.negatives, wavelength_unit=part.filter_wavelength_unit
+    )
     if part.filter is not None:
-        answers = Answers(
-            beyond=part.beyond,
-            negatives=part.negatives,
-            wavelength_unit=part.filter_wavelength_unit,
-        )
         with keyed(f"{key}.filter", lambda name: f"{key}.{_FILTER_KEYS.get(name, name)}"):
             sensor = behind_resolved_filter(sensor, part.filter, answers=answers)
+    for channel, word in (part.channel_filters or {}).items():
+        with keyed(f"{key}.channel_filters", lambda name: f"{key}.{_FILTER_KEYS.get(name, name)}"):
+            _check.one_of("channel_filters", channel, sensor.names)
+            sensor = behind_resolved_filter(sensor, word, answers=answers, channel=channel)
     if part.ircut_nm is not None:
         sensor = behind_ir_cut(sensor, part.ircut_nm)
     return replace(_with_crosstalk(sensor, part, key), shown_as=part.label or sensor.shown_as)
@@ -403,6 +490,8 @@ def unresolved(study: Study) -> list[InputError]:
 
     tried(partial(illuminant_of, study))
     tried(partial(balance_light_of, study))
+    for make in (chart_of, patch_of, prior_of):
+        tried(partial(make, study))
     sensors = [
         tried(partial(sensor_of, part, key=f"sensors.{i}")) for i, part in enumerate(study.sensors)
     ]
@@ -422,7 +511,7 @@ def makers_of(study: Study) -> Mapping[str, MatrixMaker]:
         If one is repeated.
     """
     with keyed("matrices", str):
-        return matrix_makers(study.matrices, study.metric, prior=study.prior)  # type: ignore[arg-type]
+        return matrix_makers(study.matrices, study.metric, prior=prior_of(study))  # type: ignore[arg-type]
 
 
 def _mosaic_fits(number: int, part: PicturePart, sensors: Sequence[Sensor | None]) -> None:

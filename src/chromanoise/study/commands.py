@@ -35,6 +35,7 @@ FLAGS: Mapping[str, Mapping[str, str]] = {
 
 OTHER_NAMES: Mapping[str, str] = {
     "columns": "column",
+    "channel_filters": "channel_filter",
     "formats": "format",
     "vary": "sweep",
     "first": "sweep",
@@ -293,8 +294,9 @@ def _options(settings: Mapping[str, Any]) -> list[str]:
         option = option_of(name, value)
         if name in PER_SENSOR:
             words += [word for one in value for word in (option, one)]
-            continue
-        if value is True or option in FLAGS.get(name, {}).values():
+        elif isinstance(value, Mapping):
+            words += [part for key, own in value.items() for part in (option, f"{key}={own}")]
+        elif value is True or option in FLAGS.get(name, {}).values():
             words.append(option)
         elif value is not False:
             words += [option, _word(name, value)]

@@ -27,6 +27,7 @@ from chromanoise.analysis.color_matrices import (
 from chromanoise.analysis.comparison.quantities import QUANTITIES
 from chromanoise.analysis.comparison.sweeps import SWEEPS
 from chromanoise.analysis.priors import DEFAULT_PRIOR, PRIORS
+from chromanoise.catalog.reflectances import is_reflectance_file
 from chromanoise.color import SPACES, TONES
 from chromanoise.errors import InputError, Setting, StudyError, did_you_mean
 from chromanoise.imaging import DEMOSAICING
@@ -81,6 +82,10 @@ def _known_matrix(name: str, info: Any) -> str:
     _one_of(info.field_name, name.partition("=")[0].strip(), tuple(METHODS))
     matrix_makers([name], "quanta")  # checks its parameter
     return name
+
+
+def _known_prior(name: str, info: Any) -> str:
+    return name if is_reflectance_file(name) else _one_of(info.field_name, name, tuple(PRIORS))
 
 
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
@@ -217,6 +222,42 @@ def _printable(text: str, info: Any) -> str:
     return text
 
 
+class ReflectancesPart(_Part):
+    """The reflectances that replace the ColorChecker and the perfect white."""
+
+    chart: str | None = Field(
+        None,
+        description="File of reflectances for color error, noise per patch and total error; "
+        "default: the ColorChecker.",
+    )
+    patch: float | str | None = Field(
+        None,
+        description="The patch that is analyzed: a number, e.g. 0.18, a patch of the ColorChecker "
+        "or of the catalog, FILE or FILE:NAME; default: a perfect white.",
+    )
+    scale: Literal["percent", "fraction"] | None = Field(
+        None, description="Whether the files of reflectances are percent or fractions."
+    )
+    wavelength_unit: Unit | None = Field(
+        None, description="Unit of the wavelengths in files of reflectances without one."
+    )
+    beyond: Beyond | None = Field(
+        None,
+        description="Values outside the range of the curves, also of the prior: refuse, zero or "
+        "hold; default: that of the first sensor.",
+    )
+
+    @field_validator("patch", mode="before")
+    @classmethod
+    def _number_or_name(cls, given: Any) -> Any:
+        """Give one error message; the schema alone would give one for each type of value."""
+        if given is None or isinstance(given, str):
+            return given
+        if isinstance(given, bool) or not isinstance(given, int | float):
+            raise ValueError("must be a number from 0 to 1, a name or a file")
+        return _check.within("patch", "1", float(given), 0.0, 1.0)
+
+
 class SensorPart(_Part):
     """One sensor."""
 
@@ -234,6 +275,9 @@ class SensorPart(_Part):
     pixel: PixelPart = Field(PixelPart(), description="Changes to its pixel.")
     filter: str | None = Field(
         None, description="Filter on the sensor: ircut-650 or another of the catalog, or a file."
+    )
+    channel_filters: dict[str, str] | None = Field(
+        None, description="Filters of single channels, as filter: R = ircut-650, W = a file."
     )
     filter_wavelength_unit: Unit | None = Field(
         None, description="Unit of the wavelengths, where the filter's file does not declare it."
@@ -653,9 +697,12 @@ class Study(_Part):
         (DEFAULT_METHOD,),
         description=f"Color matrices: {', '.join(METHODS)}; ridge=0.01; or files.",
     )
-    prior: Annotated[str, _known(PRIORS)] = Field(
+    prior: Annotated[str, AfterValidator(_known_prior)] = Field(
         DEFAULT_PRIOR,
-        description=f"Training set of trained matrices: {', '.join(PRIORS)}.",
+        description=f"Training set of trained matrices: {', '.join(PRIORS)}; or a file.",
+    )
+    reflectances: ReflectancesPart = Field(
+        ReflectancesPart(), description="Own reflectances as chart and as patch."
     )
     sweeps: Annotated[
         tuple[SweepPart, ...],

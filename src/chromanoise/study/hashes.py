@@ -10,13 +10,24 @@ from typing import Any, Literal
 from chromanoise import __version__
 from chromanoise._inputs import regular_file
 from chromanoise.catalog.entries import catalog_folder
+from chromanoise.catalog.reflectances import is_reflectance_file, reflectance_files
 from chromanoise.catalog.resolve import file_of, filter_files, illuminant_files, sensor_files
 from chromanoise.errors import InputError
 from chromanoise.io.given_matrices import is_matrix_file
 from chromanoise.io.spectra.envi import DATA_SUFFIXES, envi_pair
 from chromanoise.study.document import BALANCE_WORDS, Study
 
-Kind = Literal["light", "sensor", "filter", "pixel", "crosstalk", "matrix", "cube", "wavelengths"]
+Kind = Literal[
+    "light",
+    "sensor",
+    "filter",
+    "pixel",
+    "crosstalk",
+    "matrix",
+    "reflectance",
+    "cube",
+    "wavelengths",
+]
 """Of what a word of a study may name a file."""
 
 
@@ -58,11 +69,16 @@ def with_file_words(study: Study, told: Callable[[FileWord], str]) -> Study:
     sensors = []
     for i, part in enumerate(study.sensors):
         file = word(f"sensors.{i}.pixel.file", "pixel", part.pixel.file)
-        words = {
+        words: dict[str, Any] = {
             "name": word(f"sensors.{i}.name", "sensor", part.name),
             "filter": word(f"sensors.{i}.filter", "filter", part.filter),
             "pixel": part.pixel.model_copy(update={"file": file}),
         }
+        if part.channel_filters is not None:
+            words["channel_filters"] = {
+                channel: word(f"sensors.{i}.channel_filters.{channel}", "filter", was)
+                for channel, was in part.channel_filters.items()
+            }
         if isinstance(part.crosstalk, str):
             words["crosstalk"] = word(f"sensors.{i}.crosstalk", "crosstalk", part.crosstalk)
         sensors.append(part.model_copy(update=words))
@@ -77,10 +93,22 @@ def with_file_words(study: Study, told: Callable[[FileWord], str]) -> Study:
         word(f"matrices.{i}", "matrix", name) if is_matrix_file(name) else name
         for i, name in enumerate(study.matrices)
     ]
+    own = study.reflectances
+    named = {"reflectances.chart": own.chart, "reflectances.patch": own.patch, "prior": study.prior}
+    told_of = {
+        key: word(key, "reflectance", was)
+        if isinstance(was, str) and (key == "reflectances.chart" or is_reflectance_file(was))
+        else was
+        for key, was in named.items()
+    }
+    prior = told_of.pop("prior")
+    reflectances = {key.rpartition(".")[2]: value for key, value in told_of.items()}
     parts: dict[str, Any] = {
         "sensors": tuple(sensors),
         "matrices": tuple(matrices),
         "pictures": tuple(pictures),
+        "prior": prior,
+        "reflectances": own.model_copy(update=reflectances),
     }
     outputs, balance = study.outputs, study.outputs.pipeline.white_balance
     if isinstance(balance, str) and balance not in BALANCE_WORDS:
@@ -114,6 +142,8 @@ def files_of_word(one: FileWord) -> tuple[Path, ...]:
     try:
         if one.kind in ("pixel", "crosstalk", "matrix", "wavelengths"):
             return (file_of(one.word),)
+        if one.kind == "reflectance":
+            return reflectance_files(one.word) or (file_of(one.word),)
         if one.kind == "cube":
             built_in = one.word.startswith("builtin:")
             return () if built_in else tuple(cube_files(file_of(one.word)))

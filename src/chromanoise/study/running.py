@@ -30,6 +30,7 @@ from chromanoise.study.assembly import (
     keyed,
     makers_of,
     operating_points_of,
+    prior_of,
 )
 from chromanoise.study.document import Study, SweepPart
 from chromanoise.study.pictures import (
@@ -292,12 +293,19 @@ def _matrix(
     advance: Advance,
 ) -> Matrices:
     results = []
+    prior = prior_of(study)
     for point in points:
         made = maker(point)
         report = matrix_report(
-            made, point.sensor, point.exposure, point.illuminant, level_lux=point.level_lux
+            made,
+            point.sensor,
+            point.exposure,
+            point.illuminant,
+            level_lux=point.level_lux,
+            chart=point.chart,
+            patch=point.patch,
         )
-        curve = None if weights is None else pareto_of(point, weights, prior=study.prior)
+        curve = None if weights is None else pareto_of(point, weights, prior=prior)
         white_e = expected_electrons(white_scene(point), point.sensor, point.exposure)
         results.append(
             MatrixResult(point=point, matrix=made, report=report, white_e=white_e, pareto=curve)

@@ -1,5 +1,6 @@
 """Types, defaults and descriptions of settings, for docstrings and for the help of options."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from types import UnionType
 from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
@@ -126,6 +127,9 @@ def _type_text(annotation: Any) -> str:
         return " or ".join(_type_text(one) for one in get_args(annotation))
     if get_origin(annotation) is tuple:
         return f"({', '.join(_type_text(one) for one in get_args(annotation))})"
+    if get_origin(annotation) is Mapping:
+        key, value = map(_type_text, get_args(annotation))
+        return f"mapping of {key} to {value}"
     if get_args(annotation):
         return f"sequence of {_type_text(get_args(annotation)[0])}"
     return str(annotation.__name__)

@@ -40,7 +40,7 @@ class SharedSettings(TypedDict, total=False):
     magnification: Annotated[float, "exposure.magnification"]
     metric: Annotated[str, "metric"]
     observer: Annotated[str, "observer"]
-    prior: Annotated[str, "prior"]
+    prior: Annotated[str | Path, "prior"]
     labels: Annotated[Sequence[str], "sensors.*.label"]
     beyond: Annotated[Extrapolation, "sensors.*.beyond"]
     negatives: Annotated[Negatives, "sensors.*.negatives", "light.negatives"]
@@ -69,12 +69,23 @@ class SharedSettings(TypedDict, total=False):
     crosstalk_stage: Annotated[Literal["light", "charge"], "sensors.*.crosstalk_stage"]
     mosaic: Annotated[str, "sensors.*.mosaic"]
     filter: Annotated[str | Path, "sensors.*.filter"]
+    channel_filters: Annotated[Mapping[str, str | Path], "sensors.*.channel_filters"]
     filter_wavelength_unit: Annotated[Unit, "sensors.*.filter_wavelength_unit"]
     ircut_nm: Annotated[float, "sensors.*.ircut_nm"]
     shift_nm: Annotated[float, "sensors.*.shift_nm"]
 
 
-class AnalysisSettings(SharedSettings, total=False):
+class _ReflectanceSettings(SharedSettings, total=False):
+    """Settings of own reflectances, which pictures do not use."""
+
+    chart_file: Annotated[str | Path, "reflectances.chart"]
+    patch: Annotated[float | str | Path, "reflectances.patch"]
+    reflectance_scale: Annotated[Literal["percent", "fraction"], "reflectances.scale"]
+    reflectance_wavelength_unit: Annotated[Unit, "reflectances.wavelength_unit"]
+    reflectance_beyond: Annotated[Extrapolation, "reflectances.beyond"]
+
+
+class AnalysisSettings(_ReflectanceSettings, total=False):
     """Settings of an analysis."""
 
     clip: Annotated[bool, "outputs.clip"]
@@ -94,7 +105,7 @@ class AnalysisSettings(SharedSettings, total=False):
     iso_read_noise_e: Annotated[Sequence[float], "outputs.pipeline.iso_read_noise_e"]
 
 
-class SweepSettings(SharedSettings, total=False):
+class SweepSettings(_ReflectanceSettings, total=False):
     """Settings of a sweep."""
 
     vary: Annotated[str, "sweeps.0.vary"]
@@ -119,7 +130,7 @@ class MapSettings(SweepSettings, total=False):
     second_points: Annotated[int, "sweeps.0.second.points"]
 
 
-class MatrixSettings(SharedSettings, total=False):
+class MatrixSettings(_ReflectanceSettings, total=False):
     """Settings of a color matrix, and of its curve of color error against noise."""
 
     pareto_first: Annotated[float, "outputs.pareto.first"]

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -66,9 +67,16 @@ class Quantity:
     over_levels: Callable[..., Array] | None = None
 
 
+def _patch_at(operating_point: OperatingPoint, matrix: ColorMatrix, **more: Any) -> Stages:
+    """The stages of the patch that is analyzed, by default a perfect white."""
+    if operating_point.patch is not None:
+        more["reflectance"] = operating_point.patch_reflectance
+    return stages_at(operating_point, matrix, **more)
+
+
 def color_snr(operating_point: OperatingPoint, matrix: ColorMatrix, *, coordinate: str) -> float:
-    """SNR of X, Y or Z of a perfect white; NaN where it has none. [dB]"""
-    return float(_color_snr(stages_at(operating_point, matrix), coordinate))
+    """SNR of X, Y or Z of the patch, by default a perfect white; NaN where it has none. [dB]"""
+    return float(_color_snr(_patch_at(operating_point, matrix), coordinate))
 
 
 def color_snr_over_levels(
@@ -92,7 +100,7 @@ def color_snr_over_levels(
     matrices
         One per level, in place of the numbers of ``matrix``. [lx/e-]
     """
-    at = stages_at(operating_point, matrix, level_lux=level_lux, lux_per_e=matrices)
+    at = _patch_at(operating_point, matrix, level_lux=level_lux, lux_per_e=matrices)
     return _color_snr(at, coordinate)
 
 
@@ -128,7 +136,7 @@ def fullest_level_lux(operating_point: OperatingPoint) -> float | None:
 
 def best_snr(operating_point: OperatingPoint, matrix: ColorMatrix) -> float:
     """SNR of the best linear readout of a perfect white, whatever the matrix. [dB]"""
-    return float(stages_at(operating_point, matrix).optimal_linear_snr_db)
+    return float(_patch_at(operating_point, matrix).optimal_linear_snr_db)
 
 
 def best_snr_over_levels(
@@ -139,12 +147,12 @@ def best_snr_over_levels(
     matrices: Float[Array, "k c p"] | None = None,
 ) -> Float[Array, " k"]:
     """`best_snr` at many light levels; parameters as `color_snr_over_levels`. [dB]"""
-    return stages_at(operating_point, matrix, level_lux=level_lux).optimal_linear_snr_db
+    return _patch_at(operating_point, matrix, level_lux=level_lux).optimal_linear_snr_db
 
 
 def color_loss(operating_point: OperatingPoint, matrix: ColorMatrix) -> float:
     """How far SNR of Y stays below the best linear readout. [dB]"""
-    at = stages_at(operating_point, matrix)
+    at = _patch_at(operating_point, matrix)
     return float(at.optimal_linear_snr_db - _color_snr(at, "Y"))
 
 
@@ -156,20 +164,24 @@ def color_loss_over_levels(
     matrices: Float[Array, "k c p"] | None = None,
 ) -> Float[Array, " k"]:
     """`color_loss` at many light levels; parameters as `color_snr_over_levels`. [dB]"""
-    at = stages_at(operating_point, matrix, level_lux=level_lux, lux_per_e=matrices)
+    at = _patch_at(operating_point, matrix, level_lux=level_lux, lux_per_e=matrices)
     return at.optimal_linear_snr_db - _color_snr(at, "Y")
 
 
 def color_error(operating_point: OperatingPoint, matrix: ColorMatrix) -> float:
-    """Mean over the ColorChecker, without noise; NaN where the white is no color. [Delta E*ab]"""
+    """Mean over the chart, without noise; NaN where the white is no color. [Delta E*ab]"""
     error = chart_color_error(
-        operating_point.sensor, matrix, operating_point.exposure, operating_point.illuminant
+        operating_point.sensor,
+        matrix,
+        operating_point.exposure,
+        operating_point.illuminant,
+        operating_point.chart,
     )
     return float("nan") if error is None else float(error.mean())
 
 
 def total_error(operating_point: OperatingPoint, matrix: ColorMatrix) -> float:
-    """Bias and noise together, mean over the ColorChecker; NaN without a color. [Delta E*ab]"""
+    """Bias and noise together, mean over the chart; NaN without a color. [Delta E*ab]"""
     error = total_errors(operating_point, matrix)
     return float("nan") if error is None else float(error.total.mean())
 
@@ -184,6 +196,7 @@ def color_errors(
         operating_point.exposure,
         operating_point.illuminant,
         operating_point.observer,
+        operating_point.chart,
     )
 
 

@@ -1,0 +1,193 @@
+"""Resolve the reflectances that a study names: its chart, its prior, the patch it analyzes."""
+
+import os
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from chromanoise import _check
+from chromanoise.catalog.resolve import file_of
+from chromanoise.errors import InputError, did_you_mean
+from chromanoise.io.spectra import ASK, Answers, library_files, read_curves
+from chromanoise.spectra import (
+    DEFAULT_GRID,
+    SMALL_NEGATIVES,
+    Spectra,
+    colorchecker,
+    means_on_grid,
+    reflectance_named,
+    refuse_outside,
+    used_on_grid,
+)
+from chromanoise.spectra.tables import catalogue_tables
+
+MOST_REFLECTANCE = 2.0
+"""Highest reflectance that is accepted; fluorescence and gloss exceed 1."""
+
+_ENDING = re.compile(r"\.[A-Za-z]\w*$")
+_FILE_KINDS = ("reflectance", "transmittance", None)
+
+
+def is_reflectance_file(word: str, folder: Path = Path()) -> bool:
+    """Whether a word for reflectances names a file, also with ``:NAME`` of one of its curves.
+
+    Parameters
+    ----------
+    word
+        The word.
+    folder
+        The folder to which a file name is relative.
+
+    Examples
+    --------
+    >>> [is_reflectance_file(word) for word in ("cards.csv", "cards.csv:red", "dark skin", "lawn")]
+    [True, True, False, False]
+    """
+    if word in _known_patches():
+        return False
+    return any(
+        name.startswith((".", "/", "~"))
+        or "/" in name
+        or _ENDING.search(name)
+        or os.path.isfile(folder / name)  # noqa: PTH113 - also accepts names that are too long
+        for name in (word, *_heads(word))
+    )
+
+
+def reflectance_files(word: str) -> tuple[Path, ...]:
+    """The files on which a word for reflectances depends; none if it is a name.
+
+    Raises
+    ------
+    InputError
+        If the data file of a header is missing.
+    """
+    return library_files(_file_and_name(word)[0]) if is_reflectance_file(word) else ()
+
+
+def resolve_reflectances(word: str, *, answers: Answers = ASK) -> Spectra:
+    """The reflectances in a file, on the default grid, 400-1050 nm.
+
+    Parameters
+    ----------
+    word
+        The file, in any format of `read_curves`.
+    answers
+        The user's answers about it; ``beyond`` extrapolates curves that do not cover the grid.
+
+    Raises
+    ------
+    InputError
+        If there is no such file, it cannot be read, holds another quantity, does not cover
+        400-1050 nm and ``answers.beyond`` is ``refuse``, or a value is not 0 .. 2.
+    """
+    file = file_of(word)
+    if not os.path.lexists(file):
+        raise InputError(word, "cannot be read (No such file or directory)")
+    read = read_curves(file, answers=replace(answers, quantity="reflectance"))
+    declared = read_curves(file, answers=answers).quantity
+    if declared not in _FILE_KINDS:
+        raise InputError(
+            str(file), "must hold reflectances", value=declared, found=f"holds {declared}"
+        )
+    notes = (*read.curves.notes, *read.notes, *read.defects)
+    curves = replace(read.curves, notes=notes, quantity="reflectance", unit="1")
+    remedy = "divide percent by 100" if curves.values.max() > MOST_REFLECTANCE else SMALL_NEGATIVES
+    used = used_on_grid(curves.wavelength_nm, DEFAULT_GRID)
+    refuse_outside(curves, high=MOST_REFLECTANCE, remedy=remedy, used=used)
+    return means_on_grid(curves, DEFAULT_GRID, beyond=answers.beyond)
+
+
+def resolve_patch(word: str | float, *, answers: Answers = ASK) -> Spectra:
+    """One reflectance, on the default grid, 400-1050 nm.
+
+    Parameters
+    ----------
+    word
+        A number, the name of a ColorChecker patch, a reflectance of the catalog (``lawn``,
+        ``gray-18``), or ``FILE`` or ``FILE:NAME`` of a file for `resolve_reflectances`.
+    answers
+        As for `resolve_reflectances`.
+
+    Raises
+    ------
+    InputError
+        If there is no such patch, several curves leave open which, or as `resolve_reflectances`.
+
+    Examples
+    --------
+    >>> resolve_patch(0.18).values[:2, 0]
+    array([0.18, 0.18])
+    >>> resolve_patch("dark skin").names
+    ('dark skin',)
+    """
+    if not isinstance(word, str):
+        share = _check.within("patch", "1", word, 0.0, 1.0)
+        flat = colorchecker(DEFAULT_GRID)
+        values = np.full((DEFAULT_GRID.n, 1), share)
+        return replace(flat, values=values, names=(f"{share:g}",), source=f"{share:g}", notes=())
+    chart = colorchecker(DEFAULT_GRID)
+    if word in chart.names:
+        return _one(chart, word)
+    if is_reflectance_file(word):
+        file, name = _file_and_name(word)
+        return _one(resolve_reflectances(str(file), answers=answers), name)
+    if not re.fullmatch(r"gray-[\d.]+", word):
+        _refuse_unknown(word)
+    return _one(reflectance_named(word, DEFAULT_GRID, beyond=answers.beyond), "")
+
+
+def _refuse_unknown(word: str) -> None:
+    known = _known_patches()
+    if word not in known:
+        otherwise = "give a number, a file, or a patch of the ColorChecker, e.g. dark skin"
+        raise InputError(
+            "patch",
+            "must be a number, a file, or a known name",
+            value=word,
+            remedy=did_you_mean(word, known, otherwise, most=2, cutoff=0.6),
+        )
+
+
+def _known_patches() -> tuple[str, ...]:
+    return (*colorchecker(DEFAULT_GRID).names, *catalogue_tables("reflectance"))
+
+
+def _one(spectra: Spectra, name: str) -> Spectra:
+    """One curve; the only one if the name is empty."""
+    if not name and len(spectra.names) != 1:
+        listed = ", ".join(spectra.names[:8])
+        raise InputError(
+            "patch",
+            "must name one of several curves, as FILE:NAME",
+            value=spectra.source,
+            found=f"names none of the {len(spectra.names)} of {spectra.source} ({listed})",
+        )
+    wanted = name or spectra.names[0]
+    if wanted not in spectra.names:
+        raise InputError(
+            "patch",
+            f"must be a curve of {spectra.source}",
+            value=wanted,
+            remedy=did_you_mean(
+                wanted, spectra.names, f"it has {', '.join(spectra.names[:8])}", most=2, cutoff=0.6
+            ),
+        )
+    column = spectra.names.index(wanted)
+    return replace(spectra, values=spectra.values[:, [column]], names=(wanted,))
+
+
+def _heads(word: str) -> list[str]:
+    """What stands before each colon, the longest first."""
+    return [word[:i] for i in range(len(word) - 1, 0, -1) if word[i] == ":"]
+
+
+def _file_and_name(word: str) -> tuple[Path, str]:
+    """The file, and the name of one of its curves; empty if none is given."""
+    for head in (word, *_heads(word)):
+        if file_of(head).exists():
+            return file_of(head), word[len(head) + 1 :]
+    head = next((one for one in _heads(word) if _ENDING.search(one)), word)
+    return file_of(head), word[len(head) + 1 :]
