@@ -94,6 +94,7 @@ VALUES = {  # by the name of an option or argument; a command's own as "command.
     "crosstalk": ["0.1", "0", "mix.csv"],
     "binning": ["1", "4"],
     "labels": ["small"],
+    "prior": ["chart", "chart-nir", "filter.csv"],
     "observer": ["cie-1964-10", "cie-2015-2"],
     "second": ["f-number=1.4:8", "prnu=0:0.02:3"],
     "channel_filters": ["R=ircut-650", "G=filter.csv", "W=ircut-650", "R"],

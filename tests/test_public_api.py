@@ -280,7 +280,7 @@ def test_numbers_of_numpy_and_paths_are_numbers_and_names():
     ("function", "word", "remedy"),
     [
         ("analyze", "lx", "did you mean lux?"),
-        ("analyze", "vary", "it is one of compare"),
+        ("analyze", "vary", "it is one of compare and compare_map"),
         ("analyze", "matrices", "did you mean metric or matrix?"),
         ("compare", "matrix", "did you mean matrices?"),
         ("compare", "clip", "it is one of analyze and render"),
