@@ -776,3 +776,17 @@ def test_sources_of_a_negative_size_are_refused():
 def test_noise_of_negative_light_is_refused():
     with refused_input(subject="mean_e"):
         noise_sources(camera(prnu=0.01), EXPOSURE).variance_e2(np.array([-1.0, 2.0]))
+
+
+def test_a_sweep_over_light_saturates_where_light_and_dark_electrons_fill_the_well():
+    hot = {"time_ms": 11.0, "dark_current_e_per_s": 2e5, "lux": 10}  # 2,200 e- in 11 ms
+    own = cn.compare("onyx-rgb-ircut", vary="lux", first=1.0, last=100.0, points=200, **hot)
+    (curve,) = own.curves
+    point = cn.analyze("onyx-rgb-ircut", **hot).points[0]
+    electrons = cn.exposure.expected_electrons(
+        cn.exposure.white_scene(point), point.sensor, point.exposure
+    )
+    full_lux = 10 * (10_000.0 - 2_200.0) / electrons.max()
+    np.testing.assert_array_equal(curve.saturated, curve.at > full_lux)
+    assert curve.saturated.any()
+    assert not curve.saturated.all()

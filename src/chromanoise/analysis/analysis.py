@@ -366,14 +366,16 @@ def reflectance_notes(operating_point: OperatingPoint) -> tuple[str, ...]:
 
 
 def _channel_notes(analysis: Analysis) -> list[str]:
-    well, told = analysis.sensor.pixel.full_well_e, []
+    pixel, told = analysis.sensor.pixel, []
+    well, dark_e = pixel.full_well_e, pixel.dark_electrons_e(time_s=analysis.exposure.time_s)
+    dark = f" and {dark_e:.0f} e- of dark current" if dark_e else ""
     for i, name in enumerate(analysis.sensor.names):
         expected, full, black = (
             float(of[i]) for of in (analysis.expected_e, analysis.full_share, analysis.black_share)
         )
         if analysis.saturated[i]:
             told.append(
-                f"channel {name} is saturated: it reaches {expected:.0f} e-, full well is "
+                f"channel {name} is saturated: it reaches {expected:.0f} e-{dark}, full well is "
                 f"{well:.0f} e-; shorten the time or close the aperture"
             )
         elif full > _WORTH_TELLING:

@@ -121,17 +121,20 @@ def is_saturated_over_levels(
         Illuminance. [lx]
     """
     electrons = electrons_at(operating_point, level_lux=level_lux)
-    return np.asarray(saturated(electrons, operating_point.sensor.pixel).any(axis=-1))
+    pixel, exposure = operating_point.sensor.pixel, operating_point.exposure
+    return np.asarray(saturated(electrons, pixel, exposure).any(axis=-1))
 
 
 def fullest_level_lux(operating_point: OperatingPoint) -> float | None:
     """Up to which illuminance on a perfect white no channel is saturated, the time kept. [lx]
 
     ``None`` where no channel sees the light. Electrons are linear in light, so it is the full
-    well over the electrons of one lux in the channel that gets most.
+    well, less the dark electrons, over the electrons of one lux in the channel that gets most.
     """
     most = float(electrons_at(operating_point, level_lux=np.ones(1)).max())
-    return operating_point.sensor.pixel.full_well_e / most if most > 0 else None
+    pixel = operating_point.sensor.pixel
+    left_e = pixel.full_well_e - pixel.dark_electrons_e(time_s=operating_point.exposure.time_s)
+    return max(left_e, 0.0) / most if most > 0 else None
 
 
 def best_snr(operating_point: OperatingPoint, matrix: ColorMatrix) -> float:
@@ -215,7 +218,8 @@ def gray_delta_e(operating_point: OperatingPoint, matrix: ColorMatrix) -> float:
 
 def is_saturated(operating_point: OperatingPoint) -> bool:
     """Whether a channel is saturated on a perfect white."""
-    return bool(saturated(electrons_at(operating_point), operating_point.sensor.pixel).any())
+    pixel, exposure = operating_point.sensor.pixel, operating_point.exposure
+    return bool(saturated(electrons_at(operating_point), pixel, exposure).any())
 
 
 def _snr(name: str, coordinate: str) -> Quantity:
