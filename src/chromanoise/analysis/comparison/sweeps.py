@@ -18,7 +18,6 @@ from chromanoise.exposure import OperatingPoint
 from chromanoise.sensor import (
     behind_ir_cut,
     crosstalk_of_share,
-    of_the_sum,
     with_crosstalk,
     with_pixel,
     without_crosstalk,
@@ -85,7 +84,7 @@ def _at_f_number(operating_point: OperatingPoint, f_number: float) -> OperatingP
 def _at_pixel(operating_point: OperatingPoint, value: float, *, field: str) -> OperatingPoint:
     """Another value of a field of the pixel, of one reading where several are summed."""
     sensor = operating_point.sensor
-    changed = with_pixel(sensor, of_the_sum(sensor.pixel, {field: value}))
+    changed = with_pixel(sensor, {field: value})
     return replace(operating_point, sensor=changed)
 
 
