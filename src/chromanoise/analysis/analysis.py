@@ -349,7 +349,7 @@ def diagnosis(analysis: Analysis) -> tuple[str, ...]:
 
 def reflectance_notes(operating_point: OperatingPoint) -> tuple[str, ...]:
     """What replaces the ColorChecker and the perfect white, with the notes on their curves."""
-    told: list[str] = []
+    notes: list[str] = []
     if operating_point.patch is not None:
         own = "; ".join(
             (
@@ -357,16 +357,16 @@ def reflectance_notes(operating_point: OperatingPoint) -> tuple[str, ...]:
                 *operating_point.patch.notes,
             )
         )
-        told.append(own)
+        notes.append(own)
     if operating_point.chart is not None:
         chart = operating_point.chart
         head = f"chart: {len(chart.names)} reflectances of {chart_title(chart)}"
-        told.append("; ".join((head, *chart.notes)))
-    return tuple(told)
+        notes.append("; ".join((head, *chart.notes)))
+    return tuple(notes)
 
 
 def _channel_notes(analysis: Analysis) -> list[str]:
-    pixel, told = analysis.sensor.pixel, []
+    pixel, notes = analysis.sensor.pixel, []
     well, dark_e = pixel.full_well_e, pixel.dark_electrons_e(time_s=analysis.exposure.time_s)
     dark = f" and {dark_e:.0f} e- of dark current" if dark_e else ""
     for i, name in enumerate(analysis.sensor.names):
@@ -374,24 +374,24 @@ def _channel_notes(analysis: Analysis) -> list[str]:
             float(of[i]) for of in (analysis.expected_e, analysis.full_share, analysis.black_share)
         )
         if analysis.saturated[i]:
-            told.append(
+            notes.append(
                 f"channel {name} is saturated: it reaches {expected:.0f} e-{dark}, full well is "
                 f"{well:.0f} e-; shorten the time or close the aperture"
             )
         elif full > _WORTH_TELLING:
-            told.append(
+            notes.append(
                 f"{100 * full:.1f} % of {name} is clipped at full well; clipping reduces the "
                 "noise, so raw and color SNR are too high"
             )
         if black > _WORTH_TELLING:
-            told.append(
+            notes.append(
                 f"{100 * black:.1f} % of {name} is clipped at black, which raises its mean from "
                 f"{expected:.3g} to {analysis.raw.mean[i]:.3g} e-; the offset counts as signal, so "
                 "raw SNR, bound and color SNR are too high"
             )
         if expected == 0:
-            told.append(f"channel {name} sees none of this light")
-    return told
+            notes.append(f"channel {name} sees none of this light")
+    return notes
 
 
 def _color_notes(analysis: Analysis) -> list[str]:

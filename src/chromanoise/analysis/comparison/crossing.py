@@ -283,14 +283,14 @@ def crossover_sentence(crossover: Crossover) -> str:
     )
     if not crossover.at:
         return f"{leads} than {other} at every {crossover.sweep.what} from {span}."
-    told = [value_in_words(value, 3 if value < 100 else 4) for value in crossover.at]
-    between = [f"from {low} to {high}" for low, high in pairwise(told)]
-    leaders = (other, leader) * len(told)
+    values = [value_in_words(value, 3 if value < 100 else 4) for value in crossover.at]
+    between = [f"from {low} to {high}" for low, high in pairwise(values)]
+    leaders = (other, leader) * len(values)
     rest = (f"{who} {where}" for who, where in zip(leaders, (*between, "above"), strict=False))
     colors = "; ".join(f"{a:.1f} and {b:.1f}" for a, b in crossover.color_error)
-    where = "at the crossover" if len(told) == 1 else "at the crossovers"
+    where = "at the crossover" if len(values) == 1 else "at the crossovers"
     return (
-        f"{leads} below {told[0]} {unit} of {crossover.sweep.what}, {', '.join(rest)} (within "
+        f"{leads} below {values[0]} {unit} of {crossover.sweep.what}, {', '.join(rest)} (within "
         f"{span}); {where} the mean color errors of {first} and {second} are "
         f"{colors} Delta E*ab."
     )
