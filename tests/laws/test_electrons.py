@@ -132,7 +132,7 @@ def test_time_to_saturation_brings_the_brightest_channel_to_its_share(sensor, rh
     time_s = time_to_saturation(scene, sensor, f_number=f_number, share=share)
     seen = expected_electrons(scene, sensor, Exposure(time_s=time_s, f_number=f_number))
     assert seen.max() == pytest.approx(share * sensor.pixel.full_well_e, rel=1e-12)
-    assert not saturated(seen, sensor.pixel).any()
+    assert not saturated(seen, sensor).any()
 
 
 def test_the_brightest_point_decides_the_time_to_saturation():
@@ -151,7 +151,8 @@ def test_the_saturating_exposure_holds_its_time_and_aperture():
 
 
 def test_full_well_itself_is_not_saturated_and_one_electron_more_is():
-    assert list(saturated(np.array([9_999.0, 10_000.0, 10_001.0]), PIXEL)) == [False, False, True]
+    seen = np.array([9_999.0, 10_000.0, 10_001.0])
+    assert list(saturated(seen, white_channel())) == [False, False, True]
 
 
 @given(sensors(), st.floats(0.0, 0.4), st.floats(0.0, 0.5))

@@ -156,8 +156,8 @@ def test_its_dynamic_range_is_ours(values):
     assert 0 < QE * (float(threshold) - found.u_p_min) <= 1 / (8 * dark_e)
     assert found.u_e_sat == pytest.approx(FULL_WELL_E, rel=1e-6)
     filled = np.array([FULL_WELL_E]) - sensor.pixel.dark_electrons_e(time_s=TIME_S)
-    assert not saturated(filled, sensor.pixel, EXPOSURE).any()
-    assert saturated(filled + 1, sensor.pixel, EXPOSURE).all()
+    assert not saturated(filled, sensor, EXPOSURE).any()
+    assert saturated(filled + 1, sensor, EXPOSURE).all()
 
 
 # its virtual camera

@@ -40,7 +40,7 @@ from chromanoise.metrics import (
 from chromanoise.metrics.snr import LEAST_COLOR
 from chromanoise.noise import Measurement, Readout
 from chromanoise.scene import Scene
-from chromanoise.sensor import Sensor
+from chromanoise.sensor import Sensor, code_range_e, white_level_name
 from chromanoise.spectra import (
     DEFAULT_OBSERVER,
     Metric,
@@ -343,6 +343,7 @@ def diagnosis(analysis: Analysis) -> tuple[str, ...]:
         *analysis.scene.illuminant.notes,
         *observer_notes(analysis.matrix.observer),
         *reflectance_notes(analysis.point),
+        *analysis.matrix.notes,
     )
     return (*notes, *_channel_notes(analysis), *_color_notes(analysis), *_frame_notes(analysis))
 
@@ -366,21 +367,23 @@ def reflectance_notes(operating_point: OperatingPoint) -> tuple[str, ...]:
 
 
 def _channel_notes(analysis: Analysis) -> list[str]:
-    pixel, notes = analysis.sensor.pixel, []
-    well, dark_e = pixel.full_well_e, pixel.dark_electrons_e(time_s=analysis.exposure.time_s)
+    sensor, notes = analysis.sensor, []
+    dark_e = sensor.pixel.dark_electrons_e(time_s=analysis.exposure.time_s)
+    limit = white_level_name(sensor, dark_e=dark_e)
+    limit_e = code_range_e(sensor) if limit == "top code" else sensor.pixel.full_well_e
     dark = f" and {dark_e:.0f} e- of dark current" if dark_e else ""
-    for i, name in enumerate(analysis.sensor.names):
+    for i, name in enumerate(sensor.names):
         expected, full, black = (
             float(of[i]) for of in (analysis.expected_e, analysis.full_share, analysis.black_share)
         )
         if analysis.saturated[i]:
             notes.append(
-                f"channel {name} is saturated: it reaches {expected:.0f} e-{dark}, full well is "
-                f"{well:.0f} e-; shorten the time or close the aperture"
+                f"channel {name} is saturated: it reaches {expected:.0f} e-{dark}, {limit} is "
+                f"{limit_e:.0f} e-; shorten the time or close the aperture"
             )
         elif full > _WORTH_TELLING:
             notes.append(
-                f"{100 * full:.1f} % of {name} is clipped at full well; clipping reduces the "
+                f"{100 * full:.1f} % of {name} is clipped at {limit}; clipping reduces the "
                 "noise, so raw and color SNR are too high"
             )
         if black > _WORTH_TELLING:

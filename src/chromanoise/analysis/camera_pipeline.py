@@ -43,8 +43,15 @@ from chromanoise.color.matrices import XYZ
 from chromanoise.color.pipeline import RGB, LumaStandard
 from chromanoise.errors import InputError
 from chromanoise.exposure import OperatingPoint
-from chromanoise.noise import Measurement, Readout, noise_sources, through, with_noise
-from chromanoise.sensor import quantization_step_e, white_level_e, with_analog_gain
+from chromanoise.noise import (
+    Measurement,
+    Readout,
+    noise_sources,
+    signal_limit_e,
+    through,
+    with_noise,
+)
+from chromanoise.sensor import quantization_step_e, with_analog_gain
 from chromanoise.spectra import Illuminant, colorchecker
 from chromanoise.units import decibel
 
@@ -438,8 +445,7 @@ def _gain_step(camera: _Camera, i: int, base: tuple[PipelineStep, ...], method: 
         exposure=replace(point.exposure, time_s=point.exposure.time_s / gain),
     )
     same = gain == 1 and at.sensor.pixel == point.sensor.pixel
-    dark_e = at.sensor.pixel.dark_electrons_e(time_s=at.exposure.time_s)
-    white_e = white_level_e(at.sensor, dark_e=dark_e)
+    white_e = _check.positive("white level", "e-", signal_limit_e(at.sensor, at.exposure))
     step_e = quantization_step_e(at.sensor.converter, at.sensor.pixel)
     dark = _dark_noise_e(at)
     return GainStep(
@@ -534,21 +540,25 @@ def _refuse_clipped_means(camera: _Camera, steps: Sequence[PipelineStep]) -> Non
 
 
 def _clipping_notes(camera: _Camera, steps: Sequence[PipelineStep]) -> list[str]:
-    """One note for each patch of which a share of readings above 1 is worth telling."""
+    """The patches of which a share of readings above 1 is worth telling, in one note."""
     from scipy.special import ndtr
 
     rgb = _named_step(steps, "saturation")
     sd = np.sqrt(rgb.variance)
     share = np.where(sd > 0, ndtr((rgb.mean - 1) / np.where(sd > 0, sd, 1.0)), rgb.mean > 1)
-    notes = []
-    for i, name in enumerate(camera.patches):
-        channel = int(share[i].argmax())
-        if share[i, channel] > _WORTH_TELLING:
-            notes.append(
-                f"{100 * share[i, channel]:.1f} % of the readings of patch {name} exceed 1 in "
-                f"{RGB[channel]} before the tone curve; a picture clips them, the numbers do not"
-            )
-    return notes
+    told = [
+        f"{name} ({100 * most:.1f} % of the readings in {RGB[channel]})"
+        for name, most, channel in zip(
+            camera.patches, share.max(axis=-1), share.argmax(axis=-1), strict=True
+        )
+        if most > _WORTH_TELLING
+    ]
+    if not told:
+        return []
+    return [
+        f"values exceed 1 before the tone curve on {', '.join(told)}; a picture clips them, the "
+        "numbers do not"
+    ]
 
 
 def _method_notes(camera: _Camera, steps: Sequence[PipelineStep]) -> list[str]:

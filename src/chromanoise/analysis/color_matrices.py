@@ -9,7 +9,7 @@ import numpy as np
 
 from chromanoise import _check
 from chromanoise._check import Array
-from chromanoise._linalg import inv, pinv
+from chromanoise._linalg import inv, matrix_rank, pinv
 from chromanoise._shapes import Float
 from chromanoise.analysis.priors import DEFAULT_PRIOR, refuse_unknown_prior, training_named
 from chromanoise.catalog.resolve import file_of
@@ -32,7 +32,7 @@ from chromanoise.errors import InputError, Setting
 from chromanoise.exposure import Exposure, OperatingPoint, expected_electrons, white_scene
 from chromanoise.io.given_matrices import GivenMatrix, is_matrix_file, read_matrix
 from chromanoise.sensor import Sensor
-from chromanoise.spectra import Metric, Spectra
+from chromanoise.spectra import Metric, Spectra, chart_title
 
 MatrixFunction = Callable[[OperatingPoint], ColorMatrix]
 """A function from an operating point to its color matrix: a `MatrixMaker`, or one of your own."""
@@ -109,6 +109,11 @@ class MatrixMaker:
         """The color matrix of an operating point. [lx/e-]"""
         if self.given is not None:
             return given_color_matrix(operating_point, self.given, self.metric)
+        made = self._made(operating_point)
+        notes = self._prior_notes()
+        return replace(made, notes=notes) if notes else made
+
+    def _made(self, operating_point: OperatingPoint) -> ColorMatrix:
         sensor, exposure = operating_point.sensor, operating_point.exposure
         training = self._training(operating_point)
         if self.method.over_light is None:
@@ -152,6 +157,13 @@ class MatrixMaker:
             level_lux,
             **dict(self.parameters),
         )
+
+    def _prior_notes(self) -> tuple[str, ...]:
+        """What was read from the file of the training set."""
+        if not self.method.trained or isinstance(self.prior, str):
+            return ()
+        title = f"prior: {len(self.prior.names)} reflectances of {chart_title(self.prior)}"
+        return ("; ".join((title, *self.prior.notes)),)
 
     def _training(self, operating_point: OperatingPoint) -> Training | None:
         if not self.method.trained:
@@ -268,12 +280,13 @@ def given_color_matrix(
             remedy=Setting("observer", (given.observer,)),
         )
     frame = kernel_matrix(sensor, exposure, metric, operating_point.observer)
+    frame = replace(frame, made_by=f"given in {given.source}", notes=_notes(given, operating_point))
     values = _in_channel_order(given, sensor.names)
     if given.kind == "electrons":
         own = exposure.time_s * sensor.pixel.pitch_um**2 / exposure.f_number**2
         made_for = own if given.light_time is None else given.light_time
         scale = 1.0 if abs(made_for / own - 1) < _SAME_EXPOSURE else made_for / own
-        return replace(frame, matrix=values * scale, made_by=f"given in {given.source}")
+        return replace(frame, matrix=values * scale)
     white = white_scene(operating_point)
     white_e = expected_electrons(white, sensor, exposure)
     white_lux = scene_xyz(white, metric, operating_point.observer)
@@ -294,14 +307,31 @@ def given_color_matrix(
                 "must give a perfect white in this light a luminance above 0",
                 value=luminance,
             )
-        made_by = f"given in {given.source}"
-        return replace(frame, matrix=to_xyz * (white_lux[1] / luminance), made_by=made_by)
+        return replace(frame, matrix=to_xyz * (white_lux[1] / luminance))
     if given.target == "sRGB":
         to_rgb = linear_srgb(np.eye(3), white_lux / white_lux[1]).T
         values = inv("sRGB of this white", to_rgb) @ values
-    return replace(
-        frame, matrix=values * (white_lux[1] / white_e), made_by=f"given in {given.source}"
+    return replace(frame, matrix=values * (white_lux[1] / white_e))
+
+
+def _notes(given: GivenMatrix, operating_point: OperatingPoint) -> tuple[str, ...]:
+    """What the file was made for, where it differs, and a rank below 3."""
+    light, notes = operating_point.illuminant.name, []
+    differs = (
+        given.sensor not in ("", operating_point.sensor.name)
+        or given.illuminant not in ("", light)
+        or (given.level_lux is not None and given.level_lux != operating_point.level_lux)
     )
+    if differs:
+        parts = [given.sensor, given.illuminant and f"illuminant {given.illuminant}"]
+        parts += [] if given.level_lux is None else [f"{given.level_lux:g} lx"]
+        notes.append(f"the matrix of {given.source} was made for {', '.join(filter(None, parts))}")
+    rank = matrix_rank(f"matrix of {given.source}", given.values)
+    if rank < len(operating_point.sensor.names) and rank < 3:
+        notes.append(
+            f"the matrix of {given.source} has rank {rank}: X, Y and Z are not independent"
+        )
+    return tuple(notes)
 
 
 def _in_channel_order(given: GivenMatrix, names: tuple[str, ...]) -> Float[Array, "a b"]:

@@ -68,8 +68,8 @@ class Stages:
 
     @property
     def saturated(self) -> Bool[Array, "*px p"]:
-        """True where the expected electrons of a channel exceed full well."""
-        return saturated(self.expected_e, self.point.sensor.pixel, self.point.exposure)
+        """True where the expected electrons of a channel exceed the white level."""
+        return saturated(self.expected_e, self.point.sensor, self.point.exposure)
 
     @property
     def temporal_raw(self) -> Measurement:

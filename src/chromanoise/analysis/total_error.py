@@ -24,7 +24,7 @@ from chromanoise.spectra import chart_on
 NOISY_DELTA_E = 50.0
 """Noise above which a verdict names a better matrix. [Delta E*ab]"""
 
-_RULE = {"radii": 8, "latitudes": 4, "longitudes": 16}  # error below 3e-3 of a standard deviation
+_RULE = {"radii": 5, "latitudes": 3, "longitudes": 6}  # error below 4e-3 of a standard deviation
 _OTHERS = ("least-squares", "white-preserving", "lmmse")
 
 
@@ -79,7 +79,7 @@ def total_errors(
     sensor, exposure = operating_point.sensor, operating_point.exposure
     electrons = electrons_at(operating_point)
     white = matrix.matrix @ electrons
-    if saturated(electrons, sensor.pixel, exposure).any() or not (white > 0).all():
+    if saturated(electrons, sensor, exposure).any() or not (white > 0).all():
         return None
     chart = operating_point.chart
     lab = chart_lab(sensor, matrix, exposure, operating_point.illuminant, chart)

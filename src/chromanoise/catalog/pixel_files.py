@@ -219,8 +219,14 @@ def _on_pixel(
             value=source.notes,
             found=f"gives none ({'; '.join(source.notes)})",
         )
-    sensor = made({**held, **converter, **asked})
-    return replace(sensor, notes=(*sensor.notes, *_notes(source, {**held, **converter}, asked)))
+    told = {**held, **converter}
+    try:
+        sensor = made({**told, **asked})
+    except InputError as error:
+        if error.subject in told and error.subject not in asked:
+            raise error.within(source.source) from None
+        raise
+    return replace(sensor, notes=(*sensor.notes, *_notes(source, told, asked)))
 
 
 def _converter(source: PixelSource) -> Converter:

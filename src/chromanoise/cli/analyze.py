@@ -6,6 +6,7 @@ import click
 
 from chromanoise.analysis import color_budgets, contravariant_budgets
 from chromanoise.analysis.comparison.ranking import MOST_PAIRS_SENSORS
+from chromanoise.charts import verdict_sentences
 from chromanoise.cli import tables
 from chromanoise.cli.copying import print_copy
 from chromanoise.cli.merit_tables import print_merits
@@ -21,6 +22,7 @@ from chromanoise.cli.options import (
     with_defaults,
 )
 from chromanoise.cli.output import refuse_taken_inputs, write_json, write_table
+from chromanoise.cli.parsing import command
 from chromanoise.cli.pipeline_tables import print_pipeline
 from chromanoise.cli.progress import progress_of_step
 from chromanoise.color import SPACES
@@ -28,7 +30,7 @@ from chromanoise.exposure import conditions
 from chromanoise.study import Analyses, analyze_study, run
 
 
-@click.command()
+@command()
 @with_defaults("analyze")
 @click.argument("sensors", nargs=-1, required=True, metavar="SENSOR...")
 @shared_options
@@ -81,13 +83,14 @@ def analyze(
     if json_target:
         write_json(result.to_dict(), json_target)
     if json_target != "-":
-        _print(result)
+        _print(result, equal=study.exposure.equal)
 
 
-def _print(result: Analyses) -> None:
+def _print(result: Analyses, *, equal: str) -> None:
     outputs, analyses = result.outputs, result.analyses
     tables.print_conditions(conditions(result.points))
     tables.print_analyses(analyses)
+    tables.print_lines(verdict_sentences(analyses, equal=equal))
     if len(analyses) > MOST_PAIRS_SENSORS:
         tables.print_ranking(result.ranking, "Ranking by SNR of Y [dB]")
     for analysis in analyses if outputs.budget else ():

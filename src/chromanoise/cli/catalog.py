@@ -20,12 +20,13 @@ from chromanoise.catalog.entries import (
 )
 from chromanoise.cli.options import json_option
 from chromanoise.cli.output import write_json
+from chromanoise.cli.parsing import command
 from chromanoise.errors import InputError
 
 _WIDTH = 100
 
 
-@click.command()
+@command()
 @click.argument("word", required=False, metavar="[KIND|NAME]")
 @click.option(
     "--folder",

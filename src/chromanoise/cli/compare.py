@@ -17,6 +17,7 @@ from chromanoise.cli.options import (
     with_defaults,
 )
 from chromanoise.cli.output import refuse_taken_inputs, write_json, write_table
+from chromanoise.cli.parsing import command
 from chromanoise.cli.progress import progress_of_step
 from chromanoise.errors import InputError
 from chromanoise.exposure import conditions
@@ -26,7 +27,7 @@ _VARY, _FIRST, _LAST = (default_of("compare", name) for name in ("vary", "first"
 _START = f"{_VARY}={_FIRST:g}:{_LAST:g}"
 
 
-@click.command()
+@command()
 @with_defaults("compare")
 @click.argument("sensors", nargs=-1, required=True, metavar="SENSOR...")
 @shared_options
@@ -100,7 +101,7 @@ def compare(
     if json_target:
         write_json(result.to_dict(), json_target)
     if json_target != "-":
-        tables.print_conditions(f"the start of the sweep, {conditions(result.points)}")
+        tables.print_conditions(f"{conditions(result.points)}, before the sweep")
         if isinstance(result, ComparisonMap):
             tables.print_maps(result.maps, result.ranking)
             return

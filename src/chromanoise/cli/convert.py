@@ -17,6 +17,7 @@ from chromanoise.cli.answers import (
     of_one_file,
 )
 from chromanoise.cli.output import refuse_inputs
+from chromanoise.cli.parsing import command
 from chromanoise.cli.rendering import options_text
 from chromanoise.errors import InputError, Setting
 from chromanoise.io.sensor_json import sensor_json, spectra_json
@@ -40,7 +41,7 @@ Converted = tuple[str, list[str]]
 _ENDINGS = (".csv", ".json", ".spdx")
 
 
-@click.command()
+@command()
 @click.argument("source", metavar="IN")
 @click.argument("target", metavar="OUT", type=click.Path(path_type=Path))
 @answering

@@ -8,6 +8,7 @@ from chromanoise._files import refuse_unwritable, whole_folder
 from chromanoise.charts import shown
 from chromanoise.cli import tables
 from chromanoise.cli.output import write_json
+from chromanoise.cli.parsing import command
 from chromanoise.figures import CAPTIONS, paper_figures, write_figures
 from chromanoise.imaging import Picture, write_png
 from chromanoise.page.equations import EQUATIONS
@@ -36,7 +37,7 @@ cube = "builtin:checker"
 """The paper's two sensors, at the longest time at which neither saturates."""
 
 
-@click.command()
+@command()
 @click.option(
     "--out",
     type=click.Path(path_type=Path),

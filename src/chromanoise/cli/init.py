@@ -5,11 +5,12 @@ from pathlib import Path
 import click
 
 from chromanoise._files import write_whole
+from chromanoise.cli.parsing import command
 from chromanoise.errors import InputError
 from chromanoise.study import STARTER
 
 
-@click.command()
+@command()
 @click.argument("study", type=click.Path(path_type=Path), default=Path("study.toml"))
 def init(study: Path) -> None:
     """Write a commented STUDY to start from [default: study.toml]."""

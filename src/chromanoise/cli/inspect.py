@@ -10,6 +10,7 @@ import numpy as np
 from chromanoise.catalog import own_sensor_of
 from chromanoise.cli.answers import answering, answers_of, of_one_file
 from chromanoise.cli.output import refuse_inputs, write_json
+from chromanoise.cli.parsing import command
 from chromanoise.cli.rendering import options_text
 from chromanoise.errors import InputError
 from chromanoise.io.sensor_json import sensor_json
@@ -22,7 +23,7 @@ from chromanoise.spectra import Spectra
 _MOST_NAMES = 12
 
 
-@click.command()
+@command()
 @click.argument("file", type=click.Path(path_type=Path))
 @answering
 @of_one_file

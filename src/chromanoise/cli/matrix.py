@@ -21,6 +21,7 @@ from chromanoise.cli.options import (
     with_defaults,
 )
 from chromanoise.cli.output import refuse_taken_inputs, write_json, write_table
+from chromanoise.cli.parsing import command
 from chromanoise.cli.progress import progress_of_step
 from chromanoise.errors import InputError
 from chromanoise.exposure import conditions
@@ -41,7 +42,7 @@ _WRITERS: dict[str, Callable[[MadeMatrix], str]] = {
 }
 
 
-@click.command()
+@command()
 @with_defaults("matrix")
 @click.argument("sensor")
 @shared_options

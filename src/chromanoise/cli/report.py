@@ -7,13 +7,14 @@ import click
 from chromanoise._files import refuse_unwritable, whole_folder, write_whole
 from chromanoise.charts import shown
 from chromanoise.cli.output import refuse_inputs
+from chromanoise.cli.parsing import command
 from chromanoise.errors import InputError
 from chromanoise.page.equations import EQUATIONS
 from chromanoise.report import sights_of, study_report
 from chromanoise.study import file_digests, read_study
 
 
-@click.command()
+@command()
 @click.argument("study", type=click.Path(path_type=Path))
 @click.option(
     "-o",

@@ -8,6 +8,7 @@ from chromanoise._files import refuse_unwritable, whole_folder
 from chromanoise.cli import tables
 from chromanoise.cli.options import WHOLE
 from chromanoise.cli.output import write_json
+from chromanoise.cli.parsing import command
 from chromanoise.cli.progress import progress_of
 from chromanoise.paper import (
     paper_planes,
@@ -19,7 +20,7 @@ from chromanoise.paper import (
 from chromanoise.spectra import METRICS, Metric
 
 
-@click.command()
+@command()
 @click.option(
     "--draws", type=WHOLE, default=5000, show_default=True, help="Number of acquisitions."
 )

@@ -6,12 +6,13 @@ from pathlib import Path
 import click
 
 from chromanoise.cli.options import WHOLE
+from chromanoise.cli.parsing import command
 from chromanoise.cli.running import print_run
 from chromanoise.errors import InputError
 from chromanoise.study import agreement_of, agreement_text, recorded_run
 
 
-@click.command()
+@command()
 @click.argument("output", type=click.Path(path_type=Path))
 @click.option("-o", "--out", type=click.Path(path_type=Path), required=True, help="Output folder.")
 @click.option("--threads", type=WHOLE, help="Threads for pictures. [default: one per core]")

@@ -5,11 +5,12 @@ from pathlib import Path
 import click
 
 from chromanoise.cli.options import WHOLE
+from chromanoise.cli.parsing import command
 from chromanoise.cli.running import print_run
 from chromanoise.study import read_study
 
 
-@click.command()
+@command()
 @click.argument("study", type=click.Path(path_type=Path))
 @click.option(
     "-o",

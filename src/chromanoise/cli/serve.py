@@ -7,10 +7,11 @@ from pathlib import Path
 
 import click
 
+from chromanoise.cli.parsing import command
 from chromanoise.errors import InputError
 
 
-@click.command()
+@command()
 @click.argument("study", required=False, type=click.Path(path_type=Path))
 @click.option(
     "--port",

@@ -21,6 +21,7 @@ from chromanoise.cli.options import (
     with_defaults,
 )
 from chromanoise.cli.output import write_json
+from chromanoise.cli.parsing import command
 from chromanoise.cli.progress import progress_of
 from chromanoise.errors import InputError
 from chromanoise.exposure import conditions
@@ -47,7 +48,7 @@ from chromanoise.study import (
 )
 
 
-@click.command()
+@command()
 @with_defaults("render")
 @click.argument("cube", metavar="CUBE")
 @click.option(

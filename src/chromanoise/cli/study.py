@@ -4,10 +4,11 @@ import json
 
 import click
 
+from chromanoise.cli.parsing import command
 from chromanoise.study import STARTER, study_schema
 
 
-@click.command()
+@command()
 @click.option(
     "--schema", is_flag=True, help="Print the JSON Schema, for editors and other programs."
 )

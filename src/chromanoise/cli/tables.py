@@ -70,6 +70,12 @@ def print_reproduction(result: Reproduction) -> None:
         console.print()
 
 
+def print_lines(lines: Iterable[str]) -> None:
+    """Print sentences, each on a line of its own."""
+    for line in lines:
+        _console().print(line, soft_wrap=True)
+
+
 def print_conditions(text: str) -> None:
     """Print the operating point above its tables."""
     _console().print(f"At {text}:", soft_wrap=True)
@@ -143,7 +149,7 @@ def print_comparison(
     many = len({curve.sensor for curve in curves}) > MOST_PAIRS_SENSORS
     if many:
         what = f"{quantity.what} [{quantity.unit}]"
-        print_ranking(ranks, f"Ranking at the start of the sweep by {what}")
+        print_ranking(ranks, f"Ranking before the sweep by {what}")
     for sentence in (*sentences, *map(band_sentence, bands)):
         console.print(sentence, soft_wrap=True)
     if many:
@@ -164,7 +170,7 @@ def print_maps(maps: Sequence[QuantityMap], ranks: Sequence[Rank]) -> None:
         labels = [[mine[i].label if i >= 0 else "-" for i in row] for row in best_of(mine).tolist()]
         console.print(_grid(mine[0], labels, f"Best {quantity.what}, {name} matrix"))
     if len({one.sensor for one in maps}) > MOST_PAIRS_SENSORS:
-        print_ranking(ranks, f"Ranking at the start of the sweep by {what}")
+        print_ranking(ranks, f"Ranking before the sweep by {what}")
 
 
 def _map_cell(one: QuantityMap, j: int, k: int) -> str:

@@ -36,6 +36,8 @@ class ColorMatrix:
         The sensor's frame; its rank and condition show how reliable the matrix is.
     observer
         The observer whose X, Y, Z the matrix gives, from `chromanoise.spectra.OBSERVERS`.
+    notes
+        Warnings: made for another sensor or light, or of low rank.
 
     Raises
     ------
@@ -51,6 +53,7 @@ class ColorMatrix:
     metric: Metric
     frame: Frame
     observer: str = DEFAULT_OBSERVER
+    notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         _check.one_of("observer", self.observer, tuple(OBSERVERS))

@@ -7,7 +7,7 @@ from chromanoise._check import Array
 from chromanoise._shapes import Float
 from chromanoise.errors import InputError
 from chromanoise.scene import Scene, light
-from chromanoise.sensor import Pixel, Sensor
+from chromanoise.sensor import Pixel, Sensor, code_range_e
 from chromanoise.spectra import Metric
 from chromanoise.spectra.metric import photons_per_unit
 
@@ -102,7 +102,10 @@ def time_to_saturation(
     share: float = 0.99,
     magnification: float | None = None,
 ) -> float:
-    """The time at which the most sensitive channel reaches ``share`` of full well. [s]
+    """The time at which the most sensitive channel reaches ``share`` of its range. [s]
+
+    Its range is the full well, which dark electrons fill too, or the top code of the converter,
+    whichever is reached first (`chromanoise.sensor.white_level_e`).
 
     Parameters
     ----------
@@ -111,7 +114,7 @@ def time_to_saturation(
     f_number, magnification
         As `Exposure`.
     share
-        Share of full well that light and dark electrons fill; the paper uses 0.99.
+        Share of full well or top code; the paper uses 0.99.
 
     Raises
     ------
@@ -134,7 +137,9 @@ def time_to_saturation(
         raise InputError(
             f"sensor {sensor.name}", "must see light of the scene", found="no channel sees any"
         )
-    return float(share * sensor.pixel.full_well_e / (per_second.max() + dark_per_second))
+    most = float(per_second.max())
+    to_full_well = sensor.pixel.full_well_e / (most + dark_per_second)
+    return share * min(to_full_well, code_range_e(sensor) / most)
 
 
 def saturating_exposure(

@@ -42,10 +42,11 @@ def room_for_run(channels):
 @kernel(inline="always")
 @no_type_check
 def row_offset_e(at_row, draw):
-    """What all pixels of a row share."""
+    """What all pixels of a row share: row noise and black-level error."""
     if draw.row_noise_e > _ZERO:
-        return draw.row_noise_e * _normal(at_row, ROW, draw.frame, 0, draw.key)
-    return _ZERO
+        row_e = draw.row_noise_e * _normal(at_row, ROW, draw.frame, 0, draw.key)
+        return draw.black_error_e + row_e
+    return draw.black_error_e
 
 
 @kernel(error_model="numpy")

@@ -31,7 +31,7 @@ from chromanoise.imaging.writers import (
 )
 from chromanoise.scene import Cube
 from chromanoise.scene.rows import row_source
-from chromanoise.sensor import NOISE_OF_PICTURES, Adc, Mosaic, PixelOverrides, adc_of, overridden
+from chromanoise.sensor import EXTRA_NOISE, Adc, Mosaic, PixelOverrides, adc_of, overridden
 from chromanoise.spectra import Beyond
 
 
@@ -268,7 +268,7 @@ def capture_summary(taken: Capture, files: list[str]) -> dict[str, Any]:
     if taken.picture is not None:
         told |= picture_summary(taken.picture)
     pixel = taken.camera.operating_point.sensor.pixel
-    return told | {"imperfections": {name: getattr(pixel, name) for name in NOISE_OF_PICTURES}}
+    return told | {"imperfections": {name: getattr(pixel, name) for name in EXTRA_NOISE}}
 
 
 def write_capture(folder: Path, stem: str, taken: Capture) -> tuple[list[str], list[str]]:

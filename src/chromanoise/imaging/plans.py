@@ -62,6 +62,7 @@ def draw_of(
         dark_e=np.float32(dark_e),
         dsnu_e=np.float32(pixel.dsnu_e),
         row_noise_e=np.float32(pixel.row_noise_e),
+        black_error_e=np.float32(pixel.black_error_e),
         noisy=noisy,
         key=np.uint64((who << 32) | seed),
         frame=np.uint64(frame),

@@ -34,13 +34,14 @@ class RowsInMemory(NamedTuple):
 
 
 class Draw(NamedTuple):
-    """Noise parameters: standard deviations, and the key and counter of the random words."""
+    """Noise parameters: standard deviations, the bias, key and counter of the random words."""
 
     read_noise_e: np.float32
     prnu: np.float32
     dark_e: np.float32
     dsnu_e: np.float32
     row_noise_e: np.float32
+    black_error_e: np.float32
     noisy: bool
     """Whether there is shot noise and read noise; the other sources do not depend on it."""
     key: np.uint64

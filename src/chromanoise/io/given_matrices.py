@@ -10,6 +10,7 @@ import io
 import json
 import re
 import struct
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
@@ -59,6 +60,10 @@ class GivenMatrix:
         Color temperature of the calibration of a profile; ``None`` if unknown. [K]
     observer
         Observer of X, Y, Z; empty if the file does not name it.
+    sensor, illuminant
+        For which it was made; empty if the file does not name them.
+    level_lux
+        Illuminance for which it was made; ``None`` if unknown. [lx]
 
     Raises
     ------
@@ -74,6 +79,9 @@ class GivenMatrix:
     light_time: float | None = None
     kelvin: float | None = None
     observer: str = ""
+    sensor: str = ""
+    illuminant: str = ""
+    level_lux: float | None = None
 
     def __post_init__(self) -> None:
         values = _check.finite(f"matrix of {self.source}", "1", self.values)
@@ -168,7 +176,7 @@ def _csv(source: str, text: str) -> GivenMatrix:
         values=_array(source, [row[1:] for row in rows[1:]]),
         channels=tuple(head[1:]),
         light_time=_light_time(facts) if absolute else None,
-        observer=facts.get("observer", "").strip(),
+        **_made_for(facts),
     )
 
 
@@ -186,7 +194,7 @@ def _json(source: str, text: str) -> GivenMatrix:
             values=_array(source, held["matrix_lux_per_e"]),
             channels=channels,
             light_time=_light_time(held),
-            observer=str(held.get("observer", "")),
+            **_made_for(held),
         )
     for key in ("balanced", "CameraToXYZ", "ColorMatrix1"):
         if key in held:
@@ -199,13 +207,14 @@ def _json(source: str, text: str) -> GivenMatrix:
                 target="XYZ",
                 values=values,
                 channels=channels,
-                observer=str(header.get("observer", "")) if isinstance(header, dict) else "",
+                **_made_for(header if isinstance(header, dict) else {}),
             )
+    keys = ", ".join(map(str, list(held)[:8]))[:80]
     raise InputError(
         source,
         "must hold matrix_lux_per_e, balanced, CameraToXYZ or ColorMatrix1",
         value=list(held)[:8],
-        found=f"holds {', '.join(map(str, list(held)[:8]))[:80]}",
+        found=f"holds {keys or 'nothing'}",
     )
 
 
@@ -279,6 +288,16 @@ def _profile(path: Path, file: Any) -> GivenMatrix:
         if tag in tags
     ]
     return max(found, key=lambda one: one.kelvin or 0)
+
+
+def _made_for(facts: Mapping[str, Any]) -> dict[str, Any]:
+    """Observer, sensor and light that the header of a file names."""
+    named = {key: str(facts.get(key, "")).strip() for key in ("observer", "sensor", "illuminant")}
+    try:
+        level: float | None = float(facts["level_lux"])
+    except (KeyError, TypeError, ValueError):
+        level = None
+    return {**named, "level_lux": level}
 
 
 def _light_time(facts: Any) -> float | None:

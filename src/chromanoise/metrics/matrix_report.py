@@ -127,7 +127,7 @@ def matrix_report(
     filters = effective_filters(matrix, sensor, exposure)
     answers = filters * light(white, matrix.metric)[:, None]
     beyond = sensor.grid.wavelength_nm > INFRARED_FROM_NM
-    full = bool(saturated(patch_e, sensor.pixel, exposure).any())
+    full = bool(saturated(patch_e, sensor, exposure).any())
     return MatrixReport(
         made_by=matrix.made_by,
         color_error_mean=None if error is None else float(error.mean()),

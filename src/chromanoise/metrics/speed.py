@@ -12,7 +12,7 @@ from chromanoise._shapes import Float
 from chromanoise.color import ColorMatrix
 from chromanoise.errors import InputError
 from chromanoise.exposure import Exposure, expected_electrons
-from chromanoise.noise import NoiseSources, noise_sources, saturated
+from chromanoise.noise import NoiseSources, noise_sources, saturated, signal_limit_e
 from chromanoise.scene import flat_field
 from chromanoise.sensor import Crosstalk, Sensor
 from chromanoise.spectra import Illuminant
@@ -229,8 +229,7 @@ def illuminance_for_snr_adapted(
 
     if not per_lux.max() > 0:
         return None
-    dark_e = sensor.pixel.dark_electrons_e(time_s=exposure.time_s)
-    brightest = (sensor.pixel.full_well_e - dark_e) / float(per_lux.max())
+    brightest = signal_limit_e(sensor, exposure) / float(per_lux.max())
     if not brightest > 0:
         return None
     hopeless = 0.5 * _check.positive("snr", "1", snr) ** 2 / float(per_lux.sum())
@@ -389,7 +388,7 @@ def _lowest_kept(
 def _unless_saturated(
     level: float, per_light: Array, sensor: Sensor, exposure: Exposure | None = None
 ) -> float | None:
-    if not np.isfinite(level) or saturated(level * per_light, sensor.pixel, exposure).any():
+    if not np.isfinite(level) or saturated(level * per_light, sensor, exposure).any():
         return None
     return level
 

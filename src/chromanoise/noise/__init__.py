@@ -4,6 +4,7 @@ from chromanoise.noise.exact import (
     Moments,
     Readout,
     clipped_measurement,
+    clipping_readout,
     counted_readout,
     raw_measurement,
     read_moments,
@@ -21,6 +22,7 @@ from chromanoise.noise.sources import (
     noise_sources,
     raw_covariance,
     saturated,
+    signal_limit_e,
     with_noise,
 )
 
@@ -34,6 +36,7 @@ __all__ = [
     "Readout",
     "clipped_at_well",
     "clipped_measurement",
+    "clipping_readout",
     "counted_readout",
     "demand_independent_channels",
     "expectation",
@@ -47,6 +50,7 @@ __all__ = [
     "sample_electrons",
     "saturated",
     "sensor_moments",
+    "signal_limit_e",
     "through",
     "with_noise",
 ]

@@ -17,7 +17,7 @@ from chromanoise.noise.sources import (
     demand_independent_channels,
     noise_sources,
 )
-from chromanoise.sensor import Sensor
+from chromanoise.sensor import Sensor, code_range_e
 
 _WIDE = 1.5  # read noise per step above which rounding adds step^2 / 12: exp(-2 pi^2 1.5^2) = 5e-20
 
@@ -235,6 +235,20 @@ def counted_readout(
     return np.asarray(mean_e) + noise.dark_e, shifted
 
 
+def clipping_readout(sensor: Sensor, exposure: Exposure | None = None) -> Readout:
+    """Bounds of the sensor's values: black level, and full well or the top code.
+
+    Parameters
+    ----------
+    sensor, exposure
+        As `noise_sources`.
+    """
+    dark_e = noise_sources(sensor, exposure).dark_e
+    return Readout(
+        black_e=0.0, full_well_e=min(sensor.pixel.full_well_e, code_range_e(sensor) + dark_e)
+    )
+
+
 def raw_measurement(moments: Moments, names: tuple[str, ...]) -> Measurement:
     """The moments of independent channels as a raw measurement with diagonal covariance.
 
@@ -269,7 +283,7 @@ def clipped_measurement(
     sensor, exposure
         As `noise_sources`.
     readout
-        E.g. ``Readout(black_e=0.0, full_well_e=sensor.pixel.full_well_e)``.
+        E.g. `clipping_readout` of the sensor.
 
     Raises
     ------

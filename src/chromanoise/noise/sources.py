@@ -32,7 +32,7 @@ from chromanoise._shapes import Bool, Float
 from chromanoise.errors import InputError, Setting
 from chromanoise.exposure import Exposure
 from chromanoise.noise.measurement import Measurement
-from chromanoise.sensor import Crosstalk, Pixel, Sensor, quantization_step_e
+from chromanoise.sensor import Crosstalk, Sensor, quantization_step_e, white_level_e
 
 NoiseKind = Literal["total", "temporal"]
 
@@ -303,14 +303,20 @@ def _coupled(
 
 
 def saturated(
-    mean_e: Float[Array, "*px p"], pixel: Pixel, exposure: Exposure | None = None
+    mean_e: Float[Array, "*px p"], sensor: Sensor, exposure: Exposure | None = None
 ) -> Bool[Array, "*px p"]:
-    """True where the expected electrons exceed full well, so that the SNR is undefined.
+    """True where the expected electrons exceed the white level, so that the SNR is undefined.
 
-    Dark electrons of the exposure, where given, fill the well too.
+    Dark electrons of the exposure, where given, fill the well too (`white_level_e`).
     """
+    return np.asarray(mean_e) > signal_limit_e(sensor, exposure) * (1 + 1e-12)
+
+
+def signal_limit_e(sensor: Sensor, exposure: Exposure | None = None) -> float:
+    """`white_level_e` at an exposure, whose time determines the dark electrons. [e-]"""
+    pixel = sensor.pixel
     dark_e = 0.0 if exposure is None else pixel.dark_electrons_e(time_s=exposure.time_s)
-    return np.asarray(mean_e) + dark_e > pixel.full_well_e * (1 + 1e-12)
+    return white_level_e(sensor, dark_e=dark_e)
 
 
 def _diagonal(variance: Float[Array, "*px p"]) -> Float[Array, "*px p p"]:

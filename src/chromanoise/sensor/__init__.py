@@ -7,11 +7,7 @@ from chromanoise.sensor.adc import (
     adc_to_full_well,
     quantization_step_e,
 )
-from chromanoise.sensor.analog_gain import (
-    code_range_e,
-    white_level_e,
-    with_analog_gain,
-)
+from chromanoise.sensor.analog_gain import with_analog_gain
 from chromanoise.sensor.changes import (
     behind_ir_cut,
     of_pixel,
@@ -25,6 +21,7 @@ from chromanoise.sensor.crosstalk import (
     Crosstalk,
     crosstalk_of_kernel,
     crosstalk_of_share,
+    refuse_other_channels,
 )
 from chromanoise.sensor.filters import (
     filter_named,
@@ -48,7 +45,6 @@ from chromanoise.sensor.noise_profile import (
     pixel_from_noise_profile,
 )
 from chromanoise.sensor.overrides import (
-    NOISE_OF_PICTURES,
     PixelOverrides,
     overridden,
     refuse_summed_readings,
@@ -60,6 +56,7 @@ from chromanoise.sensor.photon_transfer import (
     pixel_from_photon_transfer,
 )
 from chromanoise.sensor.pixel import (
+    EXTRA_NOISE,
     MOST_BINNING,
     PAPER_PIXEL,
     BinningMode,
@@ -74,6 +71,7 @@ from chromanoise.sensor.pixel_source import (
     open_questions,
     pixel_from,
 )
+from chromanoise.sensor.saturation import code_range_e, white_level_e, white_level_name
 from chromanoise.sensor.sensor import (
     Sensor,
     behind_filter,
@@ -82,9 +80,9 @@ from chromanoise.sensor.sensor import (
 )
 
 __all__ = [
+    "EXTRA_NOISE",
     "MOSAIC_NAMES",
     "MOST_BINNING",
-    "NOISE_OF_PICTURES",
     "PAPER_PIXEL",
     "Adc",
     "BinningMode",
@@ -123,6 +121,7 @@ __all__ = [
     "pixel_from_photon_transfer",
     "pixels_of",
     "quantization_step_e",
+    "refuse_other_channels",
     "refuse_summed_readings",
     "resin_filter",
     "rgb_ir",
@@ -131,6 +130,7 @@ __all__ = [
     "shot_and_read_only",
     "silicon_qe",
     "white_level_e",
+    "white_level_name",
     "with_analog_gain",
     "with_binning",
     "with_channels",

@@ -4,8 +4,10 @@ import math
 from dataclasses import asdict, dataclass, replace
 
 from chromanoise import _check
-from chromanoise.errors import InputError
+from chromanoise.errors import InputError, Setting
 from chromanoise.sensor.pixel import Pixel
+
+_BITS = range(8, 17)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -32,7 +34,7 @@ class Adc:
     black_level_dn: int = 0
 
     def __post_init__(self) -> None:
-        if not isinstance(self.bits, int) or self.bits not in range(8, 17):
+        if not isinstance(self.bits, int) or self.bits not in _BITS:
             raise InputError("bits", "must be a whole number from 8 to 16", value=self.bits)
         _check.within("gain_e_per_dn", "e-/DN", self.gain_e_per_dn, 1e-12, 1e15)
         _check.within("black_level_dn", "DN", self.black_level_dn, 0, self.top_code - 1)
@@ -81,24 +83,62 @@ UNKNOWN_CONVERTER = Converter()
 
 
 def adc_of(converter: Converter, pixel: Pixel) -> Adc:
-    """The converter of a pixel: 12 bits and black level 0 where not known.
+    """The converter of a pixel, with assumptions for what is not known.
 
-    The gain is used only if the bits are known too, because the gain alone does not determine the
-    top code; otherwise the top code is at the full well.
+    Black level 0. Without the gain, the top code is at the full well; with neither gain nor bits,
+    12 bits. Without the bits, the fewest from 8 to 16 with which the codes reach the full well.
+
+    Raises
+    ------
+    InputError
+        If the bits are not known and even 16 do not reach the full well.
 
     Examples
     --------
     >>> pixel = Pixel(pitch_um=10, full_well_e=4095, read_noise_e=0)
-    >>> adc_of(Converter(gain_e_per_dn=2.0), pixel).gain_e_per_dn
+    >>> adc_of(Converter(), pixel).gain_e_per_dn
     1.0
     >>> adc_of(Converter(gain_e_per_dn=2.0, bits=12), pixel).gain_e_per_dn
     2.0
+    >>> adc_of(Converter(gain_e_per_dn=2.0), pixel).bits
+    11
     """
-    bits = 12 if converter.bits is None else converter.bits
-    black = converter.black_level_dn or 0
-    if converter.bits is None or converter.gain_e_per_dn is None:
+    black, gain = converter.black_level_dn or 0, converter.gain_e_per_dn
+    if gain is None:
+        bits = 12 if converter.bits is None else converter.bits
         return adc_to_full_well(pixel, bits=bits, black_level_dn=black)
-    return Adc(bits=bits, gain_e_per_dn=converter.gain_e_per_dn, black_level_dn=black)
+    if converter.bits is not None:
+        return Adc(bits=converter.bits, gain_e_per_dn=gain, black_level_dn=black)
+    top_dn = black + pixel.full_well_e / gain
+    enough = [bits for bits in _BITS if 2**bits - 1 >= top_dn - 0.5]
+    if not enough:
+        raise InputError(
+            "bits",
+            f"must be given for a full well of {top_dn:.6g} DN, above the top code of 16 bits",
+            value=None,
+            found="they are missing",
+            remedy=Setting("bits"),
+        )
+    return Adc(bits=enough[0], gain_e_per_dn=gain, black_level_dn=black)
+
+
+def refuse_coarse_codes(converter: Converter, pixel: Pixel) -> None:
+    """Refuse a gain at which a full pixel is less than one code above black.
+
+    Raises
+    ------
+    InputError
+        If it is.
+    """
+    gain = converter.gain_e_per_dn
+    well_e = pixel.full_well_e / pixel.summed_pixels
+    if gain is not None and gain > well_e:
+        raise InputError(
+            "gain_e_per_dn",
+            "must be such that the full well is at least 1 DN above black",
+            value=gain,
+            found=f"a full well of {well_e:g} e- is {well_e / gain:.3g} DN",
+        )
 
 
 def quantization_step_e(converter: Converter, pixel: Pixel) -> float:

@@ -1,51 +1,9 @@
-"""Analog gain, as an ISO setting applies it before the converter, and the signal at white level."""
+"""Analog gain, as an ISO setting applies it before the converter."""
 
 from dataclasses import replace
 
 from chromanoise import _check
-from chromanoise.sensor.adc import adc_of
 from chromanoise.sensor.sensor import Sensor
-
-
-def code_range_e(sensor: Sensor) -> float:
-    """Electrons from black level to top code; the full well where the converter is unknown. [e-]"""
-    converter = sensor.converter
-    if converter.bits is None or converter.gain_e_per_dn is None:
-        return sensor.pixel.full_well_e
-    adc = adc_of(converter, sensor.pixel)
-    return (adc.top_code - adc.black_level_dn) * adc.gain_e_per_dn
-
-
-def white_level_e(sensor: Sensor, *, dark_e: float = 0.0) -> float:
-    """Largest signal: full well minus dark electrons, or the top code if that is lower. [e-]
-
-    Parameters
-    ----------
-    sensor
-        Its pixel and converter.
-    dark_e
-        Mean number of dark electrons of the exposure. [e-]
-
-    Raises
-    ------
-    InputError
-        If the dark electrons fill the well.
-
-    Examples
-    --------
-    >>> from chromanoise.catalog import sensor_named
-    >>> from chromanoise.sensor import with_pixel
-    >>> from chromanoise.spectra import DEFAULT_GRID
-    >>> sensor = sensor_named("model-rgb", DEFAULT_GRID)
-    >>> white_level_e(with_pixel(sensor, {"full_well_e": 9000.0}), dark_e=100.0)
-    8900.0
-    >>> white_level_e(with_pixel(sensor, {"bits": 10, "gain_e_per_dn": 2.0}))
-    2046.0
-    """
-    well = _check.positive(
-        "full well minus dark electrons", "e-", sensor.pixel.full_well_e - dark_e
-    )
-    return min(well, code_range_e(sensor))
 
 
 def with_analog_gain(sensor: Sensor, gain: float, *, read_noise_e: float | None = None) -> Sensor:
@@ -69,7 +27,7 @@ def with_analog_gain(sensor: Sensor, gain: float, *, read_noise_e: float | None 
     Examples
     --------
     >>> from chromanoise.catalog import sensor_named
-    >>> from chromanoise.sensor import with_pixel
+    >>> from chromanoise.sensor import white_level_e, with_pixel
     >>> from chromanoise.spectra import DEFAULT_GRID
     >>> sensor = with_pixel(sensor_named("model-rgb", DEFAULT_GRID), {"full_well_e": 8000.0})
     >>> white_level_e(with_analog_gain(sensor, 4.0))

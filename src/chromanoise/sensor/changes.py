@@ -9,7 +9,7 @@ import numpy as np
 from chromanoise import _check
 from chromanoise._linalg import inv, svd
 from chromanoise.errors import InputError, Setting
-from chromanoise.sensor.adc import Converter
+from chromanoise.sensor.adc import Converter, refuse_coarse_codes
 from chromanoise.sensor.crosstalk import Crosstalk
 from chromanoise.sensor.filters import ir_cut
 from chromanoise.sensor.pixel import BinningMode, Pixel, binned, of_the_sum
@@ -67,8 +67,10 @@ def with_pixel(sensor: Sensor, changes: Mapping[str, Any]) -> Sensor:
                 found=f"{sensor.name} has none",
                 remedy=(Setting("dark_current_e_per_s"), "omit it"),
             )
-    converter = {name: value for name, value in changes.items() if name in _OF_CONVERTER}
-    return replace(sensor, pixel=pixel, converter=replace(sensor.converter, **converter))
+    known = {name: value for name, value in changes.items() if name in _OF_CONVERTER}
+    converter = replace(sensor.converter, **known)
+    refuse_coarse_codes(converter, pixel)
+    return replace(sensor, pixel=pixel, converter=converter)
 
 
 def with_binning(sensor: Sensor, pixels: int, mode: BinningMode = "charge") -> Sensor:

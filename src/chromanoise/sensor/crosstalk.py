@@ -21,6 +21,7 @@ from chromanoise.sensor.mosaic import Mosaic
 Stage = Literal["light", "charge"]
 
 _ROUNDING = 1e-9
+_EQUAL = "name the mosaic if the channels have different numbers of pixels"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -67,10 +68,37 @@ class Crosstalk:
                 "crosstalk matrix",
                 "must distribute at most all light of each channel",
                 value=float(kept[column]),
-                found=f"column {column + 1} distributes {kept[column]:.4g} of it",
-                remedy="name the mosaic if the channels have different numbers of pixels",
+                found=f"column {column + 1} distributes {kept[column]:.4g} of it"
+                + _weights(count, column),
+                remedy=() if len(set(self.pixels)) > 1 else _EQUAL,
             )
         object.__setattr__(self, "matrix", _check.frozen(matrix))
+
+
+def refuse_other_channels(mosaic: Mosaic, names: Sequence[str]) -> None:
+    """Refuse a mosaic that has other channels than the sensor.
+
+    Raises
+    ------
+    InputError
+        If it has.
+    """
+    if set(names) != set(mosaic.names):
+        raise InputError(
+            "mosaic",
+            "must have the channels of the sensor for its crosstalk",
+            value=mosaic.names,
+            found=f"it has {', '.join(mosaic.names)}, and the sensor {', '.join(names)}",
+            remedy=Setting("mosaic"),
+        )
+
+
+def _weights(pixels: Float[Array, " p"], column: int) -> str:
+    """How the rows count, where the channels have different numbers of pixels."""
+    if len(set(pixels.tolist())) == 1:
+        return ""
+    weights = ", ".join(f"{weight:.3g}" for weight in pixels / pixels[column])
+    return f", its rows multiplied by {weights} for the pixels of the mosaic"
 
 
 def crosstalk_of_share(share: float, mosaic: Mosaic, names: Sequence[str]) -> Crosstalk:
@@ -142,15 +170,7 @@ def crosstalk_of_kernel(
             value=float(kernel.sum()),
             found=f"distributes {kernel.sum():.4g} of it",
         )
-    strange = sorted(set(names) ^ set(mosaic.names))
-    if strange:
-        raise InputError(
-            "mosaic",
-            "must have the channels of the sensor for its crosstalk",
-            value=mosaic.names,
-            found=f"it has {', '.join(mosaic.names)}, and the sensor {', '.join(names)}",
-            remedy=Setting("mosaic"),
-        )
+    refuse_other_channels(mosaic, names)
     tile = np.array([[names.index(name) for name in row] for row in mosaic.pattern])
     height, width = tile.shape
     mixed = np.zeros((len(names), len(names)))

@@ -1,11 +1,11 @@
 """Pixel values of a picture that override those of the sensor."""
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, fields, replace
+from dataclasses import asdict, dataclass, replace
 
 from chromanoise.errors import InputError
 from chromanoise.sensor.adc import adc_of
-from chromanoise.sensor.pixel import EXTRA_NOISE, extra_noise, of_the_sum
+from chromanoise.sensor.pixel import extra_noise, of_the_sum
 from chromanoise.sensor.sensor import Sensor
 
 
@@ -29,11 +29,6 @@ class PixelOverrides:
     row_noise_e: float | None = None
 
 
-_FIELDS = frozenset(field.name for field in fields(PixelOverrides))
-NOISE_OF_PICTURES = tuple(name for name in EXTRA_NOISE if name in _FIELDS)
-"""Fields of `Pixel` beyond shot and read noise that pictures have: not the black-level error."""
-
-
 def overridden(sensor: Sensor, given: PixelOverrides, *, raw: bool) -> Sensor:
     """The sensor as a picture uses it; its notes list which of its own values are used.
 
@@ -54,9 +49,7 @@ def overridden(sensor: Sensor, given: PixelOverrides, *, raw: bool) -> Sensor:
     if raw:
         refuse_summed_readings(sensor)
     asked = {name: value for name, value in asdict(given).items() if value is not None}
-    extra = extra_noise(sensor.pixel)
-    own = {name: value for name, value in extra.items() if name in NOISE_OF_PICTURES}
-    idle = {name: value for name, value in extra.items() if name not in own}
+    own = extra_noise(sensor.pixel)
     known = sensor.converter.known
     converter = replace(sensor.converter, **{k: v for k, v in asked.items() if k in _CONVERTER})
     asked |= of_the_sum(sensor.pixel, asked)
@@ -64,8 +57,11 @@ def overridden(sensor: Sensor, given: PixelOverrides, *, raw: bool) -> Sensor:
     used = {k: v for k, v in own.items() if k not in asked}
     won = {k: v for k, v in {**own, **known}.items() if k in asked and asked[k] != v}
     notes = [f"{_listed(used)} of the sensor's pixel in the picture"] if used else []
-    if idle:
-        notes.append(f"{_listed(idle)} of the sensor's pixel not used in the picture")
+    if sensor.crosstalk is not None and sensor.crosstalk.stage == "charge":
+        notes.append(
+            "crosstalk after counting is applied before counting in the picture: noise of "
+            "neighbors stays independent"
+        )
     if won:
         notes.append(f"{', '.join(won)} as given, instead of {_listed(won)} of the sensor's pixel")
     changed = replace(sensor, converter=converter, pixel=pixel)
@@ -105,9 +101,6 @@ def _converter_notes(sensor: Sensor, known: Mapping[str, float], *, raw: bool) -
     converter = (
         f"converter: {adc.bits} bits, {adc.gain_e_per_dn:.4g} e-/DN, black {adc.black_level_dn} DN"
     )
-    if "gain_e_per_dn" in known and sensor.converter.bits is None:
-        unused = "the gain of the sensor's pixel is used only where the bits are given too"
-        return [f"{converter}; {unused}"]
     last_e = (adc.top_code - adc.black_level_dn) * adc.gain_e_per_dn
     return [f"{converter}; codes end at {last_e:.4g} e-, {last_e / full_e:.3g} of the full well"]
 

@@ -106,7 +106,8 @@ class Pixel:
                 value=self.prnu,
                 remedy="write 1 percent as 0.01",
             )
-        _check.within("black_error_e", "e-", self.black_error_e, -_MOST, _MOST)
+        well_e = self.full_well_e
+        _check.within("black_error_e", "e-", self.black_error_e, -well_e, well_e)
         for name in ("temperature_c", "dark_reference_c"):
             if getattr(self, name) is not None:
                 _check.within(name, "C", getattr(self, name), _COLDEST_C, _HOTTEST_C)

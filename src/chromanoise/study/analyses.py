@@ -13,7 +13,7 @@ from chromanoise.analysis.export import analyses_as_json, budgets_as_json
 from chromanoise.analysis.figures_of_merit.merits import Merits, merits_as_json, merits_of
 from chromanoise.color import SPACES, UNBOUNDED
 from chromanoise.exposure import OperatingPoint, patch_scene
-from chromanoise.noise import Readout
+from chromanoise.noise import Readout, clipping_readout
 from chromanoise.spectra import Illuminant
 from chromanoise.study.assembly import keyed
 from chromanoise.study.document import OutputsPart, PipelinePart, pipeline_settings
@@ -62,7 +62,7 @@ def analysis_of(
         If the matrix cannot be made.
     """
     sensor = operating_point.sensor
-    clipping = Readout(black_e=0.0, full_well_e=sensor.pixel.full_well_e)
+    clipping = clipping_readout(sensor, operating_point.exposure)
     analysis = analyzed(
         patch_scene(operating_point),
         sensor,

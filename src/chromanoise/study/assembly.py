@@ -32,6 +32,7 @@ from chromanoise.sensor import (
     behind_ir_cut,
     crosstalk_of_share,
     mosaic_named,
+    refuse_other_channels,
     with_binning,
     with_crosstalk,
     with_shifted_curves,
@@ -176,6 +177,7 @@ def idle_settings(study: Study, given: Given = NOTHING_GIVEN) -> list[InputError
                 errors.append(
                     _idle(f"sensors.{sharing[0]}.answers.{name}", value, ", ".join(words))
                 )
+    errors += _idle_crosstalk(study)
     light = study.light
     infrared = infrared_parts(light.illuminant)
     base = light.illuminant if infrared is None else infrared[0]
@@ -202,6 +204,27 @@ def idle_settings(study: Study, given: Given = NOTHING_GIVEN) -> list[InputError
             )
             break
     return errors
+
+
+def _idle_crosstalk(study: Study) -> list[InputError]:
+    """The mosaic and the stage of crosstalk of sensors that have none."""
+    sweeps = [one for sweep in study.sweeps for one in (sweep, sweep.second) if one]
+    used = {"mosaic"} if any(one.vary == "crosstalk" for one in sweeps) else set()
+    return [
+        InputError(
+            name,
+            "must be given only with crosstalk",
+            value=getattr(part, name),
+            found="there is none",
+            remedy=(Setting(f"sensors.{i}.crosstalk"), "omit it"),
+            setting=f"sensors.{i}.{name}",
+        )
+        for i, part in enumerate(study.sensors)
+        for name in ("mosaic", "crosstalk_stage")
+        if part.crosstalk is None
+        and name not in used
+        and getattr(part, name) != SensorPart.model_fields[name].default
+    ]
 
 
 def _idle(key: str, value: Any, of: str) -> InputError:
@@ -410,25 +433,18 @@ def _pixel_changes(part: PixelPart) -> dict[str, Any]:
 
 
 def _with_crosstalk(sensor: Sensor, part: SensorPart, key: str) -> Sensor:
+    if part.mosaic is not None:
+        with keyed(f"{key}.mosaic", lambda name: f"{key}.{name}"):
+            mosaic = mosaic_named(part.mosaic)
+            refuse_other_channels(mosaic, sensor.names)
+            sensor = replace(sensor, mosaic=mosaic)
     if part.crosstalk is None:
-        for name in ("mosaic", "crosstalk_stage"):
-            if getattr(part, name) != SensorPart.model_fields[name].default:
-                raise InputError(
-                    name,
-                    "must be given only with crosstalk",
-                    value=getattr(part, name),
-                    found="there is none",
-                    remedy=(Setting(f"{key}.crosstalk"), "omit it"),
-                    setting=f"{key}.{name}",
-                )
         return sensor
-    with keyed(f"{key}.mosaic", lambda name: f"{key}.{name}"):
-        mosaic = sensor.mosaic if part.mosaic is None else mosaic_named(part.mosaic)
     with keyed(f"{key}.crosstalk", lambda name: f"{key}.{name}", {"mosaic": f"{key}.mosaic"}):
         given = part.crosstalk
         if isinstance(given, str):
-            mixing = read_crosstalk(file_of(given), sensor.names, mosaic)
-        elif mosaic is None:
+            mixing = read_crosstalk(file_of(given), sensor.names, sensor.mosaic)
+        elif sensor.mosaic is None:
             raise InputError(
                 "crosstalk",
                 "must be given with the mosaic that determines the neighbors",
@@ -437,7 +453,7 @@ def _with_crosstalk(sensor: Sensor, part: SensorPart, key: str) -> Sensor:
                 remedy=Setting("mosaic"),
             )
         else:
-            mixing = crosstalk_of_share(given, mosaic, sensor.names)
+            mixing = crosstalk_of_share(given, sensor.mosaic, sensor.names)
         return with_crosstalk(sensor, replace(mixing, stage=part.crosstalk_stage))
 
 
@@ -447,6 +463,7 @@ _ANSWER_KEYS = (
     | _PIXEL_KEYS
     | {"gain_e_per_dn": "pixel.gain_dn_per_e"}
 )
+_STUDY_NAMES = {"gain_e_per_dn": "gain_dn_per_e"}
 _FILTER_KEYS = {"wavelength_unit": "filter_wavelength_unit"}
 
 
@@ -474,7 +491,9 @@ def keyed(
     except InputError as error:
         if error.setting:  # of something narrower
             raise
-        raise error.inside((own or {}).get(error.subject, key), names) from None
+        place = (own or {}).get(error.subject, key)
+        named = error.called(_STUDY_NAMES.get(error.subject, error.subject))
+        raise named.inside(place, names) from None
 
 
 def unresolved(study: Study) -> list[InputError]:

@@ -99,8 +99,8 @@ def band_sentence(band: CrossoverBand) -> str:
     never = [prior for prior, crossover in band.by_prior.items() if not crossover.at]
     except_told = f", and none with {', '.join(never)}" if never else ""
     return (
-        f"{start} have a crossover in {one.quantity.what} between {low:.3g} and {high:.3g} "
-        f"{one.sweep.unit} of {one.sweep.what}{except_told}."
+        f"{start} have a crossover in {one.quantity.what} between {low:.3g} and "
+        f"{one.sweep.with_unit(f'{high:.3g}')} of {one.sweep.what}{except_told}."
     )
 
 

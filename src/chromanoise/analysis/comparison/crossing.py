@@ -265,10 +265,9 @@ def crossover_as_json(crossover: Crossover) -> dict[str, Any]:
 
 def crossover_sentence(crossover: Crossover) -> str:
     """Who leads over which values of the sweep, and the color errors where places change."""
-    (first, second), unit = crossover.labels, crossover.sweep.unit
-    span = (
-        f"{value_in_words(crossover.first_at, 4)} to {value_in_words(crossover.last_at, 4)} {unit}"
-    )
+    (first, second), sweep = crossover.labels, crossover.sweep
+    last = sweep.with_unit(value_in_words(crossover.last_at, 4))
+    span = f"{value_in_words(crossover.first_at, 4)} to {last}"
     leader, other = (first, second)
     if crossover.better_first == crossover.second:
         leader, other = second, first
@@ -290,8 +289,8 @@ def crossover_sentence(crossover: Crossover) -> str:
     colors = "; ".join(f"{a:.1f} and {b:.1f}" for a, b in crossover.color_error)
     where = "at the crossover" if len(values) == 1 else "at the crossovers"
     return (
-        f"{leads} below {values[0]} {unit} of {crossover.sweep.what}, {', '.join(rest)} (within "
-        f"{span}); {where} the mean color errors of {first} and {second} are "
+        f"{leads} below {sweep.with_unit(values[0])} of {sweep.what}, {', '.join(rest)} "
+        f"(within {span}); {where} the mean color errors of {first} and {second} are "
         f"{colors} Delta E*ab."
     )
 

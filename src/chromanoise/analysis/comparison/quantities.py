@@ -35,7 +35,7 @@ from chromanoise.metrics import (
     chart_color_error,
 )
 from chromanoise.metrics.accuracy import mean_chart_errors
-from chromanoise.noise import saturated
+from chromanoise.noise import saturated, signal_limit_e
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -121,19 +121,18 @@ def is_saturated_over_levels(
         Illuminance. [lx]
     """
     electrons = electrons_at(operating_point, level_lux=level_lux)
-    pixel, exposure = operating_point.sensor.pixel, operating_point.exposure
-    return np.asarray(saturated(electrons, pixel, exposure).any(axis=-1))
+    sensor, exposure = operating_point.sensor, operating_point.exposure
+    return np.asarray(saturated(electrons, sensor, exposure).any(axis=-1))
 
 
 def fullest_level_lux(operating_point: OperatingPoint) -> float | None:
     """Up to which illuminance on a perfect white no channel is saturated, the time kept. [lx]
 
-    ``None`` where no channel sees the light. Electrons are linear in light, so it is the full
-    well, less the dark electrons, over the electrons of one lux in the channel that gets most.
+    ``None`` where no channel sees the light. Electrons are linear in light, so it is the white
+    level over the electrons of one lux in the channel that gets most.
     """
     most = float(electrons_at(operating_point, level_lux=np.ones(1)).max())
-    pixel = operating_point.sensor.pixel
-    left_e = pixel.full_well_e - pixel.dark_electrons_e(time_s=operating_point.exposure.time_s)
+    left_e = signal_limit_e(operating_point.sensor, operating_point.exposure)
     return max(left_e, 0.0) / most if most > 0 else None
 
 
@@ -218,8 +217,8 @@ def gray_delta_e(operating_point: OperatingPoint, matrix: ColorMatrix) -> float:
 
 def is_saturated(operating_point: OperatingPoint) -> bool:
     """Whether a channel is saturated on a perfect white."""
-    pixel, exposure = operating_point.sensor.pixel, operating_point.exposure
-    return bool(saturated(electrons_at(operating_point), pixel, exposure).any())
+    sensor, exposure = operating_point.sensor, operating_point.exposure
+    return bool(saturated(electrons_at(operating_point), sensor, exposure).any())
 
 
 def _snr(name: str, coordinate: str) -> Quantity:

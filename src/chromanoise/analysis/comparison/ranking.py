@@ -284,12 +284,12 @@ def lead_sentences(leading: Sequence[Lead]) -> list[str]:
     sentences = []
     for name in dict.fromkeys(one.matrix for one in leading):
         mine = [one for one in leading if one.matrix == name]
-        unit, quantity = mine[0].sweep.unit, mine[0].quantity
+        sweep, quantity = mine[0].sweep, mine[0].quantity
         better = "highest" if quantity.more_is_better else "lowest"
-        ranges = [f"{one.label} {_range_in_words(one)} {unit}" for one in mine]
+        ranges = [f"{one.label} {sweep.with_unit(_range_in_words(one))}" for one in mine]
         sentences.append(
             f"With the {name} matrix the {better} {quantity.what} of all sensors over "
-            f"{mine[0].sweep.what}: {', '.join(ranges)}."
+            f"{sweep.what}: {', '.join(ranges)}."
         )
     return sentences
 

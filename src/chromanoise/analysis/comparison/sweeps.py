@@ -13,7 +13,7 @@ import numpy as np
 from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._shapes import Float
-from chromanoise.errors import InputError
+from chromanoise.errors import InputError, Setting
 from chromanoise.exposure import OperatingPoint
 from chromanoise.sensor import (
     behind_ir_cut,
@@ -65,6 +65,10 @@ class Sweep:
     replaces: str = ""
     replaces_light: bool = False
     whole: bool = False
+
+    def with_unit(self, text: str) -> str:
+        """A value as text with the unit; without one where the unit is 1."""
+        return text if self.unit == "1" else f"{text} {self.unit}"
 
 
 def _at_level(operating_point: OperatingPoint, level_lux: float) -> OperatingPoint:
@@ -132,7 +136,7 @@ def _at_crosstalk(operating_point: OperatingPoint, share: float) -> OperatingPoi
             "must vary only for sensors with a mosaic, which determines the neighbors",
             value=share,
             found=f"{sensor.label} has {lacks}",
-            remedy="omit this sensor",
+            remedy=(Setting("mosaic"), "omit this sensor"),
         )
     mixing = crosstalk_of_share(share, sensor.mosaic, sensor.names)
     return replace(operating_point, sensor=with_crosstalk(pure, mixing))

@@ -151,7 +151,7 @@ def refuse_full(analysis: Analysis) -> None:
     InputError
         If it does; the channels are told.
     """
-    full = saturated(white_electrons(analysis), analysis.sensor.pixel, analysis.exposure)
+    full = saturated(white_electrons(analysis), analysis.sensor, analysis.exposure)
     held = [name for name, is_full in zip(analysis.sensor.names, full, strict=True) if is_full]
     if held:
         raise InputError(

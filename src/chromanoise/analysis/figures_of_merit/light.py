@@ -36,7 +36,7 @@ from chromanoise.metrics import (
     visual_noise_of_white,
 )
 from chromanoise.metrics.visual_noise import pixels_per_degree
-from chromanoise.noise import noise_sources
+from chromanoise.noise import noise_sources, signal_limit_e
 
 _PLANE = 128  # side of the Fourier plane on which visual noise is averaged
 _SAME_MATRIX = 1e-9  # two matrices that differ by less are one
@@ -118,9 +118,9 @@ def _adapts(operating_point: OperatingPoint, maker: MatrixFunction) -> bool:
 
 
 def level_merits(analysis: Analysis) -> tuple[Merit, ...]:
-    """From black to the white of this exposure, or to full well where that comes first."""
+    """From black to the white of this exposure, or to the white level if that is lower."""
     noise = noise_sources(analysis.sensor, analysis.exposure)
-    most_e = analysis.sensor.pixel.full_well_e - noise.dark_e
+    most_e = signal_limit_e(analysis.sensor, analysis.exposure)
     top_e = np.clip(white_electrons(analysis), 0.0, max(most_e, 0.0))
     dark_noise_e = math.sqrt(noise.floor_e2("temporal"))
 
