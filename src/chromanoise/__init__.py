@@ -14,6 +14,7 @@ above it (``pyproject.toml`` lists them in reverse order).
 ``metrics``    SNR, its bound, loss and budget; color error, filters, speed, bits
 ``imaging``    a cube through the camera: kernels, mosaic, demosaicing, sampling
 ``io``         readers and writers: spectra, cubes, pixels, matrices, tables
+``characterization``  a camera's noise from its own raw frames
 ``catalog``    built-in sensors, filters, illuminants; the user's own folder
 ``analysis``   one operating point at every stage; budgets, sweeps, comparison
 ``study``      a study: document, errors, run, records

@@ -1,0 +1,182 @@
+"""What raw frames tell about a camera: one result per plane of the mosaic, and a verdict."""
+
+from dataclasses import dataclass
+
+from chromanoise._check import Array
+from chromanoise._shapes import Float
+from chromanoise.sensor import Mosaic, TransferFit
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LevelNoise:
+    """One plane at one level of light.
+
+    Attributes
+    ----------
+    name
+        Of the level.
+    frames
+        Number of flats. [1]
+    time_ms, photons_per_pixel
+        As `chromanoise.io.frames.FrameLevel`; ``None`` if not known. [ms], [1]
+    mean_dn
+        Mean code. [DN]
+    variance_dn2, variance_se_dn2
+        Temporal variance and its standard error. [DN^2]
+    predicted_variance_dn2
+        K times the mean above dark, plus the dark variance. [DN^2]
+    dark_mean_dn, dark_variance_dn2
+        Of the darks of the level; ``None`` if there are none. [DN], [DN^2]
+    fitted
+        Whether the level is below 70 % of saturation, so that K was fitted to it.
+    clipped_share
+        Share of the pixels at the largest code. [1]
+    correlation_right, correlation_down
+        Temporal correlation of neighbors in a row, and in a column, of the same plane. [1]
+    drift_z
+        Largest change of the mean from one frame to another, over its standard error without drift.
+    """
+
+    name: str
+    frames: int
+    time_ms: float | None
+    photons_per_pixel: float | None
+    mean_dn: float
+    variance_dn2: float
+    variance_se_dn2: float
+    predicted_variance_dn2: float
+    dark_mean_dn: float | None
+    dark_variance_dn2: float | None
+    fitted: bool
+    clipped_share: float
+    correlation_right: float
+    correlation_down: float
+    drift_z: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PlaneNoise:
+    """Noise of one plane of the mosaic, named as in EMVA 1288; ``_se`` are standard errors.
+
+    Attributes
+    ----------
+    name
+        The channel: ``R``, ``G1``, ``G2``, ``B``; ``mono`` without a mosaic.
+    gain_dn_per_e, gain_dn_per_e_se
+        System gain K. [DN/e-]
+    dark_noise_e, dark_noise_e_se
+        Temporal dark noise sigma_d, rounding not included. [e-]
+    black_level_dn, black_level_dn_se
+        Mean code without light at exposure time 0. [DN]
+    saturation_dn, full_well_e, full_well_e_se
+        Mean code at the largest variance, and its electrons. [DN], [e-]
+    dynamic_range_db
+        20 log10 of full well over the dark noise plus 0.5 e-. [dB]
+    qe, qe_se
+        Electrons per photon, where photons are told. [e-/photon]
+    linearity_error_percent
+        Largest deviation of the mean from a straight line over light. [%]
+    dark_current_e_per_s, dark_current_e_per_s_se
+        From darks of three or more times. [e-/s]
+    dsnu_e, dsnu_e_se, prnu, prnu_se
+        Fixed-pattern noise in the dark, and of the sensitivity. [e-], [1]
+    row_noise_e, row_noise_e_se, column_noise_e, column_noise_e_se
+        Temporal noise that all pixels of a row, or column, share, in the dark. [e-]
+    hot_pixels
+        Pixels whose dark mean is far above that of the others. [1]
+    bend_z
+        Quadratic term of the variance over its standard error; a bend is significant above 3.
+    levels
+        From dark to bright.
+    fit
+        The photon transfer.
+    """
+
+    name: str
+    gain_dn_per_e: float
+    gain_dn_per_e_se: float
+    dark_noise_e: float | None
+    dark_noise_e_se: float | None
+    black_level_dn: float | None
+    black_level_dn_se: float | None
+    saturation_dn: float | None
+    full_well_e: float | None
+    full_well_e_se: float | None
+    dynamic_range_db: float | None
+    qe: float | None
+    qe_se: float | None
+    linearity_error_percent: float | None
+    dark_current_e_per_s: float | None
+    dark_current_e_per_s_se: float | None
+    dsnu_e: float | None
+    dsnu_e_se: float | None
+    prnu: float | None
+    prnu_se: float | None
+    row_noise_e: float | None
+    row_noise_e_se: float | None
+    column_noise_e: float | None
+    column_noise_e_se: float | None
+    hot_pixels: int | None
+    bend_z: float | None
+    levels: tuple[LevelNoise, ...]
+    fit: TransferFit
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ModelVerdict:
+    """Whether the camera follows the linear model: variance = K mean + dark variance, white.
+
+    Attributes
+    ----------
+    holds
+        Whether no statement was made against it.
+    chi2_per_level
+        Mean squared deviation of the variance from the model, over its standard error.
+    worst_level, worst_z
+        The level that deviates most, and its deviation in standard errors.
+    sentences
+        What contradicts the model: bend, correlation, drift, clipping; each names its frames.
+    """
+
+    holds: bool
+    chi2_per_level: float
+    worst_level: str
+    worst_z: float
+    sentences: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Characterization:
+    """Noise of a camera from its own frames.
+
+    Attributes
+    ----------
+    source
+        Folder or file of the frames.
+    camera
+        Maker and model, or empty.
+    iso
+        ISO setting of the frames; ``None`` if not known.
+    bits
+        Bits of the codes; ``None`` if not known.
+    mosaic
+        Names of the planes in one period of the mosaic; ``None`` for a monochrome sensor.
+    planes
+        One per pixel of the period.
+    correlation
+        Temporal correlation between the planes of one cell, at the middle level.
+    verdict
+        Whether the linear model holds.
+    notes
+        How frames were grouped, and remarks.
+    """
+
+    source: str
+    camera: str
+    iso: float | None
+    bits: int | None
+    mosaic: Mosaic | None
+    planes: tuple[PlaneNoise, ...]
+    correlation: Float[Array, "p p"]
+    verdict: ModelVerdict
+    notes: tuple[str, ...]

@@ -1,0 +1,128 @@
+"""Raw frames of a camera, and how they belong together: levels of light, each with its darks."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from chromanoise._check import Array
+from chromanoise._shapes import Int
+from chromanoise.errors import InputError
+from chromanoise.sensor import Mosaic
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Frame:
+    """One raw frame of a file; its codes are read when they are needed.
+
+    Attributes
+    ----------
+    path
+        The file.
+    shape
+        Rows and columns. [px]
+    read
+        Reads the codes: an array of integers, ``shape``. [DN]
+    index
+        Number of the frame in a stack, from 0; ``None`` for a file with one frame.
+    time_ms
+        Exposure time, if the file tells it. [ms]
+    iso
+        ISO setting, if the file tells it.
+    camera
+        Maker and model, or empty.
+    mosaic
+        The channel of each pixel, if the file tells it.
+    bits
+        Bits of the codes, if the file tells them.
+    black_level_dn, white_level_dn
+        Code without light and largest code, if the file tells them. [DN]
+    """
+
+    path: Path
+    shape: tuple[int, int]
+    read: Callable[[], Int[Array, "h w"]]
+    index: int | None = None
+    time_ms: float | None = None
+    iso: float | None = None
+    camera: str = ""
+    mosaic: Mosaic | None = None
+    bits: int | None = None
+    black_level_dn: float | None = None
+    white_level_dn: float | None = None
+
+    @property
+    def name(self) -> str:
+        """The file's name, with the number of the frame in a stack: ``flats.tif[2]``."""
+        return self.path.name if self.index is None else f"{self.path.name}[{self.index}]"
+
+    def codes(self) -> Int[Array, "h w"]:
+        """The codes. [DN]
+
+        Raises
+        ------
+        InputError
+            If the file cannot be read, has changed its size, or holds no integers.
+        """
+        codes: Any = np.asarray(self.read())
+        if codes.shape != self.shape:
+            raise InputError(
+                self.name,
+                f"must have {self.shape[0]} rows and {self.shape[1]} columns",
+                value=codes.shape,
+                found=f"has shape {codes.shape}",
+            )
+        if codes.dtype.kind not in "ui":
+            raise InputError(
+                self.name, "must hold integer codes", value=str(codes.dtype), found=f"{codes.dtype}"
+            )
+        return np.asarray(codes)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FrameLevel:
+    """Frames of one scene, exposure and light.
+
+    Attributes
+    ----------
+    name
+        For messages: ``level 3``, or the common part of the file names.
+    flats
+        Frames of a uniform light; empty where only darks were taken.
+    darks
+        Frames without light, of the same exposure time; empty if there are none.
+    time_ms
+        Exposure time. [ms]
+    photons_per_pixel
+        Mean number of photons on a pixel during the exposure. [1]
+    """
+
+    name: str
+    flats: tuple[Frame, ...]
+    darks: tuple[Frame, ...] = ()
+    time_ms: float | None = None
+    photons_per_pixel: float | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FrameSet:
+    """All frames of a photon transfer.
+
+    Attributes
+    ----------
+    source
+        Folder or file they come from.
+    levels
+        In any order.
+    mosaic
+        The channel of each pixel; ``None`` for a monochrome sensor.
+    notes
+        How the frames were grouped, and what was left out.
+    """
+
+    source: str
+    levels: tuple[FrameLevel, ...]
+    mosaic: Mosaic | None = None
+    notes: tuple[str, ...] = ()
