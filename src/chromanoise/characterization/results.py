@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._shapes import Float
 from chromanoise.sensor import Mosaic, TransferFit
@@ -68,8 +69,11 @@ class PlaneNoise:
         Temporal dark noise sigma_d, rounding not included. [e-]
     black_level_dn, black_level_dn_se
         Mean code without light at exposure time 0. [DN]
-    saturation_dn, full_well_e, full_well_e_se
+    saturation_dn, saturation_capacity_e
         Mean code at the largest variance, and its electrons. [DN], [e-]
+    full_well_e, full_well_e_se
+        Electrons at which the codes end: those of a saturated level, if there is one, else the
+        saturation capacity, with the distance of the levels as error. [e-]
     dynamic_range_db
         20 log10 of full well over the dark noise plus 0.5 e-. [dB]
     qe, qe_se
@@ -100,6 +104,7 @@ class PlaneNoise:
     black_level_dn: float | None
     black_level_dn_se: float | None
     saturation_dn: float | None
+    saturation_capacity_e: float | None
     full_well_e: float | None
     full_well_e_se: float | None
     dynamic_range_db: float | None
@@ -165,6 +170,8 @@ class Characterization:
         One per pixel of the period.
     correlation
         Temporal correlation between the planes of one cell, at the middle level.
+    covariance_dn2
+        Temporal covariance of the planes of one cell, at each level from dark to bright. [DN^2]
     verdict
         Whether the linear model holds.
     notes
@@ -178,5 +185,9 @@ class Characterization:
     mosaic: Mosaic | None
     planes: tuple[PlaneNoise, ...]
     correlation: Float[Array, "p p"]
+    covariance_dn2: Float[Array, "k p p"]
     verdict: ModelVerdict
     notes: tuple[str, ...]
+
+    def __post_init__(self) -> None:
+        _check.freeze(self, "correlation", "covariance_dn2")

@@ -18,7 +18,7 @@ from chromanoise.sensor.noise_profile import ROUNDING_DN2
 from chromanoise.sensor.photon_transfer_levels import Levels, levels_of
 from chromanoise.sensor.photon_transfer_regression import (
     Regression,
-    mean_error2,
+    dark_mean_error2,
     residuals_z,
     straight_fit,
     variance_error2,
@@ -345,9 +345,20 @@ def _read_noise(
             f"{_LEAST_DARK_DN2} DN^2), so the read noise of {limit:.3g} e- is an upper limit"
         )
         return limit, None
+    error2 += _rounding_error2(dark)
     relative2 = error2 / (2 * dark) ** 2 + (gain_se / gain) ** 2 - common / (dark * gain)
     read = float(np.sqrt(dark)) / gain
     return read, read * float(np.sqrt(max(relative2, 0.0)))
+
+
+def _rounding_error2(variance_dn2: float) -> float:
+    """Squared error of the variance of rounded codes beyond 1/12, whatever the mean is. [DN^4]
+
+    Of a normal value of standard deviation s codes, the term (4 s^2 + 1/pi^2) exp(-2 pi^2 s^2)
+    times the cosine of the mean: Widrow & Kollar, Quantization Noise (2008), chapter 4.
+    """
+    fading = float(np.exp(-2 * np.pi**2 * variance_dn2))
+    return 0.5 * ((4 * variance_dn2 + 1 / np.pi**2) * fading) ** 2
 
 
 def _dark_current(
@@ -358,7 +369,7 @@ def _dark_current(
     if levels.darks is None or slope is None:
         return None, None
     darks, per_s = levels.darks, 1e3 / curves.gain
-    errors2 = curves.gain_fit.spread * mean_error2(darks.variance_dn2, darks.samples, levels.frames)
+    errors2 = curves.gain_fit.spread * dark_mean_error2(darks, levels.frames)
     current, error = float(slope @ darks.mean_dn) * per_s, float(np.sqrt(slope**2 @ errors2))
     if current < 0:
         notes.append(

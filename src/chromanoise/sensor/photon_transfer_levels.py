@@ -23,12 +23,15 @@ class Darks:
         Number of pixels of each; ``None`` if not known. [1]
     time_ms
         Exposure time of each; ``None`` if not known. [ms]
+    mean_se_dn
+        Standard error of each mean; ``None`` to compute it from variance and samples. [DN]
     """
 
     mean_dn: Array
     variance_dn2: Array
     samples: Array | None
     time_ms: Array | None
+    mean_se_dn: Array | None = None
 
     def at_no_time(self) -> tuple[Array, Array | None]:
         """Weights that give the dark value at exposure time 0, and weights of its slope per ms.
@@ -177,4 +180,7 @@ def _darks(table: PhotonTransfer) -> tuple[Darks, Array] | None:
         variance_dn2=variance,
         samples=None if samples is None else np.bincount(dark_at, weights=samples[table.dark]),
         time_ms=None if time is None else times,
+        mean_se_dn=None
+        if table.mean_se_dn is None
+        else np.sqrt(np.bincount(dark_at, weights=table.mean_se_dn[table.dark] ** 2)) / count,
     ), nearest(times, at[lit])

@@ -10,7 +10,7 @@ import numpy as np
 
 from chromanoise._check import Array
 from chromanoise._linalg import matrix_rank, pinv
-from chromanoise.sensor.photon_transfer_levels import Levels
+from chromanoise.sensor.photon_transfer_levels import Darks, Levels
 
 _ROUNDS = 20  # iterations of the weights, which converge in about five
 _LEAST_SHARE = 1e-9  # smallest variance, relative to the largest: keeps weights finite
@@ -119,6 +119,13 @@ def mean_error2(variance: Array, samples: Array | None, frames: int) -> Array:
     return np.asarray(variance / (frames * n))
 
 
+def dark_mean_error2(darks: Darks, frames: int) -> Array:
+    """Squared error of each dark mean, as measured or from sampling. [DN^2]"""
+    if darks.mean_se_dn is not None:
+        return np.asarray(darks.mean_se_dn**2)
+    return mean_error2(darks.variance_dn2, darks.samples, frames)
+
+
 def _dark_variance(levels: Levels) -> Array:
     """Dark variance of each level, 0 if not known."""
     if levels.darks is None:
@@ -139,7 +146,7 @@ def _dark_error2(levels: Levels, slope: float) -> Array:
     if levels.darks is None:
         return np.zeros(1)
     variance, n = levels.darks.variance_dn2, levels.darks.samples
-    return variance_error2(variance, n) + slope**2 * mean_error2(variance, n, levels.frames)
+    return variance_error2(variance, n) + slope**2 * dark_mean_error2(levels.darks, levels.frames)
 
 
 def _lever(design: Array, root_weights: Array) -> Array | None:

@@ -39,6 +39,9 @@ class PhotonTransfer:
         Dark mean and variance of each row, instead of dark rows. [DN], [DN^2]
     photons
         Mean number of photons on a pixel, for each row. [1]
+    mean_se_dn
+        Standard error of the mean of each row; ``None`` to compute it from variance and samples.
+        Row noise makes it larger. [DN]
     notes
         Remarks for readers of the result.
 
@@ -59,6 +62,7 @@ class PhotonTransfer:
     dark_mean_dn: Float[Array, " m"] | None = None
     dark_variance_dn2: Float[Array, " m"] | None = None
     photons: Float[Array, " m"] | None = None
+    mean_se_dn: Float[Array, " m"] | None = None
     notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
@@ -66,7 +70,7 @@ class PhotonTransfer:
             values = getattr(self, name)
             if values is None:
                 continue
-            signed = name.endswith("mean_dn")
+            signed = name in ("mean_dn", "dark_mean_dn")
             check = _check.finite if signed else _check.non_negative
             values = check(f"{name} of {self.source}", unit, values)
             _check.same_length("rows", dark=self.dark.size, **{name: values.size})
@@ -103,6 +107,7 @@ _COLUMNS = (
     ("dark_variance_dn2", "DN^2", 1e18),
     ("time_ms", "ms", 1e12),
     ("photons", "1", 1e15),
+    ("mean_se_dn", "DN", 1e9),
 )
 
 

@@ -1,0 +1,91 @@
+"""Statistics of frames kept in a file, so that a run that was stopped goes on where it ended."""
+
+import hashlib
+import json
+from collections.abc import Sequence
+from dataclasses import asdict, fields
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from chromanoise import __version__, _inputs
+from chromanoise._files import write_whole
+from chromanoise.characterization.measure import Sampler
+from chromanoise.characterization.statistics import LightSample, PlaneSample, light_sample
+from chromanoise.errors import InputError
+from chromanoise.io.frames.frame import Frame
+
+_SCHEMA = "chromanoise frame statistics"
+_MOST_BYTES = 100_000_000
+_FIELDS = {field.name for field in fields(PlaneSample)}
+
+
+def resumed(path: Path) -> Sampler:
+    """A function for `characterized` that keeps its results in a file.
+
+    The file is written anew after each light. Results are used again only for the same frames: same
+    paths, sizes and dates.
+
+    Parameters
+    ----------
+    path
+        The file; made if it does not exist.
+
+    Raises
+    ------
+    InputError
+        If the file exists and is of another kind or version.
+    """
+    kept = _read(path) if path.exists() else {}
+
+    def sampled(frames: Sequence[Frame], tile: tuple[int, int]) -> LightSample:
+        key = _key(frames, tile)
+        if key not in kept:
+            found = light_sample(frames, tile)
+            kept[key] = {
+                "planes": [asdict(plane) for plane in found.planes],
+                "covariance_dn2": found.covariance_dn2.tolist(),
+            }
+            data = {"schema": _SCHEMA, "version": __version__, "lights": kept}
+            write_whole(path, json.dumps(data).encode())
+            return found
+        one = kept[key]
+        planes = [
+            PlaneSample(**plane | {"frame_means_dn": tuple(plane["frame_means_dn"])})
+            for plane in one["planes"]
+        ]
+        return LightSample(planes=tuple(planes), covariance_dn2=np.array(one["covariance_dn2"]))
+
+    return sampled
+
+
+def _key(frames: Sequence[Frame], tile: tuple[int, int]) -> str:
+    digest = hashlib.sha256(repr(tile).encode())
+    for frame in frames:
+        facts = frame.path.stat()
+        digest.update(
+            f"{frame.path.resolve()}|{frame.index}|{facts.st_size}|{facts.st_mtime_ns}".encode()
+        )
+    return digest.hexdigest()
+
+
+def _read(path: Path) -> dict[str, Any]:
+    size = _inputs.regular_file(path).st_size
+    remedy = "give the file of an earlier run, or one that does not exist"
+    if size > _MOST_BYTES:
+        raise InputError(str(path), "must hold statistics of frames", value=size, remedy=remedy)
+    try:
+        data = json.loads(path.read_bytes())
+        lights = data["lights"]
+        same = data["schema"] == _SCHEMA and data["version"] == __version__
+        valid = all(
+            set(plane) == _FIELDS for one in lights.values() for plane in one["planes"]
+        ) and all("covariance_dn2" in one for one in lights.values())
+    except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
+        same = valid = False
+    if not (same and valid):
+        raise InputError(
+            str(path), f"must hold statistics of frames of version {__version__}", remedy=remedy
+        )
+    return dict(lights)

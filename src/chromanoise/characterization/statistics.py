@@ -1,0 +1,325 @@
+"""Temporal statistics of frames of one light: variance, row and column noise, correlation.
+
+All come from differences of consecutive frames, in which fixed patterns cancel. The mean of each
+difference is subtracted, so that a change of the light adds no variance (EMVA 1288, release 4.0,
+section 6.5, with two frames). Row and column noise follow from the analysis of variance of the
+difference: rows, columns, rest.
+"""
+
+import math
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+
+import numpy as np
+
+from chromanoise import _check
+from chromanoise._check import Array
+from chromanoise._shapes import Float, Int
+from chromanoise.errors import InputError
+from chromanoise.imaging.frame_sums import PairSums
+from chromanoise.io.frames.frame import Frame
+
+_BAND_PIXELS = 1 << 19  # of a plane, from which correlations are computed: error 0.0014
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PlaneSample:
+    """Statistics of one plane over the frames of one light.
+
+    Attributes
+    ----------
+    frame_means_dn
+        Mean code of each frame. [DN]
+    variance_dn2
+        Temporal variance of a pixel: rows, columns and the rest together. [DN^2]
+    rest_dn2
+        The part that neighbors do not share. [DN^2]
+    row_dn2, row_se_dn2, column_dn2, column_se_dn2
+        Variance that all pixels of a row, or of a column, share, and its standard error; may be
+        negative by chance. [DN^2]
+    samples
+        Number of independent values with the same error of the variance. [1]
+    mean_variance_dn2
+        Variance of the mean over all frames, from temporal noise. [DN^2]
+    pixels
+        Pixels of the plane. [1]
+    top_share
+        Share of the pixels of the first frame that have its largest code. [1]
+    top_dn, bottom_dn
+        The largest and the smallest code of it. [DN]
+    bottom_share
+        Share of its pixels that have the smallest code. [1]
+    correlation_right, correlation_down
+        Of the rest, between neighbors in a row, and in a column. [1]
+    """
+
+    frame_means_dn: tuple[float, ...]
+    variance_dn2: float
+    rest_dn2: float
+    row_dn2: float
+    row_se_dn2: float
+    column_dn2: float
+    column_se_dn2: float
+    samples: float
+    mean_variance_dn2: float
+    pixels: int
+    top_share: float
+    top_dn: int
+    bottom_dn: int
+    bottom_share: float
+    correlation_right: float
+    correlation_down: float
+
+    @property
+    def mean_dn(self) -> float:
+        """Mean over all frames. [DN]"""
+        return float(np.mean(self.frame_means_dn))
+
+    @property
+    def drift_z(self) -> float:
+        """Largest change of the mean between two frames, over its standard error."""
+        spread = max(self.frame_means_dn) - min(self.frame_means_dn)
+        error = math.sqrt(2 * len(self.frame_means_dn) * self.mean_variance_dn2)
+        return spread / error if error else (math.inf if spread else 0.0)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class LightSample:
+    """Statistics of all planes over the frames of one light.
+
+    Attributes
+    ----------
+    planes
+        In the order of the pixels of a period of the mosaic.
+    covariance_dn2
+        Temporal covariance of the planes of one cell, rows and columns not included. [DN^2]
+    """
+
+    planes: tuple[PlaneSample, ...]
+    covariance_dn2: Float[Array, "p p"]
+
+    def __post_init__(self) -> None:
+        _check.freeze(self, "covariance_dn2")
+
+
+def light_sample(frames: Sequence[Frame], tile: tuple[int, int]) -> LightSample:
+    """Statistics of two or more frames of the same light.
+
+    Parameters
+    ----------
+    frames
+        Of one size. They are read one after the other; two are in memory, and one is being read.
+    tile
+        Rows and columns of the period of the mosaic; (1, 1) without a mosaic.
+
+    Raises
+    ------
+    InputError
+        If there is one frame only, a frame cannot be read, or the frames are smaller than 4 x 4
+        pixels of each plane.
+
+    Notes
+    -----
+    Of k frames k - 1 differences of consecutive frames are averaged. Their sum has the variance of
+    2 (k - 1)^2 / (3 k - 4) independent ones.
+    """
+    if len(frames) < 2:
+        raise InputError(
+            frames[0].name if frames else "frames",
+            "must be one of two or more frames of the same light for a temporal variance",
+            value=len(frames),
+            found="it is the only one",
+        )
+    before: Array | None = None
+    pairs: list[_Pair] = []
+    means: list[Array] = []
+    first: Array | None = None
+    for codes in _read_ahead(frames):
+        cut = _whole_cells(codes, tile, frames[0].name)
+        if before is None:
+            first = cut
+        else:
+            sums = PairSums(before, cut, tile)
+            pairs.append(_pair(sums, tile, cut.shape))
+            means.append(pairs[-1].mean_dn)
+            if len(pairs) == 1:
+                band = _band(before, cut, tile)
+        before = cut
+    means.append(means[-1] - pairs[-1].difference_dn)
+    assert first is not None
+    return _sample(pairs, np.array(means), band, first, tile)
+
+
+def averaged(frames: Sequence[Frame], tile: tuple[int, int]) -> Float[Array, "h w"]:
+    """The mean of frames, each with its own mean of every plane subtracted. [DN]
+
+    Parameters
+    ----------
+    frames, tile
+        As `light_sample`.
+
+    Raises
+    ------
+    InputError
+        If a frame cannot be read.
+    """
+    total: Array | None = None
+    for codes in _read_ahead(frames):
+        cut = _whole_cells(codes, tile, frames[0].name).astype(np.float32)
+        for plane in planes_of(cut, tile):
+            plane -= plane.mean(dtype=np.float64)
+        total = cut if total is None else np.add(total, cut, out=total)
+    assert total is not None
+    total /= len(frames)
+    return total
+
+
+def planes_of(image: Array, tile: tuple[int, int]) -> list[Array]:
+    """Views of an image, one for each pixel of the period of the mosaic."""
+    return [image[y :: tile[0], x :: tile[1]] for y in range(tile[0]) for x in range(tile[1])]
+
+
+def _read_ahead(frames: Sequence[Frame]) -> Iterator[Int[Array, "h w"]]:
+    """The codes of each frame; the next one is read while one is in use."""
+    with ThreadPoolExecutor(1) as reader:
+        waiting = reader.submit(frames[0].codes)
+        for following in frames[1:]:
+            codes = waiting.result()
+            waiting = reader.submit(following.codes)
+            yield codes
+        yield waiting.result()
+
+
+def _whole_cells(codes: Array, tile: tuple[int, int], name: str) -> Array:
+    height, width = (size - size % step for size, step in zip(codes.shape, tile, strict=True))
+    if height < 4 * tile[0] or width < 4 * tile[1]:
+        raise InputError(
+            name,
+            "must have at least 4 x 4 pixels of each plane",
+            value=codes.shape,
+            found=f"has {codes.shape[0]} x {codes.shape[1]} pixels",
+        )
+    return codes[:height, :width]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Pair:
+    """Per plane: mean of the first frame, mean difference, and mean squares of its parts."""
+
+    mean_dn: Array
+    difference_dn: Array
+    row_square: Array
+    column_square: Array
+    rest_square: Array
+    rows: int
+    columns: int
+
+
+def _pair(sums: PairSums, tile: tuple[int, int], shape: tuple[int, ...]) -> _Pair:
+    """The analysis of variance of a difference: mean squares of rows, columns and the rest."""
+    rows, columns = shape[0] // tile[0], shape[1] // tile[1]
+    n, found = rows * columns, []
+    for y in range(tile[0]):
+        for x in range(tile[1]):
+            by_column = sums.sums[y, x :: tile[1]]
+            by_row = sums.rows[y :: tile[0], x]
+            whole, square = int(by_column.sum()), int(sums.squares[y, x :: tile[1]].sum())
+            mean = whole / n
+            of_rows = columns * float(((by_row / columns - mean) ** 2).sum())
+            of_columns = rows * float(((by_column / rows - mean) ** 2).sum())
+            rest = max((square * n - whole**2) / n - of_rows - of_columns, 0.0)
+            found.append(
+                (
+                    int(sums.total[y, x :: tile[1]].sum()) / n,
+                    mean,
+                    of_rows / (rows - 1),
+                    of_columns / (columns - 1),
+                    rest / ((rows - 1) * (columns - 1)),
+                )
+            )
+    names = ("mean_dn", "difference_dn", "row_square", "column_square", "rest_square")
+    parts = dict(zip(names, np.array(found).T, strict=True))
+    return _Pair(**parts, rows=rows, columns=columns)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Band:
+    """Correlations in a band of rows of a difference, rows and columns subtracted."""
+
+    right: Array
+    down: Array
+    covariance: Array
+
+
+def _band(a: Array, b: Array, tile: tuple[int, int]) -> _Band:
+    height, width = a.shape
+    rows = min(height // tile[0], max(4, _BAND_PIXELS // (width // tile[1])))
+    start = (height // tile[0] - rows) // 2 * tile[0]
+    cut = slice(start, start + rows * tile[0])
+    difference = a[cut].astype(np.int64) - b[cut]
+    rests = []
+    for plane in planes_of(difference, tile):
+        rest = plane - plane.mean(axis=1, keepdims=True)
+        rests.append(rest - rest.mean(axis=0, keepdims=True))
+    right, down = [], []
+    for rest in rests:
+        square = float((rest**2).mean()) or 1.0
+        right.append(float((rest[:, 1:] * rest[:, :-1]).mean()) / square)
+        down.append(float((rest[1:] * rest[:-1]).mean()) / square)
+    flat = np.stack([rest.ravel() for rest in rests])
+    columns = width // tile[1]
+    kept = (rows - 1) * (columns - 1)
+    return _Band(right=np.array(right), down=np.array(down), covariance=flat @ flat.T / (2 * kept))
+
+
+def _sample(
+    pairs: Sequence[_Pair],
+    means: Float[Array, "k p"],
+    band: _Band,
+    first: Array,
+    tile: tuple[int, int],
+) -> LightSample:
+    count, rows, columns = len(pairs) + 1, pairs[0].rows, pairs[0].columns
+    # variance of one frame: half that of a difference
+    rest, of_rows, of_columns = (
+        0.5 * np.mean([getattr(pair, name) for pair in pairs], axis=0)
+        for name in ("rest_square", "row_square", "column_square")
+    )
+    independent = 2 * (count - 1) ** 2 / (3 * count - 4)
+    row, column = (of_rows - rest) / columns, (of_columns - rest) / rows
+    kept = independent * (rows - 1) * (columns - 1)
+    row_se = np.sqrt(2 * of_rows**2 / (independent * (rows - 1)) + 2 * rest**2 / kept) / columns
+    column_se = (
+        np.sqrt(2 * of_columns**2 / (independent * (columns - 1)) + 2 * rest**2 / kept) / rows
+    )
+    variance = rest + row + column
+    shared = np.maximum(row, 0) ** 2 / rows + np.maximum(column, 0) ** 2 / columns
+    error2 = (rest**2 / (rows * columns) + shared) / independent  # half the squared error
+    samples = np.where(error2 > 0, variance**2 / np.where(error2 > 0, error2, 1.0), kept) + 1
+    of_mean = rest / (rows * columns) + np.maximum(row, 0) / rows
+    of_mean = (of_mean + np.maximum(column, 0) / columns) / count
+    planes = []
+    for i, plane in enumerate(planes_of(first, tile)):
+        top, bottom = int(plane.max()), int(plane.min())
+        planes.append(
+            PlaneSample(
+                frame_means_dn=tuple(means[:, i].tolist()),
+                variance_dn2=float(max(variance[i], 0.0)),
+                rest_dn2=float(rest[i]),
+                row_dn2=float(row[i]),
+                row_se_dn2=float(row_se[i]),
+                column_dn2=float(column[i]),
+                column_se_dn2=float(column_se[i]),
+                samples=float(max(samples[i], 2.0)),
+                mean_variance_dn2=float(of_mean[i]),
+                pixels=plane.size,
+                top_share=float((plane == top).mean()),
+                top_dn=top,
+                bottom_dn=bottom,
+                bottom_share=float((plane == bottom).mean()),
+                correlation_right=float(band.right[i]),
+                correlation_down=float(band.down[i]),
+            )
+        )
+    return LightSample(planes=tuple(planes), covariance_dn2=band.covariance)

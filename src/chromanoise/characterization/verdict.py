@@ -1,0 +1,190 @@
+"""Whether frames follow the linear model: variance = K mean + dark variance, white in space."""
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+
+import numpy as np
+
+from chromanoise._check import Array
+from chromanoise._shapes import Float
+from chromanoise.characterization.results import ModelVerdict, PlaneNoise
+from chromanoise.characterization.statistics import LightSample
+from chromanoise.io.frames.frame import FrameLevel, FrameSet
+
+_SURE_Z = 5.0  # standard errors beyond which a deviation is no chance
+_LEAST_BEND = 0.02  # change of the slope over the fit that is worth telling
+_LEAST_CORRELATION = 0.01
+_LEAST_DRIFT = 1e-3  # of the mean
+_LEAST_CLIPPED = 1e-3  # share of the pixels
+_LEAST_DEVIATION = 0.02  # of the variance
+
+
+def model_verdict(
+    frames: FrameSet,
+    lights: Mapping[tuple[str, ...], LightSample],
+    planes: Sequence[PlaneNoise],
+    correlation: Float[Array, "p p"],
+) -> ModelVerdict:
+    """Chi-square of the linear law, and a sentence on each fault that is beyond chance.
+
+    Parameters
+    ----------
+    frames, lights
+        The frames, and their statistics by the names of the frames.
+    planes
+        Results of the planes.
+    correlation
+        Temporal correlation between the planes of a cell.
+    """
+    z = [_deviations(plane) for plane in planes]
+    every = np.concatenate(z) if any(one.size for one in z) else np.zeros(1)
+    worst_plane = max(range(len(planes)), key=lambda i: float(np.abs(z[i]).max(initial=0.0)))
+    fitted = [level for level in planes[worst_plane].levels if level.fitted]
+    worst = int(np.abs(z[worst_plane]).argmax()) if fitted else 0
+    sentences = [
+        *_bends(planes),
+        *_deviating(frames, planes, z),
+        *_neighbors(frames, lights, planes),
+        *_channels(planes, correlation),
+        *_lights(frames, lights, planes),
+    ]
+    return ModelVerdict(
+        holds=not sentences,
+        chi2_per_level=float((every**2).mean()),
+        worst_level=fitted[worst].name if fitted else "",
+        worst_z=float(z[worst_plane][worst]) if fitted else 0.0,
+        sentences=tuple(sentences),
+    )
+
+
+def _deviations(plane: PlaneNoise) -> Array:
+    """Variance minus prediction over its standard error, of the levels that were fitted."""
+    relative = plane.gain_dn_per_e_se / plane.gain_dn_per_e
+    found = []
+    for level in plane.levels:
+        if level.fitted:
+            shot = level.predicted_variance_dn2 - (level.dark_variance_dn2 or 0.0)
+            error = math.hypot(level.variance_se_dn2, shot * relative)
+            found.append((level.variance_dn2 - level.predicted_variance_dn2) / max(error, 1e-300))
+    return np.array(found)
+
+
+def _bends(planes: Sequence[PlaneNoise]) -> Iterator[str]:
+    for plane in planes:
+        low, high = plane.fit.low_light_gain_dn_per_e, plane.fit.high_light_gain_dn_per_e
+        if plane.bend_z is None or low is None or high is None:
+            continue
+        if abs(plane.bend_z) > _SURE_Z and abs(high / low - 1) > _LEAST_BEND:
+            yield (
+                f"{plane.name}: the variance is not a straight line: its slope is {low:.4g} DN/e- "
+                f"at low light and {high:.4g} DN/e- at the end of the fit ({plane.bend_z:+.1f} "
+                "standard errors), so one K does not describe it"
+            )
+
+
+def _deviating(frames: FrameSet, planes: Sequence[PlaneNoise], z: Sequence[Array]) -> Iterator[str]:
+    for plane, own in zip(planes, z, strict=True):
+        fitted = [level for level in plane.levels if level.fitted]
+        if not own.size or abs(plane.bend_z or 0.0) > _SURE_Z:
+            continue
+        k = int(np.abs(own).argmax())
+        level = fitted[k]
+        share = level.variance_dn2 / level.predicted_variance_dn2 - 1
+        if abs(own[k]) > _SURE_Z and abs(share) > _LEAST_DEVIATION:
+            names = _names(_level(frames, level.name).flats)
+            yield (
+                f"{plane.name}: the variance of {names} is {100 * share:+.1f} % off the straight "
+                f"line ({own[k]:+.1f} standard errors): the light of the frames differs, or they "
+                "are processed"
+            )
+
+
+def _neighbors(
+    frames: FrameSet, lights: Mapping[tuple[str, ...], LightSample], planes: Sequence[PlaneNoise]
+) -> Iterator[str]:
+    """Correlation of neighbors, at the brightest level that was fitted."""
+    for plane in planes:
+        fitted = [level for level in plane.levels if level.fitted and level.clipped_share < 0.5]
+        if not fitted:
+            continue
+        level = fitted[-1]
+        pixels = _pixels(frames, lights)
+        least = max(_LEAST_CORRELATION, _SURE_Z / math.sqrt(pixels))
+        for where, value in (
+            ("in a row", level.correlation_right),
+            ("in a column", level.correlation_down),
+        ):
+            if abs(value) > least:
+                yield (
+                    f"{plane.name}: the noise of neighbors {where} correlates by {value:+.3f} in "
+                    f"{_names(_level(frames, level.name).flats)}: the frames are denoised, "
+                    "resampled or compressed, or charge spreads"
+                )
+
+
+def _channels(planes: Sequence[PlaneNoise], correlation: Float[Array, "p p"]) -> Iterator[str]:
+    for i, one in enumerate(planes):
+        for j in range(i):
+            if abs(correlation[i, j]) > _LEAST_CORRELATION:
+                yield (
+                    f"{planes[j].name} and {one.name}: the noise of the two planes correlates by "
+                    f"{correlation[i, j]:+.3f}: the model has independent channels"
+                )
+
+
+def _lights(
+    frames: FrameSet, lights: Mapping[tuple[str, ...], LightSample], planes: Sequence[PlaneNoise]
+) -> Iterator[str]:
+    """Light that drifts, flats that clip, and darks that end at code 0."""
+    told: set[str] = set()
+    for level in frames.levels:
+        for group in (level.flats, level.darks):
+            key = tuple(f"{frame.path}[{frame.index}]" for frame in group)
+            if key not in lights or _names(group) in told:
+                continue
+            told.add(_names(group))
+            sample = max(lights[key].planes, key=lambda one: one.mean_dn)
+            means = sample.frame_means_dn
+            low, high = int(np.argmin(means)), int(np.argmax(means))
+            black = planes[0].black_level_dn or 0.0
+            above = max(abs(means[high] - black), 1e-12)
+            change = (means[high] - means[low]) / above
+            bright = group is level.flats
+            if bright and sample.drift_z > _SURE_Z and change > _LEAST_DRIFT:
+                yield (
+                    f"the light changed by {100 * change:.2g} % between {group[low].name} and "
+                    f"{group[high].name}; the variance is corrected for it"
+                )
+            dark = lights[key].planes[0]
+            clipped = dark.bottom_dn == 0 and dark.bottom_share > _LEAST_CLIPPED
+            if not bright and clipped and dark.variance_dn2 > 0:
+                yield (
+                    f"{100 * dark.bottom_share:.2g} % of the pixels of {group[0].name} have code "
+                    "0: the black level is clipped, so the dark noise is too low"
+                )
+    for plane in planes:
+        for one in plane.levels:
+            if one.fitted and one.clipped_share > _LEAST_CLIPPED and _wide(one.variance_dn2):
+                yield (
+                    f"{plane.name}: {100 * one.clipped_share:.2g} % of the pixels of "
+                    f"{_level(frames, one.name).flats[0].name} have its largest code: it is clipped"
+                )
+
+
+def _wide(variance_dn2: float) -> bool:
+    """Whether codes spread so far that few pixels share the largest one."""
+    return variance_dn2 > 4.0
+
+
+def _level(frames: FrameSet, name: str) -> FrameLevel:
+    return next(level for level in frames.levels if level.name == name and level.flats)
+
+
+def _pixels(frames: FrameSet, lights: Mapping[tuple[str, ...], LightSample]) -> int:
+    pixels = min(light.planes[0].pixels for light in lights.values())
+    return min(pixels, 1 << 19)
+
+
+def _names(group: Sequence[object]) -> str:
+    names = [str(getattr(one, "name", one)) for one in group]
+    return names[0] if len(names) == 1 else f"{names[0]} and {names[-1]}"
