@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from chromanoise._check import Array, printable
-from chromanoise._shapes import Int
+from chromanoise._shapes import Integer
 from chromanoise.errors import InputError
 from chromanoise.io.cubes.bounds import refuse_impossible
 from chromanoise.io.cubes.errors import reading
@@ -107,7 +107,7 @@ class _Member:
     shape: tuple[int, ...]
     stored: np.dtype
 
-    def __call__(self) -> Int[Array, "h w"]:
+    def __call__(self) -> Integer[Array, "h w"]:
         with (
             reading(self.path, "NPZ"),
             zipfile.ZipFile(self.path) as archive,

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from chromanoise._check import Array, printable
-from chromanoise._shapes import Int
+from chromanoise._shapes import Integer
 from chromanoise.errors import InputError
 from chromanoise.io.cubes.errors import library, reading
 from chromanoise.io.frames.exif import camera_name
@@ -39,13 +39,12 @@ def fits_frames(path: Path) -> tuple[Frame, ...]:
     of the file from its start, as ``ROWORDER = TOP-DOWN``; with ``BOTTOM-UP`` they are reversed.
     """
     fits = library("astropy.io.fits", str(path), extra="fits")
-    with path.open("rb") as file:
-        start = file.read(10)
-    if start != b"SIMPLE  = ":
-        with reading(path, "FITS"):
-            raise ValueError("no SIMPLE at its start")
     frames: list[Frame] = []
-    with reading(path, "FITS"), fits.open(path, mode="readonly", memmap=True) as parts:
+    with reading(path, "FITS"), path.open("rb") as file:
+        if file.read(10) != b"SIMPLE  = ":
+            raise ValueError("no SIMPLE at its start")
+        file.seek(0)
+        parts = fits.open(file, mode="readonly", memmap=False)
         first = parts[0].header
         for number, part in enumerate(parts):
             if number >= _MOST_PARTS:
@@ -107,7 +106,7 @@ class _Scaled:
     scale: float
     blank: int | None
 
-    def __call__(self) -> Int[Array, "h w"]:
+    def __call__(self) -> Integer[Array, "h w"]:
         name, stored = str(self.plane.path), self.plane.values()
         if self.blank is not None and stored.dtype.kind in "ui" and (stored == self.blank).any():
             raise InputError(

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from chromanoise._check import Array
-from chromanoise._shapes import Int
+from chromanoise._shapes import Integer
 from chromanoise.errors import InputError
 from chromanoise.sensor import Mosaic
 
@@ -47,7 +47,7 @@ class Frame:
 
     path: Path
     shape: tuple[int, int]
-    read: Callable[[], Int[Array, "h w"]]
+    read: Callable[[], Integer[Array, "h w"]]
     index: int | None = None
     part: str = ""
     time_ms: float | None = None
@@ -65,7 +65,7 @@ class Frame:
         parts = ([self.part] if self.part else []) + ([] if self.index is None else [self.index])
         return self.path.name + "".join(f"[{part}]" for part in parts)
 
-    def codes(self) -> Int[Array, "h w"]:
+    def codes(self) -> Integer[Array, "h w"]:
         """The codes. [DN]
 
         Raises

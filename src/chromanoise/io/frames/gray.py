@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from chromanoise._check import Array
-from chromanoise._shapes import Int
+from chromanoise._shapes import Integer
 from chromanoise.errors import InputError
 from chromanoise.io.cubes.bounds import refuse_impossible
 from chromanoise.io.cubes.errors import reading
@@ -83,7 +83,7 @@ class _Pgm:
     plain: bool
     largest: int
 
-    def __call__(self) -> Int[Array, "h w"]:
+    def __call__(self) -> Integer[Array, "h w"]:
         codes = _plain_codes(self.plane) if self.plain else self.plane()
         if codes.max() > self.largest:
             raise InputError(
@@ -95,7 +95,7 @@ class _Pgm:
         return codes
 
 
-def _plain_codes(plane: StoredPlane) -> Int[Array, "h w"]:
+def _plain_codes(plane: StoredPlane) -> Integer[Array, "h w"]:
     """Decimal numbers between blanks."""
     path, count = plane.path, math.prod(plane.shape)
     codes = np.empty(count, np.uint16)
@@ -157,7 +157,7 @@ class _Png:
     shape: tuple[int, int]
     bits: int
 
-    def __call__(self) -> Int[Array, "h w"]:
+    def __call__(self) -> Integer[Array, "h w"]:
         from PIL import PngImagePlugin
 
         with reading(self.path, "PNG"), PngImagePlugin.PngImageFile(self.path) as image:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from chromanoise._check import Array
-from chromanoise._shapes import Int, Shaped
+from chromanoise._shapes import Integer, Shaped
 from chromanoise.errors import InputError
 from chromanoise.io.cubes.raw_cube import by
 
@@ -47,7 +47,7 @@ class StoredPlane:
     shape: tuple[int, int]
     by_columns: bool = False
 
-    def __call__(self) -> Int[Array, "h w"]:
+    def __call__(self) -> Integer[Array, "h w"]:
         """The codes. [DN]
 
         Raises
@@ -140,7 +140,7 @@ def refused_picture(path: Path, found: str, where: str = "") -> InputError:
     )
 
 
-def whole_codes(name: str, values: Shaped[Array, "h w"]) -> Int[Array, "h w"]:
+def whole_codes(name: str, values: Shaped[Array, "h w"]) -> Integer[Array, "h w"]:
     """Integers of the byte order of this machine; floats without fractions become integers.
 
     Parameters

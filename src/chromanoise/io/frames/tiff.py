@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from chromanoise._check import Array
-from chromanoise._shapes import Int
+from chromanoise._shapes import Integer
 from chromanoise.errors import InputError
 from chromanoise.io.cubes.bounds import refuse_impossible
 from chromanoise.io.cubes.errors import reading
@@ -121,7 +121,7 @@ class _CompressedPage:
     shape: tuple[int, int]
     stored: str
 
-    def __call__(self) -> Int[Array, "h w"]:
+    def __call__(self) -> Integer[Array, "h w"]:
         with opened_tiff(self.path) as file:
             page = file.pages[self.page].aspage()
             if (tuple(page.shape), str(page.dtype)) != (self.shape, self.stored):
