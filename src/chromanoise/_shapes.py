@@ -15,6 +15,7 @@ if TYPE_CHECKING or "jaxtyping" in sys.modules:
     from jaxtyping import Float64 as Float64
     from jaxtyping import Int as Int
     from jaxtyping import Int64 as Int64
+    from jaxtyping import Integer as Integer
     from jaxtyping import Num as Num
     from jaxtyping import Shaped as Shaped
     from jaxtyping import UInt8 as UInt8
@@ -27,4 +28,6 @@ else:
         def __class_getitem__(cls, array_and_shape: tuple[Any, str]) -> Any:
             return array_and_shape[0]
 
-    Bool = Float = Float32 = Float64 = Int = Int64 = Num = Shaped = UInt8 = UInt16 = _Unchecked
+    Bool = Float = Float32 = Float64 = Int = Int64 = Num = Integer = Shaped = UInt8 = UInt16 = (
+        _Unchecked
+    )

@@ -96,10 +96,10 @@ def _refuse_unlike(path: Path, pages: list[Any]) -> None:
                 found=f"is {by(page.shape)} {page.dtype}",
                 remedy="save all pages alike",
             )
-        _refuse_incomplete(path, i, page)
+        refuse_incomplete(path, i, page)
 
 
-def _refuse_incomplete(path: Path, i: int, page: Any) -> None:
+def refuse_incomplete(path: Path, i: int, page: Any) -> None:
     """Raise an error if strips are missing, for which the library returns zeros."""
     size = path.stat().st_size
     places = (*page.dataoffsets, *page.databytecounts)
@@ -128,7 +128,7 @@ def _pixels(
     many = len(pages) > 1
     if many and len(first.shape) == 2:
         notes = ("pages taken as bands",)
-        if all(_is_plain(page) for page in pages):
+        if all(is_plain(page) for page in pages):
             return PlaneRows(planes=tuple(_plane(path, page) for page in pages)), notes
         return decoded_pages(path, pages).transpose(1, 2, 0), notes
     if many or len(first.shape) != 3 or first.axes not in ("YXS", "SYX"):
@@ -141,12 +141,12 @@ def _pixels(
         )
     order = tuple(first.axes.index(axis) for axis in "YXS")
     notes = ("samples of the page taken as bands",)
-    if _is_plain(first):
+    if is_plain(first):
         return _in_place(path, first, order), notes
     return decoded_pages(path, pages)[0].transpose(order), notes
 
 
-def _is_plain(page: Any) -> bool:
+def is_plain(page: Any) -> bool:
     """Whether the numbers are uncompressed and contiguous."""
     expected = math.prod(page.shape) * np.dtype(page.dtype).itemsize
     offsets, counts = page.dataoffsets, page.databytecounts

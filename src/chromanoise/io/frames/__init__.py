@@ -1,0 +1,13 @@
+"""Raw frames of a camera: files, and how the frames form levels of light with their darks."""
+
+from typing import TYPE_CHECKING
+
+from chromanoise._lazy import lazy_names
+
+if TYPE_CHECKING:
+    from chromanoise.io.frames.formats import frames_in
+    from chromanoise.io.frames.frame import Frame, FrameLevel, FrameSet
+    from chromanoise.io.frames.grouping import read_frame_set
+
+__all__ = ["Frame", "FrameLevel", "FrameSet", "frames_in", "read_frame_set"]
+__getattr__, __dir__ = lazy_names(__name__)

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from chromanoise._check import Array
-from chromanoise._shapes import Int
+from chromanoise._shapes import Integer
 from chromanoise.errors import InputError
 from chromanoise.sensor import Mosaic
 
@@ -27,10 +27,14 @@ class Frame:
         Reads the codes: an array of integers, ``shape``. [DN]
     index
         Number of the frame in a stack, from 0; ``None`` for a file with one frame.
+    part
+        Name of the array or FITS extension that holds it, if the file has several.
     time_ms
         Exposure time, if the file tells it. [ms]
     iso
         ISO setting, if the file tells it.
+    gain_setting
+        Gain setting in the camera's own units (``GAIN`` of FITS), if the file tells it.
     camera
         Maker and model, or empty.
     mosaic
@@ -43,10 +47,12 @@ class Frame:
 
     path: Path
     shape: tuple[int, int]
-    read: Callable[[], Int[Array, "h w"]]
+    read: Callable[[], Integer[Array, "h w"]]
     index: int | None = None
+    part: str = ""
     time_ms: float | None = None
     iso: float | None = None
+    gain_setting: float | None = None
     camera: str = ""
     mosaic: Mosaic | None = None
     bits: int | None = None
@@ -55,10 +61,11 @@ class Frame:
 
     @property
     def name(self) -> str:
-        """The file's name, with the number of the frame in a stack: ``flats.tif[2]``."""
-        return self.path.name if self.index is None else f"{self.path.name}[{self.index}]"
+        """The file's name, with the part and number of the frame: ``flats.tif[2]``."""
+        parts = ([self.part] if self.part else []) + ([] if self.index is None else [self.index])
+        return self.path.name + "".join(f"[{part}]" for part in parts)
 
-    def codes(self) -> Int[Array, "h w"]:
+    def codes(self) -> Integer[Array, "h w"]:
         """The codes. [DN]
 
         Raises

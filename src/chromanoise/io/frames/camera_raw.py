@@ -1,0 +1,194 @@
+"""Raw frames in the files of cameras: DNG and all that LibRaw reads.
+
+LibRaw runs in a child process with limits of time and memory, because a damaged file may crash it.
+"""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from chromanoise import _sandbox
+from chromanoise._check import Array
+from chromanoise._shapes import UInt16
+from chromanoise.errors import InputError
+from chromanoise.io.cubes.errors import reading, refuse_absent_library
+from chromanoise.io.cubes.tiff import refuse_incomplete
+from chromanoise.io.frames.exif import CFA, exposure_of, mosaic_of, smallest_mosaic
+from chromanoise.io.frames.frame import Frame
+from chromanoise.io.frames.stored import refuse_shape, refused_picture
+from chromanoise.io.frames.tiff import opened_tiff
+
+_MOST_PIXELS_PER_BYTE = 64  # of the lossless compressions that cameras use; zeros take 1/16 byte
+_LIMIT_S = 20.0
+_SLOWEST_PIXELS_PER_S = 1e6
+_HEADER_BYTES = 256 * 2**20
+_BYTES_PER_PIXEL = 8  # codes, their copy for the parent process, and LibRaw's own buffers
+_BLACK, _WHITE, _DNG_VERSION = 50714, 50717, 50706
+_PROBE = 48  # a multiple of the periods 1, 2, 4, 6, 8 and 16 that LibRaw knows
+
+
+def raw_frames(path: Path) -> tuple[Frame, ...]:
+    """The frame in a file of a camera: the visible pixels, without any processing.
+
+    Of a DNG the header is read. All other files are unpacked once, because LibRaw gives their
+    mosaic and levels only then.
+
+    Raises
+    ------
+    InputError
+        If rawpy is not installed, LibRaw cannot read the file, or it holds demosaicked colors.
+    """
+    refuse_absent_library("rawpy", str(path), extra="raw")
+    from_tags = _of_tags(path)
+    size = path.stat().st_size
+    with reading(path, "camera raw"):
+        raw_shape, shape = _sandbox.sandboxed(
+            _sizes, str(path), path=path, limit_s=_LIMIT_S, memory_bytes=_HEADER_BYTES
+        )
+    refuse_shape(path, "", raw_shape)
+    refuse_shape(path, "", shape)
+    pixels = raw_shape[0] * raw_shape[1]
+    if pixels > _MOST_PIXELS_PER_BYTE * size:
+        raise InputError(
+            str(path),
+            f"must fit into the {size} bytes of the file",
+            value=raw_shape,
+            found=f"is declared as {raw_shape[0]} x {raw_shape[1]} pixels",
+            remedy="copy it again, because the file is damaged",
+        )
+    read = _Raw(path=path, shape=shape, pixels=pixels)
+    told = from_tags if "mosaic" in from_tags else read.header() | from_tags
+    return (Frame(path=path, shape=shape, read=read, **told),)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Raw:
+    """Unpacks the visible pixels in the child process."""
+
+    path: Path
+    shape: tuple[int, int]
+    pixels: int
+
+    def __call__(self) -> UInt16[Array, "h w"]:
+        codes: Any = self._called(_codes)
+        return codes
+
+    def header(self) -> dict[str, Any]:
+        """Mosaic, levels, exposure time and ISO as LibRaw knows them."""
+        told: dict[str, Any] = self._called(_header)
+        rows = told.pop("mosaic")
+        return told | {"mosaic": None if rows is None else smallest_mosaic(rows)}
+
+    def _called(self, function: Any) -> Any:
+        with reading(self.path, "camera raw"):
+            return _sandbox.sandboxed(
+                function,
+                str(self.path),
+                self.shape,
+                path=self.path,
+                limit_s=_LIMIT_S + self.pixels / _SLOWEST_PIXELS_PER_S,
+                memory_bytes=_HEADER_BYTES + _BYTES_PER_PIXEL * self.pixels,
+            )
+
+
+def _of_tags(path: Path) -> dict[str, Any]:
+    """What the TIFF tags tell: the exposure, and of a DNG all that a frame has.
+
+    A file that is no TIFF (CR3, RAF, ...) tells nothing here; LibRaw then tells what it knows.
+    """
+    with path.open("rb") as file:
+        start = file.read(4)
+    if start not in (b"II*\0", b"MM\0*"):
+        return {}
+    with opened_tiff(path) as tiff:
+        first = tiff.pages[0].aspage()
+        told = {name: value for name, value in exposure_of(first).items() if value}
+        if _DNG_VERSION not in first.tags:
+            return told
+        pages = [first, *(page.aspage() for page in first.pages or ())]
+        whole = [page for page in pages if page.photometric == CFA]
+        for page in whole:
+            refuse_incomplete(path, 0, page)
+        if len(whole) != 1:
+            return told
+        mosaic = mosaic_of(whole[0])
+        levels = {
+            "black_level_dn": _mean(whole[0], _BLACK),
+            "white_level_dn": _mean(whole[0], _WHITE),
+        }
+    return told if mosaic is None else told | levels | {"mosaic": mosaic}
+
+
+def _mean(page: Any, tag: int) -> float | None:
+    """Mean of the numbers or fractions of a tag; ``None`` if it is absent or no number."""
+    found = page.tags.get(tag)
+    if found is None:
+        return None
+    try:
+        values = np.atleast_1d(np.asarray(found.value, dtype=np.float64)).ravel()
+        if found.dtype in (5, 10):
+            values = values[::2] / np.where(values[1::2], values[1::2], np.nan)
+        mean = float(values.mean())
+    except (TypeError, ValueError):
+        return None
+    return mean if np.isfinite(mean) else None
+
+
+# in the child process
+
+
+def _sizes(path: str) -> tuple[tuple[int, int], tuple[int, int]]:
+    """Rows and columns of all pixels, and of the visible ones."""
+    import rawpy
+
+    with rawpy.RawPy() as raw:
+        raw.open_file(path)
+        sizes = raw.sizes
+        return (sizes.raw_height, sizes.raw_width), (sizes.height, sizes.width)
+
+
+def _codes(path: str, shape: tuple[int, int]) -> UInt16[Array, "h w"]:
+    with _unpacked(path) as raw:
+        codes = raw.raw_image_visible
+        if codes.shape != shape:
+            raise InputError(path, "must be as large as its header tells", value=codes.shape)
+        return codes.copy()  # rawpy frees its memory
+
+
+def _header(path: str, shape: tuple[int, int]) -> dict[str, Any]:
+    with _unpacked(path) as raw:
+        other = getattr(raw, "other", None)  # since rawpy 0.25
+        blacks = raw.black_level_per_channel[: max(1, raw.num_colors)]
+        time_s, iso = (getattr(other, name, 0) for name in ("shutter_speed", "iso_speed"))
+        return {
+            "time_ms": 1000 * float(time_s) if time_s > 0 else None,
+            "iso": float(iso) if iso > 0 else None,
+            "black_level_dn": float(np.mean(blacks)),
+            "white_level_dn": float(raw.white_level),
+            "mosaic": _probed(raw, shape),
+        }
+
+
+def _unpacked(path: str) -> Any:
+    import rawpy
+
+    raw = rawpy.imread(path)
+    if raw.raw_type != rawpy.RawType.Flat or raw.raw_image_visible.ndim != 2:
+        raise refused_picture(Path(path), "holds demosaicked or combined colors")
+    return raw
+
+
+def _probed(raw: Any, shape: tuple[int, int]) -> list[list[str]] | None:
+    """Channel names of the first visible pixels; ``None`` for a monochrome sensor."""
+    names = raw.color_desc.decode("ascii", "replace")
+    sizes = raw.sizes
+    rows, columns = (min(_PROBE, side) for side in shape)
+    numbers = [
+        [raw.raw_color(sizes.top_margin + r, sizes.left_margin + c) for c in range(columns)]
+        for r in range(rows)
+    ]
+    if raw.num_colors == 1 or any(n >= len(names) for row in numbers for n in row):
+        return None
+    return [[names[n] for n in row] for row in numbers]

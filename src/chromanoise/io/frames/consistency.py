@@ -1,0 +1,109 @@
+"""Checks that frames can be evaluated together: one camera, size, gain and mosaic."""
+
+from collections.abc import Callable, Iterable, Sequence
+from typing import Any
+
+from chromanoise.errors import InputError
+from chromanoise.io.cubes.raw_cube import by
+from chromanoise.io.frames.frame import Frame, FrameLevel
+from chromanoise.sensor import Mosaic
+
+MOST_LEVELS = 10_000
+"""Most levels of one set."""
+EXAMPLE = (
+    "write capture.toml beside the frames, with these lines for each level: [[levels]] / "
+    'flats = ["flat_01_*.tif"] / darks = ["dark_01_*.tif"] / time_ms = 10'
+)
+"""Remedy where the grouping of frames is unclear."""
+
+_QUANTITIES: tuple[tuple[str, Callable[[Frame], Any], Callable[[Any], str]], ...] = (
+    ("size", lambda frame: frame.shape, lambda shape: f"{by(shape)} pixels"),
+    ("camera", lambda frame: frame.camera or None, str),
+    ("ISO", lambda frame: frame.iso, lambda iso: f"ISO {iso:g}"),
+    ("gain", lambda frame: frame.gain_setting, lambda gain: f"gain {gain:g}"),
+    ("number of bits", lambda frame: frame.bits, lambda bits: f"{bits} bits"),
+)
+
+
+def refuse_mixed(source: str, frames: Sequence[Frame]) -> None:
+    """Refuse frames of several sizes, cameras, ISO or gain settings, or numbers of bits.
+
+    A frame whose file does not tell the quantity agrees with all others.
+
+    Raises
+    ------
+    InputError
+        It names the first frame and the first that differs from it.
+    """
+    for name, quantity, shown in _QUANTITIES:
+        told = [frame for frame in frames if quantity(frame) is not None]
+        other = next((one for one in told if quantity(one) != quantity(told[0])), None)
+        if other is not None:
+            raise _mixed(source, name, told[0], other, (quantity, shown))
+
+
+def mosaic_of_all(source: str, frames: Sequence[Frame]) -> Mosaic | None:
+    """The mosaic of frames that agree in it; ``None`` if no file tells one.
+
+    Raises
+    ------
+    InputError
+        If two frames differ; a frame without a mosaic differs from one with it.
+    """
+    if not frames:
+        return None
+    other = next((frame for frame in frames if frame.mosaic != frames[0].mosaic), None)
+    if other is not None:
+        raise _mixed(source, "mosaic", frames[0], other, (lambda one: one.mosaic, mosaic_text))
+    return frames[0].mosaic
+
+
+def mosaic_text(mosaic: Mosaic | None) -> str:
+    """``RG/GB``, or ``no mosaic``."""
+    if mosaic is None:
+        return "no mosaic"
+    sign = "" if all(len(name) == 1 for name in mosaic.names) else " "
+    return "/".join(sign.join(row) for row in mosaic.pattern)
+
+
+def refuse_few(source: str, levels: Iterable[FrameLevel]) -> None:
+    """Refuse a level with one flat, which gives no temporal variance.
+
+    Raises
+    ------
+    InputError
+        It names the level and its flat.
+    """
+    for level in levels:
+        if len(level.flats) == 1:
+            raise InputError(
+                source,
+                "must have at least 2 flats, because one gives no temporal variance",
+                value=1,
+                found=f"has 1, {level.flats[0].name}",
+                where=f"level {level.name!r}",
+                remedy=("take another", "leave the level out", EXAMPLE),
+            )
+
+
+def _mixed(
+    source: str,
+    name: str,
+    one: Frame,
+    other: Frame,
+    how: tuple[Callable[[Frame], Any], Callable[[Any], str]],
+) -> InputError:
+    quantity, shown = how
+    names = (shown_name(one), shown_name(other))
+    return InputError(
+        source,
+        f"must have one {name}",
+        value=(quantity(one), quantity(other)),
+        found=f"{names[0]} has {shown(quantity(one))} and {names[1]} has {shown(quantity(other))}",
+        remedy="evaluate them separately",
+    )
+
+
+def shown_name(frame: Frame) -> str:
+    """Folder and name of a frame, for messages."""
+    return f"{frame.path.parent.name}/{frame.name}"

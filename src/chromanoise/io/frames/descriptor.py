@@ -1,0 +1,204 @@
+"""The descriptor of EMVA 1288: a text file that lists the frames of a measurement."""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path, PureWindowsPath
+
+from chromanoise._check import printable
+from chromanoise.errors import InputError
+from chromanoise.io.cubes.raw_cube import by
+from chromanoise.io.frames.consistency import MOST_LEVELS, mosaic_of_all, refuse_mixed
+from chromanoise.io.frames.formats import frames_in
+from chromanoise.io.frames.frame import Frame, FrameLevel, FrameSet
+
+_HEAD_BYTES = 65536
+_LARGEST_BYTES = 16 * 2**20
+_MS_PER_NS = 1e-6
+_LARGEST = 1e18
+_COMMANDS = {"v": 2, "n": 4, "b": 3, "d": 2, "i": 2}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Series:
+    """Frames of one exposure; ``photons`` is ``None`` for darks."""
+
+    line: int
+    time_ms: float
+    photons: float | None
+    files: tuple[str, ...]
+
+    @property
+    def spatial(self) -> bool:
+        """Whether it has more than the two frames of a temporal measurement."""
+        return len(self.files) > 2
+
+
+def is_descriptor(path: Path) -> bool:
+    """Whether the first lines of a text file are those of a descriptor."""
+    try:
+        with path.open("rb") as file:
+            text = file.read(_HEAD_BYTES).decode("utf-8-sig", "replace")
+    except OSError:
+        return False
+    words = [words for _, words in _lines(text)]
+    shapes = {one[0]: len(one) for one in words[:2] if one}
+    return shapes.get("n") == _COMMANDS["n"] and all(one[0] in _COMMANDS for one in words[:2])
+
+
+def read_descriptor(path: Path) -> FrameSet:
+    """The frames of an EMVA 1288 descriptor; times are in ns, names relative to its folder.
+
+    Two frames per line ``b`` or ``d`` are a temporal measurement, more a spatial one; darks are
+    those of the same exposure time, of the same kind if there are such.
+
+    Raises
+    ------
+    InputError
+        If a line is damaged, a frame is missing or has another size, or two series are equal.
+
+    Notes
+    -----
+    The format of the package emva1288 1.0.2 (``v``, ``n bits width height``, ``b time photons``,
+    ``d time``, ``i file``); names may have backslashes.
+    """
+    text = _text(path)
+    bits, shape, series = _parsed(path, text)
+    frames_of = {one.line: _frames(path, one, bits, shape) for one in series}
+    levels, used = [], set()
+    for one in series:
+        if one.photons is None:
+            continue
+        same = [dark for dark in series if dark.photons is None and dark.time_ms == one.time_ms]
+        darks = [dark for dark in same if dark.spatial == one.spatial] or same
+        used |= {dark.line for dark in darks[:1]}
+        dark = frames_of[darks[0].line] if darks else ()
+        levels.append(_level(one, frames_of[one.line], dark))
+    alone = [one for one in series if one.photons is None and one.line not in used]
+    levels += [_level(one, (), frames_of[one.line]) for one in alone]
+    frames = [frame for own in frames_of.values() for frame in own]
+    refuse_mixed(str(path), frames)
+    lit = len(series) - sum(one.photons is None for one in series)
+    without = sum(bool(level.flats) and not level.darks for level in levels)
+    notes = [f"{lit} levels of light and {len(alone)} of darks only, by the descriptor {path.name}"]
+    if without:
+        notes.append(f"{without} levels have no darks of their exposure time")
+    return FrameSet(
+        source=str(path),
+        levels=tuple(levels),
+        mosaic=mosaic_of_all(str(path), frames),
+        notes=tuple(notes),
+    )
+
+
+def _text(path: Path) -> str:
+    try:
+        with path.open("rb") as file:
+            content = file.read(_LARGEST_BYTES + 1)
+        if len(content) > _LARGEST_BYTES:
+            raise InputError(str(path), f"must be at most {_LARGEST_BYTES // 2**20} MiB")
+        return content.decode("utf-8-sig")
+    except OSError as error:
+        raise InputError(str(path), f"cannot be read ({error.strerror})") from None
+    except UnicodeDecodeError as error:
+        raise InputError(str(path), "is not UTF-8 text", where=f"byte {error.start}") from None
+
+
+def _lines(text: str) -> Iterator[tuple[int, list[str]]]:
+    """Number and words of each line; the name of a file may contain blanks."""
+    for number, line in enumerate(text.splitlines(), 1):
+        line = line.strip()
+        if line and not line.startswith("#"):
+            yield number, line.split(maxsplit=1) if line[0] == "i" else line.split()
+
+
+def _parsed(path: Path, text: str) -> tuple[int, tuple[int, int], list[_Series]]:
+    """Bits, rows and columns, and all series."""
+    form: list[int] = []
+    series: list[_Series] = []
+    for number, words in _lines(text):
+        if len(words) != _COMMANDS.get(words[0]):
+            raise _refused(path, number, " ".join(words))
+        if words[0] == "n":
+            if form or not all(word.isdecimal() and len(word) < 9 for word in words[1:]):
+                raise _refused(path, number, " ".join(words))
+            form = [int(word) for word in words[1:]]
+        elif words[0] in "bd":
+            numbers = [_number(path, number, word) for word in words[1:]]
+            photons = numbers[1] if words[0] == "b" else None
+            time_ms = numbers[0] * _MS_PER_NS
+            series.append(_Series(line=number, time_ms=time_ms, photons=photons, files=()))
+        elif words[0] == "i":
+            if not series:
+                raise _refused(path, number, " ".join(words))
+            series[-1] = replace(series[-1], files=(*series[-1].files, words[1]))
+    if len(form) != 3 or not 1 <= form[0] <= 32 or not series or len(series) > MOST_LEVELS:
+        raise InputError(
+            str(path),
+            f"must have a line n bits width height, and 1 to {MOST_LEVELS} lines b or d",
+            value=len(series),
+            found=f"has {len(series)}" if form else "has no line n",
+        )
+    seen: dict[tuple[object, ...], int] = {}
+    for one in series:
+        if len(one.files) < 2:
+            raise InputError(
+                str(path), "must have at least 2 frames", value=len(one.files),
+                found=f"has {len(one.files)}", where=f"line {one.line}",
+            )  # fmt: skip
+        key = (one.time_ms, one.photons, one.spatial)
+        if seen.setdefault(key, one.line) != one.line:
+            raise InputError(
+                str(path), f"must differ from line {seen[key]}", where=f"line {one.line}",
+                found="has the same exposure time and photons",
+            )  # fmt: skip
+    return form[0], (form[2], form[1]), series
+
+
+def _refused(path: Path, number: int, line: str) -> InputError:
+    return InputError(
+        str(path),
+        "must be v version, n bits width height (once), b time_ns photons, d time_ns, or i file",
+        value=printable(line),
+        where=f"line {number}",
+    )
+
+
+def _number(path: Path, line: int, word: str) -> float:
+    try:
+        value = float(word.replace(",", "."))
+    except ValueError:
+        value = math.nan
+    if not 0 <= value <= _LARGEST:
+        raise InputError(
+            str(path), f"must be a number from 0 to {_LARGEST:g}", value=printable(word),
+            where=f"line {line}",
+        )  # fmt: skip
+    return value
+
+
+def _level(one: _Series, flats: tuple[Frame, ...], darks: tuple[Frame, ...]) -> FrameLevel:
+    light = "dark" if one.photons is None else f"{one.photons:g} photons"
+    return FrameLevel(
+        name=f"{one.time_ms:g} ms, {light}, {len(one.files)} frames",
+        flats=flats,
+        darks=darks,
+        time_ms=one.time_ms,
+        photons_per_pixel=one.photons,
+    )
+
+
+def _frames(path: Path, series: _Series, bits: int, shape: tuple[int, int]) -> tuple[Frame, ...]:
+    frames: list[Frame] = []
+    for name in series.files:
+        own = Path(name) if name.startswith("/") else Path(*PureWindowsPath(name).parts)
+        frames += frames_in(path.parent / own)
+        if frames[-1].shape != shape:
+            raise InputError(
+                str(path),
+                f"must list frames of {by(shape)} pixels, as its line n tells",
+                value=frames[-1].shape,
+                found=f"{frames[-1].name} has {by(frames[-1].shape)}",
+                where=f"line {series.line}",
+            )
+    return tuple(replace(frame, bits=bits, time_ms=series.time_ms) for frame in frames)

@@ -1,0 +1,150 @@
+"""Files of raw frames in each format, written by other libraries, and damage to them."""
+
+import re
+
+import numpy as np
+import tifffile
+from PIL import Image
+
+from chromanoise.imaging.dng import RawProfile, write_dng
+from chromanoise.sensor import Adc, bayer
+
+SIZES = (0, 1, 2, 5, 127, 128, 255, 2**15, 2**16 - 1, 2**24, 2**31 - 1, 2**31, 2**32 - 1, 2**40)
+
+
+def drawn(height=24, width=30, top=4096, seed=1):
+    codes = np.random.default_rng(seed).integers(0, top, (height, width)).astype(np.uint16)
+    codes[0, :2] = 0, top - 1
+    return codes
+
+
+def write_npy(path, codes):
+    np.save(path, codes)
+
+
+def write_npz(path, codes):
+    np.savez(path, flat=codes)
+
+
+def write_packed_npz(path, codes):
+    np.savez_compressed(path, flat=codes)
+
+
+def write_tiff(path, codes, **options):
+    tifffile.imwrite(path, codes, photometric="minisblack", metadata=None, **options)
+
+
+def write_packed_tiff(path, codes):
+    write_tiff(path, codes, compression="zlib", predictor=True)
+
+
+def write_big_endian_tiff(path, codes):
+    write_tiff(path, codes, byteorder=">")
+
+
+def write_tiled_tiff(path, codes):
+    write_tiff(path, codes, tile=(16, 16), compression="lzma")
+
+
+def write_tiff_by_pillow(path, codes):
+    Image.fromarray(codes).save(path, compression="tiff_lzw")
+
+
+def write_fits(path, codes, **keys):
+    from astropy.io import fits
+
+    part = fits.PrimaryHDU(codes)
+    part.header.update({key: value for key, value in keys.items() if value is not None})
+    part.writeto(path)
+
+
+def write_fits_of_floats(path, codes):
+    write_fits(path, codes.astype(np.float32))
+
+
+def write_fits_extension(path, codes):
+    from astropy.io import fits
+
+    image = fits.ImageHDU(codes, name="FLAT")
+    fits.HDUList([fits.PrimaryHDU(), image]).writeto(path)
+
+
+def write_pgm(path, codes):
+    Image.fromarray(codes).save(path)
+
+
+def write_plain_pgm(path, codes):
+    height, width = codes.shape
+    rows = "\n".join(" ".join(map(str, row)) for row in codes)
+    path.write_text(f"P2\n# by hand\n{width} {height}\n# the largest\n4095\n{rows}\n")
+
+
+def write_png(path, codes):
+    Image.fromarray(codes).save(path)
+
+
+def write_raw(path, codes, mosaic=None, **changed):
+    profile = RawProfile(
+        **{
+            "sensor_name": "toy",
+            "channels": ("R", "G", "B"),
+            "mosaic": mosaic or bayer(),
+            "adc": Adc(bits=12, gain_e_per_dn=2.0, black_level_dn=64),
+            "white_level_dn": 4000,
+            "color_matrix": np.eye(3) + 0.1,
+            "as_shot_neutral": np.array([0.5, 1.0, 0.7]),
+            "noise_profile": np.full((3, 2), 1e-4),
+            "illuminant": "D65",
+            **changed,
+        }
+    )
+    write_dng(path, codes, profile)
+
+
+WRITERS = {
+    "npy": ("a.npy", write_npy),
+    "npz": ("a.npz", write_npz),
+    "npz packed": ("a.npz", write_packed_npz),
+    "tiff": ("a.tif", write_tiff),
+    "tiff packed": ("a.tiff", write_packed_tiff),
+    "tiff big-endian": ("a.tif", write_big_endian_tiff),
+    "tiff tiled": ("a.tif", write_tiled_tiff),
+    "tiff by pillow": ("a.tif", write_tiff_by_pillow),
+    "fits": ("a.fits", write_fits),
+    "fits floats": ("a.fit", write_fits_of_floats),
+    "fits extension": ("a.fts", write_fits_extension),
+    "pgm": ("a.pgm", write_pgm),
+    "pgm plain": ("a.pgm", write_plain_pgm),
+    "png": ("a.png", write_png),
+    "dng": ("a.dng", write_raw),
+}
+"""Name of the file and the function that writes one frame, by format."""
+
+
+def damaged(content, rng):
+    """One to three faults: a cut, a flipped bit, bytes left out or inserted, a number replaced."""
+    content = bytearray(content)
+    head = min(len(content), 2000) if rng.random() < 0.7 else len(content)
+    for _ in range(rng.choice([1, 1, 2, 3])):
+        at, kind = int(rng.integers(0, head + 1)), rng.integers(0, 7)
+        if kind == 0 and at < len(content):
+            content[at] ^= 1 << int(rng.integers(0, 8))
+        elif kind == 1:
+            del content[int(rng.integers(0, len(content) + 1)) :]
+        elif kind == 2:
+            content[at:at] = rng.bytes(int(rng.integers(1, 9)))
+        elif kind == 3:
+            del content[at : at + int(rng.integers(1, 17))]
+        elif kind == 4:
+            width = int(rng.choice([1, 2, 4, 8]))
+            size = int(rng.choice(SIZES)) % 2 ** (8 * width)
+            content[at : at + width] = size.to_bytes(width, str(rng.choice(["little", "big"])))
+        elif kind == 5:
+            content[at : at + 4] = rng.bytes(4)
+        else:
+            numbers = list(re.finditer(rb"\d+", bytes(content[:head])))
+            if numbers:
+                chosen = numbers[rng.integers(len(numbers))]
+                words = [b"-1", b"0", b"9" * 12, b"9" * 400, b"1e400", b"nan", b"65536", b"3"]
+                content[chosen.start() : chosen.end()] = words[rng.integers(len(words))]
+    return bytes(content)
