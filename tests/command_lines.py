@@ -81,6 +81,18 @@ VALUES = {  # by the name of an option or argument; a command's own as "command.
     "bits": ["8", "12", "16"],
     "black_level": ["0", "64"],
     "frames": ["1", "2"],
+    "darks": ["1", "2"],
+    "levels": ["2", "3"],
+    "demo-frames.shape": ["12x16"],
+    "demo-frames.mosaic": ["RG/GB", "bayer", "rgb-ir"],
+    "demo-frames.bits": ["8", "10"],
+    "black_level_dn": ["64"],
+    "qe": ["0.5"],
+    "column_noise_e": ["1"],
+    "hot_pixels": ["3"],
+    "bend": ["0.1"],
+    "drift": ["-0.001"],
+    "neighbor_correlation": ["0.2"],
     "seed": ["0", "7"],
     "dark_current_e_per_s": ["0", "5"],
     "temperature_c": ["40"],
@@ -159,7 +171,7 @@ STRANGE = [
 WEIGHTS = {
     **{"analyze": 24, "compare": 12, "matrix": 15, "simulate": 14, "convert": 10, "inspect": 8},
     **{"catalog": 5, "run": 4, "rerun": 2, "report": 1, "init": 2, "study": 1, "serve": 2},
-    **{"reproduce": 1, "demo": 0.2},
+    **{"reproduce": 1, "demo": 0.2, "demo-frames": 4},
 }
 
 
@@ -424,7 +436,7 @@ def _json_faults(text):
 def prepared_files():
     """The input files and a result of ``run``; everything is imported and compiled after it."""
     for name in _COMMANDS:
-        import_module(f"chromanoise.cli.{name}")
+        import_module(f"chromanoise.cli.{name.replace('-', '_')}")
     files = input_files()
     with tempfile.TemporaryDirectory() as base:
         study = Path(base, "study.toml")

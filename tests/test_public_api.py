@@ -43,6 +43,7 @@ NAMES = [
     "analysis",
     "analyze",
     "catalog",
+    "characterization",
     "charts",
     "color",
     "compare",

@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from chromanoise import (
         analysis,
         catalog,
+        characterization,
         charts,
         color,
         exposure,
@@ -104,6 +105,7 @@ __all__ = [
     "analysis",
     "analyze",
     "catalog",
+    "characterization",
     "charts",
     "color",
     "compare",

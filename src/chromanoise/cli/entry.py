@@ -33,6 +33,7 @@ _COMMANDS = {
     "reproduce": "The paper's Tables 2-5 next to ours, and its ten figures.",
     "report": "A study as one self-contained HTML file: charts, tables, equations, sliders.",
     "demo": "All results of the paper on one page: out/demo/index.html.",
+    "demo-frames": "Raw frames of a virtual camera with known noise, to try a characterization.",
 }
 
 
@@ -45,9 +46,10 @@ class _Commands(click.Group):
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         if cmd_name not in _COMMANDS:
             return None
+        name = cmd_name.replace("-", "_")
         with paused_collection():
-            module = import_module(f"chromanoise.cli.{cmd_name}")
-        command = getattr(module, cmd_name)
+            module = import_module(f"chromanoise.cli.{name}")
+        command = getattr(module, name)
         assert isinstance(command, click.Command)
         return command
 

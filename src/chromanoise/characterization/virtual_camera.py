@@ -1,0 +1,458 @@
+"""A virtual camera: raw frames drawn from known noise, to test a characterization with them.
+
+The camera is drawn source by source, from photons to codes, and uses no formula of the photon
+transfer. One pixel with the mean electrons mu of light and d of dark current reads
+
+    code = round(black level + K (f(min(N, full well)) + read + DSNU + row + column)),
+
+limited to 0 and 2^bits - 1, where N is Poisson with the mean mu + d, and
+f(e) = e - bend e^2 / (2 full well).
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from chromanoise import _check
+from chromanoise._check import Array
+from chromanoise._shapes import Float, Int, UInt16
+from chromanoise.errors import InputError
+from chromanoise.rng import stream
+from chromanoise.sensor import Mosaic, mosaic_named
+
+_PRNU, _DSNU, _HOT, _LIGHT, _DARK, _READ, _ROWS, _COLUMNS = range(8)  # random streams
+
+_MOST_SIDE, _MOST_PIXELS = 65_535, 1 << 28
+_MOST_BLUR = 0.6
+_RANGES = (  # name, unit, least, greatest
+    ("read_noise_e", "e-", 0.0, 1e6),
+    ("full_well_e", "e-", 1.0, 1e9),
+    ("qe", "e-/photon", 1e-6, 1.0),
+    ("dark_current_e_per_s", "e-/s", 0.0, 1e9),
+    ("dsnu_e", "e-", 0.0, 1e6),
+    ("prnu", "1", 0.0, 0.2),
+    ("row_noise_e", "e-", 0.0, 1e6),
+    ("column_noise_e", "e-", 0.0, 1e6),
+    ("hot_pixel_e_per_s", "e-/s", 0.0, 1e9),
+    ("bend", "1", 0.0, 0.9),
+    ("drift", "1", -0.1, 0.1),
+    ("shading", "1", 0.0, 0.9),
+    ("neighbor_correlation", "1", 0.0, _MOST_BLUR),
+)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PlaneTruth:
+    """True values of one plane of a virtual camera, named as in `PlaneNoise`.
+
+    Attributes
+    ----------
+    name
+        The channel: ``R``, ``G1``, ``G2``, ``B``; ``mono`` without a mosaic.
+    gain_dn_per_e
+        System gain at low light. [DN/e-]
+    dark_noise_e
+        Temporal noise at exposure time 0, rounding not included. [e-]
+    black_level_dn
+        Mean code of the plane's pixels at exposure time 0. [DN]
+    saturation_dn, full_well_e
+        Largest mean code, by the full well or the largest code, and its electrons. [DN], [e-]
+    dynamic_range_db
+        20 log10 of full well over the dark noise plus 0.5 e-. [dB]
+    qe
+        Electrons per photon, mean over the plane's pixels. [e-/photon]
+    dark_current_e_per_s
+        Of the pixels that are not hot. [e-/s]
+    dsnu_e, prnu
+        Standard deviations that the pixels are drawn with. [e-], [1]
+    dsnu_of_pixels_e, prnu_of_pixels
+        Standard deviations of the pixels that were drawn. [e-], [1]
+    row_noise_e, column_noise_e
+        As `VirtualCamera`. [e-]
+    hot_pixels
+        In this plane. [1]
+    """
+
+    name: str
+    gain_dn_per_e: float
+    dark_noise_e: float
+    black_level_dn: float
+    saturation_dn: float
+    full_well_e: float
+    dynamic_range_db: float
+    qe: float
+    dark_current_e_per_s: float
+    dsnu_e: float
+    prnu: float
+    dsnu_of_pixels_e: float
+    prnu_of_pixels: float
+    row_noise_e: float
+    column_noise_e: float
+    hot_pixels: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class VirtualCamera:
+    """A camera whose noise is known. Imperfections are 0 by default.
+
+    Attributes
+    ----------
+    shape
+        Rows and columns. [px]
+    mosaic
+        Channels as in `chromanoise.sensor.mosaic_named`, e.g. ``RG/GB``; ``None`` for monochrome.
+    gain_dn_per_e
+        System gain K at low light: one number, or one per channel of the mosaic in the order of
+        their first appearance. [DN/e-]
+    read_noise_e
+        Standard deviation of the readout, rounding not included. [e-]
+    full_well_e
+        Electrons at which a pixel saturates. [e-]
+    bits
+        Bits of the codes, 8 to 16.
+    black_level_dn
+        Code without light. [DN]
+    qe
+        Electrons per photon of a channel with sensitivity 1. [e-/photon]
+    sensitivity
+        Sensitivity of the channels relative to ``qe``: one number, or one per channel. [1]
+    dark_current_e_per_s
+        Electrons generated without light. Their mean stays in the codes. [e-/s]
+    dsnu_e
+        Standard deviation of the offset of the pixels. [e-]
+    prnu
+        Standard deviation of the relative sensitivity of the pixels. [1]
+    row_noise_e, column_noise_e
+        Standard deviation of the offset that all pixels of a row, or of a column, share in one
+        frame. It differs from frame to frame. [e-]
+    hot_pixels, hot_pixel_e_per_s
+        Number of pixels with excess dark current, and the excess of each. [1], [e-/s]
+    bend
+        Share by which the gain falls from 0 to the full well: at e electrons it is
+        K (1 - bend e / full_well_e). [1]
+    drift
+        Relative change of the light from one frame to the next: frame n has (1 + drift)^n times the
+        light. [1]
+    shading
+        Share by which the light falls from the center to the corners, with the square of the
+        distance; the mean over the frame is unchanged. [1]
+    neighbor_correlation
+        Correlation of the shot and read noise of adjacent pixels of one plane, as after denoising
+        in the camera: each plane's noise is blurred by (a, 1 - 2a, a) along rows and columns, which
+        also lowers its variance. 0 to 0.6. [1]
+    seed
+        Of all random numbers: an integer >= 0.
+
+    Raises
+    ------
+    InputError
+        If a number is out of range, the black level is not below the largest code, there is not one
+        gain or sensitivity per channel, or the frame is smaller than two periods of the mosaic.
+
+    Notes
+    -----
+    Fixed patterns (PRNU, DSNU, hot pixels) depend on the seed and the shape only. Each source of
+    noise in each frame has its own random stream, so that frames can be drawn in any order. The
+    model of the camera is that of EMVA 1288, release 4.0, sections 2 to 4.
+
+    Examples
+    --------
+    >>> camera = VirtualCamera(shape=(2, 3), gain_dn_per_e=0.5, black_level_dn=64)
+    >>> camera.frame(electrons=0.0, time_ms=10.0)
+    array([[64, 64, 64],
+           [64, 64, 64]], dtype=uint16)
+    """
+
+    shape: tuple[int, int] = (240, 320)
+    mosaic: str | None = None
+    gain_dn_per_e: float | tuple[float, ...] = 0.25
+    read_noise_e: float = 0.0
+    full_well_e: float = 12_000.0
+    bits: int = 12
+    black_level_dn: float = 0.0
+    qe: float = 0.5
+    sensitivity: float | tuple[float, ...] = 1.0
+    dark_current_e_per_s: float = 0.0
+    dsnu_e: float = 0.0
+    prnu: float = 0.0
+    row_noise_e: float = 0.0
+    column_noise_e: float = 0.0
+    hot_pixels: int = 0
+    hot_pixel_e_per_s: float = 1000.0
+    bend: float = 0.0
+    drift: float = 0.0
+    shading: float = 0.0
+    neighbor_correlation: float = 0.0
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        for name, unit, least, greatest in _RANGES:
+            value = _check.within(name, unit, getattr(self, name), least, greatest)
+            object.__setattr__(self, name, value)
+        object.__setattr__(self, "bits", whole("bits", self.bits, 8, 16))
+        object.__setattr__(self, "seed", whole("seed", self.seed, 0, (1 << 128) - 1))
+        object.__setattr__(self, "shape", self._checked_shape())
+        hot = whole("hot_pixels", self.hot_pixels, 0, math.prod(self.shape))
+        object.__setattr__(self, "hot_pixels", hot)
+        black_dn = _check.within("black_level_dn", "DN", self.black_level_dn, 0, self.top_code - 1)
+        object.__setattr__(self, "black_level_dn", black_dn)
+        object.__setattr__(self, "gain_dn_per_e", self._per_channel("gain_dn_per_e", 1e-6, 1e6))
+        object.__setattr__(self, "sensitivity", self._per_channel("sensitivity", 1e-6, 1.0))
+
+    @property
+    def pattern(self) -> Mosaic:
+        """The mosaic; one channel, ``mono``, without one."""
+        return Mosaic((("mono",),)) if self.mosaic is None else mosaic_named(self.mosaic)
+
+    @property
+    def top_code(self) -> int:
+        """The largest code, 2^bits - 1. [DN]"""
+        return (1 << self.bits) - 1
+
+    def frame(
+        self,
+        *,
+        photons_per_pixel: float | None = None,
+        electrons: float | None = None,
+        time_ms: float,
+        dark: bool = False,
+        number: int = 0,
+    ) -> UInt16[Array, "h w"]:
+        """The codes of one frame. [DN]
+
+        Parameters
+        ----------
+        photons_per_pixel
+            Mean number of photons on a pixel during the exposure, before ``drift``. [1]
+        electrons
+            Instead: mean electrons of a channel with sensitivity 1. [e-]
+        time_ms
+            Exposure time; it sets the dark electrons. [ms]
+        dark
+            Without light; photons and electrons are not given.
+        number
+                Of the frame: frames with different numbers have independent noise.
+
+        Raises
+        ------
+        InputError
+            If the light is given not once, or a number is negative or out of range.
+        """
+        whole("number", number, 0, 1_000_000_000)
+        dark_e = self._dark_electrons(_check.within("time_ms", "ms", time_ms, 0.0, 1e8))
+        light_e = self._light_electrons(self._photons(photons_per_pixel, electrons, dark, number))
+        expected_e = self._response_e(light_e + dark_e)
+        charge_e = stream(self.seed, _LIGHT, number).poisson(light_e).astype(np.float64)
+        charge_e += stream(self.seed, _DARK, number).poisson(dark_e)
+        noise_e = self._response_e(charge_e) - expected_e
+        if self.read_noise_e:
+            noise_e += self.read_noise_e * self._normal(_READ, number, self.shape)
+        signal_e = expected_e + self._blurred(noise_e) + self._offsets_e()
+        rows, columns = self.shape
+        if self.row_noise_e:
+            signal_e += self.row_noise_e * self._normal(_ROWS, number, (rows, 1))
+        if self.column_noise_e:
+            signal_e += self.column_noise_e * self._normal(_COLUMNS, number, (1, columns))
+        codes = np.rint(self.black_level_dn + self._channel_map(self.gain_dn_per_e) * signal_e)
+        return np.asarray(np.clip(codes, 0, self.top_code).astype(np.uint16))
+
+    def planes(self) -> tuple[PlaneTruth, ...]:
+        """The true values of each plane, in the order of the pixels of one period."""
+        period = self.pattern.pattern
+        maps = (
+            self._channel_map(self.gain_dn_per_e),
+            self.qe * self._light_map(),
+            self._pixel_sensitivity(),
+            self._offsets_e(),
+            self._hot_map(),
+        )
+        return tuple(
+            self._plane_truth(name, *(one[y :: len(period), x :: len(period[0])] for one in maps))
+            for (y, x), name in _plane_names(period).items()
+        )
+
+    def _plane_truth(
+        self,
+        name: str,
+        gains: Float[Array, "h w"],
+        qe: Float[Array, "h w"],
+        response: Float[Array, "h w"],
+        offsets_e: Float[Array, "h w"],
+        hot: Int[Array, "h w"],
+    ) -> PlaneTruth:
+        gain = float(gains[0, 0])
+        full_well_e, saturation_dn = self._saturation(gain)
+        a = _blur_share(self.neighbor_correlation)
+        kept = (2 * a**2 + (1 - 2 * a) ** 2) ** 2
+        dark_noise_e = math.sqrt(
+            kept * self.read_noise_e**2 + self.row_noise_e**2 + self.column_noise_e**2
+        )
+        return PlaneTruth(
+            name=name,
+            gain_dn_per_e=gain,
+            dark_noise_e=dark_noise_e,
+            black_level_dn=self.black_level_dn + gain * float(offsets_e.mean()),
+            saturation_dn=saturation_dn,
+            full_well_e=full_well_e,
+            dynamic_range_db=20 * math.log10(full_well_e / (dark_noise_e + 0.5)),
+            qe=float(qe.mean()),
+            dark_current_e_per_s=self.dark_current_e_per_s,
+            dsnu_e=self.dsnu_e,
+            prnu=self.prnu,
+            dsnu_of_pixels_e=float(offsets_e.std()),
+            prnu_of_pixels=float(response.std()),
+            row_noise_e=self.row_noise_e,
+            column_noise_e=self.column_noise_e,
+            hot_pixels=int(hot.sum()),
+        )
+
+    def _saturation(self, gain: float) -> tuple[float, float]:
+        """Electrons and mean code at saturation: by the full well, or by the largest code."""
+        bend, well_e = self.bend, self.full_well_e
+        at_well_dn = self.black_level_dn + gain * well_e * (1 - bend / 2)
+        if at_well_dn <= self.top_code:
+            return well_e, at_well_dn
+        reached_e = (self.top_code - self.black_level_dn) / gain  # electrons of a straight response
+        root = math.sqrt(1 - 2 * bend * reached_e / well_e)
+        return 2 * reached_e / (1 + root), float(self.top_code)
+
+    def _checked_shape(self) -> tuple[int, int]:
+        shape: Any = self.shape
+        if len(shape) != 2:
+            raise InputError("shape", "must be rows and columns [px]", value=shape)
+        period = self.pattern.pattern
+        rows, columns = (
+            whole("shape", side, 2 * least, _MOST_SIDE)
+            for side, least in zip(shape, (len(period), len(period[0])), strict=True)
+        )
+        if rows * columns > _MOST_PIXELS:
+            raise InputError("shape", f"must hold at most {_MOST_PIXELS} pixels", value=shape)
+        return rows, columns
+
+    def _per_channel(self, name: str, least: float, greatest: float) -> float | tuple[float, ...]:
+        given = getattr(self, name)
+        unit = "DN/e-" if name == "gain_dn_per_e" else "1"
+        if np.ndim(given) == 0:
+            return _check.within(name, unit, given, least, greatest)
+        channels = self.pattern.names
+        if len(given) != len(channels):
+            raise InputError(
+                name,
+                f"must be one number, or one for each of {', '.join(channels)}",
+                value=tuple(given),
+                found=f"has {len(given)}",
+            )
+        return tuple(_check.within(name, unit, each, least, greatest) for each in given)
+
+    def _photons(
+        self, photons: float | None, electrons: float | None, dark: bool, number: int
+    ) -> float:
+        """Photons per pixel of this frame, drift included."""
+        given = {"photons_per_pixel": photons, "electrons": electrons}
+        told = {name: value for name, value in given.items() if value is not None}
+        if len(told) != (0 if dark else 1):
+            demand = "must not be given with dark" if dark else "must be given once"
+            found = f"is given as {' and '.join(told)}" if told else "is missing"
+            raise InputError("the light", demand, value=told, found=found)
+        if dark:
+            return 0.0
+        ((name, value),) = told.items()
+        light = _check.within(name, "1", value, 0.0, 1e12) / (self.qe if name == "electrons" else 1)
+        drift = math.exp(min(number * math.log1p(self.drift), 700.0))
+        return _check.within("photons_per_pixel with drift", "1", light * drift, 0.0, 1e15)
+
+    def _light_electrons(self, photons: float) -> Float[Array, "h w"]:
+        return np.asarray(photons * self.qe * self._light_map())
+
+    def _dark_electrons(self, time_ms: float) -> Float[Array, "h w"]:
+        current = self.dark_current_e_per_s + self.hot_pixel_e_per_s * self._hot_map()
+        return np.asarray(1e-3 * time_ms * current)
+
+    def _light_map(self) -> Float[Array, "h w"]:
+        """Electrons of each pixel over ``qe`` times the mean photons: channel, shading, PRNU."""
+        return np.asarray(
+            self._channel_map(self.sensitivity) * self._shading_map() * self._pixel_sensitivity()
+        )
+
+    def _pixel_sensitivity(self) -> Float[Array, "h w"]:
+        if not self.prnu:
+            return np.ones(self.shape)
+        return np.maximum(1 + self.prnu * self._normal(_PRNU, 0, self.shape), 0.0)
+
+    def _offsets_e(self) -> Float[Array, "h w"]:
+        if not self.dsnu_e:
+            return np.zeros(self.shape)
+        return np.asarray(self.dsnu_e * self._normal(_DSNU, 0, self.shape))
+
+    def _hot_map(self) -> Int[Array, "h w"]:
+        """1 at hot pixels."""
+        hot = np.zeros(math.prod(self.shape), dtype=np.int64)
+        if self.hot_pixels:
+            rng = stream(self.seed, _HOT)
+            hot[rng.choice(hot.size, self.hot_pixels, replace=False, shuffle=False)] = 1
+        return hot.reshape(self.shape)
+
+    def _shading_map(self) -> Float[Array, "h w"]:
+        if not self.shading:
+            return np.ones(self.shape)
+        y, x = (np.linspace(-1.0, 1.0, side)[:, None] for side in self.shape)
+        falling = 1 - self.shading * (y**2 + x.T**2) / 2
+        return np.asarray(falling / falling.mean())
+
+    def _channel_map(self, values: float | tuple[float, ...]) -> Float[Array, "h w"]:
+        """The value of each pixel's channel."""
+        channels = self.pattern.names
+        of = dict(zip(channels, np.broadcast_to(values, len(channels)), strict=True))
+        tile = np.array([[of[name] for name in row] for row in self.pattern.pattern])
+        rows, columns = self.shape
+        tiles = (-(-rows // tile.shape[0]), -(-columns // tile.shape[1]))
+        return np.tile(tile, tiles)[:rows, :columns]
+
+    def _response_e(self, charge_e: Float[Array, "h w"]) -> Float[Array, "h w"]:
+        """Electrons that a straight response would need for the same code."""
+        kept = np.minimum(charge_e, self.full_well_e)
+        return np.asarray(kept - self.bend * kept**2 / (2 * self.full_well_e))
+
+    def _blurred(self, noise_e: Float[Array, "h w"]) -> Float[Array, "h w"]:
+        """The noise blurred within each plane; opposite edges of the frame are neighbors."""
+        a = _blur_share(self.neighbor_correlation)
+        if not a:
+            return noise_e
+        period = self.pattern.pattern
+        for axis, step in ((0, len(period)), (1, len(period[0]))):
+            beside = np.roll(noise_e, step, axis) + np.roll(noise_e, -step, axis)
+            noise_e = (1 - 2 * a) * noise_e + a * beside
+        return noise_e
+
+    def _normal(self, source: int, number: int, shape: tuple[int, int]) -> Float[Array, "h w"]:
+        return np.asarray(stream(self.seed, source, number).standard_normal(shape))
+
+
+def _blur_share(correlation: float) -> float:
+    """The a at which white noise blurred by (a, 1 - 2a, a) has this correlation of neighbors.
+
+    Solves 2a (1 - 2a) = correlation (2a^2 + (1 - 2a)^2).
+    """
+    c = correlation
+    return (2 * c + 1 - math.sqrt(1 - 2 * c**2)) / (6 * c + 4)
+
+
+def _plane_names(period: tuple[tuple[str, ...], ...]) -> dict[tuple[int, int], str]:
+    """Names of the planes by their place in the period; a repeated channel is numbered from 1."""
+    cells = {(y, x): name for y, row in enumerate(period) for x, name in enumerate(row)}
+    every = list(cells.values())
+    seen: dict[str, int] = {}
+    names = {}
+    for place, name in cells.items():
+        seen[name] = seen.get(name, 0) + 1
+        names[place] = name if every.count(name) == 1 else f"{name}{seen[name]}"
+    return names
+
+
+def whole(name: str, value: Any, least: int, greatest: int) -> int:
+    """A whole number in a range; raises `InputError` otherwise."""
+    if isinstance(value, bool) or not least <= value <= greatest or int(value) != value:
+        raise InputError(name, f"must be a whole number from {least} to {greatest}", value=value)
+    return int(value)
