@@ -122,8 +122,8 @@ def test_a_plane_with_half_the_error_has_four_times_the_weight():
     pixel = pixel_of(color(planes=planes))
     assert 1 / pixel.gain_e_per_dn == pytest.approx((0.5 + 4 * 0.6) / 5, rel=EXACT)
     assert pixel.full_well_e == 6000.0
-    assert any("R 0.5, B 0.6; they differ by 18 %" in note for note in pixel.notes)
-    assert any("lowest, of B" in note for note in pixel.notes)
+    assert any("the planes differ by 18 %: R 0.5, B 0.6)" in note for note in pixel.notes)
+    assert any("of B, the lowest" in note for note in pixel.notes)
 
 
 def test_the_pattern_noise_of_the_pixel_is_that_of_all_planes_together():

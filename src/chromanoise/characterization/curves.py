@@ -24,6 +24,8 @@ class PlaneCurves:
         Of the plane.
     signal_dn
         Mean above dark, of each level with light. [DN]
+    variance_dn2, predicted_dn2
+        Measured variance, and that of the linear model. [DN^2]
     shot_dn2, shot_se_dn2
         Variance above that in the dark, and its standard error. [DN^2]
     fitted
@@ -44,6 +46,8 @@ class PlaneCurves:
 
     name: str
     signal_dn: Float[Array, " m"]
+    variance_dn2: Float[Array, " m"]
+    predicted_dn2: Float[Array, " m"]
     shot_dn2: Float[Array, " m"]
     shot_se_dn2: Float[Array, " m"]
     fitted: Bool[Array, " m"]
@@ -94,6 +98,8 @@ def plane_curves(plane: PlaneNoise) -> PlaneCurves | None:
     return PlaneCurves(
         name=plane.name,
         signal_dn=signal,
+        variance_dn2=variance,
+        predicted_dn2=predicted,
         shot_dn2=variance - own_dark,
         shot_se_dn2=error,
         fitted=np.array([one.fitted for one in levels], dtype=bool),

@@ -9,6 +9,7 @@ from chromanoise.errors import InputError
 from chromanoise.io.pixels import pixel_source_toml
 from chromanoise.sensor import PixelSource
 
+_NAMED_PERCENT = 2.0  # planes that differ by more are listed
 _BITS = range(8, 17)  # of `chromanoise.sensor.Adc`
 
 Take = Callable[[PlaneNoise], float | None]
@@ -60,12 +61,10 @@ def pixel_of(result: Characterization) -> PixelSource:
     prnu = _root_mean_square(planes, "PRNU", "of the signal", lambda p: p.prnu)
     row = _root_mean_square(planes, "row noise", "e-", lambda p: p.row_noise_e)
     well = _lowest(planes, "full well", "e-", lambda p: p.full_well_e)
-    for one in (gain, read, current, black, dsnu, prnu, row, well):
-        notes += [] if one is None else [f"{source}: {one.note}"]
+    merged = [one.note for one in (gain, read, well, current, dsnu, prnu, row, black) if one]
+    notes.append(f"{source}: {'; '.join(merged)}")
     if row is not None and row.value > 0 and read is not None:
-        notes.append(
-            f"{source}: the row noise is left out of the read noise, because the pixel has both"
-        )
+        notes.append(f"{source}: the read noise does not include the row noise")
     whole = _whole_black(black, source, notes)
     return PixelSource(
         source=source,
@@ -107,7 +106,7 @@ class _Merged:
 
 def _source_name(result: Characterization) -> str:
     iso = "" if result.iso is None else f", ISO {result.iso:g}"
-    return f"{result.camera or 'characterization'}{iso} ({result.source})"
+    return f"{result.camera or result.source}{iso}"
 
 
 def _value(merged: _Merged | None) -> float | None:
@@ -139,9 +138,9 @@ def _mean(
     value = sum(w * v for w, (_, v) in zip(weights, known, strict=True)) / sum(weights)
     if len(known) == 1:
         value = known[0][1]
-    how = "mean weighted by errors" if weighted else "plain mean, as an error is not known"
+    how = "weighted mean" if weighted else "plain mean, as an error is not known"
     error_text = f" +- {1 / math.sqrt(sum(weights)):.2g}" if weighted else ""
-    return _Merged(value, f"{name} {value:.6g}{error_text} {unit}{_spread(known, how)}")
+    return _Merged(value, f"{name} {value:.5g}{error_text} {unit}{_spread(known, how)}")
 
 
 def _root_mean_square(
@@ -161,18 +160,23 @@ def _lowest(planes: Sequence[PlaneNoise], name: str, unit: str, take: Take) -> _
     if not known:
         return None
     plane, value = min(known, key=lambda one: one[1])
-    return _Merged(value, f"{name} {value:.6g} {unit}{_spread(known, f'lowest, of {plane.name}')}")
+    return _Merged(
+        value, f"{name} {value:.5g} {unit}{_spread(known, f'that of {plane.name}, the lowest')}"
+    )
 
 
 def _spread(known: Sequence[tuple[PlaneNoise, float]], how: str) -> str:
     """How the planes were merged, and by how much they differ; nothing for one plane."""
-    if len(known) == 1:
-        return ""
     values = [value for _, value in known]
-    listed = ", ".join(f"{plane.name} {value:.4g}" for plane, value in known)
     size = abs(sum(values)) / len(values)
-    differ = f"; they differ by {100 * (max(values) - min(values)) / size:.2g} %" if size else ""
-    return f", {how} of {listed}{differ}"
+    if len(known) == 1 or not size:
+        return ""
+    percent = 100 * (max(values) - min(values)) / size
+    if not percent:
+        return " (the same in all planes)"
+    listed = ", ".join(f"{plane.name} {value:.4g}" for plane, value in known)
+    named = f": {listed}" if percent > _NAMED_PERCENT else ""
+    return f" ({how}, the planes differ by {percent:.2g} %{named})"
 
 
 def _whole_black(black: _Merged | None, source: str, notes: list[str]) -> int | None:
