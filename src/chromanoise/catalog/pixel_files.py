@@ -1,4 +1,4 @@
-"""Replace the pixel of a sensor by one from a data sheet, noise profile or photon transfer."""
+"""Replace the pixel of a sensor by one from a file: TOML, data sheet, noise profile, table."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, replace
@@ -19,11 +19,13 @@ from chromanoise.io.pixels import (
     read_emva_sheet,
     read_noise_profile,
     read_photon_transfer_csv,
+    read_pixel_toml,
 )
 from chromanoise.io.pixels.noise_profile import (
     is_noise_profile_text,
 )
 from chromanoise.io.pixels.photon_transfer_csv import is_photon_transfer_text
+from chromanoise.io.pixels.pixel_toml import is_pixel_toml_text
 from chromanoise.io.pixels.source_text import (
     errors_in_file,
     source_json,
@@ -42,18 +44,27 @@ from chromanoise.sensor import (
 
 _HEAD_BYTES = 200  # of the JSON, which name its schema
 _BEFORE_JSON = b"\xef\xbb\xbf \t\r\n"
-_OF_SOURCE = ("pitch_um", "full_well_e", "read_noise_e", "dark_current_e_per_s", "dsnu_e", "prnu")
+_OF_SOURCE = (
+    "pitch_um",
+    "full_well_e",
+    "read_noise_e",
+    "dark_current_e_per_s",
+    "dsnu_e",
+    "prnu",
+    "row_noise_e",
+)
 _REQUIRED = _OF_SOURCE[:3]
 
 
 def read_pixel_source(path: Path | str) -> PixelSource:
-    """The pixel data in a file: EMVA 1288 sheet, DNG noise profile or photon transfer.
+    """The pixel data in a file: our TOML, EMVA 1288 sheet, DNG noise profile, photon transfer.
 
     Parameters
     ----------
     path
         The file. JSON with ``S`` and ``O`` or a line ``NoiseProfile: S O`` is a noise profile, a
-        table headed ``mean_dn,variance_dn2`` is a photon transfer, anything else a data sheet.
+        table headed ``mean_dn,variance_dn2`` is a photon transfer, a text with a line ``schema =``
+        or a file ``.toml`` is a pixel in TOML, anything else a data sheet.
 
     Raises
     ------
@@ -67,6 +78,8 @@ def read_pixel_source(path: Path | str) -> PixelSource:
 
 
 def _source(path: Path, text: str) -> PixelSource:
+    if path.suffix.lower() == ".toml" or is_pixel_toml_text(text):
+        return read_pixel_toml(path)
     if text.lstrip().startswith("{"):
         held = source_json(text, str(path))
         if "noiseprofiles" in held:

@@ -1,12 +1,67 @@
-"""A camera's noise from its own raw frames."""
+"""A camera's noise from its own raw frames, what is written about it, and a virtual camera."""
 
 from typing import TYPE_CHECKING
 
 from chromanoise._lazy import lazy_names
 
 if TYPE_CHECKING:
+    from chromanoise.characterization.curves import PlaneCurves, plane_curves
+    from chromanoise.characterization.data_sheets import (
+        emva_sheet,
+        emva_sheet_xml,
+        photon_transfer_csv,
+    )
+    from chromanoise.characterization.json_form import characterization_as_json
+    from chromanoise.characterization.measure import characterized, plane_names
+    from chromanoise.characterization.merged_pixel import pixel_of, pixel_toml
+    from chromanoise.characterization.noise_models import (
+        color_of_plane,
+        darktable_json,
+        libcamera_json,
+        noise_profile_json,
+        noise_profile_line,
+    )
+    from chromanoise.characterization.results import (
+        Characterization,
+        LevelNoise,
+        ModelVerdict,
+        PlaneNoise,
+    )
+    from chromanoise.characterization.statistics import (
+        LightSample,
+        PlaneSample,
+        light_sample,
+    )
+    from chromanoise.characterization.kept_statistics import resumed
     from chromanoise.characterization.virtual_camera import PlaneTruth, VirtualCamera
     from chromanoise.characterization.virtual_frames import photon_transfer_frames
 
-__all__ = ["PlaneTruth", "VirtualCamera", "photon_transfer_frames"]
+__all__ = [
+    "Characterization",
+    "LevelNoise",
+    "LightSample",
+    "ModelVerdict",
+    "PlaneCurves",
+    "PlaneNoise",
+    "PlaneSample",
+    "PlaneTruth",
+    "VirtualCamera",
+    "characterization_as_json",
+    "characterized",
+    "color_of_plane",
+    "darktable_json",
+    "emva_sheet",
+    "emva_sheet_xml",
+    "libcamera_json",
+    "light_sample",
+    "noise_profile_json",
+    "noise_profile_line",
+    "photon_transfer_csv",
+    "photon_transfer_frames",
+    "pixel_of",
+    "pixel_toml",
+    "plane_curves",
+    "plane_names",
+    "resumed",
+]
 __getattr__, __dir__ = lazy_names(__name__)

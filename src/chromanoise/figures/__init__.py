@@ -5,6 +5,15 @@ The folder ``draw`` holds the drawing modules of page and report: the same resul
 """
 
 from chromanoise.figures.budget import draw_budget
+from chromanoise.figures.characterization import (
+    characterization_figures,
+    draw_linearity,
+    draw_linearity_deviation,
+    draw_photon_transfer,
+    draw_predicted_variance,
+    draw_snr,
+    draw_variance_residuals,
+)
 from chromanoise.figures.comparison import draw_color_errors, draw_comparison
 from chromanoise.figures.ellipses import draw_ellipses
 from chromanoise.figures.flow import draw_flow
@@ -30,6 +39,7 @@ from chromanoise.figures.writing import write_figures
 
 __all__ = [
     "CAPTIONS",
+    "characterization_figures",
     "chromanoise_style",
     "draw_analyses",
     "draw_budget",
@@ -42,15 +52,21 @@ __all__ = [
     "draw_ellipses",
     "draw_flow",
     "draw_light_above_plane",
+    "draw_linearity",
+    "draw_linearity_deviation",
     "draw_maps",
     "draw_matrices",
     "draw_measurement",
     "draw_mosaic",
     "draw_observer",
     "draw_pareto",
+    "draw_photon_transfer",
     "draw_picture",
+    "draw_predicted_variance",
     "draw_sensitivities",
+    "draw_snr",
     "draw_uncertainty",
+    "draw_variance_residuals",
     "map_figures",
     "paper_figures",
     "study_figures",

@@ -1,7 +1,19 @@
 """Self-contained HTML pages of the paper and of a study; reports compute nothing themselves."""
 
+from chromanoise.report.characterization_report import (
+    characterization_report,
+    write_characterization,
+)
 from chromanoise.report.demo import demo_page
 from chromanoise.report.study_pictures import Sight, sights_of
 from chromanoise.report.study_report import report_data, study_report
 
-__all__ = ["Sight", "demo_page", "report_data", "sights_of", "study_report"]
+__all__ = [
+    "Sight",
+    "characterization_report",
+    "demo_page",
+    "report_data",
+    "sights_of",
+    "study_report",
+    "write_characterization",
+]

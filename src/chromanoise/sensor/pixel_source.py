@@ -32,8 +32,8 @@ class PixelSource:
         Number of bits and black level of the converter. [1], [DN]
     adc
         The converter, where both gain and bits are known.
-    dark_current_e_per_s, dsnu_e, prnu
-        As `Pixel`. [e-/s], [e-], [1]
+    dark_current_e_per_s, dsnu_e, prnu, row_noise_e
+        As `Pixel`. [e-/s], [e-], [1], [e-]
     qe, qe_at_nm
         Quantum efficiency at one wavelength, to check QE curves against. [e-/photon], [nm]
     notes
@@ -56,6 +56,7 @@ class PixelSource:
     dark_current_e_per_s: float | None = None
     dsnu_e: float | None = None
     prnu: float | None = None
+    row_noise_e: float | None = None
     qe: float | None = None
     qe_at_nm: float | None = None
     notes: tuple[str, ...] = ()
@@ -70,8 +71,9 @@ class PixelSource:
         ):
             if getattr(self, name) is not None:
                 _check.positive(f"{name} {where}", unit, getattr(self, name))
-        if self.read_noise_e is not None:
-            _check.not_negative(f"read_noise_e {where}", "e-", self.read_noise_e)
+        for name in ("read_noise_e", "row_noise_e"):
+            if getattr(self, name) is not None:
+                _check.not_negative(f"{name} {where}", "e-", getattr(self, name))
         if self.qe is not None:
             _refuse_percent(f"qe {where}", self.qe)
 
@@ -85,8 +87,9 @@ def _refuse_percent(name: str, qe: float) -> None:
 
 PIXEL_FILES = (
     "a data sheet (lines as 'sigma_d = 2.4 e-'), a photon transfer (CSV headed "
-    "mean_dn,variance_dn2), or a noise profile ('NoiseProfile: 0.0002 0.000001', or JSON as "
-    '{"S": 0.0002, "O": 1e-6, "black_level_dn": 64, "white_level_dn": 1023})'
+    "mean_dn,variance_dn2), a noise profile ('NoiseProfile: 0.0002 0.000001', or JSON as "
+    '{"S": 0.0002, "O": 1e-6, "black_level_dn": 64, "white_level_dn": 1023}), or TOML with '
+    "schema = 'chromanoise pixel'"
 )
 """The files that can describe a pixel, each with an example, for messages."""
 

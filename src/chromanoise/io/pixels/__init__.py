@@ -1,4 +1,4 @@
-"""Pixel parameters from EMVA 1288 data sheets, noise profiles and photon-transfer tables."""
+"""Pixel parameters from TOML, EMVA 1288 data sheets, noise profiles, photon-transfer tables."""
 
 from typing import TYPE_CHECKING
 
@@ -18,14 +18,17 @@ if TYPE_CHECKING:
     from chromanoise.io.pixels.photon_transfer_csv import (
         read_photon_transfer_csv,
     )
+    from chromanoise.io.pixels.pixel_toml import pixel_source_toml, read_pixel_toml
 
 __all__ = [
     "RelativeNoise",
     "pixel_from_darktable",
     "pixel_from_emva",
+    "pixel_source_toml",
     "read_darktable_noise",
     "read_emva_sheet",
     "read_noise_profile",
     "read_photon_transfer_csv",
+    "read_pixel_toml",
 ]
 __getattr__, __dir__ = lazy_names(__name__)

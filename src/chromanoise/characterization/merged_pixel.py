@@ -1,0 +1,225 @@
+"""One pixel from all planes of a mosaic, as values and as a file for ``--pixel``."""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from chromanoise.characterization.results import Characterization, PlaneNoise
+from chromanoise.errors import InputError
+from chromanoise.io.pixels import pixel_source_toml
+from chromanoise.sensor import PixelSource
+
+_NAMED_PERCENT = 2.0  # planes that differ by more are listed
+_BITS = range(8, 17)  # of `chromanoise.sensor.Adc`
+
+Take = Callable[[PlaneNoise], float | None]
+
+
+def pixel_of(result: Characterization) -> PixelSource:
+    """The pixel of a camera from all planes of its mosaic; the notes state how, with the spread.
+
+    Parameters
+    ----------
+    result
+        A characterization.
+
+    Returns
+    -------
+    PixelSource
+        Gain, read noise, dark current and black level are means over the planes, weighted by the
+        inverse squares of their standard errors, or plain means where an error is not known; DSNU,
+        PRNU and row noise are root mean squares; the full well is the lowest. QE is that of a
+        monochrome sensor only, because the planes of a mosaic differ. The pitch is not known.
+
+    Raises
+    ------
+    InputError
+        If there are no planes.
+
+    Notes
+    -----
+    The temporal dark noise of EMVA 1288 includes the noise that a row shares; a `Pixel` has row
+    noise besides its read noise, so read noise^2 = sigma_d^2 - row noise^2.
+    """
+    if not result.planes:
+        raise InputError(result.source, "must have at least one plane", value=0)
+    planes, source = result.planes, _source_name(result)
+    notes: list[str] = []
+    gain = _mean(planes, "gain", "DN/e-", lambda p: p.gain_dn_per_e, lambda p: p.gain_dn_per_e_se)
+    read = _mean(planes, "read noise", "e-", _read_noise_e, lambda p: p.dark_noise_e_se)
+    current = _mean(
+        planes,
+        "dark current",
+        "e-/s",
+        lambda p: p.dark_current_e_per_s,
+        lambda p: p.dark_current_e_per_s_se,
+    )
+    black = _mean(
+        planes, "black level", "DN", lambda p: p.black_level_dn, lambda p: p.black_level_dn_se
+    )
+    dsnu = _root_mean_square(planes, "DSNU", "e-", lambda p: p.dsnu_e)
+    prnu = _root_mean_square(planes, "PRNU", "of the signal", lambda p: p.prnu)
+    row = _root_mean_square(planes, "row noise", "e-", lambda p: p.row_noise_e)
+    well = _lowest(planes, "full well", "e-", lambda p: p.full_well_e)
+    merged = [one.note for one in (gain, read, well, current, dsnu, prnu, row, black) if one]
+    notes.append(f"{source}: {'; '.join(merged)}")
+    if row is not None and row.value > 0 and read is not None:
+        notes.append(f"{source}: the read noise does not include the row noise")
+    whole = _whole_black(black, source, notes)
+    return PixelSource(
+        source=source,
+        full_well_e=_value(well),
+        read_noise_e=_value(read),
+        gain_e_per_dn=None if gain is None else 1 / gain.value,
+        bits=_bits(result.bits, source, notes),
+        black_level_dn=whole,
+        dark_current_e_per_s=_current(current, source, notes),
+        dsnu_e=_value(dsnu),
+        prnu=_value(prnu),
+        row_noise_e=_value(row),
+        qe=_qe(planes, source, notes),
+        notes=(*notes, *_verdict(result, source)),
+    )
+
+
+def pixel_toml(result: Characterization) -> str:
+    """The pixel of `pixel_of` as TOML, which ``--pixel FILE`` takes.
+
+    Parameters
+    ----------
+    result
+        A characterization.
+
+    Raises
+    ------
+    InputError
+        As `pixel_of`.
+    """
+    return pixel_source_toml(pixel_of(result))
+
+
+@dataclass(frozen=True, slots=True)
+class _Merged:
+    value: float
+    note: str
+
+
+def _source_name(result: Characterization) -> str:
+    iso = "" if result.iso is None else f", ISO {result.iso:g}"
+    return f"{result.camera or result.source}{iso}"
+
+
+def _value(merged: _Merged | None) -> float | None:
+    return None if merged is None else merged.value
+
+
+def _known(planes: Sequence[PlaneNoise], take: Take) -> list[tuple[PlaneNoise, float]]:
+    found = [(plane, take(plane)) for plane in planes]
+    return [(plane, float(value)) for plane, value in found if value is not None]
+
+
+def _read_noise_e(plane: PlaneNoise) -> float | None:
+    """Temporal dark noise without the noise that rows share. [e-]"""
+    if plane.dark_noise_e is None:
+        return None
+    return math.sqrt(max(plane.dark_noise_e**2 - (plane.row_noise_e or 0.0) ** 2, 0.0))
+
+
+def _mean(
+    planes: Sequence[PlaneNoise], name: str, unit: str, take: Take, error: Take
+) -> _Merged | None:
+    known = _known(planes, take)
+    if not known:
+        return None
+    errors = [error(plane) for plane, _ in known]
+    found = [float(one) for one in errors if one is not None and one > 0]
+    weighted = len(found) == len(known)
+    weights = [1 / one**2 for one in found] if weighted else [1.0] * len(known)
+    value = sum(w * v for w, (_, v) in zip(weights, known, strict=True)) / sum(weights)
+    if len(known) == 1:
+        value = known[0][1]
+    how = "weighted mean" if weighted else "plain mean, as an error is not known"
+    error_text = f" +- {1 / math.sqrt(sum(weights)):.2g}" if weighted else ""
+    return _Merged(value, f"{name} {value:.5g}{error_text} {unit}{_spread(known, how)}")
+
+
+def _root_mean_square(
+    planes: Sequence[PlaneNoise], name: str, unit: str, take: Take
+) -> _Merged | None:
+    known = _known(planes, take)
+    if not known:
+        return None
+    value = math.sqrt(sum(v**2 for _, v in known) / len(known))
+    if len(known) == 1:
+        value = known[0][1]
+    return _Merged(value, f"{name} {value:.4g} {unit}{_spread(known, 'root mean square')}")
+
+
+def _lowest(planes: Sequence[PlaneNoise], name: str, unit: str, take: Take) -> _Merged | None:
+    known = _known(planes, take)
+    if not known:
+        return None
+    plane, value = min(known, key=lambda one: one[1])
+    return _Merged(
+        value, f"{name} {value:.5g} {unit}{_spread(known, f'that of {plane.name}, the lowest')}"
+    )
+
+
+def _spread(known: Sequence[tuple[PlaneNoise, float]], how: str) -> str:
+    """How the planes were merged, and by how much they differ; nothing for one plane."""
+    values = [value for _, value in known]
+    size = abs(sum(values)) / len(values)
+    if len(known) == 1 or not size:
+        return ""
+    percent = 100 * (max(values) - min(values)) / size
+    if not percent:
+        return " (the same in all planes)"
+    listed = ", ".join(f"{plane.name} {value:.4g}" for plane, value in known)
+    named = f": {listed}" if percent > _NAMED_PERCENT else ""
+    return f" ({how}, the planes differ by {percent:.2g} %{named})"
+
+
+def _whole_black(black: _Merged | None, source: str, notes: list[str]) -> int | None:
+    if black is None:
+        return None
+    if black.value < 0:
+        notes.append(f"{source}: a black level below 0 is not used")
+        return None
+    whole = round(black.value)
+    if whole != black.value:
+        notes.append(f"{source}: black level of {black.value:.6g} DN rounded to {whole}")
+    return whole
+
+
+def _bits(bits: int | None, source: str, notes: list[str]) -> int | None:
+    if bits is None or bits in _BITS:
+        return bits
+    notes.append(f"{source}: {bits} bits are outside 8 to 16 and not used")
+    return None
+
+
+def _current(current: _Merged | None, source: str, notes: list[str]) -> float | None:
+    if current is None or current.value >= 0:
+        return _value(current)
+    notes.append(f"{source}: a dark current below 0 is not used")
+    return None
+
+
+def _qe(planes: Sequence[PlaneNoise], source: str, notes: list[str]) -> float | None:
+    known = _known(planes, lambda plane: plane.qe)
+    if not known:
+        return None
+    if len(planes) > 1:
+        listed = ", ".join(f"{plane.name} {qe:.4g}" for plane, qe in known)
+        notes.append(f"{source}: QE differs between the planes ({listed}) and is not of the pixel")
+        return None
+    if not 0 <= known[0][1] <= 1:
+        notes.append(f"{source}: a QE of {known[0][1]:.4g} is impossible and not used")
+        return None
+    return known[0][1]
+
+
+def _verdict(result: Characterization, source: str) -> list[str]:
+    if result.verdict.holds:
+        return []
+    return [f"{source}: the linear model does not hold: {s}" for s in result.verdict.sentences]

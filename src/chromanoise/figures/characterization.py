@@ -1,0 +1,234 @@
+"""The curves of EMVA 1288 for a characterized camera, each on one axes with all planes."""
+
+from collections.abc import Sequence
+from itertools import cycle
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from chromanoise.characterization import (
+    Characterization,
+    PlaneCurves,
+    color_of_plane,
+    plane_curves,
+)
+from chromanoise.figures.style import INK, QUIET, channel_color, chromanoise_style
+
+_MARKERS = "os^Dv<>Ph*"
+_SIZE_IN = (5.0, 3.6)
+_NOTICED_Z = 3.0
+_LIGHT = {"photons": "photons per pixel", "ms": "exposure time [ms]"}
+
+
+def draw_photon_transfer(curves: Sequence[PlaneCurves], ax: Axes) -> Axes:
+    """Variance above dark over signal of each plane, with the line of its gain. [DN^2]
+
+    Filled points were fitted; bars are standard errors.
+
+    Parameters
+    ----------
+    curves
+        Curves of each plane.
+    ax
+        To draw on.
+    """
+    for curve, marker in zip(curves, cycle(_MARKERS), strict=False):
+        color = _color(curve.name)
+        ax.errorbar(
+            curve.signal_dn,
+            curve.shot_dn2,
+            yerr=curve.shot_se_dn2,
+            fmt="none",
+            ecolor=color,
+            elinewidth=0.8,
+        )
+        ax.plot([0, curve.model_signal_dn[-1]], [0, curve.model_shot_dn2[-1]], color=color, lw=1)
+        _points(ax, curve, curve.shot_dn2, marker)
+    ax.set(xlabel="signal above dark [DN]", ylabel="variance above dark [DN²]")
+    ax.set_xlim(left=0)
+    ax.set_ylim(bottom=0)
+    return _finished(ax, curves)
+
+
+def draw_snr(curves: Sequence[PlaneCurves], ax: Axes) -> Axes:
+    """SNR over signal of each plane, measured, of the linear model, and of shot noise alone. [dB]
+
+    Parameters
+    ----------
+    curves
+        Curves of each plane.
+    ax
+        To draw on.
+    """
+    for curve, marker in zip(curves, cycle(_MARKERS), strict=False):
+        color = _color(curve.name)
+        ax.semilogx(curve.model_signal_dn, 20 * np.log10(curve.model_snr), color=color, lw=1)
+        ax.semilogx(
+            curve.model_signal_dn,
+            20 * np.log10(curve.ideal_snr),
+            color=QUIET,
+            lw=0.9,
+            ls=(0, (5, 3)),
+        )
+        _points(ax, curve, 20 * np.log10(curve.snr), marker)
+    ax.plot([], [], color=QUIET, lw=0.9, ls=(0, (5, 3)), label="shot noise only")
+    ax.set(xlabel="signal above dark [DN]", ylabel="SNR [dB]")
+    return _finished(ax, curves)
+
+
+def draw_linearity(curves: Sequence[PlaneCurves], ax: Axes) -> Axes:
+    """Signal over light of each plane, with the fitted line. [DN]
+
+    Parameters
+    ----------
+    curves
+        Curves of each plane, with light.
+    ax
+        To draw on.
+    """
+    for curve, marker in zip(curves, cycle(_MARKERS), strict=False):
+        if curve.light is None:
+            continue
+        if curve.line_dn is not None:
+            ax.plot(curve.light, curve.line_dn, color=_color(curve.name), lw=1)
+        _points(ax, curve, curve.signal_dn, marker, at=curve.light)
+    ax.set(xlabel=_light_label(curves), ylabel="signal above dark [DN]")
+    ax.set_xlim(left=0)
+    ax.set_ylim(bottom=0)
+    return _finished(ax, curves)
+
+
+def draw_linearity_deviation(curves: Sequence[PlaneCurves], ax: Axes) -> Axes:
+    """Deviation of the signal from the fitted line over light, from 5 to 95 % of saturation. [%]
+
+    Parameters
+    ----------
+    curves
+        Curves of each plane, with light.
+    ax
+        To draw on.
+    """
+    for curve, marker in zip(curves, cycle(_MARKERS), strict=False):
+        if curve.light is None or curve.deviation_percent is None:
+            continue
+        ax.plot(curve.light, curve.deviation_percent, color=_color(curve.name), lw=0.8)
+        _points(ax, curve, curve.deviation_percent, marker, at=curve.light)
+    ax.axhline(0, color=QUIET, lw=0.8)
+    ax.set(xlabel=_light_label(curves), ylabel="deviation from the line [%]")
+    ax.set_xlim(left=0)
+    return _finished(ax, curves)
+
+
+def draw_variance_residuals(curves: Sequence[PlaneCurves], ax: Axes) -> Axes:
+    """Measured minus predicted variance over its standard error, over signal. [1]
+
+    Parameters
+    ----------
+    curves
+        Curves of each plane.
+    ax
+        To draw on.
+    """
+    ax.axhspan(-_NOTICED_Z, _NOTICED_Z, color=QUIET, alpha=0.12, lw=0)
+    ax.axhline(0, color=QUIET, lw=0.8)
+    for curve, marker in zip(curves, cycle(_MARKERS), strict=False):
+        _points(ax, curve, curve.residual_z, marker)
+    ax.set_yscale("symlog", linthresh=5, linscale=2)
+    ax.set_yticks([-100, -10, -5, -3, 0, 3, 5, 10, 100], minor=False)
+    ax.yaxis.set_major_formatter(lambda value, _: f"{value:g}")
+    ax.set_yticks([], minor=True)
+    most = max([6.0, *(1.5 * float(np.abs(curve.residual_z).max()) for curve in curves)])
+    ax.set_ylim(-most, most)
+    ax.set_xlim(left=0)
+    ax.set(xlabel="signal above dark [DN]", ylabel="(measured − predicted) / error")
+    return _finished(ax, curves)
+
+
+def draw_predicted_variance(curves: Sequence[PlaneCurves], ax: Axes) -> Axes:
+    """Measured over predicted variance of each level, on logarithmic axes. [DN^2]
+
+    Parameters
+    ----------
+    curves
+        Curves of each plane.
+    ax
+        To draw on.
+    """
+    every = np.concatenate([c.predicted_dn2[c.predicted_dn2 > 0] for c in curves])
+    if every.size:
+        ends = [float(every.min()), float(every.max())]
+        ax.plot(ends, ends, color=QUIET, lw=0.9, label="equal")
+    for curve, marker in zip(curves, cycle(_MARKERS), strict=False):
+        _points(ax, curve, curve.variance_dn2, marker, at=curve.predicted_dn2)
+    ax.set(xscale="log", yscale="log")
+    ax.set(xlabel="predicted variance [DN²]", ylabel="measured variance [DN²]")
+    return _finished(ax, curves)
+
+
+def characterization_figures(result: Characterization) -> dict[str, Figure]:
+    """A figure of each kind of curve for which the result has data.
+
+    Parameters
+    ----------
+    result
+        A characterization.
+
+    Returns
+    -------
+    dict
+        ``photon_transfer``, ``snr``, ``linearity``, ``linearity_deviation``,
+        ``predicted_variance``, ``variance_residuals``; without light on the levels, no linearity.
+    """
+    curves = [one for plane in result.planes if (one := plane_curves(plane)) is not None]
+    lit = [one for one in curves if one.light is not None]
+    straight = [one for one in lit if one.deviation_percent is not None]
+    drawn = (
+        ("photon_transfer", draw_photon_transfer, curves),
+        ("snr", draw_snr, curves),
+        ("linearity", draw_linearity, lit),
+        ("linearity_deviation", draw_linearity_deviation, straight),
+        ("predicted_variance", draw_predicted_variance, curves),
+        ("variance_residuals", draw_variance_residuals, curves),
+    )
+    figures = {}
+    with chromanoise_style():
+        for name, draw, shown in drawn:
+            if shown:
+                figure = Figure(figsize=_SIZE_IN, layout="constrained")
+                draw(shown, figure.add_subplot())
+                figures[name] = figure
+    return figures
+
+
+def _points(
+    ax: Axes, curve: PlaneCurves, values: np.ndarray, marker: str, at: np.ndarray | None = None
+) -> None:
+    """Points of one plane: filled where the level was fitted."""
+    x, color = curve.signal_dn if at is None else at, _color(curve.name)
+    style: dict[str, Any] = {
+        "linestyle": "none",
+        "marker": marker,
+        "markersize": 4.5,
+        "color": color,
+    }
+    ax.plot(x[curve.fitted], values[curve.fitted], label=curve.name, **style)
+    ax.plot(x[~curve.fitted], values[~curve.fitted], markerfacecolor="none", **style)
+
+
+def _finished(ax: Axes, curves: Sequence[PlaneCurves]) -> Axes:
+    ax.set_axisbelow(True)
+    ax.grid(visible=True, color=QUIET, alpha=0.25, linewidth=0.6)
+    if len(curves) > 1 or len(ax.get_legend_handles_labels()[1]) > 1:
+        ax.legend(fontsize=8, framealpha=0, ncols=1 + len(curves) // 6)
+    return ax
+
+
+def _light_label(curves: Sequence[PlaneCurves]) -> str:
+    return _LIGHT[next((c.light_unit for c in curves if c.light_unit), "ms") or "ms"]
+
+
+def _color(name: str) -> str:
+    color = color_of_plane(name)
+    return INK if color == "mono" else channel_color(color)

@@ -1,0 +1,209 @@
+"""A pixel as TOML: every value is optional; ``--pixel FILE`` takes it."""
+
+import json
+import re
+import tomllib
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from chromanoise import _check
+from chromanoise.errors import InputError, did_you_mean
+from chromanoise.io.pixels.source_text import errors_in_file, finite_number, source_text
+from chromanoise.sensor import Converter, PixelSource
+
+PIXEL_SCHEMA = "chromanoise pixel"
+PIXEL_SCHEMA_VERSION = 1
+
+_UNIT_OF = {
+    "pitch_um": "um",
+    "full_well_e": "e-",
+    "read_noise_e": "e-",
+    "gain_e_per_dn": "e-/DN",
+    "bits": "1",
+    "black_level_dn": "DN",
+    "dark_current_e_per_s": "e-/s",
+    "dsnu_e": "e-",
+    "prnu": "1",
+    "row_noise_e": "e-",
+    "qe": "e-/photon",
+    "qe_at_nm": "nm",
+}
+_GAIN = "gain_dn_per_e"
+_TEXT = ("schema", "schema_version", "source", "notes")
+_KEYS = (*_UNIT_OF, _GAIN, *_TEXT)
+_SCHEMA_LINE = re.compile(r"(?m)^[ \t]*schema[ \t]*=")
+_MOST_CHARACTERS = 2**20
+_HEAD = f"""\
+schema = "{PIXEL_SCHEMA}"
+schema_version = {PIXEL_SCHEMA_VERSION}
+"""
+
+
+def is_pixel_toml_text(text: str) -> bool:
+    r"""Whether a line of the text begins with ``schema =``.
+
+    Examples
+    --------
+    >>> is_pixel_toml_text('schema = "chromanoise pixel"\n'), is_pixel_toml_text("K = 2 DN/e-")
+    (True, False)
+    """
+    return _SCHEMA_LINE.search(text) is not None
+
+
+def pixel_source_toml(source: PixelSource) -> str:
+    r"""The values of a source as TOML, with all digits; `read_pixel_toml` reads it.
+
+    Parameters
+    ----------
+    source
+        The values; those that are ``None`` are left out. A converter (``adc``) is written as its
+        bits, gain and black level.
+
+    Examples
+    --------
+    >>> print(pixel_source_toml(PixelSource(source="a sheet", read_noise_e=2.4)), end="")
+    schema = "chromanoise pixel"
+    schema_version = 1
+    source = "a sheet"
+    read_noise_e = 2.4 # e-
+    """
+    known = {name: getattr(source, name) for name in _UNIT_OF}
+    if source.adc is not None and source.bits is None:
+        known |= {name: getattr(source.adc, name) for name in ("bits", "gain_e_per_dn")}
+        known["black_level_dn"] = source.adc.black_level_dn
+    lines = [
+        f"{name} = {_number(value)} # {_UNIT_OF[name]}"
+        for name, value in known.items()
+        if value is not None
+    ]
+    notes = [f"  {_text(note)}," for note in source.notes]
+    listed = ["notes = [", *notes, "]"] if notes else []
+    return "\n".join([f"{_HEAD}source = {_text(source.source)}", *lines, *listed, ""])
+
+
+def read_pixel_toml(path: Path | str) -> PixelSource:
+    """The pixel of a TOML file.
+
+    Parameters
+    ----------
+    path
+        A file with ``schema = "chromanoise pixel"``, ``schema_version = 1`` and any of
+        ``pitch_um``, ``full_well_e``, ``read_noise_e``, ``gain_e_per_dn`` or ``gain_dn_per_e``,
+        ``bits``, ``black_level_dn``, ``dark_current_e_per_s``, ``dsnu_e``, ``prnu``,
+        ``row_noise_e``, ``qe``, ``qe_at_nm``, ``source`` and ``notes``.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, is not TOML, has another schema or an unknown key, gives the
+        gain twice, or a value is not a number in the range of real pixels.
+    """
+    path = Path(path)
+    held = _tables(path)
+    _refuse_other_schema(held, path)
+    _refuse_unknown(held, path)
+    notes = _texts(held.get("notes", []), path, "notes")
+    source = _texts([held.get("source", path.name)], path, "source")[0]
+    with errors_in_file(path):
+        values = _values(held, path)
+        black = values.pop("black_level_dn", None)
+        whole = None if black is None else round(black)
+        if black is not None and whole != black:
+            notes.append(f"{path.name}: black level of {black:g} DN rounded to {whole}")
+        found = PixelSource(source=path.name, black_level_dn=whole, **values)
+        Converter(
+            bits=found.bits, gain_e_per_dn=found.gain_e_per_dn, black_level_dn=found.black_level_dn
+        )
+    return replace(found, source=source, notes=tuple(notes))
+
+
+def _tables(path: Path) -> dict[str, Any]:
+    text = source_text(path)
+    if len(text) > _MOST_CHARACTERS:
+        raise InputError(
+            str(path),
+            f"must have at most {_MOST_CHARACTERS} characters to describe a pixel",
+            value=len(text),
+            found=f"has {len(text)}",
+        )
+    try:
+        return tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(str(path), f"is not TOML ({error})") from None
+    except (RecursionError, ValueError):  # a number of thousands of digits is a ValueError
+        raise InputError(
+            str(path), "is nested too deeply or holds a number that is too long"
+        ) from None
+
+
+def _refuse_other_schema(held: dict[str, Any], path: Path) -> None:
+    wanted = {"schema": PIXEL_SCHEMA, "schema_version": PIXEL_SCHEMA_VERSION}
+    for key, value in wanted.items():
+        own = held.get(key)
+        if own != value or isinstance(own, bool):
+            raise InputError(
+                str(path),
+                f"must be {json.dumps(value)} for a pixel in TOML",
+                value=own,
+                found="is missing" if key not in held else "",
+                where=key,
+                remedy=f"write {key} = {json.dumps(value)}",
+            )
+
+
+def _refuse_unknown(held: dict[str, Any], path: Path) -> None:
+    for key in held:
+        if key not in _KEYS:
+            raise InputError(
+                str(path),
+                "is not a key of a pixel",
+                where=_check.printable(key),
+                remedy=did_you_mean(key, _KEYS, f"known: {', '.join(_KEYS)}"),
+            )
+
+
+def _values(held: dict[str, Any], path: Path) -> dict[str, Any]:
+    """The numbers, with the gain in e-/DN."""
+    values: dict[str, Any] = {}
+    for key in (*_UNIT_OF, _GAIN):
+        if key not in held:
+            continue
+        number = finite_number(held[key])
+        if number is None:
+            raise InputError(str(path), "must be a finite number", value=held[key], where=key)
+        values[key] = _check.not_negative(f"{key} of {path.name}", _UNIT_OF.get(key, ""), number)
+    if _GAIN in values:
+        if "gain_e_per_dn" in values:
+            raise InputError(
+                str(path),
+                "must be given once",
+                value=(held["gain_e_per_dn"], held[_GAIN]),
+                found=f"gain_e_per_dn and {_GAIN} are both given",
+                where="gain",
+                remedy="keep one of the two",
+            )
+        gain = _check.positive(f"{_GAIN} of {path.name}", "DN/e-", values.pop(_GAIN))
+        values["gain_e_per_dn"] = 1 / gain
+    if "bits" in values:
+        bits = values["bits"]
+        if not float(bits).is_integer():
+            raise InputError(str(path), "must be a whole number", value=bits, where="bits")
+        values["bits"] = int(bits)
+    return values
+
+
+def _texts(values: Any, path: Path, where: str) -> list[str]:
+    if not isinstance(values, list) or not all(isinstance(value, str) for value in values):
+        must = "must be text" if where == "source" else "must be a list of texts"
+        raise InputError(str(path), must, value=values, where=where)
+    return list(values)
+
+
+def _number(value: float) -> str:
+    return repr(int(value)) if isinstance(value, int) else repr(float(value))
+
+
+def _text(text: str) -> str:
+    """A basic string of TOML: a JSON string, with the letter DEL escaped."""
+    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")

@@ -1,0 +1,122 @@
+"""A characterization of a made-up camera, for tests of what is written about it."""
+
+import numpy as np
+
+from chromanoise.characterization import (
+    Characterization,
+    LevelNoise,
+    ModelVerdict,
+    PlaneNoise,
+)
+from chromanoise.sensor import Mosaic, PhotonTransfer, photon_transfer_fit
+
+BAYER = Mosaic((("R", "G1"), ("G2", "B")))
+SAMPLES = 200_000.0
+BLACK_DN, DARK_E, WELL_E, QE, TIME_UNIT_MS = 64.25, 5.0, 7500.0, 0.61, 3.0
+
+
+def plane_of(
+    name="mono", *, gain=0.5, seed=1, light=1.0, black_dn=BLACK_DN, dark_e=DARK_E, bend=0.0, **given
+):
+    """A plane with levels from 1 % to 105 % of saturation, variances drawn with their errors."""
+    rng = np.random.default_rng(seed)
+    electrons = np.minimum(
+        light * WELL_E * np.array([0.01, 0.03, 0.1, 0.2, 0.4, 0.6, 0.8, 1, 1.2]), WELL_E
+    )
+    times = TIME_UNIT_MS * np.arange(1, 10)
+    dark_dn2 = (gain * dark_e) ** 2 + 1 / 12
+    true = dark_dn2 + gain**2 * electrons * (1 - bend * electrons / WELL_E)
+    true[electrons >= WELL_E] *= 0.3
+    variance = true * (1 + np.sqrt(2 / (SAMPLES - 1)) * rng.standard_normal(true.size))
+    mean = black_dn + gain * electrons
+    fit = photon_transfer_fit(
+        PhotonTransfer(
+            mean_dn=mean,
+            variance_dn2=variance,
+            dark=np.zeros(mean.size, dtype=bool),
+            samples=np.full(mean.size, SAMPLES),
+            dark_mean_dn=np.full(mean.size, black_dn),
+            dark_variance_dn2=np.full(mean.size, dark_dn2),
+            time_ms=times,
+            photons=electrons / QE,
+        )
+    )
+    levels = tuple(
+        LevelNoise(
+            name=f"level {i}",
+            frames=2,
+            time_ms=float(times[i]),
+            photons_per_pixel=float(electrons[i] / QE),
+            mean_dn=float(mean[i]),
+            variance_dn2=float(variance[i]),
+            variance_se_dn2=float(variance[i] * np.sqrt(2 / (SAMPLES - 1))),
+            predicted_variance_dn2=float(dark_dn2 + fit.gain_dn_per_e * (mean[i] - black_dn)),
+            dark_mean_dn=black_dn,
+            dark_variance_dn2=dark_dn2,
+            fitted=bool(fit.fitted[i]),
+            clipped_share=0.0,
+            correlation_right=0.001,
+            correlation_down=-0.0005,
+            drift_z=0.7,
+        )
+        for i in range(mean.size)
+    )
+    values = {
+        "gain_dn_per_e": fit.gain_dn_per_e,
+        "gain_dn_per_e_se": fit.gain_se,
+        "dark_noise_e": fit.read_noise_e,
+        "dark_noise_e_se": fit.read_noise_se,
+        "black_level_dn": black_dn,
+        "black_level_dn_se": 0.01,
+        "saturation_dn": fit.saturation_dn,
+        "full_well_e": fit.full_well_e,
+        "full_well_e_se": 12.0,
+        "dynamic_range_db": 20 * np.log10(fit.full_well_e / (fit.read_noise_e + 0.5)).item(),
+        "qe": QE,
+        "qe_se": 0.004,
+        "linearity_error_percent": 0.12,
+        "dark_current_e_per_s": 3.25,
+        "dark_current_e_per_s_se": 0.2,
+        "dsnu_e": 1.1,
+        "dsnu_e_se": 0.02,
+        "prnu": 0.0061,
+        "prnu_se": 0.0001,
+        "row_noise_e": 0.0,
+        "row_noise_e_se": 0.01,
+        "column_noise_e": 0.1,
+        "column_noise_e_se": 0.01,
+        "hot_pixels": 3,
+        "bend_z": fit.bend_z,
+        "levels": levels,
+        "fit": fit,
+    }
+    return PlaneNoise(name=name, **(values | given))
+
+
+def monochrome(**given):
+    """One plane."""
+    return _camera(**({"planes": (plane_of(),), "mosaic": None} | given))
+
+
+def color(**given):
+    """Four planes of a Bayer mosaic, of the same gain but for sampling."""
+    planes = tuple(
+        plane_of(name, seed=seed, light=light, row_noise_e=3.0)
+        for seed, (name, light) in enumerate((("R", 0.9), ("G1", 1.0), ("G2", 1.0), ("B", 0.85)))
+    )
+    return _camera(**({"planes": planes, "mosaic": BAYER} | given))
+
+
+def _camera(**given):
+    values = {
+        "source": "frames",
+        "camera": "Acme Model One",
+        "iso": 100.0,
+        "bits": 12,
+        "correlation": np.eye(len(given["planes"])),
+        "verdict": ModelVerdict(
+            holds=True, chi2_per_level=1.02, worst_level="level 3", worst_z=1.7, sentences=()
+        ),
+        "notes": ("frames: 9 levels of 2 flats and 2 darks, by file name",),
+    }
+    return Characterization(**(values | given))
