@@ -33,6 +33,7 @@ if TYPE_CHECKING:
         rendered,
     )
     from chromanoise.imaging.sampling import noisy_electrons
+    from chromanoise.imaging.training_noise import NoiseSampler, NoisySample, sampler
     from chromanoise.imaging.work import Work
     from chromanoise.imaging.writers import (
         mosaic_tiff_rows,
@@ -51,6 +52,8 @@ if TYPE_CHECKING:
 __all__ = [
     "DEMOSAICING",
     "FilterBank",
+    "NoiseSampler",
+    "NoisySample",
     "Picture",
     "PicturePrior",
     "RawPicture",
@@ -77,6 +80,7 @@ __all__ = [
     "raw_profile",
     "raw_summary",
     "rendered",
+    "sampler",
     "sixteen_bit_srgb",
     "srgb_tiff_rows",
     "write_dng",
