@@ -57,9 +57,9 @@ def add_noise(
 ):
     """Fill rows ``start`` to ``stop`` of ``noisy`` and ``variance``; how many values are refused.
 
-    clean, noisy, variance (h, w) f4. lanes (8, rows of the mosaic, w) f4: value of 0 electrons,
-    electrons per unit, gain, read noise, black level, offset of the black level, largest code, and
-    the variance that does not depend on light. pattern: sensitivity and dark offset of each
+    clean, noisy, variance (h, w) f4. lanes (10, rows of the mosaic, w) f4: value of 0 electrons,
+    electrons per unit, gain, read noise, code without light, black level, largest code, variance
+    that does not depend on light, units per code, and units^2 per electrons^2. pattern: sensitivity and dark offset of each
     pixel (h, w) f4, each empty if not used. use: shot, read, row, quantize, clamp. noise (4,) f4:
     dark electrons, PRNU, row noise and the shape of the read noise.
     """
@@ -79,27 +79,25 @@ def add_noise(
         for first in range(0, width, most):
             n = min(most, width - first)
             end = first + n
-            at = lanes[:, phase, first:end]
+            read_e = lanes[3, phase, first:end]
             given = clean[row, first:end]
-            _electrons_of(given, at, light, n)
+            _electrons_of(given, lanes, phase, first, light, n)
             refused += count_refused(light[:n])
             _counted_means(light, pattern, row, first, n, use, noise, counted)
             calls = (np.uint64(row) << np.uint64(_ROW_AT)) + np.uint64(first // 4)
             waiting = n
             if use.shot or noise[0] > _ZERO:
                 fill_lane_words(calls, n, LIGHT, item, key, words)
-                waiting = draw_counts(counted, at[3], words, n, use, room, electrons)
+                waiting = draw_counts(counted, read_e, words, n, use, room, electrons)
             else:
                 electrons[:n] = _ZERO
                 waiting = n if use.read else 0
             if waiting > 0:
                 fill_lane_words(calls, n, READOUT, item, key, words)
-                draw_read(words, waiting, n, at[3], noise[3], use, room, electrons)
-            _finish(
-                electrons, light, at, pattern, row, first, n, use, noise, row_e,
-                noisy[row, first:end],
-            )  # fmt: skip
-            _variance(light, at, n, use, noise, variance[row, first:end])
+                draw_read(words, waiting, n, read_e, noise[3], use, room, electrons)
+            _collect(electrons, light, pattern, row, first, n, use, row_e - noise[0])
+            _finish(electrons, lanes, phase, first, n, use, noisy[row, first:end])
+            _variance(light, lanes, phase, first, n, use, noise[1], variance[row, first:end])
     return refused
 
 
@@ -129,8 +127,8 @@ def fill_lane_words(call, n, purpose, item, key, words):
 
 @kernel(error_model="numpy")
 @no_type_check
-def _electrons_of(given, at, light, n):
-    zero, per_unit = at[0], at[1]
+def _electrons_of(given, lanes, phase, first, light, n):
+    zero, per_unit = lanes[0, phase, first : first + n], lanes[1, phase, first : first + n]
     for j in range(n):
         light[j] = (given[j] - zero[j]) * per_unit[j]
 
@@ -220,9 +218,8 @@ def tail_scores(words, count, shape, scores):
 
 @kernel(error_model="numpy")
 @no_type_check
-def _finish(electrons, light, at, pattern, row, first, n, use, noise, row_e, noisy):
-    """Offsets, codes, and back to the unit of the clean values."""
-    dark_e = noise[0]
+def _collect(electrons, light, pattern, row, first, n, use, shared):
+    """Add what is not counted: light without shot noise, and offsets of the row and the pixels."""
     gain_map, offset_map = pattern
     if not use.shot:
         if gain_map.size > 0:
@@ -232,7 +229,6 @@ def _finish(electrons, light, at, pattern, row, first, n, use, noise, row_e, noi
         else:
             for j in range(n):
                 electrons[j] = electrons[j] + light[j]
-    shared = row_e - dark_e
     if shared != _ZERO:
         for j in range(n):
             electrons[j] = electrons[j] + shared
@@ -240,38 +236,45 @@ def _finish(electrons, light, at, pattern, row, first, n, use, noise, row_e, noi
         there = offset_map[row, first : first + n]
         for j in range(n):
             electrons[j] = electrons[j] + there[j]
-    zero, per_unit, gain = at[0], at[1], at[2]
-    black, offset, top = at[4], at[5], at[6]
-    if use.quantize and use.clamp:
-        for j in range(n):
-            code = np.floor(electrons[j] * gain[j] + offset[j] + black[j] + _HALF)
-            code = min(max(code, _ZERO), top[j])
-            noisy[j] = (code - black[j]) / (gain[j] * per_unit[j]) + zero[j]
-    elif use.quantize:
-        for j in range(n):
-            code = np.floor(electrons[j] * gain[j] + offset[j] + black[j] + _HALF)
-            noisy[j] = (code - black[j]) / (gain[j] * per_unit[j]) + zero[j]
-    elif use.clamp:
-        for j in range(n):
-            code = electrons[j] * gain[j] + offset[j]
-            code = min(max(code, -black[j]), top[j] - black[j])
-            noisy[j] = code / (gain[j] * per_unit[j]) + zero[j]
-    else:
-        for j in range(n):
-            code = electrons[j] * gain[j] + offset[j]
-            noisy[j] = code / (gain[j] * per_unit[j]) + zero[j]
 
 
 @kernel(error_model="numpy")
 @no_type_check
-def _variance(light, at, n, use, noise, variance):
+def _finish(electrons, lanes, phase, first, n, use, noisy):
+    """Codes, and back to the unit of the clean values."""
+    end = first + n
+    zero, gain = lanes[0, phase, first:end], lanes[2, phase, first:end]
+    offset, black = lanes[4, phase, first:end], lanes[5, phase, first:end]
+    top, scale = lanes[6, phase, first:end], lanes[8, phase, first:end]
+    if use.quantize and use.clamp:
+        for j in range(n):
+            code = np.floor(electrons[j] * gain[j] + offset[j] + _HALF)
+            code = min(max(code, _ZERO), top[j])
+            noisy[j] = (code - black[j]) * scale[j] + zero[j]
+    elif use.quantize:
+        for j in range(n):
+            code = np.floor(electrons[j] * gain[j] + offset[j] + _HALF)
+            noisy[j] = (code - black[j]) * scale[j] + zero[j]
+    elif use.clamp:
+        for j in range(n):
+            code = electrons[j] * gain[j] + (offset[j] - black[j])
+            code = min(max(code, -black[j]), top[j] - black[j])
+            noisy[j] = code * scale[j] + zero[j]
+    else:
+        for j in range(n):
+            code = electrons[j] * gain[j] + (offset[j] - black[j])
+            noisy[j] = code * scale[j] + zero[j]
+
+
+@kernel(error_model="numpy")
+@no_type_check
+def _variance(light, lanes, phase, first, n, use, prnu, variance):
     """Shot noise, PRNU and what does not depend on light, in the square of the unit."""
-    per_unit, fixed = at[1], at[7]
+    fixed, scale = lanes[7, phase, first : first + n], lanes[9, phase, first : first + n]
     shot = _ONE if use.shot else _ZERO
-    prnu2 = noise[1] * noise[1]
+    prnu2 = prnu * prnu
     for j in range(n):
-        spread = light[j] * (shot + prnu2 * light[j]) + fixed[j]
-        variance[j] = spread / (per_unit[j] * per_unit[j])
+        variance[j] = (light[j] * (shot + prnu2 * light[j]) + fixed[j]) * scale[j]
 
 
 @kernel(error_model="numpy")

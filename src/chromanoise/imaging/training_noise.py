@@ -17,6 +17,7 @@ from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._shapes import Float, Float32
 from chromanoise.errors import InputError, Setting
+from chromanoise.imaging.blocks import new_rows
 from chromanoise.noise import Moments
 from chromanoise.noise.counts import over_counts
 from chromanoise.noise.gaussian import coded_moments, held_moments
@@ -178,7 +179,7 @@ class NoiseSampler:
         row, column = _place(origin, given.shape)
         lanes = self._lanes(camera, unit, given.shape, (row, column), dark_e)
         flat = np.ascontiguousarray(given, dtype=np.float32).reshape(given.shape[0], -1)
-        noisy, variance = np.empty_like(flat), np.empty_like(flat)
+        noisy, variance = new_rows(flat.shape, np.float32), new_rows(flat.shape, np.float32)
         use, noise = self._use(camera), self._noise(camera, dark_e)
         maps = self._maps(camera, flat.shape, (row, column * _depth(given)), pattern)
         key, number = np.uint64(self.seed), np.uint64(item)
@@ -251,12 +252,12 @@ class NoiseSampler:
         lanes = self._lanes(camera, unit, given.shape, place, dark_e).astype(np.float64)
         flat = np.asarray(given, dtype=np.float64).reshape(given.shape[0], -1)
         rows = (np.arange(flat.shape[0]) + place[0]) % lanes.shape[1]
-        zero, per_unit, gain, read, black, offset, top, _ = lanes[:, rows]
+        zero, per_unit, gain, read, dark_code, black, top = lanes[:7, rows]
         light = _check.non_negative("clean", "e-", (flat - zero) * per_unit)
         noise = self._noise(camera, dark_e).astype(np.float64)
         added = (noise[1] * light) ** 2 + noise[2] ** 2 + self._dsnu_e(camera) ** 2
         spread = np.sqrt(added + (read**2 if use.read else 0.0))
-        cases = np.stack([light, gain, spread, black, offset, top]).reshape(6, -1)
+        cases = np.stack([light, gain, spread, dark_code, black, top]).reshape(6, -1)
         different, back = np.unique(cases, axis=1, return_inverse=True)
         found = np.array([_read_out(*one, dark_e=dark_e, use=use) for one in different.T]).T
         mean, variance, low, high = found[:, np.ravel(back)].reshape(4, *flat.shape)
@@ -317,7 +318,7 @@ class NoiseSampler:
         shape: tuple[int, ...],
         origin: tuple[int, int],
         dark_e: float,
-    ) -> Float32[Array, "8 tile lanes"]:
+    ) -> Float32[Array, "10 tile lanes"]:
         """The constants of each lane of each row of the mosaic, see `add_noise`."""
         _check.one_of("unit", unit, get_args(Unit))
         channel = _channels(camera, shape, origin[1])
@@ -343,9 +344,9 @@ class NoiseSampler:
         fixed = fixed + (camera.row_noise_e**2 if use.row else 0.0)
         fixed = fixed + (1 / 12 / gain**2 if use.quantize else 0.0)
         scale = math.sqrt(tukey_lambda_variance(camera.tail_lambda[0])) if use.tails else 1.0
-        rows = np.stack(
-            [zero, per_unit, gain, read / scale, black, np.ravel(offset), top, fixed]
-        )  # fmt: skip
+        dark_code = black + np.ravel(offset)
+        codes = [dark_code, black, top, fixed, 1 / (gain * per_unit), 1 / per_unit**2]
+        rows = np.stack([zero, per_unit, gain, read / scale, *codes])
         return np.ascontiguousarray(rows[:, channel], dtype=np.float32)
 
     def _maps(
@@ -497,15 +498,15 @@ def _read_out(
     light: float,
     gain: float,
     spread: float,
+    dark_code: float,
     black: float,
-    offset: float,
     top: float,
     *,
     dark_e: float,
     use: _Use,
 ) -> Array:
     """Mean, variance and clipped shares of one value in electrons above black."""
-    shift = (black + offset) / gain - dark_e  # electrons of code 0 are -shift
+    shift = dark_code / gain - dark_e  # electrons of code 0 are -shift
     low, high = (0.0, top / gain) if use.clamp else (-math.inf, math.inf)
 
     def given_count(count: Array) -> Array:
