@@ -59,9 +59,9 @@ def add_noise(
 
     clean, noisy, variance (h, w) f4. lanes (10, rows of the mosaic, w) f4: value of 0 electrons,
     electrons per unit, gain, read noise, code without light, black level, largest code, variance
-    that does not depend on light, units per code, and units^2 per electrons^2. pattern: sensitivity and dark offset of each
-    pixel (h, w) f4, each empty if not used. use: shot, read, row, quantize, clamp. noise (4,) f4:
-    dark electrons, PRNU, row noise and the shape of the read noise.
+    that does not depend on light, units per code, and units^2 per electrons^2. pattern:
+    sensitivity and dark offset of each pixel (h, w) f4, each empty if not used. use: which parts
+    are drawn. noise (4,) f4: dark electrons, PRNU, row noise and the shape of the read noise.
     """
     width = clean.shape[1]
     most = min(LANES, width)

@@ -185,11 +185,8 @@ class NoiseSampler:
         key, number = np.uint64(self.seed), np.uint64(item)
 
         def fill(rows: tuple[int, int]) -> int:
-            return int(
-                add_noise(
-                    flat, noisy, variance, *rows, lanes, maps, use, noise, row, number, key
-                )  # fmt: skip
-            )
+            pictures = (flat, noisy, variance)
+            return int(add_noise(*pictures, *rows, lanes, maps, use, noise, row, number, key))
 
         if self._in_rows(fill, flat.shape):
             _refuse_clean(given, lanes, unit, row)
