@@ -33,6 +33,16 @@ if TYPE_CHECKING:
         rendered,
     )
     from chromanoise.imaging.sampling import noisy_electrons
+    from chromanoise.imaging.torch_noise import AddCameraNoise, NoisyDataset
+    from chromanoise.imaging.training_noise import NoiseSampler, NoisySample, sampler
+    from chromanoise.imaging.unprocessing import (
+        Rendering,
+        draw_rendering,
+        linear_from_srgb,
+        mosaicked,
+        process,
+        unprocess,
+    )
     from chromanoise.imaging.work import Work
     from chromanoise.imaging.writers import (
         mosaic_tiff_rows,
@@ -50,11 +60,16 @@ if TYPE_CHECKING:
 
 __all__ = [
     "DEMOSAICING",
+    "AddCameraNoise",
     "FilterBank",
+    "NoiseSampler",
+    "NoisyDataset",
+    "NoisySample",
     "Picture",
     "PicturePrior",
     "RawPicture",
     "RawProfile",
+    "Rendering",
     "Work",
     "acquired",
     "bilinear_filters",
@@ -64,21 +79,27 @@ __all__ = [
     "developed",
     "developed_color",
     "dng_rows",
+    "draw_rendering",
     "electrons_of_cube",
     "gradient_corrected_filters",
+    "linear_from_srgb",
     "lmmse_filters",
     "malvar_filters",
     "mosaic_tiff_rows",
+    "mosaicked",
     "noise_power_spectrum",
     "noisy_electrons",
     "picture_prior",
     "picture_summary",
     "png_bytes",
+    "process",
     "raw_profile",
     "raw_summary",
     "rendered",
+    "sampler",
     "sixteen_bit_srgb",
     "srgb_tiff_rows",
+    "unprocess",
     "write_dng",
     "write_linear_exr",
     "write_mosaic_tiff",

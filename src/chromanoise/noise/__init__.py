@@ -1,5 +1,12 @@
-"""Noise of the electrons: covariance (eq. 7), exact moments, propagation, Monte Carlo."""
+"""Noise of the electrons: covariance (eq. 7), exact moments, propagation, Monte Carlo.
 
+`sampler` adds the noise of a camera to training data. It is in ``imaging``, whose compiled kernels
+it uses, and is imported on first use.
+"""
+
+from typing import TYPE_CHECKING
+
+from chromanoise._lazy import lazy_names
 from chromanoise.noise.exact import (
     Moments,
     Readout,
@@ -26,13 +33,18 @@ from chromanoise.noise.sources import (
     with_noise,
 )
 
+if TYPE_CHECKING:
+    from chromanoise.imaging.training_noise import NoiseSampler, NoisySample, sampler
+
 __all__ = [
     "Estimate",
     "Expectation",
     "Measurement",
     "Moments",
     "NoiseKind",
+    "NoiseSampler",
     "NoiseSources",
+    "NoisySample",
     "Readout",
     "clipped_at_well",
     "clipped_measurement",
@@ -48,9 +60,11 @@ __all__ = [
     "read_moments",
     "read_values",
     "sample_electrons",
+    "sampler",
     "saturated",
     "sensor_moments",
     "signal_limit_e",
     "through",
     "with_noise",
 ]
+__getattr__, __dir__ = lazy_names(__name__)

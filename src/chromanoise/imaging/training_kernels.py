@@ -1,0 +1,293 @@
+# mypy: disable-error-code="no-untyped-def,no-untyped-call,misc"
+"""Noise of one item of training data: rows of clean values to rows of noisy values and variances.
+
+A lane is one value in memory order: a pixel of a mosaic, or a channel of a pixel. Its constants
+(gain, read noise, black level ...) come from tables with one row for each row of the mosaic. The
+random words depend only on seed, item, row and lane, so rows can be computed in any order.
+
+The counter of the cipher (`philox`): the pixel index is row * 2^24 + number of the call in the row,
+the frame is the low half of the item, and the fourth word is a mark that no simulated picture uses,
+with the high half of the item.
+"""
+
+from typing import no_type_check
+
+import numpy as np
+from numba import njit
+
+from chromanoise.imaging.kernel_cache import kernel
+from chromanoise.imaging.noise_blocks import (
+    LANES,
+    count_low,
+    count_refused,
+    list_low,
+    normal_of_words,
+    room_for,
+)
+from chromanoise.imaging.noise_draws import (
+    chance_of_none,
+    minus_log,
+    normal_quantile,
+    poisson_quantile_of_many,
+    read_quantile_of_many,
+)
+from chromanoise.imaging.philox import (
+    LIGHT,
+    PIXEL_GAIN,
+    PIXEL_OFFSET,
+    READOUT,
+    ROW,
+    words_at,
+)
+
+_F = np.float32
+_ZERO, _ONE, _HALF = _F(0.0), _F(1.0), _F(0.5)
+_TO_SHARE = _F(2.0**-32)
+_HIGH_BIT = np.int32(31)
+_LOGISTIC = 1e-5  # as in chromanoise.sensor.camera_noise
+_MARK = np.uint64(1 << 15)
+_WORD, _HIGH, _SHIFT_16 = np.uint64(0xFFFFFFFF), np.uint64(32), np.uint64(16)
+_ROW_AT = 24
+
+
+@kernel(error_model="numpy")
+@no_type_check
+def add_noise(
+    clean, noisy, variance, start, stop, lanes, pattern, use, noise, first_row, item, key
+):
+    """Fill rows ``start`` to ``stop`` of ``noisy`` and ``variance``; how many values are refused.
+
+    clean, noisy, variance (h, w) f4. lanes (10, rows of the mosaic, w) f4: value of 0 electrons,
+    electrons per unit, gain, read noise, code without light, black level, largest code, variance
+    that does not depend on light, units per code, and units^2 per electrons^2. pattern:
+    sensitivity and dark offset of each pixel (h, w) f4, each empty if not used. use: which parts
+    are drawn. noise (4,) f4: dark electrons, PRNU, row noise and the shape of the read noise.
+    """
+    width = clean.shape[1]
+    most = min(LANES, width)
+    words = np.empty(4 * ((most + 3) // 4), np.uint32)
+    room = room_for(most)
+    light, counted = np.empty(most, np.float32), np.empty(most, np.float32)
+    electrons = np.empty(most, np.float32)
+    refused = 0
+    for row in range(start, stop):
+        phase = (first_row + row) % lanes.shape[1]
+        row_e = _ZERO
+        if use.row:
+            w0, _, _, _ = _words(np.uint64(row) << np.uint64(_ROW_AT), ROW, item, key)
+            row_e = noise[2] * normal_quantile(np.uint32(w0))
+        for first in range(0, width, most):
+            n = min(most, width - first)
+            end = first + n
+            read_e = lanes[3, phase, first:end]
+            given = clean[row, first:end]
+            _electrons_of(given, lanes, phase, first, light, n)
+            refused += count_refused(light[:n])
+            _counted_means(light, pattern, row, first, n, use, noise, counted)
+            calls = (np.uint64(row) << np.uint64(_ROW_AT)) + np.uint64(first // 4)
+            waiting = n
+            if use.shot or noise[0] > _ZERO:
+                fill_lane_words(calls, n, LIGHT, item, key, words)
+                waiting = draw_counts(counted, read_e, words, n, use, room, electrons)
+            else:
+                electrons[:n] = _ZERO
+                waiting = n if use.read else 0
+            if waiting > 0:
+                fill_lane_words(calls, n, READOUT, item, key, words)
+                draw_read(words, waiting, n, read_e, noise[3], use, room, electrons)
+            _collect(electrons, light, pattern, row, first, n, use, row_e - noise[0])
+            _finish(electrons, lanes, phase, first, n, use, noisy[row, first:end])
+            _variance(light, lanes, phase, first, n, use, noise[1], variance[row, first:end])
+    return refused
+
+
+@njit(inline="always")
+@no_type_check
+def _words(call, purpose, item, key):
+    mark = _MARK | ((item >> _HIGH) << _SHIFT_16)
+    return words_at(call, np.uint64(purpose), item & _WORD, mark, key)
+
+
+@kernel(error_model="numpy")
+@no_type_check
+def fill_lane_words(call, n, purpose, item, key, words):
+    """A word for each of ``n`` lanes; a call of the cipher serves lanes a quarter of them apart."""
+    quarter = (n + 3) // 4
+    w0, w1 = words[:quarter], words[quarter : 2 * quarter]
+    w2, w3 = words[2 * quarter : 3 * quarter], words[3 * quarter : 4 * quarter]
+    mark = _MARK | ((item >> _HIGH) << _SHIFT_16)
+    low, why = item & _WORD, np.uint64(purpose)
+    for i in range(quarter):
+        four = words_at(call + np.uint64(i), why, low, mark, key)
+        w0[i] = four[0]
+        w1[i] = four[1]
+        w2[i] = four[2]
+        w3[i] = four[3]
+
+
+@kernel(error_model="numpy")
+@no_type_check
+def _electrons_of(given, lanes, phase, first, light, n):
+    zero, per_unit = lanes[0, phase, first : first + n], lanes[1, phase, first : first + n]
+    for j in range(n):
+        light[j] = (given[j] - zero[j]) * per_unit[j]
+
+
+@kernel(error_model="numpy")
+@no_type_check
+def _counted_means(light, pattern, row, first, n, use, noise, counted):
+    """Sensitivity of the pixels, in place; the mean of what is counted: light, dark, or both."""
+    gain, dark_e = pattern[0], noise[0]
+    if gain.size > 0:
+        here = gain[row, first : first + n]
+        if use.shot:
+            for j in range(n):
+                counted[j] = light[j] * here[j] + dark_e
+        else:
+            for j in range(n):
+                counted[j] = dark_e
+    elif use.shot:
+        for j in range(n):
+            counted[j] = light[j] + dark_e
+    else:
+        for j in range(n):
+            counted[j] = dark_e
+
+
+@kernel(error_model="numpy")
+@no_type_check
+def draw_counts(mean, read_e, words, count, use, room, electrons):
+    """Electrons of ``count`` lanes, as `draw_light` but with a read noise for each lane."""
+    lanes, normal, logs = room
+    few = list_low(mean, count, lanes)
+    if few < count:
+        normal_of_words(words, count, normal, logs)
+        if use.together:
+            for j in range(count):
+                electrons[j] = read_quantile_of_many(mean[j], read_e[j] * read_e[j], normal[j])
+        else:
+            for j in range(count):
+                electrons[j] = poisson_quantile_of_many(mean[j], normal[j])
+    if few > 0:
+        count_low(mean, words, electrons, lanes, few)
+    if not use.read:
+        return 0
+    return few if use.together else count
+
+
+@kernel(error_model="numpy")
+@no_type_check
+def draw_read(words, waiting, count, read_e, shape, use, room, electrons):
+    """Add read noise to the ``waiting`` of ``count`` lanes; words are not kept."""
+    lanes, normal, logs = room
+    if waiting == count:
+        if use.tails:
+            tail_scores(words, count, shape, normal)
+        else:
+            normal_of_words(words, count, normal, logs)
+        for j in range(count):
+            electrons[j] = electrons[j] + read_e[j] * normal[j]
+        return
+    for j in range(waiting):
+        words[j] = words[np.uintp(lanes[j])]
+    normal_of_words(words, waiting, normal, logs)
+    for j in range(waiting):
+        lane = np.uintp(lanes[j])
+        electrons[lane] = electrons[lane] + read_e[lane] * normal[j]
+
+
+@kernel(error_model="numpy")
+@no_type_check
+def tail_scores(words, count, shape, scores):
+    """Tukey lambda variates of scale 1 (f4) of ``count`` words: (u^s - (1 - u)^s) / s."""
+    for j in range(count):
+        signed = np.int32(words[j])
+        folded = np.int32(signed ^ np.int32(signed >> _HIGH_BIT))
+        tail = (_F(folded) + _HALF) * _TO_SHARE
+        low, high = np.float64(minus_log(tail)), np.float64(minus_log(_ONE - tail))
+        if shape > _LOGISTIC:
+            size = (chance_of_none(shape * high) - chance_of_none(shape * low)) / shape
+        elif shape < -_LOGISTIC:
+            size = (1.0 / chance_of_none(-shape * high) - 1.0 / chance_of_none(-shape * low)) / (
+                shape
+            )
+        else:
+            size = low - high
+        scores[j] = _F(size if signed < 0 else -size)
+
+
+@kernel(error_model="numpy")
+@no_type_check
+def _collect(electrons, light, pattern, row, first, n, use, shared):
+    """Add what is not counted: light without shot noise, and offsets of the row and the pixels."""
+    gain_map, offset_map = pattern
+    if not use.shot:
+        if gain_map.size > 0:
+            here = gain_map[row, first : first + n]
+            for j in range(n):
+                electrons[j] = electrons[j] + light[j] * here[j]
+        else:
+            for j in range(n):
+                electrons[j] = electrons[j] + light[j]
+    if shared != _ZERO:
+        for j in range(n):
+            electrons[j] = electrons[j] + shared
+    if offset_map.size > 0:
+        there = offset_map[row, first : first + n]
+        for j in range(n):
+            electrons[j] = electrons[j] + there[j]
+
+
+@kernel(error_model="numpy")
+@no_type_check
+def _finish(electrons, lanes, phase, first, n, use, noisy):
+    """Codes, and back to the unit of the clean values."""
+    end = first + n
+    zero, gain = lanes[0, phase, first:end], lanes[2, phase, first:end]
+    offset, black = lanes[4, phase, first:end], lanes[5, phase, first:end]
+    top, scale = lanes[6, phase, first:end], lanes[8, phase, first:end]
+    if use.quantize and use.clamp:
+        for j in range(n):
+            code = np.floor(electrons[j] * gain[j] + offset[j] + _HALF)
+            code = min(max(code, _ZERO), top[j])
+            noisy[j] = (code - black[j]) * scale[j] + zero[j]
+    elif use.quantize:
+        for j in range(n):
+            code = np.floor(electrons[j] * gain[j] + offset[j] + _HALF)
+            noisy[j] = (code - black[j]) * scale[j] + zero[j]
+    elif use.clamp:
+        for j in range(n):
+            code = electrons[j] * gain[j] + (offset[j] - black[j])
+            code = min(max(code, -black[j]), top[j] - black[j])
+            noisy[j] = code * scale[j] + zero[j]
+    else:
+        for j in range(n):
+            code = electrons[j] * gain[j] + (offset[j] - black[j])
+            noisy[j] = code * scale[j] + zero[j]
+
+
+@kernel(error_model="numpy")
+@no_type_check
+def _variance(light, lanes, phase, first, n, use, prnu, variance):
+    """Shot noise, PRNU and what does not depend on light, in the square of the unit."""
+    fixed, scale = lanes[7, phase, first : first + n], lanes[9, phase, first : first + n]
+    shot = _ONE if use.shot else _ZERO
+    prnu2 = prnu * prnu
+    for j in range(n):
+        variance[j] = (light[j] * (shot + prnu2 * light[j]) + fixed[j]) * scale[j]
+
+
+@kernel(error_model="numpy")
+@no_type_check
+def draw_pattern(spread, floor, purpose, first_row, first_lane, number, key, values):
+    """Fixed pattern (h, w) f4: 1 or 0 + spread z, at the lanes of a sensor from a place on."""
+    mean = _ONE if purpose == PIXEL_GAIN else _ZERO
+    why = np.uint64(PIXEL_GAIN if purpose == PIXEL_GAIN else PIXEL_OFFSET)
+    for row in range(values.shape[0]):
+        start = np.uint64(first_row + row) << np.uint64(_ROW_AT)
+        for j in range(values.shape[1]):
+            lane = first_lane + j
+            four = _words(start + np.uint64(lane // 4), why, number, key)
+            k = lane % 4
+            word = four[0] if k == 0 else four[1] if k == 1 else four[2] if k == 2 else four[3]
+            values[row, j] = max(mean + spread * normal_quantile(np.uint32(word)), floor)

@@ -1,0 +1,833 @@
+"""The noise of a camera in codes: what a sampler of training data needs, per channel of a mosaic.
+
+`Pixel` has one design for all channels and one gain. A camera that was measured, or calibrated as
+ELD does it, has a gain and a read noise for each channel, and changes them with the ISO setting.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Literal, get_args
+
+import numpy as np
+
+from chromanoise import _check
+from chromanoise._check import Array
+from chromanoise._shapes import Float
+from chromanoise.errors import InputError, Setting
+from chromanoise.sensor.adc import adc_of
+from chromanoise.sensor.mosaic import Mosaic
+from chromanoise.sensor.sensor import Sensor
+
+ReadNoiseShape = Literal["tukey-lambda", "gaussian"]
+"""Distribution of ELD's read noise."""
+
+LEAST_LAMBDA, LARGEST_LAMBDA = -0.4, 0.8
+"""Shapes of the Tukey lambda distribution that are sampled; its variance ends at -0.5."""
+
+_LEAST_SHARE = 2.0**-33  # of a random word of 32 bits
+_LOGISTIC = 1e-5  # shapes below it are taken as 0, the logistic distribution
+_MOST_GAIN, _MOST_E, _MOST_DN = 1e9, 1e9, 2.0**24
+
+
+def tukey_lambda_variance(shape: float) -> float:
+    """Variance of the Tukey lambda distribution of scale 1, sampled with words of 32 bits. [1]
+
+    Parameters
+    ----------
+    shape
+        lambda: 0.14 is nearly normal, 0 the logistic distribution, below 0 the tails are heavy.
+
+    Returns
+    -------
+    float
+        Of the quantile function Q(u) = (u^lambda - (1 - u)^lambda) / lambda for the shares u from
+        2^-33 to 1 - 2^-33, the only ones that a word of 32 bits gives. At lambda = -0.25 it is
+        3e-5 below the variance of all shares.
+
+    Raises
+    ------
+    InputError
+        If the shape is not from -0.4 to 0.8.
+
+    Notes
+    -----
+    Joiner & Rosenblatt, "Some properties of the range in samples from Tukey's symmetric lambda
+    distributions", JASA 66 (1971) 394.
+
+    Examples
+    --------
+    Near 0 it is the variance of the logistic distribution, pi^2 / 3.
+
+    >>> round(tukey_lambda_variance(0.0), 4), round(math.pi**2 / 3, 4)
+    (3.2899, 3.2899)
+    """
+    from scipy.special import beta, betainc
+
+    at = _check.within("tail_lambda", "1", shape, LEAST_LAMBDA, LARGEST_LAMBDA)
+    if abs(at) < _LOGISTIC:
+        return math.pi**2 / 3
+    low, high = _LEAST_SHARE, 1 - _LEAST_SHARE
+    squares = (high ** (2 * at + 1) - low ** (2 * at + 1)) / (2 * at + 1)
+    inside = float(betainc(at + 1, at + 1, high) - betainc(at + 1, at + 1, low))
+    products = float(beta(at + 1, at + 1)) * inside
+    return 2 * (squares - products) / at**2 / (high - low)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LogLinearNoise:
+    """ELD's law of a noise over the gain: ln(sigma) = slope ln(K) + bias + N(0, sigma).
+
+    Attributes
+    ----------
+    slope, bias
+        Of the straight line; K in DN/e-, the noise in DN. [1]
+    sigma
+        Standard deviation of ln(noise) about the line. [1]
+    tukey_scale
+        Whether the noise is the scale of a Tukey lambda distribution, not a standard deviation.
+
+    Raises
+    ------
+    InputError
+        If a number is not finite, or ``sigma`` is negative.
+
+    Notes
+    -----
+    Wei, Fu, Yang & Huang, "A physics-based noise formation model for extreme low-light raw
+    denoising", CVPR (2020), eq. 11.
+    """
+
+    slope: float
+    bias: float
+    sigma: float = 0.0
+    tukey_scale: bool = False
+
+    def __post_init__(self) -> None:
+        _check.within("slope", "1", self.slope, -100, 100)
+        _check.within("bias", "1", self.bias, -100, 100)
+        _check.within("sigma", "1", self.sigma, 0, 100)
+
+    def noise_dn(self, gain_dn_per_e: Float[Array, " p"], *, score: float = 0) -> Array:
+        """The noise at a gain. [DN]
+
+        Parameters
+        ----------
+        gain_dn_per_e
+            Gain per channel. [DN/e-]
+        score
+            Deviation of ln(noise) from the line, in units of ``sigma``. [1]
+
+        Returns
+        -------
+        (p,) array
+        """
+        return np.exp(self.slope * np.log(gain_dn_per_e) + self.bias + self.sigma * score)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ReadNoiseSum:
+    """Read noise before and after the gain: sigma_dn^2 = a + b K^2.
+
+    Attributes
+    ----------
+    after_gain_dn
+        Noise behind the amplifier, mostly of the converter: the root of a, >= 0. [DN]
+    before_gain_e
+        Noise before the amplifier: the root of b, >= 0. [e-]
+
+    Raises
+    ------
+    InputError
+        If a number is negative or not finite.
+    """
+
+    after_gain_dn: float
+    before_gain_e: float
+
+    def __post_init__(self) -> None:
+        _check.within("after_gain_dn", "DN", self.after_gain_dn, 0, _MOST_DN)
+        _check.within("before_gain_e", "e-", self.before_gain_e, 0, _MOST_E)
+
+    def noise_dn(self, gain_dn_per_e: Float[Array, " p"], *, score: float = 0) -> Array:
+        """The read noise at a gain; it does not scatter, so ``score`` is not used. [DN]
+
+        Parameters
+        ----------
+        gain_dn_per_e
+            Gain per channel. [DN/e-]
+        score
+            As `LogLinearNoise.noise_dn`. [1]
+
+        Returns
+        -------
+        (p,) array
+
+        Examples
+        --------
+        >>> ReadNoiseSum(after_gain_dn=3.0, before_gain_e=2.0).noise_dn(np.array([2.0]))
+        array([5.])
+        """
+        return np.hypot(self.after_gain_dn, self.before_gain_e * np.asarray(gain_dn_per_e))
+
+
+def read_noise_sum(
+    gain_dn_per_e: Float[Array, " n"], read_noise_dn: Float[Array, " n"]
+) -> ReadNoiseSum:
+    """The law sigma_dn^2 = a + b K^2 fitted to a table over the gain.
+
+    Parameters
+    ----------
+    gain_dn_per_e
+        Two or more different gains. [DN/e-]
+    read_noise_dn
+        Read noise at each, > 0. [DN]
+
+    Returns
+    -------
+    ReadNoiseSum
+        Of the least squares of the relative deviation of the variance, a and b not below 0.
+
+    Raises
+    ------
+    InputError
+        If the lengths differ, a number is not above 0, or all gains are equal.
+
+    Examples
+    --------
+    >>> fit = read_noise_sum(np.array([1.0, 2.0, 4.0]), np.sqrt([10.0, 13.0, 25.0]))
+    >>> round(fit.after_gain_dn, 6), round(fit.before_gain_e, 6)
+    (3.0, 1.0)
+    """
+    gain = _above_zero("gain_dn_per_e", "DN/e-", gain_dn_per_e)
+    noise = _above_zero("read_noise_dn", "DN", read_noise_dn)
+    _check.same_length("entries", gain_dn_per_e=gain.size, read_noise_dn=noise.size)
+    if np.unique(gain).size < 2:
+        raise InputError("gain_dn_per_e", "must have two different gains", value=gain.tolist())
+    one, square = 1 / noise**2, (gain / noise) ** 2  # a one + b square = 1
+    aa, ab, bb = one @ one, one @ square, square @ square
+    a = (one.sum() * bb - square.sum() * ab) / (aa * bb - ab**2)
+    b = (square.sum() * aa - one.sum() * ab) / (aa * bb - ab**2)
+    if a < 0:
+        a, b = 0.0, square.sum() / bb
+    elif b < 0:
+        a, b = one.sum() / aa, 0.0
+    return ReadNoiseSum(after_gain_dn=float(np.sqrt(a)), before_gain_e=float(np.sqrt(b)))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ReadNoiseTable:
+    """Measured read noise over the gain, interpolated in ln(noise) over ln(K).
+
+    Attributes
+    ----------
+    gain_dn_per_e
+        Two or more gains, increasing, > 0. [DN/e-]
+    read_noise_dn
+        Read noise at each gain, > 0. [DN]
+
+    Raises
+    ------
+    InputError
+        If the gains do not increase, a number is not above 0, or the lengths differ.
+    """
+
+    gain_dn_per_e: Float[Array, " n"]
+    read_noise_dn: Float[Array, " n"]
+
+    def __post_init__(self) -> None:
+        gain = _check.increasing("gain_dn_per_e", "DN/e-", self.gain_dn_per_e)
+        _above_zero("gain_dn_per_e", "DN/e-", gain)
+        noise = _above_zero("read_noise_dn", "DN", self.read_noise_dn)
+        _check.same_length("entries", gain_dn_per_e=gain.size, read_noise_dn=noise.size)
+        object.__setattr__(self, "gain_dn_per_e", _check.frozen(gain))
+        object.__setattr__(self, "read_noise_dn", _check.frozen(noise))
+
+    def noise_dn(self, gain_dn_per_e: Float[Array, " p"], *, score: float = 0) -> Array:
+        """The read noise at a gain; it does not scatter, so ``score`` is not used. [DN]
+
+        Parameters
+        ----------
+        gain_dn_per_e
+            Gain per channel. [DN/e-]
+        score
+            As `LogLinearNoise.noise_dn`. [1]
+
+        Returns
+        -------
+        (p,) array
+
+        Raises
+        ------
+        InputError
+            If a gain is outside the table.
+
+        Examples
+        --------
+        >>> table = ReadNoiseTable(gain_dn_per_e=np.array([1.0, 4.0]),
+        ...                        read_noise_dn=np.array([2.0, 8.0]))
+        >>> table.noise_dn(np.array([2.0])).round(6)
+        array([4.])
+        """
+        gain = np.asarray(gain_dn_per_e, dtype=np.float64)
+        low, high = self.gain_dn_per_e[0], self.gain_dn_per_e[-1]
+        outside = (gain < low * (1 - 1e-9)) | (gain > high * (1 + 1e-9))
+        if outside.any():
+            first = float(gain[outside][0])
+            raise InputError(
+                "gain_dn_per_e",
+                f"must be in the table of the read noise, {low:g} to {high:g} [DN/e-]",
+                value=first,
+                remedy=("take another ISO", "fit the table with read_noise_sum"),
+            )
+        at = np.interp(np.log(gain), np.log(self.gain_dn_per_e), np.log(self.read_noise_dn))
+        return np.exp(at)
+
+
+ReadNoiseLaw = LogLinearNoise | ReadNoiseSum | ReadNoiseTable
+"""How the read noise in DN depends on the gain."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class CameraNoise:
+    """Noise of a camera at one ISO setting, and how it changes with the gain.
+
+    code = black level + K (electrons - mean dark electrons), rounded and clipped to 0 .. top code.
+
+    Attributes
+    ----------
+    names
+        The ``p`` channels.
+    gain_dn_per_e
+        Gain K of each channel at ``iso``, > 0. [DN/e-]
+    read_noise_e
+        Standard deviation of the readout of each channel at ``iso``, rounding not included. [e-]
+    black_level_dn
+        Mean code without light, of each channel. [DN]
+    top_code_dn
+        Largest code: the white level. [DN]
+    mosaic
+        The channel of each pixel; ``None`` for a monochrome camera, or for one that measures all
+        channels in each pixel.
+    iso
+        ISO setting of ``gain_dn_per_e``; ``None`` if not known. [1]
+    full_well_e
+        Electrons at which a pixel saturates, dark electrons included; ``None`` if the top code is
+        lower. [e-]
+    dark_current_e_per_s
+        Dark electrons per time; their mean is subtracted from the codes. [e-/s]
+    dsnu_e
+        Standard deviation of the dark signal over the pixels. [e-]
+    prnu
+        Standard deviation of the sensitivity over the pixels. [1]
+    row_noise_e
+        Standard deviation of the offset that all pixels of a row share, new in each frame. [e-]
+    tail_lambda
+        Shapes of the Tukey lambda distribution of the read noise: an item takes one of them. Empty
+        for normal read noise. Its variance is ``read_noise_e`` squared for every shape. [1]
+    read_noise_law, row_noise_law
+        Noise in DN over the gain; without the first a camera has no other ISO than its own.
+        Without the second the row noise in electrons is the same at each gain.
+    gain_range_dn_per_e
+        Lowest and highest gain that items take; ``None`` if they take that at ``iso``. [DN/e-]
+    black_offsets_dn
+        Measured deviations of the black levels (ELD's color bias), (n, p): an item takes one of
+        the n rows. ``None`` for no deviation. [DN]
+
+    Raises
+    ------
+    InputError
+        If a number is out of range, the channels are not those of the mosaic, or the lengths
+        differ.
+
+    Notes
+    -----
+    Names as in EMVA 1288, release 4.0; tails, laws and color bias as Wei, Fu, Yang & Huang, CVPR
+    (2020).
+
+    Examples
+    --------
+    >>> from chromanoise.sensor import bayer
+    >>> camera = CameraNoise(names=("R", "G", "B"), mosaic=bayer(), top_code_dn=1023, iso=100,
+    ...     gain_dn_per_e=np.array([0.25, 0.25, 0.25]), read_noise_e=np.array([3.0, 3.0, 3.0]),
+    ...     black_level_dn=np.array([64.0, 64.0, 64.0]),
+    ...     read_noise_law=ReadNoiseSum(after_gain_dn=0.6, before_gain_e=1.8))
+    >>> camera.at_iso(400).gain_dn_per_e, camera.at_iso(400).read_noise_e.round(3)
+    (array([1., 1., 1.]), array([1.897, 1.897, 1.897]))
+    """
+
+    names: tuple[str, ...]
+    gain_dn_per_e: Float[Array, " p"]
+    read_noise_e: Float[Array, " p"]
+    black_level_dn: Float[Array, " p"]
+    top_code_dn: float
+    mosaic: Mosaic | None = None
+    iso: float | None = None
+    full_well_e: float | None = None
+    dark_current_e_per_s: float = 0.0
+    dsnu_e: float = 0.0
+    prnu: float = 0.0
+    row_noise_e: float = 0.0
+    tail_lambda: tuple[float, ...] = ()
+    read_noise_law: ReadNoiseLaw | None = None
+    row_noise_law: LogLinearNoise | None = None
+    gain_range_dn_per_e: tuple[float, float] | None = None
+    black_offsets_dn: Float[Array, "n p"] | None = None
+
+    def __post_init__(self) -> None:
+        names = _check.distinct("channel names", self.names)
+        if not names:
+            raise InputError("channel names", "must name at least one channel", value=())
+        object.__setattr__(self, "names", names)
+        if self.mosaic is not None and set(self.mosaic.names) != set(names):
+            raise InputError(
+                "mosaic",
+                f"must have the channels {', '.join(names)}",
+                value=self.mosaic.names,
+                found=f"has {', '.join(self.mosaic.names)}",
+            )
+        gain = self._per_channel("gain_dn_per_e", "DN/e-", _MOST_GAIN)
+        _above_zero("gain_dn_per_e", "DN/e-", gain)
+        self._per_channel("read_noise_e", "e-", _MOST_E)
+        top = _check.within("top_code_dn", "DN", self.top_code_dn, 1, _MOST_DN)
+        if int(top) != top:
+            raise InputError("top_code_dn", "must be a whole number [DN]", value=top)
+        black = self._per_channel("black_level_dn", "DN", _MOST_DN)
+        if (black >= top).any():
+            raise InputError(
+                "black_level_dn",
+                f"must be below the top code of {top:g} [DN]",
+                value=float(black[black >= top][0]),
+            )
+        if self.iso is not None:
+            _check.within("iso", "1", self.iso, 1e-3, 1e9)
+        if self.full_well_e is not None:
+            _check.within("full_well_e", "e-", self.full_well_e, 1e-3, _MOST_E)
+        for name, unit in _PLAIN:
+            _check.within(name, unit, getattr(self, name), 0.0, 0.2 if name == "prnu" else _MOST_E)
+        self._check_laws()
+
+    def _check_laws(self) -> None:
+        shapes = tuple(float(one) for one in self.tail_lambda)
+        for one in shapes:
+            _check.within("tail_lambda", "1", one, LEAST_LAMBDA, LARGEST_LAMBDA)
+        object.__setattr__(self, "tail_lambda", shapes)
+        law = self.read_noise_law
+        if isinstance(law, LogLinearNoise) and law.tukey_scale and not shapes:
+            raise InputError(
+                "tail_lambda", "must be given, because the read noise is a Tukey lambda scale"
+            )
+        if self.gain_range_dn_per_e is not None:
+            low, high = (float(one) for one in self.gain_range_dn_per_e)
+            _check.within("lowest gain", "DN/e-", low, 1e-9, _MOST_GAIN)
+            _check.within("highest gain", "DN/e-", high, low, _MOST_GAIN)
+            if law is None:
+                raise InputError(
+                    "read_noise_law",
+                    "must be given, because items take different gains",
+                    remedy=Setting("read_noise_law"),
+                )
+        if self.black_offsets_dn is not None:
+            offsets = _check.finite("black_offsets_dn", "DN", self.black_offsets_dn)
+            if offsets.ndim != 2 or not offsets.size or offsets.shape[1] != len(self.names):
+                raise InputError(
+                    "black_offsets_dn",
+                    f"must have rows of {len(self.names)} values, one per channel",
+                    value=offsets.shape,
+                    found=f"has shape {offsets.shape}",
+                )
+            object.__setattr__(self, "black_offsets_dn", _check.frozen(offsets))
+
+    def _per_channel(self, name: str, unit: str, most: float) -> Array:
+        values = _check.non_negative(name, unit, getattr(self, name))
+        if values.shape != (len(self.names),):
+            raise InputError(
+                name,
+                f"must have one value for each of {len(self.names)} channels [{unit}]",
+                value=values.shape,
+                found=f"has shape {values.shape}",
+            )
+        if (values > most).any():
+            raise InputError(name, f"must be at most {most:g} [{unit}]", value=float(values.max()))
+        object.__setattr__(self, name, _check.frozen(values))
+        return values
+
+    def at_iso(self, iso: float) -> "CameraNoise":
+        """The camera at another ISO setting, to which the gain is proportional.
+
+        Parameters
+        ----------
+        iso
+            ISO setting, > 0; any number. [1]
+
+        Returns
+        -------
+        CameraNoise
+            With the gain and the read noise of this setting; noise that scatters about its law
+            has its median.
+
+        Raises
+        ------
+        InputError
+            If the ISO setting of the camera, or the law of its read noise, is not known.
+
+        Notes
+        -----
+        ISO 12232 (2019): the analog gain, and so K of EMVA 1288, is proportional to the setting.
+        The black level in DN does not depend on it.
+        """
+        iso = _check.within("iso", "1", iso, 1e-3, 1e9)
+        if self.iso is None:
+            raise InputError(
+                "iso",
+                "must be absent for a camera whose gain is of no known ISO",
+                value=iso,
+                remedy="give the camera its ISO",
+            )
+        if iso == self.iso:
+            return replace(self, gain_range_dn_per_e=None)
+        return replace(self.at_gain(self.gain_dn_per_e * (iso / self.iso)), iso=iso)
+
+    def at_gain(
+        self,
+        gain_dn_per_e: Float[Array, " p"],
+        *,
+        read_score: float = 0.0,
+        row_score: float = 0.0,
+        tail_lambda: float | None = None,
+    ) -> "CameraNoise":
+        """The camera at another gain.
+
+        Parameters
+        ----------
+        gain_dn_per_e
+            Gain per channel. [DN/e-]
+        read_score, row_score
+            Deviation of the logarithm of the noise from its law, in standard deviations. [1]
+        tail_lambda
+            The shape of the read noise; ``None`` for the first of the camera.
+
+        Returns
+        -------
+        CameraNoise
+            With one shape, and no range of gains.
+
+        Raises
+        ------
+        InputError
+            If the law of the read noise is not known, or a gain is outside its table.
+
+        Notes
+        -----
+        A read noise given as a Tukey lambda scale s is s sqrt(variance of scale 1): see Joiner &
+        Rosenblatt, JASA 66 (1971) 394.
+        """
+        if self.read_noise_law is None:
+            raise InputError(
+                "iso",
+                "must be that of the camera, because its read noise over the gain is not known",
+                value=None,
+                found=f"differs from {self.iso:g}" if self.iso is not None else "differs",
+                remedy="give read_noise_law, e.g. of read_noise_sum",
+            )
+        gain = _above_zero("gain_dn_per_e", "DN/e-", gain_dn_per_e)
+        law, shapes = self.read_noise_law, self.tail_lambda
+        if tail_lambda is not None:
+            shapes = (tail_lambda,)
+        read_dn = law.noise_dn(gain, score=read_score)
+        if isinstance(law, LogLinearNoise) and law.tukey_scale:
+            read_dn = read_dn * math.sqrt(tukey_lambda_variance(shapes[0]))
+        row_e = self.row_noise_e
+        if self.row_noise_law is not None:
+            row_dn = self.row_noise_law.noise_dn(gain, score=row_score)
+            row_e = float(np.mean(row_dn / gain))
+        return replace(
+            self,
+            gain_dn_per_e=gain,
+            read_noise_e=read_dn / gain,
+            row_noise_e=row_e,
+            tail_lambda=shapes[:1],
+            gain_range_dn_per_e=None,
+        )
+
+    def draw_settings(self, rng: np.random.Generator, *, iso: float | None = None) -> "CameraNoise":
+        """The camera at the settings of one item: gain, noises about their laws, shape, offsets.
+
+        Parameters
+        ----------
+        rng
+            Random stream of the item.
+        iso
+            ISO setting; ``None`` for a gain of the range, or, without a range, the camera's own.
+
+        Returns
+        -------
+        CameraNoise
+            With one gain, one shape and one row of offsets. ln(K) is uniform over the range.
+
+        Raises
+        ------
+        InputError
+            As `at_iso` and `at_gain`.
+
+        Notes
+        -----
+        Wei, Fu, Yang & Huang, CVPR (2020), section 4.2: joint sampling of the parameters.
+        """
+        uniform, read_score, row_score = rng.random(), *rng.standard_normal(2)
+        shape_share, offset_share = rng.random(2)
+        shape = _chosen(self.tail_lambda, shape_share)
+        own = self
+        if iso is not None and self.iso is None:
+            own = self.at_iso(iso)  # refused there
+        elif iso is not None and self.iso is not None and iso != self.iso:
+            gain = self.gain_dn_per_e * (_check.within("iso", "1", iso, 1e-3, 1e9) / self.iso)
+            own = replace(self._scattered(gain, read_score, row_score, shape), iso=iso)
+        elif iso is None and self.gain_range_dn_per_e is not None:
+            low, high = (math.log(one) for one in self.gain_range_dn_per_e)
+            first = math.exp(low + uniform * (high - low))
+            gain = self.gain_dn_per_e * (first / self.gain_dn_per_e[0])
+            known = None if self.iso is None else self.iso * first / float(self.gain_dn_per_e[0])
+            own = replace(self._scattered(gain, read_score, row_score, shape), iso=known)
+        elif shape is not None:
+            own = replace(self, tail_lambda=(shape,), gain_range_dn_per_e=None)
+        if own.black_offsets_dn is None or len(own.black_offsets_dn) == 1:
+            return own
+        row = int(offset_share * len(own.black_offsets_dn))
+        return replace(own, black_offsets_dn=own.black_offsets_dn[row : row + 1])
+
+    def _scattered(
+        self, gain: Array, read_score: float, row_score: float, shape: float | None
+    ) -> "CameraNoise":
+        return self.at_gain(
+            gain, read_score=float(read_score), row_score=float(row_score), tail_lambda=shape
+        )
+
+    @classmethod
+    def from_sensor(cls, sensor: Sensor) -> "CameraNoise":
+        """The camera of a sensor: its pixel and its converter.
+
+        Parameters
+        ----------
+        sensor
+            With a mosaic, or with all channels in each pixel. Without the bits or the gain of the
+            converter the assumptions are those of `adc_of`.
+
+        Returns
+        -------
+        CameraNoise
+            At no known ISO. The dark current is that at the pixel's temperature, and the error of
+            the black level is one row of offsets.
+
+        Raises
+        ------
+        InputError
+            If the pixel is the sum of several readings.
+
+        Notes
+        -----
+        EMVA 1288, release 4.0, the linear camera model: K = 1 / (electrons per code).
+        """
+        pixel, count = sensor.pixel, len(sensor.names)
+        if pixel.summed_readings != 1:
+            raise InputError(
+                f"sensor {sensor.name}",
+                "must be read once per pixel",
+                value=pixel.summed_readings,
+                found=f"sums {pixel.summed_readings} readings",
+                remedy="bin by charge",
+            )
+        adc = adc_of(sensor.converter, pixel)
+        error_dn = pixel.black_error_e / adc.gain_e_per_dn
+        return cls(
+            names=sensor.names if sensor.mosaic is None else sensor.mosaic.names,
+            mosaic=sensor.mosaic,
+            gain_dn_per_e=np.full(_channels(sensor, count), 1 / adc.gain_e_per_dn),
+            read_noise_e=np.full(_channels(sensor, count), pixel.read_noise_e),
+            black_level_dn=np.full(_channels(sensor, count), float(adc.black_level_dn)),
+            top_code_dn=float(adc.top_code),
+            full_well_e=pixel.full_well_e,
+            dark_current_e_per_s=pixel.dark_electrons_e(time_s=1.0),
+            dsnu_e=pixel.dsnu_e,
+            prnu=pixel.prnu,
+            row_noise_e=pixel.row_noise_e,
+            black_offsets_dn=np.full((1, _channels(sensor, count)), error_dn) if error_dn else None,
+        )
+
+    @classmethod
+    def from_eld(
+        cls,
+        params: Mapping[str, Any],
+        *,
+        black_level_dn: float,
+        top_code_dn: float,
+        read: ReadNoiseShape = "tukey-lambda",
+        profile: str = "Profile-1",
+    ) -> "CameraNoise":
+        """The camera of a calibration in ELD's form.
+
+        Parameters
+        ----------
+        params
+            The dictionary of a file ``camera_params/*.npy``: ``Kmin`` and ``Kmax`` [DN/e-],
+            ``G_shape`` (shapes of the Tukey lambda distribution), ``color_bias`` (rows of R, G1,
+            B, G2 [DN], optional) and, below the name of the profile, ``G_scale`` (Tukey lambda),
+            ``g_scale`` (normal) and ``R_scale`` (rows, optional): each ``slope``, ``bias`` and
+            ``sigma`` of ln(noise in DN) over ln(K).
+        black_level_dn, top_code_dn
+            Of the camera; ELD's form does not contain them. [DN]
+        read
+            Which distribution the read noise has.
+        profile
+            Name of the profile.
+
+        Returns
+        -------
+        CameraNoise
+            A Bayer array of R, G1, G2 and B, whose items draw ln(K) uniformly between Kmin and
+            Kmax. Its own gain is Kmin's geometric mean with Kmax.
+
+        Raises
+        ------
+        InputError
+            If a key is missing or a value is not as described.
+
+        Notes
+        -----
+        Wei, Fu, Yang & Huang, CVPR (2020), eqs. 2, 8-11: shot noise, Tukey lambda noise, row noise
+        and quantization, each as a function of K. The quantization noise, uniform over one step,
+        is here the rounding to codes.
+        """
+        _check.one_of("read", read, get_args(ReadNoiseShape))
+        one = _mapping(params, profile)
+        low, high = _number(params, "Kmin"), _number(params, "Kmax")
+        if not 0 < low <= high:
+            raise InputError(
+                "ELD parameters",
+                "must have 0 < Kmin <= Kmax [DN/e-]",
+                value=(low, high),
+                found=f"have Kmin = {low:g} and Kmax = {high:g}",
+                remedy="give K, not its logarithm",
+            )
+        heavy = read == "tukey-lambda"
+        if heavy and ("G_shape" not in params or "G_scale" not in one):
+            missing = "G_scale" if "G_shape" in params else "G_shape"
+            raise InputError(
+                "ELD parameters",
+                f"must have {missing} for Tukey lambda read noise",
+                found="do not",
+                remedy=Setting("read", ("gaussian",)),
+            )
+        shapes = _row_of_numbers(params, "G_shape") if heavy else ()
+        gain = math.sqrt(low * high)
+        offsets = None
+        if params.get("color_bias") is not None:
+            given = _check.finite("color_bias", "DN", params["color_bias"])
+            if given.ndim != 2 or given.shape[1] != 4:
+                raise InputError(
+                    "color_bias",
+                    "must have rows of 4 values: R, G1, B, G2 [DN]",
+                    value=given.shape,
+                    found=f"has shape {given.shape}",
+                )
+            offsets = given[:, [0, 1, 3, 2]]
+        start = cls(
+            names=("R", "G1", "G2", "B"),
+            mosaic=Mosaic((("R", "G1"), ("G2", "B"))),
+            gain_dn_per_e=np.full(4, gain),
+            read_noise_e=np.zeros(4),
+            black_level_dn=np.full(4, float(black_level_dn)),
+            top_code_dn=float(top_code_dn),
+            tail_lambda=shapes,
+            read_noise_law=_log_linear(one, "G_scale" if heavy else "g_scale", tukey_scale=heavy),
+            row_noise_law=_log_linear(one, "R_scale") if "R_scale" in one else None,
+            black_offsets_dn=offsets,
+        )
+        own = start.at_gain(start.gain_dn_per_e)
+        return replace(own, tail_lambda=shapes, gain_range_dn_per_e=(low, high))
+
+
+_PLAIN = (
+    ("dark_current_e_per_s", "e-/s"),
+    ("dsnu_e", "e-"),
+    ("prnu", "1"),
+    ("row_noise_e", "e-"),
+)
+
+
+def _channels(sensor: Sensor, count: int) -> int:
+    return count if sensor.mosaic is None else len(sensor.mosaic.names)
+
+
+def _above_zero(name: str, unit: str, values: Any) -> Array:
+    """One-dimensional finite numbers > 0."""
+    array = np.atleast_1d(_check.non_negative(name, unit, values))
+    if not (array > 0).all():
+        at = int(np.argmin(array))
+        raise InputError(
+            name, f"must be finite and > 0 [{unit}]", value=float(array[at]), where=f"index ({at},)"
+        )
+    return array
+
+
+def _chosen(shapes: Sequence[float], share: float) -> float | None:
+    return shapes[int(share * len(shapes))] if shapes else None
+
+
+def _mapping(params: Mapping[str, Any], key: str) -> Mapping[str, Any]:
+    found = params.get(key) if isinstance(params, Mapping) else None
+    if not isinstance(found, Mapping):
+        raise InputError(
+            "ELD parameters",
+            f"must be a dictionary with the dictionary {key}",
+            value=type(params).__name__,
+            found=f"have no {key}" if isinstance(params, Mapping) else None,
+            remedy="take np.load(file, allow_pickle=True).item() of a file that you trust",
+        )
+    return found
+
+
+def _number(params: Mapping[str, Any], key: str, where: str = "") -> float:
+    place = f"{where}.{key}" if where else key
+    if key not in params:
+        raise InputError("ELD parameters", f"must have {place}", found="do not")
+    try:
+        number = float(params[key])
+    except (TypeError, ValueError):
+        number = math.nan
+    if not math.isfinite(number):
+        raise InputError(
+            "ELD parameters", "must be a finite number", value=params[key], where=place
+        )
+    return number
+
+
+def _row_of_numbers(params: Mapping[str, Any], key: str) -> tuple[float, ...]:
+    try:
+        array = np.atleast_1d(np.asarray(params[key], dtype=np.float64))
+    except (TypeError, ValueError):
+        array = np.empty(0)
+    if array.ndim != 1 or not array.size:
+        raise InputError(
+            "ELD parameters", "must be one or more numbers", value=params[key], where=key
+        )
+    return tuple(float(one) for one in array)
+
+
+def _log_linear(
+    profile: Mapping[str, Any], key: str, *, tukey_scale: bool = False
+) -> LogLinearNoise:
+    found = profile.get(key)
+    if not isinstance(found, Mapping):
+        raise InputError(
+            "ELD parameters",
+            f"must have {key} with slope, bias and sigma",
+            value=found,
+            found=f"have no {key}" if found is None else "",
+        )
+    return LogLinearNoise(
+        slope=_number(found, "slope", key),
+        bias=_number(found, "bias", key),
+        sigma=_number(found, "sigma", key),
+        tukey_scale=tukey_scale,
+    )
