@@ -68,6 +68,12 @@ def test_row_noise_is_shared_by_a_row_and_new_in_each_frame():
     assert not (codes == imperfect(1, row_noise_e=50.0)[0]).all()
 
 
+@pytest.mark.parametrize("black_error_e", [-40.0, 25.0])
+def test_a_black_level_error_moves_every_code_by_the_same_electrons(black_error_e):
+    codes, _ = imperfect(0, black_error_e=black_error_e)
+    assert (codes - imperfect(0)[0] == black_error_e).all()
+
+
 @pytest.mark.parametrize("read_noise_e", [0.0, 5.0])
 def test_dark_current_adds_noise_for_the_time_of_the_exposure_and_its_mean_is_taken_off(
     read_noise_e,

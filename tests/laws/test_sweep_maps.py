@@ -150,3 +150,10 @@ def test_a_temperature_without_dark_current_is_refused():
 def test_crosstalk_without_a_mosaic_is_refused():
     with refused_input(subject="crosstalk", value=0.0):
         mapped("model-mono", second="crosstalk", low=0.0, high=0.3)
+
+
+def test_a_mosaic_that_is_given_lets_crosstalk_vary():
+    given = {"vary": "crosstalk", "first": 0.0, "last": 0.1, "points": 2, "time_ms": 5.0}
+    swept = cn.compare("model-rgb-ircut", mosaic="RG/GB", **given).curves[0].value
+    other = cn.analyze("model-rgb-ircut", crosstalk=0.1, mosaic="RG/GB", time_ms=5.0)
+    assert swept[-1] == pytest.approx(other.color_snr_db()["model-rgb-ircut"]["Y"])

@@ -193,7 +193,8 @@ def test_the_pixel_of_a_file_is_used_where_the_file_tells_it(done, here, name, t
     (here / name).write_text(text)
     with_file, notes = sensor_told(done, "--pixel", name)
     names = ("--pitch-um", "--full-well-e", "--read-noise-e", "--gain-dn-per-e")
-    options = zip(names, pixel, strict=True)
+    limited = (pixel[0], 400, *pixel[2:])  # codes of the profile end at 200 DN of 2 e-
+    options = zip(names, limited if name == "profile.json" else pixel, strict=True)
     typed, _ = sensor_told(done, *(w for option in options if option[1] for w in option))
     for part in ("channels", "color"):
         assert rounded(with_file[part]) == rounded(typed[part])

@@ -168,3 +168,35 @@ def test_a_matrix_of_another_observer_is_refused(exported):
         first(str(path))
     again = first(str(path), observer="cie-1964-10")
     assert again["matrix"] == first("kernel", observer="cie-1964-10")["matrix"]
+
+
+def notes_of(sensor, matrix, **settings):
+    (one,) = cn.analyze(sensor, matrix=str(matrix), **settings).analyses
+    return one.matrix.notes
+
+
+def test_a_matrix_made_for_another_sensor_light_or_level_says_so(exported):
+    path = exported("csv")
+    assert notes_of(SENSOR, path, lux=10) == ()
+    for sensor, settings in (
+        ("onyx-rgb", {"lux": 10}),
+        (SENSOR, {"lux": 10, "illuminant": "A"}),
+        (SENSOR, {"lux": 11}),
+    ):
+        (note,) = notes_of(sensor, path, **settings)
+        assert str(path) in note
+        assert SENSOR in note
+        assert "10 lx" in note
+
+
+def test_a_matrix_of_rank_one_says_so(tmp_path):
+    path = tmp_path / "gray.csv"
+    path.write_text("1,1,1\n1,1,1\n1,1,1\n", encoding="utf-8")
+    (note,) = notes_of(SENSOR, path, lux=10)
+    assert "rank 1" in note
+
+
+def test_an_option_that_is_given_twice_is_refused(run):
+    code, out, err = run("analyze", SENSOR, "--matrix", "lmmse", "--matrix", "kernel")
+    assert (code, out) == (2, "")
+    assert "--matrix" in err

@@ -61,7 +61,8 @@ def test_without_the_option_no_result_has_the_key(done):
 
 
 def test_the_tables_show_patches_and_isos(done):
-    out, _ = done(*WORDS, "--white-balance", "gray", "--white-balance-pixels", 100)
+    words = WORDS[: WORDS.index("--white-balance")]
+    out, _ = done(*words, "--white-balance", "gray", "--white-balance-pixels", 100)
     for part in ("neutral 6.5", "Y'", "Cb", "L*", "Rec. 709", "800", "dynamic", "100 gray pixels"):
         assert part in out
 

@@ -30,6 +30,7 @@ DSNU = 12 e-
 dark current = 2000 e-/s
 """
 TOLD = {"dark_current_e_per_s": 2000.0, "dsnu_e": 12.0, "prnu": 0.05, "row_noise_e": 0.0}
+TOLD |= {"black_error_e": 0.0}
 DARK_E2 = 40 + 6**2 + 12**2  # 2000 e-/s for 20 ms, read noise, DSNU
 SIDE = 160
 
@@ -99,11 +100,10 @@ def test_every_option_overrides_the_sheet_also_with_0(take):
     assert (other["bits"], other["gain_e_per_dn"], other["black_level_dn"]) == (12, 2.0, 0)
 
 
-def test_a_gain_without_bits_makes_a_converter_only_with_bits_that_are_given(take, here):
+def test_a_gain_without_bits_makes_a_converter_whose_codes_reach_the_full_well(take, here):
     (here / "sheet.txt").write_text("K = 0.5 DN/e-\nmu_e.sat = 4095 e-\nblack level = 10 DN")
     _, told, _ = take(*GREEN)
-    assert (told["bits"], told["black_level_dn"]) == (12, 10)
-    assert told["gain_e_per_dn"] == pytest.approx(4095 / 4085)
+    assert (told["bits"], told["gain_e_per_dn"], told["black_level_dn"]) == (12, 2.0, 10)
     _, told, _ = take(*GREEN, "--bits", 14, name="p")
     assert (told["bits"], told["gain_e_per_dn"], told["black_level_dn"]) == (14, 2.0, 10)
 
@@ -162,12 +162,11 @@ def analyzed(run, *options):
     return sensor
 
 
-def test_a_picture_says_that_it_does_not_have_the_black_level_error(take):
-    plain, told, _ = take(*GREEN)
+def test_a_picture_has_the_black_level_error_in_every_code(take):
+    plain, _, _ = take(*GREEN)
     codes, other, _ = take(*GREEN, "--black-error-e", 40, name="p")
-    assert (codes == plain).all()
-    (note,) = set(other["notes"]) - set(told["notes"])
-    assert "black_error_e 40" in note
+    assert set((codes - plain)[plain > 0]) == {20.0}  # 0.5 DN/e-
+    assert other["imperfections"]["black_error_e"] == 40
 
 
 @pytest.mark.parametrize(

@@ -49,7 +49,7 @@ KEPT = ("quantity", "level", "per", "scale")
 def test_convert_reads_what_it_writes_with_all_declarations(done, here, ending, said, high):
     table = values(1) * high
     write_csv(here / "a.csv", table.tolist(), ["R"])
-    beside = ("--fraction",) if "power" not in SAID[said] and "response" not in SAID[said] else ()
+    beside = () if {"power", "response", "--fraction"} & set(SAID[said]) else ("--fraction",)
     done("convert", "a.csv", f"b{ending}", *SAID[said], *beside)
     done("convert", f"b{ending}", "c.json")
     for name in (f"b{ending}", "c.json"):

@@ -20,7 +20,15 @@ from chromanoise.imaging.capture import write_capture
 from chromanoise.io.cubes import read_cube
 from chromanoise.io.sensor_json import sensor_json
 from chromanoise.scene import flat_field
-from chromanoise.sensor import Mosaic, bayer, rgb_ir, rgbw_2x2, rgbw_sparse_4x4, with_pixel
+from chromanoise.sensor import (
+    EXTRA_NOISE,
+    Mosaic,
+    bayer,
+    rgb_ir,
+    rgbw_2x2,
+    rgbw_sparse_4x4,
+    with_pixel,
+)
 from chromanoise.spectra import DEFAULT_GRID, equal_energy
 from outcomes import refused
 from processes import IGNORING, command, wait_for
@@ -241,7 +249,7 @@ def test_each_imperfection_goes_where_the_library_puts_it(take, cube, field):
     codes = codes_in(folder, "model-rgb")
     assert (codes == ours.codes).all()
     assert not (codes == plain.codes).all()
-    assert told["imperfections"] == dict.fromkeys(IMPERFECT, 0.0) | {field: value}
+    assert told["imperfections"] == dict.fromkeys(EXTRA_NOISE, 0.0) | {field: value}
 
 
 def test_imperfections_reach_the_picture_without_a_mosaic_too(take, cube):

@@ -21,7 +21,7 @@ class Command(click.Command):
         for parameter, count in Counter(order).items():
             once = isinstance(parameter, click.Option) and not parameter.multiple
             if once and not parameter.is_eager and count > 1:
-                name = " or ".join(parameter.opts)
+                name = " or ".join((*parameter.opts, *parameter.secondary_opts))
                 raise click.UsageError(f"{name} must be given once, but is given {count} times")
         return super().parse_args(ctx, args)
 
