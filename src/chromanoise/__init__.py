@@ -55,8 +55,9 @@ if TYPE_CHECKING:
         spectra,
         study,
     )
-    from chromanoise.api import analyze, compare, compare_map, matrix, render, run
+    from chromanoise.api import analyze, characterize, compare, compare_map, matrix, render, run
     from chromanoise.catalog import sensor_named
+    from chromanoise.characterization import Characterization
     from chromanoise.color import ColorMatrix
     from chromanoise.errors import InputError, Setting
     from chromanoise.exposure import Exposure, OperatingPoint
@@ -82,6 +83,7 @@ __version__ = "0.1.0"
 
 __all__ = [
     "Analyses",
+    "Characterization",
     "ColorMatrix",
     "Comparison",
     "ComparisonMap",
@@ -106,6 +108,7 @@ __all__ = [
     "analyze",
     "catalog",
     "characterization",
+    "characterize",
     "charts",
     "color",
     "compare",

@@ -9,7 +9,14 @@ from typing import Any, TypeVar, Unpack
 import numpy as np
 
 from chromanoise.analysis import DEFAULT_METHOD
+from chromanoise.characterization import (
+    Characterization,
+    characterized,
+    light_sample,
+    resumed,
+)
 from chromanoise.errors import InputError
+from chromanoise.io.frames import FrameSet, read_frame_set
 from chromanoise.sensor import Sensor
 from chromanoise.spectra import Illuminant
 from chromanoise.study import (
@@ -105,6 +112,51 @@ def analyze(
         study = analyze_study(names, rest, matrix=matrix)
         (result,) = run_of(study, given=given).analyses.values()
     return result
+
+
+def characterize(
+    *frames: str | Path | FrameSet,
+    resume: str | Path | None = None,
+    progress: Callable[[int, int], None] = lambda _done, _all: None,
+) -> Characterization:
+    """Noise of a camera from its own raw frames: flats of several levels of light, and darks.
+
+    Parameters
+    ----------
+    frames
+        A folder, files, or a `FrameSet`. A folder with ``capture.toml`` needs no guessing.
+    resume
+        File for the statistics of the frames read so far, from which a later call goes on.
+    progress
+        Called with the number of frames read and their total.
+
+    Returns
+    -------
+    Characterization
+        Gain, dark noise, full well, QE, DSNU, PRNU ... of each plane of the mosaic, each with its
+        error, and a verdict on the linear model.
+
+    Raises
+    ------
+    InputError
+        If a frame cannot be read, frames do not belong together, or they give no photon transfer.
+
+    Notes
+    -----
+    EMVA Standard 1288, release 4.0 Linear (2021).
+
+    Examples
+    --------
+    >>> import chromanoise as cn
+    >>> camera = cn.characterize("frames")                          # doctest: +SKIP
+    >>> camera.planes[0].gain_dn_per_e, camera.verdict.sentences    # doctest: +SKIP
+    """
+    if len(frames) == 1 and isinstance(frames[0], FrameSet):
+        read = frames[0]
+    else:
+        read = read_frame_set([one for one in frames if not isinstance(one, FrameSet)])
+    sampled = light_sample if resume is None else resumed(Path(resume))
+    return characterized(read, sampled=sampled, progress=progress)
 
 
 @_with_listed_settings

@@ -12,6 +12,7 @@ if TYPE_CHECKING:
         photon_transfer_csv,
     )
     from chromanoise.characterization.json_form import characterization_as_json
+    from chromanoise.characterization.kept_statistics import resumed
     from chromanoise.characterization.measure import characterized, plane_names
     from chromanoise.characterization.merged_pixel import pixel_of, pixel_toml
     from chromanoise.characterization.noise_models import (
@@ -32,7 +33,6 @@ if TYPE_CHECKING:
         PlaneSample,
         light_sample,
     )
-    from chromanoise.characterization.kept_statistics import resumed
     from chromanoise.characterization.virtual_camera import PlaneTruth, VirtualCamera
     from chromanoise.characterization.virtual_frames import photon_transfer_frames
 

@@ -82,7 +82,7 @@ def characterized(
     flat_means = _averages(middle.flats, tile)
     dark_level = middle if middle.darks else next((x for x in frames.levels if x.darks), None)
     dark_means = None if dark_level is None else _averages(dark_level.darks, tile)
-    planes = []
+    lit, planes = _lit(frames, lights), []
     for i, (name, fit) in enumerate(zip(names, fits, strict=True)):
         own = {key: light.planes[i] for key, light in lights.items()}
         of_flat, count = own[_key(middle.flats)], _averaged_count(middle.flats)
@@ -99,6 +99,7 @@ def characterized(
         planes.append(
             _plane(
                 frames,
+                lit,
                 own,
                 fit,
                 name=name,
@@ -120,9 +121,7 @@ def characterized(
         mosaic=None if frames.mosaic is None else named_mosaic(frames.mosaic),
         planes=tuple(planes),
         correlation=covariance / np.outer(sd, sd),
-        covariance_dn2=np.array(
-            [lights[_key(level.flats)].covariance_dn2 for level in _lit(frames, lights)]
-        ),
+        covariance_dn2=np.array([lights[_key(level.flats)].covariance_dn2 for level in lit]),
         verdict=model_verdict(frames, lights, planes, covariance / np.outer(sd, sd)),
         notes=frames.notes,
     )
@@ -229,9 +228,12 @@ def _refuse_apart(group: Sequence[Frame], light: LightSample) -> None:
 
 
 def _lit(frames: FrameSet, lights: Mapping[Key, LightSample]) -> list[FrameLevel]:
-    """The levels with flats, from dark to bright."""
-    lit = [level for level in frames.levels if level.flats]
-    return sorted(lit, key=lambda level: lights[_key(level.flats)].planes[0].mean_dn)
+    """The levels with flats, from dark to bright, all planes together."""
+
+    def light(level: FrameLevel) -> float:
+        return sum(plane.mean_dn for plane in lights[_key(level.flats)].planes)
+
+    return sorted((level for level in frames.levels if level.flats), key=light)
 
 
 def _darks(frames: FrameSet, lights: Mapping[Key, LightSample]) -> dict[Key, FrameLevel]:
@@ -298,6 +300,7 @@ def _root(variance: float, se: float, scale: float, relative_se: float) -> _Valu
 
 def _plane(
     frames: FrameSet,
+    lit: Sequence[FrameLevel],
     own: Mapping[Key, PlaneSample],
     fit: TransferFit,
     *,
@@ -309,10 +312,6 @@ def _plane(
     hot: int | None,
 ) -> PlaneNoise:
     gain, relative = fit.gain_dn_per_e, fit.gain_se / fit.gain_dn_per_e
-    lit = sorted(
-        (level for level in frames.levels if level.flats),
-        key=lambda level: own[_key(level.flats)].mean_dn,
-    )
     dark_of = _dark_of(frames, own)
     prnu = dsnu = _Value()
     if dark is not None and dark_filtered is not None:

@@ -1,6 +1,7 @@
 """What raw frames tell about a camera: one result per plane of the mosaic, and a verdict."""
 
 from dataclasses import dataclass
+from typing import Any
 
 from chromanoise import _check
 from chromanoise._check import Array
@@ -150,7 +151,7 @@ class ModelVerdict:
     sentences: tuple[str, ...]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class Characterization:
     """Noise of a camera from its own frames.
 
@@ -191,3 +192,19 @@ class Characterization:
 
     def __post_init__(self) -> None:
         _check.freeze(self, "correlation", "covariance_dn2")
+
+    def to_dict(self) -> dict[str, Any]:
+        """As ``chromanoise characterize --json``."""
+        from chromanoise.characterization.json_form import characterization_as_json
+
+        return characterization_as_json(self)
+
+    def __repr__(self) -> str:
+        """Planes with gain and dark noise, and whether the linear model holds."""
+        planes = ", ".join(
+            f"{plane.name} {plane.gain_dn_per_e:.4g} DN/e-"
+            + ("" if plane.dark_noise_e is None else f" {plane.dark_noise_e:.3g} e-")
+            for plane in self.planes
+        )
+        holds = "holds" if self.verdict.holds else "does not hold"
+        return f"<Characterization: {planes}; the linear model {holds}>"

@@ -33,6 +33,7 @@ _COMMANDS = {
     "reproduce": "The paper's Tables 2-5 next to ours, and its ten figures.",
     "report": "A study as one self-contained HTML file: charts, tables, equations, sliders.",
     "demo": "All results of the paper on one page: out/demo/index.html.",
+    "characterize": "Noise of a camera from its own raw frames, as a pixel file and a report.",
     "demo-frames": "Raw frames of a virtual camera with known noise, to try a characterization.",
 }
 

@@ -2,10 +2,10 @@
 
 from collections.abc import Sequence
 
-from rich.console import Console
 from rich.table import Table
 
 from chromanoise.analysis import Merit, Merits, white_snr_db
+from chromanoise.cli.output import terminal
 from chromanoise.color import ParetoCurve
 from chromanoise.exposure import OperatingPoint, conditions
 from chromanoise.io.table import number_text
@@ -17,7 +17,7 @@ _NAMED_WEIGHTS = {0.0: "least squares", 1.0: "LMMSE"}
 
 def print_merits(sensors: Sequence[tuple[OperatingPoint, Merits]]) -> None:
     """Print one table per sensor with values and sources, then the reasons for missing values."""
-    console = _console()
+    console = terminal()
     for point, merits in sensors:
         title = f"Merits of {merits.sensor} at {conditions([point])}, {merits.matrix}"
         table = Table(title=title, title_justify="left")
@@ -32,7 +32,7 @@ def print_merits(sensors: Sequence[tuple[OperatingPoint, Merits]]) -> None:
 
 def print_pareto(curve: ParetoCurve, report: MatrixReport, sensor_name: str) -> None:
     """Print color error against noise, one line per weight."""
-    console = _console()
+    console = terminal()
     table = Table(title=f"Color error against noise of {sensor_name}", title_justify="left")
     heads = ("weight", "color error rms [lx]", "Delta E*ab", "noise rms [lx]", "SNR Y [dB]")
     for head in heads:
@@ -82,10 +82,3 @@ def _value(entry: Merit) -> str:
 
 def _unit(entry: Merit) -> str:
     return "" if entry.unit == "1" else entry.unit
-
-
-def _console() -> Console:
-    console = Console(highlight=False, markup=False)
-    if not console.is_terminal:
-        console = Console(highlight=False, markup=False, width=140)
-    return console

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import click
+from rich.console import Console
 
 from chromanoise._files import write_whole
 from chromanoise.errors import InputError
@@ -75,3 +76,9 @@ def refuse_taken_inputs(
 def write_table(table: Table, target: str) -> None:
     """Write a table atomically, in the format given by the suffix of the file."""
     write_whole(Path(target), table_writer(Path(target))(table).encode("utf-8"))
+
+
+def terminal() -> Console:
+    """Standard output for tables; 140 columns wide if it is no terminal."""
+    console = Console(highlight=False, markup=False)
+    return console if console.is_terminal else Console(highlight=False, markup=False, width=140)

@@ -3,11 +3,11 @@
 from collections.abc import Sequence
 
 import numpy as np
-from rich.console import Console
 from rich.table import Table
 
 from chromanoise._check import Array
 from chromanoise.analysis.camera_pipeline import GainStep, PipelineNoise, PipelineStep
+from chromanoise.cli.output import terminal
 
 _CODES = 255
 _MOST_CHANNELS = 4  # more are shown as a range
@@ -23,7 +23,7 @@ def print_pipeline(name: str, found: PipelineNoise | None) -> None:
     found
         ``None`` where it has no color.
     """
-    console = _console()
+    console = terminal()
     if found is None:
         console.print(
             f"{name}: no pipeline, because a channel is saturated, or XYZ of the white is not "
@@ -123,8 +123,3 @@ def _each(values: Array, digits: str) -> str:
 
 def _sd(step: PipelineStep) -> Array:
     return np.asarray(np.sqrt(step.measurement.variance))
-
-
-def _console() -> Console:
-    console = Console(highlight=False, markup=False)
-    return console if console.is_terminal else Console(highlight=False, markup=False, width=140)

@@ -21,14 +21,18 @@ def progress_of(what: str, parts: int, unit: str) -> Iterator[Callable[[int], No
     """
     console = Console(stderr=True, highlight=False, markup=False, emoji=False, soft_wrap=True)
     start, finished, estimated = time.monotonic(), 0, False
+    first: tuple[float, int] | None = None  # the first parts include what is prepared once
 
     def advance(count: int) -> None:
-        nonlocal finished, estimated
+        nonlocal finished, estimated, first
         finished += count
-        seconds = time.monotonic() - start
-        if not estimated and finished and seconds >= _MEASURED_S:
+        now = time.monotonic()
+        if first is None:
+            first = (now, finished) if finished else None
+            return
+        if not estimated and finished > first[1] and now - first[0] >= _MEASURED_S:
             estimated = True
-            whole = seconds / finished * parts
+            whole = first[0] - start + (now - first[0]) / (finished - first[1]) * (parts - first[1])
             if whole > _LONG_S:
                 console.print(f"{what}: takes about {duration(whole)}")
 

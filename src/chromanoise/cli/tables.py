@@ -3,7 +3,6 @@
 from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
-from rich.console import Console
 from rich.table import Table
 
 from chromanoise.analysis import (
@@ -26,6 +25,7 @@ from chromanoise.analysis.comparison.maps import QuantityMap, best_of, by_matrix
 from chromanoise.analysis.comparison.ranking import MOST_PAIRS_SENSORS, Rank
 from chromanoise.catalog.sensors import RECONSTRUCTION
 from chromanoise.charts import cause_label
+from chromanoise.cli.output import terminal
 from chromanoise.color import ColorMatrix
 from chromanoise.io.table import number_text
 from chromanoise.metrics import Budget, MatrixReport
@@ -49,7 +49,7 @@ _SHOWN = 6  # number of printed values of a sweep
 
 def print_reproduction(result: Reproduction) -> None:
     """Print Tables 2-5 with the printed numbers and ours, and the conclusions."""
-    console = _console()
+    console = terminal()
     for table in paper_tables(result):
         console.print(_paper_table(table))
     times = ", ".join(
@@ -73,17 +73,17 @@ def print_reproduction(result: Reproduction) -> None:
 def print_lines(lines: Iterable[str]) -> None:
     """Print sentences, each on a line of its own."""
     for line in lines:
-        _console().print(line, soft_wrap=True)
+        terminal().print(line, soft_wrap=True)
 
 
 def print_conditions(text: str) -> None:
     """Print the operating point above its tables."""
-    _console().print(f"At {text}:", soft_wrap=True)
+    terminal().print(f"At {text}:", soft_wrap=True)
 
 
 def print_analyses(analyses: Iterable[Analysis]) -> None:
     """Print the sensors in two tables, channels and color, and notes."""
-    console = _console()
+    console = terminal()
     channels = Table(title="Channels (eq. 1-3, 7)", title_justify="left")
     for head in ("sensor", "channel", "electrons", "raw SNR dB", "contravariant SNR dB", "VIF"):
         channels.add_column(head, justify="left" if head in ("sensor", "channel") else "right")
@@ -127,7 +127,7 @@ def print_comparison(
     With more than three sensors, a ranking is printed as well, and of the bands only those of pairs
     that a sentence tells of.
     """
-    console = _console()
+    console = terminal()
     sweep, quantity, at = curves[0].sweep, curves[0].quantity, curves[0].at
     title = (
         f"{quantity.what} [{quantity.unit}] | mean color error of the chart without "
@@ -158,7 +158,7 @@ def print_comparison(
 
 def print_maps(maps: Sequence[QuantityMap], ranks: Sequence[Rank]) -> None:
     """Print a grid of values per sensor and matrix, then the best sensor at each pair of values."""
-    console = _console()
+    console = terminal()
     quantity = maps[0].quantity
     what = f"{quantity.what} [{quantity.unit}]"
     for one in maps:
@@ -210,7 +210,7 @@ def print_ranking(ranks: Sequence[Rank], title: str) -> None:
         place = "-" if one.rank is None else f"{one.rank}{' (tie)' if one.tied else ''}"
         matrix = (one.matrix,) if len(matrices) > 1 else ()
         table.add_row(place, one.label, *matrix, number_text(one.value, none="undefined"))
-    _console().print(table)
+    terminal().print(table)
 
 
 def _curve_cell(curve: Curve, i: int) -> str:
@@ -221,7 +221,7 @@ def _curve_cell(curve: Curve, i: int) -> str:
 
 def print_gray_noise(analyses: Sequence[Analysis], noises: Sequence[GrayNoise | None]) -> None:
     """Print the exact noise of an 18 % gray, and which approximations hold."""
-    console = _console()
+    console = terminal()
     known = [noise for noise in noises if noise]
     if not known:
         for analysis in analyses:
@@ -261,7 +261,7 @@ def print_gray_noise(analyses: Sequence[Analysis], noises: Sequence[GrayNoise | 
 
 def print_chart(analysis: Analysis, chart: ChartNoise | None) -> None:
     """Print color error and noise of every patch."""
-    console = _console()
+    console = terminal()
     name = analysis.sensor.label
     if chart is None:
         console.print(
@@ -298,7 +298,7 @@ def print_chart(analysis: Analysis, chart: ChartNoise | None) -> None:
 
 def print_matrix(matrix: ColorMatrix, report: MatrixReport, sensor_name: str) -> None:
     """Print the matrix in lx/e-, then its color error and noise."""
-    console = _console()
+    console = terminal()
     table = Table(title=f"{report.made_by} of {sensor_name} [lx/e-]", title_justify="left")
     table.add_column("")
     heads, rows, numbers = matrix.channels, matrix.coordinates, matrix.matrix
@@ -333,16 +333,16 @@ def print_budgets(analysis: Analysis, budgets: Sequence[Budget | None]) -> None:
     """Print the budget from all photons to each color coordinate: dB per cause."""
     known = [budget for budget in budgets if budget]
     if not known:
-        _console().print(
+        terminal().print(
             f"{analysis.sensor.label}: no coordinate has an SNR, so there is no budget"
         )
         return
-    _console().print(_budget_table(known, f"Budget of {analysis.sensor.label} [dB]"))
+    terminal().print(_budget_table(known, f"Budget of {analysis.sensor.label} [dB]"))
 
 
 def print_lab_budgets(analysis: Analysis) -> None:
     """Print the budget of one unit of L*, a* and b* of a gray, or why there is none."""
-    console = _console()
+    console = terminal()
     budgets = lab_budgets(analysis)
     known = [budget for budget in budgets if budget]
     if known:
@@ -441,10 +441,3 @@ def _cell(cell: Cell | None) -> str:
         text += f" | {cell.monte_carlo:.2f} ± {cell.monte_carlo_se:.2f}"
     text += f" {cell.unit}"
     return f"{text}, {100 * cell.clipped_share:.1f} % clipped" if cell.clipped_share > 0 else text
-
-
-def _console() -> Console:
-    console = Console(highlight=False, markup=False)
-    if not console.is_terminal:
-        console = Console(highlight=False, markup=False, width=140)
-    return console

@@ -1,0 +1,116 @@
+"""``chromanoise characterize``."""
+
+from pathlib import Path
+
+import click
+from rich.table import Table as Grid
+
+from chromanoise._files import refuse_unwritable
+from chromanoise.api import characterize as characterization_of
+from chromanoise.characterization import Characterization, PlaneNoise
+from chromanoise.cli.options import json_option
+from chromanoise.cli.output import refuse_taken_inputs, terminal, write_json
+from chromanoise.cli.parsing import command
+from chromanoise.cli.progress import progress_of
+from chromanoise.cli.tables import print_lines
+from chromanoise.io.frames import read_frame_set
+
+_ROWS = (
+    ("gain K", "DN/e-", "gain_dn_per_e", 1.0),
+    ("dark noise", "e-", "dark_noise_e", 1.0),
+    ("black level", "DN", "black_level_dn", 1.0),
+    ("full well", "e-", "full_well_e", 1.0),
+    ("dynamic range", "dB", "dynamic_range_db", 1.0),
+    ("QE", "%", "qe", 100.0),
+    ("linearity error", "%", "linearity_error_percent", 1.0),
+    ("dark current", "e-/s", "dark_current_e_per_s", 1.0),
+    ("DSNU", "e-", "dsnu_e", 1.0),
+    ("PRNU", "%", "prnu", 100.0),
+    ("row noise", "e-", "row_noise_e", 1.0),
+    ("column noise", "e-", "column_noise_e", 1.0),
+    ("hot pixels", "1", "hot_pixels", 1.0),
+)
+
+
+@command()
+@click.argument("frames", nargs=-1, required=True, metavar="FOLDER|FILES")
+@click.option(
+    "-o",
+    "--out",
+    type=click.Path(path_type=Path),
+    help="Folder for pixel.toml, data sheet, noise profiles, tables and report.html.",
+)
+@click.option(
+    "--resume",
+    type=click.Path(path_type=Path, dir_okay=False),
+    help="File for the statistics of the frames read so far; a later run goes on from it.",
+)
+@json_option
+def characterize(
+    frames: tuple[str, ...], out: Path | None, resume: Path | None, json_target: str | None
+) -> None:
+    """Noise of a camera from its own raw frames, in the way of EMVA 1288.
+
+    FOLDER holds flats of several levels of light, two or more per level, and darks: camera raw,
+    DNG, TIFF, FITS, NPY, NPZ or PGM, or the descriptor of an EMVA 1288 run. A file capture.toml in
+    it says which frames belong together.
+    """
+    refuse_taken_inputs({"--json": json_target}, frames, {})
+    if out is not None:
+        refuse_unwritable(out)
+    read = read_frame_set(frames)
+    count = len({id(f) for level in read.levels for f in (*level.flats, *level.darks)})
+    with progress_of("frames", count, "frames") as advance:
+        before = 0
+
+        def advanced(done: int, _all: int) -> None:
+            nonlocal before
+            advance(done - before)
+            before = done
+
+        result = characterization_of(read, resume=resume, progress=advanced)
+    written: tuple[Path, ...] = ()
+    if out is not None:
+        from chromanoise.report.characterization_report import write_characterization
+
+        written = write_characterization(result, out)
+    if json_target:
+        write_json(result.to_dict(), json_target)
+    if json_target != "-":
+        _print(result)
+        if written:
+            print_lines([f"Written to {out}: {', '.join(path.name for path in written)}"])
+
+
+def _print(result: Characterization) -> None:
+    grid = Grid(title=f"Noise of {result.camera or result.source} (EMVA 1288)")
+    grid.title_justify = "left"
+    grid.add_column("")
+    for plane in result.planes:
+        grid.add_column(plane.name, justify="right")
+    for what, unit, name, scale in _ROWS:
+        cells = [_cell(plane, name, scale) for plane in result.planes]
+        if any(cell != "-" for cell in cells):
+            grid.add_row(f"{what} [{unit}]", *cells)
+    terminal().print(grid)
+    verdict = result.verdict
+    holds = "The linear model holds" if verdict.holds else "The linear model does not hold"
+    print_lines(
+        [
+            f"{holds}: chi-square {verdict.chi2_per_level:.2f} per level, largest deviation "
+            f"{verdict.worst_z:+.1f} standard errors ({verdict.worst_level}).",
+            *(f"{sentence[0].upper()}{sentence[1:]}." for sentence in verdict.sentences),
+            *result.notes,
+            *dict.fromkeys(note for plane in result.planes for note in plane.fit.notes),
+        ]
+    )
+
+
+def _cell(plane: PlaneNoise, name: str, scale: float) -> str:
+    value, error = getattr(plane, name), getattr(plane, f"{name}_se", None)
+    if value is None:
+        return "-"
+    if isinstance(value, int):
+        return str(value)
+    text = f"{scale * value:.4g}"
+    return text if error is None else f"{text} +- {scale * error:.2g}"
