@@ -198,6 +198,7 @@ _FORMATS: Mapping[str, Callable[[], _Writer]] = {
 def _capture_toml(camera: VirtualCamera, planned: list[_Level]) -> str:
     lines = ["# Frames of a virtual camera; truth.toml has its true values."]
     lines += [] if camera.mosaic is None else [f"mosaic = {_toml(camera.mosaic)}"]
+    lines.append(f"bits = {camera.bits}")
     for level in planned:
         told: dict[str, Any] = {"flats": list(level.flats), "darks": list(level.darks)}
         told |= {"time_ms": level.time_ms, "photons_per_pixel": level.photons_per_pixel}
