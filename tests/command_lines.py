@@ -83,6 +83,7 @@ VALUES = {  # by the name of an option or argument; a command's own as "command.
     "frames": ["1", "2"],
     "darks": ["1", "2"],
     "levels": ["2", "3"],
+    "demo-frames.frames": ["2", "3"],
     "demo-frames.shape": ["12x16"],
     "demo-frames.mosaic": ["RG/GB", "bayer", "rgb-ir"],
     "demo-frames.bits": ["8", "10"],

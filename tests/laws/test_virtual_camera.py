@@ -119,6 +119,8 @@ def test_hot_pixels_have_their_excess_current_and_stay_at_their_places():
     assert abs(excess.mean() - 500) < 5 * math.sqrt(500 / excess.size)
     assert abs(excess.var() / 500 - 1) < 5 * math.sqrt(2 / excess.size)
     assert sum(plane.hot_pixels for plane in camera.planes()) == 40
+    every = VirtualCamera(shape=(6, 6), mosaic="RG/GB", hot_pixels=36)
+    assert [plane.hot_pixels for plane in every.planes()] == [9, 9, 9, 9]
 
 
 def test_the_gain_falls_by_the_bend_from_zero_to_full_well():
@@ -229,7 +231,7 @@ def test_the_true_values_of_the_pixels_are_those_that_the_frames_show():
         assert truth.black_level_dn == pytest.approx(offset.mean(), abs=0.1)
         assert truth.dsnu_of_pixels_e == pytest.approx(offset.std(), rel=1e-3)
         assert truth.qe == pytest.approx(light.mean() / 4e4, rel=5 * 5e-3 / math.sqrt(8 * 600))
-        assert truth.prnu_of_pixels == pytest.approx(light.std() / 4e4, rel=0.02)
+        assert truth.prnu_of_pixels == pytest.approx(light.std() / 4e4, rel=5e-3)
 
 
 # ---- streams ----
@@ -330,6 +332,7 @@ def test_the_frames_of_a_folder_hold_the_codes_of_the_camera(tmp_path, file_form
     paths = photon_transfer_frames(camera, folder=tmp_path / "f", file_format=file_format, **told)
     capture = tomllib.loads((tmp_path / "f" / "capture.toml").read_text())
     assert "mosaic" not in capture
+    assert capture["bits"] == bits
     number = 0
     for level in capture["levels"]:
         for name in level["flats"] + level["darks"]:
@@ -397,7 +400,7 @@ def test_a_folder_whose_frames_fail_is_absent(tmp_path, monkeypatch):
     [
         {"levels": 1},
         {"levels": 10**9},
-        {"frames": 0},
+        {"frames": 1},
         {"darks": 101},
         {"file_format": "jpg"},
         {"varied": "gain"},

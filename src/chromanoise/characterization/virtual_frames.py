@@ -47,7 +47,7 @@ def photon_transfer_frames(
 ) -> tuple[Path, ...]:
     """Write flats from dark to saturation with matched darks; the paths of the frames.
 
-    The levels are evenly spaced. Beside the frames, ``capture.toml`` states the mosaic and, for
+    The levels are evenly spaced. Beside the frames, ``capture.toml`` states mosaic, bits and, for
     each level, its frames, exposure time and photons; ``truth.toml`` has the camera and the true
     values of each plane (`PlaneTruth`). The folder is written as a whole or not at all; other
     files in it stay.
@@ -61,7 +61,7 @@ def photon_transfer_frames(
     levels
         Number of levels, 2 to 200.
     frames, darks
-        Flats and darks per level, 1 to 100.
+        Flats per level, 2 to 100, and darks per level, 1 to 100.
     file_format
         ``npy``, ``tiff``, ``pgm`` (binary, 16 bits where the codes have more than 8) or ``fits``
         (needs astropy).
@@ -90,7 +90,7 @@ def photon_transfer_frames(
     _check.within("longest_time_ms", "ms", longest_time_ms, 1e-3, 1e7)
     _check.within("brightest", "1", brightest, 0.01, 10.0)
     whole("levels", levels, 2, _MOST_LEVELS)
-    whole("frames", frames, 1, _MOST_FRAMES)
+    whole("frames", frames, 2, _MOST_FRAMES)
     whole("darks", darks, 1, _MOST_FRAMES)
     truth = camera.planes()
     photons = brightest * max(plane.full_well_e / plane.qe for plane in truth)
@@ -197,8 +197,7 @@ _FORMATS: Mapping[str, Callable[[], _Writer]] = {
 
 def _capture_toml(camera: VirtualCamera, planned: list[_Level]) -> str:
     lines = ["# Frames of a virtual camera; truth.toml has its true values."]
-    lines += [] if camera.mosaic is None else [f"mosaic = {_toml(camera.mosaic)}"]
-    lines.append(f"bits = {camera.bits}")
+    lines += _pairs({"mosaic": camera.mosaic, "bits": camera.bits})
     for level in planned:
         told: dict[str, Any] = {"flats": list(level.flats), "darks": list(level.darks)}
         told |= {"time_ms": level.time_ms, "photons_per_pixel": level.photons_per_pixel}
