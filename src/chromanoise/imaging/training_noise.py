@@ -352,7 +352,7 @@ class NoiseSampler:
         shape: tuple[int, int],
         first: tuple[int, int],
         pattern: int,
-    ) -> tuple[Float32[Array, "h w"], Float32[Array, "h w"]]:
+    ) -> tuple[Float32[Array, "gh gw"], Float32[Array, "oh ow"]]:
         """Sensitivity and dark offset of each lane; empty where they are not used."""
         from chromanoise.imaging.philox import PIXEL_GAIN, PIXEL_OFFSET
 
