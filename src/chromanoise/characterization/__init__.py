@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     )
     from chromanoise.characterization.json_form import characterization_as_json
     from chromanoise.characterization.kept_statistics import resumed
+    from chromanoise.characterization.matrix_check import MatrixCheck, variance_through
     from chromanoise.characterization.measure import characterized, plane_names
     from chromanoise.characterization.merged_pixel import pixel_of, pixel_toml
     from chromanoise.characterization.noise_models import (
@@ -40,6 +41,7 @@ __all__ = [
     "Characterization",
     "LevelNoise",
     "LightSample",
+    "MatrixCheck",
     "ModelVerdict",
     "PlaneCurves",
     "PlaneNoise",
@@ -63,5 +65,6 @@ __all__ = [
     "plane_curves",
     "plane_names",
     "resumed",
+    "variance_through",
 ]
 __getattr__, __dir__ = lazy_names(__name__)

@@ -30,6 +30,7 @@ from chromanoise.errors import InputError
 from chromanoise.io.frames.frame import Frame, FrameLevel, FrameSet
 from chromanoise.sensor import Mosaic, PhotonTransfer, TransferFit, photon_transfer_fit
 
+_LEAST_DARK_DN2 = 0.24  # below it the dark noise is mostly quantization: EMVA 1288
 _SAME_TIME = 0.01  # of an exposure time, within which a dark belongs to a flat
 _MOST_APART = 0.2  # of the mean, by which flats of one level may differ
 _MOST_AVERAGED = 16  # frames of a level from which fixed patterns are computed
@@ -123,8 +124,24 @@ def characterized(
         correlation=covariance / np.outer(sd, sd),
         covariance_dn2=np.array([lights[_key(level.flats)].covariance_dn2 for level in lit]),
         verdict=model_verdict(frames, lights, planes, covariance / np.outer(sd, sd)),
-        notes=frames.notes,
+        notes=(*frames.notes, *_hidden_notes(frames, lights, names)),
     )
+
+
+def _hidden_notes(
+    frames: FrameSet, lights: Mapping[Key, LightSample], names: Sequence[str]
+) -> list[str]:
+    hidden = [
+        name
+        for i, name in enumerate(names)
+        if _hidden_by_rounding(frames, {key: light.planes[i] for key, light in lights.items()})
+    ]
+    if not hidden:
+        return []
+    return [
+        f"{', '.join(hidden)}: the dark noise is below 0.49 DN, so rounding hides DSNU, row noise, "
+        "column noise and dark current"
+    ]
 
 
 def plane_names(mosaic: Mosaic | None) -> tuple[str, ...]:
@@ -314,8 +331,9 @@ def _plane(
     gain, relative = fit.gain_dn_per_e, fit.gain_se / fit.gain_dn_per_e
     dark_of = _dark_of(frames, own)
     prnu = dsnu = _Value()
+    hidden = _hidden_by_rounding(frames, own)
     if dark is not None and dark_filtered is not None:
-        dsnu = _root(dark.variance_dn2, dark.se_dn2, gain, relative)
+        dsnu = _Value() if hidden else _root(dark.variance_dn2, dark.se_dn2, gain, relative)
         above = own[_key(middle.flats)].mean_dn - dark_of(middle)[0]
         prnu = _root(
             flat.variance_dn2 - dark_filtered.variance_dn2,
@@ -323,7 +341,10 @@ def _plane(
             above,
             0.0,
         )
-    row, column = (_shared(own, frames, which, gain, relative) for which in ("row", "column"))
+    row, column = (
+        _Value() if hidden else _shared(own, frames, which, gain, relative)
+        for which in ("row", "column")
+    )
     black = _black_level(own, frames, fit, 0.0 if dsnu.value is None else dsnu.value * gain)
     full, capacity = _full_well(lit, own, fit, dark_of)
     levels = _levels(lit, own, fit, dark_of)
@@ -347,8 +368,8 @@ def _plane(
         qe=fit.qe,
         qe_se=fit.qe_se,
         linearity_error_percent=_linearity_error(lit, own, fit, dark_of),
-        dark_current_e_per_s=fit.dark_current_e_per_s,
-        dark_current_e_per_s_se=fit.dark_current_se,
+        dark_current_e_per_s=None if hidden else fit.dark_current_e_per_s,
+        dark_current_e_per_s_se=None if hidden else fit.dark_current_se,
         dsnu_e=dsnu.value,
         dsnu_e_se=dsnu.se,
         prnu=prnu.value,
@@ -393,6 +414,15 @@ def _dark_of(frames: FrameSet, own: Mapping[Key, PlaneSample]) -> DarkOf:
         )
 
     return found
+
+
+def _hidden_by_rounding(frames: FrameSet, own: Mapping[Key, PlaneSample]) -> bool:
+    """Whether the dark noise is so low that rounding hides what is small in the dark.
+
+    EMVA 1288, release 4.0: a dark variance below 0.24 DN^2 is mostly quantization.
+    """
+    darks = [own[_key(level.darks)] for level in frames.levels if _key(level.darks) in own]
+    return bool(darks) and min(one.variance_dn2 for one in darks) < _LEAST_DARK_DN2
 
 
 def _shared(

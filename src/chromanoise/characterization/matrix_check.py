@@ -1,0 +1,119 @@
+"""Predicted against measured variance through a color matrix."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from chromanoise import _check
+from chromanoise._check import Array
+from chromanoise._shapes import Float
+from chromanoise.characterization.results import Characterization, PlaneNoise
+from chromanoise.errors import InputError
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class MatrixCheck:
+    """Temporal variance of linear combinations of the planes, at each level from dark to bright.
+
+    Attributes
+    ----------
+    levels
+        Names of the levels.
+    measured
+        Variance of each row of the matrix, from the covariance of the planes of a cell; row and
+        column noise are not included. [(unit of the matrix e-)^2]
+    predicted
+        The same from the linear model of each plane, with independent planes.
+    fitted
+        Whether all planes are below 70 % of saturation.
+    """
+
+    levels: tuple[str, ...]
+    measured: Float[Array, "k q"]
+    predicted: Float[Array, "k q"]
+    fitted: tuple[bool, ...]
+
+    def __post_init__(self) -> None:
+        _check.freeze(self, "measured", "predicted")
+
+    @property
+    def mean_error(self) -> Float[Array, " q"]:
+        """Mean of predicted over measured variance minus 1, over the levels that were fitted."""
+        used = np.array(self.fitted)
+        if not used.any():
+            return np.full(self.measured.shape[1], np.nan)
+        return np.asarray((self.predicted[used] / self.measured[used] - 1).mean(axis=0))
+
+
+def variance_through(
+    result: Characterization, matrix: Float[Array, "q c"], channels: tuple[str, ...]
+) -> MatrixCheck:
+    """The variance of each row of a matrix that is applied to electrons, measured and predicted.
+
+    Parameters
+    ----------
+    result
+        A characterization.
+    matrix
+        One column per channel; of several planes of one channel (``G1``, ``G2``) the mean is taken.
+    channels
+        Names of the columns, e.g. ``("R", "G", "B")``.
+
+    Raises
+    ------
+    InputError
+        If the channels are not those of the planes, or the matrix has another shape.
+
+    Notes
+    -----
+    C K^-1 S K^-1 C^T with S the covariance of the codes of a cell and K the gains.
+    """
+    weights = _by_plane(result, _check.finite("matrix", "1", matrix), channels)
+    gain = np.array([plane.gain_dn_per_e for plane in result.planes])
+    rows = weights / gain
+    shared = np.array([_shared_dn2(plane) for plane in result.planes])
+    levels = range(len(result.planes[0].levels))
+    model = np.array(
+        [[plane.levels[k].predicted_variance_dn2 for plane in result.planes] for k in levels]
+    )
+    return MatrixCheck(
+        levels=tuple(level.name for level in result.planes[0].levels),
+        measured=np.einsum("qp,kpr,qr->kq", rows, result.covariance_dn2, rows),
+        predicted=np.maximum(model - shared, 0.0) @ (rows**2).T,
+        fitted=tuple(all(plane.levels[k].fitted for plane in result.planes) for k in levels),
+    )
+
+
+def _shared_dn2(plane: PlaneNoise) -> float:
+    """Variance of row and column noise. [DN^2]"""
+    parts = (plane.row_noise_e or 0.0, plane.column_noise_e or 0.0)
+    return plane.gain_dn_per_e**2 * sum(part**2 for part in parts)
+
+
+def _by_plane(
+    result: Characterization, matrix: Float[Array, "q c"], channels: tuple[str, ...]
+) -> Float[Array, "q p"]:
+    of_plane = [_channel_of(plane.name, channels) for plane in result.planes]
+    if sorted(set(of_plane)) != sorted(channels):
+        names = ", ".join(plane.name for plane in result.planes)
+        raise InputError(
+            "matrix",
+            f"must have the channels of the planes {names}",
+            value=channels,
+            found=f"has {', '.join(channels)}",
+        )
+    if matrix.ndim != 2 or matrix.shape[1] != len(channels):
+        raise InputError(
+            "matrix",
+            f"must have one column for each of {', '.join(channels)}",
+            value=matrix.shape,
+            found=f"has shape {matrix.shape}",
+        )
+    columns = [channels.index(name) for name in of_plane]
+    counts = np.array([of_plane.count(name) for name in of_plane])
+    return np.asarray(matrix[:, columns] / counts)
+
+
+def _channel_of(plane: str, channels: tuple[str, ...]) -> str:
+    """The channel of a plane: ``G`` for ``G1``, unless there is a channel ``G1``."""
+    return plane if plane in channels else plane.rstrip("0123456789")
