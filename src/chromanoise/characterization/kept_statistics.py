@@ -11,7 +11,7 @@ import numpy as np
 
 from chromanoise import __version__, _inputs
 from chromanoise._files import write_whole
-from chromanoise.characterization.measure import Sampler
+from chromanoise.characterization.lights import Sampler
 from chromanoise.characterization.statistics import LightSample, PlaneSample, light_sample
 from chromanoise.errors import InputError
 from chromanoise.io.frames.frame import Frame

@@ -15,7 +15,7 @@ import numpy as np
 
 from chromanoise import _check
 from chromanoise._check import Array
-from chromanoise._shapes import Float, Int
+from chromanoise._shapes import Float, Integer
 from chromanoise.errors import InputError
 from chromanoise.imaging.frame_sums import PairSums
 from chromanoise.io.frames.frame import Frame
@@ -180,7 +180,7 @@ def planes_of(image: Array, tile: tuple[int, int]) -> list[Array]:
     return [image[y :: tile[0], x :: tile[1]] for y in range(tile[0]) for x in range(tile[1])]
 
 
-def _read_ahead(frames: Sequence[Frame]) -> Iterator[Int[Array, "h w"]]:
+def _read_ahead(frames: Sequence[Frame]) -> Iterator[Integer[Array, "h w"]]:
     """The codes of each frame; the next one is read while one is in use."""
     with ThreadPoolExecutor(1) as reader:
         waiting = reader.submit(frames[0].codes)

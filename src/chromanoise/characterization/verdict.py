@@ -7,6 +7,7 @@ import numpy as np
 
 from chromanoise._check import Array
 from chromanoise._shapes import Float
+from chromanoise.characterization.lights import Key, key_of
 from chromanoise.characterization.results import ModelVerdict, PlaneNoise
 from chromanoise.characterization.statistics import LightSample
 from chromanoise.io.frames.frame import FrameLevel, FrameSet
@@ -21,7 +22,7 @@ _LEAST_DEVIATION = 0.02  # of the variance
 
 def model_verdict(
     frames: FrameSet,
-    lights: Mapping[tuple[str, ...], LightSample],
+    lights: Mapping[Key, LightSample],
     planes: Sequence[PlaneNoise],
     correlation: Float[Array, "p p"],
 ) -> ModelVerdict:
@@ -100,7 +101,7 @@ def _deviating(frames: FrameSet, planes: Sequence[PlaneNoise], z: Sequence[Array
 
 
 def _neighbors(
-    frames: FrameSet, lights: Mapping[tuple[str, ...], LightSample], planes: Sequence[PlaneNoise]
+    frames: FrameSet, lights: Mapping[Key, LightSample], planes: Sequence[PlaneNoise]
 ) -> Iterator[str]:
     """Correlation of neighbors, at the brightest level that was fitted."""
     for plane in planes:
@@ -133,13 +134,13 @@ def _channels(planes: Sequence[PlaneNoise], correlation: Float[Array, "p p"]) ->
 
 
 def _lights(
-    frames: FrameSet, lights: Mapping[tuple[str, ...], LightSample], planes: Sequence[PlaneNoise]
+    frames: FrameSet, lights: Mapping[Key, LightSample], planes: Sequence[PlaneNoise]
 ) -> Iterator[str]:
     """Light that drifts, flats that clip, and darks that end at code 0."""
     told: set[str] = set()
     for level in frames.levels:
         for group in (level.flats, level.darks):
-            key = tuple(f"{frame.path}[{frame.index}]" for frame in group)
+            key = key_of(group)
             if key not in lights or _names(group) in told:
                 continue
             told.add(_names(group))
@@ -180,7 +181,7 @@ def _level(frames: FrameSet, name: str) -> FrameLevel:
     return next(level for level in frames.levels if level.name == name and level.flats)
 
 
-def _pixels(frames: FrameSet, lights: Mapping[tuple[str, ...], LightSample]) -> int:
+def _pixels(frames: FrameSet, lights: Mapping[Key, LightSample]) -> int:
     pixels = min(light.planes[0].pixels for light in lights.values())
     return min(pixels, 1 << 19)
 

@@ -6,7 +6,7 @@ from typing import no_type_check
 import numpy as np
 
 from chromanoise._check import Array
-from chromanoise._shapes import Int
+from chromanoise._shapes import Integer
 from chromanoise.imaging.kernel_cache import kernel
 
 
@@ -51,7 +51,9 @@ class PairSums:
 
     __slots__ = ("greatest", "rows", "squares", "sums", "total")
 
-    def __init__(self, a: Int[Array, "h w"], b: Int[Array, "h w"], tile: tuple[int, int]) -> None:
+    def __init__(
+        self, a: Integer[Array, "h w"], b: Integer[Array, "h w"], tile: tuple[int, int]
+    ) -> None:
         height, width = a.shape
         shape = (tile[0], width)
         self.total, self.sums, self.squares = (np.zeros(shape, np.int64) for _ in range(3))

@@ -1,0 +1,176 @@
+"""Sets of frames of one light, their statistics, and the photon transfer table of a plane."""
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+
+import numpy as np
+
+from chromanoise.characterization.statistics import LightSample, PlaneSample
+from chromanoise.errors import InputError
+from chromanoise.io.frames.frame import Frame, FrameLevel, FrameSet
+from chromanoise.sensor import PhotonTransfer
+
+_SAME_TIME = 0.01  # of an exposure time, within which a dark belongs to a flat
+_MOST_APART = 0.2  # of the mean, by which flats of one level may differ
+
+Sampler = Callable[[Sequence[Frame], tuple[int, int]], LightSample]
+"""A function that computes the statistics of frames, or returns those of an earlier run."""
+
+Key = tuple[str, ...]
+"""Names of the frames of one light."""
+
+
+def key_of(frames: Sequence[Frame]) -> Key:
+    """The names of the frames with their folders, by which their statistics are found."""
+    return tuple(f"{frame.path}[{frame.index}]" for frame in frames)
+
+
+def refuse_mixed(frames: FrameSet) -> None:
+    """Refuse frames without light, of two sizes, or alone at their level.
+
+    Raises
+    ------
+    InputError
+        If there is one.
+    """
+    if not any(level.flats for level in frames.levels):
+        raise InputError(frames.source, "must have frames with light", found="has dark frames only")
+    every = [frame for level in frames.levels for frame in (*level.flats, *level.darks)]
+    for frame in every[1:]:
+        if frame.shape != every[0].shape:
+            raise InputError(
+                frame.name,
+                f"must have the size of {every[0].name}, {every[0].shape[1]} x "
+                f"{every[0].shape[0]} pixels",
+                value=frame.shape,
+                found=f"has {frame.shape[1]} x {frame.shape[0]}",
+            )
+    for level in frames.levels:
+        if len(level.flats) == 1:
+            raise InputError(
+                level.flats[0].name,
+                "must have a second flat of the same light for a temporal variance",
+                value=1,
+                found=f"it is the only flat of {level.name}",
+            )
+
+
+def lights_of(
+    frames: FrameSet,
+    tile: tuple[int, int],
+    sampled: Sampler,
+    progress: Callable[[int, int], None],
+) -> dict[Key, LightSample]:
+    """The statistics of each set of frames, read once."""
+    groups: dict[Key, tuple[Frame, ...]] = {}
+    for level in frames.levels:
+        for group in (level.flats, level.darks):
+            if len(group) > 1:
+                groups.setdefault(key_of(group), group)
+    whole, done, lights = sum(map(len, groups.values())), 0, {}
+    for key, group in groups.items():
+        progress(done, whole)
+        light = sampled(group, tile)
+        _refuse_apart(group, light)
+        lights[key] = light
+        done += len(group)
+    progress(whole, whole)
+    return lights
+
+
+def _refuse_apart(group: Sequence[Frame], light: LightSample) -> None:
+    for plane in light.planes:
+        means = plane.frame_means_dn
+        low, high = int(np.argmin(means)), int(np.argmax(means))
+        noise = 10 * math.sqrt(plane.mean_variance_dn2 * len(means))
+        if means[high] - means[low] > max(_MOST_APART * abs(means[high]), noise):
+            raise InputError(
+                group[high].name,
+                f"must have the light of {group[low].name}, with which it is grouped",
+                value=means[high],
+                found=f"has a mean of {means[high]:.6g} DN, and the other {means[low]:.6g} DN",
+                remedy="say in capture.toml which frames belong together",
+            )
+
+
+def lit_levels(frames: FrameSet, lights: Mapping[Key, LightSample]) -> list[FrameLevel]:
+    """The levels with flats, from dark to bright, all planes together."""
+
+    def light(level: FrameLevel) -> float:
+        return sum(plane.mean_dn for plane in lights[key_of(level.flats)].planes)
+
+    return sorted((level for level in frames.levels if level.flats), key=light)
+
+
+def _darks(frames: FrameSet, lights: Mapping[Key, LightSample]) -> dict[Key, FrameLevel]:
+    """Each set of darks once, with a level that has it."""
+    found: dict[Key, FrameLevel] = {}
+    for level in frames.levels:
+        if level.darks and key_of(level.darks) in lights:
+            found.setdefault(key_of(level.darks), level)
+    return found
+
+
+def _matched(lit: Sequence[FrameLevel], darks: Mapping[Key, FrameLevel]) -> bool:
+    """Whether each lit level has a dark of its exposure time."""
+    times = [level.time_ms for level in darks.values() if level.time_ms]
+    return len(times) == len(darks) > 0 and all(
+        level.time_ms is not None
+        and any(abs(time - level.time_ms) <= _SAME_TIME * level.time_ms for time in times)
+        for level in lit
+    )
+
+
+def transfer_table(
+    frames: FrameSet, lights: Mapping[Key, LightSample], plane: int, source: str
+) -> PhotonTransfer:
+    """Means and variances of one plane: the lit levels from dark to bright, then the darks."""
+    lit, darks = lit_levels(frames, lights), _darks(frames, lights)
+    samples = [lights[key_of(level.flats)].planes[plane] for level in lit]
+    samples += [lights[key].planes[plane] for key in darks]
+    dark = np.array([False] * len(lit) + [True] * len(darks))
+    levels = [*lit, *darks.values()]
+    matched = _matched(lit, darks)
+    photons = [level.photons_per_pixel for level in lit]
+    known = None not in photons
+    return PhotonTransfer(
+        mean_dn=np.array([one.mean_dn for one in samples]),
+        variance_dn2=np.array([one.variance_dn2 for one in samples]),
+        dark=dark,
+        samples=np.array([one.samples for one in samples]),
+        source=source,
+        time_ms=np.array([level.time_ms for level in levels], float) if matched else None,
+        mean_se_dn=np.sqrt([one.mean_variance_dn2 for one in samples]),
+        photons=np.array([*photons, *(0.0 for _ in darks)], float) if known else None,
+    )
+
+
+DarkOf = Callable[[FrameLevel], tuple[float, float | None]]
+
+
+def dark_of_levels(frames: FrameSet, own: Mapping[Key, PlaneSample]) -> DarkOf:
+    """Dark mean and variance of a level: its own darks, those of its time, or all. [DN], [DN^2]"""
+    groups = {
+        key_of(level.darks): level
+        for level in frames.levels
+        if level.darks and key_of(level.darks) in own
+    }
+
+    def found(level: FrameLevel) -> tuple[float, float | None]:
+        if not groups:
+            return min(one.mean_dn for one in own.values()), None
+        keys = [key_of(level.darks)] if key_of(level.darks) in own and level.darks else []
+        if not keys and level.time_ms is not None:
+            keys = [
+                key
+                for key, one in groups.items()
+                if one.time_ms is not None
+                and abs(one.time_ms - level.time_ms) <= _SAME_TIME * level.time_ms
+            ]
+        samples = [own[key] for key in keys or groups]
+        return (
+            float(np.mean([one.mean_dn for one in samples])),
+            float(np.mean([one.variance_dn2 for one in samples])),
+        )
+
+    return found

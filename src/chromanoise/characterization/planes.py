@@ -1,0 +1,263 @@
+"""Results of one plane from its statistics, its photon transfer and its fixed patterns."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from chromanoise.characterization.lights import DarkOf, Key, dark_of_levels, key_of
+from chromanoise.characterization.results import LevelNoise, PlaneNoise
+from chromanoise.characterization.spatial import SpatialVariance
+from chromanoise.characterization.statistics import PlaneSample
+from chromanoise.io.frames.frame import FrameLevel, FrameSet
+from chromanoise.sensor import TransferFit
+
+_LEAST_DARK_DN2 = 0.24  # below it the dark noise is mostly quantization: EMVA 1288
+_PLATEAU = 0.1  # of the largest variance, below which a level is saturated
+_LINEAR = (0.05, 0.95)  # of saturation, between which linearity is judged
+_DYNAMIC_RANGE_E = 0.5  # added to the dark noise: EMVA 1288, eq. of the absolute threshold
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Value:
+    """A number and its standard error."""
+
+    value: float | None = None
+    se: float | None = None
+
+
+def _root(variance: float, se: float, scale: float, relative_se: float) -> _Value:
+    """Root of a variance over a scale; 0 where the variance is negative by chance."""
+    least = max(variance, se, 0.0)
+    value = math.sqrt(max(variance, 0.0)) / scale
+    own = se / (2 * math.sqrt(least) * scale) if least else 0.0
+    return _Value(value=value, se=math.hypot(own, value * relative_se))
+
+
+def plane_noise(
+    frames: FrameSet,
+    lit: Sequence[FrameLevel],
+    own: Mapping[Key, PlaneSample],
+    fit: TransferFit,
+    *,
+    name: str,
+    middle: FrameLevel,
+    flat: SpatialVariance,
+    dark: SpatialVariance | None,
+    dark_filtered: SpatialVariance | None,
+    hot: int | None,
+) -> PlaneNoise:
+    """All results of one plane.
+
+    Parameters
+    ----------
+    frames, lit
+        All frames, and the levels with flats from dark to bright.
+    own
+        Statistics of the plane by the names of the frames.
+    fit
+        The photon transfer, whose rows are the levels ``lit``, then the darks.
+    name
+        Of the plane.
+    middle
+        The level at which PRNU is measured.
+    flat, dark, dark_filtered
+        Spatial variances of its flats, and of the darks without and with the high-pass filter.
+    hot
+        Number of hot pixels.
+    """
+    gain, relative = fit.gain_dn_per_e, fit.gain_se / fit.gain_dn_per_e
+    dark_of = dark_of_levels(frames, own)
+    prnu = dsnu = _Value()
+    hidden = hidden_by_rounding(frames, own)
+    if dark is not None and dark_filtered is not None:
+        dsnu = _Value() if hidden else _root(dark.variance_dn2, dark.se_dn2, gain, relative)
+        above = own[key_of(middle.flats)].mean_dn - dark_of(middle)[0]
+        prnu = _root(
+            flat.variance_dn2 - dark_filtered.variance_dn2,
+            math.hypot(flat.se_dn2, dark_filtered.se_dn2),
+            above,
+            0.0,
+        )
+    row, column = (
+        _Value() if hidden else _shared(own, frames, which, gain, relative)
+        for which in ("row", "column")
+    )
+    black = _black_level(own, frames, fit, 0.0 if dsnu.value is None else dsnu.value * gain)
+    full, capacity = _full_well(lit, own, fit, dark_of)
+    levels = _levels(lit, own, fit, dark_of)
+    noise = fit.read_noise_e
+    ranged = full.value is not None and noise is not None
+    return PlaneNoise(
+        name=name,
+        gain_dn_per_e=gain,
+        gain_dn_per_e_se=fit.gain_se,
+        dark_noise_e=noise,
+        dark_noise_e_se=fit.read_noise_se,
+        black_level_dn=fit.black_dn,
+        black_level_dn_se=black,
+        saturation_dn=fit.saturation_dn,
+        saturation_capacity_e=capacity,
+        full_well_e=full.value,
+        full_well_e_se=full.se,
+        dynamic_range_db=20 * math.log10(full.value / (noise + _DYNAMIC_RANGE_E))  # type: ignore[operator]
+        if ranged
+        else None,
+        qe=fit.qe,
+        qe_se=fit.qe_se,
+        linearity_error_percent=_linearity_error(lit, own, fit, dark_of),
+        dark_current_e_per_s=None if hidden else fit.dark_current_e_per_s,
+        dark_current_e_per_s_se=None if hidden else fit.dark_current_se,
+        dsnu_e=dsnu.value,
+        dsnu_e_se=dsnu.se,
+        prnu=prnu.value,
+        prnu_se=prnu.se,
+        row_noise_e=row.value,
+        row_noise_e_se=row.se,
+        column_noise_e=column.value,
+        column_noise_e_se=column.se,
+        hot_pixels=hot,
+        bend_z=fit.bend_z,
+        levels=levels,
+        fit=fit,
+    )
+
+
+def hidden_by_rounding(frames: FrameSet, own: Mapping[Key, PlaneSample]) -> bool:
+    """Whether the dark noise is so low that rounding hides what is small in the dark.
+
+    EMVA 1288, release 4.0: a dark variance below 0.24 DN^2 is mostly quantization.
+    """
+    darks = [own[key_of(level.darks)] for level in frames.levels if key_of(level.darks) in own]
+    return bool(darks) and min(one.variance_dn2 for one in darks) < _LEAST_DARK_DN2
+
+
+def _shared(
+    own: Mapping[Key, PlaneSample], frames: FrameSet, which: str, gain: float, relative: float
+) -> _Value:
+    """Noise that all pixels of a row, or of a column, share in the dark, from all darks."""
+    darks = [own[key_of(level.darks)] for level in frames.levels if key_of(level.darks) in own]
+    samples = list({id(one): one for one in darks}.values())
+    if not samples:
+        return _Value()
+    # equal weights: errors from few rows are those of chance, and would favor small variances
+    mean = float(np.mean([getattr(one, f"{which}_dn2") for one in samples]))
+    errors = np.array([getattr(one, f"{which}_se_dn2") for one in samples])
+    return _root(mean, math.sqrt(float(errors @ errors)) / errors.size, gain, relative)
+
+
+def _black_level(
+    own: Mapping[Key, PlaneSample], frames: FrameSet, fit: TransferFit, dsnu_dn: float
+) -> float | None:
+    """Standard error of the mean code without light at exposure time 0. [DN]"""
+    groups = {
+        key_of(level.darks): level.time_ms for level in frames.levels if key_of(level.darks) in own
+    }
+    if fit.black_dn is None or not groups:
+        return None
+    variances = np.array([own[key].mean_variance_dn2 for key in groups])
+    pixels = next(iter(own.values())).pixels
+    noise_dn2 = min(own[key].variance_dn2 for key in groups) + dsnu_dn**2
+    weights = np.full(variances.size, 1 / variances.size)
+    known = [time for time in groups.values() if time is not None]
+    if len(known) == variances.size and len(set(known)) > 1:
+        times = np.array(known)
+        weights = (times == times.min()) / (times == times.min()).sum()
+        if len(set(known)) > 2:
+            away = times - times.mean()
+            weights = 1 / times.size - times.mean() * away / float(away @ away)
+    rounding = 0.5 * (math.exp(-2 * math.pi**2 * noise_dn2) / math.pi) ** 2
+    return math.sqrt(float(weights**2 @ variances) + dsnu_dn**2 / pixels + rounding)
+
+
+def _full_well(
+    lit: Sequence[FrameLevel],
+    own: Mapping[Key, PlaneSample],
+    fit: TransferFit,
+    dark_of: DarkOf,
+) -> tuple[_Value, float | None]:
+    """Electrons at which codes end, and EMVA's saturation capacity. [e-]
+
+    Above saturation the variance collapses and the mean stays: that mean is the end. Without such a
+    level it is the mean of largest variance, known to within the next level.
+    """
+    if fit.full_well_e is None or fit.saturation_dn is None:
+        return _Value(), None
+    gain, relative = fit.gain_dn_per_e, fit.gain_se / fit.gain_dn_per_e
+    samples = [own[key_of(level.flats)] for level in lit]
+    top = max(one.variance_dn2 for one in samples)
+    at = [one.mean_dn - dark_of(level)[0] for level, one in zip(lit, samples, strict=True)]
+    flat = [
+        i
+        for i, one in enumerate(samples)
+        if one.variance_dn2 < _PLATEAU * top and one.mean_dn > fit.saturation_dn
+    ]
+    if flat:
+        brightest = max(flat, key=lambda i: samples[i].mean_dn)
+        black = dark_of(lit[0])[0] if fit.black_dn is None else fit.black_dn
+        value = (samples[brightest].mean_dn - black) / gain  # dark electrons fill the well too
+        return _Value(value=value, se=value * relative), fit.full_well_e
+    k = int(np.argmin([abs(one.mean_dn - fit.saturation_dn) for one in samples]))
+    spacing = (at[min(k + 1, len(at) - 1)] - at[max(k - 1, 0)]) / gain
+    value = fit.full_well_e
+    return _Value(value=value, se=math.hypot(value * relative, spacing / math.sqrt(12))), value
+
+
+def _linearity_error(
+    lit: Sequence[FrameLevel],
+    own: Mapping[Key, PlaneSample],
+    fit: TransferFit,
+    dark_of: DarkOf,
+) -> float | None:
+    """Largest deviation from a line by relative least squares, 5 to 95 % of saturation. [%]
+
+    Over photons where they are told, else over the exposure time.
+    """
+    light = [level.photons_per_pixel for level in lit]
+    if None in light:
+        light = [level.time_ms for level in lit]
+    if None in light or len(set(light)) < 3:
+        return None
+    x = np.array(light, float)
+    y = np.array([own[key_of(level.flats)].mean_dn - dark_of(level)[0] for level in lit])
+    dark_at_end = dark_of(lit[-1])[0]
+    end = y.max() if fit.saturation_dn is None else fit.saturation_dn - dark_at_end
+    used = (y >= _LINEAR[0] * end) & (y <= _LINEAR[1] * end)
+    if used.sum() < 3:
+        return None
+    slope, offset = np.polynomial.polynomial.polyfit(x[used], y[used], 1, w=1 / y[used])[::-1]
+    line = offset + slope * x[used]
+    return float(np.abs(100 * (y[used] - line) / line).max())
+
+
+def _levels(
+    lit: Sequence[FrameLevel],
+    own: Mapping[Key, PlaneSample],
+    fit: TransferFit,
+    dark_of: DarkOf,
+) -> tuple[LevelNoise, ...]:
+    noises = []
+    for i, level in enumerate(lit):
+        sample, (dark_mean, dark_variance) = own[key_of(level.flats)], dark_of(level)
+        predicted = fit.gain_dn_per_e * (sample.mean_dn - dark_mean) + (dark_variance or 0.0)
+        noises.append(
+            LevelNoise(
+                name=level.name,
+                frames=len(level.flats),
+                time_ms=level.time_ms,
+                photons_per_pixel=level.photons_per_pixel,
+                mean_dn=sample.mean_dn,
+                variance_dn2=sample.variance_dn2,
+                variance_se_dn2=sample.variance_dn2 * math.sqrt(2 / (sample.samples - 1)),
+                predicted_variance_dn2=predicted,
+                dark_mean_dn=None if dark_variance is None else dark_mean,
+                dark_variance_dn2=dark_variance,
+                fitted=bool(fit.fitted[i]),
+                clipped_share=sample.top_share,
+                correlation_right=sample.correlation_right,
+                correlation_down=sample.correlation_down,
+                drift_z=sample.drift_z,
+            )
+        )
+    return tuple(noises)

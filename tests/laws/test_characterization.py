@@ -1,0 +1,302 @@
+"""A camera from its own frames: what is drawn is found, and what is wrong is named."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import chromanoise as cn
+from chromanoise.characterization import (
+    VirtualCamera,
+    characterized,
+    light_sample,
+    photon_transfer_frames,
+    plane_names,
+    resumed,
+    variance_through,
+)
+from chromanoise.characterization.spatial import hot_pixels, spatial_variance
+from chromanoise.io.frames import Frame, FrameLevel, FrameSet, read_frame_set
+from chromanoise.sensor import Mosaic, bayer
+from outcomes import refused_input
+
+CAMERA = VirtualCamera(
+    shape=(120, 160),
+    gain_dn_per_e=0.8,
+    read_noise_e=4.0,
+    full_well_e=4500.0,
+    bits=12,
+    black_level_dn=100,
+    prnu=0.01,
+    dsnu_e=2.0,
+    row_noise_e=1.0,
+    dark_current_e_per_s=50.0,
+    qe=0.6,
+    seed=5,
+)
+
+
+def frame(codes, name="f"):
+    codes = np.asarray(codes)
+    return Frame(path=Path(name), shape=codes.shape, read=lambda: codes)
+
+
+def frames_of(folder, camera=CAMERA, **settings):
+    photon_transfer_frames(camera, folder=folder, **({"levels": 14} | settings))
+    return folder
+
+
+@pytest.fixture(scope="module")
+def found(tmp_path_factory):
+    return cn.characterize(frames_of(tmp_path_factory.mktemp("camera") / "frames"))
+
+
+def noise(shape, *, pixel=0.0, row=0.0, column=0.0, seed=0, mean=1000.0):
+    rng = np.random.default_rng(seed)
+    values = mean + pixel * rng.standard_normal(shape)
+    values += row * rng.standard_normal((shape[0], 1))
+    values += column * rng.standard_normal((1, shape[1]))
+    return values.round().astype(np.uint16)
+
+
+# ---- statistics ----
+
+
+def test_a_difference_of_known_numbers_has_the_variance_by_hand():
+    # d = 2 (-1)^(i + j) + 7: the mean difference is light, half of the mean square is 2
+    y, x = np.indices((8, 8))
+    a = 100 + 2 * (-1) ** (y + x)
+    (plane,) = light_sample([frame(a + 7), frame(np.full((8, 8), 100))], (1, 1)).planes
+    rest = 2.0 * 64 / 49  # (rows - 1)(columns - 1) degrees of freedom
+    assert plane.rest_dn2 == pytest.approx(rest)
+    assert plane.row_dn2 == plane.column_dn2 == pytest.approx(-rest / 8)
+    assert plane.frame_means_dn == (107.0, 100.0)
+    assert plane.correlation_right == plane.correlation_down == pytest.approx(-1.0)
+
+
+def test_rows_columns_and_rest_are_told_apart():
+    pair = [frame(noise((400, 500), pixel=9.0, row=3.0, column=2.0, seed=i)) for i in (1, 2)]
+    (plane,) = light_sample(pair, (1, 1)).planes
+    assert plane.rest_dn2 == pytest.approx(81 + 1 / 12, rel=5 * (2 / 200_000) ** 0.5)
+    assert plane.row_dn2 == pytest.approx(9.0, abs=4 * plane.row_se_dn2)
+    assert plane.column_dn2 == pytest.approx(4.0, abs=4 * plane.column_se_dn2)
+    assert plane.row_se_dn2 == pytest.approx(9 * (2 / 400) ** 0.5, rel=0.3)
+
+
+def test_the_error_of_the_variance_is_that_of_repetition():
+    z = []
+    for i in range(120):
+        pair = [
+            frame(noise((60, 80), pixel=20.0, row=4.0, seed=2 * i + k, mean=2000)) for k in (0, 1)
+        ]
+        (plane,) = light_sample(pair, (1, 1)).planes
+        error = plane.variance_dn2 * (2 / (plane.samples - 1)) ** 0.5
+        z.append((plane.variance_dn2 - 416 - 1 / 12) / error)
+    assert abs(np.mean(z)) < 0.4
+    assert np.std(z) == pytest.approx(1.0, abs=0.25)
+
+
+def test_more_frames_have_the_information_of_overlapping_differences():
+    frames = [frame(noise((40, 50), pixel=5.0, seed=i)) for i in range(4)]
+    few, many = light_sample(frames[:2], (1, 1)), light_sample(frames, (1, 1))
+    ratio = (many.planes[0].samples - 1) / (few.planes[0].samples - 1)
+    assert ratio == pytest.approx(2 * 3**2 / (3 * 4 - 4), rel=0.02)  # 2.25 of at most 3
+
+
+def test_each_plane_of_a_mosaic_has_its_own_variance():
+    rng = np.random.default_rng(3)
+    sd = np.tile([[2.0, 8.0], [8.0, 4.0]], (100, 150))
+    pair = [
+        frame((500 + sd * rng.standard_normal(sd.shape)).round().astype(np.int32)) for _ in "ab"
+    ]
+    variances = [one.variance_dn2 for one in light_sample(pair, (2, 2)).planes]
+    assert variances == pytest.approx([4 + 1 / 12, 64 + 1 / 12, 64 + 1 / 12, 16 + 1 / 12], rel=0.06)
+
+
+def test_a_fixed_pattern_is_found_without_the_temporal_noise():
+    rng = np.random.default_rng(4)
+    pattern = 6.0 * rng.standard_normal((200, 200))
+    frames = [
+        frame((1000 + pattern + 10 * rng.standard_normal((200, 200))).round().astype(np.uint16))
+        for _ in range(2)
+    ]
+    (plane,) = light_sample(frames, (1, 1)).planes
+    mean = np.mean([one.codes() for one in frames], axis=0)
+    for filtered in (False, True):
+        one = spatial_variance(mean, plane, frames=2, high_pass=filtered)
+        assert one.variance_dn2 == pytest.approx(pattern.var(), abs=4 * one.se_dn2)
+        assert one.se_dn2 < 3.0
+
+
+def test_the_high_pass_takes_shading_away_and_keeps_the_pattern():
+    y, _ = np.indices((200, 200))
+    pattern = np.random.default_rng(5).standard_normal((200, 200))
+    shaded = 500 * (1 - 0.3 * (y / 199 - 0.5) ** 2) + 5 * pattern
+    (plane,) = light_sample([frame(np.zeros((200, 200), int))] * 2, (1, 1)).planes
+    plain, filtered = (
+        spatial_variance(shaded, plane, frames=2, high_pass=one).variance_dn2
+        for one in (False, True)
+    )
+    assert plain > 100
+    assert filtered == pytest.approx(25.0, rel=0.03)
+
+
+def test_hot_pixels_are_counted_and_normal_ones_are_not():
+    dark = np.random.default_rng(6).standard_normal((300, 300))
+    assert hot_pixels(dark) == 0
+    dark[3, 4] = dark[200, 7] = 30.0
+    assert hot_pixels(dark) == 2
+
+
+# ---- a whole camera ----
+
+
+@pytest.mark.parametrize(
+    ("name", "true"),
+    [
+        ("gain_dn_per_e", 0.8),
+        ("dark_noise_e", (16 + 1) ** 0.5),
+        ("qe", 0.6),
+        ("black_level_dn", 100.0),
+        ("full_well_e", 4500.0),
+        ("dark_current_e_per_s", 50.0),
+        ("dsnu_e", 2.0),
+        ("prnu", 0.01),
+        ("row_noise_e", 1.0),
+    ],
+)
+def test_each_value_of_a_virtual_camera_is_found_within_its_error(found, name, true):
+    (plane,) = found.planes
+    value, error = getattr(plane, name), getattr(plane, f"{name}_se")
+    assert abs(value - true) < 4 * error
+    assert error < 0.08 * true
+
+
+def test_an_ideal_camera_follows_the_linear_model(found):
+    assert found.verdict.holds
+    assert found.verdict.sentences == ()
+    assert 0.2 < found.verdict.chi2_per_level < 3.0
+    assert found.planes[0].linearity_error_percent < 0.5
+
+
+def test_frames_are_not_modified_and_the_result_is_the_same_again(tmp_path):
+    folder = frames_of(tmp_path / "f", levels=6)
+    before = {path.name: path.read_bytes() for path in folder.iterdir()}
+    first, again = cn.characterize(folder).to_dict(), cn.characterize(folder).to_dict()
+    assert first == again
+    assert before == {path.name: path.read_bytes() for path in folder.iterdir()}
+
+
+@pytest.mark.parametrize(
+    ("fault", "word"),
+    [
+        ({"bend": 0.3}, "straight line"),
+        ({"neighbor_correlation": 0.2}, "neighbors"),
+        ({"drift": 0.02}, "light changed"),
+    ],
+)
+def test_what_contradicts_the_model_is_named_with_its_frames(tmp_path, fault, word):
+    camera = replace(CAMERA, shape=(200, 240), **fault)
+    verdict = cn.characterize(frames_of(tmp_path / "f", camera)).verdict
+    assert not verdict.holds
+    (sentence, *_) = [one for one in verdict.sentences if word in one]
+    if word != "straight line":
+        assert ".npy" in sentence
+
+
+def test_a_black_level_that_clips_is_named(tmp_path):
+    camera = replace(CAMERA, black_level_dn=1, dark_current_e_per_s=0.0)
+    verdict = cn.characterize(frames_of(tmp_path / "f", camera)).verdict
+    assert any("code 0" in sentence for sentence in verdict.sentences)
+
+
+def test_planes_of_a_mosaic_are_told_apart(tmp_path):
+    camera = replace(CAMERA, mosaic="RG/GB", shape=(160, 200), sensitivity=(0.5, 1.0, 0.8))
+    found = cn.characterize(frames_of(tmp_path / "f", camera))
+    assert [plane.name for plane in found.planes] == ["R", "G1", "G2", "B"]
+    qe = np.array([plane.qe for plane in found.planes])
+    assert qe / 0.6 == pytest.approx([0.5, 1.0, 1.0, 0.8], rel=0.03)
+    assert np.abs(found.correlation - np.eye(4)).max() < 0.02
+
+
+def test_predicted_variance_through_a_matrix_is_the_measured_one(tmp_path):
+    camera = replace(CAMERA, mosaic="RG/GB", shape=(240, 320), sensitivity=(0.5, 1.0, 0.8))
+    found = cn.characterize(frames_of(tmp_path / "f", camera))
+    to_xyz = np.array([[0.7, 0.2, 0.1], [0.3, 0.9, -0.2], [0.0, -0.3, 1.2]])
+    check = variance_through(found, to_xyz, ("R", "G", "B"))
+    assert check.measured.shape == (14, 3)
+    assert np.abs(check.mean_error).max() < 0.01
+    with refused_input(subject="matrix", value=("R", "G", "C")):
+        variance_through(found, to_xyz, ("R", "G", "C"))
+
+
+def test_names_of_planes_are_those_of_the_mosaic():
+    assert plane_names(bayer()) == ("R", "G1", "G2", "B")
+    assert plane_names(Mosaic((("R", "W"),))) == ("R", "W")
+    assert plane_names(None) == ("mono",)
+
+
+# ---- stopped runs ----
+
+
+def test_a_stopped_run_goes_on_with_what_it_has_read(tmp_path):
+    folder, kept = frames_of(tmp_path / "f", levels=6), tmp_path / "kept.json"
+    frames, read = read_frame_set([folder]), []
+
+    def counted(group, tile):
+        read.append(len(group))
+        if len(read) == 4:
+            raise KeyboardInterrupt
+        return resumed(kept)(group, tile)
+
+    with pytest.raises(KeyboardInterrupt):
+        characterized(frames, sampled=counted)
+    again = cn.characterize(folder, resume=kept)
+    assert again.to_dict() == cn.characterize(folder).to_dict()
+    kept.write_text(kept.read_text().replace('"mean_variance_dn2"', '"other"'))
+    with refused_input(subject=str(kept)):
+        cn.characterize(folder, resume=kept)
+
+
+def test_a_changed_frame_is_read_again(tmp_path):
+    folder, kept = frames_of(tmp_path / "f", levels=6), tmp_path / "kept.json"
+    first = cn.characterize(folder, resume=kept)
+    path = sorted(folder.glob("*flat*.npy"))[0]
+    np.save(path, np.load(path) + 3)
+    assert cn.characterize(folder, resume=kept).to_dict() != first.to_dict()
+
+
+# ---- refusals ----
+
+
+def frame_set(*levels):
+    return FrameSet(source="frames", levels=tuple(levels))
+
+
+def level(name, *images, darks=()):
+    named = [frame(one, f"{name}_{i}.npy") for i, one in enumerate(images)]
+    dark = [frame(one, f"{name}_dark_{i}.npy") for i, one in enumerate(darks)]
+    return FrameLevel(name=name, flats=tuple(named), darks=tuple(dark))
+
+
+def test_one_flat_of_a_level_is_refused_by_name():
+    with refused_input(subject="b_0.npy", value=1):
+        characterized(frame_set(level("b", noise((20, 20), pixel=3.0))))
+
+
+def test_frames_of_two_sizes_are_refused():
+    with refused_input(subject="b_1.npy", value=(20, 24)):
+        characterized(frame_set(level("b", noise((20, 20)), noise((20, 24)))))
+
+
+def test_flats_of_different_light_are_refused():
+    flats = [noise((20, 20), pixel=3.0, mean=mean) for mean in (400.0, 900.0)]
+    with refused_input(subject="b_1.npy"):
+        characterized(frame_set(level("b", *flats)))
+
+
+def test_darks_alone_are_refused():
+    dark = noise((20, 20), pixel=3.0)
+    with refused_input(subject="frames"):
+        characterized(frame_set(level("b", darks=(dark, dark))))
