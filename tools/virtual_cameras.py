@@ -27,6 +27,8 @@ PARAMETERS = (
     *("gain_dn_per_e", "dark_noise_e", "black_level_dn", "full_well_e", "qe"),
     *("dark_current_e_per_s", "dsnu_e", "prnu", "row_noise_e", "column_noise_e"),
 )
+OF_PIXELS = {"dsnu_of_pixels_e": "dsnu_e", "prnu_of_pixels": "prnu"}
+"""True values of the pixels that were drawn, and what is compared with them; not in ``all``."""
 COARSE_DN = 0.49
 """Root of 0.24 DN^2, the least dark variance that EMVA 1288 evaluates."""
 _GAINS_DN_PER_E = (0.05, 20.0)
@@ -149,18 +151,24 @@ def _of_plane(number: int, truth: PlaneTruth, plane: Any) -> list[Finding]:
             parameter=name,
             coarse=truth.dark_noise_e * truth.gain_dn_per_e < COARSE_DN,
             true=getattr(truth, name),
-            found=getattr(plane, name),
-            error=getattr(plane, f"{name}_se"),
+            found=getattr(plane, OF_PIXELS.get(name, name)),
+            error=getattr(plane, f"{OF_PIXELS.get(name, name)}_se"),
         )
-        for name in PARAMETERS
+        for name in (*PARAMETERS, *OF_PIXELS)
     ]
 
 
 def scores(found: Iterable[Finding]) -> dict[str, Score]:
-    """The score of each parameter, and of all together under ``all``."""
+    """The score of each parameter, and of `PARAMETERS` together under ``all``."""
     kept = list(found)
-    named = {name: [one for one in kept if one.parameter == name] for name in PARAMETERS}
-    return {name: _score(some) for name, some in (named | {"all": kept}).items()}
+    named = {name: _of(kept, name) for name in (*PARAMETERS, *OF_PIXELS, "all")}
+    return {name: _score(some) for name, some in named.items()}
+
+
+def _of(found: list[Finding], name: str) -> list[Finding]:
+    """The findings of one parameter, or of ``all``."""
+    names = PARAMETERS if name == "all" else (name,)
+    return [one for one in found if one.parameter in names]
 
 
 def _score(found: list[Finding]) -> Score:
@@ -184,7 +192,7 @@ def table(found: Iterable[Finding]) -> str:
         "   farthest"
     ]
     for name, score in scores(kept).items():
-        own = [one for one in kept if name in ("all", one.parameter) and one.z is not None]
+        own = [one for one in _of(kept, name) if one.z is not None]
         farthest = max(own, key=lambda one: abs(one.z or 0.0), default=None)
         told = "" if farthest is None else (
             f"z = {farthest.z:.1f}, camera {farthest.camera}: {farthest.found:.5g}, "

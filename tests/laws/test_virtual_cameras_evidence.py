@@ -8,7 +8,7 @@ import pytest
 
 import chromanoise as cn
 import virtual_cameras
-from virtual_cameras import PARAMETERS, findings, random_camera, scores, table
+from virtual_cameras import OF_PIXELS, PARAMETERS, findings, random_camera, scores, table
 
 CAMERAS = 200
 
@@ -46,7 +46,7 @@ def found_by(monkeypatch, characterize, cameras):
 def test_the_scores_find_errors_that_are_too_small_and_a_bias(monkeypatch):
     found = found_by(monkeypatch, characterize_by_the_truth(2.0, 0.5, hidden=("qe",)), 20)
     score = scores(found)
-    planes = len(found) // len(PARAMETERS)
+    planes = len({(one.camera, one.true) for one in found if one.parameter == "qe"})
     assert (score["qe"].values, score["qe"].missing) == (0, planes)
     assert score["all"].values == planes * (len(PARAMETERS) - 1)
     root = np.sqrt(score["all"].values)
@@ -54,7 +54,7 @@ def test_the_scores_find_errors_that_are_too_small_and_a_bias(monkeypatch):
     assert abs(score["all"].sd_z - 2.0) < 5 * 2.0 / np.sqrt(2) / root
     inside = 0.8543  # of a Gaussian with mean 0.5 and standard deviation 2, within 3
     assert abs(score["all"].within_3 - inside) < 5 * np.sqrt(inside * (1 - inside)) / root
-    assert len(table(found).splitlines()) == len(PARAMETERS) + 2
+    assert len(table(found).splitlines()) == len(PARAMETERS) + len(OF_PIXELS) + 2
 
 
 def test_random_cameras_depend_on_their_number_only_and_can_be_measured():
@@ -76,6 +76,7 @@ def test_stated_errors_of_characterized_cameras_are_right():
     found = [one for number in range(CAMERAS) for one in findings(1, number)]
     fine = [one for one in found if not one.coarse]
     print(table(fine))
-    for name, score in scores(fine).items():
+    for name in (*PARAMETERS, "all"):
+        score = scores(fine)[name]
         assert score.within_3 >= 0.99, name
         assert 0.9 < score.sd_z < 1.1, name
