@@ -1,6 +1,7 @@
 """From raw frames to the noise of each plane of a camera, in the way of EMVA 1288."""
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -25,8 +26,9 @@ from chromanoise.characterization.statistics import (
     planes_of,
 )
 from chromanoise.characterization.verdict import model_verdict
+from chromanoise.errors import InputError
 from chromanoise.io.frames.frame import Frame, FrameLevel, FrameSet
-from chromanoise.sensor import Mosaic, TransferFit, photon_transfer_fit
+from chromanoise.sensor import Mosaic, PhotonTransfer, TransferFit, photon_transfer_fit
 
 _MOST_AVERAGED = 16  # frames of a level from which fixed patterns are computed
 _HALF = 0.5  # of saturation, at which PRNU is measured
@@ -70,7 +72,7 @@ def characterized(
         transfer_table(frames, lights, i, f"{frames.source}, {name}")
         for i, name in enumerate(names)
     ]
-    fits = [photon_transfer_fit(table) for table in tables]
+    fits = [_fit(table) for table in tables]
     middle = _middle(frames, lights, fits)
     flat_means = _averages(middle.flats, tile)
     dark_level = middle if middle.darks else next((x for x in frames.levels if x.darks), None)
@@ -118,6 +120,20 @@ def characterized(
         verdict=model_verdict(frames, lights, planes, covariance / np.outer(sd, sd)),
         notes=(*frames.notes, *_hidden_notes(frames, lights, names)),
     )
+
+
+def _fit(table: PhotonTransfer) -> TransferFit:
+    """The photon transfer; without QE, and with a note, where the photons cannot be right.
+
+    Frames that were denoised give a QE above 1; the verdict names them.
+    """
+    try:
+        return photon_transfer_fit(table)
+    except InputError as error:
+        if table.photons is None or "photons" not in error.where:
+            raise
+        note = f"{table.source}: no QE: it {error.found}, which is not possible"
+        return photon_transfer_fit(replace(table, photons=None, notes=(*table.notes, note)))
 
 
 def plane_names(mosaic: Mosaic | None) -> tuple[str, ...]:

@@ -62,10 +62,10 @@ def spatial_variance(
     of_rows, of_columns = (max(part, 0.0) for part in (sample.row_dn2, sample.column_dn2))
     rest = max(sample.rest_dn2, 0.0)
     temporal = (rest * white + (of_rows + of_columns) * shared) / frames
-    rows, columns = mean.shape
+    rows, columns = image.shape
     by_rows, by_columns = of_rows * shared / frames, of_columns * shared / frames
     own = max(measured - by_rows - by_columns, 0.0)
-    error2 = 2 * (own**2 / mean.size + by_rows**2 / rows + by_columns**2 / columns)
+    error2 = 2 * (own**2 / image.size + by_rows**2 / rows + by_columns**2 / columns)
     error2 += 2 * temporal**2 / sample.samples
     return SpatialVariance(
         variance_dn2=(measured - temporal) / white,

@@ -46,7 +46,7 @@ def model_verdict(
         *_bends(planes),
         *_deviating(frames, planes, z),
         *_neighbors(frames, lights, planes),
-        *_channels(planes, correlation),
+        *_channels(planes, correlation, _pixels(frames, lights)),
         *_lights(frames, lights, planes),
     ]
     return ModelVerdict(
@@ -123,10 +123,13 @@ def _neighbors(
                 )
 
 
-def _channels(planes: Sequence[PlaneNoise], correlation: Float[Array, "p p"]) -> Iterator[str]:
+def _channels(
+    planes: Sequence[PlaneNoise], correlation: Float[Array, "p p"], pixels: int
+) -> Iterator[str]:
+    least = max(_LEAST_CORRELATION, _SURE_Z / math.sqrt(pixels))
     for i, one in enumerate(planes):
         for j in range(i):
-            if abs(correlation[i, j]) > _LEAST_CORRELATION:
+            if abs(correlation[i, j]) > least:
                 yield (
                     f"{planes[j].name} and {one.name}: the noise of the two planes correlates by "
                     f"{correlation[i, j]:+.3f}: the model has independent channels"
