@@ -18,7 +18,7 @@ from chromanoise.noise import saturated
 from chromanoise.scene import Cube, Scene, flat_field, light
 from chromanoise.sensor import Pixel, behind_filter, with_channels
 from chromanoise.spectra import DEFAULT_GRID, METRICS, Grid, cie_a, color_axes, equal_energy, led
-from strategies import EXPOSURE, GRID, PIXEL, reflectances, sensor_of, sensors, white_channel
+from strategies import EXPOSURE, GRID, reflectances, sensor_of, sensors, white_channel
 
 A = cie_a(GRID)
 
