@@ -17,6 +17,7 @@ from frame_files import (
     WRITERS,
     damaged,
     drawn,
+    write_cropped_dng,
     write_fits,
     write_npy,
     write_pgm,
@@ -121,13 +122,15 @@ def test_a_dng_tells_its_mosaic_levels_and_camera(tmp_path):
 def test_libraw_tells_the_same_of_a_dng_as_its_tags(tmp_path):
     from chromanoise.io.frames.camera_raw import _Raw
 
-    for mosaic in (bayer(), GRBG):
-        write_raw(tmp_path / "a.dng", drawn(), mosaic)
+    for mosaic, write in ((bayer(), write_raw), (GRBG, write_raw), (bayer(), write_cropped_dng)):
+        write(tmp_path / "a.dng", drawn(), *((mosaic,) if write is write_raw else ()))
         (frame,) = frames_in(tmp_path / "a.dng")
-        told = _Raw(path=frame.path, shape=frame.shape, pixels=24 * 30).header()
+        libraw = _Raw(path=frame.path, shape=frame.shape, pixels=24 * 30)
+        told = libraw.header()
         assert told["mosaic"] == frame.mosaic == mosaic
-        assert told["black_level_dn"] == frame.black_level_dn
-        assert told["white_level_dn"] == frame.white_level_dn
+        assert told["black_level_dn"] == frame.black_level_dn == 64.0
+        assert told["white_level_dn"] == frame.white_level_dn == 4000.0
+        assert (libraw() == frame.codes()).all()
 
 
 def test_exif_time_iso_camera_and_mosaic_of_a_tiff_are_read(tmp_path):
@@ -171,6 +174,14 @@ def test_the_mosaic_of_rows_from_the_bottom_ends_with_its_first_row(tmp_path, ro
     keys = {"BAYERPAT": "RGGB", "ROWORDER": "BOTTOM-UP"}
     write_fits(tmp_path / "a.fits", drawn(rows), **keys)
     assert frames_in(tmp_path / "a.fits")[0].mosaic.pattern[0] == first
+
+
+@pytest.mark.parametrize("kind", ["u1", "u2", "u4", "i2", "i4", "i8"])
+def test_fits_of_every_integer_are_read(tmp_path, kind):
+    limits = np.iinfo(kind)
+    codes = np.array([[limits.min, limits.max], [0, 1]], kind)
+    write_fits(tmp_path / "a.fits", codes)
+    assert frames_in(tmp_path / "a.fits")[0].codes().tolist() == codes.tolist()
 
 
 @pytest.mark.parametrize("scale", [1.0, 0.5])
@@ -330,7 +341,7 @@ def test_damaged_frames_are_integers_or_one_sentence(tmp_path, name):
     path = tmp_path / file
     write(path, drawn())
     whole, rng = path.read_bytes(), np.random.default_rng(7)
-    count = DAMAGED // (5 if name in ("dng", "tiff by pillow") else 1)
+    count = DAMAGED // (5 if name in ("dng", "dng by libraw", "tiff by pillow") else 1)
     cuts = [whole[: len(whole) * i // 20] for i in range(20)]
     refused = 0
     for content in cuts + [damaged(whole, rng) for _ in range(count)]:

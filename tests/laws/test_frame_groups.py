@@ -322,6 +322,7 @@ WRONG = {
     "a mosaic as list": ("mosaic = [1]\n" + LEVEL, {"where": "mosaic"}),
     "levels as a list of numbers": ("levels = [1]\n", {"where": "levels"}),
     "an absolute name": ('[[levels]]\nflats = ["/a.npy"]\n', {"value": "/a.npy"}),
+    "a name that is too long": (f'darks = ["{"a" * 300}"]\n' + LEVEL, {"value": "a" * 300}),
     "a wrong pattern": ('[[levels]]\nflats = ["**a"]\n', {"value": "**a"}),
     "a frame beyond the stack": ('[[levels]]\nflats = ["s.npy[7]"]\n', {"value": "s.npy[7]"}),
     "no TOML": ("[[levels\n", {"requirement": "is not TOML"}),

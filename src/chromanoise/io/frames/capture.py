@@ -1,6 +1,7 @@
 """``capture.toml``: which frames are flats and darks, without guessing."""
 
 import math
+import os
 import re
 import tomllib
 from collections.abc import Mapping
@@ -33,6 +34,7 @@ _MOST_BITS = 32
 _MOST_FILES = 100_000
 _LONGEST_MS = 1e9
 _MOST_PHOTONS = 1e15
+_LONGEST_NAME = 1000
 _PART = re.compile(r"(.+?)((?:\[[^\[\]]{1,100}\]){1,2})")
 
 _FramesOfFile = dict[Path, tuple[Frame, ...]]
@@ -191,7 +193,8 @@ def _frames(path: Path, words: Any, where: str, opened: _FramesOfFile) -> tuple[
 
 def _of_word(path: Path, word: str, where: str, opened: _FramesOfFile) -> tuple[Frame, ...]:
     folder = path.parent
-    if Path(word).is_absolute() or "\0" in word or len(word) > 1000:
+    long = any(len(os.fsencode(name)) > 255 for name in word.split("/"))
+    if Path(word).is_absolute() or "\0" in word or long or len(word) > _LONGEST_NAME:
         raise InputError(
             str(path), "must name frames relative to the file", value=word, where=where
         )

@@ -117,11 +117,17 @@ class _Scaled:
             )
         if (self.zero, self.scale) == (0.0, 1.0):
             return whole_codes(name, stored)
+        half = 2.0 ** (8 * stored.dtype.itemsize - 1)
+        if (self.zero, self.scale, stored.dtype.kind) == (half, 1.0, "i"):  # unsigned integers
+            unsigned = np.dtype(f"u{stored.dtype.itemsize}")
+            codes = stored.astype(stored.dtype.newbyteorder("=")).view(unsigned)
+            codes ^= unsigned.type(half)
+            return codes
         if self.scale == 1.0 and self.zero.is_integer() and stored.dtype.kind in "ui":
-            codes = stored.astype(np.int64)
-            codes += int(self.zero)
-            low, high = int(codes.min()), int(codes.max())
-            return codes.astype(np.result_type(np.min_scalar_type(low), np.min_scalar_type(high)))
+            wide = stored.astype(np.int64)
+            wide += int(self.zero)
+            low, high = int(wide.min()), int(wide.max())
+            return wide.astype(np.result_type(np.min_scalar_type(low), np.min_scalar_type(high)))
         return whole_codes(name, self.zero + self.scale * stored.astype(np.float64))
 
 
