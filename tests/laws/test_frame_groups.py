@@ -325,6 +325,10 @@ WRONG = {
     "a name that is too long": (f'darks = ["{"a" * 300}"]\n' + LEVEL, {"value": "a" * 300}),
     "a wrong pattern": ('[[levels]]\nflats = ["**a"]\n', {"value": "**a"}),
     "a frame beyond the stack": ('[[levels]]\nflats = ["s.npy[7]"]\n', {"value": "s.npy[7]"}),
+    "a name of two levels": (
+        LEVEL + 'name = "a"\n[[levels]]\nname = "a"\ndarks = ["s.npy"]\n',
+        {"where": "names of levels", "value": "a"},
+    ),
     "no TOML": ("[[levels\n", {"requirement": "is not TOML"}),
     "a number of 5000 digits": (LEVEL + f"time_ms = {'9' * 5000}\n", {"requirement": "."}),
     "no text": (b"\xff\xfe", {"requirement": "UTF-8"}),
@@ -371,6 +375,11 @@ def test_what_is_no_folder_of_frames_is_refused(tmp_path):
     put(tmp_path, "a.npy", "b.npy", "capture.toml", "notes.txt")
     with refused_input(subject=str(tmp_path / "capture.toml"), requirement="alone"):
         read_frame_set([tmp_path / "capture.toml", tmp_path / "a.npy"])
+    put(tmp_path / "deep", "c.npy")
+    (tmp_path / "capture.toml").rename(tmp_path / "deep" / "capture.toml")
+    for words in ([tmp_path], [tmp_path / "a.npy", tmp_path / "deep"]):
+        with refused_input(subject=str(tmp_path / "deep" / "capture.toml"), requirement="alone"):
+            read_frame_set(words)
     with refused_input(subject=str(tmp_path / "notes.txt")):
         read_frame_set([tmp_path / "notes.txt"])
     with refused_input(requirement="given once"):

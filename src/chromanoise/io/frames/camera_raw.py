@@ -13,7 +13,7 @@ from chromanoise import _sandbox
 from chromanoise._check import Array
 from chromanoise._shapes import UInt16
 from chromanoise.errors import InputError
-from chromanoise.io.cubes.errors import reading, refuse_absent_library
+from chromanoise.io.cubes.errors import reading, reading_rows, refuse_absent_library
 from chromanoise.io.cubes.tiff import is_plain, refuse_incomplete
 from chromanoise.io.frames.exif import CFA, exposure_of, mosaic_of, smallest_mosaic
 from chromanoise.io.frames.frame import Frame
@@ -85,7 +85,7 @@ class _Raw:
         return told | {"mosaic": None if rows is None else smallest_mosaic(rows)}
 
     def _called(self, function: Any) -> Any:
-        with reading(self.path, "camera raw"):
+        with reading_rows(self.path, "camera raw"):  # threads may read frames at once
             return _sandbox.sandboxed(
                 function,
                 str(self.path),

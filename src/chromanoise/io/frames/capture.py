@@ -23,6 +23,7 @@ from chromanoise.io.frames.consistency import (
 )
 from chromanoise.io.frames.formats import frames_in
 from chromanoise.io.frames.frame import Frame, FrameLevel, FrameSet
+from chromanoise.io.pixels.source_text import errors_in_file
 from chromanoise.sensor import Mosaic, mosaic_named
 
 CAPTURE = "capture.toml"
@@ -71,6 +72,8 @@ def read_capture(path: Path) -> FrameSet:
             str(path), "must have at least one [[levels]]", found="has none", remedy=EXAMPLE
         )
     _refuse_repeated(path, levels)
+    with errors_in_file(path):
+        _check.distinct("names of levels", [level.name for level in levels])
     refuse_few(str(path), levels)
     bits = _bits(path, table)
     levels = [_with_bits(level, bits) for level in levels]
