@@ -181,14 +181,18 @@ def _frames(path: Path, words: Any, where: str, opened: _FramesOfFile) -> tuple[
             where=where,
         )
     frames = [frame for word in words for frame in _of_word(path, word, where, opened)]
-    names = [(frame.path, frame.part, frame.index) for frame in frames]
-    repeated = next((name for i, name in enumerate(names) if name in names[:i]), None)
+    seen: set[tuple[Path, str, int | None]] = set()
+    repeated = None
+    for frame in frames:
+        key = (frame.path, frame.part, frame.index)
+        repeated = frame if key in seen and repeated is None else repeated
+        seen.add(key)
     if repeated is not None:
         raise InputError(
             str(path),
             "must list each frame once",
-            value=repeated[0].name,
-            found=f"{repeated[0].name} is repeated",
+            value=repeated.name,
+            found=f"{repeated.name} is repeated",
             where=where,
         )
     return tuple(frames)

@@ -1,5 +1,6 @@
 """Raw frames in FITS files; astropy reads the headers, the codes are read in place."""
 
+import importlib
 import math
 from dataclasses import dataclass
 from pathlib import Path
@@ -38,7 +39,8 @@ def fits_frames(path: Path) -> tuple[Frame, ...]:
     FITS Standard 4.0 (IAU FITS Working Group, 2018), section 4.4. The rows of the mosaic are those
     of the file from its start, as ``ROWORDER = TOP-DOWN``; with ``BOTTOM-UP`` they are reversed.
     """
-    fits = library("astropy.io.fits", str(path), extra="fits")
+    library("astropy", str(path), extra="fits")
+    fits = importlib.import_module("astropy.io.fits")
     frames: list[Frame] = []
     with reading(path, "FITS"), path.open("rb") as file:
         if file.read(10) != b"SIMPLE  = ":
