@@ -101,6 +101,25 @@ def write_raw(path, codes, mosaic=None, **changed):
     write_dng(path, codes, profile)
 
 
+def write_cropped_dng(path, codes):
+    """A DNG with 2 rows and 4 columns of masked pixels, so that its codes are not in place."""
+    height, width = codes.shape
+    whole = np.pad(codes, ((2, 0), (4, 0)))
+    unity = tuple(part for one in np.eye(3).ravel() for part in (int(one), 1))
+    tags = [
+        (272, 2, 0, "toy", True),
+        (33421, 3, 2, (2, 2), True),
+        (33422, 1, 4, bytes([0, 1, 1, 2]), True),
+        (50706, 1, 4, bytes([1, 4, 0, 0]), True),
+        (50708, 2, 0, "toy", True),
+        (50714, 4, 1, 64, True),
+        (50717, 4, 1, 4000, True),
+        (50721, 10, 9, unity, True),
+        (50829, 4, 4, (2, 4, 2 + height, 4 + width), True),
+    ]
+    tifffile.imwrite(path, whole, photometric="cfa", extratags=tags, metadata=None)
+
+
 WRITERS = {
     "npy": ("a.npy", write_npy),
     "npz": ("a.npz", write_npz),
@@ -117,6 +136,7 @@ WRITERS = {
     "pgm plain": ("a.pgm", write_plain_pgm),
     "png": ("a.png", write_png),
     "dng": ("a.dng", write_raw),
+    "dng by libraw": ("a.dng", write_cropped_dng),
 }
 """Name of the file and the function that writes one frame, by format."""
 

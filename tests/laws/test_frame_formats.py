@@ -17,6 +17,7 @@ from frame_files import (
     WRITERS,
     damaged,
     drawn,
+    write_cropped_dng,
     write_fits,
     write_npy,
     write_pgm,
@@ -121,13 +122,15 @@ def test_a_dng_tells_its_mosaic_levels_and_camera(tmp_path):
 def test_libraw_tells_the_same_of_a_dng_as_its_tags(tmp_path):
     from chromanoise.io.frames.camera_raw import _Raw
 
-    for mosaic in (bayer(), GRBG):
-        write_raw(tmp_path / "a.dng", drawn(), mosaic)
+    for mosaic, write in ((bayer(), write_raw), (GRBG, write_raw), (bayer(), write_cropped_dng)):
+        write(tmp_path / "a.dng", drawn(), *((mosaic,) if write is write_raw else ()))
         (frame,) = frames_in(tmp_path / "a.dng")
-        told = _Raw(path=frame.path, shape=frame.shape, pixels=24 * 30).header()
+        libraw = _Raw(path=frame.path, shape=frame.shape, pixels=24 * 30)
+        told = libraw.header()
         assert told["mosaic"] == frame.mosaic == mosaic
-        assert told["black_level_dn"] == frame.black_level_dn
-        assert told["white_level_dn"] == frame.white_level_dn
+        assert told["black_level_dn"] == frame.black_level_dn == 64.0
+        assert told["white_level_dn"] == frame.white_level_dn == 4000.0
+        assert (libraw() == frame.codes()).all()
 
 
 def test_exif_time_iso_camera_and_mosaic_of_a_tiff_are_read(tmp_path):
@@ -173,6 +176,14 @@ def test_the_mosaic_of_rows_from_the_bottom_ends_with_its_first_row(tmp_path, ro
     assert frames_in(tmp_path / "a.fits")[0].mosaic.pattern[0] == first
 
 
+@pytest.mark.parametrize("kind", ["u1", "u2", "u4", "i2", "i4", "i8"])
+def test_fits_of_every_integer_are_read(tmp_path, kind):
+    limits = np.iinfo(kind)
+    codes = np.array([[limits.min, limits.max], [0, 1]], kind)
+    write_fits(tmp_path / "a.fits", codes)
+    assert frames_in(tmp_path / "a.fits")[0].codes().tolist() == codes.tolist()
+
+
 @pytest.mark.parametrize("scale", [1.0, 0.5])
 def test_scaled_fits_are_bzero_plus_bscale_times_the_number(tmp_path, scale):
     from astropy.io import fits
@@ -215,6 +226,21 @@ def test_8_bit_frames_are_read(tmp_path):
 
 
 # refusals
+
+
+def all_codes(path):
+    return [(frame, frame.codes()) for frame in frames_in(path)]
+
+
+def sentence_or_codes(path):
+    """The refusal of a file; empty if its codes are integers of the declared shape."""
+    try:
+        read = all_codes(path)
+    except InputError as error:
+        return str(error)
+    assert read
+    assert all(codes.dtype.kind in "ui" and codes.shape == frame.shape for frame, codes in read)
+    return ""
 
 
 def color_picture(form, **options):
@@ -263,8 +289,7 @@ def test_what_is_no_raw_frame_is_refused_in_one_sentence(tmp_path, name):
     content, requirement = REFUSED[name]
     (tmp_path / name).write_bytes(content)
     with pytest.raises(InputError) as caught:
-        for frame in frames_in(tmp_path / name):
-            frame.codes()
+        all_codes(tmp_path / name)
     assert re.search(requirement, caught.value.requirement)
     assert caught.value.subject == str(tmp_path / name)
     assert "\n" not in str(caught.value)
@@ -316,20 +341,15 @@ def test_damaged_frames_are_integers_or_one_sentence(tmp_path, name):
     path = tmp_path / file
     write(path, drawn())
     whole, rng = path.read_bytes(), np.random.default_rng(7)
-    count = DAMAGED // (5 if name in ("dng", "tiff by pillow") else 1)
+    count = DAMAGED // (5 if name in ("dng", "dng by libraw", "tiff by pillow") else 1)
     cuts = [whole[: len(whole) * i // 20] for i in range(20)]
     refused = 0
     for content in cuts + [damaged(whole, rng) for _ in range(count)]:
         path.write_bytes(content)
-        try:
-            for frame in frames_in(path):
-                codes = frame.codes()
-                assert codes.dtype.kind in "ui"
-                assert codes.shape == frame.shape
-        except InputError as error:
-            refused += 1
-            assert "\n" not in str(error)
-            assert str(path) in str(error)
-            assert not re.search(r"<class|object at 0x|__\w+__|Traceback", str(error))
+        sentence = sentence_or_codes(path)
+        refused += bool(sentence)
+        assert not sentence or str(path) in sentence
+        assert "\n" not in sentence
+        assert not re.search(r"<class|object at 0x|__\w+__|Traceback", sentence)
         assert path.read_bytes() == content
     assert refused >= (10 if name.startswith("fits") else 20)

@@ -1,4 +1,4 @@
-"""Readers (`spectra`, `cubes`, `pixels`) and writers of files."""
+"""Readers (`spectra`, `cubes`, `pixels`, `frames`) and writers of files."""
 
 from typing import TYPE_CHECKING
 

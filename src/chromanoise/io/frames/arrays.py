@@ -11,7 +11,7 @@ from chromanoise._check import Array, printable
 from chromanoise._shapes import Integer
 from chromanoise.errors import InputError
 from chromanoise.io.cubes.bounds import refuse_impossible
-from chromanoise.io.cubes.errors import reading
+from chromanoise.io.cubes.errors import reading, reading_rows
 from chromanoise.io.cubes.npz import npy_array, npz_arrays
 from chromanoise.io.frames.frame import Frame
 from chromanoise.io.frames.stored import StoredPlane, refuse_shape, whole_codes
@@ -109,7 +109,7 @@ class _Member:
 
     def __call__(self) -> Integer[Array, "h w"]:
         with (
-            reading(self.path, "NPZ"),
+            reading_rows(self.path, "NPZ"),
             zipfile.ZipFile(self.path) as archive,
             archive.open(f"{self.name}.npy") as stream,
         ):

@@ -310,7 +310,7 @@ def _by_time(
     notes = []
     if matched:
         used = sum(len(at[time]) for time in {key[1] for key in matched})
-        notes.append(f"{used} darks matched by exposure time to {len(matched)} levels")
+        notes.append(f"{used} darks matched by exposure time to {_levels(len(matched))}")
     if groups and len(matched) < len(groups):
         missing = len(groups) - len(matched)
         notes.append(f"{missing} of {len(groups)} levels have no darks of their exposure time")
@@ -351,7 +351,7 @@ def _without_times(
     bare = {key: _bare(key[0]) for key in groups}
     if len(set(bare.values())) == len(groups) and set(by_label) == set(bare.values()):
         matched = {key: by_label[label] for key, label in bare.items()}
-        return matched, {}, [f"{len(darks)} darks matched by name to {len(groups)} levels"]
+        return matched, {}, [f"{len(darks)} darks matched by name to {_levels(len(groups))}"]
     if len(by_label) == 1:
         return (
             dict.fromkeys(groups, darks),
@@ -393,7 +393,11 @@ def _counts(groups: dict[_Group, list[_Named]], what: str) -> str:
     """``12 levels of 2 flats``."""
     counts = sorted({len(group) for group in groups.values()})
     several = f"{counts[0]}" if len(counts) == 1 else f"{counts[0]} to {counts[-1]}"
-    return f"{len(groups)} level{'s' if len(groups) > 1 else ''} of {several} {what}"
+    return f"{_levels(len(groups))} of {several} {what}"
+
+
+def _levels(count: int) -> str:
+    return f"{count} level{'' if count == 1 else 's'}"
 
 
 def _question(source: str, unclear: str) -> InputError:

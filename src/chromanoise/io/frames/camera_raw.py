@@ -13,11 +13,11 @@ from chromanoise import _sandbox
 from chromanoise._check import Array
 from chromanoise._shapes import UInt16
 from chromanoise.errors import InputError
-from chromanoise.io.cubes.errors import reading, refuse_absent_library
-from chromanoise.io.cubes.tiff import refuse_incomplete
+from chromanoise.io.cubes.errors import reading, reading_rows, refuse_absent_library
+from chromanoise.io.cubes.tiff import is_plain, refuse_incomplete
 from chromanoise.io.frames.exif import CFA, exposure_of, mosaic_of, smallest_mosaic
 from chromanoise.io.frames.frame import Frame
-from chromanoise.io.frames.stored import refuse_shape, refused_picture
+from chromanoise.io.frames.stored import StoredPlane, refuse_shape, refused_picture
 from chromanoise.io.frames.tiff import opened_tiff
 
 _MOST_PIXELS_PER_BYTE = 64  # of the lossless compressions that cameras use; zeros take 1/16 byte
@@ -26,22 +26,25 @@ _SLOWEST_PIXELS_PER_S = 1e6
 _HEADER_BYTES = 256 * 2**20
 _BYTES_PER_PIXEL = 8  # codes, their copy for the parent process, and LibRaw's own buffers
 _BLACK, _WHITE, _DNG_VERSION = 50714, 50717, 50706
+_LINEARIZATION, _ACTIVE_AREA = 50712, 50829
 _PROBE = 48  # a multiple of the periods 1, 2, 4, 6, 8 and 16 that LibRaw knows
 
 
 def raw_frames(path: Path) -> tuple[Frame, ...]:
     """The frame in a file of a camera: the visible pixels, without any processing.
 
-    Of a DNG the header is read. All other files are unpacked once, because LibRaw gives their
-    mosaic and levels only then.
+    An uncompressed DNG is read in place, of another DNG the header. All other files are unpacked
+    once, because LibRaw gives their mosaic and levels only then.
 
     Raises
     ------
     InputError
         If rawpy is not installed, LibRaw cannot read the file, or it holds demosaicked colors.
     """
+    from_tags, plane = _of_tags(path)
+    if plane is not None:
+        return (Frame(path=path, shape=plane.shape, read=plane, **from_tags),)
     refuse_absent_library("rawpy", str(path), extra="raw")
-    from_tags = _of_tags(path)
     size = path.stat().st_size
     with reading(path, "camera raw"):
         raw_shape, shape = _sandbox.sandboxed(
@@ -82,7 +85,7 @@ class _Raw:
         return told | {"mosaic": None if rows is None else smallest_mosaic(rows)}
 
     def _called(self, function: Any) -> Any:
-        with reading(self.path, "camera raw"):
+        with reading_rows(self.path, "camera raw"):  # threads may read frames at once
             return _sandbox.sandboxed(
                 function,
                 str(self.path),
@@ -93,32 +96,51 @@ class _Raw:
             )
 
 
-def _of_tags(path: Path) -> dict[str, Any]:
-    """What the TIFF tags tell: the exposure, and of a DNG all that a frame has.
+def _of_tags(path: Path) -> tuple[dict[str, Any], StoredPlane | None]:
+    """What the TIFF tags tell, and where the codes are if the file is an uncompressed DNG.
 
-    A file that is no TIFF (CR3, RAF, ...) tells nothing here; LibRaw then tells what it knows.
+    A file that is no TIFF (CR3, RAF, ...) tells nothing here; LibRaw then tells what it knows. Of a
+    DNG the tags tell all that a frame has.
     """
     with path.open("rb") as file:
         start = file.read(4)
     if start not in (b"II*\0", b"MM\0*"):
-        return {}
+        return {}, None
     with opened_tiff(path) as tiff:
         first = tiff.pages[0].aspage()
         told = {name: value for name, value in exposure_of(first).items() if value}
         if _DNG_VERSION not in first.tags:
-            return told
+            return told, None
         pages = [first, *(page.aspage() for page in first.pages or ())]
         whole = [page for page in pages if page.photometric == CFA]
         for page in whole:
             refuse_incomplete(path, 0, page)
-        if len(whole) != 1:
-            return told
-        mosaic = mosaic_of(whole[0])
+        mosaic = mosaic_of(whole[0]) if len(whole) == 1 else None
+        if mosaic is None:
+            return told, None
         levels = {
             "black_level_dn": _mean(whole[0], _BLACK),
             "white_level_dn": _mean(whole[0], _WHITE),
         }
-    return told if mosaic is None else told | levels | {"mosaic": mosaic}
+        return told | levels | {"mosaic": mosaic}, _in_place(path, whole[0])
+
+
+def _in_place(path: Path, page: Any) -> StoredPlane | None:
+    """The codes of a page of a DNG if they are stored as they are; else ``None``."""
+    shape = tuple(int(side) for side in page.shape)
+    active = page.tags.get(_ACTIVE_AREA)
+    plain = is_plain(page) and len(shape) == 2 and page.dtype == np.uint16
+    whole = active is None or tuple(active.value) == (0, 0, *shape)
+    if not (plain and whole) or _LINEARIZATION in page.tags:
+        return None
+    refuse_shape(path, "", shape)
+    return StoredPlane(
+        path=path,
+        size=path.stat().st_size,
+        offset=int(page.dataoffsets[0]),
+        stored=np.dtype(page.dtype).newbyteorder(page.parent.byteorder),
+        shape=(shape[0], shape[1]),
+    )
 
 
 def _mean(page: Any, tag: int) -> float | None:

@@ -1,6 +1,7 @@
 """``capture.toml``: which frames are flats and darks, without guessing."""
 
 import math
+import os
 import re
 import tomllib
 from collections.abc import Mapping
@@ -22,6 +23,7 @@ from chromanoise.io.frames.consistency import (
 )
 from chromanoise.io.frames.formats import frames_in
 from chromanoise.io.frames.frame import Frame, FrameLevel, FrameSet
+from chromanoise.io.pixels.source_text import errors_in_file
 from chromanoise.sensor import Mosaic, mosaic_named
 
 CAPTURE = "capture.toml"
@@ -33,6 +35,7 @@ _MOST_BITS = 32
 _MOST_FILES = 100_000
 _LONGEST_MS = 1e9
 _MOST_PHOTONS = 1e15
+_LONGEST_NAME = 1000
 _PART = re.compile(r"(.+?)((?:\[[^\[\]]{1,100}\]){1,2})")
 
 _FramesOfFile = dict[Path, tuple[Frame, ...]]
@@ -69,6 +72,8 @@ def read_capture(path: Path) -> FrameSet:
             str(path), "must have at least one [[levels]]", found="has none", remedy=EXAMPLE
         )
     _refuse_repeated(path, levels)
+    with errors_in_file(path):
+        _check.distinct("names of levels", [level.name for level in levels])
     refuse_few(str(path), levels)
     bits = _bits(path, table)
     levels = [_with_bits(level, bits) for level in levels]
@@ -176,14 +181,18 @@ def _frames(path: Path, words: Any, where: str, opened: _FramesOfFile) -> tuple[
             where=where,
         )
     frames = [frame for word in words for frame in _of_word(path, word, where, opened)]
-    names = [(frame.path, frame.part, frame.index) for frame in frames]
-    repeated = next((name for i, name in enumerate(names) if name in names[:i]), None)
+    seen: set[tuple[Path, str, int | None]] = set()
+    repeated = None
+    for frame in frames:
+        key = (frame.path, frame.part, frame.index)
+        repeated = frame if key in seen and repeated is None else repeated
+        seen.add(key)
     if repeated is not None:
         raise InputError(
             str(path),
             "must list each frame once",
-            value=repeated[0].name,
-            found=f"{repeated[0].name} is repeated",
+            value=repeated.name,
+            found=f"{repeated.name} is repeated",
             where=where,
         )
     return tuple(frames)
@@ -191,7 +200,8 @@ def _frames(path: Path, words: Any, where: str, opened: _FramesOfFile) -> tuple[
 
 def _of_word(path: Path, word: str, where: str, opened: _FramesOfFile) -> tuple[Frame, ...]:
     folder = path.parent
-    if Path(word).is_absolute() or "\0" in word or len(word) > 1000:
+    long = any(len(os.fsencode(name)) > 255 for name in word.split("/"))
+    if Path(word).is_absolute() or "\0" in word or long or len(word) > _LONGEST_NAME:
         raise InputError(
             str(path), "must name frames relative to the file", value=word, where=where
         )

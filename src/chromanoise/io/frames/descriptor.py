@@ -16,6 +16,7 @@ _HEAD_BYTES = 65536
 _LARGEST_BYTES = 16 * 2**20
 _MS_PER_NS = 1e-6
 _LARGEST = 1e18
+_MOST_FILES = 100_000
 _COMMANDS = {"v": 2, "n": 4, "b": 3, "d": 2, "i": 2}
 
 
@@ -26,7 +27,7 @@ class _Series:
     line: int
     time_ms: float
     photons: float | None
-    files: tuple[str, ...]
+    files: list[str]
 
     @property
     def spatial(self) -> bool:
@@ -65,11 +66,15 @@ def read_descriptor(path: Path) -> FrameSet:
     text = _text(path)
     bits, shape, series = _parsed(path, text)
     frames_of = {one.line: _frames(path, one, bits, shape) for one in series}
+    dark_at: dict[float, list[_Series]] = {}
+    for one in series:
+        if one.photons is None:
+            dark_at.setdefault(one.time_ms, []).append(one)
     levels, used = [], set()
     for one in series:
         if one.photons is None:
             continue
-        same = [dark for dark in series if dark.photons is None and dark.time_ms == one.time_ms]
+        same = dark_at.get(one.time_ms, [])
         darks = [dark for dark in same if dark.spatial == one.spatial] or same
         used |= {dark.line for dark in darks[:1]}
         dark = frames_of[darks[0].line] if darks else ()
@@ -116,6 +121,7 @@ def _parsed(path: Path, text: str) -> tuple[int, tuple[int, int], list[_Series]]
     """Bits, rows and columns, and all series."""
     form: list[int] = []
     series: list[_Series] = []
+    total = 0
     for number, words in _lines(text):
         if len(words) != _COMMANDS.get(words[0]):
             raise _refused(path, number, " ".join(words))
@@ -127,11 +133,11 @@ def _parsed(path: Path, text: str) -> tuple[int, tuple[int, int], list[_Series]]
             numbers = [_number(path, number, word) for word in words[1:]]
             photons = numbers[1] if words[0] == "b" else None
             time_ms = numbers[0] * _MS_PER_NS
-            series.append(_Series(line=number, time_ms=time_ms, photons=photons, files=()))
+            series.append(_Series(line=number, time_ms=time_ms, photons=photons, files=[]))
         elif words[0] == "i":
-            if not series:
+            if not series or (total := total + 1) > _MOST_FILES:
                 raise _refused(path, number, " ".join(words))
-            series[-1] = replace(series[-1], files=(*series[-1].files, words[1]))
+            series[-1].files.append(words[1])
     if len(form) != 3 or not 1 <= form[0] <= 32 or not series or len(series) > MOST_LEVELS:
         raise InputError(
             str(path),

@@ -1,5 +1,6 @@
 """Raw frames in FITS files; astropy reads the headers, the codes are read in place."""
 
+import importlib
 import math
 from dataclasses import dataclass
 from pathlib import Path
@@ -38,7 +39,8 @@ def fits_frames(path: Path) -> tuple[Frame, ...]:
     FITS Standard 4.0 (IAU FITS Working Group, 2018), section 4.4. The rows of the mosaic are those
     of the file from its start, as ``ROWORDER = TOP-DOWN``; with ``BOTTOM-UP`` they are reversed.
     """
-    fits = library("astropy.io.fits", str(path), extra="fits")
+    library("astropy", str(path), extra="fits")
+    fits = importlib.import_module("astropy.io.fits")
     frames: list[Frame] = []
     with reading(path, "FITS"), path.open("rb") as file:
         if file.read(10) != b"SIMPLE  = ":
@@ -117,11 +119,17 @@ class _Scaled:
             )
         if (self.zero, self.scale) == (0.0, 1.0):
             return whole_codes(name, stored)
+        half = 2.0 ** (8 * stored.dtype.itemsize - 1)
+        if (self.zero, self.scale, stored.dtype.kind) == (half, 1.0, "i"):  # unsigned integers
+            unsigned = np.dtype(f"u{stored.dtype.itemsize}")
+            codes = stored.astype(stored.dtype.newbyteorder("=")).view(unsigned)
+            codes ^= unsigned.type(half)
+            return codes
         if self.scale == 1.0 and self.zero.is_integer() and stored.dtype.kind in "ui":
-            codes = stored.astype(np.int64)
-            codes += int(self.zero)
-            low, high = int(codes.min()), int(codes.max())
-            return codes.astype(np.result_type(np.min_scalar_type(low), np.min_scalar_type(high)))
+            wide = stored.astype(np.int64)
+            wide += int(self.zero)
+            low, high = int(wide.min()), int(wide.max())
+            return wide.astype(np.result_type(np.min_scalar_type(low), np.min_scalar_type(high)))
         return whole_codes(name, self.zero + self.scale * stored.astype(np.float64))
 
 

@@ -13,7 +13,7 @@ from chromanoise._check import Array
 from chromanoise._shapes import Integer
 from chromanoise.errors import InputError
 from chromanoise.io.cubes.bounds import refuse_impossible
-from chromanoise.io.cubes.errors import reading
+from chromanoise.io.cubes.errors import reading, reading_rows
 from chromanoise.io.frames.frame import Frame
 from chromanoise.io.frames.stored import StoredPlane, refuse_shape, refused_picture
 
@@ -100,7 +100,7 @@ def _plain_codes(plane: StoredPlane) -> Integer[Array, "h w"]:
     path, count = plane.path, math.prod(plane.shape)
     codes = np.empty(count, np.uint16)
     done, rest = 0, b""
-    with reading(path, "PGM"), path.open("rb") as file:
+    with reading_rows(path, "PGM"), path.open("rb") as file:
         file.seek(plane.offset)
         while block := file.read(_BLOCK_BYTES):
             words = (rest + block).split()

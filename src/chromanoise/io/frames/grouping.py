@@ -85,6 +85,12 @@ def _by_name(paths: Sequence[Path]) -> FrameSet:
     for path in paths:
         inside = path.is_dir()
         for file in _files(path, deep=True) if inside else [path]:
+            if file.name == CAPTURE:
+                raise InputError(
+                    str(file),
+                    "must be given alone, because it lists the frames",
+                    remedy=f"evaluate {file.parent} by itself",
+                )
             if file.resolve() in seen:
                 raise InputError(str(file), "must be given once", found="is given twice")
             seen.add(file.resolve())
