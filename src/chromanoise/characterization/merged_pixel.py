@@ -169,11 +169,9 @@ def _spread(known: Sequence[tuple[PlaneNoise, float]], how: str) -> str:
     """How the planes were merged, and by how much they differ; nothing for one plane."""
     values = [value for _, value in known]
     size = abs(sum(values)) / len(values)
-    if len(known) == 1 or not size:
+    if len(known) == 1 or not size or max(values) == min(values):
         return ""
     percent = 100 * (max(values) - min(values)) / size
-    if not percent:
-        return " (the same in all planes)"
     listed = ", ".join(f"{plane.name} {value:.4g}" for plane, value in known)
     named = f": {listed}" if percent > _NAMED_PERCENT else ""
     return f" ({how}, the planes differ by {percent:.2g} %{named})"
