@@ -107,6 +107,17 @@ def test_the_verdict_stands_at_the_top_with_its_sentences():
     assert "does not hold" not in Page(characterization_report(monochrome())).text
 
 
+def test_names_of_planes_are_drawn_as_they_are():
+    names = ("$x", "_y", "<z>")
+    result = color(planes=tuple(plane_of(name) for name in names))
+    legends = [drawing.text for drawing in drawings(characterization_report(result))]
+    assert all(name in legends[0] for name in names)
+
+
+def drawings(text):
+    return [Page(one) for one in re.findall(r"<svg.*?</svg>", text, re.DOTALL)]
+
+
 def test_levels_without_light_have_no_chart_of_linearity():
     plane = plane_of()
     levels = tuple(replace(one, photons_per_pixel=None, time_ms=5.0) for one in plane.levels)

@@ -115,7 +115,7 @@ def _value(merged: _Merged | None) -> float | None:
 
 def _known(planes: Sequence[PlaneNoise], take: Take) -> list[tuple[PlaneNoise, float]]:
     found = [(plane, take(plane)) for plane in planes]
-    return [(plane, float(value)) for plane, value in found if value is not None]
+    return [(plane, float(v)) for plane, v in found if v is not None and math.isfinite(v)]
 
 
 def _read_noise_e(plane: PlaneNoise) -> float | None:

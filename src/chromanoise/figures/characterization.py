@@ -217,7 +217,7 @@ def _points(
         "markersize": 4.5,
         "color": color,
     }
-    ax.plot(x[curve.fitted], values[curve.fitted], label=curve.name, **style)
+    ax.plot(x[curve.fitted], values[curve.fitted], label=_label(curve.name), **style)
     ax.plot(x[~curve.fitted], values[~curve.fitted], markerfacecolor="none", **style)
 
 
@@ -231,6 +231,11 @@ def _finished(ax: Axes, curves: Sequence[PlaneCurves]) -> Axes:
 
 def _light_label(curves: Sequence[PlaneCurves]) -> str:
     return _LIGHT[next((c.light_unit for c in curves if c.light_unit), "ms") or "ms"]
+
+
+def _label(name: str) -> str:
+    """A name as plain text: no formula, and not hidden from the legend."""
+    return f" {name}".replace("$", r"\$") if name.startswith("_") else name.replace("$", r"\$")
 
 
 def _color(name: str) -> str:
