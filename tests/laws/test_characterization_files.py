@@ -139,6 +139,17 @@ def test_what_is_impossible_is_left_out_of_the_pixel_with_a_note():
     assert sum("not used" in note for note in pixel.notes) == 4
 
 
+def test_a_value_that_is_not_finite_counts_as_unknown(file):
+    plane = exact_plane(dark_noise_e=math.nan, full_well_e=math.inf, dsnu_e=math.nan)
+    result = monochrome(planes=(plane,))
+    pixel = read_pixel_source(file(pixel_toml(result), "pixel.toml"))
+    sheet = read_emva_sheet(file(emva_sheet(result, plane)))
+    for held in (pixel, sheet):
+        assert (held.read_noise_e, held.full_well_e, held.dsnu_e) == (None, None, None)
+    with refused_input(subject="dark noise of plane mono"):
+        noise_profile_json(result)
+
+
 def test_a_camera_that_breaks_the_model_says_so_in_the_notes_of_its_pixel():
     verdict = ModelVerdict(
         holds=False,

@@ -49,6 +49,22 @@ PROFILE = '{"S": [1e-4, 1.01e-4], "O": [1e-6, 1e-6], "black_level_dn": 64, "whit
 TRANSFER = "mean_dn,variance_dn2,samples,light\n100,4.1,1000,dark\n" + "".join(
     f"{100 + m},{0.5 * m + 4.1},1000,light\n" for m in range(50, 1000, 100)
 )
+PIXEL_TOML = """schema = "chromanoise pixel"
+schema_version = 1
+pitch_um = 3.45
+full_well_e = 9000 # e-
+read_noise_e = 2.4
+gain_dn_per_e = 0.5
+bits = 12
+black_level_dn = 64.5
+dark_current_e_per_s = 3
+dsnu_e = 1.5
+prnu = 0.008
+row_noise_e = 0.3
+qe = 0.6
+source = "a camera"
+notes = ["one", "two"]
+"""
 DARKTABLE = json.dumps(
     {
         "version": 0,
@@ -86,6 +102,7 @@ SAMPLES = {
     "sheet-json": (read_pixel_source, SHEET_JSON),
     "profile": (read_pixel_source, PROFILE),
     "transfer": (read_pixel_source, TRANSFER),
+    "pixel-toml": (read_pixel_source, PIXEL_TOML),
     "darktable": (read_darktable, DARKTABLE),
     "study": (read_study, STUDY),
     "output": (
@@ -122,7 +139,7 @@ def right_or_refused(read, path, name):
     return True
 
 
-KINDS = dict.fromkeys(("sheet", "sheet-json", "profile", "transfer"), PixelSource) | {
+KINDS = dict.fromkeys(("sheet", "sheet-json", "profile", "transfer", "pixel-toml"), PixelSource) | {
     "darktable": RelativeNoise,
     "study": Study,
     "output": Study,

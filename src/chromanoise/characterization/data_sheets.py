@@ -155,7 +155,7 @@ def _rows(result: Characterization, plane: PlaneNoise) -> list[_Row]:
         "u_e_min": (least, None),
         "u_p_sat": (_photons(well, plane.qe), None),
         "u_p_min": (_photons(least, plane.qe), None),
-        "SNR_max_dB": (10 * math.log10(well) if well else None, None),
+        "SNR_max_dB": (10 * math.log10(well) if well and well > 0 else None, None),
         "DR_dB": (plane.dynamic_range_db, None),
         "DSNU1288": (plane.dsnu_e, plane.dsnu_e_se),
         "PRNU1288": (plane.prnu, plane.prnu_se),
@@ -178,7 +178,7 @@ def _rows(result: Characterization, plane: PlaneNoise) -> list[_Row]:
         )
         for section, tag, name, symbol, unit, short in _FORM
         for value, error in (values[tag],)
-        if value is not None
+        if value is not None and math.isfinite(value)
     ]
 
 

@@ -115,7 +115,7 @@ def _value(merged: _Merged | None) -> float | None:
 
 def _known(planes: Sequence[PlaneNoise], take: Take) -> list[tuple[PlaneNoise, float]]:
     found = [(plane, take(plane)) for plane in planes]
-    return [(plane, float(value)) for plane, value in found if value is not None]
+    return [(plane, float(v)) for plane, v in found if v is not None and math.isfinite(v)]
 
 
 def _read_noise_e(plane: PlaneNoise) -> float | None:
@@ -169,11 +169,9 @@ def _spread(known: Sequence[tuple[PlaneNoise, float]], how: str) -> str:
     """How the planes were merged, and by how much they differ; nothing for one plane."""
     values = [value for _, value in known]
     size = abs(sum(values)) / len(values)
-    if len(known) == 1 or not size:
+    if len(known) == 1 or not size or max(values) == min(values):
         return ""
     percent = 100 * (max(values) - min(values)) / size
-    if not percent:
-        return " (the same in all planes)"
     listed = ", ".join(f"{plane.name} {value:.4g}" for plane, value in known)
     named = f": {listed}" if percent > _NAMED_PERCENT else ""
     return f" ({how}, the planes differ by {percent:.2g} %{named})"

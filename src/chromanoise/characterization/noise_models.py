@@ -289,7 +289,7 @@ def _normalized(result: Characterization, white_level_dn: float | None) -> _Norm
 
 def _dark_noise_dn2(plane: PlaneNoise) -> float:
     """Variance of the codes without light, rounding included. [DN^2]"""
-    if plane.dark_noise_e is None:
+    if plane.dark_noise_e is None or not math.isfinite(plane.dark_noise_e):
         raise _unknown(f"dark noise of plane {plane.name}", "take frames without light")
     return (plane.gain_dn_per_e * plane.dark_noise_e) ** 2 + ROUNDING_DN2
 

@@ -17,8 +17,9 @@ from chromanoise.characterization import (
 from chromanoise.figures.style import INK, QUIET, channel_color, chromanoise_style
 
 _MARKERS = "os^Dv<>Ph*"
-_SIZE_IN = (5.0, 3.6)
+_SIZE_IN = (4.2, 3.2)  # small, so that its text is legible on a phone
 _NOTICED_Z = 3.0
+_LEAST_PERCENT = 0.2  # of the axis of deviations, so that rounding does not fill it
 _LIGHT = {"photons": "photons per pixel", "ms": "exposure time [ms]"}
 
 
@@ -116,6 +117,9 @@ def draw_linearity_deviation(curves: Sequence[PlaneCurves], ax: Axes) -> Axes:
         ax.plot(curve.light, curve.deviation_percent, color=_color(curve.name), lw=0.8)
         _points(ax, curve, curve.deviation_percent, marker, at=curve.light)
     ax.axhline(0, color=QUIET, lw=0.8)
+    found = [c.deviation_percent for c in curves if c.deviation_percent is not None]
+    most = max([_LEAST_PERCENT, *(1.2 * float(np.nanmax(np.abs(one))) for one in found)])
+    ax.set_ylim(-most, most)
     ax.set(xlabel=_light_label(curves), ylabel="deviation from the line [%]")
     ax.set_xlim(left=0)
     return _finished(ax, curves)
@@ -136,7 +140,7 @@ def draw_variance_residuals(curves: Sequence[PlaneCurves], ax: Axes) -> Axes:
     for curve, marker in zip(curves, cycle(_MARKERS), strict=False):
         _points(ax, curve, curve.residual_z, marker)
     ax.set_yscale("symlog", linthresh=5, linscale=2)
-    ax.set_yticks([-100, -10, -5, -3, 0, 3, 5, 10, 100], minor=False)
+    ax.set_yticks([-1000, -100, -10, -3, 0, 3, 10, 100, 1000], minor=False)
     ax.yaxis.set_major_formatter(lambda value, _: f"{value:g}")
     ax.set_yticks([], minor=True)
     most = max([6.0, *(1.5 * float(np.abs(curve.residual_z).max()) for curve in curves)])
@@ -213,7 +217,7 @@ def _points(
         "markersize": 4.5,
         "color": color,
     }
-    ax.plot(x[curve.fitted], values[curve.fitted], label=curve.name, **style)
+    ax.plot(x[curve.fitted], values[curve.fitted], label=_label(curve.name), **style)
     ax.plot(x[~curve.fitted], values[~curve.fitted], markerfacecolor="none", **style)
 
 
@@ -221,12 +225,17 @@ def _finished(ax: Axes, curves: Sequence[PlaneCurves]) -> Axes:
     ax.set_axisbelow(True)
     ax.grid(visible=True, color=QUIET, alpha=0.25, linewidth=0.6)
     if len(curves) > 1 or len(ax.get_legend_handles_labels()[1]) > 1:
-        ax.legend(fontsize=8, framealpha=0, ncols=1 + len(curves) // 6)
+        ax.legend(fontsize=8, framealpha=0, handletextpad=0.4, ncols=1 + len(curves) // 6)
     return ax
 
 
 def _light_label(curves: Sequence[PlaneCurves]) -> str:
     return _LIGHT[next((c.light_unit for c in curves if c.light_unit), "ms") or "ms"]
+
+
+def _label(name: str) -> str:
+    """A name as plain text: no formula, and not hidden from the legend."""
+    return f" {name}".replace("$", r"\$") if name.startswith("_") else name.replace("$", r"\$")
 
 
 def _color(name: str) -> str:

@@ -103,7 +103,7 @@ def characterization_report(result: Characterization) -> str:
         charts=charts,
         correlation=[[_number(v, 3) for v in row] for row in result.correlation.tolist()],
         levels=[(plane.name, [_level(one) for one in plane.levels]) for plane in result.planes],
-        notes=[*result.notes, *(note for plane in result.planes for note in plane.fit.notes)],
+        notes=[*result.notes, *_fit_notes(result.planes)],
     )
 
 
@@ -226,7 +226,7 @@ _PARAMETERS: tuple[tuple[str, str, Callable[[PlaneNoise], _Value]], ...] = (
     ("Black level", "DN", lambda p: (p.black_level_dn, p.black_level_dn_se)),
     ("Linearity error", "%", lambda p: (p.linearity_error_percent, None)),
     ("Dark current", "e⁻/s", lambda p: (p.dark_current_e_per_s, p.dark_current_e_per_s_se)),
-    ("Bend of the variance", "standard errors", lambda p: (p.bend_z, None)),
+    ("Bend of the variance, z", "", lambda p: (p.bend_z, None)),
 )
 _PATTERNS: tuple[tuple[str, str, Callable[[PlaneNoise], _Value]], ...] = (
     ("DSNU", "e⁻", lambda p: (p.dsnu_e, p.dsnu_e_se)),
@@ -249,15 +249,26 @@ def _table(
 
 
 def _measured(value: float | None, error: float | None) -> str:
-    """A value with its error, to two digits of the error; five digits without one."""
+    """A value with its error, to two digits of the error; four digits without one."""
     if value is None or not math.isfinite(value):
         return "–"
     if error is None or not math.isfinite(error) or error <= 0:
-        return _number(value, 5)
+        return _plain_number(value)
     decimals = max(0, 1 - math.floor(math.log10(error)))
     if decimals > 12:
-        return _number(value, 5)
+        return _plain_number(value)
     return f"{value:.{decimals}f} ± {error:.{decimals}f}".replace("-", "\N{MINUS SIGN}")
+
+
+def _plain_number(value: float) -> str:
+    if abs(value) < 1e4:
+        return _number(value, 4)
+    return f"{value:.0f}".replace("-", "\N{MINUS SIGN}")
+
+
+def _fit_notes(planes: Sequence[PlaneNoise]) -> list[str]:
+    """The remarks of the photon transfers, with the name of the plane."""
+    return [f"plane {plane.name}: {note}" for plane in planes for note in plane.fit.notes]
 
 
 def _number(value: float | None, digits: int) -> str:
