@@ -58,7 +58,7 @@ def code_law(mean, *, gain, read_e, black, top):
     counts = np.arange(max(0, int(mean - reach)), int(mean + reach))
     share = stats.poisson.pmf(counts, mean)
     sd = gain * np.hypot(np.sqrt(mean), read_e) + 1
-    low = max(0, int(black + gain * mean - 9 * sd))
+    low = min(top, max(0, int(black + gain * mean - 9 * sd)))
     codes = np.arange(low, min(top, int(black + gain * mean + 9 * sd + 40)) + 1)
     below = np.empty(codes.size)
     for i in range(0, codes.size, 256):
