@@ -11,7 +11,6 @@ if TYPE_CHECKING:
         emva_sheet_xml,
         photon_transfer_csv,
     )
-    from chromanoise.characterization.json_form import characterization_as_json
     from chromanoise.characterization.kept_statistics import resumed
     from chromanoise.characterization.matrix_check import MatrixCheck, variance_through
     from chromanoise.characterization.measure import characterized, plane_names
@@ -28,6 +27,7 @@ if TYPE_CHECKING:
         LevelNoise,
         ModelVerdict,
         PlaneNoise,
+        characterization_as_json,
     )
     from chromanoise.characterization.statistics import (
         LightSample,

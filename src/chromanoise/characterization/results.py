@@ -1,12 +1,18 @@
 """What raw frames tell about a camera: one result per plane of the mosaic, and a verdict."""
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, fields, is_dataclass
 from typing import Any
 
-from chromanoise import _check
+import numpy as np
+
+from chromanoise import __version__, _check
 from chromanoise._check import Array
 from chromanoise._shapes import Float
 from chromanoise.sensor import Mosaic, TransferFit
+
+SCHEMA = "chromanoise characterization"
+SCHEMA_VERSION = 1
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -195,8 +201,6 @@ class Characterization:
 
     def to_dict(self) -> dict[str, Any]:
         """As ``chromanoise characterize --json``."""
-        from chromanoise.characterization.json_form import characterization_as_json
-
         return characterization_as_json(self)
 
     def __repr__(self) -> str:
@@ -208,3 +212,33 @@ class Characterization:
         )
         holds = "holds" if self.verdict.holds else "does not hold"
         return f"<Characterization: {planes}; the linear model {holds}>"
+
+
+def characterization_as_json(result: Characterization) -> dict[str, Any]:
+    """All numbers of a characterization with all digits, as plain data for ``json.dumps``.
+
+    Parameters
+    ----------
+    result
+        A characterization.
+
+    Returns
+    -------
+    dict
+        ``schema``, ``schema_version``, ``version`` and the fields of `Characterization`; the
+        mosaic is a list of rows, ``planes`` a list of objects with the fields of `PlaneNoise`. A
+        value that is not known or not finite is ``None``.
+    """
+    head = {"schema": SCHEMA, "schema_version": SCHEMA_VERSION, "version": __version__}
+    mosaic = [list(row) for row in result.mosaic.pattern] if result.mosaic else None
+    return {**head, **_plain(result), "mosaic": mosaic}
+
+
+def _plain(value: Any) -> Any:
+    if is_dataclass(value):
+        return {field.name: _plain(getattr(value, field.name)) for field in fields(value)}
+    if isinstance(value, np.ndarray | np.generic):
+        return _plain(value.tolist())
+    if isinstance(value, list | tuple):
+        return [_plain(entry) for entry in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
