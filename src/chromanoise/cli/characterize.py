@@ -6,8 +6,13 @@ import click
 from rich.table import Table as Grid
 
 from chromanoise._files import refuse_unwritable
-from chromanoise.api import characterize as characterization_of
-from chromanoise.characterization import Characterization, PlaneNoise
+from chromanoise.characterization import (
+    Characterization,
+    PlaneNoise,
+    characterized,
+    light_sample,
+    resumed,
+)
 from chromanoise.cli.options import json_option
 from chromanoise.cli.output import refuse_taken_inputs, terminal, write_json
 from chromanoise.cli.parsing import command
@@ -68,7 +73,8 @@ def characterize(
             advance(done - before)
             before = done
 
-        result = characterization_of(read, resume=resume, progress=advanced)
+        sampled = light_sample if resume is None else resumed(resume)
+        result = characterized(read, sampled=sampled, progress=advanced)
     written: tuple[Path, ...] = ()
     if out is not None:
         from chromanoise.report.characterization_report import write_characterization
