@@ -14,7 +14,7 @@ from chromanoise.io.frames.frame import FrameLevel, FrameSet
 from chromanoise.sensor import TransferFit
 
 _LEAST_DARK_DN2 = 0.24  # below it the dark noise is mostly quantization: EMVA 1288
-_PLATEAU = 0.1  # of the largest variance, below which a level is saturated
+_PLATEAU = 0.1  # of the largest variance above dark, below which a level is saturated
 _LINEAR = (0.05, 0.95)  # of saturation, between which linearity is judged
 _DYNAMIC_RANGE_E = 0.5  # added to the dark noise: EMVA 1288, eq. of the absolute threshold
 
@@ -186,12 +186,15 @@ def _full_well(
         return _Value(), None
     gain, relative = fit.gain_dn_per_e, fit.gain_se / fit.gain_dn_per_e
     samples = [own[key_of(level.flats)] for level in lit]
-    top = max(one.variance_dn2 for one in samples)
+    shot = [
+        one.variance_dn2 - (dark_of(level)[1] or 0.0)
+        for level, one in zip(lit, samples, strict=True)
+    ]
     at = [one.mean_dn - dark_of(level)[0] for level, one in zip(lit, samples, strict=True)]
     flat = [
         i
         for i, one in enumerate(samples)
-        if one.variance_dn2 < _PLATEAU * top and one.mean_dn > fit.saturation_dn
+        if shot[i] < _PLATEAU * max(shot) and one.mean_dn > fit.saturation_dn
     ]
     if flat:
         brightest = max(flat, key=lambda i: samples[i].mean_dn)

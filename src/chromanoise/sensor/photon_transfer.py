@@ -315,7 +315,7 @@ def _read_noise(
     levels: Levels, curves: _Curves, gain_se: float, source: str, notes: list[str]
 ) -> tuple[float | None, float | None]:
     """Root of the dark variance minus rounding, divided by the gain; error by the delta method."""
-    gain, fit = curves.gain, curves.gain_fit
+    gain, fit, limited = curves.gain, curves.gain_fit, False
     if not levels.black_known:
         notes.append(
             f"{source}: no dark row and no black level, so the read noise is unknown and K is the "
@@ -331,9 +331,10 @@ def _read_noise(
             notes.append(
                 f"{source}: the dark variance at exposure time 0 would be "
                 f"{weights @ dark_dn2:.3g} DN^2, so the read noise is that of the dark of the "
-                "shortest time, its dark current included"
+                "shortest time, its dark current included: an upper limit"
             )
             weights = levels.darks.at_shortest_time()
+            limited = True
         error2s = fit.spread * variance_error2(dark_dn2, levels.darks.samples)
         variance = float(weights @ dark_dn2)
         error2, common = weights**2 @ error2s, -(fit.dark_lever[0] * weights) @ error2s
@@ -348,7 +349,7 @@ def _read_noise(
     error2 += _rounding_error2(dark)
     relative2 = error2 / (2 * dark) ** 2 + (gain_se / gain) ** 2 - common / (dark * gain)
     read = float(np.sqrt(dark)) / gain
-    return read, read * float(np.sqrt(max(relative2, 0.0)))
+    return read, None if limited else read * float(np.sqrt(max(relative2, 0.0)))
 
 
 def _rounding_error2(variance_dn2: float) -> float:
