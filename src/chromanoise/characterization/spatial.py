@@ -12,7 +12,8 @@ from chromanoise.characterization.statistics import PlaneSample
 _HOT_SIGMA = 6.0  # of the spread of the dark mean: of 10^8 normal pixels, 0.1 lie above
 _TO_SIGMA = 1.482602218505602  # from the median absolute deviation of a normal distribution
 _LEAST_SIDE = 64  # of a plane that is high-pass filtered
-_SMOOTH = np.convolve(np.convolve(np.ones(7) / 7, np.ones(11) / 11), np.array([1, 2, 1]) / 4)
+_WIDTHS, _BINOMIAL = (7, 11), np.array([1.0, 2.0, 1.0]) / 4
+_SMOOTH = np.convolve(np.convolve(*(np.full(width, 1 / width) for width in _WIDTHS)), _BINOMIAL)
 """Smoothing of EMVA 1288 in one direction: 7 and 11 pixels wide, then a binomial of 3."""
 
 
@@ -89,8 +90,12 @@ def _kept() -> tuple[float, float]:
 
 def _without_shading(mean: Float[Array, "h w"]) -> Float[Array, "h2 w2"]:
     """The frame minus its smoothed copy, without the borders."""
-    from scipy.ndimage import convolve1d
+    from scipy.ndimage import convolve1d, uniform_filter1d
 
-    smooth = convolve1d(convolve1d(mean, _SMOOTH, axis=0), _SMOOTH, axis=1)
+    smooth = mean
+    for axis in (0, 1):
+        for width in _WIDTHS:
+            smooth = uniform_filter1d(smooth, width, axis=axis)
+        smooth = convolve1d(smooth, _BINOMIAL, axis=axis)
     border = _SMOOTH.size // 2
     return np.asarray((mean - smooth)[border:-border, border:-border])

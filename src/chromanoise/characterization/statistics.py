@@ -20,7 +20,8 @@ from chromanoise.errors import InputError
 from chromanoise.imaging.frame_sums import PairSums
 from chromanoise.io.frames.frame import Frame
 
-_BAND_PIXELS = 1 << 19  # of a plane, from which correlations are computed: error 0.0014
+BAND_PIXELS = 1 << 17
+"""Pixels of a plane from which correlations are computed: their error is 0.003."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -44,12 +45,10 @@ class PlaneSample:
         Variance of the mean over all frames, from temporal noise. [DN^2]
     pixels
         Pixels of the plane. [1]
-    top_share
-        Share of the pixels of the first frame that have its largest code. [1]
     top_dn, bottom_dn
-        The largest and the smallest code of it. [DN]
-    bottom_share
-        Share of its pixels that have the smallest code. [1]
+        The largest and the smallest code in the middle rows of the first frame. [DN]
+    top_share, bottom_share
+        Share of the pixels in these rows that have them. [1]
     correlation_right, correlation_down
         Of the rest, between neighbors in a row, and in a column. [1]
     """
@@ -253,24 +252,29 @@ class _Band:
 
 
 def _band(a: Array, b: Array, tile: tuple[int, int]) -> _Band:
-    height, width = a.shape
-    rows = min(height // tile[0], max(4, _BAND_PIXELS // (width // tile[1])))
-    start = (height // tile[0] - rows) // 2 * tile[0]
-    cut = slice(start, start + rows * tile[0])
-    difference = a[cut].astype(np.int64) - b[cut]
+    cut = _band_rows(a.shape, tile)
+    rows, columns = (cut.stop - cut.start) // tile[0], a.shape[1] // tile[1]
+    difference = a[cut].astype(np.float32) - b[cut].astype(np.float32)
     rests = []
     for plane in planes_of(difference, tile):
         rest = plane - plane.mean(axis=1, keepdims=True)
         rests.append(rest - rest.mean(axis=0, keepdims=True))
     right, down = [], []
     for rest in rests:
-        square = float((rest**2).mean()) or 1.0
+        square = float(np.vdot(rest, rest)) / rest.size or 1.0
         right.append(float((rest[:, 1:] * rest[:, :-1]).mean()) / square)
         down.append(float((rest[1:] * rest[:-1]).mean()) / square)
     flat = np.stack([rest.ravel() for rest in rests])
-    columns = width // tile[1]
     kept = (rows - 1) * (columns - 1)
     return _Band(right=np.array(right), down=np.array(down), covariance=flat @ flat.T / (2 * kept))
+
+
+def _band_rows(shape: tuple[int, ...], tile: tuple[int, int]) -> slice:
+    """Rows in the middle of a frame with enough pixels for correlations."""
+    height, width = shape
+    rows = min(height // tile[0], max(4, BAND_PIXELS // (width // tile[1])))
+    start = (height // tile[0] - rows) // 2 * tile[0]
+    return slice(start, start + rows * tile[0])
 
 
 def _sample(
@@ -300,7 +304,7 @@ def _sample(
     of_mean = rest / (rows * columns) + np.maximum(row, 0) / rows
     of_mean = (of_mean + np.maximum(column, 0) / columns) / count
     planes = []
-    for i, plane in enumerate(planes_of(first, tile)):
+    for i, plane in enumerate(planes_of(first[_band_rows(first.shape, tile)], tile)):
         top, bottom = int(plane.max()), int(plane.min())
         planes.append(
             PlaneSample(
@@ -313,7 +317,7 @@ def _sample(
                 column_se_dn2=float(column_se[i]),
                 samples=float(max(samples[i], 2.0)),
                 mean_variance_dn2=float(of_mean[i]),
-                pixels=plane.size,
+                pixels=rows * columns,
                 top_share=float((plane == top).mean()),
                 top_dn=top,
                 bottom_dn=bottom,

@@ -9,7 +9,7 @@ from chromanoise._check import Array
 from chromanoise._shapes import Float
 from chromanoise.characterization.lights import Key, key_of
 from chromanoise.characterization.results import ModelVerdict, PlaneNoise
-from chromanoise.characterization.statistics import LightSample
+from chromanoise.characterization.statistics import BAND_PIXELS, LightSample
 from chromanoise.io.frames.frame import FrameLevel, FrameSet
 
 _SURE_Z = 5.0  # standard errors beyond which a deviation is no chance
@@ -186,7 +186,7 @@ def _level(frames: FrameSet, name: str) -> FrameLevel:
 
 def _pixels(frames: FrameSet, lights: Mapping[Key, LightSample]) -> int:
     pixels = min(light.planes[0].pixels for light in lights.values())
-    return min(pixels, 1 << 19)
+    return min(pixels, BAND_PIXELS)
 
 
 def _names(group: Sequence[object]) -> str:

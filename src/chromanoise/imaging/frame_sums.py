@@ -12,21 +12,19 @@ from chromanoise.imaging.kernel_cache import kernel
 
 @kernel()
 @no_type_check
-def _add_pair(a, b, tile_y, tile_x, total, sums, squares, rows, greatest):
+def _add_pair(a, b, tile_y, tile_x, total, sums, squares, rows):
     """total, sums, squares (tile_y, W): of a, of a - b, of its square; rows (H, tile_x)."""
     height, width = a.shape
     for y in range(height):
         phase = y % tile_y
         row_a, row_b = a[y], b[y]
         of_total, of_sums, of_squares = total[phase], sums[phase], squares[phase]
-        top = greatest[phase]
         for x in range(width):
             code = np.int64(row_a[x])
             difference = code - np.int64(row_b[x])
             of_total[x] += code
             of_sums[x] += difference
             of_squares[x] += difference * difference
-            top[x] = max(top[x], code)
         for first in range(tile_x):
             whole = np.int64(0)
             for x in range(first, width, tile_x):
@@ -45,11 +43,9 @@ class PairSums:
         The same of the difference, and of its square. [DN], [DN^2]
     rows
         Sum of the difference over the columns of one phase, by row: (H, tx). [DN]
-    greatest
-        Largest code, by phase and column: (ty, W). [DN]
     """
 
-    __slots__ = ("greatest", "rows", "squares", "sums", "total")
+    __slots__ = ("rows", "squares", "sums", "total")
 
     def __init__(
         self, a: Integer[Array, "h w"], b: Integer[Array, "h w"], tile: tuple[int, int]
@@ -57,6 +53,5 @@ class PairSums:
         height, width = a.shape
         shape = (tile[0], width)
         self.total, self.sums, self.squares = (np.zeros(shape, np.int64) for _ in range(3))
-        self.greatest = np.full(shape, np.iinfo(np.int64).min)
         self.rows = np.zeros((height, tile[1]), np.int64)
-        _add_pair(a, b, *tile, self.total, self.sums, self.squares, self.rows, self.greatest)
+        _add_pair(a, b, *tile, self.total, self.sums, self.squares, self.rows)
