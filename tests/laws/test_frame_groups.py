@@ -381,7 +381,7 @@ def test_damaged_lists_of_frames_are_levels_or_one_sentence(tmp_path, name):
     path, rng = tmp_path / name, np.random.default_rng(3)
     path.write_bytes(LISTS[name])
     assert len(read_frame_set([path]).levels[0].flats) == 2
-    for i in range(300):
+    for i in range(150):
         edited = damaged(LISTS[name], rng) if i % 2 else mutated(LISTS[name], random_edits(rng))
         path.write_bytes(edited)
         try:

@@ -13,7 +13,7 @@ _HOT_SIGMA = 6.0  # of the spread of the dark mean: of 10^8 normal pixels, 0.1 l
 _TO_SIGMA = 1.482602218505602  # from the median absolute deviation of a normal distribution
 _LEAST_SIDE = 64  # of a plane that is high-pass filtered
 _WIDTHS, _BINOMIAL = (7, 11), np.array([1.0, 2.0, 1.0]) / 4
-_SMOOTH = np.convolve(np.convolve(*(np.full(width, 1 / width) for width in _WIDTHS)), _BINOMIAL)
+_SMOOTH = np.convolve(np.convolve(np.full(7, 1 / 7), np.full(11, 1 / 11)), _BINOMIAL)
 """Smoothing of EMVA 1288 in one direction: 7 and 11 pixels wide, then a binomial of 3."""
 
 

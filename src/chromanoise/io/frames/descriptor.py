@@ -135,8 +135,11 @@ def _parsed(path: Path, text: str) -> tuple[int, tuple[int, int], list[_Series]]
             time_ms = numbers[0] * _MS_PER_NS
             series.append(_Series(line=number, time_ms=time_ms, photons=photons, files=[]))
         elif words[0] == "i":
-            if not series or (total := total + 1) > _MOST_FILES:
+            if not series:
                 raise _refused(path, number, " ".join(words))
+            total += 1
+            if total > _MOST_FILES:
+                raise InputError(str(path), f"must list at most {_MOST_FILES} frames")
             series[-1].files.append(words[1])
     if len(form) != 3 or not 1 <= form[0] <= 32 or not series or len(series) > MOST_LEVELS:
         raise InputError(
