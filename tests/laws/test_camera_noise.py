@@ -94,7 +94,8 @@ def test_the_gain_of_each_channel_is_proportional_to_the_iso():
     np.testing.assert_allclose(high.gain_dn_per_e, 5 * own.gain_dn_per_e)
     np.testing.assert_allclose(high.read_noise_e, np.hypot(1 / high.gain_dn_per_e, 2.0))
     assert high.iso == 1000
-    assert own.at_iso(200).read_noise_e is not None
+    assert own.at_gain(3 * own.gain_dn_per_e).iso == pytest.approx(600)
+    np.testing.assert_array_equal(own.at_iso(200).read_noise_e, own.read_noise_e)
 
 
 # ---- from a sensor ----

@@ -541,8 +541,10 @@ class CameraNoise:
         if self.row_noise_law is not None:
             row_dn = self.row_noise_law.noise_dn(gain, score=row_score)
             row_e = float(np.mean(row_dn / gain))
+        ratio = float(gain[0] / self.gain_dn_per_e[0])
         return replace(
             self,
+            iso=None if self.iso is None else self.iso * ratio,
             gain_dn_per_e=gain,
             read_noise_e=read_dn / gain,
             row_noise_e=row_e,
@@ -587,8 +589,7 @@ class CameraNoise:
             low, high = (math.log(one) for one in self.gain_range_dn_per_e)
             first = math.exp(low + uniform * (high - low))
             gain = self.gain_dn_per_e * (first / self.gain_dn_per_e[0])
-            known = None if self.iso is None else self.iso * first / float(self.gain_dn_per_e[0])
-            own = replace(self._scattered(gain, read_score, row_score, shape), iso=known)
+            own = self._scattered(gain, read_score, row_score, shape)
         elif shape is not None:
             own = replace(self, tail_lambda=(shape,), gain_range_dn_per_e=None)
         if own.black_offsets_dn is None or len(own.black_offsets_dn) == 1:

@@ -1,0 +1,109 @@
+"""A characterized camera as the noise model of a sampler of training data."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from chromanoise.characterization.results import Characterization, PlaneNoise
+from chromanoise.errors import InputError, Setting
+from chromanoise.sensor import CameraNoise, ReadNoiseTable
+
+
+def camera_noise(results: Sequence[Characterization]) -> CameraNoise:
+    """The noise model of a camera from its frames at one ISO setting, or at several.
+
+    Parameters
+    ----------
+    results
+        One characterization, or one per ISO setting. The first one gives gain, black levels, dark
+        current, DSNU, PRNU and row noise; with several, the read noise at other settings is
+        interpolated between their means over the planes.
+
+    Returns
+    -------
+    CameraNoise
+        Its channels are the planes. The read noise is the dark noise without the row noise.
+        Dark current, DSNU, PRNU and row noise are means over the planes, 0 where not measured.
+
+    Raises
+    ------
+    InputError
+        If there is no result, or a plane has no dark noise or black level, if the bits are not
+        known, or if several results have no ISO or equal ones.
+
+    Notes
+    -----
+    EMVA 1288, release 4.0: the temporal dark noise contains that of rows.
+    """
+    if not results:
+        raise InputError("results", "must hold at least one characterization", value=0)
+    cameras = [_camera(one) for one in results]
+    if len(cameras) == 1:
+        return cameras[0]
+    isos = [one.iso for one in cameras]
+    if None in isos or len(set(isos)) < len(isos):
+        raise InputError(
+            "results",
+            "must each have an ISO setting of its own",
+            value=isos,
+            found=f"have {', '.join('none' if one is None else f'{one:g}' for one in isos)}",
+        )
+    cameras_by_gain = sorted(cameras, key=lambda one: float(one.gain_dn_per_e.mean()))
+    law = ReadNoiseTable(
+        gain_dn_per_e=np.array([one.gain_dn_per_e.mean() for one in cameras_by_gain]),
+        read_noise_dn=np.array(
+            [(one.read_noise_e * one.gain_dn_per_e).mean() for one in cameras_by_gain]
+        ),
+    )
+    return replace(cameras[0], read_noise_law=law)
+
+
+def _camera(result: Characterization) -> CameraNoise:
+    if result.bits is None:
+        raise InputError(
+            f"characterization of {result.source}",
+            "must have the bits of the codes",
+            found="does not",
+            remedy=Setting("bits"),
+        )
+    planes = result.planes
+    row_e = _mean([plane.row_noise_e for plane in planes])
+    wells = [plane.full_well_e for plane in planes if plane.full_well_e is not None]
+    return CameraNoise(
+        names=tuple(plane.name for plane in planes),
+        mosaic=result.mosaic,
+        iso=result.iso,
+        gain_dn_per_e=np.array([plane.gain_dn_per_e for plane in planes]),
+        read_noise_e=np.array([_read_noise_e(plane, row_e) for plane in planes]),
+        black_level_dn=np.array([_known(plane, "black_level_dn") for plane in planes]),
+        top_code_dn=float(2**result.bits - 1),
+        full_well_e=min(wells) if wells else None,
+        dark_current_e_per_s=max(0.0, _mean([one.dark_current_e_per_s for one in planes])),
+        dsnu_e=_mean([one.dsnu_e for one in planes]),
+        prnu=_mean([one.prnu for one in planes]),
+        row_noise_e=row_e,
+    )
+
+
+def _read_noise_e(plane: PlaneNoise, row_noise_e: float) -> float:
+    return math.sqrt(max(_known(plane, "dark_noise_e") ** 2 - row_noise_e**2, 0.0))
+
+
+def _known(plane: PlaneNoise, name: str) -> float:
+    value = getattr(plane, name)
+    if value is None:
+        raise InputError(
+            name,
+            "must be known for a noise model",
+            where=f"plane {plane.name}",
+            found="is not",
+            remedy="characterize the camera with dark frames",
+        )
+    return float(value)
+
+
+def _mean(values: Sequence[float | None]) -> float:
+    known = [one for one in values if one is not None]
+    return float(np.mean(known)) if known else 0.0

@@ -1,0 +1,95 @@
+"""A characterized camera as the noise model of a sampler."""
+
+from dataclasses import fields, replace
+
+import numpy as np
+import pytest
+
+import chromanoise as cn
+from chromanoise.characterization.results import Characterization, ModelVerdict, PlaneNoise
+from chromanoise.characterization.training_camera import camera_noise
+from chromanoise.sensor import Mosaic, TransferFit
+from outcomes import refused_input
+
+MOSAIC = Mosaic((("R", "G1"), ("G2", "B")))
+
+
+def blank(kind, **values):
+    return kind(**(dict.fromkeys((one.name for one in fields(kind)), None) | values))
+
+
+FIT = blank(
+    TransferFit,
+    source="frames",
+    gain_dn_per_e=1.0,
+    gain_se=0.1,
+    fitted=np.ones(3, dtype=bool),
+    residual_z=np.zeros(3),
+    chi2_per_row=1.0,
+    notes=(),
+)
+
+
+def plane(name, **values):
+    given = {
+        "gain_dn_per_e": 0.5,
+        "gain_dn_per_e_se": 0.01,
+        "dark_noise_e": 5.0,
+        "black_level_dn": 64.0,
+        "row_noise_e": 3.0,
+        "levels": (),
+        "fit": FIT,
+    }
+    return blank(PlaneNoise, name=name, **(given | values))
+
+
+def result(*, iso=100.0, bits=12, **values):
+    verdict = ModelVerdict(
+        holds=True, chi2_per_level=1.0, worst_level="", worst_z=0.0, sentences=()
+    )
+    return Characterization(
+        source="frames",
+        camera="",
+        iso=iso,
+        bits=bits,
+        mosaic=MOSAIC,
+        planes=tuple(plane(name, **values) for name in MOSAIC.names),
+        correlation=np.eye(4),
+        verdict=verdict,
+        notes=(),
+    )
+
+
+def test_the_model_has_the_values_of_the_planes():
+    camera = camera_noise([result(prnu=0.01, full_well_e=9000.0)])
+    assert camera.names == ("R", "G1", "G2", "B")
+    assert camera.mosaic == MOSAIC
+    assert camera.top_code_dn == 4095
+    assert (camera.gain_dn_per_e == 0.5).all()
+    assert (camera.black_level_dn == 64).all()
+    assert (camera.prnu, camera.full_well_e, camera.dsnu_e) == (0.01, 9000.0, 0.0)
+
+
+def test_the_dark_variance_of_a_sample_is_that_of_the_measured_dark_noise():
+    """5 e- of dark noise, of which 3 e- are row noise."""
+    add_noise = cn.noise.sampler(camera_noise([result()]), quantize=False)
+    assert add_noise(np.zeros((2, 2)), unit="electron").variance[0, 0] == pytest.approx(25.0)
+
+
+def test_results_at_several_settings_are_interpolated():
+    high = result(iso=400.0, gain_dn_per_e=2.0, dark_noise_e=13**0.5, row_noise_e=3.0)
+    camera = camera_noise([result(), high])
+    assert camera.at_iso(400).read_noise_e[0] == pytest.approx(2.0)
+    middle = camera.at_iso(200)
+    assert middle.read_noise_e[0] == pytest.approx((4 * 0.5 * 2 * 2.0) ** 0.5)
+
+
+def test_missing_values_are_refused_by_name():
+    with refused_input(subject="results"):
+        camera_noise([])
+    with refused_input(subject="results", value=[100.0, 100.0]):
+        camera_noise([result(), result()])
+    with refused_input(subject="dark_noise_e", where="plane R"):
+        camera_noise([result(dark_noise_e=None)])
+    with refused_input(subject="characterization of frames", setting="bits"):
+        camera_noise([replace(result(), bits=None)])
