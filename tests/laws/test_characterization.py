@@ -15,9 +15,11 @@ from chromanoise.characterization import (
     plane_names,
     resumed,
     variance_through,
+    variance_through_file,
 )
 from chromanoise.characterization.spatial import hot_pixels, spatial_variance
 from chromanoise.io.frames import Frame, FrameLevel, FrameSet, read_frame_set
+from chromanoise.io.given_matrices import GivenMatrix
 from chromanoise.sensor import Mosaic, bayer
 from outcomes import refused_input
 
@@ -227,6 +229,7 @@ def test_predicted_variance_through_a_matrix_is_the_measured_one(tmp_path):
     check = variance_through(found, to_xyz, ("R", "G", "B"))
     assert check.measured.shape == (14, 3)
     assert np.abs(check.mean_error).max() < 0.01
+    assert (check.names, sum(check.fitted) > 3) == (("1", "2", "3"), True)
     with refused_input(subject="matrix", value=("R", "G", "C")):
         variance_through(found, to_xyz, ("R", "G", "C"))
 
@@ -300,3 +303,21 @@ def test_darks_alone_are_refused():
     dark = noise((20, 20), pixel=3.0)
     with refused_input(subject="frames"):
         characterized(frame_set(level("b", darks=(dark, dark))))
+
+
+def test_a_matrix_of_white_balanced_raw_weighs_each_channel_by_its_white(tmp_path):
+    camera = replace(CAMERA, mosaic="RG/GB", shape=(120, 160), sensitivity=(0.25, 1.0, 0.5))
+    found = cn.characterize(frames_of(tmp_path / "f", camera))
+    given = GivenMatrix(source="m.csv", kind="balanced", target="sRGB", values=np.eye(3))
+    check = variance_through_file(found, given)
+    assert check.names == ("R", "G", "B")
+    k = max(i for i, fitted in enumerate(check.fitted) if fitted)
+    electrons = [  # of the cell: two greens are averaged, so that their noise is that of the sum
+        sum(
+            (plane.levels[k].mean_dn - plane.levels[k].dark_mean_dn) / plane.gain_dn_per_e
+            for plane in found.planes
+            if plane.name.startswith(name)
+        )
+        for name in "RGB"
+    ]
+    assert check.predicted[k] == pytest.approx(1 / np.array(electrons), rel=0.1)  # read noise

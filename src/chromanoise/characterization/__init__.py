@@ -12,7 +12,11 @@ if TYPE_CHECKING:
         photon_transfer_csv,
     )
     from chromanoise.characterization.kept_statistics import resumed
-    from chromanoise.characterization.matrix_check import MatrixCheck, variance_through
+    from chromanoise.characterization.matrix_check import (
+        MatrixCheck,
+        variance_through,
+        variance_through_file,
+    )
     from chromanoise.characterization.measure import characterized, plane_names
     from chromanoise.characterization.merged_pixel import pixel_of, pixel_toml
     from chromanoise.characterization.noise_models import (
@@ -34,6 +38,7 @@ if TYPE_CHECKING:
         PlaneSample,
         light_sample,
     )
+    from chromanoise.characterization.training_camera import camera_noise
     from chromanoise.characterization.virtual_camera import PlaneTruth, VirtualCamera
     from chromanoise.characterization.virtual_frames import photon_transfer_frames
 
@@ -48,6 +53,7 @@ __all__ = [
     "PlaneSample",
     "PlaneTruth",
     "VirtualCamera",
+    "camera_noise",
     "characterization_as_json",
     "characterized",
     "color_of_plane",
@@ -66,5 +72,6 @@ __all__ = [
     "plane_names",
     "resumed",
     "variance_through",
+    "variance_through_file",
 ]
 __getattr__, __dir__ = lazy_names(__name__)

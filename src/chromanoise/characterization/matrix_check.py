@@ -6,9 +6,11 @@ import numpy as np
 
 from chromanoise import _check
 from chromanoise._check import Array
+from chromanoise._linalg import pinv
 from chromanoise._shapes import Float
 from chromanoise.characterization.results import Characterization, PlaneNoise
 from chromanoise.errors import InputError
+from chromanoise.io.given_matrices import GivenMatrix
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -26,12 +28,15 @@ class MatrixCheck:
         The same from the linear model of each plane, with independent planes.
     fitted
         Whether all planes are below 70 % of saturation.
+    names
+        Of the rows of the matrix.
     """
 
     levels: tuple[str, ...]
     measured: Float[Array, "k q"]
     predicted: Float[Array, "k q"]
     fitted: tuple[bool, ...]
+    names: tuple[str, ...]
 
     def __post_init__(self) -> None:
         _check.freeze(self, "measured", "predicted")
@@ -46,7 +51,11 @@ class MatrixCheck:
 
 
 def variance_through(
-    result: Characterization, matrix: Float[Array, "q c"], channels: tuple[str, ...]
+    result: Characterization,
+    matrix: Float[Array, "q c"],
+    channels: tuple[str, ...],
+    *,
+    names: tuple[str, ...] = (),
 ) -> MatrixCheck:
     """The variance of each row of a matrix that is applied to electrons, measured and predicted.
 
@@ -58,6 +67,8 @@ def variance_through(
         One column per channel; of several planes of one channel (``G1``, ``G2``) the mean is taken.
     channels
         Names of the columns, e.g. ``("R", "G", "B")``.
+    names
+        Names of the rows; numbers by default.
 
     Raises
     ------
@@ -81,7 +92,59 @@ def variance_through(
         measured=np.einsum("qp,kpr,qr->kq", rows, result.covariance_dn2, rows),
         predicted=np.maximum(model - shared, 0.0) @ (rows**2).T,
         fitted=tuple(all(plane.levels[k].fitted for plane in result.planes) for k in levels),
+        names=names or tuple(str(i + 1) for i in range(len(rows))),
     )
+
+
+def variance_through_file(result: Characterization, given: GivenMatrix) -> MatrixCheck:
+    """`variance_through` for the color matrix of a file.
+
+    Parameters
+    ----------
+    result
+        A characterization.
+    given
+        From `chromanoise.io.given_matrices.read_matrix`. A matrix of white-balanced raw applies to
+        electrons over those of the brightest level that was fitted, whose light counts as white.
+
+    Raises
+    ------
+    InputError
+        As `variance_through`, or if no level is below saturation in all planes.
+    """
+    own = tuple(dict.fromkeys(_letters(plane.name) for plane in result.planes))
+    channels = given.channels or own
+    values = given.values
+    if given.kind == "from-xyz":
+        values = pinv(f"matrix of {given.source}", values)
+    elif given.kind == "balanced":
+        white = _white_e(result)
+        values = values / np.array([white.get(name, 1.0) for name in channels])
+    names = ("X", "Y", "Z") if given.target == "XYZ" else ("R", "G", "B")
+    return variance_through(result, values, channels, names=names)
+
+
+def _white_e(result: Characterization) -> dict[str, float]:
+    """Electrons of each channel at the brightest level that was fitted in all planes."""
+    fitted = [
+        k
+        for k in range(len(result.planes[0].levels))
+        if all(plane.levels[k].fitted for plane in result.planes)
+    ]
+    if not fitted:
+        raise InputError(
+            result.source, "must have a level below 70 % of saturation in all planes for a matrix"
+        )
+    electrons: dict[str, list[float]] = {}
+    for plane in result.planes:
+        level = plane.levels[fitted[-1]]
+        above = level.mean_dn - (level.dark_mean_dn or 0.0)
+        electrons.setdefault(_letters(plane.name), []).append(above / plane.gain_dn_per_e)
+    return {name: float(np.mean(values)) for name, values in electrons.items()}
+
+
+def _letters(plane: str) -> str:
+    return plane.rstrip("0123456789")
 
 
 def _shared_dn2(plane: PlaneNoise) -> float:
@@ -116,4 +179,4 @@ def _by_plane(
 
 def _channel_of(plane: str, channels: tuple[str, ...]) -> str:
     """The channel of a plane: ``G`` for ``G1``, unless there is a channel ``G1``."""
-    return plane if plane in channels else plane.rstrip("0123456789")
+    return plane if plane in channels else _letters(plane)

@@ -1,17 +1,21 @@
 """``chromanoise characterize``."""
 
 from pathlib import Path
+from typing import Any
 
 import click
 from rich.table import Table as Grid
 
 from chromanoise._files import refuse_unwritable
+from chromanoise.catalog.resolve import file_of
 from chromanoise.characterization import (
     Characterization,
+    MatrixCheck,
     PlaneNoise,
     characterized,
     light_sample,
     resumed,
+    variance_through_file,
 )
 from chromanoise.cli.options import json_option
 from chromanoise.cli.output import refuse_taken_inputs, terminal, write_json
@@ -19,6 +23,7 @@ from chromanoise.cli.parsing import command
 from chromanoise.cli.progress import progress_of
 from chromanoise.cli.tables import print_lines
 from chromanoise.io.frames import read_frame_set
+from chromanoise.io.given_matrices import read_matrix
 
 _ROWS = (
     ("gain K", "DN/e-", "gain_dn_per_e", 1.0),
@@ -50,9 +55,19 @@ _ROWS = (
     type=click.Path(path_type=Path, dir_okay=False),
     help="File for the statistics of the frames read so far; a later run goes on from it.",
 )
+@click.option(
+    "--matrix",
+    metavar="FILE",
+    help="Color matrix through which predicted and measured variance are compared: CSV, JSON, "
+    "CLF, DNG, DCP.",
+)
 @json_option
 def characterize(
-    frames: tuple[str, ...], out: Path | None, resume: Path | None, json_target: str | None
+    frames: tuple[str, ...],
+    out: Path | None,
+    resume: Path | None,
+    matrix: str | None,
+    json_target: str | None,
 ) -> None:
     """Noise of a camera from its own raw frames, in the way of EMVA 1288.
 
@@ -63,6 +78,7 @@ def characterize(
     refuse_taken_inputs({"--json": json_target}, frames, {})
     if out is not None:
         refuse_unwritable(out)
+    given = None if matrix is None else read_matrix(file_of(matrix))
     read = read_frame_set(frames)
     count = len({id(f) for level in read.levels for f in (*level.flats, *level.darks)})
     with progress_of("frames", count, "frames") as advance:
@@ -75,17 +91,46 @@ def characterize(
 
         sampled = light_sample if resume is None else resumed(resume)
         result = characterized(read, sampled=sampled, progress=advanced)
+    check = None if given is None else variance_through_file(result, given)
     written: tuple[Path, ...] = ()
     if out is not None:
         from chromanoise.report.characterization_report import write_characterization
 
         written = write_characterization(result, out)
     if json_target:
-        write_json(result.to_dict(), json_target)
+        told = {} if check is None else {"matrix_check": _check_as_json(check, str(matrix))}
+        write_json(result.to_dict() | told, json_target)
     if json_target != "-":
         _print(result)
+        if check is not None:
+            errors = zip(check.names, 100 * check.mean_error, strict=True)
+            print_lines(
+                [
+                    f"Through {matrix}, predicted variance relative to the measured one, mean of "
+                    f"{sum(check.fitted)} levels: "
+                    + ", ".join(f"{name} {error:+.2f} %" for name, error in errors)
+                ]
+            )
         if written:
             print_lines([f"Written to {out}: {', '.join(path.name for path in written)}"])
+
+
+def _check_as_json(check: MatrixCheck, source: str) -> dict[str, Any]:
+    return {
+        "source": source,
+        "names": list(check.names),
+        "mean_error": check.mean_error.tolist(),
+        "levels": [
+            {"name": name, "fitted": fitted, "measured": measured, "predicted": predicted}
+            for name, fitted, measured, predicted in zip(
+                check.levels,
+                check.fitted,
+                check.measured.tolist(),
+                check.predicted.tolist(),
+                strict=True,
+            )
+        ],
+    }
 
 
 def _print(result: Characterization) -> None:
