@@ -141,6 +141,7 @@ def _lights(
 ) -> Iterator[str]:
     """Light that drifts, flats that clip, and darks that end at code 0."""
     told: set[str] = set()
+    drifts: list[tuple[float, str, str]] = []
     for level in frames.levels:
         for group in (level.flats, level.darks):
             key = key_of(group)
@@ -155,10 +156,7 @@ def _lights(
             change = (means[high] - means[low]) / above
             bright = group is level.flats
             if bright and sample.drift_z > _SURE_Z and change > _LEAST_DRIFT:
-                yield (
-                    f"the light changed by {100 * change:.2g} % between {group[low].name} and "
-                    f"{group[high].name}; the variance is corrected for it"
-                )
+                drifts.append((change, group[low].name, group[high].name))
             dark = lights[key].planes[0]
             clipped = dark.bottom_dn == 0 and dark.bottom_share > _LEAST_CLIPPED
             if not bright and clipped and dark.variance_dn2 > 0:
@@ -166,6 +164,12 @@ def _lights(
                     f"{100 * dark.bottom_share:.2g} % of the pixels of {group[0].name} have code "
                     "0: the black level is clipped, so the dark noise is too low"
                 )
+    if drifts:
+        change, low_name, high_name = max(drifts)
+        yield (
+            f"the light changed between frames of {len(drifts)} levels, by up to "
+            f"{100 * change:.2g} % ({low_name} and {high_name}); the variance is corrected for it"
+        )
     for plane in planes:
         for one in plane.levels:
             if one.fitted and one.clipped_share > _LEAST_CLIPPED and _wide(one.variance_dn2):
