@@ -69,6 +69,7 @@ def plane_of(
         "black_level_dn": black_dn,
         "black_level_dn_se": 0.01,
         "saturation_dn": fit.saturation_dn,
+        "saturation_capacity_e": fit.full_well_e,
         "full_well_e": fit.full_well_e,
         "full_well_e_se": 12.0,
         "dynamic_range_db": 20 * np.log10(fit.full_well_e / (fit.read_noise_e + 0.5)).item(),
@@ -114,6 +115,7 @@ def _camera(**given):
         "iso": 100.0,
         "bits": 12,
         "correlation": np.eye(len(given["planes"])),
+        "covariance_dn2": np.ones((1, len(given["planes"]), len(given["planes"]))),
         "verdict": ModelVerdict(
             holds=True, chi2_per_level=1.02, worst_level="level 3", worst_z=1.7, sentences=()
         ),

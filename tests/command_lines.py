@@ -83,6 +83,9 @@ VALUES = {  # by the name of an option or argument; a command's own as "command.
     "frames": ["1", "2"],
     "darks": ["1", "2"],
     "levels": ["2", "3"],
+    "characterize.frames": ["shots", "shots/capture.toml"],
+    "characterize.resume": ["kept.json"],
+    "characterize.matrix": ["ccm.csv"],
     "demo-frames.frames": ["2", "3"],
     "demo-frames.shape": ["12x16"],
     "demo-frames.mosaic": ["RG/GB", "bayer", "rgb-ir"],
@@ -172,7 +175,7 @@ STRANGE = [
 WEIGHTS = {
     **{"analyze": 24, "compare": 12, "matrix": 15, "simulate": 14, "convert": 10, "inspect": 8},
     **{"catalog": 5, "run": 4, "rerun": 2, "report": 1, "init": 2, "study": 1, "serve": 2},
-    **{"reproduce": 1, "demo": 0.2, "demo-frames": 4},
+    **{"reproduce": 1, "demo": 0.2, "demo-frames": 4, "characterize": 5},
 }
 
 
@@ -189,6 +192,26 @@ def npy(array):
     return kept.getvalue()
 
 
+def frame_files():
+    """Frames of a small color camera, six levels and one set of darks, with capture.toml."""
+    rng = np.random.default_rng(6)
+
+    def codes(electrons):
+        noisy = rng.poisson(electrons, (24, 32)) + 3 * rng.standard_normal((24, 32))
+        return npy(np.clip(100 + 0.5 * noisy, 0, 4095).round().astype(np.uint16))
+
+    files, toml = {}, 'mosaic = "RG/GB"\nbits = 12\ndarks = ["d0.npy", "d1.npy"]\n'
+    for k in range(2):
+        files[f"shots/d{k}.npy"] = codes(0)
+    for i in range(6):
+        toml += (
+            f'[[levels]]\nflats = ["f{i}a.npy", "f{i}b.npy"]\nphotons_per_pixel = {900 * (i + 1)}\n'
+        )
+        for k in "ab":
+            files[f"shots/f{i}{k}.npy"] = codes(450 * (i + 1))
+    return files | {"shots/capture.toml": toml.encode()}
+
+
 def input_files():
     """Small files of every kind that a command line may name, by name."""
     return {
@@ -197,6 +220,8 @@ def input_files():
         "filter.csv": curve_csv(["filter"], lambda w, i: f"{0.9 if w < 660 else 0.02}"),
         "pixel.txt": b"K = 0.5 DN/e-\nsigma_d [e-] = 2.4\nmu_e.sat: 9000 e-\npixel pitch = 3 um\n",
         "mix.csv": b"to,R,G,B\nR,0.9,0.05,0\nG,0.05,0.9,0.05\nB,0,0.05,0.9\n",
+        "ccm.csv": b"1.6,-0.4,-0.2\n-0.2,1.4,-0.2\n0,-0.5,1.5\n",
+        **frame_files(),
         "cube.npy": npy(np.full((4, 5, 14), 0.4, np.float32)),
         "study.toml": STARTER.encode(),
         "é.csv": curve_csv("RGB", lambda w, i: f"{0.3 / (1 + i)}"),

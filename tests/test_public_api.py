@@ -19,6 +19,7 @@ from outcomes import refused_input
 
 NAMES = [
     "Analyses",
+    "Characterization",
     "ColorMatrix",
     "Comparison",
     "ComparisonMap",
@@ -44,6 +45,7 @@ NAMES = [
     "analyze",
     "catalog",
     "characterization",
+    "characterize",
     "charts",
     "color",
     "compare",

@@ -55,6 +55,7 @@ def result(*, iso=100.0, bits=12, **values):
         mosaic=MOSAIC,
         planes=tuple(plane(name, **values) for name in MOSAIC.names),
         correlation=np.eye(4),
+        covariance_dn2=np.ones((1, 4, 4)),
         verdict=verdict,
         notes=(),
     )

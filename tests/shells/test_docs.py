@@ -64,7 +64,7 @@ def readme_commands():
     return [one[1:] for one in words if one and one[0] in ("chromanoise", ".venv/bin/chromanoise")]
 
 
-LONG = ("reproduce", "rerun", "run")  # minutes, or for the sake of another
+LONG = ("reproduce", "rerun", "run", "characterize")  # minutes, or for the sake of another
 COMMANDS = [words for words in readme_commands() if words[0] not in (*LONG, "serve")]
 
 
@@ -92,6 +92,12 @@ def test_the_study_of_the_readme_is_made_run_and_repeated(readme_folder, done):
     done(*commands[0])
     done("run", "study.toml", "--set", "pictures=[]", "--set", "sweeps=[]")
     done(*commands[2])
+
+
+def test_the_frames_of_the_readme_are_made_and_characterized(readme_folder, done):
+    for words in readme_commands():
+        if words[0] in ("demo-frames", "characterize"):
+            done(*words)
 
 
 @pytest.mark.evidence

@@ -183,6 +183,11 @@ class Characterization:
         Whether the linear model holds.
     notes
         How frames were grouped, and remarks.
+
+    Raises
+    ------
+    InputError
+        If the covariances are not those of the planes.
     """
 
     source: str
@@ -197,6 +202,9 @@ class Characterization:
     notes: tuple[str, ...]
 
     def __post_init__(self) -> None:
+        count = len(self.planes)
+        _check.same_length("planes", planes=count, correlation=len(self.correlation))
+        _check.same_length("planes", planes=count, covariance=self.covariance_dn2.shape[-1])
         _check.freeze(self, "correlation", "covariance_dn2")
 
     def to_dict(self) -> dict[str, Any]:

@@ -264,7 +264,7 @@ def _band(a: Array, b: Array, tile: tuple[int, int]) -> _Band:
         square = float(np.vdot(rest, rest)) / rest.size or 1.0
         right.append(float((rest[:, 1:] * rest[:, :-1]).mean()) / square)
         down.append(float((rest[1:] * rest[:-1]).mean()) / square)
-    flat = np.stack([rest.ravel() for rest in rests])
+    flat = np.stack([rest.ravel() for rest in rests]).astype(np.float64)
     kept = (rows - 1) * (columns - 1)
     return _Band(right=np.array(right), down=np.array(down), covariance=flat @ flat.T / (2 * kept))
 

@@ -204,7 +204,7 @@ function sensorSlider(range, i) {
   const show = (sensor, told) => {
     const value = valueAt(sensor, path);
     if (path === "pixel.read_noise_e") control.show(value, told?.read_noise_e ?? null);
-    else control.show(value, UNTOUCHED[path] ?? range.high, path === "shift_nm" ? null : "own");
+    else control.show(value, untouched(path, range), path === "shift_nm" ? null : "own");
   };
   return { row: control.row, show };
 }
@@ -251,6 +251,13 @@ function filterChoice(choices, i) {
   return { row, show };
 }
 
-/** Where a slider stands that changes nothing: an edge at its end cuts nothing off. */
-/** @type {Record<string, number>} */
-const UNTOUCHED = { shift_nm: 0 };
+/**
+ * Where a slider stands that changes nothing: no noise and no shift, and an edge at its upper end.
+ *
+ * @param {string} path
+ * @param {{ low: number, high: number }} range
+ */
+function untouched(path, range) {
+  if (path === "shift_nm") return 0;
+  return path === "ircut_nm" ? range.high : range.low;
+}
