@@ -8,7 +8,7 @@ from chromanoise.catalog import sensor_named
 from chromanoise.color import colored, kernel_matrix
 from chromanoise.color.fitted import least_squares, lmmse
 from chromanoise.color.noise_gain import noise_gain, white_normalized
-from chromanoise.color.root_polynomial import root_polynomial, root_polynomial_color
+from chromanoise.color.root_polynomial_matrix import root_polynomial, root_polynomial_color
 from chromanoise.color.training import Training, chart_training, training_response
 from chromanoise.exposure import Exposure, expected_electrons
 from chromanoise.metrics.matrix_report import matrix_report

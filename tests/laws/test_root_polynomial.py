@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from chromanoise.color import colored
 from chromanoise.color.fitted import least_squares
-from chromanoise.color.root_polynomial import (
+from chromanoise.color.root_polynomial_matrix import (
     root_jacobian,
     root_polynomial,
     root_polynomial_color,

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from scipy import stats
 from scipy.special import gamma
 
-from chromanoise.color.root_polynomial import (
+from chromanoise.color.root_polynomial_matrix import (
     RootPolynomial,
     root_first_order_error,
     root_polynomial_bias,

@@ -37,8 +37,6 @@ from chromanoise.sensor import (
     Converter,
     PixelSource,
     Sensor,
-    photon_transfer_fit,
-    pixel_from_photon_transfer,
     with_pixel,
 )
 
@@ -93,6 +91,8 @@ def _source(path: Path, text: str) -> PixelSource:
     if is_noise_profile_text(text):
         return read_noise_profile(path)
     if is_photon_transfer_text(text):
+        from chromanoise.sensor import photon_transfer_fit, pixel_from_photon_transfer
+
         return pixel_from_photon_transfer(photon_transfer_fit(read_photon_transfer_csv(path)))
     return read_emva_sheet(path)
 

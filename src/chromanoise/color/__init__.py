@@ -1,5 +1,8 @@
 """From electrons to color: matrices (eq. 6), XYZ with covariance (eq. 5), spaces, sRGB."""
 
+from typing import TYPE_CHECKING
+
+from chromanoise._lazy import lazy_names
 from chromanoise.color.chromaticity import XYY, xyy
 from chromanoise.color.cubatures import (
     Cubature,
@@ -57,15 +60,6 @@ from chromanoise.color.propagation import (
     propagate,
     relative_sd_error,
 )
-from chromanoise.color.root_polynomial import (
-    RootPolynomial,
-    root_first_order_error,
-    root_jacobian,
-    root_polynomial,
-    root_polynomial_bias,
-    root_polynomial_color,
-    root_polynomial_color_exact,
-)
 from chromanoise.color.spaces import (
     LAB,
     LINEAR_SRGB,
@@ -87,6 +81,17 @@ from chromanoise.color.training import (
     smooth_training,
     training_response,
 )
+
+if TYPE_CHECKING:
+    from chromanoise.color.root_polynomial_matrix import (
+        RootPolynomial,
+        root_first_order_error,
+        root_jacobian,
+        root_polynomial,
+        root_polynomial_bias,
+        root_polynomial_color,
+        root_polynomial_color_exact,
+    )
 
 __all__ = [
     "FIRST_ORDER_TOLERANCE",
@@ -175,3 +180,4 @@ __all__ = [
     "with_saturation",
     "xyy",
 ]
+__getattr__, __dir__ = lazy_names(__name__)

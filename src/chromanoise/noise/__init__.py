@@ -4,9 +4,9 @@
 it uses, and is imported on first use.
 """
 
-from importlib import import_module
 from typing import TYPE_CHECKING
 
+from chromanoise._lazy import lazy_names
 from chromanoise.noise.exact import (
     Moments,
     Readout,
@@ -67,10 +67,4 @@ __all__ = [
     "through",
     "with_noise",
 ]
-
-
-def __getattr__(name: str) -> object:
-    """The names of ``imaging``, which imports this package, on their first use."""
-    if name not in ("NoiseSampler", "NoisySample", "sampler"):
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return getattr(import_module("chromanoise.imaging.training_noise"), name)
+__getattr__, __dir__ = lazy_names(__name__)

@@ -1,5 +1,8 @@
 """Sensors: spectral channels, pixel, mosaic, converter and noise data."""
 
+from typing import TYPE_CHECKING
+
+from chromanoise._lazy import lazy_names
 from chromanoise.sensor.adc import (
     Adc,
     Converter,
@@ -8,15 +11,6 @@ from chromanoise.sensor.adc import (
     quantization_step_e,
 )
 from chromanoise.sensor.analog_gain import with_analog_gain
-from chromanoise.sensor.camera_noise import (
-    CameraNoise,
-    LogLinearNoise,
-    ReadNoiseLaw,
-    ReadNoiseSum,
-    ReadNoiseTable,
-    read_noise_sum,
-    tukey_lambda_variance,
-)
 from chromanoise.sensor.changes import (
     behind_ir_cut,
     of_pixel,
@@ -58,12 +52,6 @@ from chromanoise.sensor.overrides import (
     overridden,
     refuse_summed_readings,
 )
-from chromanoise.sensor.photon_transfer import (
-    PhotonTransfer,
-    TransferFit,
-    photon_transfer_fit,
-    pixel_from_photon_transfer,
-)
 from chromanoise.sensor.pixel import (
     EXTRA_NOISE,
     MOST_BINNING,
@@ -87,6 +75,23 @@ from chromanoise.sensor.sensor import (
     pixels_of,
     with_channels,
 )
+
+if TYPE_CHECKING:
+    from chromanoise.sensor.camera_noise import (
+        CameraNoise,
+        LogLinearNoise,
+        ReadNoiseLaw,
+        ReadNoiseSum,
+        ReadNoiseTable,
+        read_noise_sum,
+        tukey_lambda_variance,
+    )
+    from chromanoise.sensor.photon_transfer import (
+        PhotonTransfer,
+        TransferFit,
+        photon_transfer_fit,
+        pixel_from_photon_transfer,
+    )
 
 __all__ = [
     "EXTRA_NOISE",
@@ -155,3 +160,4 @@ __all__ = [
     "with_shifted_curves",
     "without_crosstalk",
 ]
+__getattr__, __dir__ = lazy_names(__name__)

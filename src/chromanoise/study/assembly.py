@@ -24,7 +24,6 @@ from chromanoise.catalog.resolve import (
 from chromanoise.errors import InputError, Setting, StudyError
 from chromanoise.exposure import EQUAL_TERMS, Exposure, OperatingPoint
 from chromanoise.io.crosstalk import read_crosstalk
-from chromanoise.io.cubes import read_cube
 from chromanoise.io.spectra import Answers
 from chromanoise.scene import Cube, Scene, builtin_cube, flat_field
 from chromanoise.sensor import (
@@ -578,6 +577,8 @@ def cube_of(part: PicturePart, *, key: str = "pictures.0") -> Cube:
                 raise _idle(f"{key}.{name}", value, part.cube)
         with keyed(f"{key}.cube", str):
             return builtin_cube(part.cube)
+    from chromanoise.io.cubes import read_cube  # not needed without pictures
+
     if isinstance(part.wavelengths, str):
         how["wavelengths"] = file_of(part.wavelengths)
     with keyed(f"{key}.cube", lambda name: f"{key}.{name}"):
