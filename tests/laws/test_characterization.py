@@ -74,7 +74,8 @@ def test_a_difference_of_known_numbers_has_the_variance_by_hand():
     assert plane.rest_dn2 == pytest.approx(rest)
     assert plane.row_dn2 == plane.column_dn2 == pytest.approx(-rest / 8)
     assert plane.frame_means_dn == (107.0, 100.0)
-    assert plane.correlation_right == plane.correlation_down == pytest.approx(-1.0)
+    # -1, and 1 / 7 for the mean of a row or column that was subtracted
+    assert plane.correlation_right == plane.correlation_down == pytest.approx(-6 / 7)
 
 
 def test_rows_columns_and_rest_are_told_apart():
@@ -144,11 +145,23 @@ def test_the_high_pass_takes_shading_away_and_keeps_the_pattern():
     assert filtered == pytest.approx(25.0, rel=0.03)
 
 
-def test_hot_pixels_are_counted_and_normal_ones_are_not():
-    dark = np.random.default_rng(6).standard_normal((300, 300))
-    assert hot_pixels(dark) == 0
-    dark[3, 4] = dark[200, 7] = 30.0
-    assert hot_pixels(dark) == 2
+@pytest.mark.parametrize("sigma", [0.3, 0.5, 3.0])
+def test_hot_pixels_are_counted_and_normal_ones_are_not(sigma):
+    rng = np.random.default_rng(6)
+    dark = [(100 + sigma * rng.standard_normal((300, 300))).round().astype(int) for _ in range(2)]
+    (plane,) = light_sample([frame(one) for one in dark], (1, 1)).planes
+    assert hot_pixels(np.mean(dark, axis=0), plane, frames=2) == 0
+    for one in dark:
+        one[3, 4] = one[200, 7] = 100 + 30 * max(sigma, 1)
+    assert hot_pixels(np.mean(dark, axis=0), plane, frames=2) == 2
+
+
+@pytest.mark.parametrize("shape", [(40, 3000), (3000, 40)])
+def test_white_noise_of_long_frames_has_no_correlation_of_neighbors(shape):
+    pair = [frame(noise(shape, pixel=8.0, seed=i)) for i in (1, 2)]
+    (plane,) = light_sample(pair, (1, 1)).planes
+    assert abs(plane.correlation_right) < 5 / np.sqrt(shape[0] * shape[1])
+    assert abs(plane.correlation_down) < 5 / np.sqrt(shape[0] * shape[1])
 
 
 # ---- a whole camera ----
@@ -205,6 +218,59 @@ def test_what_contradicts_the_model_is_named_with_its_frames(tmp_path, fault, wo
     (sentence, *_) = [one for one in verdict.sentences if word in one]
     if word != "straight line":
         assert ".npy" in sentence
+
+
+def test_prnu_of_each_plane_is_found_where_all_codes_end_at_the_top(tmp_path):
+    camera = replace(
+        CAMERA,
+        mosaic="RG/GB",
+        shape=(200, 240),
+        sensitivity=(0.45, 1.0, 0.5),
+        full_well_e=40_000.0,
+        prnu=0.02,
+    )
+    found = cn.characterize(frames_of(tmp_path / "f", camera, levels=16, brightest=2.5))
+    for plane in found.planes:
+        assert plane.prnu == pytest.approx(0.02, abs=5 * plane.prnu_se)
+        assert plane.prnu_se < 0.004
+
+
+def test_frames_of_one_npz_are_told_apart(tmp_path):
+    folder = frames_of(tmp_path / "f", levels=6)
+    plain = cn.characterize(folder)
+    lines = ["bits = 12"]
+    for i, level in enumerate(read_frame_set([folder]).levels):
+        named = {f"f{k}": one.codes() for k, one in enumerate(level.flats)}
+        named |= {f"d{k}": one.codes() for k, one in enumerate(level.darks)}
+        np.savez(tmp_path / f"{i}.npz", **named)
+        lines += ["[[levels]]", f'flats = ["{i}.npz[f0]", "{i}.npz[f1]"]']
+        lines += [f'darks = ["{i}.npz[d0]", "{i}.npz[d1]"]', f"time_ms = {level.time_ms}"]
+        lines += [f"photons_per_pixel = {level.photons_per_pixel}"]
+    (tmp_path / "capture.toml").write_text("\n".join(lines))
+    packed = cn.characterize(tmp_path / "capture.toml")
+    for name in ("gain_dn_per_e", "dark_noise_e", "prnu", "qe"):
+        assert getattr(packed.planes[0], name) == getattr(plain.planes[0], name)
+
+
+def test_without_darks_gain_is_found_and_the_rest_is_unknown(tmp_path):
+    folder = frames_of(tmp_path / "f")
+    frames = read_frame_set([folder])
+    lit = replace(frames, levels=tuple(replace(one, darks=()) for one in frames.levels))
+    (plane,) = characterized(lit).planes
+    assert plane.gain_dn_per_e == pytest.approx(0.8, abs=4 * plane.gain_dn_per_e_se)
+    assert plane.dark_noise_e is plane.dsnu_e is plane.row_noise_e is None
+
+
+def test_one_dark_of_a_level_is_refused_by_name(tmp_path):
+    folder = frames_of(tmp_path / "f", levels=6, darks=1)
+    with refused_input(value=1, where=""):
+        cn.characterize(folder)
+
+
+def test_shading_of_small_planes_is_noted(tmp_path):
+    camera = replace(CAMERA, shape=(60, 60), shading=0.3)
+    notes = cn.characterize(frames_of(tmp_path / "f", camera)).notes
+    assert any("shading" in note for note in notes)
 
 
 def test_a_black_level_that_clips_is_named(tmp_path):

@@ -22,7 +22,7 @@ Key = tuple[str, ...]
 
 def key_of(frames: Sequence[Frame]) -> Key:
     """The names of the frames with their folders, by which their statistics are found."""
-    return tuple(f"{frame.path}[{frame.index}]" for frame in frames)
+    return tuple(f"{frame.path}[{frame.part}][{frame.index}]" for frame in frames)
 
 
 def refuse_mixed(frames: FrameSet) -> None:
@@ -46,13 +46,14 @@ def refuse_mixed(frames: FrameSet) -> None:
                 found=f"has {frame.shape[1]} x {frame.shape[0]}",
             )
     for level in frames.levels:
-        if len(level.flats) == 1:
-            raise InputError(
-                level.flats[0].name,
-                "must have a second flat of the same light for a temporal variance",
-                value=1,
-                found=f"it is the only flat of {level.name}",
-            )
+        for kind, group in (("flat", level.flats), ("dark", level.darks)):
+            if len(group) == 1:
+                raise InputError(
+                    group[0].name,
+                    f"must have a second {kind} of the same light for a temporal variance",
+                    value=1,
+                    found=f"it is the only {kind} of {level.name}",
+                )
 
 
 def lights_of(
@@ -145,20 +146,26 @@ def transfer_table(
     )
 
 
-DarkOf = Callable[[FrameLevel], tuple[float, float | None]]
+DarkOf = Callable[[FrameLevel], tuple[float, float]]
+"""Mean and variance of a level without light. [DN], [DN^2]"""
 
 
 def dark_of_levels(frames: FrameSet, own: Mapping[Key, PlaneSample]) -> DarkOf:
-    """Dark mean and variance of a level: its own darks, those of its time, or all. [DN], [DN^2]"""
+    """Dark mean and variance of a level: its own darks, those of its time, or all. [DN], [DN^2]
+
+    Without darks, those of the darkest level.
+    """
     groups = {
         key_of(level.darks): level
         for level in frames.levels
         if level.darks and key_of(level.darks) in own
     }
 
-    def found(level: FrameLevel) -> tuple[float, float | None]:
+    darkest = min(own.values(), key=lambda one: one.mean_dn)
+
+    def found(level: FrameLevel) -> tuple[float, float]:
         if not groups:
-            return min(one.mean_dn for one in own.values()), None
+            return darkest.mean_dn, darkest.variance_dn2
         keys = [key_of(level.darks)] if key_of(level.darks) in own and level.darks else []
         if not keys and level.time_ms is not None:
             keys = [

@@ -18,9 +18,15 @@ from chromanoise.characterization.lights import (
 )
 from chromanoise.characterization.planes import hidden_by_rounding, plane_noise
 from chromanoise.characterization.results import Characterization
-from chromanoise.characterization.spatial import hot_pixels, spatial_variance
+from chromanoise.characterization.spatial import (
+    LEAST_SIDE,
+    SpatialVariance,
+    hot_pixels,
+    spatial_variance,
+)
 from chromanoise.characterization.statistics import (
     LightSample,
+    PlaneSample,
     averaged,
     light_sample,
     planes_of,
@@ -73,24 +79,22 @@ def characterized(
         for i, name in enumerate(names)
     ]
     fits = [_fit(table) for table in tables]
-    middle = _middle(frames, lights, fits)
-    flat_means = _averages(middle.flats, tile)
-    dark_level = middle if middle.darks else next((x for x in frames.levels if x.darks), None)
-    dark_means = None if dark_level is None else _averages(dark_level.darks, tile)
     lit, planes = lit_levels(frames, lights), []
-    for i, (name, fit) in enumerate(zip(names, fits, strict=True)):
+    middles = [_middle(lit, lights, i, fit) for i, fit in enumerate(fits)]
+    patterns = _patterns(frames, middles, tile)
+    unfiltered = []
+    for i, (name, fit, middle) in enumerate(zip(names, fits, middles, strict=True)):
         own = {key: light.planes[i] for key, light in lights.items()}
-        of_flat, count = own[key_of(middle.flats)], _averaged_count(middle.flats)
-        flat = spatial_variance(flat_means[i], of_flat, frames=count, high_pass=True)
+        flat = _spatial(patterns, own, middle.flats, i, high_pass=True)
+        darks = _darks_of(frames, middle)
         dark = dark_filtered = hot = None
-        if dark_means is not None and dark_level is not None:
-            of_dark = own[key_of(dark_level.darks)]
-            count = _averaged_count(dark_level.darks)
+        if darks:
             dark, dark_filtered = (
-                spatial_variance(dark_means[i], of_dark, frames=count, high_pass=filtered)
-                for filtered in (False, True)
+                _spatial(patterns, own, darks, i, high_pass=filtered) for filtered in (False, True)
             )
-            hot = hot_pixels(dark_means[i])
+            image, of_dark = patterns[key_of(darks), i], own[key_of(darks)]
+            hot = hot_pixels(image, of_dark, frames=_averaged_count(darks))
+        unfiltered += [] if flat.filtered else [name]
         planes.append(
             plane_noise(
                 frames,
@@ -105,6 +109,7 @@ def characterized(
                 hot=hot,
             )
         )
+    middle = middles[0]
     first = frames.levels[0].flats or frames.levels[0].darks
     covariance = lights[key_of(middle.flats)].covariance_dn2
     sd = np.sqrt(np.maximum(np.diag(covariance), 1e-300))
@@ -118,7 +123,11 @@ def characterized(
         correlation=covariance / np.outer(sd, sd),
         covariance_dn2=np.array([lights[key_of(level.flats)].covariance_dn2 for level in lit]),
         verdict=model_verdict(frames, lights, planes, covariance / np.outer(sd, sd)),
-        notes=(*frames.notes, *_hidden_notes(frames, lights, names)),
+        notes=(
+            *frames.notes,
+            *_hidden_notes(frames, lights, names),
+            *_shading_notes(unfiltered),
+        ),
     )
 
 
@@ -182,14 +191,26 @@ def _hidden_notes(
     ]
 
 
+def _shading_notes(names: Sequence[str]) -> list[str]:
+    if not names:
+        return []
+    return [
+        f"{', '.join(names)}: PRNU includes shading, because planes of less than {LEAST_SIDE} "
+        "rows or columns are not high-pass filtered"
+    ]
+
+
+# ---- averaged frames ----
+
+Patterns = Mapping[tuple[Key, int], Float[Array, "h w"]]
+"""Averaged frames by the names of the frames and the number of the plane."""
+
+
 def _middle(
-    frames: FrameSet, lights: Mapping[Key, LightSample], fits: Sequence[TransferFit]
+    lit: Sequence[FrameLevel], lights: Mapping[Key, LightSample], plane: int, fit: TransferFit
 ) -> FrameLevel:
-    """The level nearest to half of saturation of the plane that saturates first."""
-    lit = lit_levels(frames, lights)
-    brightest = max(range(len(fits)), key=lambda i: lights[key_of(lit[-1].flats)].planes[i].mean_dn)
-    fit = fits[brightest]
-    means = [lights[key_of(level.flats)].planes[brightest].mean_dn for level in lit]
+    """The level nearest to half of the saturation of a plane."""
+    means = [lights[key_of(level.flats)].planes[plane].mean_dn for level in lit]
     black = fit.black_dn if fit.black_dn is not None else min(means)
     end = max(means) if fit.saturation_dn is None else fit.saturation_dn
     return min(
@@ -198,8 +219,39 @@ def _middle(
     )[0]
 
 
-def _averages(group: Sequence[Frame], tile: tuple[int, int]) -> list[Float[Array, "h w"]]:
-    return planes_of(averaged(group[: _averaged_count(group)], tile), tile)
+def _darks_of(frames: FrameSet, middle: FrameLevel) -> tuple[Frame, ...]:
+    """The darks of a level, or the first ones; empty if there are none."""
+    return middle.darks or next((one.darks for one in frames.levels if one.darks), ())
+
+
+def _patterns(
+    frames: FrameSet, middles: Sequence[FrameLevel], tile: tuple[int, int]
+) -> dict[tuple[Key, int], Float[Array, "h w"]]:
+    """The averaged flats and darks at the middle level of each plane; each frame is read once."""
+    wanted: dict[Key, tuple[tuple[Frame, ...], set[int]]] = {}
+    for i, middle in enumerate(middles):
+        for group in (middle.flats, _darks_of(frames, middle)):
+            if group:
+                wanted.setdefault(key_of(group), (group, set()))[1].add(i)
+    found: dict[tuple[Key, int], Float[Array, "h w"]] = {}
+    for key, (group, planes) in wanted.items():
+        images = planes_of(averaged(group[: _averaged_count(group)], tile), tile)
+        found |= {(key, i): images[i].copy() for i in planes}
+    return found
+
+
+def _spatial(
+    patterns: Patterns,
+    own: Mapping[Key, PlaneSample],
+    group: Sequence[Frame],
+    plane: int,
+    *,
+    high_pass: bool,
+) -> SpatialVariance:
+    key = key_of(group)
+    return spatial_variance(
+        patterns[key, plane], own[key], frames=_averaged_count(group), high_pass=high_pass
+    )
 
 
 def _averaged_count(group: Sequence[Frame]) -> int:

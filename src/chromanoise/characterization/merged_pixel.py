@@ -199,8 +199,8 @@ def _bits(bits: int | None, source: str, notes: list[str]) -> int | None:
 def _current(current: _Merged | None, source: str, notes: list[str]) -> float | None:
     if current is None or current.value >= 0:
         return _value(current)
-    notes.append(f"{source}: a dark current below 0 is not used")
-    return None
+    notes.append(f"{source}: a dark current below 0 within its error is used as 0")
+    return 0.0
 
 
 def _qe(planes: Sequence[PlaneNoise], source: str, notes: list[str]) -> float | None:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from chromanoise.characterization.linearity import linearity
 from chromanoise.characterization.lights import DarkOf, Key, dark_of_levels, key_of
 from chromanoise.characterization.results import LevelNoise, PlaneNoise
 from chromanoise.characterization.spatial import SpatialVariance
@@ -15,7 +16,6 @@ from chromanoise.sensor import TransferFit
 
 _LEAST_DARK_DN2 = 0.24  # below it the dark noise is mostly quantization: EMVA 1288
 _PLATEAU = 0.1  # of the largest variance above dark, below which a level is saturated
-_LINEAR = (0.05, 0.95)  # of saturation, between which linearity is judged
 _DYNAMIC_RANGE_E = 0.5  # added to the dark noise: EMVA 1288, eq. of the absolute threshold
 
 
@@ -86,7 +86,8 @@ def plane_noise(
     )
     black = _black_level(own, frames, fit, 0.0 if dsnu.value is None else dsnu.value * gain)
     full, capacity = _full_well(lit, own, fit, dark_of)
-    levels = _levels(lit, own, fit, dark_of)
+    has_darks = any(level.darks for level in frames.levels)
+    levels = _levels(lit, own, fit, dark_of, dark=has_darks)
     noise = fit.read_noise_e
     ranged = full.value is not None and noise is not None
     return PlaneNoise(
@@ -222,16 +223,10 @@ def _linearity_error(
         light = [level.time_ms for level in lit]
     if None in light or len(set(light)) < 3:
         return None
-    x = np.array(light, float)
-    y = np.array([own[key_of(level.flats)].mean_dn - dark_of(level)[0] for level in lit])
-    dark_at_end = dark_of(lit[-1])[0]
-    end = y.max() if fit.saturation_dn is None else fit.saturation_dn - dark_at_end
-    used = (y >= _LINEAR[0] * end) & (y <= _LINEAR[1] * end)
-    if used.sum() < 3:
-        return None
-    slope, offset = np.polynomial.polynomial.polyfit(x[used], y[used], 1, w=1 / y[used])[::-1]
-    line = offset + slope * x[used]
-    return float(np.abs(100 * (y[used] - line) / line).max())
+    signal = np.array([own[key_of(level.flats)].mean_dn - dark_of(level)[0] for level in lit])
+    top = None if fit.saturation_dn is None else fit.saturation_dn - dark_of(lit[-1])[0]
+    found = linearity(signal, np.array(light, float), top)
+    return None if found is None else float(np.nanmax(np.abs(found[1])))
 
 
 def _levels(
@@ -239,11 +234,13 @@ def _levels(
     own: Mapping[Key, PlaneSample],
     fit: TransferFit,
     dark_of: DarkOf,
+    *,
+    dark: bool,
 ) -> tuple[LevelNoise, ...]:
     noises = []
     for i, level in enumerate(lit):
         sample, (dark_mean, dark_variance) = own[key_of(level.flats)], dark_of(level)
-        predicted = fit.gain_dn_per_e * (sample.mean_dn - dark_mean) + (dark_variance or 0.0)
+        predicted = fit.gain_dn_per_e * (sample.mean_dn - dark_mean) + dark_variance
         noises.append(
             LevelNoise(
                 name=level.name,
@@ -254,8 +251,8 @@ def _levels(
                 variance_dn2=sample.variance_dn2,
                 variance_se_dn2=sample.variance_dn2 * math.sqrt(2 / (sample.samples - 1)),
                 predicted_variance_dn2=predicted,
-                dark_mean_dn=None if dark_variance is None else dark_mean,
-                dark_variance_dn2=dark_variance,
+                dark_mean_dn=dark_mean if dark else None,
+                dark_variance_dn2=dark_variance if dark else None,
                 fitted=bool(fit.fitted[i]),
                 clipped_share=sample.top_share,
                 correlation_right=sample.correlation_right,

@@ -11,7 +11,8 @@ from chromanoise.characterization.statistics import PlaneSample
 
 _HOT_SIGMA = 6.0  # of the spread of the dark mean: of 10^8 normal pixels, 0.1 lie above
 _TO_SIGMA = 1.482602218505602  # from the median absolute deviation of a normal distribution
-_LEAST_SIDE = 64  # of a plane that is high-pass filtered
+LEAST_SIDE = 64
+"""Least side of a plane that is high-pass filtered. [px]"""
 _WIDTHS, _BINOMIAL = (7, 11), np.array([1.0, 2.0, 1.0]) / 4
 _SMOOTH = np.convolve(np.convolve(np.full(7, 1 / 7), np.full(11, 1 / 11)), _BINOMIAL)
 """Smoothing of EMVA 1288 in one direction: 7 and 11 pixels wide, then a binomial of 3."""
@@ -56,7 +57,7 @@ def spatial_variance(
     EMVA 1288, release 4.0: s^2 = s^2 measured - sigma^2 / L for L frames; the filter is that of its
     section on PRNU.
     """
-    filtered = high_pass and min(mean.shape) >= _LEAST_SIDE
+    filtered = high_pass and min(mean.shape) >= LEAST_SIDE
     image = _without_shading(mean) if filtered else mean
     white, shared = _kept() if filtered else (1.0, 1.0)
     measured = float(image.var(dtype=np.float64, ddof=1))
@@ -75,11 +76,19 @@ def spatial_variance(
     )
 
 
-def hot_pixels(dark_mean: Float[Array, "h w"]) -> int:
-    """Number of pixels far above the others in an averaged dark frame."""
+def hot_pixels(dark_mean: Float[Array, "h w"], sample: PlaneSample, *, frames: int) -> int:
+    """Number of pixels far above the others in an averaged dark frame.
+
+    Parameters
+    ----------
+    dark_mean, sample, frames
+        As `spatial_variance`. The spread of the others is that of the median absolute deviation,
+        and at least that of the temporal noise: averages of few codes may all be equal.
+    """
     median = float(np.median(dark_mean))
     spread = _TO_SIGMA * float(np.median(np.abs(dark_mean - median)))
-    return int((dark_mean - median > _HOT_SIGMA * max(spread, 1e-9)).sum())
+    least = math.sqrt(max(sample.variance_dn2, 1 / 12) / frames)
+    return int((dark_mean - median > _HOT_SIGMA * max(spread, least)).sum())
 
 
 def _kept() -> tuple[float, float]:

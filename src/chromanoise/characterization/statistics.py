@@ -259,11 +259,11 @@ def _band(a: Array, b: Array, tile: tuple[int, int]) -> _Band:
     for plane in planes_of(difference, tile):
         rest = plane - plane.mean(axis=1, keepdims=True)
         rests.append(rest - rest.mean(axis=0, keepdims=True))
-    right, down = [], []
+    right, down = [], []  # the subtracted means correlate neighbors by -1 / (n - 1)
     for rest in rests:
         square = float(np.vdot(rest, rest)) / rest.size or 1.0
-        right.append(float((rest[:, 1:] * rest[:, :-1]).mean()) / square)
-        down.append(float((rest[1:] * rest[:-1]).mean()) / square)
+        right.append(float((rest[:, 1:] * rest[:, :-1]).mean()) / square + 1 / (columns - 1))
+        down.append(float((rest[1:] * rest[:-1]).mean()) / square + 1 / (rows - 1))
     flat = np.stack([rest.ravel() for rest in rests]).astype(np.float64)
     kept = (rows - 1) * (columns - 1)
     return _Band(right=np.array(right), down=np.array(down), covariance=flat @ flat.T / (2 * kept))

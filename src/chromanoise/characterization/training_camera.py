@@ -10,6 +10,8 @@ from chromanoise.characterization.results import Characterization, PlaneNoise
 from chromanoise.errors import InputError, Setting
 from chromanoise.sensor import CameraNoise, ReadNoiseTable
 
+_BEYOND = 1.25  # factor of the gain by which the table goes beyond the settings measured
+
 
 def camera_noise(results: Sequence[Characterization]) -> CameraNoise:
     """The noise model of a camera from its frames at one ISO setting, or at several.
@@ -51,11 +53,12 @@ def camera_noise(results: Sequence[Characterization]) -> CameraNoise:
             found=f"have {', '.join('none' if one is None else f'{one:g}' for one in isos)}",
         )
     cameras_by_gain = sorted(cameras, key=lambda one: float(one.gain_dn_per_e.mean()))
+    gains = [float(one.gain_dn_per_e.mean()) for one in cameras_by_gain]
+    noise_dn = [float((one.read_noise_e * one.gain_dn_per_e).mean()) for one in cameras_by_gain]
+    # single planes at the end settings have gains a little beyond the means
     law = ReadNoiseTable(
-        gain_dn_per_e=np.array([one.gain_dn_per_e.mean() for one in cameras_by_gain]),
-        read_noise_dn=np.array(
-            [(one.read_noise_e * one.gain_dn_per_e).mean() for one in cameras_by_gain]
-        ),
+        gain_dn_per_e=np.array([gains[0] / _BEYOND, *gains, gains[-1] * _BEYOND]),
+        read_noise_dn=np.array([noise_dn[0], *noise_dn, noise_dn[-1]]),
     )
     return replace(cameras[0], read_noise_law=law)
 

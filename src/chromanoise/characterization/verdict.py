@@ -17,6 +17,7 @@ _LEAST_BEND = 0.02  # change of the slope over the fit that is worth telling
 _LEAST_CORRELATION = 0.01
 _LEAST_DRIFT = 1e-3  # of the mean
 _LEAST_CLIPPED = 1e-3  # share of the pixels
+_LEAST_PIXELS = 20  # of a clipped frame that have the same code
 _LEAST_DEVIATION = 0.02  # of the variance
 
 
@@ -38,7 +39,6 @@ def model_verdict(
         Temporal correlation between the planes of a cell.
     """
     z = [_deviations(plane) for plane in planes]
-    every = np.concatenate(z) if any(one.size for one in z) else np.zeros(1)
     worst_plane = max(range(len(planes)), key=lambda i: float(np.abs(z[i]).max(initial=0.0)))
     fitted = [level for level in planes[worst_plane].levels if level.fitted]
     worst = int(np.abs(z[worst_plane]).argmax()) if fitted else 0
@@ -46,12 +46,12 @@ def model_verdict(
         *_bends(planes),
         *_deviating(frames, planes, z),
         *_neighbors(frames, lights, planes),
-        *_channels(planes, correlation, _pixels(frames, lights)),
+        *_channels(planes, correlation, _pixels(lights)),
         *_lights(frames, lights, planes),
     ]
     return ModelVerdict(
         holds=not sentences,
-        chi2_per_level=float((every**2).mean()),
+        chi2_per_level=float(np.mean([plane.fit.chi2_per_row for plane in planes])),
         worst_level=fitted[worst].name if fitted else "",
         worst_z=float(z[worst_plane][worst]) if fitted else 0.0,
         sentences=tuple(sentences),
@@ -59,15 +59,9 @@ def model_verdict(
 
 
 def _deviations(plane: PlaneNoise) -> Array:
-    """Variance minus prediction over its standard error, of the levels that were fitted."""
-    relative = plane.gain_dn_per_e_se / plane.gain_dn_per_e
-    found = []
-    for level in plane.levels:
-        if level.fitted:
-            shot = level.predicted_variance_dn2 - (level.dark_variance_dn2 or 0.0)
-            error = math.hypot(level.variance_se_dn2, shot * relative)
-            found.append((level.variance_dn2 - level.predicted_variance_dn2) / max(error, 1e-300))
-    return np.array(found)
+    """Variance minus fit over its standard error, of the levels that were fitted."""
+    lit = len(plane.levels)
+    return np.asarray(plane.fit.residual_z[:lit][plane.fit.fitted[:lit]])
 
 
 def _bends(planes: Sequence[PlaneNoise]) -> Iterator[str]:
@@ -90,7 +84,7 @@ def _deviating(frames: FrameSet, planes: Sequence[PlaneNoise], z: Sequence[Array
             continue
         k = int(np.abs(own).argmax())
         level = fitted[k]
-        share = level.variance_dn2 / level.predicted_variance_dn2 - 1
+        share = level.variance_dn2 / max(level.predicted_variance_dn2, 1e-300) - 1
         if abs(own[k]) > _SURE_Z and abs(share) > _LEAST_DEVIATION:
             names = _names(_level(frames, level.name).flats)
             yield (
@@ -109,7 +103,7 @@ def _neighbors(
         if not fitted:
             continue
         level = fitted[-1]
-        pixels = _pixels(frames, lights)
+        pixels = _pixels(lights)
         least = max(_LEAST_CORRELATION, _SURE_Z / math.sqrt(pixels))
         for where, value in (
             ("in a row", level.correlation_right),
@@ -140,14 +134,14 @@ def _lights(
     frames: FrameSet, lights: Mapping[Key, LightSample], planes: Sequence[PlaneNoise]
 ) -> Iterator[str]:
     """Light that drifts, flats that clip, and darks that end at code 0."""
-    told: set[str] = set()
+    seen: set[Key] = set()
     drifts: list[tuple[float, str, str]] = []
     for level in frames.levels:
         for group in (level.flats, level.darks):
             key = key_of(group)
-            if key not in lights or _names(group) in told:
+            if key not in lights or key in seen:
                 continue
-            told.add(_names(group))
+            seen.add(key)
             sample = max(lights[key].planes, key=lambda one: one.mean_dn)
             means = sample.frame_means_dn
             low, high = int(np.argmin(means)), int(np.argmax(means))
@@ -157,11 +151,14 @@ def _lights(
             bright = group is level.flats
             if bright and sample.drift_z > _SURE_Z and change > _LEAST_DRIFT:
                 drifts.append((change, group[low].name, group[high].name))
-            dark = lights[key].planes[0]
-            clipped = dark.bottom_dn == 0 and dark.bottom_share > _LEAST_CLIPPED
-            if not bright and clipped and dark.variance_dn2 > 0:
+            clipped = (
+                max(one.bottom_share for one in lights[key].planes if one.bottom_dn == 0)
+                if any(one.bottom_dn == 0 and one.variance_dn2 > 0 for one in lights[key].planes)
+                else 0.0
+            )
+            if not bright and clipped > _LEAST_CLIPPED:
                 yield (
-                    f"{100 * dark.bottom_share:.2g} % of the pixels of {group[0].name} have code "
+                    f"{100 * clipped:.2g} % of the pixels of {group[0].name} have code "
                     "0: the black level is clipped, so the dark noise is too low"
                 )
     if drifts:
@@ -170,9 +167,12 @@ def _lights(
             f"the light changed between frames of {len(drifts)} levels, by up to "
             f"{100 * change:.2g} % ({low_name} and {high_name}); the variance is corrected for it"
         )
+    pixels = _pixels(lights)
     for plane in planes:
         for one in plane.levels:
-            if one.fitted and one.clipped_share > _LEAST_CLIPPED and _wide(one.variance_dn2):
+            many = one.clipped_share * pixels > _LEAST_PIXELS
+            clipped = one.clipped_share > _LEAST_CLIPPED and many
+            if one.fitted and clipped and _wide(one.variance_dn2):
                 yield (
                     f"{plane.name}: {100 * one.clipped_share:.2g} % of the pixels of "
                     f"{_level(frames, one.name).flats[0].name} have its largest code: it is clipped"
@@ -188,7 +188,7 @@ def _level(frames: FrameSet, name: str) -> FrameLevel:
     return next(level for level in frames.levels if level.name == name and level.flats)
 
 
-def _pixels(frames: FrameSet, lights: Mapping[Key, LightSample]) -> int:
+def _pixels(lights: Mapping[Key, LightSample]) -> int:
     pixels = min(light.planes[0].pixels for light in lights.values())
     return min(pixels, BAND_PIXELS)
 

@@ -154,7 +154,7 @@ class AddCameraNoise:
 def _tensor(torch: Any, values: Array) -> Any:
     """A tensor with the channels first."""
     first = np.moveaxis(values, -1, 0) if values.ndim == 3 else values
-    return torch.from_numpy(np.ascontiguousarray(first))
+    return torch.from_numpy(np.array(first, order="C"))  # a copy: transforms may work in place
 
 
 def _torch() -> Any:

@@ -8,7 +8,7 @@ import math
 import os
 from collections import OrderedDict
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any, Literal, NamedTuple, get_args
 
 import numpy as np
@@ -486,11 +486,6 @@ def sampler(
     )
 
 
-def single_threaded(sampler: NoiseSampler) -> NoiseSampler:
-    """The same sampler on one thread, for a worker process."""
-    return replace(sampler, threads=1)
-
-
 def _read_out(
     light: float,
     gain: float,
@@ -527,7 +522,7 @@ def _picture(clean: Array, camera: CameraNoise) -> Array:
     else:
         allowed = given.ndim == 2 or (given.ndim == 3 and given.shape[2] == planes)
         shapes = f"(h, w) or (h, w, {planes})"
-    if not allowed:
+    if not allowed or min(given.shape) < 1:
         raise InputError(
             "clean",
             f"must have the shape {shapes} of a camera with channels {', '.join(camera.names)}",

@@ -184,7 +184,9 @@ def pixel_from_photon_transfer(fit: TransferFit) -> PixelSource:
         gain_e_per_dn=1 / fit.gain_dn_per_e,
         black_level_dn=black,
         prnu=fit.prnu,
-        dark_current_e_per_s=fit.dark_current_e_per_s,
+        dark_current_e_per_s=None
+        if fit.dark_current_e_per_s is None
+        else max(fit.dark_current_e_per_s, 0.0),
         qe=fit.qe if possible else None,
         notes=tuple(notes),
     )
@@ -372,12 +374,17 @@ def _dark_current(
     darks, per_s = levels.darks, 1e3 / curves.gain
     errors2 = curves.gain_fit.spread * dark_mean_error2(darks, levels.frames)
     current, error = float(slope @ darks.mean_dn) * per_s, float(np.sqrt(slope**2 @ errors2))
-    if current < 0:
+    if current < -_CURVED_Z * error * per_s:
         notes.append(
             f"{source}: the dark mean falls with the exposure time ({current:.4g} +- "
             f"{error * per_s:.2g} e-/s), so the dark current is unknown"
         )
         return None, None
+    if current < 0:
+        notes.append(
+            f"{source}: the dark current of {current:.4g} +- {error * per_s:.2g} e-/s is below 0 "
+            "within its error"
+        )
     return current, float(np.hypot(error * per_s, current * gain_se / curves.gain))
 
 
