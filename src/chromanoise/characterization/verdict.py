@@ -95,8 +95,8 @@ def _deviating(frames: FrameSet, planes: Sequence[PlaneNoise], z: Sequence[Array
             names = _names(_level(frames, level.name).flats)
             yield (
                 f"{plane.name}: the variance of {names} is {100 * share:+.1f} % off the straight "
-                f"line ({own[k]:+.1f} standard errors): the light of the frames differs, or they "
-                "are processed"
+                f"line ({own[k]:+.1f} standard errors): the light differs between the frames, or "
+                "the frames are processed"
             )
 
 
@@ -117,9 +117,9 @@ def _neighbors(
         ):
             if abs(value) > least:
                 yield (
-                    f"{plane.name}: the noise of neighbors {where} correlates by {value:+.3f} in "
-                    f"{_names(_level(frames, level.name).flats)}: the frames are denoised, "
-                    "resampled or compressed, or charge spreads"
+                    f"{plane.name}: the noise of neighbors {where} has a correlation of "
+                    f"{value:+.3f} in {_names(_level(frames, level.name).flats)}: the frames are "
+                    "denoised, resampled or compressed, or charge spreads between pixels"
                 )
 
 
@@ -131,8 +131,9 @@ def _channels(
         for j in range(i):
             if abs(correlation[i, j]) > least:
                 yield (
-                    f"{planes[j].name} and {one.name}: the noise of the two planes correlates by "
-                    f"{correlation[i, j]:+.3f}: the model has independent channels"
+                    f"{planes[j].name} and {one.name}: the noise of the two planes has a "
+                    f"correlation of {correlation[i, j]:+.3f}, but the model assumes independent "
+                    "channels"
                 )
 
 
@@ -162,7 +163,7 @@ def _lights(
             if not bright and clipped and dark.variance_dn2 > 0:
                 yield (
                     f"{100 * dark.bottom_share:.2g} % of the pixels of {group[0].name} have code "
-                    "0: the black level is clipped, so the dark noise is too low"
+                    "0: the black level is clipped, so the measured dark noise is too low"
                 )
     if drifts:
         change, low_name, high_name = max(drifts)
@@ -175,7 +176,7 @@ def _lights(
             if one.fitted and one.clipped_share > _LEAST_CLIPPED and _wide(one.variance_dn2):
                 yield (
                     f"{plane.name}: {100 * one.clipped_share:.2g} % of the pixels of "
-                    f"{_level(frames, one.name).flats[0].name} have its largest code: it is clipped"
+                    f"{_level(frames, one.name).flats[0].name} are at its top code: it is clipped"
                 )
 
 
