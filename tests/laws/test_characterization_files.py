@@ -132,11 +132,17 @@ def test_the_pattern_noise_of_the_pixel_is_that_of_all_planes_together():
 
 
 def test_what_is_impossible_is_left_out_of_the_pixel_with_a_note():
-    plane = exact_plane(black_level_dn=-2.0, dark_current_e_per_s=-0.1, qe=1.2)
+    plane = exact_plane(black_level_dn=-2.0, qe=1.2)
     pixel = pixel_of(monochrome(planes=(plane,), bits=20))
-    assert (pixel.black_level_dn, pixel.dark_current_e_per_s) == (None, None)
-    assert (pixel.qe, pixel.bits) == (None, None)
-    assert sum("not used" in note for note in pixel.notes) == 4
+    assert (pixel.black_level_dn, pixel.qe, pixel.bits) == (None, None, None)
+    assert sum("not used" in note for note in pixel.notes) == 3
+
+
+def test_dark_currents_are_averaged_with_their_signs_and_then_not_below_0():
+    planes = [exact_plane(dark_current_e_per_s=value) for value in (-0.4, 0.2)]
+    assert pixel_of(monochrome(planes=planes)).dark_current_e_per_s == 0.0
+    planes = [exact_plane(dark_current_e_per_s=value) for value in (-0.2, 0.4)]
+    assert pixel_of(monochrome(planes=planes)).dark_current_e_per_s == pytest.approx(0.1)
 
 
 def test_a_value_that_is_not_finite_counts_as_unknown(file):

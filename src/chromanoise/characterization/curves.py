@@ -16,7 +16,7 @@ _LOWEST, _HIGHEST = 0.05, 0.95  # of saturation: the range of the linearity fit
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class PlaneCurves:
-    """One plane over the light.
+    """The curves of one plane against the light.
 
     Attributes
     ----------
@@ -35,8 +35,8 @@ class PlaneCurves:
     snr
         Signal over the root of the variance. [1]
     model_signal_dn, model_shot_dn2, model_snr, ideal_snr
-        The line of the gain, the SNR of the linear model, and that of shot noise alone, on a
-        logarithmic scale. [DN], [DN^2], [1], [1]
+        The line with slope K, the SNR of the linear model, and that of shot noise alone, at
+        logarithmically spaced signals. [DN], [DN^2], [1], [1]
     light, light_unit
         Photons per pixel or exposure time of each level; ``None`` if they are not known. [1], [ms]
     line_dn, deviation_percent
@@ -64,7 +64,7 @@ class PlaneCurves:
 
 
 def plane_curves(plane: PlaneNoise) -> PlaneCurves | None:
-    """The curves of one plane; ``None`` if no level is above the dark.
+    """The curves of one plane; ``None`` if no level is brighter than the darks.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Statistics of frames kept in a file, so that a run that was stopped goes on where it ended."""
+"""Statistics of frames kept in a file, so that a stopped run continues where it ended."""
 
 import hashlib
 import json
@@ -24,8 +24,8 @@ _FIELDS = {field.name for field in fields(PlaneSample)}
 def resumed(path: Path) -> Sampler:
     """A function for `characterized` that keeps its results in a file.
 
-    The file is written anew after each light. Results are used again only for the same frames: same
-    paths, sizes and dates.
+    The file is rewritten after each light. Results are reused only for the same frames: same
+    paths, sizes and modification times.
 
     Parameters
     ----------

@@ -26,7 +26,7 @@ def key_of(frames: Sequence[Frame]) -> Key:
 
 
 def refuse_mixed(frames: FrameSet) -> None:
-    """Refuse frames without light, of two sizes, or alone at their level.
+    """Refuse sets without flats or with frames of two sizes, and levels with a single flat.
 
     Raises
     ------
@@ -52,7 +52,7 @@ def refuse_mixed(frames: FrameSet) -> None:
                     group[0].name,
                     f"must have a second {kind} of the same light for a temporal variance",
                     value=1,
-                    found=f"it is the only {kind} of {level.name}",
+                    found=f"is the only {kind} of {level.name}",
                 )
 
 
@@ -87,10 +87,10 @@ def _refuse_apart(group: Sequence[Frame], light: LightSample) -> None:
         if means[high] - means[low] > max(_MOST_APART * abs(means[high]), noise):
             raise InputError(
                 group[high].name,
-                f"must have the light of {group[low].name}, with which it is grouped",
+                f"must have the same light as {group[low].name}, with which it is grouped",
                 value=means[high],
-                found=f"has a mean of {means[high]:.6g} DN, and the other {means[low]:.6g} DN",
-                remedy="say in capture.toml which frames belong together",
+                found=f"has a mean of {means[high]:.6g} DN, and the other has {means[low]:.6g} DN",
+                remedy="state in capture.toml which frames belong together",
             )
 
 

@@ -22,8 +22,8 @@ class MatrixCheck:
     levels
         Names of the levels.
     measured
-        Variance of each row of the matrix, from the covariance of the planes of a cell; row and
-        column noise are not included. [(unit of the matrix e-)^2]
+        Variance of each row of the matrix, from the covariance of the planes of a cell, without row
+        and column noise. [square of (unit of the matrix times e-)]
     predicted
         The same from the linear model of each plane, with independent planes.
     fitted
@@ -104,8 +104,8 @@ def variance_through_file(result: Characterization, given: GivenMatrix) -> Matri
     result
         A characterization.
     given
-        From `chromanoise.io.given_matrices.read_matrix`. A matrix of white-balanced raw applies to
-        electrons over those of the brightest level that was fitted, whose light counts as white.
+        From `chromanoise.io.given_matrices.read_matrix`. A matrix for white-balanced raw is applied
+        to electrons divided by those of the brightest fitted level, whose light counts as white.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""From raw frames to the noise of each plane of a camera, in the way of EMVA 1288."""
+"""From raw frames to the noise of each plane of a camera, by the methods of EMVA 1288."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
@@ -62,7 +62,7 @@ def characterized(
     ------
     InputError
         If frames differ in size, a level has one flat, its flats differ by more than 20 %, darks
-        are brighter than flats, or the levels give no photon transfer (`photon_transfer_fit`).
+        are brighter than flats, or the levels allow no photon transfer fit (`photon_transfer_fit`).
 
     Notes
     -----

@@ -209,7 +209,9 @@ def _qe(planes: Sequence[PlaneNoise], source: str, notes: list[str]) -> float | 
         return None
     if len(planes) > 1:
         listed = ", ".join(f"{plane.name} {qe:.4g}" for plane, qe in known)
-        notes.append(f"{source}: QE differs between the planes ({listed}) and is not of the pixel")
+        notes.append(
+            f"{source}: QE differs between the planes ({listed}) and is left out of the pixel"
+        )
         return None
     if not 0 <= known[0][1] <= 1:
         notes.append(f"{source}: a QE of {known[0][1]:.4g} is impossible and not used")

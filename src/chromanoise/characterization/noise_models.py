@@ -147,19 +147,19 @@ def darktable_json(
     a Haar transform with the filter (1, -1) / 2 in both directions. White noise has a quarter of
     its variance there, so a = S / 4 and b = O / 4. darktable measures developed pictures;
     demosaicing, which lowers the noise further, and white balance, which scales red and blue, are
-    not included, because they are not properties of the sensor. b / a does not depend on them.
+    left out, because they are not properties of the sensor. b / a does not depend on them.
     """
     maker, model = _maker_and_model(result, maker, model)
     if result.iso is None:
         raise InputError(
-            "iso", "must be known for a profile of darktable", found="is not", remedy="give the ISO"
+            "iso", "must be known for a darktable profile", found="is not", remedy="give the ISO"
         )
     colors = _normalized(result, None).of_colors()
     missing = [color for color in _RGB if color not in colors]
     if missing:
         raise InputError(
             result.source,
-            "must have planes R, G and B for a profile of darktable",
+            "must have planes R, G and B for a darktable profile",
             value=tuple(colors),
             found=f"has {', '.join(colors)}",
         )
@@ -235,7 +235,7 @@ def _straight_noise(result: Characterization, scale: float) -> tuple[float, floa
     if np.unique(root).size < 2:
         raise InputError(
             result.source,
-            "must have at least 2 fitted levels of different mean for a noise model of libcamera",
+            "must have at least 2 fitted levels of different mean for a libcamera noise model",
             value=int(np.unique(root).size),
             found=f"has {np.unique(root).size}",
         )
@@ -325,7 +325,7 @@ def _maker_and_model(
         if not value:
             raise InputError(
                 name,
-                "must be known for a profile of darktable",
+                "must be known for a darktable profile",
                 value=result.camera,
                 found="is not",
                 remedy=f"give {name} as in the files of the camera",

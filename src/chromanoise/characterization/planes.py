@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from chromanoise.characterization.linearity import linearity
 from chromanoise.characterization.lights import DarkOf, Key, dark_of_levels, key_of
+from chromanoise.characterization.linearity import linearity
 from chromanoise.characterization.results import LevelNoise, PlaneNoise
 from chromanoise.characterization.spatial import SpatialVariance
 from chromanoise.characterization.statistics import PlaneSample
@@ -126,7 +126,7 @@ def plane_noise(
 
 
 def hidden_by_rounding(frames: FrameSet, own: Mapping[Key, PlaneSample]) -> bool:
-    """Whether the dark noise is so low that rounding hides what is small in the dark.
+    """Whether the dark noise is so low that rounding hides small effects in the dark.
 
     EMVA 1288, release 4.0: a dark variance below 0.24 DN^2 is mostly quantization.
     """
@@ -178,10 +178,10 @@ def _full_well(
     fit: TransferFit,
     dark_of: DarkOf,
 ) -> tuple[_Value, float | None]:
-    """Electrons at which codes end, and EMVA's saturation capacity. [e-]
+    """Electrons at which codes saturate, and EMVA's saturation capacity. [e-]
 
-    Above saturation the variance collapses and the mean stays: that mean is the end. Without such a
-    level it is the mean of largest variance, known to within the next level.
+    Above saturation the variance collapses and the mean stays constant: that mean is used. Without
+    such a level, it is the mean at the largest variance, known to within the next level.
     """
     if fit.full_well_e is None or fit.saturation_dn is None:
         return _Value(), None
@@ -216,7 +216,7 @@ def _linearity_error(
 ) -> float | None:
     """Largest deviation from a line by relative least squares, 5 to 95 % of saturation. [%]
 
-    Over photons where they are told, else over the exposure time.
+    Against photons where they are given, else against the exposure time.
     """
     light = [level.photons_per_pixel for level in lit]
     if None in light:

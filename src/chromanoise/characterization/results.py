@@ -1,4 +1,4 @@
-"""What raw frames tell about a camera: one result per plane of the mosaic, and a verdict."""
+"""Results of a characterization: one per plane of the mosaic, and a verdict."""
 
 import math
 from dataclasses import dataclass, fields, is_dataclass
@@ -79,18 +79,18 @@ class PlaneNoise:
     saturation_dn, saturation_capacity_e
         Mean code at the largest variance, and its electrons. [DN], [e-]
     full_well_e, full_well_e_se
-        Electrons at which the codes end: those of a saturated level, if there is one, else the
-        saturation capacity, with the distance of the levels as error. [e-]
+        Electrons at which the codes saturate: those of a saturated level, if there is one, else the
+        saturation capacity, whose error includes the spacing of the levels. [e-]
     dynamic_range_db
         20 log10 of full well over the dark noise plus 0.5 e-. [dB]
     qe, qe_se
-        Electrons per photon, where photons are told. [e-/photon]
+        Electrons per photon, where ``photons_per_pixel`` is given. [e-/photon]
     linearity_error_percent
         Largest deviation of the mean from a straight line over light. [%]
     dark_current_e_per_s, dark_current_e_per_s_se
-        From darks of three or more times. [e-/s]
+        From darks at three or more exposure times. [e-/s]
     dsnu_e, dsnu_e_se, prnu, prnu_se
-        Fixed-pattern noise in the dark, and of the sensitivity. [e-], [1]
+        Fixed-pattern noise of the dark offset, and of the sensitivity. [e-], [1]
     row_noise_e, row_noise_e_se, column_noise_e, column_noise_e_se
         Temporal noise that all pixels of a row, or column, share, in the dark. [e-]
     hot_pixels

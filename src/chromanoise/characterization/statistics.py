@@ -103,32 +103,32 @@ class LightSample:
 
 
 def light_sample(frames: Sequence[Frame], tile: tuple[int, int]) -> LightSample:
-    """Statistics of two or more frames of the same light.
+    """Statistics of two or more frames with the same light.
 
     Parameters
     ----------
     frames
-        Of one size. They are read one after the other; two are in memory, and one is being read.
+        All of one size. They are read in turn: two are in memory while a third is being read.
     tile
         Rows and columns of the period of the mosaic; (1, 1) without a mosaic.
 
     Raises
     ------
     InputError
-        If there is one frame only, a frame cannot be read, or the frames are smaller than 4 x 4
+        If there is only one frame, a frame cannot be read, or the frames are smaller than 4 x 4
         pixels of each plane.
 
     Notes
     -----
-    Of k frames k - 1 differences of consecutive frames are averaged. Their sum has the variance of
-    2 (k - 1)^2 / (3 k - 4) independent ones.
+    For k frames, the variances of k - 1 differences of consecutive frames are averaged. Their mean
+    has the error of a mean over 2 (k - 1)^2 / (3 k - 4) independent differences.
     """
     if len(frames) < 2:
         raise InputError(
             frames[0].name if frames else "frames",
             "must be one of two or more frames of the same light for a temporal variance",
             value=len(frames),
-            found="it is the only one",
+            found="is the only one",
         )
     before: Array | None = None
     pairs: list[_Pair] = []
@@ -151,7 +151,7 @@ def light_sample(frames: Sequence[Frame], tile: tuple[int, int]) -> LightSample:
 
 
 def averaged(frames: Sequence[Frame], tile: tuple[int, int]) -> Float[Array, "h w"]:
-    """The mean of frames, each with its own mean of every plane subtracted. [DN]
+    """The mean of the frames, from each of which the mean of every plane is subtracted. [DN]
 
     Parameters
     ----------

@@ -32,12 +32,12 @@ def camera_noise(results: Sequence[Characterization]) -> CameraNoise:
     Raises
     ------
     InputError
-        If there is no result, or a plane has no dark noise or black level, if the bits are not
-        known, or if several results have no ISO or equal ones.
+        If there is no result, if a plane has no dark noise or black level, if the bits are not
+        known, or if one of several results has no ISO or the ISO of another.
 
     Notes
     -----
-    EMVA 1288, release 4.0: the temporal dark noise contains that of rows.
+    EMVA 1288, release 4.0: the temporal dark noise includes the row noise.
     """
     if not results:
         raise InputError("results", "must hold at least one characterization", value=0)
@@ -48,7 +48,7 @@ def camera_noise(results: Sequence[Characterization]) -> CameraNoise:
     if None in isos or len(set(isos)) < len(isos):
         raise InputError(
             "results",
-            "must each have an ISO setting of its own",
+            "must have different ISO settings, none of them missing",
             value=isos,
             found=f"have {', '.join('none' if one is None else f'{one:g}' for one in isos)}",
         )
@@ -67,7 +67,7 @@ def _camera(result: Characterization) -> CameraNoise:
     if result.bits is None:
         raise InputError(
             f"characterization of {result.source}",
-            "must have the bits of the codes",
+            "must state the bits of the codes",
             found="does not",
             remedy=Setting("bits"),
         )

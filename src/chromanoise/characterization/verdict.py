@@ -89,8 +89,8 @@ def _deviating(frames: FrameSet, planes: Sequence[PlaneNoise], z: Sequence[Array
             names = _names(_level(frames, level.name).flats)
             yield (
                 f"{plane.name}: the variance of {names} is {100 * share:+.1f} % off the straight "
-                f"line ({own[k]:+.1f} standard errors): the light of the frames differs, or they "
-                "are processed"
+                f"line ({own[k]:+.1f} standard errors): the light differs between the frames, or "
+                "the frames are processed"
             )
 
 
@@ -111,9 +111,9 @@ def _neighbors(
         ):
             if abs(value) > least:
                 yield (
-                    f"{plane.name}: the noise of neighbors {where} correlates by {value:+.3f} in "
-                    f"{_names(_level(frames, level.name).flats)}: the frames are denoised, "
-                    "resampled or compressed, or charge spreads"
+                    f"{plane.name}: the noise of neighbors {where} has a correlation of "
+                    f"{value:+.3f} in {_names(_level(frames, level.name).flats)}: the frames are "
+                    "denoised, resampled or compressed, or charge spreads between pixels"
                 )
 
 
@@ -125,8 +125,9 @@ def _channels(
         for j in range(i):
             if abs(correlation[i, j]) > least:
                 yield (
-                    f"{planes[j].name} and {one.name}: the noise of the two planes correlates by "
-                    f"{correlation[i, j]:+.3f}: the model has independent channels"
+                    f"{planes[j].name} and {one.name}: the noise of the two planes has a "
+                    f"correlation of {correlation[i, j]:+.3f}, but the model assumes independent "
+                    "channels"
                 )
 
 
@@ -151,15 +152,16 @@ def _lights(
             bright = group is level.flats
             if bright and sample.drift_z > _SURE_Z and change > _LEAST_DRIFT:
                 drifts.append((change, group[low].name, group[high].name))
-            clipped = (
-                max(one.bottom_share for one in lights[key].planes if one.bottom_dn == 0)
-                if any(one.bottom_dn == 0 and one.variance_dn2 > 0 for one in lights[key].planes)
-                else 0.0
-            )
+            at_zero = [
+                one.bottom_share
+                for one in lights[key].planes
+                if one.bottom_dn == 0 and one.variance_dn2 > 0
+            ]
+            clipped = max(at_zero, default=0.0)
             if not bright and clipped > _LEAST_CLIPPED:
                 yield (
                     f"{100 * clipped:.2g} % of the pixels of {group[0].name} have code "
-                    "0: the black level is clipped, so the dark noise is too low"
+                    "0: the black level is clipped, so the measured dark noise is too low"
                 )
     if drifts:
         change, low_name, high_name = max(drifts)
@@ -175,7 +177,7 @@ def _lights(
             if one.fitted and clipped and _wide(one.variance_dn2):
                 yield (
                     f"{plane.name}: {100 * one.clipped_share:.2g} % of the pixels of "
-                    f"{_level(frames, one.name).flats[0].name} have its largest code: it is clipped"
+                    f"{_level(frames, one.name).flats[0].name} are at its top code: it is clipped"
                 )
 
 

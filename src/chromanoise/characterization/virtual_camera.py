@@ -58,7 +58,7 @@ class PlaneTruth:
     black_level_dn
         Mean code of the plane's pixels at exposure time 0. [DN]
     saturation_dn, full_well_e
-        Largest mean code, by the full well or the largest code, and its electrons. [DN], [e-]
+        Largest mean code, set by the full well or the largest code, and its electrons. [DN], [e-]
     dynamic_range_db
         20 log10 of full well over the dark noise plus 0.5 e-. [dB]
     qe
@@ -95,7 +95,7 @@ class PlaneTruth:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class VirtualCamera:
-    """A camera whose noise is known. Imperfections are 0 by default.
+    """A camera whose noise is known. Every non-ideality is 0 by default.
 
     Attributes
     ----------
@@ -143,7 +143,7 @@ class VirtualCamera:
         in the camera: each plane's noise is blurred by (a, 1 - 2a, a) along rows and columns, which
         also lowers its variance. 0 to 0.6. [1]
     seed
-        Of all random numbers: an integer >= 0.
+        Seed of all random numbers: an integer >= 0.
 
     Raises
     ------
@@ -227,18 +227,18 @@ class VirtualCamera:
         photons_per_pixel
             Mean number of photons on a pixel during the exposure, before ``drift``. [1]
         electrons
-            Instead: mean electrons of a channel with sensitivity 1. [e-]
+            Instead of photons: mean electrons of a channel with sensitivity 1. [e-]
         time_ms
             Exposure time; it sets the dark electrons. [ms]
         dark
-            Without light; photons and electrons are not given.
+            Whether the frame has no light; then photons and electrons must not be given.
         number
-                Of the frame: frames with different numbers have independent noise.
+            Number of the frame: frames with different numbers have independent noise.
 
         Raises
         ------
         InputError
-            If the light is given not once, or a number is negative or out of range.
+            If the light is not given exactly once, or a number is out of range.
         """
         whole("number", number, 0, 1_000_000_000)
         dark_e = self._dark_electrons(_check.within("time_ms", "ms", time_ms, 0.0, 1e8))
@@ -353,7 +353,7 @@ class VirtualCamera:
         given = {"photons_per_pixel": photons, "electrons": electrons}
         told = {name: value for name, value in given.items() if value is not None}
         if len(told) != (0 if dark else 1):
-            demand = "must not be given with dark" if dark else "must be given once"
+            demand = "must not be given with dark" if dark else "must be given exactly once"
             found = f"is given as {' and '.join(told)}" if told else "is missing"
             raise InputError("the light", demand, value=told, found=found)
         if dark:

@@ -45,10 +45,10 @@ def photon_transfer_frames(
     longest_time_ms: float = 100.0,
     brightest: float = 1.1,
 ) -> tuple[Path, ...]:
-    """Write flats from dark to saturation with matched darks; the paths of the frames.
+    """Write flats from dark to saturation with matched darks; return the paths of the frames.
 
     The levels are evenly spaced. Beside the frames, ``capture.toml`` states mosaic, bits and, for
-    each level, its frames, exposure time and photons; ``truth.toml`` has the camera and the true
+    each level, its frames, exposure time and photons; ``truth.toml`` holds the camera and the true
     values of each plane (`PlaneTruth`). The folder is written as a whole or not at all; other
     files in it stay.
 
@@ -71,7 +71,7 @@ def photon_transfer_frames(
     longest_time_ms
         Exposure time of the last level. [ms]
     brightest
-        Light of the last level: share of the light at which the mean of the least sensitive channel
+        Light of the last level, relative to that at which the mean of the least sensitive channel
         reaches saturation. [1]
 
     Raises

@@ -48,12 +48,12 @@ _ROWS = (
     "-o",
     "--out",
     type=click.Path(path_type=Path),
-    help="Folder for pixel.toml, data sheet, noise profiles, tables and report.html.",
+    help="Folder for pixel.toml, data sheets, noise profiles, tables and report.html.",
 )
 @click.option(
     "--resume",
     type=click.Path(path_type=Path, dir_okay=False),
-    help="File for the statistics of the frames read so far; a later run goes on from it.",
+    help="File that keeps the statistics of the frames read so far; a later run continues from it.",
 )
 @click.option(
     "--matrix",
@@ -69,11 +69,11 @@ def characterize(
     matrix: str | None,
     json_target: str | None,
 ) -> None:
-    """Noise of a camera from its own raw frames, in the way of EMVA 1288.
+    """Noise of a camera from its own raw frames, by the methods of EMVA 1288.
 
-    FOLDER holds flats of several levels of light, two or more per level, and darks: camera raw,
-    DNG, TIFF, FITS, NPY, NPZ or PGM, or the descriptor of an EMVA 1288 run. A file capture.toml in
-    it says which frames belong together.
+    FOLDER holds flats at several levels of light, two or more per level, and darks: camera raw,
+    DNG, TIFF, FITS, NPY, NPZ, PGM or gray PNG, or the descriptor of an EMVA 1288 measurement. A
+    file capture.toml in it states which frames belong together.
     """
     refuse_taken_inputs({"--json": json_target}, frames, {})
     if out is not None:
@@ -106,7 +106,7 @@ def characterize(
             errors = zip(check.names, 100 * check.mean_error, strict=True)
             print_lines(
                 [
-                    f"Through {matrix}, predicted variance relative to the measured one, mean of "
+                    f"Through {matrix}, relative error of the predicted variance, mean of "
                     f"{sum(check.fitted)} levels: "
                     + ", ".join(f"{name} {error:+.2f} %" for name, error in errors)
                 ]

@@ -56,7 +56,7 @@ def _shape(_: Any, __: Any, given: str) -> tuple[int, int]:
     show_default=True,
     help="File format of the frames; fits needs astropy.",
 )
-@click.option("--bits", type=WHOLE, default=12, show_default=True, help="Bits of the codes.")
+@click.option("--bits", type=WHOLE, default=12, show_default=True, help="Bits per code.")
 @click.option(
     "--gain-dn-per-e", type=float, default=0.3, show_default=True, help="System gain K [DN/e-]."
 )
@@ -66,22 +66,22 @@ def _shape(_: Any, __: Any, given: str) -> tuple[int, int]:
     type=float,
     default=64,
     show_default=True,
-    help="Code without light [DN].",
+    help="Mean code without light [DN].",
 )
 @click.option(
     "--full-well-e", type=float, default=12_000, show_default=True, help="Full well [e-]."
 )
 @click.option("--read-noise-e", type=float, default=3, show_default=True, help="Read noise [e-].")
-@click.option("--qe", type=float, default=0.5, show_default=True, help="Electrons per photon.")
+@click.option("--qe", type=float, default=0.5, show_default=True, help="QE [e-/photon].")
 @click.option(
     "--dark-current-e-per-s",
     type=float,
     default=30,
     show_default=True,
-    help="Dark current [e-/s]; the longest exposure has 100 ms.",
+    help="Dark current [e-/s]; the longest exposure is 100 ms.",
 )
 @click.option(
-    "--prnu", type=float, default=0.008, show_default=True, help="PRNU as a share, e.g. 0.01."
+    "--prnu", type=float, default=0.008, show_default=True, help="PRNU, relative, e.g. 0.01."
 )
 @click.option("--dsnu-e", type=float, default=1.5, show_default=True, help="DSNU [e-].")
 @click.option(
@@ -89,28 +89,28 @@ def _shape(_: Any, __: Any, given: str) -> tuple[int, int]:
     type=float,
     default=0.5,
     show_default=True,
-    help="Offset of a whole row, different in each frame [e-].",
+    help="Row noise: standard deviation of the offset of a row, new in each frame [e-].",
 )
 @click.option(
     "--column-noise-e",
     type=float,
     default=0,
     show_default=True,
-    help="Offset of a whole column, different in each frame [e-].",
+    help="Column noise: standard deviation of the offset of a column, new in each frame [e-].",
 )
 @click.option(
     "--hot-pixels",
     type=WHOLE,
     default=0,
     show_default=True,
-    help="Number of pixels with 1000 e-/s more dark current.",
+    help="Number of pixels with 1000 e-/s of additional dark current.",
 )
 @click.option(
     "--bend",
     type=float,
     default=0,
     show_default=True,
-    help="Share by which the gain falls from 0 to the full well.",
+    help="Relative fall of the gain from dark to full well, e.g. 0.1.",
 )
 @click.option(
     "--drift",
@@ -124,15 +124,15 @@ def _shape(_: Any, __: Any, given: str) -> tuple[int, int]:
     type=float,
     default=0,
     show_default=True,
-    help="Correlation of the noise of neighbors, as after denoising in the camera.",
+    help="Correlation of the noise of neighboring pixels, as after denoising in the camera.",
 )
 def demo_frames(
     out: Path, levels: int, frames: int, darks: int, file_format: str, **settings: Any
 ) -> None:
-    """Frames of a virtual camera whose noise is known, to try a characterization.
+    """Raw frames of a virtual camera with known noise, to try a characterization.
 
     Flats from dark to saturation and matched darks, with capture.toml, which describes the frames,
-    and truth.toml, which has the true values.
+    and truth.toml, which holds the true values.
     """
     refuse_unwritable(out)
     camera = _camera(**settings)

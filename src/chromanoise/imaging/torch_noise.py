@@ -1,4 +1,4 @@
-"""Noisy training data for PyTorch, which is an extra: ``pip install 'chromanoise[torch]'``.
+"""Noisy training data for PyTorch, an optional extra: ``pip install 'chromanoise[torch]'``.
 
 PyTorch is imported when an object of this module is made.
 """
@@ -33,7 +33,7 @@ class NoisyDataset:
     iso, time_s
         As the call of `NoiseSampler`, the same for all items. [1], [s]
     repeats
-        How often each picture occurs, each time with other noise. The length of the data set is
+        How often each picture occurs, each time with new noise. The length of the data set is
         the number of pictures times ``repeats``; item i is picture i modulo their number.
 
     Raises
@@ -44,8 +44,8 @@ class NoisyDataset:
     Notes
     -----
     The noise of item i depends on the sampler's seed and on i only, so it is the same with any
-    number of workers and in any order. A worker process computes on one thread. For new noise in
-    each epoch change `epoch`, before the workers start.
+    number of workers and in any order. A worker process uses one thread. For new noise in
+    each epoch, set `epoch` before the workers start.
     """
 
     def __init__(
@@ -66,7 +66,7 @@ class NoisyDataset:
         self.pictures, self.sampler, self.unit = pictures, sampler, unit
         self.iso, self.time_s, self.repeats = iso, time_s, repeats
         self.epoch = 0
-        """Number of the epoch: each has other noise."""
+        """Number of the epoch: each has new noise."""
 
     def __len__(self) -> int:
         return len(self.pictures) * self.repeats
@@ -90,7 +90,7 @@ class NoisyDataset:
 
 
 class AddCameraNoise:
-    """A transform: a clean tensor to (noisy, variance), each call with the next item's noise.
+    """A transform from a clean tensor to (noisy, variance); each call has the next item's noise.
 
     Parameters
     ----------
@@ -102,7 +102,7 @@ class AddCameraNoise:
         As the call of `NoiseSampler`. [1], [s]
     first_item
         Number of the first call's item. Workers that each have a copy of the transform need
-        different ones; `NoisyDataset` needs none.
+        different numbers; `NoisyDataset` does not.
 
     Raises
     ------
@@ -164,5 +164,5 @@ def _torch() -> Any:
         raise InputError(
             "data sets of PyTorch",
             "need the package torch, which is not installed",
-            remedy=("install it with pip install 'chromanoise[torch]'", "take cn.noise.sampler"),
+            remedy=("install it with pip install 'chromanoise[torch]'", "use cn.noise.sampler"),
         ) from None

@@ -1,4 +1,4 @@
-"""Noise as training data: clean linear raw pictures to noisy ones, with the variance beside them.
+"""Noise as training data: noisy pictures from clean linear raw ones, with their variance.
 
 An item of a data set has its own noise, which depends on seed and item only: not on the number of
 workers, the order of items, or the number of threads.
@@ -69,8 +69,8 @@ class NoisySample:
     Notes
     -----
     The variance is that over frames and over pixels: M + D + (PRNU M)^2 + s^2 + DSNU^2 + row^2 in
-    electrons, plus 1/12 DN^2 of rounding, of the parts that are switched on. Of rounding it is
-    exact where the other noise is 1.5 DN or more; `NoiseSampler.exact_moments` is exact always.
+    e-^2, plus 1/12 DN^2 for rounding, of the parts that are switched on. The rounding term is
+    exact where the other noise is 1.5 DN or more; `NoiseSampler.exact_moments` is always exact.
     """
 
     noisy: Float32[Array, "..."]
@@ -142,7 +142,7 @@ class NoiseSampler:
         time_s
             Exposure time, needed where the camera has dark current. [s]
         pattern
-            Number of the sensor whose PRNU and DSNU are used, 0 to 2^32 - 1. The same number is
+            Number of the sensor whose PRNU and DSNU are used, 0 to 2^32 - 1. The same number gives
             the same fixed pattern in every item.
         origin
             Row and column of the picture's first pixel on the sensor: of the mosaic and of the
@@ -232,7 +232,7 @@ class NoiseSampler:
         -----
         A sum over counts of the moments of the censored, rounded normal distribution, of which
         PRNU, DSNU and row noise are part; see `chromanoise.noise.read_moments`. It takes far longer
-        than a sample: about a microsecond for each count that is likely, in each different value.
+        than a sample: about a microsecond for each likely count of each different value.
         EMVA 1288, release 4.0.
         """
         camera, dark_e = self._settings(item, iso, time_s)
@@ -240,9 +240,9 @@ class NoiseSampler:
         if use.tails or not use.shot:
             raise InputError(
                 "exact_moments",
-                "must be of shot noise and normal noise",
-                found="is of tails" if use.tails else "is without shot noise",
-                remedy=Setting("shot", (True,)) if not use.tails else "take the variance",
+                "needs shot noise and normal read noise",
+                found="the read noise has tails" if use.tails else "shot noise is switched off",
+                remedy=Setting("shot", (True,)) if not use.tails else "use NoisySample.variance",
             )
         given = _picture(clean, camera)
         place = _place(origin, given.shape)
@@ -329,7 +329,7 @@ class NoiseSampler:
                 "must leave room for light above the dark electrons [s]",
                 value=dark_e,
                 found=f"gives {dark_e:g} dark electrons, which fill the full well",
-                remedy="take a shorter time",
+                remedy="use a shorter time",
             )
         use = self._use(camera)
         read = camera.read_noise_e if use.read else np.zeros_like(gain)
@@ -532,7 +532,7 @@ def _picture(clean: Array, camera: CameraNoise) -> Array:
     if given.shape[0] >= _MOST_ROWS or given[:1].size >> _LANE_BITS:
         raise InputError(
             "clean",
-            f"must have less than 2^24 rows and 2^{_LANE_BITS} values in a row",
+            f"must have fewer than 2^24 rows and 2^{_LANE_BITS} values in a row",
             value=given.shape,
             found=f"has shape {given.shape}",
         )

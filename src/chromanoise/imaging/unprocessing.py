@@ -1,4 +1,4 @@
-"""An sRGB picture to linear raw, and back: the clean pictures of training data.
+"""From an sRGB picture to linear raw and back: the clean pictures of training data.
 
 Each step can be switched off: tone curve, sRGB curve, color matrix, gains, mosaic.
 """
@@ -23,17 +23,17 @@ _RGB = ("R", "G", "B")
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Rendering:
-    """How a camera makes an sRGB picture of its raw values, in the order of the fields.
+    """How a camera turns raw values into an sRGB picture, in the order of the fields.
 
     Attributes
     ----------
     red_gain, blue_gain
-        White balance: factors of R and B, > 0; green has 1. [1]
+        White balance: factors of R and B, > 0; that of G is 1. [1]
     brightness
         Factor of all channels, > 0. [1]
     camera_to_srgb
-        Linear sRGB of white-balanced camera RGB; ``None`` for no matrix. Rows that sum to 1 keep
-        white. [1]
+        Matrix from white-balanced camera RGB to linear sRGB; ``None`` for no matrix. Rows that sum
+        to 1 keep white. [1]
     srgb_curve
         Whether values are encoded by the curve of IEC 61966-2-1.
     tone_curve
@@ -114,7 +114,7 @@ def unprocess(
     srgb
         0 .. 1; divide the codes of an 8-bit picture by 255.
     rendering
-        What made the picture; its steps are undone from the last to the first.
+        The rendering that made the picture; its steps are undone from the last to the first.
     mosaic
         The channel of each pixel, of R, G (or G1, G2) and B; ``None`` for all three channels.
 
@@ -171,9 +171,10 @@ def process(
     raw
         0 at black and 1 at white: (h, w) of a mosaic, or (h, w, 3).
     rendering
-        Steps from the first to the last.
+        Its steps are applied from the first to the last.
     demosaicing
-        Linear method for a mosaic of R, G and B, in this order, e.g. ``bilinear_filters(bayer())``.
+        Linear method for a mosaic of R, G and B, in this order, e.g.
+        ``bilinear_filters(bayer(), ("R", "G", "B"))``.
 
     Returns
     -------
@@ -204,7 +205,7 @@ def process(
                 "must give R, G and B of a mosaic",
                 value=None if demosaicing is None else demosaicing.names,
                 found="is missing" if demosaicing is None else None,
-                remedy='take bilinear_filters(bayer(), ("R", "G", "B"))',
+                remedy='use bilinear_filters(bayer(), ("R", "G", "B"))',
             )
         picture = demosaicked(picture, demosaicing)
     if picture.ndim != 3 or picture.shape[2] != 3:
@@ -251,7 +252,7 @@ def linear_from_srgb(encoded: Float[Array, "*px"]) -> Float[Array, "*px"]:
 
 
 def mosaicked(picture: Float[Array, "h w 3"], mosaic: Mosaic) -> Float[Array, "h w"]:
-    """The one channel of each pixel that a mosaic measures.
+    """The picture reduced to the one channel that a mosaic measures in each pixel.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""A characterized camera as one HTML file, and as a folder with every form of its noise model."""
+"""A characterization as one HTML file, and as a folder with every form of its noise model."""
 
 import json
 import math
@@ -33,21 +33,21 @@ from chromanoise.errors import InputError
 _CHARTS = {
     "photon_transfer": (
         "Photon transfer",
-        "Temporal variance over the signal. The slope of the line is the gain K; levels drawn as "
-        "outlines lie above 70 % of saturation and were not fitted.",
+        "Temporal variance against the signal. The slope of the line is the gain K; open symbols "
+        "are levels above 70 % of saturation, which were not fitted.",
     ),
     "snr": (
         "Signal-to-noise ratio",
         "Points: measured. Line: linear model. Dashed: shot noise only, the limit of any camera.",
     ),
-    "linearity": ("Linearity", "Signal over light, with the fitted line."),
+    "linearity": ("Linearity", "Signal against light, with the fitted line."),
     "linearity_deviation": (
         "Deviation from linearity",
-        "From the line, at the levels from 5 to 95 % of saturation.",
+        "Relative deviation from the fitted line, at the levels from 5 to 95 % of saturation.",
     ),
     "predicted_variance": (
         "Predicted and measured variance",
-        "Of each level: K times the signal plus the dark variance, against the measurement.",
+        "At each level: K times the signal plus the dark variance, against the measured variance.",
     ),
     "variance_residuals": (
         "Residuals of the variance",
@@ -129,8 +129,8 @@ def write_characterization(result: Characterization, folder: Path | str) -> tupl
     Raises
     ------
     InputError
-        If the folder is a file, cannot be written, another process is writing into it, or it holds
-        a file of another characterization that this one does not replace; also as `pixel_of`.
+        If the folder is a file, cannot be written, is being written by another process, or holds a
+        file of another characterization that this one does not replace; also as `pixel_of`.
     """
     folder = Path(folder)
     texts, missing = _optional_files(result)
@@ -190,7 +190,7 @@ def _refuse_left_over(folder: Path, texts: Mapping[str, str]) -> None:
             str(folder),
             "must not mix two characterizations",
             value=left[0],
-            found=f"holds {', '.join(left[:5])}, which this one does not replace",
+            found=f"holds {', '.join(left[:5])}, which this characterization does not replace",
             remedy=("remove these files", "name another folder"),
         )
 
@@ -267,7 +267,7 @@ def _plain_number(value: float) -> str:
 
 
 def _fit_notes(planes: Sequence[PlaneNoise]) -> list[str]:
-    """The remarks of the photon transfers, with the name of the plane."""
+    """The notes of the photon transfer fits, with the name of the plane."""
     return [f"plane {plane.name}: {note}" for plane in planes for note in plane.fit.notes]
 
 
@@ -299,8 +299,8 @@ def _facts(result: Characterization) -> str:
 def _summary(result: Characterization) -> str:
     verdict = result.verdict
     return (
-        f"Mean squared deviation of the variance from the linear model: "
-        f"{_number(verdict.chi2_per_level, 3)} squared standard errors per level. "
+        f"Chi-square of the variance against the linear model: "
+        f"{_number(verdict.chi2_per_level, 3)} per level. "
         f"Largest deviation: {_number(verdict.worst_z, 3)} standard errors, at "
         f"{verdict.worst_level}."
     )

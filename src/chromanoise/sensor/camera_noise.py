@@ -1,7 +1,7 @@
 """The noise of a camera in codes: what a sampler of training data needs, per channel of a mosaic.
 
-`Pixel` has one design for all channels and one gain. A camera that was measured, or calibrated as
-ELD does it, has a gain and a read noise for each channel, and changes them with the ISO setting.
+`Pixel` has one design for all channels and one gain. A camera that was measured, or calibrated in
+the way of ELD, has a gain and a read noise for each channel, and changes them with the ISO setting.
 """
 
 import math
@@ -76,7 +76,7 @@ def tukey_lambda_variance(shape: float) -> float:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LogLinearNoise:
-    """ELD's law of a noise over the gain: ln(sigma) = slope ln(K) + bias + N(0, sigma).
+    """ELD's law of noise against gain: ln(noise) = slope ln(K) + bias + N(0, sigma^2).
 
     Attributes
     ----------
@@ -132,7 +132,7 @@ class ReadNoiseSum:
     Attributes
     ----------
     after_gain_dn
-        Noise behind the amplifier, mostly of the converter: the root of a, >= 0. [DN]
+        Noise after the amplifier, mostly of the converter: the root of a, >= 0. [DN]
     before_gain_e
         Noise before the amplifier: the root of b, >= 0. [e-]
 
@@ -174,7 +174,7 @@ class ReadNoiseSum:
 def read_noise_sum(
     gain_dn_per_e: Float[Array, " n"], read_noise_dn: Float[Array, " n"]
 ) -> ReadNoiseSum:
-    """The law sigma_dn^2 = a + b K^2 fitted to a table over the gain.
+    """The law sigma_dn^2 = a + b K^2 fitted to a table of read noise against gain.
 
     Parameters
     ----------
@@ -186,7 +186,7 @@ def read_noise_sum(
     Returns
     -------
     ReadNoiseSum
-        Of the least squares of the relative deviation of the variance, a and b not below 0.
+        The least-squares fit of the relative deviation of the variance, with a and b >= 0.
 
     Raises
     ------
@@ -217,7 +217,7 @@ def read_noise_sum(
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ReadNoiseTable:
-    """Measured read noise over the gain, interpolated in ln(noise) over ln(K).
+    """Measured read noise against gain, interpolated linearly in ln(noise) and ln(K).
 
     Attributes
     ----------
@@ -276,7 +276,7 @@ class ReadNoiseTable:
             first = float(gain[outside][0])
             raise InputError(
                 "gain_dn_per_e",
-                f"must be in the table of the read noise, {low:g} to {high:g} [DN/e-]",
+                f"must be within the read-noise table, {low:g} to {high:g} [DN/e-]",
                 value=first,
                 remedy=("take another ISO", "fit the table with read_noise_sum"),
             )
@@ -315,7 +315,7 @@ class CameraNoise:
         Electrons at which a pixel saturates, dark electrons included; ``None`` if the top code is
         lower. [e-]
     dark_current_e_per_s
-        Dark electrons per time; their mean is subtracted from the codes. [e-/s]
+        Dark electrons per second; their mean is subtracted from the codes. [e-/s]
     dsnu_e
         Standard deviation of the dark signal over the pixels. [e-]
     prnu
@@ -323,15 +323,15 @@ class CameraNoise:
     row_noise_e
         Standard deviation of the offset that all pixels of a row share, new in each frame. [e-]
     tail_lambda
-        Shapes of the Tukey lambda distribution of the read noise: an item takes one of them. Empty
-        for normal read noise. Its variance is ``read_noise_e`` squared for every shape. [1]
+        Shapes of the Tukey lambda distribution of the read noise, one of which is used per item;
+        empty for normal read noise. The variance is ``read_noise_e`` squared for every shape. [1]
     read_noise_law, row_noise_law
-        Noise in DN over the gain; without the first a camera has no other ISO than its own.
-        Without the second the row noise in electrons is the same at each gain.
+        Noise in DN as a function of the gain. Without the first, a camera has only its own ISO;
+        without the second, the row noise in electrons is the same at each gain.
     gain_range_dn_per_e
-        Lowest and highest gain that items take; ``None`` if they take that at ``iso``. [DN/e-]
+        Lowest and highest gain drawn for an item; ``None`` if items use that at ``iso``. [DN/e-]
     black_offsets_dn
-        Measured deviations of the black levels (ELD's color bias), (n, p): an item takes one of
+        Measured deviations of the black levels (ELD's color bias), (n, p): each item uses one of
         the n rows. ``None`` for no deviation. [DN]
 
     Raises
@@ -424,7 +424,7 @@ class CameraNoise:
             if law is None:
                 raise InputError(
                     "read_noise_law",
-                    "must be given, because items take different gains",
+                    "must be given, because items have different gains",
                     remedy=Setting("read_noise_law"),
                 )
         if self.black_offsets_dn is not None:
@@ -480,7 +480,7 @@ class CameraNoise:
         if self.iso is None:
             raise InputError(
                 "iso",
-                "must be absent for a camera whose gain is of no known ISO",
+                "must be absent for a camera whose own ISO is not known",
                 value=iso,
                 remedy="give the camera its ISO",
             )
@@ -525,7 +525,7 @@ class CameraNoise:
         if self.read_noise_law is None:
             raise InputError(
                 "iso",
-                "must be that of the camera, because its read noise over the gain is not known",
+                "must be that of the camera, because its read noise at other gains is not known",
                 value=None,
                 found=f"differs from {self.iso:g}" if self.iso is not None else "differs",
                 remedy="give read_noise_law, e.g. of read_noise_sum",
@@ -617,8 +617,8 @@ class CameraNoise:
         Returns
         -------
         CameraNoise
-            At no known ISO. The dark current is that at the pixel's temperature, and the error of
-            the black level is one row of offsets.
+            Without an ISO. The dark current is that at the pixel's temperature; the error of the
+            black level is one row of offsets.
 
         Raises
         ------
@@ -665,7 +665,7 @@ class CameraNoise:
         read: ReadNoiseShape = "tukey-lambda",
         profile: str = "Profile-1",
     ) -> "CameraNoise":
-        """The camera of a calibration in ELD's form.
+        """The camera of a calibration in the format of ELD.
 
         Parameters
         ----------
@@ -676,7 +676,7 @@ class CameraNoise:
             ``g_scale`` (normal) and ``R_scale`` (rows, optional): each ``slope``, ``bias`` and
             ``sigma`` of ln(noise in DN) over ln(K).
         black_level_dn, top_code_dn
-            Of the camera; ELD's form does not contain them. [DN]
+            Of the camera; ELD's format does not contain them. [DN]
         read
             Which distribution the read noise has.
         profile
@@ -685,8 +685,8 @@ class CameraNoise:
         Returns
         -------
         CameraNoise
-            A Bayer array of R, G1, G2 and B, whose items draw ln(K) uniformly between Kmin and
-            Kmax. Its own gain is Kmin's geometric mean with Kmax.
+            A Bayer mosaic of R, G1, G2 and B; for each item, ln(K) is drawn uniformly between
+            ln(Kmin) and ln(Kmax). Its own gain is the geometric mean of Kmin and Kmax.
 
         Raises
         ------

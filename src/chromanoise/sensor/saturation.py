@@ -9,7 +9,7 @@ from chromanoise.sensor.sensor import Sensor
 def code_range_e(sensor: Sensor) -> float:
     """Electrons from black level to top code; inf where bits or gain are not known. [e-]
 
-    Where n readings are summed (`chromanoise.sensor.binned`), n times that of one.
+    Where n readings are summed (`chromanoise.sensor.binned`), it is n times that of one reading.
     """
     converter = sensor.converter
     if converter.bits is None or converter.gain_e_per_dn is None:
@@ -22,8 +22,8 @@ def code_range_e(sensor: Sensor) -> float:
 def white_level_e(sensor: Sensor, *, dark_e: float = 0.0) -> float:
     """Largest signal: full well minus dark electrons, or the top code if that is lower. [e-]
 
-    Dark electrons fill the well; the converter measures what is above the black level, from which
-    their mean is subtracted. Not above 0 where the dark electrons fill the well.
+    Dark electrons take up part of the well; their mean is subtracted from the codes, which start at
+    the black level. The result is 0 or less where dark electrons fill the whole well.
 
     Parameters
     ----------
@@ -34,7 +34,7 @@ def white_level_e(sensor: Sensor, *, dark_e: float = 0.0) -> float:
 
     Notes
     -----
-    EMVA 1288, release 4.0, names it the saturation capacity, found where the variance falls.
+    EMVA 1288, release 4.0, calls it the saturation capacity and finds it at the largest variance.
 
     Examples
     --------

@@ -1,7 +1,8 @@
-"""Levels and darks from the names of the frames and the exposure times that their files tell.
+"""Levels and darks from the names of the frames and the exposure times stated in their files.
 
 A level has the frames whose names differ only in the last number or letter, and that have the same
-exposure time. Where this leaves two readings, the frames are refused with a question.
+exposure time. Where this leaves two interpretations, the frames are refused, and the message
+states what is unclear.
 """
 
 import re
@@ -34,12 +35,12 @@ _WORD = re.compile(r"[A-Za-zµ]+")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Named:
-    """A frame and what its name tells.
+    """A frame and what its name states.
 
     Attributes
     ----------
     frame
-        The frame; time and ISO are filled in from the name if the file does not tell them.
+        The frame; time and ISO are filled in from the name if the file does not state them.
     dark
         Whether it was taken without light.
     label
@@ -78,11 +79,11 @@ def levels_by_name(
     Notes
     -----
     1. A frame is dark if the file name, else the nearest folder, has one of `DARK_WORDS`.
-    2. The exposure time is that of the file, else that of the name (``10ms``, ``0.5s``).
+    2. The exposure time comes from the file, or else from the name (``10ms``, ``0.5s``).
     3. The label of a frame is its name without time, ISO and the last number or letter; frames of a
        stack have the label of their file. Equal labels and times form a level.
-    4. Darks belong to the levels of their exposure time; without times, to the flats with the same
-       label, or, if there is only one label, to all levels.
+    4. Darks belong to the levels with the same exposure time; without times, to the flats with the
+       same label, or, if there is only one label, to all levels.
     """
     named = [_named(source, frame, name) for frame, name in zip(frames, names, strict=True)]
     refuse_mixed(source, [one.frame for one in named])
@@ -223,7 +224,7 @@ def _refuse_unclear_flats(
         raise _question(
             source,
             f"each of {len(groups)} names and exposure times has 1 flat, e.g. "
-            f"{groups[single[0]][0].frame.name}, so that it is unclear which repeat a level",
+            f"{groups[single[0]][0].frame.name}, so that it is unclear which flats form a level",
         )
     if single:
         key = single[0]
@@ -240,7 +241,7 @@ def _refuse_unclear_flats(
         raise _question(
             source,
             f"{most} flats from {flats[0].frame.name} to {flats[-1].frame.name} have one number "
-            "each and no different exposure times, so that they may be repeats or levels",
+            "each and the same exposure time or none, so that they may be repeats or levels",
         )
     if len(times) > 1:
         return "by exposure time" if len(labels) == 1 else "by exposure time and name"
@@ -401,7 +402,9 @@ def _levels(count: int) -> str:
 
 
 def _question(source: str, unclear: str) -> InputError:
-    return InputError(source, "must tell which frames form a level", found=unclear, remedy=EXAMPLE)
+    return InputError(
+        source, "must make clear which frames form a level", found=unclear, remedy=EXAMPLE
+    )
 
 
 def frame_name(path: Path, folder: Path, part: str) -> str:

@@ -1,6 +1,6 @@
 """Raw frames in the files of cameras: DNG and all that LibRaw reads.
 
-LibRaw runs in a child process with limits of time and memory, because a damaged file may crash it.
+LibRaw runs in a child process with limits on time and memory, because a damaged file may crash it.
 """
 
 from dataclasses import dataclass
@@ -33,8 +33,8 @@ _PROBE = 48  # a multiple of the periods 1, 2, 4, 6, 8 and 16 that LibRaw knows
 def raw_frames(path: Path) -> tuple[Frame, ...]:
     """The frame in a file of a camera: the visible pixels, without any processing.
 
-    An uncompressed DNG is read in place, of another DNG the header. All other files are unpacked
-    once, because LibRaw gives their mosaic and levels only then.
+    An uncompressed DNG is read in place; of another DNG, only the header is read at first. All
+    other files are unpacked once, because LibRaw gives their mosaic and levels only then.
 
     Raises
     ------
@@ -97,10 +97,10 @@ class _Raw:
 
 
 def _of_tags(path: Path) -> tuple[dict[str, Any], StoredPlane | None]:
-    """What the TIFF tags tell, and where the codes are if the file is an uncompressed DNG.
+    """What the TIFF tags state, and where the codes are if the file is an uncompressed DNG.
 
-    A file that is no TIFF (CR3, RAF, ...) tells nothing here; LibRaw then tells what it knows. Of a
-    DNG the tags tell all that a frame has.
+    A file that is not a TIFF (CR3, RAF, ...) gives nothing here; LibRaw then gives what it knows.
+    The tags of a DNG give all fields of a frame.
     """
     with path.open("rb") as file:
         start = file.read(4)
@@ -175,7 +175,7 @@ def _codes(path: str, shape: tuple[int, int]) -> UInt16[Array, "h w"]:
     with _unpacked(path) as raw:
         codes = raw.raw_image_visible
         if codes.shape != shape:
-            raise InputError(path, "must be as large as its header tells", value=codes.shape)
+            raise InputError(path, "must have the size stated in its header", value=codes.shape)
         return codes.copy()  # rawpy frees its memory
 
 

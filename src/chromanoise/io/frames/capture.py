@@ -47,8 +47,8 @@ def read_capture(path: Path) -> FrameSet:
     Parameters
     ----------
     path
-        The file. Keys: ``mosaic`` (``RG/GB``; absent for the mosaic that the files tell), ``bits``,
-        ``darks`` (used at every level without own darks) and ``[[levels]]`` with ``flats``,
+        The file. Keys: ``mosaic`` (``RG/GB``; absent for the mosaic stated in the files), ``bits``,
+        ``darks`` (used at every level without darks of its own) and ``[[levels]]`` with ``flats``,
         ``darks``, ``time_ms`` [ms], ``photons_per_pixel`` [1] and ``name``. Frames are names
         relative to the file; ``*``, ``?`` and ``[abc]`` are patterns, sorted by name.
         ``stack.tif[3]`` is one frame of a stack, ``a.npz[flat]`` one array.
@@ -135,7 +135,7 @@ def _level(
     _refuse_unknown(path, entry, _LEVEL, at)
     name = entry.get("name", at)
     if not isinstance(name, str) or not 0 < len(name) <= 200 or not name.isprintable():
-        raise InputError(str(path), "must be a name of 1 to 200 letters", where=f"{at}, name")
+        raise InputError(str(path), "must be a name of 1 to 200 characters", where=f"{at}, name")
     flats = _frames(path, entry.get("flats", []), f"{at}, flats", opened)
     own = _frames(path, entry.get("darks", []), f"{at}, darks", opened)
     if not flats and not own:
@@ -274,7 +274,7 @@ def _repeated(path: Path, frame: Frame, level: str, found: str) -> InputError:
 
 
 def _one_time(frames: tuple[Frame, ...]) -> float | None:
-    """The exposure time that all frames tell. [ms]"""
+    """The exposure time that all frames state. [ms]"""
     times = {frame.time_ms for frame in frames}
     return times.pop() if len(times) == 1 else None
 
@@ -315,5 +315,5 @@ def _mosaic(
     other = next((one for one in frames if one.mosaic not in (None, mosaic)), None)
     if other is None:
         return mosaic, ()
-    told = f"mosaic {mosaic_text(mosaic)} of {path.name}; {other.name} tells "
+    told = f"mosaic {mosaic_text(mosaic)} of {path.name}; {other.name} states "
     return mosaic, (told + mosaic_text(other.mosaic),)

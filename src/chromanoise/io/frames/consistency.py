@@ -28,7 +28,7 @@ _QUANTITIES: tuple[tuple[str, Callable[[Frame], Any], Callable[[Any], str]], ...
 def refuse_mixed(source: str, frames: Sequence[Frame]) -> None:
     """Refuse frames of several sizes, cameras, ISO or gain settings, or numbers of bits.
 
-    A frame whose file does not tell the quantity agrees with all others.
+    A frame whose file does not state the quantity agrees with all others.
 
     Raises
     ------
@@ -43,7 +43,7 @@ def refuse_mixed(source: str, frames: Sequence[Frame]) -> None:
 
 
 def mosaic_of_all(source: str, frames: Sequence[Frame]) -> Mosaic | None:
-    """The mosaic of frames that agree in it; ``None`` if no file tells one.
+    """The mosaic of frames that agree in it; ``None`` if no file states one.
 
     Raises
     ------

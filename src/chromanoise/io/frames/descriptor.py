@@ -51,7 +51,7 @@ def read_descriptor(path: Path) -> FrameSet:
     """The frames of an EMVA 1288 descriptor; times are in ns, names relative to its folder.
 
     Two frames per line ``b`` or ``d`` are a temporal measurement, more a spatial one; darks are
-    those of the same exposure time, of the same kind if there are such.
+    those with the same exposure time, and of the same kind if there are any.
 
     Raises
     ------
@@ -205,7 +205,7 @@ def _frames(path: Path, series: _Series, bits: int, shape: tuple[int, int]) -> t
         if frames[-1].shape != shape:
             raise InputError(
                 str(path),
-                f"must list frames of {by(shape)} pixels, as its line n tells",
+                f"must list frames of {by(shape)} pixels, as stated in its line n",
                 value=frames[-1].shape,
                 found=f"{frames[-1].name} has {by(frames[-1].shape)}",
                 where=f"line {series.line}",

@@ -1,4 +1,4 @@
-"""What the tags of a TIFF file tell about the exposure, the camera and its mosaic."""
+"""What the tags of a TIFF file state about the exposure, the camera and its mosaic."""
 
 import math
 from typing import Any
@@ -17,7 +17,7 @@ _LARGEST_ISO = 1e8
 
 
 def exposure_of(page: Any) -> dict[str, Any]:
-    """``time_ms``, ``iso`` and ``camera`` of a page of tifffile, as far as its tags tell them.
+    """``time_ms``, ``iso`` and ``camera`` of a page of tifffile, as far as its tags state them.
 
     Parameters
     ----------
@@ -52,7 +52,7 @@ def camera_name(make: str, model: str) -> str:
 
 
 def mosaic_of(page: Any) -> Mosaic | None:
-    """The mosaic by the tags CFARepeatPatternDim and CFAPattern; ``None`` without them.
+    """The mosaic from the tags CFARepeatPatternDim and CFAPattern; ``None`` without them.
 
     Parameters
     ----------

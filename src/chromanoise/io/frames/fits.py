@@ -79,7 +79,7 @@ def _of_part(path: Path, number: int, part: Any, first: Any) -> list[Frame]:
             "must be complete",
             where=where,
             value=size,
-            found=f"has {size} bytes, which are fewer than its header tells",
+            found=f"has {size} bytes, fewer than its header states",
             remedy="copy it again",
         )
     shape = (axes[-2], axes[-1])

@@ -27,7 +27,7 @@ def frames_in(path: Path | str) -> tuple[Frame, ...]:
     ----------
     path
         Camera raw or DNG (needs rawpy), TIFF with one frame per page, FITS (needs astropy), NPY and
-        NPZ with frames of 2 or stacks of 3 dimensions, PGM, or PNG of gray; by the ending of its
+        NPZ with frames of 2 or stacks of 3 dimensions, PGM, or gray PNG; by the ending of its
         name.
 
     Raises

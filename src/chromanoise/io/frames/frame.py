@@ -30,19 +30,19 @@ class Frame:
     part
         Name of the array or FITS extension that holds it, if the file has several.
     time_ms
-        Exposure time, if the file tells it. [ms]
+        Exposure time, if the file states it. [ms]
     iso
-        ISO setting, if the file tells it.
+        ISO setting, if the file states it.
     gain_setting
-        Gain setting in the camera's own units (``GAIN`` of FITS), if the file tells it.
+        Gain setting in the camera's own units (``GAIN`` of FITS), if the file states it.
     camera
         Maker and model, or empty.
     mosaic
-        The channel of each pixel, if the file tells it.
+        The channel of each pixel, if the file states it.
     bits
-        Bits of the codes, if the file tells them.
+        Bits of the codes, if the file states them.
     black_level_dn, white_level_dn
-        Code without light and largest code, if the file tells them. [DN]
+        Code without light and largest code, if the file states them. [DN]
     """
 
     path: Path
@@ -71,7 +71,7 @@ class Frame:
         Raises
         ------
         InputError
-            If the file cannot be read, has changed its size, or holds no integers.
+            If the file cannot be read, has changed in size, or holds no integers.
         """
         codes: Any = np.asarray(self.read())
         if codes.shape != self.shape:
@@ -115,7 +115,7 @@ class FrameLevel:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FrameSet:
-    """All frames of a photon transfer.
+    """All frames of a photon transfer measurement.
 
     Attributes
     ----------

@@ -88,7 +88,7 @@ class _Pgm:
         if codes.max() > self.largest:
             raise InputError(
                 str(self.plane.path),
-                f"must have codes up to {self.largest}, as its header tells",
+                f"must have codes up to {self.largest}, as stated in its header",
                 value=int(codes.max()),
                 found=f"has {int(codes.max())}",
             )

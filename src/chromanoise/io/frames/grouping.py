@@ -19,7 +19,7 @@ _TEXT = (".txt", ".emva")
 
 
 def read_frame_set(words: Sequence[Path | str]) -> FrameSet:
-    """The frames of a photon transfer, grouped into levels of light with their darks.
+    """The frames of a photon transfer measurement, grouped into levels of light with their darks.
 
     Parameters
     ----------
@@ -27,7 +27,7 @@ def read_frame_set(words: Sequence[Path | str]) -> FrameSet:
         One of: a folder with ``capture.toml``, or that file (see `read_capture`); an EMVA 1288
         descriptor, or the folder with it (see `read_descriptor`); otherwise folders and files of
         frames, which are grouped by name and exposure time (see `levels_by_name`). Files of
-        other formats in a folder are left out, and a note tells how many.
+        other formats in a folder are left out, and a note states how many.
 
     Raises
     ------
@@ -109,7 +109,7 @@ def _by_name(paths: Sequence[Path]) -> FrameSet:
     mosaic = mosaic_of_all(source, frames)
     levels, notes = levels_by_name(source, frames, names)
     if mosaic is None:
-        notes += ("taken as monochrome: no file tells a mosaic; capture.toml can give one",)
+        notes += ("taken as monochrome: no file states a mosaic; capture.toml can give one",)
     if others:
         notes += (f"{len(others)} other files left out{_listed(others)}",)
     return FrameSet(source=source, levels=levels, mosaic=mosaic, notes=notes)

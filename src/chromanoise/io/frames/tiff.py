@@ -91,9 +91,9 @@ def _frame(path: Path, at: int, page: Any, *, index: int | None, exposure: dict[
     if page.photometric == CFA and mosaic is None:
         raise InputError(
             str(path),
-            "must tell its mosaic in the tag CFAPattern",
+            "must state its mosaic in the tag CFAPattern",
             where=where,
-            remedy="save it as a TIFF of gray, and write the mosaic into capture.toml",
+            remedy="save it as a gray TIFF, and write the mosaic into capture.toml",
         )
     read: Any = _CompressedPage(path=path, page=at, shape=shape, stored=str(dtype))
     if is_plain(page):
@@ -132,7 +132,7 @@ class _CompressedPage:
 
 
 def _refuse_truncated_stack(path: Path, first: Any, pages: int) -> None:
-    """Refuse a file whose description tells more frames than it has pages (ImageJ, tifffile)."""
+    """Refuse a file whose description states more frames than it has pages (ImageJ, tifffile)."""
     declared = 1
     text = str(getattr(first, "description", ""))[:10_000]
     if first.is_imagej:
@@ -150,6 +150,6 @@ def _refuse_truncated_stack(path: Path, first: Any, pages: int) -> None:
             str(path),
             "must have one page per frame",
             value=pages,
-            found=f"has {pages} page, and its description tells {declared} frames",
+            found=f"has {pages} page, and its description states {declared} frames",
             remedy="save each frame as a page",
         )
