@@ -139,9 +139,9 @@ def test_what_is_impossible_is_left_out_of_the_pixel_with_a_note():
 
 
 def test_dark_currents_are_averaged_with_their_signs_and_then_not_below_0():
-    planes = [exact_plane(dark_current_e_per_s=value) for value in (-0.4, 0.2)]
+    planes = tuple(exact_plane(dark_current_e_per_s=value) for value in (-0.4, 0.2))
     assert pixel_of(monochrome(planes=planes)).dark_current_e_per_s == 0.0
-    planes = [exact_plane(dark_current_e_per_s=value) for value in (-0.2, 0.4)]
+    planes = tuple(exact_plane(dark_current_e_per_s=value) for value in (-0.2, 0.4))
     assert pixel_of(monochrome(planes=planes)).dark_current_e_per_s == pytest.approx(0.1)
 
 

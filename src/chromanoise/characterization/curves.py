@@ -7,11 +7,11 @@ import numpy as np
 
 from chromanoise._check import Array
 from chromanoise._shapes import Bool, Float
+from chromanoise.characterization.linearity import linearity
 from chromanoise.characterization.results import PlaneNoise
 from chromanoise.sensor.noise_profile import ROUNDING_DN2
 
 _POINTS = 120
-_LOWEST, _HIGHEST = 0.05, 0.95  # of saturation: the range of the linearity fit
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -145,18 +145,5 @@ def _linearity(
     if light is None:
         return None, None
     black = plane.black_level_dn if plane.black_level_dn is not None else 0.0
-    top = (
-        plane.saturation_dn - black if plane.saturation_dn is not None else signal.max() / _HIGHEST
-    )
-    used = (signal >= _LOWEST * top) & (signal <= _HIGHEST * top * (1 + 1e-9))
-    if np.unique(light[used]).size < 3:
-        return None, None
-    weight, at = 1 / signal[used] ** 2, light[used]
-    center = (weight @ at) / weight.sum()
-    mean = (weight @ signal[used]) / weight.sum()
-    offset = at - center
-    slope = (weight * offset) @ (signal[used] - mean) / (weight @ offset**2)
-    line = mean + slope * (light - center)
-    deviation = np.full_like(signal, np.nan)
-    deviation[used] = 100 * (signal[used] - line[used]) / line[used]
-    return line, deviation
+    top = None if plane.saturation_dn is None else plane.saturation_dn - black
+    return linearity(signal, light, top) or (None, None)
