@@ -30,6 +30,7 @@ if sys.platform != "win32":
 
 _SUMMARIES = (".json", ".html")  # files that describe the other files
 _LOCK_ATTEMPTS, _LOCK_PAUSE_S = 5, 0.02
+_OPEN_ATTEMPTS = 100
 _AT_FDCWD, _RENAME_EXCHANGE = -100, 2  # of linux/fcntl.h and linux/fs.h
 
 
@@ -266,11 +267,15 @@ def _locked(place: Path, goal: Path, folder: Path, scratch: Path) -> Iterator[IO
 
 def _held_file(path: Path, folder: Path) -> IO[str] | None:
     """The lock file, locked for this process; ``None`` where the file system has no locks."""
+    missed = 0
     while True:
         path.parent.mkdir(parents=True, exist_ok=True)
         try:
             journal = path.open("a+")
         except FileNotFoundError:  # a run that ended has removed the parent
+            missed += 1
+            if missed > _OPEN_ATTEMPTS:  # a file system without new files, such as /proc
+                raise
             continue
         try:
             locked = _lock(journal, folder)

@@ -12,11 +12,12 @@ from chromanoise.analysis import DEFAULT_METHOD
 from chromanoise.characterization import (
     Characterization,
     characterized,
+    characterized_files,
     light_sample,
     resumed,
 )
 from chromanoise.errors import InputError
-from chromanoise.io.frames import FrameSet, read_frame_set
+from chromanoise.io.frames import FrameSet
 from chromanoise.sensor import Sensor
 from chromanoise.spectra import Illuminant
 from chromanoise.study import (
@@ -124,7 +125,8 @@ def characterize(
     Parameters
     ----------
     frames
-        A folder, files, or a `FrameSet`. A folder with ``capture.toml`` needs no guessing.
+        A folder, files, a `FrameSet`, or one table of means and variances. A folder with
+        ``capture.toml`` needs no guessing.
     resume
         File for the statistics of the frames read so far, from which a later call goes on.
     progress
@@ -151,12 +153,17 @@ def characterize(
     >>> camera = cn.characterize("frames")                          # doctest: +SKIP
     >>> camera.planes[0].gain_dn_per_e, camera.verdict.sentences    # doctest: +SKIP
     """
-    if len(frames) == 1 and isinstance(frames[0], FrameSet):
-        read = frames[0]
-    else:
-        read = read_frame_set([one for one in frames if not isinstance(one, FrameSet)])
     sampled = light_sample if resume is None else resumed(Path(resume))
-    return characterized(read, sampled=sampled, progress=progress)
+    if len(frames) == 1 and isinstance(frames[0], FrameSet):
+        return characterized(frames[0], sampled=sampled, progress=progress)
+    words = [one for one in frames if isinstance(one, str | Path)]
+    if len(words) < len(frames) or not words:
+        raise InputError(
+            "frames",
+            "must be a folder, files, or one FrameSet",
+            value=[type(one).__name__ for one in frames],
+        )
+    return characterized_files(words, sampled=sampled, progress=progress)
 
 
 @_with_listed_settings

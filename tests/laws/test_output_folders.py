@@ -11,6 +11,7 @@ import pytest
 import chromanoise
 from chromanoise import _files
 from chromanoise._files import claimed_folder, refuse_unwritable, whole_folder
+from chromanoise.errors import InputError
 from outcomes import refused_input
 
 NEW = {"a.png": "new a", "b.png": "new b", "summary.json": "new"}
@@ -311,3 +312,9 @@ def test_a_stop_at_any_operation_leaves_old_or_new_files_and_no_summary_of_half_
         expected = {f"out/o/{k}": v for k, v in (old | NEW | {"again.json": "again"}).items()}
         assert tree(tmp_path / f"{n:03d}") == expected | {"notes.txt": "notes"}
         assert [path.name for path in (tmp_path / f"{n:03d}" / "out").iterdir()] == ["o"]
+
+
+@pytest.mark.skipif(not Path("/proc/self").exists(), reason="needs /proc")
+def test_a_file_system_without_new_files_is_refused_at_once():
+    with pytest.raises((InputError, OSError)), whole_folder(Path("/proc/no-such-folder")):
+        raise AssertionError("a folder was made")

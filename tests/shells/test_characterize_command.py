@@ -87,3 +87,54 @@ def test_a_later_run_goes_on_from_the_statistics_of_an_earlier_one(run, frames, 
     np.save(sorted(frames.glob("*.npy"))[0], np.zeros((64, 80), np.uint16))
     other = run("characterize", "frames", "--resume", "kept.json", "--json", "-")
     assert other != first
+
+
+@pytest.mark.parametrize(
+    ("option", "target"),
+    [
+        ("--json", "frames/level-01-flat-1.npy"),
+        ("--json", "frames/capture.toml"),
+        ("--resume", "frames/level-01-dark-1.npy"),
+        ("-o", "frames"),
+    ],
+)
+def test_frames_are_never_replaced_by_outputs(run, frames, option, target):
+    before = {path.name: path.read_bytes() for path in frames.iterdir()}
+    refused(run("characterize", "frames", option, target), target)
+    assert {path.name: path.read_bytes() for path in frames.iterdir()} == before
+
+
+def test_a_link_to_a_frame_is_not_replaced(run, frames, tmp_path):
+    (tmp_path / "link.json").symlink_to(frames / "level-01-flat-1.npy")
+    refused(run("characterize", "frames", "--json", "link.json"), "link.json")
+
+
+def test_two_outputs_into_one_file_are_refused(run, frames):
+    refused(run("characterize", "frames", "--json", "a", "--resume", "a"), "--resume")
+
+
+def test_frames_are_not_mixed_with_those_of_another_demo(run, frames):
+    refused(run("demo-frames", "-o", "frames"), "frames")
+
+
+def test_darks_in_place_of_flats_are_refused_by_name(run, frames):
+    toml = (frames / "capture.toml").read_text()
+    swapped = toml.replace("flats", "other").replace("darks", "flats").replace("other", "darks")
+    (frames / "capture.toml").write_text(swapped)
+    refused(run("characterize", "frames"), "-flat-1.npy")
+
+
+def test_codes_beyond_the_bits_are_refused(run, frames):
+    toml = (frames / "capture.toml").read_text()
+    (frames / "capture.toml").write_text(toml.replace("bits = 12", "bits = 8"))
+    refused(run("characterize", "frames"), "255")
+
+
+def test_a_table_of_means_and_variances_gives_the_values_of_its_plane(run, frames):
+    code, _, err = run("characterize", "frames", "-o", "camera")
+    assert code == 0, err
+    (plane,) = cn.characterize("camera/photon_transfer_R.csv").planes
+    whole = cn.characterize("frames").planes[0]
+    for name in ("gain_dn_per_e", "dark_noise_e", "qe", "dark_current_e_per_s"):
+        assert getattr(plane, name) == pytest.approx(getattr(whole, name), rel=1e-9)
+    assert plane.prnu is plane.row_noise_e is None

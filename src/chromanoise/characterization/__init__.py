@@ -11,6 +11,10 @@ if TYPE_CHECKING:
         emva_sheet_xml,
         photon_transfer_csv,
     )
+    from chromanoise.characterization.from_table import (
+        characterized_files,
+        characterized_table,
+    )
     from chromanoise.characterization.kept_statistics import resumed
     from chromanoise.characterization.matrix_check import (
         MatrixCheck,
@@ -56,6 +60,8 @@ __all__ = [
     "camera_noise",
     "characterization_as_json",
     "characterized",
+    "characterized_files",
+    "characterized_table",
     "color_of_plane",
     "darktable_json",
     "emva_sheet",

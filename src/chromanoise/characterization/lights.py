@@ -73,10 +73,42 @@ def lights_of(
         progress(done, whole)
         light = sampled(group, tile)
         _refuse_apart(group, light)
+        _refuse_codes_beyond_bits(group, light)
         lights[key] = light
         done += len(group)
     progress(whole, whole)
+    _refuse_bright_darks(frames, lights)
     return lights
+
+
+def _refuse_bright_darks(frames: FrameSet, lights: Mapping[Key, LightSample]) -> None:
+    """Refuse darks that are brighter than the flats of their level: they are exchanged."""
+    for level in frames.levels:
+        flats, darks = (lights.get(key_of(group)) for group in (level.flats, level.darks))
+        if flats is None or darks is None:
+            continue
+        for flat, dark in zip(flats.planes, darks.planes, strict=True):
+            noise = math.sqrt(flat.mean_variance_dn2 + dark.mean_variance_dn2)
+            if dark.mean_dn - flat.mean_dn > 10 * noise + 1:
+                raise InputError(
+                    level.darks[0].name,
+                    f"must be darker than the flat {level.flats[0].name}",
+                    value=dark.mean_dn,
+                    found=f"has a mean of {dark.mean_dn:.6g} DN, the flat {flat.mean_dn:.6g} DN",
+                    remedy="say in capture.toml which frames are flats and which are darks",
+                )
+
+
+def _refuse_codes_beyond_bits(group: Sequence[Frame], light: LightSample) -> None:
+    bits, top = group[0].bits, max(plane.top_dn for plane in light.planes)
+    if bits is not None and top > 2**bits - 1:
+        raise InputError(
+            group[0].name,
+            f"must have codes of at most {2**bits - 1} for {bits} bits",
+            value=top,
+            found=f"has a code of {top}",
+            remedy="correct bits in capture.toml",
+        )
 
 
 def _refuse_apart(group: Sequence[Frame], light: LightSample) -> None:

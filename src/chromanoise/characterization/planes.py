@@ -89,7 +89,6 @@ def plane_noise(
     has_darks = any(level.darks for level in frames.levels)
     levels = _levels(lit, own, fit, dark_of, dark=has_darks)
     noise = fit.read_noise_e
-    ranged = full.value is not None and noise is not None
     return PlaneNoise(
         name=name,
         gain_dn_per_e=gain,
@@ -102,9 +101,7 @@ def plane_noise(
         saturation_capacity_e=capacity,
         full_well_e=full.value,
         full_well_e_se=full.se,
-        dynamic_range_db=20 * math.log10(full.value / (noise + _DYNAMIC_RANGE_E))  # type: ignore[operator]
-        if ranged
-        else None,
+        dynamic_range_db=dynamic_range_db(full.value, noise),
         qe=fit.qe,
         qe_se=fit.qe_se,
         linearity_error_percent=_linearity_error(lit, own, fit, dark_of),
@@ -123,6 +120,23 @@ def plane_noise(
         levels=levels,
         fit=fit,
     )
+
+
+def dynamic_range_db(full_well_e: float | None, dark_noise_e: float | None) -> float | None:
+    """20 log10 of the full well over the dark noise plus 0.5 e-; ``None`` if one is unknown. [dB]
+
+    Parameters
+    ----------
+    full_well_e, dark_noise_e
+        Of a plane. [e-]
+
+    Notes
+    -----
+    EMVA Standard 1288, release 4.0 Linear: over the absolute sensitivity threshold.
+    """
+    if full_well_e is None or dark_noise_e is None:
+        return None
+    return 20 * math.log10(full_well_e / (dark_noise_e + _DYNAMIC_RANGE_E))
 
 
 def hidden_by_rounding(frames: FrameSet, own: Mapping[Key, PlaneSample]) -> bool:

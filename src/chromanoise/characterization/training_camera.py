@@ -13,7 +13,7 @@ from chromanoise.sensor import CameraNoise, ReadNoiseTable
 _BEYOND = 1.25  # factor of the gain by which the table goes beyond the settings measured
 
 
-def camera_noise(results: Sequence[Characterization]) -> CameraNoise:
+def camera_noise(results: Characterization | Sequence[Characterization]) -> CameraNoise:
     """The noise model of a camera from its frames at one ISO setting, or at several.
 
     Parameters
@@ -39,6 +39,8 @@ def camera_noise(results: Sequence[Characterization]) -> CameraNoise:
     -----
     EMVA 1288, release 4.0: the temporal dark noise includes the row noise.
     """
+    if isinstance(results, Characterization):
+        results = [results]
     if not results:
         raise InputError("results", "must hold at least one characterization", value=0)
     cameras = [_camera(one) for one in results]

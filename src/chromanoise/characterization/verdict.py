@@ -43,7 +43,7 @@ def model_verdict(
     fitted = [level for level in planes[worst_plane].levels if level.fitted]
     worst = int(np.abs(z[worst_plane]).argmax()) if fitted else 0
     sentences = [
-        *_bends(planes),
+        *bend_sentences(planes),
         *_deviating(frames, planes, z),
         *_neighbors(frames, lights, planes),
         *_channels(planes, correlation, _pixels(lights)),
@@ -64,7 +64,14 @@ def _deviations(plane: PlaneNoise) -> Array:
     return np.asarray(plane.fit.residual_z[:lit][plane.fit.fitted[:lit]])
 
 
-def _bends(planes: Sequence[PlaneNoise]) -> Iterator[str]:
+def bend_sentences(planes: Sequence[PlaneNoise]) -> Iterator[str]:
+    """A sentence on each plane whose variance is no straight line over the mean.
+
+    Parameters
+    ----------
+    planes
+        Results of the planes.
+    """
     for plane in planes:
         low, high = plane.fit.low_light_gain_dn_per_e, plane.fit.high_light_gain_dn_per_e
         if plane.bend_z is None or low is None or high is None:

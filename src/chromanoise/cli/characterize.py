@@ -1,5 +1,6 @@
 """``chromanoise characterize``."""
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -13,17 +14,20 @@ from chromanoise.characterization import (
     MatrixCheck,
     PlaneNoise,
     characterized,
+    characterized_files,
     light_sample,
     resumed,
     variance_through_file,
 )
+from chromanoise.characterization.from_table import is_table
 from chromanoise.cli.options import json_option
 from chromanoise.cli.output import refuse_taken_inputs, terminal, write_json
 from chromanoise.cli.parsing import command
 from chromanoise.cli.progress import progress_of
 from chromanoise.cli.tables import print_lines
-from chromanoise.io.frames import read_frame_set
-from chromanoise.io.given_matrices import read_matrix
+from chromanoise.errors import InputError
+from chromanoise.io.frames import FrameSet, read_frame_set
+from chromanoise.io.given_matrices import GivenMatrix, read_matrix
 
 _ROWS = (
     ("gain K", "DN/e-", "gain_dn_per_e", 1.0),
@@ -79,7 +83,13 @@ def characterize(
     if out is not None:
         refuse_unwritable(out)
     given = None if matrix is None else read_matrix(file_of(matrix))
+    sampled = light_sample if resume is None else resumed(resume)
+    if len(frames) == 1 and is_table(file_of(frames[0])):
+        refuse_taken_inputs({"--json": json_target, "--resume": resume}, frames, {})
+        _finish(characterized_files([file_of(frames[0])]), out, json_target, given, matrix)
+        return
     read = read_frame_set(frames)
+    _refuse_frames_as_outputs(read, {"--json": json_target, "--resume": resume, "--out": out})
     count = len({id(f) for level in read.levels for f in (*level.flats, *level.darks)})
     with progress_of("frames", count, "frames") as advance:
         before = 0
@@ -89,8 +99,18 @@ def characterize(
             advance(done - before)
             before = done
 
-        sampled = light_sample if resume is None else resumed(resume)
         result = characterized(read, sampled=sampled, progress=advanced)
+    _finish(result, out, json_target, given, matrix)
+
+
+def _finish(
+    result: Characterization,
+    out: Path | None,
+    json_target: str | None,
+    given: GivenMatrix | None,
+    matrix: str | None,
+) -> None:
+    """Write and print what was asked for."""
     check = None if given is None else variance_through_file(result, given)
     written: tuple[Path, ...] = ()
     if out is not None:
@@ -113,6 +133,34 @@ def characterize(
             )
         if written:
             print_lines([f"Written to {out}: {', '.join(path.name for path in written)}"])
+
+
+def _refuse_frames_as_outputs(read: FrameSet, targets: Mapping[str, str | Path | None]) -> None:
+    """Refuse outputs that would replace a frame or the list of frames, or each other."""
+    groups = [group for level in read.levels for group in (level.flats, level.darks)]
+    every = {frame.path.resolve() for group in groups for frame in group}
+    inputs = {*every, Path(read.source).resolve()}
+    folders = {path.parent for path in every}
+    seen: dict[Path, str] = {}
+    for option, target in targets.items():
+        if target is None or target == "-":
+            continue
+        path = Path(target).resolve()
+        if path in inputs or (option == "--out" and path in folders):
+            raise InputError(
+                option,
+                "must not be a frame, the list of frames or their folder",
+                value=str(target),
+                remedy="name another one",
+            )
+        if path in seen:
+            raise InputError(
+                option,
+                f"must not be that of {seen[path]}",
+                value=str(target),
+                remedy="name another file",
+            )
+        seen[path] = option
 
 
 def _check_as_json(check: MatrixCheck, source: str) -> dict[str, Any]:

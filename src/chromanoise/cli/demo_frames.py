@@ -135,6 +135,14 @@ def demo_frames(
     and truth.toml, which holds the true values.
     """
     refuse_unwritable(out)
+    if out.is_dir() and any(out.iterdir()):
+        raise InputError(
+            "--out",
+            "must be an empty folder or a new one, so that no frames are mixed",
+            value=str(out),
+            found=f"{out} holds files",
+            remedy="name another folder",
+        )
     camera = _camera(**settings)
     written = photon_transfer_frames(
         camera, folder=out, levels=levels, frames=frames, darks=darks, file_format=file_format

@@ -471,6 +471,15 @@ def sampler(
     >>> add_noise(np.full((1, 1), 5.0), unit="electron").noisy        # 2.5 DN is rounded to 3 DN
     array([[6.]], dtype=float32)
     """
+    if not isinstance(camera, CameraNoise):
+        raise InputError(
+            "camera",
+            "must be a CameraNoise",
+            value=type(camera).__name__,
+            found=f"is a {type(camera).__name__}",
+            remedy="make one by CameraNoise.from_sensor, or by "
+            "chromanoise.characterization.camera_noise",
+        )
     return NoiseSampler(
         camera=camera,
         shot=shot,

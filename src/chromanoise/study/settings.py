@@ -151,7 +151,7 @@ class RenderSettings(SharedSettings, total=False):
     mosaic: Annotated[str, "pictures.0.mosaic"]
     demosaic: Annotated[str, "pictures.0.demosaic"]
     raw_only: Annotated[bool, "pictures.0.raw_only"]
-    bits: Annotated[int, "pictures.0.bits"]
+    bits: Annotated[int, "pictures.0.bits", "sensors.*.pixel.bits"]
     black_level: Annotated[int, "pictures.0.black_level"]
     frames: Annotated[int, "pictures.0.frames"]
     formats: Annotated[Sequence[str], "pictures.0.formats"]

@@ -1,0 +1,170 @@
+"""A characterization from a table of means and variances instead of frames."""
+
+import math
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from chromanoise.characterization.lights import Sampler
+from chromanoise.characterization.measure import characterized
+from chromanoise.characterization.planes import dynamic_range_db
+from chromanoise.characterization.results import (
+    Characterization,
+    LevelNoise,
+    ModelVerdict,
+    PlaneNoise,
+)
+from chromanoise.characterization.statistics import light_sample
+from chromanoise.characterization.verdict import bend_sentences
+from chromanoise.io.frames import read_frame_set
+from chromanoise.io.pixels import read_photon_transfer_csv
+from chromanoise.io.pixels.photon_transfer_csv import is_photon_transfer_text
+from chromanoise.sensor import PhotonTransfer, photon_transfer_fit
+
+_HEAD_BYTES = 4096
+_TABLES = (".csv", ".tsv", ".txt", ".dat")
+
+
+def characterized_files(
+    words: Sequence[Path | str],
+    *,
+    sampled: Sampler = light_sample,
+    progress: Callable[[int, int], None] = lambda _done, _all: None,
+) -> Characterization:
+    """The noise of a camera from frames, or from one table of means and variances.
+
+    Parameters
+    ----------
+    words
+        As `chromanoise.io.frames.read_frame_set`, or one table in a form of
+        `chromanoise.io.pixels.read_photon_transfer_csv`.
+    sampled, progress
+        As `characterized`.
+
+    Raises
+    ------
+    InputError
+        As `characterized`, or as the reader of tables.
+    """
+    if len(words) == 1 and is_table(Path(words[0])):
+        return characterized_table(read_photon_transfer_csv(Path(words[0])))
+    return characterized(read_frame_set(words), sampled=sampled, progress=progress)
+
+
+def is_table(path: Path) -> bool:
+    """Whether a file is a table of means and variances, by its ending and its heading."""
+    if path.suffix.lower() not in _TABLES or not path.is_file():
+        return False
+    with path.open("rb") as file:
+        return is_photon_transfer_text(file.read(_HEAD_BYTES).decode("utf-8", errors="replace"))
+
+
+def characterized_table(table: PhotonTransfer) -> Characterization:
+    """One plane from a table: without fixed patterns, row noise and correlations.
+
+    Parameters
+    ----------
+    table
+        Means and variances.
+
+    Raises
+    ------
+    InputError
+        As `chromanoise.sensor.photon_transfer_fit`.
+    """
+    fit = photon_transfer_fit(table)
+    lit = np.flatnonzero(~table.dark)
+    lit = lit[np.argsort(table.mean_dn[lit], kind="stable")]
+    levels = [_level(table, int(row), fit.gain_dn_per_e, fit.fitted) for row in lit]
+    plane = PlaneNoise(
+        name="mono",
+        gain_dn_per_e=fit.gain_dn_per_e,
+        gain_dn_per_e_se=fit.gain_se,
+        dark_noise_e=fit.read_noise_e,
+        dark_noise_e_se=fit.read_noise_se,
+        black_level_dn=fit.black_dn,
+        black_level_dn_se=None,
+        saturation_dn=fit.saturation_dn,
+        saturation_capacity_e=fit.full_well_e,
+        full_well_e=fit.full_well_e,
+        full_well_e_se=None,
+        dynamic_range_db=dynamic_range_db(fit.full_well_e, fit.read_noise_e),
+        qe=fit.qe,
+        qe_se=fit.qe_se,
+        linearity_error_percent=None,
+        dark_current_e_per_s=fit.dark_current_e_per_s,
+        dark_current_e_per_s_se=fit.dark_current_se,
+        dsnu_e=None,
+        dsnu_e_se=None,
+        prnu=fit.prnu,
+        prnu_se=fit.prnu_se,
+        row_noise_e=None,
+        row_noise_e_se=None,
+        column_noise_e=None,
+        column_noise_e_se=None,
+        hot_pixels=None,
+        bend_z=fit.bend_z,
+        levels=tuple(levels),
+        fit=fit,
+    )
+    used = np.abs(fit.residual_z) * fit.fitted
+    worst = int(used.argmax())
+    sentences = tuple(bend_sentences([plane]))
+    return Characterization(
+        source=table.source,
+        camera="",
+        iso=None,
+        bits=None,
+        mosaic=None,
+        planes=(plane,),
+        correlation=np.eye(1),
+        covariance_dn2=table.variance_dn2[lit][:, None, None],
+        verdict=ModelVerdict(
+            holds=not sentences,
+            chi2_per_level=fit.chi2_per_row,
+            worst_level=f"row {worst + 1}",
+            worst_z=float(fit.residual_z[worst]),
+            sentences=sentences,
+        ),
+        notes=(f"a table of {lit.size} means and variances: no fixed patterns and no row noise",),
+    )
+
+
+def _level(table: PhotonTransfer, row: int, gain: float, fitted: np.ndarray) -> LevelNoise:
+    dark_mean, dark_variance = _dark(table, row)
+    darkest = int(table.mean_dn.argmin())
+    base = float(table.mean_dn[darkest]) if dark_mean is None else dark_mean
+    floor = float(table.variance_dn2[darkest]) if dark_variance is None else dark_variance
+    variance = float(table.variance_dn2[row])
+    samples = math.nan if table.samples is None else float(table.samples[row])
+    return LevelNoise(
+        name=f"row {row + 1}",
+        frames=2,
+        time_ms=None if table.time_ms is None else float(table.time_ms[row]),
+        photons_per_pixel=None if table.photons is None else float(table.photons[row]),
+        mean_dn=float(table.mean_dn[row]),
+        variance_dn2=variance,
+        variance_se_dn2=0.0 if math.isnan(samples) else variance * math.sqrt(2 / (samples - 1)),
+        predicted_variance_dn2=gain * (float(table.mean_dn[row]) - base) + floor,
+        dark_mean_dn=dark_mean,
+        dark_variance_dn2=dark_variance,
+        fitted=bool(fitted[row]),
+        clipped_share=0.0,
+        correlation_right=0.0,
+        correlation_down=0.0,
+        drift_z=0.0,
+    )
+
+
+def _dark(table: PhotonTransfer, row: int) -> tuple[float | None, float | None]:
+    """Dark mean and variance of a row: its own columns, the dark of its time, or all darks."""
+    if table.dark_mean_dn is not None and table.dark_variance_dn2 is not None:
+        return float(table.dark_mean_dn[row]), float(table.dark_variance_dn2[row])
+    if not table.dark.any():
+        return None, None
+    chosen = table.dark
+    if table.time_ms is not None:
+        away = np.where(table.dark, np.abs(table.time_ms - table.time_ms[row]), np.inf)
+        chosen = away == away.min()
+    return float(table.mean_dn[chosen].mean()), float(table.variance_dn2[chosen].mean())
