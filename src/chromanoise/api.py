@@ -9,13 +9,7 @@ from typing import Any, TypeVar, Unpack
 import numpy as np
 
 from chromanoise.analysis import DEFAULT_METHOD
-from chromanoise.characterization import (
-    Characterization,
-    characterized,
-    characterized_files,
-    light_sample,
-    resumed,
-)
+from chromanoise.characterization import Characterization, characterization_of, read_source
 from chromanoise.errors import InputError
 from chromanoise.io.frames import FrameSet
 from chromanoise.sensor import Sensor
@@ -153,9 +147,9 @@ def characterize(
     >>> camera = cn.characterize("frames")                          # doctest: +SKIP
     >>> camera.planes[0].gain_dn_per_e, camera.verdict.sentences    # doctest: +SKIP
     """
-    sampled = light_sample if resume is None else resumed(Path(resume))
+    kept = None if resume is None else Path(resume)
     if len(frames) == 1 and isinstance(frames[0], FrameSet):
-        return characterized(frames[0], sampled=sampled, progress=progress)
+        return characterization_of(frames[0], resume=kept, progress=progress)
     words = [one for one in frames if isinstance(one, str | Path)]
     if len(words) < len(frames) or not words:
         raise InputError(
@@ -163,7 +157,7 @@ def characterize(
             "must be a folder, files, or one FrameSet",
             value=[type(one).__name__ for one in frames],
         )
-    return characterized_files(words, sampled=sampled, progress=progress)
+    return characterization_of(read_source(words), resume=kept, progress=progress)
 
 
 @_with_listed_settings

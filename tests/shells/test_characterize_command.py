@@ -65,12 +65,14 @@ def test_a_folder_that_is_missing_or_empty_is_refused_by_name(run, tmp_path, mon
     refused(run("characterize", "empty"), "empty")
 
 
-def test_frames_without_a_list_of_levels_are_grouped_and_the_output_says_how(run, frames):
+def test_frames_without_a_list_of_levels_are_grouped_by_their_names(run, frames):
     (frames / "capture.toml").unlink()
-    code, out, err = run("characterize", "frames")
-    assert code == 2 or "level" in out, err  # names of the demo tell levels, or a question
-    if code == 2:
-        assert "capture.toml" in err
+    code, out, err = run("characterize", "frames", "--json", "-")
+    assert code == 0, err
+    (plane,) = json.loads(out)["planes"]  # no file states the mosaic
+    assert plane["name"] == "mono"
+    assert len(plane["levels"]) == 8
+    assert {level["frames"] for level in plane["levels"]} == {2}
 
 
 def test_a_damaged_frame_is_named(run, frames):

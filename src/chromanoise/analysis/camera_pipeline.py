@@ -546,18 +546,18 @@ def _clipping_notes(camera: _Camera, steps: Sequence[PipelineStep]) -> list[str]
     rgb = _named_step(steps, "saturation")
     sd = np.sqrt(rgb.variance)
     share = np.where(sd > 0, ndtr((rgb.mean - 1) / np.where(sd > 0, sd, 1.0)), rgb.mean > 1)
-    told = [
+    exceeding = [
         f"{name} ({100 * most:.1f} % of the readings in {RGB[channel]})"
         for name, most, channel in zip(
             camera.patches, share.max(axis=-1), share.argmax(axis=-1), strict=True
         )
         if most > _WORTH_TELLING
     ]
-    if not told:
+    if not exceeding:
         return []
     return [
-        f"values exceed 1 before the tone curve on {', '.join(told)}; a picture clips them, the "
-        "numbers do not"
+        f"values exceed 1 before the tone curve on {', '.join(exceeding)}; "
+        "a picture clips them, the numbers do not"
     ]
 
 

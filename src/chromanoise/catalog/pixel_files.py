@@ -232,14 +232,14 @@ def _on_pixel(
             value=source.notes,
             found=f"gives none ({'; '.join(source.notes)})",
         )
-    told = {**held, **converter}
+    of_file = {**held, **converter}
     try:
-        sensor = made({**told, **asked})
+        sensor = made({**of_file, **asked})
     except InputError as error:
-        if error.subject in told and error.subject not in asked:
+        if error.subject in of_file and error.subject not in asked:
             raise error.within(source.source) from None
         raise
-    return replace(sensor, notes=(*sensor.notes, *_notes(source, told, asked)))
+    return replace(sensor, notes=(*sensor.notes, *_notes(source, of_file, asked)))
 
 
 def _converter(source: PixelSource) -> Converter:

@@ -11,17 +11,13 @@ if TYPE_CHECKING:
         emva_sheet_xml,
         photon_transfer_csv,
     )
-    from chromanoise.characterization.from_table import (
-        characterized_files,
-        characterized_table,
-    )
     from chromanoise.characterization.kept_statistics import resumed
     from chromanoise.characterization.matrix_check import (
         MatrixCheck,
         variance_through,
         variance_through_file,
     )
-    from chromanoise.characterization.measure import characterized, plane_names
+    from chromanoise.characterization.measure import characterized
     from chromanoise.characterization.merged_pixel import pixel_of, pixel_toml
     from chromanoise.characterization.noise_models import (
         color_of_plane,
@@ -36,6 +32,12 @@ if TYPE_CHECKING:
         ModelVerdict,
         PlaneNoise,
         characterization_as_json,
+        plane_names,
+    )
+    from chromanoise.characterization.sources import (
+        characterization_of,
+        characterized_table,
+        read_source,
     )
     from chromanoise.characterization.statistics import (
         LightSample,
@@ -59,8 +61,8 @@ __all__ = [
     "VirtualCamera",
     "camera_noise",
     "characterization_as_json",
+    "characterization_of",
     "characterized",
-    "characterized_files",
     "characterized_table",
     "color_of_plane",
     "darktable_json",
@@ -76,6 +78,7 @@ __all__ = [
     "pixel_toml",
     "plane_curves",
     "plane_names",
+    "read_source",
     "resumed",
     "variance_through",
     "variance_through_file",

@@ -9,8 +9,8 @@ from chromanoise.characterization.statistics import LightSample, PlaneSample
 from chromanoise.errors import InputError
 from chromanoise.io.frames.frame import Frame, FrameLevel, FrameSet
 from chromanoise.sensor import PhotonTransfer
+from chromanoise.sensor.photon_transfer_table import SAME_TIME
 
-_SAME_TIME = 0.01  # of an exposure time, within which a dark belongs to a flat
 _MOST_APART = 0.2  # of the mean, by which flats of one level may differ
 
 Sampler = Callable[[Sequence[Frame], tuple[int, int]], LightSample]
@@ -25,7 +25,7 @@ def key_of(frames: Sequence[Frame]) -> Key:
     return tuple(f"{frame.path}[{frame.part}][{frame.index}]" for frame in frames)
 
 
-def refuse_mixed(frames: FrameSet) -> None:
+def refuse_unusable(frames: FrameSet) -> None:
     """Refuse sets without flats or with frames of two sizes, and levels with a single flat.
 
     Raises
@@ -149,7 +149,7 @@ def _matched(lit: Sequence[FrameLevel], darks: Mapping[Key, FrameLevel]) -> bool
     times = [level.time_ms for level in darks.values() if level.time_ms]
     return len(times) == len(darks) > 0 and all(
         level.time_ms is not None
-        and any(abs(time - level.time_ms) <= _SAME_TIME * level.time_ms for time in times)
+        and any(abs(time - level.time_ms) <= SAME_TIME * level.time_ms for time in times)
         for level in lit
     )
 
@@ -204,7 +204,7 @@ def dark_of_levels(frames: FrameSet, own: Mapping[Key, PlaneSample]) -> DarkOf:
                 key
                 for key, one in groups.items()
                 if one.time_ms is not None
-                and abs(one.time_ms - level.time_ms) <= _SAME_TIME * level.time_ms
+                and abs(one.time_ms - level.time_ms) <= SAME_TIME * level.time_ms
             ]
         samples = [own[key] for key in keys or groups]
         return (

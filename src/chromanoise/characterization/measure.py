@@ -13,11 +13,11 @@ from chromanoise.characterization.lights import (
     key_of,
     lights_of,
     lit_levels,
-    refuse_mixed,
+    refuse_unusable,
     transfer_table,
 )
 from chromanoise.characterization.planes import hidden_by_rounding, plane_noise
-from chromanoise.characterization.results import Characterization
+from chromanoise.characterization.results import Characterization, plane_names
 from chromanoise.characterization.spatial import (
     LEAST_SIDE,
     SpatialVariance,
@@ -70,7 +70,7 @@ def characterized(
     variances (chapter 6), DSNU and PRNU from averaged frames (chapter 8); PRNU with its high-pass
     filter, at the level nearest to half of saturation.
     """
-    refuse_mixed(frames)
+    refuse_unusable(frames)
     tile = (1, 1) if frames.mosaic is None else _tile(frames.mosaic)
     lights = lights_of(frames, tile, sampled, progress)
     names = plane_names(frames.mosaic)
@@ -143,26 +143,6 @@ def _fit(table: PhotonTransfer) -> TransferFit:
             raise
         note = f"{table.source}: no QE: it {error.found}, which is not possible"
         return photon_transfer_fit(replace(table, photons=None, notes=(*table.notes, note)))
-
-
-def plane_names(mosaic: Mosaic | None) -> tuple[str, ...]:
-    """Names of the planes, in the order of the pixels of a period; repeated channels are numbered.
-
-    Examples
-    --------
-    >>> from chromanoise.sensor import bayer
-    >>> plane_names(bayer()), plane_names(None)
-    (('R', 'G1', 'G2', 'B'), ('mono',))
-    """
-    if mosaic is None:
-        return ("mono",)
-    channels = [name for row in mosaic.pattern for name in row]
-    seen: dict[str, int] = {}
-    names = []
-    for channel in channels:
-        seen[channel] = seen.get(channel, 0) + 1
-        names.append(channel if channels.count(channel) == 1 else f"{channel}{seen[channel]}")
-    return tuple(names)
 
 
 def named_mosaic(mosaic: Mosaic) -> Mosaic:

@@ -13,8 +13,8 @@ from chromanoise.characterization.spatial import SpatialVariance
 from chromanoise.characterization.statistics import PlaneSample
 from chromanoise.io.frames.frame import FrameLevel, FrameSet
 from chromanoise.sensor import TransferFit
+from chromanoise.sensor.photon_transfer_table import LEAST_DARK_DN2
 
-_LEAST_DARK_DN2 = 0.24  # below it the dark noise is mostly quantization: EMVA 1288
 _PLATEAU = 0.1  # of the largest variance above dark, below which a level is saturated
 _DYNAMIC_RANGE_E = 0.5  # added to the dark noise: EMVA 1288, eq. of the absolute threshold
 
@@ -145,7 +145,7 @@ def hidden_by_rounding(frames: FrameSet, own: Mapping[Key, PlaneSample]) -> bool
     EMVA 1288, release 4.0: a dark variance below 0.24 DN^2 is mostly quantization.
     """
     darks = [own[key_of(level.darks)] for level in frames.levels if key_of(level.darks) in own]
-    return bool(darks) and min(one.variance_dn2 for one in darks) < _LEAST_DARK_DN2
+    return bool(darks) and min(one.variance_dn2 for one in darks) < LEAST_DARK_DN2
 
 
 def _shared(
@@ -201,10 +201,7 @@ def _full_well(
         return _Value(), None
     gain, relative = fit.gain_dn_per_e, fit.gain_se / fit.gain_dn_per_e
     samples = [own[key_of(level.flats)] for level in lit]
-    shot = [
-        one.variance_dn2 - (dark_of(level)[1] or 0.0)
-        for level, one in zip(lit, samples, strict=True)
-    ]
+    shot = [one.variance_dn2 - dark_of(level)[1] for level, one in zip(lit, samples, strict=True)]
     at = [one.mean_dn - dark_of(level)[0] for level, one in zip(lit, samples, strict=True)]
     flat = [
         i

@@ -250,3 +250,23 @@ def _plain(value: Any) -> Any:
     if isinstance(value, list | tuple):
         return [_plain(entry) for entry in value]
     return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def plane_names(mosaic: Mosaic | None) -> tuple[str, ...]:
+    """Names of the planes, in the order of the pixels of a period; repeated channels are numbered.
+
+    Examples
+    --------
+    >>> from chromanoise.sensor import bayer
+    >>> plane_names(bayer()), plane_names(None)
+    (('R', 'G1', 'G2', 'B'), ('mono',))
+    """
+    if mosaic is None:
+        return ("mono",)
+    channels = [name for row in mosaic.pattern for name in row]
+    seen: dict[str, int] = {}
+    names = []
+    for channel in channels:
+        seen[channel] = seen.get(channel, 0) + 1
+        names.append(channel if channels.count(channel) == 1 else f"{channel}{seen[channel]}")
+    return tuple(names)

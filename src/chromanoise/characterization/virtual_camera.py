@@ -18,6 +18,7 @@ import numpy as np
 from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._shapes import Float, Int, UInt16
+from chromanoise.characterization.results import plane_names
 from chromanoise.errors import InputError
 from chromanoise.rng import stream
 from chromanoise.sensor import Mosaic, mosaic_named
@@ -440,15 +441,9 @@ def _blur_share(correlation: float) -> float:
 
 
 def _plane_names(period: tuple[tuple[str, ...], ...]) -> dict[tuple[int, int], str]:
-    """Names of the planes by their place in the period; a repeated channel is numbered from 1."""
-    cells = {(y, x): name for y, row in enumerate(period) for x, name in enumerate(row)}
-    every = list(cells.values())
-    seen: dict[str, int] = {}
-    names = {}
-    for place, name in cells.items():
-        seen[name] = seen.get(name, 0) + 1
-        names[place] = name if every.count(name) == 1 else f"{name}{seen[name]}"
-    return names
+    """Names of the planes by their place in the period."""
+    cells = [(y, x) for y, row in enumerate(period) for x in range(len(row))]
+    return dict(zip(cells, plane_names(Mosaic(period)), strict=True))
 
 
 def whole(name: str, value: Any, least: int, greatest: int) -> int:

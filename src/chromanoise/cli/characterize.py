@@ -1,6 +1,6 @@
 """``chromanoise characterize``."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -13,21 +13,19 @@ from chromanoise.characterization import (
     Characterization,
     MatrixCheck,
     PlaneNoise,
-    characterized,
-    characterized_files,
-    light_sample,
-    resumed,
+    characterization_of,
+    read_source,
     variance_through_file,
 )
-from chromanoise.characterization.from_table import is_table
 from chromanoise.cli.options import json_option
 from chromanoise.cli.output import refuse_taken_inputs, terminal, write_json
 from chromanoise.cli.parsing import command
 from chromanoise.cli.progress import progress_of
 from chromanoise.cli.tables import print_lines
 from chromanoise.errors import InputError
-from chromanoise.io.frames import FrameSet, read_frame_set
-from chromanoise.io.given_matrices import GivenMatrix, read_matrix
+from chromanoise.io.frames import Frame, FrameSet
+from chromanoise.io.given_matrices import read_matrix
+from chromanoise.sensor import PhotonTransfer
 
 _ROWS = (
     ("gain K", "DN/e-", "gain_dn_per_e", 1.0),
@@ -83,15 +81,9 @@ def characterize(
     if out is not None:
         refuse_unwritable(out)
     given = None if matrix is None else read_matrix(file_of(matrix))
-    sampled = light_sample if resume is None else resumed(resume)
-    if len(frames) == 1 and is_table(file_of(frames[0])):
-        refuse_taken_inputs({"--json": json_target, "--resume": resume}, frames, {})
-        _finish(characterized_files([file_of(frames[0])]), out, json_target, given, matrix)
-        return
-    read = read_frame_set(frames)
-    _refuse_frames_as_outputs(read, {"--json": json_target, "--resume": resume, "--out": out})
-    count = len({id(f) for level in read.levels for f in (*level.flats, *level.darks)})
-    with progress_of("frames", count, "frames") as advance:
+    read = read_source(frames)
+    _refuse_replaced(read, frames, {"--json": json_target, "--resume": resume, "--out": out})
+    with progress_of("frames", _count(read), "frames") as advance:
         before = 0
 
         def advanced(done: int, _all: int) -> None:
@@ -99,18 +91,7 @@ def characterize(
             advance(done - before)
             before = done
 
-        result = characterized(read, sampled=sampled, progress=advanced)
-    _finish(result, out, json_target, given, matrix)
-
-
-def _finish(
-    result: Characterization,
-    out: Path | None,
-    json_target: str | None,
-    given: GivenMatrix | None,
-    matrix: str | None,
-) -> None:
-    """Write and print what was asked for."""
+        result = characterization_of(read, resume=resume, progress=advanced)
     check = None if given is None else variance_through_file(result, given)
     written: tuple[Path, ...] = ()
     if out is not None:
@@ -118,8 +99,8 @@ def _finish(
 
         written = write_characterization(result, out)
     if json_target:
-        told = {} if check is None else {"matrix_check": _check_as_json(check, str(matrix))}
-        write_json(result.to_dict() | told, json_target)
+        checked = {} if check is None else {"matrix_check": _check_as_json(check, str(matrix))}
+        write_json(result.to_dict() | checked, json_target)
     if json_target != "-":
         _print(result)
         if check is not None:
@@ -135,11 +116,23 @@ def _finish(
             print_lines([f"Written to {out}: {', '.join(path.name for path in written)}"])
 
 
-def _refuse_frames_as_outputs(read: FrameSet, targets: Mapping[str, str | Path | None]) -> None:
-    """Refuse outputs that would replace a frame or the list of frames, or each other."""
-    groups = [group for level in read.levels for group in (level.flats, level.darks)]
-    every = {frame.path.resolve() for group in groups for frame in group}
-    inputs = {*every, Path(read.source).resolve()}
+def _frames_of(read: FrameSet | PhotonTransfer) -> list[Frame]:
+    levels = read.levels if isinstance(read, FrameSet) else ()
+    return [frame for level in levels for frame in (*level.flats, *level.darks)]
+
+
+def _count(read: FrameSet | PhotonTransfer) -> int:
+    return max(1, len({id(frame) for frame in _frames_of(read)}))
+
+
+def _refuse_replaced(
+    read: FrameSet | PhotonTransfer,
+    words: Sequence[str],
+    targets: Mapping[str, str | Path | None],
+) -> None:
+    """Refuse outputs that would replace a frame, the list of frames, a table, or each other."""
+    every = {frame.path.resolve() for frame in _frames_of(read)}
+    inputs = {*every, Path(read.source).resolve(), *(Path(word).resolve() for word in words)}
     folders = {path.parent for path in every}
     seen: dict[Path, str] = {}
     for option, target in targets.items():

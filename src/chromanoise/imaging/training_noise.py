@@ -176,7 +176,7 @@ class NoiseSampler:
 
         camera, dark_e = self._settings(item, iso, time_s)
         given = _picture(clean, camera)
-        row, column = _place(origin, given.shape)
+        row, column = _place(origin)
         lanes = self._lanes(camera, unit, given.shape, (row, column), dark_e)
         flat = np.ascontiguousarray(given, dtype=np.float32).reshape(given.shape[0], -1)
         noisy, variance = new_rows(flat.shape, np.float32), new_rows(flat.shape, np.float32)
@@ -245,7 +245,7 @@ class NoiseSampler:
                 remedy=Setting("shot", (True,)) if not use.tails else "use NoisySample.variance",
             )
         given = _picture(clean, camera)
-        place = _place(origin, given.shape)
+        place = _place(origin)
         lanes = self._lanes(camera, unit, given.shape, place, dark_e).astype(np.float64)
         flat = np.asarray(given, dtype=np.float64).reshape(given.shape[0], -1)
         rows = (np.arange(flat.shape[0]) + place[0]) % lanes.shape[1]
@@ -563,7 +563,7 @@ def _channels(camera: CameraNoise, shape: tuple[int, ...], first_column: int) ->
     return tile[:, (np.arange(shape[1]) + first_column) % tile.shape[1]]
 
 
-def _place(origin: tuple[int, int], shape: tuple[int, ...]) -> tuple[int, int]:
+def _place(origin: tuple[int, int]) -> tuple[int, int]:
     row, column = origin
     _whole("origin", row, 23)
     _whole("origin", column, 23)

@@ -24,7 +24,11 @@ from chromanoise.sensor.photon_transfer_regression import (
     variance_error2,
     weighted_fit,
 )
-from chromanoise.sensor.photon_transfer_table import PhotonTransfer, TransferFit
+from chromanoise.sensor.photon_transfer_table import (
+    LEAST_DARK_DN2,
+    PhotonTransfer,
+    TransferFit,
+)
 from chromanoise.sensor.pixel_source import PixelSource
 
 __all__ = ["PhotonTransfer", "TransferFit", "photon_transfer_fit", "pixel_from_photon_transfer"]
@@ -34,7 +38,6 @@ _NAMED_Z = 5.0  # rows farther from the fit are named in a note
 _SCATTERED = 4.0  # of squared residuals per degree of freedom: twice the scatter expected
 _CURVED_Z = 3.0  # a larger quadratic term is significant
 _LEAST_GAIN = 1e-15  # smallest gain of any converter [DN/e-]
-_LEAST_DARK_DN2 = 0.24  # EMVA 1288: below, the dark noise is mostly quantization
 _IMPOSSIBLE_Z = 5.0  # standard errors above 1 beyond which the photons cannot be right
 _FALLEN_Z = 5.0  # a fall by more standard errors of the difference is significant
 _FALLEN = 0.05  # a fall by a larger share is significant if samples are unknown
@@ -329,7 +332,7 @@ def _read_noise(
     else:
         weights, _ = levels.darks.at_no_time()
         dark_dn2 = levels.darks.variance_dn2
-        if weights @ dark_dn2 < _LEAST_DARK_DN2 <= dark_dn2.max():
+        if weights @ dark_dn2 < LEAST_DARK_DN2 <= dark_dn2.max():
             notes.append(
                 f"{source}: the dark variance at exposure time 0 would be "
                 f"{weights @ dark_dn2:.3g} DN^2, so the read noise is that of the dark of the "
@@ -341,11 +344,11 @@ def _read_noise(
         variance = float(weights @ dark_dn2)
         error2, common = weights**2 @ error2s, -(fit.dark_lever[0] * weights) @ error2s
     dark = variance - ROUNDING_DN2
-    if variance < _LEAST_DARK_DN2:
-        limit = float(np.sqrt(_LEAST_DARK_DN2 - ROUNDING_DN2)) / gain
+    if variance < LEAST_DARK_DN2:
+        limit = float(np.sqrt(LEAST_DARK_DN2 - ROUNDING_DN2)) / gain
         notes.append(
             f"{source}: the dark variance of {variance:.3g} DN^2 is mostly quantization (below "
-            f"{_LEAST_DARK_DN2} DN^2), so the read noise of {limit:.3g} e- is an upper limit"
+            f"{LEAST_DARK_DN2} DN^2), so the read noise of {limit:.3g} e- is an upper limit"
         )
         return limit, None
     error2 += _rounding_error2(dark)

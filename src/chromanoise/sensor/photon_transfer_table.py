@@ -10,7 +10,11 @@ from chromanoise._shapes import Bool, Float
 from chromanoise.errors import InputError
 
 _MOST_SAMPLES = 1e12
-_SAME_TIME = 0.01  # of an exposure time: a dark row that lies closer has the time of a lit row
+LEAST_DARK_DN2 = 0.24
+"""EMVA 1288: a lower dark variance is mostly quantization. [DN^2]"""
+
+SAME_TIME = 0.01
+"""Share of an exposure time within which a dark has the time of a flat."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -145,7 +149,7 @@ def _refuse_odd_darks(table: PhotonTransfer) -> None:
         return
     times = np.unique(table.time_ms[table.dark])
     off = np.abs(times[nearest(times, table.time_ms)] - table.time_ms)
-    alone = off > _SAME_TIME * table.time_ms
+    alone = off > SAME_TIME * table.time_ms
     if alone.any():
         time_ms = float(table.time_ms[alone][0])
         raise InputError(

@@ -297,5 +297,5 @@ def crossover_sentence(crossover: Crossover) -> str:
 
 def value_in_words(value: float, digits: int = 3) -> str:
     """A value of a sweep for a sentence, rounded; 10000, not 1e+04."""
-    told = f"{value:.{digits}g}"
-    return f"{float(told):.0f}" if "e+" in told and value < 1e6 else told
+    text = f"{value:.{digits}g}"
+    return f"{float(text):.0f}" if "e+" in text and value < 1e6 else text

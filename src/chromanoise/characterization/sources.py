@@ -1,4 +1,4 @@
-"""A characterization from a table of means and variances instead of frames."""
+"""A characterization from frames, or from a table of means and variances."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from chromanoise.characterization.lights import Sampler
+from chromanoise.characterization.kept_statistics import resumed
 from chromanoise.characterization.measure import characterized
 from chromanoise.characterization.planes import dynamic_range_db
 from chromanoise.characterization.results import (
@@ -17,7 +17,7 @@ from chromanoise.characterization.results import (
 )
 from chromanoise.characterization.statistics import light_sample
 from chromanoise.characterization.verdict import bend_sentences
-from chromanoise.io.frames import read_frame_set
+from chromanoise.io.frames import FrameSet, read_frame_set
 from chromanoise.io.pixels import read_photon_transfer_csv
 from chromanoise.io.pixels.photon_transfer_csv import is_photon_transfer_text
 from chromanoise.sensor import PhotonTransfer, photon_transfer_fit
@@ -26,30 +26,51 @@ _HEAD_BYTES = 4096
 _TABLES = (".csv", ".tsv", ".txt", ".dat")
 
 
-def characterized_files(
-    words: Sequence[Path | str],
-    *,
-    sampled: Sampler = light_sample,
-    progress: Callable[[int, int], None] = lambda _done, _all: None,
-) -> Characterization:
-    """The noise of a camera from frames, or from one table of means and variances.
+def read_source(words: Sequence[Path | str]) -> FrameSet | PhotonTransfer:
+    """Frames, or one table of means and variances.
 
     Parameters
     ----------
     words
         As `chromanoise.io.frames.read_frame_set`, or one table in a form of
         `chromanoise.io.pixels.read_photon_transfer_csv`.
-    sampled, progress
+
+    Raises
+    ------
+    InputError
+        As these readers.
+    """
+    if len(words) == 1 and is_table(Path(words[0]).expanduser()):
+        return read_photon_transfer_csv(Path(words[0]).expanduser())
+    return read_frame_set(words)
+
+
+def characterization_of(
+    source: FrameSet | PhotonTransfer,
+    *,
+    resume: Path | None = None,
+    progress: Callable[[int, int], None] = lambda _done, _all: None,
+) -> Characterization:
+    """The noise of a camera from what `read_source` read.
+
+    Parameters
+    ----------
+    source
+        Frames, or a table.
+    resume
+        File for the statistics of frames (`resumed`); ``None`` for none.
+    progress
         As `characterized`.
 
     Raises
     ------
     InputError
-        As `characterized`, or as the reader of tables.
+        As `characterized`, `characterized_table` or `resumed`.
     """
-    if len(words) == 1 and is_table(Path(words[0])):
-        return characterized_table(read_photon_transfer_csv(Path(words[0])))
-    return characterized(read_frame_set(words), sampled=sampled, progress=progress)
+    if isinstance(source, PhotonTransfer):
+        return characterized_table(source)
+    sampled = light_sample if resume is None else resumed(resume)
+    return characterized(source, sampled=sampled, progress=progress)
 
 
 def is_table(path: Path) -> bool:
