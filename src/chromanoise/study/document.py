@@ -31,7 +31,7 @@ from chromanoise.catalog.reflectances import is_reflectance_file
 from chromanoise.color import SPACES, TONES
 from chromanoise.errors import InputError, Setting, StudyError, did_you_mean
 from chromanoise.imaging import DEMOSAICING
-from chromanoise.imaging.capture import FORMATS, MOST_FRAMES
+from chromanoise.imaging.formats import FORMATS, MOST_FRAMES
 from chromanoise.io.given_matrices import is_matrix_file
 from chromanoise.io.spectra.parsed import Negatives, Unit
 from chromanoise.scene import BUILTIN_CUBES
