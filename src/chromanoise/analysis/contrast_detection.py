@@ -113,14 +113,13 @@ def _of_luminance(analysis: Analysis) -> float:
     reflectance = np.multiply.outer(np.array([BRIGHT, DARK]), gray)
     color = stages_at(analysis.point, analysis.matrix, reflectance=reflectance).color
     at = color.names.index("Y")
-    mean, sd = color.mean[:, at], np.sqrt(color.variance[:, at])
+    mean, sd = color.mean[:, [at]], np.sqrt(color.variance[:, [at]])
     if not (mean > 0).all() or not (sd > 0).all():
         return float("nan")
-    return float(
-        contrast_detection_probability(
-            mean[0], mean[1], bright_sd=sd[0], dark_sd=sd[1], tolerance=TOLERANCE
-        )
+    found = contrast_detection_probability(
+        mean[0], mean[1], bright_sd=sd[0], dark_sd=sd[1], tolerance=TOLERANCE
     )
+    return float(found[0])
 
 
 def _least_level(point: OperatingPoint) -> float:

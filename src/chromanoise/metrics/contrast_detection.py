@@ -90,7 +90,7 @@ def contrast_detection_probability(
         ndtr((slope[..., None] * at - high[..., None]) / high_sd[..., None])
         for slope in (most, least)
     )
-    return half * ((upper - lower) * density @ weights)
+    return np.asarray(half * ((upper - lower) * density @ weights))
 
 
 def exact_contrast_detection_probability(
@@ -166,9 +166,9 @@ def _slopes(
         )
     if contrast == "weber":
         true = (high - low) / low
-        return 1 + (1 - tolerance) * true, 1 + (1 + tolerance) * true
+        return np.asarray(1 + (1 - tolerance) * true), np.asarray(1 + (1 + tolerance) * true)
     true = (high - low) / (high + low)
     least, most = (1 - tolerance) * true, (1 + tolerance) * true
     endless = most >= 1  # a negative dark reading has more; it is not detected
     upper = np.where(endless, np.inf, (1 + most) / np.where(endless, 1.0, 1 - most))
-    return (1 + least) / (1 - least), upper
+    return np.asarray((1 + least) / (1 - least)), np.asarray(upper)

@@ -65,7 +65,7 @@ def mahalanobis_distance(
     difference = first.mean - second.mean
     covariance = (first.covariance + second.covariance) / 2
     direction = None if brightness else first.mean + second.mean
-    return np.sqrt(_squared_distance(difference, covariance, direction))
+    return np.asarray(np.sqrt(_squared_distance(difference, covariance, direction)))
 
 
 def pair_distances(
@@ -160,7 +160,7 @@ def gaussian_separation_probability(first: Measurement, second: Measurement) -> 
     difference = solve(what, root, (first.mean - second.mean)[..., None])
     shift = (np.swapaxes(turn, -1, -2) @ difference)[..., 0]
     share = np.clip(share, _LEAST_SHARE, 2 - _LEAST_SHARE)  # the second patch has 2 - share
-    return 1.0 - _error_probability(share, shift)
+    return np.asarray(1.0 - _error_probability(share, shift))
 
 
 def gaussian_pair_probabilities(
@@ -228,11 +228,9 @@ def _squared_distance(
     sides = [difference / scale] + ([] if direction is None else [direction / scale])
     right = np.stack(sides, axis=-1)
     left = solve("mean covariance of two patches", correlation, right)
-    products = np.swapaxes(right, -1, -2) @ left
-    squared = products[..., 0, 0]
     if direction is not None:
-        squared = squared - _removed(products[..., 0, 1], products[..., 1, 1])
-    return np.maximum(squared, 0.0)
+        left, right = (_without_direction(left, right, each) for each in (left, right))
+    return np.asarray(np.maximum((right * left).sum(axis=-2)[..., 0], 0.0))
 
 
 def _squared_distance_of_variances(
@@ -242,17 +240,23 @@ def _squared_distance_of_variances(
 ) -> Float[Array, "*m"]:
     sure = variance == 0
     endless = (sure & (difference != 0)).any(axis=-1)
-    weight = 1.0 / np.where(sure, np.inf, variance)
-    squared = (weight * difference**2).sum(axis=-1)
+    sides = [difference] + ([] if direction is None else [direction])
+    right = np.stack(sides, axis=-1)
+    left = right / np.where(sure, np.inf, variance)[..., None]
     if direction is not None:
-        along = (weight * difference * direction).sum(axis=-1)
-        squared = squared - _removed(along, (weight * direction**2).sum(axis=-1))
-    return np.where(endless, np.inf, np.maximum(squared, 0.0))
+        left, right = (_without_direction(left, right, each) for each in (left, right))
+    squared = (right * left).sum(axis=-2)[..., 0]
+    return np.asarray(np.where(endless, np.inf, np.maximum(squared, 0.0)))
 
 
-def _removed(along: Float[Array, "*m"], length: Float[Array, "*m"]) -> Float[Array, "*m"]:
-    """Square of the component along the direction of a change of brightness."""
-    return along**2 / np.where(length > 0, length, 1.0)
+def _without_direction(
+    left: Float[Array, "*m p 2"], right: Float[Array, "*m p 2"], vectors: Float[Array, "*m p 2"]
+) -> Float[Array, "*m p 1"]:
+    """The first of two vectors less its component along the second, the change of brightness."""
+    along = (right[..., 0] * left[..., 1]).sum(axis=-1)
+    length = (right[..., 1] * left[..., 1]).sum(axis=-1)
+    share = along / np.where(length > 0, length, 1.0)
+    return np.asarray(vectors[..., :1] - share[..., None, None] * vectors[..., 1:])
 
 
 def _error_probability(
@@ -274,7 +278,7 @@ def _error_probability(
             - 0.5 * shift**2 * (0.25 + at**2) / skew
         ).sum(axis=-1)
         total += weight * np.exp(logarithm).real
-    return np.clip(total, 0.0, 0.5)
+    return np.asarray(np.clip(total, 0.0, 0.5))
 
 
 def _error_probability_of_one(
@@ -293,4 +297,4 @@ def _error_probability_of_one(
         missed = 1 - (ndtr(high / narrow) - ndtr(low / narrow))
         false = ndtr((high - shift) / wide) - ndtr((low - shift) / wide)
     equal = ndtr(-np.abs(shift) / 2)
-    return np.where(excess > 1e-6, (missed + false) / 2, equal)
+    return np.asarray(np.where(excess > 1e-6, (missed + false) / 2, equal))

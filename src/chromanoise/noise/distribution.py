@@ -151,7 +151,7 @@ def _rounded(
 
 def _clipped(
     values: Float[Array, " x"], table: Float[Array, "k x"], bounds: Readout
-) -> tuple[Float[Array, " x"], Float[Array, "k x"]]:
+) -> tuple[Float[Array, " y"], Float[Array, "k y"]]:
     at = np.clip(values, bounds.black_e, bounds.full_well_e)
     kept, cell = np.unique(at, return_inverse=True)
     if kept.size == values.size:
