@@ -225,7 +225,9 @@ def _projected(
     """The part of the columns that is a linear function of other columns."""
     length = np.linalg.norm(onto, axis=0)
     columns, singular, _ = svd(
-        "visible electrons of the prior", onto / np.where(length > 0, length, 1.0), full_matrices=False
+        "visible electrons of the prior",
+        onto / np.where(length > 0, length, 1.0),
+        full_matrices=False,
     )
     kept = columns[:, singular > _KEPT * singular.max(initial=0.0)]
     return np.asarray(kept @ (kept.T @ values))

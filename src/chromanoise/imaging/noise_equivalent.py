@@ -49,12 +49,15 @@ def noise_equivalent_quanta(
     Notes
     -----
     diag(M) T^H W^+ T diag(M), with the signal transfer T = sum over positions q of the tile of
-    H_q e_q^T / n and the noise spectrum W = sum of v_q H_q H_q^H / n, e_q the channel of q. T is the
-    output at the frequency of the input; aliases at other frequencies are not read, and the
-    correlation of the noise between those frequencies is averaged out. One channel: M^2 MTF^2 / NPS
-    (R. Shaw, J. Photogr. Sci. 11, 199 (1963); ICRU Report 54 (1996), section 3). With W = A A^H and
-    T = A B it is |P B diag(M)|^2, P the projector on the rows of A. So it never exceeds that of the
-    raw mosaic, diag(share M^2 / v).
+    H_q e_q^T / n and the noise spectrum W = sum of v_q H_q H_q^H / n, e_q the channel of q. T is
+    the output at the frequency of the input; aliases at other frequencies are not read, and the
+    correlation of the noise between those frequencies is averaged out. So d' is exact for a
+    uniform change and for a wave, and approximate for a detail of few pixels.
+
+    One channel: M^2 MTF^2 / NPS (R. Shaw, J. Photogr. Sci. 11, 199 (1963); ICRU Report 54 (1996),
+    section 3). With W = A A^H and T = A B it is |P B diag(M)|^2, P the projector on the rows of A.
+    So it never exceeds that of the raw mosaic, diag(share M^2 / v), and is equal to it at frequency
+    0 where every pixel of a channel has the same total weight in the output.
 
     Examples
     --------
@@ -147,7 +150,7 @@ def information_spectrum(
     Raises
     ------
     InputError
-        If the shapes differ, a number is not finite, or a spectrum has a negative eigenvalue.
+        If a number is not finite, or a spectrum has a negative eigenvalue.
 
     Notes
     -----
@@ -162,13 +165,6 @@ def information_spectrum(
     array([[2., 2.]])
     """
     spectrum = _check.finite("power", "1", power)
-    if spectrum.shape != quanta.shape:
-        raise InputError(
-            "power",
-            f"must have the shape of the quanta, {quanta.shape}",
-            value=spectrum.shape,
-            found=f"has shape {spectrum.shape}",
-        )
     variance, axes = eigh("power", spectrum)
     if (variance < -RANK_TOLERANCE * np.abs(variance).max(initial=0.0)).any():
         least = float(variance.min())

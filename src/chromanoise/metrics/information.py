@@ -64,8 +64,11 @@ def information_bits(
         rows = _row_space(_check.finite("matrix", "1", matrix))
         _check.same_length("channels", signal=signal.shape[-1], matrix=rows.shape[1])
         signal, noise = congruence(rows, signal), congruence(rows, noise)
-    scale = _scale(signal, noise)
+    spread, own = (np.diagonal(s, axis1=-2, axis2=-1) for s in (signal, noise))
+    silent = (own == 0) & (spread == 0)
+    scale = np.sqrt(np.where(silent, 1.0, np.where(own > 0, own, spread)))
     signal, noise = (s / (scale[..., :, None] * scale[..., None, :]) for s in (signal, noise))
+    noise = noise + silent[..., None] * np.eye(noise.shape[-1])  # any noise: there is no signal
     variance, axes = eigh("noise_covariance", noise)
     _refuse_negative("noise_covariance", variance)
     noisy = variance > _ROUNDING * variance.max(axis=-1, keepdims=True, initial=0.0)
@@ -85,15 +88,8 @@ def _endless(signal: Array, axes: Array, noisy: Array) -> Bool[Array, "*px"]:
     return np.asarray((~noisy & (seen > _SIGNAL * if_independent)).any(axis=-1))
 
 
-def _scale(signal: Array, noise: Array) -> Float[Array, "*px p"]:
-    """Standard deviation of the noise of each channel; of its signal where there is no noise."""
-    own, spread = (np.diagonal(s, axis1=-2, axis2=-1) for s in (noise, signal))
-    kept = np.where(own > 0, own, spread)
-    return np.asarray(np.sqrt(np.where(kept > 0, kept, 1.0)))
-
-
 def _row_space(matrix: Float[Array, "q p"]) -> Float[Array, "r p"]:
-    """Orthonormal rows that span the rows of a matrix; the axes themselves for an invertible one."""
+    """Orthonormal rows that span those of a matrix; the axes themselves if it is invertible."""
     length = np.linalg.norm(matrix, axis=1)
     unit = matrix[length > 0] / length[length > 0, None]
     _, singular, rows = svd("matrix", unit, full_matrices=False)
