@@ -6,13 +6,16 @@ prints them: for an eye by SNR of Y with the LMMSE matrix, for a machine by the 
 the 276 pairs of ColorChecker patches in raw values, and by the information of the raw values.
 """
 
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
-from chromanoise.analysis.information import information_chain
 
 import chromanoise as cn
+from chromanoise.analysis import compared, matrix_makers
+from chromanoise.analysis.comparison.quantities import QUANTITIES
+from chromanoise.analysis.information import About, information_chain
 from chromanoise.analysis.priors import PRIORS
+from chromanoise.exposure import OperatingPoint
 
 IR_CUT = "ircut-650"
 SENSORS: dict[str, dict[str, Any]] = {
@@ -35,14 +38,19 @@ READERS = {
     "machine, no brightness": ("separation-without-brightness", "kernel"),
 }
 LIGHTS = ("E", "A")
-FIRST_LUX = 0.01
+FIRST_LUX, LAST_LUX = 0.01, 10.0
 LEVELS = 41
 
 
-def time_and_light(name: str, light: str, **own: Any) -> tuple[float, float]:
-    """One time [ms] for both sensors, and the level at which the brighter one is full [lx]."""
-    result = cn.analyze(name, illuminant=light, lux=10.0, **own)
-    return float(result.to_dict()["sensors"][0]["time_ms"]), 10.0
+def both(name: str, light: str) -> tuple[list[OperatingPoint], np.ndarray]:
+    """The sensor without and with the IR-cut at one time, and levels up to its saturation [lx]."""
+    own = SENSORS[name]
+    (without,) = cn.analyze(name, illuminant=light, lux=LAST_LUX, **own).points
+    time_ms = 1e3 * without.exposure.time_s
+    (behind,) = cn.analyze(
+        name, illuminant=light, lux=LAST_LUX, time_ms=time_ms, filter=IR_CUT, **own
+    ).points
+    return [without, behind], np.geomspace(FIRST_LUX, LAST_LUX, LEVELS)
 
 
 def lead(better: np.ndarray, levels: np.ndarray) -> str:
@@ -58,43 +66,28 @@ def lead(better: np.ndarray, levels: np.ndarray) -> str:
 
 def compared_row(name: str, light: str) -> list[str]:
     """One cell per reader."""
-    own = SENSORS[name]
-    time_ms, last = time_and_light(name, light, **own)
+    points, levels = both(name, light)
     cells = []
-    for quantity, matrix in READERS.values():
-        curves = []
-        for extra in ({}, {"filter": IR_CUT}):
-            found = cn.compare(
-                name, quantity=quantity, matrix=matrix, vary="lux", first=FIRST_LUX, last=last,
-                points=LEVELS, illuminant=light, time_ms=time_ms, **own, **extra,
-            )  # fmt: skip
-            (curve,) = found.curves
-            curves.append((np.asarray(curve.at), np.asarray(curve.value)))
-        (levels, without), (_, behind) = curves
+    for quantity, method in READERS.values():
+        makers = matrix_makers([method], "quanta")
+        curves = compared(points, makers, levels, quantity=QUANTITIES[quantity])
+        without, behind = (np.asarray(curve.value) for curve in curves)
         cells.append(lead(without >= behind, levels))
     return cells
 
 
-def information_row(name: str, light: str, about: str) -> list[str]:
+def information_row(name: str, about: About) -> list[str]:
     """One cell per prior: where the raw values without IR-cut hold more bits."""
-    own = SENSORS[name]
-    time_ms, last = time_and_light(name, light, **own)
-    levels = np.geomspace(FIRST_LUX, last, LEVELS)
-    points = [
-        cn.analyze(name, illuminant=light, lux=10.0, time_ms=time_ms, **own, **extra).points[0]
-        for extra in ({}, {"filter": IR_CUT})
-    ]
+    points, levels = both(name, "E")
     cells = []
     for prior in PRIORS:
         without, behind = (
             information_chain(
                 point, prior=prior, level_lux=levels, information_about=about, clipped=False
-            )
-            .steps[0]
-            .bits
+            ).bits["electrons"]
             for point in points
         )
-        cells.append(lead(np.asarray(without >= behind), levels))
+        cells.append(lead(without >= behind, levels))
     return cells
 
 
@@ -110,8 +103,8 @@ def main() -> None:
     print("| sensor | information about | " + " | ".join(PRIORS) + " |")
     print("|---" * (2 + len(PRIORS)) + "|")
     for name in SENSORS:
-        for about in ("spectrum", "visible"):
-            cells = information_row(name, "E", about)
+        for about in get_args(About):
+            cells = information_row(name, about)
             print("| " + " | ".join([name, about, *cells]) + " |", flush=True)
 
 

@@ -1,7 +1,7 @@
 """What the raw channels know about spectra, and where a camera loses it."""
 
 from dataclasses import dataclass, replace
-from typing import Literal, get_args
+from typing import Any, Literal, get_args
 
 import numpy as np
 
@@ -9,8 +9,10 @@ from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._linalg import pinv, svd
 from chromanoise._shapes import Float
+from chromanoise.analysis.analysis import Analysis
 from chromanoise.analysis.operating_point import electrons_at
 from chromanoise.analysis.priors import DEFAULT_PRIOR, training_named
+from chromanoise.analysis.undefined import defined
 from chromanoise.color import ColorMatrix
 from chromanoise.color.training import shares
 from chromanoise.exposure import OperatingPoint
@@ -201,6 +203,55 @@ def information_chain(
             for (name, bits), last in zip(found, before, strict=True)
         ),
     )
+
+
+def information_chains(analysis: Analysis) -> tuple[InformationChain, ...]:
+    """The chain about the whole spectrum and about its visible part, at one operating point.
+
+    Values are clipped, unless crosstalk after counting correlates them.
+
+    Parameters
+    ----------
+    analysis
+        With sensor, exposure, light and matrix.
+    """
+    crosstalk = analysis.sensor.crosstalk
+    return tuple(
+        information_chain(
+            analysis.point,
+            analysis.matrix,
+            information_about=about,
+            clipped=crosstalk is None or crosstalk.stage != "charge",
+        )
+        for about in get_args(About)
+    )
+
+
+def raw_information(point: OperatingPoint, level_lux: Float[Array, " k"] | None = None) -> Array:
+    """Information of the raw values about the whole spectrum, without clipping. [bit]
+
+    Parameters
+    ----------
+    point, level_lux
+        As `information_chain`.
+    """
+    return information_chain(point, level_lux=level_lux, clipped=False).bits["white balance"]
+
+
+def information_as_json(chain: InformationChain) -> dict[str, Any]:
+    """The chain of one light level; an infinite number of bits is ``None``."""
+    return {
+        "about": chain.about,
+        "prior": chain.prior,
+        "steps": [
+            {
+                "step": step.name,
+                "bits": defined(float(step.bits)),
+                "lost_bits": defined(float(step.lost_bits)),
+            }
+            for step in chain.steps
+        ],
+    }
 
 
 def _lost(before: Array, after: Array) -> Float[Array, "*levels"]:

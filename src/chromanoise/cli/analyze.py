@@ -25,7 +25,11 @@ from chromanoise.cli.output import refuse_taken_inputs, write_json, write_table
 from chromanoise.cli.parsing import command
 from chromanoise.cli.pipeline_tables import print_pipeline
 from chromanoise.cli.progress import progress_of_step
-from chromanoise.cli.reader_tables import print_contrast_detection, print_separations
+from chromanoise.cli.reader_tables import (
+    print_contrast_detection,
+    print_information,
+    print_separations,
+)
 from chromanoise.color import SPACES
 from chromanoise.exposure import conditions
 from chromanoise.study import Analyses, analyze_study, run
@@ -106,6 +110,7 @@ def _print(result: Analyses, *, equal: str) -> None:
         of = [(outcome.analysis.sensor.label, outcome) for outcome in result.outcomes]
         print_separations([(label, outcome.separation) for label, outcome in of])
         print_contrast_detection([(label, outcome.contrast_detection) for label, outcome in of])
+        print_information([(label, outcome.information) for label, outcome in of])
     print_merits(
         [
             (point, outcome.merits)

@@ -11,9 +11,11 @@ from chromanoise.analysis.contrast_detection import (
     TOLERANCE,
     ContrastDetection,
 )
+from chromanoise.analysis.information import InformationChain
 from chromanoise.analysis.separation import READINGS, Separation
 from chromanoise.cli.output import terminal
 
+_ABOUT = {"spectrum": "spectrum", "visible": "visible light"}
 _HEADS = ("raw", "color", "raw, no brightness", "color, no brightness")
 
 
@@ -74,6 +76,36 @@ def print_contrast_detection(sensors: Sequence[tuple[str, ContrastDetection | No
         f"Grays of {100 * BRIGHT:g} and {100 * DARK:g} % on one pixel each: the share of readings "
         f"whose Weber contrast is within {100 * TOLERANCE:g} % of the true one (idea of IEEE "
         "P2020); the last column is for the best raw channel, with the time kept.",
+        soft_wrap=True,
+    )
+
+
+def print_information(sensors: Sequence[tuple[str, Sequence[InformationChain]]]) -> None:
+    """Print the bits after each step.
+
+    Parameters
+    ----------
+    sensors
+        Label and chains of each sensor.
+    """
+    console = terminal()
+    table = Table(title="For a machine: information [bit per pixel]", title_justify="left")
+    table.add_column("sensor")
+    table.add_column("about")
+    steps = list(
+        dict.fromkeys(name for _, chains in sensors for one in chains for name in one.bits)
+    )
+    for name in steps:
+        table.add_column(name, justify="right")
+    for label, chains in sensors:
+        for one in chains:
+            bits = [f"{one.bits[name]:.2f}" if name in one.bits else "" for name in steps]
+            table.add_row(label, _ABOUT[one.about], *bits)
+    console.print(table)
+    source = sensors[0][1][0].prior
+    console.print(
+        f"Information about reflectances ({source}) that is left after each step; for a linear "
+        "reader of one pixel of each channel.",
         soft_wrap=True,
     )
 

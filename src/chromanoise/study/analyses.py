@@ -16,6 +16,11 @@ from chromanoise.analysis.contrast_detection import (
 )
 from chromanoise.analysis.export import analyses_as_json, budgets_as_json
 from chromanoise.analysis.figures_of_merit.merits import Merits, merits_as_json, merits_of
+from chromanoise.analysis.information import (
+    InformationChain,
+    information_as_json,
+    information_chains,
+)
 from chromanoise.analysis.separation import Separation, separation_as_json, separation_of
 from chromanoise.color import SPACES, UNBOUNDED
 from chromanoise.exposure import OperatingPoint, patch_scene
@@ -42,6 +47,9 @@ class Outcome:
     separation, contrast_detection
         What a machine tells apart; ``None`` where not asked for, or where a patch saturates a
         channel.
+    information
+        What raw values and color know about the default prior, first about the whole spectrum,
+        then about its visible part; empty where not asked for.
     """
 
     analysis: Analysis
@@ -51,6 +59,7 @@ class Outcome:
     pipeline: PipelineNoise | None
     separation: Separation | None
     contrast_detection: ContrastDetection | None
+    information: tuple[InformationChain, ...]
 
 
 def analysis_of(
@@ -123,6 +132,7 @@ def outcome_of(
         else None,
         separation=separation_of(analysis) if for_machine else None,
         contrast_detection=contrast_detection_of(analysis) if for_machine else None,
+        information=information_chains(analysis) if for_machine else (),
     )
 
 
@@ -152,4 +162,5 @@ def outcomes_as_json(outcomes: Sequence[Outcome], outputs: OutputsPart) -> dict[
         if outputs.reader == "machine":
             own["separation"] = separation_as_json(outcome.separation)
             own["contrast_detection"] = contrast_detection_as_json(outcome.contrast_detection)
+            own["information"] = [information_as_json(one) for one in outcome.information]
     return told

@@ -16,6 +16,7 @@ from chromanoise.analysis.color_space_noise import (
     GRAY,
 )
 from chromanoise.analysis.contrast_detection import best_channel_probability
+from chromanoise.analysis.information import raw_information
 from chromanoise.analysis.operating_point import (
     Stages,
     electrons_at,
@@ -191,6 +192,25 @@ def median_distance_over_levels(
     )
 
 
+def information(operating_point: OperatingPoint, matrix: ColorMatrix) -> float:
+    """`raw_information` of the default prior; NaN where a white saturates a channel. [bit]"""
+    return (
+        float("nan") if is_saturated(operating_point) else float(raw_information(operating_point))
+    )
+
+
+def information_over_levels(
+    operating_point: OperatingPoint,
+    matrix: ColorMatrix,
+    level_lux: Float[Array, " k"],
+    *,
+    matrices: Float[Array, "k c p"] | None = None,
+) -> Float[Array, " k"]:
+    """`information` at many light levels; parameters as `color_snr_over_levels`. [bit]"""
+    full = is_saturated_over_levels(operating_point, level_lux)
+    return np.where(full, np.nan, raw_information(operating_point, level_lux))
+
+
 def color_error(operating_point: OperatingPoint, matrix: ColorMatrix) -> float:
     """Mean over the chart, without noise; NaN where the white is no color. [Delta E*ab]"""
     error = chart_color_error(
@@ -319,6 +339,14 @@ QUANTITIES: Mapping[str, Quantity] = {
             unit="1",
             more_is_better=True,
             of=best_channel_probability,
+        ),
+        Quantity(
+            name="information",
+            what="information of raw values about the spectrum",
+            unit="bit",
+            more_is_better=True,
+            of=information,
+            over_levels=information_over_levels,
         ),
     )
 }
