@@ -27,10 +27,12 @@ if TYPE_CHECKING:
         noise_profile_line,
     )
     from chromanoise.characterization.results import (
+        QUANTITIES,
         Characterization,
         LevelNoise,
         ModelVerdict,
         PlaneNoise,
+        Quantity,
         characterization_as_json,
         plane_names,
     )
@@ -49,6 +51,7 @@ if TYPE_CHECKING:
     from chromanoise.characterization.virtual_frames import photon_transfer_frames
 
 __all__ = [
+    "QUANTITIES",
     "Characterization",
     "LevelNoise",
     "LightSample",
@@ -58,6 +61,7 @@ __all__ = [
     "PlaneNoise",
     "PlaneSample",
     "PlaneTruth",
+    "Quantity",
     "VirtualCamera",
     "camera_noise",
     "characterization_as_json",

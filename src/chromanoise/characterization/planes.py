@@ -28,11 +28,20 @@ class _Value:
 
 
 def _root(variance: float, se: float, scale: float, relative_se: float) -> _Value:
-    """Root of a variance over a scale; 0 where the variance is negative by chance."""
-    least = max(variance, se, 0.0)
-    value = math.sqrt(max(variance, 0.0)) / scale
-    own = se / (2 * math.sqrt(least) * scale) if least else 0.0
-    return _Value(value=value, se=math.hypot(own, value * relative_se))
+    """Root of a variance over a scale; 0 where the variance is negative by chance.
+
+    The error is a third of the way from the root to the farther root of variance +- 3 se: far above
+    se it is se / (2 root), and at 0, where that fails, the root of se / 3. So a true value
+    within 3 standard errors of the variance is within 3 errors of the root, and the root is
+    above 3 errors exactly if the variance is above 3 standard errors.
+    """
+    found = max(variance, 0.0)
+    value, low, high = (
+        math.sqrt(max(one, 0.0)) / scale for one in (found, found - 3 * se, found + 3 * se)
+    )
+    return _Value(
+        value=value, se=math.hypot(max(high - value, value - low) / 3, value * relative_se)
+    )
 
 
 def plane_noise(
