@@ -178,6 +178,12 @@ def transfer_table(
     )
 
 
+def dark_samples(frames: FrameSet, own: Mapping[Key, PlaneSample]) -> list[PlaneSample]:
+    """The statistics of each set of darks, once."""
+    keys = dict.fromkeys(key_of(level.darks) for level in frames.levels if level.darks)
+    return [own[key] for key in keys if key in own]
+
+
 DarkOf = Callable[[FrameLevel], tuple[float, float]]
 """Mean and variance of a level without light. [DN], [DN^2]"""
 

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from chromanoise.characterization.lights import DarkOf, Key, dark_of_levels, key_of
+from chromanoise.characterization.lights import DarkOf, Key, dark_of_levels, dark_samples, key_of
 from chromanoise.characterization.linearity import linearity
 from chromanoise.characterization.results import LevelNoise, PlaneNoise
 from chromanoise.characterization.spatial import SpatialVariance
-from chromanoise.characterization.statistics import PlaneSample
+from chromanoise.characterization.statistics import PlaneSample, mean_shared
 from chromanoise.io.frames.frame import FrameLevel, FrameSet
 from chromanoise.sensor import TransferFit
 from chromanoise.sensor.photon_transfer_table import LEAST_DARK_DN2
@@ -153,7 +153,7 @@ def hidden_by_rounding(frames: FrameSet, own: Mapping[Key, PlaneSample]) -> bool
 
     EMVA 1288, release 4.0: a dark variance below 0.24 DN^2 is mostly quantization.
     """
-    darks = [own[key_of(level.darks)] for level in frames.levels if key_of(level.darks) in own]
+    darks = dark_samples(frames, own)
     return bool(darks) and min(one.variance_dn2 for one in darks) < LEAST_DARK_DN2
 
 
@@ -161,14 +161,10 @@ def _shared(
     own: Mapping[Key, PlaneSample], frames: FrameSet, which: str, gain: float, relative: float
 ) -> _Value:
     """Noise that all pixels of a row, or of a column, share in the dark, from all darks."""
-    darks = [own[key_of(level.darks)] for level in frames.levels if key_of(level.darks) in own]
-    samples = list({id(one): one for one in darks}.values())
+    samples = dark_samples(frames, own)
     if not samples:
         return _Value()
-    # equal weights: errors from few rows are those of chance, and would favor small variances
-    mean = float(np.mean([getattr(one, f"{which}_dn2") for one in samples]))
-    errors = np.array([getattr(one, f"{which}_se_dn2") for one in samples])
-    return _root(mean, math.sqrt(float(errors @ errors)) / errors.size, gain, relative)
+    return _root(*mean_shared(samples, which), gain, relative)
 
 
 def _black_level(
