@@ -263,7 +263,7 @@ def test_without_darks_gain_is_found_and_the_rest_is_unknown(tmp_path):
 
 def test_one_dark_of_a_level_is_refused_by_name(tmp_path):
     folder = frames_of(tmp_path / "f", levels=6, darks=1)
-    with refused_input(value=1, where=""):
+    with refused_input(value=1, where="level 'level 1'"):
         cn.characterize(folder)
 
 
@@ -350,12 +350,12 @@ def level(name, *images, darks=()):
 
 
 def test_one_flat_of_a_level_is_refused_by_name():
-    with refused_input(subject="b_0.npy", value=1):
+    with refused_input(subject="frames", value=1, where="level 'b'"):
         characterized(frame_set(level("b", noise((20, 20), pixel=3.0))))
 
 
 def test_frames_of_two_sizes_are_refused():
-    with refused_input(subject="b_1.npy", value=(20, 24)):
+    with refused_input(subject="frames", value=((20, 20), (20, 24))):
         characterized(frame_set(level("b", noise((20, 20)), noise((20, 24)))))
 
 
