@@ -5,8 +5,8 @@ import re
 import numpy as np
 import pytest
 
-from chromanoise.characterization import QUANTITIES
 from characterizations import color, monochrome, plane_of
+from chromanoise.characterization import QUANTITIES
 from virtual_cameras import findings, scores, small_camera
 
 PATTERNS = ("dsnu_e", "prnu", "row_noise_e", "column_noise_e")

@@ -26,6 +26,10 @@ if TYPE_CHECKING:
         noise_profile_json,
         noise_profile_line,
     )
+    from chromanoise.characterization.own_json import (
+        characterization_from_json,
+        is_characterization,
+    )
     from chromanoise.characterization.results import (
         QUANTITIES,
         Characterization,
@@ -65,6 +69,7 @@ __all__ = [
     "VirtualCamera",
     "camera_noise",
     "characterization_as_json",
+    "characterization_from_json",
     "characterization_of",
     "characterized",
     "characterized_table",
@@ -72,6 +77,7 @@ __all__ = [
     "darktable_json",
     "emva_sheet",
     "emva_sheet_xml",
+    "is_characterization",
     "libcamera_json",
     "light_sample",
     "noise_profile_json",

@@ -80,10 +80,11 @@ def characterize(
         result = characterization_of(read, resume=resume, progress=advanced)
     check = None if given is None else variance_through_file(result, given)
     written: tuple[Path, ...] = ()
+    omitted: list[str] = []
     if out is not None:
-        from chromanoise.report.characterization_report import write_characterization
+        from chromanoise.report.characterization_report import omitted_files, write_characterization
 
-        written = write_characterization(result, out)
+        written, omitted = write_characterization(result, out), omitted_files(result)
     if json_target:
         checked = {} if check is None else {"matrix_check": _check_as_json(check, str(matrix))}
         write_json(result.to_dict() | checked, json_target)
@@ -99,7 +100,7 @@ def characterize(
                 ]
             )
         if written:
-            print_lines([f"Written to {out}: {', '.join(path.name for path in written)}"])
+            print_lines([f"Written to {out}: {', '.join(path.name for path in written)}", *omitted])
 
 
 def _frames_of(read: FrameSet | PhotonTransfer) -> list[Frame]:
