@@ -88,8 +88,8 @@ def read_capture(path: Path) -> FrameSet:
     mosaic, remarks = _mosaic(path, table, used)
     flats = sum(len(level.flats) for level in levels)
     lit = sum(bool(level.flats) for level in levels)
-    darks = len({frame.name for level in levels for frame in level.darks})
-    note = f"{lit} levels with {flats} flats, and {darks} darks, by {path.name}"
+    count = len({frame.name for level in levels for frame in level.darks})
+    note = f"{lit} levels with {flats} flats, and {count} darks, by {path.name}"
     return FrameSet(source=str(path), levels=tuple(levels), mosaic=mosaic, notes=(note, *remarks))
 
 
