@@ -376,8 +376,8 @@ def _dark_current(
         return None, None
     if current < 0:
         notes.append(
-            f"{source}: the dark current of {current:.4g} +- {error * per_s:.2g} e-/s is below 0 "
-            "within its error"
+            f"{source}: the dark current of {current:.4g} +- {error * per_s:.2g} e-/s is negative, "
+            "but not significantly"
         )
     return current, float(np.hypot(error * per_s, current * gain_se / curves.gain))
 
@@ -476,7 +476,10 @@ def _quantum_efficiency(
             remedy=("give the mean photons per pixel and exposure", "omit the column"),
         )
     if qe > 1:
-        notes.append(f"{source}: the QE of {qe:.4g} +- {qe_se:.2g} lies above 1 within its error")
+        notes.append(
+            f"{source}: the QE of {qe:.4g} is above 1, which is not possible, but by less than "
+            f"{_IMPOSSIBLE_Z:g} standard errors ({qe_se:.2g} each)"
+        )
     return qe, qe_se
 
 
