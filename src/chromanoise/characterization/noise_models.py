@@ -14,6 +14,7 @@ from chromanoise.sensor.noise_profile import ROUNDING_DN2
 
 _RGB = ("R", "G", "B")
 _HAAR = 0.25  # variance of white noise in the diagonal band of darktable's Haar transform
+_STATED = "write {} in capture.toml, as in the files of the camera"
 _TOP_16 = 16  # bits of the scale of libcamera's tuning files
 
 
@@ -153,7 +154,10 @@ def darktable_json(
     maker, model = _maker_and_model(result, maker, model)
     if result.iso is None:
         raise InputError(
-            "iso", "must be known for a darktable profile", found="is not", remedy="give the ISO"
+            "iso",
+            "must be known for a darktable profile",
+            found="is not",
+            remedy=_STATED.format("iso = 100"),
         )
     colors = _normalized(result, None).of_colors()
     missing = [color for color in _RGB if color not in colors]
@@ -339,6 +343,6 @@ def _maker_and_model(
                 "must be known for a darktable profile",
                 value=result.camera,
                 found="is not",
-                remedy=f"give {name} as in the files of the camera",
+                remedy=_STATED.format('camera = "Maker Model"'),
             )
     return maker, model

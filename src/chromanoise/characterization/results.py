@@ -56,7 +56,7 @@ QUANTITIES = tuple(
         ("row noise", "e-", "row_noise_e"),
         ("column noise", "e-", "column_noise_e"),
         ("hot pixels", "1", "hot_pixels"),
-        ("bend, z", "1", "bend_z"),
+        ("bend of the variance, z", "1", "bend_z"),
     )
 )
 """The values of a plane in the order of tables."""
