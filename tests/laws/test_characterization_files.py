@@ -273,6 +273,7 @@ def test_a_number_that_was_not_finite_is_not_known(file):
     ("change", "where"),
     [
         (lambda held: held["planes"][0].update(gain_dn_per_e=0), "planes[0].gain_dn_per_e"),
+        (lambda held: held["planes"][0].update(dark_noise_e=-5), "planes[0].dark_noise_e"),
         (lambda held: held["planes"][0].update(qe="0.5"), "planes[0].qe"),
         (lambda held: held["planes"][0].update(prnu=1e200), "planes[0].prnu"),
         (lambda held: held["planes"][0]["fit"].update(notes=[1]), "planes[0].fit.notes[0]"),

@@ -22,7 +22,8 @@ from chromanoise.sensor import Mosaic, TransferFit
 
 _MOST = 1e15
 _NOUNS = (PlaneNoise, LevelNoise, TransferFit, ModelVerdict)
-_POSITIVE = ("gain_dn_per_e",)
+_POSITIVE = (".gain_dn_per_e",)
+_NOT_NEGATIVE = ("_noise_e", ".dsnu_e", ".prnu", "_se")
 _REMEDY = "give the file as chromanoise characterize wrote it"
 
 
@@ -120,7 +121,11 @@ def _number(value: Any, source: str, where: str) -> float:
     if value is None and not where.endswith(_POSITIVE):
         return float("nan")
     number = finite_number(value)
-    if number is None or abs(number) > _MOST or (where.endswith(_POSITIVE) and number <= 0):
+    if number is None or abs(number) > _MOST:
+        raise _wrong(source, where, value)
+    if (number < 0 and where.endswith(_NOT_NEGATIVE)) or (
+        number <= 0 and where.endswith(_POSITIVE)
+    ):
         raise _wrong(source, where, value)
     return number
 
