@@ -1,18 +1,20 @@
 """How far characterized cameras are from the truth, in units of the stated errors.
 
-    python tools/virtual_cameras.py [CAMERAS] [SEED]
+    python tools/virtual_cameras.py [CAMERAS] [SEED] [small]
 
 draws random virtual cameras (200 by default), writes the frames of each into a scratch folder,
 characterizes them, and prints for each parameter how many values lie within 3 stated errors of the
 truth, and the mean and standard deviation of z = (found - true) / stated error: 0 and 1 if the
 errors are right. Cameras whose dark noise is below 0.49 DN are listed apart: below 0.24 DN^2, EMVA
-1288 gives an upper limit of the dark noise only, because the rounding to codes hides it.
+1288 gives an upper limit of the dark noise only, because the rounding to codes hides it. With
+``small``, the cameras have 64 x 64 to 128 x 128 pixels, and DSNU, PRNU, row and column noise that
+are 0, small or usual, each listed apart: near 0 a value is the root of a clipped difference.
 """
 
 import math
 import sys
 import tempfile
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -131,9 +133,43 @@ def random_camera(seed: int, number: int) -> VirtualCamera:
     )
 
 
-def findings(seed: int, number: int) -> list[Finding]:
+def small_camera(seed: int, number: int) -> VirtualCamera:
+    """A camera of few pixels; numbers 0, 1, 2 of each three have no, small and usual patterns.
+
+    Parameters
+    ----------
+    seed, number
+        As `random_camera`.
+    """
+    rng = stream(seed, number)
+    read_e = float(math.exp(rng.uniform(math.log(1.5), math.log(8))))
+
+    def pattern() -> float:
+        low, high = ((0.0, 0.0), (0.01, 0.15), (0.2, 1.0))[number % 3]
+        return float(math.exp(rng.uniform(math.log(low), math.log(high)))) if high else 0.0
+
+    side = int(rng.choice([64, 64, 96, 128]))
+    return VirtualCamera(
+        shape=(side, side),
+        gain_dn_per_e=float(math.exp(rng.uniform(math.log(0.5), math.log(2)))),
+        bits=14,
+        black_level_dn=200,
+        full_well_e=7000.0,
+        read_noise_e=read_e,
+        dark_current_e_per_s=10.0,
+        dsnu_e=read_e * pattern(),
+        prnu=0.02 * pattern(),
+        row_noise_e=read_e * pattern(),
+        column_noise_e=read_e * pattern(),
+        seed=int(rng.integers(1 << 62)),
+    )
+
+
+def findings(
+    seed: int, number: int, drawn: Callable[[int, int], VirtualCamera] = random_camera
+) -> list[Finding]:
     """What is found of one random camera."""
-    camera = random_camera(seed, number)
+    camera = drawn(seed, number)
     with tempfile.TemporaryDirectory() as folder:
         photon_transfer_frames(camera, folder=Path(folder, "frames"))
         characterize: Any = cn.characterize
@@ -205,15 +241,19 @@ def table(found: Iterable[Finding]) -> str:
     return "\n".join(lines)
 
 
-def main(cameras: int = 200, seed: int = 1) -> None:
-    """Print the tables of the fine and of the coarse cameras."""
+def main(cameras: int = 200, seed: int = 1, *, small: bool = False) -> None:
+    """Print the tables of the fine and of the coarse cameras, or of each kind of small camera."""
     if not hasattr(cn, "characterize"):
         sys.exit("this version of chromanoise has no characterize")
     found: list[Finding] = []
     for number in range(cameras):
-        found += findings(seed, number)
+        found += findings(seed, number, small_camera if small else random_camera)
         print(f"\r{number + 1} of {cameras} cameras", end="", file=sys.stderr, flush=True)
     print(file=sys.stderr)
+    if small:
+        for kind, title in enumerate(("no", "small", "usual")):
+            print(f"{title} patterns\n{table([f for f in found if f.camera % 3 == kind])}\n")
+        return
     for coarse, title in ((False, "at least"), (True, "below")):
         group = [one for one in found if one.coarse is coarse]
         count = len({one.camera for one in group})
@@ -221,4 +261,5 @@ def main(cameras: int = 200, seed: int = 1) -> None:
 
 
 if __name__ == "__main__":
-    main(*(int(word) for word in sys.argv[1:]))
+    words = [word for word in sys.argv[1:] if word != "small"]
+    main(*(int(word) for word in words), small="small" in sys.argv)

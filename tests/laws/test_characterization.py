@@ -220,6 +220,26 @@ def test_what_contradicts_the_model_is_named_with_its_frames(tmp_path, fault, wo
         assert ".npy" in sentence
 
 
+@pytest.mark.parametrize(("sigma_dn", "well_e", "black_dn"), [(0.3, 6000, 8), (0.35, 15000, 11)])
+def test_rounding_to_8_bits_is_no_bend(tmp_path, sigma_dn, well_e, black_dn):
+    gain = 140 / well_e
+    camera = VirtualCamera(
+        shape=(240, 320), bits=8, gain_dn_per_e=gain, full_well_e=well_e, seed=3,
+        black_level_dn=black_dn, read_noise_e=sigma_dn / gain, dsnu_e=0.1 / gain, prnu=0.008,
+    )  # fmt: skip
+    found = cn.characterize(frames_of(tmp_path / "f", camera, levels=12))
+    assert abs(found.planes[0].bend_z) < 4
+    assert found.verdict.holds
+
+
+@pytest.mark.evidence
+def test_a_bend_of_3_percent_is_found_at_12_bits(tmp_path):
+    camera = replace(CAMERA, shape=(480, 640), bend=0.03, full_well_e=4500.0)
+    plane = cn.characterize(frames_of(tmp_path / "f", camera, levels=12, frames=3)).planes[0]
+    assert plane.bend_z < -5
+    assert plane.fit.high_light_gain_dn_per_e < 0.98 * plane.fit.low_light_gain_dn_per_e
+
+
 def test_prnu_of_each_plane_is_found_where_all_codes_end_at_the_top(tmp_path):
     camera = replace(
         CAMERA,
@@ -263,7 +283,7 @@ def test_without_darks_gain_is_found_and_the_rest_is_unknown(tmp_path):
 
 def test_one_dark_of_a_level_is_refused_by_name(tmp_path):
     folder = frames_of(tmp_path / "f", levels=6, darks=1)
-    with refused_input(value=1, where=""):
+    with refused_input(value=1, where="level 'level 1'"):
         cn.characterize(folder)
 
 
@@ -350,12 +370,12 @@ def level(name, *images, darks=()):
 
 
 def test_one_flat_of_a_level_is_refused_by_name():
-    with refused_input(subject="b_0.npy", value=1):
+    with refused_input(subject="frames", value=1, where="level 'b'"):
         characterized(frame_set(level("b", noise((20, 20), pixel=3.0))))
 
 
 def test_frames_of_two_sizes_are_refused():
-    with refused_input(subject="b_1.npy", value=(20, 24)):
+    with refused_input(subject="frames", value=((20, 20), (20, 24))):
         characterized(frame_set(level("b", noise((20, 20)), noise((20, 24)))))
 
 

@@ -13,6 +13,7 @@ from chromanoise.characterization import (
     ModelVerdict,
     PlaneNoise,
     characterization_as_json,
+    characterization_from_json,
     darktable_json,
     emva_sheet,
     emva_sheet_xml,
@@ -146,7 +147,8 @@ def test_dark_currents_are_averaged_with_their_signs_and_then_not_below_0():
 
 
 def test_a_value_that_is_not_finite_counts_as_unknown(file):
-    plane = exact_plane(dark_noise_e=math.nan, full_well_e=math.inf, dsnu_e=math.nan)
+    unknown = dict.fromkeys(("full_well_e", "saturation_capacity_e"), math.inf)
+    plane = exact_plane(dark_noise_e=math.nan, dsnu_e=math.nan, **unknown)
     result = monochrome(planes=(plane,))
     pixel = read_pixel_source(file(pixel_toml(result), "pixel.toml"))
     sheet = read_emva_sheet(file(emva_sheet(result, plane)))
@@ -253,7 +255,105 @@ def test_a_column_that_not_all_levels_have_is_left_out(file):
     assert table.photons is not None
 
 
+@pytest.mark.parametrize("result", [monochrome(), color()], ids=["mono", "color"])
+def test_the_json_is_read_to_the_last_digit_and_gives_the_same_pixel(file, result):
+    path = file(json.dumps(characterization_as_json(result)), "characterization.json")
+    again = characterization_from_json(json.loads(path.read_text()), str(path))
+    assert characterization_as_json(again) == characterization_as_json(result)
+    assert read_pixel_source(path) == pixel_of(result)
+
+
+def test_a_number_that_was_not_finite_is_not_known(file):
+    result = monochrome(planes=(exact_plane(dsnu_e=math.nan),))
+    path = file(json.dumps(characterization_as_json(result)), "characterization.json")
+    assert read_pixel_source(path).dsnu_e is None
+
+
+@pytest.mark.parametrize(
+    ("change", "where"),
+    [
+        (lambda held: held["planes"][0].update(gain_dn_per_e=0), "planes[0].gain_dn_per_e"),
+        (lambda held: held["planes"][0].update(dark_noise_e=-5), "planes[0].dark_noise_e"),
+        (lambda held: held["planes"][0].update(qe="0.5"), "planes[0].qe"),
+        (lambda held: held["planes"][0].update(prnu=1e200), "planes[0].prnu"),
+        (lambda held: held["planes"][0]["fit"].update(notes=[1]), "planes[0].fit.notes[0]"),
+        (lambda held: held["planes"][0]["levels"][2].update(name=2), "planes[0].levels[2].name"),
+        (lambda held: held.update(verdict=None), "verdict"),
+        (lambda held: held.update(planes={}), "planes"),
+        (lambda held: held.update(mosaic=5), "mosaic"),
+        (lambda held: held.update(bits=True), "bits"),
+        (lambda held: held.update(correlation=[[1.0], [1.0, 2.0]]), "correlation"),
+    ],
+)
+def test_a_json_with_a_wrong_field_is_refused_with_its_place(file, change, where):
+    held = characterization_as_json(monochrome())
+    change(held)
+    path = file(json.dumps(held), "characterization.json")
+    with refused_input(subject=str(path), where=where):
+        read_pixel_source(path)
+
+
+def test_a_json_of_another_version_is_refused(file):
+    held = characterization_as_json(monochrome()) | {"schema_version": 2}
+    path = file(json.dumps(held), "characterization.json")
+    with refused_input(subject=str(path), value=("chromanoise characterization", 2)):
+        read_pixel_source(path)
+
+
+@pytest.mark.parametrize("plane", color().planes, ids=lambda plane: plane.name)
+def test_xml_and_text_of_a_data_sheet_give_the_same_pixel(file, plane):
+    plane = replace(plane, full_well_e=plane.full_well_e * 1.01)
+    text = read_pixel_source(file(emva_sheet(color(), plane), "sheet"))
+    xml = read_pixel_source(file(emva_sheet_xml(color(), plane), "sheet"))
+    assert replace(xml, notes=()) == replace(text, notes=())
+    assert (xml.prnu, xml.qe, xml.full_well_e) == (plane.prnu, plane.qe, plane.full_well_e)
+    assert not any("one is wrong" in note for note in (*xml.notes, *text.notes))
+
+
+def test_mu_e_sat_is_the_saturation_capacity(file):
+    plane = exact_plane(saturation_capacity_e=8000.0, full_well_e=8100.0)
+    text = emva_sheet(monochrome(), plane)
+    held = dict(line.split(" = ") for line in text.splitlines() if " = " in line)
+    assert held["mu_e.sat"].split()[0] == "8000.0"
+    assert held["full well"].split()[0] == "8100.0"
+    assert float(held["SNR_max"].split()[0]) == pytest.approx(10 * math.log10(8000))
+    least = math.hypot(plane.dark_noise_e, 1 / math.sqrt(12) / plane.gain_dn_per_e) + 0.5
+    assert float(held["DR"].split()[0]) == pytest.approx(20 * math.log10(8000 / least))
+    only = read_emva_sheet(file(text.replace("full well = 8100.0", "# ")))
+    assert only.full_well_e == 8000.0
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "<results>",
+        "<sheet/>",
+        '<!DOCTYPE a [<!ENTITY b "c">]><results/>',
+        "<results/>",
+        "<results><a><K><unit>DN/e-</unit><value>x</value></K></a></results>",
+        "<results><a><K><unit>DN/e-</unit><value>1e999</value></K></a></results>",
+        "<results><a><K><unit>m</unit><value>1</value></K></a></results>",
+    ],
+)
+def test_xml_that_is_no_data_sheet_is_refused(file, text):
+    path = file(text, "sheet.xml")
+    with refused_input(subject=str(path)):
+        read_emva_sheet(path)
+
+
 # --- noise models of other programs
+
+
+def test_the_white_level_is_the_code_at_which_the_first_plane_saturates():
+    # 55 + 0.5 * 7000 = 3555; the converter ends at 4095
+    planes = [exact_plane(full_well_e=well) for well in (7000.0, 7500.0)]
+    told = noise_profile_json(monochrome(planes=(planes[0],)))
+    assert told["white_level_dn"] == told["dng"]["WhiteLevel"] == 3555
+    assert told["S"] == [0.5 / 3500]
+    beyond = noise_profile_json(monochrome(planes=(exact_plane(full_well_e=9000.0),)))
+    assert beyond["white_level_dn"] == 4095
+    unknown = noise_profile_json(monochrome(planes=(exact_plane(full_well_e=None),)))
+    assert unknown["white_level_dn"] == 4095
 
 
 def test_the_noise_profile_is_that_of_dng():
@@ -268,7 +368,7 @@ def test_the_model_of_the_noise_profile_gives_the_variance_of_the_codes():
     plane = exact_plane()
     told = noise_profile_json(monochrome(planes=(plane,)))["dng"]
     scale, offset = told["NoiseProfile"]
-    signal_e, span = 3000.0, 4095 - 55
+    signal_e, span = 3000.0, told["WhiteLevel"] - 55
     variance_dn2 = (scale * (0.5 * signal_e / span) + offset) * span**2
     assert variance_dn2 == pytest.approx(0.25 * (signal_e + 25.0) + 1 / 12, rel=1e-12)
 
@@ -302,11 +402,12 @@ def test_the_profile_of_darktable_is_read_and_gives_the_read_noise(file):
     told = darktable_json(color(planes=planes))
     path = file(json.dumps(told), "noiseprofiles.json")
     noise = read_darktable_noise(path, maker="Acme", model="Model One", iso=100)
-    own = noise_profile_json(color(planes=planes))["dng"]["NoiseProfile"]
+    dng = noise_profile_json(color(planes=planes))["dng"]
+    own = dng["NoiseProfile"]
     assert noise.a.tolist() == [own[0] / 4, own[2] / 4, own[4] / 4]
     assert noise.b.tolist() == [own[1] / 4, own[3] / 4, own[5] / 4]
     # rounding is part of the noise of the codes: sigma^2 + 1 / (12 K^2)
-    pixel = pixel_from_darktable(noise, full_well_e=(4095 - 55) / 0.5)
+    pixel = pixel_from_darktable(noise, full_well_e=(dng["WhiteLevel"] - 55) / 0.5)
     assert pixel.read_noise_e == pytest.approx(math.sqrt(25 + 4 / 12), rel=1e-12)
 
 

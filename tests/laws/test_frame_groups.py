@@ -301,6 +301,38 @@ def test_the_mosaic_of_capture_toml_is_used_with_a_note_where_a_file_tells_anoth
     assert any("GR/BG" in note for note in frames.notes)
 
 
+def test_camera_and_iso_of_capture_toml_are_those_of_every_frame(tmp_path):
+    put(tmp_path, *(f"{name}.npy" for name in "abcdef"))
+    (tmp_path / "capture.toml").write_text(
+        'camera = "Acme One"\niso = 100\ndarks = ["e.npy", "f.npy"]\n'
+        '[[levels]]\nflats = ["a.npy", "b.npy"]\n'
+        '[[levels]]\nflats = ["c.npy", "d.npy"]\niso = 100.0\n'
+    )
+    frames = read_frame_set([tmp_path])
+    every = [frame for one in frames.levels for frame in (*one.flats, *one.darks)]
+    assert {(frame.camera, frame.iso) for frame in every} == {("Acme One", 100.0)}
+
+
+@pytest.mark.parametrize(
+    ("stated", "refused"),
+    [
+        ('camera = "One"', None),  # a shorter name of the same camera
+        ('camera = "ACME one mark II"', None),
+        ('camera = "Acme Two"', {"where": "camera", "value": "Acme Two"}),
+        ("iso = 200", None),
+        ("iso = 100", {"where": "iso", "value": 100.0}),
+    ],
+)
+def test_camera_and_iso_that_contradict_the_files_are_refused(tmp_path, stated, refused):
+    put(tmp_path, "a.fits", "b.fits", INSTRUME="Acme One", ISOSPEED=200)
+    (tmp_path / "capture.toml").write_text(f'{stated}\n[[levels]]\nflats = ["?.fits"]\n')
+    if refused is None:
+        assert read_frame_set([tmp_path]).levels[0].flats[0].iso == 200
+    else:
+        with refused_input(subject=str(tmp_path / "capture.toml"), **refused):
+            read_frame_set([tmp_path])
+
+
 LEVEL = '[[levels]]\nflats = ["a.npy", "b.npy"]\n'
 WRONG = {
     "an unknown key": ('mosiac = "RG/GB"\n' + LEVEL, {"value": "mosiac"}),
@@ -320,6 +352,14 @@ WRONG = {
     "a truth for a time": (LEVEL + "time_ms = true\n", {"value": True}),
     "photons of darks": ('[[levels]]\ndarks = ["a.npy"]\nphotons_per_pixel = 3\n', {"value": 3.0}),
     "bits of 0": ("bits = 0\n" + LEVEL, {"value": 0, "where": "bits"}),
+    "an ISO of 0": ("iso = 0\n" + LEVEL, {"where": "iso", "value": 0}),
+    "an ISO as text": (LEVEL + 'iso = "100"\n', {"where": "level 1, iso", "value": "100"}),
+    "two ISO settings": (
+        LEVEL + 'iso = 100\n[[levels]]\nflats = ["s.npy"]\niso = 200\n',
+        {"value": (100.0, 200.0)},
+    ),
+    "a camera as number": ("camera = 5\n" + LEVEL, {"where": "camera", "value": 5}),
+    "an empty camera": ('camera = " "\n' + LEVEL, {"where": "camera", "value": " "}),
     "a mosaic of unequal rows": ('mosaic = "RG/G"\n' + LEVEL, {"where": "mosaic"}),
     "a mosaic as list": ("mosaic = [1]\n" + LEVEL, {"where": "mosaic"}),
     "levels as a list of numbers": ("levels = [1]\n", {"where": "levels"}),

@@ -20,7 +20,7 @@ from chromanoise.characterization import (
 )
 from chromanoise.io.pixels import read_emva_sheet, read_photon_transfer_csv
 from chromanoise.report import characterization_report, write_characterization
-from chromanoise.report.characterization_report import file_names
+from chromanoise.report.characterization_report import file_names, omitted_files
 from outcomes import refused_input
 
 ALWAYS = {"pixel.toml", "characterization.json", "report.html"}
@@ -166,6 +166,8 @@ def test_what_cannot_be_written_is_named_with_its_reason(quick, tmp_path):
         *("noise_profile.json", "noise_profile.txt", "darktable.json", "libcamera.json")
     ]
     assert "darktable.json is not written" in (tmp_path / "report.html").read_text()
+    assert omitted_files(monochrome(iso=None, bits=None)) == notes[1:]
+    assert omitted_files(color()) == []
 
 
 def test_a_second_run_replaces_the_files_of_the_first_and_keeps_others(quick, tmp_path):

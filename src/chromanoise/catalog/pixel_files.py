@@ -14,6 +14,11 @@ from chromanoise.catalog.resolve import (
     is_file_word,
     resolve_sensor,
 )
+from chromanoise.characterization import (
+    characterization_from_json,
+    is_characterization,
+    pixel_of,
+)
 from chromanoise.errors import InputError, Setting
 from chromanoise.io.pixels import (
     read_emva_sheet,
@@ -60,7 +65,8 @@ def read_pixel_source(path: Path | str) -> PixelSource:
     Parameters
     ----------
     path
-        The file. JSON with ``S`` and ``O`` or a line ``NoiseProfile: S O`` is a noise profile, a
+        The file. JSON with ``S`` and ``O`` or a line ``NoiseProfile: S O`` is a noise profile, JSON
+        of ``chromanoise characterize`` gives `chromanoise.characterization.pixel_of`, a
         table headed ``mean_dn,variance_dn2`` is a photon transfer, a text with a line ``schema =``
         or a file ``.toml`` is a pixel in TOML, anything else a data sheet.
 
@@ -87,6 +93,8 @@ def _source(path: Path, text: str) -> PixelSource:
                 found="holds the noise profiles of darktable, which are relative",
                 remedy=("give a data sheet or a photon transfer", Setting("read_noise_e")),
             )
+        if is_characterization(held):
+            return pixel_of(characterization_from_json(held, str(path)))
         return read_noise_profile(path) if {"S", "O"} <= set(held) else read_emva_sheet(path)
     if is_noise_profile_text(text):
         return read_noise_profile(path)
@@ -266,5 +274,7 @@ def _notes(source: PixelSource, held: Mapping[str, Any], asked: Mapping[str, Any
     if won:
         notes.append(f"{', '.join(won)} as given, not of {source.source}")
     if silent:
-        notes.append(f"{source.source} does not give {', '.join(silent)}: the sensor's own stay")
+        notes.append(
+            f"{source.source} does not give {', '.join(silent)}: the values of the sensor are used"
+        )
     return [*notes, *source.notes]

@@ -26,11 +26,17 @@ if TYPE_CHECKING:
         noise_profile_json,
         noise_profile_line,
     )
+    from chromanoise.characterization.own_json import (
+        characterization_from_json,
+        is_characterization,
+    )
     from chromanoise.characterization.results import (
+        QUANTITIES,
         Characterization,
         LevelNoise,
         ModelVerdict,
         PlaneNoise,
+        Quantity,
         characterization_as_json,
         plane_names,
     )
@@ -49,6 +55,7 @@ if TYPE_CHECKING:
     from chromanoise.characterization.virtual_frames import photon_transfer_frames
 
 __all__ = [
+    "QUANTITIES",
     "Characterization",
     "LevelNoise",
     "LightSample",
@@ -58,9 +65,11 @@ __all__ = [
     "PlaneNoise",
     "PlaneSample",
     "PlaneTruth",
+    "Quantity",
     "VirtualCamera",
     "camera_noise",
     "characterization_as_json",
+    "characterization_from_json",
     "characterization_of",
     "characterized",
     "characterized_table",
@@ -68,6 +77,7 @@ __all__ = [
     "darktable_json",
     "emva_sheet",
     "emva_sheet_xml",
+    "is_characterization",
     "libcamera_json",
     "light_sample",
     "noise_profile_json",

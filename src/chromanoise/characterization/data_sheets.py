@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from decimal import Decimal
 from xml.etree import ElementTree
 
 from chromanoise.characterization.results import Characterization, LevelNoise, PlaneNoise
@@ -38,9 +39,10 @@ def emva_sheet(result: Characterization, plane: PlaneNoise) -> str:
     Notes
     -----
     EMVA Standard 1288, Release 4.0 Linear (2021), chapters 2 and 10: u_e.min = sqrt(sigma_d^2 +
-    1 / (12 K^2)) + 1/2, SNR_max = sqrt(u_e.sat), photons = electrons / QE.
-    `chromanoise.io.pixels.read_emva_sheet` reads it; ``#`` starts a comment. Values that are not
-    known are left out; ratios have the unit 1.
+    1 / (12 K^2)) + 1/2, SNR_max = sqrt(u_e.sat), DR = u_e.sat / u_e.min, photons = electrons / QE;
+    u_e.sat is the saturation capacity, at the largest variance. The full well, of a level above
+    saturation, is an addition. `chromanoise.io.pixels.read_emva_sheet` reads it; ``#`` starts a
+    comment. Values that are not known are left out; ratios have the unit 1.
     """
     lines = [f"# {STANDARD}", *_heading(result, plane)]
     for row in _rows(result, plane):
@@ -65,8 +67,9 @@ def emva_sheet_xml(result: Characterization, plane: PlaneNoise) -> str:
     The standard defines no XML. The form is that of ``Results1288.xml`` in the package emva1288
     1.0.2 (https://github.com/EMVA1288/emva1288): the root ``results`` holds sections, each section
     quantities by the names of that package, and each quantity ``short``, ``symbol``, ``unit`` and
-    ``value``; QE and PRNU are in %. ``standard_error``, the section ``converter`` and the
-    attributes of the root are additions; readers of that form ignore them.
+    ``value``; QE and PRNU are in %. ``standard_error``, ``full_well``, the section ``converter``
+    and the attributes of the root are additions; readers of that form ignore them.
+    `chromanoise.io.pixels.read_emva_sheet` reads it with all digits.
     """
     facts = {"standard": STANDARD, "camera": result.camera, "plane": plane.name}
     facts |= {} if result.iso is None else {"iso": f"{result.iso:g}"}
@@ -76,16 +79,16 @@ def emva_sheet_xml(result: Characterization, plane: PlaneNoise) -> str:
         if row.section not in sections:
             sections[row.section] = ElementTree.SubElement(root, row.section)
         entry = ElementTree.SubElement(sections[row.section], row.tag)
-        scale = 100.0 if row.percent else 1.0
+        shift = 2 if row.percent else 0
         for tag, text in (
             ("short", row.short),
             ("symbol", row.symbol),
             ("unit", "%" if row.percent else row.unit),
-            ("value", _digits(scale * row.value)),
+            ("value", _digits(row.value, shift)),
         ):
             ElementTree.SubElement(entry, tag).text = text
         if row.error is not None:
-            ElementTree.SubElement(entry, "standard_error").text = _digits(scale * row.error)
+            ElementTree.SubElement(entry, "standard_error").text = _digits(row.error, shift)
     ElementTree.indent(root)
     text = ElementTree.tostring(root, encoding="unicode")
     return f'<?xml version="1.0" encoding="UTF-8"?>\n{text}\n'
@@ -144,19 +147,20 @@ def _heading(result: Characterization, plane: PlaneNoise) -> list[str]:
 
 def _rows(result: Characterization, plane: PlaneNoise) -> list[_Row]:
     """The values of the summary sheet that are known."""
-    gain, dark, well = plane.gain_dn_per_e, plane.dark_noise_e, plane.full_well_e
+    gain, dark, well = plane.gain_dn_per_e, plane.dark_noise_e, plane.saturation_capacity_e
     least = None if dark is None else math.sqrt(dark**2 + ROUNDING_DN2 / gain**2) + 0.5
     values: dict[str, tuple[float | None, float | None]] = {
         "QE": (plane.qe, plane.qe_se),
         "K": (gain, plane.gain_dn_per_e_se),
         "sigma_d": (dark, plane.dark_noise_e_se),
         "sigma_y_dark": (_dark_dn(plane), None),
-        "u_e_sat": (well, plane.full_well_e_se),
+        "u_e_sat": (well, None),
+        "full_well": (plane.full_well_e, plane.full_well_e_se),
         "u_e_min": (least, None),
         "u_p_sat": (_photons(well, plane.qe), None),
         "u_p_min": (_photons(least, plane.qe), None),
         "SNR_max_dB": (10 * math.log10(well) if well and well > 0 else None, None),
-        "DR_dB": (plane.dynamic_range_db, None),
+        "DR_dB": (20 * math.log10(well / least) if well and well > 0 and least else None, None),
         "DSNU1288": (plane.dsnu_e, plane.dsnu_e_se),
         "PRNU1288": (plane.prnu, plane.prnu_se),
         "LE": (plane.linearity_error_percent, None),
@@ -188,6 +192,7 @@ _FORM = (  # section and name in XML, name in text, symbol, unit, meaning
     ("sensitivity", "sigma_d", "sigma_d", "sigma_d", "e-", "Temporal dark noise"),
     ("sensitivity", "sigma_y_dark", "sigma_y.dark", "sigma_y.dark", "DN", "Temporal dark noise"),
     ("sensitivity", "u_e_sat", "mu_e.sat", "mu_e.sat", "e-", "Saturation capacity"),
+    ("sensitivity", "full_well", "full well", "full well", "e-", "Electrons of a saturated level"),
     ("sensitivity", "u_e_min", "mu_e.min", "mu_e.min", "e-", "Absolute sensitivity threshold"),
     ("sensitivity", "u_p_sat", "mu_p.sat", "mu_p.sat", "p", "Saturation capacity"),
     ("sensitivity", "u_p_min", "mu_p.min", "mu_p.min", "p", "Absolute sensitivity threshold"),
@@ -212,8 +217,11 @@ def _photons(electrons: float | None, qe: float | None) -> float | None:
     return electrons / qe if electrons is not None and qe else None
 
 
-def _digits(value: float) -> str:
-    return str(value) if isinstance(value, int) else repr(float(value))
+def _digits(value: float, shift: int = 0) -> str:
+    """All digits of a number, times 10^shift without rounding, so that it is read back exactly."""
+    if isinstance(value, int):
+        return str(value)
+    return str(Decimal(repr(float(value))).scaleb(shift)) if shift else repr(float(value))
 
 
 def _printable(text: str) -> str:

@@ -7,6 +7,7 @@ import numpy as np
 
 from chromanoise.characterization.statistics import LightSample, PlaneSample
 from chromanoise.errors import InputError
+from chromanoise.io.frames.consistency import refuse_few, refuse_mixed
 from chromanoise.io.frames.frame import Frame, FrameLevel, FrameSet
 from chromanoise.sensor import PhotonTransfer
 from chromanoise.sensor.photon_transfer_table import SAME_TIME
@@ -26,7 +27,7 @@ def key_of(frames: Sequence[Frame]) -> Key:
 
 
 def refuse_unusable(frames: FrameSet) -> None:
-    """Refuse sets without flats or with frames of two sizes, and levels with a single flat.
+    """Refuse sets without flats or with frames of two sizes, and levels with one flat or dark.
 
     Raises
     ------
@@ -35,25 +36,8 @@ def refuse_unusable(frames: FrameSet) -> None:
     """
     if not any(level.flats for level in frames.levels):
         raise InputError(frames.source, "must have frames with light", found="has dark frames only")
-    every = [frame for level in frames.levels for frame in (*level.flats, *level.darks)]
-    for frame in every[1:]:
-        if frame.shape != every[0].shape:
-            raise InputError(
-                frame.name,
-                f"must have the size of {every[0].name}, {every[0].shape[1]} x "
-                f"{every[0].shape[0]} pixels",
-                value=frame.shape,
-                found=f"has {frame.shape[1]} x {frame.shape[0]}",
-            )
-    for level in frames.levels:
-        for kind, group in (("flat", level.flats), ("dark", level.darks)):
-            if len(group) == 1:
-                raise InputError(
-                    group[0].name,
-                    f"must have a second {kind} of the same light for a temporal variance",
-                    value=1,
-                    found=f"is the only {kind} of {level.name}",
-                )
+    refuse_mixed(frames.source, [f for one in frames.levels for f in (*one.flats, *one.darks)])
+    refuse_few(frames.source, frames.levels, ("flats", "darks"))
 
 
 def lights_of(
@@ -176,6 +160,12 @@ def transfer_table(
         mean_se_dn=np.sqrt([one.mean_variance_dn2 for one in samples]),
         photons=np.array([*photons, *(0.0 for _ in darks)], float) if known else None,
     )
+
+
+def dark_samples(frames: FrameSet, own: Mapping[Key, PlaneSample]) -> list[PlaneSample]:
+    """The statistics of each set of darks, once."""
+    keys = dict.fromkeys(key_of(level.darks) for level in frames.levels if level.darks)
+    return [own[key] for key in keys if key in own]
 
 
 DarkOf = Callable[[FrameLevel], tuple[float, float]]

@@ -10,6 +10,7 @@ from chromanoise._shapes import Float
 from chromanoise.characterization.lights import (
     Key,
     Sampler,
+    dark_samples,
     key_of,
     lights_of,
     lit_levels,
@@ -29,6 +30,7 @@ from chromanoise.characterization.statistics import (
     PlaneSample,
     averaged,
     light_sample,
+    mean_shared,
     planes_of,
 )
 from chromanoise.characterization.verdict import model_verdict
@@ -89,8 +91,10 @@ def characterized(
         darks = _darks_of(frames, middle)
         dark = dark_filtered = hot = None
         if darks:
+            steady = {key_of(darks): _with_rows_of_all_darks(frames, own, darks)}
             dark, dark_filtered = (
-                _spatial(patterns, own, darks, i, high_pass=filtered) for filtered in (False, True)
+                _spatial(patterns, steady, darks, i, high_pass=filtered)
+                for filtered in (False, True)
             )
             image, of_dark = patterns[key_of(darks), i], own[key_of(darks)]
             hot = hot_pixels(image, of_dark, frames=_averaged_count(darks))
@@ -231,6 +235,25 @@ def _spatial(
     key = key_of(group)
     return spatial_variance(
         patterns[key, plane], own[key], frames=_averaged_count(group), high_pass=high_pass
+    )
+
+
+def _with_rows_of_all_darks(
+    frames: FrameSet, own: Mapping[Key, PlaneSample], group: Sequence[Frame]
+) -> PlaneSample:
+    """The statistics of darks, with the row and column noise of all darks.
+
+    One pair of frames has few rows and columns, and this noise does not depend on the time.
+    """
+    (row, row_se), (column, column_se) = (
+        mean_shared(dark_samples(frames, own), which) for which in ("row", "column")
+    )
+    return replace(
+        own[key_of(group)],
+        row_dn2=row,
+        row_se_dn2=row_se,
+        column_dn2=column,
+        column_se_dn2=column_se,
     )
 
 

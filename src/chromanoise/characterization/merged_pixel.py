@@ -4,6 +4,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
+from chromanoise.characterization.plane_means import read_noise_e, root_mean_square
 from chromanoise.characterization.results import Characterization, PlaneNoise
 from chromanoise.errors import InputError
 from chromanoise.io.pixels import pixel_source_toml
@@ -46,7 +47,13 @@ def pixel_of(result: Characterization) -> PixelSource:
     planes, source = result.planes, _source_name(result)
     notes: list[str] = []
     gain = _mean(planes, "gain", "DN/e-", lambda p: p.gain_dn_per_e, lambda p: p.gain_dn_per_e_se)
-    read = _mean(planes, "read noise", "e-", _read_noise_e, lambda p: p.dark_noise_e_se)
+    read = _mean(
+        planes,
+        "read noise",
+        "e-",
+        lambda p: read_noise_e(p, p.row_noise_e),
+        lambda p: p.dark_noise_e_se,
+    )
     current = _mean(
         planes,
         "dark current",
@@ -118,13 +125,6 @@ def _known(planes: Sequence[PlaneNoise], take: Take) -> list[tuple[PlaneNoise, f
     return [(plane, float(v)) for plane, v in found if v is not None and math.isfinite(v)]
 
 
-def _read_noise_e(plane: PlaneNoise) -> float | None:
-    """Temporal dark noise without the noise that rows share. [e-]"""
-    if plane.dark_noise_e is None:
-        return None
-    return math.sqrt(max(plane.dark_noise_e**2 - (plane.row_noise_e or 0.0) ** 2, 0.0))
-
-
 def _mean(
     planes: Sequence[PlaneNoise], name: str, unit: str, take: Take, error: Take
 ) -> _Merged | None:
@@ -147,11 +147,9 @@ def _root_mean_square(
     planes: Sequence[PlaneNoise], name: str, unit: str, take: Take
 ) -> _Merged | None:
     known = _known(planes, take)
-    if not known:
+    value = root_mean_square([one for _, one in known])
+    if value is None:
         return None
-    value = math.sqrt(sum(v**2 for _, v in known) / len(known))
-    if len(known) == 1:
-        value = known[0][1]
     return _Merged(value, f"{name} {value:.4g} {unit}{_spread(known, 'root mean square')}")
 
 
@@ -199,7 +197,7 @@ def _bits(bits: int | None, source: str, notes: list[str]) -> int | None:
 def _current(current: _Merged | None, source: str, notes: list[str]) -> float | None:
     if current is None or current.value >= 0:
         return _value(current)
-    notes.append(f"{source}: a dark current below 0 within its error is used as 0")
+    notes.append(f"{source}: the dark current is negative, but not significantly: using 0")
     return 0.0
 
 

@@ -14,6 +14,7 @@ from chromanoise.sensor.noise_profile import ROUNDING_DN2
 
 _RGB = ("R", "G", "B")
 _HAAR = 0.25  # variance of white noise in the diagonal band of darktable's Haar transform
+_STATED = "write {} in capture.toml, as in the files of the camera"
 _TOP_16 = 16  # bits of the scale of libcamera's tuning files
 
 
@@ -63,7 +64,8 @@ def noise_profile_json(
     result
         A characterization.
     white_level_dn
-        Code of x = 1; the largest code of the converter if ``None``. [DN]
+        Code of x = 1; if ``None``, the lowest code at which a plane saturates, and at most the
+        largest code of the converter. [DN]
 
     Returns
     -------
@@ -143,7 +145,7 @@ def darktable_json(
     Notes
     -----
     darktable, ``tools/noise/noiseprofile.c`` and ``data/noiseprofiles.json``: variance = a x + b
-    with x = 1 at the largest code, where the noise is measured in the diagonal band of one level of
+    with x = 1 at the white level, where the noise is measured in the diagonal band of one level of
     a Haar transform with the filter (1, -1) / 2 in both directions. White noise has a quarter of
     its variance there, so a = S / 4 and b = O / 4. darktable measures developed pictures;
     demosaicing, which lowers the noise further, and white balance, which scales red and blue, are
@@ -152,7 +154,10 @@ def darktable_json(
     maker, model = _maker_and_model(result, maker, model)
     if result.iso is None:
         raise InputError(
-            "iso", "must be known for a darktable profile", found="is not", remedy="give the ISO"
+            "iso",
+            "must be known for a darktable profile",
+            found="is not",
+            remedy=_STATED.format("iso = 100"),
         )
     colors = _normalized(result, None).of_colors()
     missing = [color for color in _RGB if color not in colors]
@@ -275,7 +280,7 @@ def _normalized(result: Characterization, white_level_dn: float | None) -> _Norm
     if not blacks:
         raise InputError(result.source, "must have at least one plane", value=0)
     black = sum(blacks) / len(blacks)
-    white = 2.0 ** _bits(result) - 1 if white_level_dn is None else float(white_level_dn)
+    white = _white_dn(result) if white_level_dn is None else float(white_level_dn)
     span = _check.positive(f"white minus black level of {result.source}", "DN", white - black)
     dark = [_dark_noise_dn2(plane) / span**2 for plane in result.planes]
     return _Normalized(
@@ -285,6 +290,16 @@ def _normalized(result: Characterization, white_level_dn: float | None) -> _Norm
         black_dn=black,
         white_dn=white,
     )
+
+
+def _white_dn(result: Characterization) -> float:
+    """The lowest code at which a plane saturates, by its full well or by the converter. [DN]"""
+    wells = [
+        _black_of(plane) + plane.gain_dn_per_e * plane.full_well_e
+        for plane in result.planes
+        if plane.full_well_e is not None and math.isfinite(plane.full_well_e)
+    ]
+    return min([2.0 ** _bits(result) - 1, *map(round, wells)])
 
 
 def _dark_noise_dn2(plane: PlaneNoise) -> float:
@@ -328,6 +343,6 @@ def _maker_and_model(
                 "must be known for a darktable profile",
                 value=result.camera,
                 found="is not",
-                remedy=f"give {name} as in the files of the camera",
+                remedy=_STATED.format('camera = "Maker Model"'),
             )
     return maker, model

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from chromanoise.characterization.lights import DarkOf, Key, dark_of_levels, key_of
+from chromanoise.characterization.lights import DarkOf, Key, dark_of_levels, dark_samples, key_of
 from chromanoise.characterization.linearity import linearity
 from chromanoise.characterization.results import LevelNoise, PlaneNoise
 from chromanoise.characterization.spatial import SpatialVariance
-from chromanoise.characterization.statistics import PlaneSample
+from chromanoise.characterization.statistics import PlaneSample, mean_shared
 from chromanoise.io.frames.frame import FrameLevel, FrameSet
 from chromanoise.sensor import TransferFit
 from chromanoise.sensor.photon_transfer_table import LEAST_DARK_DN2
@@ -28,11 +28,20 @@ class _Value:
 
 
 def _root(variance: float, se: float, scale: float, relative_se: float) -> _Value:
-    """Root of a variance over a scale; 0 where the variance is negative by chance."""
-    least = max(variance, se, 0.0)
-    value = math.sqrt(max(variance, 0.0)) / scale
-    own = se / (2 * math.sqrt(least) * scale) if least else 0.0
-    return _Value(value=value, se=math.hypot(own, value * relative_se))
+    """Root of a variance over a scale; 0 where the variance is negative by chance.
+
+    The error is a third of the way from the root to the farther root of variance +- 3 se: far above
+    se it is se / (2 root), and at 0, where that fails, the root of se / 3. So a true value
+    within 3 standard errors of the variance is within 3 errors of the root, and the root is
+    above 3 errors exactly if the variance is above 3 standard errors.
+    """
+    found = max(variance, 0.0)
+    value, low, high = (
+        math.sqrt(max(one, 0.0)) / scale for one in (found, found - 3 * se, found + 3 * se)
+    )
+    return _Value(
+        value=value, se=math.hypot(max(high - value, value - low) / 3, value * relative_se)
+    )
 
 
 def plane_noise(
@@ -144,7 +153,7 @@ def hidden_by_rounding(frames: FrameSet, own: Mapping[Key, PlaneSample]) -> bool
 
     EMVA 1288, release 4.0: a dark variance below 0.24 DN^2 is mostly quantization.
     """
-    darks = [own[key_of(level.darks)] for level in frames.levels if key_of(level.darks) in own]
+    darks = dark_samples(frames, own)
     return bool(darks) and min(one.variance_dn2 for one in darks) < LEAST_DARK_DN2
 
 
@@ -152,14 +161,10 @@ def _shared(
     own: Mapping[Key, PlaneSample], frames: FrameSet, which: str, gain: float, relative: float
 ) -> _Value:
     """Noise that all pixels of a row, or of a column, share in the dark, from all darks."""
-    darks = [own[key_of(level.darks)] for level in frames.levels if key_of(level.darks) in own]
-    samples = list({id(one): one for one in darks}.values())
+    samples = dark_samples(frames, own)
     if not samples:
         return _Value()
-    # equal weights: errors from few rows are those of chance, and would favor small variances
-    mean = float(np.mean([getattr(one, f"{which}_dn2") for one in samples]))
-    errors = np.array([getattr(one, f"{which}_se_dn2") for one in samples])
-    return _root(mean, math.sqrt(float(errors @ errors)) / errors.size, gain, relative)
+    return _root(*mean_shared(samples, which), gain, relative)
 
 
 def _black_level(

@@ -9,10 +9,61 @@ import numpy as np
 from chromanoise import __version__, _check
 from chromanoise._check import Array
 from chromanoise._shapes import Float
+from chromanoise.io.result import Result, axes_of, figures
+from chromanoise.io.table import Column, Entry, Table
 from chromanoise.sensor import Mosaic, TransferFit
 
 SCHEMA = "chromanoise characterization"
 SCHEMA_VERSION = 1
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Quantity:
+    """A value of a plane, as tables list it.
+
+    Attributes
+    ----------
+    name, unit
+        Of the value.
+    field
+        Its field in `PlaneNoise`; ``field_se``, where it exists, has the standard error.
+    """
+
+    name: str
+    unit: str
+    field: str
+
+    def of(self, plane: "PlaneNoise") -> tuple[float | None, float | None]:
+        """The value of a plane and its standard error, ``None`` where it is not known or finite."""
+        value, error = getattr(plane, self.field), getattr(plane, f"{self.field}_se", None)
+        return _defined(value), _defined(error)
+
+
+QUANTITIES = tuple(
+    Quantity(name=name, unit=unit, field=field)
+    for name, unit, field in (
+        ("gain K", "DN/e-", "gain_dn_per_e"),
+        ("dark noise", "e-", "dark_noise_e"),
+        ("black level", "DN", "black_level_dn"),
+        ("full well", "e-", "full_well_e"),
+        ("saturation", "DN", "saturation_dn"),
+        ("dynamic range", "dB", "dynamic_range_db"),
+        ("QE", "e-/photon", "qe"),
+        ("linearity error", "%", "linearity_error_percent"),
+        ("dark current", "e-/s", "dark_current_e_per_s"),
+        ("DSNU", "e-", "dsnu_e"),
+        ("PRNU", "1", "prnu"),
+        ("row noise", "e-", "row_noise_e"),
+        ("column noise", "e-", "column_noise_e"),
+        ("hot pixels", "1", "hot_pixels"),
+        ("bend of the variance, z", "1", "bend_z"),
+    )
+)
+"""The values of a plane in the order of tables."""
+
+
+def _defined(value: float | None) -> float | None:
+    return None if value is None or not math.isfinite(value) else float(value)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -158,7 +209,7 @@ class ModelVerdict:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
-class Characterization:
+class Characterization(Result):
     """Noise of a camera from its own frames.
 
     Attributes
@@ -211,6 +262,49 @@ class Characterization:
         """As ``chromanoise characterize --json``."""
         return characterization_as_json(self)
 
+    def to_table(self) -> Table:
+        """One row per value, with a column of values and one of standard errors for each plane."""
+        columns = [Column(name="value"), Column(name="unit")]
+        for plane in self.planes:
+            columns += [
+                Column(name=plane.name, digits=".4g"),
+                Column(name=f"{plane.name} standard error", digits=".2g"),
+            ]
+        rows: list[tuple[Entry, ...]] = [
+            (one.name, one.unit, *(cell for plane in self.planes for cell in one.of(plane)))
+            for one in QUANTITIES
+        ]
+        return Table(
+            title=self._title(),
+            columns=tuple(columns),
+            rows=tuple(rows),
+            notes=(self._holds(), *self.verdict.sentences),
+        )
+
+    def plot(self, ax: Any = None) -> Any:
+        """Draw the photon transfer of each plane. [DN^2]
+
+        Parameters
+        ----------
+        ax
+            Axes of matplotlib; ``None`` for those of a new figure.
+
+        Returns
+        -------
+        Axes
+        """
+        return figures().draw_characterization(self, axes_of(ax))
+
+    def _title(self) -> str:
+        iso = "" if self.iso is None else f", ISO {self.iso:g}"
+        return f"Noise of {self.camera or self.source}{iso} (EMVA 1288)"
+
+    def _holds(self) -> str:
+        return f"the linear model {'holds' if self.verdict.holds else 'does not hold'}"
+
+    def _repr_html_(self) -> str:
+        return self._html(self._title(), (self._holds(), *self.verdict.sentences))
+
     def __repr__(self) -> str:
         """Planes with gain and dark noise, and whether the linear model holds."""
         planes = ", ".join(
@@ -218,8 +312,7 @@ class Characterization:
             + ("" if plane.dark_noise_e is None else f" {plane.dark_noise_e:.3g} e-")
             for plane in self.planes
         )
-        holds = "holds" if self.verdict.holds else "does not hold"
-        return f"<Characterization: {planes}; the linear model {holds}>"
+        return f"<Characterization: {planes}; {self._holds()}>"
 
 
 def characterization_as_json(result: Characterization) -> dict[str, Any]:

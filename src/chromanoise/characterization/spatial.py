@@ -7,7 +7,7 @@ import numpy as np
 
 from chromanoise._check import Array
 from chromanoise._shapes import Float
-from chromanoise.characterization.statistics import PlaneSample
+from chromanoise.characterization.statistics import PlaneSample, independent_pairs
 
 _HOT_SIGMA = 6.0  # of the spread of the dark mean: of 10^8 normal pixels, 0.1 lie above
 _TO_SIGMA = 1.482602218505602  # from the median absolute deviation of a normal distribution
@@ -68,7 +68,9 @@ def spatial_variance(
     by_rows, by_columns = of_rows * shared / frames, of_columns * shared / frames
     own = max(measured - by_rows - by_columns, 0.0)
     error2 = 2 * (own**2 / image.size + by_rows**2 / rows + by_columns**2 / columns)
-    error2 += 2 * temporal**2 / sample.samples
+    rest_se = rest * math.sqrt(2 / (sample.pixels * independent_pairs(len(sample.frame_means_dn))))
+    shared_se = math.hypot(sample.row_se_dn2, sample.column_se_dn2)
+    error2 += ((rest_se * white) ** 2 + (shared_se * shared) ** 2) / frames**2
     return SpatialVariance(
         variance_dn2=(measured - temporal) / white,
         se_dn2=math.sqrt(error2) / white,

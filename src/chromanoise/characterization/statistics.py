@@ -83,6 +83,25 @@ class PlaneSample:
         return spread / error if error else (math.inf if spread else 0.0)
 
 
+def mean_shared(samples: Sequence[PlaneSample], which: str) -> tuple[float, float]:
+    """Mean variance that rows, or columns, share, over several lights, and its error. [DN^2]
+
+    Parameters
+    ----------
+    samples
+        Of one plane, at least one.
+    which
+        ``row`` or ``column``.
+
+    Notes
+    -----
+    Equal weights: errors from few rows are those of chance, and would favor small variances.
+    """
+    errors = np.array([getattr(one, f"{which}_se_dn2") for one in samples])
+    mean = float(np.mean([getattr(one, f"{which}_dn2") for one in samples]))
+    return mean, math.sqrt(float(errors @ errors)) / errors.size
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class LightSample:
     """Statistics of all planes over the frames of one light.
@@ -121,7 +140,7 @@ def light_sample(frames: Sequence[Frame], tile: tuple[int, int]) -> LightSample:
     Notes
     -----
     For k frames, the variances of k - 1 differences of consecutive frames are averaged. Their mean
-    has the error of a mean over 2 (k - 1)^2 / (3 k - 4) independent differences.
+    has the error of a mean over `independent_pairs` (k) differences.
     """
     if len(frames) < 2:
         raise InputError(
@@ -148,6 +167,19 @@ def light_sample(frames: Sequence[Frame], tile: tuple[int, int]) -> LightSample:
     means.append(means[-1] - pairs[-1].difference_dn)
     assert first is not None
     return _sample(pairs, np.array(means), band, first, tile)
+
+
+def independent_pairs(frames: int) -> float:
+    """Independent differences with the error of all differences of consecutive frames. [1]
+
+    Of k frames: 2 (k - 1)^2 / (3 k - 4), because neighboring differences share a frame.
+
+    Examples
+    --------
+    >>> independent_pairs(2), independent_pairs(4)
+    (1.0, 2.25)
+    """
+    return 2 * (frames - 1) ** 2 / (3 * frames - 4)
 
 
 def averaged(frames: Sequence[Frame], tile: tuple[int, int]) -> Float[Array, "h w"]:
@@ -290,7 +322,7 @@ def _sample(
         0.5 * np.mean([getattr(pair, name) for pair in pairs], axis=0)
         for name in ("rest_square", "row_square", "column_square")
     )
-    independent = 2 * (count - 1) ** 2 / (3 * count - 4)
+    independent = independent_pairs(count)
     row, column = (of_rows - rest) / columns, (of_columns - rest) / rows
     kept = independent * (rows - 1) * (columns - 1)
     row_se = np.sqrt(2 * of_rows**2 / (independent * (rows - 1)) + 2 * rest**2 / kept) / columns

@@ -1,11 +1,11 @@
 """A characterized camera as the noise model of a sampler of training data."""
 
-import math
 from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
+from chromanoise.characterization.plane_means import read_noise_e, root_mean_square
 from chromanoise.characterization.results import Characterization, PlaneNoise
 from chromanoise.errors import InputError, Setting
 from chromanoise.sensor import CameraNoise, ReadNoiseTable
@@ -27,7 +27,8 @@ def camera_noise(results: Characterization | Sequence[Characterization]) -> Came
     -------
     CameraNoise
         Its channels are the planes. The read noise is the dark noise without the row noise.
-        Dark current, DSNU, PRNU and row noise are means over the planes, 0 where not measured.
+        The dark current is the mean over the planes; DSNU, PRNU and row noise are root mean
+        squares, as in `pixel_of`; 0 where not measured.
 
     Raises
     ------
@@ -74,30 +75,33 @@ def _camera(result: Characterization) -> CameraNoise:
             remedy=Setting("bits"),
         )
     planes = result.planes
-    row_e = _mean([plane.row_noise_e for plane in planes])
+    row_e, dsnu_e, prnu = (
+        root_mean_square([getattr(plane, name) for plane in planes]) or 0.0
+        for name in ("row_noise_e", "dsnu_e", "prnu")
+    )
+    currents = [one.dark_current_e_per_s for one in planes if one.dark_current_e_per_s is not None]
     wells = [plane.full_well_e for plane in planes if plane.full_well_e is not None]
     return CameraNoise(
         names=tuple(plane.name for plane in planes),
         mosaic=result.mosaic,
         iso=result.iso,
         gain_dn_per_e=np.array([plane.gain_dn_per_e for plane in planes]),
-        read_noise_e=np.array([_read_noise_e(plane, row_e) for plane in planes]),
-        black_level_dn=np.array([_known(plane, "black_level_dn") for plane in planes]),
+        read_noise_e=np.array(
+            [_known(plane, "dark_noise_e", read_noise_e(plane, row_e)) for plane in planes]
+        ),
+        black_level_dn=np.array(
+            [_known(plane, "black_level_dn", plane.black_level_dn) for plane in planes]
+        ),
         top_code_dn=float(2**result.bits - 1),
         full_well_e=min(wells) if wells else None,
-        dark_current_e_per_s=max(0.0, _mean([one.dark_current_e_per_s for one in planes])),
-        dsnu_e=_mean([one.dsnu_e for one in planes]),
-        prnu=_mean([one.prnu for one in planes]),
+        dark_current_e_per_s=max(0.0, float(np.mean(currents))) if currents else 0.0,
+        dsnu_e=dsnu_e,
+        prnu=prnu,
         row_noise_e=row_e,
     )
 
 
-def _read_noise_e(plane: PlaneNoise, row_noise_e: float) -> float:
-    return math.sqrt(max(_known(plane, "dark_noise_e") ** 2 - row_noise_e**2, 0.0))
-
-
-def _known(plane: PlaneNoise, name: str) -> float:
-    value = getattr(plane, name)
+def _known(plane: PlaneNoise, name: str, value: float | None) -> float:
     if value is None:
         raise InputError(
             name,
@@ -106,9 +110,4 @@ def _known(plane: PlaneNoise, name: str) -> float:
             found="is not",
             remedy="characterize the camera with dark frames",
         )
-    return float(value)
-
-
-def _mean(values: Sequence[float | None]) -> float:
-    known = [one for one in values if one is not None]
-    return float(np.mean(known)) if known else 0.0
+    return value

@@ -10,9 +10,9 @@ from rich.table import Table as Grid
 from chromanoise._files import refuse_unwritable
 from chromanoise.catalog.resolve import file_of
 from chromanoise.characterization import (
+    QUANTITIES,
     Characterization,
     MatrixCheck,
-    PlaneNoise,
     characterization_of,
     read_source,
     variance_through_file,
@@ -27,21 +27,7 @@ from chromanoise.io.frames import Frame, FrameSet
 from chromanoise.io.given_matrices import read_matrix
 from chromanoise.sensor import PhotonTransfer
 
-_ROWS = (
-    ("gain K", "DN/e-", "gain_dn_per_e", 1.0),
-    ("dark noise", "e-", "dark_noise_e", 1.0),
-    ("black level", "DN", "black_level_dn", 1.0),
-    ("full well", "e-", "full_well_e", 1.0),
-    ("dynamic range", "dB", "dynamic_range_db", 1.0),
-    ("QE", "%", "qe", 100.0),
-    ("linearity error", "%", "linearity_error_percent", 1.0),
-    ("dark current", "e-/s", "dark_current_e_per_s", 1.0),
-    ("DSNU", "e-", "dsnu_e", 1.0),
-    ("PRNU", "%", "prnu", 100.0),
-    ("row noise", "e-", "row_noise_e", 1.0),
-    ("column noise", "e-", "column_noise_e", 1.0),
-    ("hot pixels", "1", "hot_pixels", 1.0),
-)
+_SHARES = ("qe", "prnu")  # printed in percent
 
 
 @command()
@@ -94,10 +80,11 @@ def characterize(
         result = characterization_of(read, resume=resume, progress=advanced)
     check = None if given is None else variance_through_file(result, given)
     written: tuple[Path, ...] = ()
+    omitted: list[str] = []
     if out is not None:
-        from chromanoise.report.characterization_report import write_characterization
+        from chromanoise.report.characterization_report import omitted_files, write_characterization
 
-        written = write_characterization(result, out)
+        written, omitted = write_characterization(result, out), omitted_files(result)
     if json_target:
         checked = {} if check is None else {"matrix_check": _check_as_json(check, str(matrix))}
         write_json(result.to_dict() | checked, json_target)
@@ -113,7 +100,7 @@ def characterize(
                 ]
             )
         if written:
-            print_lines([f"Written to {out}: {', '.join(path.name for path in written)}"])
+            print_lines([f"Written to {out}: {', '.join(path.name for path in written)}", *omitted])
 
 
 def _frames_of(read: FrameSet | PhotonTransfer) -> list[Frame]:
@@ -180,10 +167,11 @@ def _print(result: Characterization) -> None:
     grid.add_column("")
     for plane in result.planes:
         grid.add_column(plane.name, justify="right")
-    for what, unit, name, scale in _ROWS:
-        cells = [_cell(plane, name, scale) for plane in result.planes]
+    for quantity in QUANTITIES:
+        share = quantity.field in _SHARES
+        cells = [_cell(*quantity.of(plane), scale=100 if share else 1) for plane in result.planes]
         if any(cell != "-" for cell in cells):
-            grid.add_row(f"{what} [{unit}]", *cells)
+            grid.add_row(f"{quantity.name} [{'%' if share else quantity.unit}]", *cells)
     terminal().print(grid)
     verdict = result.verdict
     holds = "The linear model holds" if verdict.holds else "The linear model does not hold"
@@ -198,11 +186,8 @@ def _print(result: Characterization) -> None:
     )
 
 
-def _cell(plane: PlaneNoise, name: str, scale: float) -> str:
-    value, error = getattr(plane, name), getattr(plane, f"{name}_se", None)
+def _cell(value: float | None, error: float | None, *, scale: float) -> str:
     if value is None:
         return "-"
-    if isinstance(value, int):
-        return str(value)
     text = f"{scale * value:.4g}"
     return text if error is None else f"{text} +- {scale * error:.2g}"

@@ -7,6 +7,7 @@ The folder ``draw`` holds the drawing modules of page and report: the same resul
 from chromanoise.figures.budget import draw_budget
 from chromanoise.figures.characterization import (
     characterization_figures,
+    draw_characterization,
     draw_linearity,
     draw_linearity_deviation,
     draw_photon_transfer,
@@ -44,6 +45,7 @@ __all__ = [
     "draw_analyses",
     "draw_budget",
     "draw_capture",
+    "draw_characterization",
     "draw_color_errors",
     "draw_color_projection",
     "draw_color_uncertainty",

@@ -1,6 +1,6 @@
 """The curves of EMVA 1288 for a characterized camera, each on one axes with all planes."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from itertools import cycle
 from typing import Any
 
@@ -20,6 +20,7 @@ _MARKERS = "os^Dv<>Ph*"
 _SIZE_IN = (4.2, 3.2)  # small, so that its text is legible on a phone
 _NOTICED_Z = 3.0
 _LEAST_PERCENT = 0.2  # of the axis of deviations, so that rounding does not fill it
+_SIGNAL = "signal above dark [DN]"
 _LIGHT = {"photons": "photons per pixel", "ms": "exposure time [ms]"}
 
 
@@ -35,22 +36,23 @@ def draw_photon_transfer(curves: Sequence[PlaneCurves], ax: Axes) -> Axes:
     ax
         To draw on.
     """
-    for curve, marker in zip(curves, cycle(_MARKERS), strict=False):
-        color = _color(curve.name)
+    for curve in curves:
         ax.errorbar(
             curve.signal_dn,
             curve.shot_dn2,
             yerr=curve.shot_se_dn2,
             fmt="none",
-            ecolor=color,
+            ecolor=_color(curve.name),
             elinewidth=0.8,
         )
-        ax.plot([0, curve.model_signal_dn[-1]], [0, curve.model_shot_dn2[-1]], color=color, lw=1)
-        _points(ax, curve, curve.shot_dn2, marker)
-    ax.set(xlabel="signal above dark [DN]", ylabel="variance above dark [DN²]")
-    ax.set_xlim(left=0)
-    ax.set_ylim(bottom=0)
-    return _finished(ax, curves)
+    ax.set(xlabel=_SIGNAL, ylabel="variance above dark [DN²]")
+    return _planes(
+        curves,
+        ax,
+        lambda one: (one.signal_dn, one.shot_dn2),
+        lambda one: ([0, one.model_signal_dn[-1]], [0, one.model_shot_dn2[-1]]),
+        zero="xy",
+    )
 
 
 def draw_snr(curves: Sequence[PlaneCurves], ax: Axes) -> Axes:
@@ -63,20 +65,17 @@ def draw_snr(curves: Sequence[PlaneCurves], ax: Axes) -> Axes:
     ax
         To draw on.
     """
-    for curve, marker in zip(curves, cycle(_MARKERS), strict=False):
-        color = _color(curve.name)
-        ax.semilogx(curve.model_signal_dn, 20 * np.log10(curve.model_snr), color=color, lw=1)
-        ax.semilogx(
-            curve.model_signal_dn,
-            20 * np.log10(curve.ideal_snr),
-            color=QUIET,
-            lw=0.9,
-            ls=(0, (5, 3)),
-        )
-        _points(ax, curve, 20 * np.log10(curve.snr), marker)
-    ax.plot([], [], color=QUIET, lw=0.9, ls=(0, (5, 3)), label="shot noise only")
-    ax.set(xlabel="signal above dark [DN]", ylabel="SNR [dB]")
-    return _finished(ax, curves)
+    dashed: dict[str, Any] = {"color": QUIET, "lw": 0.9, "ls": (0, (5, 3))}
+    for curve in curves:
+        ax.plot(curve.model_signal_dn, 20 * np.log10(curve.ideal_snr), **dashed)
+    ax.plot([], [], label="shot noise only", **dashed)
+    ax.set(xscale="log", xlabel=_SIGNAL, ylabel="SNR [dB]")
+    return _planes(
+        curves,
+        ax,
+        lambda one: (one.signal_dn, 20 * np.log10(one.snr)),
+        lambda one: (one.model_signal_dn, 20 * np.log10(one.model_snr)),
+    )
 
 
 def draw_linearity(curves: Sequence[PlaneCurves], ax: Axes) -> Axes:
@@ -89,16 +88,14 @@ def draw_linearity(curves: Sequence[PlaneCurves], ax: Axes) -> Axes:
     ax
         To draw on.
     """
-    for curve, marker in zip(curves, cycle(_MARKERS), strict=False):
-        if curve.light is None:
-            continue
-        if curve.line_dn is not None:
-            ax.plot(curve.light, curve.line_dn, color=_color(curve.name), lw=1)
-        _points(ax, curve, curve.signal_dn, marker, at=curve.light)
-    ax.set(xlabel=_light_label(curves), ylabel="signal above dark [DN]")
-    ax.set_xlim(left=0)
-    ax.set_ylim(bottom=0)
-    return _finished(ax, curves)
+    ax.set(xlabel=_light_label(curves), ylabel=_SIGNAL)
+    return _planes(
+        curves,
+        ax,
+        lambda one: (one.light, one.signal_dn),
+        lambda one: (one.light, one.line_dn),
+        zero="xy",
+    )
 
 
 def draw_linearity_deviation(curves: Sequence[PlaneCurves], ax: Axes) -> Axes:
@@ -111,18 +108,15 @@ def draw_linearity_deviation(curves: Sequence[PlaneCurves], ax: Axes) -> Axes:
     ax
         To draw on.
     """
-    for curve, marker in zip(curves, cycle(_MARKERS), strict=False):
-        if curve.light is None or curve.deviation_percent is None:
-            continue
-        ax.plot(curve.light, curve.deviation_percent, color=_color(curve.name), lw=0.8)
-        _points(ax, curve, curve.deviation_percent, marker, at=curve.light)
     ax.axhline(0, color=QUIET, lw=0.8)
     found = [c.deviation_percent for c in curves if c.deviation_percent is not None]
     most = max([_LEAST_PERCENT, *(1.2 * float(np.nanmax(np.abs(one))) for one in found)])
-    ax.set_ylim(-most, most)
-    ax.set(xlabel=_light_label(curves), ylabel="deviation from the line [%]")
-    ax.set_xlim(left=0)
-    return _finished(ax, curves)
+    ax.set(xlabel=_light_label(curves), ylabel="deviation from the line [%]", ylim=(-most, most))
+
+    def deviation(one: PlaneCurves) -> _Line:
+        return one.light, one.deviation_percent
+
+    return _planes(curves, ax, deviation, deviation, zero="x")
 
 
 def draw_variance_residuals(curves: Sequence[PlaneCurves], ax: Axes) -> Axes:
@@ -137,17 +131,13 @@ def draw_variance_residuals(curves: Sequence[PlaneCurves], ax: Axes) -> Axes:
     """
     ax.axhspan(-_NOTICED_Z, _NOTICED_Z, color=QUIET, alpha=0.12, lw=0)
     ax.axhline(0, color=QUIET, lw=0.8)
-    for curve, marker in zip(curves, cycle(_MARKERS), strict=False):
-        _points(ax, curve, curve.residual_z, marker)
     ax.set_yscale("symlog", linthresh=5, linscale=2)
     ax.set_yticks([-1000, -100, -10, -3, 0, 3, 10, 100, 1000], minor=False)
     ax.yaxis.set_major_formatter(lambda value, _: f"{value:g}")
     ax.set_yticks([], minor=True)
     most = max([6.0, *(1.5 * float(np.abs(curve.residual_z).max()) for curve in curves)])
-    ax.set_ylim(-most, most)
-    ax.set_xlim(left=0)
-    ax.set(xlabel="signal above dark [DN]", ylabel="(measured − predicted) / error")
-    return _finished(ax, curves)
+    ax.set(xlabel=_SIGNAL, ylabel="(measured − predicted) / error", ylim=(-most, most))
+    return _planes(curves, ax, lambda one: (one.signal_dn, one.residual_z), zero="x")
 
 
 def draw_predicted_variance(curves: Sequence[PlaneCurves], ax: Axes) -> Axes:
@@ -164,11 +154,23 @@ def draw_predicted_variance(curves: Sequence[PlaneCurves], ax: Axes) -> Axes:
     if every.size:
         ends = [float(every.min()), float(every.max())]
         ax.plot(ends, ends, color=QUIET, lw=0.9, label="equal")
-    for curve, marker in zip(curves, cycle(_MARKERS), strict=False):
-        _points(ax, curve, curve.variance_dn2, marker, at=curve.predicted_dn2)
     ax.set(xscale="log", yscale="log")
     ax.set(xlabel="predicted variance [DN²]", ylabel="measured variance [DN²]")
-    return _finished(ax, curves)
+    return _planes(curves, ax, lambda one: (one.predicted_dn2, one.variance_dn2))
+
+
+def draw_characterization(result: Characterization, ax: Axes) -> Axes:
+    """The photon transfer of a characterization, with the camera in the title. [DN^2]
+
+    Parameters
+    ----------
+    result
+        A characterization.
+    ax
+        To draw on.
+    """
+    ax.set_title(_text(result.to_table().title))
+    return draw_photon_transfer(_curves(result), ax)
 
 
 def characterization_figures(result: Characterization) -> dict[str, Figure]:
@@ -185,7 +187,7 @@ def characterization_figures(result: Characterization) -> dict[str, Figure]:
         ``photon_transfer``, ``snr``, ``linearity``, ``linearity_deviation``,
         ``predicted_variance``, ``variance_residuals``; without light on the levels, no linearity.
     """
-    curves = [one for plane in result.planes if (one := plane_curves(plane)) is not None]
+    curves = _curves(result)
     lit = [one for one in curves if one.light is not None]
     straight = [one for one in lit if one.deviation_percent is not None]
     drawn = (
@@ -206,22 +208,40 @@ def characterization_figures(result: Characterization) -> dict[str, Figure]:
     return figures
 
 
-def _points(
-    ax: Axes, curve: PlaneCurves, values: np.ndarray, marker: str, at: np.ndarray | None = None
-) -> None:
-    """Points of one plane: filled where the level was fitted."""
-    x, color = curve.signal_dn if at is None else at, _color(curve.name)
-    style: dict[str, Any] = {
-        "linestyle": "none",
-        "marker": marker,
-        "markersize": 4.5,
-        "color": color,
-    }
-    ax.plot(x[curve.fitted], values[curve.fitted], label=_label(curve.name), **style)
-    ax.plot(x[~curve.fitted], values[~curve.fitted], markerfacecolor="none", **style)
+def _curves(result: Characterization) -> list[PlaneCurves]:
+    return [one for plane in result.planes if (one := plane_curves(plane)) is not None]
 
 
-def _finished(ax: Axes, curves: Sequence[PlaneCurves]) -> Axes:
+_Line = tuple[Any, Any]
+"""x and y of points or a line; ``None`` for y, or x, where a plane has none."""
+
+
+def _planes(
+    curves: Sequence[PlaneCurves],
+    ax: Axes,
+    points: Callable[[PlaneCurves], _Line],
+    line: Callable[[PlaneCurves], _Line] = lambda _: (None, None),
+    *,
+    zero: str = "",
+) -> Axes:
+    """Line and points of each plane, filled where the level was fitted; grid and legend.
+
+    ``zero`` names the axes that begin at 0.
+    """
+    for curve, marker in zip(curves, cycle(_MARKERS), strict=False):
+        color = _color(curve.name)
+        (x, y), at = points(curve), curve.fitted
+        if x is None or y is None:
+            continue
+        if all(one is not None for one in line(curve)):
+            ax.plot(*line(curve), color=color, lw=1)
+        style: dict[str, Any] = {"linestyle": "none", "marker": marker, "markersize": 4.5}
+        ax.plot(x[at], y[at], label=_text(curve.name), color=color, **style)
+        ax.plot(x[~at], y[~at], color=color, markerfacecolor="none", **style)
+    if "x" in zero:
+        ax.set_xlim(left=0)
+    if "y" in zero:
+        ax.set_ylim(bottom=0)
     ax.set_axisbelow(True)
     ax.grid(visible=True, color=QUIET, alpha=0.25, linewidth=0.6)
     if len(curves) > 1 or len(ax.get_legend_handles_labels()[1]) > 1:
@@ -233,7 +253,7 @@ def _light_label(curves: Sequence[PlaneCurves]) -> str:
     return _LIGHT[next((c.light_unit for c in curves if c.light_unit), "ms") or "ms"]
 
 
-def _label(name: str) -> str:
+def _text(name: str) -> str:
     """A name as plain text: no formula, and not hidden from the legend."""
     return f" {name}".replace("$", r"\$") if name.startswith("_") else name.replace("$", r"\$")
 

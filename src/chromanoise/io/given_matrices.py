@@ -14,7 +14,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
-from xml.etree import ElementTree
 
 import numpy as np
 
@@ -22,6 +21,7 @@ from chromanoise import _check, _inputs
 from chromanoise._check import Array
 from chromanoise._shapes import Float
 from chromanoise.errors import InputError
+from chromanoise.io.xml_text import xml_root
 
 Kind = Literal["electrons", "balanced", "from-xyz"]
 Target = Literal["XYZ", "sRGB"]
@@ -219,12 +219,7 @@ def _json(source: str, text: str) -> GivenMatrix:
 
 
 def _clf(source: str, text: str) -> GivenMatrix:
-    if "<!DOCTYPE" in text or "<!ENTITY" in text:
-        raise InputError(source, "must be CLF without a document type")
-    try:
-        root = ElementTree.fromstring(text)
-    except ElementTree.ParseError as error:
-        raise InputError(source, f"is not XML ({error})") from None
+    root = xml_root(text, source)
     nodes = [node for node in root.iter() if _CLF_NAMESPACE.sub("", str(node.tag)) != "Description"]
     steps = [n for n in root if "BitDepth" in " ".join(n.attrib)]
     arrays = [node for node in nodes if _CLF_NAMESPACE.sub("", str(node.tag)) == "Array"]

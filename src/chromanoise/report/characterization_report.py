@@ -165,6 +165,17 @@ def file_names(planes: Sequence[PlaneNoise]) -> tuple[str, ...]:
     return tuple(names)
 
 
+def omitted_files(result: Characterization) -> list[str]:
+    """A sentence for each file that `write_characterization` does not write, with the reason.
+
+    Parameters
+    ----------
+    result
+        A characterization.
+    """
+    return _optional_files(result)[1]
+
+
 def _optional_files(result: Characterization) -> tuple[dict[str, str], list[str]]:
     """The files whose values are known, and a sentence for each of the others."""
     makers: dict[str, Callable[[Characterization], str]] = {

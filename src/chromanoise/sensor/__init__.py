@@ -77,20 +77,20 @@ from chromanoise.sensor.sensor import (
 )
 
 if TYPE_CHECKING:
-    from chromanoise.sensor.camera_noise import (
-        CameraNoise,
+    from chromanoise.sensor.camera_noise import CameraNoise
+    from chromanoise.sensor.photon_transfer import (
+        PhotonTransfer,
+        TransferFit,
+        photon_transfer_fit,
+        pixel_from_photon_transfer,
+    )
+    from chromanoise.sensor.read_noise import (
         LogLinearNoise,
         ReadNoiseLaw,
         ReadNoiseSum,
         ReadNoiseTable,
         read_noise_sum,
         tukey_lambda_variance,
-    )
-    from chromanoise.sensor.photon_transfer import (
-        PhotonTransfer,
-        TransferFit,
-        photon_transfer_fit,
-        pixel_from_photon_transfer,
     )
 
 __all__ = [

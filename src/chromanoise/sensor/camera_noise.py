@@ -7,7 +7,7 @@ the way of ELD, has a gain and a read noise for each channel, and changes them w
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Literal, get_args
+from typing import Any
 
 import numpy as np
 
@@ -16,276 +16,21 @@ from chromanoise._check import Array
 from chromanoise._shapes import Float
 from chromanoise.errors import InputError, Setting
 from chromanoise.sensor.adc import adc_of
+from chromanoise.sensor.eld_noise import ReadNoiseShape, eld_noise
 from chromanoise.sensor.mosaic import Mosaic
+from chromanoise.sensor.read_noise import (
+    LARGEST_LAMBDA,
+    LEAST_LAMBDA,
+    MOST_DN,
+    MOST_E,
+    LogLinearNoise,
+    ReadNoiseLaw,
+    above_zero,
+    tukey_lambda_variance,
+)
 from chromanoise.sensor.sensor import Sensor
 
-ReadNoiseShape = Literal["tukey-lambda", "gaussian"]
-"""Distribution of ELD's read noise."""
-
-LEAST_LAMBDA, LARGEST_LAMBDA = -0.4, 0.8
-"""Shapes of the Tukey lambda distribution that are sampled; its variance ends at -0.5."""
-
-_LEAST_SHARE = 2.0**-33  # of a random word of 32 bits
-_LOGISTIC = 1e-5  # shapes below it are taken as 0, the logistic distribution
-_MOST_GAIN, _MOST_E, _MOST_DN = 1e9, 1e9, 2.0**24
-
-
-def tukey_lambda_variance(shape: float) -> float:
-    """Variance of the Tukey lambda distribution of scale 1, sampled with words of 32 bits. [1]
-
-    Parameters
-    ----------
-    shape
-        lambda: 0.14 is nearly normal, 0 the logistic distribution, below 0 the tails are heavy.
-
-    Returns
-    -------
-    float
-        Of the quantile function Q(u) = (u^lambda - (1 - u)^lambda) / lambda for the shares u from
-        2^-33 to 1 - 2^-33, the only ones that a word of 32 bits gives. At lambda = -0.25 it is
-        3e-5 below the variance of all shares.
-
-    Raises
-    ------
-    InputError
-        If the shape is not from -0.4 to 0.8.
-
-    Notes
-    -----
-    Joiner & Rosenblatt, "Some properties of the range in samples from Tukey's symmetric lambda
-    distributions", JASA 66 (1971) 394.
-
-    Examples
-    --------
-    Near 0 it is the variance of the logistic distribution, pi^2 / 3.
-
-    >>> round(tukey_lambda_variance(0.0), 4), round(math.pi**2 / 3, 4)
-    (3.2899, 3.2899)
-    """
-    from scipy.special import beta, betainc
-
-    at = _check.within("tail_lambda", "1", shape, LEAST_LAMBDA, LARGEST_LAMBDA)
-    if abs(at) < _LOGISTIC:
-        return math.pi**2 / 3
-    low, high = _LEAST_SHARE, 1 - _LEAST_SHARE
-    squares = (high ** (2 * at + 1) - low ** (2 * at + 1)) / (2 * at + 1)
-    inside = float(betainc(at + 1, at + 1, high) - betainc(at + 1, at + 1, low))
-    products = float(beta(at + 1, at + 1)) * inside
-    return 2 * (squares - products) / at**2 / (high - low)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class LogLinearNoise:
-    """ELD's law of noise against gain: ln(noise) = slope ln(K) + bias + N(0, sigma^2).
-
-    Attributes
-    ----------
-    slope, bias
-        Of the straight line; K in DN/e-, the noise in DN. [1]
-    sigma
-        Standard deviation of ln(noise) about the line. [1]
-    tukey_scale
-        Whether the noise is the scale of a Tukey lambda distribution, not a standard deviation.
-
-    Raises
-    ------
-    InputError
-        If a number is not finite, or ``sigma`` is negative.
-
-    Notes
-    -----
-    Wei, Fu, Yang & Huang, "A physics-based noise formation model for extreme low-light raw
-    denoising", CVPR (2020), eq. 11.
-    """
-
-    slope: float
-    bias: float
-    sigma: float = 0.0
-    tukey_scale: bool = False
-
-    def __post_init__(self) -> None:
-        _check.within("slope", "1", self.slope, -100, 100)
-        _check.within("bias", "1", self.bias, -100, 100)
-        _check.within("sigma", "1", self.sigma, 0, 100)
-
-    def noise_dn(self, gain_dn_per_e: Float[Array, " p"], *, score: float = 0) -> Array:
-        """The noise at a gain. [DN]
-
-        Parameters
-        ----------
-        gain_dn_per_e
-            Gain per channel. [DN/e-]
-        score
-            Deviation of ln(noise) from the line, in units of ``sigma``. [1]
-
-        Returns
-        -------
-        (p,) array
-        """
-        return np.exp(self.slope * np.log(gain_dn_per_e) + self.bias + self.sigma * score)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ReadNoiseSum:
-    """Read noise before and after the gain: sigma_dn^2 = a + b K^2.
-
-    Attributes
-    ----------
-    after_gain_dn
-        Noise after the amplifier, mostly of the converter: the root of a, >= 0. [DN]
-    before_gain_e
-        Noise before the amplifier: the root of b, >= 0. [e-]
-
-    Raises
-    ------
-    InputError
-        If a number is negative or not finite.
-    """
-
-    after_gain_dn: float
-    before_gain_e: float
-
-    def __post_init__(self) -> None:
-        _check.within("after_gain_dn", "DN", self.after_gain_dn, 0, _MOST_DN)
-        _check.within("before_gain_e", "e-", self.before_gain_e, 0, _MOST_E)
-
-    def noise_dn(self, gain_dn_per_e: Float[Array, " p"], *, score: float = 0) -> Array:
-        """The read noise at a gain; it does not scatter, so ``score`` is not used. [DN]
-
-        Parameters
-        ----------
-        gain_dn_per_e
-            Gain per channel. [DN/e-]
-        score
-            As `LogLinearNoise.noise_dn`. [1]
-
-        Returns
-        -------
-        (p,) array
-
-        Examples
-        --------
-        >>> ReadNoiseSum(after_gain_dn=3.0, before_gain_e=2.0).noise_dn(np.array([2.0]))
-        array([5.])
-        """
-        return np.hypot(self.after_gain_dn, self.before_gain_e * np.asarray(gain_dn_per_e))
-
-
-def read_noise_sum(
-    gain_dn_per_e: Float[Array, " n"], read_noise_dn: Float[Array, " n"]
-) -> ReadNoiseSum:
-    """The law sigma_dn^2 = a + b K^2 fitted to a table of read noise against gain.
-
-    Parameters
-    ----------
-    gain_dn_per_e
-        Two or more different gains. [DN/e-]
-    read_noise_dn
-        Read noise at each, > 0. [DN]
-
-    Returns
-    -------
-    ReadNoiseSum
-        The least-squares fit of the relative deviation of the variance, with a and b >= 0.
-
-    Raises
-    ------
-    InputError
-        If the lengths differ, a number is not above 0, or all gains are equal.
-
-    Examples
-    --------
-    >>> fit = read_noise_sum(np.array([1.0, 2.0, 4.0]), np.sqrt([10.0, 13.0, 25.0]))
-    >>> round(fit.after_gain_dn, 6), round(fit.before_gain_e, 6)
-    (3.0, 1.0)
-    """
-    gain = _above_zero("gain_dn_per_e", "DN/e-", gain_dn_per_e)
-    noise = _above_zero("read_noise_dn", "DN", read_noise_dn)
-    _check.same_length("entries", gain_dn_per_e=gain.size, read_noise_dn=noise.size)
-    if np.unique(gain).size < 2:
-        raise InputError("gain_dn_per_e", "must have two different gains", value=gain.tolist())
-    one, square = 1 / noise**2, (gain / noise) ** 2  # a one + b square = 1
-    aa, ab, bb = one @ one, one @ square, square @ square
-    a = (one.sum() * bb - square.sum() * ab) / (aa * bb - ab**2)
-    b = (square.sum() * aa - one.sum() * ab) / (aa * bb - ab**2)
-    if a < 0:
-        a, b = 0.0, square.sum() / bb
-    elif b < 0:
-        a, b = one.sum() / aa, 0.0
-    return ReadNoiseSum(after_gain_dn=float(np.sqrt(a)), before_gain_e=float(np.sqrt(b)))
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class ReadNoiseTable:
-    """Measured read noise against gain, interpolated linearly in ln(noise) and ln(K).
-
-    Attributes
-    ----------
-    gain_dn_per_e
-        Two or more gains, increasing, > 0. [DN/e-]
-    read_noise_dn
-        Read noise at each gain, > 0. [DN]
-
-    Raises
-    ------
-    InputError
-        If the gains do not increase, a number is not above 0, or the lengths differ.
-    """
-
-    gain_dn_per_e: Float[Array, " n"]
-    read_noise_dn: Float[Array, " n"]
-
-    def __post_init__(self) -> None:
-        gain = _check.increasing("gain_dn_per_e", "DN/e-", self.gain_dn_per_e)
-        _above_zero("gain_dn_per_e", "DN/e-", gain)
-        noise = _above_zero("read_noise_dn", "DN", self.read_noise_dn)
-        _check.same_length("entries", gain_dn_per_e=gain.size, read_noise_dn=noise.size)
-        object.__setattr__(self, "gain_dn_per_e", _check.frozen(gain))
-        object.__setattr__(self, "read_noise_dn", _check.frozen(noise))
-
-    def noise_dn(self, gain_dn_per_e: Float[Array, " p"], *, score: float = 0) -> Array:
-        """The read noise at a gain; it does not scatter, so ``score`` is not used. [DN]
-
-        Parameters
-        ----------
-        gain_dn_per_e
-            Gain per channel. [DN/e-]
-        score
-            As `LogLinearNoise.noise_dn`. [1]
-
-        Returns
-        -------
-        (p,) array
-
-        Raises
-        ------
-        InputError
-            If a gain is outside the table.
-
-        Examples
-        --------
-        >>> table = ReadNoiseTable(gain_dn_per_e=np.array([1.0, 4.0]),
-        ...                        read_noise_dn=np.array([2.0, 8.0]))
-        >>> table.noise_dn(np.array([2.0])).round(6)
-        array([4.])
-        """
-        gain = np.asarray(gain_dn_per_e, dtype=np.float64)
-        low, high = self.gain_dn_per_e[0], self.gain_dn_per_e[-1]
-        outside = (gain < low * (1 - 1e-9)) | (gain > high * (1 + 1e-9))
-        if outside.any():
-            first = float(gain[outside][0])
-            raise InputError(
-                "gain_dn_per_e",
-                f"must be within the read-noise table, {low:g} to {high:g} [DN/e-]",
-                value=first,
-                remedy=("take another ISO", "fit the table with read_noise_sum"),
-            )
-        at = np.interp(np.log(gain), np.log(self.gain_dn_per_e), np.log(self.read_noise_dn))
-        return np.exp(at)
-
-
-ReadNoiseLaw = LogLinearNoise | ReadNoiseSum | ReadNoiseTable
-"""How the read noise in DN depends on the gain."""
+_MOST_GAIN = 1e9
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -347,7 +92,7 @@ class CameraNoise:
 
     Examples
     --------
-    >>> from chromanoise.sensor import bayer
+    >>> from chromanoise.sensor import ReadNoiseSum, bayer
     >>> camera = CameraNoise(names=("R", "G", "B"), mosaic=bayer(), top_code_dn=1023, iso=100,
     ...     gain_dn_per_e=np.array([0.25, 0.25, 0.25]), read_noise_e=np.array([3.0, 3.0, 3.0]),
     ...     black_level_dn=np.array([64.0, 64.0, 64.0]),
@@ -387,12 +132,12 @@ class CameraNoise:
                 found=f"has {', '.join(self.mosaic.names)}",
             )
         gain = self._per_channel("gain_dn_per_e", "DN/e-", _MOST_GAIN)
-        _above_zero("gain_dn_per_e", "DN/e-", gain)
-        self._per_channel("read_noise_e", "e-", _MOST_E)
-        top = _check.within("top_code_dn", "DN", self.top_code_dn, 1, _MOST_DN)
+        above_zero("gain_dn_per_e", "DN/e-", gain)
+        self._per_channel("read_noise_e", "e-", MOST_E)
+        top = _check.within("top_code_dn", "DN", self.top_code_dn, 1, MOST_DN)
         if int(top) != top:
             raise InputError("top_code_dn", "must be a whole number [DN]", value=top)
-        black = self._per_channel("black_level_dn", "DN", _MOST_DN)
+        black = self._per_channel("black_level_dn", "DN", MOST_DN)
         if (black >= top).any():
             raise InputError(
                 "black_level_dn",
@@ -402,9 +147,9 @@ class CameraNoise:
         if self.iso is not None:
             _check.within("iso", "1", self.iso, 1e-3, 1e9)
         if self.full_well_e is not None:
-            _check.within("full_well_e", "e-", self.full_well_e, 1e-3, _MOST_E)
+            _check.within("full_well_e", "e-", self.full_well_e, 1e-3, MOST_E)
         for name, unit in _PLAIN:
-            _check.within(name, unit, getattr(self, name), 0.0, 0.2 if name == "prnu" else _MOST_E)
+            _check.within(name, unit, getattr(self, name), 0.0, 0.2 if name == "prnu" else MOST_E)
         self._check_laws()
 
     def _check_laws(self) -> None:
@@ -530,7 +275,7 @@ class CameraNoise:
                 found=f"differs from {self.iso:g}" if self.iso is not None else "differs",
                 remedy="give read_noise_law, e.g. of read_noise_sum",
             )
-        gain = _above_zero("gain_dn_per_e", "DN/e-", gain_dn_per_e)
+        gain = above_zero("gain_dn_per_e", "DN/e-", gain_dn_per_e)
         law, shapes = self.read_noise_law, self.tail_lambda
         if tail_lambda is not None:
             shapes = (tail_lambda,)
@@ -699,39 +444,8 @@ class CameraNoise:
         and quantization, each as a function of K. The quantization noise, uniform over one step,
         is here the rounding to codes.
         """
-        _check.one_of("read", read, get_args(ReadNoiseShape))
-        one = _mapping(params, profile)
-        low, high = _number(params, "Kmin"), _number(params, "Kmax")
-        if not 0 < low <= high:
-            raise InputError(
-                "ELD parameters",
-                "must have 0 < Kmin <= Kmax [DN/e-]",
-                value=(low, high),
-                found=f"have Kmin = {low:g} and Kmax = {high:g}",
-                remedy="give K, not its logarithm",
-            )
-        heavy = read == "tukey-lambda"
-        if heavy and ("G_shape" not in params or "G_scale" not in one):
-            missing = "G_scale" if "G_shape" in params else "G_shape"
-            raise InputError(
-                "ELD parameters",
-                f"must have {missing} for Tukey lambda read noise",
-                found="do not",
-                remedy=Setting("read", ("gaussian",)),
-            )
-        shapes = _row_of_numbers(params, "G_shape") if heavy else ()
-        gain = math.sqrt(low * high)
-        offsets = None
-        if params.get("color_bias") is not None:
-            given = _check.finite("color_bias", "DN", params["color_bias"])
-            if given.ndim != 2 or given.shape[1] != 4:
-                raise InputError(
-                    "color_bias",
-                    "must have rows of 4 values: R, G1, B, G2 [DN]",
-                    value=given.shape,
-                    found=f"has shape {given.shape}",
-                )
-            offsets = given[:, [0, 1, 3, 2]]
+        eld = eld_noise(params, read=read, profile=profile)
+        gain = math.sqrt(math.prod(eld.gain_range_dn_per_e))
         start = cls(
             names=("R", "G1", "G2", "B"),
             mosaic=Mosaic((("R", "G1"), ("G2", "B"))),
@@ -739,13 +453,15 @@ class CameraNoise:
             read_noise_e=np.zeros(4),
             black_level_dn=np.full(4, float(black_level_dn)),
             top_code_dn=float(top_code_dn),
-            tail_lambda=shapes,
-            read_noise_law=_log_linear(one, "G_scale" if heavy else "g_scale", tukey_scale=heavy),
-            row_noise_law=_log_linear(one, "R_scale") if "R_scale" in one else None,
-            black_offsets_dn=offsets,
+            tail_lambda=eld.tail_lambda,
+            read_noise_law=eld.read_noise_law,
+            row_noise_law=eld.row_noise_law,
+            black_offsets_dn=eld.black_offsets_dn,
         )
         own = start.at_gain(start.gain_dn_per_e)
-        return replace(own, tail_lambda=shapes, gain_range_dn_per_e=(low, high))
+        return replace(
+            own, tail_lambda=eld.tail_lambda, gain_range_dn_per_e=eld.gain_range_dn_per_e
+        )
 
 
 _PLAIN = (
@@ -760,75 +476,5 @@ def _channels(sensor: Sensor, count: int) -> int:
     return count if sensor.mosaic is None else len(sensor.mosaic.names)
 
 
-def _above_zero(name: str, unit: str, values: Any) -> Array:
-    """One-dimensional finite numbers > 0."""
-    array = np.atleast_1d(_check.non_negative(name, unit, values))
-    if not (array > 0).all():
-        at = int(np.argmin(array))
-        raise InputError(
-            name, f"must be finite and > 0 [{unit}]", value=float(array[at]), where=f"index ({at},)"
-        )
-    return array
-
-
 def _chosen(shapes: Sequence[float], share: float) -> float | None:
     return shapes[int(share * len(shapes))] if shapes else None
-
-
-def _mapping(params: Mapping[str, Any], key: str) -> Mapping[str, Any]:
-    found = params.get(key) if isinstance(params, Mapping) else None
-    if not isinstance(found, Mapping):
-        raise InputError(
-            "ELD parameters",
-            f"must be a dictionary with the dictionary {key}",
-            value=type(params).__name__,
-            found=f"have no {key}" if isinstance(params, Mapping) else None,
-            remedy="take np.load(file, allow_pickle=True).item() of a file that you trust",
-        )
-    return found
-
-
-def _number(params: Mapping[str, Any], key: str, where: str = "") -> float:
-    place = f"{where}.{key}" if where else key
-    if key not in params:
-        raise InputError("ELD parameters", f"must have {place}", found="do not")
-    try:
-        number = float(params[key])
-    except (TypeError, ValueError):
-        number = math.nan
-    if not math.isfinite(number):
-        raise InputError(
-            "ELD parameters", "must be a finite number", value=params[key], where=place
-        )
-    return number
-
-
-def _row_of_numbers(params: Mapping[str, Any], key: str) -> tuple[float, ...]:
-    try:
-        array = np.atleast_1d(np.asarray(params[key], dtype=np.float64))
-    except (TypeError, ValueError):
-        array = np.empty(0)
-    if array.ndim != 1 or not array.size:
-        raise InputError(
-            "ELD parameters", "must be one or more numbers", value=params[key], where=key
-        )
-    return tuple(float(one) for one in array)
-
-
-def _log_linear(
-    profile: Mapping[str, Any], key: str, *, tukey_scale: bool = False
-) -> LogLinearNoise:
-    found = profile.get(key)
-    if not isinstance(found, Mapping):
-        raise InputError(
-            "ELD parameters",
-            f"must have {key} with slope, bias and sigma",
-            value=found,
-            found=f"have no {key}" if found is None else "",
-        )
-    return LogLinearNoise(
-        slope=_number(found, "slope", key),
-        bias=_number(found, "bias", key),
-        sigma=_number(found, "sigma", key),
-        tukey_scale=tukey_scale,
-    )

@@ -20,6 +20,7 @@ from chromanoise.sensor.photon_transfer_regression import (
     Regression,
     dark_mean_error2,
     residuals_z,
+    rounding_error2,
     straight_fit,
     variance_error2,
     weighted_fit,
@@ -351,20 +352,10 @@ def _read_noise(
             f"{LEAST_DARK_DN2} DN^2), so the read noise of {limit:.3g} e- is an upper limit"
         )
         return limit, None
-    error2 += _rounding_error2(dark)
+    error2 += float(rounding_error2(np.array([dark]))[0])
     relative2 = error2 / (2 * dark) ** 2 + (gain_se / gain) ** 2 - common / (dark * gain)
     read = float(np.sqrt(dark)) / gain
     return read, None if limited else read * float(np.sqrt(max(relative2, 0.0)))
-
-
-def _rounding_error2(variance_dn2: float) -> float:
-    """Squared error of the variance of rounded codes beyond 1/12, whatever the mean is. [DN^4]
-
-    Of a normal value of standard deviation s codes, the term (4 s^2 + 1/pi^2) exp(-2 pi^2 s^2)
-    times the cosine of the mean: Widrow & Kollar, Quantization Noise (2008), chapter 4.
-    """
-    fading = float(np.exp(-2 * np.pi**2 * variance_dn2))
-    return 0.5 * ((4 * variance_dn2 + 1 / np.pi**2) * fading) ** 2
 
 
 def _dark_current(
@@ -385,8 +376,8 @@ def _dark_current(
         return None, None
     if current < 0:
         notes.append(
-            f"{source}: the dark current of {current:.4g} +- {error * per_s:.2g} e-/s is below 0 "
-            "within its error"
+            f"{source}: the dark current of {current:.4g} +- {error * per_s:.2g} e-/s is negative, "
+            "but not significantly"
         )
     return current, float(np.hypot(error * per_s, current * gain_se / curves.gain))
 
@@ -485,7 +476,10 @@ def _quantum_efficiency(
             remedy=("give the mean photons per pixel and exposure", "omit the column"),
         )
     if qe > 1:
-        notes.append(f"{source}: the QE of {qe:.4g} +- {qe_se:.2g} lies above 1 within its error")
+        notes.append(
+            f"{source}: the QE of {qe:.4g} is above 1, which is not possible, but by less than "
+            f"{_IMPOSSIBLE_Z:g} standard errors ({qe_se:.2g} each)"
+        )
     return qe, qe_se
 
 

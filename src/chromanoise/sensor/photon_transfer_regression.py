@@ -10,6 +10,7 @@ import numpy as np
 
 from chromanoise._check import Array
 from chromanoise._linalg import matrix_rank, pinv
+from chromanoise.sensor.noise_profile import ROUNDING_DN2
 from chromanoise.sensor.photon_transfer_levels import Darks, Levels
 
 _ROUNDS = 20  # iterations of the weights, which converge in about five
@@ -72,7 +73,8 @@ def weighted_fit(levels: Levels, *, bend: bool) -> Regression | None:
     error2 = _level_error2(levels, expected, values)
     free = len(levels) - values.size
     slope = float(values[levels.slope_at])
-    z2 = (levels.y - design @ values) ** 2 / (error2 + _dark_error2(levels, slope)[levels.dark_of])
+    dark_error2 = _dark_error2(levels, slope) + _dark_rounding_error2(levels)
+    z2 = (levels.y - design @ values) ** 2 / (error2 + dark_error2[levels.dark_of])
     chi2 = float(z2.sum()) / free if free else 1.0
     spread = 1.0 if levels.samples is not None else chi2
     return _regression(levels, lever, error2, slope, spread=spread, chi2=chi2)
@@ -103,7 +105,8 @@ def residuals_z(levels: Levels, fit: Regression) -> Array:
     dark, slope = _dark_variance(levels), float(fit.values[levels.slope_at])
     expected = np.maximum(model + dark, 1e-3 * (levels.y + dark))
     error2 = _level_error2(levels, expected, fit.values)
-    error2 = fit.spread * (error2 + _dark_error2(levels, slope)[levels.dark_of])
+    dark_error2 = _dark_error2(levels, slope) + _dark_rounding_error2(levels)
+    error2 = fit.spread * (error2 + dark_error2[levels.dark_of])
     return np.divide(levels.y - model, np.sqrt(error2), out=np.zeros(len(levels)), where=error2 > 0)
 
 
@@ -111,6 +114,28 @@ def variance_error2(variance: Array, samples: Array | None) -> Array:
     """Squared sampling error of a variance of Gaussian values. [DN^4]"""
     n = np.full(variance.shape, _UNKNOWN_SAMPLES) if samples is None else samples
     return np.asarray(2 * variance**2 / (n - 1))
+
+
+def rounding_error2(variance_dn2: Array) -> Array:
+    """Squared error of the variance of rounded codes beyond 1/12, whatever the mean is. [DN^4]
+
+    Of a normal value of standard deviation s codes, the term (4 s^2 + 1/pi^2) exp(-2 pi^2 s^2)
+    times the cosine of the mean: Widrow & Kollar, Quantization Noise (2008), chapter 4.
+    """
+    return 0.5 * _rounding_dn2(variance_dn2) ** 2
+
+
+def _rounding_dn2(variance_dn2: Array) -> Array:
+    fading = np.exp(-2 * np.pi**2 * variance_dn2)
+    return np.asarray((4 * variance_dn2 + 1 / np.pi**2) * fading)
+
+
+def _measured_rounding_error2(measured_dn2: Array) -> Array:
+    """`rounding_error2` of a measured variance, for the smallest true one that may give it."""
+    least = measured = np.maximum(measured_dn2 - ROUNDING_DN2, 0.0)
+    for _ in range(_ROUNDS):
+        least = np.maximum(measured - _rounding_dn2(least), 0.0)
+    return rounding_error2(least)
 
 
 def mean_error2(variance: Array, samples: Array | None, frames: int) -> Array:
@@ -139,7 +164,9 @@ def _level_error2(levels: Levels, expected: Array, values: Array) -> Array:
     if levels.darks is None and levels.black_known:
         dark = np.full(len(levels), max(float(values[0]), 0.0))
     own = mean_error2(dark, levels.samples, levels.frames)
-    return variance_error2(expected, levels.samples) + values[levels.slope_at] ** 2 * own
+    sampling = variance_error2(expected, levels.samples)
+    rounding = _measured_rounding_error2(expected)
+    return sampling + rounding + values[levels.slope_at] ** 2 * own
 
 
 def _dark_error2(levels: Levels, slope: float) -> Array:
@@ -147,6 +174,14 @@ def _dark_error2(levels: Levels, slope: float) -> Array:
         return np.zeros(1)
     variance, n = levels.darks.variance_dn2, levels.darks.samples
     return variance_error2(variance, n) + slope**2 * dark_mean_error2(levels.darks, levels.frames)
+
+
+def _dark_rounding_error2(levels: Levels) -> Array:
+    """Squared error of the dark variances by rounding: one for all, which have the same mean."""
+    if levels.darks is None:
+        return np.zeros(1)
+    lowest = levels.darks.variance_dn2.min(keepdims=True)
+    return np.repeat(_measured_rounding_error2(lowest), levels.darks.variance_dn2.size)
 
 
 def _lever(design: Array, root_weights: Array) -> Array | None:
@@ -172,6 +207,8 @@ def _regression(
         [np.bincount(levels.dark_of, weights=row, minlength=dark_error2.size) for row in lever]
     )
     covariance = (lever * error2) @ lever.T + (dark_lever * dark_error2) @ dark_lever.T
+    common = dark_lever.sum(axis=1)
+    covariance += _dark_rounding_error2(levels)[0] * np.outer(common, common)
     return Regression(
         values=lever @ levels.y,
         covariance=spread * covariance,

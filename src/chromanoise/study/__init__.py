@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from chromanoise._lazy import lazy_names
 
 if TYPE_CHECKING:
+    from chromanoise.io.result import Result
     from chromanoise.study.agreement import (
         Agreement,
         agreement_of,
@@ -72,7 +73,6 @@ if TYPE_CHECKING:
         Matrices,
         MatrixResult,
         Pictures,
-        Result,
         Results,
     )
     from chromanoise.study.running import (

@@ -4,13 +4,10 @@ Each result can be converted to plain data (`to_dict`, as the JSON of the comman
 pandas data frame, LaTeX and a figure.
 """
 
-from abc import ABC, abstractmethod
-from collections.abc import Sequence
 from dataclasses import dataclass, field
-from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from chromanoise import _check, _notebook
+from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._shapes import Float
 from chromanoise.analysis import (
@@ -47,90 +44,14 @@ from chromanoise.analysis.tables import (
 from chromanoise.color import ColorMatrix, ParetoCurve
 from chromanoise.errors import InputError
 from chromanoise.exposure import OperatingPoint, conditions
+from chromanoise.io.result import Result, axes_of, figures
 from chromanoise.io.table import Column, Table, number_text
-from chromanoise.io.table_formats import table_latex
 from chromanoise.metrics import MatrixReport
 from chromanoise.study.analyses import Outcome, outcomes_as_json
 from chromanoise.study.document import OutputsPart, Study
 
 if TYPE_CHECKING:
     from chromanoise.imaging.capture import Capture
-
-
-class Result(ABC):
-    """The result of a step: base class of its conversions to data, tables and figures."""
-
-    __slots__ = ()
-
-    @abstractmethod
-    def to_dict(self) -> dict[str, Any]:
-        """Plain data, as the JSON of the command; ``None`` where a value is not defined."""
-
-    @abstractmethod
-    def to_table(self) -> Table:
-        """The main table, with units and full precision."""
-
-    @abstractmethod
-    def plot(self, ax: Any = None) -> Any:
-        """Draw the main chart.
-
-        Parameters
-        ----------
-        ax
-            Axes of matplotlib; ``None`` for those of a new figure.
-
-        Returns
-        -------
-        Axes
-        """
-
-    def to_dataframe(self) -> Any:
-        """The main table as a pandas data frame; pandas must be installed.
-
-        Columns are named ``name [unit]``; an undefined value is a missing value.
-
-        Raises
-        ------
-        ImportError
-            If pandas is missing.
-        """
-        pandas = import_module("pandas")
-        table = self.to_table()
-        heads = [f"{c.name} [{c.unit}]" if c.unit else c.name for c in table.columns]
-        return pandas.DataFrame(list(table.rows), columns=heads)
-
-    def to_latex(self, label: str = "") -> str:
-        r"""The main table in LaTeX (booktabs), rounded as the columns specify.
-
-        Parameters
-        ----------
-        label
-            Label for ``\ref``; empty for no label.
-
-        Returns
-        -------
-        str
-        """
-        return table_latex(self.to_table(), label)
-
-    @abstractmethod
-    def _repr_html_(self) -> str:
-        """The operating point and the main table as HTML for a notebook."""
-
-    def _html(self, caption: str, notes: Sequence[str] = ()) -> str:
-        table = self.to_table()
-        head = [f"{c.name} [{c.unit}]" if c.unit else c.name for c in table.columns]
-        rows = [
-            [_cell(cell, column.digits) for cell, column in zip(row, table.columns, strict=True)]
-            for row in table.rows
-        ]
-        return _notebook.shown(caption, _notebook.table(head, rows), notes=notes)
-
-
-def _cell(value: Any, digits: str) -> str:
-    if value is None:
-        return ""
-    return format(value, digits) if digits and isinstance(value, float) else str(value)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -186,7 +107,7 @@ class Analyses(Result):
 
     def plot(self, ax: Any = None) -> Any:
         """Draw the SNR losses from all photons to Y of each sensor. [dB]"""
-        return _figures().draw_analyses(self.analyses, _axes(ax))
+        return figures().draw_analyses(self.analyses, axes_of(ax))
 
     def __repr__(self) -> str:
         """Sensors, SNR of Y and the operating point."""
@@ -265,7 +186,7 @@ class Matrices(Result):
 
     def plot(self, ax: Any = None) -> Any:
         """Draw color error against noise if that curve was requested, else the matrix as bars."""
-        return _figures().draw_matrices(self.results, _axes(ax))
+        return figures().draw_matrices(self.results, axes_of(ax))
 
     def __repr__(self) -> str:
         """Method, sensors and color error."""
@@ -351,7 +272,7 @@ class Comparison(Result):
         title = f"{self.curves[0].quantity.what}, from {conditions(self.points)}"
         many = len(self.points) > MOST_PAIRS_SENSORS
         crossed = lead_changes(self.leads, self.crossovers) if many else self.crossovers
-        return _figures().draw_comparison(self.curves, _axes(ax), crossovers=crossed, title=title)
+        return figures().draw_comparison(self.curves, axes_of(ax), crossovers=crossed, title=title)
 
     def __repr__(self) -> str:
         """The quantity, the parameter and the operating point."""
@@ -408,7 +329,7 @@ class ComparisonMap(Result):
         of more the best sensor.
         """
         title = f"{self.maps[0].quantity.what}, from {conditions(self.points)}"
-        return _figures().draw_maps(self.maps, _axes(ax), title=title)
+        return figures().draw_maps(self.maps, axes_of(ax), title=title)
 
     def __repr__(self) -> str:
         """The quantity, the parameters and the operating point."""
@@ -489,7 +410,7 @@ class Pictures(Result):
                 found=None,
                 remedy="omit it, or open the files",
             )
-        return _figures().draw_capture(self.captures[0], _axes(ax))
+        return figures().draw_capture(self.captures[0], axes_of(ax))
 
     def __repr__(self) -> str:
         """Number of pictures, cube and operating point."""
@@ -551,14 +472,3 @@ class Results:
             *self.maps,
             *self.pictures,
         ]
-
-
-def _figures() -> Any:
-    """The package ``figures``, a higher layer, imported only when a figure is drawn."""
-    return import_module("chromanoise.figures")
-
-
-def _axes(ax: Any) -> Any:
-    if ax is not None:
-        return ax
-    return import_module("matplotlib.pyplot").subplots(layout="constrained")[1]

@@ -28,14 +28,16 @@ from chromanoise.sensor import Mosaic, mosaic_named
 
 CAPTURE = "capture.toml"
 """Name of the file in a folder of frames."""
-_TOP = ("mosaic", "bits", "darks", "levels")
-_LEVEL = ("name", "flats", "darks", "time_ms", "photons_per_pixel")
+_TOP = ("camera", "iso", "mosaic", "bits", "darks", "levels")
+_LEVEL = ("name", "flats", "darks", "time_ms", "photons_per_pixel", "iso")
 _LARGEST_BYTES = 2**20
 _MOST_BITS = 32
 _MOST_FILES = 100_000
 _LONGEST_MS = 1e9
 _MOST_PHOTONS = 1e15
 _LONGEST_NAME = 1000
+_LONGEST_CAMERA = 200
+_LEAST_ISO, _MOST_ISO = 1e-3, 1e9
 _PART = re.compile(r"(.+?)((?:\[[^\[\]]{1,100}\]){1,2})")
 
 _FramesOfFile = dict[Path, tuple[Frame, ...]]
@@ -48,25 +50,29 @@ def read_capture(path: Path) -> FrameSet:
     ----------
     path
         The file. Keys: ``mosaic`` (``RG/GB``; absent for the mosaic stated in the files), ``bits``,
-        ``darks`` (used at every level without darks of its own) and ``[[levels]]`` with ``flats``,
-        ``darks``, ``time_ms`` [ms], ``photons_per_pixel`` [1] and ``name``. Frames are names
+        ``camera`` (maker and model), ``iso``, ``darks`` (used at every level without darks of its
+        own) and ``[[levels]]`` with ``flats``, ``darks``, ``time_ms`` [ms], ``photons_per_pixel``
+        [1], ``iso`` and ``name``. Frames are names
         relative to the file; ``*``, ``?`` and ``[abc]`` are patterns, sorted by name.
         ``stack.tif[3]`` is one frame of a stack, ``a.npz[flat]`` one array.
 
     Raises
     ------
     InputError
-        If a key is unknown, a value or a frame is missing or invalid, a frame is listed twice, or
-        a level has one flat.
+        If a key is unknown, a value or a frame is missing or invalid, a frame is listed twice, a
+        level has one flat, or a frame states another camera or ISO.
     """
     table = _table(path)
     opened: _FramesOfFile = {}
     pooled = _frames(path, table.get("darks", []), "darks", opened)
-    levels = []
-    for i, entry in enumerate(_levels(path, table), 1):
-        levels.append(_level(path, i, entry, pooled, opened))
+    iso = _iso(path, table, "")
+    levels = [
+        _level(path, i, entry, pooled, iso, opened)
+        for i, entry in enumerate(_levels(path, table), 1)
+    ]
     if not levels and pooled:
-        levels = [FrameLevel(name="darks", flats=(), darks=pooled, time_ms=_one_time(pooled))]
+        darks = FrameLevel(name="darks", flats=(), darks=pooled, time_ms=_one_time(pooled))
+        levels = [_with(path, darks, {"iso": iso})]
     if not levels:
         raise InputError(
             str(path), "must have at least one [[levels]]", found="has none", remedy=EXAMPLE
@@ -75,15 +81,15 @@ def read_capture(path: Path) -> FrameSet:
     with errors_in_file(path):
         _check.distinct("names of levels", [level.name for level in levels])
     refuse_few(str(path), levels)
-    bits = _bits(path, table)
-    levels = [_with_bits(level, bits) for level in levels]
+    stated = {"bits": _bits(path, table), "camera": _camera(path, table)}
+    levels = [_with(path, level, stated) for level in levels]
     used = [frame for level in levels for frame in (*level.flats, *level.darks)]
     refuse_mixed(str(path), used)
     mosaic, remarks = _mosaic(path, table, used)
     flats = sum(len(level.flats) for level in levels)
     lit = sum(bool(level.flats) for level in levels)
-    darks = len({frame.name for level in levels for frame in level.darks})
-    note = f"{lit} levels with {flats} flats, and {darks} darks, by {path.name}"
+    count = len({frame.name for level in levels for frame in level.darks})
+    note = f"{lit} levels with {flats} flats, and {count} darks, by {path.name}"
     return FrameSet(source=str(path), levels=tuple(levels), mosaic=mosaic, notes=(note, *remarks))
 
 
@@ -129,7 +135,12 @@ def _levels(path: Path, table: Mapping[str, Any]) -> list[dict[str, Any]]:
 
 
 def _level(
-    path: Path, number: int, entry: dict[str, Any], pooled: tuple[Frame, ...], opened: _FramesOfFile
+    path: Path,
+    number: int,
+    entry: dict[str, Any],
+    pooled: tuple[Frame, ...],
+    iso: float | None,
+    opened: _FramesOfFile,
 ) -> FrameLevel:
     at = f"level {number}"
     _refuse_unknown(path, entry, _LEVEL, at)
@@ -147,13 +158,14 @@ def _level(
             str(path), "must be 0 or absent without flats", value=photons,
             where=f"{at}, photons_per_pixel",
         )  # fmt: skip
-    return FrameLevel(
+    level = FrameLevel(
         name=name,
         flats=flats,
         darks=own or (pooled if flats else ()),
         time_ms=_one_time(flats or own) if time_ms is None else time_ms,
         photons_per_pixel=photons,
     )
+    return _with(path, level, {"iso": _iso(path, entry, f"{at}, ") or iso})
 
 
 def _number(
@@ -288,14 +300,56 @@ def _bits(path: Path, table: Mapping[str, Any]) -> int | None:
     return bits
 
 
-def _with_bits(level: FrameLevel, bits: int | None) -> FrameLevel:
-    if bits is None:
-        return level
+def _camera(path: Path, table: Mapping[str, Any]) -> str:
+    camera = table.get("camera", "")
+    valid = isinstance(camera, str) and len(camera) <= _LONGEST_CAMERA and camera.isprintable()
+    if not valid or ("camera" in table and not camera.strip()):
+        raise InputError(
+            str(path),
+            f"must be maker and model, a text of 1 to {_LONGEST_CAMERA} characters",
+            value=camera,
+            where="camera",
+        )
+    return camera.strip()
+
+
+def _iso(path: Path, table: Mapping[str, Any], at: str) -> float | None:
+    iso = table.get("iso")
+    if iso is None:
+        return None
+    with errors_in_file(path):
+        if isinstance(iso, bool) or not isinstance(iso, int | float):
+            raise InputError(f"{at}iso", "must be a number", value=iso)
+        return _check.within(f"{at}iso", "1", iso, _LEAST_ISO, _MOST_ISO)
+
+
+def _with(path: Path, level: FrameLevel, stated: Mapping[str, Any]) -> FrameLevel:
+    """The level with what the list states of its frames, which must not state anything else."""
+    known = {name: value for name, value in stated.items() if value}
+    for frame in (*level.flats, *level.darks):
+        for name, value in known.items():
+            own = getattr(frame, name)
+            if own and name != "bits" and not _same(own, value):
+                raise InputError(
+                    str(path),
+                    f"must be {own} as {frame.name} states",
+                    value=value,
+                    where=name,
+                    remedy=(f"correct {name}", f"omit {name}"),
+                )
     return replace(
         level,
-        flats=tuple(replace(frame, bits=bits) for frame in level.flats),
-        darks=tuple(replace(frame, bits=bits) for frame in level.darks),
+        flats=tuple(replace(frame, **known) for frame in level.flats),
+        darks=tuple(replace(frame, **known) for frame in level.darks),
     )
+
+
+def _same(one: Any, other: Any) -> bool:
+    """Whether two values are equal, or all words of a name occur in the other one."""
+    if not isinstance(one, str):
+        return bool(one == other)
+    words, others = (set(text.casefold().split()) for text in (one, other))
+    return words <= others or others <= words
 
 
 def _mosaic(

@@ -66,24 +66,37 @@ def mosaic_text(mosaic: Mosaic | None) -> str:
     return "/".join(sign.join(row) for row in mosaic.pattern)
 
 
-def refuse_few(source: str, levels: Iterable[FrameLevel]) -> None:
-    """Refuse a level with one flat, which gives no temporal variance.
+def refuse_few(
+    source: str, levels: Iterable[FrameLevel], kinds: Sequence[str] = ("flats",)
+) -> None:
+    """Refuse a level with one flat, or dark, which gives no temporal variance.
+
+    Parameters
+    ----------
+    source
+        Of the frames, for the message.
+    levels
+        To check.
+    kinds
+        ``flats``, ``darks``.
 
     Raises
     ------
     InputError
-        It names the level and its flat.
+        It names the level and the frame.
     """
     for level in levels:
-        if len(level.flats) == 1:
-            raise InputError(
-                source,
-                "must have at least 2 flats, because one gives no temporal variance",
-                value=1,
-                found=f"has 1, {level.flats[0].name}",
-                where=f"level {level.name!r}",
-                remedy=("take another", "leave the level out", EXAMPLE),
-            )
+        for kind in kinds:
+            group = getattr(level, kind)
+            if len(group) == 1:
+                raise InputError(
+                    source,
+                    f"must have at least 2 {kind}, because one gives no temporal variance",
+                    value=1,
+                    found=f"has 1, {group[0].name}",
+                    where=f"level {level.name!r}",
+                    remedy=("take another", "leave the level out", EXAMPLE),
+                )
 
 
 def _mixed(

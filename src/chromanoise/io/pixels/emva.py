@@ -4,10 +4,12 @@ EMVA Standard 1288, Release 4.0 Linear (2021): the camera model of its chapter 2
 of its chapter 10.
 """
 
+import math
 import re
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
+from decimal import Decimal, InvalidOperation
 from pathlib import Path
 
 from chromanoise import _check
@@ -19,6 +21,7 @@ from chromanoise.io.pixels.source_text import (
     source_json,
     source_text,
 )
+from chromanoise.io.xml_text import xml_root
 from chromanoise.sensor.adc import Adc
 from chromanoise.sensor.pixel_source import PIXEL_FILES, PixelSource
 
@@ -29,12 +32,13 @@ _NAMES = {
     "gain_inverse": "1k inversek inversesystemgain inversegain",
     "read_noise": "sigmad darknoise temporaldarknoise readnoise readoutnoise",
     "dark_noise": "sigmaydark",
-    "full_well": "muesat uesat saturationcapacity fullwell fullwellcapacity",
+    "full_well": "fullwell fullwellcapacity",
+    "saturation": "muesat uesat saturationcapacity",
     "threshold": "muemin uemin absolutesensitivitythreshold sensitivitythreshold",
     "photons_full": "mupsat upsat",
     "photons_threshold": "mupmin upmin",
-    "dynamic_range": "dr dynamicrange",
-    "snr_max": "snrmax maximumsnr maximumsignaltonoiseratio signaltonoiseratio",
+    "dynamic_range": "dr drdb dynamicrange",
+    "snr_max": "snrmax snrmaxdb maximumsnr maximumsignaltonoiseratio signaltonoiseratio",
     "dsnu": "dsnu dsnu1288 su1288dark",
     "prnu": "prnu prnu1288",
     "dark_current": "mui muimean muc ui uimean darkcurrent muivar uivar",
@@ -69,6 +73,7 @@ _ALLOWED = {
     "read_noise": "e- DN",
     "dark_noise": "DN e-",
     "full_well": "e-",
+    "saturation": "e-",
     "threshold": "e- p",
     "photons_full": "p",
     "photons_threshold": "p",
@@ -104,9 +109,10 @@ def read_emva_sheet(path: Path | str) -> PixelSource:
     ----------
     path
         A file of lines ``name = value unit``, ``name: value unit``, ``name [unit] = value`` or
-        ``name,value,unit``, in which ``#`` starts a comment; or a JSON object that maps a name to
-        ``{"value": .., "unit": ".."}``. Names are symbols of the standard, e.g. ``sigma_d``, or
-        terms, e.g. ``temporal dark noise``.
+        ``name,value,unit``, in which ``#`` starts a comment; a JSON object that maps a name to
+        ``{"value": .., "unit": ".."}``; or XML in the form of the package emva1288, as
+        `chromanoise.characterization.emva_sheet_xml` writes it. Names are symbols of the standard,
+        e.g. ``sigma_d``, or terms, e.g. ``temporal dark noise``.
 
     Raises
     ------
@@ -118,12 +124,12 @@ def read_emva_sheet(path: Path | str) -> PixelSource:
     -----
     Values are checked against each other: SNR_max^2 = u_e.sat, DR = u_e.sat / u_e.min, u_e.min =
     sqrt(sigma_d^2 + 1/(12 K^2)) + 1/2, electrons = QE photons. The notes report deviations of more
-    than 5 %; values are not corrected. The saturation capacity, at which the variance peaks, is
-    used as the full well.
+    than 5 %; values are not corrected. If the sheet has no full well, it is the saturation
+    capacity, at which the variance peaks.
     """
     path = Path(path)
     text = source_text(path)
-    rows = (_json_rows if text.lstrip().startswith("{") else _text_rows)(text, path)
+    rows = _FORMS.get(text.lstrip()[:1], _text_rows)(text, path)
     with errors_in_file(path):
         return pixel_from_emva(
             {name: (number, unit) for name, number, unit, _ in rows},
@@ -253,6 +259,42 @@ def _json_rows(text: str, path: Path) -> list[tuple[str, float, str, str]]:
     return rows
 
 
+def _xml_rows(text: str, path: Path) -> list[tuple[str, float, str, str]]:
+    """The values of XML: root ``results``, sections, values named by their tags."""
+    root = xml_root(text, str(path))
+    if root.tag != "results":
+        raise InputError(
+            str(path), "must have the root 'results' to be a data sheet", value=root.tag[:60]
+        )
+    rows: list[tuple[str, float, str, str]] = []
+    for entry in (entry for section in root for entry in section):
+        known = _key(entry.tag) is not None and not any(row[0] == entry.tag for row in rows)
+        if not known or entry.find("value") is None:
+            continue
+        unit, word = (entry.findtext(tag, "").strip() for tag in ("unit", "value"))
+        number = _decimal(word)
+        if number is None:
+            raise InputError(str(path), "must be a finite number", value=word[:60], where=entry.tag)
+        if number < 0:
+            continue  # below 0, as its error allows; the text has such a value in a comment
+        if unit == "%":
+            number, unit = number.scaleb(-2), "1"
+        rows.append((entry.tag, float(number), unit, ""))
+    return rows
+
+
+def _decimal(word: str) -> Decimal | None:
+    try:
+        number = Decimal(word)
+    except InvalidOperation:
+        return None
+    return number if number.is_finite() and math.isfinite(float(number)) else None
+
+
+_FORMS = {"{": _json_rows, "<": _xml_rows}
+"""Readers by the first character of a sheet."""
+
+
 def _key(name: str) -> str | None:
     """The key for a name in the sheet; Greek letters, dots, dashes and spaces are normalized."""
     return _KEY_OF.get(_plain(name))
@@ -290,6 +332,7 @@ def _pixel_source(found: Mapping[str, _Value], unused: list[str], source: str) -
     electrons = {key: _electrons(found.get(key), gain, source) for key in ("read_noise", "dsnu")}
     current = _electrons(found.get("dark_current"), gain, source)
     prnu = found.get("prnu")
+    well = found.get("full_well") or found.get("saturation")
     whole, level, adc_notes = _codes(found.get("bits"), found.get("black"), source)
     adc = None
     if gain is not None and whole is not None:
@@ -301,11 +344,8 @@ def _pixel_source(found: Mapping[str, _Value], unused: list[str], source: str) -
         if known is None
     ]
     notes = []
-    if "full_well" in found and not _plain(found["full_well"].name).startswith("fullwell"):
-        notes = [
-            f"{source}: {found['full_well'].name}, the saturation capacity, is taken for the "
-            "full well"
-        ]
+    if well is not None and "full_well" not in found:
+        notes = [f"{source}: {well.name}, the saturation capacity, is taken for the full well"]
     if gain and adc is None:
         notes.append(
             f"{source}: the gain of {1 / gain:.4g} e-/DN is used only where the bits of the "
@@ -320,7 +360,7 @@ def _pixel_source(found: Mapping[str, _Value], unused: list[str], source: str) -
     return PixelSource(
         source=source,
         pitch_um=_number(found, "pitch"),
-        full_well_e=_number(found, "full_well"),
+        full_well_e=None if well is None else well.number,
         read_noise_e=electrons["read_noise"],
         gain_e_per_dn=1 / gain if gain else None,
         bits=whole,
@@ -386,6 +426,8 @@ def _codes(
 def _in_electrons(found: Mapping[str, _Value], gain: float | None) -> dict[str, float]:
     """The values that can be checked against each other, in the units of `contradictions`."""
     values = {key: value.number for key, value in found.items()}
+    if "full_well" in values:
+        values.setdefault("saturation", values["full_well"])
     if gain is not None:
         values["gain"] = gain
     for key in ("read_noise", "dark_noise"):

@@ -25,7 +25,7 @@ def contradictions(values: Mapping[str, float], source: str) -> tuple[str, ...]:
 
     Examples
     --------
-    >>> contradictions({"full_well": 10_000.0, "snr_max": 50.0}, "a sheet")
+    >>> contradictions({"saturation": 10_000.0, "snr_max": 50.0}, "a sheet")
     ('a sheet: SNR_max^2 = 2500, but u_e.sat [e-] gives 1e+04; one is wrong',)
     """
     n = values
@@ -35,7 +35,7 @@ def contradictions(values: Mapping[str, float], source: str) -> tuple[str, ...]:
         if all(key in n for key in needs.split()) and not alike(stated(n), expected(n))
     ]
     codes = 2 ** n["bits"] - 1 if 8 <= n.get("bits", 0) <= 16 else 0.0
-    top = n.get("gain", 0.0) * n.get("full_well", 0.0) + n.get("black", 0.0)
+    top = n.get("gain", 0.0) * n.get("saturation", 0.0) + n.get("black", 0.0)
     if codes and top > (1 + _TOLERANCE) * codes:
         notes.append(
             f"{source}: the full well gives code {top:.4g}, above the top code {codes:.0f}; gain, "
@@ -59,25 +59,25 @@ def _rounding_e2(n: Mapping[str, float]) -> float:
 
 _LAWS: tuple[_Law, ...] = (
     (
-        "snr_max full_well",
+        "snr_max saturation",
         "SNR_max^2",
         lambda n: n["snr_max"] ** 2,
         "u_e.sat [e-]",
-        lambda n: n["full_well"],
+        lambda n: n["saturation"],
     ),
     (
-        "dynamic_range full_well threshold",
+        "dynamic_range saturation threshold",
         "DR",
         lambda n: n["dynamic_range"],
         "u_e.sat / u_e.min",
-        lambda n: n["full_well"] / max(n["threshold"], 1e-300),
+        lambda n: n["saturation"] / max(n["threshold"], 1e-300),
     ),
     (
-        "dynamic_range full_well read_noise gain",
+        "dynamic_range saturation read_noise gain",
         "DR",
         lambda n: n["dynamic_range"],
         "u_e.sat over the threshold of sigma_d",
-        lambda n: n["full_well"] / (sqrt(n["read_noise"] ** 2 + _rounding_e2(n)) + 0.5),
+        lambda n: n["saturation"] / (sqrt(n["read_noise"] ** 2 + _rounding_e2(n)) + 0.5),
     ),
     (
         "threshold read_noise gain",
@@ -94,9 +94,9 @@ _LAWS: tuple[_Law, ...] = (
         lambda n: sqrt(n["read_noise"] ** 2 + _rounding_e2(n)),
     ),
     (
-        "full_well photons_full qe",
+        "saturation photons_full qe",
         "u_e.sat [e-]",
-        lambda n: n["full_well"],
+        lambda n: n["saturation"],
         "QE u_p.sat",
         lambda n: n["qe"] * n["photons_full"],
     ),

@@ -9,6 +9,7 @@ import numpy as np
 from chromanoise.errors import InputError
 from chromanoise.io.spectra.parsed import Column, Found, Level, Per, Quantity
 from chromanoise.io.spectra.tables import number_in
+from chromanoise.io.xml_text import xml_root
 
 _QUANTITIES: dict[str, Quantity] = {
     "reflectance": "reflectance", "r-factor": "reflectance",
@@ -82,17 +83,7 @@ def _ours(pattern: str, comments: str) -> Any:
 
 
 def _root(text: str, source: str) -> ElementTree.Element:
-    if re.search(r"<!\s*(DOCTYPE|ENTITY)", text, re.IGNORECASE):
-        raise InputError(source, "must not declare a document type", remedy="remove it")
-    plain = re.sub(r"\A\s*<\?xml[^>]*\?>", "", text)  # the text is decoded already
-    try:
-        root = ElementTree.fromstring(plain)
-    except ElementTree.ParseError as error:
-        line, column = error.position
-        line += text[: text.find("?>") + 2].count("\n") if plain != text else 0
-        raise InputError(
-            source, f"is not XML ({error})", where=f"line {line}, column {column + 1}"
-        ) from None
+    root = xml_root(text, source)
     if not root.tag.rpartition("}")[2].upper().startswith("IESTM27"):
         raise InputError(
             source,

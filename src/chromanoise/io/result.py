@@ -1,0 +1,92 @@
+"""What all results share: plain data, a table, a pandas data frame, LaTeX, a figure, HTML."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from importlib import import_module
+from typing import Any
+
+from chromanoise import _notebook
+from chromanoise.io.table import Table, written
+from chromanoise.io.table_formats import head, table_latex
+
+
+class Result(ABC):
+    """The result of a step: base class of its conversions to data, tables and figures."""
+
+    __slots__ = ()
+
+    @abstractmethod
+    def to_dict(self) -> dict[str, Any]:
+        """Plain data, as the JSON of the command; ``None`` where a value is not defined."""
+
+    @abstractmethod
+    def to_table(self) -> Table:
+        """The main table, with units and full precision."""
+
+    @abstractmethod
+    def plot(self, ax: Any = None) -> Any:
+        """Draw the main chart.
+
+        Parameters
+        ----------
+        ax
+            Axes of matplotlib; ``None`` for those of a new figure.
+
+        Returns
+        -------
+        Axes
+        """
+
+    def to_dataframe(self) -> Any:
+        """The main table as a pandas data frame; pandas must be installed.
+
+        Columns are named ``name [unit]``; an undefined value is a missing value.
+
+        Raises
+        ------
+        ImportError
+            If pandas is missing.
+        """
+        pandas = import_module("pandas")
+        table = self.to_table()
+        heads = [head(column) for column in table.columns]
+        return pandas.DataFrame(list(table.rows), columns=heads)
+
+    def to_latex(self, label: str = "") -> str:
+        r"""The main table in LaTeX (booktabs), rounded as the columns specify.
+
+        Parameters
+        ----------
+        label
+            Label for ``\ref``; empty for no label.
+
+        Returns
+        -------
+        str
+        """
+        return table_latex(self.to_table(), label)
+
+    @abstractmethod
+    def _repr_html_(self) -> str:
+        """What the result belongs to, and the main table, as HTML for a notebook."""
+
+    def _html(self, caption: str, notes: Sequence[str] = ()) -> str:
+        table = self.to_table()
+        heads = [head(column) for column in table.columns]
+        rows = [
+            [written(cell, column.digits) for cell, column in zip(row, table.columns, strict=True)]
+            for row in table.rows
+        ]
+        return _notebook.shown(caption, _notebook.table(heads, rows), notes=notes)
+
+
+def figures() -> Any:
+    """The package ``figures``, a higher layer, imported only when a figure is drawn."""
+    return import_module("chromanoise.figures")
+
+
+def axes_of(ax: Any) -> Any:
+    """The axes given, or those of a new figure."""
+    if ax is not None:
+        return ax
+    return import_module("matplotlib.pyplot").subplots(layout="constrained")[1]
