@@ -159,6 +159,11 @@ class NoiseSources:
         return replace(self, dsnu_e=0.0, prnu=0.0)
 
     @property
+    def readout(self) -> "NoiseSources":
+        """What the readout adds, after any crosstalk: read noise, quantization and row noise."""
+        return replace(self, dark_e=0.0, dsnu_e=0.0, prnu=0.0)
+
+    @property
     def beyond_shot_and_read(self) -> bool:
         """Whether there is any source besides shot noise and read noise."""
         return any(
@@ -210,11 +215,11 @@ def demand_independent_channels(sensor: Sensor) -> None:
     InputError
         If it does.
     """
-    if sensor.crosstalk is not None and sensor.crosstalk.stage == "charge":
+    if after_counting(sensor.crosstalk) is not None:
         raise InputError(
             "crosstalk_stage",
             "must be light where values are clipped or noise comes from its exact distribution",
-            value=sensor.crosstalk.stage,
+            value="charge",
             found=f"crosstalk after counting correlates the channels of {sensor.name}",
             remedy=Setting("crosstalk_stage", ("light",)),
         )
@@ -278,28 +283,82 @@ def with_noise(
     With crosstalk X after counting, ``mean_e`` is X M and the covariance X D(M) X^T + R, with the
     variances R that are added at the readout: read noise, quantization, row noise.
     """
-    noise = noise_sources(sensor, exposure)
+    noise, coupling = noise_sources(sensor, exposure), after_counting(sensor.crosstalk)
+    variance = noise.variance_e2(counted_electrons(mean_e, coupling), kind)
     return Measurement(
         mean=mean_e,
-        covariance=_coupled(mean_e, sensor.crosstalk, noise, kind),
+        covariance=_coupled(variance, coupling, noise),
         names=sensor.names,
         kind="raw",
         unit="e-",
     )
 
 
+def mean_noise_covariance(
+    mean_e: Float[Array, "k p"],
+    share: Float[Array, " k"],
+    sensor: Sensor,
+    exposure: Exposure | None = None,
+    *,
+    light: float | Float[Array, " l"] = 1.0,
+) -> Float[Array, "*l p p"]:
+    """The covariance of `with_noise`, averaged over a set of colors. [e-^2]
+
+    Parameters
+    ----------
+    mean_e
+        Expected electrons of each color, >= 0. [e-]
+    share
+        Weight of each color; the sum is 1.
+    sensor, exposure
+        As `noise_sources`.
+    light
+        Factors on ``mean_e``; one covariance each. [1]
+
+    Raises
+    ------
+    InputError
+        As `with_noise`.
+
+    Examples
+    --------
+    >>> from chromanoise.sensor.pixel import PAPER_PIXEL
+    >>> from chromanoise.spectra import Grid
+    >>> one = Sensor(name="one", grid=Grid.uniform(500, 520, 10), qe=np.full((3, 1), 0.5),
+    ...              names=("W",), pixel=PAPER_PIXEL)
+    >>> mean_noise_covariance(np.array([[100.0], [300.0]]), np.array([0.5, 0.5]), one)
+    array([[300.]])
+    """
+    noise, coupling = noise_sources(sensor, exposure), after_counting(sensor.crosstalk)
+    counted = _check.non_negative("mean_e", "e-", counted_electrons(mean_e, coupling))
+    mean, square = share @ counted, share @ counted**2
+    factor = np.asarray(light)[..., None]
+    variance = factor * mean + noise.floor_e2() + (noise.prnu * factor) ** 2 * square
+    return _coupled(variance, coupling, noise)
+
+
+def after_counting(crosstalk: Crosstalk | None) -> Float[Array, "p p"] | None:
+    """The matrix of crosstalk that correlates the readings; ``None`` without any. [1]"""
+    return None if crosstalk is None or crosstalk.stage == "light" else crosstalk.matrix
+
+
+def counted_electrons(
+    mean_e: Float[Array, "*px p"], coupling: Float[Array, "p p"] | None
+) -> Float[Array, "*px p"]:
+    """Expected electrons that the pixels count: X^-1 M with crosstalk X `after_counting`. [e-]"""
+    if coupling is None:
+        return np.asarray(mean_e, dtype=np.float64)
+    return np.maximum(mean_e @ inv("crosstalk", coupling).T, 0.0)  # rounding of a dark channel
+
+
 def _coupled(
-    mean_e: Float[Array, "*px p"],
-    crosstalk: Crosstalk | None,
-    noise: NoiseSources,
-    kind: NoiseKind,
+    variance_e2: Float[Array, "*px p"], coupling: Float[Array, "p p"] | None, noise: NoiseSources
 ) -> Float[Array, "*px p p"]:
-    if crosstalk is None or crosstalk.stage == "light":
-        return _diagonal(noise.variance_e2(mean_e, kind))
-    counted = np.maximum(mean_e @ inv("crosstalk", crosstalk.matrix).T, 0.0)
-    readout = replace(noise, dark_e=0.0, dsnu_e=0.0, prnu=0.0).floor_e2()
-    inside = _diagonal(noise.variance_e2(counted, kind) - readout)
-    return congruence(crosstalk.matrix, inside) + readout * np.eye(counted.shape[-1])
+    """Covariance of the readings for the variance of the counting pixels, readout included."""
+    if coupling is None:
+        return _diagonal(variance_e2)
+    readout = noise.readout.floor_e2()
+    return congruence(coupling, _diagonal(variance_e2 - readout)) + readout * np.eye(len(coupling))
 
 
 def saturated(
