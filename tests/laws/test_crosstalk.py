@@ -25,6 +25,7 @@ from chromanoise.color.training import training_response
 from chromanoise.exposure import Exposure, expected_electrons
 from chromanoise.io.crosstalk import read_crosstalk
 from chromanoise.metrics import color_budget, lab_budget, snr_db
+from chromanoise.metrics.budget_chain import moved_share
 from chromanoise.noise import Readout, clipped_measurement, with_noise
 from chromanoise.scene import flat_field
 from chromanoise.sensor import (
@@ -460,8 +461,24 @@ def test_a_share_beyond_all_light_or_a_mosaic_of_other_channels_is_refused():
 
 def test_crosstalk_after_counting_that_cannot_be_inverted_is_refused():
     """Half of the light of Bayer's pixels: red and blue then get the same as green gives."""
-    with refused_input(subject="crosstalk"):
+    with refused_input(subject="crosstalk", setting="crosstalk_stage"):
         with_crosstalk(RGB, of_share(0.5, "charge"))
+
+
+def test_a_budget_of_crosstalk_that_cannot_be_inverted_names_the_rows_that_hold_its_loss():
+    sensor = with_crosstalk(RGB, of_share(0.5))
+    budget = color_budget(WHITE, sensor, EXPOSURE, kernel_matrix(sensor, EXPOSURE))
+    readings = {cost.cause: cost.reading for cost in budget.costs}
+    assert "crosstalk" not in readings
+    assert "crosstalk matrix is singular" in readings["correlation"]
+    lost = sum(cost.loss_db for cost in budget.costs)
+    assert budget.photons_db - lost == pytest.approx(budget.snr_db, abs=1e-9)
+
+
+@given(st.floats(0, 1), st.lists(st.floats(1, 1e4), min_size=3, max_size=3))
+def test_the_share_of_electrons_that_leave_is_not_the_net_change(share, electrons):
+    """On Bayer all four neighbors have other channels; what they give in return is not offset."""
+    assert moved_share(of_share(share), np.array(electrons)) == pytest.approx(share, abs=1e-12)
 
 
 @pytest.mark.parametrize(
