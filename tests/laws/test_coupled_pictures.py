@@ -116,12 +116,26 @@ def test_a_kernel_that_moves_nothing_leaves_each_pixel_as_it_is():
     assert (np.abs(one - two) < 1e-4).mean() > 0.999
 
 
-def test_without_noise_a_picture_has_the_expected_readings_also_at_its_edges():
-    sensor = coupled(read_noise_e=0.0)
-    found = acquired(flat(16), point_of(sensor), mosaic=bayer(), adc=FINE, noisy=False)
+@pytest.mark.parametrize("pattern", ["RG/GB", "RGB/GBR"])
+def test_without_noise_a_flat_picture_repeats_its_mosaic_up_to_its_edges(pattern):
+    mosaic = mosaic_named(pattern)
+    mixing = replace(crosstalk_of_kernel(KERNEL, mosaic, NAMES), stage="charge")
+    sensor = with_crosstalk(pure(read_noise_e=0.0), mixing)
+    found = acquired(flat(18), point_of(sensor), mosaic=mosaic, adc=FINE, noisy=False)
     assert found.mean_e == pytest.approx(seen_by(sensor).mean, rel=1e-5)
-    codes = found.codes.reshape(8, 2, 8, 2)
-    assert (codes == codes[:1, :, :1]).all()  # every pixel of a channel alike
+    np.testing.assert_array_equal(found.codes, np.tile(found.codes[6:12, 6:12], (3, 3)))
+
+
+def test_the_electrons_of_one_bright_pixel_end_where_the_kernel_says():
+    light = np.zeros((9, 9, AT.size), np.float32)
+    light[4, 3] = 1.0
+    cube = Cube(stored=light, scale=1.0, wavelength_nm=AT, source="one pixel")
+    found = codes_of(coupled(read_noise_e=0.0), cube, noisy=False)
+    here = found[3:6, 2:5] - 2000.0
+    white = flat_field(LAMP, level_lux=10.0)
+    green = expected_electrons(white, pure(), EXPOSURE)[1] / 0.05
+    assert here == pytest.approx(green * KERNEL, abs=0.51)
+    assert (found != 2000).sum() == (KERNEL > 0).sum()
 
 
 @pytest.mark.parametrize("mosaic", ["bayer", "RGB/GBR"])
