@@ -9,7 +9,7 @@ import pytest
 from chromanoise.catalog import sensor_named
 from chromanoise.color import colored, kernel_matrix
 from chromanoise.exposure import Exposure, OperatingPoint, expected_electrons
-from chromanoise.imaging import Work, acquired, rendered
+from chromanoise.imaging import DEMOSAICING, Work, acquired, developed, developed_color, rendered
 from chromanoise.imaging.capture import CaptureSettings, camera_for
 from chromanoise.noise import with_noise
 from chromanoise.scene import Cube, flat_cube, flat_field
@@ -176,3 +176,21 @@ def test_only_codes_of_a_matrix_without_neighbors_are_told_to_be_mixed_before_co
     camera = camera_for(flat(8), point, matrix, asked)
     notes = [note for note in camera.operating_point.sensor.notes if "before counting" in note]
     assert len(notes) == (raw and not known)
+
+
+@pytest.mark.parametrize("method", ["bilinear", "malvar"])
+def test_the_noise_of_a_demosaicked_picture_is_that_of_its_counts_and_readout(method):
+    sensor, matrix = coupled(**NOISE), kernel_matrix(coupled(), EXPOSURE)
+    bank = DEMOSAICING[method](bayer(), point_of(sensor))
+    gray = flat_field(LAMP, level_lux=10.0, reflectance=0.5)
+    told = developed_color(gray, point_of(sensor), bank, FINE, matrix=matrix)
+    white = matrix.matrix @ (2 * seen_by(sensor).mean)
+    found = []
+    for number in range(12):
+        one = replace(sensor, name=f"camera {number}")
+        raw = acquired(flat(128), point_of(one), mosaic=bayer(), adc=FINE, seed=number)
+        xyz = developed(raw, bank, matrix=matrix).xyz[8:-8, 8:-8] * white[1]
+        found.append([[np.cov(xyz[a::2, b::2].reshape(-1, 3).T) for b in (0, 1)] for a in (0, 1)])
+    error = np.std(found, axis=0, ddof=1) / np.sqrt(12)
+    expected = np.array([[each.covariance for each in row] for row in told])
+    assert np.abs((np.mean(found, axis=0) - expected) / error).max() < 6  # Student's t of 12

@@ -38,6 +38,7 @@ from chromanoise.sensor import (
     Sensor,
     adc_of,
     refuse_summed_readings,
+    shares_after_counting,
     without_crosstalk,
 )
 from chromanoise.spectra import Beyond, Illuminant, Metric
@@ -259,7 +260,7 @@ def acquired(
     refuse_summed_readings(sensor)
     adc = adc or adc_of(sensor.converter, sensor.pixel)
     cube = bands_within(cube, sensor.grid)
-    shares = _shares_after_counting(sensor)
+    shares = shares_after_counting(sensor.crosstalk)
     counting = operating_point if shares is None else _of_counts(operating_point)
     light = light_of(cube, counting, beyond=beyond, bad_pixels=bad_pixels)
     draw = draw_of(operating_point, seed=seed, frame=frame, noisy=noisy)
@@ -329,12 +330,6 @@ def mosaic_of(operating_point: OperatingPoint, mosaic: Mosaic | None) -> Mosaic:
     for name in mosaic.names:
         _check.one_of(f"mosaic channel of {sensor.name}", name, sensor.names)
     return mosaic
-
-
-def _shares_after_counting(sensor: Sensor) -> Float[Array, "ky kx"] | None:
-    """The kernel of crosstalk after counting; a matrix alone does not tell the neighbors."""
-    crosstalk = sensor.crosstalk
-    return None if crosstalk is None or crosstalk.stage == "light" else crosstalk.kernel
 
 
 def _of_counts(operating_point: OperatingPoint) -> OperatingPoint:

@@ -107,6 +107,11 @@ def _weights(pixels: Float[Array, " p"], column: int) -> str:
     return f", its rows multiplied by {weights} for the pixels of the mosaic"
 
 
+def shares_after_counting(crosstalk: Crosstalk | None) -> Float[Array, "ky kx"] | None:
+    """The kernel of crosstalk after counting; a matrix alone does not tell the neighbors. [1]"""
+    return None if crosstalk is None or crosstalk.stage == "light" else crosstalk.kernel
+
+
 def crosstalk_of_share(share: float, mosaic: Mosaic, names: Sequence[str]) -> Crosstalk:
     """The share of the light of each pixel that ends in its four neighbors.
 

@@ -21,7 +21,12 @@ from chromanoise.analysis.figures_of_merit.entries import (
 )
 from chromanoise.color import LINEAR_SRGB, LUV
 from chromanoise.exposure import OperatingPoint
-from chromanoise.imaging import bilinear_filters, noise_power_spectrum
+from chromanoise.imaging import (
+    FilterBank,
+    bilinear_filters,
+    flat_field_noise,
+    noise_power_spectrum,
+)
 from chromanoise.metrics import (
     ISO_12232_2019,
     ISO_15739_2017,
@@ -208,14 +213,19 @@ def _mosaic_noise(analysis: Analysis, viewing: Viewing) -> float | None:
     sensor = analysis.sensor
     if sensor.mosaic is None:
         return None
-    to_xyz, to_luv, noise_e2 = _gray_noise(analysis)
-    bank = bilinear_filters(sensor.mosaic, sensor.names)
-    raw = noise_power_spectrum(bank, np.diagonal(noise_e2), (_PLANE, _PLANE))
+    to_xyz, to_luv, _ = _gray_noise(analysis)
+    bank, spectrum = bilinear_filters(sensor.mosaic, sensor.names), _plane_spectrum
+    gray_e = GRAY * white_electrons(analysis)
+    raw = flat_field_noise(spectrum, bank, gray_e, sensor, analysis.exposure)
     return visual_noise_from_spectrum(
         to_xyz @ raw @ to_xyz.T,
         to_luv,
         pixels_per_degree=viewed_pixels_per_degree(viewing),
     ).total
+
+
+def _plane_spectrum(bank: FilterBank, variance_e2: Float[Array, " p"]) -> Float[Array, "h w p p"]:
+    return noise_power_spectrum(bank, variance_e2, (_PLANE, _PLANE))
 
 
 def _gray_noise(
