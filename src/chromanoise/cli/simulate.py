@@ -27,7 +27,6 @@ from chromanoise.errors import InputError
 from chromanoise.exposure import conditions
 from chromanoise.imaging import DEMOSAICING, Work
 from chromanoise.imaging.capture import (
-    FORMATS,
     Capture,
     any_picture,
     capture_summary,
@@ -35,6 +34,7 @@ from chromanoise.imaging.capture import (
     write_capture,
 )
 from chromanoise.imaging.distributed import cluster
+from chromanoise.imaging.formats import FORMATS
 from chromanoise.scene.rows import row_source
 from chromanoise.sensor import MOSAIC_NAMES
 from chromanoise.study import (

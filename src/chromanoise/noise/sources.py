@@ -295,25 +295,25 @@ def with_noise(
 
 
 def mean_noise_covariance(
-    mean_e: Float[Array, "k p"],
+    mean_e: Float[Array, "*px k p"],
     share: Float[Array, " k"],
     sensor: Sensor,
     exposure: Exposure | None = None,
     *,
     light: float | Float[Array, " l"] = 1.0,
-) -> Float[Array, "*l p p"]:
-    """The covariance of `with_noise`, averaged over a set of colors. [e-^2]
+) -> Float[Array, "*few p p"]:
+    """The covariance of `with_noise`, averaged over a set of lights. [e-^2]
 
     Parameters
     ----------
     mean_e
-        Expected electrons of each color, >= 0. [e-]
+        Expected electrons of each light of the set, >= 0; one set, or one per pixel. [e-]
     share
-        Weight of each color; the sum is 1.
+        Weight of each light; the sum is 1.
     sensor, exposure
         As `noise_sources`.
     light
-        Factors on ``mean_e``; one covariance each. [1]
+        Factor on ``mean_e``, or of one set several factors, with one covariance each. [1]
 
     Raises
     ------
