@@ -16,6 +16,7 @@ from chromanoise.errors import InputError
 
 RANK_TOLERANCE = 1e-10
 """Singular values of unit-norm columns below this share of the largest count as zero."""
+_ROUNDING = 1e-14  # of an eigenvalue of correlations, whose largest is 1 or more
 
 
 def _of_finite(solver: Callable[..., Any], what: str, *arrays: Array, **options: Any) -> Any:
@@ -61,6 +62,37 @@ def congruence(a: Float[Array, "q p"], s: Float[Array, "*px p p"]) -> Float[Arra
     """A S A^T, exactly symmetric."""
     product = a @ s @ a.T
     return 0.5 * (product + np.swapaxes(product, -1, -2))
+
+
+def covariance_root(what: str, s: Float[Array, "*k p p"]) -> Float[Array, "*k p p"]:
+    """R with R^T R = S, for a covariance S; diagonal, as the root of each entry, where S is."""
+    sd = np.sqrt(np.diagonal(s, axis1=-2, axis2=-1))
+    return np.asarray(_correlation_power(what, s, sd, 0.5) * sd[..., None, :])
+
+
+def whitening(what: str, s: Float[Array, "p p"]) -> Float[Array, "p p"]:
+    """W with W^T S W = 1, for a covariance S; 0 for a direction without noise."""
+    sd = np.sqrt(np.diagonal(s))
+    inverse = np.where(sd > 0, 1.0 / np.where(sd > 0, sd, 1.0), 0.0)
+    return np.asarray(inverse[:, None] * _correlation_power(what, s, sd, -0.5))
+
+
+def _correlation_power(
+    what: str, s: Float[Array, "*k p p"], sd: Float[Array, "*k p"], power: float
+) -> Float[Array, "*k p p"]:
+    """A power of the correlations of a covariance; eigenvalues of rounding size count as 0."""
+    identity = np.broadcast_to(np.eye(s.shape[-1]), s.shape)
+    correlation = np.where(identity > 0, 1.0, s / _outer(np.where(sd > 0, sd, 1.0)))
+    if (correlation == identity).all():
+        return identity
+    value, vector = eigh(what, correlation)
+    kept = value > _ROUNDING
+    powers = np.where(kept, np.where(kept, value, 1.0) ** power, 0.0)
+    return np.asarray((vector * powers[..., None, :]) @ np.swapaxes(vector, -1, -2))
+
+
+def _outer(sd: Float[Array, "*k p"]) -> Float[Array, "*k p p"]:
+    return np.asarray(sd[..., :, None] * sd[..., None, :])
 
 
 def unit_columns(f: Float[Array, "n p"]) -> tuple[Float[Array, "n p"], Float[Array, " p"]]:

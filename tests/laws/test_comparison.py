@@ -298,3 +298,21 @@ def test_matrices_over_levels_are_those_of_each_level_or_one_for_all(name):
     else:
         assert each[0].tolist() != each[1].tolist()
         assert together == pytest.approx(np.array(each), rel=1e-9)
+
+
+def test_all_curves_are_asked_at_one_value_before_the_next():
+    """An estimate of the time from the first values then holds for slow and fast curves alike."""
+    asked, done = [], []
+
+    def maker(name):
+        def made(at):
+            asked.append((at.level_lux, at.sensor.name, name))
+            return kernel(at)
+
+        return made
+
+    makers = {name: maker(name) for name in ("slow", "fast")}
+    compared([ONYX, one_channel("W", 0.5, 2.0)], makers, LEVELS[:3], progress=done.append)
+    levels = [level for level, *_ in asked]
+    assert levels == sorted(levels)
+    assert len(set(asked)) == len(asked) == sum(done) == 12

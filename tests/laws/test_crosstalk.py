@@ -1,6 +1,7 @@
 """Crosstalk: what raw SNR hides and color pays, and a tile of pixels that knows no matrix."""
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -8,12 +9,23 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import chromanoise as cn
-from chromanoise.analysis import analyzed, chart_noise, gray_noise
+from chromanoise.analysis import analyzed, chart_noise, gray_noise, merits_of
 from chromanoise.catalog import sensor_named
-from chromanoise.color import LAB, colored, kernel_matrix
+from chromanoise.color import (
+    LAB,
+    chart_training,
+    colored,
+    kernel_matrix,
+    lmmse,
+    lmmse_over_light,
+    noise_regularized,
+    pareto,
+)
+from chromanoise.color.training import training_response
 from chromanoise.exposure import Exposure, expected_electrons
 from chromanoise.io.crosstalk import read_crosstalk
 from chromanoise.metrics import color_budget, lab_budget, snr_db
+from chromanoise.metrics.budget_chain import moved_share
 from chromanoise.noise import Readout, clipped_measurement, with_noise
 from chromanoise.scene import flat_field
 from chromanoise.sensor import (
@@ -277,6 +289,115 @@ def test_crosstalk_after_counting_smooths_the_noise_that_the_matrix_then_amplifi
     assert same.covariance == pytest.approx(color.covariance, rel=1e-9)
 
 
+# trained matrices and figures of merit, where readings are correlated
+
+DIM_LUX = 0.3
+CHART = chart_training(equal_energy(DEFAULT_GRID))
+COUPLED = Crosstalk(matrix=CROSSED, pixels=(1, 1, 1), stage="charge")
+TRAINED = {
+    "lmmse": lmmse,
+    "noise regularized": partial(noise_regularized, weight=0.3),
+    "lmmse over light": lambda *at, level_lux: lmmse_over_light(*at, np.array([level_lux]))[0],
+    "pareto": lambda *at, level_lux: pareto(*at, np.array([2.0]), level_lux=level_lux).matrix[0],
+}
+each_trained = pytest.mark.parametrize("method", TRAINED.values(), ids=TRAINED.keys())
+
+
+def trained(method, sensor):
+    found = method(sensor, EXPOSURE, CHART, level_lux=DIM_LUX)
+    return getattr(found, "matrix", found)
+
+
+def test_lmmse_is_the_regression_of_a_million_draws_of_correlated_readings():
+    sensor = with_crosstalk(with_pixel(RGB, {"read_noise_e": 2.0}), COUPLED)
+    seen = training_response(CHART, with_pixel(RGB, {}), EXPOSURE, level_lux=DIM_LUX)
+    rng, batches = np.random.default_rng(12), 50
+    found = []
+    for _ in range(batches):
+        patch = rng.integers(0, len(seen.xyz), 20_000)
+        read = rng.poisson(seen.electrons[patch]) @ CROSSED.T
+        read = read + 2.0 * rng.standard_normal(read.shape)
+        found.append(np.linalg.lstsq(read, seen.xyz[patch])[0].T)
+    error = np.std(found, axis=0, ddof=1) / np.sqrt(batches)
+    z = (np.mean(found, axis=0) - trained(lmmse, sensor)) / error
+    assert np.abs(z).max() < 4
+
+
+@given(
+    st.lists(st.floats(0, 0.2), min_size=6, max_size=6),
+    st.floats(0.01, 100),
+    st.floats(0, 20),
+)
+def test_lmmse_errs_at_most_as_much_as_one_that_neglects_the_correlation(shares, lux, read):
+    matrix = np.eye(3)
+    matrix[~np.eye(3, dtype=bool)] = shares
+    matrix[np.diag_indices(3)] = 1.0 - matrix.sum(axis=0) + 1.0
+    mixing = Crosstalk(matrix=matrix, pixels=(1, 1, 1), stage="charge")
+    sensor = with_crosstalk(with_pixel(RGB, {"read_noise_e": read}), mixing)
+    seen = training_response(CHART, sensor, EXPOSURE, level_lux=lux)
+    signal = seen.electrons.T @ seen.electrons / 24
+    cross = seen.xyz.T @ seen.electrons / 24
+
+    def error(color):
+        return np.trace(color @ (signal + seen.noise_e2) @ color.T - 2 * color @ cross.T)
+
+    neglecting = np.linalg.solve(signal + np.diag(np.diag(seen.noise_e2)), cross.T).T
+    best = lmmse(sensor, EXPOSURE, CHART, level_lux=lux).matrix
+    assert error(best) <= error(neglecting) + 1e-10 * np.trace(seen.xyz.T @ seen.xyz)
+
+
+@each_trained
+def test_a_trained_matrix_undoes_crosstalk_that_no_readout_follows(method):
+    """X D X^T is the noise of the counts in other coordinates: C X is the matrix of the counts."""
+    pure = with_pixel(RGB, {"read_noise_e": 0.0, "prnu": 0.02, "dsnu_e": 4.0})
+    after = trained(method, with_crosstalk(pure, COUPLED))
+    assert after @ CROSSED == pytest.approx(trained(method, pure), rel=1e-9)
+
+
+@each_trained
+def test_crosstalk_of_nothing_changes_no_trained_matrix(method):
+    pure = with_pixel(RGB, {"read_noise_e": 3.0, "prnu": 0.02, "dsnu_e": 4.0})
+    nothing = with_crosstalk(pure, replace(COUPLED, matrix=np.eye(3)))
+    assert trained(method, nothing) == pytest.approx(trained(method, pure), rel=1e-12)
+
+
+def test_figures_of_the_pareto_curve_are_those_of_the_counts_where_no_readout_follows():
+    pure = with_pixel(RGB, {"read_noise_e": 0.0})
+    curves = [
+        pareto(sensor, EXPOSURE, CHART, np.array([0.1, 1.0, 9.0]), level_lux=DIM_LUX)
+        for sensor in (pure, with_crosstalk(pure, COUPLED))
+    ]
+    for name in ("noise_rms", "snr_y_db", "color_error_rms"):
+        before, after = (getattr(curve, name) for curve in curves)
+        assert after == pytest.approx(before, rel=1e-9)
+
+
+def merits(sensor):
+    found = merits_of(analyzed(WHITE, sensor, EXPOSURE)).entries
+    return {one.name: one.value for one in found}
+
+
+def test_merits_of_color_are_those_of_the_counts_where_no_readout_follows():
+    """The kernel matrix unmixes: color, its noise and its information are those of the counts."""
+    pure = with_pixel(RGB, {"read_noise_e": 0.0})
+    before, after = merits(pure), merits(with_crosstalk(pure, COUPLED))
+    same = ("visual_noise", "snr10", "noise_speed_10", "information", "figure_of_merit")
+    for name in same:
+        assert after[name] == pytest.approx(before[name], rel=1e-9), name
+    assert after["color_sensitivity"] is None
+
+
+def test_the_tonal_range_of_a_coupled_reading_is_the_integral_over_its_own_noise():
+    sensor = with_crosstalk(with_pixel(RGB, {"read_noise_e": 5.0}), COUPLED)
+    top = expected_electrons(WHITE, sensor, EXPOSURE)
+    light = np.linspace(0, 1, 200_001)[:, None]
+    noise = np.sqrt(with_noise(light * top, sensor, EXPOSURE).variance)
+    levels = np.trapezoid(1 / noise, dx=1 / 200_000, axis=0) * top
+    found = merits(sensor)
+    for name, count in zip("RGB", levels, strict=True):
+        assert found[f"tonal_range_{name}"] == pytest.approx(np.log2(count), rel=1e-6)
+
+
 # what cannot be
 
 
@@ -340,8 +461,24 @@ def test_a_share_beyond_all_light_or_a_mosaic_of_other_channels_is_refused():
 
 def test_crosstalk_after_counting_that_cannot_be_inverted_is_refused():
     """Half of the light of Bayer's pixels: red and blue then get the same as green gives."""
-    with refused_input(subject="crosstalk"):
+    with refused_input(subject="crosstalk", setting="crosstalk_stage"):
         with_crosstalk(RGB, of_share(0.5, "charge"))
+
+
+def test_a_budget_of_crosstalk_that_cannot_be_inverted_names_the_rows_that_hold_its_loss():
+    sensor = with_crosstalk(RGB, of_share(0.5))
+    budget = color_budget(WHITE, sensor, EXPOSURE, kernel_matrix(sensor, EXPOSURE))
+    readings = {cost.cause: cost.reading for cost in budget.costs}
+    assert "crosstalk" not in readings
+    assert "crosstalk matrix is singular" in readings["correlation"]
+    lost = sum(cost.loss_db for cost in budget.costs)
+    assert budget.photons_db - lost == pytest.approx(budget.snr_db, abs=1e-9)
+
+
+@given(st.floats(0, 1), st.lists(st.floats(1, 1e4), min_size=3, max_size=3))
+def test_the_share_of_electrons_that_leave_is_not_the_net_change(share, electrons):
+    """On Bayer all four neighbors have other channels; what they give in return is not offset."""
+    assert moved_share(of_share(share), np.array(electrons)) == pytest.approx(share, abs=1e-12)
 
 
 @pytest.mark.parametrize(

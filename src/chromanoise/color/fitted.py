@@ -12,14 +12,22 @@ import numpy as np
 
 from chromanoise import _check
 from chromanoise._check import Array
-from chromanoise._linalg import RANK_TOLERANCE, lstsq, pinv, qr, svd
+from chromanoise._linalg import (
+    RANK_TOLERANCE,
+    covariance_root,
+    lstsq,
+    pinv,
+    qr,
+    svd,
+    whitening,
+)
 from chromanoise._shapes import Float
 from chromanoise.color.differences import balanced_cielab, cie1976_difference
 from chromanoise.color.matrices import ColorMatrix, kernel_matrix
 from chromanoise.color.training import Training, TrainingResponse, training_response, white_scale
 from chromanoise.errors import InputError
 from chromanoise.exposure import Exposure
-from chromanoise.noise import noise_sources
+from chromanoise.noise import mean_noise_covariance, with_noise
 from chromanoise.sensor import Sensor
 from chromanoise.spectra import DEFAULT_OBSERVER, Metric
 from chromanoise.units import decibel
@@ -152,7 +160,7 @@ def lmmse(
     training
         The prior, K = E[L L^T] over the set.
     level_lux
-        Illuminance on the set; D = diag(E[M]) + s_rn^2 there. [lx]
+        Illuminance on the set; D is the mean covariance of the readings there. [lx]
 
     Raises
     ------
@@ -201,11 +209,8 @@ def lmmse_over_light(
     what = _over_white("LMMSE over light", sensor, seen)
     q, r = qr(what, root * seen.electrons / scale)
     light = levels[:, None, None]
-    sources = noise_sources(sensor, exposure)
-    mean_e2 = levels[:, None] * (seen.share @ seen.electrons)  # shot noise of the mean
-    pattern_e2 = (sources.prnu * levels[:, None]) ** 2 * (seen.share @ seen.electrons**2)
-    noise = np.sqrt(share * (mean_e2 + sources.floor_e2() + pattern_e2)) / scale
-    left = np.concatenate([light * r, noise[..., None] * np.eye(scale.size)], axis=1)
+    noise = mean_noise_covariance(seen.electrons, seen.share, sensor, exposure, light=levels)
+    left = np.concatenate([light * r, covariance_root(what, share * noise) / scale], axis=1)
     nothing = np.zeros((levels.size, scale.size, 3))
     right = np.concatenate([light * (q.T @ (root * seen.xyz)), nothing], axis=1)
     solution = pinv(what, left, rcond=RANK_TOLERANCE) @ right
@@ -238,7 +243,7 @@ def ridge(
     seen = training_response(training, sensor, exposure, level_lux=level_lux)
     square = float((seen.share @ seen.electrons**2).mean())
     made_by = f"ridge {strength:g} ({training.source})"
-    penalty = np.full_like(seen.noise_e2, share * square)
+    penalty = share * square * np.eye(len(sensor.names))
     return _penalized(sensor, exposure, metric, seen, penalty, made_by)
 
 
@@ -256,7 +261,8 @@ def noise_regularized(
     Parameters
     ----------
     weight
-        Weight of tr(C D C^T), D the noise averaged over the set: 0 is least squares, 1 LMMSE. [1]
+        Weight of tr(C D C^T), D the covariance of the readings averaged over the set: 0 is least
+        squares, 1 LMMSE. [1]
 
     Raises
     ------
@@ -296,7 +302,8 @@ def pareto(
 
     Notes
     -----
-    In noise-whitened channels A = U s V^T, and C(w) = B^T U diag(s / (s^2 + w)) V^T D^-1/2.
+    In noise-whitened channels A W = U s V^T with W^T D W = 1, and
+    C(w) = B^T U diag(s / (s^2 + w)) V^T W^T.
     """
     weight = _check.non_negative("weights of the noise", "1", weights)
     seen = training_response(training, sensor, exposure, level_lux=level_lux)
@@ -304,12 +311,13 @@ def pareto(
     matrices = _along(seen, weight, _over_white("Pareto curve", sensor, seen))
     error = seen.electrons @ np.swapaxes(matrices, -1, -2) - seen.xyz
     luminance = matrices[:, 1]
-    white_variance = luminance**2 @ noise_sources(sensor, exposure).variance_e2(seen.white_e)
+    white_noise = with_noise(seen.white_e, sensor, exposure).covariance
+    white_variance = np.einsum("qp,pr,qr->q", luminance, white_noise, luminance)
     return ParetoCurve(
         weight=weight,
         matrix=matrices,
         color_error_rms=np.sqrt(np.einsum("k,qkc->q", seen.share, error**2)),
-        noise_rms=np.sqrt((matrices**2 @ seen.noise_e2).sum(axis=-1)),
+        noise_rms=np.sqrt(np.einsum("qcp,pr,qcr->q", matrices, seen.noise_e2, matrices)),
         delta_e=_mean_delta_e(seen, matrices),
         snr_y_db=decibel(np.abs(luminance @ seen.white_e) / np.sqrt(white_variance)),
     )
@@ -372,17 +380,18 @@ def _penalized(
     exposure: Exposure,
     metric: Metric,
     seen: TrainingResponse,
-    penalty_e2: Float[Array, " p"],
+    penalty_e2: Float[Array, "p p"],
     made_by: str,
 ) -> ColorMatrix:
-    """C of least E|C M - XYZ|^2 + sum_i penalty_i |C e_i|^2.
+    """C of least E|C M - XYZ|^2 + tr(C P C^T), with the covariance P as ``penalty_e2``.
 
     Solved as stacked equations, because the normal equations would square the condition number.
     """
     scale, root = white_scale(seen), np.sqrt(seen.share)[:, None]
-    left = np.vstack([root * seen.electrons, np.diag(np.sqrt(penalty_e2))]) / scale
+    what = _over_white(made_by, sensor, seen)
+    left = np.vstack([root * seen.electrons, covariance_root(what, penalty_e2)]) / scale
     right = np.vstack([root * seen.xyz, np.zeros((scale.size, 3))])
-    solution, *_ = lstsq(_over_white(made_by, sensor, seen), left, right, rcond=RANK_TOLERANCE)
+    solution, *_ = lstsq(what, left, right, rcond=RANK_TOLERANCE)
     return _made(sensor, exposure, metric, seen, solution.T / scale, made_by)
 
 
@@ -393,14 +402,13 @@ def _over_white(made_by: str, sensor: Sensor, seen: TrainingResponse) -> str:
 
 def _along(seen: TrainingResponse, weight: Float[Array, " q"], what: str) -> Array:
     """The matrices of least E|C M - XYZ|^2 + w tr(C D C^T)."""
-    noisy = seen.noise_e2 > 0  # a channel without noise has no signal
-    whitening = np.where(noisy, 1.0 / np.sqrt(np.where(noisy, seen.noise_e2, 1.0)), 0.0)
+    white = whitening(what, seen.noise_e2)  # 0 without noise, where there is no signal either
     root = np.sqrt(seen.share)[:, None]
-    u, s, vt = svd(what, root * seen.electrons * whitening, full_matrices=False)
+    u, s, vt = svd(what, root * seen.electrons @ white, full_matrices=False)
     kept = s > RANK_TOLERANCE * s[0]
     gain = np.where(kept, s, 0.0) / np.where(kept, s**2 + weight[:, None], 1.0)
     cross = (root * seen.xyz).T @ u
-    return np.asarray((cross * gain[:, None, :]) @ vt * whitening)
+    return np.asarray((cross * gain[:, None, :]) @ vt @ white.T)
 
 
 def _mean_delta_e(seen: TrainingResponse, matrices: Array) -> tuple[float | None, ...]:

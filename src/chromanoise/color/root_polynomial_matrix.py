@@ -301,7 +301,7 @@ def root_first_order_error(
     model
         A root polynomial of the sensor's channels.
     sensor
-        The sensor; only its read noise is used.
+        The sensor; only its read noise is used, without crosstalk after counting.
 
     Raises
     ------
@@ -318,7 +318,8 @@ def root_first_order_error(
     s = sensor.pixel.read_noise_e
     exact = root_polynomial_color_exact(mean, model, read_noise_e=s).variance
     dark = (mean == 0).any(axis=-1, keepdims=True) & bool(_pairs_of(mean, model.degree))
-    plain = replace(sensor, pixel=shot_and_read_only(sensor.pixel), converter=UNKNOWN_CONVERTER)
+    pixel = shot_and_read_only(sensor.pixel)
+    plain = replace(sensor, pixel=pixel, converter=UNKNOWN_CONVERTER, crosstalk=None)
     first = root_polynomial_color(with_noise(np.where(dark, 1.0, mean), plain), model).variance
     noisy = exact > 0
     error = np.sqrt(np.where(noisy, first, 1.0) / np.where(noisy, exact, 1.0)) - 1.0

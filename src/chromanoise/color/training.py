@@ -12,7 +12,7 @@ from chromanoise._linalg import eigh
 from chromanoise._shapes import Float
 from chromanoise.errors import InputError
 from chromanoise.exposure import Exposure, expected_electrons
-from chromanoise.noise import noise_sources
+from chromanoise.noise import mean_noise_covariance
 from chromanoise.scene import Scene, flat_field, light
 from chromanoise.sensor import Sensor
 from chromanoise.spectra import (
@@ -105,7 +105,7 @@ class TrainingResponse:
     white_e, white_xyz
         The same for a perfect white. [e-], [lx]
     noise_e2
-        Noise variance per channel, averaged over the set. [e-^2]
+        Noise covariance of the channels, averaged over the set. [e-^2]
     observer
         The observer of the training set.
     """
@@ -115,7 +115,7 @@ class TrainingResponse:
     xyz: Float[Array, "k 3"]
     white_e: Float[Array, " p"]
     white_xyz: Float[Array, " 3"]
-    noise_e2: Float[Array, " p"]
+    noise_e2: Float[Array, "p p"]
     observer: str = DEFAULT_OBSERVER
 
     def __post_init__(self) -> None:
@@ -288,8 +288,8 @@ def training_response(
 ) -> TrainingResponse:
     """Electrons, colors and mean noise of a training set, without clipping as in the paper.
 
-    D is the variance averaged over the set: diag(E[M]) + s_rn^2 for shot noise and read noise, as
-    shot noise is linear in light.
+    D is the covariance averaged over the set: diag(E[M]) + s_rn^2 for shot noise and read noise,
+    as shot noise is linear in light.
 
     Raises
     ------
@@ -320,7 +320,7 @@ def training_response(
         xyz=light(scene, "energy") @ axes,
         white_e=white_e,
         white_xyz=light(white, "energy") @ axes,
-        noise_e2=share @ noise_sources(sensor, exposure).variance_e2(electrons),
+        noise_e2=mean_noise_covariance(electrons, share, sensor, exposure),
         observer=training.observer,
     )
 

@@ -15,7 +15,11 @@ if TYPE_CHECKING:
         malvar_filters,
     )
     from chromanoise.imaging.demosaic_methods import DEMOSAICING, chart_prior
-    from chromanoise.imaging.demosaic_noise import demosaicked_covariance, noise_power_spectrum
+    from chromanoise.imaging.demosaic_noise import (
+        demosaicked_covariance,
+        flat_field_noise,
+        noise_power_spectrum,
+    )
     from chromanoise.imaging.demosaic_priors import (
         PicturePrior,
         gradient_corrected_filters,
@@ -86,6 +90,7 @@ __all__ = [
     "dng_rows",
     "draw_rendering",
     "electrons_of_cube",
+    "flat_field_noise",
     "gradient_corrected_filters",
     "information_spectrum",
     "linear_from_srgb",

@@ -44,7 +44,7 @@ def room_for_run(channels):
 def row_offset_e(at_row, draw):
     """What all pixels of a row share: row noise and black-level error."""
     if draw.row_noise_e > _ZERO:
-        row_e = draw.row_noise_e * _normal(at_row, ROW, draw.frame, 0, draw.key)
+        row_e = draw.row_noise_e * normal_of(at_row, ROW, draw.frame, 0, draw.key)
         return draw.black_error_e + row_e
     return draw.black_error_e
 
@@ -87,7 +87,7 @@ def _imperfect_means(mean, pixel, n, channels, draw, dark_e):
         for i in range(n):
             gain = _ONE
             if draw.prnu > _ZERO:
-                z = _normal(pixel + i, PIXEL_GAIN, 0, channels[c, i], draw.key)
+                z = normal_of(pixel + i, PIXEL_GAIN, 0, channels[c, i], draw.key)
                 gain = max(_ONE + draw.prnu * z, _ZERO)
             mean[c * n + i] = mean[c * n + i] * gain + dark_e
 
@@ -100,14 +100,14 @@ def _imperfect_readout(electrons, pixel, n, channels, draw, shared_e):
         for i in range(n):
             offset = shared_e
             if draw.dsnu_e > _ZERO:
-                z = _normal(pixel + i, PIXEL_OFFSET, 0, channels[c, i], draw.key)
+                z = normal_of(pixel + i, PIXEL_OFFSET, 0, channels[c, i], draw.key)
                 offset = offset + draw.dsnu_e * z
             electrons[c * n + i] = electrons[c * n + i] + offset
 
 
 @kernel(inline="always")
 @no_type_check
-def _normal(pixel, purpose, frame, channel, key):
+def normal_of(pixel, purpose, frame, channel, key):
     """A standard normal variate (f4) that belongs to a pixel, or a row, a purpose and a channel."""
     word = word_at(np.uint64(pixel), np.uint64(purpose), np.uint64(frame), channel, key)
     return normal_quantile(np.uint32(word))

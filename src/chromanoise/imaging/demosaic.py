@@ -303,7 +303,7 @@ def border_pixels(shape: tuple[int, int], bank: FilterBank) -> tuple[Array, Arra
             found=f"is {shape[0]} x {shape[1]}",
             remedy=("take the raw mosaic", "take a larger picture"),
         )
-    rows, columns = (_mirrored(n, t, bank.radius) for n, t in zip(shape, period, strict=True))
+    rows, columns = (mirrored(n, t, bank.radius) for n, t in zip(shape, period, strict=True))
     return rows[:, None], columns[None, :]
 
 
@@ -325,12 +325,12 @@ def bank_of(made_by: str, mosaic: Mosaic, names: tuple[str, ...], kernels: Array
     )
 
 
-def _mirrored(count: int, period: int, radius: int) -> Int[Array, " padded"]:
+def mirrored(count: int, period: int, radius: int) -> Int[Array, " padded"]:
     """Indices in the image for -radius .. count + radius - 1, each of the same phase."""
     places = np.arange(-radius, count + radius)
     for i in np.flatnonzero((places < 0) | (places >= count)):
         mirror = -places[i] if places[i] < 0 else 2 * (count - 1) - places[i]
-        alike = np.arange(places[i] % period, count, period)
+        alike = np.arange(places[i] % period % count, count, period)
         places[i] = alike[np.abs(alike - mirror).argmin()]
     return places
 

@@ -2,6 +2,8 @@
 
 from collections.abc import Callable, Mapping
 
+import numpy as np
+
 from chromanoise.exposure import OperatingPoint, expected_electrons
 from chromanoise.imaging.demosaic import FilterBank, bilinear_filters, malvar_filters
 from chromanoise.imaging.demosaic_priors import (
@@ -10,7 +12,7 @@ from chromanoise.imaging.demosaic_priors import (
     lmmse_filters,
     picture_prior,
 )
-from chromanoise.noise import noise_sources
+from chromanoise.noise import mean_noise_covariance
 from chromanoise.scene import Scene
 from chromanoise.sensor import Mosaic
 from chromanoise.spectra import colorchecker
@@ -31,9 +33,9 @@ def chart_prior(operating_point: OperatingPoint) -> PicturePrior:
         reflectance=colorchecker(sensor.grid).values.T,
     )
     electrons = expected_electrons(scene, sensor, operating_point.exposure)
-    noise = noise_sources(sensor, operating_point.exposure)
-    noise_e2 = noise.variance_e2(electrons).mean(axis=0)
-    return picture_prior(electrons, sensor.names, noise_e2=noise_e2)
+    share = np.full(len(electrons), 1 / len(electrons))
+    noise = mean_noise_covariance(electrons, share, sensor, operating_point.exposure)
+    return picture_prior(electrons, sensor.names, noise_e2=np.diagonal(noise))
 
 
 def _bilinear(mosaic: Mosaic, operating_point: OperatingPoint) -> FilterBank:

@@ -1,8 +1,11 @@
-"""Noise of a demosaicked image in closed form, for independent noise of the raw pixels.
+"""Noise of a demosaicked image in closed form.
 
 A filter bank is linear, so it determines the covariance of the channels at each position in the
 tile, and the noise power spectrum over the whole image.
 """
+
+from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
@@ -10,7 +13,10 @@ from chromanoise import _check
 from chromanoise._check import Array
 from chromanoise._shapes import Complex, Float, Int
 from chromanoise.errors import InputError
+from chromanoise.exposure import Exposure
 from chromanoise.imaging.demosaic import FilterBank, channel_tile, channels_around
+from chromanoise.noise import after_counting, counted_electrons, noise_sources, with_noise
+from chromanoise.sensor import Sensor, shares_after_counting
 
 
 def demosaicked_covariance(
@@ -132,6 +138,57 @@ def raw_transfers(
     answers = np.stack([_answers(bank, place) for place in np.ndindex(*tile.shape)])
     transfers = np.einsum("hi,qcij,wj->hwcq", rows, answers, columns, optimize=True)
     return tile.ravel(), np.asarray(transfers)
+
+
+def flat_field_noise(
+    of: Callable[[FilterBank, Float[Array, " p"]], Array],
+    bank: FilterBank,
+    mean_e: Float[Array, " p"],
+    sensor: Sensor,
+    exposure: Exposure,
+    *,
+    rounding_e2: float = 0.0,
+) -> Array:
+    """`demosaicked_covariance` or `noise_power_spectrum` of a flat field. [e-^2]
+
+    With crosstalk after counting between neighbors, the filters act on the counts through the
+    kernel of the crosstalk, and on what the readout adds without it.
+
+    Parameters
+    ----------
+    of
+        One of the two, or a function as linear in the variance.
+    bank
+        The demosaicing method.
+    mean_e
+        Expected electrons per channel. [e-]
+    sensor, exposure
+        As `chromanoise.noise.with_noise`.
+    rounding_e2
+        Variance of a further rounding of each raw pixel. [e-^2]
+    """
+    variance = with_noise(mean_e, sensor, exposure).variance + rounding_e2
+    shares = shares_after_counting(sensor.crosstalk)
+    if shares is None:
+        return of(bank, variance)
+    noise, coupling = noise_sources(sensor, exposure), after_counting(sensor.crosstalk)
+    readout = noise.readout.floor_e2()
+    counted = noise.variance_e2(counted_electrons(mean_e, coupling)) - readout
+    return np.asarray(
+        of(_on_counts(bank, shares), counted)
+        + of(bank, np.full_like(counted, readout + rounding_e2))
+    )
+
+
+def _on_counts(bank: FilterBank, shares: Float[Array, "ky kx"]) -> FilterBank:
+    """The filters that act on the counts, of which each pixel gets ``shares`` of its neighbors."""
+    (*tile, p, side, _), middle = bank.kernels.shape, [size // 2 for size in shares.shape]
+    more = max(middle)
+    kernels = np.zeros((*tile, p, side + 2 * more, side + 2 * more))
+    for (dy, dx), share in np.ndenumerate(shares):
+        top, left = more + middle[0] - dy, more + middle[1] - dx
+        kernels[..., top : top + side, left : left + side] += share * bank.kernels
+    return replace(bank, kernels=kernels)
 
 
 def _answers(bank: FilterBank, place: tuple[int, int]) -> Float[Array, "p k k"]:

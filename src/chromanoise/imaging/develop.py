@@ -7,13 +7,13 @@ import numpy as np
 
 from chromanoise import _check
 from chromanoise._check import Array
-from chromanoise._shapes import Float, Float32, UInt8, UInt16
+from chromanoise._shapes import Float32, UInt8, UInt16
 from chromanoise.color import ColorMatrix, kernel_matrix
 from chromanoise.errors import InputError
 from chromanoise.exposure import OperatingPoint, expected_electrons
 from chromanoise.imaging.blocks import Scratch, new_rows
 from chromanoise.imaging.demosaic import FilterBank
-from chromanoise.imaging.demosaic_noise import demosaicked_covariance
+from chromanoise.imaging.demosaic_noise import demosaicked_covariance, flat_field_noise
 from chromanoise.imaging.plans import color_matrices, srgb_table
 from chromanoise.imaging.render import ALL_CORES, Picture, RawPicture
 from chromanoise.imaging.work import Work, filled
@@ -149,8 +149,8 @@ def developed_color(
     Notes
     -----
     C K D K^T C^T with the diagonal D of `with_noise` and K the filters. Nothing is clipped at black
-    or full well. Row noise and crosstalk after counting, which correlate neighbors, count as
-    independent.
+    or full well. Row noise, which correlates neighbors, counts as independent. Crosstalk after
+    counting is that of its kernel (`flat_field_noise`).
     """
     sensor = operating_point.sensor
     _check.same_names("development", sensor=sensor.names, filters=bank.names)
@@ -163,7 +163,14 @@ def developed_color(
     )
     own_step_e = noise_sources(sensor, operating_point.exposure).step_e
     rounding_e2 = (adc.gain_e_per_dn**2 - own_step_e**2) / 12
-    variance: Float[Array, " p"] = raw.variance + rounding_e2
+    covariances = flat_field_noise(
+        demosaicked_covariance,
+        bank,
+        raw.mean,
+        sensor,
+        operating_point.exposure,
+        rounding_e2=rounding_e2,
+    )
     return tuple(
         tuple(
             through(
@@ -182,5 +189,5 @@ def developed_color(
             )
             for covariance in row
         )
-        for row in demosaicked_covariance(bank, variance)
+        for row in covariances
     )

@@ -93,12 +93,12 @@ def raw_rows(stored, tile, first_row, draw, adc, codes, counts):
                     pixel, channel = at_row * columns + first + run, own[run:stop]
                     some_light, one = light[run:stop], channel.reshape(1, -1)
                     acquire(some_light, pixel, stop - run, one, draw, row_e, room, electrons)
-                    _codes(electrons, channel, adc, counts[row], codes[row, first + run :])
+                    codes_of_run(electrons, channel, adc, counts[row], codes[row, first + run :])
 
 
 @kernel(error_model="numpy")
 @no_type_check
-def _codes(electrons, channel, adc, counts, codes):
+def codes_of_run(electrons, channel, adc, counts, codes):
     """Held at full well, converted, rounded, and held to the range of the converter."""
     for i in range(channel.size):
         held = min(electrons[i], adc.most_e)

@@ -1,6 +1,6 @@
 """Rendering of a cube by a sensor: a noisy color image, or the raw codes of a mosaic."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -10,6 +10,13 @@ from chromanoise._shapes import Float, Float32, UInt8, UInt16
 from chromanoise.color import ColorMatrix, kernel_matrix
 from chromanoise.errors import InputError, Setting
 from chromanoise.exposure import Exposure, OperatingPoint
+from chromanoise.imaging.coupled_plans import (
+    coupled_color_block,
+    coupled_color_plan,
+    coupled_part,
+    coupled_raw_block,
+    coupled_raw_plan,
+)
 from chromanoise.imaging.light import BadPixels, Light, light_of
 from chromanoise.imaging.plans import (
     ElectronPlan,
@@ -22,9 +29,18 @@ from chromanoise.imaging.plans import (
     raw_block,
     raw_plan,
 )
-from chromanoise.imaging.work import Work, made, row_blocks
+from chromanoise.imaging.work import FillBlock, Part, Work, made, row_blocks
+from chromanoise.noise import after_counting
 from chromanoise.scene import Cube, bands_within
-from chromanoise.sensor import Adc, Mosaic, Sensor, adc_of, refuse_summed_readings
+from chromanoise.sensor import (
+    Adc,
+    Mosaic,
+    Sensor,
+    adc_of,
+    refuse_summed_readings,
+    shares_after_counting,
+    without_crosstalk,
+)
 from chromanoise.spectra import Beyond, Illuminant, Metric
 
 ALL_CORES = Work()
@@ -180,16 +196,19 @@ def rendered(
         range, or the matrix gives no luminance for this illuminant.
     """
     cube = bands_within(cube, operating_point.sensor.grid)
-    light = light_of(cube, operating_point, beyond=beyond, bad_pixels=bad_pixels)
-    draw = draw_of(operating_point, seed=seed, frame=frame, noisy=noisy)
     point = operating_point
+    light = light_of(cube, _of_counts(point), beyond=beyond, bad_pixels=bad_pixels)
+    draw = draw_of(point, seed=seed, frame=frame, noisy=noisy)
     matrix = matrix or kernel_matrix(point.sensor, point.exposure, observer=point.observer)
     matrices, white = color_matrices(matrix, operating_point)
     plan = color_plan(light, draw, operating_point, matrices, clip=clip)
     height, width, _ = light.source.shape
     kinds = (((height, width, 3), np.float32), ((height, width, 3), np.uint8))
     blocks = row_blocks(light.source, work)
-    (xyz, srgb), counts = made(color_block, plan, plan_for_rows, blocks, kinds, work)
+    fill: FillBlock = color_block
+    if (coupling := after_counting(point.sensor.crosstalk)) is not None:
+        plan, fill = coupled_color_plan(plan, coupling), coupled_color_block
+    (xyz, srgb), counts = made(fill, plan, plan_for_rows, blocks, kinds, work)
     total, above, bad = np.concatenate(counts).sum(axis=0)
     return Picture(
         operating_point=operating_point,
@@ -241,13 +260,20 @@ def acquired(
     refuse_summed_readings(sensor)
     adc = adc or adc_of(sensor.converter, sensor.pixel)
     cube = bands_within(cube, sensor.grid)
-    light = light_of(cube, operating_point, beyond=beyond, bad_pixels=bad_pixels)
+    shares = shares_after_counting(sensor.crosstalk)
+    counting = operating_point if shares is None else _of_counts(operating_point)
+    light = light_of(cube, counting, beyond=beyond, bad_pixels=bad_pixels)
     draw = draw_of(operating_point, seed=seed, frame=frame, noisy=noisy)
     plan = raw_plan(light, draw, operating_point, mosaic, adc)
     height, width, _ = light.source.shape
+    fill: FillBlock = raw_block
+    part: Part = plan_for_rows
+    if shares is not None:
+        plan = coupled_raw_plan(plan, shares, height)
+        fill, part = coupled_raw_block, coupled_part
     kinds = (((height, width), np.uint16),)
     blocks = row_blocks(light.source, work)
-    (codes,), counts = made(raw_block, plan, plan_for_rows, blocks, kinds, work)
+    (codes,), counts = made(fill, plan, part, blocks, kinds, work)
     own = _pixels_of_channels(plan.tile, height, width, light.channels)
     total, above, bad = np.concatenate(counts).sum(axis=0)
     return RawPicture(
@@ -304,6 +330,15 @@ def mosaic_of(operating_point: OperatingPoint, mosaic: Mosaic | None) -> Mosaic:
     for name in mosaic.names:
         _check.one_of(f"mosaic channel of {sensor.name}", name, sensor.names)
     return mosaic
+
+
+def _of_counts(operating_point: OperatingPoint) -> OperatingPoint:
+    """The operating point with the curves of what the pixels count, before any mixing of counts."""
+    if after_counting(operating_point.sensor.crosstalk) is None:
+        return operating_point
+    pure = without_crosstalk(operating_point.sensor)
+    assert pure is not None  # a singular one is refused by `with_crosstalk`
+    return replace(operating_point, sensor=pure)
 
 
 def _pixels_of_channels(tile: Array, height: int, width: int, channels: int) -> Float[Array, " p"]:

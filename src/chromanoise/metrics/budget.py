@@ -239,13 +239,12 @@ def _chain(
         basis = measurement_vectors(pure, got.exposure, frame.metric)
         own = dual_frame(basis, names=pure.names, metric=frame.metric)
         before = channels(_electrons(got.scene, pure, got.exposure), own, row @ crosstalk.matrix)
-    after_counting = crosstalk is not None and crosstalk.stage == "charge"
     return Chain(
         photons_db=got.photons_db,
         channels=channels(got, frame, row),
         before_crosstalk=before,
         noise=noise_sources(sensor, got.exposure),
-        coupling=crosstalk.matrix if crosstalk is not None and after_counting else None,
+        crosstalk=crosstalk,
     )
 
 

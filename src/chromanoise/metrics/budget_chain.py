@@ -13,15 +13,15 @@ import numpy as np
 
 from chromanoise import _check, _notebook
 from chromanoise._check import Array
-from chromanoise._linalg import congruence, inv, pinv
+from chromanoise._linalg import congruence, pinv
 from chromanoise._shapes import Float
 from chromanoise.exposure import Exposure, exposure_factor
 from chromanoise.geometry import Frame, variance_inflation
 from chromanoise.metrics.shapley import Switches, allowed_sets, shapley_values
-from chromanoise.noise import NoiseSources
+from chromanoise.noise import NoiseSources, after_counting, counted_electrons
 from chromanoise.noise.sources import DARK, DSNU, PRNU, QUANTIZATION, READ, ROW
 from chromanoise.scene import Scene
-from chromanoise.sensor import Sensor, pixels_of
+from chromanoise.sensor import Crosstalk, Sensor, pixels_of
 from chromanoise.spectra import INFRARED_FROM_NM
 from chromanoise.units import decibel
 
@@ -147,15 +147,15 @@ class Chain:
         The channels with the cause "crosstalk" off; ``None`` without that cause.
     noise
         The noise sources of each pixel.
-    coupling
-        Crosstalk matrix after counting; ``None`` without it. [1]
+    crosstalk
+        Of the sensor; no cause if it cannot be inverted, as the curves without it are unknown.
     """
 
     photons_db: float
     channels: Channels
     before_crosstalk: Channels | None
     noise: NoiseSources
-    coupling: Float[Array, "p p"] | None = None
+    crosstalk: Crosstalk | None = None
 
 
 def causes_of(chain: Chain, *, infrared: bool = True) -> tuple[str, ...]:
@@ -246,7 +246,7 @@ def chain_snrs_db(chain: Chain, sets: Sequence[Switches]) -> Float[Array, " s"]:
         seen = channels.with_infrared if infrared else channels.without_infrared
         own = channels.row if unmixed else channels.single_row
         row = own if weights else None
-        coupling = chain.coupling if before is None else None
+        coupling = after_counting(chain.crosstalk) if before is None else None
         result[rows] = _snrs_db(seen, row, coupling, chain.noise, [sets[i] for i in rows])
     return result
 
@@ -287,7 +287,7 @@ def _coupled_snrs_db(
     sets: Sequence[Switches],
 ) -> Float[Array, " s"]:
     """The same with crosstalk after counting, which correlates the readings. [dB]"""
-    counted = np.maximum(inv("crosstalk", coupling) @ seen.noise_e, 0.0)
+    counted = counted_electrons(seen.noise_e, coupling)
     inside = counted + _added_e2(noise, counted, sets, (DARK, DSNU, PRNU))
     after = _added_e2(noise, counted, sets, (READ_NOISE, QUANTIZATION, ROW))
     if row is None:
@@ -365,17 +365,44 @@ def shared_readings(
     infrared = 1 - visible_e.sum() / all_e.sum()
     part = {name: float(100 * each.mean() / variance.mean()) for name, each in sources.items()}
     more = {name: f"{part[name]:.1f} % of the mean noise variance" for name in MORE_NOISE}
-    if chain.before_crosstalk is not None:
+    unmixed = (
+        f"unmixing multiplies the variance of {frame.names[worst]} by {vif[worst]:.1f}, "
+        f"condition {frame.condition:.1f}"
+    )
+    if chain.crosstalk is not None and chain.before_crosstalk is not None:
         before = chain.before_crosstalk.with_infrared.noise_e
-        moved = 0.5 * np.abs(all_e - before).sum() / before.sum()
-        more[CROSSTALK] = f"moves {100 * moved:.1f} % of the electrons, which the matrix unmixes"
+        moved = moved_share(chain.crosstalk, before)
+        more[CROSSTALK] = f"{100 * moved:.1f} % of the electrons leave their channel"
+    elif chain.crosstalk is not None:
+        unmixed = "the crosstalk matrix is singular: its loss is in this row and in filters"
     return {
         **more,
         FILTERS: f"{100 * all_e.sum() / photons:.0f} % of the photons become electrons",
         READ_NOISE: f"{part[READ_NOISE]:.1f} % of the mean noise variance is readout",
         WEIGHTS: f"this color needs a channel mix {psi:.0f} deg from the lowest-noise one",
-        CORRELATION: f"unmixing multiplies the variance of {frame.names[worst]} by "
-        f"{vif[worst]:.1f}, condition {frame.condition:.1f}",
+        CORRELATION: unmixed,
         INFRARED: f"{100 * infrared:.0f} % of the electrons come from beyond "
         f"{INFRARED_FROM_NM:.0f} nm",
     }
+
+
+def moved_share(crosstalk: Crosstalk, before_e: Float[Array, " p"]) -> float:
+    """Share of the electrons that crosstalk moves to other channels or loses. [1]
+
+    Parameters
+    ----------
+    crosstalk
+        The crosstalk.
+    before_e
+        Electrons of one pixel of each channel without it. [e-]
+
+    Examples
+    --------
+    Channels that exchange a tenth of equal light: each ends with what it had.
+
+    >>> exchange = Crosstalk(matrix=np.array([[0.9, 0.1], [0.1, 0.9]]), pixels=(1, 1))
+    >>> round(moved_share(exchange, np.array([50.0, 50.0])), 12)
+    0.1
+    """
+    electrons = np.asarray(crosstalk.pixels) * before_e
+    return float(1.0 - np.diagonal(crosstalk.matrix) @ electrons / electrons.sum())

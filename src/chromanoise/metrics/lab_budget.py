@@ -222,7 +222,7 @@ def _chain(
         channels=_channels(point, sensor, exposure, (matrix.matrix, matrix.frame), change, i),
         before_crosstalk=before,
         noise=noise_sources(sensor, exposure),
-        coupling=crosstalk.matrix if crosstalk and crosstalk.stage == "charge" else None,
+        crosstalk=crosstalk,
     )
 
 

@@ -7,14 +7,20 @@ import numpy as np
 
 from chromanoise import _check
 from chromanoise._check import Array
-from chromanoise._linalg import inv
 from chromanoise._shapes import Float
 from chromanoise.color import ColorMatrix
 from chromanoise.errors import InputError
 from chromanoise.exposure import Exposure, expected_electrons
-from chromanoise.noise import NoiseSources, noise_sources, saturated, signal_limit_e
+from chromanoise.noise import (
+    NoiseSources,
+    after_counting,
+    counted_electrons,
+    noise_sources,
+    saturated,
+    signal_limit_e,
+)
 from chromanoise.scene import flat_field
-from chromanoise.sensor import Crosstalk, Sensor
+from chromanoise.sensor import Sensor
 from chromanoise.spectra import Illuminant
 
 
@@ -290,7 +296,9 @@ def noise_speed(
     rows, shares = np.stack([y, red - y, blue - y]), (1.0, model.red_weight, model.blue_weight)
     timeless = replace(sensor, pixel=replace(sensor.pixel, dark_current_e_per_s=0.0))
     noise = noise_sources(timeless)
-    level = _light(per_lxs, rows, shares, snr=snr, noise=noise, crosstalk=sensor.crosstalk)
+    level = _light(
+        per_lxs, rows, shares, snr=snr, noise=noise, coupling=after_counting(sensor.crosstalk)
+    )
     exposure_lxs = _unless_saturated(float(level), per_lxs, sensor)
     return None if exposure_lxs is None else model.constant / exposure_lxs
 
@@ -302,14 +310,14 @@ def _light(
     *,
     snr: float,
     noise: NoiseSources,
-    crosstalk: Crosstalk | None = None,
+    coupling: Float[Array, "p p"] | None = None,
 ) -> Array:
     """The positive root of E^2 a - q^2 b E - q^2 c = 0 for the signal of the first of ``rows``.
 
     Its noise is the sum of the variances of all rows, times ``shares``.
     """
-    if crosstalk is not None and crosstalk.stage == "charge":
-        per_light, rows, noise = _before_coupling(per_light, rows, shares, noise, crosstalk)
+    if coupling is not None:
+        per_light, rows, noise = _before_coupling(per_light, rows, shares, noise, coupling)
     signal, weights = rows[0], np.asarray(shares) @ rows**2
     q = _check.positive("snr", "1", snr)
     floor = noise.floor_e2() * weights.sum()
@@ -326,15 +334,14 @@ def _before_coupling(
     rows: Float[Array, "k p"],
     shares: tuple[float, ...],
     noise: NoiseSources,
-    crosstalk: Crosstalk,
+    coupling: Float[Array, "p p"],
 ) -> tuple[Array, Array, NoiseSources]:
     """Counts, rows and noise before crosstalk X that follows counting: r (X n) = (r X) n.
 
     What the readout adds is not coupled: it is scaled to the weights of the rows r X.
     """
-    counted = np.maximum(per_light @ inv("crosstalk", crosstalk.matrix).T, 0.0)
-    mixed = rows @ crosstalk.matrix
-    readout = replace(noise, dark_e=0.0, dsnu_e=0.0).floor_e2()
+    counted, mixed = counted_electrons(per_light, coupling), rows @ coupling
+    readout = noise.readout.floor_e2()
     of_rows, of_mixed = (np.asarray(shares) @ (each**2).sum(axis=1) for each in (rows, mixed))
     read_noise_e = float(np.sqrt(readout * of_rows / of_mixed))
     return counted, mixed, replace(noise, read_noise_e=read_noise_e, step_e=0.0, row_noise_e=0.0)
@@ -361,9 +368,8 @@ def _level_of_row(
     _check.one_of("coordinate", coordinate, matrix.coordinates)
     row = matrix.matrix[matrix.coordinates.index(coordinate)]
     noise = noise_sources(sensor, exposure)
-    return float(
-        _light(per_lux, row[None], (1.0,), snr=snr, noise=noise, crosstalk=sensor.crosstalk)
-    )
+    coupling = after_counting(sensor.crosstalk)
+    return float(_light(per_lux, row[None], (1.0,), snr=snr, noise=noise, coupling=coupling))
 
 
 def _lowest_kept(

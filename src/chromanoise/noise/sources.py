@@ -19,7 +19,7 @@ Of binned pixels the values of `Pixel` are those of the sum (`chromanoise.sensor
 are all variances here.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -159,6 +159,11 @@ class NoiseSources:
         return replace(self, dsnu_e=0.0, prnu=0.0)
 
     @property
+    def readout(self) -> "NoiseSources":
+        """What the readout adds, after any crosstalk: read noise, quantization and row noise."""
+        return replace(self, dark_e=0.0, dsnu_e=0.0, prnu=0.0)
+
+    @property
     def beyond_shot_and_read(self) -> bool:
         """Whether there is any source besides shot noise and read noise."""
         return any(
@@ -210,11 +215,11 @@ def demand_independent_channels(sensor: Sensor) -> None:
     InputError
         If it does.
     """
-    if sensor.crosstalk is not None and sensor.crosstalk.stage == "charge":
+    if after_counting(sensor.crosstalk) is not None:
         raise InputError(
             "crosstalk_stage",
             "must be light where values are clipped or noise comes from its exact distribution",
-            value=sensor.crosstalk.stage,
+            value="charge",
             found=f"crosstalk after counting correlates the channels of {sensor.name}",
             remedy=Setting("crosstalk_stage", ("light",)),
         )
@@ -278,10 +283,11 @@ def with_noise(
     With crosstalk X after counting, ``mean_e`` is X M and the covariance X D(M) X^T + R, with the
     variances R that are added at the readout: read noise, quantization, row noise.
     """
-    noise = noise_sources(sensor, exposure)
+    noise, coupling = noise_sources(sensor, exposure), after_counting(sensor.crosstalk)
+    variance = noise.variance_e2(counted_electrons(mean_e, coupling), kind)
     return Measurement(
         mean=mean_e,
-        covariance=_coupled(mean_e, sensor.crosstalk, noise, kind),
+        covariance=_coupled(variance, coupling, noise),
         names=sensor.names,
         kind="raw",
         unit="e-",
@@ -293,17 +299,21 @@ def mean_noise_covariance(
     share: Float[Array, " k"],
     sensor: Sensor,
     exposure: Exposure | None = None,
-) -> Float[Array, "*px p p"]:
-    """Noise covariance averaged over a set of lights; that of one light as in `with_noise`. [e-^2]
+    *,
+    light: float | Float[Array, " l"] = 1.0,
+) -> Float[Array, "*few p p"]:
+    """The covariance of `with_noise`, averaged over a set of lights. [e-^2]
 
     Parameters
     ----------
     mean_e
-        Expected electrons per light of the set and channel, >= 0. [e-]
+        Expected electrons of each light of the set, >= 0; one set, or one per pixel. [e-]
     share
         Weight of each light; the sum is 1.
     sensor, exposure
         As `noise_sources`.
+    light
+        Factor on ``mean_e``, or of one set several factors, with one covariance each. [1]
 
     Raises
     ------
@@ -312,30 +322,43 @@ def mean_noise_covariance(
 
     Examples
     --------
-    >>> from chromanoise.catalog import sensor_named
-    >>> from chromanoise.spectra import DEFAULT_GRID
-    >>> sensor = sensor_named("model-mono", DEFAULT_GRID)      # read noise 10 e-
-    >>> mean_noise_covariance(np.array([[0.0], [100.0]]), np.array([0.5, 0.5]), sensor)
-    array([[150.]])
+    >>> from chromanoise.sensor.pixel import PAPER_PIXEL
+    >>> from chromanoise.spectra import Grid
+    >>> one = Sensor(name="one", grid=Grid.uniform(500, 520, 10), qe=np.full((3, 1), 0.5),
+    ...              names=("W",), pixel=PAPER_PIXEL)
+    >>> mean_noise_covariance(np.array([[100.0], [300.0]]), np.array([0.5, 0.5]), one)
+    array([[300.]])
     """
-    noise = noise_sources(sensor, exposure)
-    return _coupled(mean_e, sensor.crosstalk, noise, "total", lambda each: share @ each)
+    noise, coupling = noise_sources(sensor, exposure), after_counting(sensor.crosstalk)
+    counted = _check.non_negative("mean_e", "e-", counted_electrons(mean_e, coupling))
+    mean, square = share @ counted, share @ counted**2
+    factor = np.asarray(light)[..., None]
+    variance = factor * mean + noise.floor_e2() + (noise.prnu * factor) ** 2 * square
+    return _coupled(variance, coupling, noise)
+
+
+def after_counting(crosstalk: Crosstalk | None) -> Float[Array, "p p"] | None:
+    """The matrix of crosstalk that correlates the readings; ``None`` without any. [1]"""
+    return None if crosstalk is None or crosstalk.stage == "light" else crosstalk.matrix
+
+
+def counted_electrons(
+    mean_e: Float[Array, "*px p"], coupling: Float[Array, "p p"] | None
+) -> Float[Array, "*px p"]:
+    """Expected electrons that the pixels count: X^-1 M with crosstalk X `after_counting`. [e-]"""
+    if coupling is None:
+        return np.asarray(mean_e, dtype=np.float64)
+    return np.maximum(mean_e @ inv("crosstalk", coupling).T, 0.0)  # rounding of a dark channel
 
 
 def _coupled(
-    mean_e: Float[Array, "*lights p"],
-    crosstalk: Crosstalk | None,
-    noise: NoiseSources,
-    kind: NoiseKind,
-    average: Callable[[Array], Array] = np.asarray,
-) -> Float[Array, "*few p p"]:
-    """Covariance of variances that are first averaged over some axes."""
-    if crosstalk is None or crosstalk.stage == "light":
-        return _diagonal(average(noise.variance_e2(mean_e, kind)))
-    counted = np.maximum(mean_e @ inv("crosstalk", crosstalk.matrix).T, 0.0)
-    readout = replace(noise, dark_e=0.0, dsnu_e=0.0, prnu=0.0).floor_e2()
-    inside = _diagonal(average(noise.variance_e2(counted, kind)) - readout)
-    return congruence(crosstalk.matrix, inside) + readout * np.eye(counted.shape[-1])
+    variance_e2: Float[Array, "*px p"], coupling: Float[Array, "p p"] | None, noise: NoiseSources
+) -> Float[Array, "*px p p"]:
+    """Covariance of the readings for the variance of the counting pixels, readout included."""
+    if coupling is None:
+        return _diagonal(variance_e2)
+    readout = noise.readout.floor_e2()
+    return congruence(coupling, _diagonal(variance_e2 - readout)) + readout * np.eye(len(coupling))
 
 
 def saturated(

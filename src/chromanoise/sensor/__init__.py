@@ -25,6 +25,7 @@ from chromanoise.sensor.crosstalk import (
     crosstalk_of_kernel,
     crosstalk_of_share,
     refuse_other_channels,
+    shares_after_counting,
 )
 from chromanoise.sensor.filters import (
     filter_named,
@@ -147,6 +148,7 @@ __all__ = [
     "rgb_ir",
     "rgbw_2x2",
     "rgbw_sparse_4x4",
+    "shares_after_counting",
     "shot_and_read_only",
     "silicon_qe",
     "tukey_lambda_variance",

@@ -203,6 +203,7 @@ def with_crosstalk(sensor: Sensor, crosstalk: Crosstalk) -> Sensor:
             "must be invertible, if it comes after counting",
             value=crosstalk.matrix.tolist(),
             found="is singular",
+            remedy=("give a smaller share", Setting("crosstalk_stage", ("light",))),
         )
     return mixed
 

@@ -37,6 +37,9 @@ class Crosstalk:
         weigh the balance: what a channel loses is what the others gain.
     stage
         ``light``: before counting. ``charge``: after counting, so that readings are correlated.
+    kernel
+        Shares of one pixel that end around it, from which the matrix was made; ``None`` where
+        only the matrix is known. [1]
 
     Raises
     ------
@@ -48,6 +51,7 @@ class Crosstalk:
     matrix: Float[Array, "p p"]
     pixels: tuple[int, ...]
     stage: Stage = "light"
+    kernel: Float[Array, "ky kx"] | None = None
 
     def __post_init__(self) -> None:
         _check.one_of("stage of the crosstalk", self.stage, get_args(Stage))
@@ -73,6 +77,8 @@ class Crosstalk:
                 remedy=() if len(set(self.pixels)) > 1 else _EQUAL,
             )
         object.__setattr__(self, "matrix", _check.frozen(matrix))
+        if self.kernel is not None:
+            object.__setattr__(self, "kernel", _check.frozen(self.kernel))
 
 
 def refuse_other_channels(mosaic: Mosaic, names: Sequence[str]) -> None:
@@ -99,6 +105,11 @@ def _weights(pixels: Float[Array, " p"], column: int) -> str:
         return ""
     weights = ", ".join(f"{weight:.3g}" for weight in pixels / pixels[column])
     return f", its rows multiplied by {weights} for the pixels of the mosaic"
+
+
+def shares_after_counting(crosstalk: Crosstalk | None) -> Float[Array, "ky kx"] | None:
+    """The kernel of crosstalk after counting; a matrix alone does not tell the neighbors. [1]"""
+    return None if crosstalk is None or crosstalk.stage == "light" else crosstalk.kernel
 
 
 def crosstalk_of_share(share: float, mosaic: Mosaic, names: Sequence[str]) -> Crosstalk:
@@ -180,4 +191,5 @@ def crosstalk_of_kernel(
             source = tile[(y - dy + middle_y) % height, (x - dx + middle_x) % width]
             mixed[tile[y, x], source] += share
     pixels = np.bincount(tile.ravel(), minlength=len(names))
-    return Crosstalk(matrix=mixed / pixels[:, None], pixels=tuple(pixels.tolist()))
+    counts = tuple(pixels.tolist())
+    return Crosstalk(matrix=mixed / pixels[:, None], pixels=counts, kernel=kernel)

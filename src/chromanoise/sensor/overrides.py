@@ -57,10 +57,11 @@ def overridden(sensor: Sensor, given: PixelOverrides, *, raw: bool) -> Sensor:
     used = {k: v for k, v in own.items() if k not in asked}
     won = {k: v for k, v in {**own, **known}.items() if k in asked and asked[k] != v}
     notes = [f"{_listed(used)} of the sensor's pixel in the picture"] if used else []
-    if sensor.crosstalk is not None and sensor.crosstalk.stage == "charge":
+    crosstalk = sensor.crosstalk
+    if raw and crosstalk is not None and crosstalk.stage == "charge" and crosstalk.kernel is None:
         notes.append(
-            "crosstalk after counting is applied before counting in the picture: noise of "
-            "neighbors stays independent"
+            "crosstalk after counting is applied before counting in raw codes, because its matrix "
+            "does not tell the neighbors: their noise stays independent"
         )
     if won:
         notes.append(f"{', '.join(won)} as given, instead of {_listed(won)} of the sensor's pixel")

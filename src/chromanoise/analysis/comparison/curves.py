@@ -96,34 +96,33 @@ def compared(
     values = _check.increasing(f"values of {sweep.name}", sweep.unit, at)
     for end in (values[0], values[-1]):
         _check.within(f"sweep of {sweep.name}", sweep.unit, end, sweep.lowest, sweep.highest)
+    pairs = [(one, name, maker) for one in contestants for name, maker in makers.items()]
+    found = [_over_levels(one, maker, values, sweep, quantity) for one, _, maker in pairs]
+    progress(values.size * sum(asked is not None for asked in found))
+    slow = [(one, maker) for (one, _, maker), asked in zip(pairs, found, strict=True) if not asked]
+    rest = iter(_one_by_one(slow, values, sweep, quantity, progress))
     return tuple(
-        _curve(contestant, name, maker, values, sweep, quantity, progress)
-        for contestant in contestants
-        for name, maker in makers.items()
+        _curve(one, name, asked or next(rest), values, sweep, quantity)
+        for (one, name, _), asked in zip(pairs, found, strict=True)
     )
+
+
+_Asked = tuple[Float[Array, " k"], Float[Array, " k"], Bool[Array, " k"]]
 
 
 def _curve(
     contestant: OperatingPoint,
-    name: str,
-    maker: MatrixFunction,
+    matrix: str,
+    found: _Asked,
     values: Float[Array, " k"],
     sweep: Sweep,
     quantity: Quantity,
-    progress: Callable[[int], None],
 ) -> Curve:
-    together = None
-    if sweep.name == SWEEPS["lux"].name and isinstance(maker, MatrixMaker):
-        together = _over_levels(contestant, maker, values, quantity)
-    if together is not None:
-        progress(values.size)
-    asked, errors, full = together or _one_by_one(
-        [sweep.at(contestant, value) for value in values.tolist()], maker, quantity, progress
-    )
+    asked, errors, full = found
     return Curve(
         sensor=contestant.sensor.name,
         label=contestant.sensor.label,
-        matrix=name,
+        matrix=matrix,
         time_s=contestant.exposure.time_s,
         sweep=sweep,
         quantity=quantity,
@@ -134,13 +133,16 @@ def _curve(
     )
 
 
-_Asked = tuple[Float[Array, " k"], Float[Array, " k"], Bool[Array, " k"]]
-
-
 def _over_levels(
-    contestant: OperatingPoint, maker: MatrixMaker, values: Float[Array, " k"], quantity: Quantity
+    contestant: OperatingPoint,
+    maker: MatrixFunction,
+    values: Float[Array, " k"],
+    sweep: Sweep,
+    quantity: Quantity,
 ) -> _Asked | None:
     """All levels at once; ``None`` where the quantity can only be asked one by one."""
+    if sweep.name != SWEEPS["lux"].name or not isinstance(maker, MatrixMaker):
+        return None
     if quantity.over_levels is None:
         return None
     full = is_saturated_over_levels(contestant, values)
@@ -154,16 +156,22 @@ def _over_levels(
 
 
 def _one_by_one(
-    operating_points: Sequence[OperatingPoint],
-    maker: MatrixFunction,
+    pairs: Sequence[tuple[OperatingPoint, MatrixFunction]],
+    values: Float[Array, " k"],
+    sweep: Sweep,
     quantity: Quantity,
     progress: Callable[[int], None],
-) -> _Asked:
-    asked, errors, full = [], [], []
-    for operating_point in operating_points:
-        matrix = maker(operating_point)
-        asked.append(quantity.of(operating_point, matrix))
-        errors.append(color_error(operating_point, matrix))
-        full.append(is_saturated(operating_point))
-        progress(1)
-    return np.array(asked), np.array(errors), np.array(full)
+) -> list[_Asked]:
+    """All curves at each value, so that the first values show how long all of them take."""
+    found: list[_Asked] = [
+        (np.empty(values.size), np.empty(values.size), np.empty(values.size, bool)) for _ in pairs
+    ]
+    for i, value in enumerate(values.tolist()):
+        for (contestant, maker), (asked, errors, full) in zip(pairs, found, strict=True):
+            operating_point = sweep.at(contestant, value)
+            matrix = maker(operating_point)
+            asked[i] = quantity.of(operating_point, matrix)
+            errors[i] = color_error(operating_point, matrix)
+            full[i] = is_saturated(operating_point)
+            progress(1)
+    return found

@@ -1,12 +1,12 @@
 """Merits of a sensor in its light: speed, levels, visual noise, and what its matrix costs."""
 
-import math
 from dataclasses import replace
 from functools import partial
 
 import numpy as np
 
 from chromanoise._check import Array
+from chromanoise._linalg import congruence
 from chromanoise._shapes import Float
 from chromanoise.analysis.analysis import Analysis
 from chromanoise.analysis.color_matrices import MatrixFunction
@@ -21,7 +21,12 @@ from chromanoise.analysis.figures_of_merit.entries import (
 )
 from chromanoise.color import LINEAR_SRGB, LUV
 from chromanoise.exposure import OperatingPoint
-from chromanoise.imaging import bilinear_filters, noise_power_spectrum
+from chromanoise.imaging import (
+    FilterBank,
+    bilinear_filters,
+    flat_field_noise,
+    noise_power_spectrum,
+)
 from chromanoise.metrics import (
     ISO_12232_2019,
     ISO_15739_2017,
@@ -36,7 +41,8 @@ from chromanoise.metrics import (
     visual_noise_of_white,
 )
 from chromanoise.metrics.visual_noise import pixels_per_degree
-from chromanoise.noise import noise_sources, signal_limit_e
+from chromanoise.noise import after_counting, counted_electrons, signal_limit_e, with_noise
+from chromanoise.sensor import Sensor
 
 _PLANE = 128  # side of the Fourier plane on which visual noise is averaged
 _SAME_MATRIX = 1e-9  # two matrices that differ by less are one
@@ -119,13 +125,15 @@ def _adapts(operating_point: OperatingPoint, maker: MatrixFunction) -> bool:
 
 def level_merits(analysis: Analysis) -> tuple[Merit, ...]:
     """From black to the white of this exposure, or to the white level if that is lower."""
-    noise = noise_sources(analysis.sensor, analysis.exposure)
-    most_e = signal_limit_e(analysis.sensor, analysis.exposure)
-    top_e = np.clip(white_electrons(analysis), 0.0, max(most_e, 0.0))
-    dark_noise_e = math.sqrt(noise.floor_e2("temporal"))
+    sensor, exposure, white_e = analysis.sensor, analysis.exposure, white_electrons(analysis)
+    top_e = np.clip(white_e, 0.0, max(signal_limit_e(sensor, exposure), 0.0))
+    dark = with_noise(np.zeros_like(white_e), sensor, exposure, kind="temporal")
+    dark_noise_e, shot = np.sqrt(dark.variance), _shot_noise_per_electron(sensor, white_e)
 
     def of_channel(i: int) -> float:
-        return float(tonal_range_bits(np.asarray(top_e[i]), read_noise_e=dark_noise_e))
+        # the levels of a reading are those of the counts that have as much shot noise
+        counted_e, noise_e = np.asarray(top_e[i] / shot[i]), float(dark_noise_e[i] / shot[i])
+        return float(tonal_range_bits(counted_e, read_noise_e=noise_e))
 
     ranges = (
         merit_or_reason(
@@ -142,9 +150,28 @@ def level_merits(analysis: Analysis) -> tuple[Merit, ...]:
         "color sensitivity, black to white",
         "bit",
         "DxOMark, per pixel",
-        of=lambda: float(color_sensitivity_bits(top_e, read_noise_e=dark_noise_e)),
+        of=lambda: _color_sensitivity(sensor, top_e, float(dark_noise_e[0])),
+        never="crosstalk after counting correlates the channels",
     )
     return (*ranges, sensitivity)
+
+
+def _shot_noise_per_electron(sensor: Sensor, white_e: Float[Array, " p"]) -> Float[Array, " p"]:
+    """Variance of the light's shot noise over the mean reading; 1 for counts. [e-]"""
+    coupling = after_counting(sensor.crosstalk)
+    if coupling is None:
+        return np.ones_like(white_e)
+    shot = coupling**2 @ counted_electrons(white_e, coupling)
+    return np.where(white_e > 0, shot / np.where(white_e > 0, white_e, 1.0), 1.0)
+
+
+def _color_sensitivity(
+    sensor: Sensor, top_e: Float[Array, " p"], dark_noise_e: float
+) -> float | None:
+    """The sum of tonal ranges, which holds for independent channels only."""
+    if after_counting(sensor.crosstalk) is not None:
+        return None
+    return float(color_sensitivity_bits(top_e, read_noise_e=dark_noise_e))
 
 
 # visual noise of a gray, from the closed-form noise power spectrum
@@ -173,9 +200,9 @@ def visual_merits(analysis: Analysis, viewing: Viewing) -> tuple[Merit, ...]:
 
 
 def _pixel_noise(analysis: Analysis, viewing: Viewing) -> float:
-    to_xyz, to_luv, variance_e2 = _gray_noise(analysis)
+    to_xyz, to_luv, noise_e2 = _gray_noise(analysis)
     return visual_noise_of_white(
-        (to_xyz * variance_e2) @ to_xyz.T,
+        congruence(to_xyz, noise_e2),
         to_luv,
         pixels_per_degree=viewed_pixels_per_degree(viewing),
         samples=_PLANE,
@@ -186,9 +213,10 @@ def _mosaic_noise(analysis: Analysis, viewing: Viewing) -> float | None:
     sensor = analysis.sensor
     if sensor.mosaic is None:
         return None
-    to_xyz, to_luv, variance_e2 = _gray_noise(analysis)
-    bank = bilinear_filters(sensor.mosaic, sensor.names)
-    raw = noise_power_spectrum(bank, variance_e2, (_PLANE, _PLANE))
+    to_xyz, to_luv, _ = _gray_noise(analysis)
+    bank, spectrum = bilinear_filters(sensor.mosaic, sensor.names), _plane_spectrum
+    gray_e = GRAY * white_electrons(analysis)
+    raw = flat_field_noise(spectrum, bank, gray_e, sensor, analysis.exposure)
     return visual_noise_from_spectrum(
         to_xyz @ raw @ to_xyz.T,
         to_luv,
@@ -196,16 +224,19 @@ def _mosaic_noise(analysis: Analysis, viewing: Viewing) -> float | None:
     ).total
 
 
+def _plane_spectrum(bank: FilterBank, variance_e2: Float[Array, " p"]) -> Float[Array, "h w p p"]:
+    return noise_power_spectrum(bank, variance_e2, (_PLANE, _PLANE))
+
+
 def _gray_noise(
     analysis: Analysis,
-) -> tuple[Float[Array, "3 p"], Float[Array, "3 3"], Float[Array, " p"]]:
-    """Of the gray: raw to XYZ over the sensor's white, from there to L*u*v*, raw variance."""
+) -> tuple[Float[Array, "3 p"], Float[Array, "3 3"], Float[Array, "p p"]]:
+    """Of the gray: raw to XYZ over the sensor's white, from there to L*u*v*, raw covariance."""
     refuse_full(analysis)
     white = white_color(analysis)
-    noise = noise_sources(analysis.sensor, analysis.exposure)
-    variance_e2 = noise.variance_e2(GRAY * white_electrons(analysis))
+    noise = with_noise(GRAY * white_electrons(analysis), analysis.sensor, analysis.exposure)
     to_luv = LUV.jacobian(np.full(3, GRAY), np.ones(3))
-    return analysis.matrix.matrix / white[:, None], to_luv, variance_e2
+    return analysis.matrix.matrix / white[:, None], to_luv, noise.covariance
 
 
 def viewed_pixels_per_degree(viewing: Viewing) -> float:
