@@ -30,7 +30,14 @@ from chromanoise.imaging import bilinear_filters, demosaicked
 from chromanoise.metrics import matrix_report, visual_noise_of_picture
 from chromanoise.noise import with_noise
 from chromanoise.scene import Scene, flat_field
-from chromanoise.sensor import Mosaic, Pixel, bayer
+from chromanoise.sensor import (
+    Mosaic,
+    Pixel,
+    bayer,
+    crosstalk_of_share,
+    with_crosstalk,
+    with_pixel,
+)
 from chromanoise.spectra import (
     DEFAULT_GRID,
     Grid,
@@ -144,6 +151,14 @@ def test_information_of_one_channel_is_that_of_a_gaussian_channel():
     assert values(merits_at(sensor))["information"] == pytest.approx(0.5 * np.log2(1.0 + snr))
 
 
+def test_the_noise_of_the_chart_is_the_mean_over_its_patches_also_with_prnu():
+    sensor = with_pixel(white_channel(pixel=pixel_with(7.0)), {"prnu": 0.1})
+    electrons = chart_electrons(sensor)
+    noise = np.mean(electrons + 49.0 + (0.1 * electrons) ** 2)
+    bits = 0.5 * np.log2(1.0 + np.var(electrons) / noise)
+    assert values(merits_at(sensor))["information"] == pytest.approx(bits)
+
+
 @pytest.mark.parametrize("read_noise_e", [0.0, 30.0])
 def test_the_figure_of_merit_is_what_the_lmmse_matrix_of_the_chart_leaves(read_noise_e):
     sensor = rgb_sensor(pixel=pixel_with(read_noise_e))
@@ -238,6 +253,18 @@ def test_tonal_range_of_a_full_well_of_10000_electrons_is_7_4998_bits(share):
     )
 
 
+@pytest.mark.parametrize("bits", [8, 10, 14])
+def test_levels_are_no_finer_than_the_codes(bits):
+    """DxOMark: the integral of 1 over the larger of step and noise, here as a sum."""
+    sensor = with_pixel(white_channel(pixel=pixel_with(2.0, 10_000.0)), {"bits": bits})
+    step = 10_000.0 / (2**bits - 1)
+    middle = np.linspace(0.0, 10_000.0, 400_001)[:-1] + 0.0125
+    sigma = np.sqrt(middle + 4.0 + step**2 / 12)
+    levels = np.sum(0.025 / np.maximum(step, sigma))
+    found = values(merits_at(sensor, exposure=filled(sensor, 1.0)))["tonal_range_W"]
+    assert found == pytest.approx(np.log2(levels), rel=1e-6)
+
+
 def test_color_sensitivity_of_three_channels_of_64_electrons_is_12_bits():
     sensor = sensor_of(np.repeat(RGB[:, :1], 3, axis=1), pixel=pixel_with(0.0, 64.0))
     told = values(merits_at(sensor, exposure=filled(sensor, 1.0)))
@@ -257,6 +284,17 @@ def test_visual_noise_of_one_channel_is_the_area_under_the_luminance_csf():
     gray_e = 0.18 * expected_electrons(flat_field(LAMP, level_lux=10.0), sensor, EXPOSURE)[0]
     sigma = 116.0 / 3.0 * 0.18 ** (1 / 3) * np.sqrt(gray_e + 25.0) / gray_e
     assert told == pytest.approx(sigma * np.sqrt(area), rel=3e-3)
+
+
+def test_crosstalk_after_counting_is_undone_where_the_readout_adds_no_noise():
+    plain = rgb_sensor(mosaic=bayer(), pixel=Pixel(pitch_um=10, full_well_e=1e9, read_noise_e=0))
+    mixing = replace(crosstalk_of_share(0.2, bayer(), plain.names), stage="charge")
+    coupled = merits_at(with_crosstalk(plain, mixing))
+    names = ("visual_noise", "figure_of_merit", "information")
+    found, expected = values(coupled), values(merits_at(plain))
+    assert [found[name] for name in names] == pytest.approx([expected[name] for name in names])
+    missing = {entry.name: entry.missing for entry in coupled.entries}
+    assert "crosstalk" in missing["visual_noise_bilinear"]
 
 
 def test_a_mosaic_of_one_channel_leaves_its_visual_noise_alone():

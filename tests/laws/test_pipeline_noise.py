@@ -50,6 +50,7 @@ from chromanoise.sensor import (
     noise_without_light_e,
     white_level_e,
     with_analog_gain,
+    with_binning,
     with_crosstalk,
     with_pixel,
 )
@@ -296,6 +297,23 @@ def test_s_and_o_are_those_of_the_noise_profile_of_the_converter(gain):
     assert told.gain_dn_per_e == pytest.approx(gain / 2.0)
 
 
+def test_the_gain_of_digital_binning_is_that_of_one_reading():
+    """Codes of the sum over its electrons: both are sums, so their ratio stays."""
+    binned = with_binning(with_pixel(seen().sensor, {"gain_e_per_dn": 2.0}), 4, "digital")
+    analysis = seen()
+    analysis = analyzed(analysis.scene, binned, Exposure(time_s=0.002))
+    gains = [one.gain_dn_per_e for one in found(analysis, iso=(100.0, 800.0)).iso]
+    assert gains == pytest.approx([0.5, 4.0])
+
+
+def test_a_black_level_error_changes_no_noise_profile():
+    iso = (100.0, 800.0)
+    plain = found(iso=iso, white_balance=LAMP)
+    shifted = found(seen(pixel=(("black_error_e", 400.0),)), iso=iso, white_balance=LAMP)
+    for one, other in zip(plain.iso, shifted.iso, strict=True):
+        assert other.noise_profile == pytest.approx(one.noise_profile, rel=1e-12)
+
+
 def test_the_profile_predicts_the_variance_of_a_patch():
     told = found(seen(pixel=(("bits", 12),)), iso=(800.0,)).iso[0]
     raw = told.steps[0].measurement
@@ -366,6 +384,9 @@ def test_crosstalk_after_counting_reaches_the_steps_and_the_noise_in_the_dark():
     white = coupled.pixel.full_well_e - dark_e
     expected = 10 * np.log10(white**2 / spread)
     assert told.iso[0].dynamic_range_db == pytest.approx(expected, rel=1e-12)
+    for method in (exact, partial(exact, points=256)):
+        with refused_input(subject="crosstalk_stage", value="charge"):
+            pipeline_noise(analysis, method=method)
 
 
 # results and refusals

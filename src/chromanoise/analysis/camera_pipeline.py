@@ -25,6 +25,7 @@ from chromanoise.color import (
     checked_gains,
     cubature,
     encoded_space,
+    exact,
     first_order,
     gains_covariance,
     gray_gains,
@@ -46,12 +47,13 @@ from chromanoise.exposure import OperatingPoint
 from chromanoise.noise import (
     Measurement,
     Readout,
+    demand_independent_channels,
     noise_sources,
     signal_limit_e,
     through,
     with_noise,
 )
-from chromanoise.sensor import quantization_step_e, with_analog_gain
+from chromanoise.sensor import code_step_e, with_analog_gain
 from chromanoise.spectra import Illuminant, colorchecker
 from chromanoise.units import decibel
 
@@ -289,8 +291,9 @@ def pipeline_noise(
     Raises
     ------
     InputError
-        If a channel without signal cannot be balanced, there is not one gain per channel, or the
-        exposure gain or the gains push a patch above 1.
+        If a channel without signal cannot be balanced, there is not one gain per channel, the
+        exposure gain or the gains push a patch above 1, or the method is `exact` and crosstalk
+        after counting correlates the channels.
 
     Notes
     -----
@@ -305,6 +308,8 @@ def pipeline_noise(
         raise InputError(
             "matrix", "must give X, Y, Z", value=analysis.matrix.coordinates, remedy="take another"
         )
+    if getattr(method, "func", method) is exact:  # also where `partial` sets its points
+        demand_independent_channels(analysis.sensor)
     camera = _camera(analysis, chosen, readout)
     steps = _steps(camera, analysis.point, method)
     _refuse_clipped_means(camera, steps)
@@ -446,7 +451,7 @@ def _gain_step(camera: _Camera, i: int, base: tuple[PipelineStep, ...], method: 
     )
     same = gain == 1 and at.sensor.pixel == point.sensor.pixel
     white_e = _check.positive("white level", "e-", signal_limit_e(at.sensor, at.exposure))
-    step_e = quantization_step_e(at.sensor.converter, at.sensor.pixel)
+    step_e = code_step_e(at.sensor.converter, at.sensor.pixel)
     dark = _dark_noise_e(at)
     return GainStep(
         iso=iso,
@@ -456,7 +461,7 @@ def _gain_step(camera: _Camera, i: int, base: tuple[PipelineStep, ...], method: 
         gain_dn_per_e=1 / step_e if step_e else None,
         dynamic_range_db=np.asarray(decibel(np.array(white_e)) - decibel(dark)),
         emva_dynamic_range_db=np.asarray(decibel(white_e / (dark + 0.5))),
-        noise_profile=_noise_profile(at, camera.gray.mean / gain, white_e),
+        noise_profile=_noise_profile(at, white_e),
         steps=base if same else _steps(camera, at, method, 1 / gain),
     )
 
@@ -467,12 +472,10 @@ def _dark_noise_e(point: OperatingPoint) -> Float[Array, " p"]:
     return np.sqrt(with_noise(dark, point.sensor, point.exposure, kind="temporal").variance)
 
 
-def _noise_profile(
-    point: OperatingPoint, gray_e: Float[Array, " p"], white_e: float
-) -> Float[Array, "p 2"]:
+def _noise_profile(point: OperatingPoint, white_e: float) -> Float[Array, "p 2"]:
     """S and O of each channel on a gray, whose variance is linear in the light without PRNU."""
     sensor = replace(point.sensor, pixel=replace(point.sensor.pixel, prnu=0.0))
-    gray = np.maximum(gray_e - sensor.pixel.black_error_e, 0.0)
+    gray = electrons_at(point, reflectance=GRAY)
     dark, lit = (
         with_noise(mean, sensor, point.exposure).variance for mean in (np.zeros_like(gray), gray)
     )

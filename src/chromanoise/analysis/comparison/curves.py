@@ -113,7 +113,7 @@ def _curve(
     progress: Callable[[int], None],
 ) -> Curve:
     together = None
-    if sweep.name == SWEEPS["lux"].name and isinstance(maker, MatrixMaker):
+    if sweep == SWEEPS["lux"] and isinstance(maker, MatrixMaker):
         together = _over_levels(contestant, maker, values, quantity)
     if together is not None:
         progress(values.size)

@@ -1,7 +1,7 @@
 """Sensors against each other while two things vary: a grid of values each."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations
 from typing import Any
 
@@ -169,15 +169,7 @@ def _then(sweep: Sweep, second: Sweep, value: float) -> Sweep:
     def both(operating_point: OperatingPoint, first: float) -> OperatingPoint:
         return second.at(sweep.at(operating_point, first), value)
 
-    return Sweep(
-        name=sweep.name,
-        what=sweep.what,
-        unit=sweep.unit,
-        logarithmic=sweep.logarithmic,
-        lowest=sweep.lowest,
-        highest=sweep.highest,
-        at=both,
-    )
+    return replace(sweep, at=both)
 
 
 def _lines(

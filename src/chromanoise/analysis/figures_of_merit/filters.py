@@ -1,7 +1,5 @@
 """Merits of filters: how far they span the eye, and what they tell under a prior."""
 
-import numpy as np
-
 from chromanoise._check import Array
 from chromanoise._shapes import Float
 from chromanoise.analysis.analysis import Analysis
@@ -23,7 +21,7 @@ from chromanoise.metrics import (
     sensor_metamerism,
     vora_value,
 )
-from chromanoise.noise import noise_sources
+from chromanoise.noise import with_noise
 from chromanoise.scene import Scene, light
 from chromanoise.spectra import cie_1931, color_axes, colorchecker
 from chromanoise.spectra.metric import photons_per_unit
@@ -161,6 +159,6 @@ def _chart(analysis: Analysis) -> Scene:
 
 
 def _mean_noise(scene: Scene, analysis: Analysis) -> Float[Array, "p p"]:
-    """D of eq. 7 at the mean patch; linear in light, so it is the mean of the patches as well."""
-    mean_e = expected_electrons(scene, analysis.sensor, analysis.exposure).mean(axis=0)
-    return np.diag(noise_sources(analysis.sensor, analysis.exposure).variance_e2(mean_e))
+    """Covariance of the raw channels, mean of the patches. [e-^2]"""
+    electrons = expected_electrons(scene, analysis.sensor, analysis.exposure)
+    return with_noise(electrons, analysis.sensor, analysis.exposure).covariance.mean(axis=0)

@@ -36,7 +36,13 @@ from chromanoise.metrics import (
     visual_noise_of_white,
 )
 from chromanoise.metrics.visual_noise import pixels_per_degree
-from chromanoise.noise import noise_sources, signal_limit_e
+from chromanoise.noise import (
+    demand_independent_channels,
+    noise_sources,
+    signal_limit_e,
+    with_noise,
+)
+from chromanoise.sensor import code_step_e
 
 _PLANE = 128  # side of the Fourier plane on which visual noise is averaged
 _SAME_MATRIX = 1e-9  # two matrices that differ by less are one
@@ -119,13 +125,17 @@ def _adapts(operating_point: OperatingPoint, maker: MatrixFunction) -> bool:
 
 def level_merits(analysis: Analysis) -> tuple[Merit, ...]:
     """From black to the white of this exposure, or to the white level if that is lower."""
-    noise = noise_sources(analysis.sensor, analysis.exposure)
+    sensor = analysis.sensor
+    noise = noise_sources(sensor, analysis.exposure)
     most_e = signal_limit_e(analysis.sensor, analysis.exposure)
     top_e = np.clip(white_electrons(analysis), 0.0, max(most_e, 0.0))
-    dark_noise_e = math.sqrt(noise.floor_e2("temporal"))
+    steps = {
+        "read_noise_e": math.sqrt(noise.floor_e2("temporal")),
+        "step_e": code_step_e(sensor.converter, sensor.pixel),
+    }
 
     def of_channel(i: int) -> float:
-        return float(tonal_range_bits(np.asarray(top_e[i]), read_noise_e=dark_noise_e))
+        return float(tonal_range_bits(np.asarray(top_e[i]), **steps))
 
     ranges = (
         merit_or_reason(
@@ -142,7 +152,7 @@ def level_merits(analysis: Analysis) -> tuple[Merit, ...]:
         "color sensitivity, black to white",
         "bit",
         "DxOMark, per pixel",
-        of=lambda: float(color_sensitivity_bits(top_e, read_noise_e=dark_noise_e)),
+        of=lambda: float(color_sensitivity_bits(top_e, **steps)),
     )
     return (*ranges, sensitivity)
 
@@ -151,7 +161,10 @@ def level_merits(analysis: Analysis) -> tuple[Merit, ...]:
 
 
 def visual_merits(analysis: Analysis, viewing: Viewing) -> tuple[Merit, ...]:
-    """Visual noise with every channel in each pixel, and through bilinear demosaicing."""
+    """Visual noise with every channel in each pixel, and through bilinear demosaicing.
+
+    Demosaicing needs pixels with independent noise, without crosstalk after counting.
+    """
     card = f"visual noise of {100 * GRAY:.0f} % gray"
     return (
         merit_or_reason(
@@ -173,9 +186,9 @@ def visual_merits(analysis: Analysis, viewing: Viewing) -> tuple[Merit, ...]:
 
 
 def _pixel_noise(analysis: Analysis, viewing: Viewing) -> float:
-    to_xyz, to_luv, variance_e2 = _gray_noise(analysis)
+    to_xyz, to_luv, covariance_e2 = _gray_noise(analysis)
     return visual_noise_of_white(
-        (to_xyz * variance_e2) @ to_xyz.T,
+        to_xyz @ covariance_e2 @ to_xyz.T,
         to_luv,
         pixels_per_degree=viewed_pixels_per_degree(viewing),
         samples=_PLANE,
@@ -186,9 +199,10 @@ def _mosaic_noise(analysis: Analysis, viewing: Viewing) -> float | None:
     sensor = analysis.sensor
     if sensor.mosaic is None:
         return None
-    to_xyz, to_luv, variance_e2 = _gray_noise(analysis)
+    demand_independent_channels(sensor)
+    to_xyz, to_luv, covariance_e2 = _gray_noise(analysis)
     bank = bilinear_filters(sensor.mosaic, sensor.names)
-    raw = noise_power_spectrum(bank, variance_e2, (_PLANE, _PLANE))
+    raw = noise_power_spectrum(bank, np.diagonal(covariance_e2), (_PLANE, _PLANE))
     return visual_noise_from_spectrum(
         to_xyz @ raw @ to_xyz.T,
         to_luv,
@@ -198,14 +212,13 @@ def _mosaic_noise(analysis: Analysis, viewing: Viewing) -> float | None:
 
 def _gray_noise(
     analysis: Analysis,
-) -> tuple[Float[Array, "3 p"], Float[Array, "3 3"], Float[Array, " p"]]:
-    """Of the gray: raw to XYZ over the sensor's white, from there to L*u*v*, raw variance."""
+) -> tuple[Float[Array, "3 p"], Float[Array, "3 3"], Float[Array, "p p"]]:
+    """Of the gray: raw to XYZ over the sensor's white, from there to L*u*v*, raw covariance."""
     refuse_full(analysis)
     white = white_color(analysis)
-    noise = noise_sources(analysis.sensor, analysis.exposure)
-    variance_e2 = noise.variance_e2(GRAY * white_electrons(analysis))
+    raw = with_noise(GRAY * white_electrons(analysis), analysis.sensor, analysis.exposure)
     to_luv = LUV.jacobian(np.full(3, GRAY), np.ones(3))
-    return analysis.matrix.matrix / white[:, None], to_luv, variance_e2
+    return analysis.matrix.matrix / white[:, None], to_luv, raw.covariance
 
 
 def viewed_pixels_per_degree(viewing: Viewing) -> float:
