@@ -623,7 +623,7 @@ def test_a_stem_that_leads_elsewhere_is_refused_before_anything_is_written(
         shots.append(taken)
         return [], []
 
-    monkeypatch.setattr("chromanoise.cli.simulate.write_capture", kept)
+    monkeypatch.setattr("chromanoise.study.pictures.write_capture", kept)
     out = tmp_path / "out"
     assert run("simulate", "builtin:checker", "--sensor", "model-rgb", "-o", out)[0] == 0
     (taken,) = shots

@@ -208,7 +208,7 @@ def _profile(
         return None, error
 
 
-def captured(cube: Cube, camera: Camera, *, frame: int, work: Work) -> Capture:
+def captured(cube: Cube, camera: Camera, *, frame: int, work: Work, noisy: bool = True) -> Capture:
     """Capture one image.
 
     Parameters
@@ -221,6 +221,8 @@ def captured(cube: Cube, camera: Camera, *, frame: int, work: Work) -> Capture:
         Number of the image in a burst.
     work
         Threads or executor for the computation.
+    noisy
+        As `rendered`; raw codes always have noise.
 
     Raises
     ------
@@ -237,7 +239,12 @@ def captured(cube: Cube, camera: Camera, *, frame: int, work: Work) -> Capture:
     }
     if not asked.raw:
         picture = rendered(
-            cube, camera.operating_point, matrix=camera.matrix, clip=asked.clip, **common
+            cube,
+            camera.operating_point,
+            matrix=camera.matrix,
+            clip=asked.clip,
+            noisy=noisy,
+            **common,
         )
         return Capture(camera=camera, raw=None, picture=picture)
     raw = acquired(cube, camera.operating_point, mosaic=camera.mosaic, adc=camera.adc, **common)

@@ -1,7 +1,7 @@
 """Sensors against each other while one thing varies: one curve each."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 
@@ -22,43 +22,56 @@ from chromanoise.exposure import OperatingPoint
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Curve:
-    """One sensor with one matrix over the sweep.
+class SweptQuantity:
+    """A quantity of one sensor with one matrix over a sweep.
 
     Attributes
     ----------
     sensor, matrix
         Names.
     label
-        What tables and charts call the sensor.
-    time_s
-        Integration time before the sweep. [s]
+        Name of the sensor in tables and charts.
     sweep, quantity
-        What varies, and what was asked.
+        The parameter that varies, and the quantity.
     at
-        Where it was computed. [unit of the sweep]
+        Values of the parameter. [unit of the sweep]
     value
         NaN where it is not defined: a channel is saturated, a color is no signal. [unit of the
         quantity]
     saturated
         Where a channel is saturated on a perfect white.
-    color_error
-        Mean over the ColorChecker, without noise; NaN where it is not defined. [Delta E*ab]
     """
 
     sensor: str
     label: str
     matrix: str
-    time_s: float
     sweep: Sweep
     quantity: Quantity
     at: Float[Array, " k"]
-    value: Float[Array, " k"]
-    saturated: Bool[Array, " k"]
-    color_error: Float[Array, " k"]
+    value: Float[Array, "*j k"]
+    saturated: Bool[Array, "*j k"]
 
     def __post_init__(self) -> None:
-        _check.freeze(self, "at", "value", "saturated", "color_error")
+        names = (field.name for field in fields(self))
+        _check.freeze(
+            self, *(name for name in names if isinstance(getattr(self, name), np.ndarray))
+        )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Curve(SweptQuantity):
+    """A quantity over one parameter.
+
+    Attributes
+    ----------
+    time_s
+        Exposure time before the sweep. [s]
+    color_error
+        Mean over the ColorChecker, without noise; NaN where it is not defined. [Delta E*ab]
+    """
+
+    time_s: float
+    color_error: Float[Array, " k"]
 
 
 def compared(

@@ -9,10 +9,10 @@ import numpy as np
 
 from chromanoise import __version__, _check
 from chromanoise._check import Array
-from chromanoise._shapes import Bool, Float, Int
+from chromanoise._shapes import Float, Int
 from chromanoise.analysis.color_matrices import MatrixFunction
 from chromanoise.analysis.comparison.crossing import Crossover, crossovers_or_reasons
-from chromanoise.analysis.comparison.curves import Curve, compared
+from chromanoise.analysis.comparison.curves import Curve, SweptQuantity, compared
 from chromanoise.analysis.comparison.quantities import SNR_Y, Quantity
 from chromanoise.analysis.comparison.ranking import MOST_PAIRS_SENSORS, leaders_of
 from chromanoise.analysis.comparison.sweeps import Sweep
@@ -22,36 +22,19 @@ from chromanoise.exposure import OperatingPoint
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class QuantityMap:
-    """One sensor with one matrix over two sweeps.
+class QuantityMap(SweptQuantity):
+    """A quantity over two parameters: one row of values per value of the second.
 
     Attributes
     ----------
-    sensor, label, matrix
-        Names.
-    sweep, second, quantity
-        What varies along columns and along rows, and what was asked.
-    at, second_at
-        Where it was computed. [units of the sweeps]
-    value
-        One row per value of the second sweep; NaN where it is not defined. [unit of the quantity]
-    saturated
-        Where a channel is saturated on a perfect white.
+    second
+        The second parameter.
+    second_at
+        Its values. [unit of ``second``]
     """
 
-    sensor: str
-    label: str
-    matrix: str
-    sweep: Sweep
     second: Sweep
-    quantity: Quantity
-    at: Float[Array, " k"]
     second_at: Float[Array, " j"]
-    value: Float[Array, "j k"]
-    saturated: Bool[Array, "j k"]
-
-    def __post_init__(self) -> None:
-        _check.freeze(self, "at", "second_at", "value", "saturated")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
