@@ -369,7 +369,7 @@ def test_a_level_is_told_as_people_write_it(level_lux, told):
 def test_no_sentence_or_slider_tells_a_level_with_an_e(level_lux):
     of = shown(study_of(*BOTH, level_lux=level_lux))
     slider, *_ = slides_of(of)
-    told = [*drawing("head", of)["verdict"], *slider.told]
+    told = [*drawing("head", of)["verdict"], *slider.texts]
     if level_lux > 1:  # else the span of the curves is told as the command tells it
         told += [one["sentence"] for one in drawing("levels", of)["crossovers"]]
     for sentence in told:

@@ -269,13 +269,13 @@ def is_held(taken: Capture) -> bool:
 
 def capture_summary(taken: Capture, files: list[str]) -> dict[str, Any]:
     """Summary of the capture as plain data."""
-    told: dict[str, Any] = {"files": files}
+    summary: dict[str, Any] = {"files": files}
     if taken.raw is not None:
-        told |= raw_summary(taken.raw)
+        summary |= raw_summary(taken.raw)
     if taken.picture is not None:
-        told |= picture_summary(taken.picture)
+        summary |= picture_summary(taken.picture)
     pixel = taken.camera.operating_point.sensor.pixel
-    return told | {"imperfections": {name: getattr(pixel, name) for name in EXTRA_NOISE}}
+    return summary | {"imperfections": {name: getattr(pixel, name) for name in EXTRA_NOISE}}
 
 
 def write_capture(folder: Path, stem: str, taken: Capture) -> tuple[list[str], list[str]]:

@@ -65,11 +65,11 @@ class Services:
 
     def previewed(self, upload: Upload) -> str:
         """The JSON of ``/api/upload``."""
-        told = preview_of(upload)
-        if told["study"] is not None:
-            wrong = self._studies.complaints(told["study"])
-            told["preview"] += [f"Looks wrong: {sentence}" for sentence in wrong]
-        return json.dumps(told)
+        preview = preview_of(upload)
+        if preview["study"] is not None:
+            wrong = self._studies.complaints(preview["study"])
+            preview["preview"] += [f"Looks wrong: {sentence}" for sentence in wrong]
+        return json.dumps(preview)
 
     def prepare(self, name: str) -> None:
         """Do the one-time preparation of a job, which must not count against its time limit.

@@ -123,8 +123,8 @@ def _pipeline(
 
 def outcomes_as_json(outcomes: Sequence[Outcome], outputs: OutputsPart) -> dict[str, Any]:
     """The outcomes as plain data, side by side."""
-    told = analyses_as_json([outcome.analysis for outcome in outcomes])
-    for own, outcome in zip(told["sensors"], outcomes, strict=True):
+    data = analyses_as_json([outcome.analysis for outcome in outcomes])
+    for own, outcome in zip(data["sensors"], outcomes, strict=True):
         if outputs.budget:
             own |= budgets_as_json(outcome.analysis)
         if outputs.space is not None:
@@ -135,4 +135,4 @@ def outcomes_as_json(outcomes: Sequence[Outcome], outputs: OutputsPart) -> dict[
             own["merits"] = merits_as_json(outcome.merits)
         if outputs.pipeline.run:
             own["pipeline"] = pipeline_as_json(outcome.pipeline)
-    return told
+    return data

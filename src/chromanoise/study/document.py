@@ -788,8 +788,8 @@ def without_idle_settings(study: Study) -> Study:
 
     Examples
     --------
-    >>> told = {"sensors": [{"name": "onyx-rgbw"}], "prior": "chart"}
-    >>> without_idle_settings(Study.model_validate(told, context=KEEP_IDLE)).prior
+    >>> data = {"sensors": [{"name": "onyx-rgbw"}], "prior": "chart"}
+    >>> without_idle_settings(Study.model_validate(data, context=KEEP_IDLE)).prior
     'chart-nir'
     """
     keys = [one.setting for one in (*_idle_priors(study), *_replaced_settings(study))]

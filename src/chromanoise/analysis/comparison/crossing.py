@@ -1,4 +1,4 @@
-"""Where sensors change places while one thing varies: found on the closed form, told in words."""
+"""Crossovers: values of a parameter at which two sensors change places, and their sentences."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -37,7 +37,7 @@ class Crossover:
     at
         Where the sign of their difference changes; empty if it never does. [unit of the sweep]
     color_error
-        Of first and second at each of these: SNR is never told alone; NaN where it is not
+        Of first and second at each of these, to report beside an SNR; NaN where it is not
         defined. [Delta E*ab]
     better_first
         Who leads first, from the lowest common value of the sweep on; ``None`` for equals.
@@ -254,13 +254,13 @@ def _next_share(a: Point, b: Point, c: Point, tolerance: float) -> float:
 
 def crossover_as_json(crossover: Crossover) -> dict[str, Any]:
     """One crossover as plain data, with its sentence."""
-    told = {
+    data = {
         key: getattr(crossover, key)
         for key in ("first", "second", "matrix", "better_first", "first_at", "last_at")
     }
     errors = [[defined(ours), defined(theirs)] for ours, theirs in crossover.color_error]
     sentence = crossover_sentence(crossover)
-    return told | {"at": list(crossover.at), "color_error": errors, "sentence": sentence}
+    return data | {"at": list(crossover.at), "color_error": errors, "sentence": sentence}
 
 
 def crossover_sentence(crossover: Crossover) -> str:

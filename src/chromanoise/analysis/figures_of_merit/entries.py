@@ -149,7 +149,7 @@ def refuse_full(analysis: Analysis) -> None:
     Raises
     ------
     InputError
-        If it does; the channels are told.
+        If it does, with the names of the channels.
     """
     full = saturated(white_electrons(analysis), analysis.sensor, analysis.exposure)
     held = [name for name, is_full in zip(analysis.sensor.names, full, strict=True) if is_full]

@@ -38,7 +38,7 @@ class Merits:
     viewing
         Of the visual noise.
     entries
-        The figures, in the order in which they are told.
+        The figures, in the order of tables and JSON.
     """
 
     sensor: str
