@@ -1,4 +1,4 @@
-"""The catalogue: nothing without provenance, and every entry can be used."""
+"""The catalog: nothing without provenance, and every entry can be used."""
 
 import re
 
@@ -76,7 +76,7 @@ def test_each_kind_has_its_entries_and_together_they_are_all():
         catalog_entries("sensor")
 
 
-def test_the_catalogue_lists_every_sensor_cube_and_cie_illuminant_that_can_be_named():
+def test_the_catalog_lists_every_sensor_cube_and_cie_illuminant_that_can_be_named():
     import colour
 
     of = {kind: {e.provenance.name for e in catalog_entries(kind)} for kind in KINDS}

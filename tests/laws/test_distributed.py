@@ -230,7 +230,7 @@ def simulated(source, folder, *more):
 
 @pytest.fixture
 def wide_file(tmp_path):
-    """A cube over the whole grid of the catalogue's sensors, as ENVI."""
+    """A cube over the whole grid of the catalog's sensors, as ENVI."""
     path = envi_file(tmp_path)
     ends = ", ".join(f"{w:g}" for w in np.linspace(400, 1050, WAVELENGTH.size))
     head, _, _ = path.read_text().rpartition("wavelength =")

@@ -43,7 +43,7 @@ def test_curves_come_back_from_csv_json_and_csv_again_to_the_digit(done, here):
     assert (read_curves(here / "c.csv").curves.values == table).all()
 
 
-def test_a_sensor_of_the_catalogue_that_asks_is_converted_with_the_answers(done, here):
+def test_a_sensor_of_the_catalog_that_asks_is_converted_with_the_answers(done, here):
     answers = ("--beyond", "zero", "--peak-qe", 0.6)
     done("convert", "ar0132at-rgbw", "x.csv", *answers)
     values = read_curves(here / "x.csv").curves.values
@@ -53,7 +53,7 @@ def test_a_sensor_of_the_catalogue_that_asks_is_converted_with_the_answers(done,
     np.testing.assert_allclose(read_curves(here / "y.csv").curves.values, values / 2, rtol=1e-12)
 
 
-def test_no_file_hides_a_name_of_the_catalogue_but_a_file_needs_no_ending(done, here):
+def test_no_file_hides_a_name_of_the_catalog_but_a_file_needs_no_ending(done, here):
     text = "wavelength_nm,A\n400,0.25\n1050,0.25\n"
     for name in ("onyx-rgbw", "mine"):
         (here / name).write_text(text)

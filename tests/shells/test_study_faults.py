@@ -76,7 +76,7 @@ def test_an_input_that_is_gone_is_named(run, made):
     refused(run("rerun", "out", "--out", "again"), "cam.csv")
 
 
-def test_a_catalogue_folder_that_is_missing_is_asked_for(run, made, monkeypatch):
+def test_a_catalog_folder_that_is_missing_is_asked_for(run, made, monkeypatch):
     folder = made / "mine"
     folder.mkdir()
     (folder / "shed.csv").write_text(CAMERA.format(end=0.3))
@@ -152,7 +152,7 @@ def test_a_file_of_no_pixel_is_told_all_forms(run, here):
     )
 
 
-def test_no_name_of_the_catalogue_is_broken(run, monkeypatch):
+def test_no_name_of_the_catalog_is_broken(run, monkeypatch):
     monkeypatch.setenv("COLUMNS", "80")
     _, out, _ = run("catalog", "sensors")
     told = json.loads(run("catalog", "sensors", "--json", "-")[1])
@@ -162,7 +162,7 @@ def test_no_name_of_the_catalogue_is_broken(run, monkeypatch):
         assert re.search(rf"(?<![\w-]){re.escape(name)}(?![\w-])", out), name
 
 
-def test_a_pixel_of_the_catalogue_is_one_that_could_be(run, here, monkeypatch):
+def test_a_pixel_of_the_catalog_is_one_that_could_be(run, here, monkeypatch):
     (here / "shed.csv").write_text(CAMERA.format(end=0.3))
     (here / "SOURCES.toml").write_text(
         '[shed]\nkind = "sensor"\nwhat = "a camera"\nquantity = "QE"\nunit = "e-/photon"\n'

@@ -249,7 +249,7 @@ def in_catalog(name: str) -> bool:
 
 
 def _name_of(file: Path) -> str:
-    """A table of the user's catalogue by its name, for that folder may lie anywhere."""
+    """A table of the user's catalog by its name, for that folder may lie anywhere."""
     return f"{_CATALOG}{file.name}" if file.parent == catalog_folder() else str(file)
 
 
