@@ -231,7 +231,7 @@ def analyzed(
     )
 
 
-@lru_cache(maxsize=64)  # asked by each output about the chart
+@lru_cache(maxsize=64)  # every output of the chart uses it
 def of_white(analysis: Analysis) -> Analysis:
     """The analysis of a perfect white at the same point; the analysis itself without a patch."""
     if analysis.patch is None:

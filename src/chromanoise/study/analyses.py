@@ -21,7 +21,7 @@ from chromanoise.study.document import OutputsPart, PipelinePart, pipeline_setti
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Outcome:
-    """Every stage of one sensor, and what was asked beyond.
+    """Every stage of one sensor, and the further outputs of the study.
 
     Attributes
     ----------
@@ -96,7 +96,7 @@ def outcome_of(
     Raises
     ------
     InputError
-        If the matrix cannot be made, or what is asked cannot be computed.
+        If the matrix cannot be made, or an output cannot be computed.
     """
     analysis = analysis_of(operating_point, maker, outputs)
     readout = analysis.readout

@@ -1,4 +1,4 @@
-"""Sensors against each other while one thing varies: one curve each."""
+"""A quantity of several sensors as a function of one parameter: one curve each."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields
@@ -83,28 +83,28 @@ def compared(
     quantity: Quantity = SNR_Y,
     progress: Callable[[int], None] = lambda _: None,
 ) -> tuple[Curve, ...]:
-    """Every sensor with every matrix over the sweep.
+    """A quantity of every sensor with every matrix over the sweep.
 
     Parameters
     ----------
     contestants
-        Sensors with their exposures and their light; each keeps all that the sweep does not vary.
+        Sensors with their exposures and their light; the sweep changes nothing else of them.
     makers
-        Matrix methods by name, from `matrix_makers` or functions of your own; each is asked anew
-        at every value.
+        Matrix methods by name, from `matrix_makers` or functions of your own; each makes a new
+        matrix at every value.
     at
         Increasing. [unit of the sweep]
     sweep
-        What varies: one of `SWEEPS`, or your own.
+        The parameter that varies: one of `SWEEPS`, or your own.
     quantity
-        What is asked: one of `QUANTITIES`, or your own.
+        One of `QUANTITIES`, or your own.
     progress
         Called with the number of newly finished values, out of all values of all curves.
 
     Raises
     ------
     InputError
-        If the values do not increase or leave what makes sense.
+        If the values do not increase, or are out of the range of the sweep.
     """
     values = _check.increasing(f"values of {sweep.name}", sweep.unit, at)
     for end in (values[0], values[-1]):
@@ -130,7 +130,7 @@ def _curve(
         together = _over_levels(contestant, maker, values, quantity)
     if together is not None:
         progress(values.size)
-    asked, errors, full = together or _one_by_one(
+    found, errors, full = together or _one_by_one(
         [sweep.at(contestant, value) for value in values.tolist()], maker, quantity, progress
     )
     return Curve(
@@ -141,28 +141,28 @@ def _curve(
         sweep=sweep,
         quantity=quantity,
         at=values,
-        value=asked,
+        value=found,
         saturated=full,
         color_error=errors,
     )
 
 
-_Asked = tuple[Float[Array, " k"], Float[Array, " k"], Bool[Array, " k"]]
+_OverSweep = tuple[Float[Array, " k"], Float[Array, " k"], Bool[Array, " k"]]
 
 
 def _over_levels(
     contestant: OperatingPoint, maker: MatrixMaker, values: Float[Array, " k"], quantity: Quantity
-) -> _Asked | None:
-    """All levels at once; ``None`` where the quantity can only be asked one by one."""
+) -> _OverSweep | None:
+    """All levels at once; ``None`` where the quantity has no function for many levels."""
     if quantity.over_levels is None:
         return None
     full = is_saturated_over_levels(contestant, values)
     first = maker(SWEEPS["lux"].at(contestant, float(values[0])))
     matrices = maker.over_levels(contestant, values)
     if matrices is not None:
-        asked = quantity.over_levels(contestant, first, values, matrices=matrices)
-        return asked, color_errors(contestant, matrices), full
-    error = color_error(contestant, first)  # of the one matrix that looks at no light
+        found = quantity.over_levels(contestant, first, values, matrices=matrices)
+        return found, color_errors(contestant, matrices), full
+    error = color_error(contestant, first)  # one matrix for all levels
     return quantity.over_levels(contestant, first, values), np.full(values.size, error), full
 
 
@@ -171,12 +171,12 @@ def _one_by_one(
     maker: MatrixFunction,
     quantity: Quantity,
     progress: Callable[[int], None],
-) -> _Asked:
-    asked, errors, full = [], [], []
+) -> _OverSweep:
+    found, errors, full = [], [], []
     for operating_point in operating_points:
         matrix = maker(operating_point)
-        asked.append(quantity.of(operating_point, matrix))
+        found.append(quantity.of(operating_point, matrix))
         errors.append(color_error(operating_point, matrix))
         full.append(is_saturated(operating_point))
         progress(1)
-    return np.array(asked), np.array(errors), np.array(full)
+    return np.array(found), np.array(errors), np.array(full)

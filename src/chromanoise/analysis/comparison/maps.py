@@ -1,4 +1,4 @@
-"""Sensors against each other while two things vary: a grid of values each."""
+"""A quantity of several sensors as a function of two parameters: a grid of values each."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -39,15 +39,15 @@ class QuantityMap(SweptQuantity):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CrossoverLine:
-    """Where two sensors with one matrix change places, for each value of the second sweep.
+    """Crossovers of two sensors with one matrix, for each value of the second sweep.
 
     Attributes
     ----------
     first, second, matrix
         Names.
     at
-        Values of the first sweep, one entry per value of the second sweep; empty where the order
-        never changes. [unit of the first sweep]
+        Their values of the first sweep, one entry per value of the second sweep; empty where there
+        is none. [unit of the first sweep]
     """
 
     first: str
@@ -67,7 +67,7 @@ def mapped(
     quantity: Quantity = SNR_Y,
     progress: Callable[[int], None] = lambda _: None,
 ) -> tuple[tuple[QuantityMap, ...], tuple[CrossoverLine, ...]]:
-    """Every sensor with every matrix over two sweeps, and where pairs of sensors change places.
+    """A quantity of every sensor with every matrix over two sweeps, and the crossovers of pairs.
 
     Parameters
     ----------
@@ -86,7 +86,7 @@ def mapped(
     Raises
     ------
     InputError
-        If both sweeps vary the same thing, or as `chromanoise.analysis.compared`.
+        If both sweeps vary the same parameter, or as `chromanoise.analysis.compared`.
 
     Notes
     -----
@@ -95,7 +95,10 @@ def mapped(
     """
     if sweep.name == second.name:
         raise InputError(
-            "second", "must vary another thing than the first sweep", value=second.name, found=None
+            "second",
+            "must vary another parameter than the first sweep",
+            value=second.name,
+            found=None,
         )
     rows = _check.increasing(f"values of {second.name}", second.unit, second_at)
     for end in (rows[0], rows[-1]):
