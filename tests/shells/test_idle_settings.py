@@ -7,7 +7,7 @@ from pydantic import ValidationError
 
 import chromanoise as cn
 from chromanoise.errors import errors_in
-from chromanoise.page.answers import Answers
+from chromanoise.page.answers import ChartReplies
 from chromanoise.page.services import Services
 from chromanoise.page.studies import Studies
 from chromanoise.page.uploads import Uploads
@@ -135,7 +135,7 @@ def test_the_page_keeps_what_another_control_put_out_of_effect():
     }
     uploads = Uploads()
     try:
-        answers = Answers(Studies(uploads))
+        answers = ChartReplies(Studies(uploads))
         told = json.loads(answers.answer({"study": data, "want": ["head"]}))
         assert [one["time_ms"] for one in told["parts"]["head"]["sensors"]] == [3.0, 3.0]
         copied = study_from_text(answers.texts({"study": data})["toml"], source="copied")

@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 import chromanoise as cn
 from chromanoise.cli.entry import commands
 from chromanoise.errors import InputError, errors_in
-from chromanoise.page.answers import Answers
+from chromanoise.page.answers import ChartReplies
 from chromanoise.page.requests import QuestionError
 from chromanoise.page.studies import Studies
 from chromanoise.page.uploads import Uploads
@@ -333,7 +333,7 @@ def on_the_page(data, *want):
     try:
         studies = Studies(uploads, files=frozenset(FILES) | {"missing.txt", "missing.csv"})
         try:
-            told = Answers(studies).answer({"study": data, "want": list(want)})
+            told = ChartReplies(studies).answer({"study": data, "want": list(want)})
         except QuestionError as error:
             return error
         return json.loads(told)["parts"]

@@ -11,7 +11,7 @@ from PIL import Image
 
 from chromanoise.catalog import sensor_with_pixel
 from chromanoise.io.sensor_json import sensor_from_json, sensor_json
-from chromanoise.page.pictures import Pictures
+from chromanoise.page.pictures import PictureReplies
 from chromanoise.page.studies import Studies, files_of, served_data
 from chromanoise.page.uploads import Uploads
 from chromanoise.sensor import Converter
@@ -227,7 +227,7 @@ def test_the_picture_of_the_page_is_that_of_the_run_with_its_sheet(run, here):
     uploads = Uploads()
     try:
         files = files_of(study_from_data(data, source="the test", keep_idle=True))
-        png, summary = Pictures(Studies(uploads, files=files)).picture({"study": data})
+        png, summary = PictureReplies(Studies(uploads, files=files)).picture({"study": data})
     finally:
         uploads.close()
     (here / "page.png").write_bytes(png)

@@ -11,8 +11,8 @@ from PIL import Image
 
 from chromanoise.errors import InputError
 from chromanoise.page import answers as answering
-from chromanoise.page.answers import Answers
-from chromanoise.page.pictures import Pictures
+from chromanoise.page.answers import ChartReplies
+from chromanoise.page.pictures import PictureReplies
 from chromanoise.page.requests import QuestionError
 from chromanoise.page.services import Services
 from chromanoise.page.studies import MOST_SENSORS, Studies, files_of, served_data
@@ -70,7 +70,7 @@ def uploads():
 
 @pytest.fixture
 def answers(uploads):
-    return Answers(Studies(uploads))
+    return ChartReplies(Studies(uploads))
 
 
 def asked(answers, study, *want):
@@ -89,7 +89,7 @@ def serving(uploads, path):
     told = served_data(read_study(path))
     files = files_of(study_from_data(told, source="the test", keep_idle=True))
     studies = Studies(uploads, files=files)
-    return told, Answers(studies), Pictures(studies)
+    return told, ChartReplies(studies), PictureReplies(studies)
 
 
 # ---- which files are opened ----
@@ -380,14 +380,14 @@ def test_the_picture_of_a_served_study_is_that_of_its_run(uploads, tmp_path):
 def test_a_dropped_cube_that_ends_short_is_held_and_the_summary_says_so(uploads):
     short = uploads.keep("wall.npz", cube_bytes(last=700))
     study = {"sensors": [{"name": "onyx-rgb"}], "pictures": [{"cube": short.id}]}
-    png, summary = Pictures(Studies(uploads)).picture({"study": study})
+    png, summary = PictureReplies(Studies(uploads)).picture({"study": study})
     assert pixels(png).shape == (4, 5, 3)
     assert any("hold beyond 400-700 nm" in note for note in json.loads(summary)["notes"])
     assert "tmp" not in summary
 
 
 def test_a_lamp_that_is_exchanged_gives_another_picture(uploads):
-    pictures = Pictures(Studies(uploads))
+    pictures = PictureReplies(Studies(uploads))
     study = {"sensors": [{"name": "onyx-rgb"}]}
     one, other = (
         pictures.picture({"study": study | {"light": {"illuminant": name}}, "noisy": False})[0]
@@ -397,7 +397,7 @@ def test_a_lamp_that_is_exchanged_gives_another_picture(uploads):
 
 
 def test_a_fault_of_a_picture_is_told_where_it_stands(uploads):
-    pictures = Pictures(Studies(uploads))
+    pictures = PictureReplies(Studies(uploads))
     study = {"sensors": [{"name": "onyx-rgb"}], "pictures": [{"scale": 2.0}]}
     assert "scale" in faults_of(pictures.picture, {"study": study})["pictures.0.cube"]
     for word in ("/etc/passwd", "builtin:moon", "upload:0123456789abcdef"):

@@ -28,7 +28,7 @@ _LOOKS: Mapping[str, tuple[str, ...]] = {
 }
 
 
-class Answers:
+class ChartReplies:
     """Replies to requests, with caches of recent studies."""
 
     def __init__(self, studies: Studies) -> None:

@@ -32,7 +32,7 @@ _OF_CUBE = {"cube", "key", "shape", "wavelengths", "scale"}
 _BESIDE = {"outputs", "sweeps", "pictures", "title"}
 
 
-class Pictures:
+class PictureReplies:
     """Render pictures, with caches of recent cubes and pictures."""
 
     def __init__(self, studies: Studies) -> None:

@@ -4,9 +4,9 @@ import json
 from contextlib import suppress
 from typing import Any
 
-from chromanoise.page.answers import Answers
+from chromanoise.page.answers import ChartReplies
 from chromanoise.page.choices import choices
-from chromanoise.page.pictures import Pictures
+from chromanoise.page.pictures import PictureReplies
 from chromanoise.page.previews import preview_of
 from chromanoise.page.requests import QuestionError, data_of
 from chromanoise.page.studies import Studies, files_of
@@ -37,8 +37,8 @@ class Services:
         self.uploads, self._study = uploads, STUDY if study is None else study
         files = files_of(study_from_data(self._study, source="study", keep_idle=True))
         self._studies = Studies(uploads, files=files)
-        self._answers = Answers(self._studies)
-        self._pictures = Pictures(self._studies)
+        self._answers = ChartReplies(self._studies)
+        self._pictures = PictureReplies(self._studies)
         self._has_kernels = False
 
     def choices(self) -> str:
