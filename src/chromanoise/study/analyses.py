@@ -5,12 +5,13 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from chromanoise.analysis.analysis import Analysis, analyzed, of_white
-from chromanoise.analysis.camera_pipeline import PipelineNoise, pipeline_as_json, pipeline_noise
+from chromanoise.analysis.camera_pipeline import pipeline_noise
 from chromanoise.analysis.chart_patches import ChartNoise, chart_as_json, chart_noise
 from chromanoise.analysis.color_matrices import MatrixMaker
 from chromanoise.analysis.color_space_noise import GrayNoise, gray_noise, gray_noise_as_json
 from chromanoise.analysis.export import analyses_as_json, budgets_as_json
 from chromanoise.analysis.figures_of_merit.merits import Merits, merits_as_json, merits_of
+from chromanoise.analysis.pipeline_results import PipelineNoise, pipeline_as_json
 from chromanoise.color import SPACES, UNBOUNDED
 from chromanoise.exposure import OperatingPoint, patch_scene
 from chromanoise.noise import Readout, clipping_readout

@@ -17,7 +17,6 @@ from pydantic import (
 )
 
 from chromanoise import _check
-from chromanoise.analysis.camera_pipeline import BASE_ISO, PipelineSettings
 from chromanoise.analysis.color_matrices import (
     DEFAULT_METHOD,
     METHODS,
@@ -26,6 +25,7 @@ from chromanoise.analysis.color_matrices import (
 )
 from chromanoise.analysis.comparison.quantities import QUANTITIES
 from chromanoise.analysis.comparison.sweeps import SWEEPS
+from chromanoise.analysis.pipeline_results import BASE_ISO, PipelineSettings
 from chromanoise.analysis.priors import DEFAULT_PRIOR, PRIORS
 from chromanoise.catalog.reflectances import is_reflectance_file
 from chromanoise.color import SPACES, TONES

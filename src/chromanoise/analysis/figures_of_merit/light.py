@@ -1,4 +1,4 @@
-"""Merits of a sensor in its light: speed, levels, visual noise, and what its matrix costs."""
+"""Figures of merit of a sensor in its light: speed, levels, visual noise, color matrix."""
 
 import math
 from dataclasses import replace
@@ -49,13 +49,13 @@ _SAME_MATRIX = 1e-9  # two matrices that differ by less are one
 _SPEEDS = ((10, "first acceptable"), (40, "first excellent"))
 
 
-# speed: how little light is enough
+# speed: the least light for an SNR
 
 
 def speed_merits(analysis: Analysis, maker: MatrixFunction | None) -> tuple[Merit, ...]:
     """SNR10 of the matrix in use, of one that adapts, and the noise-based speeds."""
     card = f"{100 * GRAY:.0f} % gray, this exposure"
-    never = f"no light is enough: full well comes first, or Y of a gray ({card}) is no signal"
+    never = f"no light is enough: a channel saturates first, or Y of a gray ({card}) is no signal"
     adapts = maker is not None and _adapts(analysis.point, maker)
     fixed = merit_or_reason(
         "snr10",
@@ -98,7 +98,7 @@ def _noise_speeds(analysis: Analysis) -> tuple[Merit, ...]:
             "1",
             ISO_12232_2019.edition,
             of=partial(speed, snr),
-            never=f"no exposure is enough: full well comes before SNR {snr}",
+            never=f"no exposure is enough: a channel saturates before SNR {snr}",
         )
         for snr, quality in _SPEEDS
     )
@@ -120,7 +120,7 @@ def _adapts(operating_point: OperatingPoint, maker: MatrixFunction) -> bool:
     return bool(np.abs(there - here).max() > _SAME_MATRIX * np.abs(here).max())
 
 
-# levels: how much a pixel tells apart
+# levels that a pixel distinguishes
 
 
 def level_merits(analysis: Analysis) -> tuple[Merit, ...]:
@@ -251,6 +251,6 @@ def matrix_merits(analysis: Analysis) -> tuple[Merit, ...]:
             "1",
             "singular values",
             of=lambda: report().condition,
-            never="the rank of the matrix is short: a coordinate is a mix of others",
+            never="the matrix does not have full rank: a coordinate is a mix of others",
         ),
     )
