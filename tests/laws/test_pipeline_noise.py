@@ -306,6 +306,15 @@ def test_the_gain_of_digital_binning_is_that_of_one_reading():
     assert gains == pytest.approx([0.5, 4.0])
 
 
+def test_the_read_noise_of_an_iso_is_that_of_one_of_the_binned_pixels():
+    sensor = with_binning(with_pixel(seen().sensor, {"read_noise_e": 5.0}), 4, "digital")
+    analysis = analyzed(seen().scene, sensor, Exposure(time_s=0.002))
+    same = found(analysis, iso=(100.0, 400.0))
+    given = found(analysis, iso=(100.0, 400.0), iso_read_noise_e=(5.0, 5.0))
+    assert [one.read_noise_e for one in given.iso] == [one.read_noise_e for one in same.iso]
+    assert given.iso[0].steps is given.steps
+
+
 def test_a_black_level_error_changes_no_noise_profile():
     iso = (100.0, 800.0)
     plain = found(iso=iso, white_balance=LAMP)

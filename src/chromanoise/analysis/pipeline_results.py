@@ -125,7 +125,7 @@ class GainStep:
     iso, gain
         ISO, and analog gain over that at the base ISO. [1]
     read_noise_e
-        Read noise at this gain. [e-]
+        Read noise at this gain; that of the sum for binned pixels. [e-]
     white_level_e
         Largest signal: full well, or top code if that is lower. [e-]
     gain_dn_per_e
