@@ -91,9 +91,9 @@ def test_the_matrix_of_a_dcp_is_inverted_and_scaled_to_the_luminance_of_the_whit
     read = read_matrix(path)
     assert read.values.tolist() == matrix
     assert read.kelvin == 6504
-    told = first(str(path))
-    assert told["color"]["mean_lux"]["Y"] == pytest.approx(10.0, rel=1e-3)
-    product = np.array(matrix) @ told["matrix"]
+    message = first(str(path))
+    assert message["color"]["mean_lux"]["Y"] == pytest.approx(10.0, rel=1e-3)
+    product = np.array(matrix) @ message["matrix"]
     assert product / product[0, 0] == pytest.approx(np.eye(3), abs=1e-12)
 
 
