@@ -10,7 +10,7 @@ import numpy as np
 from chromanoise.errors import InputError
 
 
-def stream(seed: int, *name: int) -> np.random.Generator:
+def stream(seed: int, *name: int) -> "np.random.Generator":
     """The random generator for ``seed`` and ``name``: Philox, a counter-based generator.
 
     Parameters

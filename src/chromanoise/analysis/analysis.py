@@ -44,6 +44,7 @@ from chromanoise.sensor import Sensor, code_range_e, white_level_name
 from chromanoise.spectra import (
     DEFAULT_OBSERVER,
     Metric,
+    PatchPairs,
     Spectra,
     chart_title,
     color_axes,
@@ -94,9 +95,10 @@ class Analysis:
         Best SNR of any linear readout; ``None`` where a channel is saturated. [dB]
     color_snr_loss_db
         The best linear SNR minus that of Y; ``None`` where Y has no SNR. [dB]
-    chart, patch
-        Those of the operating point: reflectances for color errors, and the analyzed one; ``None``
-        for the ColorChecker and for the reflectance of ``scene``.
+    chart, patch, pairs
+        Those of the operating point: reflectances for color errors, the analyzed one, and pairs to
+        tell apart; ``None`` for the ColorChecker, for the reflectance of ``scene``, and for all
+        pairs of the chart.
     """
 
     scene: Scene
@@ -122,6 +124,7 @@ class Analysis:
     color_snr_loss_db: float | None
     chart: Spectra | None = None
     patch: Spectra | None = None
+    pairs: PatchPairs | None = None
 
     @property
     def point(self) -> OperatingPoint:
@@ -134,6 +137,7 @@ class Analysis:
             observer=self.matrix.observer,
             chart=self.chart,
             patch=self.patch,
+            pairs=self.pairs,
         )
 
     def __post_init__(self) -> None:
@@ -243,7 +247,7 @@ def of_white(analysis: Analysis) -> Analysis:
         readout=analysis.readout,
         matrix=analysis.matrix,
     )
-    return replace(white, chart=analysis.chart)
+    return replace(white, chart=analysis.chart, pairs=analysis.pairs)
 
 
 def _spectral_snr_db(at: Stages) -> float | None:

@@ -10,6 +10,7 @@ from chromanoise.analysis.analysis import Analysis, color_snr_db, mean_color_err
 from chromanoise.analysis.budgets import coordinate_budget
 from chromanoise.analysis.total_error import better_matrix, mean_total_error, total_error_of
 from chromanoise.charts.charted_study import saturation_sentence
+from chromanoise.charts.machine_verdict import machine_sentences
 from chromanoise.exposure import conditions
 from chromanoise.metrics import Budget
 from chromanoise.metrics.budget import CORRELATION, FILTERS, INFRARED, READ_NOISE, REST, WEIGHTS
@@ -43,8 +44,9 @@ _TERMS: Mapping[str, str] = {
 def verdict_sentences(analyses: Sequence[Analysis], *, equal: str = "exposure") -> list[str]:
     """Sentences that compare the sensors of several analyses.
 
-    They compare raw SNR and luminance SNR, name the causes of the difference, and give the color
-    errors. Sensors that are saturated or have no luminance get a sentence of their own.
+    For an eye, they compare raw SNR and luminance SNR, name the causes of the difference, and give
+    the color errors; for a machine, they compare the distances of patches in raw values. Sensors
+    that are saturated or have no luminance get a sentence of their own.
 
     Parameters
     ----------
@@ -63,6 +65,7 @@ def verdict_sentences(analyses: Sequence[Analysis], *, equal: str = "exposure") 
     sentences = [sentence for a in analyses if (sentence := _left_out(a))]
     able = [a for a in analyses if _left_out(a) is None]
     sentences += [sentence for a in able if (sentence := _too_noisy(a))]
+    sentences = [*machine_sentences(analyses), *sentences]
     if len(able) == 1:
         sentences.insert(0, _alone(able[0], _setting(analyses, equal)))
     if len(able) < 2:
@@ -92,7 +95,7 @@ def _left_out(analysis: Analysis) -> str | None:
 def _alone(analysis: Analysis, setting: str) -> str:
     return (
         f"{setting} {analysis.sensor.label} has {_luminance_db(analysis):.1f} dB of "
-        f"luminance SNR, {_text(_loss_db(analysis))} dB below the best linear "
+        f"luminance SNR for an eye, {_text(_loss_db(analysis))} dB below the best linear "
         f"readout{_largest(analysis)}; {_error(analysis)}."
     )
 
@@ -101,12 +104,14 @@ def _contest(winner: Analysis, rival: Analysis, best_raw: Analysis, able: list[A
     gap = _luminance_db(winner) - _luminance_db(rival)
     if best_raw is winner:
         same = abs(gap) < _TIE_DB
-        color = "has the same luminance SNR" if same else f"{gap:.1f} dB better in luminance"
+        color = (
+            "has the same luminance SNR" if same else f"{gap:.1f} dB better in luminance for an eye"
+        )
         if _raw_db(winner, able) - _raw_db(rival, able) < _TIE_DB:
             color = color if same else f"is {color}"
         return f" {_raw_lead(winner, rival, able)} and {color} ({_pair(winner, rival)})."
     same = _raw_db(rival, able) - _raw_db(winner, able) < _TIE_DB
-    color = f"{'is ' if same else ''}{gap:.1f} dB worse in luminance"
+    color = f"{'is ' if same else ''}{gap:.1f} dB worse in luminance for an eye"
     return f" {_raw_lead(rival, winner, able)} but {color} ({_pair(rival, winner)})."
 
 

@@ -1,12 +1,17 @@
 """The command line: parse options, call the library, print the result."""
 
 import gc
+import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 
 
 def main(arguments: list[str] | None = None) -> None:
-    """The command ``chromanoise``; Ctrl-C during the imports prints no traceback."""
+    """The command ``chromanoise``; Ctrl-C during the imports prints no traceback.
+
+    Pydantic has no plugins here; to look for them it reads the metadata of every installed package.
+    """
+    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
     try:
         with paused_collection():
             from chromanoise.cli.entry import run

@@ -25,6 +25,7 @@ from chromanoise.cli.output import refuse_taken_inputs, write_json, write_table
 from chromanoise.cli.parsing import command
 from chromanoise.cli.pipeline_tables import print_pipeline
 from chromanoise.cli.progress import progress_of_step
+from chromanoise.cli.reader_tables import print_contrast_detection, print_separations
 from chromanoise.color import SPACES
 from chromanoise.exposure import conditions
 from chromanoise.study import Analyses, analyze_study, run
@@ -101,6 +102,10 @@ def _print(result: Analyses, *, equal: str) -> None:
         tables.print_chart(outcome.analysis, outcome.chart)
     for outcome in result.outcomes if outputs.pipeline.run else ():
         print_pipeline(outcome.analysis.sensor.name, outcome.pipeline)
+    if outputs.reader == "machine":
+        of = [(outcome.analysis.sensor.label, outcome) for outcome in result.outcomes]
+        print_separations([(label, outcome.separation) for label, outcome in of])
+        print_contrast_detection([(label, outcome.contrast_detection) for label, outcome in of])
     print_merits(
         [
             (point, outcome.merits)

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from contextlib import suppress
+from pathlib import Path
 from typing import Any, Literal, TypeVar, get_args, get_origin
 
 import click
@@ -380,11 +381,13 @@ def _add_missing(parameters: list[click.Parameter], function: str) -> None:
 
 
 def _option_of(one: DescribedSetting) -> click.Option:
-    kind = {int: WHOLE}.get(one.annotation, one.annotation)
+    kind = {int: WHOLE, str | Path: str}.get(one.annotation, one.annotation)
     if get_origin(kind) is Literal:
         kind = click.Choice(get_args(kind))
-    flag = {"is_flag": True} if kind is bool else {}
-    return click.Option([option_of(one.name)], type=kind, help=one.description, **flag)
+    form: dict[str, Any] = {"is_flag": True} if kind is bool else {}
+    if Path in get_args(one.annotation):
+        form["metavar"] = "FILE"
+    return click.Option([option_of(one.name)], type=kind, help=one.description, **form)
 
 
 def shared_options(command: Command) -> Command:

@@ -26,8 +26,9 @@ from chromanoise.cli.progress import progress_of
 from chromanoise.errors import InputError
 from chromanoise.exposure import conditions
 from chromanoise.imaging import DEMOSAICING, Work
-from chromanoise.imaging.capture import FORMATS, any_picture, capture_summary, is_held
+from chromanoise.imaging.capture import any_picture, capture_summary, is_held
 from chromanoise.imaging.distributed import cluster
+from chromanoise.imaging.formats import FORMATS
 from chromanoise.scene.rows import row_source
 from chromanoise.sensor import MOSAIC_NAMES
 from chromanoise.study import (

@@ -11,7 +11,14 @@ from chromanoise._shapes import Float
 from chromanoise.exposure.electrons import Exposure
 from chromanoise.scene import Scene, flat_field
 from chromanoise.sensor import Sensor
-from chromanoise.spectra import DEFAULT_OBSERVER, OBSERVERS, Illuminant, Spectra, chart_title
+from chromanoise.spectra import (
+    DEFAULT_OBSERVER,
+    OBSERVERS,
+    Illuminant,
+    PatchPairs,
+    Spectra,
+    chart_title,
+)
 
 _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _MOST_TIMES = 3
@@ -34,6 +41,8 @@ class OperatingPoint:
         Reflectances for color error and total error, on the grid; ``None`` for the ColorChecker.
     patch
         The one reflectance that is analyzed, on the grid; ``None`` for a perfect white.
+    pairs
+        Patches that a machine must tell apart, on the grid; ``None`` for all pairs of the chart.
 
     Raises
     ------
@@ -48,11 +57,13 @@ class OperatingPoint:
     observer: str = DEFAULT_OBSERVER
     chart: Spectra | None = None
     patch: Spectra | None = None
+    pairs: PatchPairs | None = None
 
     def __post_init__(self) -> None:
         _check.positive("level_lux", "lx", self.level_lux)
         _check.one_of("observer", self.observer, tuple(OBSERVERS))
-        for spectra in (self.chart, self.patch):
+        patches = None if self.pairs is None else self.pairs.patches
+        for spectra in (self.chart, self.patch, patches):
             if spectra is not None:
                 size = len(spectra.wavelength_nm)
                 _check.same_length("wavelengths", reflectance=size, light=self.illuminant.grid.n)

@@ -16,6 +16,7 @@ from chromanoise.imaging.demosaic_methods import DEMOSAICING
 from chromanoise.imaging.develop import developed
 from chromanoise.imaging.dng import RawProfile, raw_profile, refuse_dng_size, write_dng
 from chromanoise.imaging.exr import openexr, write_linear_exr
+from chromanoise.imaging.formats import FORMATS
 from chromanoise.imaging.light import BadPixels
 from chromanoise.imaging.plans import color_matrices, demand_well, draw_of
 from chromanoise.imaging.render import Picture, RawPicture, acquired, mosaic_of, rendered
@@ -77,7 +78,7 @@ class CaptureSettings:
 
     def __post_init__(self) -> None:
         for name in distinct("names of formats", self.formats or ()):
-            one_of("format", name, tuple(FORMATS))
+            one_of("format", name, FORMATS)
             if name in _RAW and not self.raw:
                 raise InputError(
                     "formats",
@@ -311,7 +312,7 @@ def write_capture(folder: Path, stem: str, taken: Capture) -> tuple[list[str], l
 def _written(name: str, stem: Path, taken: Capture) -> str:
     """The file's name; errors omit the scratch folder, whose name differs from run to run."""
     try:
-        return FORMATS[name](stem, taken)
+        return _WRITERS[name](stem, taken)
     except InputError as error:
         raise renamed(error, f"{stem.parent}{os.sep}", "") from None
 
@@ -368,7 +369,7 @@ def _dng(stem: Path, taken: Capture) -> str:
     return path.name
 
 
-FORMATS: Mapping[str, Callable[[Path, Capture], str]] = {
+_WRITERS: Mapping[str, Callable[[Path, Capture], str]] = {
     "png": _png,
     "xyz": _xyz,
     "srgb16": _srgb16,
@@ -377,5 +378,3 @@ FORMATS: Mapping[str, Callable[[Path, Capture], str]] = {
     "dng": _dng,
 }
 _RAW = ("raw", "dng")
-MOST_FRAMES = 1_000_000
-"""Of a burst."""

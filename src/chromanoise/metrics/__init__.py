@@ -12,6 +12,11 @@ from chromanoise.metrics.budget import (
     contravariant_budget,
     shapley_values,
 )
+from chromanoise.metrics.contrast_detection import (
+    contrast_detection_probability,
+    exact_contrast_detection_probability,
+)
+from chromanoise.metrics.exact_separation import exact_separation_probability
 from chromanoise.metrics.filters import (
     best_readout,
     figure_of_merit,
@@ -30,6 +35,14 @@ from chromanoise.metrics.matrix_report import (
     MatrixReport,
     effective_filters,
     matrix_report,
+)
+from chromanoise.metrics.separation import (
+    gaussian_pair_probabilities,
+    gaussian_separation_probability,
+    independent_coordinates,
+    mahalanobis_distance,
+    pair_distances,
+    separation_probability,
 )
 from chromanoise.metrics.smi import (
     Metamerism,
@@ -83,26 +96,35 @@ __all__ = [
     "color_budget",
     "color_sensitivity_bits",
     "color_snr_loss_db",
+    "contrast_detection_probability",
     "contrast_sensitivity",
     "contravariant_budget",
     "effective_filters",
+    "exact_contrast_detection_probability",
+    "exact_separation_probability",
     "faintest_change",
     "figure_of_merit",
     "filter_quality",
+    "gaussian_pair_probabilities",
+    "gaussian_separation_probability",
     "illuminance_for_snr",
     "illuminance_for_snr_adapted",
+    "independent_coordinates",
     "information_bits",
     "lab_budget",
     "light_for_snr",
+    "mahalanobis_distance",
     "matrix_report",
     "metamerism",
     "noise_speed",
     "optimal_linear_snr_db",
+    "pair_distances",
     "perceptual_weight",
     "principal_angles_deg",
     "readout_error",
     "second_moment",
     "sensor_metamerism",
+    "separation_probability",
     "shapley_values",
     "signal_snr_db",
     "snr_db",

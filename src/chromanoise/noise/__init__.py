@@ -7,6 +7,7 @@ it uses, and is imported on first use.
 from typing import TYPE_CHECKING
 
 from chromanoise._lazy import lazy_names
+from chromanoise.noise.distribution import ReadingDistribution, reading_distribution
 from chromanoise.noise.exact import (
     Moments,
     Readout,
@@ -45,6 +46,7 @@ __all__ = [
     "NoiseSampler",
     "NoiseSources",
     "NoisySample",
+    "ReadingDistribution",
     "Readout",
     "clipped_at_well",
     "clipped_measurement",
@@ -59,6 +61,7 @@ __all__ = [
     "raw_measurement",
     "read_moments",
     "read_values",
+    "reading_distribution",
     "sample_electrons",
     "sampler",
     "saturated",

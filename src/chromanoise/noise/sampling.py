@@ -15,7 +15,7 @@ _MOST_E = 1e15  # above it double precision does not resolve single electrons
 def sample_electrons(
     mean_e: Float[Array, "*px p"],
     pixel: Pixel,
-    rng: np.random.Generator,
+    rng: "np.random.Generator",
     *,
     noise: NoiseSources | None = None,
 ) -> Float[Array, "*px p"]:

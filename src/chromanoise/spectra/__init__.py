@@ -53,6 +53,7 @@ if TYPE_CHECKING:
         observer_notes,
         observer_table,
     )
+    from chromanoise.spectra.patch_pairs import PatchPairs, all_pairs
     from chromanoise.spectra.readers import (
         read_spectra_csv,
     )
@@ -74,7 +75,9 @@ __all__ = [
     "Grid",
     "Illuminant",
     "Metric",
+    "PatchPairs",
     "Spectra",
+    "all_pairs",
     "astm_g173",
     "black_body",
     "chart_on",

@@ -43,6 +43,7 @@ if TYPE_CHECKING:
         Study,
         study_schema,
     )
+    from chromanoise.study.file_names import file_word
     from chromanoise.study.hashes import (
         file_digests,
         provenance,
@@ -51,7 +52,6 @@ if TYPE_CHECKING:
     )
     from chromanoise.study.pictures import (
         TakenPicture,
-        file_word,
         prepared_cameras,
         taken_pictures,
     )

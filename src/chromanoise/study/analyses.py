@@ -9,9 +9,15 @@ from chromanoise.analysis.camera_pipeline import pipeline_noise
 from chromanoise.analysis.chart_patches import ChartNoise, chart_as_json, chart_noise
 from chromanoise.analysis.color_matrices import MatrixMaker
 from chromanoise.analysis.color_space_noise import GrayNoise, gray_noise, gray_noise_as_json
+from chromanoise.analysis.contrast_detection import (
+    ContrastDetection,
+    contrast_detection_as_json,
+    contrast_detection_of,
+)
 from chromanoise.analysis.export import analyses_as_json, budgets_as_json
 from chromanoise.analysis.figures_of_merit.merits import Merits, merits_as_json, merits_of
 from chromanoise.analysis.pipeline_results import PipelineNoise, pipeline_as_json
+from chromanoise.analysis.separation import Separation, separation_as_json, separation_of
 from chromanoise.color import SPACES, UNBOUNDED
 from chromanoise.exposure import OperatingPoint, patch_scene
 from chromanoise.noise import Readout, clipping_readout
@@ -34,6 +40,9 @@ class Outcome:
         ``None`` where not asked for.
     pipeline
         As ``grey_noise``.
+    separation, contrast_detection
+        What a machine tells apart; ``None`` where not asked for, or where a patch saturates a
+        channel.
     """
 
     analysis: Analysis
@@ -41,6 +50,8 @@ class Outcome:
     chart: ChartNoise | None
     merits: Merits | None
     pipeline: PipelineNoise | None
+    separation: Separation | None
+    contrast_detection: ContrastDetection | None
 
 
 def analysis_of(
@@ -71,7 +82,8 @@ def analysis_of(
         readout=clipping if outputs.clip else None,
         matrix=maker(operating_point),
     )
-    return replace(analysis, chart=operating_point.chart, patch=operating_point.patch)
+    point = operating_point
+    return replace(analysis, chart=point.chart, patch=point.patch, pairs=point.pairs)
 
 
 def outcome_of(
@@ -100,7 +112,7 @@ def outcome_of(
         If the matrix cannot be made, or an output cannot be computed.
     """
     analysis = analysis_of(operating_point, maker, outputs)
-    readout = analysis.readout
+    readout, for_machine = analysis.readout, outputs.reader == "machine"
     space = SPACES[outputs.space] if outputs.space is not None else None
     return Outcome(
         analysis=analysis,
@@ -110,6 +122,8 @@ def outcome_of(
         pipeline=_pipeline(analysis, outputs.pipeline, balance_light, readout)
         if outputs.pipeline.run
         else None,
+        separation=separation_of(analysis) if for_machine else None,
+        contrast_detection=contrast_detection_of(analysis) if for_machine else None,
     )
 
 
@@ -136,4 +150,7 @@ def outcomes_as_json(outcomes: Sequence[Outcome], outputs: OutputsPart) -> dict[
             own["merits"] = merits_as_json(outcome.merits)
         if outputs.pipeline.run:
             own["pipeline"] = pipeline_as_json(outcome.pipeline)
+        if outputs.reader == "machine":
+            own["separation"] = separation_as_json(outcome.separation)
+            own["contrast_detection"] = contrast_detection_as_json(outcome.contrast_detection)
     return data

@@ -10,6 +10,7 @@ from chromanoise import _check
 from chromanoise.analysis.color_matrices import MatrixMaker, matrix_makers, trained_names
 from chromanoise.analysis.priors import DEFAULT_PRIOR, PRIORS
 from chromanoise.catalog import idle_answers, on_pixel, sensor_with_pixel
+from chromanoise.catalog.patch_pairs import resolve_pairs
 from chromanoise.catalog.reflectances import (
     is_reflectance_file,
     resolve_patch,
@@ -36,7 +37,7 @@ from chromanoise.sensor import (
     with_crosstalk,
     with_shifted_curves,
 )
-from chromanoise.spectra import Illuminant, Spectra, infrared_parts
+from chromanoise.spectra import Illuminant, PatchPairs, Spectra, infrared_parts
 from chromanoise.study.document import (
     PicturePart,
     PixelPart,
@@ -187,7 +188,9 @@ def idle_settings(study: Study, given: Given = NOTHING_GIVEN) -> list[InputError
             if getattr(light, name) is not None
         ]
     own = study.reflectances
-    words = [word for word in (own.chart, own.patch, study.prior) if isinstance(word, str)]
+    words = [
+        word for word in (own.chart, own.patch, own.pairs, study.prior) if isinstance(word, str)
+    ]
     if not any(is_reflectance_file(word) for word in words):
         errors += [
             _idle(f"reflectances.{name}", getattr(own, name), "a study without such a file")
@@ -256,7 +259,7 @@ def operating_points_in(
     """
     light = study.light
     white = flat_field(illuminant, level_lux=light.level_lux)
-    chart, patch = chart_of(study), patch_of(study)
+    chart, patch, pairs = chart_of(study), patch_of(study), pairs_of(study)
     return [
         OperatingPoint(
             sensor=sensor,
@@ -266,6 +269,7 @@ def operating_points_in(
             observer=study.observer,
             chart=chart,
             patch=patch,
+            pairs=pairs,
         )
         for sensor, exposure in zip(sensors, _exposures(study, white, sensors), strict=True)
     ]
@@ -347,6 +351,21 @@ def patch_of(study: Study) -> Spectra | None:
         return None
     with keyed("reflectances.patch", _reflectance_key):
         return resolve_patch(word, answers=_reflectance_answers(study))
+
+
+def pairs_of(study: Study) -> PatchPairs | None:
+    """The pairs of patches that a machine must tell apart; ``None`` for all pairs of the chart.
+
+    Raises
+    ------
+    InputError
+        As `chart_of`, or if a line of a list does not name two patches.
+    """
+    word = study.reflectances.pairs
+    if word is None:
+        return None
+    with keyed("reflectances.pairs", _reflectance_key):
+        return resolve_pairs(word, answers=_reflectance_answers(study))
 
 
 def prior_of(study: Study) -> str | Spectra:
@@ -508,7 +527,7 @@ def unresolved(study: Study) -> list[InputError]:
 
     tried(partial(illuminant_of, study))
     tried(partial(balance_light_of, study))
-    for make in (chart_of, patch_of, prior_of):
+    for make in (chart_of, patch_of, pairs_of, prior_of):
         tried(partial(make, study))
     sensors = [
         tried(partial(sensor_of, part, key=f"sensors.{i}")) for i, part in enumerate(study.sensors)

@@ -31,7 +31,7 @@ from chromanoise.catalog.reflectances import is_reflectance_file
 from chromanoise.color import SPACES, TONES
 from chromanoise.errors import InputError, Setting, StudyError, did_you_mean
 from chromanoise.imaging import DEMOSAICING
-from chromanoise.imaging.capture import FORMATS, MOST_FRAMES
+from chromanoise.imaging.formats import FORMATS, MOST_FRAMES
 from chromanoise.io.given_matrices import is_matrix_file
 from chromanoise.io.spectra.parsed import Negatives, Unit
 from chromanoise.scene import BUILTIN_CUBES
@@ -234,6 +234,12 @@ class ReflectancesPart(_Part):
         None,
         description="The patch that is analyzed: a number, e.g. 0.18, a patch of the ColorChecker "
         "or of the catalog, FILE or FILE:NAME; default: a perfect white.",
+    )
+    pairs: str | None = Field(
+        None,
+        description="Pairs of patches that a machine must tell apart: a CSV file with the header "
+        "first,second and two patches of the ColorChecker or of the catalog per line, or a file of "
+        "reflectances, all of whose pairs are taken; default: all pairs of the chart.",
     )
     scale: Literal["percent", "fraction"] | None = Field(
         None, description="Whether the files of reflectances are percent or fractions."
@@ -642,6 +648,11 @@ class OutputsPart(_Part):
     chart: bool = Field(False, description="Color error and noise of every ColorChecker patch.")
     space: Annotated[str, _known(SPACES)] | None = Field(
         None, description="Noise of an 18 % gray in this color space."
+    )
+    reader: Literal["eye", "machine"] = Field(
+        "eye",
+        description="Who looks: an eye, by color and its noise, or a machine, by the distance of "
+        "patches in raw values.",
     )
     matrix: bool = Field(False, description="Each color matrix, its color error and noise.")
     pipeline: PipelinePart = Field(

@@ -31,6 +31,9 @@ Kind = Literal[
 """Of what a word of a study may name a file."""
 
 
+_FILES_ONLY = ("reflectances.chart", "reflectances.pairs")  # words that are no names
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FileWord:
     """A word of a study that may name a file.
@@ -94,10 +97,15 @@ def with_file_words(study: Study, replaced: Callable[[FileWord], str]) -> Study:
         for i, name in enumerate(study.matrices)
     ]
     own = study.reflectances
-    named = {"reflectances.chart": own.chart, "reflectances.patch": own.patch, "prior": study.prior}
+    named = {
+        "reflectances.chart": own.chart,
+        "reflectances.patch": own.patch,
+        "reflectances.pairs": own.pairs,
+        "prior": study.prior,
+    }
     renamed = {
         key: word(key, "reflectance", was)
-        if isinstance(was, str) and (key == "reflectances.chart" or is_reflectance_file(was))
+        if isinstance(was, str) and (key in _FILES_ONLY or is_reflectance_file(was))
         else was
         for key, was in named.items()
     }

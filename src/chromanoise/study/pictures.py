@@ -1,10 +1,9 @@
 """The pictures of a study: their settings and cameras, prepared before the computation."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from chromanoise._check import distinct
 from chromanoise.analysis.color_matrices import MatrixMaker
 from chromanoise.exposure import OperatingPoint
 from chromanoise.imaging import Work
@@ -21,6 +20,7 @@ from chromanoise.scene import Cube
 from chromanoise.sensor import PixelOverrides, mosaic_named
 from chromanoise.study.assembly import cube_of, keyed
 from chromanoise.study.document import PicturePart, Study
+from chromanoise.study.file_names import file_word, refuse_shared_file_names
 from chromanoise.study.results import Pictures
 
 
@@ -92,11 +92,6 @@ def prepared_cameras(
             name: [camera_for(cube, each, maker(each), settings) for each in operating_points]
             for name, maker in makers.items()
         }
-
-
-def refuse_shared_file_names(operating_points: Sequence[OperatingPoint]) -> None:
-    """Refuse sensors whose names differ, but not as parts of names of files."""
-    distinct("file names of sensors", [file_word(each.sensor.name) for each in operating_points])
 
 
 def first_frame(study: Study, number: int) -> int:
@@ -203,15 +198,3 @@ def pictures_taken(
         summaries=tuple(summaries),
         captures=tuple(kept),
     )
-
-
-def file_word(name: str) -> str:
-    """A name as a file's name or a part of one: it leads into no other folder and hides nothing.
-
-    Examples
-    --------
-    >>> file_word("../../a b")
-    '-.-..-a-b'
-    """
-    word = "".join(c if c.isalnum() or c in "+-_." else "-" for c in name)
-    return f"-{word[1:]}" if word.startswith(".") else word

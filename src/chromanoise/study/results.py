@@ -8,7 +8,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from importlib import import_module
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from chromanoise import _check, _notebook
 from chromanoise._check import Array
@@ -47,12 +47,14 @@ from chromanoise.analysis.tables import (
 from chromanoise.color import ColorMatrix, ParetoCurve
 from chromanoise.errors import InputError
 from chromanoise.exposure import OperatingPoint, conditions
-from chromanoise.imaging.capture import Capture
 from chromanoise.io.table import Column, Table, number_text
 from chromanoise.io.table_formats import table_latex
 from chromanoise.metrics import MatrixReport
 from chromanoise.study.analyses import Outcome, outcomes_as_json
 from chromanoise.study.document import OutputsPart, Study
+
+if TYPE_CHECKING:
+    from chromanoise.imaging.capture import Capture
 
 
 class Result(ABC):
@@ -440,7 +442,7 @@ class Pictures(Result):
     cube: str
     points: tuple[OperatingPoint, ...]
     summaries: tuple[dict[str, Any], ...]
-    captures: tuple[Capture, ...] = ()
+    captures: "tuple[Capture, ...]" = ()
 
     def to_dict(self) -> dict[str, Any]:
         """The cube and the summaries."""

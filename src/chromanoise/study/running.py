@@ -5,7 +5,7 @@ from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from chromanoise.analysis.color_matrices import MatrixMaker
 from chromanoise.analysis.comparison.bands import CrossoverBand, crossover_bands
@@ -18,8 +18,8 @@ from chromanoise.analysis.comparison.sweeps import SWEEPS, swept_values
 from chromanoise.analysis.pareto import noise_weights, pareto_of
 from chromanoise.errors import InputError
 from chromanoise.exposure import OperatingPoint, expected_electrons, white_scene
-from chromanoise.imaging import Work
 from chromanoise.metrics import matrix_report
+from chromanoise.scene import Cube
 from chromanoise.scene.rows import row_source
 from chromanoise.spectra import Illuminant
 from chromanoise.study.analyses import outcome_of
@@ -33,12 +33,7 @@ from chromanoise.study.assembly import (
     prior_of,
 )
 from chromanoise.study.document import Study, SweepPart
-from chromanoise.study.pictures import (
-    file_word,
-    pictures_taken,
-    prepared_cameras,
-    refuse_shared_file_names,
-)
+from chromanoise.study.file_names import file_word, refuse_shared_file_names
 from chromanoise.study.results import (
     Analyses,
     Comparison,
@@ -48,6 +43,10 @@ from chromanoise.study.results import (
     Pictures,
     Results,
 )
+
+if TYPE_CHECKING:
+    from chromanoise.imaging import Work
+    from chromanoise.imaging.capture import Camera
 
 Makers = Mapping[str, MatrixMaker]
 Points = list[OperatingPoint]
@@ -111,7 +110,7 @@ def run(
     study: Study,
     *,
     given: Given = NOTHING_GIVEN,
-    work: Work | None = None,
+    work: "Work | None" = None,
     progress: Progress = no_progress,
     folder: Path | None = None,
 ) -> Results:
@@ -151,7 +150,7 @@ def run(
     )
 
 
-def run_plan(study: Study, *, given: Given = NOTHING_GIVEN, work: Work | None = None) -> RunPlan:
+def run_plan(study: Study, *, given: Given = NOTHING_GIVEN, work: "Work | None" = None) -> RunPlan:
     """The study with its names resolved and its steps in order.
 
     Parameters
@@ -171,7 +170,7 @@ def run_plan(study: Study, *, given: Given = NOTHING_GIVEN, work: Work | None = 
         *_analyses(study, points, makers, balance_light_of(study, given)),
         *_matrices(study, points, makers),
         *_sweeps(study, points, makers),
-        *_pictures(study, points, makers, work or Work()),
+        *_pictures(study, points, makers, work),
     )
     if not steps:
         raise InputError(
@@ -240,7 +239,22 @@ def _map_step(study: Study, i: int, points: Points, makers: Makers, part: SweepP
     )
 
 
-def _pictures(study: Study, points: Points, makers: Makers, work: Work) -> Iterator[Step]:
+def _pictures(study: Study, points: Points, makers: Makers, work: "Work | None") -> Iterator[Step]:
+    if not study.pictures:
+        return
+    from chromanoise.imaging import Work  # an analysis starts without the imaging packages
+    from chromanoise.study.pictures import pictures_taken, prepared_cameras
+
+    def taken(
+        number: int,
+        cube: Cube,
+        cameras: "dict[str, list[Camera]]",
+        folder: Path | None,
+        advance: Advance,
+    ) -> Pictures:
+        threads = replace(work or Work(), progress=advance)
+        return pictures_taken(study, number, cube, cameras, work=threads, folder=folder)
+
     for i, part in enumerate(study.pictures):
         cube, cameras = prepared_cameras(study, i, points, makers)
         yield Step(
@@ -248,21 +262,8 @@ def _pictures(study: Study, points: Points, makers: Makers, work: Work) -> Itera
             what=f"{part.cube} through every sensor",
             parts=row_source(cube.stored).shape[0] * part.frames * sum(map(len, cameras.values())),
             unit="rows",
-            run=partial(_taken, study, i, cube, cameras, work),
+            run=partial(taken, i, cube, cameras),
         )
-
-
-def _taken(
-    study: Study,
-    number: int,
-    cube: Any,
-    cameras: Any,
-    work: Work,
-    folder: Path | None,
-    advance: Advance,
-) -> Pictures:
-    work = replace(work, progress=advance)
-    return pictures_taken(study, number, cube, cameras, work=work, folder=folder)
 
 
 def _analysis(

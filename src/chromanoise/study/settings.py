@@ -80,6 +80,7 @@ class _ReflectanceSettings(SharedSettings, total=False):
 
     chart_file: Annotated[str | Path, "reflectances.chart"]
     patch: Annotated[float | str | Path, "reflectances.patch"]
+    pairs: Annotated[str | Path, "reflectances.pairs"]
     reflectance_scale: Annotated[Literal["percent", "fraction"], "reflectances.scale"]
     reflectance_wavelength_unit: Annotated[Unit, "reflectances.wavelength_unit"]
     reflectance_beyond: Annotated[Extrapolation, "reflectances.beyond"]
@@ -93,6 +94,7 @@ class AnalysisSettings(_ReflectanceSettings, total=False):
     budget: Annotated[bool, "outputs.budget"]
     merit: Annotated[bool, "outputs.merit"]
     space: Annotated[str, "outputs.space"]
+    reader: Annotated[Literal["eye", "machine"], "outputs.reader"]
     pipeline: Annotated[bool, "outputs.pipeline.run"]
     white_balance: Annotated[str | Sequence[float], "outputs.pipeline.white_balance"]
     white_balance_pixels: Annotated[int, "outputs.pipeline.white_balance_pixels"]

@@ -15,12 +15,14 @@ from chromanoise._shapes import (
 from chromanoise.analysis.color_space_noise import (
     GRAY,
 )
+from chromanoise.analysis.contrast_detection import best_channel_probability
 from chromanoise.analysis.operating_point import (
     Stages,
     electrons_at,
     noisy_color_at,
     stages_at,
 )
+from chromanoise.analysis.separation import median_distances
 from chromanoise.analysis.total_error import total_errors
 from chromanoise.color import (
     LAB,
@@ -170,6 +172,25 @@ def color_loss_over_levels(
     return at.optimal_linear_snr_db - _color_snr(at, "Y")
 
 
+def median_distance(operating_point: OperatingPoint, matrix: ColorMatrix, *, reading: str) -> float:
+    """Median D_M of the pairs of patches; NaN where a patch saturates a channel. [1]"""
+    return float(median_distances(operating_point, matrix, reading))
+
+
+def median_distance_over_levels(
+    operating_point: OperatingPoint,
+    matrix: ColorMatrix,
+    level_lux: Float[Array, " k"],
+    *,
+    reading: str,
+    matrices: Float[Array, "k c p"] | None = None,
+) -> Float[Array, " k"]:
+    """`median_distance` at many light levels; parameters as `color_snr_over_levels`. [1]"""
+    return median_distances(
+        operating_point, matrix, reading, level_lux=level_lux, lux_per_e=matrices
+    )
+
+
 def color_error(operating_point: OperatingPoint, matrix: ColorMatrix) -> float:
     """Mean over the chart, without noise. [Delta E*ab]
 
@@ -235,6 +256,19 @@ def _snr(name: str, coordinate: str) -> Quantity:
     )
 
 
+def _separation(name: str, reading: str) -> Quantity:
+    where = "after the color matrix" if reading.startswith("color") else "in raw values"
+    terms = ", without brightness" if reading.endswith("brightness") else ""
+    return Quantity(
+        name=name,
+        what=f"median D_M of patches {where}{terms}",
+        unit="1",
+        more_is_better=True,
+        of=partial(median_distance, reading=reading),
+        over_levels=partial(median_distance_over_levels, reading=reading),
+    )
+
+
 QUANTITIES: Mapping[str, Quantity] = {
     quantity.name: quantity
     for quantity in (
@@ -277,6 +311,17 @@ QUANTITIES: Mapping[str, Quantity] = {
             unit="Delta E*ab",
             more_is_better=False,
             of=total_error,
+        ),
+        _separation("separation", "raw"),
+        _separation("separation-without-brightness", "raw_without_brightness"),
+        _separation("color-separation", "color"),
+        _separation("color-separation-without-brightness", "color_without_brightness"),
+        Quantity(
+            name="cdp",
+            what="contrast detection probability of the best raw channel",
+            unit="1",
+            more_is_better=True,
+            of=best_channel_probability,
         ),
     )
 }

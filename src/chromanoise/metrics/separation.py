@@ -1,0 +1,300 @@
+"""Separation of two patches by an ideal reader: what a classifier can tell from one reading.
+
+A reader of raw values (a classifier, a threshold) decides from one noisy reading which of two
+patches it sees. No invertible matrix changes what it can know. The distance is Mahalanobis',
+the detectability index d' of ICRU Report 54 (1996) with the mean of both covariances.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from chromanoise import _check
+from chromanoise._check import Array
+from chromanoise._linalg import cholesky, eigh, solve, svd
+from chromanoise._shapes import Float, Integer
+from chromanoise.noise import Measurement, through
+
+_LEAST_SHARE = 1e-14  # of a variance in the mean of two
+_NODES = 512  # error below 1e-5 for two coordinates and 1e-7 for more
+_FARTHEST = 24.0  # 1 / cosh(24) = 8e-11
+
+
+def mahalanobis_distance(
+    first: Measurement, second: Measurement, *, brightness: bool = True
+) -> Float[Array, "*px"]:
+    """Distance D_M of two patches in units of their noise. [1]
+
+    D_M^2 = d^T S^-1 d, d the difference of the means and S the mean of the covariances.
+
+    Parameters
+    ----------
+    first, second
+        The patches in the same coordinates; leading axes are broadcast.
+    brightness
+        False for a reader that does not know the level of the light: a common factor of both
+        patches is not evidence.
+
+    Returns
+    -------
+    Array
+        inf where the means differ in a coordinate without noise.
+
+    Raises
+    ------
+    InputError
+        If the coordinates differ.
+
+    Notes
+    -----
+    Without brightness, S^-1 is replaced by S^-1 - S^-1 m m^T S^-1 / (m^T S^-1 m) with m the sum of
+    the means: the component along m, which a change of brightness makes, is removed.
+
+    Examples
+    --------
+    >>> def patch(*electrons):
+    ...     mean = np.array(electrons)
+    ...     return Measurement(mean=mean, covariance=np.diag(np.full(2, 25.0)),
+    ...                        names=("a", "b"), kind="raw", unit="e-")
+    >>> mahalanobis_distance(patch(100.0, 100.0), patch(103.0, 104.0)).round(12)
+    array(1.)
+    >>> mahalanobis_distance(patch(2.0, 2.0), patch(3.0, 3.0), brightness=False).round(12)
+    array(0.)
+    """
+    _same_coordinates(first, second)
+    difference = first.mean - second.mean
+    covariance = (first.covariance + second.covariance) / 2
+    direction = None if brightness else first.mean + second.mean
+    return np.asarray(np.sqrt(_squared_distance(difference, covariance, direction)))
+
+
+def pair_distances(
+    patches: Measurement, pairs: Integer[Array, "m 2"], *, brightness: bool = True
+) -> Float[Array, "*lv m"]:
+    """`mahalanobis_distance` of many pairs of patches. [1]
+
+    Parameters
+    ----------
+    patches
+        The patches along the last axis before the coordinates, after any axes of light levels.
+    pairs
+        Indices of the two patches of each pair.
+    brightness
+        As `mahalanobis_distance`.
+    """
+    one, other = pairs.T
+    difference = patches.mean[..., one, :] - patches.mean[..., other, :]
+    direction = None
+    if not brightness:
+        direction = patches.mean[..., one, :] + patches.mean[..., other, :]
+    if not _is_diagonal(patches.covariance):
+        covariance = (patches.covariance[..., one, :, :] + patches.covariance[..., other, :, :]) / 2
+        return np.sqrt(_squared_distance(difference, covariance, direction))
+    variance = (patches.variance[..., one, :] + patches.variance[..., other, :]) / 2
+    return np.sqrt(_squared_distance_of_variances(difference, variance, direction))
+
+
+def separation_probability(distance: Float[Array, "*m"]) -> Float[Array, "*m"]:
+    """Probability Phi(D_M / 2) that an ideal reader names the right one of two patches.
+
+    For equal covariances and patches that are equally frequent; 0.5 is chance.
+
+    Parameters
+    ----------
+    distance
+        D_M, >= 0. [1]
+
+    Examples
+    --------
+    >>> separation_probability(np.array([0.0, 2.0, 3.92])).round(3)
+    array([0.5  , 0.841, 0.975])
+    """
+    from scipy.special import ndtr
+
+    return np.asarray(ndtr(_check.non_negative("distance", "1", distance) / 2))
+
+
+def gaussian_separation_probability(first: Measurement, second: Measurement) -> Float[Array, "*px"]:
+    """Probability that an ideal reader names the right one of two patches with Gaussian noise.
+
+    The covariances may differ. The patches are equally frequent; 0.5 is chance.
+
+    Parameters
+    ----------
+    first, second
+        The patches in the same coordinates; leading axes are broadcast.
+
+    Raises
+    ------
+    InputError
+        If the coordinates differ or a mean covariance is singular.
+
+    Notes
+    -----
+    The reader decides by the likelihood ratio. Let l be its logarithm, and G(t) the integral of
+    p^(1/2 + it) q^(1/2 - it) over all readings, p and q the two densities. The density of l is
+    e^(l/2) g(l) for p and e^(-l/2) g(l) for q, and G is the Fourier transform of g. The
+    probability of error is half the integral of e^(-|l|/2) g(l); by Parseval's theorem it is
+
+        1/pi * integral over u from 0 to infinity of Re G(sinh(u) / 2) / cosh(u).
+
+    For equal covariances this is Craig's form of the normal distribution function (MILCOM 1991).
+    G(0) is the coefficient of Bhattacharyya.
+
+    Examples
+    --------
+    Equal means, standard deviations 1 and 3: the reader compares the squares with a threshold.
+
+    >>> def wide(sd):
+    ...     return Measurement(mean=np.zeros(2), covariance=sd**2 * np.eye(2), names=("a", "b"),
+    ...                        kind="raw", unit="e-")
+    >>> gaussian_separation_probability(wide(1.0), wide(3.0)).round(6)
+    array(0.837...)
+    """
+    _same_coordinates(first, second)
+    what = "mean covariance of two patches"
+    root = cholesky(what, (first.covariance + second.covariance) / 2)
+    half = solve(what, root, first.covariance)
+    of_first = solve(what, root, np.swapaxes(half, -1, -2))
+    share, turn = eigh(what, (of_first + np.swapaxes(of_first, -1, -2)) / 2)
+    difference = solve(what, root, (first.mean - second.mean)[..., None])
+    shift = (np.swapaxes(turn, -1, -2) @ difference)[..., 0]
+    share = np.clip(share, _LEAST_SHARE, 2 - _LEAST_SHARE)  # the second patch has 2 - share
+    return np.asarray(1.0 - _error_probability(share, shift))
+
+
+def gaussian_pair_probabilities(
+    patches: Measurement, pairs: Integer[Array, "m 2"]
+) -> Float[Array, "*lv m"]:
+    """`gaussian_separation_probability` of many pairs of patches.
+
+    Parameters
+    ----------
+    patches, pairs
+        As `pair_distances`.
+    """
+    one, other = (
+        replace(patches, mean=patches.mean[..., i, :], covariance=patches.covariance[..., i, :, :])
+        for i in pairs.T
+    )
+    return gaussian_separation_probability(one, other)
+
+
+def independent_coordinates(raw: Measurement, matrix: Float[Array, "q p"]) -> Measurement:
+    """What is left of a measurement after a matrix, in orthonormal coordinates.
+
+    They span the rows of ``matrix``, so that every distance equals that after the matrix, also
+    where its rows depend on each other.
+
+    Parameters
+    ----------
+    raw
+        The measurement in p coordinates.
+    matrix
+        q rows.
+
+    Raises
+    ------
+    InputError
+        If the matrix is zero or does not have p columns.
+    """
+    _check.same_length("coordinates", names=len(raw.names), matrix=matrix.shape[1])
+    values = np.asarray(matrix, dtype=np.float64)
+    _, size, rows = svd("the matrix", values, full_matrices=False)
+    kept = rows[size > max(matrix.shape) * np.finfo(float).eps * size[0]] if size[0] else rows[:0]
+    names = tuple(f"row {i + 1}" for i in range(len(kept)))
+    return through(raw, kept, names=names, kind=raw.kind, unit=raw.unit)
+
+
+def _same_coordinates(first: Measurement, second: Measurement) -> None:
+    _check.same_names("coordinates", first=first.names, second=second.names)
+
+
+def _is_diagonal(covariance: Float[Array, "*px p p"]) -> bool:
+    return not (covariance * (1.0 - np.eye(covariance.shape[-1]))).any()
+
+
+def _squared_distance(
+    difference: Float[Array, "*m p"],
+    covariance: Float[Array, "*m p p"],
+    direction: Float[Array, "*m p"] | None,
+) -> Float[Array, "*m"]:
+    if _is_diagonal(covariance):
+        variance = np.diagonal(covariance, axis1=-2, axis2=-1)
+        return _squared_distance_of_variances(difference, variance, direction)
+    sd = np.sqrt(np.diagonal(covariance, axis1=-2, axis2=-1))  # variances of 1 keep the digits
+    scale = np.where(sd > 0, sd, 1.0)
+    correlation = covariance / scale[..., None] / scale[..., None, :]
+    sides = [difference / scale] + ([] if direction is None else [direction / scale])
+    right = np.stack(sides, axis=-1)
+    left = solve("mean covariance of two patches", correlation, right)
+    if direction is not None:
+        left, right = (_without_direction(left, right, each) for each in (left, right))
+    return np.asarray(np.maximum((right * left).sum(axis=-2)[..., 0], 0.0))
+
+
+def _squared_distance_of_variances(
+    difference: Float[Array, "*m p"],
+    variance: Float[Array, "*m p"],
+    direction: Float[Array, "*m p"] | None,
+) -> Float[Array, "*m"]:
+    sure = variance == 0
+    endless = (sure & (difference != 0)).any(axis=-1)
+    sides = [difference] + ([] if direction is None else [direction])
+    right = np.stack(sides, axis=-1)
+    left = right / np.where(sure, np.inf, variance)[..., None]
+    if direction is not None:
+        left, right = (_without_direction(left, right, each) for each in (left, right))
+    squared = (right * left).sum(axis=-2)[..., 0]
+    return np.asarray(np.where(endless, np.inf, np.maximum(squared, 0.0)))
+
+
+def _without_direction(
+    left: Float[Array, "*m p 2"], right: Float[Array, "*m p 2"], vectors: Float[Array, "*m p 2"]
+) -> Float[Array, "*m p 1"]:
+    """The first of two vectors less its component along the second, the change of brightness."""
+    along = (right[..., 0] * left[..., 1]).sum(axis=-1)
+    length = (right[..., 1] * left[..., 1]).sum(axis=-1)
+    share = along / np.where(length > 0, length, 1.0)
+    return np.asarray(vectors[..., :1] - share[..., None, None] * vectors[..., 1:])
+
+
+def _error_probability(
+    share: Float[Array, "*m p"], shift: Float[Array, "*m p"]
+) -> Float[Array, "*m"]:
+    """For variances ``share`` and 2 - ``share`` of each coordinate, and differences of means."""
+    if share.shape[-1] == 1:
+        return _error_probability_of_one(share[..., 0], shift[..., 0])
+    u = _FARTHEST * (np.arange(_NODES) + 0.5) / _NODES
+    t, weights = np.sinh(u) / 2, _FARTHEST / _NODES / np.pi / np.cosh(u)
+    other = 2.0 - share
+    total = np.zeros(share.shape[:-1])
+    for at, weight in zip(t, weights, strict=True):
+        skew = 1 + 1j * at * (other - share)
+        logarithm = (
+            0.5 * (0.5 - 1j * at) * np.log(share)
+            + 0.5 * (0.5 + 1j * at) * np.log(other)
+            - 0.5 * np.log(skew)
+            - 0.5 * shift**2 * (0.25 + at**2) / skew
+        ).sum(axis=-1)
+        total += weight * np.exp(logarithm).real
+    return np.asarray(np.clip(total, 0.0, 0.5))
+
+
+def _error_probability_of_one(
+    share: Float[Array, "*m"], shift: Float[Array, "*m"]
+) -> Float[Array, "*m"]:
+    """In one coordinate the patch of smaller variance is named in an interval."""
+    from scipy.special import ndtr
+
+    narrow, wide = np.sqrt(np.minimum(share, 2 - share)), np.sqrt(np.maximum(share, 2 - share))
+    excess = (wide - narrow) * (wide + narrow)
+    with np.errstate(divide="ignore", invalid="ignore"):  # equal variances: the other branch
+        ratio = np.log(wide / narrow)
+        half = wide * narrow * np.sqrt(shift**2 + 2 * excess * ratio) / excess
+        middle = -(narrow**2) * shift / excess  # the wide patch lies at ``shift``
+        low, high = middle - half, middle + half
+        missed = 1 - (ndtr(high / narrow) - ndtr(low / narrow))
+        false = ndtr((high - shift) / wide) - ndtr((low - shift) / wide)
+    equal = ndtr(-np.abs(shift) / 2)
+    return np.asarray(np.where(excess > 1e-6, (missed + false) / 2, equal))

@@ -1,0 +1,161 @@
+"""The whole distribution of one reading, for few electrons, where a Gaussian is not enough."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from chromanoise import _check
+from chromanoise._check import Array
+from chromanoise._shapes import Float
+from chromanoise.errors import InputError
+from chromanoise.noise.counts import count_law, count_window
+from chromanoise.noise.exact import Readout, counted_readout
+from chromanoise.noise.gaussian import FARTHEST
+from chromanoise.noise.sources import NoiseSources
+
+MOST_COUNTED_E = 2000.0
+"""Largest mean whose distribution is tabulated. [e-]"""
+
+_PER_READ_NOISE = 6  # values per standard deviation of the readout
+_LEAST_NOISE_E = 1e-3  # below it the readout is exact
+_MOST_ENTRIES = 2**22  # of the table codes x counts; more codes are as good as continuous
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ReadingDistribution:
+    """Distribution of one reading for k means, on common values.
+
+    Attributes
+    ----------
+    values_e
+        The values in ascending order. [e-]
+    probability
+        Of each value; one row per mean, whose sum is 1.
+    width_e
+        Width of the cell of each value for continuous readings; 0 for separate values. [e-]
+    """
+
+    values_e: Float[Array, " x"]
+    probability: Float[Array, "k x"]
+    width_e: float
+
+    def __post_init__(self) -> None:
+        _check.increasing("values_e", "e-", self.values_e)
+        _check.fraction("probability", "1", self.probability)
+        _check.freeze(self, "values_e", "probability")
+
+
+def reading_distribution(
+    mean_e: Float[Array, " k"], noise: NoiseSources, readout: Readout | None = None
+) -> ReadingDistribution:
+    """Distribution of Poisson counts with Gaussian readout, rounded and clipped.
+
+    Parameters
+    ----------
+    mean_e
+        Expected electrons of the light, from 0 to `MOST_COUNTED_E`. [e-]
+    noise
+        The noise sources; those that are not counted are one Gaussian, as in `sensor_moments`.
+    readout
+        Bounds and step; ``None`` for no bounds and the step of ``noise``.
+
+    Raises
+    ------
+    InputError
+        If a mean is negative or too large.
+
+    Examples
+    --------
+    Without readout noise the values are the counts.
+
+    >>> one = reading_distribution(np.array([1.0]), NoiseSources(read_noise_e=0.0))
+    >>> one.values_e[:2], one.probability[0, :2].round(3)
+    (array([0., 1.]), array([0.368, 0.368]))
+    """
+    mean = _check.non_negative("mean_e", "e-", mean_e)
+    if mean.size and mean.max() > MOST_COUNTED_E:
+        raise InputError(
+            "mean_e",
+            f"must be at most {MOST_COUNTED_E:g} [e-] for a table of its distribution",
+            value=float(mean.max()),
+            remedy="take the Gaussian form, or less light",
+        )
+    counted, bounds = counted_readout(mean, noise, readout or Readout())
+    added = np.sqrt(np.broadcast_to(noise.added_variance_e2(mean), mean.shape))
+    step = bounds.step_e
+    low, high = _reach(counted, added)
+    if step and (high - low) ** 2 / step > _MOST_ENTRIES:
+        step, added = 0.0, np.sqrt(added**2 + step**2 / 12)
+    if step:
+        values, table = _rounded(counted, added, step)
+    elif added.max() < _LEAST_NOISE_E:
+        values, table = _rounded(counted, np.zeros_like(added), 1.0)
+    else:
+        values, table = _continuous(counted, np.maximum(added, _LEAST_NOISE_E))
+    width = 0.0 if step or added.max() < _LEAST_NOISE_E else float(values[1] - values[0])
+    values, table = _clipped(values, table, bounds)
+    return ReadingDistribution(
+        values_e=values - noise.dark_e + noise.black_error_e,
+        probability=np.clip(table / table.sum(axis=1, keepdims=True), 0.0, 1.0),
+        width_e=width,
+    )
+
+
+def _reach(counted: Float[Array, " k"], added: Float[Array, " k"]) -> tuple[float, float]:
+    lowest, highest = count_window(counted)
+    return (
+        math.floor(float((lowest - FARTHEST * added).min())),
+        math.ceil(float((highest + FARTHEST * added).max())),
+    )
+
+
+def _continuous(
+    counted: Float[Array, " k"], added: Float[Array, " k"]
+) -> tuple[Float[Array, " x"], Float[Array, "k x"]]:
+    """Density times cell; single electrons lie on the grid."""
+    low, high = _reach(counted, added)
+    per_e = math.ceil(_PER_READ_NOISE / float(added.min()))
+    values = low + np.arange((high - low) * per_e + 1) / per_e
+    table = np.zeros((counted.size, values.size))
+    for row, mean, sd in zip(table, counted, added, strict=True):
+        counts, shares = count_law(float(mean))
+        row[((counts - low) * per_e).astype(np.int64)] = shares
+        reach = math.ceil(FARTHEST * sd * per_e)
+        around = np.arange(-reach, reach + 1) / (sd * per_e)
+        row[:] = np.convolve(row, np.exp(-0.5 * around**2))[reach : reach + values.size]
+    return values, table
+
+
+def _rounded(
+    counted: Float[Array, " k"], added: Float[Array, " k"], step: float
+) -> tuple[Float[Array, " x"], Float[Array, "k x"]]:
+    from scipy.special import ndtr
+
+    low, high = _reach(counted, added)
+    first, last = math.floor(low / step), math.ceil(high / step)
+    codes = np.arange(first, last + 1)
+    table = np.zeros((counted.size, codes.size))
+    for row, mean, sd in zip(table, counted, added, strict=True):
+        counts, shares = count_law(float(mean))
+        if sd < _LEAST_NOISE_E:
+            at = np.floor(counts / step + 0.5).astype(np.int64) - first
+            np.add.at(row, at, shares)
+            continue
+        edges = (codes[:, None] - 0.5) * step - counts
+        below, above = ndtr(edges / sd), ndtr(-edges / sd)
+        between = np.where(edges[:-1] > 0, above[:-1] - above[1:], below[1:] - below[:-1])
+        row[:-1] = between @ shares
+    return codes * step, table
+
+
+def _clipped(
+    values: Float[Array, " x"], table: Float[Array, "k x"], bounds: Readout
+) -> tuple[Float[Array, " y"], Float[Array, "k y"]]:
+    at = np.clip(values, bounds.black_e, bounds.full_well_e)
+    kept, cell = np.unique(at, return_inverse=True)
+    if kept.size == values.size:
+        return values, table
+    merged = np.zeros((len(table), kept.size))
+    np.add.at(merged.T, cell, table.T)
+    return kept, merged

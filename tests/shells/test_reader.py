@@ -1,0 +1,99 @@
+"""``--reader machine`` and ``--pairs``: what a machine tells apart, from every interface."""
+
+import json
+
+import pytest
+
+import chromanoise as cn
+from chromanoise.spectra import DEFAULT_GRID, colorchecker
+from outcomes import refused
+
+LIGHT = ("--lux", "10", "--time-ms", "12")
+DISTANCES = ("raw", "color", "raw_without_brightness", "color_without_brightness")
+
+
+def separation(done, *options):
+    out, _ = done("analyze", "onyx-rgbw", *LIGHT, "--reader", "machine", "--json", "-", *options)
+    return json.loads(out)["sensors"][0]["separation"]
+
+
+def test_the_json_has_medians_with_probabilities_and_the_worst_pair(done):
+    found = separation(done)
+    assert found["pairs"] == 276
+    for name in DISTANCES:
+        assert found[f"median_{name}"] > found["worst_pair"][name] > 0
+        assert 0.5 < found["worst_pair"][f"{name}_probability"] < 1
+        assert found[f"median_{name}_probability"] > 0.99
+    assert set(found["worst_pair"]["names"]) == {"orange", "orange yellow"}
+
+
+def test_python_gives_the_digits_of_the_command(done):
+    result = cn.analyze("onyx-rgbw", lux=10, time_ms=12, reader="machine").to_dict()
+    assert result["sensors"][0]["separation"] == separation(done)
+
+
+def test_for_an_eye_nothing_of_a_machine_is_computed(done):
+    out, _ = done("analyze", "onyx-rgbw", *LIGHT, "--json", "-")
+    (sensor,) = json.loads(out)["sensors"]
+    assert not {"separation", "contrast_detection"} & set(sensor)
+
+
+def test_a_list_of_pairs_names_patches_of_the_chart_and_the_catalog(done, here):
+    (here / "pairs.csv").write_text("# mine\nfirst,second\nred,green\nlawn,0.18\nred,lawn\n")
+    found = separation(done, "--pairs", "pairs.csv")
+    assert found["pairs"] == 3
+    assert set(found["worst_pair"]["names"]) < {"red", "green", "lawn", "0.18"}
+
+
+def test_a_file_of_reflectances_gives_all_its_pairs(done, here):
+    chart = colorchecker(DEFAULT_GRID)
+    rows = ["wavelength_nm,red,amber,green"]
+    for nm, values in zip(chart.wavelength_nm, chart.values[:, [14, 15, 13]], strict=True):
+        rows.append(",".join(map(repr, [float(nm), *map(float, values)])))
+    (here / "signals.csv").write_text("\n".join(rows) + "\n")
+    found = separation(done, "--pairs", "signals.csv")
+    assert found["pairs"] == 3
+    (here / "same.csv").write_text("first,second\nred,yellow\nred,green\nyellow,green\n")
+    named = separation(done, "--pairs", "same.csv")
+    for name in DISTANCES:
+        assert found[f"median_{name}"] == pytest.approx(named[f"median_{name}"], rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        ("first,second\nred,redd\n", "redd"),
+        ("first,second\nred,green,blue\n", "red,green,blue"),
+        ("first,second\nred,red\n", "red"),
+        ("first,second\nred,leaf.csv\n", "leaf.csv"),
+        ("first,second\nred,1.5\n", 1.5),
+    ],
+)
+def test_a_wrong_line_of_a_list_is_named(run, here, text, value):
+    (here / "pairs.csv").write_text(text)
+    outcome = run("analyze", "onyx-rgbw", "--reader", "machine", "--pairs", "pairs.csv")
+    refused(outcome, value=value)
+
+
+@pytest.mark.parametrize("text", ["", "first,second\n", "hello\n"])
+def test_a_file_without_pairs_is_refused(run, here, text):
+    (here / "pairs.csv").write_text(text)
+    refused(run("analyze", "onyx-rgbw", "--reader", "machine", "--pairs", "pairs.csv"), "pairs.csv")
+
+
+def test_a_missing_file_of_pairs_is_named(run):
+    refused(run("analyze", "onyx-rgbw", "--pairs", "none.csv"), "none.csv")
+
+
+def test_a_comparison_of_separations_crosses_where_the_medians_do(done):
+    out, _ = done(
+        "compare", "onyx-rgbw", "onyx-rgb-ircut", "--quantity", "separation-without-brightness",
+        "--sweep", "lux=1:8", "--points", "7", "--time-ms", "12", "--json", "-",
+    )  # fmt: skip
+    (crossover,) = json.loads(out)["crossovers"]
+    (lux,) = crossover["at"]
+    both = cn.analyze(
+        "onyx-rgbw", "onyx-rgb-ircut", lux=lux, time_ms=12, reader="machine"
+    ).to_dict()["sensors"]
+    medians = [one["separation"]["median_raw_without_brightness"] for one in both]
+    assert medians[0] == pytest.approx(medians[1], rel=2e-3)
