@@ -214,7 +214,7 @@ def test_the_study_itself_is_a_position_of_every_slider_and_changes_nothing(page
     assert data["slides"][0]["values"][data["slides"][0]["own"]] == 10.0
     for i, slide in enumerate(slides_of(there)):
         assert data["slides"][i]["answers"][slide.own] == {}
-        assert len(slide.result) == len(set(slide.result))
+        assert len(slide.texts) == len(set(slide.texts))
     assert at_value(there, slides_of(there)[1], None) is there
 
 
