@@ -9,6 +9,8 @@ BIN := $(VENV)/bin
 endif
 # one arithmetic thread: the products are small, and sums must not depend on the number of cores
 export OPENBLAS_NUM_THREADS ?= 1
+# kept bytecode: else every process that a test starts compiles all sources again
+export PYTHONDONTWRITEBYTECODE =
 
 .PHONY: demo test lint lint-python lint-js bench docs evidence reconstruct format clean clean-kernels
 

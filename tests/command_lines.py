@@ -115,6 +115,7 @@ VALUES = {  # by the name of an option or argument; a command's own as "command.
     "second": ["f-number=1.4:8", "prnu=0:0.02:3"],
     "channel_filters": ["R=ircut-650", "G=filter.csv", "W=ircut-650", "R"],
     "chart_file": ["filter.csv", "missing.csv"],
+    "pairs": ["filter.csv", "missing.csv"],
     "patch": ["0.18", "red", "lawn", "filter.csv", "2"],
     "formats": ["png", "png,xyz", "raw,dng", "exr"],
     "key": ["data"],

@@ -6,17 +6,29 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from chromanoise.analysis import compared, crossover_sentence, crossovers, matrix_makers
+from chromanoise.analysis.comparison.quantities import QUANTITIES
+from chromanoise.analysis.operating_point import stages_at
+from chromanoise.color import kernel_matrix
 from chromanoise.exposure import OperatingPoint
 from chromanoise.figures import chromanoise_style, draw_color_errors, draw_comparison
+from chromanoise.figures.style import sensor_lines
 from chromanoise.imaging import write_png
+from chromanoise.metrics import pair_distances
+from chromanoise.noise import through
 from chromanoise.paper import PaperStudy, paper_study
 from chromanoise.paper.pictures import paper_pictures
 from chromanoise.paper.study import RGB_12, RGBW_12
-from chromanoise.spectra import DEFAULT_GRID, equal_energy
+from chromanoise.spectra import DEFAULT_GRID, colorchecker, equal_energy
 
 PICTURES = Path(__file__).parent.parent / "docs" / "pictures"
 GAP_PX = 16
 LEVELS_LUX = np.geomspace(0.01, 30, 71)
+READER_LUX = np.geomspace(0.05, 10, 61)
+READERS = {
+    "snr-y": "eye: SNR of Y [dB]",
+    "separation": "machine: median D_M",
+    "separation-without-brightness": "without brightness: median D_M",
+}
 
 
 def main() -> None:
@@ -25,6 +37,8 @@ def main() -> None:
     study = paper_study()
     write_two_sensors(study)
     write_crossover(study)
+    write_two_readers(study)
+    write_unmixing(study)
 
 
 def write_two_sensors(study: PaperStudy) -> None:
@@ -36,16 +50,7 @@ def write_two_sensors(study: PaperStudy) -> None:
 
 def write_crossover(study: PaperStudy) -> None:
     """Both sensors over the light level, with the kernel and with LMMSE."""
-    lamp = equal_energy(DEFAULT_GRID)
-    contestants = [
-        OperatingPoint(
-            sensor=study.columns[name].sensor,
-            exposure=study.columns[name].exposure,
-            illuminant=lamp,
-            level_lux=10.0,
-        )
-        for name in (RGBW_12, RGB_12)
-    ]
+    contestants = both_sensors(study)
     makers = matrix_makers(["kernel", "lmmse"], "quanta")
     curves = compared(contestants, makers, LEVELS_LUX)
     crossed = crossovers(contestants, makers, curves)
@@ -57,6 +62,66 @@ def write_crossover(study: PaperStudy) -> None:
         figure.savefig(PICTURES / "crossover.png", dpi=110)
     for crossover in crossed:
         print(crossover_sentence(crossover))
+
+
+def both_sensors(study: PaperStudy) -> list[OperatingPoint]:
+    """RGBW without IR-cut and RGB behind it, at one time, 10 lx of illuminant E."""
+    return [
+        OperatingPoint(
+            sensor=study.columns[name].sensor,
+            exposure=study.columns[name].exposure,
+            illuminant=equal_energy(DEFAULT_GRID),
+            level_lux=10.0,
+        )
+        for name in (RGBW_12, RGB_12)
+    ]
+
+
+def write_two_readers(study: PaperStudy) -> None:
+    """SNR of Y for an eye, and the median distance of patches for a machine, over the light."""
+    points, makers = both_sensors(study), matrix_makers(["kernel"], "quanta")
+    with chromanoise_style():
+        figure = Figure(figsize=(9.0, 3.6), layout="constrained")
+        panels = figure.subplots(1, 3, sharex=True)
+        for (quantity, title), panel in zip(READERS.items(), panels, strict=True):
+            curves = compared(points, makers, READER_LUX, quantity=QUANTITIES[quantity])
+            lines = sensor_lines(curve.label for curve in curves)
+            for curve in curves:
+                panel.plot(curve.at, curve.value, label=curve.label, **lines[curve.label])
+            panel.set(xscale="log", xlabel="illuminance [lx]", title=title)
+            if quantity != "snr-y":
+                panel.set_yscale("log")
+        panels[0].legend(frameon=False)
+        figure.savefig(PICTURES / "two_readers.png", dpi=110)
+
+
+def write_unmixing(study: PaperStudy) -> None:
+    """Two patches in two raw channels, and unmixed: the ellipses change, their overlap does not."""
+    point = both_sensors(study)[0]
+    chart = colorchecker(DEFAULT_GRID)
+    at = [chart.names.index(name) for name in ("orange", "orange yellow")]
+    matrix = kernel_matrix(point.sensor, point.exposure, "quanta")
+    raw = stages_at(point, matrix, reflectance=chart.values.T[at]).raw
+    two = [raw.names.index(name) for name in ("G", "W")]
+    keep = np.eye(len(raw.names))[two]
+    unmix = np.array([[1.0, -0.35], [-0.8, 1.0]])
+    with chromanoise_style():
+        figure = Figure(figsize=(8.0, 3.8), layout="constrained")
+        for matrix_2, title, axes, panel in (
+            (keep, "raw", ("G", "W"), figure.add_subplot(121)),
+            (unmix @ keep, "unmixed", ("G - 0.35 W", "W - 0.8 G"), figure.add_subplot(122)),
+        ):
+            seen = through(raw, matrix_2, names=("a", "b"), kind="raw", unit="e-")
+            angle = np.linspace(0, 2 * np.pi, 200)
+            circle = 2 * np.stack([np.cos(angle), np.sin(angle)])
+            for mean, covariance, name in zip(seen.mean, seen.covariance, at, strict=True):
+                ellipse = mean[:, None] + np.linalg.cholesky(covariance) @ circle
+                panel.plot(*ellipse, label=chart.names[name])
+            distance = float(pair_distances(seen, np.array([[0, 1]]))[0])
+            heads = [f"{axis} [e-]" for axis in axes]
+            panel.set(title=f"{title}: D_M = {distance:.2f}", xlabel=heads[0], ylabel=heads[1])
+        panel.legend(frameon=False)
+        figure.savefig(PICTURES / "unmixing.png", dpi=110)
 
 
 if __name__ == "__main__":

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING or "jaxtyping" in sys.modules:
     from jaxtyping import Bool as Bool
+    from jaxtyping import Complex as Complex
     from jaxtyping import Float as Float
     from jaxtyping import Float32 as Float32
     from jaxtyping import Float64 as Float64
@@ -28,6 +29,5 @@ else:
         def __class_getitem__(cls, array_and_shape: tuple[Any, str]) -> Any:
             return array_and_shape[0]
 
-    Bool = Float = Float32 = Float64 = Int = Int64 = Num = Integer = Shaped = UInt8 = UInt16 = (
-        _Unchecked
-    )
+    Bool = Complex = Float = Float32 = Float64 = Int = Int64 = Num = Integer = _Unchecked
+    Shaped = UInt8 = UInt16 = _Unchecked

@@ -7,6 +7,7 @@ from scipy.integrate import dblquad, quad
 from chromanoise.color import colored, kernel_matrix
 from chromanoise.exposure import Exposure, expected_electrons
 from chromanoise.metrics import snr_db
+from chromanoise.metrics.information import information_bits
 from chromanoise.metrics.speed import (
     ISO_12232_2019,
     NoiseSpeedModel,
@@ -16,7 +17,6 @@ from chromanoise.metrics.speed import (
 )
 from chromanoise.metrics.tonal import (
     color_sensitivity_bits,
-    information_bits,
     tonal_levels,
     tonal_range_bits,
 )
@@ -177,10 +177,8 @@ def test_color_sensitivity_is_blind_to_an_invertible_matrix():
 
 
 def test_one_channel_tells_half_the_log_of_its_signal_to_noise_plus_one():
-    # signal variance f^2 k = 4 * 6, noise 8: 1/2 log2(1 + 3) = 1 bit
-    result = information_bits(
-        np.array([[2.0]]), light_covariance=np.array([[6.0]]), noise_covariance=np.array([[8.0]])
-    )
+    # signal variance 24, noise 8: 1/2 log2(1 + 3) = 1 bit
+    result = information_bits(np.array([[24.0]]), np.array([[8.0]]))
     assert float(result) == pytest.approx(1.0, abs=1e-14)
 
 
@@ -191,7 +189,7 @@ def test_information_is_the_entropy_that_the_light_loses_once_seen():
     k, d = root @ root.T + np.eye(6), np.diag([0.5, 2.0, 7.0])
     posterior = np.linalg.inv(np.linalg.inv(k) + f @ np.linalg.inv(d) @ f.T)
     lost = 0.5 * (np.linalg.slogdet(k)[1] - np.linalg.slogdet(posterior)[1]) / np.log(2)
-    result = information_bits(f, light_covariance=k, noise_covariance=d)
+    result = information_bits(f.T @ k @ f, d)
     assert float(result) == pytest.approx(lost, rel=1e-10)
 
 

@@ -84,6 +84,12 @@ if TYPE_CHECKING:
         merits_as_json,
         merits_of,
     )
+    from chromanoise.analysis.information import (
+        About,
+        InformationChain,
+        InformationStep,
+        information_chain,
+    )
     from chromanoise.analysis.operating_point import (
         Stages,
         electrons_at,
@@ -126,6 +132,7 @@ __all__ = [
     "PRIORS",
     "QUANTITIES",
     "SWEEPS",
+    "About",
     "Analysis",
     "ChartNoise",
     "Crossover",
@@ -134,6 +141,8 @@ __all__ = [
     "GainStep",
     "GrayNoise",
     "Incomparable",
+    "InformationChain",
+    "InformationStep",
     "MatrixFunction",
     "MatrixMaker",
     "Merit",
@@ -172,6 +181,7 @@ __all__ = [
     "electrons_at",
     "gray_noise",
     "gray_noise_as_json",
+    "information_chain",
     "known_matrices",
     "lab_budgets",
     "matrix_as_json",

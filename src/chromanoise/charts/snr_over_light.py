@@ -45,7 +45,7 @@ def drawn_levels(shown: Shown, look: Look) -> dict[str, Any]:
     Exposure times are those at the study's level, as in ``chromanoise compare``, which
     never clips.
     """
-    quantity, makers, values = _quantity(look), shown.makers, drawn_lux(shown)
+    quantity, makers, values = _quantity(shown, look), shown.makers, drawn_lux(shown)
     curves, pairs = level_curves(shown, quantity)
     fullest = [fullest_level_lux(one) for one in shown.operating_points for _ in makers]
     drawn = [
@@ -78,7 +78,7 @@ def drawn_levels(shown: Shown, look: Look) -> dict[str, Any]:
         "unit": quantity.unit,
         "curves": drawn,
         "crossovers": crossed,
-        "notes": [*leaders, *_notes(drawn)],
+        "notes": [*leaders, *_notes(drawn, quantity.what)],
         "table": _table(drawn, lux, quantity.unit),
     }
 
@@ -103,8 +103,10 @@ def drawn_lux(shown: Shown) -> Float[Array, " k"]:
     return swept_values(sweep, max(first, sweep.lowest), min(last, sweep.highest), points)
 
 
-def _quantity(look: Look) -> Quantity:
-    """SNR of X, Y or Z if one of them is selected, else of Y."""
+def _quantity(shown: Shown, look: Look) -> Quantity:
+    """For an eye the SNR of the selected X, Y or Z, else of Y; for a machine the separation."""
+    if shown.study.outputs.reader == "machine":
+        return QUANTITIES["separation"]
     return QUANTITIES.get(f"snr-{look.coordinate.lower()}", QUANTITIES["snr-y"])
 
 
@@ -118,7 +120,7 @@ def _crossed(pair: Crossover | Incomparable) -> list[dict[str, Any]]:
     return [{"lux": at, "sentence": sentence, **between} for at in pair.at or (None,)]
 
 
-def _notes(curves: list[dict[str, Any]]) -> list[str]:
+def _notes(curves: list[dict[str, Any]], what: str) -> list[str]:
     """The level at which each sensor saturates, and the curves without any value."""
     full = [
         f"{one['sensor']} {level_in_words(one['saturated_from_lux'])}"
@@ -128,7 +130,7 @@ def _notes(curves: list[dict[str, Any]]) -> list[str]:
     empty = [one["name"] for one in curves if all(value is None for value in one["values"])]
     return [
         *([f"Saturated from: {listed(list(dict.fromkeys(full)))}."] if full else []),
-        *([f"SNR is undefined in this range: {listed(empty)}."] if empty else []),
+        *([f"{what} is undefined in this range: {listed(empty)}."] if empty else []),
     ]
 
 
@@ -139,7 +141,7 @@ def _description(
     for one in curves:
         there = [k for k, value in enumerate(one["values"]) if value is not None]
         if not there:
-            parts.append(f"The SNR of {one['name']} is undefined in this range.")
+            parts.append(f"The curve of {one['name']} is undefined in this range.")
             continue
         first, last = (
             f"{decimal(one['values'][k])} {unit} at {level_in_words(lux[k])}"

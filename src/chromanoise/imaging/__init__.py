@@ -25,6 +25,11 @@ if TYPE_CHECKING:
     from chromanoise.imaging.develop import developed, developed_color
     from chromanoise.imaging.dng import RawProfile, dng_rows, raw_profile, write_dng
     from chromanoise.imaging.exr import write_linear_exr, write_xyz_exr
+    from chromanoise.imaging.noise_equivalent import (
+        information_spectrum,
+        noise_equivalent_quanta,
+        picture_power_spectrum,
+    )
     from chromanoise.imaging.render import (
         Picture,
         RawPicture,
@@ -82,13 +87,16 @@ __all__ = [
     "draw_rendering",
     "electrons_of_cube",
     "gradient_corrected_filters",
+    "information_spectrum",
     "linear_from_srgb",
     "lmmse_filters",
     "malvar_filters",
     "mosaic_tiff_rows",
     "mosaicked",
+    "noise_equivalent_quanta",
     "noise_power_spectrum",
     "noisy_electrons",
+    "picture_power_spectrum",
     "picture_prior",
     "picture_summary",
     "png_bytes",

@@ -8,7 +8,7 @@ import numpy as np
 
 from chromanoise import _check
 from chromanoise._check import Array
-from chromanoise._shapes import Float
+from chromanoise._shapes import Complex, Float, Int
 from chromanoise.errors import InputError
 from chromanoise.imaging.demosaic import FilterBank, channel_tile, channels_around
 
@@ -48,7 +48,7 @@ def demosaicked_covariance(
            [  0. ,  50. ,   0. ],
            [  0. ,   0. ,  12.5]])
     """
-    variance = _per_channel(bank, variance_e2)
+    variance = per_channel(bank, variance_e2)
     around = channels_around(channel_tile(bank.mosaic, bank.names), bank.radius)
     return np.asarray(
         np.einsum(
@@ -93,7 +93,32 @@ def noise_power_spectrum(
     >>> noise_power_spectrum(alone, np.array([9.0]), (1, 3)).ravel()
     array([9., 9., 9.])
     """
-    variance, side = _per_channel(bank, variance_e2), 2 * bank.radius + 1
+    variance = per_channel(bank, variance_e2)
+    channels, transfers = raw_transfers(bank, shape)
+    weighted = transfers * (variance[channels] / channels.size)
+    return np.asarray((weighted @ np.swapaxes(transfers.conj(), -1, -2)).real)
+
+
+def raw_transfers(
+    bank: FilterBank, shape: tuple[int, int]
+) -> tuple[Int[Array, " q"], Complex[Array, "h w p q"]]:
+    """Transfer functions H_qc of a raw pixel at each position q of the tile to each channel c. [1]
+
+    With the channel of each position.
+
+    Parameters
+    ----------
+    bank
+        The demosaicing method.
+    shape
+        Rows and columns of the Fourier plane, with frequencies as `np.fft.fftfreq`.
+
+    Raises
+    ------
+    InputError
+        If the plane is smaller than a filter.
+    """
+    side = 2 * bank.radius + 1
     if min(shape) < side:
         raise InputError(
             "shape",
@@ -103,13 +128,10 @@ def noise_power_spectrum(
         )
     tile = channel_tile(bank.mosaic, bank.names)
     offsets = np.arange(-bank.radius, bank.radius + 1)
-    waves = [np.exp(-2j * np.pi * np.outer(np.fft.fftfreq(n), offsets)) for n in shape]
-    spectrum = np.zeros((*shape, len(bank.names), len(bank.names)))
-    for place in np.ndindex(*tile.shape):
-        transfer = np.einsum("hi,cij,wj->hwc", waves[0], _answers(bank, place), waves[1])
-        power = np.einsum("hwc,hwd->hwcd", transfer, transfer.conj()).real
-        spectrum += variance[tile[place]] / tile.size * power
-    return spectrum
+    rows, columns = (np.exp(-2j * np.pi * np.outer(np.fft.fftfreq(n), offsets)) for n in shape)
+    answers = np.stack([_answers(bank, place) for place in np.ndindex(*tile.shape)])
+    transfers = np.einsum("hi,qcij,wj->hwcq", rows, answers, columns, optimize=True)
+    return tile.ravel(), np.asarray(transfers)
 
 
 def _answers(bank: FilterBank, place: tuple[int, int]) -> Float[Array, "p k k"]:
@@ -122,7 +144,14 @@ def _answers(bank: FilterBank, place: tuple[int, int]) -> Float[Array, "p k k"]:
     return out
 
 
-def _per_channel(bank: FilterBank, variance_e2: Array) -> Float[Array, " p"]:
+def per_channel(bank: FilterBank, variance_e2: Array) -> Float[Array, " p"]:
+    """Variances of raw pixels, one per channel of the bank, >= 0. [e-^2]
+
+    Raises
+    ------
+    InputError
+        If a variance is negative or not finite, or there is not one per channel.
+    """
     variance = _check.non_negative("variance_e2", "e-^2", variance_e2)
     _check.same_length("channels", variance=variance.size, names=len(bank.names))
     return variance

@@ -27,6 +27,7 @@ from chromanoise.metrics.filters import (
     second_moment,
     vora_value,
 )
+from chromanoise.metrics.information import information_bits
 from chromanoise.metrics.lab_budget import (
     faintest_change,
     lab_budget,
@@ -65,7 +66,6 @@ from chromanoise.metrics.speed import (
 )
 from chromanoise.metrics.tonal import (
     color_sensitivity_bits,
-    information_bits,
     tonal_levels,
     tonal_range_bits,
 )

@@ -1,16 +1,9 @@
-"""Distinguishable levels and colors of a pixel, and its information in bits."""
+"""Distinguishable levels and colors of a pixel."""
 
 import numpy as np
 
 from chromanoise import _check
 from chromanoise._check import Array
-from chromanoise._linalg import (
-    cholesky,
-    eigh,
-    eigvalsh,
-    solve,
-    svd,
-)
 from chromanoise._shapes import (
     Float,
 )
@@ -117,74 +110,3 @@ def color_sensitivity_bits(
     """
     bits = tonal_range_bits(top_e, read_noise_e=read_noise_e, step_e=step_e)
     return np.asarray(bits.sum(axis=-1))
-
-
-def information_bits(
-    basis: Float[Array, "n p"],
-    *,
-    light_covariance: Float[Array, "n n"],
-    noise_covariance: Float[Array, "*px p p"],
-) -> Float[Array, "*px"]:
-    """Mutual information of one pixel and the light, 1/2 log2 det(1 + D^-1 F^T K F). [bit]
-
-    Parameters
-    ----------
-    basis
-        F, one column per channel. [e- per unit of light]
-    light_covariance
-        K, covariance of the expected spectra. [(unit of light)^2]
-    noise_covariance
-        D, noise covariance of the channels, positive definite. [e-^2]
-
-    Raises
-    ------
-    InputError
-        If the shapes do not match, K has a negative eigenvalue, or D is not positive definite:
-        without noise the information is not finite.
-
-    Notes
-    -----
-    Shannon, Bell Syst. Tech. J. 27, 623 (1948): the mutual information of Gaussian light and its
-    noisy electrons; of all distributions of light with this covariance the Gaussian one carries the
-    most information. With shot noise, D is that of the mean light.
-
-    Examples
-    --------
-    One channel with a signal variance 15 times its noise: 1/2 log2(16).
-
-    >>> one = np.eye(1)
-    >>> float(information_bits(one, light_covariance=15 * one, noise_covariance=one))
-    2.0
-    """
-    f = _check.finite("basis", "e- per unit of light", basis)
-    prior = _check.finite("light_covariance", "(unit of light)^2", light_covariance)
-    noise = _check.finite("noise_covariance", "e-^2", noise_covariance)
-    _check.same_length("wavelengths", basis=f.shape[0], light_covariance=prior.shape[0])
-    _check.same_length("channels", basis=f.shape[1], noise_covariance=noise.shape[-1])
-    value, vector = eigh("light_covariance", 0.5 * (prior + prior.T))
-    if value[0] < -1e-9 * np.abs(value).max():
-        raise InputError(
-            "light_covariance",
-            "must have no negative eigenvalue, as a covariance",
-            value=float(value[0]),
-            found=f"one is {value[0]:g}",
-        )
-    signal = f.T @ (vector * np.sqrt(np.maximum(value, 0.0)))
-    wide = np.broadcast_to(signal, (*noise.shape[:-1], f.shape[0]))
-    whitened = solve("noise_covariance", _lower(noise), wide)
-    singular = svd("channels over their noise", whitened, compute_uv=False)
-    return np.asarray(0.5 * np.log2(1.0 + singular**2).sum(axis=-1))
-
-
-def _lower(noise: Array) -> Array:
-    try:
-        return cholesky("noise_covariance", 0.5 * (noise + np.swapaxes(noise, -1, -2)))
-    except InputError:
-        least = float(eigvalsh("noise_covariance", noise).min())
-        raise InputError(
-            "noise_covariance",
-            "must be positive definite [e-^2], as channels without noise have infinite information",
-            value=least,
-            found=f"has an eigenvalue of {least:g}",
-            remedy="add read noise",
-        ) from None

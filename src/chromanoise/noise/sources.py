@@ -19,7 +19,7 @@ Of binned pixels the values of `Pixel` are those of the sum (`chromanoise.sensor
 are all variances here.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -288,17 +288,53 @@ def with_noise(
     )
 
 
+def mean_noise_covariance(
+    mean_e: Float[Array, "*px k p"],
+    share: Float[Array, " k"],
+    sensor: Sensor,
+    exposure: Exposure | None = None,
+) -> Float[Array, "*px p p"]:
+    """Noise covariance averaged over a set of lights; that of one light as in `with_noise`. [e-^2]
+
+    Parameters
+    ----------
+    mean_e
+        Expected electrons per light of the set and channel, >= 0. [e-]
+    share
+        Weight of each light; the sum is 1.
+    sensor, exposure
+        As `noise_sources`.
+
+    Raises
+    ------
+    InputError
+        As `with_noise`.
+
+    Examples
+    --------
+    >>> from chromanoise.catalog import sensor_named
+    >>> from chromanoise.spectra import DEFAULT_GRID
+    >>> sensor = sensor_named("model-mono", DEFAULT_GRID)      # read noise 10 e-
+    >>> mean_noise_covariance(np.array([[0.0], [100.0]]), np.array([0.5, 0.5]), sensor)
+    array([[150.]])
+    """
+    noise = noise_sources(sensor, exposure)
+    return _coupled(mean_e, sensor.crosstalk, noise, "total", lambda each: share @ each)
+
+
 def _coupled(
-    mean_e: Float[Array, "*px p"],
+    mean_e: Float[Array, "*lights p"],
     crosstalk: Crosstalk | None,
     noise: NoiseSources,
     kind: NoiseKind,
-) -> Float[Array, "*px p p"]:
+    average: Callable[[Array], Array] = np.asarray,
+) -> Float[Array, "*few p p"]:
+    """Covariance of variances that are first averaged over some axes."""
     if crosstalk is None or crosstalk.stage == "light":
-        return _diagonal(noise.variance_e2(mean_e, kind))
+        return _diagonal(average(noise.variance_e2(mean_e, kind)))
     counted = np.maximum(mean_e @ inv("crosstalk", crosstalk.matrix).T, 0.0)
     readout = replace(noise, dark_e=0.0, dsnu_e=0.0, prnu=0.0).floor_e2()
-    inside = _diagonal(noise.variance_e2(counted, kind) - readout)
+    inside = _diagonal(average(noise.variance_e2(counted, kind)) - readout)
     return congruence(crosstalk.matrix, inside) + readout * np.eye(counted.shape[-1])
 
 

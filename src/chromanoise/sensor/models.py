@@ -84,6 +84,8 @@ def _rows(*rows: str) -> Mosaic:
     return Mosaic(tuple(tuple(row.split()) for row in rows))
 
 
+_CMY, _RYB, _RCCB = _rows("C Y", "Y M"), _rows("R Y", "Y B"), _rows("R W", "W B")
+
 MODELS: Mapping[str, Callable[[Grid], Sensor]] = {
     "model-mono": _resin_sensor("model-mono", "W", cut=False, mosaic=None),
     "model-rgb-ircut": _resin_sensor("model-rgb-ircut", "RGB", cut=True, mosaic=bayer()),
@@ -101,15 +103,12 @@ MODELS: Mapping[str, Callable[[Grid], Sensor]] = {
     "model-rgbir": _resin_sensor(
         "model-rgbir", ("R", "G", "B", "IR"), cut=False, mosaic=_rows("R G", "IR B")
     ),
-    "model-cmy-ircut": _resin_sensor(
-        "model-cmy-ircut", "CMY", cut=True, mosaic=_rows("C Y", "Y M")
-    ),
-    "model-ryb-ircut": _resin_sensor(
-        "model-ryb-ircut", "RYB", cut=True, mosaic=_rows("R Y", "Y B")
-    ),
-    "model-rccb-ircut": _resin_sensor(
-        "model-rccb-ircut", "RWB", cut=True, mosaic=_rows("R W", "W B")
-    ),
+    "model-cmy-ircut": _resin_sensor("model-cmy-ircut", "CMY", cut=True, mosaic=_CMY),
+    "model-cmy": _resin_sensor("model-cmy", "CMY", cut=False, mosaic=_CMY),
+    "model-ryb-ircut": _resin_sensor("model-ryb-ircut", "RYB", cut=True, mosaic=_RYB),
+    "model-ryb": _resin_sensor("model-ryb", "RYB", cut=False, mosaic=_RYB),
+    "model-rccb-ircut": _resin_sensor("model-rccb-ircut", "RWB", cut=True, mosaic=_RCCB),
+    "model-rccb": _resin_sensor("model-rccb", "RWB", cut=False, mosaic=_RCCB),
     "model-three-layer": three_layer,
 }
 """Filter sets by name. RGBC is RGBW behind the IR-cut, with white called clear."""

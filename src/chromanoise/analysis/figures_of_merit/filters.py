@@ -120,6 +120,7 @@ def chart_merits(analysis: Analysis) -> tuple[Merit, ...]:
             "bit",
             "Shannon 1948",
             of=lambda: _chart_information(analysis),
+            never="without noise it is not finite",
         ),
     )
 
@@ -140,14 +141,10 @@ def _chart_figure(analysis: Analysis) -> float:
 
 def _chart_information(analysis: Analysis) -> float:
     refuse_full(analysis)
-    chart, metric = _chart(analysis), analysis.matrix.metric
-    lights = light(chart, metric)
-    bits = information_bits(
-        measurement_vectors(analysis.sensor, analysis.exposure, metric),
-        light_covariance=second_moment(lights - lights.mean(axis=0)),
-        noise_covariance=_mean_noise(chart, analysis),
-    )
-    return float(bits)
+    chart = _chart(analysis)
+    electrons = expected_electrons(chart, analysis.sensor, analysis.exposure)
+    signal = second_moment(electrons - electrons.mean(axis=0))
+    return float(information_bits(signal, _mean_noise(chart, analysis)))
 
 
 def _chart(analysis: Analysis) -> Scene:
